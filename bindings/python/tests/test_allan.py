@@ -159,7 +159,7 @@ def test_missing_samples_are_gaps() -> None:
     ("match", "values", "options"),
     [
         ("rate_hz", [1.0, 2.0], {"rate_hz": None}),
-        ("sample rate of 0", [1.0, 2.0], {"rate_hz": 0.0}),
+        ("sample rate must be positive", [1.0, 2.0], {"rate_hz": 0.0}),
         ("not a statistic", [1.0, 2.0], {"stat": "theo1"}),
         ("averaging time", [1.0, 2.0], {"taus": "often"}),
         ("no averaging time", [1.0, 2.0], {"taus": [1.0, -1.0]}),

@@ -10,9 +10,9 @@ pub(crate) const NEVER: u64 = u64::MAX;
 /// Samples that the host never saw, per channel, since the start.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct LostUnread {
-    /// Of the rate channel.
+    /// Losses of the rate channel.
     pub rate: ChannelLosses,
-    /// Of the temperature channel.
+    /// Losses of the temperature channel.
     pub temp: ChannelLosses,
 }
 
@@ -25,7 +25,7 @@ pub struct ChannelLosses {
     pub lost_new: u64,
 }
 
-/// A data register with the facts about its content.
+/// A data register with the state of its content.
 #[derive(Copy, Clone)]
 struct Data {
     code: u32,
@@ -59,7 +59,7 @@ pub(crate) struct Adc {
     pub(crate) frozen: bool,
 }
 
-/// What the registers ask of the converter, worked out when they change.
+/// The demands of the registers on the converter, worked out when they change.
 #[derive(Copy, Clone)]
 struct Plan {
     enabled: u8,
@@ -100,7 +100,7 @@ impl Plan {
     }
 }
 
-/// What an update did besides storing a code.
+/// The effects of an update besides the stored code.
 #[derive(Copy, Clone, PartialEq, Eq)]
 pub(crate) struct Update {
     /// The condition for a low RDY holds, so the level falls.
@@ -123,7 +123,7 @@ impl Adc {
         }
     }
 
-    /// Reset values; what was lost stays counted.
+    /// Sets the reset values. The counts of losses stay.
     pub(crate) fn reset(&mut self) {
         self.data = self.data.map(|data| Data { lost: data.lost, ..Data::RESET });
         self.unread = 0;
@@ -132,7 +132,7 @@ impl Adc {
         self.next_update_ps = NEVER;
     }
 
-    /// Takes new register contents. `restart` begins the sequence anew (a write to MODE, SYNC let go); otherwise a
+    /// Takes new register contents. `restart` begins the sequence anew (a write to MODE, SYNC let go). Otherwise a
     /// running conversion ends as it was begun. `held` is a low SYNC pin.
     pub(crate) fn plan(&mut self, registers: &Registers, held: bool, restart: bool, now_ps: u64) {
         self.plan = Plan::of(registers, self.mclk_hz, held);
@@ -158,7 +158,7 @@ impl Adc {
         self.converting
     }
 
-    /// The running conversion is done and gave `unlimited`; the next one begins.
+    /// Ends the running conversion, which gave `unlimited`, and begins the next one.
     #[inline]
     pub(crate) fn update(&mut self, unlimited: i64) -> Update {
         let channel = self.converting;
@@ -216,7 +216,7 @@ impl Adc {
         now_ps < self.scaling_from_ps() && self.rdy_due()
     }
 
-    /// When the scaling time of the running conversion begins, in ps, or [`NEVER`].
+    /// The time at which the scaling time of the running conversion begins, in ps, or [`NEVER`].
     pub(crate) fn scaling_from_ps(&self) -> u64 {
         match self.next_update_ps {
             NEVER => NEVER,

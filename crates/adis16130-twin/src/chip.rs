@@ -6,7 +6,7 @@ use crate::registers::{Channel, IOP_SYNC, MODE_MD, Register, Registers};
 /// A row of this many ones on SDI with CS low resets the part (F-23).
 const RESET_ONES: u32 = 32;
 
-/// Where a command stands. CS does not appear here, so both framings of F-22 work.
+/// The state of a command. CS does not appear here, so both framings of F-22 work.
 #[derive(Copy, Clone)]
 enum Phase {
     /// The next byte is a COM byte (F-24).
@@ -17,11 +17,11 @@ enum Phase {
     Read { left: u8, shift: u32 },
 }
 
-/// What a byte changed besides the state of the link.
+/// The effect of a byte besides the state of the link.
 #[derive(Copy, Clone, PartialEq, Eq)]
 pub(crate) enum Effect {
     None,
-    /// A register was written or everything was reset; RDY was low before or not.
+    /// A register was written or everything was reset. RDY was low before or not.
     Changed {
         rdy_was_low: bool,
     },
@@ -49,13 +49,13 @@ impl Chip {
         self.ones = 0;
     }
 
-    /// CS has risen: ones in a row are counted anew.
+    /// Counts ones anew, since CS has risen.
     #[inline]
     pub(crate) fn deselect(&mut self) {
         self.ones = 0;
     }
 
-    /// Eight clocks with CS low: takes a byte from SDI and gives the one on SDO (0 outside a read).
+    /// Clocks eight bits with CS low: takes a byte from SDI and returns the byte on SDO (0 outside a read).
     #[inline]
     pub(crate) fn byte(&mut self, sdi: u8, now_ps: u64) -> (u8, Effect) {
         let (sdo, effect) = match self.phase {
@@ -146,13 +146,13 @@ impl Chip {
         Effect::Changed { rdy_was_low }
     }
 
-    /// The single mode is done: back to idle.
+    /// Returns to idle, since the single mode is done.
     pub(crate) fn finish_single(&mut self, now_ps: u64) {
         self.registers.mode &= !MODE_MD;
         self.plan(false, now_ps);
     }
 
-    /// The level of pin 18. With IOP.SYNC = 1 low holds the conversions; letting go begins the sequence anew.
+    /// Sets the level of pin 18. With IOP.SYNC = 1 low holds the conversions, and letting go begins the sequence anew.
     pub(crate) fn set_sync(&mut self, high: bool, now_ps: u64) {
         let rises = high && !self.sync_high;
         self.sync_high = high;

@@ -1,4 +1,4 @@
-//! Every number that the twin takes from the part's facts, with its id (`docs/facts.md`).
+//! Every number that the twin takes from `docs/facts.md`, with its fact id.
 
 /// Rate scale, least significant bits of the 24-bit code per °/s (F-40).
 pub const RATE_LSB_PER_DPS: f64 = 23_488.0;

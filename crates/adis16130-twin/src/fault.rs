@@ -2,10 +2,10 @@
 
 use crate::normal::{Process, Uniform};
 
-/// Bit error rate of [`Fault::BitErrors`] when the specification names none.
+/// Bit error rate of [`Fault::BitErrors`] when the specification does not set it.
 pub const DEFAULT_BIT_ERROR_RATE: f64 = 1e-6;
 
-/// What is broken.
+/// A fault.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Fault {
     /// Nothing.
@@ -63,7 +63,7 @@ impl WireFaults {
         self.active
     }
 
-    /// What arrives when the part is asked for `byte` to leave it.
+    /// The byte that arrives at the host when the part sends `byte`.
     pub(crate) fn sdo(&mut self, byte: u8) -> u8 {
         match self.active {
             Fault::SdoLow => 0x00,
@@ -73,7 +73,7 @@ impl WireFaults {
         }
     }
 
-    /// What arrives at the part.
+    /// The byte that arrives at the part.
     pub(crate) fn sdi(&mut self, byte: u8) -> u8 {
         match self.active {
             Fault::BitErrors => self.flip(byte),

@@ -14,14 +14,14 @@ use core::str::FromStr;
 pub struct Key {
     /// The key; its unit is in the name.
     pub name: &'static str,
-    /// The value without it, in words where the seed draws it.
+    /// The default value, in words where the seed draws it.
     pub default: &'static str,
-    /// What it is.
+    /// The setting, in a few words.
     pub help: &'static str,
     kind: Kind,
 }
 
-/// A word and what it does.
+/// A word and its effect.
 type Choice = (&'static str, fn(&mut Spec));
 
 #[derive(Debug)]
@@ -58,7 +58,7 @@ pub const KEYS: &[Key] = &[
         "tempco_dps_per_c",
         (-10.0, 10.0),
         "drawn: 0.04 ± 0.01",
-        "temperature coefficient of the bias at 25 °C, °/s/°C; BTC is its negative",
+        "temperature coefficient of the bias at 25 °C, °/s/°C (BTC is its negative)",
         |s, v| s.tempco_dps_per_c = v,
     ),
     number(
@@ -91,14 +91,14 @@ pub const KEYS: &[Key] = &[
             ("oven", |s| s.profile = Profile::Oven),
         ],
         "constant",
-        "ambient over time; ramp: +1 °C/min up to 85 °C; oven: 25, −40, +85, 25 °C in 175 min",
+        "ambient over time: constant, ramp (+1 °C/min up to 85 °C) or oven (25, −40, +85, 25 °C in 175 min)",
     ),
     number("warmup_c", (-50.0, 100.0), "drawn: 8 ± 1", "self-heating in balance, °C", |s, v| s.warmup_c = v),
     number(
         "warmup_s",
         (0.1, 1e6),
         "600",
-        "slow time constant of the self-heating, s; the fast one is 0.15 of it",
+        "slow time constant of the self-heating, s (the fast one is 0.15 of it)",
         |s, v| {
             s.warmup_s = v;
         },
@@ -112,13 +112,13 @@ pub const KEYS: &[Key] = &[
             ("inverted", |s| s.rdy = RdyOutput::Inverted),
         ],
         "level",
-        "data ready; level: low while data waits; pulse: low for 26 µs before it; inverted: behind an inverter",
+        "data ready: level (low while data waits), pulse (low for 26 µs before it) or inverted (behind an inverter)",
     ),
     choice(
         "roa",
         &[("none", |s| s.roa = Roa::Open), ("10nf", |s| s.roa = Roa::TenNanofarad)],
         "none",
-        "capacitor across ROA1 and ROA2; 10nf: 50 Hz bandwidth",
+        "capacitor across ROA1 and ROA2 (10nf: 50 Hz bandwidth)",
     ),
     number("supply_step_mv", (-5000.0, 5000.0), "0", "supply step at fault_at_s (60 unless given), mV", |s, v| {
         s.supply_step_mv = v;
@@ -132,7 +132,7 @@ pub const KEYS: &[Key] = &[
     number("flicker_hz", (1e-7, 10.0), "0.0001", "the flicker is flat below this frequency, Hz", |s, v| {
         s.flicker_hz = v
     }),
-    number("rotation_dps", (-1000.0, 1000.0), "0", "constant rotation, °/s; motion, so in no truth", |s, v| {
+    number("rotation_dps", (-1000.0, 1000.0), "0", "constant rotation, °/s (motion, not bias)", |s, v| {
         s.rotation_dps = v;
     }),
     choice(
@@ -143,7 +143,7 @@ pub const KEYS: &[Key] = &[
             ("bump", |s| s.motion = Motion::Bump),
         ],
         "none",
-        "motion of the platform; bump: 3 °/s for 0.2 s at fault_at_s (60 unless given) and every 60 s after",
+        "motion of the platform (bump: 3 °/s for 0.2 s at fault_at_s, 60 unless given, and every 60 s after)",
     ),
     number("sway_dps", (0.0, 1000.0), "0.5", "peak of the sway, °/s", |s, v| s.sway_dps = v),
     number("sway_hz", (0.0, 50.0), "0.2", "frequency of the sway, Hz", |s, v| s.sway_hz = v),
@@ -177,28 +177,28 @@ pub const KEYS: &[Key] = &[
     }),
 ];
 
-/// Why a text is no specification.
+/// Why a text does not specify a unit.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SpecError {
-    /// No key of this name.
+    /// The key does not exist.
     UnknownKey {
-        /// As it was written.
+        /// The key as written.
         key: String,
         /// The known key that is most like it.
         nearest: Option<&'static str>,
     },
     /// An item without `=`.
     NoValue {
-        /// As it was written.
+        /// The item as written.
         item: String,
     },
-    /// The value is not one of the key's.
+    /// The value is not valid for the key.
     BadValue {
         /// The key.
         key: &'static str,
-        /// As it was written.
+        /// The value as written.
         value: String,
-        /// What would be right.
+        /// The valid values, in words.
         allowed: String,
     },
     /// A key was given twice.
@@ -217,7 +217,7 @@ impl fmt::Display for SpecError {
                 f.write_str(" known keys:")?;
                 KEYS.iter().try_for_each(|key| write!(f, " {}", key.name))
             }
-            Self::NoValue { item } => write!(f, "`{item}` is no key=value"),
+            Self::NoValue { item } => write!(f, "`{item}` is not key=value"),
             Self::BadValue { key, value, allowed } => {
                 write!(f, "{key}={value}: {key} takes {allowed}")
             }
@@ -229,7 +229,7 @@ impl fmt::Display for SpecError {
 impl core::error::Error for SpecError {}
 
 impl Spec {
-    /// Reads comma-separated `key=value` items. The seed draws the unit first, wherever it stands; an empty text is
+    /// Reads comma-separated `key=value` items. The seed draws the unit first, wherever it stands. An empty text gives
     /// the default unit.
     pub fn parse_keys(text: &str) -> Result<Self, SpecError> {
         let items = items(text)?;
@@ -275,7 +275,7 @@ impl Key {
             .ok_or_else(|| SpecError::UnknownKey { key: name.to_owned(), nearest: nearest(name) })
     }
 
-    /// What the key takes, in words.
+    /// The values that the key takes, in words.
     pub fn allowed(&self) -> String {
         match self.kind {
             Kind::Seed => "a whole number from 0 to 2^64 - 1".to_owned(),
@@ -311,7 +311,7 @@ impl Key {
     }
 }
 
-/// The known key with the smallest edit distance; one that begins so comes before all others.
+/// The known key with the smallest edit distance. A key that begins with `name` comes before all others.
 fn nearest(name: &str) -> Option<&'static str> {
     let distance = |key: &Key| {
         let edits = edit_distance(name.as_bytes(), key.name.as_bytes());
@@ -321,7 +321,7 @@ fn nearest(name: &str) -> Option<&'static str> {
     (2 * distance(best) <= name.len()).then_some(best.name)
 }
 
-/// Insertions, deletions and replacements that turn one into the other.
+/// Insertions, deletions and replacements that turn one word into the other.
 fn edit_distance(from: &[u8], to: &[u8]) -> usize {
     let mut row: Vec<usize> = (0..=to.len()).collect();
     for (i, a) in from.iter().enumerate() {

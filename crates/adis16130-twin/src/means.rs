@@ -11,9 +11,9 @@ const TICK_PS: u64 = 100_000_000_000;
 
 /// Averages of both channels over blocks that follow each other, from the moment of switching on.
 ///
-/// White noise of the rate has the variance N²/(2T) of a mean over T (F-02), that of the temperature likewise (M-05).
-/// Left out are the resonance, the steps of the codes and all that a bus can do. The unit is that of its
-/// [`Spec`]; its noise is another realisation than that of [`Twin`](crate::Twin), since the tick is another.
+/// White noise of the rate has the variance N²/(2T) in a mean over T (F-02), and so has the temperature noise (M-05).
+/// The resonance, the steps of the codes and the effects of a bus are left out. [`Spec`] defines the unit. Its noise
+/// is another realisation than in [`Twin`](crate::Twin), since the tick is another.
 ///
 /// ```
 /// use adis16130_twin::{Means, Spec};
@@ -46,7 +46,7 @@ pub struct Mean {
 }
 
 impl Means {
-    /// A unit that is switched on now, in averages over blocks of `ticks` times 0.1 s.
+    /// Switches a unit on now, with averages over blocks of `ticks` times 0.1 s.
     #[must_use]
     pub fn new(spec: &Spec, ticks: u32) -> Self {
         let layers = Rc::new(Layers::new());
@@ -96,8 +96,8 @@ impl Means {
         self.slow.set_powered(powered, self.now_ps);
     }
 
-    /// The air around it goes to a temperature, in °C, in a straight line over so many s (from within 0.2 s on), as
-    /// [`Twin::set_ambient`](crate::Twin::set_ambient) has it.
+    /// Takes the air around the part to a temperature, in °C, in a straight line over `over_s` seconds (from within
+    /// 0.2 s on), as [`Twin::set_ambient`](crate::Twin::set_ambient) does.
     pub fn set_ambient(&mut self, temp_c: f64, over_s: f64) {
         self.slow.set_ambient(temp_c, over_s, self.now_ps);
     }
@@ -113,7 +113,7 @@ mod tests {
     use super::*;
     use crate::facts;
 
-    /// F-02 and M-05: what is left of a mean when nothing else moves.
+    /// F-02 and M-05: the scatter of a mean when nothing else moves.
     #[test]
     fn means_have_the_noise_of_the_facts() {
         let quiet = Spec {
@@ -136,7 +136,7 @@ mod tests {
         assert!((sd(temp) / (facts::TEMP_NOISE_C_PER_RT_HZ / libm::sqrt(2.0)) - 1.0).abs() < 0.04, "{}", sd(temp));
     }
 
-    /// Without noise an hour's end is that of the part itself.
+    /// Without noise the mean at an hour's end agrees with the part itself.
     #[test]
     fn means_follow_the_part() {
         let spec = Spec { noise: false, ..Spec::from_seed(3) };

@@ -66,7 +66,7 @@ impl Normal {
         self.random.sample()
     }
 
-    /// The one draw in about 80 that the layer's rectangle does not settle.
+    /// Makes the draw (one in about 80) that the layer's rectangle does not settle.
     #[cold]
     #[inline(never)]
     fn outside(&mut self, layer: usize, x: f64) -> f64 {

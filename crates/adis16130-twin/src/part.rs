@@ -1,4 +1,4 @@
-//! The whole part on simulated time: what happens when, and what the wires carry.
+//! The whole part on simulated time: the order of its events, and the signals on its wires.
 
 use crate::adc::NEVER;
 use crate::chip::{Chip, Effect};
@@ -28,12 +28,12 @@ pub(crate) struct Part {
     supplied: bool,
     /// The bytes need neither recording nor spoiling.
     plain: bool,
-    /// RDY cannot fall, whatever the converter says.
+    /// RDY cannot fall, in any state of the converter.
     rdy_masked: bool,
     edge_seq: u32,
     edge_ps: u64,
     reported_seq: u32,
-    /// Of the edges at the beginning of the scaling times.
+    /// Running number of the edges at the beginning of the scaling times.
     scaling_seq: u32,
     wire: Option<Vec<Vec<u8>>>,
 }
@@ -139,7 +139,7 @@ impl Part {
         }
     }
 
-    /// The edge that says nothing of new data: the one where the scaling time begins.
+    /// The edge that does not announce new data, where the scaling time begins.
     fn next_scaling(&mut self, timeout_ps: u64) -> Option<(u64, u32)> {
         let deadline_ps = self.now_ps.saturating_add(timeout_ps).min(NEVER - 1);
         while self.next_event_ps <= deadline_ps || self.chip.adc.scaling_from_ps() <= deadline_ps {
@@ -156,7 +156,7 @@ impl Part {
         None
     }
 
-    /// When something happens next of itself, or [`NEVER`].
+    /// The time of the next event without a bus, or [`NEVER`].
     pub(crate) fn next_event_ps(&self) -> u64 {
         self.next_event_ps
     }
@@ -166,7 +166,7 @@ impl Part {
         self.reported_seq = self.edge_seq;
     }
 
-    /// Runs until `done(level before, level now)` of RDY, `true` being high, or for `limit_ps`; says which.
+    /// Runs until `done(level before, level now)` of RDY, `true` being high, or for `limit_ps`. Returns which.
     pub(crate) fn wait_rdy(&mut self, limit_ps: u64, done: impl Fn(bool, bool) -> bool) -> bool {
         let deadline_ps = self.now_ps.saturating_add(limit_ps).min(NEVER - 1);
         let mut before = self.rdy_high();
@@ -244,7 +244,7 @@ impl Part {
         }
     }
 
-    /// Whether RDY says that there is no new data, whatever level that is.
+    /// Whether RDY says, by either level, that new data has not come.
     fn rdy_idle(&self) -> bool {
         !self.supplied || self.rdy_masked || !self.chip.adc.rdy_low(self.now_ps)
     }
@@ -309,7 +309,7 @@ impl Part {
         Truth::new(&self.spec, self.now_ps, &self.gyro.slow.at(self.now_ps))
     }
 
-    /// The supply may have come or gone; either way the registers start from reset.
+    /// Handles a supply that may have come or gone. Either way the registers start from reset.
     fn note_supply(&mut self) {
         let supplied = self.switched_on && self.faults.active() != Fault::Unplug;
         if supplied != self.supplied {
@@ -319,7 +319,7 @@ impl Part {
         }
     }
 
-    /// Anything may have changed: works out anew what depends on it, and notices an edge of RDY.
+    /// Handles any change: works out anew what depends on it, and notices an edge of RDY.
     fn changed(&mut self, rdy_was_high: bool) {
         self.note_plain();
         self.gyro.set_period_ps(self.chip.adc.period_ps());
@@ -341,7 +341,7 @@ impl fmt::Debug for Part {
     }
 }
 
-/// The fault that the specification announces; a bit error rate alone is one, too.
+/// The fault that the specification announces. A bit error rate alone is a fault, too.
 fn pending_fault(spec: &Spec) -> Fault {
     if spec.fault == Fault::None && spec.bit_error_rate > 0.0 { Fault::BitErrors } else { spec.fault }
 }

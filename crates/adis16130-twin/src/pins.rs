@@ -29,7 +29,7 @@ pin!(
     /// The data-ready pin (F-32). Looking at it takes no simulated time.
     ///
     /// Waiting lets simulated time pass at once, so a future here never pends. It gives up after one second of
-    /// simulated time, since nothing else could end the wait. Waiting for an edge counts from the call; an edge that
+    /// simulated time, since nothing else could end the wait. Waiting for an edge counts from the call. An edge that
     /// is latched for [`Twin::next_falling_edge`](crate::Twin::next_falling_edge) is forgotten.
     TwinRdy
 );
@@ -51,7 +51,7 @@ pin!(
 /// How long a wait on [`TwinRdy`] lasts at most, in ns of simulated time.
 pub const RDY_WAIT_LIMIT_NS: u64 = 1_000_000_000;
 
-/// RDY did not do what was waited for within [`RDY_WAIT_LIMIT_NS`].
+/// RDY did not change as awaited within [`RDY_WAIT_LIMIT_NS`].
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct RdyTimeout;
 

@@ -1,4 +1,4 @@
-//! The register table, the values behind it and the checksum over what was written.
+//! The register table, the values behind it and the checksum over the written bits.
 
 /// One of the two channels of the converter.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -21,7 +21,7 @@ impl Channel {
     }
 }
 
-/// What an address stands for (`docs/facts.md` section 3).
+/// The register behind an address (`docs/facts.md` section 3).
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Register {
     Com,
@@ -34,7 +34,7 @@ pub(crate) enum Register {
     Setup(Channel),
     Conversion(Channel),
     Mode,
-    /// Nothing there: reads 00h in one byte, swallows one written byte.
+    /// Nothing is there: reads 00h in one byte, swallows one written byte.
     Unknown,
 }
 
@@ -60,7 +60,8 @@ impl Register {
         }
     }
 
-    /// Bytes that a write to this register carries; the data registers' own width counts, although they ignore it.
+    /// Bytes that a write to this register carries. The data registers' own width counts, although they ignore the
+    /// write.
     pub(crate) const fn write_len(self, wide: bool) -> u8 {
         match self {
             Self::Com => 0,
@@ -101,7 +102,7 @@ pub(crate) const MODE_CLAMP: u8 = 1 << 0;
 /// Revision register of the AD7732.
 const REVISION: u8 = 0x24;
 
-/// The registers that hold what was written to them.
+/// The registers that keep the values written to them.
 #[derive(Clone, Debug)]
 pub(crate) struct Registers {
     pub(crate) iop: u8,
@@ -135,7 +136,7 @@ impl Registers {
         if word & CONVERSION_CHOP != 0 { filter * 128 + 248 + both } else { filter * 64 + 206 + both }
     }
 
-    /// A finished write; returns whether the register takes it.
+    /// Completes a write. Returns whether the register takes it.
     pub(crate) fn write(&mut self, register: Register, value: u16) -> bool {
         let byte = value as u8;
         match register {
@@ -161,7 +162,7 @@ impl Registers {
         }
     }
 
-    /// IOP with the pin levels in b7–6: an input shows its level (P0 is tied low), an output what was written.
+    /// IOP with the pin levels in b7–6: an input shows its level (P0 is tied low), an output the written level.
     fn iop_levels(&self, p1: bool) -> u8 {
         let mut value = self.iop;
         if value & IOP_P0_INPUT != 0 {
@@ -180,7 +181,7 @@ impl Registers {
 pub(crate) struct Checksum(pub(crate) u16);
 
 impl Checksum {
-    /// Takes eight bits at once. The feedback 2Dh is so short that no bit which it sets comes out within the byte; the
+    /// Takes eight bits at once. The feedback 2Dh is so short that no bit which it sets comes out within the byte. The
     /// byte shifted out therefore acts by its carry-less product with 2Dh.
     #[inline]
     pub(crate) fn take(&mut self, byte: u8) {

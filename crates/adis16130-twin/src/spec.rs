@@ -1,4 +1,4 @@
-//! What one unit is: every parameter of the twin, drawn from a seed or set by hand.
+//! One unit: every parameter of the twin, drawn from a seed or set by hand.
 
 use crate::facts;
 use crate::fault::Fault;
@@ -11,23 +11,23 @@ pub enum Profile {
     Constant,
     /// From [`Spec::ambient_c`] by [`Spec::ramp_c_per_min`], stopping at −40 °C or +85 °C.
     Ramp,
-    /// The chamber profile F-57, 25 → −40 → +85 → 25 °C in 175 min; [`Spec::ambient_c`] has no part in it.
+    /// The chamber profile F-57, 25 → −40 → +85 → 25 °C in 175 min. [`Spec::ambient_c`] does not enter.
     Oven,
 }
 
-/// What the RDY line does, as the host sees it (F-32).
+/// The shape of the RDY line, as the host sees it (F-32).
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum RdyOutput {
     /// High during the scaling time, low from the update until the data is read: new data at the falling edge.
     Level,
-    /// Low during the scaling time only, as the note has it in words ("pulses low for 26 µs"): new data at the rising
+    /// Low during the scaling time only, as the words of the note say ("pulses low for 26 µs"): new data at the rising
     /// edge.
     Pulse,
     /// [`RdyOutput::Level`] behind an inverting level shifter: new data at the rising edge.
     Inverted,
 }
 
-/// What is connected between ROA1 and ROA2 (F-04).
+/// The part between ROA1 and ROA2 (F-04).
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Roa {
     /// Nothing: 300 Hz bandwidth (F-03).
@@ -36,7 +36,7 @@ pub enum Roa {
     TenNanofarad,
 }
 
-/// Motion of the platform that should be still.
+/// Motion of a platform that should be still.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Motion {
     /// At rest.
@@ -49,8 +49,8 @@ pub enum Motion {
 
 /// One unit, its surroundings and its faults.
 ///
-/// [`Spec::from_seed`] draws the unit (M-01…M-08); every field can be set afterwards, and setting one changes no
-/// other. Fields that are set to values outside the ranges of [`KEYS`](crate::KEYS) are at the caller's risk.
+/// [`Spec::from_seed`] draws the unit (M-01…M-08). Every field can be set afterwards, and setting one does not change
+/// another. A field outside the range of its [`KEYS`](crate::KEYS) is at the caller's risk.
 ///
 /// ```
 /// use adis16130_twin::Spec;
@@ -112,7 +112,7 @@ pub struct Spec {
     pub resonance_dps_rms: f64,
     /// Frequency of the resonance, in Hz (F-07).
     pub resonance_hz: f64,
-    /// Constant rotation about the sensitive axis, in °/s. It is motion, so it is in no truth.
+    /// Constant rotation about the sensitive axis, in °/s. It is motion, so the truth about the bias leaves it out.
     pub rotation_dps: f64,
     /// Motion of the platform.
     pub motion: Motion,
@@ -122,17 +122,17 @@ pub struct Spec {
     pub sway_hz: f64,
     /// Peak of [`Motion::Bump`], in °/s.
     pub bump_dps: f64,
-    /// Probability that a bit flips on its way, in either direction. Zero with [`Fault::BitErrors`] means 10⁻⁶;
-    /// above zero it acts without that fault, too.
+    /// Probability that a bit flips on its way, in either direction. Zero with [`Fault::BitErrors`] means 10⁻⁶. A
+    /// value above zero acts without that fault, too.
     pub bit_error_rate: f64,
     /// The fault, and [`Spec::fault_at_s`] when it sets in.
     pub fault: Fault,
-    /// When faults, bumps and the supply step set in, in s from the start; `None`: faults 0, the others 60.
+    /// When faults, bumps and the supply step set in, in s from the start. `None`: faults at 0, the others at 60.
     pub fault_at_s: Option<f64>,
     /// Relative error of the sensitivity (M-07). It scales what the sensing element sees (rotation, slow bias,
-    /// flicker, random walk, self-test); white noise and resonance are stated at the output and not scaled.
+    /// flicker, random walk, self-test). White noise and resonance are stated at the output and not scaled.
     pub sensitivity_error: f64,
-    /// Shift by an active self-test pin, in °/s (F-11 knows no value: ours).
+    /// Shift by an active self-test pin, in °/s. F-11 states no value, so this one is ours.
     pub self_test_dps: f64,
     /// SPI clock, in Hz.
     pub sclk_hz: f64,
@@ -144,7 +144,7 @@ impl Spec {
     /// Draws the unit of this seed by M-01…M-08.
     pub fn from_seed(seed: u64) -> Self {
         let mut unit = Normal::new(seed, Process::Unit);
-        // The order of these draws is part of what a seed means.
+        // The order of these draws is part of the meaning of a seed.
         let bias = unit.sample();
         let tempco = unit.sample();
         let curvature = unit.sample();

@@ -1,4 +1,4 @@
-//! What the twin knows about itself and a measurement can only estimate.
+//! The truth about the twin, which a measurement can only estimate.
 
 use crate::facts::TEMP_AT_ZERO_CODE_C;
 use crate::gyro::slow::Point;
@@ -11,11 +11,12 @@ use crate::spec::Spec;
 ///
 /// bias(T) = (1 + s)·(initial + supply + f(T) + branch + random walk).
 ///
-/// Flicker and white noise are noise; rotation and other motion are no bias. T is the temperature that the part
-/// reports, in balance: a lag between sensor and element is an error of the measurement, not part of the truth.
+/// Flicker and white noise are noise, not bias. Rotation and other motion are not bias either. T is the temperature
+/// that the part reports, in balance: a lag between sensor and element is an error of the measurement, not part of the
+/// truth.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Truth {
-    /// When this was true, in ns from the start.
+    /// The time of this state, in ns from the start.
     pub t_ns: u64,
     /// Bias at 25 °C and 5 V, before the sensitivity error, in °/s.
     pub initial_dps: f64,
@@ -29,7 +30,7 @@ pub struct Truth {
     pub random_walk_dps: f64,
     /// Distance from f(T) on the present branch of the hysteresis, before the sensitivity error, in °/s.
     pub branch_dps: f64,
-    /// Flicker now, before the sensitivity error, in °/s; part of no bias below.
+    /// Flicker now, before the sensitivity error, in °/s. It is not in any bias below.
     pub flicker_dps: f64,
     /// Relative sensitivity error s.
     pub sensitivity_error: f64,

@@ -1,4 +1,4 @@
-//! The twin as its user holds it.
+//! The twin and its handles.
 
 use crate::adc::{LostUnread, NEVER};
 use crate::fault::Fault;
@@ -16,11 +16,11 @@ use core::cell::RefCell;
 pub struct TwinEdge {
     /// Simulated time of the edge, in ns from the start.
     pub t_ns: u64,
-    /// Running number over all edges, whether anybody asked for them or not; wraps.
+    /// Running number over all edges, reported or not; wraps.
     pub seq: u32,
 }
 
-/// The part in software: a handle, and clones of it are handles of the same part.
+/// The part in software. This is a handle, and clones of it are handles of the same part.
 ///
 /// Simulated time starts at 0 with the supply switched on. It passes only by SPI frames, by [`TwinDelay`], by waiting
 /// for RDY and by [`Twin::advance_ns`].
@@ -30,7 +30,7 @@ pub struct Twin {
 }
 
 impl Twin {
-    /// A part by this specification, just switched on.
+    /// Makes a part by this specification, just switched on.
     pub fn new(spec: Spec) -> Self {
         Self { part: Rc::new(RefCell::new(Part::new(spec))) }
     }
@@ -70,24 +70,24 @@ impl Twin {
         self.part.borrow_mut().advance_ps(ns.saturating_mul(1000));
     }
 
-    /// The latest falling edge of RDY that was not reported yet, like an interrupt flag that is still set; else lets
-    /// time pass to the next one. `None` after `timeout_ns` of simulated time without an edge.
+    /// The latest falling edge of RDY that was not reported yet, like an interrupt flag that is still set. Otherwise
+    /// lets time pass to the next edge. `None` after `timeout_ns` of simulated time without an edge.
     #[inline]
     pub fn next_falling_edge(&self, timeout_ns: u64) -> Option<TwinEdge> {
         let edge = self.part.borrow_mut().next_falling_edge(timeout_ns.saturating_mul(1000));
         edge.map(|(t_ps, seq)| TwinEdge { t_ns: t_ps / 1000, seq })
     }
 
-    /// The same for the rising or the falling edge of the line as [`Spec::rdy`] makes it. Only one of the two says
-    /// that there is new data; the other comes where the scaling time begins (F-32), 26 µs before.
+    /// The same for the rising or the falling edge of the line as [`Spec::rdy`] makes it. Only one of the two
+    /// announces new data. The other comes where the scaling time begins (F-32), 26 µs before.
     pub fn next_edge(&self, rising: bool, timeout_ns: u64) -> Option<TwinEdge> {
         let edge = self.part.borrow_mut().next_edge(rising, timeout_ns.saturating_mul(1000));
         edge.map(|(t_ps, seq)| TwinEdge { t_ns: t_ps / 1000, seq })
     }
 
-    /// When the part does something next of itself (a conversion ends, a fault sets in), in ns from the start, rounded
-    /// up; `None` if never. An edge of RDY comes at such a time, so whoever lets time pass by the wall clock can sleep
-    /// until then.
+    /// The time at which the part next acts by itself (a conversion ends, a fault sets in), in ns from the start,
+    /// rounded up; `None` if never. RDY has its edges at such times, so a loop that lets time pass by the wall clock
+    /// can sleep until then.
     pub fn next_event_ns(&self) -> Option<u64> {
         match self.part.borrow().next_event_ps() {
             NEVER => None,
@@ -115,23 +115,23 @@ impl Twin {
         self.part.borrow_mut().record_wire(on);
     }
 
-    /// What the host sent since [`Twin::record_wire`] or the last call: the MOSI bytes, one `Vec` per frame of CS.
+    /// The bytes from the host since [`Twin::record_wire`] or the last call: MOSI, one `Vec` per frame of CS.
     pub fn take_wire(&self) -> Vec<Vec<u8>> {
         self.part.borrow_mut().take_wire()
     }
 
-    /// How many samples nobody saw.
+    /// How many samples the host never saw.
     pub fn lost_unread(&self) -> LostUnread {
         self.part.borrow().chip.adc.lost_unread()
     }
 
-    /// What the part was made from.
+    /// The specification of the part.
     pub fn spec(&self) -> Spec {
         self.part.borrow().spec.clone()
     }
 
-    /// Sets the fault from now on, instead of the present one. [`Fault::None`] mends the wires; it does not bring back
-    /// what a brown-out took.
+    /// Sets the fault from now on, instead of the present one. [`Fault::None`] mends the wires. It does not restore
+    /// the registers that a brown-out has reset.
     pub fn set_fault(&self, fault: Fault) {
         self.part.borrow_mut().set_fault(fault);
     }
@@ -141,8 +141,9 @@ impl Twin {
         self.part.borrow_mut().replug();
     }
 
-    /// The air around it goes to a temperature, in °C, in a straight line over so many s (from within 8 ms on), and
-    /// stays there; the wander goes on. From here on [`Spec::profile`] has no part in it: a chamber sets it.
+    /// Takes the air around the part to a temperature, in °C, in a straight line over `over_s` seconds (from within 8
+    /// ms on). It stays there, and the wander goes on. From here on [`Spec::profile`] does not act: a chamber sets the
+    /// air.
     pub fn set_ambient(&self, temp_c: f64, over_s: f64) {
         self.part.borrow_mut().set_ambient(temp_c, over_s);
     }

@@ -30,7 +30,7 @@
 //! # Ok::<(), Error<_, _>>(())
 //! ```
 //!
-//! A future may be dropped at any time, by a `select` or a timeout: if it was inside a transfer, the next call answers
+//! A future may be dropped at any time, by a `select` or a timeout. If it was inside a transfer, the next call answers
 //! `Interrupted` until `restart` has put bus and part in order.
 
 use core::future::{Future, poll_fn};
@@ -78,7 +78,7 @@ enum First<L, R> {
     Right(R),
 }
 
-/// The output of whichever future ends first, the left one if both do; the other is dropped.
+/// The output of the future that ends first, or of the left one if both end. The other future is dropped.
 async fn first<L: Future, R: Future>(left: L, right: R) -> First<L::Output, R::Output> {
     let (mut left, mut right) = (pin!(left), pin!(right));
     poll_fn(|context| {

@@ -24,7 +24,7 @@ impl Channel {
         }
     }
 
-    /// Whether a channel status is that of this channel and says that an unread reading waits: b7–5 and RDY.
+    /// Whether a channel status names this channel and says that an unread reading waits: b7–5 and RDY.
     pub(crate) const fn announced_by(self, status: ChannelStatus) -> bool {
         let own = match self {
             Self::Rate => 0x08,
@@ -34,8 +34,8 @@ impl Channel {
     }
 }
 
-/// The channels that are known to have converted since MODE was written: only of these the reset code can be a
-/// reading.
+/// The channels that are known to have converted since MODE was written. The reset code can be a reading of these
+/// channels only.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Converted(u8);
 

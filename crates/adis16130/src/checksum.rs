@@ -3,8 +3,9 @@
 /// The 16-bit shift register over every written bit: the value of the CHECKSUM register (F-34, not verified on
 /// silicon).
 ///
-/// It sees the COM byte of every command and the data bytes of writes; the zeros clocked out during a read are not
-/// written bits. Per bit, most significant first: `fb = s >> 15; s <<= 1; if fb { s ^= 2Dh }; s ^= bit`.
+/// It sees the COM byte of every command and the data bytes of writes. The zeros clocked out during a read are not
+/// written bits. The bits enter most significant first, each as follows: `fb = s >> 15`, `s <<= 1`,
+/// `if fb { s ^= 2Dh }`, `s ^= bit`.
 ///
 /// ```
 /// use adis16130::registers::Checksum;
@@ -35,22 +36,22 @@ impl Checksum {
         bytes.iter().fold(self, |state, &byte| state.fed_byte(byte))
     }
 
-    /// Eight bits at once: the polynomial 2Dh has a degree so low that no bit shifted out feeds back twice within a
-    /// byte.
+    /// Feeds eight bits at once. The degree of the polynomial 2Dh is so low that no bit shifted out feeds back twice
+    /// within a byte.
     const fn fed_byte(self, byte: u8) -> Self {
         let out = self.0 >> 8;
         Self(((self.0 << 8) | byte as u16) ^ out ^ (out << 2) ^ (out << 3) ^ (out << 5))
     }
 }
 
-/// What the part's checksum says about the writes between two reads of it. A hint, never a failure (F-34).
+/// The answer of the part's checksum about the writes between two reads of it. A hint, never a failure (F-34).
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WriteCheck {
-    /// What CHECKSUM must read if the part has seen every bit.
+    /// The value that CHECKSUM must have if the part has seen every bit.
     pub expected: Checksum,
-    /// What it reads.
+    /// The value that it has.
     pub got: Checksum,
 }
 

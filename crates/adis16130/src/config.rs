@@ -1,4 +1,4 @@
-//! What the part is told to do: pure, and `Default` is F-30 exactly.
+//! The configuration of the part, without a bus. `Default` is exactly F-30.
 
 use crate::codes::Width;
 use crate::frame::{Frame, Framing};
@@ -17,7 +17,7 @@ pub enum Channels {
     Both,
     /// Rate only, at more than twice the rate.
     Rate,
-    /// Temperature only. A [`Sampler`](crate::Sampler) has nothing to do then.
+    /// Temperature only. A [`Sampler`](crate::Sampler) then has nothing to do.
     Temp,
 }
 
@@ -109,7 +109,7 @@ impl Config {
         self
     }
 
-    /// RDYFN: `true`, as F-30 has it, = RDY tells that all enabled channels hold unread data; `false` = that any does
+    /// RDYFN: `true`, as in F-30, = RDY tells that all enabled channels hold unread data; `false` = any channel does
     /// (F-32).
     pub const fn with_rdyfn(mut self, all_channels: bool) -> Self {
         self.iop = self.iop.with_rdyfn(all_channels);
@@ -122,7 +122,7 @@ impl Config {
         self
     }
 
-    /// CLAMP: `true` = out-of-range codes saturate; `false`, as F-30 has it, = they wrap (F-35).
+    /// CLAMP: `true` = out-of-range codes saturate; `false`, as in F-30, = they wrap (F-35).
     pub const fn with_clamp(mut self, on: bool) -> Self {
         self.mode = self.mode.with_clamp(on);
         self
@@ -203,7 +203,7 @@ impl Config {
 
     /// The commands that configure the part, in the order of F-30.
     ///
-    /// A disabled channel is written as disabled, since the part may have been configured otherwise before, and its
+    /// A disabled channel is written as disabled, since the part may have been configured otherwise before. Its
     /// conversion time is left alone. So F-30's twelve bytes become ten.
     pub fn writes(&self) -> impl Iterator<Item = Write> + use<> {
         let values = [
@@ -236,8 +236,8 @@ impl Write {
     }
 }
 
-/// A [`Config`] as it is stored: what the builders take, so that no other mode can come out of it. What is missing is
-/// as in F-30.
+/// A [`Config`] as it is stored: the arguments of the builders, so that no other mode can come out of it. A missing
+/// field has its value of F-30.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]

@@ -1,4 +1,4 @@
-//! From a reading that cannot be right to its cause, without a bus.
+//! Finds the cause of a reading that cannot be right, without a bus.
 
 use core::fmt::{Display, Formatter, Result};
 
@@ -13,9 +13,9 @@ use crate::registers::{Address, ChannelStatus, Mode, RateStatus, Register, TempS
 pub struct Mismatch {
     /// The register.
     pub register: Address,
-    /// What it must read.
+    /// The value that it must have.
     pub expected: u8,
-    /// What it read.
+    /// The value that it has.
     pub got: u8,
 }
 
@@ -34,17 +34,17 @@ pub enum Fault {
     StuckHigh(Mismatch),
     /// SDO is stuck at zeros.
     StuckLow(Mismatch),
-    /// MODE reads 00h: the part has been reset, as by a brown-out.
+    /// MODE reads 00h: the part has been reset, for example by a brown-out.
     ConfigurationLost(Mismatch),
-    /// The line works, but the register contradicts what was written or where it is: bit errors, or another part.
+    /// The line works, but the register contradicts the value written or its own address: bit errors, or another part.
     Unexpected(Mismatch),
 }
 
 impl Fault {
-    /// What a dead SDO means where data ready is silent as well.
+    /// The text for a dead SDO while data ready is silent as well.
     pub const UNPLUGGED: &str = "the part is unplugged or has no power: data ready (pin 10) is silent and SDO (pin \
          12) is dead; check the cable and the 5 V supply (pins 11, 13, 15)";
-    /// What silence of data ready means where the part shows no fault.
+    /// The text for a silent data ready while the part shows no fault.
     pub const NO_NEW_DATA: &str = "no data ready: the part answers and is configured, but RDY (pin 10) brought no new \
          data for a second; check the RDY wire";
     pub(crate) const STUCK_HIGH: &str =
@@ -116,7 +116,7 @@ pub(crate) fn is_doubtful(register: Address, answer: u8) -> bool {
     answer == 0 || answer == 0xFF || meaning_on_healthy_link(register, answer).is_some()
 }
 
-/// What is wrong with a doubtful answer of a one-byte register once the link has been found healthy; `None` = nothing.
+/// The fault in a doubtful answer of a one-byte register once the link has been found healthy; `None` = no fault.
 pub(crate) fn meaning_on_healthy_link(register: Address, answer: u8) -> Option<Fault> {
     let status = ChannelStatus::new(answer);
     match register {
@@ -126,20 +126,21 @@ pub(crate) fn meaning_on_healthy_link(register: Address, answer: u8) -> Option<F
     }
 }
 
-/// What the data registers hold after a reset, before the first conversion (docs/facts.md section 3).
+/// The value of the data registers after a reset, before the first conversion (docs/facts.md section 3).
 const RESET_DATA: u32 = 0x8000;
 
-/// Whether the answer of a data register needs a second look: a dead line would give it too, or a register of which
-/// nobody knows whether it has been written since the reset.
+/// Whether the answer of a data register needs a second look. A dead line would give it too, or a register that has
+/// perhaps not been written since the reset.
 ///
-/// After a brown-out the part has 16 bits where the host may read 24: the third byte is then whatever SDO does outside
+/// After a brown-out the part has 16 bits where the host may read 24. The third byte is then the level of SDO outside
 /// a read.
 #[inline]
 pub(crate) const fn is_doubtful_reading(answer: u32, width: Width) -> bool {
     is_at_rail(answer, width) || answer == RESET_DATA || answer >> 8 == RESET_DATA
 }
 
-/// Whether a rate is in the outermost 1/64 of its scale, beyond ±351 °/s: it may be about to wrap, or have wrapped.
+/// Whether a rate is in the outermost 1/64 of its scale, beyond ±351 °/s, where it may be about to wrap or have
+/// wrapped.
 pub(crate) const fn is_near_rail(rate: RateCode) -> bool {
     rate.code24().abs_diff(ZERO_CODE) > ZERO_CODE - ZERO_CODE / 64
 }

@@ -1,4 +1,4 @@
-//! The driver, written once. `bisync` is a marker in `asynch`, and takes `async` and `.await` out in `blocking`.
+//! The driver, written once. `bisync` marks the code in `asynch`, and removes `async` and `.await` in `blocking`.
 //!
 //! Two modules include this file: `blocking.rs` and `asynch.rs`. Each brings its own `SpiDevice`, `DelayNs` and
 //! `RdyPin`.
@@ -27,12 +27,11 @@ use crate::self_test::{Active, Level, SelfTest, SelfTestPlan};
 
 /// The part on an SPI bus, with its RDY line.
 ///
-/// No method waits or retries unless its name says so; each does a bounded number of transfers.
+/// No method waits or retries unless its name says so. Each does a bounded number of transfers.
 ///
-/// A command that was cut short, because a transfer failed or because the future of an async call was dropped,
-/// leaves the part in the middle of it, and what it sends next would be read shifted. So from then on every
-/// call answers [`BusError::Interrupted`] and sends nothing, until [`reset`](Self::reset) or
-/// [`restart`](Self::restart) has gone through.
+/// A failed transfer, or an async call whose future was dropped, leaves the part in the middle of a command, and its
+/// next bytes would be read shifted. So from then on every call answers [`BusError::Interrupted`] and sends nothing,
+/// until [`reset`](Self::reset) or [`restart`](Self::restart) has gone through.
 #[derive(Debug)]
 pub struct Adis16130<SPI, RDY> {
     spi: SPI,
@@ -56,7 +55,7 @@ impl<SPI, RDY> Adis16130<SPI, RDY> {
         (self.spi, self.rdy)
     }
 
-    /// The bus, for settings such as its clock. After commands of your own, [`restart`](Self::restart).
+    /// The bus, for settings such as its clock. After commands of your own, call [`restart`](Self::restart).
     pub const fn bus_mut(&mut self) -> &mut SPI {
         self.seen = Converted::NOTHING;
         &mut self.spi
@@ -72,7 +71,7 @@ impl<SPI, RDY> Adis16130<SPI, RDY> {
         self.config = config;
     }
 
-    /// MODE as last written with success; as after a reset, if it has not been.
+    /// MODE as last written with success, or its reset value if it has not been written.
     pub const fn mode(&self) -> Mode {
         self.written.mode()
     }
@@ -91,9 +90,9 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(())
     }
 
-    /// [`reset`](Self::reset), then [`init_verified`](Self::init_verified): at the start, after an error, and
-    /// after an async call was dropped. Tell a [`Sampler`] by [`Sampler::restarted`]. The next reading is that
-    /// of a new conversion.
+    /// [`reset`](Self::reset), then [`init_verified`](Self::init_verified): call it at the start, after an error, and
+    /// after an async call was dropped. Tell a [`Sampler`] by [`Sampler::restarted`]. The next reading comes from a
+    /// new conversion.
     pub async fn restart(&mut self) -> Result<(), InitError<SPI::Error>> {
         self.reset().await?;
         self.init_verified().await
@@ -138,7 +137,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         VerifyError::judge(differences)
     }
 
-    /// Reads a register as it is, with no judgement.
+    /// Reads a register as it is, without a judgement.
     #[inline]
     pub async fn read_register<R: Readable>(&mut self) -> Result<R::Value, BusError<SPI::Error>> {
         let width = self.mode().width();
@@ -146,8 +145,8 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(R::decode(answer, width))
     }
 
-    /// Reads all registers as they are, in the order of their addresses. What waits in the data registers is
-    /// read by that, so that the edge it stands for brings no sample.
+    /// Reads all registers as they are, in the order of their addresses. This takes the readings that wait in the data
+    /// registers, so their edge brings no sample.
     pub async fn read_all(&mut self) -> Result<[(Address, u32); 13], BusError<SPI::Error>> {
         Ok([
             (Address::Iop, self.read_register::<Iop>().await?.bits().into()),
@@ -166,20 +165,21 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         ])
     }
 
-    /// Writes a register. What the driver knows of the part follows if, and only if, the write succeeds.
+    /// Writes a register. If, and only if, the write succeeds, the driver updates what it knows of the part.
     pub async fn write_register<R: Writable>(&mut self, value: R::Value) -> Result<(), BusError<SPI::Error>> {
         self.send(Write::of::<R>(value)).await
     }
 
     /// Reads the rate, in the width that was written to MODE.
     ///
-    /// A code that a dead line would give makes it look at the link: on a healthy one it is
-    /// [`ReadError::OutOfRange`] (F-35), else the fault. So does the code that the data registers hold after a
-    /// reset: it is a rate where the part still has its configuration and this channel has converted, and else
-    /// [`ReadError::NoReading`] or the fault. The first call after MODE was written asks the part beforehand
-    /// whether it has.
+    /// A code that a dead line would give makes the driver check the link. On a healthy link the result is
+    /// [`ReadError::OutOfRange`] (F-35), otherwise the fault.
     ///
-    /// With CLAMP = 0 codes wrap and only the status tells: [`read_rate_in_range`](Self::read_rate_in_range).
+    /// The driver also checks the code that the data registers hold after a reset. It is a rate if the part still has
+    /// its configuration and this channel has converted. Otherwise the result is [`ReadError::NoReading`] or the
+    /// fault. The first call after MODE was written asks the part beforehand whether the channel has converted.
+    ///
+    /// With CLAMP = 0 codes wrap and only the status tells: use [`read_rate_in_range`](Self::read_rate_in_range).
     pub async fn read_rate(&mut self) -> Result<RateCode, ReadError<SPI::Error>> {
         let rate = self.reading::<RateData>(Channel::Rate).await?;
         rate.ok_or_else(|| self.no_reading(Channel::Rate))
@@ -191,8 +191,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         temp.ok_or_else(|| self.no_reading(Channel::Temp))
     }
 
-    /// Reads the rate, then the temperature; see [`read_in_range`](Self::read_in_range) for one that looks at
-    /// the status, too.
+    /// Reads the rate, then the temperature. [`read_in_range`](Self::read_in_range) looks at the status, too.
     pub async fn read_both(&mut self) -> Result<(RateCode, TempCode), ReadError<SPI::Error>> {
         let rate = self.read_rate().await?;
         let temp = self.read_temp().await?;
@@ -203,9 +202,10 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
     /// [`ReadError::OutOfRange`] also where CLAMP = 0 has wrapped its code (F-35). For loops that read when
     /// they like; [`sample`](Self::sample) is for every edge.
     ///
-    /// A conversion that ends between the two makes it read both once more. Should that happen again, as on a
-    /// host that takes longer than a conversion for six bytes, the rate lies between two readings in range, or
-    /// it is out of range: so is then a code so close to the end of the scale that it may have wrapped.
+    /// If a conversion ends between the two reads, both are read once more. This may happen again, as on a host that
+    /// takes longer than a conversion for six bytes. Then the rate lies between two readings in range, or it is
+    /// reported out of range. A code so close to the end of the scale that it may have wrapped is out of range then,
+    /// too.
     pub async fn read_rate_in_range(&mut self) -> Result<RateCode, ReadError<SPI::Error>> {
         let mut rate = self.read_rate().await?;
         let mut status = self.rate_status().await?;
@@ -218,7 +218,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         if outside { Err(OutOfRange::of_rate(rate, status).into()) } else { Ok(rate) }
     }
 
-    /// Reads the rate, as [`read_rate_in_range`](Self::read_rate_in_range), then the temperature.
+    /// Reads the rate as [`read_rate_in_range`](Self::read_rate_in_range) does, then the temperature.
     pub async fn read_in_range(&mut self) -> Result<(RateCode, TempCode), ReadError<SPI::Error>> {
         let rate = self.read_rate_in_range().await?;
         let temp = self.read_temp().await?;
@@ -245,8 +245,8 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         self.read_checked::<Revision>().await
     }
 
-    /// Reads TEMP STATUS and MODE, and says what is wrong with the line or the part; `None` = nothing: it is
-    /// connected, and configured as written.
+    /// Reads TEMP STATUS and MODE, and says what is wrong with the line or the part. `None` = the part is connected,
+    /// and configured as written.
     pub async fn diagnose(&mut self) -> Result<Option<Fault>, BusError<SPI::Error>> {
         let temp_status = self.read_register::<TempStatus>().await?;
         let mode = self.read_register::<Mode>().await?;
@@ -257,12 +257,13 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
     ///
     /// `None` = nothing was due, or the edge was stale (its data has been read already).
     ///
-    /// An out-of-range rate is not an error: it is in the status of the sample, because losing the sample would
-    /// hide it, and because only the caller knows what it spoils. A rate at the end of its scale has its
-    /// status read even where it was not due, and so has the first after MODE was written. A temperature that
-    /// was due before its first conversion is missing, and due again. A status that names another channel, or
-    /// an answer that a dead line or a part without a reading would give, is diagnosed: if the line or the
-    /// part is at fault, that is the error.
+    /// An out-of-range rate is not an error. It is in the status of the sample, because losing the sample would hide
+    /// it, and because only the caller knows what it spoils. The status is read even where it was not due for a rate
+    /// at the end of its scale, and for the first rate after MODE was written. A temperature that was due before its
+    /// first conversion is missing, and due again.
+    ///
+    /// The driver diagnoses the link after a status that names another channel, and after an answer that a dead line
+    /// or a part without a reading would give. If the line or the part is at fault, that is the error.
     #[inline]
     pub async fn sample(
         &mut self,
@@ -296,7 +297,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(Some(Sample { t_ns: edge.t_ns, seq: edge.seq, rate, status, temp, lost }))
     }
 
-    /// A status without unread data is a stale edge, unless a fault makes it look so.
+    /// Handles a status without unread data: the edge is stale, unless a fault makes it look so.
     #[cold]
     async fn require_stale(&mut self, status: ChannelStatus) -> Result<(), SampleError<SPI::Error>> {
         if is_doubtful(RateStatus::ADDRESS, status.bits()) {
@@ -308,8 +309,8 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(())
     }
 
-    /// A rate that a dead line or a part without a reading would give: true if the link is healthy. At the end
-    /// of its scale its status tells that as well, and is wanted.
+    /// Checks a rate that a dead line or a part without a reading would give; true if the link is healthy. The status
+    /// of a rate at the end of its scale tells that as well, and is wanted.
     #[cold]
     async fn status_of_doubtful(
         &mut self,
@@ -346,7 +347,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(Some(D::decode(answer, width)))
     }
 
-    /// Looks, before the data register is read, whether it holds a reading: reading it would wipe the mark.
+    /// Checks, before the data register is read, whether it holds a reading. Reading it would wipe the mark.
     #[cold]
     async fn look_for_first(&mut self, channel: Channel) -> Result<(), SampleError<SPI::Error>> {
         self.require_healthy().await?;
@@ -357,7 +358,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(())
     }
 
-    /// Whether a doubtful answer of a data register is a reading. At the end of the scale it is an error.
+    /// Whether a doubtful answer of a data register is a reading. A code at the end of the scale is an error.
     #[cold]
     async fn is_measured(&mut self, channel: Channel, answer: u32) -> Result<bool, SampleError<SPI::Error>> {
         self.require_healthy().await?;
@@ -394,7 +395,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(())
     }
 
-    /// One command in the framing of F-22: one transfer per byte, or one in all. Returns the data bytes that
+    /// Sends one command in the framing of F-22: one transfer per byte, or one in all. Returns the data bytes that
     /// came back.
     #[inline]
     async fn exchange(&mut self, register: Address, mut frame: Frame) -> Result<u32, BusError<SPI::Error>> {
@@ -418,12 +419,12 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
 
 #[bisync]
 impl<SPI: SpiDevice, RDY: RdyPin> Adis16130<SPI, RDY> {
-    /// Measures what the self-test does to the rate, and judges nothing (F-11).
+    /// Measures how the self-test shifts the rate, and judges nothing (F-11).
     ///
-    /// `pin` drives the self-test pins 1–7 and 9 together and is active high. It is low when this returns,
-    /// also with an error, and when an async call is dropped. The part must be initialised; use a slow or
-    /// undisturbed moment, since motion counts as shift. Takes two settling times and `2 · samples` rates,
-    /// each within `4 ·` the bound of the plan.
+    /// `pin` drives the self-test pins 1–7 and 9 together and is active high. It is low when this returns, also with
+    /// an error, and when an async call is dropped. The part must be initialised. Use a slow or undisturbed moment,
+    /// since motion counts as shift. Takes two settling times and `2 · samples` rates, each within `4 ·` the bound of
+    /// the plan.
     #[allow(clippy::type_complexity, reason = "one type for each of the three wires that can fail")]
     pub async fn self_test<P: OutputPin>(
         &mut self,
@@ -453,7 +454,7 @@ impl<SPI: SpiDevice, RDY: RdyPin> Adis16130<SPI, RDY> {
         Ok(level)
     }
 
-    /// The next rate that has not been read. Both channels are read, since either may hold RDY.
+    /// Waits for the next unread rate. Both channels are read, since either may hold RDY.
     async fn next_rate<P>(
         &mut self,
         delay: &mut impl DelayNs,

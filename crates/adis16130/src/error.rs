@@ -1,4 +1,4 @@
-//! What can go wrong, one enum per operation, with the evidence: which register, what was expected, what came.
+//! The errors of the driver: one enum per operation, with the evidence (which register, what was expected, what came).
 
 use core::convert::Infallible;
 use core::fmt::{Debug, Display, Formatter, Result};
@@ -12,16 +12,16 @@ use crate::registers::{Address, ChannelStatus, Mode, Operation};
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BusError<E> {
-    /// The bus refused a transfer. It may have left the part in the middle of the command, which CS alone does not end
-    /// (F-22), so every call after this one is [`Interrupted`](Self::Interrupted).
+    /// The bus refused a transfer. The part may be in the middle of the command, which CS alone does not end (F-22),
+    /// so every call after this one is [`Interrupted`](Self::Interrupted).
     Transfer {
         /// The register that was addressed.
         register: Address,
-        /// What the bus says.
+        /// The error of the bus.
         error: E,
     },
-    /// A command before this one was cut short: its transfer failed, or the future of an async call was dropped. What
-    /// the part sends now would be read shifted, so nothing was sent. `reset` or `restart` ends it.
+    /// A command before this one was cut short: its transfer failed, or the future of an async call was dropped. The
+    /// part's next bytes would be read shifted, so nothing was sent. `reset` or `restart` ends this state.
     Interrupted {
         /// The register that was addressed when it was cut short.
         register: Address,
@@ -38,8 +38,8 @@ impl<E: Debug> Display for BusError<E> {
             ),
             Self::Interrupted { register } => write!(
                 f,
-                "the command for {register} was cut short, by a failed transfer or a dropped future, so the part may \
-                 be in the middle of it and what it sends would be misread: reset and initialise the part"
+                "the command for {register} was cut short (failed transfer or dropped future), so the next bytes \
+                 would be misread: reset and initialise the part"
             ),
         }
     }
@@ -55,7 +55,7 @@ pub enum ReadError<E> {
     Fault(Fault),
     /// The link is healthy, and the input is out of range (F-35).
     OutOfRange(OutOfRange),
-    /// The link is healthy, and there is no reading yet.
+    /// The link is healthy, but there is not a reading yet.
     NoReading(NoReading),
 }
 
@@ -65,7 +65,7 @@ pub enum ReadError<E> {
 pub enum InitError<E> {
     /// The bus refused a transfer. Registers before this one have been written.
     Bus(BusError<E>),
-    /// All was written, but does not read back.
+    /// All registers were written, but do not read back.
     Verify(VerifyError<E>),
 }
 
@@ -75,19 +75,19 @@ pub enum InitError<E> {
 pub enum VerifyError<E> {
     /// The bus refused a transfer.
     Bus(BusError<E>),
-    /// MODE has not been written since the reset: there is nothing to verify.
+    /// MODE has not been written since the reset, so there is nothing to verify.
     NotInitialised,
     /// Every register reads FFh: SDO is stuck at ones.
     StuckHigh(Differences),
     /// Every register reads 00h: SDO is stuck at zeros.
     StuckLow(Differences),
-    /// MODE reads 00h: the part has been reset, as by a brown-out.
+    /// MODE reads 00h: the part has been reset, for example by a brown-out.
     ConfigurationLost(Differences),
     /// Some registers read back differently.
     Differs(Differences),
 }
 
-/// Why an edge gave no sample. The rate samples that this cost are counted in the next [`Sample`](crate::Sample).
+/// Why an edge gave no sample. The next [`Sample`](crate::Sample) counts the rate samples that this cost.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SampleError<E> {
@@ -100,7 +100,7 @@ pub enum SampleError<E> {
     OutOfRange(OutOfRange),
 }
 
-/// Why waiting for data ended without.
+/// Why waiting for data ended without data.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum WaitError<P> {
@@ -122,12 +122,11 @@ pub enum SelfTestError<E, R, P> {
     Read(ReadError<E>),
     /// No data within the bound.
     Wait(WaitError<R>),
-    /// The self-test pin could not be set or released: if it is still active, the rate is offset.
+    /// The self-test pin could not be set or released. If it is still active, the rate is offset.
     Pin(P),
 }
 
-/// Any error of the driver, for functions that do several things: the question mark widens each operation's error to
-/// it.
+/// Any error of the driver, for functions that do several things. The question mark converts each operation's error.
 ///
 /// `E` is the error of the bus, `R` of the RDY pin, `P` of the self-test pin.
 ///
@@ -147,21 +146,21 @@ pub enum SelfTestError<E, R, P> {
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Error<E, R = Infallible, P = Infallible> {
-    /// Of a single register.
+    /// Reading or writing a single register failed.
     Bus(BusError<E>),
-    /// Of an initialisation.
+    /// The initialisation failed.
     Init(InitError<E>),
-    /// Of reading the configuration back.
+    /// Reading the configuration back failed.
     Verify(VerifyError<E>),
-    /// Of a checked read.
+    /// A checked read failed.
     Read(ReadError<E>),
-    /// Of an edge.
+    /// An edge gave no sample.
     Sample(SampleError<E>),
-    /// Of a wait.
+    /// A wait ended without data.
     Wait(WaitError<R>),
-    /// Of a self-test.
+    /// The self-test failed.
     SelfTest(SelfTestError<E, R, P>),
-    /// What `diagnose` has found.
+    /// `diagnose` found a fault.
     Fault(Fault),
 }
 
@@ -172,16 +171,16 @@ pub enum Error<E, R = Infallible, P = Infallible> {
 pub struct OutOfRange {
     /// The data register.
     pub register: Address,
-    /// What it read. It is no reading of the input.
+    /// The code that it read, which does not tell the input.
     pub code: u32,
     /// How wide it was.
     pub width: Width,
-    /// The status of the channel where that was asked (OVR, and on which side: SIGN); `None` where the code itself is
+    /// The status of the channel where it was asked for (OVR, and SIGN for the side). `None` where the code itself is
     /// the end of the scale.
     pub status: Option<ChannelStatus>,
 }
 
-/// A data register in which no conversion has been since the reset, or since MODE was written: it holds its reset
+/// A data register that no conversion has reached since the reset, or since MODE was written. It holds its reset
 /// value.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -247,7 +246,7 @@ impl<E: Debug> Display for InitError<E> {
 }
 
 impl<E> VerifyError<E> {
-    /// The verdict on what every register has read.
+    /// Judges the values that every register has read.
     pub(crate) fn judge(seen: Differences) -> core::result::Result<(), Self> {
         if seen.iter().next().is_none() {
             Ok(())
@@ -342,7 +341,7 @@ impl<E: Debug> core::error::Error for SampleError<E> {}
 impl<P: Debug> core::error::Error for WaitError<P> {}
 impl<E: Debug, R: Debug, P: Debug> core::error::Error for SelfTestError<E, R, P> {}
 
-/// The question mark widens an error to that of the operation it is part of.
+/// Lets the question mark convert an error into the error of the operation that contains it.
 macro_rules! widen {
     ($($from:ty => $to:ident::$variant:ident;)*) => {$(
         impl<E> From<$from> for $to<E> {
@@ -365,7 +364,7 @@ widen! {
     VerifyError<E> => InitError::Verify;
 }
 
-/// The same to [`enum@Error`], whose other parameters are the caller's.
+/// Does the same for [`enum@Error`], whose other parameters are the caller's.
 macro_rules! gather {
     ($($from:ty => $variant:ident;)*) => {$(
         impl<E, R, P> From<$from> for Error<E, R, P> {

@@ -1,7 +1,7 @@
-//! Division of 64 bits, small rather than fast: the compiler's own takes a kilobyte of a microcontroller's flash, a
-//! quarter of the whole driver, and is needed here for a learned period or a long gap only.
+//! Division of 64 bits, small rather than fast. The compiler's own takes a kilobyte of a microcontroller's flash, a
+//! quarter of the whole driver. The driver divides only for a learned period or a long gap.
 
-/// ⌊dividend / divisor⌋; 0 for the divisor 0, which no caller has. Takes two rounds for each bit of the quotient.
+/// ⌊dividend / divisor⌋, or 0 for the divisor 0, which no caller has. Takes two rounds for each bit of the quotient.
 #[inline(never)]
 pub(crate) const fn quotient(dividend: u64, divisor: u64) -> u64 {
     if divisor == 0 {

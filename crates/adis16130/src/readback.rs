@@ -1,4 +1,4 @@
-//! What has been written, and how it reads back.
+//! The values written to the configuration registers, and how they read back.
 
 use core::fmt::{Display, Formatter, Result};
 
@@ -9,20 +9,20 @@ use crate::registers::{Address, Iop, Mode, Register};
 const CONFIGURED: [Address; 6] =
     [Address::Iop, Address::RateCs, Address::RateConv, Address::TempCs, Address::TempConv, Address::Mode];
 
-/// What has been written to the configuration registers, successfully, since the reset.
+/// The values written with success to the configuration registers since the reset.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Written {
-    /// In the order of [`CONFIGURED`]; MODE resets to 0, the others mean nothing until written.
+    /// In the order of [`CONFIGURED`]. MODE resets to 0; the others mean nothing until written.
     values: [u8; CONFIGURED.len()],
-    /// Bit n: the n-th has been written.
+    /// Bit n is set when the n-th register has been written.
     known: u8,
 }
 
 impl Written {
     pub(crate) const NOTHING: Self = Self { values: [Mode::RESET.bits(); CONFIGURED.len()], known: 0 };
 
-    /// Notes a successful write, and says whether it begins the conversions anew: that of MODE does. Registers that
-    /// configure nothing (CHECKSUM) are not kept.
+    /// Notes a successful write, and returns whether it begins the conversions anew, as a write of MODE does.
+    /// Registers that configure nothing (CHECKSUM) are not kept.
     pub(crate) fn record(&mut self, register: Address, value: u32) -> bool {
         for (place, (address, slot)) in CONFIGURED.iter().zip(&mut self.values).enumerate() {
             if *address == register {
@@ -33,7 +33,7 @@ impl Written {
         register == Address::Mode
     }
 
-    /// The value of MODE: that of the reset unless written.
+    /// The value of MODE: the last one written, or its reset value.
     #[inline]
     pub(crate) const fn mode(&self) -> Mode {
         let [.., mode] = self.values;
@@ -44,7 +44,7 @@ impl Written {
         self.known >> (CONFIGURED.len() - 1) != 0
     }
 
-    /// Register and value of everything written.
+    /// Register and value of each write.
     pub(crate) fn iter(self) -> impl Iterator<Item = (Address, u8)> {
         let written = CONFIGURED.into_iter().zip(self.values).enumerate();
         written.filter(move |(place, _)| self.known >> place & 1 != 0).map(|(_, entry)| entry)

@@ -1,4 +1,4 @@
-//! What the sampling loop takes and gives.
+//! The input and output of the sampling loop.
 
 use crate::codes::{RateCode, TempCode};
 use crate::registers::ChannelStatus;
@@ -8,9 +8,9 @@ use crate::registers::ChannelStatus;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Edge {
-    /// When, in ns of a clock that runs evenly; its zero does not matter.
+    /// The time of the edge, in ns of a clock that runs evenly. Its zero does not matter.
     pub t_ns: u64,
-    /// Running number of the edge. It counts all edges, also those that the host had no time to handle; it may wrap.
+    /// Running number of the edge. It counts all edges, also those that the host had no time to handle, and may wrap.
     pub seq: u32,
 }
 
@@ -21,7 +21,7 @@ pub struct Edge {
 pub struct Sample {
     /// Time of the edge that announced it, in ns.
     pub t_ns: u64,
-    /// Running number of that edge ([`Edge::seq`]): from it the rate of RDY is measured.
+    /// Running number of that edge ([`Edge::seq`]). The rate of RDY is measured from it.
     pub seq: u32,
     /// The rate.
     pub rate: RateCode,

@@ -10,17 +10,17 @@ use crate::timeline::{Comb, Timeline};
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SamplerConfig {
-    /// Read the temperature with every n-th sample (F-55): 1 = with each, 0 = never.
+    /// Read the temperature with every n-th sample (F-55): 1 = with each sample, 0 = never.
     pub every_temp: u16,
     /// Read on every n-th edge of RDY (F-56); 0 counts as 1. With both channels and RDYFN = 1, reading both on every
     /// N-th edge gives f_conv/(N + 1), since the first edge after a read of both comes two conversions later.
     pub divider: u16,
-    /// The line that the host hears is that of a counter which lets every n-th edge of RDY through (F-56); 1 = RDY
-    /// itself, and 0 counts as 1. A divider counts the edges behind that counter.
+    /// The host hears a counter, which lets every n-th edge of RDY through (F-56). 1 = the host hears RDY itself, and
+    /// 0 counts as 1. A divider counts the edges behind that counter.
     #[cfg_attr(feature = "serde", serde(default = "undivided"))]
     pub divided: u16,
     /// Read the status of the rate channel with every sample. It can only be left out with both channels, RDYFN = 1
-    /// and no counter in the line, and is read even then where an edge is not believable.
+    /// and no counter in the line. Even then it is read where an edge is not believable.
     pub read_status: bool,
 }
 
@@ -48,7 +48,7 @@ impl SamplerConfig {
         self
     }
 
-    /// Sets how many edges of RDY a counter in the line makes one of.
+    /// Sets how many edges of RDY a counter in the line merges into one.
     pub const fn with_divided(mut self, edges: u16) -> Self {
         self.divided = edges;
         self
@@ -80,24 +80,24 @@ pub struct Due {
     ticks: i32,
     /// Samples without temperature before this one.
     rates_only: u8,
-    /// The edge can only be that of a rate update.
+    /// This edge can only announce a rate update.
     is_rate: bool,
 }
 
-/// So many samples have their status read after an edge that was not believable: until a late host has certainly
+/// Number of samples whose status is read after an edge that was not believable. After these a late host has certainly
 /// caught up.
 const SUSPICIOUS_SAMPLES: u8 = 8;
 
-/// A part that lives shows an edge at the latest after this many periods, or distances of divided edges: it is the
-/// longest gap that a drop of the part (F-33), a few edges missed in a row and the tolerance of MCLK make, several
-/// times over.
+/// A part that lives shows an edge at the latest after this many periods, or distances of divided edges. The longest
+/// gap comes from a drop of the part (F-33), a few edges missed in a row and the tolerance of MCLK; this is several
+/// times that gap.
 const SILENT_PERIODS: u32 = 64;
 
-/// Samples by which the number of a sample may be ahead of its edge: what late timestamps counted too early.
+/// Samples by which the number of a sample may be ahead of its edge: the surplus that late timestamps have counted.
 const MAX_AHEAD: i32 = 3;
 
-/// After so many samples without temperature, with no edge missed, the next edge is that of a rate update: at the edge
-/// before the second of them the temperature was unread (F-32), and nothing has read it since.
+/// After this many samples without temperature, with no edge missed, the next edge announces a rate update. At the
+/// edge before the second sample the temperature was unread (F-32), and nothing has read it since.
 const RATES_ONLY: u8 = 2;
 
 /// Readings in a row that may fail, or find nothing new, before there is a pause between them.
@@ -112,19 +112,19 @@ struct Taken {
     /// Time and number of its edge, in ns.
     t_ns: u32,
     seq: u32,
-    /// None was taken before it.
+    /// No sample was taken before it.
     first: bool,
 }
 
 /// On each edge decides what is due, and counts the rate samples that were lost.
 ///
-/// Call [`edge`](Self::edge) with every edge seen. If it says that something is due, read it, and call
-/// [`taken`](Self::taken) if, and only if, the reading succeeded and was not stale: it returns how many were lost
-/// since the one before. Call [`stale`](Self::stale) if it was.
+/// Call [`edge`](Self::edge) with every edge seen. If it says that something is due, read it. Call
+/// [`taken`](Self::taken) if, and only if, the reading succeeded and was not stale: it returns how many samples were
+/// lost since the one before. Call [`stale`](Self::stale) if the reading was stale.
 ///
 /// # Example
 ///
-/// A loop that comes back after a brown-out, when there are no edges: silence, then reset and initialisation.
+/// A loop that recovers from a brown-out, which stops the edges: it notices the silence, then resets and initialises.
 ///
 /// ```
 /// use adis16130::{Config, Edge, Error, MCLK_HZ, Sampler, SamplerConfig, blocking::Adis16130};
@@ -159,56 +159,58 @@ struct Taken {
 /// # How losses are counted
 ///
 /// The part raises no flag when it overwrites a reading, or when a reading that arrives during a read is dropped
-/// (F-33). But conversions run evenly, so each edge can be given the number of the rate update before it; the learned
-/// period gives that number, and the numbers of two samples in a row tell what is missing between them. So a dropped
-/// reading (doubled interval), an overwritten one, missed edges, and failed reads are all found by the same rule, once
-/// each. A stale edge is no sample and no loss.
+/// (F-33). But conversions run evenly, so the learned period gives each edge the number of the rate update before it.
+/// The numbers of two samples in a row tell what is missing between them. So a dropped reading (doubled interval), an
+/// overwritten one, missed edges and failed reads are all found by the same rule, once each. A stale edge counts
+/// neither as a sample nor as a loss.
 ///
-/// With both channels and RDYFN = 1 an edge can be that of a rate or of a temperature update, and changes from one to
-/// the other when the host is late. The sampler follows this from the time alone. What such a change costs depends on
-/// which kind the first edge was, and nobody knows that where the host was late from the start. So at the first change
-/// the sampler leaves two temperatures out: after two samples without temperature the next edge can only be that of a
-/// rate update, which pins down which is which. A loss that depends on it is reported then, two samples later.
+/// With both channels and RDYFN = 1 an edge announces a rate update or a temperature update, and the edges change from
+/// one kind to the other when the host is late. The sampler follows this from the time alone. What such a change costs
+/// depends on the kind of the first edge, which is unknown where the host was late from the start. So at the first
+/// change the sampler leaves two temperatures out. After two samples without temperature the next edge can only
+/// announce a rate update, which tells the two kinds apart. A loss that depends on it is reported then, two samples
+/// later.
 ///
-/// With a divider above 1 a loss is a reading that was due and not taken: the gap divided by the nominal distance of
-/// the readings, N + 1 conversions with both channels and RDYFN = 1, N otherwise, rounded, less one.
+/// With a divider above 1 a loss is a reading that was due and not taken. Their number is the gap divided by the
+/// nominal distance of the readings, rounded, less one. That distance is N + 1 conversions with both channels and
+/// RDYFN = 1, and N otherwise.
 ///
 /// Edges that a counter has divided by D come D + 1 or D conversions apart. So a missing one is found by the same rule
-/// with N = D, or D times the divider, and what the counter keeps back is no loss. Their distance is learned as the
-/// period is, as the mean of the gaps.
+/// with N = D, or D times the divider. The edges that the counter keeps back do not count as losses. The distance is
+/// learned as the period is, as the mean of the gaps.
 ///
 /// # Assumptions
 ///
-/// * `t_ns` runs evenly. Jitter of its edges, as standard deviation: up to a twelfth of the period (15 µs with F-30)
-///   costs at most one loss too many or too few in all, up to a ninth (20 µs) three in 20 000 samples (measured, 200
-///   seeds, clock off by ±2 %). With jitter a loss may be reported one or a few samples late.
-/// * A host may stop at any moment, for several periods. As long as the timestamps are those of the edges, no loss is
-///   counted that there was not, and each is reported within five samples. If they are late as well, as behind USB, a
-///   stop in 100 periods costs at most two losses too many or too few in all, one in 20 periods 0.6 % of the samples
-///   (measured, 60 seeds of 3000 samples each, stops of up to 5 periods). Where edges come at any time, nothing can be
-///   learned from them: the nominal period holds, and the losses are right to 3.5 % of all samples (measured with
-///   edges late by up to a period, which wait for each other).
+/// * `t_ns` runs evenly. A jitter of its edges of up to a twelfth of the period (15 µs with F-30, standard deviation)
+///   costs at most one loss too many or too few in all. Up to a ninth (20 µs) costs three in 20 000 samples. Both were
+///   measured with 200 seeds and the clock off by ±2 %. With jitter, a loss may be reported one or a few samples late.
+/// * A host may stop at any moment, for several periods. As long as the timestamps are the times of the edges, every
+///   reported loss is real, and each is reported within five samples. Timestamps may be late as well, as behind USB.
+///   Then one stop in 100 periods costs at most two losses too many or too few in all, and one in 20 periods 0.6 % of
+///   the samples (measured, 60 seeds of 3000 samples each, stops of up to 5 periods). Where edges come at any time,
+///   nothing can be learned from them. Then the nominal period holds, and the losses are right to 3.5 % of all samples
+///   (measured with edges late by up to a period, which wait for each other).
 /// * `seq` differs for different edges. Where `t_ns` stands still or runs backwards, the edges themselves are counted:
 ///   each missed pair is a loss.
 /// * MCLK is within 6 % of the nominal one (the part: 2 %), and changes slowly. The period is learned from the first
 ///   edges on, to some 10⁻⁶ after a second.
-/// * After a gap of more than 4096 periods the phase starts anew; the gap is divided by the period that was learned. A
-///   gap above 19.5 h counts as 19.5 h, and 2³¹ periods without a sample (4.4 days with F-30) as no more than that.
+/// * After a gap of more than 4096 periods the phase starts anew, and the gap is divided by the period that was
+///   learned. A gap above 19.5 h counts as 19.5 h, and 2³¹ periods without a sample (4.4 days with F-30) as no more
+///   than that.
 /// * With `read_status` off, an edge that comes too early to be new, or after edges that were not seen, makes the
-///   status due for this sample and the next few.
-///   So a late host gets no sample twice. With one channel, or with RDYFN = 0, only the status tells that: it is
-///   always due.
-/// * After a failed read the next edge is due again, whatever the divider.
+///   status due for this sample and the next few. So a late host gets no sample twice. With one channel, or with RDYFN
+///   = 0, only the status tells that, so it is always due.
+/// * After a failed read the next edge is due again, with any divider.
 ///
 /// # When nothing comes
 ///
-/// After a brown-out there are no edges, so a loop that waits for the next one needs a second way out:
-/// [`silent_since`](Self::silent_since) with the time now, or a wait of at most [`silence_ns`](Self::silence_ns).
+/// A brown-out stops the edges, so a loop that waits for the next one needs a second way out. Call
+/// [`silent_since`](Self::silent_since) with the time now, or wait at most [`silence_ns`](Self::silence_ns).
 ///
-/// Where edges come but readings fail (a dead SDO), the sampler pauses: after 16 readings in a row that were due and
+/// Where edges come but readings fail (a dead SDO), the sampler pauses. After 16 readings in a row that were due and
 /// not [`taken`](Self::taken), the next is due one edge later, then two, four, and so on up to 1024. So a loop that
 /// initialises the part after each failure does so 11 times a second and not 11 400 times. The first reading that is
-/// taken ends this, and its `lost` counts what the pauses cost.
+/// taken ends the pauses, and its `lost` counts what they cost.
 #[derive(Clone, Debug)]
 pub struct Sampler {
     rules: Rules,
@@ -217,7 +219,7 @@ pub struct Sampler {
     until_temp: u16,
     /// Samples without temperature in a row, if every edge between them was the next one.
     rates_only: u8,
-    /// Temperatures are left out until it is known which edges are those of rate updates.
+    /// Temperatures are left out until it is known which edges announce rate updates.
     seeks_rate: bool,
     suspicious: u8,
     /// Readings that were due since the last one taken.
@@ -228,7 +230,7 @@ pub struct Sampler {
     heard_ns: Option<u64>,
 }
 
-/// What of [`SamplerConfig`] and [`Config`] decides, worked out once.
+/// The values of [`SamplerConfig`] and [`Config`] that decide, worked out once.
 #[derive(Clone, Debug)]
 struct Rules {
     /// As in [`SamplerConfig`]; 0 where the temperature is not converted.
@@ -236,10 +238,10 @@ struct Rules {
     divider: u16,
     read_status: bool,
     reads_rate: bool,
-    /// An edge is that of a rate or of a temperature update and keeps to it, so that which it is can be found out.
+    /// Edges keep to one kind of update, rate or temperature, so the sampler can find out which kind it is.
     steady: bool,
-    /// An edge so soon after the one that was read cannot be new. Times that differ by a multiple of 2³² ns pass for
-    /// equal, which costs a look at the status.
+    /// An edge sooner than this after the one that was read cannot be new. Times that differ by a multiple of 2³² ns
+    /// pass for equal, which costs a look at the status.
     early_ns: u32,
     /// Conversions from one reading that is due to the next.
     conversions: u32,
@@ -276,10 +278,10 @@ impl Rules {
         (rules, comb)
     }
 
-    /// Readings lost where so many ticks have passed since the sample before, and the tick that the new one goes by.
+    /// Readings lost if `ticks` have passed since the sample before, and the tick that the new sample goes by.
     ///
-    /// A sample whose edge was numbered too low still advances by one: the edge before had a late timestamp, and what
-    /// that counted too much is not counted again. But by no more than a little beyond its edge, so that none is
+    /// A sample whose edge was numbered too low still advances by one: the edge before had a late timestamp, and the
+    /// surplus that it counted is not counted again. But a sample is never far ahead of its edge, so that no loss is
     /// hidden.
     fn lost_in(&self, ticks: i32) -> (u32, i32) {
         if self.divider > 1 {
@@ -291,7 +293,7 @@ impl Rules {
         }
     }
 
-    /// Readings that are due in so many ticks of the timeline.
+    /// Readings that are due in this many ticks of the timeline.
     fn readings_in(&self, ticks: i32) -> u32 {
         let (per_tick, step) =
             if self.counts_edges { (1, self.divider.into()) } else { (self.conversions_per_period, self.conversions) };
@@ -301,8 +303,8 @@ impl Rules {
 }
 
 impl Sampler {
-    /// A sampler for a part that runs with `config`. `mclk_hz` is the nominal master clock, [`crate::MCLK_HZ`] unless
-    /// known better.
+    /// Makes a sampler for a part that runs with `config`. `mclk_hz` is the nominal master clock: [`crate::MCLK_HZ`],
+    /// unless a better value is known.
     pub fn new(sampling: SamplerConfig, config: &Config, mclk_hz: u32) -> Self {
         let (rules, comb) = Rules::new(sampling, config, mclk_hz);
         Self {
@@ -319,7 +321,7 @@ impl Sampler {
         }
     }
 
-    /// Takes an edge and says what to read now; `None` = nothing.
+    /// Takes an edge and says what to read now; `None` = nothing is due.
     #[inline]
     pub fn edge(&mut self, edge: Edge) -> Option<Due> {
         self.heard_ns = Some(edge.t_ns);
@@ -349,7 +351,7 @@ impl Sampler {
         self.rules.reads_rate.then_some(due)
     }
 
-    /// Notes that what was due has been read, and returns the number of rate samples lost since the one before.
+    /// Notes that the due reading has been taken, and returns the number of rate samples lost since the one before.
     #[inline]
     pub fn taken(&mut self, due: &Due) -> u32 {
         self.suspicious = self.suspicious.saturating_sub(1);
@@ -370,24 +372,24 @@ impl Sampler {
         lost
     }
 
-    /// Notes that what was due was not new: the status says that the reading before took it. If that was the first
-    /// one, it came late, and what it overtook was lost before it.
+    /// Notes that the due reading was not new: the status says that the reading before took it. If that was the first
+    /// reading, it came late, and the samples that it overtook were lost before it.
     pub fn stale(&mut self) {
         if self.taken.is_some_and(|taken| taken.first) {
             self.timeline.begin();
         }
     }
 
-    /// Notes that the part has been initialised anew, so that its conversions have another phase. What the gap cost is
-    /// counted at the next sample, to within one.
+    /// Notes that the part has been initialised anew, so that its conversions have another phase. The samples that the
+    /// gap cost are counted at the next sample, to within one.
     pub fn restarted(&mut self) {
         self.timeline.restart();
         self.heard_ns = None;
     }
 
-    /// Since when the part is silent, if `now_ns` (of the clock of [`Edge::t_ns`]) is more than
-    /// [`silence_ns`](Self::silence_ns) after the last edge: it has lost its supply or its configuration, or RDY is
-    /// cut.
+    /// Time since which the part is silent; `None` until `now_ns` (of the clock of [`Edge::t_ns`]) is more than
+    /// [`silence_ns`](Self::silence_ns) after the last edge. A silent part has lost its supply or its configuration,
+    /// or RDY is cut.
     ///
     /// Before the first edge, and after [`restarted`](Self::restarted), the time counts from the first call on. The
     /// clock may wrap, and `now_ns` may be older than the last edge. Hand over edges that wait before you ask.
@@ -397,8 +399,8 @@ impl Sampler {
         (silence_ns > self.silence_ns() as i64).then_some(heard_ns)
     }
 
-    /// So long without an edge is silence, in ns: 64 periods of the rate, 11.2 ms with F-30, or 64 distances of
-    /// divided edges.
+    /// The time without an edge that counts as silence, in ns: 64 periods of the rate, 11.2 ms with F-30, or 64
+    /// distances of divided edges.
     pub fn silence_ns(&self) -> u64 {
         self.timeline.eighths_of_period_ns(8 * SILENT_PERIODS)
     }
@@ -414,7 +416,8 @@ impl Sampler {
         }
     }
 
-    /// A temperature waits where the sample must find out which edges are those of rate updates.
+    /// Whether to read the temperature now. It waits where the sampler must find out which edges announce rate
+    /// updates.
     fn temp_is_due(&mut self, is_rate: bool) -> bool {
         if self.rules.steady {
             self.seeks_rate |= self.timeline.is_ambiguous();

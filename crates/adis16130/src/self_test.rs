@@ -1,4 +1,4 @@
-//! The self-test: what its pins do to the rate (F-11).
+//! The self-test: how its pins shift the rate (F-11).
 
 use core::num::NonZeroU16;
 
@@ -8,8 +8,9 @@ use crate::RATE_LSB_PER_DPS;
 use crate::codes::RateCode;
 use crate::wait::WaitBound;
 
-/// Batches per level. Neighbouring samples are correlated by the bandwidth (F-03), means of batches hardly; so the
-/// scatter of the batch means gives an honest uncertainty where that of the samples would be several times too small.
+/// Batches per level. Neighbouring samples are correlated by the bandwidth (F-03), but means of batches hardly are. So
+/// the scatter of the batch means gives an honest uncertainty; the scatter of the samples would give one several times
+/// too small.
 const BATCHES: u32 = 16;
 
 /// How a self-test measures.
@@ -120,7 +121,7 @@ impl Level {
     }
 }
 
-/// Square root to 2⁻⁸, enough for code sums. (`core` has none for floats.)
+/// Square root to 2⁻⁸, enough for code sums. (`core` has no square root for floats.)
 fn sqrt(x: f32) -> f32 {
     ((x * 65_536.0) as u64).isqrt() as f32 / 256.0
 }
@@ -145,7 +146,7 @@ impl<'a, P: OutputPin> Active<'a, P> {
 impl<P: OutputPin> Drop for Active<'_, P> {
     fn drop(&mut self) {
         if let Some(pin) = self.0.take() {
-            // Nothing is left to do about an error: whoever is dropping this is on the way out with one already.
+            // An error here cannot be handled: the caller that drops this already returns one.
             let _ = pin.set_low();
         }
     }

@@ -39,12 +39,12 @@ pub struct WaitBound {
 
 impl WaitBound {
     /// Waits `timeout_us` at most. The blocking driver counts the delays it has asked for, so it may take longer by
-    /// what the host adds to them.
+    /// the time that the host adds to them.
     pub const fn from_us(timeout_us: u32) -> Self {
         Self { timeout_us, poll: PollInterval::DEFAULT }
     }
 
-    /// Sets how often the blocking driver looks at the pin; the async one is woken by its edge.
+    /// Sets how often the blocking driver looks at the pin. The async driver is woken by the edge.
     pub const fn with_poll(mut self, poll: PollInterval) -> Self {
         self.poll = poll;
         self

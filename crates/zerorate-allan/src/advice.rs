@@ -1,4 +1,4 @@
-//! What a noise model says of averaging.
+//! Advice on averaging from a noise model.
 
 use super::{AllanWarning, Fit, Term};
 
@@ -15,7 +15,7 @@ pub enum Averaging {
         /// Fitted deviation there, in the unit of the rate.
         dev: f64,
     },
-    /// From here on, longer averages gain less than 5 %; where the curve rises again, this record does not show.
+    /// From here on, longer averages gain less than 5 %. This record does not show where the curve rises again.
     Flat {
         /// Averaging time, s.
         tau_s: f64,
@@ -31,7 +31,7 @@ pub enum Averaging {
     },
 }
 
-/// What the curve advises.
+/// The advice that the curve gives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Advice {
     /// How long to average for the bias.
@@ -41,18 +41,18 @@ pub struct Advice {
     pub an1042: [Option<f64>; 2],
 }
 
-/// Nearness to the deviation of the longest average at which averaging is said to be done.
+/// Averaging is done where the deviation is within this factor of the deviation of the longest average.
 const FLAT_WITHIN: f64 = 1.05;
 /// Steps per octave of the search for the minimum.
 const STEPS_PER_OCTAVE: f64 = 32.0;
 
-/// Reads a fit as advice (F-53: how long to average is read off the Allan deviation); none where the model is
+/// Reads a fit as advice (F-53: how long to average is read off the Allan deviation). None where the model is
 /// rejected, and where the rate follows the temperature.
 #[must_use]
 pub fn advice(fit: &Fit) -> Option<Advice> {
     let within = |tau_s: f64| tau_s >= fit.span_s.0 && tau_s <= fit.span_s.1;
     let an1042 = AN1042_TAUS_S.map(|tau_s| within(tau_s).then(|| deviation(fit, tau_s)));
-    // a part that is warming would have to be averaged for as short as its drift is steep
+    // a warming sensor would need averages as short as its drift is steep
     let follows = |warning: &AllanWarning| matches!(warning, AllanWarning::FollowsTemperature { .. });
     let is_of_noise = !fit.is_rejected && !fit.warnings.iter().any(follows);
     is_of_noise.then(|| Advice { averaging: averaging(fit), an1042 })
@@ -84,7 +84,7 @@ fn taus(fit: &Fit) -> impl Iterator<Item = f64> {
     (0..=steps).map(move |step| first * libm::exp2(f64::from(step) / STEPS_PER_OCTAVE))
 }
 
-/// The shortest averaging time is that of one sample.
+/// The fitted deviation. The shortest averaging time is one sample.
 fn deviation(fit: &Fit, tau_s: f64) -> f64 {
     fit.deviation(libm::round(tau_s / fit.span_s.0).max(1.0) as u64)
 }

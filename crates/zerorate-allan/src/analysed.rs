@@ -1,4 +1,4 @@
-//! A record at rest on its way to its deviations and its noise model: one way for every front end.
+//! The way of a record at rest to its deviations and its noise model, the same for every front end.
 
 use crate::{
     AllanWarning, Analysis, AnalysisError, Detrended, Fit, FitError, FitOptions, Input, Line, Options, Term, analyse,
@@ -6,14 +6,14 @@ use crate::{
 };
 use alloc::vec::Vec;
 
-/// What was done about the temperature and the beginning of a record before it is analysed.
+/// How the temperature and the beginning of a record were treated before the analysis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Settled {
     /// The polynomial over temperature that was taken out.
     pub detrended: Option<Detrended>,
-    /// That the rate follows the temperature, where it does and nothing was taken out.
+    /// The warning that the rate follows the temperature, where it does and nothing was taken out.
     pub follows: Option<AllanWarning>,
-    /// What was left out at the beginning, s.
+    /// Time left out at the beginning, s.
     pub skipped_s: f64,
 }
 
@@ -27,7 +27,7 @@ pub struct Analysed<'a> {
 }
 
 impl<'a> Analysed<'a> {
-    /// Fits the noise model, if there are options for it; `scale` is what a step of the input is in the unit of the
+    /// Fits the noise model, if there are options for it. `scale` is the size of one input step in the unit of the
     /// result.
     #[must_use]
     pub fn new(input: Input<'a>, rate_hz: f64, scale: f64, options: Option<FitOptions>, settled: &Settled) -> Self {
@@ -44,8 +44,8 @@ impl<'a> Analysed<'a> {
         Self { input, rate_hz, scale, detrended: detrended.clone(), fit }
     }
 
-    /// The deviations. What was taken out before the fit is not in them either, or the two could not be compared; what
-    /// was lost to the polynomial over temperature widens their intervals. `options.scale` is not looked at.
+    /// The deviations. They leave out what was taken out before the fit, or curve and fit could not be compared. The
+    /// loss to the polynomial over temperature widens their intervals. `options.scale` is not used.
     ///
     /// # Errors
     /// As [`analyse`].
@@ -84,7 +84,7 @@ impl<'a> Analysed<'a> {
 }
 
 impl Fit {
-    /// What stands out of the spectrum.
+    /// The lines that stand out of the spectrum.
     pub fn lines(&self) -> impl Iterator<Item = &Line> {
         self.terms.iter().filter_map(|term| if let Term::Line(line) = term { Some(line) } else { None })
     }
@@ -95,7 +95,7 @@ mod tests {
     use super::*;
     use crate::{Stat, detrend, deviations};
 
-    /// A ramp of temperature with a rate that follows it, and one sample that is no noise.
+    /// A ramp of temperature with a rate that follows it, and one sample that cannot be noise.
     fn warming() -> (Vec<f64>, Vec<f64>) {
         let mut state = 7_u64;
         let mut noise = || {

@@ -9,16 +9,16 @@ use super::{Input, Stat, Taus, edf, interval};
 use alloc::vec::Vec;
 use core::fmt;
 
-/// What to compute.
+/// The settings of an analysis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// The statistic.
     pub stat: Stat,
-    /// At which averaging times.
+    /// The averaging times.
     pub taus: Taus,
     /// Probability that the limits enclose the true deviation, above 0 and below 1: 0.683 for one sigma.
     pub confidence: f64,
-    /// What one step of the input is in the unit of the result: for codes the rate per LSB, otherwise 1 or a change of
+    /// The size of one input step in the unit of the result: for codes the rate per LSB, otherwise 1 or a change of
     /// unit.
     pub scale: f64,
 }
@@ -33,32 +33,32 @@ impl Default for Options {
 /// One averaging time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// Averaging time τ = m / rate, s: the one that was computed, not the one that was asked for.
+    /// Averaging time τ = m / rate, s, as computed; the request was rounded to whole samples.
     pub tau_s: f64,
     /// Samples in each average.
     pub m: u64,
-    /// The deviation: unit of the input (for phase: per s) times [`Options::scale`]; TDEV that times s.
+    /// The deviation: unit of the input (for phase: per s) times [`Options::scale`]. TDEV has that unit times s.
     pub dev: f64,
     /// Lower confidence limit, same unit.
     pub lo: f64,
     /// Upper confidence limit, same unit.
     pub hi: f64,
-    /// Equivalent degrees of freedom behind the limits, 1 or more; where gaps took terms away, in proportion to what
-    /// is left. With fewer than 30 averages, of an exponent not above the last one that was identified with 30: less
-    /// is claimed when less is known.
+    /// Equivalent degrees of freedom behind the limits, 1 or more. Where gaps took terms away, they fall in
+    /// proportion. With fewer than 30 averages the exponent is not above the last one that was identified with 30, so
+    /// that less is claimed when less is known.
     pub edf: f64,
     /// Exponent α of the noise S_y(f) ∝ f^α at this τ, see [`noise_types`](super::noise_types).
     pub alpha: i32,
-    /// Terms that entered.
+    /// Terms that entered the mean.
     pub n: u64,
 }
 
 /// An averaging time without a result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unavailable {
-    /// Averaging time, s, as it was asked for.
+    /// Averaging time as asked for, s.
     pub tau_s: f64,
-    /// Why.
+    /// Why it has no result.
     pub reason: Reason,
 }
 
@@ -73,14 +73,14 @@ pub struct Analysis {
     pub samples: u64,
     /// Samples (for phase: points) that are missing.
     pub missing: u64,
-    /// What could be computed, τ ascending.
+    /// The results, τ ascending.
     pub points: Vec<Point>,
-    /// What could not, in the order in which it was asked for. A record that is too short for a single term has its
-    /// first length here.
+    /// The averaging times without a result, in the order in which they were asked for. A record that is too short for
+    /// a single term has its first length here.
     pub unavailable: Vec<Unavailable>,
 }
 
-/// Arguments that nothing can be computed with.
+/// Arguments that do not allow any computation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AnalysisError {
     /// Samples per second must be positive and finite.
@@ -94,9 +94,9 @@ pub enum AnalysisError {
 impl fmt::Display for AnalysisError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Rate(value) => write!(f, "a sample rate of {value} Hz: it must be positive and finite"),
-            Self::Confidence(value) => write!(f, "a confidence of {value}: it must be above 0 and below 1"),
-            Self::Scale(value) => write!(f, "a scale of {value}: it must be positive and finite"),
+            Self::Rate(value) => write!(f, "the sample rate must be positive and finite, not {value} Hz"),
+            Self::Confidence(value) => write!(f, "the confidence must be above 0 and below 1, not {value}"),
+            Self::Scale(value) => write!(f, "the scale must be positive and finite, not {value}"),
         }
     }
 }
@@ -147,7 +147,7 @@ pub fn analyse(input: &Input<'_>, rate_hz: f64, options: &Options) -> Result<Ana
 struct Request {
     tau_s: f64,
     m: u64,
-    /// The first of its length.
+    /// This is the first request of its length.
     is_first: bool,
 }
 
@@ -163,7 +163,7 @@ fn check(rate_hz: f64, options: &Options) -> Result<(), AnalysisError> {
     }
 }
 
-/// Ascending by length. What is no positive time has the length 0, which [`deviations`] refuses.
+/// Requests, ascending by length. A time that is not positive has the length 0, which [`deviations`] refuses.
 fn requests(input: &Input<'_>, rate_hz: f64, options: &Options) -> Vec<Request> {
     let mut requests: Vec<Request> = match &options.taus {
         Taus::List(times) => {

@@ -3,10 +3,10 @@
 use core::f64::consts::SQRT_2;
 use special::{Error as _, Gamma as _};
 
-/// From here on the Cornish–Fisher expansion is as accurate as the incomplete gamma function, and does not slow down
-/// with the degrees of freedom.
+/// From this number of degrees of freedom on the Cornish–Fisher expansion is as accurate as the incomplete gamma
+/// function, and does not slow down with it.
 const ASYMPTOTIC_FROM: f64 = 10_000.0;
-/// Bound on the refinements; Halley needs four, bisection alone would need about sixty.
+/// Bound on the refinements. Halley needs four; bisection alone would need about sixty.
 const STEPS: usize = 200;
 
 /// The value that a χ² variable with `degrees` > 0 (real) degrees of freedom stays below with probability `p`, 0 < p <
@@ -30,8 +30,8 @@ pub fn chi2_quantile(p: f64, degrees: f64) -> f64 {
     }
 }
 
-/// The probability that a χ² variable with `degrees` > 0 degrees of freedom is above `value`, to 12 places: beyond
-/// them the incomplete gamma function is not the same on all machines.
+/// The probability that a χ² variable with `degrees` > 0 degrees of freedom is above `value`, to 12 places. Beyond
+/// them the incomplete gamma function differs between machines.
 #[cfg(feature = "std")]
 pub(super) fn chi2_above(value: f64, degrees: f64) -> f64 {
     let above = (1.0 - (value / 2.0).max(0.0).inc_gamma(degrees / 2.0)).clamp(0.0, 1.0);
@@ -52,7 +52,7 @@ fn cornish_fisher(z: f64, degrees: f64) -> f64 {
         + z * (9.0 * z2 * z2 + 256.0 * z2 - 433.0) / (4860.0 * degrees * root)
 }
 
-/// Newton's method between bounds that shrink; a step that leaves them is replaced by their middle.
+/// Newton's method between bounds that shrink. A step that leaves them is replaced by their middle.
 fn solve(p: f64, degrees: f64) -> f64 {
     let shape = degrees / 2.0;
     let (mut low, mut high) = (0.0, f64::INFINITY);
@@ -94,7 +94,7 @@ fn smallest(p: f64, shape: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// As in Abramowitz & Stegun table 26.8: Q (upper tail), ν, χ², accuracy of its digits.
+    /// Rows of Abramowitz & Stegun table 26.8: Q (upper tail), ν, χ², accuracy of its digits.
     #[test]
     fn published_table() {
         for (upper, degrees, published, digits) in [
@@ -114,7 +114,7 @@ mod tests {
         }
     }
 
-    /// With two degrees of freedom the quantile is −2 ln(1 − p), whatever p.
+    /// With two degrees of freedom the quantile is −2 ln(1 − p), for every p.
     #[test]
     fn two_degrees_are_exponential() {
         for p in [1e-6, 0.01, 0.1585, 0.5, 0.8415, 0.99, 1.0 - 1e-6] {
@@ -123,7 +123,7 @@ mod tests {
         }
     }
 
-    /// With four: p = 1 − e^(−x) (1 + x), x = χ²/2.
+    /// With four degrees: p = 1 − e^(−x) (1 + x), x = χ²/2.
     #[test]
     fn four_degrees_fulfil_the_closed_form() {
         for p in [1e-4, 0.1585, 0.5, 0.8415, 0.9999] {

@@ -1,7 +1,7 @@
-//! A rate that follows the temperature: whether it does, and what is left of it without.
+//! Temperature in a rate: whether the rate follows it, and the rate without it.
 //!
-//! A part that is warming is not at rest as far as noise is concerned: its drift looks like a rate random walk. Both
-//! questions are asked of means over [`BLOCKS`] equal parts of the record, which hold all that is slow.
+//! A warming sensor is not at rest as far as noise is concerned: its drift looks like a rate random walk. Both
+//! questions are answered from means over [`BLOCKS`] equal parts of the record, which hold all slow changes.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -13,10 +13,10 @@ const BLOCKS: usize = 128;
 /// Highest order of the polynomial.
 pub const MOST_ORDER: usize = 3;
 /// Twice the gain in log-likelihood from which on the rate follows the temperature. χ² of one degree of freedom
-/// exceeds it once in 130 000; against walks, flicker and white noise beside a warm-up the rate was measured to be
-/// below one in 400 (the tests below).
+/// exceeds it once in 130 000. Against walks, flicker and white noise beside a warm-up, fewer than one record in 400
+/// exceeded it (the tests below).
 const SIGNIFICANT: f64 = 20.0;
-/// Share of the slow variance below which that is of no account.
+/// A line that explains a smaller share of the slow variance does not count.
 const LEAST_EXPLAINED: f64 = 0.25;
 
 /// How a rate follows the temperature.
@@ -24,7 +24,7 @@ const LEAST_EXPLAINED: f64 = 0.25;
 pub struct Follows {
     /// Share of the variance of the slow rate that a line over temperature explains.
     pub explained: f64,
-    /// That line, unit of the rate per °C, by the best mixture of walk and white noise.
+    /// Slope of that line, unit of the rate per °C, by the best mixture of walk and white noise.
     pub slope_per_c: f64,
     /// Highest less lowest temperature, °C.
     pub span_c: f64,
@@ -35,32 +35,32 @@ pub struct Follows {
 pub struct Detrended {
     /// The rate less the polynomial, about the mean; NaN where it was missing.
     pub residual: Vec<f64>,
-    /// Of (T − [`mean_c`](Self::mean_c)), from the first power on: unit of the rate per °C, °C², …
+    /// Coefficients of (T − [`mean_c`](Self::mean_c)), from the first power on: unit of the rate per °C, °C², …
     pub coefficients: Vec<f64>,
     /// Mean temperature, °C.
     pub mean_c: f64,
-    /// Share of the variance of the slow rate that it explains.
+    /// Share of the variance of the slow rate that the polynomial explains.
     pub explained: f64,
-    /// Degrees of freedom that it took, beside that of the mean: its order.
+    /// Degrees of freedom that it took beside the mean: its order.
     pub lost_dof: usize,
-    /// For 1, 2, 4 … of the record's 128 parts: the share of a random walk's Allan variance that is left.
+    /// The share of a random walk's Allan variance that is left, for 1, 2, 4 … of the record's 128 parts.
     kept: Vec<f64>,
     /// The share of the variance of a random walk about its mean that is left.
     walk_kept: f64,
     samples_per_part: f64,
 }
 
-/// Why nothing can be said of the temperature.
+/// Why the temperature cannot be judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DetrendError {
-    /// Rates and temperatures are not as many.
+    /// The numbers of rates and of temperatures differ.
     Lengths {
         /// Rates.
         rates: usize,
         /// Temperatures.
         temps: usize,
     },
-    /// An order that is none of 1 to [`MOST_ORDER`].
+    /// The order is not one of 1 to [`MOST_ORDER`].
     Order(usize),
     /// Too few samples, or parts of the record without a rate and a temperature.
     Short,
@@ -71,7 +71,7 @@ pub enum DetrendError {
 impl fmt::Display for DetrendError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Lengths { rates, temps } => write!(f, "{rates} rates and {temps} temperatures are not as many"),
+            Self::Lengths { rates, temps } => write!(f, "{rates} rates have {temps} temperatures; give one for each"),
             Self::Order(order) => write!(f, "the order {order} must be 1 to {MOST_ORDER}"),
             Self::Short => f.write_str("too few samples have a rate and a temperature"),
             Self::Constant => f.write_str("the temperature is the same all the time"),
@@ -81,11 +81,11 @@ impl fmt::Display for DetrendError {
 
 impl core::error::Error for DetrendError {}
 
-/// Whether a rate follows the temperature that was read with it; NaN is missing, and a missing temperature is the one
-/// before. None where it does not, or where too little is there to say.
+/// Whether a rate follows the temperature that was read with it. NaN is missing, and a missing temperature is replaced
+/// by the one before. None where the rate does not follow it, or where there is too little data.
 ///
-/// Rule: of all mixtures of white noise and random walk, the best without the temperature and the best with a line
-/// over it are compared by their likelihoods, so that a walk is not taken for a line.
+/// Of all mixtures of white noise and random walk, the best without the temperature and the best with a line over it
+/// are compared by their likelihoods. So a walk is not taken for a line.
 #[must_use]
 pub fn follows_temperature(rates: &[f64], temps: &[f64]) -> Option<Follows> {
     let parts = Parts::of(rates, temps).ok()?;
@@ -98,11 +98,11 @@ pub fn follows_temperature(rates: &[f64], temps: &[f64]) -> Option<Follows> {
     follows.then_some(Follows { explained, slope_per_c: with.1, span_c: high - low })
 }
 
-/// Takes a polynomial over temperature out of a rate, by least squares over means of the parts of the record; between
-/// these the temperature is taken as a straight line, so that its noise does not come in.
+/// Takes a polynomial over temperature out of a rate, by least squares over means of the parts of the record. Between
+/// these the temperature is taken as a straight line, so that its noise does not enter the rate.
 ///
 /// # Errors
-/// What does not fit.
+/// [`DetrendError`] for arguments that do not fit.
 pub fn detrend(rates: &[f64], temps: &[f64], order: usize) -> Result<Detrended, DetrendError> {
     if !(1..=MOST_ORDER).contains(&order) {
         return Err(DetrendError::Order(order));
@@ -129,8 +129,8 @@ pub fn detrend(rates: &[f64], temps: &[f64], order: usize) -> Result<Detrended, 
 }
 
 impl Detrended {
-    /// The share of a random walk's Allan variance that is left in averages of `m` samples: what the polynomial took
-    /// of a noise that has most of its power where the temperature has its own. 1 for short averages.
+    /// The share of a random walk's Allan variance that is left in averages of `m` samples. The polynomial takes part
+    /// of any noise that has most of its power at the same frequencies as the temperature. 1 for short averages.
     #[must_use]
     pub fn kept(&self, m: u64) -> f64 {
         let parts = m as f64 / self.samples_per_part;
@@ -146,8 +146,8 @@ impl Detrended {
         self.walk_kept
     }
 
-    /// Makes of a point of the residual one of the noise: its degrees of freedom fall by what the polynomial took, and
-    /// its upper limit holds what it may have taken.
+    /// Turns a point of the residual into a point of the noise. Its degrees of freedom fall by the number that the
+    /// polynomial took, and its upper limit holds the noise that it may have taken.
     #[must_use]
     pub fn widened(&self, point: &super::Point, confidence: f64) -> super::Point {
         let kept = self.kept(point.m);
@@ -156,8 +156,8 @@ impl Detrended {
         super::Point { edf, lo, hi: hi / sqrt(kept), ..*point }
     }
 
-    /// The same of K: its value is what it was before a walk lost what the polynomial took, on average; its interval
-    /// reaches from "nothing was lost" to that.
+    /// Does the same for K. Its value becomes the one before a walk lost, on average, what the polynomial took. Its
+    /// interval reaches from "nothing was lost" to that value.
     #[must_use]
     pub fn widened_walk(&self, k: &super::Coefficient) -> super::Coefficient {
         let gain = 1.0 / sqrt(self.walk_kept);
@@ -210,7 +210,7 @@ impl Parts {
         let mut basis: Vec<Vec<f64>> = Vec::new();
         for power in 0..=order {
             let mut next: Vec<f64> = self.temps.iter().map(|t| powered((t - mean_c) / span_c, power)).collect();
-            // twice is enough
+            // orthogonalising twice is enough
             for known in basis.iter().chain(&basis) {
                 let share = dot(known, &next);
                 next.iter_mut().zip(known).for_each(|(next, known)| *next -= share * known);
@@ -237,7 +237,7 @@ impl Parts {
     }
 }
 
-/// Gauss's elimination with pivots.
+/// Gaussian elimination with pivots.
 fn solved(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
     let count = rows.len();
     for step in 0..count {
@@ -263,7 +263,7 @@ fn explained(rates: &[f64], basis: &[Vec<f64>]) -> f64 {
     if total > 0.0 { (by_basis / total).min(1.0) } else { 0.0 }
 }
 
-/// What a projection leaves of a random walk: of its Allan variance at 1, 2, 4 … parts, and of its variance.
+/// The share of a random walk that a projection leaves: of its Allan variance at 1, 2, 4 … parts, and of its variance.
 fn kept(basis: &[Vec<f64>]) -> (Vec<f64>, f64) {
     let (all, constant) = (walk(basis), walk(&basis[..1]));
     let octaves = (0..).map(|k| 1usize << k).take_while(|m| 2 * m <= basis[0].len());
@@ -277,7 +277,7 @@ fn walk(basis: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let count = basis[0].len();
     let mut matrix: Vec<Vec<f64>> = (0..count).map(|i| (0..count).map(|j| i.min(j) as f64 + 1.0).collect()).collect();
     for known in basis {
-        // from the left and from the right
+        // projects from the left and from the right
         let columns: Vec<f64> = (0..count).map(|j| (0..count).map(|i| known[i] * matrix[i][j]).sum()).collect();
         for (row, share) in matrix.iter_mut().zip(known) {
             row.iter_mut().zip(&columns).for_each(|(value, column)| *value -= share * column);
@@ -290,7 +290,7 @@ fn walk(basis: &[Vec<f64>]) -> Vec<Vec<f64>> {
     matrix
 }
 
-/// Allan variance of averages of `m` parts that a covariance means, up to a factor.
+/// Allan variance of averages of `m` parts with this covariance, up to a factor.
 fn allan(covariance: &[Vec<f64>], m: usize) -> f64 {
     let count = covariance.len();
     let mut sums = vec![vec![0.0; count + 1]; count + 1];
@@ -313,9 +313,9 @@ fn mixture(k: usize) -> f64 {
     if k == 0 { 0.0 } else { exp2(k as f64 - 13.0) }
 }
 
-/// Log-likelihood of the parts under a local level, with or without a line over temperature, and its slope: a Kalman
-/// filter over rate and temperature alike, whose innovations are regressed on each other; the level before the first
-/// part is not known, and the size of the noise is the best.
+/// Log-likelihood of the parts under a local level, with or without a line over temperature, and the line's slope. A
+/// Kalman filter runs over rate and temperature alike, and its innovations are regressed on each other. The level
+/// before the first part is unknown, and the size of the noise is the most likely one.
 fn likelihood(parts: &Parts, ratio: f64, line: bool) -> (f64, f64) {
     let (mut rate, mut temp, mut variance) = (parts.rates[0], parts.temps[0], 1.0);
     let (mut yy, mut yt, mut tt, mut logs) = (0.0, 0.0, 0.0, 0.0);

@@ -5,17 +5,17 @@ use super::{Difference, Stat};
 
 /// Terms that are summed before tables take over (J_max of the paper).
 const MOST_TERMS: f64 = 100.0;
-/// Longest averaging factor at which flicker phase is summed with its own filter: beyond, the differences cancel.
+/// Longest averaging factor at which flicker phase is summed with its own filter. Beyond it the differences cancel.
 const LONGEST_FILTER: f64 = 1e6;
 
-/// Equivalent degrees of freedom of the statistic `stat` at the averaging length `m` in a record of `phase_points`
-/// points without gaps (one more than samples of rate), for power-law noise S_y(f) ∝ f^`alpha`.
+/// Equivalent degrees of freedom of the statistic `stat` at the averaging length `m`, for power-law noise S_y(f) ∝
+/// f^`alpha`. The record has `phase_points` points (one more than samples of rate) without gaps.
 ///
-/// ADEV, OADEV, MDEV, TDEV, HDEV, OHDEV: [`finite_difference_edf`]. TOTDEV: `b T/τ − c` for white (b, c = 1.5, 0),
-/// flicker (1.17, 0.22) and random walk (0.93, 0.36) frequency noise (NIST SP 1065 section 5.4.2 table 6, T the
-/// record); phase noise (α > 0) as OADEV, whose terms TOTDEV repeats. Exponents outside of what the statistic
-/// converges for count as the nearest one that it does: −2…2, for HDEV and OHDEV −4…2. Never below 1, 0 where the
-/// record has no term at all.
+/// ADEV, OADEV, MDEV, TDEV, HDEV, OHDEV use [`finite_difference_edf`]. TOTDEV uses `b T/τ − c`, T the record, for
+/// white (b, c = 1.5, 0), flicker (1.17, 0.22) and random walk (0.93, 0.36) frequency noise (NIST SP 1065 section
+/// 5.4.2 table 6). For phase noise (α > 0) TOTDEV is treated as OADEV, whose terms it repeats. Exponents for which the
+/// statistic does not converge count as the nearest one for which it does: −2…2, for HDEV and OHDEV −4…2. The result
+/// is never below 1, except 0 where the record has no term at all.
 #[must_use]
 pub fn edf(stat: Stat, alpha: i32, m: u64, phase_points: u64) -> f64 {
     let row = stat.row();
@@ -30,12 +30,12 @@ pub fn edf(stat: Stat, alpha: i32, m: u64, phase_points: u64) -> f64 {
 /// Equivalent degrees of freedom of a finite-difference variance: Greenhall & Riley, "Uncertainty of stability
 /// variances based on finite differences", PTTI 2003; NIST SP 1065 section 5.4.1, the full version.
 ///
-/// Symbols as there: N phase points, m = τ/τ0, F the filter factor, S the stride factor, L = m/F + m d the reach of
-/// one term, M = 1 + ⌊S (N − L)/m⌋ the number of terms, J = min(M, (d + 1) S). Up to J = 100 the correlation of the
-/// terms is summed exactly: `edf = M s_z(0)² / BasicSum(J, M, S, F, α, d)`; beyond, the paper's asymptotic formulas
-/// (tables 1 to 3) and truncation apply. Within 3 % of the definition for even α. The phase of the paper is averaged
-/// over each sample. Of a rate whose samples are independent, the true edf is 15 % below this at m = 1; of OADEV it is
-/// above by 9 % at m = 8 and 5 % at m = 20.
+/// The symbols are the paper's. N is the number of phase points, m = τ/τ0, F the filter factor and S the stride
+/// factor. L = m/F + m d is the reach of one term, M = 1 + ⌊S (N − L)/m⌋ the number of terms, and J = min(M, (d + 1)
+/// S). Up to J = 100 the correlation of the terms is summed exactly: `edf = M s_z(0)² / BasicSum(J, M, S, F, α, d)`.
+/// Beyond, the paper's asymptotic formulas (tables 1 to 3) and truncation apply. Within 3 % of the definition for even
+/// α. The paper averages the phase over each sample. For a rate with independent samples the true edf is 15 % below
+/// this at m = 1. For OADEV it is above by 9 % at m = 8 and 5 % at m = 20.
 #[must_use]
 pub fn finite_difference_edf(difference: Difference, alpha: i32, m: u64, phase_points: u64) -> f64 {
     let order = difference.order.clamp(1, 3);
@@ -257,13 +257,13 @@ mod tests {
     use alloc::vec;
     use alloc::vec::Vec;
 
-    /// Parts that a sample is cut into: the paper averages the phase over each sample, of which this is a fine sum.
+    /// Parts that a sample is cut into. The paper averages the phase over each sample, and this is a fine sum for it.
     const FINE: usize = 16;
 
     /// The definition: edf = 2 E²/Var of the mean of M squares, for Gaussian noise of an even exponent. Each term is a
-    /// sum of independent normal numbers; its weights are the differences of order d over m of the phase, averaged
-    /// over a sample, if modified over m, and integrated (2 − α)/2 times. The covariance of two terms then follows by
-    /// multiplication. White phase noise is not averaged.
+    /// sum of independent normal numbers. Its weights are the differences of order d over m of the phase. They are
+    /// averaged over a sample (over m, if modified) and integrated (2 − α)/2 times. The covariance of two terms then
+    /// follows by multiplication. White phase noise is not averaged.
     fn by_definition(difference: Difference, alpha: i32, m: usize, points: usize) -> f64 {
         let fine = if alpha == 2 { 1 } else { FINE };
         let width = if difference.modified { m * fine } else { fine };
@@ -329,7 +329,7 @@ mod tests {
         ]
     }
 
-    /// 3e-3 where the correlations are summed; the filter that the paper abbreviates for m (d + 1) > 100 costs up to
+    /// 3e-3 where the correlations are summed. The filter that the paper abbreviates for m (d + 1) > 100 costs up to
     /// 2.7e-2.
     #[test]
     fn close_to_the_definition() {

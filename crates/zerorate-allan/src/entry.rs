@@ -1,4 +1,4 @@
-//! The entries of a TOML file: where each stands, what it may be, and what is said of one that is wrong.
+//! The entries of a TOML file: the line of each, its valid values, and the error text of a wrong one.
 
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Letters of a line that are shown of it.
+/// Characters of a line that an error shows.
 const SHOWN: usize = 80;
 
 /// The text of a file and its tables. Each table of its list `axis` is called by its `name`.
@@ -22,25 +22,25 @@ pub struct Document<'t> {
 #[derive(Clone, Copy)]
 pub struct Entry<'d> {
     document: &'d Document<'d>,
-    /// None where the entry is missing.
+    /// The value; none where the entry is missing.
     value: Option<&'d Spanned<DeValue<'d>>>,
     key: &'static str,
     /// Where the entry begins, or the table that lacks it. None where the whole file lacks it.
     byte: Option<usize>,
 }
 
-/// What is wrong with an entry. Lines count from 1.
+/// An error in an entry. Lines count from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EntryError {
-    /// None where the error belongs to no line.
+    /// The line; none where the error does not belong to a line.
     pub line: Option<usize>,
     /// Name of the axis to which the line belongs; without a name, its number.
     pub axis: Option<String>,
-    /// None where the text or the type of its fields is wrong, and no single value.
+    /// The key; none where the text or the type of its fields is wrong, and not a single value.
     pub key: Option<&'static str>,
     /// The line itself, shown where `key` cannot be.
     quoted: Option<String>,
-    /// What is wrong, and what is allowed.
+    /// The problem, and the valid values.
     pub what: String,
 }
 
@@ -102,7 +102,7 @@ impl<'t> Document<'t> {
         EntryError { line, axis: self.axis_at(byte), key, quoted: None, what }
     }
 
-    /// The axis whose tables the byte stands in: the last that begins before it, if no other table begins in between.
+    /// The axis whose tables hold the byte: the last table that begins before it, if no other table begins in between.
     fn axis_at(&self, byte: usize) -> Option<String> {
         let mut begins: Vec<(usize, Option<String>)> = Vec::new();
         for (name, value) in self.root.get_ref().as_table()? {
@@ -136,7 +136,7 @@ impl<'d> Entry<'d> {
         Self { value, byte: value.map_or(self.byte, |value| Some(value.span().start)), ..self }
     }
 
-    /// Its key, or that of its list.
+    /// Its key, or the key of its list.
     #[must_use]
     pub fn key(self) -> &'static str {
         self.key
@@ -157,7 +157,7 @@ impl<'d> Entry<'d> {
     /// The value of this entry, if it is within its bounds.
     ///
     /// # Errors
-    /// It is not.
+    /// [`EntryError`] if it is not.
     pub fn number(self, value: f64, bounds: &Bounds) -> Result<f64, EntryError> {
         match bounds.hold(value) {
             true => Ok(value),
@@ -165,10 +165,10 @@ impl<'d> Entry<'d> {
         }
     }
 
-    /// Says `why` of this entry where it does not hold.
+    /// Returns the error `why` for this entry if `holds` is false.
     ///
     /// # Errors
-    /// It does not hold.
+    /// [`EntryError`] if `holds` is false.
     pub fn require(self, holds: bool, why: impl FnOnce() -> String) -> Result<(), EntryError> {
         if holds { Ok(()) } else { Err(self.error(why())) }
     }

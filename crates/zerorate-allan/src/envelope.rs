@@ -1,28 +1,28 @@
-//! A record as one draws it over time: the smallest and the largest sample of each stretch.
+//! A record as drawn over time: the smallest and the largest sample of each stretch.
 
 use alloc::vec::Vec;
 
-/// What is drawn of a record of any length.
+/// The envelope of a record of any length, for a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Envelope {
     /// Length of the record, s.
     pub span_s: f64,
-    /// Mean of what is there.
+    /// Mean of the samples that are present.
     pub mean: f64,
-    /// Smallest and largest sample of each of as many stretches of one length; none where all are missing.
+    /// Smallest and largest sample of each stretch. The stretches have one length; none where all samples are missing.
     pub stretches: Vec<Option<(f64, f64)>>,
 }
 
 impl Envelope {
-    /// Stretches at most: pixels of the picture.
+    /// Most stretches: pixels of the picture.
     const STRETCHES: usize = 840;
 
-    /// Of samples, NaN where they are missing.
+    /// Makes the envelope of samples, NaN where they are missing.
     #[must_use]
     pub fn new(samples: &[f64], rate_hz: f64) -> Self {
         let there = || samples.iter().filter(|value| value.is_finite());
         let count = samples.len().min(Self::STRETCHES);
-        // of 64 bits: in a browser a `usize` has 32, which six million samples overflow
+        // 64 bits: in a browser a `usize` has 32, which six million samples overflow
         let begin = |index: usize| (index as u64 * samples.len() as u64 / count as u64) as usize;
         let stretch = |index: usize| {
             let part = &samples[begin(index)..begin(index + 1)];

@@ -3,7 +3,7 @@
 pub enum Input<'a> {
     /// Integer codes of the rate.
     Codes {
-        /// One for each sample that was taken.
+        /// One code for each sample that was taken.
         codes: &'a [i32],
         /// Where samples were lost, sorted by `at`.
         gaps: &'a [Gap],
@@ -34,7 +34,7 @@ impl Input<'_> {
         }
     }
 
-    /// Whether there is nothing in it.
+    /// Whether it is empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

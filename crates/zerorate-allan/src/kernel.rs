@@ -1,10 +1,10 @@
-//! The differences that statistics are made of, and what a record must have for one of them.
+//! The differences that statistics are made of, and their demands on a record.
 
 use core::fmt;
 
-/// Which differences of the running sum are squared and summed. It has an arm in each of the functions here and in
-/// each kind of record (`codes`, `float` and `gaps` in [`kernels`](super::kernels)); none has a `_`, so
-/// that a new one is asked for in all of them.
+/// The differences of the running sum that are squared and summed. Each has an arm in each of the functions here and
+/// in each kind of record (`codes`, `float` and `gaps` in [`kernels`](super::kernels)). No `match` has a `_`, so that
+/// the compiler asks for a new one everywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kernel {
     /// Differences of the record as it is.
@@ -22,7 +22,7 @@ pub(crate) struct Plain {
     pub overlapping: bool,
 }
 
-/// Of how many averages a difference is, less one.
+/// The number of averages in a difference, less one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Order {
     Second = 2,
@@ -30,7 +30,7 @@ pub(crate) enum Order {
 }
 
 impl Kernel {
-    /// Whether averages of `m` fit into so many samples of the rate.
+    /// Whether averages of `m` fit into `samples` samples of the rate.
     pub fn check(self, samples: u64, m: u64, is_phase: bool) -> Result<usize, Reason> {
         if m == 0 {
             return Err(Reason::ZeroLength);
@@ -49,7 +49,7 @@ impl Kernel {
         }
     }
 
-    /// Longest averages that so many points of phase tell something new of.
+    /// Longest averages about which `points` points of phase tell something new.
     pub fn longest(self, points: u64) -> u64 {
         let steps = points.saturating_sub(1);
         match self {
@@ -59,7 +59,7 @@ impl Kernel {
         }
     }
 
-    /// Terms for averages of `m` in so many points of phase.
+    /// Terms for averages of `m` in `points` points of phase.
     pub fn terms(self, points: u64, m: u64) -> u64 {
         match self {
             Self::Plain(plain) => plain.terms(points, m),
@@ -68,7 +68,7 @@ impl Kernel {
         }
     }
 
-    /// Where the terms start, each.
+    /// The start of each term.
     pub fn starts(self, points: usize, m: usize) -> impl Iterator<Item = usize> {
         let stride = match self {
             Self::Plain(plain) => plain.stride(m),
@@ -77,7 +77,7 @@ impl Kernel {
         (0..self.terms(points as u64, m as u64) as usize).map(move |term| term * stride)
     }
 
-    /// How many times the difference of averages that of the phase is.
+    /// The factor from a difference of averages to a difference of the phase.
     pub fn per(self, m: usize) -> f64 {
         let m = m as f64;
         match self {
@@ -86,7 +86,7 @@ impl Kernel {
         }
     }
 
-    /// The finite differences that its terms are, or, beyond the ends of the record, repeat.
+    /// The finite differences that form its terms or, beyond the ends of the record, that its terms repeat.
     pub const fn difference(self) -> Difference {
         match self {
             Self::Plain(plain) => {
@@ -99,9 +99,9 @@ impl Kernel {
 }
 
 impl Plain {
-    /// Of the running sum of the running sum: the inner sums of [`Kernel::Modified`].
+    /// Differences of the running sum of the running sum: the inner sums of [`Kernel::Modified`].
     pub const OF_SUMS: Self = Self { order: Order::Third, overlapping: true };
-    /// Those of [`Kernel::Reflected`] that stay within the record.
+    /// The differences of [`Kernel::Reflected`] that stay within the record.
     pub const WITHIN: Self = Self { order: Order::Second, overlapping: true };
 
     fn terms(self, points: u64, m: u64) -> u64 {
@@ -109,19 +109,19 @@ impl Plain {
         if self.overlapping { overlapping } else { overlapping.div_ceil(m) }
     }
 
-    /// Points at which a term may start: one more than the last of them.
+    /// One more than the last point at which a term may start.
     pub fn starts_end(self, points: usize, m: usize) -> usize {
         let terms = self.terms(points as u64, m as u64) as usize;
         terms.checked_sub(1).map_or(0, |last| last * self.stride(m) + 1)
     }
 
-    /// From one term to the next.
+    /// The distance from one term to the next.
     pub fn stride(self, m: usize) -> usize {
         if self.overlapping { 1 } else { m }
     }
 }
 
-/// Which differences of the phase are squared and averaged.
+/// The differences of the phase that are squared and averaged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Difference {
     /// Order d of the difference: 2 for Allan, 3 for Hadamard, 1 for the variance of first differences.
@@ -139,7 +139,7 @@ pub enum Reason {
     ZeroLength,
     /// The record is too short.
     TooShort {
-        /// Samples (for phase: points) that would do.
+        /// Samples (for phase: points) that would be enough.
         needs: u64,
     },
     /// Too much is missing: no term is left, or less than 1/16 of the record is there.

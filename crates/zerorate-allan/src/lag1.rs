@@ -9,8 +9,8 @@ pub(crate) struct Lag1 {
     orders: [Sums; ORDERS],
     /// Values since the series began or was cut.
     unbroken: u64,
-    /// Constant taken off every first difference: changes no correlation, but saves digits where the series is a steep
-    /// ramp.
+    /// Constant taken off every first difference. It does not change a correlation, but saves digits where the series
+    /// is a steep ramp.
     ramp: f64,
 }
 
@@ -44,7 +44,7 @@ impl Lag1 {
         self.unbroken += count - settled;
     }
 
-    /// What comes next does not follow on what came before.
+    /// Cuts the series: the next value does not follow on the last one.
     pub(crate) fn cut(&mut self) {
         self.unbroken = 0;
     }

@@ -75,8 +75,8 @@ pub use welch::{Density, welch};
 /// C.1.3).
 pub const FLOOR_PER_B: f64 = 0.664_282_470_267_960_1;
 
-/// Averages of 1, 2, 4 … samples, as long as at least one difference of two adjacent averages fits into `len` samples:
-/// [`Taus::Octave`] of [`Stat::Oadev`].
+/// Averages of 1, 2, 4 … samples, as long as at least one difference of two adjacent averages fits into `len` samples.
+/// This is [`Taus::Octave`] of [`Stat::Oadev`].
 pub fn octaves(len: usize) -> alloc::vec::Vec<u64> {
     Taus::Octave.lengths(longest(Stat::Oadev, len as u64 + 1))
 }

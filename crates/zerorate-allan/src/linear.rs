@@ -19,12 +19,12 @@ impl Square {
         self.cells[row * self.n + column]
     }
 
-    /// None where the matrix is not positive definite.
+    /// Its Cholesky factor; none where the matrix is not positive definite.
     pub(super) fn cholesky(&self) -> Option<Cholesky> {
         Cholesky::new((0..self.n).map(|i| self.cells[i * self.n..=i * self.n + i].to_vec()).collect(), 0.0)
     }
 
-    /// By elimination with row pivots.
+    /// Solves by elimination with row pivots.
     #[cfg(feature = "std")]
     pub(super) fn determinant(mut self) -> f64 {
         let n = self.n;
@@ -54,8 +54,8 @@ impl Square {
 pub struct Cholesky(Vec<Vec<f64>>);
 
 impl Cholesky {
-    /// From the rows of the lower triangle of the matrix. None where a pivot is not above this share of its diagonal
-    /// element: the matrix is not positive definite, or not by enough.
+    /// Factors the matrix from the rows of its lower triangle. None where a pivot is not above this share of its
+    /// diagonal element: the matrix is not positive definite, or not by enough.
     #[must_use]
     pub fn new(mut rows: Vec<Vec<f64>>, least_pivot: f64) -> Option<Self> {
         for i in 0..rows.len() {
@@ -79,7 +79,7 @@ impl Cholesky {
         self.0.iter().enumerate().map(|(i, row)| 2.0 * libm::log(row[i])).sum()
     }
 
-    /// L⁻¹·b, which has unit covariance where b has that of the matrix.
+    /// L⁻¹·b, which has unit covariance where b has the covariance of the matrix.
     #[must_use]
     pub fn whiten(&self, b: impl IntoIterator<Item = f64>) -> Vec<f64> {
         let mut white = Vec::with_capacity(self.0.len());

@@ -3,16 +3,16 @@
 use super::{Deviation, Reason};
 use alloc::vec::Vec;
 
-/// MTIE: the largest excursion of a phase within any τ, max over i of (max − min of x\[i\] … x\[i + m\]), for each of
-/// the lengths `m` in samples, in their order (ITU-T G.810 section II.5). In the unit of the phase; `n` counts the
-/// windows.
+/// MTIE: the largest excursion of a phase within any τ, max over i of (max − min of x\[i\] … x\[i + m\]). It is
+/// computed for each of the lengths `m` in samples, in their order (ITU-T G.810 section II.5), in the unit of the
+/// phase. `n` counts the windows.
 ///
-/// A missing point (NaN) is left out of its windows. It is the extreme of a record: it grows with the record, and one
-/// wrong point makes it.
+/// A missing point (NaN) is left out of its windows. MTIE is the extreme of a record: it grows with the record, and
+/// one wrong point determines it.
 ///
-/// By doubling (S. Bregni, IEEE Trans. Instrum. Meas. 45, 1996): the extremes of windows of 2ᵏ points are those of two
-/// windows half as long, and any other window is covered by two of these. So a length costs one pass over the record,
-/// and all together one more for each octave; in memory they take six times the record.
+/// It doubles windows (S. Bregni, IEEE Trans. Instrum. Meas. 45, 1996). The extremes of a window of 2ᵏ points follow
+/// from two windows half as long, and two of these windows cover any other window. So a length costs one pass over the
+/// record, and all lengths together one more for each octave. They take six times the memory of the record.
 ///
 /// ```
 /// use zerorate_allan::mtie;
@@ -34,7 +34,7 @@ pub fn mtie(phase: &[f64], m: &[u64]) -> Vec<Result<Deviation, Reason>> {
     found
 }
 
-/// The windows of a length, their deviation still to come.
+/// The windows of a length, without their deviation.
 fn check(points: usize, m: u64) -> Result<Deviation, Reason> {
     match (m, (points as u64).checked_sub(m)) {
         (0, _) => Err(Reason::ZeroLength),
@@ -51,7 +51,7 @@ struct Extremes {
 }
 
 impl Extremes {
-    /// Of windows of a point. What is missing is no extreme.
+    /// The extremes of windows of one point. A missing point is left out.
     fn of(phase: &[f64]) -> Self {
         let or = |instead: f64| move |x: &f64| if x.is_nan() { instead } else { *x };
         Self {
@@ -61,7 +61,7 @@ impl Extremes {
         }
     }
 
-    /// Of the longest windows that are no longer than `window`.
+    /// Grows to the longest windows that are not longer than `window`.
     fn grow_to(&mut self, window: usize) {
         while self.window <= window / 2 {
             self.highest = doubled(&self.highest, self.window, higher);
@@ -70,7 +70,7 @@ impl Extremes {
         }
     }
 
-    /// The largest excursion in windows of `window` points, no more than twice as many as these.
+    /// The largest excursion in windows of `window` points, which is at most twice as many as these have.
     fn largest(&self, window: usize, counted: Deviation) -> Result<Deviation, Reason> {
         let later = window - self.window;
         let high = self.highest.iter().zip(&self.highest[later..]).map(|(left, right)| higher(*left, *right));
@@ -88,7 +88,7 @@ fn doubled(of: &[f64], window: usize, pick: impl Fn(f64, f64) -> f64) -> Vec<f64
     of.iter().zip(of.get(window..).unwrap_or(&[])).map(|(left, right)| pick(*left, *right)).collect()
 }
 
-/// As an instruction of the machine does it: no NaN comes here.
+/// The higher one, as a machine instruction computes it. NaN does not occur here.
 fn higher(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }

@@ -1,4 +1,4 @@
-//! Which power law dominates at an averaging time.
+//! The power law that dominates at an averaging time.
 
 use super::kernel::Reason;
 use super::kernels::{Deviation, deviations};
@@ -13,43 +13,43 @@ use core::ops::Range;
 
 /// Averages of τ that the lag-1 autocorrelation needs.
 const FOR_LAG1: u64 = 30;
-/// Averages of τ beyond which more would not make the answer more certain (r1 to 0.004): every so many blocks of the
-/// record are looked at.
+/// Averages of τ beyond which more would not make the answer more certain (r1 to 0.004). Then only some blocks of the
+/// record are looked at, evenly spaced.
 const ENOUGH: u64 = 1 << 16;
-/// Averaging length up to which a block has points enough to stand for its stretch of the record.
+/// Averaging length up to which a block has enough points to stand for its stretch of the record.
 const LONGEST_SPARSE: u64 = 64;
 /// δ from which the series is not stationary and is differenced once more.
 const NOT_STATIONARY: f64 = 0.25;
 const WHITE: i32 = 0;
 
-/// The exponent α of the power law S_y(f) ∝ f^α that dominates at each averaging length in `m`: 2 white phase, 1
-/// flicker phase, 0 white (angle random walk), −1 flicker (bias instability), −2 random walk of the rate; for HDEV and
-/// OHDEV down to −4. There is an answer for every length, in the order of `m`, which must not decrease.
+/// The exponent α of the power law S_y(f) ∝ f^α that dominates at each averaging length in `m`. 2 is white phase, 1
+/// flicker phase, 0 white (angle random walk), −1 flicker (bias instability), −2 random walk of the rate. For HDEV and
+/// OHDEV it goes down to −4. There is an answer for every length, in the order of `m`, which must not decrease.
 ///
-/// * At least 30 averages: lag-1 autocorrelation r1 of the phase at every m-th point, δ = r1/(1 + r1); differenced d
-///   times until δ < 0.25, then `α = 2 − 2d − round(2δ)` (Riley & Greenhall, "Power law noise identification using the
-///   lag 1 autocorrelation", EFTF 2004; NIST SP 1065 section 5.5.3, its r1 with n − 1 in the variance). Of more than
-///   65 536 averages of up to 64 samples, blocks all over the record are taken.
-/// * Fewer, at least 8 (for ADEV and HDEV 10): the ratio B1 of the variance of the averages to their Allan variance,
-///   against the geometric means of what is expected of two neighbouring α (section 5.5.4). Where it says phase noise,
-///   R(n), the ratio of modified to plain Allan variance, tells white from flicker (section 5.5.5).
-/// * Fewer still: as at the next shorter length, the longest of the 8 (10) if there is none. TOTDEV then counts phase
-///   noise as white, because it has published degrees of freedom for frequency noise only. A constant record counts as
-///   white.
+/// * At least 30 averages: lag-1 autocorrelation r1 of the phase at every m-th point, δ = r1/(1 + r1). The phase is
+///   differenced d times until δ < 0.25, then `α = 2 − 2d − round(2δ)`. (Riley & Greenhall, "Power law noise
+///   identification using the lag 1 autocorrelation", EFTF 2004, and NIST SP 1065 section 5.5.3, its r1 with n − 1 in
+///   the variance.) Of more than 65 536 averages of up to 64 samples, blocks all over the record are taken.
+/// * Fewer, at least 8 (for ADEV and HDEV 10): B1, the ratio of the variance of the averages to their Allan variance.
+///   It is compared with the geometric means of its expected values for two neighbouring α (section 5.5.4). Where it
+///   says phase noise, R(n), the ratio of modified to plain Allan variance, tells white from flicker (section 5.5.5).
+/// * Fewer still: as at the next shorter length, or as at the longest of the 8 (10) if there is none. TOTDEV then
+///   counts phase noise as white, because it has published degrees of freedom for frequency noise only. A constant
+///   record counts as white.
 ///
-/// The mean of a rate is taken off first; nothing else is. Gaps count as samples of the mean rate here.
+/// Only the mean of a rate is taken off first. Gaps count as samples of the mean rate here.
 #[must_use]
 pub fn noise_types(input: &Input<'_>, stat: Stat, m: &[u64]) -> Vec<i32> {
     identify(input, stat, m).into_iter().map(|found| found.alpha).collect()
 }
 
-/// What is known of the noise at one averaging length.
+/// The noise at one averaging length.
 pub(crate) struct Identified {
     /// The answer of [`noise_types`].
     pub alpha: i32,
-    /// The exponent that the degrees of freedom go by: with fewer than 30 averages, B1 mistakes white noise for phase
-    /// noise so often (10 averages: 28 % of the records) that it may not say more than the last answer of the
-    /// autocorrelation, because the exponent that dominates only falls with τ.
+    /// The exponent for the degrees of freedom. With fewer than 30 averages, B1 mistakes white noise for phase noise
+    /// too often (10 averages: 28 % of the records). So it may not be above the last answer of the autocorrelation,
+    /// because the exponent that dominates only falls with τ.
     pub cautious: i32,
 }
 
@@ -86,7 +86,7 @@ struct Decimated {
     m: u64,
     next: u64,
     series: Series,
-    /// One run in so many is looked at.
+    /// One run in this many is looked at.
     sparse: u64,
 }
 
@@ -102,7 +102,7 @@ struct Short {
     area: Vec<f64>,
 }
 
-/// A run and where in the record it is.
+/// A run and its place in the record.
 struct Stretch<'a> {
     run: Run<'a>,
     span: Range<u64>,
@@ -198,7 +198,7 @@ fn by_b1(phase: &[f64]) -> Option<i32> {
     })
 }
 
-/// Of the averages over τ, in units of τ⁻².
+/// The variance of the averages over τ, in units of τ⁻².
 fn variance_of_averages(phase: &[f64]) -> f64 {
     let n = phase.len() as f64 - 1.0;
     let mean = (phase[phase.len() - 1] - phase[0]) / n;
@@ -210,7 +210,7 @@ fn allan_variance(phase: &[f64]) -> f64 {
     second.map(|d| d * d).sum::<f64>() / (2.0 * (phase.len() as f64 - 2.0))
 }
 
-/// Expected ratio of the variance of `n` averages to their Allan variance where that goes as τ^`mu` (Barnes; Howe,
+/// Expected ratio of the variance of `n` averages to their Allan variance if the latter goes as τ^`mu` (Barnes; Howe,
 /// "The total deviation approach to long-term characterization of frequency stability", 2000, table 3).
 fn expected_b1(n: f64, mu: i32) -> f64 {
     match mu {
@@ -221,7 +221,7 @@ fn expected_b1(n: f64, mu: i32) -> f64 {
     }
 }
 
-/// In lanes of a fixed number: fast, and the same on every machine.
+/// Sums in a fixed number of lanes: fast, and the same on every machine.
 fn sum(points: &[f64]) -> f64 {
     let mut lanes = [0.0; 8];
     for part in points.chunks(lanes.len()) {
@@ -230,7 +230,7 @@ fn sum(points: &[f64]) -> f64 {
     lanes.iter().sum()
 }
 
-/// Where B1 has found phase noise: 2 if R(n) says that it is white.
+/// Decides where B1 has found phase noise: 2 if R(n) says that it is white.
 fn resolve_phase_noise(input: &Input<'_>, all: &[Decimated], found: &[Option<i32>]) -> Vec<Option<i32>> {
     let question = |(series, alpha): (&Decimated, &Option<i32>)| match &series.series {
         Series::Short(short) if *alpha == Some(1) => {
@@ -251,16 +251,16 @@ fn resolve_phase_noise(input: &Input<'_>, all: &[Decimated], found: &[Option<i32
 }
 
 impl Short {
-    /// R(n) from modified terms that do not overlap: rough, but without another pass over the record. Most of the time
-    /// it leaves no doubt.
+    /// R(n) from modified terms that do not overlap: rough, but without another pass over the record. Mostly it leaves
+    /// no doubt.
     fn r_at_a_glance(&self, m: f64) -> f64 {
         let averages: Vec<f64> = self.area.windows(2).map(|area| (area[1] - area[0]) / m).collect();
         allan_variance(&averages) / allan_variance(&self.phase)
     }
 }
 
-/// Geometric mean of R(n) expected of white and of flicker phase noise, noise bandwidth half the sample rate (IEEE Std
-/// 1139-2008 table B.2): 1/m, and 3 ln(256/27) / 2(1.038 + 3 ln(π m)).
+/// Geometric mean of the R(n) expected for white and for flicker phase noise, with a noise bandwidth of half the
+/// sample rate (IEEE Std 1139-2008 table B.2). They are 1/m and 3 ln(256/27) / 2(1.038 + 3 ln(π m)).
 fn r_boundary(m: f64) -> f64 {
     let flicker = 3.0 * libm::log(256.0 / 27.0) / (2.0 * (1.038 + 3.0 * libm::log(PI * m)));
     libm::sqrt(flicker / m)
@@ -363,7 +363,7 @@ mod tests {
         assert_eq!(noise_types(&Input::Rate(&[1.0, 2.0]), Stat::Totdev, &[]), vec![0; 0]);
     }
 
-    /// A single long averaging time has no shorter one to go by: the longest that can be identified stands in.
+    /// A single long averaging time has no shorter one to follow, so the longest that can be identified stands in.
     #[test]
     fn a_lone_long_time_is_identified() {
         let walk = integral(&white(1_000));

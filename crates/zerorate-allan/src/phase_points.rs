@@ -28,8 +28,8 @@ pub(crate) fn phase_points(input: &Input<'_>) -> u64 {
     }
 }
 
-/// Slope of the phase that [`for_each_run`] hands over, per point: a phase keeps its own, a rate has its mean taken
-/// off.
+/// Slope of the phase that [`for_each_run`] hands over, per point. A phase keeps its own slope, and a rate has its
+/// mean taken off.
 pub(crate) fn ramp(input: &Input<'_>) -> f64 {
     let Input::Phase(phase) = input else { return 0.0 };
     let present = |at: &usize| !phase[*at].is_nan();
@@ -57,7 +57,7 @@ pub(crate) fn for_each_run(input: &Input<'_>, mut visit: impl FnMut(Run<'_>)) {
     }
 }
 
-/// In lanes of a fixed number: fast, and the same on every machine. 0 if nothing is present.
+/// Mean in a fixed number of lanes: fast, and the same on every machine. 0 if nothing is present.
 fn mean_of_present(rate: &[f64]) -> f64 {
     let (mut sums, mut counts) = ([0.0; LANES], [0.0; LANES]);
     for part in rate.chunks(LANES) {
@@ -97,8 +97,8 @@ fn integrate<T>(values: &[T], start: f64, step: impl Fn(&T) -> f64, visit: &mut 
     phase
 }
 
-/// Between two present points on the straight line, before the first and after the last level; the first present point
-/// is 0.
+/// Interpolates between two present points on a straight line. The phase is level before the first point, which is 0,
+/// and after the last.
 fn interpolate(phase: &[f64], visit: &mut impl FnMut(Run<'_>)) {
     let mut present = (0..phase.len()).filter(|&at| !phase[at].is_nan()).peekable();
     let Some(&first) = present.peek() else { return };

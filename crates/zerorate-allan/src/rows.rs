@@ -2,22 +2,22 @@
 
 use core::fmt;
 
-/// What a code means, whatever the numbers of the case are.
+/// The meaning of a code, for any numbers of the case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Explanation {
-    /// A warning begins with it, and a refusal names it.
+    /// The code that a warning begins with, and that a refusal names.
     pub code: &'static str,
     /// How severe it is.
     pub says: Says,
-    /// The commands of `zerorate` that say it.
+    /// The commands of `zerorate` that print it.
     pub by: &'static [&'static str],
-    /// What was seen.
+    /// The observation.
     pub seen: &'static str,
     /// Why it matters.
     pub matters: &'static str,
-    /// What to do.
+    /// The remedy.
     pub remedy: &'static str,
-    /// An example of a command that does it or looks further; empty where there is none.
+    /// An example of a command that helps or looks further; empty where there is none.
     pub command: &'static str,
 }
 
@@ -28,7 +28,7 @@ pub enum Says {
     Warning,
     /// There is no result.
     Refusal,
-    /// The one or the other, by how much it is.
+    /// A warning or a refusal, depending on the size of the problem.
     Either,
 }
 
@@ -45,9 +45,10 @@ impl fmt::Display for Says {
 /// Makes `code()`, `text()`, `codes()` and `EXPLANATIONS` of an enum from one row for each variant.
 ///
 /// The rows are the arms of a `match`: rustfmt formats them, and the compiler asks for the row of a new variant.
-/// * `code`: a literal, or in braces what a field of the variant gives.
+/// * `code`: a literal, or in braces an expression with a field of the variant.
 /// * `text`: `format_args!` with the fields of the variant.
-/// * From `says` on: the fields of [`Explanation`]; `command` may be left out. Of the rows of a code, one has them.
+/// * From `says` on: the fields of [`Explanation`], of which `command` may be left out. One of the rows of a code has
+///   them.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! rows {
@@ -61,7 +62,7 @@ macro_rules! rows {
     }) => {
         #[allow(unused_variables, reason = "not every part of a row uses every field of its variant")]
         impl $name {
-            /// What the codes mean.
+            /// The meaning of each code.
             pub const EXPLANATIONS: &'static [$crate::Explanation] = &[$($($crate::Explanation {
                 code: $code,
                 says: $says,

@@ -2,27 +2,27 @@ use super::kernel::{Difference, Kernel, Order, Plain};
 use core::fmt;
 use core::str::FromStr;
 
-/// All that tells one statistic from the others.
+/// The properties that tell one statistic from the others.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StatRow {
-    /// As users write it.
+    /// The name that users write.
     pub name: &'static str,
-    /// In words.
+    /// The name in words.
     pub title: &'static str,
-    /// The differences that are squared: their order, from one to the next, what a record must have for one of them.
+    /// The differences that are squared: their order, their distance, and the demand of one of them on a record.
     pub kernel: Kernel,
-    /// What the mean square of the differences of averages is divided by: the statistic of white noise is that of its
-    /// averages.
+    /// Divisor of the mean square of the differences of averages. It makes the statistic of white noise equal to the
+    /// deviation of its averages.
     pub divisor: f64,
-    /// What the root is multiplied by, which makes the unit.
+    /// Factor of the root, which makes the unit.
     pub factor: Factor,
-    /// Where its degrees of freedom are from.
+    /// The source of its degrees of freedom.
     pub freedom: Freedom,
     /// Averages of τ below which no noise is identified.
     pub fewest_averages: u64,
     /// Largest exponent α of the noise that lengths with still fewer averages take over from shorter ones.
     pub carried_alpha: i32,
-    /// Its expected square is the Allan variance, so that a [`Fit`](super::Fit) is a model of it.
+    /// Its expected square is the Allan variance, so that a [`Fit`](super::Fit) models it.
     pub is_allan: bool,
 }
 
@@ -36,18 +36,18 @@ pub(super) enum Factor {
 pub(super) enum Freedom {
     /// The formula for finite differences.
     Differences,
-    /// The own one of the total deviation, which is for frequency noise; else that for the differences within the
-    /// record.
+    /// The total deviation's own formula, which is for frequency noise. Otherwise the formula for the differences
+    /// within the record.
     Total,
 }
 
 macro_rules! statistics {
     ($($(#[$doc:meta])* $stat:ident { $($field:ident: $value:expr,)* })*) => {
-        /// What is computed. Every one of them is a root of a mean of squared differences of adjacent averages over τ.
+        /// A statistic. Each is a root of a mean of squared differences of adjacent averages over τ.
         ///
-        /// x is the running sum of the rate in steps of one sample (for a gyroscope: the angle), m the samples in each
-        /// average, N the points of x, one more than samples of the rate. d₂ = x\[i+2m\] − 2x\[i+m\] + x\[i\] and d₃ =
-        /// x\[i+3m\] − 3x\[i+2m\] + 3x\[i+m\] − x\[i\].
+        /// x is the running sum of the rate in steps of one sample (for a gyroscope: the angle), and m is the number
+        /// of samples in each average. N is the number of points of x, one more than samples of the rate. The
+        /// differences are d₂ = x\[i+2m\] − 2x\[i+m\] + x\[i\] and d₃ = x\[i+3m\] − 3x\[i+2m\] + 3x\[i+m\] − x\[i\].
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum Stat {$($(#[$doc])* $stat,)*}
 
@@ -60,8 +60,8 @@ macro_rules! statistics {
     };
 }
 
-// One row each. Whoever adds one whose differences no kernel forms yet adds that to `Kernel`; the compiler asks for
-// the rest.
+// One row each. A row whose differences no kernel forms yet needs a new variant of `Kernel`; the compiler asks for the
+// rest.
 statistics! {
     /// Allan deviation, every m-th i: σ² = ⟨d₂²⟩ / 2m² (NIST SP 1065 equation 10).
     Adev {
@@ -100,9 +100,8 @@ statistics! {
         kernel: every_sample(Order::Third), divisor: 6.0, factor: Factor::One, freedom: Freedom::Differences,
         fewest_averages: 8, carried_alpha: 2, is_allan: false,
     }
-    /// Total deviation: as the overlapping Allan deviation, with x continued by reflection through both of its ends,
-    /// and i such that the point in the middle, i+m, is every one but the first and the last (NIST SP 1065 equation
-    /// 25).
+    /// Total deviation: the overlapping Allan deviation with x continued by reflection through both of its ends. The
+    /// middle point i+m is every point but the first and the last (NIST SP 1065 equation 25).
     Totdev {
         name: "totdev", title: "total deviation",
         kernel: Kernel::Reflected, divisor: 2.0, factor: Factor::One, freedom: Freedom::Total,
@@ -128,12 +127,12 @@ impl Stat {
         self.row().name
     }
 
-    /// What it is called in words: `overlapping Allan deviation`.
+    /// Its name in words: `overlapping Allan deviation`.
     pub const fn title(self) -> &'static str {
         self.row().title
     }
 
-    /// Whether its unit is that of the rate times s, as the angle's is, instead of that of the rate.
+    /// Whether its unit is the unit of the rate times s, as the angle's is, instead of the unit of the rate.
     pub const fn is_times_s(self) -> bool {
         match self.row().factor {
             Factor::One => false,
@@ -147,7 +146,7 @@ impl Stat {
         self.row().is_allan
     }
 
-    /// The differences whose [`finite_difference_edf`](super::finite_difference_edf) are its degrees of freedom; none
+    /// The differences whose [`finite_difference_edf`](super::finite_difference_edf) are its degrees of freedom. None
     /// for the total deviation, which has its own formula.
     pub const fn difference(self) -> Option<Difference> {
         match self.row().freedom {
@@ -198,8 +197,7 @@ mod tests {
         assert_eq!(error.to_string(), "not a statistic; there are adev oadev mdev tdev hdev ohdev totdev");
     }
 
-    /// NIST SP 1065 section 5.4.1's d, S = m and F = 1, and what the handbook says of unit and expected value, typed
-    /// again.
+    /// NIST SP 1065 section 5.4.1's d, S = m and F = 1, and the handbook's unit and expected value, typed again.
     #[test]
     fn rows_are_those_of_the_handbook() {
         let of = |order, overlapped, modified| Some(Difference { order, overlapped, modified });

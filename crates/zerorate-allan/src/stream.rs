@@ -1,17 +1,17 @@
 use super::kernels::Deviation;
 use core::fmt;
 
-/// Allan deviation while the samples come, at averages of 1, 2, 4 … 2^(`OCTAVES` − 1) samples, in fixed memory and
-/// without allocation: 48 bytes for each octave and 16 more.
+/// Allan deviation while the samples come, at averages of 1, 2, 4 … 2^(`OCTAVES` − 1) samples. It works in fixed
+/// memory and without allocation: 48 bytes for each octave and 16 more.
 ///
-/// The averages are those over samples j · 2^k … (j + 1) · 2^k − 1, counted from the start of the whole record, so a
-/// stream of a later piece can be joined to that of an earlier one: [`Stream::merge`] gives exactly the stream of
-/// both. From sample 0 the result is that of [`Stat::Adev`](super::Stat::Adev) (NIST SP 1065 equation 10). All sums
-/// are integers; with codes of 32 bits they are exact for 2^37 samples at least.
+/// The averages cover samples j · 2^k … (j + 1) · 2^k − 1, counted from the start of the whole record. So the stream
+/// of a later piece can be joined to the stream of an earlier one: [`Stream::merge`] gives exactly the stream of both.
+/// From sample 0 the result equals [`Stat::Adev`](super::Stat::Adev) (NIST SP 1065 equation 10). All sums are
+/// integers. With codes of 32 bits they are exact for 2^37 samples at least.
 ///
-/// What can be told from its deviations is what [`fit_curve`](super::fit_curve) tells: N, B and K (and Q and R where
-/// they are strong), if nothing else is in the noise. Gauss–Markov terms, lines, a low-pass, glitches and steps spoil
-/// all three, and none of them can be seen without the record: where it can be kept, `fit` is for it.
+/// Its deviations tell as much as [`fit_curve`](super::fit_curve) does: N, B and K (and Q and R where they are
+/// strong), if nothing else is in the noise. Gauss–Markov terms, lines, a low-pass, glitches and steps spoil all
+/// three, and none of them can be seen without the record. Where the record can be kept, use `fit`.
 ///
 /// ```
 /// use zerorate_allan::Stream;
@@ -88,7 +88,7 @@ impl<const OCTAVES: usize> Stream<OCTAVES> {
         Self { start: index, end: index, levels: [Level { first: 0, last: 0, blocks: 0, squares: 0 }; OCTAVES] }
     }
 
-    /// Takes the next sample: two levels on average, `OCTAVES` at most.
+    /// Takes the next sample. It updates two levels on average, `OCTAVES` at most.
     pub fn push(&mut self, code: i32) {
         let mut index = self.end;
         self.end = self.end.wrapping_add(1);
@@ -134,8 +134,7 @@ impl<const OCTAVES: usize> Stream<OCTAVES> {
     }
 }
 
-/// Sum of the average of level `k + 1` that lies across the joint, if it is complete: its two halves are next to each
-/// other.
+/// Sum of the average of level `k + 1` that lies across the joint, if it is complete: its two halves are neighbours.
 fn join_above(joint: u64, k: usize, left: &Level, across: Option<i64>, right: &Level) -> Option<i64> {
     let is_cut = |level: usize| joint & ((1 << level) - 1) != 0;
     if !is_cut(k + 1) {

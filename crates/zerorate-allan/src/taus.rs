@@ -1,4 +1,4 @@
-//! At which averaging times a deviation is computed.
+//! The averaging times at which a deviation is computed.
 
 use super::Stat;
 use alloc::string::{String, ToString};
@@ -12,24 +12,24 @@ pub enum Taus {
     /// 1, 2, 4, 8 … samples.
     Octave,
     /// 1, 2, 3, then 4, 5, 6, 7, 8, 10, 12, 14, 16, 20 … samples: four to an octave, for a picture. Lengths that
-    /// double share most of what they read, so they cost less than as many others.
+    /// double share most of their data, so they cost less than as many others.
     Fine,
     /// 1, 2, 4, 10, 20, 40, 100 … samples.
     Decade,
-    /// This many lengths, evenly spaced in the logarithm from one sample to the longest. Where rounding to whole
-    /// samples makes two the same, they are one, so there may be fewer.
+    /// This many lengths, evenly spaced in the logarithm from one sample to the longest. Lengths that round to the
+    /// same number of samples are one, so there may be fewer.
     Log(u32),
     /// Every number of samples.
     All,
-    /// These times, s. A time that is no whole number of samples is rounded to the nearest, and a length that comes up
-    /// twice is computed once and reported for the other.
+    /// These times, s. A time is rounded to the nearest whole number of samples. A length that comes up twice is
+    /// computed once and reported for the other.
     List(Vec<f64>),
 }
 
 impl FromStr for Taus {
     type Err = TausError;
 
-    /// `octave`, `fine`, `decade`, `log:100`, `all`, or seconds with commas: `0.1,1,10`.
+    /// Parses `octave`, `fine`, `decade`, `log:100`, `all`, or seconds with commas: `0.1,1,10`.
     fn from_str(text: &str) -> Result<Self, TausError> {
         let lower = text.trim().to_ascii_lowercase();
         match (lower.as_str(), lower.strip_prefix("log:")) {
@@ -53,20 +53,20 @@ fn seconds(text: &str) -> Result<f64, TausError> {
     }
 }
 
-/// What [`Taus::from_str`] does not take; the text is the part that it stumbled over.
+/// The part of a text that [`Taus::from_str`] does not accept.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TausError {
-    /// Neither one of the words nor a time.
+    /// The part is neither one of the words nor a time.
     Time(String),
-    /// After `log:`, no positive whole number.
+    /// The part after `log:` is not a positive whole number.
     Count(String),
 }
 
 impl fmt::Display for TausError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Time(text) => write!(f, "{text:?} is no averaging time")?,
-            Self::Count(text) => write!(f, "{text:?} is no number of averaging times")?,
+            Self::Time(text) => write!(f, "{text:?} is not an averaging time")?,
+            Self::Count(text) => write!(f, "{text:?} is not a number of averaging times")?,
         }
         f.write_str(
             "; give octave, fine, decade, all, log:N with N from 1, or seconds above 0 separated by commas \
@@ -78,17 +78,17 @@ impl fmt::Display for TausError {
 impl core::error::Error for TausError {}
 
 /// Longest averaging length of which `stat` has a term in a record of `phase_points` points (one more than samples of
-/// rate); 0 if none.
+/// rate); 0 if there is none.
 ///
-/// Two (Hadamard: three) averages must fit: (N − 1)/2, (N − 1)/3; for MDEV and TDEV N/3. TOTDEV continues the record
-/// by reflection, but nothing new is in there beyond half of it: (N − 1)/2.
+/// Two (Hadamard: three) averages must fit: (N − 1)/2, (N − 1)/3. For MDEV and TDEV it is N/3. TOTDEV continues the
+/// record by reflection, but nothing new is in there beyond half of it: (N − 1)/2.
 #[must_use]
 pub fn longest(stat: Stat, phase_points: u64) -> u64 {
     stat.row().kernel.longest(phase_points)
 }
 
 impl Taus {
-    /// Lengths in samples from 1 to `longest`, ascending, each once; for a list see [`nearest`].
+    /// Lengths in samples from 1 to `longest`, ascending, each once. For a list see [`nearest`].
     pub(crate) fn lengths(&self, longest: u64) -> Vec<u64> {
         let up_to = |m: &u64| *m <= longest;
         match self {
@@ -117,7 +117,7 @@ fn spaced(count: u32, longest: u64) -> Vec<u64> {
     lengths
 }
 
-/// Samples in `tau_s`, rounded; 0 for less than half a sample and for what is no time.
+/// Samples in `tau_s`, rounded. 0 for less than half a sample and for a value that is not a time.
 pub(crate) fn nearest(tau_s: f64, rate_hz: f64) -> u64 {
     libm::round(tau_s * rate_hz) as u64
 }

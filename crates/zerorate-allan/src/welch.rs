@@ -1,4 +1,4 @@
-//! The density of a spectrum as one draws it: Welch's estimate, averaged evenly in the logarithm of frequency.
+//! The density of a spectrum as drawn: Welch's estimate, averaged evenly in the logarithm of frequency.
 
 use super::{Fit, Term};
 use alloc::vec;
@@ -11,7 +11,7 @@ use realfft::{FftError, RealFftPlanner};
 pub struct Density {
     /// Hz.
     pub frequency_hz: f64,
-    /// Two-sided, unit²/Hz: N² of white noise. The one-sided density is twice that.
+    /// Two-sided, unit²/Hz: white noise has N². The one-sided density is twice that.
     pub density: f64,
 }
 
@@ -24,12 +24,12 @@ const PER_DECADE: f64 = 60.0;
 /// The first coefficient of a segment without its mean is too small, and leaks into the next.
 const FIRST: usize = 2;
 
-/// Welch's estimate (1967) of a rate, NaN where samples are missing: Hann's window, segments that overlap by half,
-/// each without its mean. Missing samples count as its mean, and segments that lack half of them are left out. Empty
-/// for less than 256 samples.
+/// Welch's estimate (1967) of a rate, NaN where samples are missing. It uses Hann's window and segments that overlap
+/// by half, each without its mean. Missing samples count as the mean, and segments that lack half of them are left
+/// out. Empty for less than 256 samples.
 ///
 /// # Errors
-/// None that is known: the lengths fit together.
+/// No error is known: the lengths fit together.
 pub fn welch(rate: &[f64], rate_hz: f64) -> Result<Vec<Density>, FftError> {
     let most = (rate.len() / SEGMENTS).min(*LENGTHS.end());
     let Some(length) = (0..usize::BITS).rev().map(|k| 1usize << k).find(|length| *length <= most) else {
@@ -54,7 +54,7 @@ pub fn welch(rate: &[f64], rate_hz: f64) -> Result<Vec<Density>, FftError> {
     Ok(if segments > 0.0 { averaged(&power, rate_hz / length as f64) } else { Vec::new() })
 }
 
-/// A segment under the window, and the sum of the window's squares over what is there.
+/// A segment under the window, and the sum of the window's squares over the samples present.
 fn windowed(segment: &[f64], window: &[f64]) -> Option<(Vec<f64>, f64)> {
     let there = || segment.iter().filter(|value| !value.is_nan());
     let count = there().count();
@@ -159,7 +159,7 @@ mod tests {
         assert!(welch(&[1.0; 255], 100.0).unwrap().is_empty());
     }
 
-    /// The density that is drawn is that which was fitted.
+    /// The density that is drawn equals the density that was fitted.
     #[test]
     fn the_model_lies_on_the_estimate() {
         let rate = record(0.0);

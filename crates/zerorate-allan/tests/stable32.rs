@@ -1,8 +1,8 @@
 //! Every row of the Stable32 tables in the reference data: deviations, noise types, confidence limits.
 //!
 //! Stable32 is the program that the field compares with. Where its rule for the noise type is not the published one,
-//! this file has that rule, written down again from the definition, and every row must follow the one or the other;
-//! how many follow which is asserted.
+//! this file has that rule, written again from the definition. Every row must follow the one rule or the other, and
+//! the test asserts how many follow which.
 
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -73,7 +73,7 @@ fn table(folder: &Path, name: &'static str, stat: Stat) -> Table {
     Table { name, stat, rows: numbers(&folder.join(name)).into_iter().map(row).collect() }
 }
 
-/// Compares every row of every table with the record that they were made of.
+/// Compares every row of every table with the record that the table was made of.
 fn compare(input: &Input<'_>, tables: &[Table]) -> Tally {
     let phase = phase_of(input);
     let mut tally = Tally::default();
@@ -98,7 +98,7 @@ fn compare(input: &Input<'_>, tables: &[Table]) -> Tally {
     tally
 }
 
-/// Whether the row has limits; if so, they must be ours.
+/// Checks that the row's limits, if it has any, are ours.
 fn check_limits(at: &str, stat: Stat, row: &Row, point: &Point, points: u64) -> bool {
     if row.hi == 0.0 {
         return false;
@@ -110,7 +110,7 @@ fn check_limits(at: &str, stat: Stat, row: &Row, point: &Point, points: u64) -> 
         }
         _ => (point.lo, point.hi),
     };
-    // Stable32 solves χ² to about 2e-4 in the probability only, which shows at its smallest number of degrees of
+    // Stable32 solves χ² to only about 2e-4 in the probability, which shows at its smallest number of degrees of
     // freedom.
     let tolerance = if point.edf < 3.0 { 6e-4 } else { LIMITS };
     assert!((lo / row.lo - 1.0).abs() < tolerance, "{at}: lower limit {lo} instead of {}", row.lo);
@@ -118,9 +118,8 @@ fn check_limits(at: &str, stat: Stat, row: &Row, point: &Point, points: u64) -> 
     true
 }
 
-/// Degrees of freedom that Stable32 gives TOTDEV of phase noise: the older formulas for OADEV (NIST SP 1065 table 5),
-/// although for OADEV it uses the newer ones, as we do for both. They differ for flicker phase, by a factor of 2 or
-/// so.
+/// Stable32's degrees of freedom for TOTDEV of phase noise: the older formulas for OADEV (NIST SP 1065 table 5). For
+/// OADEV it uses the newer ones, as we do for both. They differ for flicker phase, by a factor of about 2.
 fn stein_edf(alpha: i32, m: f64, n: f64) -> f64 {
     match alpha {
         2 => (n + 1.0) * (n - 2.0 * m) / (2.0 * (n - m)),
@@ -143,13 +142,13 @@ fn phase_of(input: &Input<'_>) -> Vec<f64> {
     }
 }
 
-/// Noise types as Stable32 gives them. Three things differ from the published rules that
+/// Noise types as Stable32 gives them. Three points differ from the published rules that
 /// [`zerorate_allan::noise_types`] follows:
-/// 1. Of phase data, 2δ is rounded by cutting off the fraction of 2δ + ½, which goes the wrong way for negative δ; δ
+/// 1. For phase data, 2δ is rounded by cutting off the fraction of 2δ + ½, which goes the wrong way for negative δ. δ
 ///    is at least −1.
-/// 2. Boundaries of B1 are those of as many averages as the statistic has terms, not of the averages that B1 was
-///    computed of.
-/// 3. R(n) is not asked: phase noise found by B1 is flicker.
+/// 2. Boundaries of B1 use the number of terms of the statistic, not the number of averages from which B1 was
+///    computed.
+/// 3. R(n) is not used: phase noise found by B1 is flicker.
 fn stable32_types(phase: &[f64], is_rate: bool, stat: Stat, rows: &[Row]) -> Vec<i32> {
     let fewest = if matches!(stat, Stat::Adev | Stat::Hdev) { 10 } else { 8 };
     let mut last = 0;

@@ -1,6 +1,6 @@
 //! The calibration file: what is written comes back, and nothing that was changed since passes for it.
 
-use zerorate::calibration::{CalibratedAxis, Calibration, FileError, FileWarning, Origin};
+use zerorate::calibration::{CalibratedAxis, Calibration, FileError, FileWarning, Notes, Origin};
 use zerorate::track::TrackerConfig;
 use zerorate::{Axis, Correction, Measured, Noise, Outcome, Part, Plan, Uncertainty, Warning};
 

@@ -1,4 +1,4 @@
-//! The gyroscope behind the converter: what the two channels measure at any instant.
+//! The gyroscope behind the converter: the quantities that the two channels measure at any instant.
 
 pub(crate) mod motion;
 pub(crate) mod noise;

@@ -10,10 +10,10 @@ use core::f64::consts::{LN_2, PI};
 
 /// White noise through the two poles of F-03 (or F-04), sampled at any instants, exactly.
 ///
-/// With unit white noise dW and the poles w₁, w₂ [rad/s], two modes are driven by the *same* noise,
-/// da = −w₁·a·dt + dW and db = −w₂·b·dt + dW, and the output is y = N/√2 · w₁·w₂/(w₂ − w₁) · (a − b): the response
-/// of 1/((1 + s/w₁)(1 + s/w₂)) to noise of one-sided density N. Over a step h the pair takes normal increments with
-/// covariance Q(v, w) = (1 − e^(−(v + w)h))/(v + w), which is exact for every h.
+/// Unit white noise dW and the poles w₁, w₂ [rad/s] drive two modes by the *same* noise: da = −w₁·a·dt + dW and db =
+/// −w₂·b·dt + dW. The output is y = N/√2 · w₁·w₂/(w₂ − w₁) · (a − b). This is the response of 1/((1 + s/w₁)(1 + s/w₂))
+/// to noise of one-sided density N. Over a step h the pair takes normal increments with covariance Q(v, w) = (1 −
+/// e^(−(v + w)h))/(v + w), which is exact for every h.
 pub(crate) struct White {
     w: [f64; 2],
     gain: f64,
@@ -128,8 +128,9 @@ const FLICKER_TOP_HZ: f64 = 10.0;
 
 /// Flicker with one-sided density S(f) = B²/(π·f) between `flicker_hz` and 10 Hz, flat below and steeper above.
 ///
-/// A sum of Ornstein-Uhlenbeck processes: the band is cut into cells of equal ratio r ≤ 2, each with one process whose
-/// corner is at the cell's geometric centre and whose variance is (B²/π)·ln r. They start from their stationary law.
+/// It is a sum of Ornstein-Uhlenbeck processes. The band is cut into cells of equal ratio r ≤ 2. Each cell has one
+/// process, whose corner is at the cell's geometric centre and whose variance is (B²/π)·ln r. They start from their
+/// stationary law.
 pub(crate) struct Flicker {
     parts: Vec<OrnsteinUhlenbeck>,
     normal: Normal,
@@ -169,7 +170,7 @@ pub(crate) struct OrnsteinUhlenbeck {
 }
 
 impl OrnsteinUhlenbeck {
-    /// With standard deviation `sd`, the tick being `ticks` time constants long, starting from the stationary law.
+    /// Has standard deviation `sd` and a tick of `ticks` time constants, and starts from the stationary law.
     pub(crate) fn stationary(sd: f64, ticks: f64, normal: &mut Normal) -> Self {
         Self {
             value: sd * normal.sample(),
@@ -224,7 +225,7 @@ mod tests {
         let spec = Spec::typical();
         let mut white = White::new(&spec, &Rc::new(Layers::new()));
         let n = 400_000u32;
-        // Steps of one pair and of a second: the variance knows no step.
+        // Steps of one pair and of a second: the variance does not depend on the step.
         for h_ps in [175_666_666u64, 1_000_000_000_000] {
             let start = white.last_ps;
             let sum: f64 = (1..=u64::from(n))

@@ -1,4 +1,4 @@
-//! Everything slow, on a tick of its own that no bus traffic can shift: temperatures, bias, flicker, motion.
+//! The slow processes, on a tick of their own that bus traffic cannot shift: temperatures, bias, flicker, motion.
 
 use super::motion::Platform;
 use super::noise::{Flicker, RandomWalk};
@@ -8,13 +8,13 @@ use crate::normal::Layers;
 use crate::spec::Spec;
 use alloc::rc::Rc;
 
-/// The tick of the part, in ps; between two ticks everything is a straight line.
+/// The tick of the part, in ps. Between two ticks everything is a straight line.
 pub(crate) const TICK_PS: u64 = 4_000_000_000;
 
 /// The slow quantities at one instant.
 #[derive(Copy, Clone, Default)]
 pub(crate) struct Point {
-    /// All that the rate channel shows but fast noise and self-test, at the output, in °/s.
+    /// The rate at the output without fast noise and self-test, in °/s.
     pub(crate) rate_dps: f64,
     pub(crate) sensor_c: f64,
     pub(crate) element_c: f64,
@@ -72,7 +72,7 @@ impl Slow {
         slow
     }
 
-    /// Follows to `t_ps`, which must not lie before the tick reached.
+    /// Advances to `t_ps`, which must not lie before the tick reached.
     #[inline]
     pub(crate) fn follow(&mut self, t_ps: u64) {
         while t_ps - self.left_ps >= self.tick_ps {
@@ -80,7 +80,7 @@ impl Slow {
         }
     }
 
-    /// What the rate channel shows of the slow world at `t_ps`, in °/s.
+    /// The slow part of the rate at `t_ps`, in °/s.
     #[inline]
     pub(crate) fn rate_dps(&mut self, t_ps: u64) -> f64 {
         self.follow(t_ps);
@@ -111,13 +111,13 @@ impl Slow {
         }
     }
 
-    /// The supply goes on or off at `t_ps`; the heating notices at the next tick.
+    /// Switches the supply on or off at `t_ps`. The heating notices at the next tick.
     pub(crate) fn set_powered(&mut self, powered: bool, t_ps: u64) {
         self.follow(t_ps);
         self.thermal.set_powered(powered);
     }
 
-    /// The ambient goes to `to_c` within `over_s` from the next tick after `t_ps` on.
+    /// Takes the ambient to `to_c` within `over_s` from the next tick after `t_ps` on.
     pub(crate) fn set_ambient(&mut self, to_c: f64, over_s: f64, t_ps: u64) {
         self.follow(t_ps);
         self.thermal.set_ambient(to_c, over_s, self.ticks as f64 * seconds(self.tick_ps));
@@ -143,7 +143,7 @@ impl Slow {
         self.right = self.point(t_s);
     }
 
-    /// The state of the processes, which have reached `t_s`, put together.
+    /// The state of the processes, which have reached `t_s`.
     fn point(&mut self, t_s: f64) -> Point {
         let (flicker_dps, walk_dps) = match &self.noises {
             Some((flicker, walk)) => (flicker.value(), walk.value),

@@ -1,4 +1,4 @@
-//! Temperatures: ambient, self-heating, the sensing element's lag; and the temperature part of the bias.
+//! Temperatures (ambient, self-heating, the sensing element's lag) and the temperature part of the bias.
 
 use super::noise::OrnsteinUhlenbeck;
 use crate::facts;
@@ -48,13 +48,13 @@ impl Thermal {
         self.powered = powered;
     }
 
-    /// From `t_s` on the ambient goes to `to_c` within `over_s`, whatever the profile says.
+    /// Takes the ambient to `to_c` within `over_s` from `t_s` on, in place of the profile.
     pub(crate) fn set_ambient(&mut self, to_c: f64, over_s: f64, t_s: f64) {
         let from_c = self.ambient.at(t_s);
         self.ambient.outside = Some(Outside { from_c, to_c, from_s: t_s, over_s: over_s.max(0.0) });
     }
 
-    /// One tick on, to `t_s`.
+    /// Advances one tick, to `t_s`.
     pub(crate) fn step(&mut self, t_s: f64) {
         self.ambient_c = self.ambient.at(t_s) + self.wander.step(&mut self.normal);
         let powered = self.powered;
@@ -122,7 +122,7 @@ impl Ambient {
         }
         match self.profile {
             Profile::Constant => self.start_c,
-            // The range of F-08; a start outside it does not move.
+            // The range of F-08. A start outside it does not move.
             Profile::Ramp if self.ramp_c_per_s > 0.0 => {
                 (self.start_c + self.ramp_c_per_s * t_s).min(self.start_c.max(85.0))
             }
@@ -145,12 +145,14 @@ fn oven_c(minutes: f64) -> f64 {
     before.1
 }
 
-/// The temperature part of the bias, f(T) = tempco·(T − 25) + curvature·(T − 25)², and the play that it follows with.
+/// The temperature part of the bias, f(T) = tempco·(T − 25) + curvature·(T − 25)², and the play with which the bias
+/// follows it.
 ///
-/// Play in units of bias: the part's bias p keeps its value while |p − f(T)| ≤ h, and is dragged along at that
-/// distance otherwise. A temperature cycle therefore traces a loop of half width h = `hysteresis_dps` whatever the
-/// coefficients are; the *branch offset* p − f(T) is −h after warming and +h after cooling where f rises. It starts at
-/// 0.
+/// The play is in units of bias: the part's bias p keeps its value while
+/// p − f(T)
+///  ≤ h, and is dragged along at that distance otherwise. A temperature cycle therefore traces a loop of half width h
+/// = `hysteresis_dps` with any coefficients. The *branch offset* p − f(T) is −h after warming and +h after cooling
+/// where f rises. It starts at 0.
 pub(crate) struct TemperatureBias {
     tempco: f64,
     curvature: f64,
@@ -170,7 +172,7 @@ impl TemperatureBias {
         bias
     }
 
-    /// Follows to `element_c`; gives the temperature part now and the branch offset, in °/s.
+    /// Follows to `element_c`. Returns the temperature part now and the branch offset, in °/s.
     pub(crate) fn step(&mut self, element_c: f64) -> (f64, f64) {
         let curve = self.curve(element_c);
         self.play = self.play.max(curve - self.half_width).min(curve + self.half_width);

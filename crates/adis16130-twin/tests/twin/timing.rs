@@ -266,7 +266,7 @@ fn the_next_event_is_the_next_edge() {
     while let Some(t_ns) = twin.next_event_ns().filter(|t_ns| *t_ns < 10_000_000) {
         assert_eq!(twin.next_falling_edge(t_ns - twin.now_ns() - 1).map(|edge| edge.t_ns), None);
         twin.advance_ns(t_ns - twin.now_ns());
-        // the first conversion is that of the rate, and RDY waits for both channels (F-32)
+        // the rate is converted first, and RDY waits for both channels (F-32)
         let edge = twin.next_falling_edge(0);
         assert!(edge.is_none_or(|edge| edge.t_ns.abs_diff(t_ns) <= 1), "{edge:?} at {t_ns}");
     }

@@ -7,23 +7,23 @@ use embedded_hal::spi::ErrorKind;
 
 /// A bridge answers within this.
 const ANSWER: Duration = Duration::from_millis(500);
-/// So often a request is sent before the bridge counts as silent.
+/// How often a request is sent before the bridge counts as silent.
 const ATTEMPTS: u32 = 3;
 
-/// What the silence of a bridge means, to follow its name.
+/// The text about the silence of a bridge, to follow its name.
 pub const SILENT: &str =
     "does not answer: is it a bridge (docs/formats/bridge.md) whose firmware runs, and does nobody else read it?";
-/// What the end of a connection means, to follow the name of the bridge.
+/// The text about the end of a connection, to follow the name of the bridge.
 pub const GONE: &str = "is gone: its cable was pulled, or the bridge has no power; connect it and start again";
 
-/// Sends requests and understands what comes back. Its owner moves the bytes and tells the time, which counts from
-/// any moment.
+/// Sends requests and understands the answers. Its owner moves the bytes and tells the time, which counts from any
+/// moment.
 #[derive(Clone, Debug, Default)]
 pub struct Client {
     decoder: Decoder,
-    /// Of the last request.
+    /// The tag of the last request.
     tag: u8,
-    /// Frames that arrived damaged. The first after opening a port is often cut: its owner may set this back.
+    /// Frames that arrived damaged. The first after opening a port is often cut, so the owner may set this back.
     pub damaged: u64,
 }
 
@@ -36,7 +36,7 @@ pub struct Pending<'a> {
     deadline: Option<Duration>,
 }
 
-/// What to do next about a request.
+/// The next step of a request.
 #[derive(Debug)]
 pub enum Step<T> {
     /// Send this.
@@ -47,7 +47,7 @@ pub enum Step<T> {
     Answered(T),
 }
 
-/// What a bridge says beside the content of its answers.
+/// The messages of a bridge, without the content of its answers.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Heard {
     /// It answers the last request.
@@ -63,9 +63,9 @@ pub enum Heard {
 pub enum RequestError {
     /// The bridge does not answer.
     Silent,
-    /// The bridge did not do it.
+    /// The bridge did not carry it out.
     Refused(Refusal),
-    /// No frame has room for it, or the protocol has no such transfer.
+    /// It does not fit in a frame, or the protocol has no such transfer.
     Unsupported,
 }
 
@@ -84,7 +84,7 @@ impl<'a> Pending<'a> {
 }
 
 impl Client {
-    /// Looks for the answer in the bytes that came, and says what to do next. `take` returns nothing for an answer
+    /// Looks for the answer in the bytes that came, and returns the next step. `take` returns nothing for an answer
     /// that does not fit. Samples on the way are dropped: requests end sampling, or begin it.
     pub fn poll<T>(
         &mut self,
@@ -110,14 +110,14 @@ impl Client {
     pub fn frame(&mut self, ask: Ask<'_>) -> Result<Frame, RequestError> {
         self.tag = self.tag.wrapping_add(1);
         let mut bytes = [0; MAX_FRAME + 1];
-        // the zero at the front ends whatever rubbish was sent before
+        // the zero at the front ends any rubbish that was sent before
         let [_, room @ ..] = &mut bytes;
         let frame = encode(&Request { tag: self.tag, ask }, room).map_err(|_| RequestError::Unsupported)?;
         let len = frame.len().saturating_add(1);
         Ok(Frame { bytes, len })
     }
 
-    /// The next thing that the bridge says in the bytes that came, without answers to earlier requests.
+    /// The next message of the bridge in the bytes that came, without answers to earlier requests.
     pub fn hear(&mut self, received: &mut impl Iterator<Item = u8>) -> Option<Heard> {
         let last = self.tag;
         received.find_map(|byte| match self.message(byte)? {
@@ -150,14 +150,14 @@ impl Client {
 }
 
 impl Answer<'static> {
-    /// Takes this answer alone.
+    /// Takes this answer only.
     pub fn only(self) -> impl Fn(Answer<'_>) -> Option<()> {
         move |answer| (answer == self).then_some(())
     }
 }
 
 impl Frame {
-    /// What to send.
+    /// The bytes to send.
     pub fn bytes(&self) -> &[u8] {
         self.bytes.get(..self.len).unwrap_or_default()
     }

@@ -11,7 +11,7 @@ pub const MAX_FRAME: usize = 64;
 
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// A message that fits no frame.
+/// A message that is too long for a frame.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct TooLong;
 
@@ -23,7 +23,7 @@ impl Display for TooLong {
 
 impl core::error::Error for TooLong {}
 
-/// Bytes between two zeros that are no message: their CRC is wrong, or this version does not know them.
+/// Bytes between two zeros that do not make a message: their CRC is wrong, or this version does not know them.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct Damaged;
 
@@ -62,7 +62,8 @@ impl Decoder {
         Self { bytes: [0; MAX_FRAME], len: 0 }
     }
 
-    /// Takes a byte, and returns the message that ends with it. Nothing between two zeros is no message, and no error.
+    /// Takes a byte, and returns the message that ends with it. Two zeros in a row give neither a message nor an
+    /// error.
     pub fn push<'a, M: Deserialize<'a>>(&'a mut self, byte: u8) -> Option<Result<M, Damaged>> {
         if byte != 0 {
             if let Some(place) = self.bytes.get_mut(self.len) {

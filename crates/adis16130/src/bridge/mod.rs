@@ -1,12 +1,14 @@
-//! The protocol between a bridge, which is a microcontroller with the part on its pins, and a host: messages, frames,
-//! the firmware's end of it without its pins ([`Station`]), and the host's without its port and clock ([`Client`]).
+//! The protocol between a host and a bridge, which is a microcontroller with the part on its pins. It has messages,
+//! frames, the firmware's end without its pins ([`Station`]), and the host's end without its port and clock
+//! ([`Client`]).
 //!
-//! The bytes are specified in `docs/formats/bridge.md` of the project. A host asks, the bridge answers; while it
-//! samples, it sends every sample by itself, as fast as they come. Nothing is sent twice: what is lost on the way
-//! shows in the numbers of the samples ([`WireSample`]), and [`Continuity`] counts it.
+//! The bytes are specified in `docs/formats/bridge.md` of the project. A host asks, the bridge answers. While it
+//! samples, it sends every sample by itself, as fast as they come. Nothing is sent twice: a loss on the way shows in
+//! the numbers of the samples ([`WireSample`]), and [`Continuity`] counts it.
 //!
-//! A firmware hands bytes to a [`Decoder`], its requests and the edges of RDY to a [`Station`], and what that returns
-//! to [`encode`]. Both ends of the link in one place, on a bus that a firmware would make of its SPI:
+//! A firmware hands bytes to a [`Decoder`], and the requests and the edges of RDY to a [`Station`]. It sends the
+//! messages that the station returns by [`encode`]. This example has both ends of the link, on a bus that a firmware
+//! would make of its SPI:
 //!
 //! ```
 //! use adis16130::bridge::{Answer, Ask, Bus, Decoder, MAX_FRAME, Message, Request, Station, encode};
@@ -81,20 +83,20 @@ use serde::{Deserialize, Serialize};
 /// Version of the protocol that this module speaks.
 pub const PROTOCOL: u16 = 2;
 
-/// Most bytes of one [`Ask::Transfer`]: more than any command of the part has.
+/// Most bytes of one [`Ask::Transfer`]. No command of the part is as long.
 pub const MAX_TRANSFER: usize = 8;
 
 /// From host to bridge.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Request<'a> {
-    /// Comes back with the answer.
+    /// A number that comes back with the answer.
     pub tag: u8,
-    /// What the bridge shall do. Everything may be asked twice, so a host that gets no answer asks again.
+    /// The request. Everything may be asked twice, so a host that gets no answer asks again.
     #[serde(borrow)]
     pub ask: Ask<'a>,
 }
 
-/// What a host can ask for.
+/// The requests of a host.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Ask<'a> {
     /// Who is there?
@@ -111,8 +113,8 @@ pub enum Ask<'a> {
     },
     /// What was the last edge of RDY?
     LastEdge,
-    /// Reset the part, initialise it as [`Ask::Configure`] says (F-30 unless it was asked), read it back, then sample.
-    /// Sampling that is under way begins anew.
+    /// Reset the part, initialise it as [`Ask::Configure`] says (F-30 by default), read it back, then sample. Sampling
+    /// that is under way begins anew.
     Start {
         /// As [`SamplerConfig::every_temp`](crate::SamplerConfig::every_temp).
         every_temp: u16,
@@ -123,15 +125,15 @@ pub enum Ask<'a> {
     },
     /// Stop sampling, and release the self-test pin.
     Stop,
-    /// How the part is to be configured by the next [`Ask::Start`], and how it is wired. Ends sampling.
+    /// Sets how the next [`Ask::Start`] configures the part, and how the part is wired. Ends sampling.
     Configure(Settings),
     /// Make the self-test pins active, or release them (F-11).
     SelfTest {
         /// Whether they are to be active.
         on: bool,
     },
-    /// The line that the bridge hears is that of a counter which divides RDY, for the next [`Ask::Start`];
-    /// [`Ask::Configure`] takes it back. Ends sampling. Answered by [`Answer::Configured`].
+    /// States that the bridge hears a counter which divides RDY, from the next [`Ask::Start`] on. [`Ask::Configure`]
+    /// takes it back. Ends sampling. Answered by [`Answer::Configured`].
     Divided {
         /// As [`SamplerConfig::divided`](crate::SamplerConfig::divided).
         edges: u16,
@@ -141,11 +143,11 @@ pub enum Ask<'a> {
 /// From bridge to host.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Message<'a> {
-    /// To the request with this tag.
+    /// The answer to the request with this tag.
     Answer {
-        /// That of the request.
+        /// The tag of the request.
         tag: u8,
-        /// What it says.
+        /// Its content.
         #[serde(borrow)]
         answer: Answer<'a>,
     },
@@ -155,7 +157,7 @@ pub enum Message<'a> {
     Ended,
 }
 
-/// What a bridge says to a request.
+/// The answers of a bridge.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Answer<'a> {
     /// To [`Ask::Hello`].
@@ -169,10 +171,10 @@ pub enum Answer<'a> {
     },
     /// To [`Ask::Clock`].
     Clock {
-        /// As it is set now, Hz.
+        /// The clock as set now, Hz.
         sclk_hz: u32,
     },
-    /// To [`Ask::Transfer`]: what the part sent, as many bytes.
+    /// To [`Ask::Transfer`]: the bytes that the part sent, as many as it got.
     Transfer {
         /// From SDO.
         bytes: &'a [u8],
@@ -188,21 +190,21 @@ pub enum Answer<'a> {
     Started,
     /// To [`Ask::Stop`].
     Stopped,
-    /// It was not done.
+    /// The request was not carried out.
     Refused(Refusal),
     /// To [`Ask::Configure`].
     Configured,
     /// To [`Ask::SelfTest`].
     SelfTest {
-        /// As it is now.
+        /// Whether they are active now.
         on: bool,
     },
 }
 
-/// Why something was not done.
+/// Why a request was not carried out.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Refusal {
-    /// The bridge samples: stop first.
+    /// The bridge is sampling: stop first.
     Sampling,
     /// The bridge's SPI controller reports an error.
     Bus,
@@ -236,7 +238,7 @@ pub struct WireSample {
     pub number: u32,
     /// Samples that the bridge has lost since [`Ask::Start`], before this one (F-33).
     pub lost: u32,
-    /// Time of the edge that announced it, in ns of the bridge's clock.
+    /// Time of the edge that announced the sample, in ns of the bridge's clock.
     pub t_ns: u64,
     /// Running number of that edge.
     pub edge: u32,
@@ -261,14 +263,14 @@ impl WireSample {
         }
     }
 
-    /// The samples since [`Ask::Start`] before this one, whether they were lost or not.
+    /// The samples since [`Ask::Start`] before this one, lost or not.
     const fn position(&self) -> u32 {
         self.number.wrapping_add(self.lost)
     }
 }
 
-/// Makes samples of readings, and counts what lies between them: what the bridge lost, what it had no room for on the
-/// link, and what was damaged there. To be made anew with every [`Ask::Start`].
+/// Makes samples of readings, and counts the losses between them: readings that the bridge lost, that did not fit on
+/// the link, and that were damaged there. Make a new one with every [`Ask::Start`].
 #[derive(Clone, Debug)]
 pub struct Continuity {
     width: Width,
@@ -284,7 +286,7 @@ impl Default for Continuity {
 }
 
 impl Continuity {
-    /// For data registers of this width.
+    /// Starts with data registers of this width.
     pub const fn new(width: Width) -> Self {
         Self { width, next_number: 0, next_position: 0, missing: 0 }
     }

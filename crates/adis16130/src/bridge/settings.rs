@@ -1,4 +1,4 @@
-//! What a host can choose of a part's configuration, on the wire.
+//! The settings of a part's configuration that a host can choose, on the wire.
 
 use crate::codes::Width;
 use crate::config::{Config, RdyEdge};
@@ -6,7 +6,7 @@ use crate::frame::Framing;
 use crate::registers::ConversionTime;
 use serde::{Deserialize, Serialize};
 
-/// The part of a [`Config`] that a host can choose; the rest is that of F-30.
+/// The settings of a [`Config`] that a host can choose. The others have their values of F-30.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Settings {
     /// CS rises between all bytes (F-22).

@@ -1,4 +1,4 @@
-//! The bridge itself, without its pins: what it does at a request and at an edge of RDY.
+//! The bridge itself, without its pins: how it handles a request and an edge of RDY.
 
 use super::{Answer, Ask, MAX_TRANSFER, Message, PROTOCOL, Refusal, Request, Settings, WireSample};
 use crate::asynch::Adis16130;
@@ -14,14 +14,13 @@ pub trait Bus: SpiDevice {
     /// Sets the fastest clock that is not above this one, or else the slowest there is, and returns it, in Hz.
     fn set_sclk_hz(&mut self, hz: u32) -> u32;
 
-    /// Takes edges of this kind for those of new data, from now on (F-32). Returns whether it can: unless it says
-    /// otherwise, a bridge hears falling edges only.
+    /// Takes edges of this kind as "new data", from now on (F-32). Returns whether it can. The default hears falling
+    /// edges only.
     fn set_rdy_edge(&mut self, edge: RdyEdge) -> bool {
         matches!(edge, RdyEdge::Falling)
     }
 
-    /// Makes the self-test pins active, or releases them (F-11). Returns whether it can: unless it says otherwise, a
-    /// bridge has no such pin.
+    /// Makes the self-test pins active, or releases them (F-11). Returns whether it can. The default has no such pin.
     fn set_self_test(&mut self, _on: bool) -> bool {
         false
     }
@@ -37,7 +36,7 @@ pub struct Station<S> {
     sampling: Option<Sampling>,
     /// A counter in the line lets every n-th edge of RDY through.
     divided: u16,
-    /// What the part sent in the last transfer.
+    /// The bytes that the part sent in the last transfer.
     received: [u8; MAX_TRANSFER],
 }
 
@@ -50,7 +49,7 @@ struct Sampling {
 }
 
 impl<S: Bus> Station<S> {
-    /// A bridge whose firmware calls itself so, in at most 24 bytes, with a bus of this clock. Sends nothing.
+    /// Makes a bridge with this bus at this clock. The name of its firmware has at most 24 bytes. Sends nothing.
     pub const fn new(bus: S, sclk_hz: u32, firmware: &'static str) -> Self {
         let part = Adis16130::new(bus, (), Config::new().with_framing(Framing::Command));
         let last = Edge { t_ns: 0, seq: 0 };
@@ -68,7 +67,7 @@ impl<S: Bus> Station<S> {
         self.part.bus_mut().set_self_test(false);
     }
 
-    /// Does what is asked.
+    /// Carries out a request, and returns the answer.
     pub async fn request(&mut self, request: &Request<'_>) -> Message<'_> {
         let tag = request.tag;
         let answer = match request.ask {
@@ -106,8 +105,7 @@ impl<S: Bus> Station<S> {
         Message::Answer { tag, answer }
     }
 
-    /// Takes an edge of RDY, and returns what there is to send. Every edge is to be given here, also while it does not
-    /// sample.
+    /// Takes an edge of RDY, and returns the message to send. Give it every edge, also while it does not sample.
     pub async fn edge(&mut self, edge: Edge) -> Option<Message<'static>> {
         self.last = edge;
         let sampling = self.sampling.as_mut()?;

@@ -7,16 +7,16 @@ pub struct Field {
     pub name: &'static str,
     /// Its bits.
     pub mask: u32,
-    /// What its values mean.
+    /// How to read its values.
     pub meaning: Meaning,
 }
 
-/// What the values of a field mean.
+/// How to read the values of a field.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Meaning {
     /// A bit: clear, set.
     Bit([&'static str; 2]),
-    /// A bit that shows the level of a pin, whatever was written: low, high.
+    /// A bit that shows the level of a pin, not the bit that was written: low, high.
     Level([&'static str; 2]),
     /// A bit that is set where something is wrong: clear, set.
     Alarm([&'static str; 2]),

@@ -47,22 +47,21 @@ impl Size {
     }
 }
 
-/// A register: where it is, how long it is, what it holds.
+/// A register: its address, its size and its value.
 pub trait Register {
-    /// What the register holds.
+    /// The value of the register.
     type Value: Copy;
     /// Its address.
     const ADDRESS: Address;
     /// Its size on the wire.
     const SIZE: Size;
-    /// What it holds after a reset. IOP also shows the levels of its pins, and the data registers are 16 bits wide
-    /// then.
+    /// The value after a reset. IOP also shows the levels of its pins, and the data registers are 16 bits wide then.
     const RESET: Self::Value;
 }
 
 /// A register that can be read.
 pub trait Readable: Register {
-    /// The value of the bytes on the wire, most significant byte first; `width` is the width of the data registers.
+    /// The value of the bytes on the wire, most significant byte first. `width` is the width of the data registers.
     fn decode(raw: u32, width: Width) -> Self::Value;
 }
 
@@ -72,7 +71,7 @@ pub trait Writable: Register {
     fn encode(value: Self::Value) -> u32;
 }
 
-/// What can be done with a register.
+/// The directions in which a register can be used.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Access {
@@ -84,9 +83,9 @@ pub enum Access {
     ReadWrite,
 }
 
-/// One row per register, as in the table of docs/facts.md section 3: description, address, name and access; then the
-/// type of its value, size, value after reset, fields, decoder, and the encoder if it is writable. `struct` declares a
-/// type for the register where that is not the type of its value.
+/// One row per register, as in the table of docs/facts.md section 3: description, address, name and access. Then
+/// follow the type of its value, size, value after reset, fields, decoder, and the encoder if it is writable. `struct`
+/// declares a type for the register where its value has another type.
 macro_rules! registers {
     ($(
         #[doc = $description:literal]
@@ -119,7 +118,7 @@ macro_rules! registers {
                 match self {$(Self::$register => Access::$access,)*}
             }
 
-            /// Its size on the wire; that of a command for COM.
+            /// Its size on the wire. For COM, the size of a command byte.
             pub const fn size(self) -> Size {
                 match self {
                     $($(Self::$register => Size::$size,)?)*

@@ -1,10 +1,10 @@
-//! What the one-byte registers hold, bit by bit (docs/facts.md section 3).
+//! The fields of the one-byte registers, bit by bit (docs/facts.md section 3).
 
 use super::field::Field;
 use super::field::Meaning::{Alarm, Bit, Channel, Choice, FilterWord, Level, Number};
 use crate::codes::Width;
 
-/// What RDY of a channel means, clear and set.
+/// The meaning of RDY of a channel, clear and set.
 const WAITING: [&str; 2] = ["nothing waits to be read", "a reading waits"];
 
 /// `bits` with the bits of `mask` set or cleared.
@@ -12,8 +12,8 @@ const fn with(bits: u8, mask: u8, on: bool) -> u8 {
     if on { bits | mask } else { bits & !mask }
 }
 
-/// Defines a one-byte register value by its fields, in the order in which a table lists them: mask, name, meaning and,
-/// for a single bit, the method that reads it and the one that sets it.
+/// Defines a one-byte register value by its fields, in the order in which a table lists them. Each field has a mask, a
+/// name and a meaning. A single bit also has a method that reads it and one that sets it.
 macro_rules! byte_value {
     ($(#[$doc:meta])* $name:ident {$(
         $mask:literal $label:literal $meaning:expr
@@ -30,7 +30,7 @@ macro_rules! byte_value {
             pub const FIELDS: &'static [Field] =
                 &[$(Field { name: $label, mask: $mask, meaning: $meaning }),*];
 
-            /// The value with these raw bits; every byte is one.
+            /// The value with these raw bits. Every byte is valid.
             pub const fn new(bits: u8) -> Self {
                 Self(bits)
             }
@@ -58,7 +58,7 @@ macro_rules! byte_value {
 }
 
 byte_value! {
-    /// IOP, 01h: the pins P0 and P1, when RDY falls, and the SYNC pin.
+    /// IOP, 01h: the pins P0 and P1, the condition for RDY, and the SYNC pin.
     Iop {
         0x80 "P0" Level(["pin P0 is low", "pin P0 is high"]),
             /// Level of pin P0 (b7).
@@ -97,7 +97,7 @@ byte_value! {
 }
 
 impl Iop {
-    /// The bits that show pin levels when read, whatever was written: mask them when reading back (docs/facts.md
+    /// The bits that show pin levels when read, not the bits written. Mask them when reading back (docs/facts.md
     /// section 3).
     pub const PIN_LEVELS: u8 = 0xC0;
 }
@@ -122,7 +122,7 @@ byte_value! {
 }
 
 byte_value! {
-    /// Channel status, 20h and 22h: what is known about the newest reading of a channel.
+    /// Channel status, 20h and 22h: the state of the newest reading of a channel.
     ChannelStatus {
         0xE0 "CHANNEL" Channel;
         0x08 "RDY" Bit(WAITING),
@@ -132,7 +132,7 @@ byte_value! {
             /// NOREF (b2): no reference voltage; the reading means nothing.
             no_reference;
         0x02 "SIGN" Bit(["the input is positive", "the input is negative"]),
-            /// SIGN (b1): the input was negative. With OVR it says on which side the reading left the range (F-35).
+            /// SIGN (b1): the input was negative. OVR and SIGN tell on which side the reading left the range (F-35).
             negative;
         0x01 "OVR" Alarm(["in range", "the input is beyond the range"]),
             /// OVR (b0): the input was outside the range. The code is saturated (CLAMP = 1) or wrapped (CLAMP = 0)
@@ -147,7 +147,7 @@ impl ChannelStatus {
         self.0 >> 5
     }
 
-    /// Whether it is that of the rate channel and says that an unread rate waits: channel 000, RDY set.
+    /// Whether it names the rate channel and says that an unread rate waits: channel 000, RDY set.
     pub const fn announces_rate(self) -> bool {
         self.0 & 0xE8 == 0x08
     }
@@ -192,7 +192,7 @@ impl Range {
 byte_value! {
     /// Channel setup, RATECS 28h and TEMPCS 2Ah.
     ChannelSetup {
-        0x10 "STATOPT" Bit(["the status is that of the channel alone", "the status is extended"]),
+        0x10 "STATOPT" Bit(["the status describes the channel alone", "the status is extended"]),
             /// STATOPT (b4).
             statopt,
             /// Sets STATOPT.

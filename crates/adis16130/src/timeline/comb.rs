@@ -1,4 +1,4 @@
-//! Where edges can lie: what is known of them beforehand, and which tooth one is taken for.
+//! The comb: the places where edges can lie, and the tooth that an edge is taken for.
 
 use super::{FRACTION_BITS, LOOP_GEAR, TOP_GEAR};
 use crate::quotient::quotient;
@@ -6,24 +6,26 @@ use crate::quotient::quotient;
 /// How the edges follow each other.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 enum Pattern {
-    /// They keep to one kind of update, that of rate or that of temperature, as long as the host is prompt.
+    /// They announce one kind of update, rate or temperature, as long as the host is prompt.
     Steady,
     /// They may announce any update.
     Mixed,
-    /// They come from a counter that divides RDY: far apart, so that each has a phase of its own, and each is a tick.
+    /// They come from a counter that divides RDY. They are so far apart that each has a phase of its own, and each is
+    /// a tick.
     Divided,
 }
 
-/// When updates come, as far as it is known beforehand: those of rate at each tick, one of temperature in between.
+/// The times of the updates as far as they are known beforehand: a rate update at each tick, a temperature update in
+/// between.
 #[derive(Clone, Debug)]
 pub(crate) struct Comb {
     /// Nominal time from one tick to the next.
     pub(super) period: i64,
     /// Time from a tick to the temperature update after it, as a fraction of the period in 2⁻¹⁶; 0 = there is none.
     temp_fraction: i64,
-    /// By how much an edge may come before its tick and still belong to it: an eighth of the time from the temperature
-    /// update to it, which is more than MCLK, off by 2 %, makes of a period. Half a period where edges have a phase of
-    /// their own.
+    /// How early an edge may come and still belong to its tick: an eighth of the time from the temperature update to
+    /// it. This is more than MCLK, off by 2 %, shifts an edge in a period. It is half a period where edges have a
+    /// phase of their own.
     pub(super) margin: i64,
     pattern: Pattern,
 }
@@ -33,7 +35,7 @@ const LONGEST_PERIOD: u64 = 1 << (36 + FRACTION_BITS);
 
 impl Comb {
     /// The first argument has the conversion times of rate and temperature in MCLK cycles, 0 for a disabled channel.
-    /// `steady` = edges keep to one kind of update.
+    /// `steady` = edges announce one kind of update.
     pub(crate) fn new((rate_cycles, temp_cycles): (u32, u32), mclk_hz: u32, steady: bool) -> Self {
         let pattern = if steady { Pattern::Steady } else { Pattern::Mixed };
         let cycles = u64::from((rate_cycles + temp_cycles).max(1));
@@ -44,14 +46,14 @@ impl Comb {
         comb
     }
 
-    /// The comb of edges that come from a counter, in the mean so many periods of this one apart (a fraction).
+    /// The comb of edges that come from a counter, on average `numerator`/`denominator` periods of this one apart.
     pub(crate) fn divided(self, numerator: u32, denominator: u32) -> Self {
         let ratio = quotient(u64::from(numerator) << FRACTION_BITS, denominator.into());
         let period = ((self.period >> FRACTION_BITS) as u64).saturating_mul(ratio).min(LONGEST_PERIOD) as i64;
         Self { period, temp_fraction: 0, margin: period >> 1, pattern: Pattern::Divided }
     }
 
-    /// So many eighths of the nominal period, in whole ns.
+    /// This many eighths of the nominal period, in whole ns.
     pub(crate) const fn nominal_eighths_ns(&self, eighths: u32) -> u64 {
         (self.period >> (FRACTION_BITS + 3)) as u64 * eighths as u64
     }
@@ -60,19 +62,19 @@ impl Comb {
         matches!(self.pattern, Pattern::Divided)
     }
 
-    /// Divided edges have no phase to follow, only a period: T̂ is the mean of the gaps with a memory of 1/β edges,
-    /// which in gear 5 is 2048 of them. Its noise is σ·β, that of the two ends of a gap.
+    /// Divided edges have no phase to follow, only a period. T̂ is the mean of the gaps with a memory of 1/β edges,
+    /// which in gear 5 is 2048 of them. Its noise is σ·β, from the two ends of a gap.
     pub(super) const fn top_gear(&self) -> u32 {
         if self.is_divided() { LOOP_GEAR } else { TOP_GEAR }
     }
 
-    /// Where the temperature tooth is with this period, to half a ns. A function of its own, for flash.
+    /// The place of the temperature tooth with this period, to half a ns. A function of its own saves flash.
     #[inline(never)]
     pub(super) const fn share_of_temp(&self, period: i64) -> i64 {
         (period >> FRACTION_BITS) * self.temp_fraction
     }
 
-    /// Periods in a run of edges none of which was followed by a read, after the first: a pair of conversions, then
+    /// Periods in a run of edges that was not interrupted by a read, after the first edge: a pair of conversions, then
     /// one each.
     pub(super) fn periods_of_edges(&self, edges: u32) -> u32 {
         if self.temp_fraction > 0 { edges.div_ceil(2) } else { edges }
@@ -84,8 +86,8 @@ impl Comb {
         period.max(self.period - sixteenth).min(self.period + sixteenth)
     }
 
-    /// Which of the gaps between two neighbouring edges a gap is nearest to, as learned and nominal: a period or,
-    /// where edges do not keep to one kind of update, a conversion.
+    /// The gap between two neighbouring edges that comes nearest to `gap`, as learned and nominal. It is a period or,
+    /// where edges announce both kinds of update, a conversion.
     pub(super) fn nearest_gap(&self, (period, temp): (i64, i64), gap: i64) -> (i64, i64) {
         let mut nearest = (period, self.period);
         if matches!(self.pattern, Pattern::Mixed) {
@@ -99,11 +101,12 @@ impl Comb {
         nearest
     }
 
-    /// Whether so large a sum of 256 absolute errors shows that the edges do not lie on the comb.
+    /// Whether this sum of 256 absolute errors shows that the edges do not lie on the comb.
     ///
-    /// Edges that lie anywhere are T/4 off in the mean, or T/8 if the nearest of two teeth is taken. The limits are
-    /// T/6 and T/9: two thirds of the one, since a tooth is believed for a while, and three standard deviations of a
-    /// mean of 256 below the other. Normal jitter reaches them with a standard deviation of 0.21·T and 0.14·T.
+    /// Edges that lie anywhere are off by T/4 on average, or by T/8 if the nearest of two teeth is taken. The limits
+    /// are T/6 and T/9. T/6 is two thirds of T/4, since a tooth is believed for a while. T/9 is three standard
+    /// deviations of a mean of 256 below T/8. Normal jitter reaches the limits with a standard deviation of 0.21·T and
+    /// 0.14·T.
     pub(super) fn is_missed(&self, error_of_256: i64) -> bool {
         match self.pattern {
             Pattern::Mixed => 9 * error_of_256 > self.period << 8,
@@ -112,24 +115,24 @@ impl Comb {
     }
 }
 
-/// Which kind of update the edges announce: that of rate, or that of temperature.
+/// The kind of update that the edges announce: rate or temperature.
 ///
-/// As long as they keep to one kind, a deviation of up to half a period is jitter. They change when the host is late
-/// (F-33): then all edges that follow are off. That is believed at once if the jitter is small, or else after some
-/// edges.
+/// As long as they announce one kind, a deviation of up to half a period is jitter. The kind changes when the host is
+/// late (F-33): then all edges that follow are off. A change is believed at once if the jitter is small, or else after
+/// some edges.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tooth {
     pub(super) on_rate: bool,
     doubts: u8,
-    /// Mean absolute error of some 16 edges.
+    /// Mean absolute error of about 16 edges.
     jitter: i64,
 }
 
-/// So many edges in a row lie nearer to the other tooth before that is a change: normal jitter of T/9 puts one of 41
-/// there, and eight in a row once in 10¹³ edges.
+/// This many edges in a row must lie nearer to the other tooth before they count as a change. Normal jitter of T/9
+/// puts one of 41 there, and eight in a row once in 10¹³ edges.
 const DOUBTS: u8 = 8;
 
-/// A change is believed at once where the mean absolute error is below T/48: with normal jitter of that size the other
+/// A change is believed at once where the mean absolute error is below T/48. With normal jitter of that size the other
 /// tooth, T/4 away, is nearer by chance only beyond ten standard deviations.
 const SURE: i64 = 48;
 

@@ -1,4 +1,5 @@
-//! Whether the edges can be believed, and what their gaps say before they can.
+//! The lock: whether the edges lie on the comb, and the offset of the clock from their gaps before they can be
+//! believed.
 
 use super::Comb;
 use crate::quotient::quotient;
@@ -13,12 +14,13 @@ pub(super) struct Gaps {
     far: bool,
 }
 
-/// The offset of the clock is taken to 2⁻²⁰, about a millionth: a thousandth of the noise of 128 gaps with σ = 15 µs.
+/// The offset of the clock is kept in steps of 2⁻²⁰, about a millionth: a thousandth of the noise of 128 gaps with σ =
+/// 15 µs.
 const OFFSET_BITS: u32 = 20;
 
 impl Gaps {
-    /// Adds a gap if it lies within 3/8 of a period of one that neighbouring edges have, and if the one before did,
-    /// since after a longer one the first timestamp may be late.
+    /// Adds a gap if it lies within 3/8 of a period of a gap between neighbouring edges, and if the gap before did,
+    /// too. After a longer gap the first timestamp may be late.
     pub(super) fn push(&mut self, comb: &Comb, learned: (i64, i64), gap: i64) {
         let (nearest, nominal) = comb.nearest_gap(learned, gap);
         let far = (gap - nearest).abs() > 3 * (learned.0 >> 3);
@@ -33,7 +35,7 @@ impl Gaps {
         self.count
     }
 
-    /// By how much the period differs from the nominal one.
+    /// The difference of the period from the nominal one.
     pub(super) fn offset(&self, comb: &Comb) -> i64 {
         let share = quotient(self.excess.unsigned_abs(), (self.nominal >> OFFSET_BITS) as u64) as i64;
         let offset = (comb.period >> OFFSET_BITS) * share;
@@ -48,16 +50,15 @@ pub(super) enum Grip {
     Firm,
     /// They did not, and the comb is learned anew.
     Loose,
-    /// They lie anywhere: for so many more checks the period stays nominal, and the phase is hardly followed.
+    /// They lie anywhere. For this many more checks the period stays nominal, and the phase is hardly followed.
     Held(u8),
 }
 
-/// Checks without a lock before it learns anew: 4096 edges (0.7 s with F-31), as long as learning to the last gear
-/// takes.
+/// Checks without a lock before it learns anew: 4096 edges (0.7 s with F-31). Learning to the last gear takes as long.
 const HELD_CHECKS: u8 = 16;
 
 impl Grip {
-    /// What follows a check.
+    /// The state that follows from a check.
     pub(super) const fn after(self, lost: bool) -> Self {
         match (self, lost) {
             (Self::Held(0), _) | (Self::Firm, true) => Self::Loose,
@@ -68,8 +69,8 @@ impl Grip {
     }
 }
 
-/// Tells after every 256 edges (45 ms with F-31) whether they still lie on the comb: twice as many as are learned from
-/// before the loop begins, so that a comb that was learned wrong is found at the latest with the second check.
+/// Judges after every 256 edges (45 ms with F-31) whether they still lie on the comb. These are twice as many as are
+/// learned from before the loop begins, so that the second check at the latest finds a comb that was learned wrong.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lock {
     edges: u8,
@@ -77,7 +78,7 @@ pub(super) struct Lock {
 }
 
 impl Lock {
-    /// Takes an error; with the 256th says whether the lock is lost.
+    /// Takes an error. The 256th returns whether the lock is lost.
     pub(super) fn judge(&mut self, comb: &Comb, error: i64) -> Option<bool> {
         self.error += error.abs();
         self.edges = self.edges.wrapping_add(1);

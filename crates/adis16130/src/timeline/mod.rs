@@ -2,18 +2,18 @@
 //!
 //! # The loop
 //!
-//! A digital phase-locked loop of second order, with one step per edge. T̂ is the period and τ̂ the time of the newest
-//! tick as estimated, both in ns; e is how much later an edge came than the tooth of the [`Comb`] that it is taken
-//! for:
+//! A digital phase-locked loop of second order, with one step per edge. T̂ is the estimated period and τ̂ the
+//! estimated time of the newest tick, both in ns. e is how much later an edge came than its tooth of the [`Comb`]:
 //!
 //! ```text
 //! τ̂ ← τ̂ + α·e,   T̂ ← T̂ + β·e,   α = 2^−g,   β = α²/2 = 2^−(2g+1)
 //! ```
 //!
 //! The gear g sets everything else. Since β = α²/2 the damping is ζ = α/(2√β) = 1/√2 in every gear, the value without
-//! a peak in the error (an α-β filter; for α ≪ 1 the formulas are those of a loop in continuous time: F. M. Gardner,
-//! *Phaselock Techniques*, 3rd ed., chapter 2; the noise of T̂ is exact to first order in α). σ is the jitter of the
-//! timestamps, as standard deviation; the last two columns are gears 5 and 10 at 5693 edges a second (F-31).
+//! a peak in the error. This is an α-β filter; for α ≪ 1 the formulas of a loop in continuous time hold (F. M.
+//! Gardner, *Phaselock Techniques*, 3rd ed., chapter 2). The noise of T̂ is exact to first order in α. In the table, σ
+//! is the jitter of the timestamps, as standard deviation. The last two columns are gears 5 and 10 at 5693 edges a
+//! second (F-31).
 //!
 //! | what | in general | gear 5 | gear 10 |
 //! |---|---|---|---|
@@ -25,23 +25,23 @@
 //! | what is left of Δ in T̂ after n edges, x = α·n/2 | e^(−x)·(cos x + sin x) | | |
 //! | noise of T̂ | σ·√(α³/8) = σ·2^(−3(g+1)/2) | σ/512 | σ/92 682 |
 //!
-//! With σ = 15 µs the period is thus known to 1 part in 10⁶ in gear 10. T̂ has steps of 2⁻¹⁶ ns, so an error below 32
-//! ns moves it no more in gear 10. The unit tests measure each row.
+//! With σ = 15 µs the period is thus known to 1 part in 10⁶ in gear 10. T̂ has steps of 2⁻¹⁶ ns, so in gear 10 an
+//! error below 32 ns no longer moves it. The unit tests measure each row.
 //!
 //! # From the first edge to gear 10
 //!
-//! The jitter of one edge is larger than the tolerance of MCLK (F-31), so in gears 1 to 4 T̂ is no part of the loop
-//! but the mean of the gaps, taken after 16, 32, 64 and 128 of them: it is then good to √2·σ/128 (with σ = 15 µs to
+//! The jitter of one edge is larger than the tolerance of MCLK (F-31). So in gears 1 to 4 the loop does not move T̂:
+//! it is the mean of the gaps, taken after 16, 32, 64 and 128 of them. It is then good to √2·σ/128 (with σ = 15 µs to
 //! σ/64, because some gaps look too long and are left out). From gear 5 on each gear lasts 4/α edges, in which an
 //! error of T̂ dies down to e^(−2)·(cos 2 + sin 2), 7 %. Gear 10 begins after 128 + 3968 edges, 0.72 s (F-31).
 //!
 //! *Lock range*: T̂ stays within 1/16 of the nominal period, three times the tolerance of MCLK (F-31). Every clock in
-//! that range is acquired, since in gear 1, with T̂ still nominal, an offset of T/16 leaves an error of at most
-//! (T/16)/α = T/8, half of the T/4 beyond which the other tooth is nearer. What lies outside is another part or
-//! another configuration, and is not followed.
+//! that range is acquired. In gear 1, with T̂ still nominal, an offset of T/16 leaves an error of at most (T/16)/α =
+//! T/8, half of the T/4 beyond which the other tooth is nearer. A clock outside belongs to another part or another
+//! configuration, and is not followed.
 //!
-//! *Gaps*: T̂ carries the phase over up to 4/α periods, over which its noise grows to 4/α·σ·√(α³/8) = σ·√(2α), less
-//! than the jitter itself; in gear 1 the tolerance of 2 % grows to 16 % of a period. Beyond that the gap is counted by
+//! *Gaps*: T̂ carries the phase over up to 4/α periods. Over these its noise grows to 4/α·σ·√(α³/8) = σ·√(2α), less
+//! than the jitter itself. In gear 1 the tolerance of 2 % grows to 16 % of a period. Beyond that the gap is counted by
 //! the clock alone.
 
 mod comb;
@@ -58,17 +58,17 @@ use lock::{Gaps, Grip, Lock};
 /// Times are kept in units of 2⁻¹⁶ ns, so that a period is good to 10⁻⁹ without floating point.
 const FRACTION_BITS: u32 = 16;
 
-/// A gap beyond this counts as this: 2⁴⁶ ns are 19.5 hours.
+/// The longest gap; a longer one counts as this: 2⁴⁶ ns are 19.5 hours.
 const LONGEST_GAP_NS: i64 = 1 << 46;
 
-/// α = 1/2: of two edges with the nominal period the phase is known to T/8 (lock range).
+/// α = 1/2: after two edges with the nominal period the phase is known to T/8 (lock range).
 const FIRST_GEAR: u32 = 1;
 
-/// From this gear on T̂ is a part of the loop: the mean of 128 gaps is as good as what the loop would make of them in
-/// gear 3, σ/64; and the phase noise of gear 5, σ·√(3α/4) = 0.15·σ, no longer matters against the jitter.
+/// From this gear on the loop moves T̂. The mean of 128 gaps is as good as T̂ of the loop in gear 3, σ/64, and the
+/// phase noise of gear 5, σ·√(3α/4) = 0.15·σ, no longer matters against the jitter.
 const LOOP_GEAR: u32 = 5;
 
-/// ω_n = 0.63 Hz (F-31): below, the loop would follow MCLK too slowly when the part warms; above, it would hear more
+/// ω_n = 0.63 Hz (F-31). Below, the loop would follow MCLK too slowly when the part warms. Above, it would pass more
 /// jitter.
 const TOP_GEAR: u32 = 10;
 
@@ -81,8 +81,7 @@ pub(crate) struct Timeline {
     comb: Comb,
     /// T̂: time from one tick to the next, as learned.
     period: i64,
-    /// Time from a tick to the temperature update after it, as of the last [`settle`](Self::settle); 0 = there is
-    /// none.
+    /// Time from a tick to the temperature update after it, as of the last [`settle`](Self::settle); 0 = no update.
     temp: i64,
     tooth: Tooth,
     /// Time from the newest tick to the edge before.
@@ -124,8 +123,8 @@ impl Timeline {
     /// Takes the next edge and returns the ticks until then since [`count_from`](Self::count_from); `None` if it is
     /// the edge before again.
     ///
-    /// As long as nobody knows whether the first edge was that of a rate or of a temperature update, this is the lower
-    /// of the two numbers that are possible.
+    /// As long as it is unknown whether the first edge announced a rate or a temperature update, this is the lower of
+    /// the two possible numbers.
     pub(crate) fn advance(&mut self, edge: Edge) -> Option<i32> {
         let Some(last) = self.last.replace(edge) else {
             self.assume_temp_edge();
@@ -146,12 +145,12 @@ impl Timeline {
     }
 
     /// Whether the two possible numbers differ: the edges have changed from one kind of update to the other, and it is
-    /// not known which is which.
+    /// unknown which is which.
     pub(crate) fn is_ambiguous(&self) -> bool {
         self.tooth.on_rate && !self.aligned
     }
 
-    /// Whether it is known which edges are those of rate updates.
+    /// Whether it is known which edges announce rate updates.
     pub(crate) fn is_aligned(&self) -> bool {
         self.aligned
     }
@@ -160,13 +159,13 @@ impl Timeline {
         self.ticks.saturating_sub(self.is_ambiguous().into())
     }
 
-    /// Counts from this tick on, which is so many after the one that it counted from before.
+    /// Counts from this tick on, which lies `ticks` after the one before.
     pub(crate) fn count_from(&mut self, ticks: i32) {
         self.ticks = self.ticks.saturating_sub(ticks);
     }
 
-    /// States that the edge just taken was a rate update, not one of temperature. Only the first time counts: from
-    /// then on the phase is tracked. Returns whether its number is thereby known to be the higher of two.
+    /// States that the edge just taken announced a rate update, not a temperature update. Only the first call counts:
+    /// from then on the phase is tracked. Returns whether its number is thereby known to be the higher of two.
     pub(crate) fn align(&mut self) -> bool {
         let was_ambiguous = self.is_ambiguous();
         if !self.aligned {
@@ -177,7 +176,7 @@ impl Timeline {
         was_ambiguous
     }
 
-    /// States that the edge just taken counts as the first.
+    /// States that the edge just taken counts as the first one.
     pub(crate) fn begin(&mut self) {
         self.assume_temp_edge();
         self.ticks = 0;
@@ -193,7 +192,7 @@ impl Timeline {
         self.period as f64 / (1u64 << FRACTION_BITS) as f64
     }
 
-    /// So many eighths of that time, in whole ns.
+    /// This many eighths of that time, in whole ns.
     pub(crate) fn eighths_of_period_ns(&self, eighths: u32) -> u64 {
         ((self.period >> 3) as u64 * u64::from(eighths)) >> FRACTION_BITS
     }
@@ -223,7 +222,7 @@ impl Timeline {
         }
     }
 
-    /// The period is the mean of the gaps, after 16, 32, 64 and 128 of them.
+    /// Takes the mean of the gaps as the period, after 16, 32, 64 and 128 of them.
     fn acquire(&mut self, elapsed: i64) -> i64 {
         self.gaps.push(&self.comb, (self.period, self.temp), elapsed);
         if self.gaps.count() < 8 << self.gear {
@@ -233,7 +232,7 @@ impl Timeline {
         self.comb.period + self.gaps.offset(&self.comb)
     }
 
-    /// The period takes part of the error, spread over the periods in which it arose.
+    /// Moves the period by part of the error, spread over the periods in which it arose.
     fn follow(&mut self, error: i64, periods: u64) -> i64 {
         if self.gear < self.comb.top_gear() {
             self.edges_in_gear += 1;
@@ -247,7 +246,7 @@ impl Timeline {
         learned
     }
 
-    /// Learns anew if the edges do not lie on the comb; if that does not help, the nominal period holds for a while.
+    /// Learns anew if the edges do not lie on the comb. If that does not help, the nominal period holds for a while.
     #[cold]
     fn hold(&mut self, lost: bool) {
         self.grip = self.grip.after(lost);
@@ -263,7 +262,7 @@ impl Timeline {
         self.gaps = Gaps::default();
     }
 
-    /// Whole periods in `position`, where an edge up to the margin early belongs to the update that it announces.
+    /// Whole periods in `position`. An edge that is early by up to the margin belongs to the update that it announces.
     fn periods_in(&self, position: i64) -> u64 {
         let position = position + self.comb.margin;
         if position < 2 * self.period {
@@ -273,9 +272,9 @@ impl Timeline {
         }
     }
 
-    /// A gap too long to keep the phase over, conversions started anew, or a clock that went back or does not run:
-    /// counts the periods in it by the clock and, as a lower bound, by the number of edges, since each takes at least
-    /// one conversion. Divided edges come faster while nothing is read, so they count only where the clock does not.
+    /// Counts the periods in a gap whose phase is lost: it is too long, conversions started anew, or the clock went
+    /// back or stands. The clock counts them. The number of edges is a lower bound, since each takes at least one
+    /// conversion. Divided edges come faster while nothing is read, so they count only where the clock does not.
     #[cold]
     fn leap(&mut self, elapsed_ns: i64, edges: u32) {
         let elapsed = elapsed_ns.clamp(0, LONGEST_GAP_NS) << FRACTION_BITS;
@@ -291,7 +290,7 @@ impl Timeline {
         self.assume_temp_edge();
     }
 
-    /// The phase is unknown: the edge is taken for that of a temperature update, as the first one after an
+    /// Sets the phase where it is unknown: the edge is taken for a temperature update, as the first one after an
     /// initialisation is, until [`align`](Self::align).
     fn assume_temp_edge(&mut self) {
         self.since_tick = self.temp;
@@ -299,7 +298,7 @@ impl Timeline {
         self.aligned = false;
     }
 
-    /// Moves the temperature tooth to where the period, which changes little by little, has got.
+    /// Moves the temperature tooth along with the period, which changes little by little.
     fn settle(&mut self) {
         self.temp = self.comb.share_of_temp(self.period);
     }

@@ -62,7 +62,7 @@ const MESSAGES: [(Message<'_>, &[u8]); 4] = [
     (Message::Ended, &[0x06, 0x02, 0xA1, 0x8E, 0x0C, 0x3C, 0x00]),
 ];
 
-/// The messages among bytes, in the words of `Debug`.
+/// The messages among bytes, as `Debug` prints them.
 macro_rules! decoded {
     ($message:ty, $bytes:expr) => {{
         let mut decoder = Decoder::new();
@@ -85,7 +85,7 @@ fn frames_are_those_of_the_specification() {
     }
 }
 
-/// What a client makes of a request at so many milliseconds, after these bytes.
+/// The client's next step in a request at this many milliseconds, after these bytes.
 fn asked(client: &mut Client, pending: &mut Pending<'_>, ms: u64, bytes: &[u8]) -> Result<Step<()>, RequestError> {
     client.poll(pending, &mut bytes.iter().copied(), Duration::from_millis(ms), Answer::Started.only())
 }
@@ -330,10 +330,10 @@ fn station() -> (std::rc::Rc<std::cell::RefCell<Part>>, Station<Slow>) {
     (part.clone(), Station::new(Slow { wire: Wire(part), pin: None }, 1_000_000, "test 1"))
 }
 
-/// A bus whose clock goes in steps of 1 MHz.
+/// A bus with a clock in steps of 1 MHz.
 struct Slow {
     wire: Wire,
-    /// What drives the self-test pins.
+    /// Drives the self-test pins.
     pin: Option<std::rc::Rc<std::cell::Cell<bool>>>,
 }
 

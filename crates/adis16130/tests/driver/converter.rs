@@ -1,10 +1,10 @@
-//! The sampler against a simulated converter with a late host: the losses that it reports are those that happened.
+//! The sampler against a simulated converter with a late host: it reports exactly the losses that happened.
 
 use adis16130::{Config, ConversionTime, Edge, MCLK_HZ, Sampler, SamplerConfig};
 
 use crate::sampler::Random;
 
-/// A data register: which update it holds, and whether that is unread.
+/// A data register: the update that it holds, and whether that is unread.
 #[derive(Copy, Clone, Default)]
 struct Channel {
     /// Updates so far, lost or not.
@@ -24,7 +24,7 @@ impl Channel {
         }
     }
 
-    /// Reads from `now` on for so long.
+    /// Reads from `now` on for this long.
     fn read(&mut self, now: f64, takes: f64) -> u64 {
         self.busy_until = now + takes;
         self.unread = false;
@@ -91,7 +91,7 @@ impl Converter {
     }
 }
 
-/// How slow the host is: a fixed time per read in ns, and now and then a pause.
+/// The delays of the host: a fixed time per read in ns, and a pause now and then.
 #[derive(Copy, Clone)]
 struct Host {
     reads_ns: f64,
@@ -107,7 +107,7 @@ const SLOW: Host = Host { reads_ns: 45_000.0, jitter_ns: 30_000.0, pause_one_in:
 const PAUSING: Host =
     Host { reads_ns: 10_000.0, jitter_ns: 20_000.0, pause_one_in: 30.0, pause_ns: 700_000.0, stamp_ns: 0.0 };
 
-/// Samples, and losses: as they happened, and as reported.
+/// Samples, and the losses that happened and that were reported.
 #[derive(Debug, Default)]
 struct Count {
     samples: u64,
@@ -152,7 +152,7 @@ fn run(config: Config, sampling: SamplerConfig, host: Host, seed: u64) -> Count 
     count
 }
 
-/// Every loss is reported, and nothing else; the last of them may be one sample late.
+/// Every loss is reported, and only losses are. The last of them may be one sample late.
 fn assert_honest(config: Config, sampling: SamplerConfig, host: Host) -> Count {
     let mut all = Count::default();
     for seed in 1..=12 {
@@ -199,8 +199,8 @@ fn a_pausing_host_is_told_what_it_loses() {
     }
 }
 
-/// Behind an emulated or a busy bus edges are late and wait for each other, so nothing can be learned from their
-/// times: what is counted then is good to the tolerance of the clock, and a little.
+/// Behind an emulated or a busy bus edges are late and wait for each other, so their times teach nothing. The counts
+/// are then good to the tolerance of the clock, and a little more.
 #[test]
 fn late_timestamps_cost_no_more_than_the_tolerance_of_the_clock() {
     for stamp_ns in [60_000.0, 120_000.0, 175_000.0] {

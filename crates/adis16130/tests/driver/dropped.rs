@@ -1,5 +1,5 @@
-//! Async calls that are dropped, wherever they wait and wherever in a transfer, on the twin: what is read next is the
-//! truth or an error.
+//! Async calls on the twin that are dropped, at any wait and anywhere in a transfer: the next reading is the truth or
+//! an error.
 
 use std::cell::Cell;
 use std::convert::Infallible;
@@ -17,7 +17,7 @@ use adis16130::{
 use adis16130_twin::{Spec, Twin, TwinDelay, TwinSpi};
 use embedded_hal::spi::Operation;
 
-/// Steps until the bus stalls for ever: the beginning of a transaction, each byte, and the end are one each.
+/// Steps until the bus stalls for ever. The beginning of a transaction, each byte, and the end are one step each.
 #[derive(Clone)]
 struct Steps(Rc<Cell<usize>>);
 
@@ -30,8 +30,8 @@ impl Steps {
     }
 }
 
-/// The twin's bus with a transfer that can be dropped in its middle, as one by DMA: the bytes until then have been
-/// sent.
+/// The twin's bus with a transfer that can be dropped in its middle, as a DMA transfer can: the bytes until then have
+/// been sent.
 struct Bus {
     spi: TwinSpi,
     steps: Steps,
@@ -83,7 +83,7 @@ impl Bench {
         bench
     }
 
-    /// Until both channels have converted: the first edge may be one from before.
+    /// Reads until both channels have converted: the first edge may be an old one.
     fn restart(&mut self) {
         now(self.gyro.restart()).unwrap();
         self.sampler.restarted();
@@ -99,7 +99,7 @@ impl Bench {
         }
     }
 
-    /// Begins a call that gets so many steps, and drops it; `true` = it has ended before.
+    /// Begins a call that gets this many steps, and drops it; `true` = it has ended before.
     fn drop_after(&mut self, steps: usize, call: Call) -> bool {
         let edge = self.wait();
         self.steps.0.set(steps);
@@ -122,7 +122,7 @@ impl Bench {
         }
     }
 
-    /// Whatever is read without a recovery is true or an error; with one it is there.
+    /// Each reading without a recovery is true or an error. A recovery brings a reading.
     fn assert_honest(&mut self, what: &str) {
         for _ in 0..3 {
             let edge = self.wait();

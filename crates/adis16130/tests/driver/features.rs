@@ -1,4 +1,4 @@
-//! What the features `serde` and `defmt` add to the data types.
+//! The features `serde` and `defmt` of the data types.
 
 #[cfg(feature = "serde")]
 mod stored {

@@ -1,5 +1,5 @@
-//! A rate beyond the scale wraps with CLAMP = 0 (F-35): the reads that look at the status say so, whatever the bus
-//! takes.
+//! A rate beyond the scale wraps with CLAMP = 0 (F-35). The reads that look at the status report it, with any SPI
+//! clock.
 
 use adis16130::blocking::Adis16130;
 use adis16130::registers::Address;
@@ -11,8 +11,8 @@ use crate::part::{Part, Pin, Wire};
 
 type Reading = Result<(f32, f32), ReadError<Infallible>>;
 
-/// A part that turns at this rate; `sclk_hz` from one at which six bytes take a hundredth of a conversion to one at
-/// which they take ten.
+/// A part that turns at this rate. At the fastest `sclk_hz` six bytes take a hundredth of a conversion, at the slowest
+/// ten.
 struct Turning {
     twin: Twin,
     gyro: Adis16130<TwinSpi, TwinRdy>,

@@ -10,7 +10,7 @@ use std::{cell::RefCell, rc::Rc};
 
 type Gyro = Adis16130<Wire, Pin>;
 
-/// Every framing and width, and what SDO may do in a third byte that a part of 16 bits does not fill.
+/// Every framing and width, and each level of SDO in a third byte that a part of 16 bits does not fill.
 fn benches() -> impl Iterator<Item = (Rc<RefCell<Part>>, Gyro, Config)> {
     let framings = [Framing::PerByte, Framing::Command];
     let widths = [Width::Bits24, Width::Bits16];
@@ -27,7 +27,7 @@ fn benches() -> impl Iterator<Item = (Rc<RefCell<Part>>, Gyro, Config)> {
     })
 }
 
-/// What the register holds: a code of 24 bits in the width of the configuration.
+/// The value of the register: a code of 24 bits in the width of the configuration.
 fn convert(part: &Rc<RefCell<Part>>, config: Config, rate: u32, temp: u32) {
     let drop = 24 - config.width().bits();
     let mut part = part.borrow_mut();

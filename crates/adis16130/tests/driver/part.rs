@@ -26,7 +26,7 @@ pub const TABLE: [(u8, usize, u32, bool, bool); 13] = [
 /// F-30, as the note prints it.
 pub const F30: [u8; 12] = [0x01, 0x38, 0x28, 0x0A, 0x30, 0x05, 0x2A, 0x0A, 0x32, 0x05, 0x38, 0x22];
 
-/// What the line does to the bits.
+/// How the line spoils the bits.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub enum Line {
     #[default]
@@ -45,16 +45,16 @@ pub struct Part {
     pub line: Line,
     /// Writes to this register are lost.
     pub deaf_at: Option<u8>,
-    /// The bus fails once so many transfers have gone through.
+    /// The bus fails once this many transfers have gone through.
     pub fails_after: Option<usize>,
     /// It works again after one failure.
     pub fails_once: bool,
     /// A read of the rate loads it from here. The next one is ready at once.
     pub rates: VecDeque<u32>,
-    /// A read of a data register wipes RDY of its channel status, as docs/facts.md has it; else a status stays as it
-    /// was set.
+    /// A read of a data register wipes RDY of its channel status, as docs/facts.md says. Otherwise a status stays as
+    /// it was set.
     pub wipes_ready: bool,
-    /// What SDO does outside a read.
+    /// The level of SDO outside a read.
     pub idle: u8,
     checksum: u16,
     ones: u32,
@@ -83,7 +83,7 @@ impl Part {
         self.registers[&address]
     }
 
-    /// All bytes written since the last call, whatever their frames.
+    /// All bytes written since the last call, in any frames.
     pub fn take_bytes(&mut self) -> Vec<u8> {
         std::mem::take(&mut self.frames).concat()
     }
@@ -247,7 +247,7 @@ impl SpiDevice for Wire {
     }
 }
 
-/// A RDY pin that turns low after so many looks, and an output that remembers what it was told.
+/// A RDY pin that turns low after this many looks, and an output that remembers its levels.
 #[derive(Clone, Debug, Default)]
 pub struct Pin(pub Rc<RefCell<PinState>>);
 
@@ -304,7 +304,7 @@ impl embedded_hal::digital::OutputPin for Pin {
     }
 }
 
-/// Adds up what it is asked to wait, in ns.
+/// Adds up the delays that it is asked for, in ns.
 #[derive(Clone, Debug, Default)]
 pub struct Delay(pub Rc<RefCell<u64>>);
 

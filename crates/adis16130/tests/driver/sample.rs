@@ -1,4 +1,4 @@
-//! `sample`: the order of reads, stale edges, faults, and what becomes of a loss.
+//! `sample`: the order of reads, stale edges, faults, and the fate of a loss.
 
 use adis16130::blocking::Adis16130;
 use adis16130::registers::Address;

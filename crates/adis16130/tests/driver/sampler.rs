@@ -1,4 +1,4 @@
-//! The sampler on synthetic edges: what is due, and what is lost.
+//! The sampler on synthetic edges: which readings are due, and which are lost.
 
 use adis16130::{Channels, Config, Due, Edge, MCLK_HZ, Sampler, SamplerConfig};
 
@@ -29,13 +29,13 @@ fn at(periods: f64, seq: u32) -> Edge {
     Edge { t_ns: 1_000_000_000 + (periods * PAIR_NS) as u64, seq }
 }
 
-/// Handles an edge and takes what is due: `None` = nothing was.
+/// Handles an edge and takes the due readings: `None` = none was due.
 fn take(sampler: &mut Sampler, edge: Edge) -> Option<u32> {
     let due = sampler.edge(edge)?;
     Some(sampler.taken(&due))
 }
 
-/// Takes edges at these times, in periods, numbered without gaps from the first; the losses.
+/// Takes edges at these times, in periods, numbered without gaps from the first. Returns the losses.
 fn losses(sampler: &mut Sampler, periods: impl IntoIterator<Item = f64>) -> Vec<u32> {
     let edges = (0..).zip(periods);
     edges.filter_map(|(seq, periods)| take(sampler, at(periods, seq))).collect()
@@ -53,7 +53,7 @@ fn even_edges_lose_nothing() {
 
 #[test]
 fn a_doubled_interval_is_one_lost_sample() {
-    // F-33: the part drops the new reading; there is no edge for it, so `seq` shows nothing.
+    // F-33: the part drops the new reading without an edge, so `seq` does not show the loss.
     for k in [2, 3, 10, 1_000] {
         let times = ramp(k).chain((k + 1..k + 20).map(f64::from));
         let lost = losses(&mut sampler(SamplerConfig::new()), times);
@@ -191,11 +191,11 @@ fn one_late_timestamp_costs_at_most_one() {
 #[test]
 fn a_change_between_rate_and_temperature_edges_is_counted_by_what_it_costs() {
     // From a temperature edge to a rate edge 1.5 periods later a rate is missing; on the way back none is (F-32,
-    // F-33). At the first change the sampler finds out which is which, and says then what was lost.
+    // F-33). At the first change the sampler tells the two kinds apart, and then reports the losses.
     let times = [0.0, 1.0, 2.0, 3.5, 4.5, 5.5, 7.0, 8.0, 9.5, 10.5];
     assert_eq!(losses(&mut sampler(SamplerConfig::new()), times), [0, 0, 0, 0, 0, 1, 0, 0, 1, 0]);
-    // The same from edges that were those of rate: after a sample without temperature the next rate comes half a
-    // period later, and nothing is lost; then one on the way back.
+    // The same, starting from rate edges: after a sample without temperature the next rate comes half a period later,
+    // and nothing is lost. Then one way back.
     let times = [0.0, 1.0, 2.0, 3.5, 4.0, 5.0, 6.5, 7.5, 9.0, 10.0];
     assert_eq!(losses(&mut sampler(SamplerConfig::new()), times), [0, 0, 0, 0, 0, 0, 0, 0, 1, 0]);
 }
@@ -221,7 +221,7 @@ fn temperature_is_due_every_nth_time() {
         [(1, [true, true, true, true, true, true]), (3, [true, false, false, true, false, false]), (0, [false; 6])]
     {
         let mut sampler = sampler(SamplerConfig::new().with_every_temp(every_temp));
-        // The first edge is one of temperature; after a sample without temperature, those of rate follow.
+        // The first edge announces a temperature. After a sample without temperature, rate edges follow.
         let mut times = (0..6).map(|k| f64::from(k) - if every_temp == 1 || k < 1 { 0.0 } else { 0.5 });
         let due: Vec<bool> = (0..6)
             .map(|seq| {
@@ -246,11 +246,11 @@ fn a_temperature_that_was_not_taken_stays_due() {
 
 #[test]
 fn the_phase_is_found_from_a_sample_without_temperature() {
-    // The host starts late, so that its first edge is one of rate. The sampler must see that from the second sample
+    // The host starts late, so that its first edge announces a rate. The sampler must see that from the second sample
     // on.
     let mut sampler = sampler(SamplerConfig::new().with_every_temp(4));
     assert_eq!(losses(&mut sampler, ramp(40)).iter().sum::<u32>(), 0);
-    // A rate is now read late and the next edge is one of temperature: nothing is lost.
+    // A rate is now read late and the next edge announces a temperature: nothing is lost.
     assert_eq!(take(&mut sampler, at(40.5, 40)), Some(0));
     assert_eq!(take(&mut sampler, at(42.0, 41)), Some(1), "back again, one is missing");
 }
@@ -325,7 +325,7 @@ impl Divided {
         Edge { t_ns: 1_000_000_000 + (self.conversions * self.conversion_ns) as u64, seq: self.seq }
     }
 
-    /// So many edges that the host takes: readings, and what was lost.
+    /// Takes this many edges: the readings, and the losses.
     fn take(&mut self, edges: u32) -> (u32, u32) {
         let (mut readings, mut lost) = (0, 0);
         for _ in 0..edges {
@@ -339,7 +339,7 @@ impl Divided {
         (readings, lost)
     }
 
-    /// So many edges that the host misses.
+    /// Misses this many edges.
     fn miss(&mut self, edges: u32) {
         (0..edges).for_each(|_| _ = self.next());
     }

@@ -5,7 +5,7 @@ use adis16130::{Config, SelfTestError, SelfTestPlan, WaitBound};
 
 use crate::part::{Delay, Part, Pin, Refused, Wire};
 
-/// One sample per batch, so that the scatter of the batches is that of the samples.
+/// One sample per batch, so that the scatter of the batches equals the scatter of the samples.
 const PLAN: SelfTestPlan = SelfTestPlan::new(16).with_settle_us(1_000);
 
 /// The rate alternates by ±0.1 °/s around 0, and around 1 °/s with the self-test.

@@ -8,7 +8,7 @@ const TWO_SIDED_95: f64 = 1.959963984540054;
 /// Halvings of an interval's end, and doublings until it is enclosed.
 const HALVINGS: usize = 30;
 const DOUBLINGS: usize = 60;
-/// The confidence distribution is integrated in so many cells, up to this multiple of the interval's upper end.
+/// The confidence distribution is integrated in this many cells, up to this multiple of the interval's upper end.
 const CELLS: u32 = 24;
 const BEYOND_THE_INTERVAL: f64 = 1.6;
 /// Beyond this skewness, Wilson and Hilferty's cube root no longer follows the gamma distribution.
@@ -18,9 +18,9 @@ const LEAST_SKEWED: f64 = 1e-6;
 
 /// The ends of the 95 % interval of a coefficient of the Allan variance, none negative.
 ///
-/// A value is inside when the estimate that is unbiased under it lies within the 2.5 % and 97.5 % quantiles of its
-/// distribution under it: variance and skewness belong to the value that is tested, not to the one that was found,
-/// because both grow with it.
+/// A value is tested by the estimate that is unbiased if the value is true. It is inside the interval when that
+/// estimate lies within the 2.5 % and 97.5 % quantiles of its distribution. Variance and skewness belong to the tested
+/// value, not to the one that was found, because both grow with it.
 pub(super) fn interval(curve: &Curve, model: &Model, best: &Coefficients, which: usize) -> (f64, f64) {
     let test = |value: f64| tested(curve, model, best, which, value);
     let step = test(best[which]).map_or(0.0, |at| at.sd);
@@ -31,9 +31,9 @@ pub(super) fn interval(curve: &Curve, model: &Model, best: &Coefficients, which:
     (lower(best[which], step, too_low), upper(best[which], step, too_high))
 }
 
-/// Mean of √coefficient over its confidence distribution, whose distribution function at a value is the probability of
-/// an estimate above the one found if the value were true: ∫ (1 − H(K)) dK. Unlike the best fit it is never zero, and
-/// its error is smaller.
+/// Mean of √coefficient over its confidence distribution, ∫ (1 − H(K)) dK. H at a value is the probability of an
+/// estimate above the one found if the value were true. Unlike the best fit the mean is never zero, and its error is
+/// smaller.
 pub(super) fn confidence_mean(curve: &Curve, model: &Model, best: &Coefficients, which: usize, hi: f64) -> f64 {
     let width = BEYOND_THE_INTERVAL * libm::sqrt(hi) / f64::from(CELLS);
     let below = |cell: u32| {
@@ -52,7 +52,8 @@ pub(super) fn tested(curve: &Curve, model: &Model, best: &Coefficients, which: u
     Problem::new(curve, &null)?.linear(model, which)
 }
 
-/// Quantile of a standardised gamma distribution of the given skewness, by Wilson and Hilferty; `z` is the normal one.
+/// Quantile of a standardised gamma distribution of the given skewness, by Wilson and Hilferty. `z` is the normal
+/// quantile.
 pub(super) fn quantile(z: f64, skewness: f64) -> f64 {
     let g = skewness.clamp(-MOST_SKEWED, MOST_SKEWED);
     if g.abs() < LEAST_SKEWED {
@@ -62,7 +63,7 @@ pub(super) fn quantile(z: f64, skewness: f64) -> f64 {
     2.0 / g * (root * root * root - 1.0)
 }
 
-/// Distribution function of the same: the inverse of [`quantile`].
+/// Distribution function of the same distribution: the inverse of [`quantile`].
 fn probability(x: f64, skewness: f64) -> f64 {
     let g = skewness.clamp(-MOST_SKEWED, MOST_SKEWED);
     let z = match g.abs() < LEAST_SKEWED {
@@ -101,7 +102,7 @@ fn upper(best: f64, step: f64, too_high: impl Fn(f64) -> bool) -> f64 {
     above
 }
 
-/// Between a value inside and one outside.
+/// The border between a value inside and one outside.
 fn halve(mut inside: f64, mut outside: f64, is_out: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..HALVINGS {
         let middle = (inside + outside) / 2.0;

@@ -1,8 +1,8 @@
 //! Noise coefficients from an Allan deviation curve: N, B, K, and Q and R where the data show them.
 //!
 //! The model is `σ²(τ) = 3Q²/τ² + N²/τ + (2 ln 2/π)B² + K²τ/3 + R²τ²/2` (IEEE Std 952-1997 C.1). The estimates of σ²
-//! at octaves of τ are correlated and, at the longest τ, few: their covariance is computed from the model, for the
-//! record's length, and the coefficients are its generalised non-negative least squares, iterated until covariance and
+//! at octaves of τ are correlated and, at the longest τ, few. Their covariance is computed from the model, for the
+//! record's length. The coefficients are its generalised non-negative least squares, iterated until covariance and
 //! coefficients agree. Measured error and coverage stand in `docs/reference/allan.md`.
 //!
 //! ```
@@ -35,9 +35,9 @@ use select::Selection;
 /// A noise coefficient with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coefficient {
-    /// Best value, never NaN. Of N, B, Q and R the least squares value, zero where the best fit has none of this
-    /// noise. Of K, which rests on few independent differences, the mean of its confidence distribution: it has less
-    /// error and no zeros.
+    /// Best value, never NaN. N, B, Q and R have the least squares value, which is zero where the best fit has none of
+    /// this noise. K rests on few independent differences and has the mean of its confidence distribution, which has
+    /// less error and no zeros.
     pub value: f64,
     /// Lower end of the 95 % interval.
     pub lo: f64,
@@ -45,8 +45,8 @@ pub struct Coefficient {
     pub hi: f64,
     /// Zero is outside the interval.
     pub identified: bool,
-    /// How long a record must be, s, so that a coefficient of `value` or `hi / 2`, whichever is more, would be
-    /// identified in four of five records; none where it is identified.
+    /// Length of a record, s, in which a coefficient of `value` or `hi / 2`, whichever is more, would be identified in
+    /// four of five cases. None where it is identified.
     pub needed_s: Option<f64>,
 }
 
@@ -69,7 +69,7 @@ pub struct CurveFit {
     pub chi2: f64,
     /// Points less coefficients.
     pub freedom: usize,
-    /// What there is to know about this curve.
+    /// The warnings about this curve.
     pub warnings: Vec<AllanWarning>,
 }
 
@@ -95,7 +95,7 @@ pub enum CurveError {
         /// How many are needed.
         needed: usize,
     },
-    /// No noise model explains the curve: its values span more than numbers can.
+    /// No noise model explains the curve: its values are too far apart for f64.
     Degenerate,
 }
 
@@ -115,11 +115,11 @@ impl fmt::Display for CurveError {
 impl core::error::Error for CurveError {}
 
 /// Fits the coefficients to an overlapping Allan deviation of `samples` rate samples (lost ones included) at
-/// `rate_hz`; points of [`Stat::Oadev`](super::Stat) only.
+/// `rate_hz`. It takes points of [`Stat::Oadev`](super::Stat) only.
 ///
-/// `n` of a point is the terms that entered; where gaps left fewer than the record's length has, the point counts for
+/// `n` of a point is the terms that entered. Where gaps left fewer than the record's length has, the point counts for
 /// less. From points closer than an octave it takes every one that is an octave above the last taken. The intervals
-/// hold for noise that the model describes; where the curve does not follow it, there is a warning.
+/// hold for noise that the model describes. A warning says where the curve does not follow it.
 ///
 /// # Errors
 ///
@@ -169,7 +169,7 @@ fn coefficient(chosen: &Selection, which: usize) -> Coefficient {
     Coefficient { value, lo: lo.min(value), hi: hi.max(value), identified, needed_s }
 }
 
-/// χ² beyond this many standard deviations above its mean says that the model does not describe the curve.
+/// χ² beyond this many standard deviations above its mean means that the model does not describe the curve.
 const MISFIT_LIMIT: f64 = 6.0;
 
 fn warnings(fit: &CurveFit, chosen: &Selection, full_start_s: f64) -> Vec<AllanWarning> {

@@ -1,4 +1,4 @@
-//! The five noises: what each adds to an Allan variance, and the covariance of Allan variances at two averaging times.
+//! The five noises: their shares of an Allan variance, and the covariance of Allan variances at two averaging times.
 
 use crate::linear::Square;
 use alloc::vec::Vec;
@@ -17,7 +17,7 @@ pub(super) const R: usize = 4;
 const WIDEST_RATIO: f64 = 40.0;
 /// Steps of the lag per shorter averaging time.
 const STEPS_PER_TAU: f64 = 8.0;
-/// How far beyond the overlap of the two differences the flicker's covariance is followed.
+/// How far beyond the overlap of the two differences the flicker's covariance is followed, in averaging times.
 const REACH: f64 = 3.0;
 
 /// σ²(τ) = 3Q²/τ² + N²/τ + (2 ln 2/π)B² + K²τ/3 + R²τ²/2 (IEEE Std 952-1997 C.1): the factor of each coefficient.
@@ -29,7 +29,7 @@ pub(super) fn variance(coefficients: &Coefficients, tau_s: f64) -> f64 {
     coefficients.iter().zip(terms(tau_s)).map(|(coefficient, term)| coefficient * term).sum()
 }
 
-/// Where a record was looked at: averaging lengths in samples and the terms that entered each.
+/// The averaging lengths of a record, in samples, and the terms that entered each.
 #[derive(Clone, Debug)]
 pub(super) struct Geometry {
     pub(super) rate_hz: f64,
@@ -52,15 +52,20 @@ impl Geometry {
 /// The covariance of the Allan variances as a quadratic form in the coefficients.
 ///
 /// The second differences d of the phase are normal, so cov(Σd²ₐ, Σd²_b) = Σᵢⱼ 2C² + 4μₐμ_b·C with C their covariance
-/// and μ = Rτ² their mean. C is a fourth difference of the phase's generalised autocovariance: Q²δ, −N²|t|/2, B²t²
-/// ln|t|/2π, K²|t|³/12.
+/// and μ = Rτ² their mean. C is a fourth difference of the phase's generalised autocovariance: Q²δ, −N²
+/// t
+/// /2, B²t² ln
+/// t
+/// /2π, K²
+/// t
+/// ³/12.
 #[derive(Clone, Debug)]
 pub(super) struct Covariance {
     n: usize,
     pairs: Vec<Pair>,
 }
 
-/// For one pair of averaging times: the factors of coefficient c times coefficient d.
+/// The factors of coefficient c times coefficient d, for one pair of averaging times.
 type Pair = [[f64; 5]; 5];
 
 impl Covariance {

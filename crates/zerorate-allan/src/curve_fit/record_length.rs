@@ -1,10 +1,10 @@
-//! How long to record until a coefficient is identified.
+//! The length of a record in which a coefficient is identified.
 
 use super::interval::quantile;
 use super::model::{Coefficients, Covariance, Geometry};
 use super::solve::{Curve, Model, Problem};
 
-/// Doublings of the record that are computed; beyond, the error is taken to fall with the root of the length.
+/// Doublings of the record that are computed. Beyond, the error is taken to fall with the root of the length.
 const DOUBLINGS: i32 = 8;
 /// Standard normal quantiles at 97.5 % and 80 %.
 const TWO_SIDED_95: f64 = 1.959963984540054;
@@ -12,8 +12,8 @@ const POWER_80: f64 = 0.8416212335729143;
 
 /// The length of a record in which zero would be outside the 95 % interval in four of five cases, s.
 ///
-/// `truth` holds the coefficient as large as it is taken to be. The length is between the two doublings between which
-/// it falls, linear in logarithms.
+/// `truth` holds the assumed size of the coefficient. The length is interpolated between two doublings, linear in
+/// logarithms.
 pub(super) fn needed_s(curve: &Curve, model: &Model, truth: &Coefficients, which: usize) -> f64 {
     let length_s = curve.geometry.samples / curve.geometry.rate_hz;
     let mut before = strength(curve, model, truth, which).unwrap_or(0.0);
@@ -29,7 +29,7 @@ pub(super) fn needed_s(curve: &Curve, model: &Model, truth: &Coefficients, which
     length_s * libm::exp2(f64::from(DOUBLINGS)) * short_of * short_of
 }
 
-/// The coefficient over what would be identified in four of five cases.
+/// The coefficient over the size that would be identified in four of five cases.
 fn strength(curve: &Curve, model: &Model, truth: &Coefficients, which: usize) -> Option<f64> {
     let mut null = *truth;
     null[which] = 0.0;

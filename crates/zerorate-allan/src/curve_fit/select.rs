@@ -1,4 +1,4 @@
-//! Which points and which terms enter the fit.
+//! Selection of the points and the terms of the fit.
 
 use super::super::Deviation;
 use super::CurveError;
@@ -9,10 +9,10 @@ use alloc::vec::Vec;
 
 /// Averaging times that the fit needs: three coefficients and one to spare.
 pub(super) const FEWEST_POINTS: usize = 4;
-/// Averaging times without which no further term is looked for, and no further point is left out.
+/// With fewer averaging times the fit looks for no further term, and leaves out no further point.
 const POINTS_FOR_MORE: usize = 6;
-/// Quantisation and roll-off are believed at this many standard deviations, and so is each point that a low-pass
-/// bends.
+/// Quantisation and roll-off are believed at this many standard deviations. The same holds for each point that a
+/// low-pass bends.
 const SHORT_END_LIMIT: f64 = 4.0;
 /// A ramp is believed at this many (normal equivalent) standard deviations.
 const RAMP_LIMIT: f64 = 3.3;
@@ -63,7 +63,7 @@ pub(super) fn curve(points: &[Deviation], rate_hz: f64, samples: u64) -> Result<
     Ok(Curve { geometry, variance: kept.iter().map(|p| p.dev * p.dev).collect(), covariance })
 }
 
-/// Fits N, B and K, and what is significant beside them; none where no covariance can be inverted.
+/// Fits N, B and K, and the significant terms beside them. None where no covariance can be inverted.
 pub(super) fn select(curve: Curve) -> Option<Selection> {
     let (curve, bent) = without_bent_points(curve);
     let plain = Selection { excluded: bent, ..Selection::of(curve, [false, true, true, true, false], false)? };
@@ -84,8 +84,8 @@ pub(super) fn select(curve: Curve) -> Option<Selection> {
         let ramp = Selection::of(chosen.curve, [has[Q], true, true, true, true], rolls_off)?;
         chosen = Selection { excluded, ..ramp };
     }
-    // A disturbance looks like any term that lifts the curve beside it: where a hump remains, the terms explain
-    // nothing.
+    // A disturbance looks like any term that lifts the curve beside it. Where a hump remains, the terms do not explain
+    // anything.
     let in_vain = !chosen.model.rolls_off && chosen.model != plain.model && chosen.hump().is_some();
     Some(if in_vain { plain } else { chosen })
 }
@@ -97,16 +97,16 @@ impl Selection {
         Some(Self { curve, model, best, excluded: 0 })
     }
 
-    /// The estimate of a coefficient in a model that has it, in standard deviations, scaled so that `limit` is where
-    /// it is for a normal estimate.
+    /// The estimate of a coefficient in a model that has it, in standard deviations. It is scaled so that `limit`
+    /// means the same as for a normal estimate.
     fn score(&self, which: usize, limit: f64) -> Option<f64> {
         let at = Problem::new(&self.curve, &self.best)?.linear(&self.model, which)?;
         let raw = at.value / at.sd;
         Some(raw * limit / quantile(limit * raw.signum(), at.skewness).abs())
     }
 
-    /// White noise behind a low-pass has the Allan variance N²/τ − c/τ² for τ well above the filter's memory, so a
-    /// free term in τ⁻² follows it; shorter averages leave until the first one agrees with the others.
+    /// Handles white noise behind a low-pass: its Allan variance is N²/τ − c/τ² for τ well above the filter's memory,
+    /// so a free term in τ⁻² follows it. Shorter averages leave until the first one agrees with the others.
     fn without_short_end(mut self) -> Option<Self> {
         loop {
             let (pulls, _) = Problem::new(&self.curve, &self.best)?.misfit(&self.model, &self.best);
@@ -148,8 +148,9 @@ impl Curve {
     }
 }
 
-/// ln σ²τ is convex in ln τ for every sum of the five noises. Behind a low-pass it rises from the first octave on and
-/// then bends level; averages up to there leave. (At a hump it bends down.) How many left is returned beside the rest.
+/// Leaves out averages that a low-pass bends, and returns their number beside the rest. ln σ²τ is convex in ln τ for
+/// every sum of the five noises. Behind a low-pass it rises from the first octave on and then bends level: the
+/// averages up to there leave. (At a hump it bends down.)
 fn without_bent_points(mut curve: Curve) -> (Curve, usize) {
     let spare = curve.variance.len().saturating_sub(POINTS_FOR_MORE);
     let bent =
@@ -158,7 +159,7 @@ fn without_bent_points(mut curve: Curve) -> (Curve, usize) {
     (curve, bent)
 }
 
-/// How fast ln σ²τ rises from one point to the next, per octave, and the variance of that.
+/// The rise of ln σ²τ from one point to the next, per octave, and its variance.
 fn rise(curve: &Curve, i: usize) -> (f64, f64) {
     let at = &curve.geometry;
     let level = |i: usize| libm::log(curve.variance[i] * at.tau_s(i));
@@ -169,7 +170,7 @@ fn rise(curve: &Curve, i: usize) -> (f64, f64) {
     )
 }
 
-/// Of an Allan variance: 2/edf, to within a third.
+/// Relative variance of an Allan variance: 2/edf, to within a third.
 fn relative_variance(at: &Geometry, i: usize) -> f64 {
     (2.0 * at.m[i] + 1.0) / at.terms[i]
 }

@@ -6,14 +6,14 @@ use alloc::vec::Vec;
 
 /// Iterations of weights and coefficients.
 const ITERATIONS: usize = 40;
-/// From here on the coefficients move half way only: two sets of active coefficients can alternate.
+/// From this iteration on the coefficients move half way only: two sets of active coefficients can alternate.
 const DAMPED_FROM: usize = 12;
-/// The weights stand when no point of the model moves by more than this.
+/// The weights are settled when no point of the model moves by more than this.
 const SETTLED: f64 = 1e-7;
 /// Parts of each point's own variance, in the order in which they are tried.
 const ADDED_NOISE: [f64; 4] = [1e-9, 1e-4, 1e-2, 1.0];
 
-/// The measured curve and everything about it that does not depend on the coefficients.
+/// The measured curve and all its properties that do not depend on the coefficients.
 #[derive(Clone, Debug)]
 pub(super) struct Curve {
     pub(super) geometry: Geometry,
@@ -22,7 +22,7 @@ pub(super) struct Curve {
     pub(super) covariance: Covariance,
 }
 
-/// Which coefficients are fitted.
+/// The coefficients that are fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Model {
     pub(super) has: [bool; 5],
@@ -59,7 +59,7 @@ impl Problem {
         Self::with(curve, &sigma, model_variance)
     }
 
-    /// Before anything is known: independent points whose relative variance is that of white noise.
+    /// The problem before anything is known: independent points with the relative variance of white noise.
     pub(super) fn first(curve: &Curve) -> Option<Self> {
         let relative = |i: usize| 1.5 * curve.geometry.m[i] / curve.geometry.terms[i];
         let cell = |i: usize| curve.variance[i] * curve.variance[i] * relative(i).max(f64::MIN_POSITIVE);
@@ -77,7 +77,7 @@ impl Problem {
         Some(Self { factor, design, model_variance, normal, right, whitened, observed })
     }
 
-    /// Least squares over the coefficients of the model, none negative, one of them held if asked for.
+    /// Least squares over the coefficients of the model. None is negative; one is held if asked for.
     pub(super) fn solve(&self, model: &Model, held: Option<(usize, f64)>) -> Coefficients {
         let fixed =
             held.map_or([0.0; 5], |(which, value)| core::array::from_fn(|c| if c == which { value } else { 0.0 }));
@@ -97,7 +97,7 @@ impl Problem {
         core::array::from_fn(|c| best.1[c] + fixed[c])
     }
 
-    /// The estimate of `which` that is unbiased whatever the other coefficients of the model are.
+    /// The estimate of `which` that is unbiased for any values of the model's other coefficients.
     pub(super) fn linear(&self, model: &Model, which: usize) -> Option<Linear> {
         let mut set = model.has;
         set[which] = true;
@@ -105,7 +105,7 @@ impl Problem {
         let direction = solve_subset(&self.normal, &unit, &set)?;
         let sd = libm::sqrt(direction[which]);
         let weights = self.factor.unwhiten(self.combine(&direction));
-        // Third cumulant as of a sum of gamma distributed points that keep the covariance.
+        // third cumulant, as for a sum of gamma distributed points that keep the covariance
         let third: f64 = (0..weights.len())
             .map(|i| (weights[i], dot(&self.design[i], &direction), self.model_variance[i]))
             .map(|(weight, covariance, variance)| 2.0 * weight * covariance * covariance / variance)
@@ -113,7 +113,7 @@ impl Problem {
         Some(Linear { value: dot(&direction, &self.right), sd, skewness: third / (sd * sd * sd) })
     }
 
-    /// For each point: how far it lies from where the others put it, in standard deviations, and the total χ².
+    /// The distance of each point from the fit of the others, in standard deviations, and the total χ².
     pub(super) fn misfit(&self, model: &Model, coefficients: &Coefficients) -> (Vec<f64>, f64) {
         let n = self.observed.len();
         let fitted = self.combine(coefficients);
@@ -134,8 +134,8 @@ impl Problem {
     }
 }
 
-/// The covariance leaves out what is far apart, so it may miss being positive definite by a little; independent noise
-/// is added until it is.
+/// Factors the covariance. It leaves out points that are far apart, so it may miss being positive definite by a
+/// little. Independent noise is added until it is.
 fn factor(sigma: &Square) -> Option<Cholesky> {
     ADDED_NOISE.iter().find_map(|added| {
         let mut widened = sigma.clone();
@@ -144,7 +144,7 @@ fn factor(sigma: &Square) -> Option<Cholesky> {
     })
 }
 
-/// Coefficients and weights that agree with each other, from a start.
+/// Coefficients and weights that agree with each other, iterated from a start.
 pub(super) fn iterate(
     curve: &Curve,
     model: &Model,
@@ -169,7 +169,7 @@ pub(super) fn iterate(
     Some(now)
 }
 
-/// A model without any noise has no covariance; white noise of the shortest point stands in.
+/// Replaces a model without any noise, which has no covariance, by white noise of the shortest point.
 fn usable(curve: &Curve, mut coefficients: Coefficients) -> Coefficients {
     if coefficients.iter().all(|&c| c <= 0.0) {
         coefficients[N] = curve.variance[0] * curve.geometry.tau_s(0) * 1e-6;
@@ -185,7 +185,7 @@ fn settled(curve: &Curve, a: &Coefficients, b: &Coefficients) -> bool {
     })
 }
 
-/// Solves the rows and columns of `set`, the rest is zero; columns are scaled to a unit diagonal first.
+/// Solves the rows and columns of `set`; the rest is zero. Columns are scaled to a unit diagonal first.
 fn solve_subset(normal: &[[f64; 5]; 5], right: &Coefficients, set: &[bool; 5]) -> Option<Coefficients> {
     let rows: Vec<usize> = (0..5).filter(|&c| set[c]).collect();
     let scale: Vec<f64> = rows.iter().map(|&c| 1.0 / libm::sqrt(normal[c][c])).collect();

@@ -2,7 +2,7 @@ use super::*;
 use crate::{Input, Stat, deviations};
 use std::string::ToString;
 
-/// The formula of IEEE Std 952-1997 C.1, written out: not the code under test.
+/// The formula of IEEE Std 952-1997 C.1, written out independently of the code under test.
 fn curve(q: f64, n: f64, b: f64, k: f64, r: f64, samples: u64) -> Vec<Deviation> {
     crate::octaves(samples as usize)
         .into_iter()
@@ -70,8 +70,8 @@ fn points_below_the_corner_of_a_low_pass_leave() {
     assert!(matches!(fit.warnings[0], AllanWarning::ShortEndExcluded { points: 1.., .. }), "{:?}", fit.warnings);
 }
 
-/// A first-order low-pass in samples: noise with the autocovariance aᵏ. A sum of m has the variance below, and the
-/// difference of two adjacent ones 4 var(m) − var(2m).
+/// A first-order low-pass in samples: noise with the autocovariance aᵏ. A sum of m samples has the variance below, and
+/// the difference of two adjacent sums 4 var(m) − var(2m).
 #[test]
 fn a_low_pass_of_a_few_samples_does_not_spoil_the_coefficients() {
     let a = (-1.0f64 / 3.0).exp();
@@ -105,7 +105,7 @@ fn a_sine_is_reported() {
         _ => None,
     });
     assert!(seen.is_some_and(|seen| seen / frequency < 2.0 && seen / frequency > 0.5), "{:?}", fit.warnings);
-    assert!(fit.warnings[0].to_string().contains("periodic"));
+    assert!(fit.warnings[0].to_string().contains("something lifts the curve"));
     assert!(fit.q.is_none() && fit.r.is_none());
 }
 
@@ -131,7 +131,7 @@ fn dense_averaging_times_are_thinned() {
     assert!(near(from_dense.n.value, from_octaves.n.value, 1e-3));
 }
 
-/// Walks of a small generator of our own: N and K within what ten times their stated interval allows.
+/// Walks of a small generator of our own: N and K lie within ten times their stated interval.
 #[test]
 fn a_simulated_record() {
     let mut state = 1u64;

@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 use core::fmt;
 use serde::Deserialize;
 
-/// Version of the file form, and the newest that is read.
+/// The newest version of the file format that is read.
 const SCHEMA: u32 = 1;
 
 impl DataSheet {
@@ -28,7 +28,7 @@ impl DataSheet {
     /// ```
     ///
     /// # Errors
-    /// No such file: where, and what is wrong.
+    /// [`DataSheetError`] with the line and the problem, if the file is not valid.
     pub fn parse(text: &str) -> Result<Self, DataSheetError> {
         let document = Document::parse(text)?;
         let (root, file) = (document.root(), document.fields::<File>()?);
@@ -43,7 +43,7 @@ impl DataSheet {
     }
 }
 
-/// What is wrong with the file of a data sheet.
+/// An error in the file of a data sheet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DataSheetError(EntryError);
 
@@ -89,7 +89,7 @@ struct Accelerometer {
     acceleration_random_walk: Option<Stated>,
 }
 
-/// What a data sheet states of a figure.
+/// The statements of a data sheet about one figure.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Stated {
@@ -100,7 +100,7 @@ struct Stated {
     source: Option<String>,
 }
 
-/// What is called bias instability.
+/// The meaning of "bias instability" in a data sheet.
 #[derive(Clone, Copy, Deserialize, PartialEq)]
 enum Means {
     #[serde(rename = "minimum")]
@@ -108,7 +108,7 @@ enum Means {
     B,
 }
 
-/// A key, what it is of, the exponent of its unit (as [`Unit::halves`]), and units that it may have.
+/// A key, its figure, the exponent of its unit (as [`Unit::halves`]), and the units that it may have.
 struct FigureRow(&'static str, Figure, i32, &'static str);
 
 impl Gyroscope {
@@ -168,7 +168,7 @@ impl FigureRow {
         let &Self(_, figure, halves, units) = self;
         let bounds = Bounds::Positive;
         if !bounds.hold(value) {
-            return Err(format!("{value} is no noise; {bounds}"));
+            return Err(format!("{value} is not a noise; {bounds}"));
         }
         let Some(unit) = Unit::parse(&stated.unit).filter(|unit| (unit.of, unit.halves) == (of, halves)) else {
             return Err(format!("its unit is {:?}; use {units}", stated.unit));
@@ -176,7 +176,7 @@ impl FigureRow {
         let figure = match (figure, stated.means) {
             (Figure::CurveMinimum, Some(Means::B)) => Figure::BiasInstability,
             (Figure::CurveMinimum, _) | (_, None) => figure,
-            _ => return Err("only a bias_instability can mean one thing or another".into()),
+            _ => return Err("only a bias_instability can have `means`; remove it".into()),
         };
         let (unit, factor) = (stated.unit.clone(), unit.factor);
         let source = stated.source.clone();
@@ -190,7 +190,7 @@ fn half_digit(printed: &str, value: f64) -> f64 {
     let (digits, exponent) = small.split_once('e').unwrap_or((&small, "0"));
     let places = digits.split_once('.').map_or(0, |(_, places)| places.chars().filter(char::is_ascii_digit).count());
     let exponent = exponent.parse::<i32>().unwrap_or(0).saturating_sub(i32::try_from(places).unwrap_or(0));
-    // an odd way of writing a number is no uncertainty of half of it
+    // an odd way of writing a number does not make it uncertain by half
     (0.5 * libm::pow(10.0, f64::from(exponent))).min(0.5 * value)
 }
 
@@ -245,7 +245,7 @@ mod tests {
             ("\"mg\"", "\"µg/√Hz\"", "accelerometer.bias_instability: its unit is \"µg/√Hz\"; use µg, mg"),
             ("\"m/s/√hr\"", "\"furlong\"", "velocity_random_walk: its unit is \"furlong\""),
             ("noise_density", "noise_densty", "noise_densty"),
-            ("typical = 0.05", "typical = 0", "line 6: gyroscope.noise_density: 0 is no noise"),
+            ("typical = 0.05", "typical = 0", "line 6: gyroscope.noise_density: 0 is not a noise"),
             ("typical = 0.05, ", "", "gyroscope.noise_density has no value; give it typical or maximum"),
             ("means = \"B\"", "means = \"b\"", "means"),
             ("maximum = 3,", "means = \"B\",", "only a bias_instability"),

@@ -1,4 +1,4 @@
-//! What a data sheet states of a sensor's noise, and how a record at rest compares with it.
+//! A data sheet's statements on a sensor's noise, and their comparison with a record at rest.
 
 mod file;
 mod unit;
@@ -9,46 +9,46 @@ use alloc::vec::Vec;
 use core::f64::consts::SQRT_2;
 pub use file::DataSheetError;
 
-/// The lines of a data sheet that speak of noise at rest (`docs/formats/datasheet.md`).
+/// The lines of a data sheet about noise at rest (`docs/formats/datasheet.md`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataSheet {
-    /// Of what part.
+    /// Name of the sensor.
     pub name: String,
-    /// Where it is printed.
+    /// The document that prints the lines.
     pub source: Option<String>,
-    /// Of the gyroscopes.
+    /// Lines of the gyroscopes.
     pub gyroscope: Vec<Line>,
-    /// Of the accelerometers.
+    /// Lines of the accelerometers.
     pub accelerometer: Vec<Line>,
 }
 
 /// A figure as it is printed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
-    /// What it is of.
+    /// The quantity.
     pub figure: Figure,
     /// Whether it is a typical value or a limit.
     pub is_maximum: bool,
     /// The value, in its unit.
     pub value: f64,
-    /// Half of its last digit: what rounding can have changed.
+    /// Half of its last digit, the largest change by rounding.
     pub half_digit: f64,
-    /// The unit as it is written.
+    /// The unit as written.
     pub unit: String,
-    /// °/s or m/s² (with the powers of time of the figure) in one of it.
+    /// The size of the unit in °/s or m/s² (with the powers of time of the figure).
     pub factor: f64,
-    /// Where it is printed, if that is another place than the others'.
+    /// The document that prints it, if it is not [`DataSheet::source`].
     pub source: Option<String>,
 }
 
-/// What a data sheet states.
+/// A quantity that a data sheet states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Figure {
     /// One-sided density of the white noise, √2·N.
     NoiseDensity,
     /// Angle or velocity random walk N.
     RandomWalk,
-    /// The lowest point of the Allan deviation: what data sheets call bias (in)stability in run.
+    /// The lowest point of the Allan deviation, which data sheets call bias (in)stability in run.
     CurveMinimum,
     /// The coefficient B of IEEE Std 952-1997, 1/0.664 of a flat floor.
     BiasInstability,
@@ -56,19 +56,19 @@ pub enum Figure {
     RateRandomWalk,
 }
 
-/// A line beside what was measured, in the line's unit.
+/// A line beside the measured value, in the line's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compared {
-    /// Value and 95 % interval; none where there is no model to believe.
+    /// Value and 95 % interval; none without a model that can be trusted.
     pub measured: Option<Estimate>,
-    /// What that says of the sensor.
+    /// The verdict on the sensor.
     pub verdict: Verdict,
 }
 
 /// How a sensor compares with a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// As stated: the interval holds a typical value, as far as it was rounded; or ends below a maximum.
+    /// As stated: the interval holds a typical value, as far as it was rounded, or ends below a maximum.
     Within,
     /// Less noise than is typical.
     Better,
@@ -78,11 +78,11 @@ pub enum Verdict {
     Open,
 }
 
-/// Degrees of freedom that a point needs to count as the lowest.
+/// A point needs this many degrees of freedom to count as the lowest.
 const FEWEST_EDF: f64 = 4.0;
 
 impl Line {
-    /// Holds a record against the line. The analysis must be of Allan deviations.
+    /// Compares a record with the line. The analysis must be of Allan deviations.
     #[must_use]
     pub fn compare(&self, fit: Option<&Fit>, analysis: &Analysis) -> Compared {
         let of = |coefficient: &Coefficient, by: f64| {
@@ -106,7 +106,7 @@ impl Line {
     }
 
     fn verdict(&self, measured: &Estimate) -> Verdict {
-        // a limit is meant as it stands
+        // a limit is taken as printed
         let rounding = if self.is_maximum { 0.0 } else { self.half_digit };
         let (below, above) = (self.value - rounding, self.value + rounding);
         match measured {
@@ -122,7 +122,7 @@ impl Line {
     }
 }
 
-/// The lowest deviation with its 95 % interval. Where the curve still falls at its end, that is only an upper limit.
+/// The lowest deviation with its 95 % interval. Where the curve still falls at its end, it is only an upper limit.
 fn minimum(analysis: &Analysis) -> Option<Estimate> {
     let points = || analysis.points.iter().filter(|point| point.edf >= FEWEST_EDF);
     let least = points().min_by(|a, b| a.dev.total_cmp(&b.dev))?;
@@ -166,7 +166,7 @@ mod tests {
             ("noise_density = { typical = 0.141, unit = \"°/s/√Hz\" }", Verdict::Within),
             ("noise_density = { typical = 0.100, unit = \"°/s/√Hz\" }", Verdict::Worse),
             ("noise_density = { typical = 508, unit = \"deg/h/sqrt(Hz)\" }", Verdict::Within),
-            // white noise has no flicker and no minimum: what is stated beyond the record's limit is not told
+            // white noise has neither flicker nor a minimum: a statement beyond the record's limit stays open
             ("bias_instability = { typical = 0.1, unit = \"°/h\" }", Verdict::Open),
             ("bias_instability = { typical = 0.1, unit = \"°/h\", means = \"B\" }", Verdict::Open),
             ("bias_instability = { typical = 5, unit = \"°/s\" }", Verdict::Better),

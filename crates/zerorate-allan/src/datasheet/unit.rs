@@ -2,7 +2,7 @@
 
 use alloc::string::String;
 
-/// What is measured.
+/// The kind of quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Of {
     /// ° and its kin.
@@ -17,7 +17,7 @@ pub(super) struct Unit {
     pub(super) of: Of,
     /// Twice the exponent of the second: −2 of °/s, −1 of °/√s.
     pub(super) halves: i32,
-    /// ° or m, with that power of the second, in one of it.
+    /// The size of the unit in ° or m, with that power of the second.
     pub(super) factor: f64,
 }
 
@@ -26,7 +26,7 @@ const HOUR_S: f64 = 3600.0;
 const G: f64 = 9.806_65;
 
 impl Unit {
-    /// None of what is no unit of noise.
+    /// Parses a unit; none where the text is not a unit of noise.
     pub(super) fn parse(text: &str) -> Option<Self> {
         let text = plain(text);
         let mut parts = text.split('/');
@@ -60,7 +60,7 @@ impl Unit {
     }
 }
 
-/// Twice the exponent of the second, and how many powers of the second are in one.
+/// Twice the exponent of the second, and the number of powers of the second in one of the unit.
 fn denominator(text: &str) -> Option<(i32, f64)> {
     Some(match text {
         "s" => (-2, 1.0),
@@ -74,7 +74,7 @@ fn denominator(text: &str) -> Option<(i32, f64)> {
     })
 }
 
-/// One way of writing.
+/// The same text in one spelling.
 fn plain(text: &str) -> String {
     let small: String = text.to_lowercase().chars().filter(|c| !c.is_whitespace() && !"()".contains(*c)).collect();
     [

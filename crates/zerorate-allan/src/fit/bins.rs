@@ -2,27 +2,27 @@
 
 use alloc::vec::Vec;
 
-/// Bins per octave, and at least so many up to half the rate: lines and a filter's edge need narrow ones there.
+/// Bins per octave, and at least this many up to half the rate: lines and a filter's edge need narrow bins there.
 const PER_OCTAVE: f64 = 12.0;
 const LINEAR: usize = 160;
 
-/// Adjacent coefficients of the DCT-II: the mean of their c²·dt, which estimates the two-sided density at f = k/(2T).
+/// Adjacent coefficients of the DCT-II. The mean of their c²·dt estimates the two-sided density at f = k/(2T).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bin {
     /// The first of them.
     pub(super) first: usize,
     /// One past the last.
     pub(super) end: usize,
-    /// χ² degrees of freedom: as many as there are coefficients, less where samples or lines were taken out.
+    /// χ² degrees of freedom: the number of coefficients, less where samples or lines were taken out.
     pub(super) freedom: f64,
     /// Mean power, unit²/Hz.
     pub(super) power: f64,
-    /// What stands between the density of the noise and that of what was sampled.
+    /// The way from the density of the noise to the density of the sampled record.
     pub(super) response: Response,
 }
 
-/// The expected power of a bin is `offset` + `slow`·(S − W) + `white`·W where the noise has the density S, of which W
-/// is white.
+/// The response of a bin. Its expected power is `offset` + `slow`·(S − W) + `white`·W where the noise has the density
+/// S, of which W is white.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Response {
     pub(super) offset: f64,
@@ -31,12 +31,12 @@ pub(super) struct Response {
 }
 
 impl Response {
-    /// Of a record that is complete.
+    /// The response of a complete record.
     pub(super) const WHOLE: Self = Self { offset: 0.0, slow: 1.0, white: 1.0 };
 }
 
 impl Bin {
-    /// One coefficient, in which the phase of what is no noise can be seen.
+    /// Whether it is one coefficient, in which the phase of a drift shows.
     pub(super) fn is_single(&self) -> bool {
         self.end - self.first == 1
     }
@@ -56,7 +56,7 @@ pub(super) fn bins(power: &[f64]) -> Vec<Bin> {
     bins
 }
 
-/// The bins of a record of so many samples, without power.
+/// The bins of a record of `samples` samples, without power.
 pub(super) fn empty_bins(samples: usize) -> Vec<Bin> {
     let widest = (samples.saturating_sub(1) / LINEAR).max(1);
     let growth = libm::exp2(1.0 / PER_OCTAVE) - 1.0;
@@ -69,7 +69,7 @@ pub(super) fn empty_bins(samples: usize) -> Vec<Bin> {
     firsts.map(bin).collect()
 }
 
-/// Values known at some ascending `middles`, at the coefficients 1 … `count`: linear between, level beyond.
+/// Interpolates values known at ascending `middles` to the coefficients 1 … `count`: linear between, level beyond.
 pub(super) fn at_coefficients(middles: impl Iterator<Item = f64>, values: &[f64], count: usize) -> Vec<f64> {
     let known: Vec<(f64, f64)> = middles.zip(values.iter().copied()).collect();
     let mut at = Vec::with_capacity(count);

@@ -1,4 +1,4 @@
-//! From parameters to coefficients with their intervals.
+//! The way from parameters to coefficients with their intervals.
 
 use super::density::Drift;
 use super::lines::Line;
@@ -10,7 +10,7 @@ use super::{Estimate, Term};
 use crate::Coefficient;
 use alloc::vec::Vec;
 
-/// From parameters to coefficients with their intervals.
+/// Makes coefficients with their intervals from parameters.
 pub(super) struct Coefficients<'a> {
     /// Length of the record, in samples.
     pub(super) samples: usize,
@@ -24,7 +24,7 @@ impl Coefficients<'_> {
         Profile::of_square(&self.chosen.problem, &self.chosen.found, place)
     }
 
-    /// Of a squared coefficient.
+    /// The coefficient whose square is the parameter at `place`.
     pub(super) fn of(&self, place: usize) -> Coefficient {
         let value = libm::sqrt(self.chosen.found.at[place]);
         let (lo, hi) = self.square(place).interval();
@@ -40,7 +40,7 @@ impl Coefficients<'_> {
         Coefficient { value, lo: lo.min(value), hi: hi.max(value), identified, needed_s }
     }
 
-    /// N's interval knows besides that the record is not steady, and holds N with and without the tail of a resonance.
+    /// N. Its interval allows for an unsteady record, and holds N with and without the tail of a resonance.
     pub(super) fn n(&self, unsteady: f64, tail: f64) -> Coefficient {
         let n = self.of(N2);
         let steady = 1.96 * unsteady;
@@ -49,7 +49,7 @@ impl Coefficients<'_> {
         Coefficient { lo: n.value / wider(n.value / n.lo), hi: n.value * wider(n.hi / n.value), ..n }
     }
 
-    /// K rests on few coefficients: its square is the mean of its confidence distribution.
+    /// K, which rests on few coefficients: its square is the mean of its confidence distribution.
     pub(super) fn k(&self) -> Coefficient {
         let profile = self.square(K2);
         let (lo, hi) = profile.interval();

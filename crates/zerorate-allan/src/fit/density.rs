@@ -1,4 +1,4 @@
-//! What each noise adds to the expected power of a bin.
+//! The share of each noise in the expected power of a bin.
 
 use super::bins::Bin;
 use alloc::vec::Vec;
@@ -6,7 +6,7 @@ use core::f64::consts::PI;
 
 /// Most cosines of the white noise's band shape.
 pub(super) const MOST_COSINES: usize = 6;
-/// Coefficients in which the phase of a drift is looked at.
+/// Coefficients in which the phase of a drift is used.
 pub(super) const LOW: usize = 64;
 /// E(c_k²) of 1/f noise over its density at f_k, k = 1, 2 …, and 1 beyond: ∫|Φ_k|²/f df, Φ_k the transform of the
 /// cosine.
@@ -15,7 +15,7 @@ const FLICKER: [f64; 20] = [
     0.9865, 0.9873, 0.9881, 0.9887, 0.9893, 0.9899,
 ];
 
-/// The bins that are fitted, with all that does not depend on the parameters.
+/// The bins that are fitted, with everything that does not depend on the parameters.
 #[derive(Clone, Debug)]
 pub(super) struct Table {
     pub(super) rate_hz: f64,
@@ -49,7 +49,7 @@ impl Table {
         Self { rate_hz, span_s, rows, low: low[..low.len().min(LOW)].to_vec() }
     }
 
-    /// All rows of several records, from the lowest frequency on; the phase of drifts is not looked at.
+    /// All rows of several records, from the lowest frequency on. The phase of drifts is not used.
     pub(super) fn pooled(tables: &[&Self]) -> Self {
         let mut rows: Vec<BinRow> = tables.iter().flat_map(|table| table.rows.iter().cloned()).collect();
         rows.sort_by(|a, b| a.f_hz.total_cmp(&b.f_hz));
@@ -64,12 +64,12 @@ impl Table {
         for row in 0..self.singles() {
             let k = self.rows[row].bin.first - 1;
             let rest = self.low[k] - size * template[k];
-            // what is left of a coefficient is never nothing
+            // the rest of a coefficient is never exactly zero
             self.rows[row].bin.power = (rest * rest).max(f64::MIN_POSITIVE);
         }
     }
 
-    /// Rows of one coefficient each that a drift is looked for in, by their coefficient: they come first.
+    /// The number of leading rows with one coefficient each, in their order, in which a drift is looked for.
     pub(super) fn singles(&self) -> usize {
         self.rows.iter().take_while(|row| row.bin.is_single() && row.bin.first <= self.low.len()).count()
     }
@@ -100,8 +100,8 @@ impl BinRow {
         }
     }
 
-    /// A Gauss–Markov process of variance 1 and correlation time `tau_s`: exact for one coefficient of its record,
-    /// else the mean over the bin; and its slope by ln `tau_s`.
+    /// A Gauss–Markov process of variance 1 and correlation time `tau_s`: its density and the slope by ln `tau_s`.
+    /// Exact for one coefficient of its record, otherwise the mean over the bin.
     pub(super) fn gauss_markov(&self, tau_s: f64) -> (f64, f64) {
         let span_s = self.span_s;
         if self.bin.is_single() {
@@ -126,12 +126,12 @@ impl BinRow {
     }
 }
 
-/// What is no noise but moves the rate all the time, in the first coefficients.
+/// A drift, which moves the rate all the time without being noise, in the first coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Drift {
-    /// Evenly: R·t.
+    /// The rate drifts evenly: R·t.
     Ramp,
-    /// By e^(−t/τ) from the start.
+    /// The rate decays as e^(−t/τ) from the start.
     WarmUp {
         /// Time constant τ, s.
         tau_s: f64,
@@ -164,7 +164,7 @@ impl Drift {
         (1..=count).map(one).collect()
     }
 
-    /// The Allan variance that it makes at size 1: half the mean square of the difference of two averages.
+    /// The Allan variance of the drift at size 1: half the mean square of the difference of two averages.
     pub(super) fn allan_variance(self, tau_s: f64, record_s: f64) -> f64 {
         match self {
             Self::Ramp => tau_s * tau_s / 2.0,

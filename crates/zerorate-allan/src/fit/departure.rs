@@ -1,4 +1,4 @@
-//! How far held parameters are from the best, as r* has it: Skovgaard, Bernoulli 2, 1996.
+//! The distance of held parameters from the best ones, as r* defines it: Skovgaard, Bernoulli 2, 1996.
 
 use super::scoring::Local;
 use crate::linear::Square;
@@ -6,10 +6,11 @@ use alloc::vec::Vec;
 
 /// u = |s_q|·(|i|·|i′_λλ|)^(−½), signed like the distance from the held value to the best.
 ///
-/// i = ½Σν ∂S∂Sᵀ/S² at the best parameters and i′ at the held ones, of the latter only λ, all but the one that is
-/// held; s = ½Σν ∂S∂S′ᵀ/S′², s_q with q = ½Σν ∂S(1/S′ − 1/S) in the column of the held one (Cramer's s⁻¹q·|s|). What
-/// has a prime is at the held parameters. Of one scale alone this is √(ν/2)(S/S′ − 1). `free` are the parameters that
-/// can move, `held` is one of them.
+/// A prime marks quantities at the held parameters. i = ½Σν ∂S∂Sᵀ/S² at the best parameters, and i′ is the same at the
+/// held ones. i′_λλ has all parameters but the one that is held. s = ½Σν ∂S∂S′ᵀ/S′². s_q is s with q = ½Σν ∂S(1/S′ −
+/// 1/S) in the column of the held one (Cramer's s⁻¹q·
+/// s
+/// ). For one scale alone u is √(ν/2)(S/S′ − 1). `free` are the parameters that can move, `held` is one of them.
 pub(super) fn departure(nu: &[f64], best: &Local, there: &Local, free: &[usize], held: usize) -> Option<f64> {
     let n = free.len();
     let column = free.iter().position(|&place| place == held)?;
@@ -53,8 +54,9 @@ mod tests {
         }
     }
 
-    /// The variance of p samples of white noise about a level that takes one freedom: r* must know of that one. Here
-    /// as rows of one scale and a second parameter, which only the last row has and which takes all of it.
+    /// The variance of p samples of white noise about a level that takes one degree of freedom: r* must allow for that
+    /// one. Here they are rows of one scale and a second parameter. Only the last row has it, and it takes all of that
+    /// row.
     #[test]
     fn a_parameter_that_is_fitted_takes_its_freedom() {
         let nu = [4.0, 1.0];

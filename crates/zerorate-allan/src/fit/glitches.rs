@@ -1,4 +1,4 @@
-//! Single samples, and a few in a row, that no noise explains.
+//! Glitches: single samples, and a few in a row, that noise does not explain.
 
 use super::lines::median;
 use super::spectrum::fill_gaps;
@@ -6,29 +6,29 @@ use crate::chi2::normal_quantile;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Widths that are looked for, in samples.
+/// Widths of the glitches that are looked for, in samples.
 const WIDTHS: [usize; 4] = [1, 2, 4, 8];
 /// False alarms per record.
 const ALARM: f64 = 0.01;
-/// Looks at each width; only what lies beside what was found needs more than two.
+/// Looks at each width. Only neighbours of earlier finds need more than two.
 const LOOKS: usize = 8;
-/// Where more than this part of the samples is flagged, these are no glitches but the noise itself.
+/// Where more than this share of the samples is flagged, they belong to the noise itself.
 pub(super) const MOST: f64 = 0.01;
-/// What is beyond so many standard deviations does not enter them, and how much of them that takes away.
+/// Values beyond this many standard deviations do not enter them, and the share of them that this takes away.
 const CLIP: f64 = 4.0;
 const CLIPPED: f64 = 0.99946;
 const ITERATIONS: usize = 20;
-/// The start of the scale is a median over so many samples.
+/// The start of the scale is a median over this many samples.
 const MEDIAN_OF: usize = 1 << 16;
 const SIGMA_PER_MAD: f64 = 1.4826;
 
-/// Samples that are glitches or so near to one that their averages hold it, ascending; none where they would be too
+/// Samples that are glitches, or so near to one that their averages hold it, ascending. None where they would be too
 /// many.
 ///
-/// The mean of w samples is held against the means of the w before and the w after. That is linear, so the rate of
+/// The mean of w samples is compared with the means of the w before and the w after. That is linear, so the rate of
 /// false alarms holds for noise with a memory as well: a median against its window gave 270 times as many. The
-/// narrowest come first, and what is found is replaced before the next look: one sample would take eight with it, and
-/// hide the one beside it.
+/// narrowest width comes first, and finds are replaced before the next look. Otherwise one sample would take eight
+/// with it, and hide the one beside it.
 ///
 /// Missing samples are closed up for this: lines in their place would scatter less than noise does.
 pub(super) fn glitches(rate: &[f64]) -> Option<Vec<usize>> {
@@ -66,7 +66,7 @@ fn sums(values: &[f64]) -> Vec<f64> {
     core::iter::once(0.0).chain(next).collect()
 }
 
-/// Marks what stands out at one width.
+/// Marks the samples that stand out at one width.
 fn flag(sums: &[f64], width: usize, limit: f64, bad: &mut [bool]) {
     let w = width as f64;
     let d: Vec<f64> = sums
@@ -82,7 +82,8 @@ fn flag(sums: &[f64], width: usize, limit: f64, bad: &mut [bool]) {
     }
 }
 
-/// The standard deviation of what is not flagged. (A median alone is off by up to half a step for coarse codes.)
+/// The standard deviation of the samples that are not flagged. (A median alone is off by up to half a step for coarse
+/// codes.)
 fn scale(d: &[f64]) -> f64 {
     let every = d.len().div_ceil(MEDIAN_OF).max(1);
     let sizes = d.iter().step_by(every).map(|d| libm::fabs(*d)).collect();

@@ -1,14 +1,14 @@
-//! Lines in the spectrum: what stands out of its neighbours. Broad ones are masked, narrow ones leave their bins.
+//! Lines in the spectrum, which stand out of their neighbours. Broad ones are masked, narrow ones leave their bins.
 
 use super::bins::{Bin, at_coefficients};
 use crate::chi2_quantile;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// A disturbance that is no noise, or a resonance: it takes no part in the fit, and its power is kept.
+/// A disturbance or a resonance. It does not enter the fit, and its power is kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
-    /// Its frequency, Hz; where the disturbance is faster than half the rate, the one that it folds to.
+    /// Its frequency, Hz. A disturbance above half the rate has the frequency to which it folds.
     pub frequency_hz: f64,
     /// How broad it is, Hz.
     pub width_hz: f64,
@@ -20,9 +20,9 @@ pub struct Line {
 const ALARM: f64 = 0.01;
 /// A bump below this coefficient is wander, and belongs to the noise.
 const FIRST: usize = 48;
-/// What a bin must have beyond chance, because the base line is an estimate.
+/// The factor by which a bin must exceed chance, because the base line is an estimate.
 const MARGIN: f64 = 1.15;
-/// Coefficients that are looked at together for narrow lines, and the margin there.
+/// Coefficients that are searched together for narrow lines, and the margin there.
 const GROUP: usize = 4;
 const NARROW_MARGIN: f64 = 1.1;
 /// Coefficients that leave before the first of such a group, and after it.
@@ -31,8 +31,8 @@ const AFTER: usize = 6;
 /// The median of χ² with one degree of freedom.
 const MEDIAN_OF_ONE: f64 = 0.4549;
 
-/// Which bins a line is in, and the base line that they stand out of. The second base line is made without what stands
-/// out of the first.
+/// The bins that a line is in, and the base line that they stand out of. The second base line leaves out the bins that
+/// stand out of the first.
 pub(super) fn broad(bins: &[Bin]) -> (Vec<bool>, Vec<f64>) {
     let first = above(bins, &base_line(bins, &vec![false; bins.len()]));
     let base = base_line(bins, &first);
@@ -45,12 +45,12 @@ pub(super) struct Narrow {
     pub(super) line: Line,
     /// Its first coefficient, and one past its last: no bin has any of them.
     pub(super) run: (usize, usize),
-    /// Variance and frequency of what it is in the model: a quarter of its power each.
+    /// Variance and frequency of the line's sines in the model, a quarter of its power each.
     pub(super) sines: [(f64, f64); 4],
 }
 
-/// Takes narrow lines out of the bins of `power` (coefficients 1, 2 …, `hz` apart). What they leave less than a
-/// quarter of leaves with them: a coefficient is in a bin or in a line, and never in both.
+/// Takes narrow lines out of the bins of `power` (coefficients 1, 2 …, `hz` apart). A bin with less than a quarter
+/// left leaves with them. So a coefficient is in a bin or in a line, and never in both.
 pub(super) fn take_out_narrow(power: &[f64], bins: &mut Vec<Bin>, hz: f64) -> Vec<Narrow> {
     let (mask, base) = broad(bins);
     let base = base_of_coefficients(power, bins, &base, &mask);
@@ -66,7 +66,7 @@ fn narrow_line((from, to): (usize, usize), power: &[f64], base: &[f64], hz: f64)
     let middle: f64 = power.iter().zip(from..).map(|(p, i)| p * (i + 1) as f64).sum::<f64>() / weight;
     let variance = (excess * 2.0 * hz).max(0.0);
     let line = Line { frequency_hz: middle * hz, width_hz: (to - from) as f64 * hz, rms: libm::sqrt(variance) };
-    // where an eighth of the power is reached, three eighths …
+    // where the sum reaches an eighth of the power, three eighths …
     let at = |part: f64| {
         let mut sum = 0.0;
         let below = |p: &&f64| {
@@ -79,7 +79,7 @@ fn narrow_line((from, to): (usize, usize), power: &[f64], base: &[f64], hz: f64)
     Narrow { line, run: (from + 1, to + 1), sines }
 }
 
-/// Running median over an octave to either side of what is not masked; at the ends less the slope.
+/// Running median over an octave to either side of the bins that are not masked. At the ends the slope is taken off.
 fn base_line(bins: &[Bin], mask: &[bool]) -> Vec<f64> {
     let mut expected = Cached::new(|freedom| chi2_quantile(0.5, freedom) / freedom);
     let y: Vec<f64> = bins.iter().map(|bin| libm::log(bin.power / expected.of(bin.freedom))).collect();
@@ -133,7 +133,7 @@ fn above(bins: &[Bin], base: &[f64]) -> Vec<bool> {
     mask
 }
 
-/// The base line at every coefficient; within a broad line it is the line's own level.
+/// The base line at every coefficient. Within a broad line it is the line's own level.
 fn base_of_coefficients(power: &[f64], bins: &[Bin], base: &[f64], mask: &[bool]) -> Vec<f64> {
     let mut at = at_coefficients(bins.iter().map(Bin::middle), base, power.len());
     for (bin, _) in bins.iter().zip(mask).filter(|(bin, masked)| **masked && bin.freedom >= 32.0) {
@@ -170,8 +170,8 @@ fn stretches(flag: &[bool]) -> Vec<(usize, usize)> {
     found
 }
 
-/// Takes what is flagged out of a bin. Where less than a quarter would be left, all of it is flagged, and the bin is
-/// no more.
+/// Takes the flagged coefficients out of a bin. Where less than a quarter would be left, all of it is flagged, and the
+/// bin is dropped.
 fn without(bin: &mut Bin, power: &[f64], flag: &mut [bool]) -> bool {
     let inside = bin.first - 1..bin.end - 1;
     let lost = || power[inside.clone()].iter().zip(&flag[inside.clone()]).filter(|(_, out)| **out).map(|(p, _)| p);
@@ -191,7 +191,7 @@ fn without(bin: &mut Bin, power: &[f64], flag: &mut [bool]) -> bool {
     true
 }
 
-/// A function whose argument is mostly the one before.
+/// A function that is mostly called with the argument of the last call.
 struct Cached<F> {
     of: F,
     last: (f64, f64),

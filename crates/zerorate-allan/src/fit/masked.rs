@@ -1,4 +1,4 @@
-//! What was left out of the fit because it is in a line.
+//! The masked part of the spectrum, which was left out of the fit because it is in a line.
 
 use super::bins::Bin;
 use super::density::{BinRow, Table};
@@ -10,27 +10,28 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
-/// What the masked bins hold above the model.
+/// The power of the masked bins above the model.
 pub(super) struct Masked {
     lines: Vec<Line>,
-    /// Variance and frequency of what each of these is in the model.
+    /// Variance and frequency of the sines in the model, for each line.
     sines: Vec<Vec<(f64, f64)>>,
-    /// First coefficient of each of these, and one past its last.
+    /// The first coefficient of each line, and one past its last.
     runs: Vec<(usize, usize)>,
-    /// What the tails of broad lines near the upper end add to the density at frequency 0.
+    /// The share of the density at frequency 0 that comes from the tails of broad lines near the upper end.
     pub(super) tail_at_zero: f64,
 }
 
-/// A resonance this near to half the rate, in octaves, has a tail that N cannot be told from.
+/// The tail of a resonance this near to half the rate, in octaves, cannot be told from N.
 const NEAR_THE_END: f64 = 2.0;
-/// Half widths of a resonance that are masked at least; a line without flanks is none.
+/// At least this many half widths of a resonance are masked. A line needs flanks.
 const LEAST_REACH: f64 = 1.0;
 
 /// A line this many times as strong as the white noise within its frequency is seen in a quarter of its period.
 const SEEN: f64 = 8.0;
 
-/// Where a line stands out of the noise while it lasts a quarter of a period, so that its ends look like steps: the
-/// coefficients of all lines, since some are its tails. The first of each and one past its last.
+/// The coefficients of all lines where one stands out of the noise while it lasts a quarter of a period, so that its
+/// ends look like steps. Some lines are its tails, so all of them count. Each is the first coefficient and one past
+/// the last.
 pub(super) fn loud(spectrum: &Spectrum, chosen: &Selection, rate_hz: f64) -> Vec<(usize, usize)> {
     let narrow = spectrum.narrow.iter().map(|narrow| {
         let ((first, end), half) = (narrow.run, (narrow.run.1 - narrow.run.0).div_ceil(2));
@@ -44,16 +45,16 @@ pub(super) fn loud(spectrum: &Spectrum, chosen: &Selection, rate_hz: f64) -> Vec
     if all.iter().any(stands_out) { all.into_iter().map(|(_, run)| run).collect() } else { Vec::new() }
 }
 
-/// Factor on the most that a sine leaks, which is without noise.
+/// Factor on the most that a sine leaks, which is calculated without noise.
 const LEAK_MARGIN: f64 = 2.0;
 
-/// A line with all that it has in the spectrum.
+/// A line with all its coefficients in the spectrum.
 pub(super) struct Whole {
     pub(super) line: Line,
-    /// Variance and frequency of what it is in the model.
+    /// Variance and frequency of its sines in the model.
     pub(super) sines: Vec<(f64, f64)>,
     run: (usize, usize),
-    /// It is narrow, and may be a sine.
+    /// Whether it is narrow, and may be a sine.
     leaks: bool,
 }
 
@@ -71,8 +72,8 @@ impl Whole {
 }
 
 impl Masked {
-    /// All lines of the record with their sines. What a sine that begins and ends with the record leaks into
-    /// coefficients further on is none of its own: its power is that of the line that it is of.
+    /// All lines of the record with their sines. A sine that begins and ends with the record leaks into coefficients
+    /// further on. That power belongs to the line of the sine, not to a line of its own.
     pub(super) fn with_narrow(self, narrow: &[Narrow]) -> Vec<Whole> {
         let own = narrow.iter().map(|narrow| Whole {
             line: narrow.line,
@@ -122,8 +123,8 @@ impl Masked {
     }
 }
 
-/// The strongest of the lines that may leak into the rows that the model is fitted to, and how much of these rows'
-/// power that is at most, on the mean.
+/// The strongest of the lines that may leak into the rows of the fit, and the largest share of these rows' power that
+/// the leakage can have, on average.
 pub(super) fn leakage(lines: &[Whole], rows: &[BinRow], hz: f64) -> Option<(Line, f64)> {
     let strongest = lines.iter().filter(|whole| whole.leaks);
     let strongest = strongest.max_by(|a, b| a.line.rms.total_cmp(&b.line.rms))?;
@@ -136,8 +137,8 @@ pub(super) fn leakage(lines: &[Whole], rows: &[BinRow], hz: f64) -> Option<(Line
     Some((strongest.line, rows.iter().map(|row| row.bin.freedom * share(&row.bin)).sum::<f64>() / freedom))
 }
 
-/// The most of its power that a sine in the middle of a run has in another run: of the coefficients d further on every
-/// second has 4/(πd)² of it, if the sine is at zero at the ends of the record.
+/// The largest share of its power that a sine in the middle of a run has in another run. If the sine is zero at the
+/// ends of the record, every second coefficient d further on has the share 4/(πd)².
 fn leak((first, end): (usize, usize), (from, to): (usize, usize)) -> f64 {
     let middle = (first + end - 1) as f64 / 2.0;
     let (near, far) = if from as f64 > middle {
@@ -154,7 +155,7 @@ fn sines((variance, bin): &(f64, Bin), hz: f64) -> [(f64, f64); 4] {
     [0.125, 0.375, 0.625, 0.875].map(|part| (variance / 4.0, (from + part * width) * hz))
 }
 
-/// Adjacent masked bins as one line: where its power is, and half of it in so many Hz.
+/// Adjacent masked bins as one line: the centre of its power, and the width in Hz that holds half of it.
 fn line(run: &[(f64, Bin)], hz: f64) -> Line {
     let total = variance_of(run);
     let at = |part: f64| {
@@ -175,8 +176,8 @@ fn variance_of(run: &[(f64, Bin)]) -> f64 {
 
 /// Density at 0 of a resonance: P·w/(π(f² + w²)), w its half width and P its power.
 ///
-/// Of both the line has what lies within `reach_hz`: with x = reach/w the part (2/π)·atan x of the power, half of
-/// which lies within w′ = reach/(1 + √(1 + x²)).
+/// For both, the line has the power within `reach_hz`. With x = reach/w this is the share (2/π)·atan x of the power,
+/// half of which lies within w′ = reach/(1 + √(1 + x²)).
 fn tail(line: &Line, reach_hz: f64, rate_hz: f64) -> f64 {
     if line.frequency_hz <= rate_hz / 2.0 / libm::exp2(NEAR_THE_END) {
         return 0.0;

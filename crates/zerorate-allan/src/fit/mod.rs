@@ -1,12 +1,12 @@
 //! A noise model of a record at rest, from the likelihood of its cosine spectrum.
 //!
-//! Every octave of an Allan variance mixes the whole spectrum; a line, a resonance or a low-pass bends six to ten of
-//! them. In the spectrum the same things are local, and its coefficients are independent. So the model is fitted
-//! there, and the Allan variance is what it is shown and checked with. The cosine transform has no jump at the ends:
-//! for white noise and a random walk it is the exact diagonalisation. Densities are two-sided, unit²/Hz: white noise
-//! of coefficient N has N².
+//! Every octave of an Allan variance mixes the whole spectrum: a line, a resonance or a low-pass bends six to ten of
+//! them. In the spectrum the same effects are local, and its coefficients are independent. So the model is fitted
+//! there, and the Allan variance serves to show and check it. The cosine transform has no jump at the ends. For white
+//! noise and a random walk it is the exact diagonalisation. Densities are two-sided, unit²/Hz: white noise of
+//! coefficient N has N².
 //!
-//! What the terms are, what they cannot tell apart, and measured errors: `docs/noise-models.md`.
+//! `docs/noise-models.md` describes the terms, which of them cannot be told apart, and the measured errors.
 
 mod bins;
 mod coefficients;
@@ -53,10 +53,10 @@ use spectrum::Spectrum;
 use steadiness::Scatter;
 pub use steps::Step;
 
-/// What to do before the fit.
+/// The preparation of a record before the fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FitOptions {
-    /// What one step of the input is in the unit of the result, as in [`Options`](super::Options).
+    /// The size of one input step in the unit of the result, as in [`Options`](super::Options).
     pub scale: f64,
     /// Put a straight line where single samples cannot be noise. One of 250 °/s in two million of a quiet gyroscope
     /// otherwise doubles N.
@@ -83,7 +83,7 @@ pub struct Estimate {
     pub hi: f64,
 }
 
-/// What a record has beside N, B, K, Q and R.
+/// A term that a record has beside N, B, K, Q and R.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Term {
     /// Noise with a memory: a Gauss–Markov process of first order.
@@ -93,37 +93,38 @@ pub enum Term {
         /// Correlation time, s.
         tau_s: Estimate,
     },
-    /// The white noise is not white: its density is N²·exp Σ a_j (cos 2πjf·dt − 1), and with a pole p that times
-    /// (1 − p)²/(1 + p² − 2p cos 2πf·dt).
+    /// The shape of white noise that is not white. Its density is N²·exp Σ a_j (cos 2πjf·dt − 1), and with a pole p
+    /// that times (1 − p)²/(1 + p² − 2p cos 2πf·dt).
     BandShape {
         /// a_1, a_2 …
         cosines: Vec<f64>,
-        /// p, of a low-pass of the first order.
+        /// p, the pole of a low-pass of the first order.
         pole: Option<f64>,
     },
-    /// A disturbance or resonance; it was left out.
+    /// A disturbance or resonance, which was left out.
     Line(Line),
     /// The level goes as `size`·e^(−t/`tau_s`) from the start.
     WarmUp {
-        /// In the unit of the rate.
+        /// Size, in the unit of the rate.
         size: Estimate,
-        /// One of a few that are tried, s.
+        /// Time constant, one of a few that are tried, s.
         tau_s: f64,
     },
 }
 
-/// What was taken out of the record before the fit.
+/// The glitches and steps that were taken out of the record before the fit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cleaned {
-    /// Glitches whose samples were replaced; what touches is one.
+    /// Glitches whose samples were replaced. Neighbouring samples are one glitch.
     pub glitches: u64,
     /// When each began, s from the start of the record.
     pub glitches_s: Vec<f64>,
     /// Jumps that were taken out.
     pub steps: Vec<Step>,
-    /// Those that were found first of so many that all were put back.
+    /// The first jumps found, where there were so many that all were put back.
     pub put_back: Vec<Step>,
-    /// The record without both, in the unit of the result; none where nothing was taken out. NaN is a missing sample.
+    /// The record without glitches and steps, in the unit of the result; NaN is a missing sample. None where nothing
+    /// was taken out.
     pub rate: Option<Vec<f64>>,
 }
 
@@ -131,7 +132,7 @@ pub struct Cleaned {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
     /// Angle random walk N, unit·√s: N²/τ. The one-sided density of the white noise is √2·N unit/√Hz. It is the
-    /// plateau of the spectrum, whatever a low-pass does above.
+    /// plateau of the spectrum, with any low-pass above.
     pub n: Coefficient,
     /// Bias instability B, unit: (2 ln 2/π)B². The floor of the curve is 0.664·B.
     pub b: Coefficient,
@@ -143,23 +144,24 @@ pub struct Fit {
     pub r: Option<Coefficient>,
     /// The other terms.
     pub terms: Vec<Term>,
-    /// What the terms make of an Allan variance.
+    /// The Allan variance that the terms predict.
     pub model: Model,
-    /// ε: the spectrum scatters about the model as if this were wrong by so much; 0 where chance explains all.
+    /// ε: the spectrum scatters about the model as if the model were wrong by this share. 0 where chance explains all
+    /// of it.
     pub model_error: f64,
-    /// Probability of more scatter than there is, ε included.
+    /// Probability of a scatter larger than the measured one, ε included.
     pub p_value: f64,
     /// The model is wrong by more than [`MOST_ERROR`]: nothing is identified.
     pub is_rejected: bool,
-    /// Shortest and longest averaging time that the model speaks of, s.
+    /// Shortest and longest averaging time that the model covers, s.
     pub span_s: (f64, f64),
-    /// What was taken out before.
+    /// The glitches and steps that were taken out before.
     pub cleaned: Cleaned,
-    /// What there is to know about this record.
+    /// The warnings about this record.
     pub warnings: Vec<AllanWarning>,
 }
 
-/// What a model says of one averaging time.
+/// The prediction of a model for one averaging time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Expected {
     /// The fitted deviation.
@@ -177,8 +179,9 @@ impl Fit {
         libm::sqrt(self.model.allan_variance(m))
     }
 
-    /// What the model expects of a measured point; none for a statistic that is not the Allan deviation. The band is
-    /// the model's own for the overlapping deviation, and of the point's degrees of freedom for the others.
+    /// The prediction of the model for a measured point; none for a statistic that is not the Allan deviation. The
+    /// band is the model's own for the overlapping deviation. For the others it follows from the point's degrees of
+    /// freedom.
     #[must_use]
     pub fn expected(&self, analysis: &Analysis, point: &Point) -> Option<Expected> {
         let (lo, hi) = match analysis.stat {
@@ -189,15 +192,16 @@ impl Fit {
         Some(Expected { dev: self.deviation(point.m), lo, hi })
     }
 
-    /// What the model expects of the overlapping Allan deviation of averages of `m` samples in *another* record of
-    /// `samples` samples of this sensor at rest: wider than the band of its own by what the fit leaves open, and by
-    /// what differs from one eighth of the record to the next. How often it holds: docs/reference/allan.md.
-    /// The model of a pool does not know how steady its records are, nor how far another unit is from them.
+    /// The prediction of the model for the overlapping Allan deviation of averages of `m` samples in *another* record
+    /// of `samples` samples of this sensor at rest. It is wider than the band of its own record by the uncertainty of
+    /// the fit, and by the difference from one eighth of the record to the next. docs/reference/allan.md states how
+    /// often it holds. The model of a pool does not know how steady its records are, nor how far another unit is from
+    /// them.
     #[must_use]
     pub fn predicted(&self, m: u64, samples: u64) -> Expected {
         let (dev, edf) = (self.deviation(m), self.model.freedom(m, samples));
         let doubt = self.model.doubt(m);
-        // of ln σ; chance and the fit's own error are independent, that the record is not steady comes on top
+        // of ln σ: chance and the fit's own error are independent, and the unsteadiness of the record is added
         let limit = |p: f64| {
             let chance = libm::log(chi2_quantile(p, edf) / edf);
             let known = libm::sqrt(chance * chance + TWO_SIDED_95 * TWO_SIDED_95 * doubt.own);
@@ -207,15 +211,15 @@ impl Fit {
     }
 }
 
-/// A model that is wrong by more is rejected.
+/// A model whose error is larger is rejected.
 pub const MOST_ERROR: f64 = 0.1;
 /// The normal quantile at 97.5 %.
 const TWO_SIDED_95: f64 = 1.959963984540054;
 /// Samples that a fit needs.
 pub const FEWEST_SAMPLES: u64 = 256;
-/// More steps are the noise itself.
+/// More steps belong to the noise itself.
 const MOST_STEPS: usize = 3;
-/// A step's score: 1 of 200 hours without a step has more.
+/// Limit of a step's score: 1 of 200 hours without a step has a larger one.
 const STEP_LIMIT: f64 = 5.0;
 
 /// Why there is no model.
@@ -224,17 +228,17 @@ const STEP_LIMIT: f64 = 5.0;
 pub enum FitError {
     /// Too few samples.
     TooShort {
-        /// Samples that are there.
+        /// Samples that are present.
         samples: u64,
     },
     /// Most of the record is missing.
     Gaps {
-        /// Samples that are there.
+        /// Samples that are present.
         present: u64,
         /// Samples from the first to the last.
         samples: u64,
     },
-    /// All samples are the same, or so many that parts of the spectrum are empty.
+    /// All samples are the same, or so many of them that parts of the spectrum are empty.
     Constant,
     /// Numbers beyond the range of f64.
     NotFinite,
@@ -249,8 +253,8 @@ impl fmt::Display for FitError {
             ),
             Self::Gaps { present, samples } => write!(
                 f,
-                "only {present} of {samples} samples are there, too few for a noise model, which needs a quarter of \
-                 them: record without the losses"
+                "only {present} of {samples} samples are present, and a noise model needs a quarter of them: record \
+                 without the losses"
             ),
             Self::Constant => write!(
                 f,
@@ -264,7 +268,7 @@ impl fmt::Display for FitError {
 impl core::error::Error for FitError {}
 
 impl From<FftError> for FitError {
-    /// Only lengths that do not fit together are an error there.
+    /// The only error of the transform is lengths that do not fit together.
     fn from(_: FftError) -> Self {
         Self::NotFinite
     }
@@ -316,8 +320,7 @@ pub fn fit(input: &Input<'_>, rate_hz: f64, options: &FitOptions) -> Result<Fit,
     Ok(fit)
 }
 
-/// The model without the steps that it shows to be none of its noise. Where they are so many that they are, all are
-/// put back.
+/// The model without the steps that do not belong to its noise. Where there are too many of them, all are put back.
 fn without_steps(
     rate: &mut Vec<f64>,
     rate_hz: f64,
@@ -351,7 +354,7 @@ fn selected(rate: &[f64], rate_hz: f64) -> Result<(Spectrum, Selection), FitErro
     Ok((spectrum, selection))
 }
 
-/// The spectrum, and what of it is fitted.
+/// The spectrum, and the part of it that is fitted.
 fn fitted(rate: &[f64], rate_hz: f64) -> Result<(Spectrum, Table), FitError> {
     let spectrum = Spectrum::of(rate, rate_hz)?;
     if spectrum.bins.iter().any(|bin| !(bin.power > 0.0 && bin.power.is_finite())) {
@@ -363,7 +366,7 @@ fn fitted(rate: &[f64], rate_hz: f64) -> Result<(Spectrum, Table), FitError> {
     Ok((spectrum, table))
 }
 
-/// What lines may leak into the rest of the spectrum, as a part of its power, without a word.
+/// The largest leakage of lines into the rest of the spectrum, as a share of its power, that needs no warning.
 const MOST_LEAKAGE: f64 = 0.02;
 
 fn described(

@@ -13,13 +13,13 @@ use realfft::FftError;
 
 /// Lags of the autocovariance of the short noise (white, with its band shape, and quantisation).
 const LAGS: usize = 256;
-/// Up to so many samples the covariance of two estimates is summed lag by lag from the autocovariance itself.
+/// Up to this many samples the covariance of two estimates is summed lag by lag from the autocovariance itself.
 const LONGEST_EXACT: u64 = 64;
-/// Lags per averaging time beyond, and averaging times that they reach.
+/// Lags per averaging time beyond, and the averaging times that they reach.
 const STEPS_PER_TAU: u64 = 8;
 const REACH: u64 = 40;
 
-/// What a record is made of, by what each term adds to an Allan variance.
+/// The noise model of a record, as the share of each term in an Allan variance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
     rate_hz: f64,
@@ -27,10 +27,10 @@ pub struct Model {
     short: Vec<f64>,
     b2: f64,
     k2: f64,
-    /// Variance and correlation time.
+    /// Variance and correlation time of each.
     markovs: Vec<(f64, f64)>,
     pub(super) drift: Option<(Drift, f64)>,
-    /// Variance and frequency.
+    /// Variance and frequency of each.
     sines: Vec<(f64, f64)>,
     doubt: Doubt,
 }
@@ -67,7 +67,7 @@ impl Model {
         Self { doubt, ..self }
     }
 
-    /// What is not known of another record.
+    /// The uncertainty about another record.
     pub(super) fn doubt(&self, m: u64) -> Variances {
         self.doubt.at(m)
     }
@@ -88,7 +88,7 @@ impl Model {
             + drift
     }
 
-    /// Of white noise, quantisation and lines: 2 (V(m) − V(2m)), V the variance of a mean.
+    /// The Allan variance of white noise, quantisation and lines: 2 (V(m) − V(2m)), V the variance of a mean.
     fn short_variance(&self, m: u64) -> f64 {
         let of_mean = |m: f64| {
             let lags = self.short.iter().enumerate().skip(1).take_while(|(k, _)| (*k as f64) < m);
@@ -104,8 +104,8 @@ impl Model {
         2.0 * (of_mean(m) - of_mean(2.0 * m)) + self.sines.iter().map(sine).sum::<f64>()
     }
 
-    /// Between what the model expects 95 % of the overlapping Allan deviations of a record of `samples` samples; where
-    /// gaps left fewer terms, of so much less freedom.
+    /// The limits within which the model expects 95 % of the overlapping Allan deviations of a record of `samples`
+    /// samples. Where gaps left fewer terms, the degrees of freedom fall in proportion.
     pub(super) fn band(&self, point: &Point, samples: u64) -> (f64, f64) {
         let variance = self.allan_variance(point.m);
         let terms = (samples + 1).saturating_sub(2 * point.m).max(1);
@@ -134,8 +134,8 @@ impl Model {
         (4.0 * variance * variance * terms as f64 / sum).max(1.0)
     }
 
-    /// Covariance of two differences of averages `lag` samples apart, without what is short: the fourth difference of
-    /// the phase's generalised autocovariance. `white` is the Allan variance of what is taken for white.
+    /// Covariance of two differences of averages `lag` samples apart, without the short noise: the fourth difference
+    /// of the phase's generalised autocovariance. `white` is the Allan variance of the part taken for white.
     fn slow_covariance(&self, lag: u64, m: u64, white: f64) -> f64 {
         let tau_s = m as f64 / self.rate_hz;
         let phase = |t: f64| {
@@ -151,7 +151,7 @@ impl Model {
         fourth.iter().map(|(weight, k)| weight * phase(lag_s + k * tau_s)).sum::<f64>() / (tau_s * tau_s)
     }
 
-    /// The same of what is short, from its autocovariance, at every `step`-th lag.
+    /// The same for the short noise, from its autocovariance, at every `step`-th lag.
     fn short_covariances(&self, m: usize, last: usize, step: u64) -> Vec<f64> {
         let len = last + 4 * m + 2;
         let mut covariance = vec![0.0; len];
@@ -159,7 +159,7 @@ impl Model {
         for &(variance, hz) in &self.sines {
             add_cosine(&mut covariance, variance, 2.0 * PI * hz / self.rate_hz);
         }
-        // The weights of a difference of averages are −1 and 1 over m; their own correlation is piecewise linear.
+        // The weights of a difference of averages are −1 and 1 over m. Their own correlation is piecewise linear.
         let weight = |shift: usize| {
             let (shift, m) = (shift as f64, m as f64);
             if shift < m { (2.0 * m - 3.0 * shift) / (m * m) } else { (shift - 2.0 * m) / (m * m) }
@@ -171,7 +171,7 @@ impl Model {
         (0..=last).step_by(step as usize).map(at).collect()
     }
 
-    /// Limits of another deviation than the overlapping one: by its own degrees of freedom.
+    /// Limits of another deviation than the overlapping one, by its own degrees of freedom.
     pub(super) fn band_of(&self, m: u64, edf: f64) -> (f64, f64) {
         let dev = libm::sqrt(self.allan_variance(m));
         let (lo, hi) = interval(dev, edf, 0.95);
@@ -179,7 +179,7 @@ impl Model {
     }
 }
 
-/// variance·cos(i·angle) to the i-th cell, by recurrence.
+/// Adds variance·cos(i·angle) to the i-th cell, by recurrence.
 fn add_cosine(cells: &mut [f64], variance: f64, angle: f64) {
     let twice = 2.0 * libm::cos(angle);
     let (mut now, mut before) = (variance, variance * libm::cos(angle));

@@ -1,40 +1,40 @@
-//! What several axes of one sensor do at the same moment is no noise of theirs: the sensor moved.
+//! Motion: several axes of one sensor react at the same moment, which their noise does not do.
 
 use super::Fit;
 use crate::chi2::chi2_above;
 use alloc::vec::Vec;
 
-/// Something happens to several axes at the same moment.
+/// A motion that several axes show at the same moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Motion {
-    /// When, s from the start: the mean of the axes.
+    /// The time, s from the start: the mean of the axes.
     pub at_s: f64,
-    /// Which, ascending.
+    /// The axes, ascending.
     pub axes: Vec<usize>,
-    /// What.
+    /// The kind of motion.
     pub kind: MotionKind,
 }
 
-/// What several axes do at once.
+/// The reaction of several axes at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MotionKind {
     /// Their level jumps and stays: something tilted.
     Jump,
-    /// They have a glitch: a knock, or a sample of all that broke on its way.
+    /// They have a glitch: a knock, or one sample of all axes that was damaged on its way.
     Knock,
 }
 
-/// Jumps so near to each other are one; the time of a jump is certain to some tenths of a second at best.
+/// Jumps this near to each other are one. The time of a jump is certain to some tenths of a second at best.
 const JUMP_TOGETHER_S: f64 = 1.0;
-/// Glitches so near to each other are one, or so many samples if these take longer.
+/// Glitches this near to each other are one, or this many samples if these take longer.
 const KNOCK_TOGETHER_S: f64 = 0.05;
 const KNOCK_TOGETHER_SAMPLES: f64 = 2.0;
-/// Glitches that fall together by chance with more than this probability are none of a motion.
+/// Glitches that fall together by chance with more than this probability do not count as motion.
 const CHANCE: f64 = 0.01;
 
-/// The moments at which the level of more than one axis jumps, whether the jumps were taken out or were so many that
-/// they were put back; and those at which several have a glitch, unless so many glitches fall together by chance. The
-/// axes are those of one log, on one clock. In the order of time, jumps before knocks.
+/// The moments at which the level of more than one axis jumps, or at which several axes have a glitch. Jumps count
+/// whether they were taken out or put back because there were so many. Glitches do not count where so many fall
+/// together by chance. The axes belong to one log with one clock. In the order of time, jumps before knocks.
 #[must_use]
 pub fn motion(axes: &[&Fit]) -> Vec<Motion> {
     let jumps = |fit: &Fit| {
@@ -63,8 +63,8 @@ fn together(axes: &[&Fit], kind: MotionKind, near_s: f64, times_s: impl Fn(&Fit)
     moments.filter(|motion| motion.axes.len() > 1).collect()
 }
 
-/// The probability of so many pairs, or more, where the glitches of the axes know nothing of each other: of a Poisson
-/// distribution, as that of χ² with twice the degrees of freedom has it.
+/// The probability of this many pairs, or more, if the glitches of the axes are independent. It is the tail of a
+/// Poisson distribution, which is a χ² distribution with twice the degrees of freedom.
 fn by_chance(axes: &[&Fit], near_s: f64, pairs: usize) -> f64 {
     let count = |fit: &&Fit| fit.cleaned.glitches as f64;
     let sum: f64 = axes.iter().map(count).sum();

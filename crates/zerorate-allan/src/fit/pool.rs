@@ -1,8 +1,8 @@
 //! One model of several records of one type: the terms are common, the likelihoods are added.
 //!
-//! Units of one type are not the same, and a sum of likelihoods that takes them for the same is too sure of itself. So
-//! the spread between the records is stated, and the intervals have it in them (Guerrier, Skaloud et al. ask the same
-//! of several calibrations of one sensor: mgmwm).
+//! Units of one type differ, and a sum of likelihoods that takes them for the same is too sure of itself. So the
+//! spread between the records is stated, and the intervals include it (Guerrier, Skaloud et al. ask the same of
+//! several calibrations of one sensor: mgmwm).
 
 use super::coefficients::Coefficients;
 use super::density::Table;
@@ -20,7 +20,8 @@ use core::fmt;
 /// A record with its own model.
 #[derive(Clone, Copy, Debug)]
 pub struct PoolRecord<'a> {
-    /// In the unit of the model; NaN is a missing sample. What was taken out before the fit is taken from there.
+    /// The rate, in the unit of the model; NaN is a missing sample. The glitches and steps found by its own fit are
+    /// taken from there.
     pub rate: &'a [f64],
     /// Samples per second.
     pub rate_hz: f64,
@@ -28,27 +29,27 @@ pub struct PoolRecord<'a> {
     pub fit: &'a Fit,
 }
 
-/// One model of several records.
+/// A common model of several records.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pool {
-    /// The common model. Its intervals are of the mean of such units, the spread between them included.
+    /// The common model. Its intervals hold for the mean of such units, and include the spread between them.
     pub fit: Fit,
-    /// Which records are in it.
+    /// The records in the model.
     pub used: Vec<usize>,
-    /// How much the coefficients differ from one record to the next: those that two records at least identify.
+    /// The spread of each coefficient from one record to the next, where at least two records identify it.
     pub spread: Vec<Spread>,
-    /// The records that do not fit.
+    /// The records that do not fit the others.
     pub apart: Vec<Apart>,
 }
 
 /// The spread of a coefficient between records.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// Which.
+    /// The coefficient.
     pub noise: Noise,
     /// Records in which it is identified.
     pub records: usize,
-    /// Standard deviation of its logarithm beyond what the records' own intervals explain; 0 where they explain all.
+    /// Standard deviation of its logarithm beyond the records' own intervals; 0 where these explain all of it.
     pub relative: f64,
     /// The least of the records' values.
     pub least: f64,
@@ -59,31 +60,31 @@ pub struct Spread {
 /// A record that does not fit the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Apart {
-    /// Which.
+    /// The index of the record.
     pub record: usize,
-    /// In what.
+    /// The difference.
     pub differs: Differs,
-    /// It is not in the common model. Of two that differ both are in it.
+    /// Whether it is missing from the common model. Where two records differ, both are in it.
     pub is_left_out: bool,
 }
 
-/// In what a record differs.
+/// How a record differs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Differs {
     /// Its own model is rejected.
     Rejected {
-        /// ε of it.
+        /// Its model error ε.
         error: f64,
     },
-    /// White noise.
+    /// Its white noise differs.
     White {
         /// Its N over the median of all.
         ratio: f64,
     },
-    /// What is slower: flicker, random walk, Gauss–Markov terms.
+    /// Its slower noise differs: flicker, random walk, Gauss–Markov terms.
     Slow {
-        /// By how much its −2 ln L is better with slow terms of its own.
+        /// The gain in −2 ln L from slow terms of its own.
         gain: f64,
     },
 }
@@ -92,16 +93,16 @@ pub enum Differs {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum PoolError {
-    /// A pool is of two records at least.
+    /// A pool needs at least two records.
     TooFew {
-        /// So many are there.
+        /// The number of records given.
         records: usize,
     },
-    /// The band of a sensor goes with its rate.
+    /// The sample rates differ. The band of a sensor goes with its rate.
     Rates {
-        /// Of the first record.
+        /// Rate of the first record.
         first_hz: f64,
-        /// Of another.
+        /// Rate of another one.
         other_hz: f64,
     },
     /// No two of them have the same white noise.
@@ -114,7 +115,7 @@ impl fmt::Display for PoolError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::TooFew { records } => {
-                write!(f, "a common model needs two records at least, not {records}: give more")
+                write!(f, "a common model needs at least two records, not {records}: give more")
             }
             Self::Rates { first_hz, other_hz } => write!(
                 f,
@@ -147,9 +148,9 @@ const SLOW_LIMIT: f64 = 18.5;
 
 /// Fits one model to several records. The same records in the same order give the same bits.
 ///
-/// Left out are records whose own model is rejected, whose N is off the median by more than [`MOST_ERROR`], and, as
-/// long as three are left, those whose slow noise the common model does not explain. Drifts are taken out of each as
-/// its own model has them; lines and glitches were.
+/// It leaves out records whose own model is rejected, and records whose N is off the median by more than
+/// [`MOST_ERROR`]. As long as three are left, it also leaves out those whose slow noise the common model does not
+/// explain. Drifts are taken out of each record as its own model has them; lines and glitches were.
 ///
 /// # Errors
 ///
@@ -193,7 +194,7 @@ fn same_rates(records: &[PoolRecord<'_>]) -> Result<(), PoolError> {
 }
 
 impl PoolRecord<'_> {
-    /// Without what was taken out.
+    /// The rate without glitches and steps.
     fn cleaned(&self) -> &[f64] {
         self.fit.cleaned.rate.as_deref().unwrap_or(self.rate)
     }
@@ -207,7 +208,7 @@ fn table(record: &PoolRecord<'_>) -> Result<Table, FitError> {
     Ok(table)
 }
 
-/// Records that are none of this type, by their own models.
+/// Records that do not belong to this type, by their own models.
 fn unlike(records: &[PoolRecord<'_>]) -> Vec<Apart> {
     let believed = records.iter().filter(|record| !record.fit.is_rejected);
     let middle = median(believed.map(|record| record.fit.n.value).collect());
@@ -223,7 +224,7 @@ fn unlike(records: &[PoolRecord<'_>]) -> Vec<Apart> {
     records.iter().enumerate().filter_map(of).collect()
 }
 
-/// By how much −2 ln L of what is slow gains from terms of the record's own, both with its own N.
+/// The gain in −2 ln L of the slow noise from terms of the record's own, both with its own N.
 fn slow_gain(table: &Table, chosen: &Selection, own: &Fit) -> f64 {
     let problem = Problem::new(table.clone(), chosen.problem.error);
     let mut at = chosen.found.at.clone();
@@ -258,7 +259,7 @@ fn spreads(records: &[&PoolRecord<'_>]) -> Vec<Spread> {
         .collect()
 }
 
-/// The model with its intervals, which are of the mean of units that differ.
+/// The model with its intervals, which hold for the mean of units that differ.
 fn common(records: &[&PoolRecord<'_>], chosen: &Selection, spread: &[Spread]) -> Result<Fit, FitError> {
     let found = &chosen.found;
     let rate_hz = chosen.problem.table.rate_hz;
@@ -292,7 +293,7 @@ fn common(records: &[&PoolRecord<'_>], chosen: &Selection, spread: &[Spread]) ->
     Ok(Fit { warnings, ..fit })
 }
 
-/// With so much more of a relative standard deviation.
+/// The coefficient with its interval widened by this relative standard deviation.
 fn wider(found: Coefficient, deviation: f64) -> Coefficient {
     let Coefficient { value, lo, hi, .. } = found;
     let ratio = |ratio: f64| {

@@ -1,4 +1,4 @@
-//! How far a model of one record is to be trusted about another.
+//! The uncertainty of a model of one record about another record.
 
 use super::model::Model;
 use super::scoring::{Found, Problem, Q2};
@@ -8,10 +8,10 @@ use alloc::vec;
 use alloc::vec::Vec;
 use realfft::FftError;
 
-/// Part of a parameter's standard deviation in which the Allan variance is straight.
+/// The share of a parameter's standard deviation within which the Allan variance is straight.
 const SMALL: f64 = 1e-3;
 
-/// What is not known of ln σ²(τ) in another record.
+/// The uncertainty of ln σ²(τ) in another record.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Doubt {
     /// By averaging time, in samples: octaves.
@@ -21,14 +21,14 @@ pub(super) struct Doubt {
 /// Variances of ln σ²(τ).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Variances {
-    /// What the fit leaves open.
+    /// The variance that the fit leaves open.
     pub(super) own: f64,
-    /// What differs from one part of the record to the next.
+    /// The variance from one part of the record to the next.
     pub(super) scatter: f64,
 }
 
 impl Doubt {
-    /// `scatter` is none where it is of no one record.
+    /// `scatter` is none for a model of several records.
     pub(super) fn of(
         (problem, found): (&Problem, &Found),
         model: &Model,
@@ -41,15 +41,15 @@ impl Doubt {
         Ok(Self { by_length: lengths.into_iter().zip(own).map(with_scatter).collect() })
     }
 
-    /// At the octave at or above an averaging time; the last holds beyond.
+    /// The variances at the octave at or above an averaging time. The last octave holds beyond.
     pub(super) fn at(&self, m: u64) -> Variances {
         let at = self.by_length.partition_point(|(length, _)| *length < m);
         self.by_length.get(at).or(self.by_length.last()).map(|(_, variances)| *variances).unwrap_or_default()
     }
 }
 
-/// From the slopes of ln σ² by the parameters and the information on these. A squared coefficient that is zero might
-/// be more; what else is at a bound stays there.
+/// Follows from the slopes of ln σ² by the parameters and the information on these. A squared coefficient that is zero
+/// might be more. Any other parameter at a bound stays there.
 fn own_variance(
     problem: &Problem,
     found: &Found,

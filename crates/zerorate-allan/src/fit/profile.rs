@@ -1,5 +1,5 @@
 //! Intervals from the profile of the likelihood: every value that is less than 1.96 standard deviations from the best,
-//! all other parameters fitted again.
+//! with all other parameters fitted again.
 
 use super::TWO_SIDED_95;
 use super::departure::departure;
@@ -8,16 +8,16 @@ use super::select::DESCENT;
 use crate::linear::Square;
 use alloc::vec::Vec;
 
-/// How near to it an end is found, steps until it is, and doublings until it is enclosed.
+/// How near to an end it is found, steps until it is, and doublings until it is enclosed.
 const NEAR: f64 = 2e-3;
 const STEPS: usize = 16;
 const DOUBLINGS: usize = 40;
-/// The confidence distribution is integrated in so many cells, up to this multiple of the interval's upper end.
+/// The confidence distribution is integrated in this many cells, up to this multiple of the interval's upper end.
 const CELLS: u32 = 30;
 const BEYOND_THE_INTERVAL: f64 = 2.0;
 /// A descent beside the best parameters.
 const BESIDE: (usize, f64) = (30, 1e-5);
-/// Nearer to the best value the root needs no correction, and it is never more than so much.
+/// Nearer to the best value the root needs no correction, and the correction is never more than this.
 const LEAST_ROOT: f64 = 0.05;
 const MOST_CORRECTION: f64 = 1.0;
 
@@ -27,15 +27,15 @@ pub(super) struct Profile<'a> {
     best: Found,
     local: Local,
     place: usize,
-    /// What the parameter cannot leave.
+    /// The bounds of the parameter.
     bounds: (f64, f64),
-    /// Where the best value would be below zero, the best that is not.
+    /// The best fit with the parameter at zero, where the best value would be below zero.
     at_zero: Option<Found>,
 }
 
 impl<'a> Profile<'a> {
-    /// Of a squared coefficient. Its own estimate may be below zero; the others' may not, or B and K that are not
-    /// there would trade with a Gauss–Markov term.
+    /// The profile of a squared coefficient. Its own estimate may be below zero. Those of the others may not, or
+    /// absent B and K would trade with a Gauss–Markov term.
     pub(super) fn of_square(problem: &'a Problem, found: &Found, place: usize) -> Self {
         let best = match found.at[place] > 0.0 {
             true => found.clone(),
@@ -45,7 +45,7 @@ impl<'a> Profile<'a> {
         Self { problem, local: problem.local(&best), best, place, bounds: (0.0, f64::INFINITY), at_zero }
     }
 
-    /// Of any other parameter, between bounds.
+    /// The profile of any other parameter, between bounds.
     pub(super) fn between(problem: &'a Problem, found: &Found, place: usize, bounds: (f64, f64)) -> Self {
         Self { problem, local: problem.local(found), best: found.clone(), place, bounds, at_zero: None }
     }
@@ -56,9 +56,9 @@ impl<'a> Profile<'a> {
 
     /// How far the best value is above this one, in standard deviations of a normal distribution.
     ///
-    /// r = ±√(D − D_min) is normal where there is much data; of a parameter that rests on a few coefficients it is
-    /// not, and r + ln(u/r)/r is (Barndorff-Nielsen, Biometrika 73, 1986). Its [`departure`] u knows that the other
-    /// parameters were fitted: without that K came out 4 % low in the hour.
+    /// r = ±√(D − D_min) is normal where there is much data. For a parameter that rests on a few coefficients it is
+    /// not, but r + ln(u/r)/r is (Barndorff-Nielsen, Biometrika 73, 1986). Its [`departure`] u allows for the other
+    /// parameters having been fitted: without that K came out 4 % low in the hour.
     fn score(&self, value: f64) -> f64 {
         let mut start = self.best.at.clone();
         start[self.place] = value;
@@ -75,8 +75,8 @@ impl<'a> Profile<'a> {
         r + correction.clamp(-MOST_CORRECTION, MOST_CORRECTION)
     }
 
-    /// The ends of the 95 % interval. From a best value below zero the upper end can be zero itself, which is no
-    /// limit: then it is counted from zero.
+    /// The ends of the 95 % interval. From a best value below zero the upper end can be zero itself, which does not
+    /// limit anything. Then it is counted from zero.
     pub(super) fn interval(&self) -> (f64, f64) {
         if let Some(found) = &self.at_zero {
             let counted = Self::between(self.problem, found, self.place, self.bounds);
@@ -132,9 +132,9 @@ impl<'a> Profile<'a> {
         within(f64::midpoint(inside, outside))
     }
 
-    /// Mean of the parameter over its confidence distribution, whose distribution function H at a value is the
-    /// probability of more than was found if it were true: ∫ (1 − H) dv. Unlike the best value it is never zero, and
-    /// its error is smaller: the rms error of K in the hour is 35 %, where the mean of its root has 38 and the best
+    /// Mean of the parameter over its confidence distribution, ∫ (1 − H) dv. The distribution function H at a value is
+    /// the probability of more than was found if the value were true. Unlike the best value the mean is never zero,
+    /// and its error is smaller. The rms error of K in the hour is 35 %; the mean of its root has 38 % and the best
     /// value 42 %.
     pub(super) fn mean(&self, hi: f64) -> f64 {
         let width = BEYOND_THE_INTERVAL * libm::sqrt(hi) / f64::from(CELLS);
@@ -145,7 +145,8 @@ impl<'a> Profile<'a> {
         (0..CELLS).map(slice).sum::<f64>() * width
     }
 
-    /// Of the parameter where the curvature of D is this, what can move free; none where that cannot be told.
+    /// The variance of the parameter where the curvature of D is this and the other free parameters can move. None
+    /// where that cannot be told.
     fn marginal_variance(&self, curvature: &Square, found: &Found) -> Option<f64> {
         let free = |i: &usize| curvature.at(*i, *i) > 0.0 && (*i == self.place || self.problem.is_free(found, *i));
         let free: Vec<usize> = (0..curvature.n).filter(free).collect();

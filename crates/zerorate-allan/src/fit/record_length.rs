@@ -1,19 +1,19 @@
-//! How long to record until a coefficient is identified.
+//! The length of a record in which a coefficient is identified.
 
 use super::bins::empty_bins;
 use super::density::Table;
 use super::scoring::{Found, ModelForm, Problem};
 use super::select::DESCENT;
 
-/// Doublings of the record that are computed; beyond, the evidence is taken to grow with the length.
+/// Doublings of the record that are computed. Beyond, the evidence is taken to grow with the length.
 const DOUBLINGS: i32 = 8;
 /// (1.96 + 0.84)²: the expected gain in deviance at which zero is outside the 95 % interval in four of five records.
 const ENOUGH: f64 = 7.849;
 
 /// The length of a record in which zero would be outside the 95 % interval in four of five cases, s.
 ///
-/// `value` is how large the parameter at `place` is taken to be. The length is between the two doublings between which
-/// it falls, linear in logarithms.
+/// `value` is the assumed size of the parameter at `place`. The length is interpolated between two doublings, linear
+/// in logarithms.
 pub(super) fn needed_s(found: &Found, samples: usize, rate_hz: f64, place: usize, value: f64) -> f64 {
     let length_s = samples as f64 / rate_hz;
     let mut at = found.at.clone();
@@ -36,7 +36,7 @@ pub(super) fn needed_s(found: &Found, samples: usize, rate_hz: f64, place: usize
     length_s * libm::exp2(f64::from(DOUBLINGS)) * ENOUGH / before.max(1e-3)
 }
 
-/// What the deviance falls by for the coefficient when every power is what the model expects.
+/// The fall of the deviance through the coefficient when every power has its expected value.
 fn evidence(form: ModelForm, at: &[f64], samples: usize, rate_hz: f64, place: usize) -> f64 {
     let table = Table::new(empty_bins(samples).into_iter(), &[], samples, rate_hz);
     let mut problem = Problem::new(table, 0.0);

@@ -1,4 +1,4 @@
-//! What there is to know about a record and its model.
+//! The warnings about a record and its model.
 
 use super::lines::Line;
 use super::select::Selection;
@@ -6,7 +6,7 @@ use super::{Fit, MOST_ERROR, Term, steadiness};
 use crate::{AllanWarning, Deviation, Input, Noise, Stat, chi2_quantile, deviations, octaves};
 use alloc::vec::Vec;
 
-/// What is said of the record as it came.
+/// The raw record, for the warnings.
 #[derive(Clone, Copy)]
 pub(super) struct Raw {
     pub(super) record_s: f64,
@@ -19,8 +19,8 @@ const CLOSE: f64 = 6.0;
 /// Halves that differ by less than this share are alike for any use.
 const CHANGE: f64 = 0.05;
 
-/// Samples from which on the band of a sensor is found: in all of 100 simulated records of the bands of the
-/// ADIS16405's axes, where 1000 show it in 93 to 100 and 300 in 41 to 85.
+/// From this number of samples on the band of a sensor is found: in all of 100 simulated records of the bands of the
+/// ADIS16405's axes. 1000 samples show it in 93 to 100 records, 300 in 41 to 85.
 const BAND_IS_SEEN: u64 = 2000;
 
 pub(super) fn remarks(fit: &Fit, chosen: &Selection, rate: &[f64], rate_hz: f64, raw: Raw) -> Vec<AllanWarning> {
@@ -79,11 +79,11 @@ pub(super) fn remarks(fit: &Fit, chosen: &Selection, rate: &[f64], rate_hz: f64,
     warnings
 }
 
-/// Records whose curve is said to be off though chance explains it.
+/// Share of the records whose curve is reported as off though chance explains it.
 const OFF_BY_CHANCE: f64 = 1e-3;
 
-/// Where the measured curve is off the model's by more than [`MOST_ERROR`] and chance. The likelihood does not ask it:
-/// lines are not in it, and the model error is of what is fast.
+/// Where the measured curve is off the model's by more than [`MOST_ERROR`] and chance. The likelihood does not check
+/// this: it leaves out lines, and the model error covers the fast noise only.
 fn off_curve(rate: &[f64], rate_hz: f64, fit: &Fit) -> Option<AllanWarning> {
     let lengths = octaves(rate.len());
     let tail = OFF_BY_CHANCE / lengths.len().max(1) as f64 / 2.0;

@@ -1,4 +1,4 @@
-//! The record as it is fitted.
+//! The record in the form that is fitted.
 
 use super::{FEWEST_SAMPLES, FitError, glitches, spectrum};
 use crate::{AllanWarning, Input, kernels};
@@ -8,8 +8,8 @@ use alloc::vec::Vec;
 const FEWEST_PRESENT: f64 = 0.25;
 
 impl Input<'_> {
-    /// The rate of a record sampled `rate_hz` times per second, times `scale`; NaN is a missing sample. What is lost
-    /// in gaps is written out.
+    /// The rate of a record sampled `rate_hz` times per second, times `scale`; NaN is a missing sample. Samples lost
+    /// in gaps are written out.
     #[must_use]
     pub fn rates(&self, rate_hz: f64, scale: f64) -> Vec<f64> {
         match self {
@@ -22,7 +22,7 @@ impl Input<'_> {
     }
 }
 
-/// Asked before gaps are written out as samples, which bounds the memory.
+/// Checks that enough samples are present, before gaps are written out as samples. This bounds the memory.
 pub(super) fn enough(present: u64, samples: u64) -> Result<(), FitError> {
     if present < FEWEST_SAMPLES {
         return Err(FitError::TooShort { samples: present });
@@ -39,13 +39,13 @@ pub(super) fn check(rate: &[f64]) -> Result<(), FitError> {
     if low == high {
         return Err(FitError::Constant);
     }
-    // squares of what is summed over the record must stay finite
+    // squares of sums over the record must stay finite
     let largest = libm::fabs(low).max(libm::fabs(high)) * rate.len() as f64;
     let (square, least) = (largest * largest, (high - low) * (high - low));
     if square.is_finite() && least.is_normal() { Ok(()) } else { Err(FitError::NotFinite) }
 }
 
-/// Returns the first sample of each.
+/// Cuts the glitches, and returns the first sample of each.
 pub(super) fn cut_glitches(rate: &mut [f64], warnings: &mut Vec<AllanWarning>) -> Vec<usize> {
     let power = |rate: &[f64]| {
         let pairs = rate.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| !step.is_nan());
@@ -65,7 +65,7 @@ pub(super) fn cut_glitches(rate: &mut [f64], warnings: &mut Vec<AllanWarning>) -
     spectrum::fill_gaps(rate);
     missing.into_iter().for_each(|i| rate[i] = f64::NAN);
     let ratio = libm::sqrt(before / power(rate).max(f64::MIN_POSITIVE));
-    // what touches is one
+    // neighbouring samples are one glitch
     let firsts: Vec<usize> = found.chunk_by(|a, b| *b == a + 1).map(|glitch| glitch[0]).collect();
     warnings.push(AllanWarning::Glitches { glitches: firsts.len() as u64, samples: found.len() as u64, ratio });
     firsts

@@ -9,7 +9,7 @@ use crate::linear::Square;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Which terms a model has beside N, B and K.
+/// The terms that a model has beside N, B and K.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ModelForm {
     /// Cosines of the band shape.
@@ -21,8 +21,8 @@ pub(super) struct ModelForm {
     /// Quantisation of the angle.
     pub(super) quantised: bool,
     pub(super) drift: Option<Drift>,
-    /// A squared coefficient that may be negative, as the estimate without bias of one that is zero is half of the
-    /// time.
+    /// A squared coefficient that may be negative. The unbiased estimate of a coefficient that is zero is negative
+    /// half of the time.
     pub(super) signed: Option<usize>,
 }
 
@@ -58,26 +58,26 @@ impl ModelForm {
     }
 }
 
-/// A shorter Gauss–Markov term, in samples, belongs to the band shape.
+/// A Gauss–Markov term shorter than this, in samples, belongs to the band shape.
 pub(super) const SHORTEST: f64 = 20.0;
-/// A longer one, in records, is a random walk.
+/// A Gauss–Markov term longer than this, in records, is a random walk.
 pub(super) const LONGEST: f64 = 0.25;
 /// Largest cosine of the shape.
 const STEEPEST: f64 = 6.0;
 /// A pole nearer to the unit circle is a Gauss–Markov term.
 const NEAREST_POLE: f64 = 0.95;
-/// White noise never vanishes: this part of the median power.
+/// White noise never vanishes: it keeps this share of the median power.
 const LEAST_WHITE: f64 = 1e-6;
-/// Most that a cosine and a ln T move in a step.
+/// The largest step of a cosine and of a ln T.
 const STRIDE: f64 = 1.0;
-/// Halvings of a step that leads up.
+/// Halvings of a step that leads uphill.
 const HALVINGS: usize = 12;
 
-/// What all fits of a record share.
+/// The data that all fits of a record share.
 #[derive(Clone, Debug)]
 pub(super) struct Problem {
     pub(super) table: Table,
-    /// Degrees of freedom of each row: those of the bin, less what the model error takes.
+    /// Degrees of freedom of each row: those of its bin, less the share that the model error takes.
     pub(super) nu: Vec<f64>,
     /// Relative error of the model, ε.
     pub(super) error: f64,
@@ -112,7 +112,7 @@ impl Problem {
     }
 }
 
-/// The best parameters that were found.
+/// The best parameters found.
 #[derive(Clone, Debug)]
 pub(super) struct Found {
     pub(super) form: ModelForm,
@@ -124,7 +124,7 @@ pub(super) struct Found {
     pub(super) drift: f64,
 }
 
-/// The expected powers at some parameters, and their slopes by each of them.
+/// The expected powers at some parameters, and their slopes by each parameter.
 pub(super) struct Local {
     pub(super) density: Vec<f64>,
     pub(super) slopes: Vec<Vec<f64>>,
@@ -147,7 +147,7 @@ impl State {
 }
 
 impl Problem {
-    /// From `start` downhill, `steps` steps at most, while a step gains more than `least_gain`; `held` stays.
+    /// Descends from `start` in at most `steps` steps, while a step gains more than `least_gain`. `held` stays fixed.
     pub(super) fn descend(
         &self,
         form: ModelForm,
@@ -230,7 +230,7 @@ impl Problem {
         let mut state = State { density, slopes, low, drift, deviance: 0.0 };
         let term = |i: usize| {
             let (p, s) = (rows[i].bin.power, state.density[i]);
-            // measured against the powers as they are, so that models with and without a drift compare
+            // measured against the original powers, so that models with and without a drift can be compared
             self.nu[i] * (libm::log(s / p) + state.power(self, i) / s - 1.0)
         };
         let positive = state.density.iter().all(|s| *s > 0.0);
@@ -300,17 +300,17 @@ impl Problem {
         self.state(form, at, None).density
     }
 
-    /// Puts other powers in the place of the measured ones.
+    /// Replaces the measured powers by others.
     pub(super) fn set_powers(&mut self, powers: &[f64]) {
         self.table.rows.iter_mut().zip(powers).for_each(|(row, power)| row.bin.power = *power);
     }
 
-    /// Expected curvature of D at what was found.
+    /// Expected curvature of D at the parameters found.
     pub(super) fn information(&self, found: &Found) -> Square {
         self.normal(&found.form, &self.state_of(found)).0
     }
 
-    /// Densities and slopes at what was found.
+    /// Densities and slopes at the parameters found.
     pub(super) fn local(&self, found: &Found) -> Local {
         let State { density, slopes, .. } = self.state_of(found);
         Local { density, slopes }
@@ -328,7 +328,7 @@ impl Problem {
     }
 }
 
-/// In four parts, which the compiler adds side by side.
+/// Sums in four parts, which the compiler adds side by side.
 fn sum_of_products(a: &[f64], b: &[f64]) -> f64 {
     let mut parts = [0.0; 4];
     let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
@@ -339,7 +339,7 @@ fn sum_of_products(a: &[f64], b: &[f64]) -> f64 {
     parts[0] + parts[1] + (parts[2] + parts[3]) + rest
 }
 
-/// Minimum of ½xᵀHx − gᵀx between bounds, by active sets: a parameter that would leave its bounds is fixed there, and
+/// Minimum of ½xᵀHx − gᵀx between bounds, by active sets. A parameter that would leave its bounds is fixed there, and
 /// freed again where the minimum lies inside.
 fn bounded(h: &Square, g: &[f64], room: &[(f64, f64)]) -> Vec<f64> {
     let n = h.n;
@@ -379,7 +379,7 @@ fn bounded(h: &Square, g: &[f64], room: &[(f64, f64)]) -> Vec<f64> {
     x.iter().zip(room).map(|(x, &(lower, upper))| x.clamp(lower.min(upper), upper)).collect()
 }
 
-/// Solves the free parameters with the others where they are fixed; a little is added to the diagonal until it can be.
+/// Solves for the free parameters while the others are fixed. A little is added to the diagonal until that works.
 fn solve_free(h: &Square, g: &[f64], fixed: &[Option<f64>]) -> Vec<f64> {
     let free: Vec<usize> = (0..h.n).filter(|&i| fixed[i].is_none()).collect();
     let mut x: Vec<f64> = fixed.iter().map(|fixed| fixed.unwrap_or(0.0)).collect();
@@ -399,7 +399,7 @@ fn solve_free(h: &Square, g: &[f64], fixed: &[Option<f64>]) -> Vec<f64> {
 }
 
 /// Density of a low-pass with the pole `a` over its level at frequency 0, (1 − a)²/(1 + a² − 2a cos), and the slope of
-/// its logarithm by `a`; `cosine` is cos − 1.
+/// its logarithm by `a`. `cosine` is cos − 1.
 fn one_pole(a: f64, cosine: f64) -> (f64, f64) {
     let (square, under) = ((1.0 - a) * (1.0 - a), (1.0 - a) * (1.0 - a) - 2.0 * a * cosine);
     (square / under, 2.0 * (cosine + 1.0 - a) / under - 2.0 / (1.0 - a))

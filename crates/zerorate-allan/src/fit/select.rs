@@ -1,38 +1,38 @@
-//! Which terms a record has: N, B and K always, the others where they earn their price.
+//! Selection of the terms: N, B and K always, the others where they earn their price.
 
 use super::density::{Drift, MOST_COSINES, Table};
 use super::scoring::{B2, Found, K2, LONGEST, ModelForm, N2, Problem, Q2, SHAPE, SHORTEST};
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// What −2 ln L must fall by. Gauss–Markov: the 1 % point of χ² with two degrees of freedom; ramp: the 0.1 % point
-/// with one; warm-up: that with two. A cosine of the shape costs ln of all degrees of freedom. How often each is taken
-/// where there is none was measured: docs/reference/allan.md.
+/// The prices: a term must lower −2 ln L by this much. A Gauss–Markov term costs the 1 % point of χ² with two degrees
+/// of freedom, a ramp the 0.1 % point with one, a warm-up the 0.1 % point with two. A cosine of the shape costs ln of
+/// all degrees of freedom. docs/reference/allan.md states how often each is taken where it is absent.
 const MARKOV_PRICE: f64 = 9.21;
-/// More for one that leaves no flicker, or none that is identified: a few of them are flicker, and where both fit the
-/// rule says flicker.
+/// Added to the price of a term that leaves no flicker, or none that is identified. A few such terms look like
+/// flicker, and where both fit the rule says flicker.
 const INSTEAD_OF_FLICKER: f64 = 9.0;
-/// The 5 % point of χ² with one degree of freedom: what a coefficient that is identified gains.
+/// The 5 % point of χ² with one degree of freedom: the gain of a coefficient that is identified.
 const IDENTIFIED: f64 = 3.84;
 const RAMP_PRICE: f64 = 10.8;
 const WARM_UP_PRICE: f64 = 13.8;
 const MOST_MARKOVS: usize = 2;
-/// Starts of T, from so many samples to this part of the record, logarithmic: the deviance has several minima.
+/// Starts of T, logarithmic from this many samples to this share of the record: the deviance has several minima.
 const STARTS: u32 = 18;
 const FIRST_START: f64 = 25.0;
 const LAST_START: f64 = 1.0 / 6.0;
-/// Of those the best go on.
+/// The number of best starts that go on.
 const SURVIVORS: usize = 3;
-/// Time constants of a warm-up that are tried, in records. A shorter one is over before anything slow can be seen.
+/// Time constants of a warm-up that are tried, in records. A shorter one is over before any slow noise can be seen.
 const WARM_UPS: [f64; 5] = [0.03, 0.06, 0.12, 0.25, 0.5];
 /// Steps of a first look and of a descent, with the gain at which they end.
 const LOOK: (usize, f64) = (8, 1e-2);
 pub(super) const DESCENT: (usize, f64) = (60, 1e-5);
-/// The model error shows where bins hold many coefficients: above this part of the rate.
+/// The model error shows where bins hold many coefficients: above this share of the rate.
 const ERROR_ABOVE: f64 = 1.0 / 128.0;
 /// Standard deviations of the scatter beyond which the model is in error.
 const ERROR_LIMIT: f64 = 3.0;
-/// A Gauss–Markov term so near to a bound is none.
+/// A Gauss–Markov term within this factor of a bound is dropped.
 const AT_BOUND: f64 = 1.1;
 
 /// The model with its terms.
@@ -40,18 +40,18 @@ const AT_BOUND: f64 = 1.1;
 pub(super) struct Selection {
     pub(super) problem: Problem,
     pub(super) found: Found,
-    /// By how much the next best choice of slow terms is worse, where it is another one.
+    /// The next best choice of slow terms and how much worse it is, where it differs.
     pub(super) runner_up: Option<(ModelForm, f64)>,
 }
 
-/// A model and what it costs.
+/// A model and its price.
 #[derive(Clone, Debug)]
 struct Priced {
     found: Found,
     price: f64,
 }
 
-/// None where no model has a finite likelihood.
+/// Selects the terms; none where no model has a finite likelihood.
 pub(super) fn select(table: Table) -> Option<Selection> {
     let ideal = Problem::new(table, 0.0);
     let families = families(&ideal);
@@ -88,7 +88,7 @@ fn priced(problem: &Problem, found: Found) -> Priced {
     Priced { found, price }
 }
 
-/// Whether flicker gains what one that is identified does.
+/// Whether flicker gains as much as a coefficient that is identified.
 fn has_flicker(problem: &Problem, found: &Found) -> bool {
     let mut at = found.at.clone();
     at[B2] = 0.0;
@@ -96,8 +96,8 @@ fn has_flicker(problem: &Problem, found: &Found) -> bool {
     found.at[B2] > 0.0 && without() - found.deviance > IDENTIFIED
 }
 
-/// The best shape for no, one, two Gauss–Markov terms; a second one is looked for only where the first is taken. The
-/// shape is chosen anew for each: chosen before, it swallows a Gauss–Markov term.
+/// The best shape for zero, one and two Gauss–Markov terms. A second one is looked for only where the first is taken.
+/// The shape is chosen anew for each: chosen before, it swallows a Gauss–Markov term.
 fn families(problem: &Problem) -> Vec<Priced> {
     let mut found: Vec<Priced> = Vec::new();
     let mut fewer: Vec<Found> = Vec::new();
@@ -114,7 +114,7 @@ fn families(problem: &Problem) -> Vec<Priced> {
     found
 }
 
-/// Shapes of growing order until two in turn were not worth it.
+/// Shapes of growing order until two in turn were not worth their price.
 fn family(problem: &Problem, markovs: usize, fewer: &[Found]) -> (Option<Priced>, Vec<Found>) {
     let mut all: Vec<Found> = Vec::new();
     let mut best: Option<Priced> = None;
@@ -145,7 +145,7 @@ fn family(problem: &Problem, markovs: usize, fewer: &[Found]) -> (Option<Priced>
     (best, all)
 }
 
-/// The median of the upper band is white, the first coefficients are flicker and random walk.
+/// Start values: the median of the upper band is white, the first coefficients are flicker and random walk.
 fn start(problem: &Problem, cosines: usize) -> Vec<f64> {
     let rows = &problem.table.rows;
     let mut upper: Vec<f64> = rows.iter().filter(|row| is_upper(problem, row.f_hz)).map(|row| row.bin.power).collect();
@@ -170,7 +170,7 @@ fn with_cosine(problem: &Problem, before: &Found) -> Found {
     problem.descend(ModelForm { cosines: before.form.cosines + 1, ..before.form }, &at, None, DESCENT)
 }
 
-/// One more Gauss–Markov term, from every start a short way and from the best to the end.
+/// Adds a Gauss–Markov term: from every start a short way, and from the best to the end.
 fn with_markov(problem: &Problem, fewer: &Found) -> Vec<Found> {
     let table = &problem.table;
     let (first, last) = (FIRST_START / table.rate_hz, LAST_START * table.span_s);
@@ -196,7 +196,7 @@ fn level_near(table: &Table, f_hz: f64) -> f64 {
     part.iter().map(|row| row.bin.power).sum::<f64>() / part.len().max(1) as f64
 }
 
-/// The same with a pole or quantisation of the angle in place of cosines, and each of these with a drift.
+/// Variants with a pole or quantisation of the angle in place of cosines, and each of these with a drift.
 fn variants(problem: &Problem, best: &Priced) -> Vec<Priced> {
     let shapes = other_shapes(problem, &best.found).into_iter().map(|found| priced(problem, found));
     let shapes: Vec<Priced> = shapes.filter(|other| other.price < best.price).collect();
@@ -210,7 +210,7 @@ fn variants(problem: &Problem, best: &Priced) -> Vec<Priced> {
     drifts.chain(shapes.iter().cloned()).collect()
 }
 
-/// Few cosines are as good as any other shape.
+/// Up to this many cosines, a pole is not tried in their place.
 const MANY_COSINES: usize = 2;
 
 fn other_shapes(problem: &Problem, found: &Found) -> Vec<Found> {
@@ -243,7 +243,7 @@ fn is_sound(problem: &Problem, found: &Found) -> bool {
     (0..found.form.markovs).all(|index| tau_s(index) > shortest && tau_s(index) < longest)
 }
 
-/// The relative error of the model that makes the scatter of the bins what it should be; 0 if it is.
+/// The relative error of the model that makes the bins scatter as they should; 0 if they do.
 pub(super) fn model_error(problem: &Problem, found: &Found) -> f64 {
     let rows = problem.table.rows.iter().zip(&found.density).filter(|(row, _)| is_upper(problem, row.f_hz));
     let pulls: Vec<(f64, f64)> = rows

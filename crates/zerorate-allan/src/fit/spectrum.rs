@@ -1,4 +1,4 @@
-//! From a record to its bins: one transform of a record that is complete, two bands of one with gaps.
+//! From a record to its bins: one transform of a complete record, two bands of one with gaps.
 
 use super::bins::{Bin, Response, bins, empty_bins};
 use super::density::LOW;
@@ -13,25 +13,25 @@ pub(super) struct Spectrum {
     pub(super) bins: Vec<Bin>,
     /// The first coefficients times √dt.
     pub(super) low: Vec<f64>,
-    /// What left the bins.
+    /// The lines that left the bins.
     pub(super) narrow: Vec<Narrow>,
     /// Samples that entered, lost ones included.
     pub(super) samples: usize,
 }
 
-/// Samples of an average of the slow band, and averages that there shall be at least.
+/// Samples of an average of the slow band, and the fewest averages.
 const SLOT: usize = 64;
 const FEWEST_SLOTS: usize = 1024;
-/// An average of fewer, as a part of what the others have, is none: its noise would be that of all.
+/// An average of fewer samples, as a share of the typical number, is dropped: its noise would dominate all.
 const FEWEST_IN_A_SLOT: f64 = 0.5;
-/// The slow band ends at this part of the averages' rate, the fast one begins at this multiple of it.
+/// The slow band ends at this share of the averages' rate, and the fast one begins at this multiple of it.
 const SLOW_BELOW: f64 = 1.0 / 6.0;
 const FAST_ABOVE: f64 = 4.0;
 /// Lags over which it is judged whether samples are lost one by one or in bursts.
 const NEIGHBOURS: usize = 16;
 
 impl Spectrum {
-    /// Of a rate; NaN is a missing sample.
+    /// The spectrum of a rate; NaN is a missing sample.
     pub(super) fn of(rate: &[f64], rate_hz: f64) -> Result<Self, FftError> {
         match rate.iter().any(|value| value.is_nan()) {
             false => Self::whole(&rate[..smooth_length(rate.len())], rate_hz),
@@ -48,7 +48,8 @@ impl Spectrum {
         Ok(Self { bins, low, narrow, samples: rate.len() })
     }
 
-    /// Slow: the transform of averages over what is there. Fast: that of the rest, zero where samples are missing.
+    /// The slow band is the transform of averages over the samples present. The fast band is the transform of the
+    /// rest, zero where samples are missing.
     fn with_gaps(rate: &[f64], rate_hz: f64) -> Result<Self, FftError> {
         let slot = slot_length(rate.len());
         let slots = smooth_length(rate.len() / slot);
@@ -78,19 +79,19 @@ pub(super) fn slot_length(samples: usize) -> usize {
         .unwrap_or(4)
 }
 
-/// Averages over what is there; where hardly anything is, the line between the neighbours.
+/// Averages over the samples present. Where hardly any are, the line between the neighbours.
 pub(super) struct Averages {
     slot: usize,
     pub(super) means: Vec<f64>,
-    /// Factor of white noise in them where no line is near: slot·Σ1/count over all of them.
+    /// Factor of white noise in them away from lines: slot·Σ1/count over all of them.
     pub(super) white: f64,
-    /// Part of them that were measured.
+    /// Share of them that were measured.
     present: f64,
-    /// Those beside lines.
+    /// The averages beside lines.
     beside: Vec<Beside>,
 }
 
-/// An average whose noise lines carry on.
+/// An average whose noise the lines beside it carry on.
 struct Beside {
     /// slot/count.
     white: f64,
@@ -99,7 +100,9 @@ struct Beside {
 }
 
 impl Beside {
-    /// |1 + Σ w e^(iωd)|², w the part of this average in the one that is d further on.
+    ///
+    /// 1 + Σ w e^(iωd)
+    /// ², w the share of this average in the one that is d further on.
     fn gain(&self, angle: f64) -> f64 {
         let (mut re, mut im) = (1.0, 0.0);
         for (line, sign) in self.lines.iter().zip([-1.0, 1.0]) {
@@ -136,7 +139,7 @@ impl Averages {
         Self { slot, white: sum / all, present, beside, means }
     }
 
-    /// Factor of white noise in a coefficient at so many radians per average. What is interpolated repeats its
+    /// Factor of white noise in a coefficient at `angle` radians per average. Interpolated values repeat their
     /// neighbours' noise: 60 bursts of up to 7 s in an hour otherwise made B 10 % too large.
     fn white_at(&self, angle: f64) -> f64 {
         let repeated = self.beside.iter().map(|beside| beside.white * (beside.gain(angle) - 1.0));
@@ -154,7 +157,8 @@ impl Averages {
     }
 }
 
-/// Losses mix the spectrum with white noise of the same variance, as far as they are not neighbours.
+/// The bins of the fast band. Losses mix its spectrum with white noise of the same variance, unless they are
+/// neighbours.
 fn fast_band(
     rate: &[f64],
     averages: &Averages,
@@ -176,7 +180,7 @@ fn fast_band(
     Ok((bins.into_iter().map(move |bin| Bin { response, freedom: bin.freedom * part, ..bin }), narrow))
 }
 
-/// The averages next to a line, and how long that is.
+/// The averages next to a line, and the length of the line.
 fn beside(counts: &[usize], white: impl Fn(usize) -> f64) -> Vec<Beside> {
     let empty = |slots: &mut dyn Iterator<Item = &usize>| slots.take_while(|count| **count == 0).count();
     let mut found = Vec::new();
@@ -191,7 +195,7 @@ fn beside(counts: &[usize], white: impl Fn(usize) -> f64) -> Vec<Beside> {
     found
 }
 
-/// How often a sample and one of the next few are both there.
+/// How often a sample and one of the next few are both present.
 fn neighbours(rate: &[f64]) -> f64 {
     let both = |lag: usize| {
         let pairs = rate.iter().zip(&rate[lag..]);

@@ -1,4 +1,4 @@
-//! Whether the record is the same from one part to the next.
+//! Steadiness: whether the record is the same from one part to the next.
 
 use super::model::Model;
 use crate::{Deviation, Input, Stat, deviations};
@@ -6,13 +6,13 @@ use alloc::vec::Vec;
 
 /// Parts that are compared.
 const BLOCKS: usize = 8;
-/// An average may take this part of a block.
+/// The longest average is this share of a block.
 const LONGEST_IN_BLOCK: usize = 16;
 /// Standard deviations by which the halves of a record must differ at one averaging time.
 const DIFFERENT: f64 = 5.0;
 
-/// The variance of ln σ²(τ) between an eighth of the record and the next, over what chance explains: what the
-/// likelihood, which takes the noise for steady, does not know.
+/// The variance of ln σ²(τ) between an eighth of the record and the next, over the share that chance explains. The
+/// likelihood takes the noise for steady and does not cover it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Scatter {
     /// By averaging time, in samples: octaves up to a sixteenth of an eighth.
@@ -39,14 +39,15 @@ impl Scatter {
         Self { by_length: lengths.iter().enumerate().map(extra).collect() }
     }
 
-    /// Mean of three octaves around an averaging time; the last of them hold beyond.
+    /// Mean of three octaves around an averaging time. The last of them hold beyond.
     pub(super) fn near(&self, m: u64) -> f64 {
         let at = self.by_length.partition_point(|(length, _)| *length < m).min(self.by_length.len().max(1) - 1);
         let near = &self.by_length[at.saturating_sub(1)..(at + 2).min(self.by_length.len())];
         near.iter().map(|(_, extra)| extra).sum::<f64>() / near.len().max(1) as f64
     }
 
-    /// That of ln N in the mean of the record: around the averaging time at which white noise is most of the curve.
+    /// The variance of ln N in the mean of the record, around the averaging time at which white noise is most of the
+    /// curve.
     pub(super) fn variance_of_ln_n(&self, rate_hz: f64, n2: f64, model: &Model) -> f64 {
         let white = |m: u64| n2 * rate_hz / m as f64 / model.allan_variance(m);
         let lengths = self.by_length.iter().map(|(m, _)| *m);
@@ -60,11 +61,11 @@ impl Scatter {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Difference {
     pub(super) tau_s: f64,
-    /// Deviation of the first half over that of the second.
+    /// Deviation of the first half divided by the second half's.
     pub(super) ratio: f64,
 }
 
-/// Where the halves of a record differ most, if they do.
+/// The averaging time at which the halves of a record differ most, if they do.
 pub(super) fn halves(rate: &[f64], rate_hz: f64, model: &Model) -> Option<Difference> {
     let (first, second) = rate.split_at(rate.len() / 2);
     let lengths = super::super::octaves(first.len());

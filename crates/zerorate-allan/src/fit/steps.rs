@@ -14,9 +14,10 @@ use realfft::FftError;
 /// A jump of the level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// When, s from the start of the record. The time is certain to some tenths of a second at best, the size is.
+    /// The time, s from the start of the record. It is certain to some tenths of a second at best; the size is
+    /// certain.
     pub at_s: f64,
-    /// By how much, in the unit of the rate.
+    /// The size, in the unit of the rate.
     pub size: f64,
 }
 
@@ -26,17 +27,16 @@ pub(super) struct Candidate {
     /// The first sample after it.
     pub(super) index: usize,
     pub(super) size: f64,
-    /// In standard deviations.
+    /// The step in standard deviations.
     pub(super) score: f64,
 }
 
-/// Steps are not looked for so near to the ends.
+/// Steps are not looked for this near to the ends.
 const MARGIN: usize = 10;
 
-/// The score of a step at every time, under the noise of the model with its flicker and random walk: generalised least
-/// squares of the step's size, by one transform. With c_k, d_k = 2 sin(πk/2n) and the density S_k per sample, a unit
-/// step at t has the coefficients −√(2/n) sin(πkt/n)/d_k.
-/// Loud lines do not count.
+/// The score of a step at every time, under the noise of the model with its flicker and random walk. It is a
+/// generalised least squares estimate of the step's size, by one transform. With c_k, d_k = 2 sin(πk/2n) and the
+/// density S_k per sample, a unit step at t has the coefficients −√(2/n) sin(πkt/n)/d_k. Loud lines do not count.
 pub(super) fn largest(
     rate: &[f64],
     rate_hz: f64,
@@ -80,7 +80,7 @@ fn scan(x: &[f64], density: &[f64], left_out: &[(usize, usize)]) -> Result<Optio
     let mean = x.iter().sum::<f64>() / n.max(1) as f64;
     let coefficients = cosine_transform(&x.iter().map(|x| x - mean).collect::<Vec<f64>>())?;
     let half_angle = PI / (2 * n) as f64;
-    // One transform of both: where the unit is so large that c·d is nothing beside 1, this would drown.
+    // One transform of both. Without this unit, c·d would vanish beside 1 where the unit of the rate is large.
     let unit = libm::sqrt(density.iter().sum::<f64>() / n as f64);
     let weigh = |(k, (c, s)): (usize, (&f64, &f64))| {
         let d = 2.0 * libm::sin(half_angle * (k + 1) as f64);

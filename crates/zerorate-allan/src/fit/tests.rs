@@ -11,7 +11,7 @@ mod pool;
 
 const RATE_HZ: f64 = 100.0;
 
-/// Densities as IEEE Std 952-1997 C.1 has them, two-sided, and one Gauss–Markov term: not the code under test.
+/// Two-sided densities of IEEE Std 952-1997 C.1, and one Gauss–Markov term, independent of the code under test.
 #[derive(Clone, Copy, Default)]
 struct Truth {
     q: f64,
@@ -58,7 +58,7 @@ fn uniform(seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// Box and Muller.
+/// The Box–Muller method.
 fn normal(seed: u64) -> impl FnMut() -> f64 {
     let mut uniform = uniform(seed);
     move || (-2.0 * (1.0 - uniform()).ln()).sqrt() * (2.0 * PI * uniform()).cos()
@@ -76,7 +76,7 @@ fn codes(fit: &Fit) -> Vec<&'static str> {
     fit.warnings.iter().map(AllanWarning::code).collect()
 }
 
-/// Signs are all that is drawn: the powers are the densities, whatever the length and the unit.
+/// Only signs are drawn: the powers are the densities, for any length and unit.
 #[test]
 fn a_spectrum_without_scatter_gives_its_coefficients() {
     let mut draw = uniform(1);
@@ -105,7 +105,7 @@ fn interval_of_white_noise_is_that_of_a_variance() {
     assert!(codes(&fit).contains(&"not-identified"));
 }
 
-/// What is not there has an upper limit, and never zero or next to it: it goes into files.
+/// An absent coefficient has an upper limit, which is never zero or next to it: it goes into files.
 #[test]
 fn an_upper_limit_is_none_of_zero() {
     for seed in 90..102 {
@@ -176,7 +176,7 @@ fn quantisation_has_its_letter_and_a_low_pass_has_a_shape() {
     assert!(near(fit.n.value, HOUR.n, 0.01) && near(fit.b.value, HOUR.b, 0.25), "{:?} {:?}", fit.n, fit.b);
 }
 
-/// With N = 0.0060 °/√h: the sample of the issue.
+/// N = 0.0060 °/√h, with one impossible sample.
 #[test]
 fn one_impossible_sample_changes_nothing() {
     let clean = Truth { n: 1e-4, ..Truth::default() }.noise(500_000, 6);
@@ -186,7 +186,7 @@ fn one_impossible_sample_changes_nothing() {
     assert_eq!(cut.cleaned.glitches, 1);
     assert!(near(cut.n.value, clean.n.value, 1e-3), "{:?} {:?}", cut.n, clean.n);
     assert_eq!(codes(&cut)[0], "glitches");
-    assert!(cut.warnings[0].to_string().starts_with("1 glitches cannot be noise"));
+    assert!(cut.warnings[0].to_string().starts_with("1 glitch (1 sample) replaced"));
     assert!(cut.cleaned.rate.unwrap()[123_456].abs() < 0.1);
     let kept = fit(&Input::Rate(&rate), RATE_HZ, &FitOptions { cut_glitches: false, ..FitOptions::default() });
     assert!(kept.unwrap().n.value > 2.0 * clean.n.value);
@@ -216,7 +216,7 @@ fn steps_do_not_depend_on_the_unit() {
     assert_eq!([1e-12, 1.0, 1e12].map(steps), [(0, 0); 3]);
 }
 
-/// 40 % one by one: averages over what is left have more white noise, by which N was 27 % too large.
+/// 40 % lost one by one: averages over the rest have more white noise, by which N was 27 % too large.
 #[test]
 fn losses_leave_n() {
     let mut rate = HOUR.noise(200_000, 8);
@@ -251,8 +251,8 @@ fn bursts_of_losses_leave_n() {
     assert!(near(gappy.n.value, whole.n.value, 0.003), "{:?} {:?}", gappy.n, whole.n);
 }
 
-/// What is interpolated across a burst repeats the noise beside it: the slow band of white noise is up to 1.6 times as
-/// strong, and where the model did not know that, B came out 10 % too large.
+/// Values interpolated across a burst repeat the noise beside it: the slow band of white noise is up to 1.6 times as
+/// strong. Where the model did not allow for that, B came out 10 % too large.
 #[test]
 fn white_noise_with_bursts_of_losses_is_what_the_bins_expect() {
     let (mut ratios, mut freedom) = (0.0, 0.0);
@@ -270,7 +270,7 @@ fn white_noise_with_bursts_of_losses_is_what_the_bins_expect() {
     assert!(near(ratios / freedom, 1.0, 0.05), "{}", ratios / freedom);
 }
 
-/// One of a thousand samples: glitches side by side, each of which takes no more than its own sample.
+/// One of a thousand samples: glitches side by side, each of which takes only its own sample.
 #[test]
 fn glitches_do_not_hide_each_other() {
     let mut rate = HOUR.noise(200_000, 43);
@@ -298,12 +298,12 @@ fn glitches_do_not_hide_each_other() {
     });
     let expected = hit.iter().filter(|hit| **hit).count() as u64;
     assert!(replaced.is_some_and(|found| found >= expected && found < expected + 20), "{replaced:?} of {expected}");
-    // one of twenty is no glitch any more, and that is said
+    // one of twenty is too many for glitches, and a warning says so
     rate.iter_mut().step_by(20).for_each(|rate| *rate += 50.0);
     assert_eq!(codes(&of(&rate))[0], "many-glitches");
 }
 
-/// A strong sine is no step: its edges at the ends of the record have a score of a hundred.
+/// A strong sine is not a step: its edges at the ends of the record have a score of a hundred.
 #[test]
 fn a_sine_is_no_step() {
     let mut rate = Truth { n: 0.1, ..Truth::default() }.noise(100_000, 21);
@@ -347,7 +347,7 @@ fn a_sine_and_a_resonance_are_left_out() {
     assert!(fit.n.lo < HOUR.n && HOUR.n < fit.n.hi && near(fit.n.value, HOUR.n, 0.015), "{:?}", fit.n);
 }
 
-/// Ten minutes of warm-up are no identified random walk in silence, and a ramp has its letter.
+/// Ten minutes of warm-up are not identified as a random walk without a warning, and a ramp has its letter.
 #[test]
 fn what_drifts_is_said() {
     let still = Truth { k: 0.0, ..HOUR }.noise(360_000, 12);
@@ -367,7 +367,7 @@ fn what_drifts_is_said() {
     assert!(codes(&fit).contains(&"drift"));
 }
 
-/// An echo has a comb of a spectrum, which no term follows: rejected, nothing identified, no advice.
+/// An echo has a comb as its spectrum, which no term follows: rejected, nothing identified, no advice.
 #[test]
 fn a_model_that_does_not_hold_is_rejected() {
     let white = Truth { n: 0.01, ..Truth::default() }.noise(200_000, 13);
@@ -397,8 +397,8 @@ fn the_measured_curve_is_in_the_band() {
     assert!(inside + 2 >= all, "{inside} of {all}");
 }
 
-/// The band for another record is wider than that of its own, and holds for one of the same noise, but not for a
-/// louder.
+/// The band for another record is wider than the band of its own. It holds for a record of the same noise, but not for
+/// a louder one.
 #[test]
 fn another_record_is_predicted() {
     let fit = of(&HOUR.noise(200_000, 35));
@@ -414,7 +414,7 @@ fn another_record_is_predicted() {
     assert!(same.len() == 17 && same.iter().filter(|holds| **holds).count() >= 16, "{same:?}");
     let louder = inside(&Truth { n: 1.03 * HOUR.n, ..HOUR }.noise(200_000, 37));
     assert!(louder[..6].iter().all(|holds| !holds), "{louder:?}");
-    // half as long, an octave is known half as well
+    // half as long a record knows an octave half as well
     let width = |samples| fit.predicted(4096, samples).hi / fit.predicted(4096, samples).lo;
     assert!(width(100_000) > width(200_000));
 }

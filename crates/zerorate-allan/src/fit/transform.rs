@@ -19,8 +19,8 @@ fn is_smooth(mut n: usize) -> bool {
     n == 1
 }
 
-/// Coefficients 1 … n − 1 of the orthonormal DCT-II, c_k = √(2/n) Σ x_i cos(πk(2i + 1)/2n), of an even number of
-/// samples: one real transform of the samples in the order 0, 2, 4 … 5, 3, 1 (Makhoul 1980).
+/// Coefficients 1 … n − 1 of the orthonormal DCT-II of an even number of samples, c_k = √(2/n) Σ x_i cos(πk(2i +
+/// 1)/2n). One real transform of the samples in the order 0, 2, 4 … 5, 3, 1 gives them (Makhoul 1980).
 pub(super) fn cosine_transform(x: &[f64]) -> Result<Vec<f64>, FftError> {
     let n = x.len();
     let fft = RealFftPlanner::<f64>::new().plan_fft_forward(n);

@@ -1,5 +1,5 @@
-//! Large arrays. On Linux they are asked for in large pages: a new array that is touched one small page after the
-//! other costs as much as the sums over it.
+//! Large arrays. On Linux they use large pages: a new array that is touched one small page after the other costs as
+//! much as the sums over it.
 
 #[cfg(all(feature = "std", target_os = "linux"))]
 pub(super) use pages::{Array, Number};
@@ -13,10 +13,10 @@ mod pages {
 
     pub(in super::super) use bytemuck::Pod as Number;
 
-    /// What is smaller stays on the heap.
+    /// Smaller arrays stay on the heap.
     const LARGE: usize = 1 << 22;
 
-    /// Zeros at first.
+    /// An array of zeros at first.
     pub(in super::super) enum Array<T> {
         Heap(Vec<T>),
         Pages(MmapMut),
@@ -66,7 +66,7 @@ mod heap {
     pub(in super::super) trait Number: Copy + Default {}
     impl<T: Copy + Default> Number for T {}
 
-    /// Zeros at first.
+    /// An array of zeros at first.
     pub(in super::super) struct Array<T>(Vec<T>);
 
     impl<T: Number> Array<T> {

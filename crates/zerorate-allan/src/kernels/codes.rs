@@ -8,9 +8,9 @@ use alloc::vec::Vec;
 /// Samples that one thread takes at a time.
 const PIECE: usize = 1 << 17;
 
-/// Exact: no running sum, no difference and no square rounds or overflows.
+/// Sums that are exact: no running sum, no difference and no square rounds or overflows.
 ///
-/// A difference that is known to be small may be formed from running sums modulo a power of two: the narrower these
+/// A difference that is known to be small may be formed from running sums modulo a power of two. The narrower these
 /// are, the less memory has to be read.
 pub(super) fn squares(codes: &[i32], kernel: Kernel, m: &[usize]) -> Vec<Result<Squares, Reason>> {
     let bounds = Bounds::of(codes);
@@ -30,18 +30,18 @@ pub(super) fn squares(codes: &[i32], kernel: Kernel, m: &[usize]) -> Vec<Result<
     m.iter().map(|m| next(m).map(|sum| squares(sum, *m)).ok_or(Reason::NotFinite)).collect()
 }
 
-/// How many bits the differences need.
+/// The number of bits that the differences need.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Width {
     /// Below 2^28.
     Narrow,
     /// Below 2^56.
     Middle,
-    /// Any.
+    /// Any size.
     Wide,
 }
 
-/// What bounds the differences. The offset, which no difference sees, keeps the running sum small.
+/// The bounds of the differences. The offset, which differences do not see, keeps the running sum small.
 struct Bounds {
     offset: i64,
     /// Largest less smallest code.
@@ -74,8 +74,8 @@ impl Bounds {
         Self { offset, codes: high.abs_diff(low).into(), sums, before }
     }
 
-    /// A difference of two sums over m is below m times the range of the codes, and below twice the range of the
-    /// running sum (four times, where it is reflected or a third difference).
+    /// The width of a difference. One of two sums over m is below m times the range of the codes, and below twice the
+    /// range of the running sum (four times, where it is reflected or a third difference).
     fn width(&self, kernel: Kernel, m: usize) -> Width {
         let long = m as u128;
         let (largest, narrowest) = match kernel {
@@ -118,7 +118,7 @@ fn sums(codes: &[i32], bounds: &Bounds, kernel: Kernel, m: &[usize], width: Widt
     }
 }
 
-/// Modulo 2^32.
+/// The running sum modulo 2^32.
 fn narrow_sum(codes: &[i32], bounds: &Bounds) -> Array<i32> {
     let mut x = Array::zeroed(codes.len() + 1);
     threads::fill(&mut x[1..], PIECE, |piece, x| {
@@ -143,7 +143,7 @@ fn running_sum(codes: &[i32], bounds: &Bounds) -> Array<i64> {
     x
 }
 
-/// Running sum of the running sum, modulo 2^64: its third differences are the inner sums of the modified Allan
+/// Running sum of the running sum, modulo 2^64. Its third differences are the inner sums of the modified Allan
 /// deviation.
 fn sum_of_sums(codes: &[i32], bounds: &Bounds) -> Array<i64> {
     let sums = |piece: usize| {

@@ -11,7 +11,7 @@ const PIECE: usize = 1 << 17;
 /// Samples that are summed from zero, so that little is lost, before the sum so far is added.
 const SHORT: usize = 256;
 
-/// Running sum of the rate less its mean, or nearly: no difference sees a constant. `None` if samples are missing,
+/// Running sum of the rate less its mean, or nearly: differences do not see a constant. `None` if samples are missing,
 /// which shows in the first of the two passes.
 pub(super) fn phase(rate: &[f64]) -> Option<Array<f64>> {
     let pieces: Vec<&[f64]> = rate.chunks(PIECE).collect();
@@ -36,8 +36,8 @@ fn near_mean(rate: &[f64]) -> f64 {
     coarse(some().sum::<f64>() / some().count().max(1) as f64, rate)
 }
 
-/// To 24 bits of the spread. All its bits would give the samples of a converter fractions that are all alike, and the
-/// running sum would round each of them the same way.
+/// Rounds the mean to 24 bits of the spread. With all its bits the samples of a converter would have fractions that
+/// are all alike, and the running sum would round each of them the same way.
 fn coarse(mean: f64, rate: &[f64]) -> f64 {
     let some = &rate[..rate.len().min(PIECE)];
     let spread = some.iter().map(|value| libm::fabs(value - mean)).sum::<f64>() / some.len().max(1) as f64;
@@ -70,11 +70,11 @@ pub(super) fn squares(x: &[f64], kernel: Kernel, m: &[usize]) -> Vec<Result<Squa
     sums.into_iter().zip(m).map(|pair| Ok(squares(pair))).collect()
 }
 
-/// Longest averages that share a step of the fixed point: short ones need a fine one, long ones a wide range.
+/// Longest averages that share a step of the fixed point. Short ones need a fine step, long ones a wide range.
 const CLASSES: [usize; 3] = [1 << 8, 1 << 16, usize::MAX];
 
 /// Inner sums of second differences are third differences of the running sum of x. In f64 that sum would lose the
-/// small ones, so it is formed in fixed point, where sum and difference are exact: what rounds is x, once, to the
+/// small ones, so it is formed in fixed point, where sum and difference are exact. Only x is rounded, once, to the
 /// step.
 fn modified(x: &[f64], m: &[usize]) -> Vec<f64> {
     let bounds = Bounds::of(x);
@@ -95,7 +95,7 @@ fn modified(x: &[f64], m: &[usize]) -> Vec<f64> {
     sums
 }
 
-/// What bounds the inner sums: the range of x less the straight line between its ends, and that of its first
+/// The bounds of the inner sums: the range of x less the straight line between its ends, and the range of its first
 /// differences.
 struct Bounds {
     line: Line,

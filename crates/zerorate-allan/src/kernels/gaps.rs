@@ -6,7 +6,7 @@ use crate::{Gap, Input};
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// A record of which less than 1 sample in so many is there is refused; this bounds the memory.
+/// A record with less than 1 sample in this many is refused. This bounds the memory.
 const SPARSEST: u64 = 16;
 
 pub(super) fn squares(input: &Input<'_>, kernel: Kernel, m: &[usize]) -> Vec<Result<Squares, Reason>> {
@@ -21,7 +21,7 @@ pub(super) fn squares(input: &Input<'_>, kernel: Kernel, m: &[usize]) -> Vec<Res
     }
 }
 
-/// NaN where samples were lost.
+/// The codes as numbers, NaN where samples were lost.
 pub(crate) fn expanded(codes: &[i32], gaps: &[Gap]) -> Vec<f64> {
     let mut rate = Vec::new();
     let mut next = 0;
@@ -53,14 +53,14 @@ fn sum(record: &impl Record, kernel: Kernel, m: usize) -> Result<Squares, Reason
         Kernel::Modified => modified(record, m, starts, &mut valid),
     }
     match valid.n {
-        // what losses add was more than all
+        // the losses added more than the whole square
         _ if valid.sum < 0.0 => Err(Reason::Gaps),
         0 => Err(Reason::Gaps),
         n => Ok(Squares { sum: valid.sum, n, per: 1.0 }),
     }
 }
 
-/// The inner mean slides: one difference enters, one leaves.
+/// The sums of modified statistics. The inner mean slides: one difference enters, one leaves.
 fn modified(record: &impl Record, m: usize, starts: impl Iterator<Item = usize>, valid: &mut Valid) {
     let mut inner = Inner::default();
     (0..m as isize - 1).for_each(|i| inner.change(record.second(i, m), 1));
@@ -71,7 +71,7 @@ fn modified(record: &impl Record, m: usize, starts: impl Iterator<Item = usize>,
     }
 }
 
-/// Sum of the terms that are there.
+/// Sum of the terms that are present.
 #[derive(Default)]
 struct Valid {
     sum: f64,
@@ -115,12 +115,12 @@ impl Inner {
     }
 }
 
-/// Differences of averages, `None` where too much is missing. Points before the first and after the last are
+/// Differences of averages, `None` where too many samples are missing. Points before the first and after the last are
 /// reflected.
 trait Record {
     fn points(&self) -> usize;
     fn second(&self, i: isize, m: usize) -> Option<f64>;
-    /// The square that the second difference of complete averages would have on average.
+    /// The expected square of the second difference of complete averages.
     fn square(&self, i: isize, m: usize) -> Option<f64> {
         self.second(i, m).map(|difference| difference * difference)
     }
@@ -129,7 +129,7 @@ trait Record {
     }
 }
 
-/// Phase. Trailing and leading points that are missing leave nothing to reflect at.
+/// Phase. Leading and trailing points that are missing leave no point to reflect at.
 struct Points<'a>(&'a [f64]);
 
 impl Points<'_> {
@@ -156,7 +156,7 @@ impl Record for Points<'_> {
     }
 }
 
-/// Running sums over the samples that are there.
+/// Running sums over the samples present.
 struct Present {
     sums: Vec<Sums>,
 }
@@ -178,10 +178,10 @@ impl Sums {
     }
 }
 
-/// A mean over what is there.
+/// A mean over the samples present.
 struct Average {
     mean: f64,
-    /// How much the square of its error exceeds that of the complete one, on average; none where one sample stands for
+    /// How much the square of its error exceeds the complete average's, on average. None where one sample stands for
     /// several.
     excess: Option<f64>,
 }
@@ -202,7 +202,7 @@ impl Present {
         Self { sums: core::iter::once(Sums::default()).chain(next).collect() }
     }
 
-    /// Sums up to a point; before the first sample and after the last the record runs backwards.
+    /// Sums up to a point. Before the first sample and after the last the record runs backwards.
     fn up_to(&self, i: isize) -> Sums {
         let last = self.sums.len() - 1;
         match usize::try_from(i) {
@@ -219,7 +219,7 @@ impl Present {
             let mean = sum / c;
             let excess = match count {
                 _ if c == m => Some(0.0),
-                // as of a sample without replacement
+                // as for a sample without replacement
                 2.. => Some((squares - sum * mean).max(0.0) / (c - 1.0) * (1.0 / c - 1.0 / m)),
                 _ => None,
             };

@@ -1,5 +1,5 @@
-//! Sums of squared differences over short runs: what the compiler turns into vector instructions, for the best of them
-//! that the machine has.
+//! Sums of squared differences over short runs. The compiler turns them into the best vector instructions that the
+//! machine has.
 
 #![allow(clippy::needless_range_loop)]
 
@@ -47,12 +47,12 @@ pub(super) fn sum_f64(values: &[f64], offset: f64) -> f64 {
 #[derive(Clone, Copy)]
 pub(super) struct Line {
     pub start: f64,
-    /// By sample.
+    /// Rise per sample.
     pub slope: f64,
 }
 
 impl Line {
-    /// What x is above it. `first` + `i` is exact.
+    /// The height of x above the line. `first` + `i` is exact.
     #[inline(always)]
     fn level(self, first: f64, i: usize, x: f64) -> f64 {
         x - self.start - self.slope * (first + f64::from(i as u32))
@@ -61,13 +61,13 @@ impl Line {
 
 /// How far phase goes from a line.
 pub(super) struct Reach {
-    /// At most.
+    /// The largest distance.
     pub level: f64,
-    /// From one point to the next.
+    /// The largest distance from one point to the next.
     pub difference: f64,
 }
 
-/// Of points from number `first` on; differences are those between them.
+/// The reach of points from number `first` on; differences are taken between them.
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn reach(line: Line, first: usize, x: &[f64]) -> Reach {
     let first = first as f64;
@@ -96,10 +96,10 @@ pub(super) fn reach(line: Line, first: usize, x: &[f64]) -> Reach {
     reach
 }
 
-/// In whole steps.
+/// Rounds to whole steps.
 #[inline(always)]
 fn steps(line: Line, per_step: f64, first: f64, i: usize, x: f64) -> i64 {
-    /// From here on there are only whole numbers.
+    /// f64 has only whole numbers from here on.
     const WHOLE: f64 = 4_503_599_627_370_496.0;
     let exact = line.level(first, i, x) * per_step;
     let whole = WHOLE.copysign(exact);
@@ -149,14 +149,14 @@ pub(super) fn third_f64(a: &[f64], b: &[f64], c: &[f64], d: &[f64]) -> f64 {
     sums.iter().sum()
 }
 
-/// Codes that have a sum of their own.
+/// The number of codes that have a sum of their own.
 pub(super) const SHORT: usize = 64;
 
-/// What is in some codes.
+/// The range and the sums of some codes.
 pub(super) struct Survey {
     pub low: i32,
     pub high: i32,
-    /// Of each [`SHORT`] codes.
+    /// The sum of each [`SHORT`] codes.
     pub sums: Vec<i64>,
 }
 
@@ -211,7 +211,7 @@ pub(super) fn third_i32(a: &[i32], b: &[i32], c: &[i32], d: &[i32]) -> ExactSum 
 
 /// Numbers below 2^56 the parts of whose squares fit into sums of 64 bits.
 const LONG_RUN: usize = 128;
-/// Where these numbers are split.
+/// The bit at which these numbers are split.
 const SPLIT: u32 = 28;
 
 /// A sum of squares of numbers in two parts each.
@@ -293,11 +293,11 @@ pub(super) fn third_fixed(a: &[i64], b: &[i64], c: &[i64], d: &[i64]) -> f64 {
     sums.iter().sum()
 }
 
-/// As `as f64`, by parts that become f64 by their place in its bits: many vector instructions have no conversion from
-/// i64.
+/// Converts like `as f64`, in parts that become f64 by their place in its bits. Many vector instructions have no
+/// conversion from i64.
 #[inline(always)]
 fn to_f64(number: i64) -> f64 {
-    /// 2^52 and 2^84, of whose mantissas 32 bits stand for 0 … 2^32 − 1 and for multiples of 2^32.
+    /// 2^52 and 2^84, in whose mantissas 32 bits stand for 0 … 2^32 − 1 and for multiples of 2^32.
     const UNITS: u64 = 0x4330_0000_0000_0000;
     const TWO_POW_32: u64 = 0x4530_0000_0000_0000;
     let low = f64::from_bits(UNITS | (number as u64 & 0xffff_ffff));

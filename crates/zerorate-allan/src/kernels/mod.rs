@@ -27,7 +27,8 @@ use alloc::vec::Vec;
 pub struct Deviation {
     /// Samples in each average.
     pub m: u64,
-    /// The deviation, in the unit of the rate (codes: LSB; phase: its unit per s); time deviation: that times s.
+    /// The deviation, in the unit of the rate (codes: LSB, phase: its unit per s). The time deviation has that unit
+    /// times s.
     pub dev: f64,
     /// Terms that entered its mean square.
     pub n: u64,
@@ -39,27 +40,27 @@ struct Squares {
     sum: f64,
     /// Terms.
     n: u64,
-    /// The differences are this many times those of averages.
+    /// The factor from differences of averages to these differences.
     per: f64,
 }
 
-/// The statistic at averages of each of `m` samples, in their order.
+/// The statistic at averages of each of the lengths `m` in samples, in their order.
 ///
-/// The rate of sampling matters to the time deviation and to phase. [`Stat`] has the formulas.
+/// The sample rate matters to the time deviation and to phase. [`Stat`] has the formulas.
 ///
-/// Codes without gaps give exact sums of squares, rounded once; so their deviations do not change with an offset or
-/// when the record runs backwards (every m-th difference: if the averages fill it). A rate in f64 is rounded in its
-/// running sum: against the same numbers as codes the deviations of 393 216 samples are off by less than 1e-14 of
-/// their values for a random walk, 1e-13 for white noise, and 3e-11 for white noise on a ramp or a parabola of more
-/// than 1000 times its size. The number of threads (feature `std`) does not change a bit.
+/// Codes without gaps give exact sums of squares, rounded once. So their deviations do not change with an offset or
+/// when the record runs backwards (for every m-th difference: if the averages fill it). A rate in f64 is rounded in
+/// its running sum. Against the same numbers as codes the deviations of 393 216 samples are off by less than 1e-14 of
+/// their values for a random walk and 1e-13 for white noise. For white noise on a ramp or a parabola of more than 1000
+/// times its size it is 3e-11. The number of threads (feature `std`) does not change a bit.
 ///
-/// With missing samples an average is the mean of those that are there and enters if they are at least half; a
-/// difference enters if all its averages do; the inner mean of MDEV and TDEV is taken over the differences that do, if
-/// they are at least half. Means of fewer samples scatter more: ADEV, OADEV and TOTDEV are without that,
-/// σ² = ½⟨(ȳ₂ − ȳ₁)² − s₁²(1/c₁ − 1/m) − s₂²(1/c₂ − 1/m)⟩, s² the variance of the c samples of an average, as of a
-/// sample without replacement (40 % lost one by one: within 1 % instead of 25 to 40 % too large); an average of one
-/// sample in place of two does not enter there. The other statistics are not corrected. A missing point of phase takes
-/// out the differences that it is part of.
+/// With missing samples an average is the mean of the samples present. It enters if they are at least half, and a
+/// difference enters if all its averages do. The inner mean of MDEV and TDEV is taken over the differences that enter,
+/// if they are at least half. Means of fewer samples scatter more. ADEV, OADEV and TOTDEV are corrected for that: σ² =
+/// ½⟨(ȳ₂ − ȳ₁)² − s₁²(1/c₁ − 1/m) − s₂²(1/c₂ − 1/m)⟩. Here s² is the variance of the c samples of an average, as for a
+/// sample without replacement. With 40 % lost one by one the result is within 1 % instead of 25 to 40 % too large. An
+/// average of one sample in place of two does not enter there. The other statistics are not corrected. A missing point
+/// of phase takes out the differences that it is part of.
 ///
 /// ```
 /// use zerorate_allan::{Input, Stat, deviations};
@@ -81,7 +82,7 @@ pub fn deviations(input: &Input<'_>, rate_hz: f64, stat: Stat, m: &[u64]) -> Vec
     checked.into_iter().map(|m| m.and_then(&mut finish)).collect()
 }
 
-/// Sums for each of `m`, all of which fit into the record.
+/// Sums for each of the lengths `m`, all of which fit into the record.
 fn squares(input: &Input<'_>, kernel: Kernel, m: &[usize]) -> Vec<Result<Squares, Reason>> {
     if m.is_empty() {
         return Vec::new();
@@ -96,7 +97,7 @@ fn squares(input: &Input<'_>, kernel: Kernel, m: &[usize]) -> Vec<Result<Squares
     whole.unwrap_or_else(|| gaps::squares(input, kernel, m))
 }
 
-/// What a difference of averages in units of the record's step is in units of the deviation.
+/// The factor from a difference in units of the record's step to the unit of the deviation.
 fn scale(factor: Factor, is_phase: bool, rate_hz: f64, m: usize) -> f64 {
     let per_second = if is_phase { rate_hz } else { 1.0 };
     match factor {

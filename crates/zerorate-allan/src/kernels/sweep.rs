@@ -1,8 +1,8 @@
 //! All averaging times in one walk over the running sum.
 //!
-//! A block of starts is taken through every averaging time before the next one is, so that what two averaging times
-//! share comes from memory once. The blocks are cut at fixed places and their sums added in their order: any number of
-//! threads gives the same bits.
+//! A block of starts is taken through every averaging time before the next block is. So the data that two averaging
+//! times share come from memory once. The blocks are cut at fixed places and their sums added in their order: any
+//! number of threads gives the same bits.
 
 use super::array::Number;
 use super::exact::ExactSum;
@@ -13,18 +13,18 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
 
-/// Starts in a block: some streams of them stay in the first cache, those of all averaging times in the second.
+/// Starts in a block. The first cache holds some of its streams, the second cache the streams of all averaging times.
 const BLOCK: usize = 2048;
 /// Starts that one thread takes at a time.
 const PIECE: usize = 64 * BLOCK;
-/// Averages of so many samples reach beyond the second cache.
+/// Averages of this many samples reach beyond the second cache.
 const ROW: usize = 1 << 16;
-/// Bytes of a row that are taken at a time: those of all rows of 10^8 samples, nearly, fit into the second cache.
+/// Bytes of a row that are taken at a time. The second cache holds nearly all rows of 10^8 samples.
 const COLUMN_BYTES: usize = 2048;
 
 /// How differences of a running sum are formed and their squares summed.
 pub(super) trait Step {
-    /// Of the running sum.
+    /// A value of the running sum.
     type Number: Number + Default + Send + Sync;
     /// Sum of squares.
     type Sum: Copy + Default + Send;
@@ -53,8 +53,8 @@ fn near_sums<T: Step>(x: &[T::Number], plain: Plain, m: &[usize]) -> Vec<T::Sum>
     joined::<T>(pieces, m.len())
 }
 
-/// Averages of whole rows of [`ROW`] points never leave the column: as many columns as fit into the cache are a record
-/// of their own.
+/// Handles averages of whole rows of [`ROW`] points, which never leave their column. As many columns as fit into the
+/// cache are a record of their own.
 fn far_sums<T: Step>(x: &[T::Number], plain: Plain, m: &[usize]) -> Vec<T::Sum> {
     if m.is_empty() {
         return Vec::new();
@@ -105,7 +105,7 @@ fn block_sum<T: Step>(x: &[T::Number], plain: Plain, m: usize, starts: Range<usi
     }
 }
 
-/// Every m-th point is a record whose averages are of one sample.
+/// Handles every m-th point as a record with averages of one sample.
 fn strided<T: Step>(x: &[T::Number], plain: Plain, m: usize, starts: Range<usize>) -> T::Sum {
     let first = starts.start.next_multiple_of(m);
     if first >= starts.end {
@@ -121,7 +121,7 @@ fn strided<T: Step>(x: &[T::Number], plain: Plain, m: usize, starts: Range<usize
     }
 }
 
-/// The same of the reflected record: plain within it; around the points within m of its ends, reflected.
+/// Does the same for the reflected record: plain within it, and reflected around the points within m of its ends.
 pub(super) fn reflected_sums<T: Step>(x: &[T::Number], m: &[usize]) -> Vec<T::Sum> {
     let mut sums = sums::<T>(x, Plain::WITHIN, m);
     let last = x.len() - 1;
@@ -139,7 +139,8 @@ pub(super) fn reflected_sums<T: Step>(x: &[T::Number], m: &[usize]) -> Vec<T::Su
     sums
 }
 
-/// Around `middles`, all of which are within m of the start or none, and likewise the end once they are cut there.
+/// Sums around `middles`. Either all of them are within m of the start or none is, and likewise for the end once they
+/// are cut there.
 fn reflected<T: Step>(x: &[T::Number], m: usize, middles: Range<usize>) -> T::Sum {
     let cut = x.len().saturating_sub(m).clamp(middles.start, middles.end);
     let mut sum = T::Sum::default();
@@ -191,7 +192,7 @@ impl Step for f64 {
     }
 }
 
-/// Modulo 2^32; differences must be below 2^28.
+/// Numbers modulo 2^32. Differences must be below 2^28.
 impl Step for i32 {
     type Number = i32;
     type Sum = ExactSum;
@@ -213,7 +214,7 @@ impl Step for i32 {
     }
 }
 
-/// Modulo 2^64; differences must be below 2^56.
+/// Numbers modulo 2^64. Differences must be below 2^56.
 impl Step for i64 {
     type Number = i64;
     type Sum = ExactSum;

@@ -4,7 +4,7 @@ use crate::kernel::{Order, Plain};
 use std::string::ToString;
 use std::vec::Vec;
 
-/// The definition, of averages: no running sums.
+/// The definition by averages, without running sums.
 fn by_definition(rate: &[f64], stat: Stat, m: usize) -> f64 {
     let mean = |i: usize| rate[i..i + m].iter().sum::<f64>() / m as f64;
     let means: Vec<f64> = (0..=rate.len() - m).map(mean).collect();
@@ -181,7 +181,7 @@ fn gaps_are_left_out() {
     assert_eq!(deviations(&sparse, 1.0, Stat::Oadev, &[1]), [Err(Reason::Gaps)]);
 }
 
-/// Four of ten samples lost one by one: means over what is left scatter more, by up to 40 % of the deviation.
+/// Four of ten samples lost one by one: means over the rest scatter more, by up to 40 % of the deviation.
 #[test]
 fn losses_do_not_add_to_the_deviation() {
     let whole: Vec<f64> =
@@ -253,7 +253,7 @@ fn extreme_codes_do_not_overflow() {
     }
 }
 
-/// Pseudo-random codes of so many bits, long enough for several pieces where asked for.
+/// Pseudo-random codes of `bits` bits, long enough for several pieces where asked for.
 fn noise(len: usize, bits: u32) -> Vec<i32> {
     let mut state = 0x9e37_79b9_7f4a_7c15u64;
     let mut next = || {

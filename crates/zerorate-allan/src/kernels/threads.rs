@@ -1,5 +1,5 @@
-//! Work that splits into numbered pieces; the result does not depend on how many threads share it. In a browser it is
-//! one, and what shares it out would be a tenth of what is loaded.
+//! Work that splits into numbered pieces. The result does not depend on how many threads share it. A browser has one
+//! thread, and sharing would cost a tenth of what is loaded.
 
 use alloc::vec::Vec;
 
@@ -28,7 +28,7 @@ pub(super) fn map<R>(pieces: usize, f: impl Fn(usize) -> R) -> Vec<R> {
     (0..pieces).map(f).collect()
 }
 
-/// As [`map`], with something that each thread keeps.
+/// Like [`map`], with a value that each thread keeps.
 #[cfg(all(feature = "std", not(target_family = "wasm")))]
 pub(super) fn map_with<S, R: Send>(
     pieces: usize,
@@ -39,7 +39,7 @@ pub(super) fn map_with<S, R: Send>(
     (0..pieces).into_par_iter().map_init(start, f).collect()
 }
 
-/// As [`map`], with something that each thread keeps.
+/// Like [`map`], with a value that each thread keeps.
 #[cfg(any(not(feature = "std"), target_family = "wasm"))]
 pub(super) fn map_with<S, R>(pieces: usize, start: impl Fn() -> S, f: impl Fn(&mut S, usize) -> R) -> Vec<R> {
     let mut kept = start();

@@ -1,4 +1,4 @@
-//! What several axes see at the same moment.
+//! Reactions of several axes at the same moment.
 
 use super::*;
 

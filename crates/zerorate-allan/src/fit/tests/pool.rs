@@ -4,7 +4,7 @@ use super::*;
 
 fn pool_of(rates: &[Vec<f64>]) -> Result<Pool, PoolError> {
     let fits: Vec<Fit> = rates.iter().map(|rate| of(rate)).collect();
-    // of a record that was cleaned nothing else is kept
+    // nothing else is kept of a record that was cleaned
     let kept = rates.iter().zip(&fits).map(|(rate, fit)| if fit.cleaned.rate.is_some() { &[][..] } else { rate });
     let record = |(rate, fit)| PoolRecord { rate, rate_hz: RATE_HZ, fit };
     fit_pool(&kept.zip(&fits).map(record).collect::<Vec<_>>())
@@ -27,8 +27,8 @@ fn a_pool_is_surer_than_its_records() {
     assert!(n.records == 4 && n.relative < 3e-3, "{n:?}");
 }
 
-/// Units whose N differs by 3 % are one type; the interval of their mean knows of it, and one that has twice the noise
-/// or another slow noise is named.
+/// Units whose N differs by 3 % are one type, and the interval of their mean allows for it. A unit with twice the
+/// noise or another slow noise is named.
 #[test]
 fn a_pool_states_its_spread_and_names_who_does_not_fit() {
     let unit = |part: f64, seed: u64| Truth { n: HOUR.n * part, ..HOUR }.noise(180_000, seed);
@@ -49,7 +49,7 @@ fn a_pool_states_its_spread_and_names_who_does_not_fit() {
     assert!(matches!(white.differs, Differs::White { ratio } if near(ratio, 2.0, 0.05)), "{white:?}");
     assert!(matches!(slow.differs, Differs::Slow { gain } if gain > 18.5), "{slow:?}");
     assert!((white.record, slow.record) == (3, 4) && white.is_left_out && slow.is_left_out, "{white:?} {slow:?}");
-    // of two that differ nobody knows which is right
+    // where two differ, nobody knows which is right
     let pool = pool_of(&rates[3..]);
     assert_eq!(pool.unwrap_err(), PoolError::NothingInCommon);
     let pool = pool_of(&[rates[0].clone(), rates[4].clone()]).unwrap();
@@ -85,7 +85,7 @@ fn a_pool_of_cleaned_records_knows_their_length() {
     );
 }
 
-/// A warm-up of one of them is none of the type.
+/// A warm-up of one record does not belong to the type.
 #[test]
 fn a_pool_has_no_drift_of_one_record() {
     let still = Truth { k: 0.0, ..HOUR };

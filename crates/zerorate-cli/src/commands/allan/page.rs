@@ -74,10 +74,11 @@ fn by_axis(group: &Group<'_>) -> Table {
     rows.extend(gauss_markov(group));
     let error = |model: &Option<&Fit>| match model {
         Some(fit) if fit.is_rejected => format!("{:.1} %: rejected", fit.model_error * 100.0),
+        Some(fit) if units::is_without_misfit(fit) => "none found".to_owned(),
         Some(fit) => format!("{:.1} %", fit.model_error * 100.0),
         None => "no model".to_owned(),
     };
-    rows.push(row("the model holds to".to_owned(), models.iter().map(error), ""));
+    rows.push(row("misfit of the model".to_owned(), models.iter().map(error), ""));
     Table {
         title: "Coefficients by axis".to_owned(),
         head: head("", group),
@@ -173,8 +174,7 @@ const BESIDE: f64 = 0.01;
 
 fn section(record: &Record) -> report::Record {
     let analysis = &record.analysis;
-    let model =
-        record.model().map(|fit| Fact::new("noise model", format!("holds to {:.1} %", fit.model_error * 100.0)));
+    let model = record.model().map(|fit| Fact::new("noise model", units::misfit(fit)));
     let facts = [
         Fact::new("samples", analysis.samples.to_string()),
         Fact::new("missing", analysis.missing.to_string()),

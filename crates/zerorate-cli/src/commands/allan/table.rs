@@ -68,9 +68,8 @@ pub fn coefficients_text(record: &Record) -> Result<String> {
         }
     }
     if let Some(fit) = record.model() {
-        let error = fit.model_error * 100.0;
-        let verdict = if fit.is_rejected { "and is rejected" } else { "of the spectrum" };
-        writeln!(text, "\nThe model holds to {error:.1} % {verdict} (p = {:.2} with that).", fit.p_value)?;
+        let with_that = if units::is_without_misfit(fit) { "" } else { " with that" };
+        writeln!(text, "\nNoise model: {} (p = {:.2}{with_that}).", units::misfit(fit), fit.p_value)?;
     }
     text.push('\n');
     advice(record).iter().try_for_each(|advice| writeln!(text, "{advice}"))?;

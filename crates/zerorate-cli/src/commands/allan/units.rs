@@ -1,6 +1,6 @@
 //! Noise coefficients in the units that data sheets, standards and users have them in.
 
-use zerorate_allan::{Estimate, Line, Term};
+use zerorate_allan::{Estimate, Fit, Line, Term};
 use zerorate_logs::Record;
 pub use zerorate_logs::imu::{B, Named, span};
 use zerorate_logs::{Quantity, imu};
@@ -9,6 +9,21 @@ use zerorate_view::plot::number;
 /// The coefficients of a record, those that every fit has first.
 pub fn coefficients(record: &Record) -> Vec<Named<'_>> {
     record.model().map_or_else(Vec::new, |fit| imu::coefficients(fit, record.quantity))
+}
+
+/// Whether chance explains how the spectrum scatters about the model, to the digit that is shown.
+pub fn is_without_misfit(fit: &Fit) -> bool {
+    fit.model_error < 0.0005
+}
+
+/// How far the model is from the spectrum, as a phrase.
+pub fn misfit(fit: &Fit) -> String {
+    let percent = fit.model_error * 100.0;
+    match fit.is_rejected {
+        true => format!("off by {percent:.1} % of the spectrum, rejected"),
+        false if is_without_misfit(fit) => "no misfit found".to_owned(),
+        false => format!("may be off by {percent:.1} % of the spectrum"),
+    }
 }
 
 /// What a table says of a coefficient or another term: in each unit value, limits and the unit.

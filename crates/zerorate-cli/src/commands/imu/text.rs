@@ -1,6 +1,6 @@
 //! The result as text.
 
-use crate::commands::allan::units::{B, Named, coefficients, span};
+use crate::commands::allan::units::{B, Named, coefficients, is_without_misfit, span};
 use anyhow::Result;
 use std::fmt::Write;
 use zerorate_allan::{Estimate, Fit, Term};
@@ -40,7 +40,7 @@ fn of_group(kind: Kind, axes: &[&Record]) -> Result<String> {
         let (columns, others) = all.split_at(all.len().min(3));
         if rows[0].len() == 1 {
             rows[0].extend(columns.iter().map(|named| format!("{}, {}", named.letter, named.units[0].0)));
-            rows[0].extend((!columns.is_empty()).then(|| "model holds to".to_owned()));
+            rows[0].extend((!columns.is_empty()).then(|| "model misfit".to_owned()));
         }
         let mut row = vec![record.column.clone()];
         let is_rejected = record.model().is_some_and(|fit| fit.is_rejected);
@@ -48,7 +48,10 @@ fn of_group(kind: Kind, axes: &[&Record]) -> Result<String> {
             true => "–".to_owned(),
             false => value(named.in_unit(0), named.coefficient.identified),
         }));
-        row.extend(record.model().map(|fit| format!("{:.1} %", fit.model_error * 100.0)));
+        row.extend(record.model().map(|fit| match is_without_misfit(fit) {
+            true => "none found".to_owned(),
+            false => format!("{:.1} %", fit.model_error * 100.0),
+        }));
         rows.push(row);
         match record.believed() {
             Ok(fit) => rows.extend(further(record, others, fit)),
