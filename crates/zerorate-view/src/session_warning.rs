@@ -93,9 +93,7 @@ rows!(match SessionWarning {
     },
     Self::NoFolder => Row {
         code: "not-kept",
-        text: format_args!(
-            "calibrations made here are lost when the program ends; --folder DIR keeps them"
-        ),
+        text: format_args!("calibrations made here are lost when the program ends; --folder DIR keeps them"),
     },
     Self::NotKept { ref id, ref why } =>
         Row { code: "not-kept", text: format_args!("calibration {id} is not written ({why}); download it") },

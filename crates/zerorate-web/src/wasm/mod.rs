@@ -1,4 +1,4 @@
-//! What the modules of a browser export: JavaScript's types come in and go out, and nothing is decided.
+//! The exports of the browser's modules. They only convert between Rust's and JavaScript's types.
 
 #[cfg(any(feature = "wasm-log", feature = "wasm-replay"))]
 mod file;
