@@ -169,7 +169,7 @@ mod tests {
     #[test]
     fn each_warning_is_one_short_line() {
         let (id, full) = ("1f2e3d4c".to_owned(), "No space left on device (os error 28)".to_owned());
-        let wide = "axis gyro_z: cooling and warming lie ±0.00123 ± 0.00012 °/s apart from their mean".to_owned();
+        let wide = "gyro_z: cooling and warming lie ±0.00123 ± 0.00012 °/s about their mean; allow for it".to_owned();
         let axes = "the calibration is of ADIS16130, the part is a MEMS-3".to_owned();
         for warning in [
             SessionWarning::WideLoop(wide),

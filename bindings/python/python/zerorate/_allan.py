@@ -103,7 +103,7 @@ def allan(
         Samples per second. A `Capture` knows it. Otherwise it comes from a DatetimeIndex, `time_column`, or the log,
         which also tell where samples are missing.
     column
-        The column of a log, DataFrame or dictionary, or the axis of a `Capture`: its name, or its number counted from 0.
+        Column of a log, DataFrame or dictionary, or axis of a `Capture`: its name, or its number counted from 0.
         A list or ``"all"`` gives an `AllanAxes`, and so do several columns in memory without `column`. A log with one
         column needs none.
     columns
@@ -112,8 +112,8 @@ def allan(
     stat
         ``adev``, ``oadev``, ``mdev``, ``tdev``, ``hdev``, ``ohdev``, ``totdev``.
     taus
-        Averaging times: ``octave``, ``fine``, ``decade``, ``all``, ``log:N`` for N of them, or seconds. Times that cannot
-        be computed are in `Allan.unavailable`.
+        Averaging times: ``octave``, ``fine``, ``decade``, ``all``, ``log:N`` for N of them, or seconds. Times that
+        cannot be computed are in `Allan.unavailable`.
     data
         ``rate``, or ``phase`` if the values are the integral of the rate (for a gyroscope: the angle).
     confidence

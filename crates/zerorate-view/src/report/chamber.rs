@@ -105,7 +105,7 @@ pub fn wide_loop(outcome: &ChamberOutcome, axis: &str) -> Option<String> {
     let half_u_dps = Uncertainty::FACTOR * u_dps;
     (half_width_dps.abs() > 3.0 * u_dps).then(|| {
         format!(
-            "axis {axis}: cooling and warming lie ±{half_width_dps:.5} ± {half_u_dps:.5} °/s apart from their mean"
+            "{axis}: cooling and warming lie ±{half_width_dps:.5} ± {half_u_dps:.5} °/s about their mean; allow for it"
         )
     })
 }
