@@ -1,4 +1,4 @@
-// node build.mjs [FOLDER]: the page from its sources, and from gen/ the modules that `cargo xtask web` makes.
+// node build.mjs [FOLDER]: builds the page from its sources and from gen/, the modules that `cargo xtask web` makes.
 import { build } from "esbuild";
 import { createHash } from "node:crypto";
 import { copyFileSync, existsSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
@@ -7,7 +7,7 @@ const out = process.argv[2] ?? "dist";
 rmSync(out, { recursive: true, force: true });
 mkdirSync(out, { recursive: true });
 
-/** More than all the rest, and most visitors never take it: kept from its first use on. */
+/** Modules that are larger than all the rest and that most visitors never need. They are kept from their first use on. */
 const LATER = /^zerorate_(log|replay).*\.wasm$/;
 
 const common = {
@@ -29,7 +29,7 @@ for (const file of ["index.html", "icon.svg", "manifest.webmanifest"]) copyFileS
 copyFileSync("node_modules/uplot/LICENSE", `${out}/uplot-licence.txt`);
 writeFileSync(`${out}/home.json`, `${JSON.stringify({ home: "static" })}\n`);
 
-// Its cache is named by the hash of everything, so that a page is never made of two versions.
+// The cache is named by the hash of all files, so that a page is never made of two versions.
 if (existsSync("src/sw.ts")) {
   const files = readdirSync(out).sort();
   const sha256 = (file) => createHash("sha256").update(readFileSync(`${out}/${file}`)).digest("hex");

@@ -1,4 +1,4 @@
-/** Numbers as text: with the digits that their uncertainty warrants, and no more. */
+/** Formats numbers with the digits that their uncertainty warrants. */
 
 const MINUS = "\u2212";
 const THIN = "\u2009";
@@ -30,7 +30,7 @@ export function half(u: number | null | undefined): number | null {
   return usable(u) ? 1.959963984540054 * u : null;
 }
 
-/** A value as the half width `u` of its interval warrants: up to the second digit of `u`. Without one, four digits. */
+/** A value rounded to the second digit of the half width `u` of its interval. Without `u`, it has four digits. */
 export function value(value: number | null | undefined, u?: number | null): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return NONE;
   return usable(u) ? at(value, place(u)) : significant(value, 4);
@@ -46,7 +46,7 @@ export function both(number: number | null | undefined, u: number | null | undef
   return usable(u) ? `${value(number, u)} ± ${uncertainty(u)}` : value(number);
 }
 
-/** With so many significant digits; powers of ten only where nobody would count the zeros. */
+/** A value with so many significant digits. Powers of ten are used only if nobody would count the zeros. */
 export function significant(value: number | null | undefined, digits: number): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return NONE;
   if (value === 0) return "0";
@@ -83,14 +83,25 @@ function pair(total: number, per: number, big: string, small: string): string {
   return rest === 0 ? head : `${head} ${rest} ${small}`;
 }
 
-/** A point of time since the first sample: `1:02:03`, `2:03`, with decimals as the span on view warrants. */
-export function clock(seconds: number, decimals: number): string {
+/** A time since the first sample: `1 h 2 min 3 s`, `45.25 s`. With its units, nobody takes it for a clock time. */
+export function moment(seconds: number, decimals: number): string {
   const sign = seconds < 0 ? MINUS : "";
   const rounded = Number(Math.abs(seconds).toFixed(decimals));
   const hours = Math.floor(rounded / 3600);
   const minutes = Math.floor((rounded % 3600) / 60);
-  const rest = (rounded % 60).toFixed(decimals).padStart(decimals > 0 ? decimals + 3 : 2, "0");
-  return hours > 0 ? `${sign}${hours}:${String(minutes).padStart(2, "0")}:${rest}` : `${sign}${minutes}:${rest}`;
+  const parts = [`${(rounded % 60).toFixed(decimals)} s`];
+  if (rounded >= 60) parts.unshift(`${minutes} min`);
+  if (rounded >= 3600) parts.unshift(`${hours} h`);
+  return sign + parts.join(" ");
+}
+
+/** A number of the time axis, in the largest unit that divides the step between two of them: `120 s`, `2 min`, `3 h`. */
+export function onAxis(seconds: number, step: number): string {
+  for (const [size, unit] of [[3600, "h"], [60, "min"]] as const) {
+    if (step >= size && step % size === 0) return `${Math.round(seconds / size)} ${unit}`;
+  }
+  const decimals = Math.max(0, Math.min(3, -Math.floor(Math.log10(step) + 1e-9)));
+  return `${seconds.toFixed(decimals)} s`;
 }
 
 /** `07h` for 8 bits. */

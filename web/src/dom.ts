@@ -1,4 +1,4 @@
-/** Elements without a framework. Data reaches the page as text only. */
+/** Makes elements without a framework. Data reaches the page as text only. */
 
 type Attributes = Record<string, string | number | boolean | ((event: Event) => void) | undefined>;
 type Child = Node | string;
@@ -14,7 +14,7 @@ function fill(element: Element, attributes: Attributes, children: Child[]): void
   element.append(...children);
 }
 
-/** An element of the page: attributes, or listeners where the value is a function. */
+/** Makes an element of the page. A function among the attributes becomes a listener. */
 export function h<K extends keyof HTMLElementTagNameMap>(
   tag: K,
   attributes: Attributes = {},
@@ -25,31 +25,31 @@ export function h<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
-/** An element of a drawing. */
+/** Makes an SVG element. */
 export function svg(tag: string, attributes: Attributes = {}, ...children: Child[]): SVGElement {
   const element = document.createElementNS(SVG, tag);
   fill(element, attributes, children);
   return element;
 }
 
-/** Sets a text, and touches nothing where it stands already. */
+/** Sets a text; the element is not touched if it has that text already. */
 export function say(element: Element, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
 
-/** Sets or takes an attribute, and touches nothing where it is so already. */
+/** Sets an attribute, or removes it for null. The element is not touched if nothing changes. */
 export function mark(element: Element, name: string, value: string | null): void {
   if (element.getAttribute(name) === value) return;
   if (value === null) element.removeAttribute(name);
   else element.setAttribute(name, value);
 }
 
-/** A button with its words, or with a sign and its words for who does not see it. */
+/** A button with a text. A button with a sign gives its text to screen readers as `aria-label`. */
 export function button(words: string, does: () => void, attributes: Attributes = {}): HTMLButtonElement {
   return h("button", { type: "button", click: () => does(), ...attributes }, words);
 }
 
-/** One of several, as radio buttons that look like one switch. */
+/** A choice among several values: radio buttons that look like one switch. */
 export class Choice<T extends string> {
   readonly element: HTMLElement;
   readonly #inputs = new Map<T, HTMLInputElement>();
@@ -71,7 +71,7 @@ export class Choice<T extends string> {
   }
 }
 
-/** Asks in the page, which goes on meanwhile (`confirm` would halt it); Escape is no. */
+/** Asks in a dialog while the page goes on (`confirm` would halt it). Escape means no. */
 export function sure(question: string, yes: string, no: string): Promise<boolean> {
   return new Promise((done) => {
     const dialog: HTMLDialogElement = h(
@@ -91,7 +91,7 @@ export function sure(question: string, yes: string, no: string): Promise<boolean
   });
 }
 
-/** Hands a text to the user as a file. */
+/** Offers a text to the user as a file. */
 export function save(name: string, type: string, text: string): void {
   const url = URL.createObjectURL(new Blob([text], { type }));
   const link = h("a", { href: url, download: name });
@@ -99,7 +99,7 @@ export function save(name: string, type: string, text: string): void {
   setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }
 
-/** Rows as a table, with a caption for who does not see the picture beside it. */
+/** A table with a caption, for users who do not see the picture beside it. */
 export function table(caption: string, head: string[], rows: string[][]): HTMLTableElement {
   return h(
     "table",
@@ -110,13 +110,13 @@ export function table(caption: string, head: string[], rows: string[][]): HTMLTa
   );
 }
 
-/** A text of the program: its code, if it begins with one (`code: text`), and what it says. */
+/** A message of the program as nodes: its code, if it begins with one (`code: text`), and its text. */
 export function coded(text: string): Node[] {
   const [, code, words] = /^([a-z][a-z0-9]*(?:-[a-z0-9]+)+): (.*)$/s.exec(text) ?? [];
   return code ? [h("code", {}, code), document.createTextNode(` ${words}`)] : [document.createTextNode(text)];
 }
 
-/** Names and what there is to say of them; where the names stand already, only the words change. */
+/** Fills a list with names and values. If the names are the same as before, only the values change. */
 export function facts(list: HTMLElement, rows: [string, string][]): void {
   const names = rows.map(([name]) => name).join("\n");
   if (list.dataset.names !== names) {

@@ -1,6 +1,6 @@
 import { h } from "./dom";
 
-/** A place to drop files on, which opens the browser's dialog as well. */
+/** A place to drop files. A click opens the browser's file dialog. */
 export function droppable(words: string, accept: string, take: (files: File[]) => void): HTMLElement {
   const input = h("input", { type: "file", accept, multiple: accept === ".toml" });
   const zone = h(

@@ -1,12 +1,12 @@
 import type { Frame } from "./protocol";
 
-/** A frame as it came: what its header says, and the numbers behind it. */
+/** A frame with its parsed header and the numbers behind it. */
 export interface Framed {
   frame: Frame;
   payload: Float32Array;
 }
 
-/** Takes a frame apart (docs/formats/page.md). */
+/** Parses a frame (docs/formats/page.md). */
 export function unframe(bytes: ArrayBuffer): Framed {
   const length = new DataView(bytes).getUint32(0, true);
   if (length > bytes.byteLength - 4) throw new RangeError("a frame ends within its header");

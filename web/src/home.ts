@@ -1,4 +1,4 @@
-/** Which home the page has: docs/formats/page.md. */
+/** The home of the page, static or served: docs/formats/page.md. */
 export type Home = { home: "static" } | { home: "served"; token_needed: boolean };
 
 export async function home(): Promise<Home> {

@@ -19,7 +19,7 @@ function write(key: string, value: unknown): void {
   try {
     localStorage.setItem(key, JSON.stringify(value));
   } catch {
-    // a browser that keeps nothing: the page works all the same, and forgets
+    // this browser keeps nothing: the page works all the same, and forgets
   }
 }
 
@@ -36,13 +36,13 @@ export const kept = {
     write(CALIBRATIONS, { calibrations: [...all], applied });
   },
 
-  /** Of a calibration that is on file no more. */
+  /** Forgets a calibration that is no longer on file. */
   forgetCalibration(toml: string): void {
     const { calibrations, applied } = kept.calibrations();
     write(CALIBRATIONS, { calibrations: calibrations.filter((one) => one !== toml), applied });
   },
 
-  /** What is opened when nothing is open: the twin, as it was chosen last. */
+  /** The device to open when none is: the twin, as it was chosen last. */
   opening(): Opening {
     return { is: "twin", keys: read(TWIN, DEFAULT_KEYS) };
   },
@@ -60,7 +60,7 @@ export const kept = {
     write(PORT, had);
   },
 
-  /** A choice of how the page looks. */
+  /** A setting of the page's look. */
   choice<T extends string>(name: string, values: readonly T[], otherwise: T): T {
     const value = read<string>(`zerorate.${name}`, otherwise);
     return values.find((known) => known === value) ?? otherwise;

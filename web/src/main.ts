@@ -19,7 +19,7 @@ import { PageFrame } from "./page-frame";
 import { named, PAGES, type PageName } from "./pages";
 import { settings } from "./settings";
 
-/** Pages that are not on view at once are loaded when they are wanted. */
+/** The makers of the pages. All pages but the first are loaded when they are opened. */
 const MAKERS: Record<PageName, (app: App) => Promise<Page>> = {
   bench: async (app) => new Bench(app),
   calibrate: async (app) => new (await import("./calibrate/calibrate")).Calibrate(app),
@@ -66,7 +66,7 @@ class Whole {
     requestAnimationFrame(() => this.#tick());
   }
 
-  /** In the static home: the port of before a reload, and the page itself for when there is no network. */
+  /** In the static home: opens the port from before a reload, and keeps the page for use without a network. */
   #settle(inside: Inside): void {
     if (kept.hadPort()) {
       void import("./port").then(({ connectAgain }) => connectAgain(inside)).catch(() => {});
@@ -83,14 +83,14 @@ class Whole {
     this.#fresh = true;
   }
 
-  /** Calibrations are kept at once: a page that is hidden draws nothing. */
+  /** Takes a frame. Calibrations are kept here, because a hidden page draws nothing. */
   #take(framed: Framed): void {
     this.#app.model.take(framed);
     const { calibrations } = framed.frame;
     if (calibrations && this.#app.inside) kept.keepCalibrations(calibrations);
   }
 
-  /** None where it cannot be had: nobody serves it now, or another version of it. */
+  /** A page; undefined if it cannot be loaded, because the server is gone or has another version. */
   async #page(name: PageName): Promise<Page | undefined> {
     try {
       const page = this.#pages.get(name) ?? (await MAKERS[name](this.#app));
@@ -102,7 +102,7 @@ class Whole {
     }
   }
 
-  /** Once a picture; the browser asks for none while the page is hidden. */
+  /** Runs once per animation frame; the browser asks for none while the page is hidden. */
   #tick(): void {
     requestAnimationFrame(() => this.#tick());
     const changed = this.#app.model.changes();
@@ -129,7 +129,7 @@ class Whole {
   }
 }
 
-/** A file that falls beside its place would take the place of the page. */
+/** Keeps the browser from opening a file that is dropped beside its place. */
 function keepPage(event: DragEvent): void {
   if (event.dataTransfer?.types.includes("Files")) event.preventDefault();
 }

@@ -2,12 +2,12 @@ import type { Framed } from "./frame";
 import { Ring } from "./ring";
 import type { Calibrating, CalibrationEntry, Device, Frame, Notice, Now, SampleCounts, Statistics } from "./protocol";
 
-/** What of the model is new. */
+/** A part of the model that can change. */
 export type Part =
   "strips" | "device" | "now" | "ledger" | "notices" | "statistics" | "calibration" | "calibrations";
 const PARTS: Part[] = ["device", "now", "ledger", "notices", "statistics", "calibration", "calibrations"];
 
-/** What the session has told so far. Its memory is bounded by what a frame may hold and by the rings. */
+/** The state that the session has sent so far. The size of a frame and the rings bound its memory. */
 export class Model {
   device: Device | undefined;
   now: Now | undefined;
@@ -16,9 +16,9 @@ export class Model {
   statistics: Statistics[] = [];
   calibration: Calibrating = { is: "idle" };
   calibrations: CalibrationEntry[] = [];
-  /** Of each axis, the levels from fine to coarse. */
+  /** The rings of each axis, from fine to coarse. */
   rings: Ring[][] = [];
-  /** Frames that came, for tests. */
+  /** The number of frames so far, for tests. */
   frames = 0;
   #changed = new Set<Part>();
 
@@ -34,7 +34,7 @@ export class Model {
     if (frame.strips.length > 0) this.#changed.add("strips");
   }
 
-  /** What is new since this was asked last. */
+  /** The parts that changed since the last call. */
   changes(): ReadonlySet<Part> {
     const changed = this.#changed;
     this.#changed = new Set();

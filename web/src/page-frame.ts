@@ -12,7 +12,7 @@ const SPEEDS = [
   ["0", "max"],
 ] as const;
 
-/** What stands around every page: names, links, the device and how it is with it. */
+/** The frame around every page: links, the device and its state, messages. */
 export class PageFrame {
   readonly main = h("main", { id: "main", tabindex: -1 });
   readonly #links = new Map<PageName, HTMLAnchorElement>();
@@ -28,7 +28,7 @@ export class PageFrame {
 
   constructor(readonly app: () => App) {
     this.#speed = new Choice(
-      "Speed of the simulated part",
+      "Speed of the simulated sensor",
       SPEEDS,
       "1",
       (factor) => void this.app().ask({ do: "speed", factor: Number(factor) }),
@@ -45,7 +45,7 @@ export class PageFrame {
             this.main.focus();
           },
         },
-        "To the page itself",
+        "Skip to the content",
       ),
       this.#header(),
       this.main,
@@ -55,7 +55,7 @@ export class PageFrame {
     );
   }
 
-  /** Puts a page on view. */
+  /** Shows a page. */
   show(name: PageName, element: HTMLElement): void {
     for (const [of, link] of this.#links) mark(link, "aria-current", of === name ? "page" : null);
     document.title = `${PAGES[name]} · zerorate`;
@@ -63,13 +63,13 @@ export class PageFrame {
     scrollTo(0, 0);
   }
 
-  /** How it is with the way to the session. */
+  /** Shows the state of the connection to the session. */
   link(state: LinkState, served: Served | undefined): void {
     const words: Record<LinkState["is"], string> = {
       connecting: "Connecting …",
       open: "",
       locked: "",
-      lost: "The server cannot be reached. What is on view stands still; it is tried again and again.",
+      lost: "The server cannot be reached. The page shows the last values and keeps trying.",
       failed: state.is === "failed" ? `This page cannot work here: ${state.why}` : "",
     };
     this.#linkWords = words[state.is];
@@ -78,7 +78,7 @@ export class PageFrame {
     if (state.is === "locked" && served) this.#ask(served, state.wrong);
   }
 
-  /** What is being read. */
+  /** Shows the device and its state. */
   device(): void {
     const { device } = this.app().model;
     say(this.#device, device?.name ?? "");
@@ -104,7 +104,7 @@ export class PageFrame {
     this.#toastEnds = window.setTimeout(() => say(this.#toast, ""), kind === "wrong" ? 12_000 : 5000);
   }
 
-  /** What is wrong with the way comes before what is wrong with the device. */
+  /** Shows the banner. An error of the connection comes before an error of the device. */
   #announce(): void {
     say(this.#banner, this.#linkWords || this.#deviceWords);
   }
@@ -146,7 +146,7 @@ export class PageFrame {
           void served.unlock(field.value.trim());
         },
       },
-      h("h1", {}, "This bench wants its token"),
+      h("h1", {}, "This page needs its token"),
       h("p", {}, "zerorate serve printed it in the terminal when it started."),
       h("label", { for: "token" }, "Token"),
       field,

@@ -2,7 +2,7 @@
 export const PAGES = { bench: "Bench", calibrate: "Calibrate", log: "Log", device: "Device" } as const;
 export type PageName = keyof typeof PAGES;
 
-/** Which one the address names. */
+/** The page that the address names. */
 export function named(hash: string): PageName {
   const word = hash.replace(/^#\/?/, "");
   return word in PAGES ? (word as PageName) : "bench";

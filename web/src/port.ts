@@ -5,7 +5,7 @@ import { choosePort, knownPort, OpenPort } from "./serial";
 
 let open: OpenPort | undefined;
 
-/** Reads the port that the user chooses; only from a click. */
+/** Reads the port that the user chooses. The browser allows this only in a click. */
 export async function connectChosen(app: App, inside: Inside): Promise<void> {
   try {
     const port = await choosePort();
@@ -15,7 +15,7 @@ export async function connectChosen(app: App, inside: Inside): Promise<void> {
   }
 }
 
-/** After a reload: the port that this window read before, if nobody else does. */
+/** After a reload, reads the port that this window read before, if no other window does. */
 export async function connectAgain(inside: Inside): Promise<void> {
   const port = await knownPort().catch(() => null);
   if (port) await connect(inside, port).catch(() => {});
@@ -34,13 +34,13 @@ async function connect(inside: Inside, port: SerialPort): Promise<void> {
   kept.keepPort(true);
 }
 
-/** Gives the port back, as when something else is opened. */
+/** Gives the port back, for example when another device is opened. */
 export async function release(inside: Inside): Promise<void> {
   kept.keepPort(false);
   await close(inside);
 }
 
-/** The session hears of it where it reads this port still, as when nothing else could be opened. */
+/** Closes the port and tells the session, which may still read it if no other device could be opened. */
 async function close(inside: Inside): Promise<void> {
   const closing = open;
   if (closing === undefined) return;

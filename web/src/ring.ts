@@ -1,8 +1,8 @@
-/** What a bin knows, in the order of the payload. */
+/** The columns of a bin, in the order of the payload. */
 export const COLUMNS = ["rate", "corrected", "temp"] as const;
 export type Column = (typeof COLUMNS)[number];
 
-/** The newest bins of one axis at one level: fixed memory, however long one watches. */
+/** The newest bins of one axis at one level, in fixed memory. */
 export class Ring {
   readonly #columns: Float32Array[];
   #first = 0;
@@ -15,7 +15,7 @@ export class Ring {
     this.#columns = Array.from({ length: 6 }, () => new Float32Array(size).fill(NaN));
   }
 
-  /** Number of the oldest bin that is still there. */
+  /** Number of the oldest bin that is kept. */
   get oldest(): number {
     return Math.max(this.#first, this.#next - this.size);
   }
@@ -25,7 +25,7 @@ export class Ring {
     return this.#next;
   }
 
-  /** Takes bins that are complete; some may be known already. Bins that did not come hold nothing. */
+  /** Takes complete bins, some of which may be known already. Bins that did not arrive stay empty. */
   write(first: number, count: number, payload: Float32Array, at: number): void {
     if (this.#next === 0 || first - this.#next >= this.size) this.#begin(first);
     for (; this.#next < first; this.#next++)

@@ -1,26 +1,26 @@
-// A bridge at a serial port of this window: its bytes go to the worker, and what the worker has for it comes back.
+// A bridge at a serial port of this window. Bytes go from the bridge to the worker, and from the worker to the bridge.
 
-/** Why a port cannot be had. */
+/** The error of a port that cannot be opened. */
 export class NoPort extends Error {}
 
-/** Whether this browser reads serial ports at all: Chromium and what is made of it, on a computer, over https or localhost. */
+/** Whether this browser can read serial ports. Browsers based on Chromium can, on a computer, over https or localhost. */
 export const canReadPorts = (): boolean => "serial" in navigator;
 
-/** What to say where it does not. */
+/** The message for a browser that cannot. */
 export const NO_SERIAL =
-  "This browser does not give pages a serial port. Chrome, Edge and Opera do, on a computer and over https or from " +
-  "localhost; or run `zerorate serve --device bridge:/dev/ttyACM0`.";
+  "This browser does not give pages a serial port. Use Chrome, Edge or Opera on a computer, over https or from " +
+  "localhost, or run `zerorate serve --device bridge:/dev/ttyACM0`.";
 
-/** Of a UART: enough for the full rate with every temperature. USB ignores it. */
+/** Baud rate of a UART, enough for the full rate with every temperature. USB ignores it. */
 export const DEFAULT_BAUD = 3_000_000;
 
-/** What is told of an open port. */
+/** The events of an open port. */
 export interface PortEvents {
   received(bytes: Uint8Array): void;
   gone(why: string): void;
 }
 
-/** Asks the user for a port; only from a click. Null where the user chose none. */
+/** Asks the user for a port, which the browser allows only in a click. Null if the user chose none. */
 export async function choosePort(): Promise<SerialPort | null> {
   if (!canReadPorts()) throw new NoPort(NO_SERIAL);
   try {
@@ -31,14 +31,14 @@ export async function choosePort(): Promise<SerialPort | null> {
   }
 }
 
-/** The port that the user chose before, so that a reload needs no click; null where it is not the only one. */
+/** The port that the user chose before, so that a reload needs no click. Null if there are several or none. */
 export async function knownPort(): Promise<SerialPort | null> {
   if (!canReadPorts()) return null;
   const ports = await navigator.serial.getPorts();
   return ports.length === 1 ? (ports[0] ?? null) : null;
 }
 
-/** A port that is open. */
+/** An open port. */
 export class OpenPort {
   private reader: ReadableStreamDefaultReader<Uint8Array> | undefined;
   private writing: Promise<void> = Promise.resolve();
@@ -54,7 +54,7 @@ export class OpenPort {
       await port.open({ baudRate, bufferSize: 65_536 });
     } catch (why) {
       const reason = why instanceof Error ? why.message : String(why);
-      throw new NoPort(`The port cannot be opened: is it in use by another program or window? (${reason})`);
+      throw new NoPort(`The port cannot be opened (${reason}). Check that no other program or window uses it.`);
     }
     const opened = new OpenPort(port, events);
     void opened.read();
@@ -84,7 +84,7 @@ export class OpenPort {
     }
   }
 
-  /** Until the port is gone. A frame that was cut is an error that can be read past. */
+  /** Reads until the port is gone. After the error of a cut frame, reading can go on. */
   private async read(): Promise<void> {
     let why: unknown = "the port was closed";
     while (!this.ended && this.port.readable !== null) {

@@ -3,10 +3,10 @@ import { kept } from "./kept";
 export type Theme = "auto" | "light" | "dark";
 export type Unit = "dps" | "dph";
 
-/** Seconds in an hour: °/h in a °/s. */
+/** Seconds in an hour, which is the number of °/h in 1 °/s. */
 const PER_HOUR = 3600;
 
-/** How the page looks; whoever draws listens. */
+/** Theme and unit of the page. Views listen for changes. */
 class Settings {
   theme: Theme = kept.choice("theme", ["auto", "light", "dark"], "auto");
   unit: Unit = kept.choice("unit", ["dps", "dph"], "dps");
@@ -28,7 +28,7 @@ class Settings {
     this.#tell();
   }
 
-  /** What a rate in °/s is multiplied by. */
+  /** The factor from °/s to the chosen unit. */
   get scale(): number {
     return this.unit === "dps" ? 1 : PER_HOUR;
   }

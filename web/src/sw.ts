@@ -1,7 +1,7 @@
-// The static page works without a network after its first visit. Only there: from `zerorate serve` it would show an old page.
+// The static page works without a network after its first visit. From `zerorate serve`, this would show an old page.
 
 declare const FILES: string[];
-/** Files that are kept from their first use on, and their SHA-256. */
+/** Files that are kept from their first use on, with their SHA-256. */
 declare const LATER: Record<string, string>;
 declare const VERSION: string;
 
@@ -12,7 +12,7 @@ const CACHE = PREFIX + VERSION;
 
 async function install(): Promise<void> {
   const cache = await caches.open(CACHE);
-  // not out of the browser's own cache, which may still have the version before
+  // bypass the browser's own cache, which may still have the version before
   await cache.addAll(FILES.map((file) => new Request(file, { cache: "reload" })));
   await scope.skipWaiting();
 }
@@ -31,7 +31,7 @@ async function answer(request: Request): Promise<Response> {
   return sha256 === undefined ? fetch(request) : fetchLater(request, cache, sha256);
 }
 
-/** The server may have a newer version by now, which does not go with what is kept. */
+/** Fetches a file that is kept from its first use on. The server may have a newer version that does not fit the kept files. */
 async function fetchLater(request: Request, cache: Cache, sha256: string): Promise<Response> {
   const answer = await fetch(request, { cache: "no-cache" });
   if (!answer.ok) return answer;
@@ -39,7 +39,7 @@ async function fetchLater(request: Request, cache: Cache, sha256: string): Promi
   const found = new Uint8Array(await crypto.subtle.digest("SHA-256", bytes));
   if ([...found].map((byte) => byte.toString(16).padStart(2, "0")).join("") !== sha256) {
     void scope.registration.update();
-    return new Response("of another version: load the page again", { status: 409 });
+    return new Response("This file is of another version. Load the page again.", { status: 409 });
   }
   const whole = new Response(bytes, { headers: { "content-type": "application/wasm" } });
   await cache.put(request, whole.clone());

@@ -61,9 +61,18 @@ test("durations as people say them", () => {
 });
 
 test("points of time", () => {
-  assert.equal(digits.clock(59.9996, 3), "1:00.000");
-  assert.equal(digits.clock(59.9994, 3), "0:59.999");
-  assert.equal(digits.clock(3723, 0), "1:02:03");
+  assert.equal(digits.moment(59.9996, 3), "1 min 0.000 s");
+  assert.equal(digits.moment(59.9994, 3), "59.999 s");
+  assert.equal(digits.moment(3723, 0), "1 h 2 min 3 s");
+  assert.equal(digits.moment(-2.5, 1), "−2.5 s");
   assert.equal(digits.count(1234567), "1\u2009234\u2009567");
   assert.equal(digits.hex(7, 8), "07h");
+});
+
+test("numbers of a time axis name their unit", () => {
+  assert.equal(digits.onAxis(0.25, 0.05), "0.25 s");
+  assert.equal(digits.onAxis(75, 15), "75 s");
+  assert.equal(digits.onAxis(120, 60), "2 min");
+  assert.equal(digits.onAxis(5400, 900), "90 min");
+  assert.equal(digits.onAxis(7200, 3600), "2 h");
 });

@@ -13,7 +13,7 @@ use zerorate_allan::{
     finite_difference_edf as edf_of_difference, interval as limits, mtie as mtie_of,
 };
 
-/// The noise model of a record as the core has it, for the files that are made of it.
+/// The noise model of a record in the core's form, for the files that are made from it.
 #[pyclass(module = "zerorate._zerorate", frozen)]
 pub struct Model {
     pub fit: Fit,
@@ -30,7 +30,7 @@ impl Model {
         slf
     }
 
-    /// Another process has the numbers, but not this.
+    /// Unpickling in another process restores the numbers, but not this model.
     fn __reduce__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyType>, Bound<'py, PyTuple>) {
         (PyNone::get(py).get_type(), PyTuple::empty(py))
     }
@@ -40,7 +40,7 @@ type Column<'py, T> = Bound<'py, PyArray1<T>>;
 /// Order, overlapped, modified.
 type OfDifferences = (u32, bool, bool);
 
-/// Averaging times: by name, or in seconds.
+/// Averaging times, by name or in seconds.
 #[derive(FromPyObject)]
 pub enum Times {
     Named(String),
@@ -53,7 +53,7 @@ impl Times {
             Self::Named(name) => name.parse().map_err(refused),
             Self::Seconds(times) => match times.iter().find(|time| !(time.is_finite() && **time > 0.0)) {
                 Some(time) => {
-                    Err(PyValueError::new_err(format!("taus: {time} s is no averaging time; give positive seconds")))
+                    Err(PyValueError::new_err(format!("taus: no averaging time is {time} s; give positive seconds")))
                 }
                 None => Ok(Taus::List(times)),
             },
@@ -61,12 +61,12 @@ impl Times {
     }
 }
 
-/// The deviation with its limits at each averaging time, what could not be computed, and the noise model.
+/// The deviation with its limits at each averaging time, the times that could not be computed, and the noise model.
 ///
-/// ``cleaning`` says whether glitches and steps are taken out before the fit; without it there is none. ``settling``
-/// knows the temperature, and says what is done about it and about the beginning. Messages name the record ``name``.
+/// ``cleaning`` says whether glitches and steps are taken out before the fit; None makes no fit. ``settling`` holds
+/// the temperature and the treatment of it and of the beginning. Messages call the record ``name``.
 ///
-/// Other threads run meanwhile. Raises ValueError for arguments that nothing can be computed with.
+/// Other threads run meanwhile. Raises ValueError for arguments with which nothing can be computed.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the keywords of zerorate.allan")]
 pub fn analyse<'py>(
@@ -121,7 +121,7 @@ pub fn analyse<'py>(
     Ok(result)
 }
 
-/// The model at each averaging time and the band around it; nothing for statistics that it does not speak of.
+/// The model at each averaging time and the band around it; nothing for statistics that the model does not cover.
 fn expected(result: &Bound<'_, PyDict>, analysis: &Analysis, fit: &Fit) -> PyResult<()> {
     let py = result.py();
     let points: Option<Vec<Expected>> = analysis.points.iter().map(|point| fit.expected(analysis, point)).collect();
@@ -234,15 +234,16 @@ pub fn mtie<'py>(
     Ok(values(py, &py.detach(|| mtie_of(phase, &m))))
 }
 
-/// What was found at each length; NaN and 0 where there is nothing.
+/// The values at each length; NaN and 0 where there is none.
 fn values<'py>(py: Python<'py>, found: &[Result<Deviation, Reason>]) -> (Column<'py, f64>, Column<'py, i64>) {
     let (dev, n): (Vec<f64>, Vec<i64>) =
         found.iter().map(|found| found.as_ref().map_or((f64::NAN, 0), |found| (found.dev, found.n as i64))).unzip();
     (PyArray1::from_vec(py, dev), PyArray1::from_vec(py, n))
 }
 
-/// The name of every statistic and the name in words, with order, overlapped and modified of the differences that give
-/// its degrees of freedom; ``None`` where these have a formula of their own.
+/// Every statistic: its name, its name in words, and how its degrees of freedom are computed.
+///
+/// The last is order, overlapped and modified of the differences, or ``None`` if there is a separate formula.
 #[pyfunction]
 pub fn statistics() -> Vec<(&'static str, &'static str, Option<OfDifferences>)> {
     let differences = |stat: Stat| stat.difference().map(|of| (of.order, of.overlapped, of.modified));
@@ -256,7 +257,7 @@ pub fn edf(stat: &str, alpha: i32, m: u64, phase_points: u64) -> PyResult<f64> {
     Ok(edf_of(stat.parse().map_err(refused)?, alpha, m, phase_points))
 }
 
-/// The same of a variance of differences of the order 1, 2 or 3.
+/// Equivalent degrees of freedom of a variance of differences of the order 1, 2 or 3.
 #[pyfunction]
 pub fn finite_difference_edf(
     order: u32,
@@ -269,7 +270,7 @@ pub fn finite_difference_edf(
     edf_of_difference(Difference { order, overlapped, modified }, alpha, m, phase_points)
 }
 
-/// Limits of a deviation with ``edf`` degrees of freedom that enclose the true one with the probability
+/// Limits of a deviation with ``edf`` degrees of freedom. They enclose the true deviation with the probability
 /// ``confidence``.
 #[pyfunction]
 pub fn interval(dev: f64, edf: f64, confidence: f64) -> (f64, f64) {

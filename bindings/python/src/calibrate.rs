@@ -1,7 +1,7 @@
 //! The procedure of AN-1042.
 
 use crate::calibration::Calibration;
-use crate::error::exception;
+use crate::error::{exception, joined};
 use crate::native::native;
 use pyo3::exceptions::{PyUserWarning, PyValueError};
 use pyo3::prelude::*;
@@ -24,7 +24,7 @@ enum Duration {
     Text(String),
 }
 
-/// The arguments of ``zerorate.calibrate``; None is the default of the procedure.
+/// The arguments of ``zerorate.calibrate``. None means the default of the procedure.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct CalibrateOptions {
@@ -96,7 +96,7 @@ impl Duration {
     }
 }
 
-/// What a setting is called in ``zerorate.calibrate``.
+/// The name of a setting in ``zerorate.calibrate``.
 fn argument(setting: Setting) -> &'static str {
     match setting {
         Setting::Average => "average=",
@@ -114,7 +114,7 @@ fn argument(setting: Setting) -> &'static str {
     }
 }
 
-/// What the device said on the way.
+/// The warnings of the device so far.
 #[derive(Clone, Default)]
 struct Said(Arc<Mutex<Vec<JobWarning>>>);
 
@@ -128,7 +128,7 @@ impl Said {
     }
 }
 
-/// Python, looking on.
+/// The Python caller, who watches the procedure.
 struct Caller {
     signal: PyResult<()>,
     said: Said,
@@ -151,7 +151,7 @@ impl Watch for Caller {
 
 /// Runs the procedure on a device. Returns the object that ``zerorate calibrate --json`` prints, and the calibration.
 ///
-/// Other threads run meanwhile. Ctrl-C ends it. What the device says on the way becomes a warning.
+/// Other threads run meanwhile. Ctrl-C ends it. Messages of the device become warnings.
 #[pyfunction]
 pub fn calibrate<'py>(
     py: Python<'py>,
@@ -169,7 +169,7 @@ pub fn calibrate<'py>(
     });
     signal?;
     for warning in said {
-        let text = CString::new(warning.coded(argument).to_string().replace('\0', " "))?;
+        let text = CString::new(joined(&warning.coded(argument).to_string()).replace('\0', " "))?;
         PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)?;
     }
     let (report, calibration) = done.map_err(|error| exception(&error))?;
@@ -192,5 +192,13 @@ fn run(
     let acquisition = Acquisition::open(device, setup, Pace::Free, &Stop::default(), tell)?;
     let done = prepare(acquisition, plan, files, argument)?.run(caller)?;
     done.kept.map_err(|undelivered| undelivered.error(""))?;
-    Ok((serde_json::to_value(&done.report)?, done.calibration))
+    let mut report = serde_json::to_value(&done.report)?;
+    if let Some(Value::Array(warnings)) = report.get_mut("warnings") {
+        for warning in warnings {
+            if let Value::String(text) = warning {
+                *text = joined(text);
+            }
+        }
+    }
+    Ok((report, done.calibration))
 }

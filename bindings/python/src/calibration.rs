@@ -1,4 +1,4 @@
-//! A calibration, as the package holds it.
+//! A calibration as the package holds it.
 
 use crate::native::native;
 use pyo3::exceptions::PyValueError;
@@ -7,23 +7,23 @@ use serde_json::{Value, json};
 use zerorate::Scale;
 use zerorate::calibration::CalibratedAxis;
 
-/// Keys of the file that belong to an axis, or are called otherwise in Python.
+/// Keys of the file that belong to an axis, or have another name in Python.
 const OF_AXES: [&str; 7] = ["axis", "temperature", "correction", "measured", "uncertainty", "curve", "noise"];
 
 /// A calibration and the text of its file.
 #[pyclass(frozen, module = "zerorate._zerorate")]
 pub struct Calibration {
     pub known: zerorate::Calibration,
-    /// The file.
+    /// The text of the file.
     #[pyo3(get)]
     text: String,
-    /// What there is to know of the file.
+    /// Warnings about the file.
     #[pyo3(get)]
     notes: Vec<String>,
 }
 
 impl Calibration {
-    /// Of a measurement.
+    /// The calibration that a measurement found.
     pub fn of(known: zerorate::Calibration) -> Self {
         Self { text: known.to_toml(), known, notes: Vec::new() }
     }
@@ -31,9 +31,9 @@ impl Calibration {
 
 #[pymethods]
 impl Calibration {
-    /// Reads a calibration file out of its text.
+    /// Reads a calibration from the text of its file.
     ///
-    /// Raises ValueError with the line that is wrong.
+    /// Raises ValueError, which names the wrong line.
     #[new]
     fn new(text: String) -> PyResult<Self> {
         let parsed = zerorate::Calibration::parse(&text);
@@ -47,7 +47,7 @@ impl Calibration {
         self.known.id()
     }
 
-    /// Its numbers, in one form for all schemas: the arguments of the data classes.
+    /// The numbers as arguments of the data classes, in one form for all schemas.
     #[getter]
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let mut fields =
@@ -60,7 +60,7 @@ impl Calibration {
         native(py, &fields)
     }
 
-    /// What to say where temperatures from ``low_c`` to ``high_c`` leave its span.
+    /// The warning if temperatures from ``low_c`` to ``high_c`` leave the span of the calibration.
     fn extrapolation(&self, low_c: f64, high_c: f64) -> Option<String> {
         let warning = self.known.validity.and_then(|validity| validity.warning(low_c, high_c));
         warning.map(|warning| warning.to_string())

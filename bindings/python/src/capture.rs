@@ -14,7 +14,7 @@ use zerorate_record::CaptureWarning;
 /// Reads a capture. Returns its columns, and its description under ``width_bits``, ``metadata``, ``calibration_id``
 /// and ``warning``.
 ///
-/// Raises ValueError for a file that is no whole capture, OSError for one that cannot be read.
+/// Raises ValueError if the file is not a whole capture, and OSError if it cannot be read.
 #[pyfunction]
 pub fn read_capture(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     let recording = py.detach(|| capture::read_capture(&path)).map_err(|error| exception(&error))?;
@@ -32,18 +32,18 @@ pub fn read_capture(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>
     Ok(capture)
 }
 
-/// Stands for a temperature that was not read, where −1 may be a code.
+/// Marks a temperature that was not read, where −1 may be a code.
 const NOT_READ: i64 = i64::MIN;
 
-/// What there is of each axis. Of an ADIS16130 it is a column in the type of its codes; of another part a table with a
-/// column for each axis, and the scales of the codes.
+/// Adds the data of each axis. An ADIS16130 has columns in the type of its codes. Another part has tables with a
+/// column for each axis, and the scales of its codes.
 fn set_axes(py: Python<'_>, capture: &Bound<'_, PyDict>, recording: &Recording) -> PyResult<()> {
     let axes = &recording.axes;
     capture.set_item("axes", PyTuple::new(py, axes.iter().map(|axis| axis.name.as_str()))?)?;
     capture.set_item("width_bits", axes.first().map_or(0, |axis| axis.scale.width_bits))?;
     let temps = recording.temp_code.iter();
     if let ([axis], true) = (&axes[..], recording.part == Part::ADIS16130.name) {
-        // its codes have 24 bits at most, its status 8
+        // codes have at most 24 bits, and the status has 8
         let codes = axis.codes.iter().map(|code| *code as u32);
         let status = recording.status.iter().map(|status| *status as i16);
         let temps = temps.map(|code| code.map_or(-1, |code| code as i32));
@@ -64,7 +64,7 @@ fn set_axes(py: Python<'_>, capture: &Bound<'_, PyDict>, recording: &Recording) 
     capture.set_item("temp_scale", temp)
 }
 
-/// A row for each sample, a column for each axis.
+/// A table with a row for each sample and a column for each axis.
 fn table<'py, T: Element + Copy>(py: Python<'py>, columns: &[&[T]], rows: usize) -> PyResult<Bound<'py, PyArray2<T>>> {
     let cells = (0..rows).flat_map(|row| columns.iter().map(move |column| column[row]));
     PyArray1::from_iter(py, cells).reshape([rows, columns.len()])
@@ -78,7 +78,7 @@ pub fn rate_dps<'py>(codes: PyReadonlyArray1<'py, u32>, width_bits: u32) -> PyRe
     Ok(rates.to_pyarray(codes.py()))
 }
 
-/// Temperature codes in °C (F-41); NaN for −1, which stands for a temperature that was not read.
+/// Temperature codes in °C (F-41); NaN for −1, which marks a temperature that was not read.
 #[pyfunction]
 pub fn temp_c<'py>(codes: PyReadonlyArray1<'py, i32>, width_bits: u32) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let width = width(width_bits)?;

@@ -1,4 +1,4 @@
-//! What a calibration does to a rate.
+//! Applies a calibration to rates.
 
 use crate::calibration::Calibration;
 use numpy::{PyArray1, PyReadonlyArray1};
@@ -6,8 +6,10 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use zerorate::Correction;
 
-/// RATE + PBC + d · (BTC + d · (BTC2 + d · BTC3)) with d = TEMP − T3 (F-50 where the last two are zero) for each pair
-/// of a rate, °/s, and the temperature that was read with it, °C; the five coefficients in the order of `Correction`.
+/// Corrects rates, °/s, with the temperatures that were read with them, °C: RATE + PBC + d · (BTC + d · (BTC2 + d ·
+/// BTC3)) with d = TEMP − T3.
+///
+/// The five coefficients are in the order of `Correction`. If the last two are zero, this is F-50.
 ///
 /// Raises ValueError if the arrays differ in length.
 #[pyfunction]
@@ -28,7 +30,7 @@ pub fn correct<'py>(
     Ok(PyArray1::from_vec(py, py.detach(apply)))
 }
 
-/// Corrects a stream of rates with the temperature that was read last.
+/// Corrects a stream of rates with the last temperature that was read.
 #[pyclass(module = "zerorate._zerorate")]
 pub struct Corrector {
     inner: zerorate::Corrector<Vec<Correction>>,
@@ -36,9 +38,9 @@ pub struct Corrector {
 
 #[pymethods]
 impl Corrector {
-    /// Of these axes of the calibration.
+    /// A corrector for these axes of the calibration.
     ///
-    /// Raises ValueError for an axis that it does not have.
+    /// Raises ValueError for an axis that the calibration does not have.
     #[new]
     fn new(calibration: &Calibration, axes: Vec<String>) -> PyResult<Self> {
         let known = &calibration.known;
@@ -46,9 +48,10 @@ impl Corrector {
         Ok(Self { inner: inner.map_err(|error| PyValueError::new_err(error.to_string()))? })
     }
 
-    /// Corrects rates, °/s, of all axes for each time, one time after the other, with the temperatures, °C, that were
-    /// read at these times; NaN is none. Returns the corrected rates, the temperatures used, and whether these lie
-    /// outside the span.
+    /// Corrects rates, °/s, with the temperatures, °C, that were read at the same times; NaN means none.
+    ///
+    /// The rates hold all axes for each time, one time after the other. Returns the corrected rates, the temperatures
+    /// used, and whether these lie outside the span.
     ///
     /// Raises ValueError if there is not a rate of each axis for each temperature.
     fn take<'py>(
@@ -75,7 +78,7 @@ impl Corrector {
         Ok((PyArray1::from_vec(py, corrected), PyArray1::from_vec(py, used), PyArray1::from_vec(py, outside)))
     }
 
-    /// What to say where a temperature left the span.
+    /// The warning if a temperature left the span.
     fn warning(&self) -> Option<String> {
         self.inner.warning().map(|warning| warning.to_string())
     }

@@ -15,10 +15,10 @@ create_exception!(
      what to do."
 );
 
-/// The exception for an error: [`Refused`], an `OSError` where the system said no, else a `ValueError`. The text is
-/// that of the command line.
+/// The exception for an error: [`Refused`], an `OSError` for an error of the system, otherwise a `ValueError`. The
+/// text is the same as on the command line, but names arguments.
 pub fn exception(error: &anyhow::Error) -> PyErr {
-    let text = format!("{error:#}");
+    let text = joined(&format!("{error:#}"));
     if error.is::<zerorate_jobs::Refused>() || matches!(error.downcast_ref(), Some(LogError::Refused(..))) {
         return Refused::new_err(text);
     }
@@ -33,4 +33,18 @@ pub fn exception(error: &anyhow::Error) -> PyErr {
         Some(ErrorKind::PermissionDenied) => PyPermissionError::new_err(text),
         Some(_) => PyOSError::new_err(text),
     }
+}
+
+/// Joins arguments and their values as Python writes them: `divider=4` for `divider= 4` and for `divider= is 4`.
+pub fn joined(text: &str) -> String {
+    let mut parts = text.split('=');
+    let mut written = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let is_number = |value: &&str| value.starts_with(|c: char| c.is_ascii_digit() || c == '-');
+        let value = part.strip_prefix(" is ").or_else(|| part.strip_prefix(' ')).filter(is_number);
+        let is_argument = written.ends_with(|c: char| c.is_ascii_lowercase());
+        written.push('=');
+        written.push_str(value.filter(|_| is_argument).unwrap_or(part));
+    }
+    written
 }

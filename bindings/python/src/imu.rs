@@ -13,10 +13,10 @@ use zerorate_logs::{Names, TimeUnit, Unit};
 /// Name, unit and model of an axis.
 type Modelled<'py> = (String, String, PyRef<'py, Model>);
 
-/// The text of the file for `format`, and why its models are rejected, if they are.
+/// The text of the file for ``format``, and the reasons against its numbers, if there are any.
 ///
-/// Raises ValueError for an unknown format, and for a number of axes that it cannot take; Refused where the numbers
-/// are no result, unless ``accept_rejected`` is given.
+/// Raises ValueError for an unknown format, and for a number of axes that it cannot take. Raises Refused if the
+/// numbers are not a valid result, unless ``accept_rejected`` is given.
 #[pyfunction]
 pub fn imu_file(
     format: &str,
@@ -35,14 +35,14 @@ pub fn imu_file(
     Ok((format.file(choice, &axes, &doubts, accept_rejected).map_err(no_file)?, doubts.texts()))
 }
 
-/// What is to be said where something happens to several axes at once.
+/// Warnings about events that happen to several axes at once.
 #[pyfunction]
 pub fn motion(axes: Vec<(String, PyRef<'_, Model>)>) -> Vec<String> {
     let models: Vec<_> = axes.iter().map(|(name, model)| (name.as_str(), &model.fit)).collect();
     ImuWarning::of_motion(&models).iter().map(ImuWarning::coded).collect()
 }
 
-/// What a unit is of, as a kind of axis; nothing for another unit.
+/// The kind of axis that a unit belongs to; None for other units.
 #[pyfunction]
 pub fn unit_kind(unit: &str) -> Option<&'static str> {
     Some(Kind::of(unit.parse::<Unit>().ok()?.quantity())?.name())
@@ -60,9 +60,10 @@ pub fn is_time(name: &str) -> bool {
     Unit::of_column(name).is_none() && TimeUnit::of_column(name).is_some()
 }
 
-/// Writes a text to ``path``: whole, onto the disk, and over another file only with ``force``.
+/// Writes a text to ``path``. The file appears only when it is complete on the disk, and replaces another only with
+/// ``force``.
 ///
-/// Raises FileExistsError where it would overwrite one, OSError where it cannot be written.
+/// Raises FileExistsError if it would overwrite a file, and OSError if it cannot be written.
 #[pyfunction]
 pub fn save_text(path: PathBuf, text: &str, force: bool) -> PyResult<()> {
     let save = || -> anyhow::Result<()> { Ok(Outputs::new(force).derived(&path)?.fill(text.as_bytes())?) };
@@ -71,7 +72,8 @@ pub fn save_text(path: PathBuf, text: &str, force: bool) -> PyResult<()> {
 
 fn axis<'a>((name, unit, model): &'a Modelled<'_>) -> PyResult<Axis<'a>> {
     let unit: Unit = unit.parse().map_err(PyValueError::new_err)?;
-    let kind = Kind::of(unit.quantity()).ok_or_else(|| PyValueError::new_err(format!("{unit} is of no axis")))?;
+    let kind =
+        Kind::of(unit.quantity()).ok_or_else(|| PyValueError::new_err(format!("no axis has the unit {unit}")))?;
     Ok(Axis { name, kind, rate_hz: model.rate_hz, fit: &model.fit, scale: unit.in_results() })
 }
 
@@ -89,7 +91,7 @@ fn no_file(why: NoNoiseFile) -> PyErr {
     }
 }
 
-/// One of several by its name.
+/// Finds one of several by its name.
 fn named<T: Copy, const N: usize>(what: &str, name: &str, all: [T; N], of: fn(T) -> &'static str) -> PyResult<T> {
     let names = || all.map(|one| format!("'{}'", of(one))).join(", ");
     let found = all.into_iter().find(|one| of(*one) == name);

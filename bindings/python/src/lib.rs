@@ -1,7 +1,7 @@
-//! `zerorate._zerorate`: what the Python package takes from Rust.
+//! `zerorate._zerorate`: the Rust part of the Python package.
 //!
-//! It moves numbers across and turns errors into exceptions. Names, defaults and data classes stand in
-//! `python/zerorate`, the computations in the crates `zerorate` and `zerorate-cli`.
+//! It converts numbers and turns errors into exceptions. Names, defaults and data classes are in `python/zerorate`,
+//! and the computations are in the crates `zerorate` and `zerorate-cli`.
 
 mod allan;
 mod calibrate;
@@ -45,10 +45,10 @@ mod _zerorate {
 
 /// Runs the command line ``args``, program name first. Returns the exit code: 0 done, 1 failed, 2 usage, 3 refused.
 ///
-/// ``--help``, ``--version`` and a command line that makes no sense end the process.
+/// ``--help``, ``--version`` and an invalid command line end the process.
 #[pyfunction]
 fn main(py: Python<'_>, args: Vec<std::ffi::OsString>) -> u8 {
     let code = py.detach(|| zerorate_cli::main(args));
-    // an `ExitCode` does not tell its number, but whether it equals another
+    // an `ExitCode` does not reveal its number, but can be compared
     (0..=u8::MAX).find(|number| std::process::ExitCode::from(*number) == code).unwrap_or(1)
 }

@@ -1,6 +1,6 @@
 //! Columns of logs, and of tables in memory, which are read by the same rules.
 
-use crate::error::exception;
+use crate::error::{exception, joined};
 use arrow_array::{ArrayRef, DurationNanosecondArray, Float64Array, Int32Array, NullArray, RecordBatch};
 use arrow_schema::{Field, Schema};
 use numpy::{PyArray1, PyReadonlyArray1};
@@ -17,10 +17,10 @@ use zerorate_logs::{
     Column, ColumnOptions, Decimal, LogWarning, Names, Quantity, RawType, Series, Setting, TimeUnit, Unit, Wanted,
 };
 
-/// Where numbers come from.
+/// The source of numbers.
 #[derive(FromPyObject)]
 pub enum Source<'py> {
-    /// A table: what messages call it, and its columns.
+    /// A table: its name in messages, and its columns.
     Table(String, Vec<(String, Cells<'py>)>),
     /// A log.
     File(PathBuf),
@@ -32,7 +32,7 @@ pub enum Cells<'py> {
     Codes(PyReadonlyArray1<'py, i32>),
     Numbers(PyReadonlyArray1<'py, f64>),
     Times(PyReadonlyArray1<'py, i64>),
-    /// No numbers; so many rows.
+    /// This many rows without numbers.
     Other(usize),
 }
 
@@ -52,13 +52,13 @@ pub struct Options {
     max_bad: Option<f64>,
 }
 
-/// Unit and scale, as somebody says.
+/// Unit and scale, as the caller gives them.
 type UnitAndScale = (Option<String>, Option<f64>);
 
-/// The axes, the topic, what is to be said.
+/// The axes, the topic, and the warnings.
 type Found<'py> = (Vec<Bound<'py, PyDict>>, Option<String>, Vec<String>);
 
-/// What the options are called in Python.
+/// The names of the options in Python.
 pub fn argument(setting: Setting) -> &'static str {
     match setting {
         Setting::Column => "column=",
@@ -80,8 +80,10 @@ pub fn argument(setting: Setting) -> &'static str {
     }
 }
 
-/// Reads columns of a log: those that are named, ``None`` for the only one, or all where ``every``. ``points`` asks
-/// for a number for each sample, whatever the log has. Returns a dictionary for each.
+/// Reads the named columns of a log, all columns with ``every``, or the only one with ``None``. Returns a dictionary
+/// for each.
+///
+/// ``points`` asks for a number for each sample, even if the log has codes.
 #[pyfunction]
 pub fn read_columns<'py>(
     py: Python<'py>,
@@ -110,8 +112,9 @@ pub fn read_columns<'py>(
     columns.into_iter().map(|column| described(py, &path, column, given, points)).collect()
 }
 
-/// Name and temperature, °C, of a log or table with a number for each sample: of the column ``name``, or of one by the
-/// names that `temperatures` lists. ``None`` where there is none.
+/// Reads the temperature of each sample, °C, and returns it with the name of its column; ``None`` if there is none.
+///
+/// It is the column ``name``, or one with a name that `temperatures` lists.
 #[pyfunction]
 pub fn read_temperature<'py>(
     py: Python<'py>,
@@ -119,7 +122,7 @@ pub fn read_temperature<'py>(
     name: Option<&str>,
     options: Options,
 ) -> PyResult<Option<(String, Bound<'py, PyArray1<f64>>)>> {
-    // what is said of the unit of the other columns is not said of it
+    // warnings about the unit of the other columns do not apply to it
     let options = ColumnOptions { unit: None, scale: None, ..options.checked()? };
     let (path, column) = match opened(source)? {
         Opened::Table(path, table) => {
@@ -141,14 +144,14 @@ pub fn read_temperature<'py>(
     Ok(Some((column.name, PyArray1::from_vec(py, temps_c))))
 }
 
-/// What columns with a temperature are called.
+/// The names of columns with a temperature.
 #[pyfunction]
 pub fn temperatures() -> Vec<&'static str> {
     TEMPERATURE_NAMES.to_vec()
 }
 
-/// Reads the axes of an IMU's log, or of the columns that are named. Returns a dictionary for each, the topic of a
-/// bag, and what is to be said of the log.
+/// Reads the axes of an IMU's log, or the named columns. Returns a dictionary for each, the topic of a bag, and the
+/// warnings about the log.
 #[pyfunction]
 pub fn read_imu<'py>(
     py: Python<'py>,
@@ -218,7 +221,7 @@ const DECIMALS: [(&str, Decimal); 4] =
 const RAW: [(&str, RawType); 4] =
     [("i16", RawType::I16), ("i32", RawType::I32), ("f32", RawType::F32), ("f64", RawType::F64)];
 
-/// One of a few words.
+/// Finds the value for one of a few words.
 fn chosen<T: Copy>(word: &Option<String>, name: &str, all: &[(&str, T)]) -> PyResult<Option<T>> {
     let Some(word) = word else { return Ok(None) };
     let found = all.iter().find(|(known, _)| known == word).map(|(_, value)| *value);
@@ -238,7 +241,7 @@ fn positive(number: Option<f64>) -> PyResult<Option<f64>> {
     }
 }
 
-/// A source, ready to be read without Python.
+/// A source that can be read without Python.
 enum Opened {
     Table(PathBuf, RecordBatch),
     File(PathBuf),
@@ -269,12 +272,12 @@ impl Cells<'_> {
     }
 }
 
-/// For `warnings.warn`.
+/// The warnings as texts for `warnings.warn`.
 fn texts(warnings: &[LogWarning]) -> Vec<String> {
-    warnings.iter().map(LogWarning::coded).collect()
+    warnings.iter().map(|warning| joined(&warning.coded())).collect()
 }
 
-/// A column for Python: its numbers in the unit that they came in.
+/// Describes a column for Python. Its numbers stay in the unit in which they came.
 fn described<'py>(
     py: Python<'py>,
     path: &Path,
@@ -305,12 +308,12 @@ fn described<'py>(
     Ok(result)
 }
 
-/// What a unit is called in results.
+/// The name of a unit in results.
 pub fn label(unit: Unit) -> &'static str {
     if unit == Unit::Dps { Quantity::AngularRate.unit() } else { unit.name() }
 }
 
-/// The unit of which a step is one.
+/// The unit in which a step is one.
 fn unit_of(column: &Column) -> Option<Unit> {
     let quantity = column.quantity?;
     Unit::ALL.into_iter().find(|unit| unit.quantity() == quantity && unit.in_results() == column.scale)

@@ -1,11 +1,11 @@
-//! Values of Rust as values of Python.
+//! Converts values of Rust to values of Python.
 
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use serde_json::Value;
 
-/// None, a bool, an int or float, a str, a list or a dict.
+/// Converts to None, a bool, an int or float, a str, a list or a dict.
 pub fn native<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
     match value {
         Value::Null => Ok(py.None().into_bound(py)),

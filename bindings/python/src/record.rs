@@ -1,4 +1,4 @@
-//! A record of one axis, as Python hands it in.
+//! A record of one axis, as Python gives it.
 
 use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyValueError;
@@ -13,10 +13,10 @@ pub enum Record<'py> {
 }
 
 impl Record<'_> {
-    /// As the core takes it, in place. `gaps` belong to codes; numbers have NaN.
+    /// The record as the core takes it, without a copy. `gaps` belong to codes; numbers have NaN.
     pub fn input<'a>(&'a self, phase: bool, gaps: &'a [Gap]) -> PyResult<Input<'a>> {
         Ok(match self {
-            Self::Codes(_) if phase => return Err(PyValueError::new_err("phase comes as floating-point numbers")),
+            Self::Codes(_) if phase => return Err(PyValueError::new_err("give phase as floating-point numbers")),
             Self::Codes(codes) => Input::Codes { codes: codes.as_slice()?, gaps },
             Self::Numbers(numbers) if phase => Input::Phase(numbers.as_slice()?),
             Self::Numbers(numbers) => Input::Rate(numbers.as_slice()?),

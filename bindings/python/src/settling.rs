@@ -1,6 +1,6 @@
-//! The temperature of a record, and its beginning: as `zerorate allan` does it.
+//! Treats the temperature and the beginning of a record as `zerorate allan` does.
 
-use crate::error::exception;
+use crate::error::{exception, joined};
 use crate::log::argument;
 use crate::record::Record;
 use numpy::PyReadonlyArray1;
@@ -11,21 +11,21 @@ use std::path::Path;
 use zerorate_allan::{AllanWarning, Detrended, Gap, Input, Settled};
 use zerorate_logs::{self as logs, Column, Names, Series};
 
-/// What messages call a record in memory.
+/// The name of a record in memory, for messages.
 const RECORD: &str = "the record";
 
-/// What is known of the temperature of a record, and what is done about it and about its beginning.
+/// The temperature of a record, and the treatment of it and of the beginning.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Settling<'py> {
-    /// For each sample, °C; NaN where it is missing.
+    /// Temperature of each sample, °C; NaN where it is missing.
     temps_c: Option<PyReadonlyArray1<'py, f64>>,
     detrend: Option<usize>,
     skip: String,
 }
 
 impl Settling<'_> {
-    /// Does it to a record. Returns what is left, and what came of it.
+    /// Treats a record. Returns the rest of the record, and the results of the treatment.
     pub fn apply(
         &self,
         py: Python<'_>,
@@ -54,7 +54,7 @@ fn named(name: &str, series: Series, rate_hz: f64) -> Column {
     Column { name: name.to_owned(), series, gaps, rate_hz, quantity: None, scale: 1.0, warnings }
 }
 
-/// What is left of a record as the core takes it, in place.
+/// The rest of a record as the core takes it, without a copy.
 pub fn input(column: &Column, phase: bool) -> Input<'_> {
     match column.input() {
         Input::Rate(numbers) if phase => Input::Phase(numbers),
@@ -62,11 +62,11 @@ pub fn input(column: &Column, phase: bool) -> Input<'_> {
     }
 }
 
-/// What is to be said of a record that stops changing.
+/// The warning about a record that stops changing.
 pub fn frozen(input: Input<'_>, rate_hz: f64, name: &str) -> Option<String> {
     match logs::stopped(input, rate_hz, Path::new(RECORD), name) {
         Ok(note) => note.map(|note| note.to_string()),
-        // a log that never changes is refused by the command line; what is in memory has its deviations, which are 0
+        // the command line refuses a log that never changes; a record in memory has deviations of 0
         Err(error) => Some(format!("frozen: {error}")),
     }
 }
@@ -77,10 +77,10 @@ pub fn text(warning: &AllanWarning) -> String {
         AllanWarning::FollowsTemperature { .. } => " (detrend=1, skip=\"45m\")",
         _ => "",
     };
-    format!("{}: {warning}{help}", warning.code())
+    joined(&format!("{}: {warning}{help}", warning.code()))
 }
 
-/// The polynomial that was taken out.
+/// The polynomial that was subtracted, as a dictionary.
 pub fn dict<'py>(py: Python<'py>, detrended: &Detrended) -> PyResult<Bound<'py, PyDict>> {
     let result = PyDict::new(py);
     result.set_item("order", detrended.lost_dof)?;

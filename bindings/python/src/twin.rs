@@ -4,7 +4,7 @@ use adis16130_twin::{KEYS, Key, Spec};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-/// The name of a twin as a device, ``twin:KEY=VALUE,…``.
+/// The name of a twin as a device: ``twin:KEY=VALUE,…``.
 ///
 /// Raises ValueError for a key or a value that the twin does not have.
 #[pyfunction]

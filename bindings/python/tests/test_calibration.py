@@ -270,6 +270,8 @@ def test_what_is_wrong_is_said(tmp_path: Path) -> None:
         zerorate.Twin(bias_dsp=1)
     with pytest.raises(ValueError, match="average=soon"):
         zerorate.calibrate(zerorate.Twin(), average="soon")
+    with pytest.raises(ValueError, match="earth_dps=5; it must be a number"):
+        zerorate.calibrate(zerorate.Twin(), earth_dps=5)
     with pytest.raises(zerorate.Refused, match="mov"):
         zerorate.calibrate(zerorate.Twin(motion="sway", sway_dps=5), divider=99, average=10, warmup=10)
 

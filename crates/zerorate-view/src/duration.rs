@@ -9,13 +9,13 @@ use std::str::FromStr;
 pub struct Seconds(pub f64);
 
 impl Seconds {
-    /// In whole nanoseconds, saturating.
+    /// The duration in whole nanoseconds, saturating.
     pub fn nanos(self) -> u64 {
         (self.0 * 1e9) as u64
     }
 }
 
-/// A duration in which something can be read: above zero.
+/// Parses a duration that must be above zero.
 pub fn above_zero(text: &str) -> Result<Seconds, String> {
     let seconds: Seconds = text.parse()?;
     if seconds.0 > 0.0 { Ok(seconds) } else { Err("it must be above zero".to_owned()) }
@@ -39,7 +39,7 @@ impl FromStr for Seconds {
     }
 }
 
-/// As [`Seconds::from_str`] reads it back: `2m30s`. What is no number is shown as such.
+/// Writes what [`Seconds::from_str`] reads back: `2m30s`. NaN is written as `NaN`.
 impl fmt::Display for Seconds {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.0.is_nan() {

@@ -1,4 +1,4 @@
-//! Results as pictures and pages: numbers and words come in, SVG, PNG and HTML go out.
+//! Shows results as pictures and pages: it takes numbers and words, and returns SVG, PNG and HTML.
 
 pub mod duration;
 pub mod export;

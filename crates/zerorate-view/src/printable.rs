@@ -1,17 +1,17 @@
-//! Text from outside in pages and pictures. A browser ignores most control characters, but whoever prints the file on
-//! a terminal has them act there, and XML does not know them.
+//! Text from outside in pages and pictures. A browser ignores most control characters, but a terminal that prints the
+//! file obeys them, and XML forbids them.
 
-/// One line.
+/// Makes one line of text printable.
 pub fn line(text: &str) -> String {
     text.chars().map(|c| if is_known(c) { c } else { UNKNOWN }).collect()
 }
 
-/// A whole page. Ours have no control characters but line breaks.
+/// Makes a whole page printable. Our pages have no control characters but line breaks.
 pub fn page(text: &str) -> String {
     text.chars().map(|c| if c == '\n' || is_known(c) { c } else { UNKNOWN }).collect()
 }
 
-/// What stands in place of a character that cannot be shown.
+/// The replacement for a character that cannot be shown.
 const UNKNOWN: char = char::REPLACEMENT_CHARACTER;
 
 fn is_known(c: char) -> bool {

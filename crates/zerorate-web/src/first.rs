@@ -1,5 +1,6 @@
-//! The first look at the twin, by a module that is small: what is seen of it, until the session with all that is known
-//! of it has come and goes on in its place.
+//! The first look at the twin, by a small module. It shows the twin until the whole session has been loaded and
+//! continues
+//! from there.
 
 use crate::live::Pace;
 use crate::message::DeviceState;
@@ -9,16 +10,16 @@ use crate::source::{Source, TwinSource};
 /// A unit of the twin that was just switched on.
 pub struct FirstLook {
     live_view: LiveView,
-    /// None: it can be read no more; the session will say why.
+    /// `None` if the twin can no longer be read; the session will say why.
     source: Option<TwinSource>,
     pace: Pace,
 }
 
 impl FirstLook {
-    /// A unit by its keys, as after `--device twin:`.
+    /// Opens the unit with these keys, as after `--device twin:`.
     ///
     /// # Errors
-    /// Keys that there are not, or a part that does not answer.
+    /// If a key is unknown, or the part does not answer.
     pub fn open(keys: &str) -> Result<Self, String> {
         let source = TwinSource::open(keys)?;
         let about = source.about();
@@ -28,7 +29,7 @@ impl FirstLook {
         Ok(Self { live_view, source: Some(source), pace })
     }
 
-    /// Takes readings for at most so long, as far as their time has come; `clock` tells the time of the page, ms.
+    /// Takes readings whose time has come, for at most this long. `clock` tells the time of the page, ms.
     pub fn turn(&mut self, clock: &mut dyn FnMut() -> f64, budget_ms: f64) {
         let Some(source) = &mut self.source else { return };
         let until_ms = clock() + budget_ms;
@@ -41,20 +42,21 @@ impl FirstLook {
         }
     }
 
-    /// What is new; none: nothing.
+    /// The frame with everything that changed, or `None` if nothing did.
     pub fn frame(&mut self) -> Option<Vec<u8>> {
         let (frame, payload) = self.live_view.is_changed().then(|| self.live_view.news(None))?;
         Some(encode(&frame, &payload))
     }
 
-    /// All there is, for a window that just came.
+    /// The frame with everything, for a window that just opened.
     #[must_use]
     pub fn snapshot(&self) -> Vec<u8> {
         let (frame, payload) = self.live_view.everything(None);
         encode(&frame, &payload)
     }
 
-    /// How long it was looked at, s of its time: where [`Live::catch_up`](crate::live::Live::catch_up) goes on.
+    /// How long the twin was looked at, s of its time. [`Live::catch_up`](crate::live::Live::catch_up) continues
+    /// there.
     #[must_use]
     pub fn shown_s(&self) -> f64 {
         self.live_view.now_s()

@@ -1,5 +1,6 @@
-//! What stands behind the page of zerorate, in `zerorate serve` and in the browser alone: readings and requests in,
-//! frames and answers out. No socket, no clock and no thread is in here; whoever owns the loop hands in what came.
+//! The session behind the page of zerorate, for `zerorate serve` and for the browser alone. Readings and requests go
+//! in, frames and answers come out. It has no socket, no clock and no thread: the owner of the loop passes in what
+//! arrives.
 //!
 //! The messages are [`message`], specified in `docs/formats/page.md`.
 

@@ -1,30 +1,30 @@
-//! A session with its device, as a browser has it: readings are taken in turns, between which the page is served.
+//! A session with its device, as a browser runs it. Readings are taken in turns, and the page is served between them.
 
 use crate::message::DeviceState;
 use crate::session::{About, Handled, HostCommand, Session};
 use crate::source::{Next, Source};
 use zerorate_record::Row;
 
-/// Opens the device, from a reset on, at this time of the page, ms.
+/// Opens the device with a reset, at this time of the page, ms.
 pub type Open = Box<dyn Fn(f64) -> Result<Box<dyn Source>, String>>;
 
-/// A session and what it reads.
+/// A session and its device.
 pub struct Live {
     session: Session,
     open: Open,
-    /// None: it could not be opened, or can be read no more.
+    /// `None` if the device could not be opened or can no longer be read.
     source: Option<Box<dyn Source>>,
     pace: Pace,
 }
 
-/// Readings between two looks at the clock.
+/// Number of readings between two looks at the clock.
 const AT_ONCE: u32 = 64;
 
 impl Live {
     /// Opens a device.
     ///
     /// # Errors
-    /// It cannot be opened.
+    /// If the device cannot be opened.
     pub fn open(open: Open, now_ms: f64) -> Result<Self, String> {
         let source = open(now_ms)?;
         let about = source.about();
@@ -34,10 +34,10 @@ impl Live {
         Ok(live)
     }
 
-    /// The same session with another device; calibrations stay on file, and one under way ends without a result.
+    /// Continues the session with another device. Calibrations stay on file, and a running one ends without a result.
     ///
     /// # Errors
-    /// It cannot be opened; then the old one goes on.
+    /// If the device cannot be opened; then the old one goes on.
     pub fn instead(&mut self, open: Open, now_ms: f64) -> Result<(), String> {
         let source = open(now_ms)?;
         self.session.abort_calibration("another device was opened");
@@ -48,12 +48,12 @@ impl Live {
         Ok(())
     }
 
-    /// The session, for what is of no device.
+    /// The session, for requests that need no device.
     pub fn session(&mut self) -> &mut Session {
         &mut self.session
     }
 
-    /// Takes readings for at most so long, as far as their time has come; `clock` tells the time of the page, ms.
+    /// Takes readings whose time has come, for at most this long. `clock` tells the time of the page, ms.
     pub fn turn(&mut self, clock: &mut dyn FnMut() -> f64, budget_ms: f64) {
         let Some(mut source) = self.source.take() else { return };
         let began_ms = clock();
@@ -79,7 +79,8 @@ impl Live {
         }
     }
 
-    /// Goes on where a [`FirstLook`](crate::first::FirstLook) at the same unit is, so long after its first reading.
+    /// Continues where a [`FirstLook`](crate::first::FirstLook) at the same unit is, this long after its first
+    /// reading.
     pub fn catch_up(&mut self, shown_s: f64, clock: &mut dyn FnMut() -> f64) {
         self.pace.begun_s = shown_s;
         self.turn(clock, f64::INFINITY);
@@ -102,19 +103,19 @@ impl Live {
         self.session.done(id, done)
     }
 
-    /// What came through the serial port.
+    /// Takes bytes from the serial port.
     pub fn received(&mut self, bytes: &[u8], now_ms: f64) {
         if let Some(source) = &mut self.source {
             source.received(bytes, now_ms);
         }
     }
 
-    /// What is to be written to it.
+    /// The bytes to write to the serial port.
     pub fn to_send(&mut self) -> Vec<u8> {
         self.source.as_mut().map_or_else(Vec::new, |source| source.to_send())
     }
 
-    /// The serial port is gone.
+    /// Reports that the serial port is gone.
     pub fn unplugged(&mut self, why: &str) {
         if let Some(source) = &mut self.source {
             source.unplugged(why);
@@ -133,7 +134,7 @@ impl Live {
         self.session = before.reopened(about);
     }
 
-    /// A part that is simulated or recorded is there at once; another says when.
+    /// A simulated or recorded part is ready at once; another one says when it is.
     fn begun(&mut self) {
         if self.pace.is_simulated {
             self.session.state(DeviceState::Reading);
@@ -141,21 +142,21 @@ impl Live {
     }
 }
 
-/// How fast simulated time goes by.
+/// The pace of simulated time.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
-    /// A real part has its own.
+    /// The part is real and has its own time.
     is_simulated: bool,
-    /// Times as fast as the clock; 0: as fast as it can.
+    /// Runs this many times as fast as the clock; 0: as fast as possible.
     factor: f64,
-    /// How long it should have gone by when it begins, s.
+    /// The time that should have passed when it begins, s.
     begun_s: f64,
-    /// A simulated time, ns, and the time of the page then, ms.
+    /// A simulated time, ns, and the time of the page at that moment, ms.
     since: Option<(u64, f64)>,
 }
 
 impl Pace {
-    /// That of the clock.
+    /// The pace of the clock.
     pub fn of(about: &About) -> Self {
         Self { is_simulated: about.simulated, factor: 1.0, begun_s: 0.0, since: None }
     }
@@ -164,10 +165,10 @@ impl Pace {
         Self { factor, begun_s: 0.0, since: None, ..self }
     }
 
-    /// Takes readings whose time has come, until then at most; whether there may be more.
+    /// Takes readings whose time has come, up to this time. Returns whether there may be more.
     ///
     /// # Errors
-    /// The device can be read no more.
+    /// If the device can no longer be read.
     pub fn readings(
         &mut self,
         source: &mut (impl Source + ?Sized),
@@ -196,7 +197,7 @@ impl Pace {
         }
     }
 
-    /// Whether what is of this time is still to come.
+    /// Whether this time is still to come.
     fn is_ahead(&mut self, t_ns: u64, now_ms: f64) -> bool {
         let begun_ms = 1000.0 * self.begun_s;
         let &mut (from_ns, from_ms) = self.since.get_or_insert((t_ns, now_ms - begun_ms));
@@ -204,7 +205,7 @@ impl Pace {
         self.is_simulated && self.factor > 0.0 && gone_ms > (now_ms - from_ms) * self.factor
     }
 
-    /// A page that was too slow goes on from where it is: it does not catch up.
+    /// Lets a page that was too slow continue from where it is, without catching up.
     fn fell_behind(&mut self) {
         (self.since, self.begun_s) = (None, 0.0);
     }

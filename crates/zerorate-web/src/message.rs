@@ -13,97 +13,97 @@ pub use statistics::{
 #[cfg(test)]
 use ts_rs::TS;
 
-/// What the page asks for; `id` comes back with the answer.
+/// A request of the page. The answer has the same `id`.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct Request {
-    /// Chosen by the page.
+    /// The number of the request, chosen by the page.
     pub id: u32,
-    /// What to do.
+    /// The command.
     #[serde(flatten)]
     pub command: Command,
 }
 
-/// Something that the page can ask for.
+/// A command of the page.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "do", rename_all = "kebab-case")]
 #[cfg_attr(test, derive(TS))]
 pub enum Command {
     /// Begin a guided calibration. Answer: nothing.
     Calibrate(CalibrateCommand),
-    /// End it without a result. Answer: nothing.
+    /// End the calibration without a result. Answer: nothing.
     AbortCalibration,
-    /// End the recording of `warmup` or `cycle` here, with its result. Answer: nothing.
+    /// End the recording of `warmup` or `cycle` now, with its result. Answer: nothing.
     FinishCalibration,
-    /// Put the result, the refusal or the abort of the last one away. Answer: nothing.
+    /// Dismiss the result, refusal or abort of the last calibration. Answer: nothing.
     DismissCalibration,
-    /// Apply a calibration on file to what is shown; none: show raw rates alone. Answer: nothing.
+    /// Apply a calibration on file to the readings; none: show raw rates alone. Answer: nothing.
     Apply {
         /// Its `id`.
         calibration: Option<String>,
     },
     /// Put a calibration on file, from its TOML. Answer: its [`CalibrationEntry`].
     AddCalibration {
-        /// What stands in the file.
+        /// The text of the file.
         toml: String,
     },
-    /// Take a calibration off file that is not applied. Answer: nothing.
+    /// Remove a calibration that is not applied. Answer: nothing.
     RemoveCalibration {
         /// Its `id`.
         calibration: String,
     },
-    /// A calibration as a file. Answer: [`Download`].
+    /// Give a calibration as a file. Answer: [`Download`].
     Download {
         /// Its `id`.
         calibration: String,
-        /// In which form.
+        /// The form of the file.
         #[cfg_attr(test, ts(type = "Form"))]
         form: String,
     },
-    /// Begin the statistics anew: Allan deviation, spectrum, bias over temperature. Answer: nothing.
+    /// Restart the statistics: Allan deviation, spectrum, bias over temperature. Answer: nothing.
     Restart,
-    /// The angle is zero now. Answer: nothing.
+    /// Set the angle to zero. Answer: nothing.
     ZeroAngle,
-    /// How many times as fast as the clock a simulated part runs; 0: as fast as it goes. Answer: nothing.
+    /// Set the speed of a simulated part, in multiples of real time; 0: as fast as possible. Answer: nothing.
     Speed {
         /// 0 … 1000.
         factor: f64,
     },
-    /// Open the device again: another look at its registers, or a part that was unplugged. Answer: nothing.
+    /// Open the device again, to read its registers anew or after it was unplugged. Answer: nothing.
     Reopen,
 }
 
-/// A guided calibration: a method and what differs from its defaults.
+/// A guided calibration: its method, and the settings that differ from the defaults.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct CalibrateCommand {
-    /// How.
+    /// The method.
     pub method: MethodName,
-    /// Steps 4 and 6, s.
+    /// Duration of steps 4 and 6, s.
     #[cfg_attr(test, ts(optional))]
     pub average_s: Option<f64>,
-    /// Step 5, s.
+    /// Duration of step 5, s.
     #[cfg_attr(test, ts(optional))]
     pub warmup_s: Option<f64>,
-    /// Step 7, s.
+    /// Duration of step 7, s.
     #[cfg_attr(test, ts(optional))]
     pub settle_s: Option<f64>,
-    /// Step 8, s.
+    /// Duration of step 8, s.
     #[cfg_attr(test, ts(optional))]
     pub offset_s: Option<f64>,
-    /// Where the part is, if its axis is vertical, °, north of the equator positive.
+    /// Latitude of the part if its axis is vertical, °, north positive.
     #[cfg_attr(test, ts(optional))]
     pub latitude_deg: Option<f64>,
     /// Serial number of the part.
     #[cfg_attr(test, ts(optional))]
     pub serial: Option<String>,
-    /// Of the method `chamber`: the name of a plan that comes with the software, or a plan itself
+    /// For the method `chamber`: the name of a plan that comes with the software, or the text of a plan
     /// (docs/formats/plan.md).
     #[cfg_attr(test, ts(optional))]
     pub plan: Option<String>,
 }
 
-/// Ways to calibrate.
+/// The methods of calibration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(test, derive(TS))]
@@ -115,38 +115,38 @@ pub enum MethodName {
     Chamber,
 }
 
-/// What comes back for a request.
+/// The answer to a request.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct Answer {
-    /// That of the request.
+    /// The `id` of the request.
     pub id: u32,
-    /// How it ended.
+    /// The outcome.
     #[serde(flatten)]
     pub outcome: Answered,
 }
 
-/// How a request ended.
+/// The outcome of a request.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(test, derive(TS))]
 pub enum Answered {
-    /// Done.
+    /// It was done.
     Ok(Reply),
-    /// Not done: what is wrong, and what to do.
+    /// It was not done: what is wrong, and what to do.
     Error(String),
 }
 
-/// What a request gives.
+/// The reply to a request that was done.
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 #[cfg_attr(test, derive(TS))]
 pub enum Reply {
-    /// It is done, and that is all.
+    /// Nothing more.
     Nothing {},
     /// A file.
     Download(Download),
-    /// The calibration that is on file now.
+    /// The calibration that is now on file.
     Calibration(CalibrationEntry),
 }
 
@@ -154,25 +154,25 @@ pub enum Reply {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct Download {
-    /// What it is called.
+    /// The name of the file.
     pub name: String,
     /// Its media type.
     pub media_type: String,
-    /// What stands in it.
+    /// The text of the file.
     pub text: String,
 }
 
-/// What is new since the frame before; in a snapshot, all there is. What is absent is as it was.
+/// Everything that changed since the last frame; a snapshot has everything. A field that is absent did not change.
 #[derive(Clone, Debug, Default, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct Frame {
-    /// Counts the frames of a session.
+    /// The number of the frame in its session.
     pub seq: u32,
-    /// Everything that was shown before is void: of a new session, or of a page that just came.
+    /// Everything that was shown before is void: the session is new, or the page just opened.
     pub snapshot: bool,
-    /// Bins that are complete, whose numbers follow in the payload.
+    /// Complete bins, whose numbers follow in the payload.
     pub strips: Vec<Strip>,
-    /// What is being read.
+    /// The device.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(test, ts(optional))]
     pub device: Option<Device>,
@@ -180,15 +180,15 @@ pub struct Frame {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(test, ts(optional))]
     pub now: Option<Now>,
-    /// What was read and lost.
+    /// The counts of samples.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(test, ts(optional))]
     pub ledger: Option<SampleCounts>,
-    /// What there is to say, the newest last; at most 100.
+    /// The notices, the newest last; at most 100.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(test, ts(optional))]
     pub notices: Option<Vec<Notice>>,
-    /// Of each axis.
+    /// The statistics of each axis.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(test, ts(optional))]
     pub statistics: Option<Vec<Statistics>>,
@@ -196,63 +196,63 @@ pub struct Frame {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(test, ts(optional))]
     pub calibration: Option<Calibrating>,
-    /// What is on file, the newest last.
+    /// The calibrations on file, the newest last.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(test, ts(optional))]
     pub calibrations: Option<Vec<CalibrationEntry>>,
 }
 
-/// Bins in a row of one axis at one level. In the payload: rate_min_dps, rate_max_dps, corrected_min_dps,
-/// corrected_max_dps, temp_min_c, temp_max_c, each `count` numbers (f32, little endian). NaN where nothing is known.
+/// Consecutive bins of one axis at one level. In the payload: rate_min_dps, rate_max_dps, corrected_min_dps,
+/// corrected_max_dps, temp_min_c, temp_max_c, each `count` numbers (f32, little endian). NaN means unknown.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct Strip {
-    /// Which axis, from 0.
+    /// The number of the axis, from 0.
     pub axis: u32,
-    /// Which level, from 0.
+    /// The number of the level, from 0.
     pub level: u32,
-    /// Number of the first bin: it begins at `first` times the level's `bin_s`, since the first sample.
+    /// Number of the first bin. It begins at `first` times the level's `bin_s`, since the first sample.
     #[cfg_attr(test, ts(type = "number"))]
     pub first: u64,
-    /// How many.
+    /// The number of bins.
     pub count: u32,
-    /// Where its numbers begin in the payload, in numbers.
+    /// Start of its numbers in the payload, counted in numbers.
     pub at: u32,
 }
 
-/// What is being read.
+/// The device that is being read.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct Device {
-    /// As `zerorate --device` names it.
+    /// The name, as `zerorate --device` takes it.
     pub name: String,
-    /// How it is with it.
+    /// The state.
     pub state: DeviceState,
     /// Whether its time is simulated, so that `speed` works.
     pub simulated: bool,
-    /// How many times as fast as the clock; 0: as fast as it goes.
+    /// The speed in multiples of real time; 0: as fast as possible.
     pub speed: f64,
-    /// What kind of gyroscope it is.
+    /// The kind of gyroscope.
     pub part: String,
-    /// Its axes.
+    /// The axes.
     pub axes: Vec<AxisAbout>,
     /// Length of a bin at each level, s.
     pub bins_s: Vec<f64>,
-    /// Bins that are kept of each level.
+    /// Number of bins that are kept of each level.
     pub bins_kept: u32,
-    /// How often it should convert, Hz, if that is known.
+    /// Nominal conversion rate, Hz, if it is known.
     pub nominal_hz: Option<f64>,
-    /// Its registers when it was opened; empty where there are none to read.
+    /// The registers at the time of opening; empty if there are none to read.
     pub registers: Vec<Register>,
-    /// What the check of the connection found.
+    /// The results of the connection check.
     pub checks: Vec<CheckResult>,
-    /// What a guided calibration takes where a command leaves it open.
+    /// The durations of a guided calibration, if a command gives none.
     pub durations: Durations,
     /// Version of the program.
     pub software: String,
 }
 
-/// Of the steps of application note AN-1042, s.
+/// Durations of the steps of application note AN-1042, s.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(TS))]
 #[expect(missing_docs, reason = "as in a command")]
@@ -263,20 +263,20 @@ pub struct Durations {
     pub offset_s: f64,
 }
 
-/// How it is with a device.
+/// The state of a device.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "is", rename_all = "kebab-case")]
 #[cfg_attr(test, derive(TS))]
 pub enum DeviceState {
     /// It is being opened.
     Opening,
-    /// Samples come.
+    /// Samples arrive.
     Reading,
-    /// There are no more: a recording ended.
+    /// The recording ended; there are no more samples.
     Ended,
-    /// It cannot be read, and why; what to do about it.
+    /// The device cannot be read.
     Failed {
-        /// In words.
+        /// Why, and what to do about it.
         why: String,
     },
 }
@@ -285,29 +285,29 @@ pub enum DeviceState {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct AxisAbout {
-    /// What it is called.
+    /// The name.
     pub name: String,
     /// Largest rate, °/s.
     pub range_dps: Option<f64>,
-    /// −3 dB, Hz.
+    /// Bandwidth (−3 dB), Hz.
     pub bandwidth_hz: Option<f64>,
     /// The mechanical resonance, Hz.
     pub resonance_hz: Option<f64>,
 }
 
-/// A register and what it says.
+/// A register and its content.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct Register {
-    /// As the data sheet calls it.
+    /// The name in the data sheet.
     pub name: String,
-    /// Where.
+    /// The address.
     pub address: u32,
-    /// What stands in it.
+    /// The content.
     pub value: u32,
-    /// How wide it is.
+    /// The width, bits.
     pub bits: u32,
-    /// Its fields.
+    /// The fields.
     pub fields: Vec<Field>,
 }
 
@@ -315,13 +315,13 @@ pub struct Register {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct Field {
-    /// As the data sheet calls them.
+    /// The name in the data sheet.
     pub name: String,
-    /// What stands in them.
+    /// The value.
     pub value: u32,
-    /// In plain words.
+    /// The meaning in plain words.
     pub meaning: String,
-    /// Not what it should be.
+    /// Whether the value is not as expected.
     pub wrong: bool,
 }
 
@@ -329,9 +329,9 @@ pub struct Field {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct CheckResult {
-    /// What was tried.
+    /// The subject of the check.
     pub what: String,
-    /// Whether it is well.
+    /// Whether the check passed.
     pub ok: bool,
     /// What was seen, and what to do.
     pub text: String,
@@ -341,32 +341,32 @@ pub struct CheckResult {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct Now {
-    /// Since the first sample, s.
+    /// Time since the first sample, s.
     pub t_s: f64,
     /// Mean temperature of the last second, °C.
     pub temp_c: Option<f64>,
-    /// Of each axis.
+    /// The numbers of each axis.
     pub axes: Vec<AxisNow>,
 }
 
-/// The newest numbers of an axis: means over the last second, with the standard uncertainty that their digits warrant.
+/// The newest numbers of an axis: means over the last second, with standard uncertainties.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct AxisNow {
-    /// °/s.
+    /// Raw rate, °/s.
     pub rate_dps: Option<f64>,
-    /// Of that mean, by its noise, °/s.
+    /// Standard uncertainty of the raw rate by its noise, °/s.
     pub u_rate_dps: Option<f64>,
-    /// °/s; null where no calibration is applied.
+    /// Corrected rate, °/s; null if no calibration is applied.
     pub corrected_dps: Option<f64>,
-    /// Of that mean with the calibration's, °/s.
+    /// Standard uncertainty of the corrected rate, including the calibration's, °/s.
     pub u_corrected_dps: Option<f64>,
-    /// The temperature is outside of the calibration's.
+    /// Whether the temperature is outside the range of the calibration.
     pub extrapolated: bool,
-    /// Integral of the corrected rate (of the raw one where none is applied) since it was zero, °: by `zero-angle`, or
-    /// when another calibration was applied.
+    /// Integral of the corrected rate since it was set to zero, °. Without a calibration, the raw rate is integrated.
+    /// `zero-angle` sets it to zero, and so does a change of the calibration.
     pub angle_deg: f64,
-    /// Its standard uncertainty by noise and calibration, °.
+    /// Standard uncertainty of the angle by noise and calibration, °.
     pub u_angle_deg: Option<f64>,
     /// Whether the part is at rest.
     pub rest: Rest,
@@ -376,9 +376,9 @@ pub struct AxisNow {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct Rest {
-    /// The verdict; `unjudged` before there is enough, or where the part's noise is not known.
+    /// The verdict; `unjudged` if there are too few readings, or if the noise of the part is unknown.
     pub verdict: RestVerdict,
-    /// In words, with the numbers.
+    /// The verdict in words, with its numbers.
     pub text: String,
 }
 
@@ -395,17 +395,17 @@ pub enum RestVerdict {
     Unjudged,
 }
 
-/// What was read and lost since the beginning.
+/// The counts of samples since the start.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct SampleCounts {
-    /// Samples that came here.
+    /// Samples that arrived here.
     #[cfg_attr(test, ts(type = "number"))]
     pub samples: u64,
-    /// Lost in front of the device's thread, as its samples count them.
+    /// Samples that were lost before the thread of the device, as the samples themselves count them.
     #[cfg_attr(test, ts(type = "number"))]
     pub lost: u64,
-    /// Read, but not shown: this page's session was too slow for them. A recording has them.
+    /// Samples that were read but not shown, because the session of this page was too slow. A recording has them.
     #[cfg_attr(test, ts(type = "number"))]
     pub missed: u64,
     /// Readings that are impossible for the part.
@@ -414,27 +414,27 @@ pub struct SampleCounts {
     /// Readings out of range.
     #[cfg_attr(test, ts(type = "number"))]
     pub out_of_range: u64,
-    /// Samples a second.
+    /// Rate of samples, Hz.
     pub rate_hz: f64,
-    /// Edges of data ready a second.
+    /// Rate of edges of data ready, Hz.
     pub rdy_hz: f64,
-    /// Since when the part has stopped, s since the first sample.
+    /// The time since which the part has stopped, s since the first sample.
     pub frozen_since_s: Option<f64>,
-    /// How long it takes, s, from the first sample.
+    /// Duration since the first sample, s.
     pub duration_s: f64,
 }
 
-/// Something to know.
+/// A notice.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct Notice {
-    /// Its code, which `zerorate explain` knows; empty where it has none.
+    /// The code, which `zerorate explain` knows; empty for a notice without one.
     pub code: String,
     /// What was seen, why it matters, what to do.
     pub text: String,
-    /// When first, s since the first sample.
+    /// The first time, s since the first sample.
     pub at_s: f64,
-    /// How often it happened, or began to be so.
+    /// The number of times that it happened or began.
     pub count: u32,
 }
 
@@ -446,7 +446,7 @@ mod tests {
     use ts_rs::{Config, TS};
     use zerorate_view::export::ExportForm;
 
-    /// `cargo xtask codegen` sets `ZERORATE_UPDATE`, which writes the file anew.
+    /// `cargo xtask codegen` sets `ZERORATE_UPDATE`, which makes this test write the file.
     #[test]
     fn the_page_knows_these_types() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../web/src/protocol.ts");

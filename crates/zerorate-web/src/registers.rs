@@ -4,8 +4,8 @@ use crate::message::{Field, Register};
 use adis16130::registers::{self, Address, ConversionTime, Meaning, RateStatus, Register as _, TempStatus};
 use adis16130::{Config, MCLK_HZ, RateCode, TempCode, Width};
 
-/// Every register with its fields in plain words. `config` is what was written before; a field that reads otherwise is
-/// wrong.
+/// Every register with its fields in plain words. `config` is what was written before. A field that reads differently
+/// is marked wrong.
 #[must_use]
 pub fn described(config: &Config, values: &[(Address, u32)]) -> Vec<Register> {
     values.iter().map(|(address, value)| register(config, *address, *value)).collect()
@@ -18,7 +18,7 @@ fn register(config: &Config, address: Address, value: u32) -> Register {
         let read = shown(address, field, value, config.width());
         match written.map(|written| self::shown(address, field, written, config.width())) {
             Some(written) if written.value != read.value && !matches!(field.meaning, Meaning::Level(_)) => Field {
-                meaning: format!("{} (written was {}: {})", read.meaning, written.value, written.meaning),
+                meaning: format!("{} (written: {}, {})", read.meaning, written.value, written.meaning),
                 wrong: true,
                 ..read
             },
@@ -45,7 +45,7 @@ fn shown(address: Address, field: &registers::Field, register: u32, width: Width
         }
         Meaning::Number(words) => (false, words.to_owned()),
         Meaning::Channel if value == own_channel(address) => (false, "of this channel".to_owned()),
-        Meaning::Channel => (true, "of another channel: the bus or the part is at fault".to_owned()),
+        Meaning::Channel => (true, "of another channel: bus or sensor is at fault".to_owned()),
         Meaning::FilterWord => (false, conversion(ConversionTime::new(register as u8))),
         Meaning::Rate => (false, format!("{:+.4} °/s, uncorrected", RateCode::new(value, width).to_dps())),
         Meaning::Temp => (false, format!("{:.3} °C", TempCode::new(value, width).to_celsius())),
@@ -53,7 +53,7 @@ fn shown(address: Address, field: &registers::Field, register: u32, width: Width
     Field { name: field.name.to_owned(), value, meaning, wrong }
 }
 
-/// The number of the channel that a status register belongs to, which it shows from its reset on.
+/// The channel number that a status register shows from its reset on.
 fn own_channel(address: Address) -> u32 {
     let reset = if address == Address::TempStatus { TempStatus::RESET } else { RateStatus::RESET };
     reset.channel().into()
@@ -68,7 +68,7 @@ fn conversion(word: ConversionTime) -> String {
 mod tests {
     use super::*;
 
-    /// As F-30 leaves them, typed from docs/facts.md.
+    /// The registers as F-30 leaves them, typed from docs/facts.md.
     const AFTER_F30: [(Address, u32); 7] = [
         (Address::Iop, 0xF8),
         (Address::RateCs, 0x0A),
@@ -135,7 +135,7 @@ mod tests {
             .map(|field| &*field.name)
             .collect();
         assert_eq!(wrong, ["MD", "24/16", "CHANNEL", "NOREF", "OVR"]);
-        let told = "idle: nothing is converted (written was 1: all enabled channels are converted in turn)";
+        let told = "idle: nothing is converted (written: 1, all enabled channels are converted in turn)";
         assert_eq!(meanings(&registers, "MODE")[0], told);
     }
 }

@@ -1,4 +1,4 @@
-//! A page's session with its devices, without a browser: its clock is ours.
+//! A page's session with its devices, without a browser. The tests control its clock.
 
 #[path = "../../../firmware/qemu/src/bridge.rs"]
 #[allow(dead_code, reason = "a firmware that is built for its target uses all of it")]
@@ -18,7 +18,7 @@ fn twin(keys: &'static str) -> Open {
     Box::new(move |_| Ok(Box::new(TwinSource::open(keys)?) as Box<dyn Source>))
 }
 
-/// What the newest frame says.
+/// The newest frame.
 fn header(bytes: &[u8]) -> Value {
     let length = u32::from_le_bytes(bytes[..4].try_into().expect("four bytes")) as usize;
     serde_json::from_slice(&bytes[4..4 + length]).expect("JSON")
@@ -28,7 +28,7 @@ fn seen(live: &mut Live) -> Value {
     header(&live.session().snapshot())
 }
 
-/// Turns of 33 ms for so long, in each of which a look at the clock takes `look_ms`.
+/// Runs turns of 33 ms for this long. In each turn, a look at the clock takes `look_ms`.
 fn run(live: &mut Live, now_ms: &mut f64, for_ms: f64, look_ms: f64) {
     let until_ms = *now_ms + for_ms;
     while *now_ms < until_ms {
@@ -57,7 +57,7 @@ fn simulated_time_goes_with_the_clock_or_as_fast_as_asked() {
     assert_eq!(seen(&mut live)["device"]["registers"].as_array().map(Vec::len), Some(13));
 }
 
-/// The rates of the level with bins of 64 ms, from the first on.
+/// The rates of the level with bins of 64 ms, from the first bin on.
 fn rates(bytes: &[u8]) -> Vec<u32> {
     let told = header(bytes);
     let is_it = |strip: &&Value| strip["level"] == 2;
@@ -82,7 +82,7 @@ fn a_session_goes_on_where_the_first_look_is() {
     assert!(look.frame().is_some_and(|frame| header(&frame)["device"]["state"]["is"] == "reading"));
     let shown_s = look.shown_s();
     assert!((1.9..2.1).contains(&shown_s), "{shown_s}");
-    // the module of the session took long to come: its page's clock went on, the look did not
+    // the module of the session took long to load: the clock of the page went on, the look did not
     now_ms += 500.0;
     let mut live = Live::open(twin("seed=7,bias_dps=1.5"), now_ms).expect("the same");
     live.catch_up(shown_s, &mut || now_ms);
@@ -128,9 +128,9 @@ struct Page {
     now_ms: f64,
     until_ms: f64,
     to_bridge: VecDeque<u8>,
-    /// So many messages of the bridge are lost first.
+    /// Number of messages of the bridge that are lost first.
     to_lose: u32,
-    /// When the window that has the port passes nothing on, ms, and what waits there.
+    /// The time from which the window with the port passes nothing on, ms, and the bytes that wait there.
     blocked_ms: Range<f64>,
     held: Vec<u8>,
 }
@@ -235,7 +235,7 @@ fn a_window_that_is_blocked_for_a_while_loses_nothing() {
     assert!(state["why"].as_str().is_some_and(|why| why.contains("the window that reads its port")), "{state}");
 }
 
-/// The device is opened when that is asked for, and once more when the part has answered.
+/// The device is opened when that is requested, and once more when the part has answered.
 #[test]
 fn a_part_behind_a_bridge_is_calibrated() {
     let spec = Spec::parse_keys("seed=7,warmup_s=3").expect("keys");

@@ -1,4 +1,4 @@
-//! Logs as the page has them read: what is asked, what is found, what is written.
+//! Logs as the page reads them: questions, results, and files.
 #![cfg(feature = "readers")]
 
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -85,7 +85,7 @@ fn what_is_no_log_is_refused_in_words() {
     }
 }
 
-/// Over 6 °C, x by 0.05 °/s for each; y does not.
+/// Over 6 °C, x follows by 0.05 °/s per °C; y does not.
 #[test]
 fn a_rate_that_follows_its_temperature_is_said_to() {
     let whole = table("t_s,x_dps,y_dps,z_dps,ax_mps2,ay_mps2,az_mps2", 20_000);

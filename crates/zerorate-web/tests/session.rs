@@ -1,4 +1,4 @@
-//! A session on the twin, without anything between: what the page would be told.
+//! A session on the twin without anything between: the messages that the page would get.
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, Framing, MCLK_HZ, Sampler, SamplerConfig, Width};
@@ -10,7 +10,7 @@ use zerorate_record::{CaptureInfo, Converter, Row};
 use zerorate_web::message::DeviceState;
 use zerorate_web::session::{About, Handled, HostCommand, Session};
 
-/// The part in software, read by the driver.
+/// The simulated sensor, read by the driver.
 struct Device {
     twin: Twin,
     gyro: Adis16130<TwinSpi, ()>,
@@ -94,7 +94,7 @@ fn a_minute_of_the_twin() {
     let checks = frame["device"]["checks"].as_array().unwrap();
     let whats: Vec<&Value> = checks.iter().map(|check| &check["what"]).collect();
     assert_eq!(whats, ["samples", "noise"]);
-    // every 50th edge is too few to tell bit errors from motion, and said to be
+    // every 50th edge is too few to tell bit errors from motion, and the check says so
     assert!(checks[0]["text"].as_str().unwrap().contains("smaller divider"), "{checks:?}");
     assert_eq!(checks[1]["ok"], true, "{checks:?}");
     let statistics = &frame["statistics"][0];
@@ -239,7 +239,7 @@ fn requests_that_make_no_sense_are_answered() {
     }
 }
 
-/// The plan of F-57 beside the oven of F-57, and somebody who turns the knobs as told.
+/// Runs the plan of F-57 with the oven of F-57, which turns the knobs as told.
 #[test]
 fn a_chamber_by_hand() {
     let mut session = Session::new(about());
@@ -263,7 +263,7 @@ fn a_chamber_by_hand() {
     }
 }
 
-/// A chamber that nobody sets: its step is under way even after the time that it takes at least, and the others wait.
+/// A chamber that nobody sets: its step goes on after its least duration, and the other steps wait.
 #[test]
 fn a_step_lasts_until_the_part_has_settled() {
     let mut session = Session::new(about());
@@ -284,7 +284,7 @@ fn a_step_lasts_until_the_part_has_settled() {
     assert!((number(&late["left_s"]) - others_s(&late)).abs() < 1e-6, "{late}");
 }
 
-/// A unit that is unplugged in the middle, and whoever was calibrating hears why there is no result.
+/// A unit is unplugged during a calibration, and the page gets the reason.
 #[test]
 fn a_device_that_fails_ends_its_calibration() {
     let mut session = Session::new(about());
@@ -299,7 +299,7 @@ fn a_device_that_fails_ends_its_calibration() {
     );
 }
 
-/// Before its time is up, by who has seen enough of the temperature.
+/// Ends a recording early, when the temperatures suffice.
 #[test]
 fn a_cycle_is_finished_by_hand() {
     let mut session = Session::new(about());
@@ -328,7 +328,7 @@ fn a_cycle_is_finished_by_hand() {
 
 const ON_FILE: &str = include_str!("../../zerorate-cli/tests/golden/short.toml");
 
-/// What was integrated before is that of another rate.
+/// The angle restarts, because the earlier integral belongs to another rate.
 #[test]
 fn an_angle_is_of_one_correction() {
     let (mut session, mut device) = (Session::new(about()), Device::open("seed=3,bias_dps=5"));
@@ -384,7 +384,7 @@ fn a_calibration_of_another_part_is_not_applied() {
     let nameless = session.add_calibration(&calibration("", 0.5)).unwrap();
     session.apply(Some(&nameless)).unwrap();
     assert!(says(&session, "unknown-serial"));
-    // the part that is opened now does not bear what was applied to the one before
+    // the part that is opened now does not fit the calibration that was applied before
     session.apply(Some(&own)).unwrap();
     let mut other = session.reopened(of_part("A1"));
     assert!(says(&other, "not-applied") && !says(&other, "unknown-serial"));
@@ -392,7 +392,7 @@ fn a_calibration_of_another_part_is_not_applied() {
     let (all, _) = read(&other.snapshot());
     assert!(all["now"]["axes"][0]["corrected_dps"].is_null(), "{}", all["now"]);
     assert!(all["calibrations"].as_array().unwrap().iter().all(|one| one["applied"] == false));
-    // of a part without a number nobody knows
+    // nobody knows whether a part without a number is the right one
     let mut unknown = other.reopened(about());
     unknown.apply(Some(&own)).unwrap();
     assert!(says(&unknown, "unknown-serial"));

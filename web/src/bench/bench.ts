@@ -3,29 +3,33 @@ import { Allan } from "../chart/allan";
 import { Scatter } from "../chart/scatter";
 import { Spectrum } from "../chart/spectrum";
 import type { Part } from "../model";
-import { button, Choice, h } from "../dom";
+import { button, Choice, h, say } from "../dom";
 import { Coefficients } from "./coefficients";
 import { Marks } from "./marks";
 import { Notices } from "./notices";
 import { Strips } from "./strips";
 import { Tiles } from "./tiles";
 
-/** How often the words for who does not see the charts are made anew, ms. */
+/** Time between two updates of the text for users who do not see the charts, ms. */
 const WORDS_MS = 5000;
-/** How often the numbers change at most, so that they can be read, ms. */
+/** The least time between two changes of the numbers, so that they can be read, ms. */
 const NUMBERS_MS = 200;
 
-/** What the part does now, and what is known of it by now. */
+/** The first sentence of the page. */
+const SEEN = "live: its rate of rotation, its temperature, and the noise that limits it.";
+
+/** Shows what the sensor measures now, and the statistics so far. */
 export class Bench implements Page {
   readonly element: HTMLElement;
   readonly #tiles: Tiles;
   readonly #strips: Strips;
-  readonly #spectrum = new Spectrum("Spectrum", 230, "comes with the first seconds");
+  readonly #spectrum = new Spectrum("Spectrum", 230, "the first seconds are being collected");
   readonly #allan: Allan;
-  readonly #scatter = new Scatter("Rate over temperature", 230, "comes with the first seconds");
+  readonly #scatter = new Scatter("Rate over temperature", 230, "the first seconds are being collected");
   readonly #marks = new Marks();
   readonly #coefficients = new Coefficients();
   readonly #notices: Notices;
+  readonly #seen = h("p", { class: "note" }, `This is a gyroscope, ${SEEN}`);
   readonly #axes = h("div", { class: "axes" });
   #axis = 0;
   #names = "";
@@ -37,7 +41,7 @@ export class Bench implements Page {
       class: "small",
       "aria-label": "Restart the statistics",
     });
-    this.#allan = new Allan("Allan deviation", 230, "grows from the first seconds on", [restart]);
+    this.#allan = new Allan("Allan deviation", 230, "the first seconds are being collected", [restart]);
     this.#tiles = new Tiles(app);
     this.#strips = new Strips(app);
     this.#notices = new Notices();
@@ -47,6 +51,7 @@ export class Bench implements Page {
       "div",
       { class: "page bench" },
       h("h1", { class: "unseen" }, "Bench"),
+      this.#seen,
       this.#axes,
       this.#tiles.element,
       this.#strips.element,
@@ -97,9 +102,11 @@ export class Bench implements Page {
     this.#marks.update(found?.marks ?? []);
   }
 
-  /** A switch between axes where there are several. */
+  /** Offers a switch between axes if there are several. */
   #choose(): void {
-    const axes = this.app.model.device?.axes ?? [];
+    const { device } = this.app.model;
+    if (device) say(this.#seen, `This is ${device.simulated ? "a simulated gyroscope" : "a gyroscope"}, ${SEEN}`);
+    const axes = device?.axes ?? [];
     const names = axes.map((axis) => axis.name).join("\n");
     if (names === this.#names) return;
     this.#names = names;

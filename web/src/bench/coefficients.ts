@@ -2,14 +2,14 @@ import { duration, significant } from "../digits";
 import { h, say } from "../dom";
 import type { Coefficient, Statistics } from "../protocol";
 
-/** The same three rows from the beginning, so that nothing moves when they fill. */
+/** The three rows are there from the beginning, so that nothing moves when they fill. */
 const SYMBOLS = [
   ["N", "angle random walk"],
   ["B", "bias instability"],
   ["K", "rate random walk"],
 ] as const;
 
-/** The noise coefficients, and when those that are not known yet will be. */
+/** The noise coefficients, and when the unknown ones will be identified. */
 export class Coefficients {
   readonly element: HTMLElement;
   readonly #rows = SYMBOLS.map(([symbol, name]) => ({

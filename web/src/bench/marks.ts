@@ -1,7 +1,7 @@
 import { h } from "../dom";
 import type { SpectrumMark } from "../protocol";
 
-/** What is marked in the spectrum, in words. */
+/** The marks of the spectrum in words. */
 export class Marks {
   readonly element = h("ul", { class: "marks" });
   #shown = "";

@@ -1,11 +1,11 @@
-import { clock } from "../digits";
+import { moment } from "../digits";
 import { h, say } from "../dom";
 import type { Notice } from "../protocol";
 
-/** What there is to say, the newest first. What stands there already stays, so that nobody hears it read out again. */
+/** The notices, the newest first. A notice that is shown already stays in place, so that no screen reader repeats it. */
 export class Notices {
   readonly element: HTMLElement;
-  readonly #none = h("li", { class: "none" }, "Nothing to say: all is well so far.");
+  readonly #none = h("li", { class: "none" }, "None so far: all is well.");
   readonly #list = h("ol", { class: "notices" }, this.#none);
   #rows = new Map<string, Row>();
 
@@ -17,7 +17,7 @@ export class Notices {
     );
     this.element = h(
       "section",
-      { class: "card", "aria-label": "What there is to say" },
+      { class: "card", "aria-label": "Notices of the session" },
       h("h2", {}, "Notices"),
       log,
     );
@@ -41,7 +41,7 @@ export class Notices {
   }
 }
 
-/** One of them: of a code there is one, whose text and number change. */
+/** One notice. There is one for each code; its text and count change. */
 class Row {
   readonly element: HTMLElement;
   readonly #at = h("time", {});
@@ -53,7 +53,7 @@ class Row {
   }
 
   update({ at_s, text, count }: Notice): void {
-    say(this.#at, clock(at_s, 1));
+    say(this.#at, moment(at_s, 1));
     say(this.#text, text);
     say(this.#count, count > 1 ? `× ${count}` : "");
   }

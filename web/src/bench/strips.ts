@@ -1,7 +1,7 @@
 import type { App } from "../app";
 import { levelFor, SPANS, TimeWindow } from "../chart/window";
 import { Strip, type StripKind } from "../chart/strip";
-import { clock, duration, significant } from "../digits";
+import { duration, moment, significant } from "../digits";
 import { button, Choice, h, mark, say } from "../dom";
 import { settings } from "../settings";
 
@@ -22,7 +22,7 @@ const KINDS: StripKind[] = [
     least: 0.05,
     isRate: true,
     times: false,
-    nothing: "no calibration is applied: make one under Calibrate, or apply one under Device",
+    nothing: "no calibration is applied; make one under Calibrate, or apply one under Device",
   },
   {
     column: "temp",
@@ -36,8 +36,8 @@ const KINDS: StripKind[] = [
 ];
 
 const HELP =
-  "Drag to zoom, Ctrl and wheel too, Shift and wheel moves. Keys: arrows move, + and − zoom, space holds, Escape follows, " +
-  "A and B set cursors. Click sets A, Shift and click B.";
+  "Drag, or turn the wheel with Ctrl, to zoom; the wheel with Shift moves. A click sets cursor A, with Shift cursor B. " +
+  "Keys: arrows move, + and − zoom, space holds, Escape follows, A and B set cursors.";
 
 /** The strip charts and their controls. */
 export class Strips {
@@ -87,7 +87,7 @@ export class Strips {
     );
   }
 
-  /** Draws if there is something new. */
+  /** Draws the strips if there is something new. */
   update(isNew: boolean): void {
     const levels = this.app.model.rings[this.axis] ?? [];
     const finest = levels[0];
@@ -116,7 +116,7 @@ export class Strips {
     return does !== undefined;
   }
 
-  /** What stands in words once in a while, for who does not see the charts. */
+  /** Updates the text for users who do not see the charts. */
   summarise(): void {
     say(this.#summary, this.#strips.map((strip) => strip.summary()).join(". "));
   }
@@ -199,7 +199,7 @@ export class Strips {
     const { A, B } = this.#shared.cursors;
     if (A === undefined && B === undefined) return say(this.#cursors, "Cursors: none set");
     const at = (name: string, time: number | undefined) =>
-      time === undefined ? "" : `${name} ${clock(time, 3)}: ${this.#values(time)}`;
+      time === undefined ? "" : `${name} at ${moment(time, 3)}: ${this.#values(time)}`;
     const between =
       A !== undefined && B !== undefined ? `B − A: ${significant(B - A, 5)} s, ${this.#differences(A, B)}` : "";
     say(this.#cursors, [at("A", A), at("B", B), between].filter((words) => words !== "").join("  ·  "));

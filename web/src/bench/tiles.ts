@@ -4,7 +4,7 @@ import { button, h, mark, say } from "../dom";
 import type { AxisNow, RestVerdict, SampleCounts } from "../protocol";
 import { settings } from "../settings";
 
-/** A box of fixed size with a name, a number and what there is to say of it. */
+/** A box of fixed size with a name, a number and a remark. */
 class Tile {
   readonly element: HTMLElement;
   readonly #value = h("span", { class: "value" }, "–");
@@ -41,7 +41,7 @@ const VERDICTS: Record<RestVerdict, [string, string]> = {
   unjudged: ["not judged", "none"],
 };
 
-/** The newest numbers of an axis, and the ledger. */
+/** The newest numbers of an axis, and the count of samples. */
 export class Tiles {
   readonly element: HTMLElement;
   readonly #rate = new Tile("raw", "Rate, raw");
@@ -49,7 +49,7 @@ export class Tiles {
   readonly #temp = new Tile("temp", "Temperature");
   readonly #angle: Tile;
   readonly #rest = new Tile("rest", "Rest");
-  readonly #ledger = new Tile("ledger", "Ledger: samples");
+  readonly #ledger = new Tile("ledger", "Samples");
 
   constructor(readonly app: App) {
     const zero = button("Zero", () => void app.ask({ do: "zero-angle" }), {
@@ -94,7 +94,7 @@ export class Tiles {
 
   #angles(values: AxisNow | undefined): void {
     const u = digits.half(values?.u_angle_deg);
-    const below = u === null ? "since it was zero" : `± ${digits.uncertainty(u)} (95 %) · since it was zero`;
+    const below = u === null ? "since it was zeroed" : `± ${digits.uncertainty(u)} (95 %) · since it was zeroed`;
     this.#angle.show(digits.value(values?.angle_deg, u ?? 0.01), "°", below);
   }
 
@@ -109,7 +109,7 @@ export class Tiles {
     const said = bad
       .filter(([, number]) => number > 0)
       .map(([words, number]) => `${digits.count(number)} ${words}`);
-    if (ledger.frozen_since_s !== null) said.unshift(`stopped at ${digits.clock(ledger.frozen_since_s, 1)}`);
+    if (ledger.frozen_since_s !== null) said.unshift(`stopped at ${digits.moment(ledger.frozen_since_s, 1)}`);
     const state = said.length > 0 ? "bad" : "good";
     const found = said.length > 0 ? said.join(", ") : "nothing lost";
     const below = `${found} · ${ledger.rate_hz.toFixed(1)} per s for ${digits.duration(ledger.duration_s)}`;

@@ -7,12 +7,12 @@ import { Ended } from "./ended";
 import { Result } from "./result";
 import { Run } from "./run";
 
-/** A state of the guided calibration on view. */
+/** The view of one state of the guided calibration. */
 export interface Stage {
   readonly element: HTMLElement;
   update(calibration: Calibrating, changed: ReadonlySet<Part>): void;
   restyle(): void;
-  /** It will not be seen again. */
+  /** Releases the view; it is not shown again. */
   leave(): void;
 }
 
@@ -29,8 +29,8 @@ const ALL: ReadonlySet<Part> = new Set<Part>([
 ]);
 
 /**
- * The guided calibration: choose, run, result. What is on view follows the session, so that it is the same in every
- * window and after a reload.
+ * The guided calibration: choose, run, result. The view follows the session, so that it is the same in every window
+ * and after a reload.
  */
 export class Calibrate implements Page {
   readonly element = h("div", { class: "page calibrate" });

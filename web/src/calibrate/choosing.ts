@@ -2,19 +2,19 @@ import type { App } from "../app";
 import { h, say } from "../dom";
 import type { CalibrateCommand, Durations } from "../protocol";
 import type { Stage } from "./calibrate";
-import { meanwhile, METHODS, type Method } from "./methods";
+import { meanwhile, METHODS, type Method, PRESELECTED } from "./methods";
 import { PlanChoice } from "./plan-choice";
 
 type Duration = keyof Durations;
 
 const DURATIONS: readonly (readonly [Duration, string])[] = [
-  ["average_s", "Averages at both temperatures, s"],
+  ["average_s", "Average at each temperature, s"],
   ["warmup_s", "Warm-up between them, s"],
-  ["settle_s", "Thermal balance, s"],
-  ["offset_s", "Mean of the offset, s"],
+  ["settle_s", "Wait for thermal balance, s"],
+  ["offset_s", "Average for the offset, s"],
 ];
 
-/** Which method, and how. */
+/** The choice of a method and its settings. */
 export class Choosing implements Stage {
   readonly element: HTMLElement;
   readonly #durations = new Map<Duration, HTMLInputElement>();
@@ -25,7 +25,7 @@ export class Choosing implements Stage {
   readonly #before = h("ol", {});
   readonly #more = h("summary", {});
   readonly #plan: PlanChoice;
-  #method: Method = METHODS[0]!;
+  #method: Method = PRESELECTED;
 
   constructor(readonly app: App) {
     this.#plan = new PlanChoice(app);
@@ -58,14 +58,14 @@ export class Choosing implements Stage {
     const usual = this.app.model.device?.durations;
     for (const [key, input] of this.#durations) input.placeholder = usual === undefined ? "" : String(usual[key]);
     this.#plan.update();
-    say(this.#ready, reading ? "" : "It can start when samples come.");
+    say(this.#ready, reading ? "" : "It can start as soon as samples arrive.");
   }
 
   restyle(): void {}
 
   leave(): void {}
 
-  /** Shows what there is to know and to choose of a method. */
+  /** Shows the preparation and the settings of a method. */
   #choose(method: Method): void {
     this.#method = method;
     const before = [...method.before, meanwhile(this.app.inside !== undefined)];
@@ -112,14 +112,14 @@ export class Choosing implements Stage {
       h(
         "div",
         { class: "fields" },
-        field("serial", "Serial number of the part", this.#serial),
+        field("serial", "Serial number of the sensor", this.#serial),
         ...durations,
         field("latitude", "Latitude, °, if the axis is vertical", this.#latitude),
       ),
       h(
         "p",
         { class: "note" },
-        "With a latitude the Earth’s rotation on the axis is taken out of the bias; without one it stays in it.",
+        "With a latitude, the Earth’s rotation about the axis is subtracted. Without one, it stays in the bias.",
       ),
     );
   }

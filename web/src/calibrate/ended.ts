@@ -4,7 +4,7 @@ import type { Calibrating } from "../protocol";
 import type { Stage } from "./calibrate";
 import { titleOf } from "./methods";
 
-/** A calibration without a result: why, and what to do. */
+/** Shows why a calibration ended without a result, and what to do. */
 export class Ended implements Stage {
   readonly element: HTMLElement;
   readonly #title = h("h1", {});

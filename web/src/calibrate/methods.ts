@@ -6,15 +6,15 @@ export interface Method {
   title: string;
   what: string;
   when: string;
-  /** What has to be so before it starts. */
+  /** The preparation before the start. */
   before: readonly string[];
 }
 
 const ON_A_TABLE = [
-  "Fix the part to something that does not move: a heavy table, no fan, no feet.",
-  "Let it be cold: off for half an hour, then on just now.",
-  "Feed it from a linear +5 V supply; a switching one shifts its bias.",
-  "Leave it alone until this page says that it is done.",
+  "Fix the sensor to something that does not move: a heavy table, away from fans and footsteps.",
+  "Start cold: leave the sensor off for an hour, then switch it on and start at once.",
+  "Supply it from a linear +5 V supply; a switching supply shifts its bias.",
+  "Do not touch it until this page says that the calibration is done.",
 ];
 
 export const METHODS: readonly Method[] = [
@@ -22,46 +22,49 @@ export const METHODS: readonly Method[] = [
     name: "an1042",
     title: "Application note",
     what:
-      "The procedure of AN-1042 to the letter: the rate at two temperatures while the part warms itself, then a " +
-      "long mean. A line over temperature.",
-    when: "Take it where the result must be that of the note, or where a controller does the same by itself.",
+      "Follows AN-1042 to the letter: it measures the rate at two temperatures while the sensor warms itself, then " +
+      "averages for a while. The result is a straight line over temperature.",
+    when: "Take it if you need the result of the application note, or if a controller follows the same note.",
     before: ON_A_TABLE,
   },
   {
     name: "warmup",
     title: "Warm-up",
     what:
-      "Every sample of one warm-up from cold. A curve that bends where the part bends, with its uncertainty at " +
+      "Uses every sample of one warm-up from cold. The result is a curve over temperature, with its uncertainty at " +
       "each temperature.",
-    when: "Take it for everything else that is done on a table: it leaves less than the note's line.",
+    when: "Take it unless you have a reason for another one: on a table, it leaves less error than the note’s line.",
     before: ON_A_TABLE,
   },
   {
     name: "cycle",
     title: "Warm and cool",
     what:
-      "Every sample while the part warms and cools again, by a fan, a plate or a heater that is switched off. " +
-      "Drift is told from temperature.",
-    when: "Take it when you can cool the part as well: it leaves the least, and it shows a hysteresis.",
+      "Uses every sample while the sensor warms and cools again, by a fan, a plate or a heater that is switched " +
+      "off. This tells drift from temperature.",
+    when: "Take it if you can also cool the sensor: it leaves the least error on a table, and it shows hysteresis.",
     before: ON_A_TABLE,
   },
   {
     name: "chamber",
     title: "Chamber",
     what:
-      "Every sample over the temperatures that the part will see. You set a chamber, an oven or a fridge by hand, " +
-      "as this page tells you.",
-    when: "Take it where the part will be colder or warmer than on a table: every other method extrapolates there.",
+      "Uses every sample over all temperatures at which the sensor will work. You set a chamber, an oven or a " +
+      "fridge by hand, as this page tells you.",
+    when: "Take it if the sensor will be colder or warmer than on a table, where the other methods extrapolate.",
     before: [
-      "Fix the part to the floor of the chamber, on something that damps its fan.",
-      "Feed it from a linear +5 V supply outside; lead the cables through the port, and close it.",
-      "Set the chamber’s own limit switch: it is what protects the part.",
-      "Stay near: this page says when to set what, and waits until the part itself has settled.",
+      "Fix the sensor to the floor of the chamber, on something that damps the vibration of the fan.",
+      "Supply it from a linear +5 V supply outside. Lead the cables through the port, and close the port.",
+      "Set the chamber’s own limit switch: it protects the sensor.",
+      "Stay near: this page says what to set and when, and waits until the sensor itself has settled.",
     ],
   },
 ];
 
-/** What becomes of the session without its page; `inside`: it runs in this browser. */
+/** The method for everybody who has no reason to take another one, as its own text says. */
+export const PRESELECTED: Method = METHODS.find((method) => method.name === "warmup")!;
+
+/** Tells what happens to the session if its page is closed. `inside`: the session runs in this browser. */
 export function meanwhile(inside: boolean): string {
   if (!inside) return "The page may be closed meanwhile: the session goes on without it.";
   return "Keep this page open and the computer awake: the session runs in this browser, and ends with it.";

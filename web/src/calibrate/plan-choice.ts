@@ -14,20 +14,20 @@ const SHIPPED: readonly Shipped[] = [
     name: "two-point",
     title: "15, 55 and 15 °C",
     what:
-      "At each until the part has settled and was averaged: about an hour and a half. An oven and a cold box will do.",
+      "Waits and averages at each until the sensor has settled: about an hour and a half. An oven and a cold box will do.",
   },
   {
     name: "f57",
     title: "25, −40, +85 and 25 °C",
-    what: "By the clock, at 2 °C a minute: three and a half hours. For a chamber that makes ramps.",
+    what: "Runs by the clock, at 2 °C a minute: three and a half hours. It needs a chamber that makes ramps.",
   },
 ];
 
 const OWN = "own";
-/** Of a plan, bytes: a thousand steps are less. */
+/** The largest plan, bytes; a thousand steps take less. */
 const LARGEST = 48_000;
 
-/** What the chamber is to do: a plan that comes with the software, or a file of one's own. */
+/** The plan for the chamber: one that comes with the software, or a file of the user. */
 export class PlanChoice {
   readonly element: HTMLElement;
   readonly #file = h("p", { class: "note plan-file", role: "status" });
@@ -38,7 +38,7 @@ export class PlanChoice {
 
   constructor(readonly app: App) {
     const drop = droppable("A plan of your own (TOML)", ".toml", ([file]) => void this.#take(file));
-    const [own, ownLabel] = this.#option(OWN, "Your own", "A file with a set point for each step, dropped below.");
+    const [own, ownLabel] = this.#option(OWN, "Your own", "A file with a set point for each step. Drop it below.");
     this.#own = own;
     this.#own.disabled = true;
     this.#twin = ofTwin(app);
@@ -58,7 +58,7 @@ export class PlanChoice {
     );
   }
 
-  /** What the session is to be given: a name, or the text of a plan. */
+  /** The plan for the session: a name, or the text of a plan. */
   get plan(): string {
     return this.#chosen === OWN ? this.#text : this.#chosen;
   }
@@ -80,12 +80,12 @@ export class PlanChoice {
   async #take(file: File | undefined): Promise<void> {
     if (!file) return;
     if (file.size > LARGEST) {
-      this.app.tell(`${file.name} is too large for a plan: it has ${file.size} bytes.`, "wrong");
+      this.app.tell(`${file.name} is too large for a plan: ${file.size} bytes, of at most ${LARGEST}.`, "wrong");
       return;
     }
     const text = await file.text();
     if (!text.includes("=")) {
-      this.app.tell(`${file.name} is no plan: a plan is a TOML file with schema = 1 and its steps.`, "wrong");
+      this.app.tell(`${file.name} is not a plan. A plan is a TOML file with schema = 1 and its steps.`, "wrong");
       return;
     }
     this.#text = text;
@@ -103,9 +103,9 @@ function ofTwin({ inside }: App): HTMLElement {
   return h(
     "p",
     { class: "note twin" },
-    "The twin has the oven of the facts (F-57), which heats and cools by itself. ",
+    "The twin can simulate an oven that heats and cools by itself (F-57). ",
     ...where,
-    ", and take the plan ",
+    ", then take the plan ",
     h("code", {}, "f57"),
     ".",
   );

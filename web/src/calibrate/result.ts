@@ -9,7 +9,7 @@ import { settings } from "../settings";
 import type { Stage } from "./calibrate";
 import { titleOf } from "./methods";
 
-/** What a calibration came to. */
+/** The result of a calibration. */
 export class Result implements Stage {
   readonly element = h("div", { class: "result" });
   readonly #curve = new Curve("What is added to the rate", 280, "no curve");
@@ -77,7 +77,7 @@ export class Result implements Stage {
 
 function legend({ axes }: CalibrationResult): HTMLElement {
   const hasTruth = axes.some((axis) => axis.curve.some((point) => point.truth_dps !== null));
-  const truth = " Dashed: what a perfect measurement of this twin would find.";
+  const truth = " Dashed: the result of a perfect measurement of this twin.";
   return h("p", { class: "note" }, `Line: the correction. Band: the 95 % interval.${hasTruth ? truth : ""}`);
 }
 

@@ -30,7 +30,7 @@ const KINDS: readonly StripKind[] = [
   },
 ];
 
-/** A calibration under way: what to do now, what is to come, what would be refused. */
+/** A running calibration: what to do now, the next steps, and what would be refused. */
 export class Run implements Stage {
   readonly element: HTMLElement;
   readonly #title = h("h1", {});
@@ -53,7 +53,7 @@ export class Run implements Stage {
     const abort = button("Abort", () => void this.#abort(), { class: "quiet" });
     const card = (name: string, title: string, ...children: Node[]) =>
       h("section", { class: `card ${name}` }, h("h2", {}, title), ...children);
-    const title = "What would be refused if it ended here";
+    const title = "What would be refused if it ended now";
     this.#watch = card("watch", title, h("div", { role: "status" }, this.#threats));
     this.element = h(
       "div",
@@ -111,7 +111,7 @@ export class Run implements Stage {
         ...steps.map((step) => h("li", {}, h("span", { class: "name" }, step.name), h("span", { class: "time" }))),
       );
     }
-    // at a set point the part decides: a step whose time is over goes on until the part has settled
+    // at a set point the sensor decides: a step whose time is over goes on until the sensor has settled
     const isOver = ({ to_s }: Step) => (method === "chamber" ? elapsed_s > to_s : elapsed_s >= to_s);
     const now = steps.findIndex((step) => !isOver(step));
     steps.forEach((step, index) => {

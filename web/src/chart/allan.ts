@@ -4,9 +4,9 @@ import { settings } from "../settings";
 import { axis, banded, decades, DECADES, dotted, type Drawing, expected, Figure, type Told } from "./figure";
 import { faint, type Palette } from "./palette";
 
-/** The Allan deviation, log-log: points, their band of one sigma, and the model. */
+/** The Allan deviation, log-log: points with their one-sigma band, and the model. */
 export class Allan extends Figure<AllanPoint[]> {
-  /** The unit of what is drawn, and what a deviation is multiplied by for it. */
+  /** The unit of the drawing, and the factor that converts a deviation to it. */
   protected unit(): { text: string; scale: number } {
     return { text: settings.unitText, scale: settings.scale };
   }

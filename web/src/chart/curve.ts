@@ -4,7 +4,7 @@ import { settings } from "../settings";
 import { banded, dotted, type Drawing, expected, Figure, overTemperature, type Told } from "./figure";
 import { faint, type Palette } from "./palette";
 
-/** What a calibration adds at each temperature, its 95 % band, and on the twin the truth. */
+/** The correction over temperature with its 95 % band and, for the twin, the truth. */
 export class Curve extends Figure<CurvePoint[]> {
   protected isThere(points: CurvePoint[]): boolean {
     return points.length > 1;

@@ -1,8 +1,8 @@
-/** The range of an axis: grows at once, shrinks only when much of it is empty, so that a live chart stands still. */
+/** The range of an axis. It grows at once but shrinks only when much of it is empty, so that a live chart stands still. */
 export class Extent {
   #min = NaN;
   #max = NaN;
-  /** Least and largest of what was seen last. */
+  /** The least and largest value that was drawn last. */
   seen: [number, number] | undefined;
 
   constructor(readonly least: number) {}
@@ -37,7 +37,7 @@ export class Extent {
   }
 }
 
-/** 1, 2 or 5 times a power of ten, at least as large. */
+/** The next larger value that is 1, 2 or 5 times a power of ten. */
 function nice(step: number): number {
   const power = 10 ** Math.floor(Math.log10(step));
   const times = [1, 2, 5, 10].find((of) => of * power >= step * 0.999) ?? 10;

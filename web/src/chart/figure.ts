@@ -4,14 +4,14 @@ import { h, say, table } from "../dom";
 import { settings } from "../settings";
 import { palette, type Palette } from "./palette";
 
-/** What a picture says in words, and its numbers as rows. */
+/** The summary of a picture in words, and its numbers as rows. */
 export interface Told {
   summary: string;
   head: string[];
   rows: string[][];
 }
 
-/** What differs between the kinds of charts. */
+/** The options that differ between the kinds of charts. */
 export type Drawing = Pick<uPlot.Options, "scales" | "axes" | "series" | "bands" | "hooks">;
 
 const FRAME = {
@@ -20,7 +20,7 @@ const FRAME = {
   padding: [8, 10, 0, 0] as uPlot.Padding,
 };
 
-/** A chart that is drawn from scratch when its numbers change, with its numbers as a table for who wants them. */
+/** A chart that is redrawn from scratch when its numbers change. A table below it holds the numbers. */
 export abstract class Figure<T> {
   readonly element: HTMLElement;
   protected readonly note = h("p", { class: "note" });
@@ -54,20 +54,20 @@ export abstract class Figure<T> {
     this.#resized.observe(this.#box);
   }
 
-  /** Draws these. */
+  /** Draws this data. */
   show(data: T | undefined): void {
     this.#data = data;
     this.#draw();
   }
 
-  /** Draws again, as after a change of theme or unit. */
+  /** Redraws the chart, after a change of theme or unit. */
   remake(): void {
     this.#plot?.destroy();
     this.#plot = undefined;
     this.#draw();
   }
 
-  /** Nothing is drawn any more. */
+  /** Removes the chart for good. */
   destroy(): void {
     this.#resized.disconnect();
     this.#plot?.destroy();
@@ -144,12 +144,12 @@ export function dotted(colour: string, width: number): uPlot.Series {
   return { stroke: colour, width, points: { show: true, size: 5, fill: colour } };
 }
 
-/** The dashed line of what is expected. */
+/** The dashed line of expected values. */
 export function expected(colours: Palette): uPlot.Series {
   return { stroke: colours.model, width: 1.5, dash: [6, 4], points: { show: false } };
 }
 
-/** A rate over the temperature. */
+/** Scales and axes of a rate over temperature. */
 export function overTemperature(colours: Palette, label: string): Pick<Drawing, "scales" | "axes"> {
   const values = (_: uPlot, splits: number[]) => splits.map(tick);
   return {
@@ -164,7 +164,7 @@ export function overTemperature(colours: Palette, label: string): Pick<Drawing, 
   };
 }
 
-/** Whole decades around positive numbers. */
+/** The range of whole decades around positive numbers. */
 export function decades(least: number, largest: number): [number, number] {
   if (!(least > 0) || !(largest > 0)) return [1e-3, 1];
   const low = Math.floor(Math.log10(least * 1.0001));
@@ -179,7 +179,7 @@ function wholeDecades(_: uPlot, __: number, least: number, largest: number): num
   return Array.from({ length: Math.max(0, last - first + 1) }, (_, k) => 10 ** (first + k));
 }
 
-/** `10⁻³` at whole decades, and nothing between. */
+/** Labels like `10⁻³` at whole decades, and none between. */
 function decadeTick(value: number | null): string {
   if (value === null) return "";
   const power = Math.log10(value);
@@ -197,7 +197,7 @@ function tick(value: number | null): string {
   return value === null ? "" : String(Number(value.toPrecision(6))).replace("-", "\u2212");
 }
 
-/** A range with some room around it. */
+/** A range with some room at both ends. */
 function padded(least: number | null, largest: number | null, floor: number): [number, number] {
   if (least === null || largest === null) return [0, 1];
   const by = Math.max((largest - least) * 0.08, floor);

@@ -1,4 +1,4 @@
-/** Colours of the charts, as the style sheet has them for the theme in force. */
+/** The colours of the charts, taken from the style sheet for the current theme. */
 export interface Palette {
   muted: string;
   grid: string;
@@ -23,7 +23,7 @@ const NAMES = [
   "warn",
 ] as const;
 
-/** Read anew: the theme may have changed. */
+/** Reads the colours; the theme may have changed since the last time. */
 export function palette(): Palette {
   const style = getComputedStyle(document.documentElement);
   return Object.fromEntries(
@@ -31,7 +31,7 @@ export function palette(): Palette {
   ) as unknown as Palette;
 }
 
-/** The same colour, let through: `#rrggbb` and an alpha. */
+/** The colour `#rrggbb` with an alpha. */
 export function faint(colour: string, alpha: number): string {
   if (!/^#[0-9a-f]{6}$/i.test(colour)) return colour;
   return (

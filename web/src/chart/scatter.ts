@@ -5,7 +5,7 @@ import { settings } from "../settings";
 import { banded, dotted, type Drawing, Figure, overTemperature, type Told } from "./figure";
 import { faint, type Palette } from "./palette";
 
-/** The bias over the temperature: means of the time that the part spent at each. */
+/** The bias over temperature: the mean rate of the time that the part spent at each temperature. */
 export class Scatter extends Figure<OverTemperature> {
   protected isThere({ points }: OverTemperature): boolean {
     return points.length > 0;
@@ -40,7 +40,7 @@ export class Scatter extends Figure<OverTemperature> {
   }
 }
 
-/** Its slope is minus BTC, as far as noise goes. */
+/** The slope of the straight line, which is minus BTC within the noise. */
 function slope({ slope_dps_per_c, u_dps_per_c }: TemperatureLine): string {
   const { scale, unitText } = settings;
   return `Straight line: ${both(slope_dps_per_c * scale, half(u_dps_per_c * scale))} ${unitText}/°C (95 %, white noise alone)`;

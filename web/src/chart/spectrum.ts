@@ -10,7 +10,7 @@ export interface Spectral {
   marks: SpectrumMark[];
 }
 
-/** The words of a mark in the picture; the list below it has all of them. */
+/** The short words of a mark in the picture; the list below has the full text. */
 const SHORT: Record<SpectrumMark["kind"], string> = {
   bandwidth: "−3 dB",
   nyquist: "½ rate",
@@ -18,7 +18,7 @@ const SHORT: Record<SpectrumMark["kind"], string> = {
   line: "line",
 };
 
-/** The amplitude spectral density, log-log, with what is to be seen in it. */
+/** The amplitude spectral density, log-log, with marks at its features. */
 export class Spectrum extends Figure<Spectral> {
   protected isThere({ points }: Spectral): boolean {
     return points.length > 1;

@@ -1,5 +1,5 @@
 import uPlot from "uplot";
-import { clock, significant } from "../digits";
+import { moment, onAxis, significant } from "../digits";
 import { h, say } from "../dom";
 import type { Column, Ring } from "../ring";
 import { settings } from "../settings";
@@ -13,38 +13,38 @@ export interface StripKind {
   colour: "raw" | "corrected" | "temp";
   /** The least range that the axis shows, °/s or °C. */
   least: number;
-  /** Whether °/s and °/h concern it. */
+  /** Whether it shows a rate, in °/s or °/h. */
   isRate: boolean;
-  /** Whether its axis of time has numbers. */
+  /** Whether its time axis has numbers. */
   times: boolean;
-  /** What stands there while it has nothing to show. */
+  /** The text while there is nothing to show. */
   nothing: string;
 }
 
-/** What the strips share. */
+/** The state that all strips share. */
 export interface Shared {
   window: TimeWindow;
   /** Cursors that were set, s since the first sample. */
   cursors: { A: number | undefined; B: number | undefined };
-  /** Where the pointer is, s since the first sample. */
+  /** The time under the pointer, s since the first sample. */
   hover: number | undefined;
   changed(): void;
 }
 
-/** Between two numbers of time, s: what a clock has. */
+/** The possible steps between two numbers on the time axis, s. */
 const STEPS_S = [
   0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600,
   7200,
 ];
 
-/** Between two changes of the numbers above a strip, ms. */
+/** The least time between two changes of the numbers above a strip, ms. */
 const READ_MS = 250;
 
-/** Of the chart, and of its numbers of time, px. */
+/** Heights of the chart and of the numbers on its time axis, px. */
 const HEIGHT = 128;
 const TIMES = 20;
 
-/** Of what stands alone in a strip, px. */
+/** The least width of a bin without neighbours, px. */
 const LEAST_WIDTH = 1.5;
 
 /** A strip chart: for each bin an area from its least to its largest value, so that a spike is never hidden. */
@@ -94,21 +94,21 @@ export class Strip {
     return this.kind.isRate ? settings.unitText : "°C";
   }
 
-  /** Makes it anew, as after a change of theme or unit. */
+  /** Rebuilds the chart, after a change of theme or unit. */
   remake(): void {
     this.#plot?.destroy();
     this.#plot = undefined;
     this.#extent.forget();
   }
 
-  /** Nothing is drawn any more. */
+  /** Removes the chart for good. */
   destroy(): void {
     this.#resized.disconnect();
     this.#plot?.destroy();
     this.#plot = undefined;
   }
 
-  /** Draws what a ring holds of the time on view. */
+  /** Draws the part of a ring that is in the time window. */
   draw(ring: Ring | undefined): void {
     if (this.#box.clientWidth === 0) return;
     this.#plot ??= this.#make();
@@ -126,7 +126,7 @@ export class Strip {
     this.tell();
   }
 
-  /** What is where the pointer is, or the newest; that not more often than one can read it. */
+  /** Shows the values under the pointer, or the newest values, which change no more often than one can read them. */
   tell(): void {
     const at = this.shared.hover;
     if (at === undefined && performance.now() - this.#told < READ_MS) return;
@@ -136,7 +136,7 @@ export class Strip {
     say(this.#readout, bin < 0 || bin >= this.#count ? "" : this.#words(bin, at !== undefined));
   }
 
-  /** Middle of what the bin at a time holds, in the unit on view. */
+  /** The middle between least and largest value of the bin at a time, in the unit on view. */
   middle(at_s: number): number | undefined {
     const bin = this.#index(at_s);
     if (bin < 0 || bin >= this.#count) return undefined;
@@ -144,7 +144,7 @@ export class Strip {
     return Number.isFinite(middle) ? middle * this.scale : undefined;
   }
 
-  /** Least and largest on view, for who does not see it. */
+  /** The least and largest value on view in words, for users who do not see the chart. */
   summary(): string {
     const range = this.#extent.seen;
     if (!range) return `${this.kind.title}: ${this.kind.nothing}`;
@@ -156,7 +156,7 @@ export class Strip {
     const [least, largest] = [this.#least[bin]!, this.#largest[bin]!];
     if (!Number.isFinite(least)) return "";
     const words = `${this.#number(least)} … ${this.#number(largest)}`;
-    return withTime ? `at ${clock(this.#x[bin]!, 3)}: ${words}` : words;
+    return withTime ? `at ${moment(this.#x[bin]!, 3)}: ${words}` : words;
   }
 
   #number(value: number): string {
@@ -231,9 +231,8 @@ export class Strip {
   }
 
   #times(splits: number[]): string[] {
-    const step = (splits[1] ?? 1) - (splits[0] ?? 0);
-    const decimals = Math.max(0, Math.min(3, -Math.floor(Math.log10(step) + 1e-9)));
-    return splits.map((at) => (this.kind.times && at >= 0 ? clock(at, decimals) : ""));
+    const step = Number(((splits[1] ?? 1) - (splits[0] ?? 0)).toFixed(3));
+    return splits.map((at) => (this.kind.times && at >= 0 ? onAxis(at, step) : ""));
   }
 
   #tick(value: number, splits: number[]): string {
@@ -243,7 +242,7 @@ export class Strip {
     return /[1-9]/.test(text) ? text.replace("-", "\u2212") : text.replace("-", "");
   }
 
-  /** An area from the largest to the least of each bin; a line where they are the same, as wide as a bin at least. */
+  /** An area from the largest to the least value of each bin. Bins without neighbours get the width of a bin. */
   #paths(u: uPlot): uPlot.Series.Paths {
     const area = new Path2D();
     for (let bin = 0; bin < this.#count; bin++) {
@@ -265,7 +264,7 @@ export class Strip {
     for (let bin = end - 1; bin >= from; bin--) area.lineTo(x(bin), y(this.#least, bin));
   }
 
-  /** A bin between empty ones, as of a part that is slower than the bins: what has no length is not drawn. */
+  /** A bin between empty ones, as of a part that is slower than the bins. It needs a width to be drawn. */
   #alone(area: Path2D, x: number, top: number, bottom: number, u: uPlot): void {
     const { window } = this.shared;
     const bin = ((this.#ring?.bin_s ?? 0) / (window.to - window.from)) * u.bbox.width;

@@ -1,20 +1,20 @@
 import type { Ring } from "../ring";
 
-/** Bins that are drawn at most. */
+/** The largest number of bins that are drawn. */
 export const DRAWN = 2400;
 
-/** Spans that one can choose, s. */
+/** The spans to choose from, s. */
 export const SPANS = [1, 10, 60, 600, 3600] as const;
 const SHORTEST_S = 0.02;
 const LONGEST_S = 4 * 3600;
 
-/** What of the time is on view: the newest so many seconds, or a part that is held. */
+/** The time on view: the newest so many seconds, or an interval that is held. */
 export class TimeWindow {
   span_s = 10;
   #held: { from: number; to: number } | undefined;
   #newest = 0;
 
-  /** Whether it stands still. */
+  /** The interval that is held, if one is. */
   get held(): boolean {
     return this.#held !== undefined;
   }
@@ -50,7 +50,7 @@ export class TimeWindow {
     this.span_s = span_s;
   }
 
-  /** Zooms around a point of time; a window that follows keeps its right end. */
+  /** Zooms around a time. A window that follows the newest samples keeps its right end. */
   zoom(factor: number, around_s?: number): void {
     const span = Math.min(LONGEST_S, Math.max(SHORTEST_S, (this.to - this.from) * factor));
     if (!this.#held && around_s === undefined) {
@@ -62,7 +62,7 @@ export class TimeWindow {
     this.hold(at - share * span, at - share * span + span);
   }
 
-  /** Moves by a share of what is on view. */
+  /** Moves by a share of the span on view. */
   pan(share: number): void {
     const by = share * (this.to - this.from);
     if (!this.#held && by > 0) return;
@@ -71,7 +71,7 @@ export class TimeWindow {
   }
 }
 
-/** The finest level that covers what is on view with no more bins than are drawn. */
+/** The finest level that covers the time on view and needs no more bins than are drawn. */
 export function levelFor(levels: readonly Ring[], from_s: number, to_s: number): Ring | undefined {
   const begin_s = Math.max(from_s, 0);
   for (const ring of levels) {

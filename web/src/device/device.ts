@@ -8,9 +8,9 @@ import { Opener } from "./opener";
 import { Registers } from "./registers";
 import { wiring } from "./wiring";
 
-const STATES = { opening: "It is being opened.", reading: "Samples come.", ended: "The recording ended." };
+const STATES = { opening: "The device is being opened.", reading: "Samples arrive.", ended: "The recording ended." };
 
-/** The device: how it is connected, what stands in its registers, how fast it is, and what is on file for it. */
+/** The device: its connection, registers and rates, and the calibrations on file. */
 export class DevicePage implements Page {
   readonly element: HTMLElement;
   readonly #name = h("p", { class: "name" });

@@ -7,10 +7,10 @@ import { kept } from "../kept";
 import type { CalibrationEntry } from "../protocol";
 import { settings } from "../settings";
 
-/** A calibration is a page of text; larger files are something else. */
+/** The largest calibration file, bytes. A calibration is a page of text. */
 const LARGEST = 1 << 20;
 
-/** Calibrations on file: which one is applied, and a place to drop more. */
+/** The calibrations on file, which one is applied, and a place to drop more. */
 export class OnFile {
   readonly element: HTMLElement;
   readonly #list = h("ul", { class: "on-file" });
@@ -20,8 +20,7 @@ export class OnFile {
     this.#none = button("Apply none", () => void app.ask({ do: "apply", calibration: null }), { class: "small" });
     const where = app.inside
       ? "They are kept in this browser."
-      : "They are with zerorate serve, which keeps them on disk " +
-        "if it was started with --folder.";
+      : "zerorate serve holds them, and keeps them on disk if it was started with --folder.";
     const drop = droppable("A calibration (TOML)", ".toml", (files) =>
       files.forEach((file) => void this.#add(file)),
     );
@@ -67,14 +66,14 @@ export class OnFile {
 
   async #remove({ id, serial, toml }: CalibrationEntry): Promise<void> {
     const name = serial ?? id.slice(0, 12);
-    if (!(await sure(`Take the calibration of ${name} off the file?`, "Remove it", "Keep it"))) return;
+    if (!(await sure(`Remove the calibration of ${name} from the list?`, "Remove it", "Keep it"))) return;
     if (await this.app.ask({ do: "remove-calibration", calibration: id })) kept.forgetCalibration(toml);
   }
 
   async #add(file: File): Promise<void> {
-    if (file.size > LARGEST) return this.app.tell(`${file.name} is too large for a calibration`, "wrong");
+    if (file.size > LARGEST) return this.app.tell(`${file.name} is too large for a calibration.`, "wrong");
     const reply = await this.app.ask({ do: "add-calibration", toml: await file.text() });
-    if (reply) this.app.tell(`${file.name} is on file`);
+    if (reply) this.app.tell(`${file.name} is on file.`);
   }
 }
 

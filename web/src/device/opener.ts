@@ -15,7 +15,7 @@ const PRESETS: readonly (readonly [string, string])[] = [
   ["50 Hz bandwidth", "roa=10nf"],
 ];
 
-/** In the static home: what is to be read. */
+/** In the static home: the choice of the device to read. */
 export class Opener {
   readonly element: HTMLElement;
   readonly #keys = h("input", {
@@ -34,8 +34,8 @@ export class Opener {
     this.#keys.value = opening.is === "twin" ? opening.keys : "";
     this.element = h(
       "section",
-      { class: "card", "aria-label": "What is read" },
-      h("h2", {}, "What is read"),
+      { class: "card", "aria-label": "Choose a device" },
+      h("h2", {}, "Choose a device"),
       h("div", { class: "three openers" }, this.#twin(), this.#port(), this.#capture()),
     );
   }
@@ -51,7 +51,7 @@ export class Opener {
       "form",
       { submit: open },
       h("h3", {}, "The twin"),
-      h("p", {}, "A part in software: every seed is another unit."),
+      h("p", {}, "A simulated sensor. Every seed is another unit."),
       h("label", { for: "keys" }, "Keys, as after ", h("code", {}, "twin:")),
       this.#keys,
       h("div", { class: "presets" }, ...PRESETS.map(([name, keys]) => this.#preset(name, keys))),
@@ -70,8 +70,8 @@ export class Opener {
     const choose = button("Choose its port", () => void connectChosen(this.app, this.inside), {
       disabled: !canReadPorts(),
     });
-    const words = "Behind a microcontroller with the bridge firmware, at a serial port of this machine.";
-    return h("div", {}, h("h3", {}, "A real part"), h("p", {}, canReadPorts() ? words : NO_SERIAL), choose);
+    const words = "It is connected to a microcontroller with the bridge firmware, at a serial port of this machine.";
+    return h("div", {}, h("h3", {}, "A real sensor"), h("p", {}, canReadPorts() ? words : NO_SERIAL), choose);
   }
 
   #capture(): HTMLElement {
@@ -84,7 +84,7 @@ export class Opener {
       "div",
       {},
       h("h3", {}, "A recording"),
-      h("p", {}, "It is read here: it never leaves this machine."),
+      h("p", {}, "It is read in this browser and never leaves this machine."),
       droppable("A capture of zerorate", "", open),
     );
   }

@@ -2,7 +2,7 @@ import { hex } from "../digits";
 import { h } from "../dom";
 import type { Field, Register } from "../protocol";
 
-/** What stands in the registers, bit by bit in plain words. */
+/** The content of the registers, bit by bit in plain words. */
 export class Registers {
   readonly element = h("div", { class: "registers" });
   #shown = "";
@@ -20,7 +20,7 @@ export class Registers {
   }
 
   #none(): void {
-    this.element.replaceChildren(h("p", { class: "none" }, "This device has no registers that can be read."));
+    this.element.replaceChildren(h("p", { class: "none" }, "This device has no readable registers."));
   }
 }
 
@@ -54,6 +54,6 @@ function row({ name, value, meaning, wrong }: Field): HTMLElement {
     "div",
     wrong ? { class: "wrong" } : {},
     h("dt", {}, `${name} = ${value}`),
-    h("dd", {}, wrong ? `not as it should be: ${meaning}` : meaning),
+    h("dd", {}, wrong ? `unexpected: ${meaning}` : meaning),
   );
 }

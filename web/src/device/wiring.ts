@@ -1,6 +1,6 @@
 import { h, svg, table } from "../dom";
 
-/** Pins of the part that a host needs (F-11), and what they are called there (F-15). */
+/** The pins of the part that a host needs (F-11), and their names at the host (F-15). */
 const WIRES: readonly (readonly [string, string, string, string])[] = [
   ["16", "SCLK", "SCLK", "clock, mode 3, at most 10 MHz"],
   ["14", "SDI", "MOSI", "host to part"],
@@ -14,12 +14,12 @@ const ROW = 30;
 const TOP = 50;
 
 const CARE =
-  "No source states the logic levels of the part, which runs from 5 V: take it that SDO and RDY swing to 5 V, and put a " +
-  "level shifter before a host of 3.3 V. " +
-  "Ribbon cable up to 12 inches, beyond that shielded twisted pairs. Tie the self-test pins 1–7 and 9 together. " +
-  "Holes under the mating pads keep the pins from bottoming out, which would shift the bias.";
+  "No source states the logic levels of the part, which runs from 5 V. Assume that SDO and RDY swing to 5 V, and put a " +
+  "level shifter before a 3.3 V host. " +
+  "Use ribbon cable up to 12 inches, and shielded twisted pairs beyond. Tie the self-test pins 1–7 and 9 together. " +
+  "Drill holes under the mating pads, so that the pins do not bottom out, which would shift the bias.";
 
-/** Which pin goes where, as a picture and as a table. */
+/** The wiring as a picture and as a table. */
 export function wiring(): HTMLElement {
   const numbers = table(
     "Wiring",

@@ -7,7 +7,7 @@ interface Port {
   onmessage: ((event: MessageEvent<FromLive>) => void) | null;
 }
 
-const NOT_STARTED = "the worker of this page could not be started; load the page again";
+const NOT_STARTED = "The worker of this page could not be started. Load the page again.";
 
 /** The session in a worker of this browser. */
 export class Inside implements Link {
@@ -15,7 +15,7 @@ export class Inside implements Link {
   onstate: (state: LinkState) => void = () => {};
   /** Bytes for the serial port of this window. */
   onserial: (bytes: Uint8Array) => void = () => {};
-  /** The port of this window is read no more. */
+  /** The session no longer reads the port of this window. */
   onrelease: () => void = () => {};
   readonly #asking = new Asking();
   #port: Port | undefined;
@@ -48,7 +48,7 @@ export class Inside implements Link {
   }
 
   #join(): Port {
-    // over a reload of the only window; whoever closes that ends the session all the same, soon or at once
+    // the extended lifetime keeps the session over a reload of the only window; closing that window still ends it
     const options = { type: "module", name: "zerorate", extendedLifetime: true } as const;
     const worker = new SharedWorker(new URL("live.js", import.meta.url), options as WorkerOptions);
     worker.onerror = () => this.#fail(NOT_STARTED);

@@ -2,22 +2,22 @@ import type { Answer, Reply, Request } from "../protocol";
 
 type Without<T, K extends PropertyKey> = T extends unknown ? Omit<T, K> : never;
 
-/** What can be asked of the session. */
+/** A request to the session, without its number. */
 export type Command = Without<Request, "id">;
 
-/** How it is with the way to the session. */
+/** The state of the connection to the session. */
 export type LinkState =
   | { is: "connecting" }
   | { is: "open" }
-  /** It will be tried again. */
+  /** The connection broke; it is tried again. */
   | { is: "lost" }
-  /** The server wants its token. */
+  /** The server asks for its token. */
   | { is: "locked"; wrong: boolean }
   | { is: "failed"; why: string };
 
-/** The way to the session, wherever it runs. */
+/** The connection to the session, wherever the session runs. */
 export interface Link {
-  /** Asks for something; fails with the session's own words. */
+  /** Sends a command. A refusal fails with the session's own text. */
   ask(command: Command): Promise<Reply>;
   onframe: (bytes: ArrayBuffer) => void;
   onstate: (state: LinkState) => void;
@@ -45,7 +45,7 @@ export class Asking {
     else waiting?.done(answer.ok);
   }
 
-  /** Nobody will answer any more. */
+  /** Fails all requests, because nobody will answer them. */
   gone(why: string): void {
     for (const { fail } of this.#waiting.values()) fail(new Error(why));
     this.#waiting.clear();

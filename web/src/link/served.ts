@@ -2,11 +2,11 @@ import { Asking, type Command, type Link, type LinkState } from "./link";
 import type { Home } from "../home";
 import { home } from "../home";
 
-/** Waits before it connects again, s: the first, and the longest. */
+/** Waiting times before it connects again, s: the first and the longest. */
 const FIRST_S = 0.25;
 const LONGEST_S = 8;
 
-/** The session of `zerorate serve`, through a WebSocket that is opened again whenever it breaks. */
+/** The session of `zerorate serve`, over a WebSocket that is opened again whenever it breaks. */
 export class Served implements Link {
   onframe: (bytes: ArrayBuffer) => void = () => {};
   onstate: (state: LinkState) => void = () => {};
@@ -20,7 +20,7 @@ export class Served implements Link {
 
   ask(command: Command) {
     const socket = this.#socket;
-    if (socket?.readyState !== WebSocket.OPEN) return Promise.reject(new Error("the server cannot be reached now"));
+    if (socket?.readyState !== WebSocket.OPEN) return Promise.reject(new Error("The server cannot be reached now."));
     return this.#asking.ask(command, (text) => socket.send(text));
   }
 
@@ -56,7 +56,7 @@ export class Served implements Link {
     socket.onopen = () => this.onstate({ is: "open" });
     socket.onmessage = ({ data }: MessageEvent<ArrayBuffer | string>) => this.#heard(data);
     socket.onclose = () => {
-      this.#asking.gone("the server went away before it answered; what was asked may be done all the same");
+      this.#asking.gone("The server went away before it answered. The command may have been executed all the same.");
       this.#again();
     };
     this.#socket = socket;

@@ -2,15 +2,15 @@ import { count, duration, significant } from "../digits";
 import { coded, facts, h, table } from "../dom";
 import type { LogAbout } from "../protocol";
 
-/** What is in a log. */
+/** The content of a log. */
 export class About {
-  readonly element = h("section", { class: "card about", "aria-label": "What is in the log" });
+  readonly element = h("section", { class: "card about", "aria-label": "Content of the log" });
 
   show(file: File, about: LogAbout): void {
     const list = h("dl", { class: "facts" });
     facts(list, [
       ["File", `${file.name}, ${size(file.size)}`],
-      ["Form", about.form],
+      ["Format", about.form],
       ["Samples", count(about.samples)],
       ["Rate", `${significant(about.rate_hz, 6)} Hz`],
       ["Duration", duration(about.duration_s)],
@@ -23,7 +23,7 @@ export class About {
       count(column.missing),
     ]);
     this.element.replaceChildren(
-      h("h2", {}, "What is in it"),
+      h("h2", {}, "Content of the log"),
       list,
       h(
         "div",
@@ -35,7 +35,7 @@ export class About {
   }
 }
 
-/** What there is to say, if there is. */
+/** A list of warnings, which may be empty. */
 export function warnings(texts: string[]): HTMLElement {
   return h("ul", { class: "warnings" }, ...texts.map((text) => h("li", {}, ...coded(text))));
 }

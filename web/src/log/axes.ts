@@ -18,7 +18,7 @@ class LogAllan extends Allan {
   }
 }
 
-/** The axes of a log, one after the other as they are done. */
+/** The axes of a log; each appears when its analysis is done. */
 export class Axes {
   readonly element = h("div", { class: "two axes-of-log" });
   #figures: LogAllan[] = [];

@@ -12,7 +12,7 @@ import { Questions } from "./questions";
 
 const FORMS = "CSV, Parquet, NPY, MCAP, ROS 1 bags, Arrow; also packed (gz, xz, zst)";
 
-/** A log of any gyroscope: what is in it, and what its noise is. It is read in a worker of this browser. */
+/** Shows the content and the noise of a log of any gyroscope. A worker of this browser reads the log. */
 export class Log implements Page {
   readonly element: HTMLElement;
   readonly #state = h("p", { class: "doing", role: "status" });
@@ -28,7 +28,7 @@ export class Log implements Page {
   #file: File | undefined;
 
   constructor(readonly app: App) {
-    this.#cancel = button("Cancel", () => this.#end("Cancelled. Nothing of the log is left here."), {
+    this.#cancel = button("Cancel", () => this.#end("Cancelled. Nothing of the log is kept."), {
       class: "small",
       hidden: true,
     });
@@ -48,7 +48,7 @@ export class Log implements Page {
           { class: "note" },
           `${FORMS}. The file is read in this browser: `,
           h("b", {}, "it never leaves this machine."),
-          " SQLite bags (.db3) are for the program: zerorate imu.",
+          " SQLite bags (.db3) need the program: zerorate imu.",
         ),
         h("div", { class: "work" }, this.#state, this.#bar, this.#cancel),
       ),
@@ -64,7 +64,7 @@ export class Log implements Page {
     this.#axes.restyle();
   }
 
-  /** Begins with a file. */
+  /** Opens a file. */
   open(file: File): void {
     this.#file = file;
     this.#axes.begin();
@@ -91,7 +91,7 @@ export class Log implements Page {
     worker.onmessage = ({ data }: MessageEvent<FromLog>) => this.#heard(data);
     worker.onerror = (event) => {
       this.#end(
-        `The worker that reads logs stopped: ${event.message || "it could not be loaded"}. A log too large for this browser may be the cause: zerorate imu reads it.`,
+        `The worker that reads logs stopped: ${event.message || "it could not be loaded"}. The log may be too large for this browser; zerorate imu reads it.`,
       );
     };
     return worker;
@@ -113,7 +113,7 @@ export class Log implements Page {
     else this.#failed(told.why);
   }
 
-  /** A command that is refused leaves the results; whatever else fails ends the work. */
+  /** Shows an error. A refused command leaves the results; any other error ends the work. */
   #failed(why: string): void {
     if (this.#cancel.hidden) this.app.tell(why, "wrong");
     else this.#end(why);
@@ -122,7 +122,7 @@ export class Log implements Page {
   #looked(looked: Looked): void {
     if (looked.is === "refused") return this.#end(looked.text);
     if (looked.is === "question") {
-      this.#say("The log does not say enough of itself.");
+      this.#say("The log does not say enough about itself.");
       this.#questions.ask(looked.text, looked.choices, looked.settings);
       this.#below.replaceChildren(this.#questions.element);
       return;

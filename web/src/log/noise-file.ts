@@ -11,7 +11,7 @@ const FORMATS: readonly (readonly [string, string])[] = [
   ["ros", "ROS (covariances)"],
 ];
 
-/** The file for the filter that takes the noise. */
+/** The file with the noise parameters for a filter. */
 export class NoiseFile {
   readonly element: HTMLElement;
   readonly #why = h("p", { class: "doubt" });
@@ -59,7 +59,7 @@ export class NoiseFile {
           "div",
           { class: "fields" },
           field("For", this.#format),
-          field("Where it takes one number", this.#combine),
+          field("If it takes one number for all axes", this.#combine),
           field("Factor on all noise", this.#inflate),
           field("Accept rejected models", this.#acceptRejected),
         ),

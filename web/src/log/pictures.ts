@@ -1,7 +1,7 @@
 import { button, h, save } from "../dom";
 import type { LogPicture } from "../protocol";
 
-/** Pictures of a log, as the program draws them. */
+/** The pictures of a log, as the program draws them. */
 export class Pictures {
   readonly element = h("section", { class: "card pictures", "aria-label": "Pictures", hidden: true });
 
@@ -12,7 +12,7 @@ export class Pictures {
 }
 
 function picture({ name, title, svg }: LogPicture): HTMLElement {
-  // as an image: nothing in it can run, whatever the log called its columns
+  // an image runs no script, even if the name of a column contains one
   const image = h("img", { alt: title, src: `data:image/svg+xml;charset=utf-8,${encodeURIComponent(svg)}` });
   return h(
     "figure",

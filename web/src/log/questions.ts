@@ -4,31 +4,31 @@ import type { LogSetting, LogSettings } from "../protocol";
 interface Kind {
   words: string;
   hint: string;
-  /** What can be chosen; text or a number otherwise. */
+  /** The values to choose from; without them, the field takes text or a number. */
   options?: string[];
   number?: true;
 }
 
 const KINDS: Record<LogSetting, Kind> = {
-  columns: { words: "Columns", hint: "gx, gy, gz: names or numbers from 0, with commas" },
+  columns: { words: "Columns", hint: "gx, gy, gz (names, or numbers from 0)" },
   topic: { words: "Topic", hint: "/imu/data" },
-  rate_hz: { words: "Samples per second, Hz", hint: "100", number: true },
-  time_column: { words: "Column with the times", hint: "t" },
-  time_unit: { words: "Unit of the times", hint: "", options: ["", "s", "ms", "us", "ns"] },
-  gyro_unit: { words: "Unit of the gyroscopes", hint: "dps, rad/s, deg/h" },
-  gyro_scale: { words: "One step of a gyroscope, in that unit", hint: "1", number: true },
-  accel_unit: { words: "Unit of the accelerometers", hint: "m/s², g, mg" },
-  accel_scale: { words: "One step of an accelerometer, in that unit", hint: "1", number: true },
-  decimal: { words: "Before the decimals", hint: "", options: ["", "point", "comma"] },
+  rate_hz: { words: "Sample rate, Hz", hint: "100", number: true },
+  time_column: { words: "Time column", hint: "t" },
+  time_unit: { words: "Unit of time", hint: "", options: ["", "s", "ms", "us", "ns"] },
+  gyro_unit: { words: "Gyroscope unit", hint: "dps, rad/s, deg/h" },
+  gyro_scale: { words: "Gyroscope scale: one step, in that unit", hint: "1", number: true },
+  accel_unit: { words: "Accelerometer unit", hint: "m/s², g, mg" },
+  accel_scale: { words: "Accelerometer scale: one step, in that unit", hint: "1", number: true },
+  decimal: { words: "Decimal mark", hint: "", options: ["", "point", "comma"] },
 };
 
 type Input = HTMLInputElement | HTMLSelectElement;
 
-/** What a log does not say of itself, or says wrong: asked where it must be, offered where it may be. */
+/** Settings that a log does not state or states wrongly. The page asks for needed ones, and offers the others. */
 export class Questions {
   readonly element: HTMLElement;
   readonly #text = h("p", { class: "question", role: "alert" });
-  readonly #choices = h("pre", { tabindex: 0, role: "region", "aria-label": "What is there to choose from" });
+  readonly #choices = h("pre", { tabindex: 0, role: "region", "aria-label": "Values to choose from" });
   readonly #fields = new Map<LogSetting, { row: HTMLElement; input: Input }>();
   readonly #details: HTMLDetailsElement;
 
@@ -41,20 +41,20 @@ export class Questions {
     this.#details = h(
       "details",
       {},
-      h("summary", {}, "What the log does not say, or says wrong"),
+      h("summary", {}, "Correct or add what the log says"),
       h("div", { class: "fields" }, ...[...this.#fields.values()].map(({ row }) => row)),
       h("div", { class: "actions" }, h("button", { type: "submit", class: "primary" }, "Look again")),
     );
     this.element = h(
       "form",
-      { class: "card questions", submit, "aria-label": "What the log does not say" },
+      { class: "card questions", submit, "aria-label": "Settings of the log" },
       this.#text,
       this.#choices,
       this.#details,
     );
   }
 
-  /** Asks: any of these settings answers it. */
+  /** Asks a question that any of these settings answers. */
   ask(text: string, choices: string[], settings: LogSetting[]): void {
     say(this.#text, text);
     say(this.#choices, choices.join("\n"));
@@ -62,7 +62,7 @@ export class Questions {
     this.#details.open = true;
   }
 
-  /** Nothing is asked; the settings are there to be changed. */
+  /** Offers the settings without a question. */
   offer(): void {
     say(this.#text, "");
     say(this.#choices, "");

@@ -1,6 +1,6 @@
-// The file of a worker, as its module reads it: where it lies, a piece at a time.
+// Reads a file for the module of a worker, a piece at a time, without loading all of it.
 
-/** Bytes that are read at once: readers ask for a few at a time, and the browser takes its time for each. */
+/** Bytes that are read at once. Readers ask for a few bytes at a time, and each read of the browser is slow. */
 const PIECE = 1 << 20;
 
 class Pieces {
@@ -40,8 +40,8 @@ function copied(bytes: Uint8Array, at: number, into: Uint8Array): number {
 }
 
 /**
- * What the module of this worker reads from now on; `progress` hears how far. What comes back gives it what it read
- * before.
+ * Lets the module of this worker read a file; `progress` hears how far it is. The returned function restores the file
+ * from before.
  */
 export function serveFile(file: File, progress: (read: number, size: number) => void = () => {}): () => void {
   const before = (self as { zerorate?: unknown }).zerorate;

@@ -1,19 +1,19 @@
-// Runs the session: one for all windows where the browser has shared workers, else one for the window.
+// Runs the session: one for all windows if the browser has shared workers, otherwise one for each window.
 
 import initFirst, { FirstLook } from "../../gen/zerorate_first";
 import type { LiveSession } from "../../gen/zerorate_live";
 import { serveFile } from "./file";
 import type { FromLive, Opening, ToLive } from "./messages";
 
-/** What both kinds of worker have of a window. */
+/** The connection to a window, which both kinds of worker have. */
 interface Window {
   postMessage(told: FromLive, transfer?: Transferable[]): void;
   onmessage: ((event: MessageEvent<ToLive>) => void) | null;
 }
 
-/** Between two turns, ms: 30 frames a second. */
+/** Time between two turns, ms: 30 frames a second. */
 const TURN_MS = 33;
-/** Of a turn, for readings: the rest is for what the windows ask. */
+/** The share of a turn for readings, ms. The rest is for requests of the windows. */
 const BUDGET_MS = 25;
 
 type Hello = Extract<ToLive, { do: "hello" }>;
@@ -21,7 +21,7 @@ type Hello = Extract<ToLive, { do: "hello" }>;
 const windows = new Set<Window>();
 let serial: Window | undefined;
 let session: LiveSession | undefined;
-/** What there is to see until there is a session. */
+/** The first look at the twin, shown until there is a session. */
 let look: FirstLook | undefined;
 let unusable: string | undefined;
 
@@ -33,20 +33,20 @@ function tellFrame(window: Window, bytes: Uint8Array): void {
   window.postMessage({ is: "frame", bytes: copy }, [copy]);
 }
 
-/** The module of the session, which is loaded once the first look has what it needs. */
+/** Loads the module of the session, once the first look has what it needs. */
 async function whole() {
   const live = await import("../../gen/zerorate_live");
   await live.default({ module_or_path: new URL("zerorate_live_bg.wasm", import.meta.url) });
   return live.LiveSession;
 }
 
-/** With a recording, by a module that reads them. One that is none leaves the one before it in place. */
+/** Opens a recording, with the module that reads them. If the file is not a recording, the file before it stays in place. */
 async function replay(file: File): Promise<LiveSession> {
   const readers = await import("../../gen/zerorate_replay");
   await readers.default({ module_or_path: new URL("zerorate_replay_bg.wasm", import.meta.url) });
   const before = serveFile(file);
   try {
-    // the same class, of a larger module
+    // the same class, from a larger module
     return readers.LiveSession.of_replay(file.name, file.size) as unknown as LiveSession;
   } catch (why) {
     before();
@@ -60,7 +60,7 @@ async function begin(what: Opening): Promise<LiveSession> {
   return what.is === "twin" ? live.of_twin(what.keys) : live.of_bridge();
 }
 
-/** Another device; calibrations stay on file, and the one that is applied stays so where the device bears it. */
+/** Opens another device. Calibrations stay on file, and the applied one stays applied if it fits the device. */
 async function instead(before: LiveSession, what: Opening): Promise<LiveSession> {
   if (what.is === "twin") before.use_twin(what.keys);
   else if (what.is === "serial") before.use_bridge();
@@ -77,12 +77,12 @@ function handOver(before: LiveSession, after: LiveSession): void {
   try {
     take(after, before.calibrations(), before.applied() ?? null);
   } catch (why) {
-    after.note(`The calibration that was applied no longer is: ${words(why)}`);
+    after.note(`The calibration is no longer applied: ${words(why)}`);
   }
-  if (before.is_calibrating()) after.note("The calibration was ended without a result: a recording was opened");
+  if (before.is_calibrating()) after.note("The calibration ended without a result, because a recording was opened");
 }
 
-/** What the page kept may not be there any more; then the twin is, and says why. */
+/** Opens the first device. If it is no longer available, opens the twin, which says why. */
 async function first(what: Opening): Promise<LiveSession> {
   try {
     return await begin(what);
@@ -94,7 +94,7 @@ async function first(what: Opening): Promise<LiveSession> {
   }
 }
 
-/** Opens what a window asks for; the one that asks for a bridge has its port. What cannot be opened leaves all as it was. */
+/** Opens the device that a window asks for. The window that asks for a bridge has the port. On failure, nothing changes. */
 async function open(window: Window, what: Opening): Promise<void> {
   try {
     session = session === undefined ? await begin(what) : await instead(session, what);
@@ -108,7 +108,7 @@ async function open(window: Window, what: Opening): Promise<void> {
   for (const one of windows) tellFrame(one, session.snapshot());
 }
 
-/** Puts on file what the page kept; what is damaged stays with the page. */
+/** Puts the calibrations on file that the page kept. Damaged ones are left out. */
 function take(open: LiveSession, calibrations: string[], applied: string | null): void {
   for (const toml of calibrations) {
     try {
@@ -120,18 +120,18 @@ function take(open: LiveSession, calibrations: string[], applied: string | null)
   if (applied !== null && calibrations.length > 0) open.apply(applied);
 }
 
-/** A page that keeps calibrations was here before, and has the session in its cache: it is shown that at once. */
+/** Shows the first look, except to a page that keeps calibrations: its cache already has the session. */
 function lookFirst(window: Window, said: Hello): void {
   if (said.open.is !== "twin" || said.calibrations.length > 0) return;
   try {
     look ??= new FirstLook(said.open.keys);
     tellFrame(window, look.snapshot());
   } catch {
-    // the session will say why
+    // the session says why
   }
 }
 
-/** The session goes on where the first look is. */
+/** Lets the session continue where the first look is. */
 function goOn(open: LiveSession): void {
   if (look !== undefined) open.catch_up(look.shown_s());
   look?.free();
@@ -161,7 +161,7 @@ async function hear(window: Window, said: ToLive): Promise<void> {
   else if (said.do === "bye") leave(window);
   else if (session === undefined) return;
   else if (said.do === "ask") window.postMessage({ is: "answer", text: session.ask(said.text) });
-  // of a port that is read no more
+  // this window's port is no longer read
   else if (window !== serial) return;
   else if (said.do === "serial-bytes") session.received(said.bytes);
   else session.unplugged(said.why);
@@ -175,16 +175,16 @@ function leave(window: Window): void {
   session?.unplugged("its window was closed");
 }
 
-/** What the session has to say to the bridge. */
+/** Sends the session's bytes to the bridge. */
 function send(): void {
   const bytes = serial === undefined ? undefined : session?.to_send();
   if (bytes !== undefined && bytes.length > 0) serial?.postMessage({ is: "serial-send", bytes });
 }
 
-/** A module that trapped does not run again, and says so once. */
+/** Reports that there is no session. A module that trapped does not run again. */
 function fail(why: unknown): void {
   session = look = undefined;
-  unusable = why instanceof WebAssembly.RuntimeError ? "the session broke down; load the page again" : words(why);
+  unusable = why instanceof WebAssembly.RuntimeError ? "The session broke down. Load the page again." : words(why);
   for (const window of windows) window.postMessage({ is: "failed", why: unusable });
 }
 
@@ -201,7 +201,7 @@ function turn(): void {
   }
 }
 
-/** One after the other, whatever window says it: a session is opened once. */
+/** The requests of all windows, one after the other, so that a session is opened only once. */
 let heard: Promise<void> = ready.then(() => {});
 
 async function answer(window: Window, said: ToLive): Promise<void> {

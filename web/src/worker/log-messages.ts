@@ -1,16 +1,16 @@
-// What the page and the worker that reads a log say to each other. The worker is the same in both homes.
+// The messages between the page and the worker that reads a log. The worker is the same in both homes.
 
 import type { Download, LogAxis, LogSettings, LogSummary, Looked, NoiseFileCommand } from "../protocol";
 
-/** To the worker. Of one that is ended while it works, nothing is left. */
+/** Messages to the worker. A worker that is ended while it works leaves nothing behind. */
 export type ToLog =
   | { do: "look"; file: File; settings: LogSettings }
   | { do: "analyse" }
   | { do: "noise-file"; command: NoiseFileCommand };
 
-/** From it. `look` is answered by `looked`, `analyse` by `axis` for each column and then `summary`. */
+/** Messages from the worker. `looked` answers `look`; `axis` for each column and then `summary` answer `analyse`. */
 export type FromLog =
-  /** Of the work under way: 0 … 1, where that is known, and what is being done. */
+  /** Progress of the work: its share (0 … 1, if known), and what is being done. */
   | { is: "progress"; share: number | null; text: string }
   | { is: "looked"; looked: Looked }
   | { is: "axis"; axis: LogAxis }

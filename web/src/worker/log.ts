@@ -1,4 +1,4 @@
-// Reads a log that was dropped on the page, in both homes. The bytes are read where they lie, a piece at a time.
+// Reads a log that was dropped on the page, in both homes. The file is read a piece at a time and never loaded as a whole.
 
 import init, { Log } from "../../gen/zerorate_log";
 import type { LogAxis, LogSettings, LogSummary, Looked } from "../protocol";
@@ -34,15 +34,15 @@ function analyse(open: Log): void {
 
 function answer(asked: ToLog): void {
   if (asked.do === "look") look(asked.file, asked.settings);
-  else if (log === undefined) tell({ is: "failed", why: "there is no log that was read" });
+  else if (log === undefined) tell({ is: "failed", why: "No log has been read yet." });
   else if (asked.do === "analyse") analyse(log);
   else tell({ is: "file", file: JSON.parse(log.noise_file(JSON.stringify(asked.command))) });
 }
 
-/** A module that trapped does not run again. */
+/** The reason of an error in words. A module that trapped does not run again. */
 function reason(why: unknown): string {
   if (!(why instanceof WebAssembly.RuntimeError)) return why instanceof Error ? why.message : String(why);
-  return "the reader gave up on this file: it is damaged, or it takes more memory than a page can have; try `zerorate imu`";
+  return "The reader gave up on this file: it is damaged, or needs more memory than a page can have. Try `zerorate imu`.";
 }
 
 scope.onmessage = async ({ data }: MessageEvent<ToLog>) => {

@@ -1,15 +1,15 @@
-/** What a window and the live worker say to each other: docs/formats/page.md. */
+/** The messages between a window and the live worker: docs/formats/page.md. */
 
-/** What is to be read. */
+/** The device to read. */
 export type Opening =
-  /** The twin; `keys` are those after `twin:`. */
+  /** The twin; `keys` is the text after `twin:`. */
   | { is: "twin"; keys: string }
   /** A recording. */
   | { is: "capture"; file: File }
-  /** A bridge behind the serial port of the window that says so. */
+  /** A bridge at the serial port of the window that sends this. */
   | { is: "serial" };
 
-/** From a window. */
+/** Messages from a window. */
 export type ToLive =
   | { do: "hello"; calibrations: string[]; applied: string | null; open: Opening }
   | { do: "ask"; text: string }
@@ -18,12 +18,12 @@ export type ToLive =
   | { do: "serial-gone"; why: string }
   | { do: "bye" };
 
-/** To a window. */
+/** Messages to a window. */
 export type FromLive =
   | { is: "frame"; bytes: ArrayBuffer }
   | { is: "answer"; text: string }
   | { is: "serial-send"; bytes: Uint8Array }
   /** Another window opened another device. */
   | { is: "serial-release" }
-  /** There will be no session: the module does not run here. */
+  /** The module does not run here, so there will be no session. */
   | { is: "failed"; why: string };

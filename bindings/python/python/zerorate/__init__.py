@@ -1,19 +1,19 @@
-"""Allan deviation of any gyroscope, and the calibration of the ADIS16130 with its part in software.
+"""Allan deviation of any gyroscope, and calibration of the ADIS16130 gyroscope, with a simulated one to try it on.
 
 ===================  ==================================================================
 `allan`              Allan deviation of a record or a log at rest, with limits and a noise model
-`imu`                the same of all axes of an IMU, and the files for the filters
+`imu`                the same for all axes of an IMU, and the noise files for filters
 `read_log`           columns of a log in any form
-`calibrate`          the procedure of AN-1042 on a `Twin`, with the uncertainty it has
-`Calibration`        a calibration file; `Calibration.correct` takes the bias out
-`Corrector`          the same for a stream that reads the temperature now and then
+`calibrate`          the procedure of AN-1042 on a `Twin`, with uncertainties
+`Calibration`        a calibration file; `Calibration.correct` removes the bias
+`Corrector`          the same for a stream with occasional temperatures
 `read_capture`       a recording of raw codes as numpy columns
-`Twin`               a part in software, drawn from a seed
+`Twin`               a simulated sensor, drawn from a seed
 `allantools_compat`  the functions of allantools: change the import, keep the program
 ===================  ==================================================================
 
-Units are in the names: ``rate_dps`` is in °/s, ``tau_s`` in seconds, ``temp_c`` in °C. What makes no sense raises
-ValueError with what to do; a measurement that must not become a calibration raises `Refused`.
+Units are in the names: ``rate_dps`` is in °/s, ``tau_s`` in seconds, ``temp_c`` in °C. Invalid arguments raise
+ValueError, whose text says what to do. A measurement that must not become a calibration raises `Refused`.
 """
 
 from importlib.metadata import version

@@ -1,4 +1,4 @@
-"""`allan`: deviations of whatever holds a record."""
+"""`allan`: deviations of records in any form."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     Several = Union[Literal["all"], list[str], list[int], tuple[str, ...], tuple[int, ...]]
 
 ASSUMED_UNIT = "°/s"
-"""Of values without a name."""
+"""The unit of values without a name."""
 
 
 @overload
@@ -98,60 +98,60 @@ def allan(
     rate
         The record. One value per sample: numpy array (a contiguous one of float64 or int32 is used in place), list,
         pandas or polars Series, xarray DataArray, or a `Capture`. Or several columns: a two-dimensional array with
-        times along axis 0 and columns along axis 1, a DataFrame, a dictionary of arrays. Or a log: its path, or what
-        `read_log` made of it. Integers are summed exactly; give their `scale`. What is NaN or masked is a missing
-        sample and stays a gap.
+        times along axis 0 and columns along axis 1, a DataFrame, a dictionary of arrays. Or a log: its path, or the
+        result of `read_log`. Integers are summed exactly; give their `scale`. NaN and masked values are missing
+        samples and stay gaps.
     rate_hz
-        Samples per second. A `Capture` knows it; else a DatetimeIndex, `time_column`, or the log tells it, as it tells
-        where samples are missing.
+        Samples per second. A `Capture` knows it. Otherwise it comes from a DatetimeIndex, `time_column`, or the log,
+        which also tell where samples are missing.
     column
-        Which column of a log, DataFrame or dictionary, or axis of a `Capture`: its name, or its number counted from 0.
-        A list or ``"all"`` gives an `AllanAxes`, and so do several columns in memory without it. A log with one column
-        needs none.
+        Column of a log, DataFrame or dictionary, or axis of a `Capture`: its name, or its number counted from 0.
+        A list or ``"all"`` gives an `AllanAxes`, and so do several columns in memory without `column`. A log with one
+        column needs none.
     columns
-        Names for the columns of a two-dimensional array. Without `rate_hz`, the one that states a unit of time
-        (``t_s``) is the time.
+        Names for the columns of a two-dimensional array. Without `rate_hz`, the column whose name states a unit of
+        time (``t_s``) is the time.
     stat
         ``adev``, ``oadev``, ``mdev``, ``tdev``, ``hdev``, ``ohdev``, ``totdev``.
     taus
-        Averaging times: ``octave``, ``fine``, ``decade``, ``all``, ``log:N`` for N of them, or seconds. What cannot be
-        computed is in `Allan.unavailable`.
+        Averaging times: ``octave``, ``fine``, ``decade``, ``all``, ``log:N`` for N of them, or seconds. Times that
+        cannot be computed are in `Allan.unavailable`.
     data
         ``rate``, or ``phase`` if the values are the integral of the rate (for a gyroscope: the angle).
     confidence
         Probability with which `Allan.lo` and `Allan.hi` enclose the true deviation.
     scale
-        What one step of the values is in `unit`; 1 unless given.
+        The value of one step, in `unit`; 1 unless given.
     unit
-        Unit of the rate, which is that of the results too: ``rad/s``, ``m/s²``, ``g`` …; of arrays any other as well.
-        Unless given, what the name of a column or the log states; of values without a name °/s.
+        Unit of the rate and of the results: ``rad/s``, ``m/s²``, ``g`` …; for arrays any other as well. Unless given,
+        it is the unit that the name of a column or the log states; for values without a name, °/s.
     fit
-        Whether to fit a noise model. Without one nothing is taken out of the record.
+        Whether to fit a noise model. Without one, nothing is taken out of the record.
     glitches
         ``cut``: before the fit, samples that cannot be noise are replaced. ``keep`` them.
     steps
         ``remove``: before the fit, up to three jumps of the level are taken out. ``keep`` them.
     temp_c
-        The temperature of each sample, °C, NaN where it was not read; of a log or table the name of its column. A
-        `Capture` has it; of a log and of a table, a column named ``temp_code``, ``temp_c``, ``temp`` or
-        ``temperature`` is taken. A rate that follows it is no noise: ``follows-temperature`` in `Fit.warnings`.
+        The temperature of each sample, °C, NaN where it was not read; for a log or table, the name of its column. A
+        `Capture` has it. In a log or table, a column named ``temp_code``, ``temp_c``, ``temp`` or ``temperature`` is
+        taken. A rate that follows the temperature is not noise: see ``follows-temperature`` in `Fit.warnings`.
     detrend
-        Take a polynomial of this order, 1 to 3, over the temperature out before anything else; `Allan.detrended` is
-        what was taken. The intervals of long averages and of K are widened by what it may have taken of the noise.
+        Subtract a polynomial of this order, 1 to 3, over the temperature before anything else; `Allan.detrended` holds
+        it. The intervals of long averages and of K are widened by the noise that it may have removed.
     skip
         Leave out the beginning, while the part warms: seconds, or a duration such as ``"45m"``.
     force_unit, time_column, time_unit, decimal, raw, max_bad, topic
-        As of `read_log`.
+        See `read_log`.
 
     Returns
     -------
     Allan or AllanAxes
-        `Allan` of one column, `AllanAxes` of several. (To a type checker an array without `columns` is one.)
+        `Allan` for one column, `AllanAxes` for several. (To a type checker an array without `columns` is one.)
 
     Raises
     ------
     ValueError
-        For arguments that nothing can be computed with; the text says what to do.
+        For arguments with which nothing can be computed; the text says what to do.
     Refused
         For a log whose numbers must not become a result.
     OSError
@@ -160,7 +160,7 @@ def allan(
     Notes
     -----
     NIST SP 1065, equations 10, 11, 14, 15, 17, 18, 25; limits from χ² with the degrees of freedom of Greenhall and
-    Riley (PTTI 2003). ``import zerorate; help(zerorate)`` lists what else there is.
+    Riley (PTTI 2003). ``import zerorate; help(zerorate)`` lists the other functions.
 
     Examples
     --------
@@ -180,7 +180,7 @@ def allan(
     if isinstance(rate, _log.Log) or (_records.is_wide(rate) and not is_timed):
         return _of_arrays(options, rate, column, columns, rate_hz, scale, unit)
     if columns is not None and not _records.is_wide(rate):
-        raise ValueError("columns= names those of a two-dimensional array; choose others with column=")
+        raise ValueError("columns= names the columns of a two-dimensional array; choose other columns with column=")
     given = _log.options(
         rate_hz=rate_hz,
         time_column=time_column,
@@ -198,7 +198,7 @@ def allan(
         wanted = _log.ALL if column is None and is_several else column
         return _answer(options.read(_records.table(rate, columns), wanted, given), is_several)
     if column is not None or time_column is not None:
-        raise ValueError("the record is one column: column= and time_column= choose of several")
+        raise ValueError("the record is one column: leave out column= and time_column=, which choose among several")
     name = getattr(rate, "name", None)
     name = name if isinstance(name, str) and name else "rate"
     stated = unit or _zerorate.column_unit(name)
@@ -225,7 +225,7 @@ def _of_arrays(
     scale: float | None,
     unit: str | None,
 ) -> Allan | AllanAxes:
-    """Of the columns of an array, or of what was read of a log."""
+    """Analyses the columns of an array, or of a log that was read."""
     log = data if isinstance(data, _log.Log) else None
     each = _records.array_columns(data, columns) if log is None else log.columns
     chosen = _chosen(each, column)
@@ -245,7 +245,7 @@ def _of_arrays(
 
 
 def _guessed(found: Allan, stated: str | None) -> Allan:
-    """With a mark where nothing stated the unit."""
+    """Marks the result if nothing stated the unit."""
     return found if stated else replace(found, _is_unit_assumed=True)
 
 
@@ -254,7 +254,7 @@ def _answer(found: Sequence[Allan], is_several: bool) -> Allan | AllanAxes:
 
 
 def _chosen(each: dict[str, Any], column: _log.Column | None) -> dict[str, Any]:
-    """Those of several columns that are asked for, by name or by number."""
+    """The columns that are asked for, by name or by number."""
     if column is None or _log.is_all(column):
         return each
     names = list(each)

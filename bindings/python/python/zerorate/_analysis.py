@@ -1,4 +1,4 @@
-"""From records to results."""
+"""Turns records into results."""
 
 from __future__ import annotations
 
@@ -23,21 +23,21 @@ if TYPE_CHECKING:
     from ._settling import Temperature
 
 Stat = Literal["adev", "oadev", "mdev", "tdev", "hdev", "ohdev", "totdev"]
-"""The deviations. `oadev` is the one to use unless you know better."""
+"""The deviations. Use `oadev` unless you have a reason for another."""
 
 Taus = Union[str, Sequence[float], "NDArray[np.float64]"]
 """Averaging times: ``octave``, ``fine``, ``decade``, ``all``, ``log:N``, or seconds."""
 
 LONG = 50_000
-"""Samples from which on a thread that listens to Ctrl-C costs nothing beside the work."""
+"""Number of samples from which a thread that listens to Ctrl-C costs nothing beside the work."""
 
 _Of = TypeVar("_Of")
 _To = TypeVar("_To")
 
 
 def side_by_side(work: Callable[[_Of], _To], all_of: Sequence[_Of]) -> list[_To]:
-    """Work that leaves the interpreter to others, on as many threads as there are processors. Ctrl-C ends it after
-    what has begun."""
+    """Runs work that releases the interpreter, on as many threads as there are processors. Ctrl-C stops it after the
+    tasks that have begun."""
     pool = ThreadPoolExecutor(max_workers=max(1, min(len(all_of), os.cpu_count() or 1)))
     try:
         return [begun.result() for begun in [pool.submit(work, one) for one in all_of]]
@@ -60,15 +60,15 @@ class AnalysisOptions:
     def of(
         cls, stat: str, taus: Taus, data: str, confidence: float, fit: bool, glitches: str, steps: str
     ) -> AnalysisOptions:
-        """As the arguments of `allan` say."""
+        """The options that the arguments of `allan` give."""
         return cls(stat, taus, _is_phase(data), confidence, _cleaning(glitches, steps) if fit else None)
 
     def read(self, source: _records.Source, column: _log.Column | None, given: _zerorate._Options) -> list[Allan]:
-        """Of columns of a log or table."""
+        """Analyses columns of a log or table."""
         label = given["unit"]
         is_other = label is not None and not isinstance(source, str) and _zerorate.unit_kind(label) is None
         if is_other:
-            # of a table in memory a unit of any other quantity is a name
+            # for a table in memory, a unit of any other quantity is just a name
             given = {**given, "unit": None, "scale": given["scale"] or 1.0}
         found = _log.columns_of(source, column, self.is_phase, given)
         temperature = None if self.settling is None or self.is_phase else self.settling.of_source(source, given)
@@ -80,7 +80,7 @@ class AnalysisOptions:
         return side_by_side(lambda of: self.of_column(of, temperature), found)
 
     def of_column(self, column: _zerorate._Column, temperature: Temperature | None = None) -> Allan:
-        """Of a column that was read."""
+        """Analyses a column that was read."""
         return self.analysed(
             column["values"],
             column["rate_hz"],
@@ -103,9 +103,9 @@ class AnalysisOptions:
         said: list[str] | None = None,
         temperature: Temperature | None = None,
     ) -> Allan:
-        """Of a record as the extension takes it."""
+        """Analyses a record in the form that the extension takes."""
         if rate_hz is None:
-            raise ValueError("the record does not say how fast it was sampled: give rate_hz=, samples per second")
+            raise ValueError("the record does not state its sample rate: give rate_hz=, samples per second")
         taus = self.taus
         found = _zerorate.analyse(
             name,
@@ -137,7 +137,7 @@ class AnalysisOptions:
         )
 
     def capture(self, capture: Capture, at: int, rate_hz: float | None, scale: float | None, unit: str) -> Allan:
-        """Of an axis of a capture."""
+        """Analyses an axis of a capture."""
         codes, gaps = capture._codes(at)
         step = capture._dps_per_code(at) if scale is None else scale
         hz = capture.rate_hz if rate_hz is None else rate_hz

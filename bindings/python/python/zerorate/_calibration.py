@@ -21,7 +21,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Correction:
-    """corrected rate = RATE + PBC + d · (BTC + d · (BTC2 + d · BTC3)) with d = TEMP − T3; BTC2, BTC3 of curves."""
+    """corrected rate = RATE + PBC + d · (BTC + d · (BTC2 + d · BTC3)) with d = TEMP − T3.
+
+    BTC2 and BTC3 are 0 for a line.
+    """
 
     pbc_dps: float
     """PBC, °/s: the negative of the bias at T3."""
@@ -61,11 +64,11 @@ class Uncertainties:
     coverage_factor: float
     """Half width of the stated intervals in standard uncertainties."""
     u_pbc_dps: float
-    """Of PBC, °/s."""
+    """Standard uncertainty of PBC, °/s."""
     u_btc_dps_per_c: float
-    """Of BTC, °/s/°C."""
+    """Standard uncertainty of BTC, °/s/°C."""
     u_t3_c: float
-    """Of T3, °C."""
+    """Standard uncertainty of T3, °C."""
     cov_pbc_btc_dps2_per_c: float
     """Covariance of PBC and BTC, (°/s)²/°C."""
     cov_pbc_t3_dps_c: float
@@ -75,20 +78,20 @@ class Uncertainties:
     u_curvature_dps_per_c: float
     """The part of the uncertainty of BTC that allows for curvature, °/s/°C."""
     u_b1_dps: float
-    """Of B1, °/s."""
+    """Standard uncertainty of B1, °/s."""
     u_t1_c: float
-    """Of T1, °C."""
+    """Standard uncertainty of T1, °C."""
     u_b2_dps: float
-    """Of B2, °/s."""
+    """Standard uncertainty of B2, °/s."""
     u_t2_c: float
-    """Of T2, °C."""
+    """Standard uncertainty of T2, °C."""
     drift_dps: float | None = None
-    """A part of the uncertainty of PBC with a known sign: PBC is this much above what it would be at T3, °/s."""
+    """A part of the uncertainty of PBC with a known sign: PBC is this much above its value at T3, °/s."""
 
 
 @dataclass(frozen=True)
 class CurveRecord:
-    """How well a curve over temperature is known, and what it rests on."""
+    """The uncertainty of a curve over temperature, and its basis."""
 
     coverage: float
     """Probability of the stated intervals."""
@@ -99,19 +102,18 @@ class CurveRecord:
     order_weights: list[float]
     """Posterior probability of the orders 0 to 3."""
     covariance: list[list[float]]
-    """Of PBC and the coefficients of the first to third order: °/s/°C to that power each."""
+    """Covariance of PBC and the coefficients of the first to third order: °/s/°C to that power each."""
     lag_s: float
     """Time by which the bias follows the temperature sensor late, s."""
     play_c: float
-    """Half width of the play with which it does so, °C."""
+    """Half width of the play between temperature and bias, °C."""
     steps: list[list[float]]
-    """Steps that were taken out: when, s, and how large, °/s."""
+    """Steps that were taken out: time, s, and size, °/s."""
 
 
 @dataclass(frozen=True)
 class NoiseRecord:
-    """The noise behind the uncertainties, and which of it was measured; a source is ``measured`` or
-    ``typical (M-04)``."""
+    """The noise behind the uncertainties. A source is ``measured`` or ``typical (M-04)``."""
 
     white_dps_per_rt_hz: float
     """White noise, °/s/√Hz."""
@@ -131,19 +133,19 @@ class NoiseRecord:
 
 @dataclass(frozen=True)
 class Validity:
-    """The temperatures between which the calibration was measured; elsewhere the correction is extrapolated."""
+    """The range of temperatures in which the calibration was measured. Outside, the correction is extrapolated."""
 
     temp_min_c: float
     """Lowest temperature, °C."""
     temp_max_c: float
     """Highest temperature, °C."""
     margin_c: float = 0.5
-    """How far a temperature may leave them unremarked, °C."""
+    """How far a temperature may leave the range without a warning, °C."""
 
 
 @dataclass(frozen=True)
 class Scale:
-    """Codes to values: value = (code − ``zero_code``) / ``lsb_per_unit`` + ``zero_value``."""
+    """Converts codes to values: value = (code − ``zero_code``) / ``lsb_per_unit`` + ``zero_value``."""
 
     lsb_per_unit: float
     """Codes per °/s, or per °C."""
@@ -154,15 +156,15 @@ class Scale:
     width_bits: int
     """Bits of a code."""
     signed: bool
-    """Whether codes are two's complement; else they begin at 0."""
+    """Whether codes are two's complement; otherwise they begin at 0."""
 
 
 @dataclass(frozen=True)
 class CalibratedAxis:
-    """What was found of one axis. Only name and correction are always there."""
+    """The results of one axis. Only name and correction are always present."""
 
     name: str
-    """What the part calls it; ``rate`` is the only one of an ADIS16130."""
+    """The name of the axis; an ADIS16130 has only ``rate``."""
     correction: Correction
     """PBC, BTC and T3."""
     warnings: list[str] = field(default_factory=list)
@@ -170,13 +172,13 @@ class CalibratedAxis:
     rate: Scale | None = None
     """The scale of its codes."""
     measured: Measured | None = None
-    """The means it rests on."""
+    """The means from which it was computed."""
     uncertainty: Uncertainties | None = None
-    """How well it is known, by AN-1042."""
+    """The uncertainty by AN-1042."""
     curve: CurveRecord | None = None
-    """How well it is known, by another method."""
+    """The uncertainty by another method."""
     noise: NoiseRecord | None = None
-    """The noise behind that."""
+    """The noise behind the uncertainty."""
 
 
 @dataclass(frozen=True)
@@ -208,33 +210,33 @@ class Run:
     assume_linear: bool
     """Whether the bias was taken for a straight line over temperature."""
     earth_dps: float | None = None
-    """Component of the Earth's rotation that was subtracted, °/s; None: it is inside PBC."""
+    """Component of the Earth's rotation that was subtracted, °/s; None means that it is part of PBC."""
 
 
 @dataclass(frozen=True)
 class Calibration:
-    """A calibration, as its file holds it. Only part and ``axes`` are always there.
+    """A calibration, as its file holds it. Only part and ``axes`` are always present.
 
-    Where there is one axis, ``correction``, ``measured``, ``uncertainty`` and ``noise`` are that axis's. Where there
-    are several, each is ``calibration["x"]``.
+    With one axis, ``correction``, ``measured``, ``uncertainty`` and ``noise`` belong to this axis. With several axes,
+    take one of them as ``calibration["x"]``.
     """
 
     schema: int
     """Version of the file form."""
     part: str
-    """Which kind of part: ``ADIS16130``."""
+    """The kind of part: ``ADIS16130``."""
     axes: list[CalibratedAxis]
-    """What was found of each axis."""
+    """The results of each axis."""
     id: str
-    """Short name of what it corrects: 12 hexadecimal digits."""
+    """Short identifier of the calibration: 12 hexadecimal digits."""
     serial: str | None = None
     """Serial number of the unit."""
     created: str | None = None
     """When the samples were recorded, RFC 3339; ``SIMULATED`` for the software twin."""
     method: str | None = None
-    """``an1042``."""
+    """The method, such as ``an1042``."""
     software: str | None = None
-    """What measured it."""
+    """The program that measured it."""
     device: str | None = None
     """Where the samples came from."""
     config: str | None = None
@@ -242,23 +244,23 @@ class Calibration:
     capture_sha256: str | None = None
     """SHA-256 of the samples."""
     supply_note: str | None = None
-    """What was noted of the supply."""
+    """Note about the supply."""
     ambient_note: str | None = None
-    """What was noted of the surroundings."""
+    """Note about the surroundings."""
     operator: str | None = None
-    """Who measured."""
+    """Name of the person who measured."""
     host: str | None = None
     """Name of the computer; None for the software twin."""
     warnings: list[str] = field(default_factory=list)
-    """The measurement's warnings; of several axes, those that concern all."""
+    """Warnings of the measurement; with several axes, those that concern all."""
     temp: Scale | None = None
     """The scale of the temperature's codes."""
     validity: Validity | None = None
-    """Where it holds."""
+    """The range of temperatures in which it holds."""
     run: Run | None = None
     """The measurement."""
     text: str = field(default="", repr=False)
-    """The file."""
+    """The text of the file."""
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Calibration:
@@ -269,7 +271,7 @@ class Calibration:
         Raises
         ------
         ValueError
-            If the file is no calibration, was edited, or ends early; the text names the line.
+            If the file is not a calibration, was edited, or ends early; the text names the line.
         OSError
             If it cannot be read.
         """
@@ -280,7 +282,7 @@ class Calibration:
 
     @classmethod
     def parse(cls, text: str) -> Calibration:
-        """Reads a calibration out of the text of its file; as `load`."""
+        """Reads a calibration from the text of its file, like `load`."""
         core = _zerorate.Calibration(text)
         for note in core.notes:
             warnings.warn(note, stacklevel=3)
@@ -296,15 +298,15 @@ class Calibration:
 
     @cached_property
     def _core(self) -> _zerorate.Calibration:
-        """The same, compiled."""
+        """The compiled calibration."""
         return _zerorate.Calibration(self.text)
 
     def __getstate__(self) -> dict[str, Any]:
-        """Without what is compiled: that comes back out of the text."""
+        """The state without the compiled calibration, which is made again from the text."""
         return {name: value for name, value in self.__dict__.items() if name != "_core"}
 
     def __getitem__(self, name: str) -> CalibratedAxis:
-        """The axis of this name.
+        """The axis with this name.
 
         Raises
         ------
@@ -323,29 +325,29 @@ class Calibration:
 
     @property
     def measured(self) -> Measured | None:
-        """The means that the only axis rests on."""
+        """The means from which the only axis was computed."""
         return self._only("measured").measured
 
     @property
     def uncertainty(self) -> Uncertainties | None:
-        """How well the only axis is known."""
+        """The uncertainty of the only axis."""
         return self._only("uncertainty").uncertainty
 
     @property
     def noise(self) -> NoiseRecord | None:
-        """The noise behind that."""
+        """The noise behind the uncertainty."""
         return self._only("noise").noise
 
     @property
     def curve(self) -> CurveRecord | None:
-        """How well the only axis is known, by another method than AN-1042."""
+        """The uncertainty of the only axis by a method other than AN-1042."""
         return self._only("curve").curve
 
     def _only(self, what: str) -> CalibratedAxis:
         if len(self.axes) == 1:
             return self.axes[0]
         example = f"calibration[{self.axes[0].name!r}].{what}"
-        raise ValueError(f"it is of several axes, {self._names()}: take one of them, as {example}")
+        raise ValueError(f"the calibration has several axes, {self._names()}: take one of them, as in {example}")
 
     def _names(self) -> str:
         return ", ".join(axis.name for axis in self.axes)
@@ -356,14 +358,14 @@ class Calibration:
         Parameters
         ----------
         path
-            Where to. The file has this name only when it is whole and on the disk.
+            The file. It appears under this name only when it is complete on the disk.
         force
-            Overwrite an existing file; a capture stays all the same.
+            Overwrite an existing file, but never a capture.
 
         Raises
         ------
         FileExistsError
-            If there is a file that is not to be overwritten.
+            If a file exists that must not be overwritten.
         OSError
             If it cannot be written.
         """
@@ -376,16 +378,16 @@ class Calibration:
     def correct(self, rate_dps: ArrayLike, temp_c: ArrayLike) -> NDArray[np.float64]: ...
 
     def correct(self, rate_dps: ArrayLike, temp_c: ArrayLike) -> float | NDArray[np.float64]:
-        """Takes the bias out of a rate: RATE + PBC + (TEMP − T3) · BTC, and the terms of a curve where it has them.
+        """Removes the bias from a rate: RATE + PBC + (TEMP − T3) · BTC, plus the terms of a curve if there are any.
 
         Parameters
         ----------
         rate_dps
-            Rate of the uncorrected part, °/s: a number or an array of any shape. Of several axes an array whose last
-            dimension is the axes, in the order of ``axes``.
+            Uncorrected rate, °/s: a number or an array of any shape. With several axes, the last dimension of the array
+            is the axes, in the order of ``axes``.
         temp_c
-            Temperature of the part, °C, read with the rate: a number or an array that broadcasts against it (against
-            its other dimensions, of several axes).
+            Temperature of the part, °C, read with the rate: a number or an array that broadcasts against the rate. With
+            several axes, it broadcasts against the other dimensions.
 
         Returns
         -------
@@ -395,7 +397,7 @@ class Calibration:
         Warns
         -----
         UserWarning
-            Where temperatures leave the span of the calibration: the correction is extrapolated.
+            If temperatures leave the span of the calibration, so that the correction is extrapolated.
 
         Raises
         ------
@@ -431,20 +433,20 @@ class Corrected:
     rate_dps: NDArray[np.float64]
     """The corrected rates, °/s; NaN before the first temperature."""
     temp_c: NDArray[np.float64]
-    """The temperature that each was corrected with, °C: the last that was read."""
+    """The temperature with which each rate was corrected, °C: the last one that was read."""
     extrapolated: NDArray[np.bool_]
-    """Whether it lies outside the span where the calibration holds."""
+    """Whether this temperature lies outside the span in which the calibration holds."""
 
 
 class Corrector:
     """Corrects a stream of rates, block by block: a rate without a temperature takes the last one that was read.
 
-    The same corrector as that of ``zerorate stream`` and ``zerorate correct``.
+    ``zerorate stream`` and ``zerorate correct`` use the same corrector.
 
     Parameters
     ----------
     calibration
-        What to apply.
+        The calibration to apply.
     axes
         The axes to correct, by name, in the order of the rates; all if not given.
 
@@ -465,8 +467,7 @@ class Corrector:
         Parameters
         ----------
         rate_dps
-            Rates, °/s: one for each time, or of several axes an array of times by axes. NaN is a rate that is not to
-            be believed.
+            Rates, °/s: one for each time, or an array of times by axes if there are several. NaN marks an invalid rate.
         temp_c
             The temperature read at each time, °C; NaN where none was.
 
@@ -488,14 +489,14 @@ class Corrector:
 
     @property
     def warning(self) -> str | None:
-        """What to say where a temperature left the span of the calibration; None where none did."""
+        """The warning if a temperature left the span of the calibration; None if none did."""
         return self._inner.warning()
 
 
 def _correct(
     known: Correction, rates: NDArray[np.float64], temps: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Both broadcast, corrected."""
+    """Broadcasts rates and temperatures, and corrects the rates."""
     rates, temps = np.broadcast_arrays(rates, temps)
     corrected = _zerorate.correct(
         np.ascontiguousarray(rates).reshape(-1),
@@ -506,7 +507,7 @@ def _correct(
 
 
 def _tables(fields: dict[str, Any]) -> dict[str, Any]:
-    """The same with a data class for each table."""
+    """The fields with a data class for each table."""
     known = {name: kind(**fields[name]) for name, kind in _TABLES.items() if fields.get(name) is not None}
     return {**fields, **known}
 

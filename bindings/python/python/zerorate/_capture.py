@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class Capture:
     """A capture as columns of equal length, one row per rate sample.
 
-    Of a part with several axes, `rate_code`, `flags`, `good` and `rate_dps` are tables with a column for each axis, in
+    For a part with several axes, `rate_code`, `flags`, `good` and `rate_dps` are tables with a column for each axis, in
     the order of `axes`.
     """
 
@@ -33,31 +33,31 @@ class Capture:
     status: NDArray[np.int16] | NDArray[np.int64]
     """Status register of the channel; −1 where it was not read."""
     temp_code: NDArray[np.int32] | NDArray[np.int64]
-    """Raw temperature code; −1 where it was not read, or −2⁶³ of another part than the ADIS16130."""
+    """Raw temperature code; −1 where it was not read, or −2⁶³ for parts other than the ADIS16130."""
     lost: NDArray[np.uint32]
     """Samples lost right before the row."""
     flags: NDArray[np.uint8]
-    """What is wrong with the reading, 0 for nothing: the sum of 1 (impossible for the part: a bit error), 2 (out of
-    range), 4 (frozen) and 8 (impossible temperature). The codes stay as they were read; `good` says which rates to
+    """Faults of the reading, 0 for none: the sum of 1 (impossible for the part: a bit error), 2 (out of
+    range), 4 (frozen) and 8 (impossible temperature). The codes stay as they were read; `good` tells which rates to
     use."""
     width_bits: int
-    """Width of the rate codes: of an ADIS16130 16 or 24, and that of the temperature codes as well."""
+    """Width of the rate codes. For an ADIS16130 it is 16 or 24, and the temperature codes have the same width."""
     metadata: dict[str, str] = field(repr=False)
     """The description in the file: device, serial number, registers, …"""
     calibration_id: str | None = None
-    """The calibration that was applied, if the file is a corrected one; its raw columns are untouched."""
+    """The calibration that was applied, if the file is corrected; its raw columns are unchanged."""
     warning: str | None = None
-    """What is to be said of the file: a tail that was torn off by a power cut, rows that nothing checks."""
+    """A warning about the file: a tail that was lost in a power cut, or rows without a checksum."""
     axes: tuple[str, ...] = ("rate",)
     """The axes of the part."""
     rate_scales: tuple[tuple[float, int], ...] | None = field(default=None, repr=False)
     """Codes per °/s and code at zero of each axis; None for an ADIS16130."""
     temp_scale: tuple[float, int, float] | None = field(default=None, repr=False)
-    """Codes per °C, a code and the temperature that it stands for; None for an ADIS16130."""
+    """Codes per °C, a code, and its temperature; None for an ADIS16130."""
 
     @cached_property
     def good(self) -> NDArray[np.bool_]:
-        """Which rates are to be believed."""
+        """Which rates are valid."""
         return np.asarray((self.flags & 7) == 0, dtype=np.bool_)
 
     def __len__(self) -> int:
@@ -79,8 +79,8 @@ class Capture:
 
     @cached_property
     def rate_dps(self) -> NDArray[np.float64]:
-        """Rate before any correction, °/s: (code − 2²³) / 23 488 for 24-bit codes (data sheet); NaN where it is not
-        to be believed."""
+        """Rate before any correction, °/s: (code − 2²³) / 23 488 for 24-bit codes (data sheet); NaN where it is
+        invalid."""
         rates = self._rates_dps(self.rate_code)
         return np.where(self.good, rates, np.nan)
 
@@ -97,14 +97,14 @@ class Capture:
 
     @cached_property
     def _temp_read(self) -> NDArray[np.bool_]:
-        """Where a temperature was read that is possible. All axes judge the same one."""
+        """The rows in which a possible temperature was read. All axes share it."""
         not_read = -1 if self.temp_scale is None else np.iinfo(np.int64).min
         flags = self.flags if self.flags.ndim == 1 else self.flags[:, 0]
         return np.asarray((self.temp_code != not_read) & (flags & 8 == 0), dtype=np.bool_)
 
     @cached_property
     def temp_held_c(self) -> NDArray[np.float64]:
-        """Temperature, °C, with the last one read standing in where it was not; NaN before the first."""
+        """Temperature, °C. A row without one has the last temperature that was read; NaN before the first."""
         read = np.where(self._temp_read, np.arange(len(self)), -1)
         last = np.maximum.accumulate(read) if len(read) else read
         return np.where(last >= 0, self.temp_c[np.maximum(last, 0)], np.nan)
@@ -122,7 +122,7 @@ class Capture:
         return float(np.diff(_zerorate.rate_dps(step, self.width_bits))[0])
 
     def _codes(self, axis: int = 0) -> tuple[NDArray[np.int32], list[tuple[int, int]]]:
-        """The rate codes of an axis, and where samples are missing between them: index of the next row, how many."""
+        """The rate codes of an axis, and the gaps between them: index of the next row, number of missing samples."""
         is_good = self.good.reshape(len(self), -1)[:, axis]
         codes = self.rate_code.reshape(len(self), -1)[:, axis]
         good = np.flatnonzero(is_good)
@@ -132,7 +132,7 @@ class Capture:
         return codes[good].astype(np.int32), list(zip(at.tolist(), missing[at - 1].tolist()))
 
     def _temps_c(self, axis: int, temps_c: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Temperatures of rows, for each sample of an axis from its first good one to its last; NaN where lost."""
+        """The temperature of each sample of an axis, from its first valid one to its last; NaN where it was lost."""
         at = np.arange(len(self)) + np.cumsum(self.lost, dtype=np.int64)
         good = np.flatnonzero(self.good.reshape(len(self), -1)[:, axis])
         if not len(good):
@@ -144,15 +144,15 @@ class Capture:
 
 
 def read_capture(path: str | os.PathLike[str]) -> Capture:
-    """Reads a capture of ``zerorate capture`` or ``calibrate --log``, in any of its forms: Arrow stream, Parquet, CSV.
+    """Reads a capture of ``zerorate capture`` or ``calibrate --log``: Arrow stream, Parquet or CSV.
 
-    A file whose end was torn off is read up to its last whole batch, with a UserWarning. So is one with readings that
-    are not to be believed: `Capture.flags` marks them.
+    A file whose end is missing is read up to its last whole batch, with a UserWarning. A file with invalid readings
+    gives a UserWarning too, and `Capture.flags` marks these readings.
 
     Raises
     ------
     ValueError
-        If the file is no capture, or is damaged; the text says where.
+        If the file is not a capture, or is damaged; the text says where.
     OSError
         If it cannot be read.
     """

@@ -1,4 +1,4 @@
-"""Files for the filters that take the noise of an IMU."""
+"""Noise files for filters."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ if TYPE_CHECKING:
     from ._result import Allan
 
 Format = Literal["kalibr", "openvins", "vins", "orbslam3", "kf-gins", "ros"]
-"""Who reads the file."""
+"""The filter that reads the file."""
 
 Combine = Literal["worst", "mean"]
-"""What stands for several axes."""
+"""How several axes become one number."""
 
 
 def file(
@@ -51,6 +51,6 @@ def file(
 
 def _no_model(axis: Allan) -> ValueError:
     if axis.fit is not None:
-        why = "the result came from another process, which keeps its model: make the file there"
+        why = "the result came from another process, which keeps its noise model: make the file there"
         return ValueError(f"{axis.name}: {why}")
-    return _zerorate.Refused(f"{axis.name}: {axis.no_fit or 'no noise model was asked for: give fit=True'}")
+    return _zerorate.Refused(f"{axis.name}: {axis.no_fit or 'it has no noise model: give fit=True'}")

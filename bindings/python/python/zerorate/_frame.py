@@ -1,4 +1,4 @@
-"""DataFrames, of libraries that need not be there."""
+"""DataFrames of optional libraries."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from typing import Any
 
 
 def frame(columns: dict[str, Any], library: str) -> Any:
-    """A DataFrame of columns of equal length."""
+    """Makes a DataFrame from columns of equal length."""
     if library not in ("pandas", "polars"):
         raise ValueError(f"library={library!r}: give 'pandas' or 'polars'")
     return needed(library, "to_frame()").DataFrame(columns)
 
 
 def needed(module: str, what: str) -> Any:
-    """A module that the package does without."""
+    """Imports an optional module."""
     try:
         return importlib.import_module(module)
     except ImportError as error:

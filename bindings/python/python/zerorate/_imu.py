@@ -20,18 +20,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Imu:
-    """What `imu` found: the deviation and the noise model of every axis."""
+    """The result of `imu`: the deviation and the noise model of every axis."""
 
     axes: AllanAxes
-    """By the names of their columns, gyroscopes first. Each has `name`, `kind`, `unit`, the points, and its `fit`."""
+    """The axes by the names of their columns, gyroscopes first. Each has `name`, `kind`, `unit`, points, and `fit`."""
     rate_hz: float
     """Samples per second."""
     topic: str | None
     """The topic of a bag."""
     log: str
-    """What was read."""
+    """The name of the log."""
     warnings: list[str] = field(repr=False)
-    """What is to be said of the log, and of the noise of each axis."""
+    """Warnings about the log and about the noise of each axis."""
 
     def __repr__(self) -> str:
         return f"<Imu {self.log}, {len(self.warnings)} warnings: {self.axes!r}>"
@@ -57,21 +57,21 @@ class Imu:
         force: bool = False,
         accept_rejected: bool = False,
     ) -> str:
-        """The file for a filter: what ``zerorate imu LOG -o FILE`` writes. Each number says in a comment what it is.
+        """Makes the file for a filter, as ``zerorate imu LOG -o FILE`` does. A comment explains each number.
 
         Parameters
         ----------
         path
-            The file to be written; without one the text is only returned.
+            The file to write. Without it, the text is only returned.
         format
-            Who reads it: ``kalibr``, ``openvins``, ``vins``, ``orbslam3``, ``kf-gins``, ``ros``. Which number goes
+            The filter: ``kalibr``, ``openvins``, ``vins``, ``orbslam3``, ``kf-gins``, ``ros``. Which number goes
             where, and why: docs/imu.md.
         combine
-            What stands for all axes of a kind, where the reader takes one number: the ``worst``, or their ``mean``.
+            The value for all axes of a kind, if the filter takes one number: the ``worst``, or their ``mean``.
         inflate
-            Factor on all noise, for what a record at rest does not show.
+            Factor on all noise, for effects that a record at rest does not show.
         topic
-            The topic that the file names; that of the bag unless given.
+            The topic that the file names; unless given, the topic of the bag.
         force
             Overwrite an existing file.
         accept_rejected
@@ -87,7 +87,7 @@ class Imu:
         Refused
             If an axis has no noise model, or a rejected one.
         ValueError
-            For a format that does not take so many axes.
+            For a format that does not take this number of axes.
         FileExistsError
             If the file exists.
         """
@@ -95,7 +95,7 @@ class Imu:
         return _filters.file(axes, path, self.log, format, combine, inflate, topic, force, accept_rejected)
 
     def to_frame(self, library: _log.Library = "pandas") -> Any:
-        """A DataFrame with a row for each axis and averaging time, as of `AllanAxes.to_frame`."""
+        """A DataFrame with a row for each axis and averaging time, like `AllanAxes.to_frame`."""
         return self.axes.to_frame(library)
 
     def plot(self) -> Figure:
@@ -131,9 +131,9 @@ def imu(
     glitches: Literal["cut", "keep"] = "cut",
     steps: Literal["remove", "keep"] = "remove",
 ) -> Imu:
-    """Deviations and noise models of all axes of an IMU at rest, and the file for the filter that will use them.
+    """Deviations and noise models of all axes of an IMU at rest, and the noise file for a filter.
 
-    Gravity is no error: a mean does not matter. Other threads run meanwhile.
+    Gravity does no harm, because the mean does not matter. Other threads run meanwhile.
 
     Parameters
     ----------
@@ -141,30 +141,30 @@ def imu(
         The path of a log in any form that `read_log` reads, read once: a ``sensor_msgs/Imu`` topic of a bag, or the
         columns whose names and units say what they are (``gyro_x``, ``wx``, ``ax [m/s^2]``). Or a DataFrame or a
         dictionary of such columns, in which a block of three columns is x, y and z:
-        ``{"gyro": w, "accel": a}``. Or what `read_log` or `read_capture` read, or an array with times along axis 0 and
-        axes along axis 1.
+        ``{"gyro": w, "accel": a}``. Or the result of `read_log` or `read_capture`, or an array with times along axis 0
+        and axes along axis 1.
     column
-        The axes, by name or by number counted from 0; else all columns that are one.
+        The axes, by name or by number counted from 0; otherwise all columns that are axes.
     columns
         Names for the axes of an array: ``["gx", "gy", "gz", "ax", "ay", "az"]``.
     rate_hz
-        Samples per second; else a DatetimeIndex, `time_column`, or the log tells, as it tells where samples are
-        missing.
+        Samples per second. Otherwise it comes from a DatetimeIndex, `time_column`, or the log, which also tell where
+        samples are missing.
     topic
-        The topic, where a bag has several IMUs.
+        The topic, if a bag has several IMUs.
     gyro_unit, accel_unit
-        Unit of the columns, where their names do not state it, and of the results: ``rad/s``, ``°/s``, ``m/s²``,
+        Unit of the columns, if their names do not state it, and of the results: ``rad/s``, ``°/s``, ``m/s²``,
         ``g``, ``mg`` …
     force_unit
         Take these units where the names of columns state others, which is an error otherwise.
     gyro_scale, accel_scale
-        What a step of 1 is in that unit.
+        The value of a step of 1, in that unit.
     time_column, time_unit
-        The column with the time of each row, and its unit; else as the only name says that states a unit of time.
+        The column with the time of each row, and its unit; otherwise the only column whose name states a unit of time.
     decimal, max_bad
-        As of `read_log`.
+        See `read_log`.
     stat, taus, confidence, glitches, steps
-        As of `allan`.
+        See `allan`.
 
     Returns
     -------
@@ -173,7 +173,7 @@ def imu(
     Raises
     ------
     ValueError
-        If nothing is an axis, or the log does not say enough; the text says what to give.
+        If there is no axis, or the log does not state enough; the text says what to give.
     Refused
         If the numbers are there, but must not become a result.
     OSError
@@ -229,7 +229,7 @@ def imu(
 
 
 def _of_capture(capture: Capture, options: AnalysisOptions, rate_hz: float) -> Imu:
-    """Of all axes of a capture, which are in °/s."""
+    """Analyses all axes of a capture, which are in °/s."""
     found = side_by_side(lambda at: options.capture(capture, at, rate_hz, None, "°/s"), range(len(capture.axes)))
     axes = {axis.name: axis for axis in found}
     return Imu(AllanAxes(axes), rate_hz, None, "the capture", _said(axes))

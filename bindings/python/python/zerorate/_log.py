@@ -1,4 +1,4 @@
-"""Logs of any form, as columns."""
+"""Reads logs of any form as columns."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ ALL = "all"
 """All columns that hold numbers."""
 
 Library = Literal["pandas", "polars"]
-"""Whose DataFrame is made."""
+"""The library of a DataFrame."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,11 +34,11 @@ class Log(Mapping[str, "NDArray[np.float64]"]):
     columns: dict[str, NDArray[np.float64]]
     """The numbers, in the unit that the log states."""
     units: dict[str, str | None]
-    """The unit of each; None where nothing states it."""
+    """The unit of each column; None if nothing states it."""
     rate_hz: float
-    """Samples per second, the missing ones counted."""
+    """Samples per second, including missing ones."""
     warnings: list[str] = field(repr=False)
-    """What is to be said of the log."""
+    """Warnings about the log."""
 
     def __repr__(self) -> str:
         columns = ", ".join(f"{name} ({self.units[name] or 'no unit'})" for name in self)
@@ -55,7 +55,7 @@ class Log(Mapping[str, "NDArray[np.float64]"]):
 
     @property
     def t_s(self) -> NDArray[np.float64]:
-        """Time of each sample since the first on an even clock, s."""
+        """Time of each sample since the first, on an even clock, s."""
         return np.arange(self._samples) / self.rate_hz
 
     @property
@@ -97,32 +97,32 @@ def read_log(
     """Reads columns of a log, in every form that ``zerorate allan`` reads, in one pass.
 
     Captures, CSV and text of any dialect, Parquet, Arrow, NumPy, MATLAB, HDF5, bags of ROS 1 and 2 (files and
-    folders), PX4 ULog; packed or not. What each form tells is in docs/logs.md.
+    folders), PX4 ULog; packed or not. docs/logs.md describes each form.
 
     Parameters
     ----------
     log
         The file, or the folder of a bag.
     column
-        A name, a number counted from 0, a list of these, or ``"all"``. None: the only one.
+        A name, a number counted from 0, a list of these, or ``"all"``. None means the only column.
     rate_hz
-        Samples per second; else the time column or the stamps tell.
+        Samples per second; otherwise it comes from the time column or the stamps.
     time_column, time_unit
-        The column with the time of each row, and its unit: ``s``, ``ms``, ``us``, ``ns``; else as its name states.
+        The column with the time of each row, and its unit: ``s``, ``ms``, ``us``, ``ns``; otherwise as its name states.
     unit
-        Unit of the columns: ``°/s``, ``rad/s``, ``m/s²``, ``g`` …; else as each states.
+        Unit of the columns: ``°/s``, ``rad/s``, ``m/s²``, ``g`` …; otherwise as each column states.
     force_unit
         Take `unit` where the name of a column states another, which is an error otherwise.
     scale
-        What a step of 1 is in that unit.
+        The value of a step of 1, in that unit.
     decimal
-        What stands before the decimals of a text: ``.`` or ``,``.
+        The decimal mark of a text: ``.`` or ``,``.
     raw
-        The file is nothing but numbers of this type, little endian: ``i16``, ``i32``, ``f32``, ``f64``.
+        The file has only numbers of this type, little endian: ``i16``, ``i32``, ``f32``, ``f64``.
     max_bad
-        Broken lines of a text that are skipped, as a share of all; 0.01 unless given.
+        Largest share of broken lines of a text that are skipped; 0.01 unless given.
     topic
-        The topic of a bag, where it has several IMUs.
+        The topic of a bag, if it has several IMUs.
 
     Returns
     -------
@@ -131,7 +131,7 @@ def read_log(
     Raises
     ------
     ValueError
-        If the log does not say enough, or has no such column; the text says what to give.
+        If the log does not state enough, or has no such column; the text says what to give.
     Refused
         If the numbers are there, but must not become a result.
     OSError
@@ -150,7 +150,7 @@ def read_log(
         topic=topic,
     )
     found = columns_of(_records.table(log), column, True, given)
-    # where no unit is known the last is that, which `Log.units` says
+    # without a unit, the last warning is about that, and `Log.units` says it already
     said = [text for one in found for text in one["warnings"][: None if one["unit"] else -1]]
     for text in said:
         warnings.warn(text, stacklevel=2)
@@ -175,7 +175,7 @@ def options(
     max_bad: float | None = None,
     topic: str | None = None,
 ) -> _zerorate._Options:
-    """What a log may not say itself, as the extension takes it."""
+    """The options of a log, in the form that the extension takes."""
     return {
         "rate_hz": None if rate_hz is None else float(rate_hz),
         "time_column": None if time_column is None else str(time_column),
@@ -191,7 +191,7 @@ def options(
 
 
 def with_time(source: _records.Source, given: _zerorate._Options) -> _zerorate._Options:
-    """The same, with the only column of a table that holds instants as the time, where nothing else is."""
+    """The options with the only column of times in a table as the time, unless another is given."""
     if isinstance(source, str) or given["rate_hz"] is not None or given["time_column"] is not None:
         return given
     times = [name for name, cells in source[1] if not isinstance(cells, int) and cells.dtype == np.int64]
@@ -203,7 +203,7 @@ def with_time(source: _records.Source, given: _zerorate._Options) -> _zerorate._
 def columns_of(
     source: _records.Source, column: Column | None, points: bool, given: _zerorate._Options
 ) -> list[_zerorate._Column]:
-    """The columns that are asked for."""
+    """Reads the columns that are asked for."""
     names = None if column is None or is_all(column) else [str(name) for name in listed(column)]
     given = with_time(source, given)
     return _zerorate.read_columns(source, names, column is not None and is_all(column), points, given)
@@ -225,16 +225,16 @@ def listed(column: Column) -> list[str | int]:
 
 
 def by_name(found: Iterable[tuple[str, _T]]) -> dict[str, _T]:
-    """A dictionary of names and what is called so.
+    """A dictionary by name.
 
     Raises
     ------
     ValueError
-        For two of the same name.
+        If two have the same name.
     """
     named: dict[str, _T] = {}
     for name, one in found:
         if name in named:
-            raise ValueError(f"there are two columns {name}: read one by its number, or rename them")
+            raise ValueError(f"two columns have the name {name}: read one by its number, or rename them")
         named[name] = one
     return named

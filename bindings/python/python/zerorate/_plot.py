@@ -1,4 +1,4 @@
-"""Pictures, by matplotlib."""
+"""Draws pictures with matplotlib."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from ._result import Allan
 
 _FLOOR_PER_B = np.sqrt(2 * np.log(2) / np.pi)
-"""The floor of a curve in B, IEEE Std 952-1997 C.1.3."""
+"""The floor of a curve in units of B, IEEE Std 952-1997 C.1.3."""
 
 _TITLES = {name: title for name, title, _ in _zerorate.statistics()}
 
 
 def curves(axes: Sequence[Allan], ax: Axes | None) -> Axes:
-    """Deviations in one picture, each with its limits and its model."""
+    """Draws deviations in one picture, each with its limits and its model."""
     if ax is not None:
         _draw(axes, ax)
         return ax
@@ -35,7 +35,7 @@ def curves(axes: Sequence[Allan], ax: Axes | None) -> Axes:
 
 
 def kinds(groups: Sequence[Sequence[Allan]]) -> Figure:
-    """A picture for each kind of axis, side by side."""
+    """Draws a picture for each kind of axis, side by side."""
     pyplot = _frame.needed("matplotlib.pyplot", "plot()")
     figure = pyplot.figure(figsize=(6.5 * max(len(groups), 1), 5.0), layout="constrained")
     for at, group in enumerate(groups, start=1):
@@ -50,7 +50,7 @@ def _draw(axes: Sequence[Allan], ax: Axes) -> None:
     units = sorted({axis.unit for axis in axes})
     if len(units) > 1:
         told = ", ".join(units)
-        raise ValueError(f"their units differ ({told}), so they have no common picture: draw each by itself")
+        raise ValueError(f"the units differ ({told}), so they cannot share a picture: draw each by itself")
     if not any((axis.dev > 0).any() for axis in axes):
         whose = ", ".join(axis.name for axis in axes)
         raise ValueError(f"there is nothing to draw: no deviation of {whose} is above zero")
@@ -65,7 +65,7 @@ def _draw(axes: Sequence[Allan], ax: Axes) -> None:
     ax.grid(True, which="major", alpha=0.35)
     ax.grid(True, which="minor", alpha=0.12)
     drawn, labels = ax.get_legend_handles_labels()
-    # the curves before their models
+    # curves come before their models
     order = sorted(range(len(drawn)), key=lambda at: not isinstance(drawn[at], tuple))
     title = None if len(axes) == 1 else "points: measured, lines: models with 95 % bands"
     ax.legend(
@@ -75,14 +75,14 @@ def _draw(axes: Sequence[Allan], ax: Axes) -> None:
 
 
 def _settle(axes: Sequence[Allan], ax: Axes) -> None:
-    """Limits from what was measured: a band that reaches down to nothing has no say."""
+    """Sets the limits by the measured points, so that a band that reaches down to nothing does not matter."""
     points = [axis for axis in axes if len(axis.dev) and (axis.dev > 0).all()]
     if points:
         ax.set_ylim(min(axis.lo.min() for axis in points) / 1.8, max(axis.hi.max() for axis in points) * 1.8)
 
 
 def _free_corner(axes: Sequence[Allan]) -> Literal["lower left", "upper left"]:
-    """Below the beginning of curves that fall, above that of curves that rise."""
+    """The corner below the start of falling curves, or above the start of rising ones."""
     falling = sum(float(np.sign(axis.dev[0] - np.median(axis.dev))) for axis in axes if len(axis.dev))
     return "lower left" if falling >= 0 else "upper left"
 
@@ -107,7 +107,7 @@ def _curve(ax: Axes, axis: Allan, is_alone: bool) -> None:
 
 
 def _coefficients(ax: Axes, axis: Allan, fit: Fit) -> None:
-    """The lines of N, B and K, where they are identified."""
+    """Draws the lines of N, B and K that are identified."""
     tau = axis.tau_s
     lines = [
         ("N", fit.n, fit.n.value / np.sqrt(tau), "N/√τ"),

@@ -13,7 +13,7 @@ from ._twin import Twin
 
 @dataclass(frozen=True)
 class Truth:
-    """What a perfect measurement would have found at the reported T3; only a twin knows it."""
+    """The result of a perfect measurement at the reported T3; only a twin knows it."""
 
     pbc_dps: float
     """Bias correction at T3, °/s."""
@@ -25,26 +25,26 @@ class Truth:
 
 @dataclass(frozen=True)
 class CurvePoint:
-    """What is added to a rate at a temperature, at the end of the recording."""
+    """The correction at a temperature, at the end of the recording."""
 
     temp_c: float
     """Temperature, °C."""
     correction_dps: float
-    """The correction there, °/s: minus the bias."""
+    """The correction that is added to the rate, °/s: minus the bias."""
     u_dps: float | None = None
     """Its standard uncertainty, °/s."""
 
 
 @dataclass(frozen=True)
 class Calibrated:
-    """What a calibration found: the keys of ``zerorate calibrate --json``, and the calibration itself.
+    """The result of a calibration: the keys of ``zerorate calibrate --json``, and the calibration itself.
 
     corrected rate = RATE + PBC + (TEMP − T3) · BTC. A value ± ``coverage_factor`` × its ``u_…`` covers the truth with
     the probability ``coverage``.
     """
 
     b1_dps: float | None
-    """Mean rate of step 4, °/s; None by another method than ``an1042``, as the next three."""
+    """Mean rate of step 4, °/s; None for methods other than ``an1042``, like the next three."""
     t1_c: float | None
     """Mean temperature of step 4, °C."""
     b2_dps: float | None
@@ -76,7 +76,7 @@ class Calibrated:
     lost_samples: int
     """Rate samples lost."""
     impossible_readings: int
-    """Readings that the part cannot have made (bit errors); they are in no mean."""
+    """Readings that the part cannot have made (bit errors); no mean includes them."""
     duration_s: float
     """From the first sample to the last, s."""
     temp_min_c: float
@@ -90,13 +90,13 @@ class Calibrated:
     simulated: bool
     """Whether the part was the software twin."""
     calibration_id: str
-    """Short name of the calibration; corrected data carry it."""
+    """Short identifier of the calibration; corrected data carry it."""
     capture_sha256: str
     """SHA-256 of the samples."""
     warnings: list[str]
-    """``code: text`` each: what was seen, why it matters, what to do."""
+    """Warnings, each ``code: text``: what was seen and what to do."""
     curve: list[CurvePoint]
-    """The correction at nine temperatures, evenly over those seen."""
+    """The correction at nine temperatures, evenly spread over the measured range."""
     calibration: Calibration = field(repr=False)
     """The calibration, to correct with or to save."""
     truth: Truth | None = None
@@ -104,7 +104,7 @@ class Calibrated:
     order: int = 1
     """Order of the correction over temperature."""
     order_weights: list[float] | None = None
-    """Posterior probability of the orders 0 to 3; None by ``an1042``, as all that follow."""
+    """Posterior probability of the orders 0 to 3; None for ``an1042``, like all fields below."""
     btc2_dps_per_c2: float = 0.0
     """Quadratic term over TEMP − T3, °/s/°C²."""
     btc3_dps_per_c3: float = 0.0
@@ -112,7 +112,7 @@ class Calibrated:
     lag_s: float | None = None
     """Time by which the bias follows the temperature sensor late, s."""
     play_c: float | None = None
-    """Half width of the play with which it does so, °C."""
+    """Half width of the play between temperature and bias, °C."""
     bias_instability_dps: float | None = None
     """B of the recording, °/s."""
     rate_random_walk_dps_per_rt_s: float | None = None
@@ -148,21 +148,21 @@ def calibrate(
     output: str | os.PathLike[str] | None = None,
     force: bool = False,
 ) -> Calibrated:
-    """Calibrates a part with the procedure of application note AN-1042: 53 simulated minutes, in seconds.
+    """Calibrates a simulated sensor with the procedure of AN-1042: 53 simulated minutes, in seconds.
 
-    Other threads run meanwhile, and Ctrl-C ends it. The options are those of ``zerorate calibrate``, whose help states
+    Other threads run meanwhile, and Ctrl-C ends it. ``zerorate calibrate`` has the same options, and its help states
     the defaults.
 
     Parameters
     ----------
     twin
-        The part.
+        The simulated sensor.
     method
-        ``an1042``: two temperatures and the line through them; ``warmup``: a curve through every sample of the same
-        time; ``cycle``: the same of a part that is heated and cooled.
+        ``an1042``: two temperatures and the line through them. ``warmup``: a curve through every sample of the same
+        time. ``cycle``: the same for a sensor that is heated and cooled.
     target_dph
         End the recording once the temperature has settled and the correction is known to this standard uncertainty,
-        rms over the temperatures seen, °/h. Not for ``an1042``.
+        rms over the measured temperatures, °/h. Not for ``an1042``.
     average
         Length of the two averages of rate and temperature, steps 4 and 6: seconds, or a text such as ``"1m"``.
     warmup
@@ -178,7 +178,7 @@ def calibrate(
     earth_dps
         The Earth's rotation on the part's axis, °/s, to be subtracted from the bias.
     assume_linear
-        Take the bias for a straight line over temperature.
+        Assume that the bias is a straight line over temperature.
     every_temp
         Read the temperature with every N-th rate sample.
     divider
@@ -190,7 +190,7 @@ def calibrate(
     output
         Write the calibration file.
     force
-        Overwrite an existing ``output`` and ``log``; no calibration takes the place of a capture.
+        Overwrite an existing ``output`` and ``log``, but never a capture by a calibration.
 
     Returns
     -------
@@ -200,11 +200,11 @@ def calibrate(
     Raises
     ------
     Refused
-        The part moves, freezes, hardly changes its temperature, or loses too many samples.
+        If the sensor moves, freezes, hardly changes its temperature, or loses too many samples.
     ValueError
-        For options that make no sense.
+        For invalid options.
     OSError
-        If a file cannot be written; a calibration that was measured is then kept in another, which the text names.
+        If a file cannot be written. A measured calibration is then kept in another file, which the text names.
     """
     options = {
         "method": method,

@@ -1,4 +1,4 @@
-"""What is given as a record, brought into the form in which the extension takes it."""
+"""Converts records to the form that the extension takes."""
 
 from __future__ import annotations
 
@@ -14,49 +14,49 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Cells = Union[NDArray[np.int32], NDArray[np.float64], NDArray[np.int64], int]
-    """Codes, numbers, times in ns, or how many rows there are of something else."""
+    """Codes, numbers, times in ns, or the number of rows of anything else."""
     Source = Union[str, tuple[str, list[tuple[str, Cells]]]]
-    """The path of a log, or a table: what messages call it, and its columns."""
+    """The path of a log, or a table: its name in messages, and its columns."""
 
 TIME_INDEX = "index"
-"""What the index of a Series or DataFrame is called among its columns, where it has no name."""
+"""The column name of an index without a name."""
 
 LETTERS = "xyz"
 """The axes of a block of three columns."""
 
 
 def is_path(data: Any) -> bool:
-    """Whether it names a log."""
+    """Whether the data is the path of a log."""
     return isinstance(data, (str, os.PathLike))
 
 
 def is_table(data: Any) -> bool:
-    """Whether it has columns with names: a dictionary, a DataFrame, a structured array."""
+    """Whether the data has named columns: a dictionary, a DataFrame, a structured array."""
     if isinstance(data, np.ndarray):
         return data.dtype.names is not None
     return isinstance(data, Mapping) or _is_lazy(data) or (hasattr(data, "columns") and hasattr(data, "__getitem__"))
 
 
 def has_time_index(data: Any) -> bool:
-    """Whether it is a Series or DataFrame of pandas with instants, or times since a start, in its index; or with
-    numbers there, under a name that states a unit of time."""
+    """Whether the data is a pandas Series or DataFrame with the time in its index: instants, durations, or numbers
+    under a name that states a unit of time."""
     index = getattr(data, "index", None)
     kind, name = getattr(getattr(index, "dtype", None), "kind", ""), getattr(index, "name", None)
     return kind in ("M", "m") or (kind in ("i", "u", "f") and isinstance(name, str) and _zerorate.is_time(name))
 
 
 def is_array(data: Any) -> bool:
-    """Whether it is numbers without names."""
+    """Whether the data is numbers without names."""
     return not is_path(data) and not is_table(data) and np.ndim(data) > 0
 
 
 def is_wide(data: Any) -> bool:
-    """Whether it is an array of several columns."""
+    """Whether the data is an array of several columns."""
     return is_array(data) and not isinstance(data, (list, tuple)) and np.ndim(data) == 2
 
 
 def record(values: Any, data: str = "rate", what: str = "the record") -> NDArray[Any]:
-    """One column as the extension takes it: contiguous int32 or float64, without a copy where it is that."""
+    """One column as the extension takes it: contiguous int32 or float64, copied only if necessary."""
     array = _array(values)
     if array.ndim == 0:
         raise ValueError(f"{what} is one value of the type {type(values).__name__}: give an array, a table or a path")
@@ -70,21 +70,21 @@ def record(values: Any, data: str = "rate", what: str = "the record") -> NDArray
     infinite = np.isinf(numbers)
     if infinite.any():
         at = int(np.argmax(infinite))
-        raise ValueError(f"{what} is infinite at sample {at}, which cannot be averaged: NaN is a missing sample")
+        raise ValueError(f"{what} is infinite at sample {at}, which cannot be averaged: use NaN for a missing sample")
     return numbers
 
 
 def table(data: Any, columns: Any = None) -> Source:
-    """Columns with names, and the time in the index, if that holds any.
+    """Named columns, and the time in the index if there is one.
 
-    `columns` names those of a two-dimensional array, whose rows are times.
+    `columns` names the columns of a two-dimensional array, whose rows are times.
     """
     if is_path(data):
         return os.fspath(data) if isinstance(os.fspath(data), str) else os.fsdecode(data)
     if not is_table(data):
         return "the array", list(array_columns(data, columns).items())
     if columns is not None:
-        raise ValueError("columns= names those of an array; these have names: choose with column=")
+        raise ValueError("columns= names the columns of an array, but these have names: choose with column=")
     if _is_lazy(data):
         data = data.collect()
     name = type(data).__name__
@@ -98,23 +98,23 @@ def table(data: Any, columns: Any = None) -> Source:
     lengths = {key: cells if isinstance(cells, int) else len(cells) for key, cells in found}
     if len(set(lengths.values())) > 1:
         told = ", ".join(f"{key} {length}" for key, length in lengths.items())
-        raise ValueError(f"the columns of the {name} differ in length ({told}): give those of one record")
+        raise ValueError(f"the columns of the {name} differ in length ({told}): give the columns of one record")
     return f"the {name}", found
 
 
 def indexed(series: Any, name: str) -> Source:
-    """A Series with the time in its index."""
+    """The source for a Series with the time in its index."""
     return "the Series", [_index(series), (name, record(series))]
 
 
 def _index(data: Any) -> tuple[str, Cells]:
-    """The time, out of the index."""
+    """The time from the index."""
     index, name = data.index, str(data.index.name or TIME_INDEX)
     return name, _times(index) if index.dtype.kind in ("M", "m") else record(index, what=f"the index {name}")
 
 
 def _is_lazy(data: Any) -> bool:
-    """Whether it is a LazyFrame of polars."""
+    """Whether the data is a polars LazyFrame."""
     return hasattr(data, "collect_schema") and hasattr(data, "lazy") and not hasattr(data, "to_numpy")
 
 
@@ -127,7 +127,7 @@ def _keys(data: Any) -> list[Any]:
 
 
 def _columns_of(key: str, values: Any, name: str) -> list[tuple[str, Cells]]:
-    """A column, or a block of columns under one name: three of them are x, y and z."""
+    """A column, or a block of columns under one name. Three columns are x, y and z."""
     array = _array(values)
     what = f"column {key} of {name}"
     if array.ndim == 2:
@@ -144,7 +144,7 @@ def _columns_of(key: str, values: Any, name: str) -> list[tuple[str, Cells]]:
 
 
 def array_columns(data: Any, columns: Any) -> dict[str, Cells]:
-    """The columns of an array, under names that are given or their numbers."""
+    """The columns of an array, under the given names or their numbers."""
     array = _array(data)
     if array.ndim == 0:
         return {"": record(data)}
@@ -159,7 +159,7 @@ def array_columns(data: Any, columns: Any) -> dict[str, Cells]:
 
 
 def _check_shape(array: NDArray[Any], what: str) -> None:
-    """Rows are times. An array that may be lying on its side is not guessed at."""
+    """Checks that rows are times. An array that may be transposed is refused."""
     if array.ndim != 2:
         raise ValueError(f"{what} has the shape {array.shape}: give times along axis 0 and axes along axis 1")
     rows, columns = array.shape
@@ -167,7 +167,7 @@ def _check_shape(array: NDArray[Any], what: str) -> None:
         raise ValueError(f"{what} has no rows")
     if columns == 0 or rows <= columns:
         raise ValueError(
-            f"{what} has {rows} rows and {columns} columns, and rows are times here: if these are {rows} channels, "
+            f"{what} has {rows} rows and {columns} columns, but rows are times: if these are {rows} channels, "
             "give its transpose, array.T"
         )
 
@@ -179,7 +179,7 @@ def _check_names(names: list[str], what: str) -> None:
 
 
 def _array(values: Any) -> NDArray[Any]:
-    """As numpy has it; what is masked or missing is NaN."""
+    """The values as a numpy array, with NaN for masked or missing ones."""
     if isinstance(values, np.ma.MaskedArray):
         return _unmasked(values)
     array = np.asarray(values.to_numpy() if hasattr(values, "to_numpy") else values)

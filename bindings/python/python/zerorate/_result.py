@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Unavailable:
-    """An averaging time that was asked for and has no deviation."""
+    """A requested averaging time without a deviation."""
 
     tau_s: float
     """Averaging time, s."""
     reason: str
-    """Why."""
+    """The reason."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +34,7 @@ class Allan:
     tau_s: NDArray[np.float64]
     """Averaging time, s."""
     dev: NDArray[np.float64]
-    """Deviation: unit of the rate; TDEV that times s."""
+    """Deviation, in the unit of the rate; for TDEV, in that unit times s."""
     lo: NDArray[np.float64]
     """Lower confidence limit, same unit."""
     hi: NDArray[np.float64]
@@ -42,10 +42,10 @@ class Allan:
     edf: NDArray[np.float64]
     """Equivalent degrees of freedom behind the limits."""
     alpha: NDArray[np.int64]
-    """Exponent of the noise S_y(f) ∝ f^α identified there: 0 white, −1 flicker, −2 random walk of the rate, 1 and 2
+    """Exponent of the identified noise S_y(f) ∝ f^α: 0 white, −1 flicker, −2 random walk of the rate, 1 and 2
     phase noise."""
     n: NDArray[np.int64]
-    """Terms that entered."""
+    """Number of terms."""
     m: NDArray[np.int64]
     """Samples in each average."""
     stat: str
@@ -53,36 +53,36 @@ class Allan:
     rate_hz: float
     """Samples per second."""
     samples: int
-    """Samples (phase: points) from the first to the last, the missing ones included."""
+    """Samples (for phase: points) from the first to the last, including missing ones."""
     missing: int
-    """Samples that are missing."""
+    """Missing samples."""
     confidence: float
     """Probability with which the limits enclose the true deviation."""
     unavailable: list[Unavailable] = field(repr=False)
     """Averaging times without a deviation, with the reason."""
     fit: Fit | None = field(repr=False)
-    """The noise model; None where it was not asked for, or the record is too short."""
+    """The noise model; None if it was not requested, or the record is too short."""
     no_fit: str | None = field(default=None, repr=False)
-    """Why there is none."""
+    """Why there is no noise model."""
     model: NDArray[np.float64] | None = field(default=None, repr=False)
-    """The model's deviations; None without a model, and for statistics that it does not speak of."""
+    """The model's deviations; None without a model, and for statistics that it does not cover."""
     model_lo: NDArray[np.float64] | None = field(default=None, repr=False)
     """Lower end of the band in which the model expects 95 % of the deviations."""
     model_hi: NDArray[np.float64] | None = field(default=None, repr=False)
     """Upper end of that band."""
     cleaned: Cleaned | None = field(default=None, repr=False)
-    """What was taken out before; None without a model."""
+    """What was taken out before the fit; None without a model."""
     detrended: Detrended | None = field(default=None, repr=False)
-    """The polynomial over temperature that was taken out; None without `detrend`."""
+    """The polynomial over temperature that was subtracted; None without `detrend`."""
     skipped_s: float = field(default=0.0, repr=False)
-    """What was left out at the beginning, s."""
+    """Length of the beginning that was left out, s."""
     name: str = "rate"
-    """What was analysed: the name of the column or of the Series."""
+    """The name of the column or Series."""
     unit: str = "°/s"
     """Unit of the rate, and so of `dev` and of the coefficients."""
     warnings: list[str] = field(default_factory=list, repr=False)
-    """What is to be said of the log; what there is to say of its noise is in `Fit.warnings`. Without a fit the warning
-    ``follows-temperature`` is here."""
+    """Warnings about the log; warnings about its noise are in `Fit.warnings`. Without a fit, ``follows-temperature`` is
+    here."""
     _core: _zerorate.Model | None = field(default=None, repr=False)
     _is_unit_assumed: bool = field(default=False, repr=False)
 
@@ -96,7 +96,7 @@ class Allan:
 
     @property
     def kind(self) -> Literal["gyroscope", "accelerometer"] | None:
-        """What `unit` is of."""
+        """The kind of axis that has this unit."""
         return _zerorate.unit_kind(self.unit)
 
     def to_frame(self, library: _log.Library = "pandas") -> Any:
@@ -135,28 +135,28 @@ class Allan:
         force: bool = False,
         accept_rejected: bool = False,
     ) -> str:
-        """The file for a filter, of this one axis. Arguments and result as of `Imu.to_yaml`.
+        """Makes the file for a filter from this axis. Arguments and result are as in `Imu.to_yaml`.
 
         Raises
         ------
         ValueError
-            If nothing stated the unit: the °/s that are assumed then may be °/s or rad/s.
+            If nothing stated the unit, because the assumed °/s could be rad/s.
         """
         return _filters.file([self], path, self.name, format, "worst", inflate, topic, force, accept_rejected)
 
 
 @dataclass(frozen=True, eq=False)
 class AllanAxes(Mapping[str, Allan]):
-    """The deviations of several columns, by their names, in their order."""
+    """The deviations of several columns, by name and in order."""
 
     axes: dict[str, Allan]
-    """Each by itself."""
+    """The deviation of each column."""
 
     def __repr__(self) -> str:
         return "".join(["<AllanAxes", *(f"\n  {axis!r}" for axis in self.axes.values()), ">"])
 
     def __getitem__(self, name: str | int) -> Allan:
-        """By name, or by number counted from 0."""
+        """The deviation of a column, by its name or its number counted from 0."""
         return list(self.axes.values())[name] if isinstance(name, int) else self.axes[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -167,7 +167,7 @@ class AllanAxes(Mapping[str, Allan]):
 
     def to_frame(self, library: _log.Library = "pandas") -> Any:
         """A DataFrame with a row for each column and averaging time: `name`, `unit`, and the columns of
-        `Allan.to_frame`; NaN for what there is no model of.
+        `Allan.to_frame`; NaN where there is no model.
 
         Raises
         ------
@@ -177,7 +177,7 @@ class AllanAxes(Mapping[str, Allan]):
         return _frame.frame(_long(self.axes), library)
 
     def plot(self, ax: Picture | None = None) -> Picture:
-        """Draws all into one picture, as `Allan.plot` does. They must have one unit.
+        """Draws all columns in one picture, as `Allan.plot` does. They must have the same unit.
 
         Raises
         ------

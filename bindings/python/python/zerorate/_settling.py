@@ -1,4 +1,4 @@
-"""The temperature of a record, and its beginning."""
+"""Treats the temperature and the beginning of a record."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Temperature = tuple[str, NDArray[np.float64]]
-    """What it is called, and the temperature of each sample, °C."""
+    """Its name, and the temperature of each sample, °C."""
 
 Seconds = Union[float, str]
 """Seconds as a number, or a duration as the command line takes it: ``"10m"``, ``"1h30m"``."""
 
 _OWN = "temp_c"
-"""What a temperature is called that comes beside the record."""
+"""The name of a temperature that is given beside the record."""
 
 
 @dataclass(frozen=True)
 class Settling:
-    """What is known of the temperature, and what is done about it and about the beginning."""
+    """The temperature, and the treatment of it and of the beginning."""
 
     temp_c: Any = None
     detrend: int | None = None
@@ -33,15 +33,15 @@ class Settling:
 
     @classmethod
     def of(cls, temp_c: Any, detrend: int | None, skip: Seconds | None, is_phase: bool) -> Settling:
-        """As the arguments of `allan` say."""
+        """The treatment that the arguments of `allan` give."""
         if detrend is not None and detrend not in (1, 2, 3):
             raise ValueError(f"detrend={detrend!r}: give 1, 2 or 3, the order of a polynomial over temperature")
         if is_phase and (detrend is not None or temp_c is not None):
-            raise ValueError("detrend= and temp_c= are of a rate, not of data='phase'")
+            raise ValueError("detrend= and temp_c= need a rate, not data='phase'")
         return cls(temp_c, detrend, 0.0 if skip is None else skip)
 
     def of_array(self, samples: int) -> Temperature | None:
-        """That of a record without columns."""
+        """The temperature of a record without columns."""
         if isinstance(self.temp_c, str):
             raise ValueError("temp_c= is the name of a column, and the record has none: give the temperatures")
         if self.temp_c is None:
@@ -52,12 +52,12 @@ class Settling:
         return _OWN, temps
 
     def of_source(self, source: _records.Source, given: _zerorate._Options) -> Temperature | None:
-        """That of a log or table."""
+        """The temperature of a log or table."""
         name = self.temp_c if isinstance(self.temp_c, str) else None
         label = source if isinstance(source, str) else source[0]
         if self.temp_c is not None and name is None:
             if isinstance(source, str):
-                raise ValueError("temp_c= of a log is the name of a column in it")
+                raise ValueError("for a log, temp_c= is the name of a column in it")
             cells = next((len(cells) for _, cells in source[1] if not isinstance(cells, int)), 0)
             temperature = self.of_array(cells)
             others = [(key, cells) for key, cells in source[1] if key != _OWN]
@@ -71,12 +71,12 @@ class Settling:
         return found
 
     def of_capture(self, capture: Capture, axis: int) -> Temperature | None:
-        """That of an axis of a capture, from its first good rate to its last."""
+        """The temperature of an axis of a capture, from its first valid rate to its last."""
         given = self.of_array(len(capture))
         return _OWN, capture._temps_c(axis, capture.temp_c if given is None else given[1])
 
     def asked(self, name: str, temperature: Temperature | None) -> _zerorate._Settling | None:
-        """For the extension; None where nothing is to be done with the column `name`."""
+        """The treatment for the extension; None if the column `name` needs none."""
         if temperature is None and self.detrend is not None:
             raise ValueError("detrend= needs the temperature of each sample: give temp_c=")
         temps = None if temperature is None or temperature[0] == name else temperature[1]

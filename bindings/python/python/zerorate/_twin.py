@@ -1,4 +1,4 @@
-"""The part in software."""
+"""The simulated sensor."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ class TwinKey(NamedTuple):
     name: str
     """The key; its unit is in the name."""
     default: str
-    """The value without it, in words where the seed draws it."""
+    """The default value, in words if the seed draws it."""
     allowed: str
-    """The values it takes."""
+    """The allowed values."""
     help: str
-    """What it is."""
+    """The description."""
 
 
 class Twin:
-    """An ADIS16130 in software: the same seed is the same unit, byte for byte, on every machine.
+    """A simulated ADIS16130. The same seed gives the same unit, byte for byte, on every machine.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class Twin:
     Raises
     ------
     ValueError
-        For a key or value that the twin does not have; the text lists what it has.
+        For a key or value that the twin does not have; the text lists the keys.
 
     Examples
     --------
@@ -48,7 +48,7 @@ class Twin:
 
     @property
     def device(self) -> str:
-        """The twin as the command line names it: ``zerorate calibrate --device …``."""
+        """The twin's name on the command line: ``zerorate calibrate --device …``."""
         return self._device
 
     @staticmethod

@@ -364,7 +364,7 @@ fn what_cannot_be_exported_is_explained() {
         bench
             .zerorate("export unit.toml --format c --step-c 0.0000001 --span-c 0.000001")
             .fails(2)
-            .contains("no whole number of millionths")
+            .contains("not a whole number of millionths")
     );
     assert!(bench.zerorate("export steep.toml --format c").fails(1).contains("btc_dps_per_c"));
     assert!(bench.zerorate("export broken.toml --format c").fails(1).contains("broken.toml: line 4"));

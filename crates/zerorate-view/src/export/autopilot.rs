@@ -7,21 +7,21 @@ use zerorate::{Correction, Validity};
 
 /// The reference temperature of every ArduPilot, °C (AP_InertialSensor_tempcal.cpp, TEMP_REFERENCE).
 const ARDUPILOT_C: f64 = 35.0;
-/// Coefficients of ArduPilot are parameters times this (the same file, SCALE_FACTOR).
+/// ArduPilot's parameters are its coefficients times this (the same file, SCALE_FACTOR).
 const ARDUPILOT_SCALE: f64 = 1e6;
-/// Sensors that PX4 has parameters for: TC_G0 to TC_G3 (src/modules/temperature_compensation).
+/// The sensors for which PX4 has parameters: TC_G0 to TC_G3 (src/modules/temperature_compensation).
 const PX4_SENSORS: std::ops::RangeInclusive<u32> = 0..=3;
-/// IMUs that ArduPilot has INS_TCALn for.
+/// The IMUs for which ArduPilot has INS_TCALn.
 const ARDUPILOT_SENSORS: std::ops::RangeInclusive<u32> = 1..=3;
 
-/// A bias over temperature, rad/s: `terms` by order, over the temperature less `about_c`.
+/// A bias over temperature, rad/s: the polynomial with `terms` (by order) in the temperature minus `about_c`.
 struct Bias {
     about_c: f64,
     terms: [f64; 4],
 }
 
 impl Bias {
-    /// What a correction removes: minus what it adds, with its polynomial about another temperature.
+    /// The bias that a correction removes (minus what it adds), as a polynomial about another temperature.
     fn of(correction: &Correction, about_c: f64) -> Self {
         let shift_c = about_c - correction.t3_c;
         let added_dps = [
@@ -49,13 +49,13 @@ pub(super) fn px4(export: &Export, sensor: Option<u32>, device_id: Option<i32>) 
     );
     let Some(device_id) = device_id else {
         bail!(InvalidOptions(format!(
-            "PX4 finds the gyroscope of TC_G{sensor} by its device id, and without one it corrects nothing: give \
-             the device_id of the topic sensor_gyro (`listener sensor_gyro` in its console)"
+            "PX4 finds the gyroscope of TC_G{sensor} by its device id, and corrects nothing without one. Give the \
+             device_id of the topic sensor_gyro (`listener sensor_gyro` in the PX4 console)"
         )));
     };
     let axes = three(export)?;
     let Validity { temp_min_c, temp_max_c, .. } = export.layout.valid;
-    // the middle, as PX4 itself takes it, rounded to what a parameter can hold
+    // PX4 itself takes the middle; it is rounded to what a parameter can hold
     let about_c = f64::from((0.5 * (temp_min_c + temp_max_c)) as f32);
     let biases = axes.map(|correction| Bias::of(&correction, about_c));
     let mut text = head(export, &format!("thermal compensation of gyroscope {sensor} of PX4"));
@@ -124,7 +124,7 @@ fn three(export: &Export) -> Result<[Correction; 3]> {
             (Some(only), None) => Ok(only.correction),
             _ => bail!(
                 "a flight controller has the axes x, y and z, and the calibration is of {names}: one name must end in \
-                 {letter}; rename its axes, or calibrate all three (`zerorate calibrate --part`)"
+                 {letter}. Rename the axes, or calibrate all three (`zerorate calibrate --part`)"
             ),
         }
     };
@@ -148,7 +148,7 @@ fn head(export: &Export, what: &str) -> String {
     )
 }
 
-/// As a parameter holds it: the shortest decimal that gives the same f32, without an exponent.
+/// The value as a parameter holds it: the shortest decimal that gives the same f32, without an exponent.
 fn single(value: f64) -> f32 {
     value as f32 + 0.0
 }

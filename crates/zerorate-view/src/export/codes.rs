@@ -1,21 +1,21 @@
-//! What the codes of an axis need for their correction.
+//! Scales and integer corrections for the codes of an axis.
 
 use anyhow::{Context, Result};
 use zerorate::calibration::CalibratedAxis;
 use zerorate::{Calibration, CurveForm, IntegerCorrection, IntegerCurve, IntegerForm, Scale};
 
-/// The scales of an axis, and its correction on them.
+/// The scales of an axis, and its correction on the codes of these scales.
 pub(super) struct Codes {
     pub(super) rate: Scale,
     pub(super) temp: Scale,
     pub(super) integer: Integer,
 }
 
-/// A correction on codes, with how these are carried through it.
+/// A correction on codes, with the number format in which it is computed.
 pub(super) enum Integer {
-    /// That of F-50.
+    /// The line of F-50.
     Line(IntegerCorrection, IntegerForm),
-    /// With a quadratic or a cubic term.
+    /// A curve: the line with a quadratic or a cubic term.
     Curve(IntegerCurve, CurveForm),
 }
 
@@ -30,7 +30,7 @@ impl Integer {
 }
 
 impl Codes {
-    /// None where the calibration does not state the scales.
+    /// The codes of an axis; `None` if the calibration does not state the scales.
     pub(super) fn of(calibration: &Calibration, axis: &CalibratedAxis) -> Result<Option<Self>> {
         let (Some(rate), Some(temp)) = (axis.rate, calibration.temp) else { return Ok(None) };
         let integer = Self::integer(axis, &rate, &temp);

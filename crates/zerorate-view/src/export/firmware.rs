@@ -1,4 +1,4 @@
-//! The C header and the Rust module: templates, filled in.
+//! The C header and the Rust module, made from templates.
 
 use super::codes::{Codes, Integer};
 use super::layout::Layout;
@@ -10,23 +10,23 @@ use zerorate::{
     Calibration, Correction, CurveForm, IntegerCorrection, IntegerCurve, RowIndex, Scale, TableRow, Validity,
 };
 
-/// What stands for a `@KEY@` of a template.
+/// The texts that replace each `@KEY@` of a template.
 type Entries = Vec<(&'static str, String)>;
 
-/// How a language writes what the templates leave open.
+/// A language's templates, and how it writes what they leave open.
 struct Language {
-    /// The only axis of an ADIS16130.
+    /// The template for the only axis of an ADIS16130.
     one: &'static str,
-    /// Any number of axes of any part: what they share, and what each has.
+    /// The templates for any number of axes of any part: what they share, and what each has.
     common: &'static str,
     axis: &'static str,
-    /// What corrects codes of an axis, where it is a line and where it is a curve.
+    /// The functions that correct codes of an axis, for a line and for a curve.
     integer: [&'static str; 2],
-    /// What a line of the head begins with.
+    /// The beginning of each line of the head comment.
     margin: &'static str,
-    /// Integers that hold codes of 32 bits, with and without a sign.
+    /// Integer types that hold codes of 32 bits, with and without a sign.
     integers: [&'static str; 2],
-    /// An integer of 64 bits.
+    /// Writes an integer of 64 bits.
     constant: fn(i64) -> String,
     function_case: fn(&str) -> String,
 }
@@ -53,14 +53,14 @@ const RUST: Language = Language {
     function_case: str::to_ascii_lowercase,
 };
 
-/// The C header. Without a prefix its names begin with `zerorate`.
+/// The C header. Without a prefix, its names begin with `zerorate`.
 pub(super) fn c(export: &Export, prefix: Option<&Prefix>) -> Result<String> {
     let functions = prefix.map_or("zerorate_".to_owned(), Prefix::of_functions);
     let constants = prefix.map_or("ZERORATE_".to_owned(), Prefix::of_constants);
     written(&C, export, functions, constants)
 }
 
-/// The Rust module. Without a prefix its name tells units apart.
+/// The Rust module. Without a prefix, only the module's name tells units apart.
 pub(super) fn rust(export: &Export, prefix: Option<&Prefix>) -> Result<String> {
     let functions = prefix.map_or_else(String::new, Prefix::of_functions_in_rust);
     let constants = prefix.map_or_else(String::new, Prefix::of_constants);
@@ -99,12 +99,12 @@ fn written(language: &Language, export: &Export, functions: String, constants: S
     Ok(fill(language.common, &[common, first.codes.typed(language, plain), last].concat()))
 }
 
-/// Replaces each `@KEY@` of the template, the first entries first: what follows a prefix may look like a key.
+/// Replaces each `@KEY@` of the template. The order of the entries matters: a replaced text may look like a key.
 fn fill(template: &str, entries: &[(&'static str, String)]) -> String {
     entries.iter().fold(template.to_owned(), |text, (key, value)| text.replace(&format!("@{key}@"), value))
 }
 
-/// The names of the axes as parts of identifiers, told apart.
+/// The names of the axes as parts of identifiers. Two axes must not have the same one.
 fn names(axes: &[AxisCodes]) -> Result<Vec<String>> {
     let mut names: Vec<String> = Vec::new();
     for AxisCodes { axis, .. } in axes {
@@ -115,7 +115,7 @@ fn names(axes: &[AxisCodes]) -> Result<Vec<String>> {
         let same = names.iter().position(|other| other.eq_ignore_ascii_case(&name));
         if let Some(other) = same {
             bail!(
-                "axes {} and {} have the same name in C and Rust, {name}: rename one in the calibration",
+                "axes {} and {} both become {name} in C and Rust: rename one in the calibration",
                 axes[other].axis.name,
                 axis.name
             );
@@ -138,8 +138,8 @@ impl<'a> AxisCodes<'a> {
         let name = &axis.name;
         let codes = Codes::of(&export.calibration, axis)?.with_context(|| {
             format!(
-                "the calibration does not state the scale of the codes of axis {name}, and C and Rust correct codes: \
-                 add [axis.rate] and [temperature] to the file (docs/formats/calibration.md), or take the form csv"
+                "C and Rust correct codes, and the calibration does not state the scale of the codes of axis {name}. \
+                 Add [axis.rate] and [temperature] to the file (docs/formats/calibration.md), or take the form csv"
             )
         })?;
         Ok(Self { axis, codes, step_c: export.layout.step_c, span_c: export.layout.span_c })
@@ -194,7 +194,7 @@ fn of_curve(curve: &IntegerCurve, form: &CurveForm, temp: &Scale) -> Entries {
     ]
 }
 
-/// What stands below T3 in the head: the terms of a curve.
+/// The lines below T3 in the head comment: the higher terms of a curve.
 fn terms(correction: &Correction, margin: &str) -> String {
     let Correction { btc2_dps_per_c2, btc3_dps_per_c3, .. } = correction;
     match correction.is_line() {
@@ -206,12 +206,12 @@ fn terms(correction: &Correction, margin: &str) -> String {
     }
 }
 
-/// By what a row at the end of a table is wrong beyond it.
+/// Describes how wrong the last row of a table is beyond the table.
 fn distance(correction: &Correction) -> &'static str {
     if correction.is_line() { "BTC times the distance to it" } else { "what the curve does on the way to it" }
 }
 
-/// What corrects a rate, in symbols.
+/// The formula of the correction, in symbols.
 fn formula(export: &Export) -> Entries {
     let lines = export.calibration.axes.iter().all(|axis| axis.correction.is_line());
     let [of, each, row_of] = match lines {
@@ -228,7 +228,7 @@ fn formula(export: &Export) -> Entries {
 impl Codes {
     /// Types and constants of the codes.
     ///
-    /// Those of an ADIS16130 as it is have no sign, as in its export of a line.
+    /// The types for a plain ADIS16130 have no sign, as in its export of a line.
     fn typed(&self, language: &Language, plain: bool) -> Entries {
         let integer = |scale: &Scale| {
             let fits = scale.codes().1 <= i64::from(i32::MAX);
@@ -247,7 +247,7 @@ impl Codes {
     }
 }
 
-/// Where the numbers come from.
+/// The origin of the numbers, for the head comment.
 fn origin(export: &Export) -> Entries {
     let calibration = &export.calibration;
     let text = |value: &Option<String>| value.as_deref().map_or("not stated".to_owned(), comment);
@@ -277,10 +277,10 @@ fn circumstances(calibration: &Calibration) -> String {
     if stated.is_empty() { "not stated".to_owned() } else { stated.join(", ") }
 }
 
-/// No table has so many rows that its middle, times 2³², is larger.
+/// An upper limit of any table's middle row, times 2³².
 const MIDDLE_MOST: i64 = 1 << 50;
 
-/// What the tables of all axes have in common.
+/// The layout that the tables of all axes share.
 fn layout(export: &Export, axes: &[AxisCodes]) -> Result<Entries> {
     let Export { layout, tables, .. } = export;
     let (rows, temp) = (tables[0].len(), &axes[0].codes.temp);
@@ -302,11 +302,11 @@ fn layout(export: &Export, axes: &[AxisCodes]) -> Result<Entries> {
     ])
 }
 
-/// Where the corrections hold, in words, in °C and as codes, and the scale of those.
+/// The range in which the corrections hold (in words, in °C and as codes), and the scale of the codes.
 fn range(Layout { valid, stated, .. }: &Layout, temp: &Scale) -> Entries {
     let Validity { temp_min_c, temp_max_c, margin_c } = *valid;
     let (first, last) = temp.codes();
-    // the codes of the temperatures within, and of none beyond
+    // round inward: no code beyond the range counts as inside
     let least = (temp.code(temp_min_c - margin_c).ceil() as i64).clamp(first, last);
     let most = (temp.code(temp_max_c + margin_c).floor() as i64).clamp(first, last);
     let whence = if *stated { "seen while measuring" } else { "assumed, the calibration states none" };
@@ -327,31 +327,31 @@ fn range(Layout { valid, stated, .. }: &Layout, temp: &Scale) -> Entries {
     ]
 }
 
-/// What codes are, in words.
+/// Describes the codes of a scale.
 fn in_words(scale: &Scale) -> String {
     let (first, last) = scale.codes();
     let coding = if scale.signed { "two's complement" } else { "without a sign" };
     format!("{first} to {last}, {} bits, {coding}", scale.width_bits)
 }
 
-/// In millionths of its unit, to nearest.
+/// The value in millionths of its unit, rounded to nearest.
 fn millionths(value: f64) -> Result<i32> {
     let scaled = (value * 1e6).round();
     ensure!(scaled.abs() <= f64::from(i32::MAX), "{value} does not fit 32 bits in millionths: choose a smaller span");
     Ok(scaled as i32)
 }
 
-/// The same, of a value that must lose nothing by it.
+/// The value in millionths; an error if the rounding would lose something.
 fn whole_millionths(what: &str, value: f64) -> Result<i32> {
     let whole = millionths(value)?;
     ensure!(
         (value * 1e6 - f64::from(whole)).abs() < 1e-6,
-        InvalidOptions(format!("{what} {value} is no whole number of millionths of a degree"))
+        InvalidOptions(format!("{what} {value} is not a whole number of millionths of a degree"))
     );
     Ok(whole)
 }
 
-/// Eight numbers a line.
+/// Formats the numbers, eight to a line.
 fn lines(numbers: &[i32]) -> String {
     let line = |numbers: &[i32]| {
         let numbers: Vec<String> = numbers.iter().map(i32::to_string).collect();
@@ -360,7 +360,7 @@ fn lines(numbers: &[i32]) -> String {
     numbers.chunks(8).map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// Text of the calibration file that can neither end a comment nor bring what a compiler might trip over.
+/// Makes text of the calibration file safe inside a comment: it can neither end the comment nor upset a compiler.
 pub(super) fn comment(text: &str) -> String {
     let plain =
         |c: char| if c.is_ascii_graphic() && !matches!(c, '@' | '*' | '\\' | '?') || c == ' ' { c } else { '.' };

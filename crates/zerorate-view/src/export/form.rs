@@ -1,6 +1,6 @@
-//! The forms of an export, as a table that every front end lists.
+//! The forms of an export, as the table that every front end lists.
 
-/// A form that a calibration is exported in.
+/// A form in which a calibration is exported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "their rows say what they are")]
 pub enum ExportForm {
@@ -12,7 +12,7 @@ pub enum ExportForm {
     Ardupilot,
 }
 
-/// What front ends need to know of a form.
+/// The names, file type and help text of a form.
 #[derive(Clone, Copy, Debug)]
 pub struct FormRow {
     /// Its name as an option.
@@ -23,33 +23,33 @@ pub struct FormRow {
     pub extension: &'static str,
     /// The media type of its files.
     pub media_type: &'static str,
-    /// What it is, in a line.
+    /// A one-line description.
     pub help: &'static str,
 }
 
 impl ExportForm {
-    /// All of them.
+    /// All forms.
     pub const ALL: [Self; 6] = [Self::C, Self::Rust, Self::Csv, Self::Json, Self::Px4, Self::Ardupilot];
 
-    /// The form of this name.
+    /// The form with this name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|form| form.row().name == name)
     }
 
-    /// Whether it is source code, whose names take a prefix.
+    /// Whether the form is source code, whose names take a prefix.
     #[must_use]
     pub const fn is_code(self) -> bool {
         matches!(self, Self::C | Self::Rust)
     }
 
-    /// Whether it holds the parameters of a flight controller, one of whose gyroscopes it is for.
+    /// Whether the form holds parameters for one gyroscope of a flight controller.
     #[must_use]
     pub const fn is_autopilot(self) -> bool {
         matches!(self, Self::Px4 | Self::Ardupilot)
     }
 
-    /// What there is to know of it.
+    /// The form's row of the table.
     #[must_use]
     pub const fn row(self) -> FormRow {
         let (name, label, extension, media_type, help) = match self {

@@ -7,7 +7,7 @@ use serde::Serialize;
 use zerorate::calibration::CalibratedAxis;
 use zerorate::{Calibration, Correction, IntegerCorrection, IntegerCurve, Scale, TableRow};
 
-/// The only axis of an ADIS16130.
+/// The export of the only axis of an ADIS16130.
 #[derive(Serialize)]
 struct One<'a> {
     calibration_id: String,
@@ -25,14 +25,14 @@ struct One<'a> {
     table: Table,
 }
 
-/// The terms of a curve; a line has none.
+/// The terms that a curve has beyond a line.
 #[derive(Serialize)]
 struct Curve {
     btc2_dps_per_c2: f64,
     btc3_dps_per_c3: f64,
 }
 
-/// The axes of any part.
+/// The export of any number of axes of any part.
 #[derive(Serialize)]
 struct Several<'a> {
     calibration_id: String,
@@ -53,7 +53,7 @@ struct Axis<'a> {
     t3_c: f64,
     #[serde(flatten)]
     curve: Option<Curve>,
-    /// Null where the calibration does not state the scale of the codes.
+    /// Null if the calibration does not state the scale of the codes.
     integer: Option<Integer>,
     table: Table,
 }
@@ -65,19 +65,19 @@ enum Integer {
     Curve(Curved),
 }
 
-/// As `zerorate::IntegerCorrection`.
+/// The fields of `zerorate::IntegerCorrection`.
 #[derive(Serialize)]
 struct Line {
     q: u32,
     offset_q: i64,
     slope_q: i32,
     t3_code: i32,
-    /// Not of the ADIS16130, whose codes are known.
+    /// Absent for the ADIS16130, whose codes are known.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     codes: Option<Ranges>,
 }
 
-/// As `zerorate::IntegerCurve`.
+/// The fields of `zerorate::IntegerCurve`.
 #[derive(Serialize)]
 struct Curved {
     terms: [i32; 4],
@@ -89,7 +89,7 @@ struct Curved {
     codes: Option<Ranges>,
 }
 
-/// The codes that there are.
+/// First and last possible code of rate and temperature.
 #[derive(Serialize)]
 struct Ranges {
     rate_first_code: i64,
@@ -98,10 +98,10 @@ struct Ranges {
     temp_last_code: i64,
 }
 
-/// Where the correction is taken to hold.
+/// The range in which the correction is taken to hold.
 #[derive(Serialize)]
 struct Valid {
-    /// Whether the calibration says so; else it is assumed.
+    /// Whether the calibration states the range; otherwise it is assumed.
     stated: bool,
     temp_min_c: f64,
     temp_max_c: f64,
@@ -113,7 +113,7 @@ struct Valid {
 struct Table {
     step_c: f64,
     span_c: f64,
-    /// Of a curve, the most that the table loses: to the nearest row, and between rows joined by straight lines.
+    /// The largest error of a curve's table, taking the nearest row. `linear_dps`: joining rows by straight lines.
     #[serde(skip_serializing_if = "Option::is_none")]
     nearest_dps: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]

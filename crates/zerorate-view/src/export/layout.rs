@@ -1,25 +1,25 @@
-//! How far an exported table reaches, and in which steps.
+//! Reach and step of an exported table.
 
 use super::InvalidOptions;
 use super::warning::ExportWarning;
 use anyhow::Result;
 use zerorate::{Calibration, Correction, TableRow, Validity};
 
-/// The steps to choose from, millionths of a °C: that of F-52 and coarser ones.
+/// The steps to choose from, millionths of a °C: the step of F-52 and coarser ones.
 const STEPS_UC: [u32; 8] = [20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000, 2_000_000, 5_000_000];
 
-/// Most steps on each side of T3 of a table whose size nobody asked for: 1025 rows, 4.1 kB of flash.
+/// Largest number of steps on each side of T3 in a table of default size: 1025 rows, 4.1 kB of flash.
 const MOST_STEPS: u32 = 512;
 
-/// Half the range that a calibration without one is taken to hold in, °C: the warm-up at whose end T3 lies, 8 ± 1 °C
-/// (M-03).
+/// Half the range that is assumed for a calibration that states none, °C. T3 lies at the end of the warm-up, which is
+/// 8 ± 1 °C (M-03).
 const ASSUMED_C: f64 = 9.0;
 
-/// Step and reach of a table, and the range that it is to cover.
+/// Step and reach of a table, and the range that the table should cover.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Layout {
     pub(super) step_c: f64,
-    /// From T3 to both sides.
+    /// The reach from T3 to both sides.
     pub(super) span_c: f64,
     pub(super) valid: Validity,
     /// Whether the calibration states that range.
@@ -27,8 +27,8 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// As asked for; what is not asked for, so that the table of every axis covers the range of the calibration, in no
-    /// finer steps than the temperature has.
+    /// Takes step and span as given. A missing one is chosen so that the table of every axis covers the range of the
+    /// calibration, in steps no finer than a code of the temperature.
     pub(super) fn new(calibration: &Calibration, step_c: Option<f64>, span_c: Option<f64>) -> Self {
         let valid = valid_range(calibration);
         let reach_c = calibration.axes.iter().map(|axis| reach(&valid, axis.correction.t3_c)).fold(0.0, f64::max);
@@ -49,7 +49,7 @@ impl Layout {
         Ok(correction.table(self.step_c, self.span_c).map_err(|error| InvalidOptions(error.to_string()))?)
     }
 
-    /// What there is to know of it.
+    /// Warnings about an assumed range, and about tables that are too short.
     pub(super) fn warnings(&self, calibration: &Calibration) -> Vec<ExportWarning> {
         let Validity { temp_min_c, temp_max_c, .. } = self.valid;
         let unstated = ExportWarning::NoValidity { temp_min_c, temp_max_c, assumed_c: ASSUMED_C };
@@ -62,7 +62,7 @@ impl Layout {
         (!self.stated).then_some(unstated).into_iter().chain(short).collect()
     }
 
-    /// By how much a table that ends before the calibration is wrong, at most.
+    /// The largest error beyond a table that ends before the calibration; `None` if the table is long enough.
     fn wrong_dps(&self, correction: &Correction) -> Option<f64> {
         let reach_c = reach(&self.valid, correction.t3_c);
         let beyond_c = reach_c - self.span_c - self.step_c / 2.0;
@@ -70,12 +70,12 @@ impl Layout {
     }
 }
 
-/// The finest step that is no finer than this, °C; else the coarsest.
+/// The finest step of at least this size, °C; the coarsest step if none is large enough.
 fn finest(least_c: f64) -> f64 {
     uc(*STEPS_UC.iter().find(|step| uc(**step) >= least_c).unwrap_or(&STEPS_UC[STEPS_UC.len() - 1]))
 }
 
-/// Where the calibration holds, as far as its codes can say it.
+/// The range in which the calibration holds, limited to what its codes can express.
 fn valid_range(calibration: &Calibration) -> Validity {
     let t3_c = calibration.axes.first().map_or(0.0, |axis| axis.correction.t3_c);
     let margin_c = Validity::MARGIN_C;
@@ -88,12 +88,13 @@ fn valid_range(calibration: &Calibration) -> Validity {
     Validity { temp_min_c: valid.temp_min_c.clamp(low, high), temp_max_c: valid.temp_max_c.clamp(low, high), ..valid }
 }
 
-/// From T3 to the farthest temperature at which the correction holds, °C.
+/// The distance from T3 to the farthest temperature at which the correction holds, °C.
 fn reach(valid: &Validity, t3_c: f64) -> f64 {
     (t3_c - valid.temp_min_c).max(valid.temp_max_c - t3_c) + valid.margin_c
 }
 
-/// Whole steps that reach so far; what is no step comes back unchanged, to be refused.
+/// The smallest whole number of steps that reaches so far, °C. With an invalid step, the reach comes back unchanged
+/// and is refused later.
 fn covering(reach_c: f64, step_c: f64) -> f64 {
     let span_c = (reach_c / step_c - 1e-9).ceil() * step_c;
     super::tidy(if span_c.is_finite() { span_c } else { reach_c })
@@ -117,7 +118,7 @@ mod tests {
         calibration
     }
 
-    /// Every range is covered by at most 1025 rows, in the step of F-52 where that is enough.
+    /// Every range is covered by at most 1025 rows, with the step of F-52 if that is enough.
     #[test]
     fn the_default_covers_the_range_in_bounded_room() {
         for (t3_c, low, high) in

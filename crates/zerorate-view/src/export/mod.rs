@@ -1,4 +1,4 @@
-//! A calibration in the form that firmware takes: table and integer coefficients.
+//! Exports a calibration in the form that firmware takes: table and integer coefficients.
 
 mod autopilot;
 mod codes;
@@ -16,22 +16,22 @@ pub use prefix::Prefix;
 pub use warning::ExportWarning;
 use zerorate::{Calibration, TableRow};
 
-/// What may be asked for; what is not is chosen.
+/// Options of an export; those that are not given are chosen.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// Step of the table, °C.
     pub step_c: Option<f64>,
     /// The table reaches this far from T3 on both sides, °C.
     pub span_c: Option<f64>,
-    /// What names begin with in C and Rust.
+    /// The beginning of all names in C and Rust.
     pub prefix: Option<Prefix>,
-    /// Which gyroscope of the flight controller it is.
+    /// The number of the gyroscope in the flight controller.
     pub sensor: Option<u32>,
     /// The device_id of that gyroscope, as PX4 states it.
     pub device_id: Option<i32>,
 }
 
-/// What was asked for makes no sense.
+/// The options make no sense; the text says why.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InvalidOptions(pub String);
 
@@ -43,7 +43,7 @@ impl std::fmt::Display for InvalidOptions {
 
 impl std::error::Error for InvalidOptions {}
 
-/// Corrections, ready to be written down.
+/// Corrections with their tables, ready to be written in any form.
 #[derive(Debug)]
 pub struct Export {
     calibration: Calibration,
@@ -57,23 +57,23 @@ impl Export {
     /// Lays the tables out.
     ///
     /// # Errors
-    /// [`InvalidOptions`]: a table that makes no sense.
+    /// [`InvalidOptions`] if step and span do not make a table.
     pub fn new(calibration: Calibration, options: Options) -> Result<Self> {
         let layout = Layout::new(&calibration, options.step_c, options.span_c);
         let tables = calibration.axes.iter().map(|axis| layout.rows(&axis.correction)).collect::<Result<_>>()?;
         Ok(Self { calibration, layout, tables, options })
     }
 
-    /// What there is to know of it.
+    /// Warnings about the range and the tables.
     #[must_use]
     pub fn warnings(&self) -> Vec<ExportWarning> {
         self.layout.warnings(&self.calibration)
     }
 
-    /// The whole file.
+    /// The text of the file.
     ///
     /// # Errors
-    /// [`InvalidOptions`], or a calibration that the form has no room for.
+    /// [`InvalidOptions`], or a calibration that does not fit the form.
     pub fn text(&self, form: ExportForm) -> Result<String> {
         let Options { prefix, sensor, device_id, .. } = &self.options;
         match form {
@@ -86,7 +86,8 @@ impl Export {
         }
     }
 
-    /// What the rows of a table lose of curves: CSV has no place for it. Rows of a line lose nothing between them.
+    /// States how far the rows of a table are off a curve, because CSV has no place for it. Tables of lines are exact
+    /// between their rows.
     #[must_use]
     pub fn lost_by_rows(&self) -> Vec<String> {
         let Layout { step_c, span_c, .. } = self.layout;
@@ -104,7 +105,7 @@ impl Export {
     }
 }
 
-/// One column for the only axis of an ADIS16130; else one for each axis, under its name.
+/// The table as CSV: one column for the only axis of an ADIS16130, otherwise a named column for each axis.
 fn csv(export: &Export) -> String {
     let Export { calibration, tables, .. } = export;
     let names = calibration.axes.iter().map(|axis| format!(",{}_correction_dps", axis.name));
@@ -120,9 +121,9 @@ fn csv(export: &Export) -> String {
     text
 }
 
-/// Twelve significant digits, the shortest decimal that has them, and no negative zero: 3 · 0.02 is 0.06.
+/// Rounds to twelve significant digits and removes a negative zero, so that 3 · 0.02 is written as 0.06.
 fn tidy(value: f64) -> f64 {
-    // formatted numbers parse
+    // a formatted number always parses
     let rounded = format!("{value:.11e}").parse().unwrap_or(value);
     if rounded == 0.0 { 0.0 } else { rounded }
 }

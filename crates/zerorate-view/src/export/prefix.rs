@@ -1,26 +1,26 @@
-//! What the names of an export begin with, so that several units fit into one program.
+//! The prefix of the names in an export, so that several units fit into one program.
 
 use std::str::FromStr;
 
-/// Leaves the longest name below the 63 characters that C99 tells apart.
+/// The longest prefix. It keeps every name below the 63 characters that C99 tells apart.
 const LONGEST: usize = 31;
 
-/// The beginning of names: a C identifier that no standard reserves.
+/// The prefix of names: a C identifier that no standard reserves.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Prefix(String);
 
 impl Prefix {
-    /// In front of functions and tables in C: `left_`.
+    /// The prefix of functions and tables in C: `left_`.
     pub(super) fn of_functions(&self) -> String {
         format!("{}_", self.0)
     }
 
-    /// The same in Rust, where they are in lower case.
+    /// The prefix of functions in Rust, in lower case.
     pub(super) fn of_functions_in_rust(&self) -> String {
         self.of_functions().to_ascii_lowercase()
     }
 
-    /// In front of macros and constants: `LEFT_`.
+    /// The prefix of macros and constants: `LEFT_`.
     pub(super) fn of_constants(&self) -> String {
         self.of_functions().to_ascii_uppercase()
     }
@@ -34,13 +34,13 @@ impl FromStr for Prefix {
             return Err("it has more than 31 characters; names in C would grow beyond what compilers tell apart");
         }
         if !text.starts_with(|c: char| c.is_ascii_alphabetic()) {
-            return Err("a name in C begins with a letter A to Z, and what begins with an underscore is reserved");
+            return Err("a name in C begins with a letter A to Z; names that begin with an underscore are reserved");
         }
         if !text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
             return Err("a name in C consists of the letters A to Z, digits and underscores, as in left_imu");
         }
         if text.contains("__") || text.ends_with('_') {
-            return Err("names with two underscores in a row are reserved; one is put behind the prefix anyway");
+            return Err("names with two underscores in a row are reserved, and one follows the prefix anyway");
         }
         Ok(Self(text.to_owned()))
     }

@@ -1,4 +1,4 @@
-//! The Allan deviation over the averaging time, log-log, with all that helps to read it.
+//! The Allan deviation over the averaging time, log-log, with the marks that help to read it.
 
 use super::axes::{Axis, number};
 use super::canvas::{self, Anchor, Area, Frame, INK, SMALL, label, line, shortened, stroke};
@@ -10,17 +10,17 @@ use svg::node::element::Group;
 /// Deviations of one record.
 #[derive(Clone, Debug, Default)]
 pub struct Curve {
-    /// Its name, usually the file's.
+    /// The record's name, usually the name of its file.
     pub label: String,
-    /// By averaging time; the picture leaves out what has no logarithm.
+    /// The deviations by averaging time. The picture leaves out values without a logarithm.
     pub points: Vec<Point>,
     /// The fitted deviations with the band in which the model expects the measured ones; empty without a fit.
     pub model: Vec<Point>,
     /// The fitted noise, one line for each coefficient; empty without a fit.
     pub laws: Vec<PowerLaw>,
-    /// Where averaging helps most.
+    /// The minimum, where averaging helps most.
     pub minimum: Option<Minimum>,
-    /// What else there is to say of the fit; only beside other axes.
+    /// Remarks on the fit, shown only in pictures of several axes.
     pub remarks: Vec<String>,
 }
 
@@ -37,11 +37,12 @@ pub struct Point {
     pub hi: f64,
 }
 
-/// dev(τ) = `at_1s` · (τ / 1 s)^`slope`: N at slope −1/2, 0.664 B at 0, K/√3 at 1/2, √3 Q at −1, R/√2 at 1 (IEEE Std
-/// 952-1997, annex C.1).
+/// A power law: dev(τ) = `at_1s` · (τ / 1 s)^`slope`.
+///
+/// `at_1s` is N at slope −1/2, 0.664 B at 0, K/√3 at 1/2, √3 Q at −1 and R/√2 at 1 (IEEE Std 952-1997, annex C.1).
 #[derive(Clone, Debug, PartialEq)]
 pub struct PowerLaw {
-    /// What stands beside it, such as `N = 0.557 °/√h`.
+    /// The label beside the line, such as `N = 0.557 °/√h`.
     pub label: String,
     /// Deviation at an averaging time of 1 s.
     pub at_1s: f64,
@@ -50,7 +51,7 @@ pub struct PowerLaw {
 }
 
 impl PowerLaw {
-    /// That of its line and label.
+    /// The colour of its line and label.
     pub(super) fn colour(&self) -> &'static str {
         LAW_COLOURS.into_iter().find(|(slope, _)| *slope == self.slope).map_or(OTHER_LAW, |(_, colour)| colour)
     }
@@ -66,7 +67,7 @@ impl PowerLaw {
 pub struct Minimum {
     /// Averaging time, s.
     pub tau_s: f64,
-    /// Deviation there.
+    /// Deviation at this averaging time.
     pub dev: f64,
 }
 
@@ -75,11 +76,11 @@ pub struct Minimum {
 pub struct Mark {
     /// Averaging time, s.
     pub tau_s: f64,
-    /// What stands above it.
+    /// The text above the line.
     pub label: String,
 }
 
-/// How the picture looks.
+/// Texts, marks and size of the picture.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// The heading.
@@ -88,7 +89,7 @@ pub struct Options {
     pub subtitle: Option<String>,
     /// Name of the vertical axis.
     pub quantity: String,
-    /// Its unit; with °/s, the right side has a scale in °/h.
+    /// Unit of the vertical axis. With °/s, the right side has a scale in °/h.
     pub unit: String,
     /// Averaging times to mark.
     pub marks: Vec<Mark>,
@@ -96,14 +97,14 @@ pub struct Options {
     pub size: (u32, u32),
 }
 
-/// Marks at the averaging times that AN-1042 has for an ADIS16130 (F-51).
+/// Marks at the averaging times that AN-1042 takes for an ADIS16130 (F-51).
 pub fn an1042() -> Vec<Mark> {
     let mark = |tau_s: f64| Mark { tau_s, label: format!("AN-1042: {tau_s} s") };
     vec![mark(10.0), mark(150.0)]
 }
 
 impl Default for Options {
-    /// A deviation in °/s, with no averaging time marked.
+    /// Options for a deviation in °/s, with no averaging time marked.
     fn default() -> Self {
         Self {
             title: None,
@@ -116,26 +117,27 @@ impl Default for Options {
     }
 }
 
-/// Colours that stay apart for the colour-blind (Okabe and Ito), the pale ones last.
+/// Colours that the colour-blind can tell apart (Okabe and Ito), the pale ones last.
 pub const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#000000", "#e69f00", "#56b4e9"];
-/// After all colours comes the next dash.
+/// Dashes of the curves; the next one is used when all colours are.
 const DASHES: [&str; 4] = ["none", "8 4", "2 3", "8 3 2 3"];
-/// Of the lines of a fit, by slope, so that a coefficient has one colour everywhere: dark enough to be read as text.
+/// Colours of the lines of a fit by slope, so that a coefficient has one colour everywhere. They are dark enough for
+/// text.
 const LAW_COLOURS: [(f64, &str); 4] = [(-0.5, "#c04a00"), (0.0, "#00785a"), (0.5, "#9a3f75"), (-1.0, "#7d6000")];
-/// Of those of another slope.
+/// The colour of lines with another slope.
 const OTHER_LAW: &str = "#555555";
-/// A band that is wider than this, in decades beyond all deviations, does not stretch the axis.
+/// A band that reaches farther than this beyond all deviations, in decades, does not stretch the axis.
 const BAND_DECADES: f64 = 0.7;
-/// The floor of a fit is shown if it lies no deeper below all deviations than this factor.
+/// The floor of a fit is shown if it is at most this factor below all deviations.
 const FLOOR_DEPTH: f64 = 30.0;
-/// How far from the curve, in pixels, a label is certainly not read as the curve's.
+/// Distance from the curve, in pixels, at which nobody takes a label for the curve's.
 const APART: f64 = 60.0;
 const PER_HOUR: f64 = 3600.0;
 
 /// The picture as SVG.
 ///
-/// One curve carries the labels of its fit and its minimum beside it; several are named in a legend, with their fitted
-/// curves but not their separate coefficients.
+/// A single curve has the labels of its fit and its minimum beside it. Several curves are named in a legend, with
+/// their fitted curves but without the separate coefficients.
 pub fn allan(curves: &[Curve], options: &Options) -> String {
     let curves: Vec<Curve> = curves.iter().map(drawable).collect();
     let hourly = options.unit == "°/s";
@@ -157,7 +159,7 @@ pub fn allan(curves: &[Curve], options: &Options) -> String {
     page.add(picture.marks()).add(picture.lines()).add(picture.lettering()).to_string()
 }
 
-/// A curve without what a logarithmic axis does not know.
+/// A curve without the points that a logarithmic axis cannot show.
 pub fn drawable(curve: &Curve) -> Curve {
     let known = |tau_s: f64, dev: f64| [tau_s, dev].iter().all(|value| value.is_normal() && *value > 0.0);
     let bounded = |point: &Point| Point {
@@ -177,7 +179,7 @@ pub fn drawable(curve: &Curve) -> Curve {
     Curve { label: curve.label.clone(), points, model, laws, minimum, remarks: curve.remarks.clone() }
 }
 
-/// Averaging times and deviations to be shown; a decade around 1 for nothing at all.
+/// The ranges of averaging times and deviations to show; a decade around 1 if there are none.
 pub fn ranges(curves: &[Curve]) -> ((f64, f64), (f64, f64)) {
     let points = || curves.iter().flat_map(|curve| &curve.points);
     let range = |values: &mut dyn Iterator<Item = f64>| {
@@ -222,7 +224,7 @@ impl Picture<'_> {
         self.options.marks.iter().filter(|mark| self.scales.x.covers(mark.tau_s))
     }
 
-    /// Vertical lines; their labels stand above the frame, side by side. One for which there is no room is left out.
+    /// Vertical lines with their labels above the frame, side by side. A label without room is left out.
     fn marks(&self) -> Group {
         let mut group = Group::new();
         let mut free_from = self.area.left;
@@ -255,7 +257,7 @@ impl Picture<'_> {
         for curve in &self.curves {
             group = group.add(stroke(canvas::path(self.scales.model(curve)), INK, 1.6));
         }
-        // not clipped: a dot on the frame stays whole
+        // this group is not clipped, so that a dot on the frame stays whole
         let mut group = Group::new().add(group);
         for (curve, (colour, dash)) in self.curves.iter().zip(styles()) {
             group = group.add(self.scales.line(curve, colour, dash));
@@ -310,7 +312,8 @@ impl Picture<'_> {
         format!("minimum {} {unit} at {} s", number(value), number(tau_s))
     }
 
-    /// Places beside a line, the best first: just so far from the curve that the label is not read as the curve's.
+    /// Places beside a line, the best first: just far enough from the curve that nobody takes the label for the
+    /// curve's.
     fn along(&self, line: &[(f64, f64)], curve: &Curve) -> Vec<((f64, f64), Anchor)> {
         let track = densely(&self.scales.track(curve));
         let far = |(x, y): (f64, f64)| track.iter().map(|(a, b)| (x - a).hypot(y - b)).fold(f64::MAX, f64::min);
@@ -326,7 +329,7 @@ fn styles() -> impl Iterator<Item = (&'static str, &'static str)> {
     DASHES.into_iter().cycle().flat_map(|dash| COLOURS.into_iter().map(move |colour| (colour, dash)))
 }
 
-/// Places around a point, further and further away.
+/// Places around a point, the nearest first.
 pub fn around((x, y): (f64, f64)) -> Vec<((f64, f64), Anchor)> {
     let ring = |away: f64| {
         [
@@ -351,7 +354,7 @@ fn beside((x, y): (f64, f64)) -> [((f64, f64), Anchor); 4] {
     ]
 }
 
-/// Names of the curves, in the corner that is emptiest.
+/// Names of the curves, in the emptiest corner.
 fn legend(curves: &[Curve], labels: &Labels) -> Group {
     let names: Vec<String> = curves.iter().map(|curve| shortened(&curve.label, 44)).collect();
     let widest = names.iter().map(|name| canvas::width(name, SMALL)).fold(0.0, f64::max);

@@ -1,6 +1,6 @@
-//! Axes: from values to pixels, and the ticks that people read.
+//! Axes: they convert values to pixels and choose readable ticks.
 
-/// Pixels that a tick of a linear axis has for itself, at least.
+/// The least distance between two ticks of a linear axis, pixels.
 const ROOM: f64 = 24.0;
 
 /// One axis, linear or logarithmic.
@@ -8,7 +8,7 @@ const ROOM: f64 = 24.0;
 pub struct Axis {
     low: f64,
     high: f64,
-    /// Pixels of `low` and `high`.
+    /// The pixels of `low` and `high`.
     span: (f64, f64),
     log: bool,
 }
@@ -16,17 +16,17 @@ pub struct Axis {
 /// A line of the grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {
-    /// Where, in the unit of the axis.
+    /// The value, in the unit of the axis.
     pub value: f64,
-    /// Minor lines have no label.
+    /// The number beside the line; minor lines have none.
     pub label: Option<String>,
-    /// A decade, or any tick of a linear axis.
+    /// Whether the line is a decade, or any tick of a linear axis.
     pub major: bool,
 }
 
 impl Axis {
-    /// A logarithmic axis over positive values, at least one decade long, its ends moved outward to 1, 2 or 5 times a
-    /// power of ten.
+    /// A logarithmic axis over positive values, at least one decade long. Its ends are moved outward to 1, 2 or 5
+    /// times a power of ten.
     pub fn log(low: f64, high: f64, span: (f64, f64)) -> Self {
         let widen = (10.0 * low / high).max(1.0).sqrt();
         Self { low: round_125(low / widen, f64::floor), high: round_125(high * widen, f64::ceil), span, log: true }
@@ -37,12 +37,12 @@ impl Axis {
         Self { low, high: if high > low { high } else { low + 1.0 }, span, log: false }
     }
 
-    /// The same stretch of paper in another unit, which is `factor` times smaller.
+    /// The same axis in another unit, which is `factor` times smaller.
     pub fn in_unit(&self, factor: f64) -> Self {
         Self { low: self.low * factor, high: self.high * factor, ..*self }
     }
 
-    /// Pixel of a value. Values far outside, zero among them, land somewhere outside.
+    /// Pixel of a value. Values far outside, among them zero, get a pixel outside.
     pub fn at(&self, value: f64) -> f64 {
         let fraction = if self.log {
             (value / self.low).ln() / (self.high / self.low).ln()
@@ -115,7 +115,7 @@ impl Axis {
     }
 }
 
-/// A number with three significant digits, as one writes it: 0.0123, 1.23·10⁻⁵.
+/// A number with three significant digits: 0.0123, 1.23·10⁻⁵.
 pub fn number(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return minus(&value.to_string());
@@ -128,12 +128,12 @@ pub fn number(value: f64) -> String {
     }
 }
 
-/// The minus sign of typesetting.
+/// Replaces the hyphen by the typographic minus sign.
 fn minus(text: &str) -> String {
     text.replace('-', "−")
 }
 
-/// digit · 10^k, written out where the whole axis can be.
+/// The label of digit · 10^k, written out if the whole axis can be.
 fn power(digit: i32, k: i32, plain: bool) -> String {
     match (plain, digit) {
         (true, _) => {
@@ -163,7 +163,7 @@ fn exponent(value: f64) -> i32 {
     (value.log10() + 1e-9).floor() as i32
 }
 
-/// The nearest of 1, 2, 5 times a power of ten in the direction of `round`.
+/// Moves a value to 1, 2 or 5 times a power of ten, in the direction of `round`.
 fn round_125(value: f64, round: fn(f64) -> f64) -> f64 {
     let k = exponent(value);
     let lead = value / 10f64.powi(k);

@@ -5,9 +5,9 @@ use crate::printable;
 use svg::Document;
 use svg::node::element::{ClipPath, Definitions, Group, Line, Path, Rectangle, Text, Title, path::Data};
 
-/// Tried in this order; the first is the one that the PNG is drawn with.
+/// Fonts in the order in which they are tried. The PNG is drawn with the first.
 const FONTS: &str = "Inter, 'Noto Sans', 'DejaVu Sans', 'Segoe UI', Helvetica, Arial, sans-serif";
-/// Mean width of a character in units of the size of the type; generous for ordinary text.
+/// Mean width of a character in units of the type size, generous for ordinary text.
 const CHARACTER: f64 = 0.58;
 pub const INK: &str = "#222222";
 const MAJOR: &str = "#cccccc";
@@ -48,7 +48,7 @@ impl Area {
     }
 }
 
-/// Which part of a text stands at its position.
+/// The part of a text that is at its position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Anchor {
     Start,
@@ -79,8 +79,7 @@ pub fn width(text: &str, size: f64) -> f64 {
     text.chars().count() as f64 * size * CHARACTER
 }
 
-/// A text of at most so many characters; what is too much goes out of its middle, since file names differ at their
-/// ends.
+/// Shortens a text to so many characters. The middle is cut out, because file names differ at their ends.
 pub fn shortened(text: &str, characters: usize) -> String {
     let all: Vec<char> = text.chars().collect();
     if all.len() <= characters {
@@ -96,7 +95,7 @@ pub fn px(value: f64) -> f64 {
     (value * 100.0).round() / 100.0
 }
 
-/// White paper; `title` is what a screen reader says. Room for heading lines is the caller's.
+/// White paper; a screen reader reads `title`. The caller leaves room for the heading lines.
 pub fn paper(size: (u32, u32), title: &str) -> Document {
     let (width, height) = size;
     Document::new()
@@ -143,7 +142,7 @@ pub fn line((x1, y1): (f64, f64), (x2, y2): (f64, f64)) -> Line {
     Line::new().set("x1", px(x1)).set("y1", px(y1)).set("x2", px(x2)).set("y2", px(y2))
 }
 
-/// The way through these points.
+/// The path through these points.
 pub fn path(points: impl IntoIterator<Item = (f64, f64)>) -> Data {
     points.into_iter().fold(Data::new(), |data, (x, y)| {
         let at = (px(x), px(y));
@@ -161,8 +160,8 @@ pub fn stroke(data: Data, colour: &str, width: f64) -> Path {
         .set("stroke-linejoin", "round")
 }
 
-/// What is drawn in here ends at the frame. A page with several pictures has one space of names, so each frame has a
-/// name of its own.
+/// A group that is clipped at the frame. The pictures of a page share one namespace, so each frame has a name of its
+/// own.
 pub fn clipped(area: &Area) -> Group {
     let Area { left, right, top, bottom } = area;
     let name = format!("inside-{left:.0}-{right:.0}-{top:.0}-{bottom:.0}");
@@ -183,9 +182,9 @@ pub struct Frame<'a> {
     pub area: Area,
     pub x: &'a Axis,
     pub y: &'a Axis,
-    /// None: neither name nor numbers.
+    /// Name of the horizontal axis. With `None`, the axis has neither name nor numbers.
     pub x_name: Option<&'a str>,
-    /// The same; an empty name: numbers alone.
+    /// Name of the vertical axis, likewise. With an empty name, the axis has numbers alone.
     pub y_name: Option<&'a str>,
 }
 
@@ -204,7 +203,7 @@ impl Frame<'_> {
             ruled(tick, (left, y), (right, y))
         };
         let (x_ticks, y_ticks) = (self.x.ticks(), self.y.ticks());
-        // minor lines first: where they cross a major one, that one is on top
+        // minor lines come first, so that major ones cross on top of them
         let lines = [false, true].into_iter().flat_map(|major| {
             let of_kind = move |tick: &&Tick| tick.major == major;
             x_ticks.iter().filter(of_kind).map(vertical).chain(y_ticks.iter().filter(of_kind).map(horizontal))

@@ -4,10 +4,10 @@ use super::axes::Axis;
 use super::canvas::{self, Anchor, Area, Frame, INK, line, path, stroke};
 use svg::node::element::{Circle, Group, Path};
 
-/// What is added to the rate, over temperature.
+/// The correction over temperature, as it is drawn.
 #[derive(Clone, Debug)]
 pub struct CorrectionCurve {
-    /// By temperature.
+    /// Points of the curve, by temperature.
     pub points: Vec<CorrectionPoint>,
     /// The means that the curve rests on: minus the mean rate at each mean temperature. They are drawn as dots with
     /// their intervals.
@@ -23,9 +23,9 @@ pub struct CorrectionCurve {
 pub struct CorrectionPoint {
     /// Temperature, °C.
     pub temp_c: f64,
-    /// What is added to the rate, °/s.
+    /// The correction that is added to the rate, °/s.
     pub correction_dps: f64,
-    /// Half the width of its interval, °/s; 0 where it is not known.
+    /// Half the width of its interval, °/s; 0 if it is unknown.
     pub half_dps: f64,
 }
 

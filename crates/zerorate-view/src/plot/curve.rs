@@ -1,11 +1,11 @@
-//! What stands inside the frame: bands, curves, points, power laws.
+//! The content of the frame: bands, curves, points, power laws.
 
 use super::allan::{Curve, Point, PowerLaw};
 use super::axes::Axis;
 use super::canvas::{self, path, px, stroke};
 use svg::node::element::{Circle, Group, Path};
 
-/// From this many points on, a curve is a line without dots.
+/// Curves of at least this many points are lines without dots.
 const DENSE: usize = 60;
 
 /// Both axes of a picture.
@@ -19,7 +19,7 @@ impl Scales {
         (self.x.at(tau_s), self.y.at(dev))
     }
 
-    /// Where the deviations of a curve are.
+    /// The pixels of a curve's deviations.
     pub fn track(&self, curve: &Curve) -> Vec<(f64, f64)> {
         curve.points.iter().map(|point| self.at(point.tau_s, point.dev)).collect()
     }
@@ -29,7 +29,7 @@ impl Scales {
         self.sampled(self.x.ends(), |tau_s| law.dev(tau_s))
     }
 
-    /// The fitted curve. Empty unless there are two points.
+    /// The fitted curve; empty if there are fewer than two points.
     pub fn model(&self, curve: &Curve) -> Vec<(f64, f64)> {
         match &curve.model[..] {
             points @ [_, _, ..] => points.iter().map(|point| self.at(point.tau_s, point.dev)).collect(),
@@ -47,15 +47,15 @@ impl Scales {
         (0..=steps).map(at).collect()
     }
 
-    /// Between the limits of some points.
+    /// The band between the limits of some points.
     pub fn band(&self, points: &[Point], colour: &str) -> Path {
         let upper = points.iter().map(|point| self.at(point.tau_s, point.hi));
         let lower = points.iter().rev().map(|point| self.at(point.tau_s, point.lo));
         Path::new().set("d", path(upper.chain(lower)).close()).set("fill", colour).set("fill-opacity", 0.18)
     }
 
-    /// The line through the deviations, with a dot at each unless they are many; `dash` tells curves apart where
-    /// colours end.
+    /// The line through the deviations, with a dot at each unless there are many. `dash` tells curves apart when all
+    /// colours are used.
     pub fn line(&self, curve: &Curve, colour: &str, dash: &str) -> Group {
         let track = self.track(curve);
         let (dots, width) = if track.len() < DENSE { (&track[..], 2.0) } else { (&[][..], 1.4) };

@@ -1,8 +1,8 @@
-//! Labels that find their own place: inside the frame, beside each other, off the lines.
+//! Finds places for labels: inside the frame, beside each other, off the lines.
 
 use super::canvas::{Anchor, Area};
 
-/// What is on the paper already.
+/// The lines and labels that are already on the paper.
 pub struct Labels {
     area: Area,
     taken: Vec<Area>,
@@ -14,18 +14,18 @@ impl Labels {
         Self { area, taken: Vec::new(), ink: Vec::new() }
     }
 
-    /// A line that labels keep off; it goes through these points.
+    /// Adds a line through these points, which labels avoid.
     pub fn avoid(&mut self, points: &[(f64, f64)]) {
         self.ink.extend(densely(points).into_iter().filter(|point| self.area.contains(*point)));
     }
 
-    /// A place that is taken.
+    /// Marks a place as taken.
     pub fn take(&mut self, place: Area) {
         self.taken.push(place);
     }
 
-    /// Takes the best of these places for a text, the earlier the better; none if all leave the frame or cover another
-    /// label.
+    /// Takes the best of these places for a text, preferring earlier ones. Returns `None` if all of them leave the
+    /// frame or cover another label.
     pub fn place(
         &mut self,
         text: &str,
@@ -43,7 +43,7 @@ impl Labels {
         Some((at, anchor))
     }
 
-    /// The first of these places that covers nothing at all.
+    /// Takes the first of these places that covers nothing at all.
     pub fn place_clear(
         &mut self,
         text: &str,

@@ -1,4 +1,4 @@
-//! Lines over one quantity, a panel for each case, the same lines in each.
+//! Lines over one quantity: a panel for each case, with the same lines in each.
 
 use super::allan::COLOURS;
 use super::axes::Axis;
@@ -6,7 +6,7 @@ use super::canvas::{self, Anchor, INK, SMALL, clipped, line, path, stroke};
 use super::stack::Stack;
 use svg::node::element::Group;
 
-/// What is drawn, and how it is called.
+/// The panels, with their texts and scales.
 #[derive(Clone, Debug, Default)]
 pub struct Lines {
     /// The heading.
@@ -17,28 +17,28 @@ pub struct Lines {
     pub x_name: String,
     /// Name of the vertical axes.
     pub y_name: String,
-    /// Whether the vertical axes are logarithmic; then what is not positive is left out.
+    /// Whether the vertical axes are logarithmic. If so, values that are not positive are left out.
     pub is_log: bool,
-    /// A value to compare with: a dashed rule.
+    /// A value to compare with, drawn as a dashed rule.
     pub rule: Option<f64>,
-    /// One below the other.
+    /// The panels, from top to bottom.
     pub panels: Vec<Panel>,
 }
 
-/// One case.
+/// The panel of one case.
 #[derive(Clone, Debug, Default)]
 pub struct Panel {
-    /// What it is called.
+    /// The name of the case.
     pub label: String,
-    /// A line for each name; an empty one is left out.
+    /// A line for each name; empty lines are left out.
     pub lines: Vec<Vec<(f64, f64)>>,
 }
 
 const HEIGHT: f64 = 170.0;
-/// Where the names of the lines stand.
+/// The baseline of the lines' names, pixels.
 const NAMES: f64 = 49.0;
 
-/// The picture as SVG; all panels on one scale.
+/// The picture as SVG, with all panels on one scale.
 #[must_use]
 pub fn lines(lines: &Lines) -> String {
     let stack = Stack {
@@ -84,7 +84,7 @@ impl Lines {
         x.is_finite() && y.is_finite() && (!self.is_log || *y > 0.0)
     }
 
-    /// Of all points and the rule, with room for the names of the panels.
+    /// The range of all points and the rule, with room for the names of the panels.
     fn ranges(&self) -> ((f64, f64), (f64, f64)) {
         let points = || {
             let points = self.panels.iter().flat_map(|panel| panel.lines.iter().flatten());
@@ -96,7 +96,7 @@ impl Lines {
         (x, if self.is_log { (low, high) } else { (low - room, high + 4.0 * room) })
     }
 
-    /// Their names in their colours, in a row below the heading.
+    /// The names of the lines in their colours, in a row below the heading.
     fn legend(&self, left: f64) -> Group {
         let mut at = left;
         let name = |(name, colour): (&String, &'static str)| {

@@ -1,7 +1,7 @@
-//! Pictures that one would put in a data sheet: SVG, and PNG made from it. Numbers and labels come in, a picture goes
-//! out; no file, no analysis.
+//! Pictures for data sheets and reports: SVG, and PNG made from it. This module takes numbers and labels and returns
+//! pictures. It reads no file and analyses nothing.
 //!
-//! Text stays text in the SVG, so it can be searched; the PNG is drawn with a font of this program and looks the same
+//! Text stays text in the SVG, so it can be searched. The PNG is drawn with the program's own font and looks the same
 //! on every machine.
 //!
 //! The layout is ours. Of the plotting crates, `plotters` was not tried. `kuva` draws no decade grid between labels at

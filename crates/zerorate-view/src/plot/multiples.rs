@@ -1,4 +1,4 @@
-//! Allan deviations side by side, a panel for each axis on common scales, with model, band and coefficients.
+//! Allan deviations side by side: a panel for each axis on common scales, with model, band and coefficients.
 
 use super::allan::{COLOURS, Curve, Mark, Options, drawable, ranges};
 use super::axes::Axis;
@@ -18,7 +18,7 @@ const COLUMNS: usize = 3;
 const HEIGHT: f64 = 250.0;
 const NAME: f64 = 24.0;
 
-/// The picture as SVG: three panels in a row. Of `options` the size is not used.
+/// The picture as SVG, three panels in a row. The size in `options` is ignored.
 #[must_use]
 pub fn allan_multiples(curves: &[Curve], options: &Options) -> String {
     let curves: Vec<Curve> = curves.iter().map(drawable).collect();
@@ -78,7 +78,7 @@ fn panel(curve: &Curve, colour: &str, scales: &Scales, area: Area, marks: &[Mark
     Group::new().add(inside).add(legend(curve, &labels))
 }
 
-/// The coefficients in the colours of their lines, and the remarks, where the panel is emptiest.
+/// The coefficients in the colours of their lines and the remarks, in the emptiest corner of the panel.
 fn legend(curve: &Curve, labels: &Labels) -> Group {
     let laws = curve.laws.iter().map(|law| (&law.label, law.colour()));
     let rows: Vec<(&String, &str)> = laws.chain(curve.remarks.iter().map(|remark| (remark, INK))).collect();

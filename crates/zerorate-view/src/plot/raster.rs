@@ -1,11 +1,11 @@
-//! From SVG to PNG, the same on every machine: with no other font than the one in here.
+//! Converts SVG to PNG. Only the font in here is used, so the result is the same on every machine.
 
 use anyhow::Result;
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
 use std::sync::Arc;
 
-/// Inter, Latin, Greek, Cyrillic and a few signs of mathematics; its licence stands beside it.
+/// The font Inter with Latin, Greek, Cyrillic and a few mathematical signs. Its licence is in the same folder.
 const FONT: &[u8] = include_bytes!("../../assets/inter/Inter-subset.otf");
 const FAMILY: &str = "Inter";
 /// Pixels of the PNG for each pixel of the SVG.
@@ -14,7 +14,7 @@ const SCALE: f32 = 2.0;
 /// A picture as PNG, twice as wide and high as the SVG states. Characters beyond Latin, Greek and Cyrillic stay blank.
 ///
 /// # Errors
-/// A text that is no SVG, or one without a size.
+/// If the text is not an SVG, or the SVG has no size.
 pub fn png(svg: &str) -> Result<Vec<u8>> {
     let mut options = Options { font_family: FAMILY.to_owned(), ..Options::default() };
     let fonts = Arc::make_mut(&mut options.fontdb);

@@ -1,4 +1,4 @@
-//! What a correction leaves of the rate, over time or over temperature, told apart by which way the temperature went.
+//! The corrected rate over time or temperature, coloured by the direction in which the temperature went.
 
 use super::axes::Axis;
 use super::canvas::{self, Anchor, Area, Frame, INK, line, px};
@@ -7,7 +7,7 @@ use svg::node::element::{Circle, Group};
 /// A corrected mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResidualPoint {
-    /// Time or temperature, as the axis says.
+    /// Time or temperature, in the unit of the axis.
     pub x: f64,
     /// Corrected rate, °/s.
     pub residual_dps: f64,

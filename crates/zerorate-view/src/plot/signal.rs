@@ -1,4 +1,4 @@
-//! Records over time: between the smallest and the largest sample of each stretch, a panel for each axis.
+//! Records over time: the range from the smallest to the largest sample of each stretch, in a panel for each axis.
 
 use super::allan::COLOURS;
 use super::axes::{Axis, number};
@@ -10,17 +10,17 @@ use zerorate_allan::Envelope;
 /// The record of an axis.
 #[derive(Clone, Debug, Default)]
 pub struct Signal {
-    /// What it is called.
+    /// The name of the axis.
     pub label: String,
-    /// Its samples.
+    /// The samples.
     pub envelope: Envelope,
-    /// Times at which something was taken out, s.
+    /// Times at which steps were taken out, s.
     pub marks_s: Vec<f64>,
 }
 
 const HEIGHT: f64 = 120.0;
 
-/// The records less their means as SVG; all on one scale, in `unit`.
+/// The records minus their means as SVG, in `unit` and all on one scale.
 #[must_use]
 pub fn signals(title: &str, signals: &[Signal], unit: &str) -> String {
     let span_s = signals.iter().map(|signal| signal.envelope.span_s).fold(0.0, f64::max);
@@ -30,10 +30,10 @@ pub fn signals(title: &str, signals: &[Signal], unit: &str) -> String {
         _ => (1.0 / 3600.0, "time, h"),
     };
     let is_marked = signals.iter().any(|signal| !signal.marks_s.is_empty());
-    let marks = if is_marked { "; dashed: steps, taken out before the fit" } else { "" };
+    let marks = if is_marked { " (dashed: steps, taken out before the fit)" } else { "" };
     let stack = Stack {
         title,
-        subtitle: &format!("less its mean, smallest and largest sample of each pixel{marks}"),
+        subtitle: &format!("minus its mean: smallest and largest sample of each pixel{marks}"),
         x_name: time,
         y_name: &format!("deviation from the mean, {unit}"),
         panels: signals.len(),
@@ -59,7 +59,7 @@ pub fn signals(title: &str, signals: &[Signal], unit: &str) -> String {
     paper.to_string()
 }
 
-/// Of all less their means, with room for the names.
+/// The range of all records minus their means, with room for the names.
 fn range(signals: &[Signal]) -> (f64, f64) {
     let ends = signals.iter().flat_map(|signal| {
         let mean = signal.envelope.mean;
@@ -69,7 +69,7 @@ fn range(signals: &[Signal]) -> (f64, f64) {
     if low < high { (low - 0.05 * (high - low), high + 0.3 * (high - low)) } else { (-1.0, 1.0) }
 }
 
-/// One area for each run of stretches without a hole.
+/// An area for each run of stretches without a hole.
 fn band(envelope: &Envelope, per_s: f64, x: &Axis, y: &Axis, colour: &str) -> Path {
     let Envelope { span_s, mean, stretches } = envelope;
     let width_s = span_s / stretches.len().max(1) as f64;

@@ -5,7 +5,7 @@ use super::canvas::{self, Anchor, Area, Frame, SMALL};
 use svg::Document;
 use svg::node::element::Group;
 
-/// Pixels of the picture, and around its panels.
+/// Size of the picture and margins around its panels, pixels.
 const WIDTH: f64 = 960.0;
 const LEFT: f64 = 92.0;
 const RIGHT: f64 = 28.0;
@@ -13,7 +13,7 @@ const HEAD: f64 = 62.0;
 const FOOT: f64 = 68.0;
 const GAP: f64 = 20.0;
 
-/// The panels, each as high as the others.
+/// Panels of equal height.
 pub struct Stack<'a> {
     pub title: &'a str,
     pub subtitle: &'a str,
@@ -24,7 +24,7 @@ pub struct Stack<'a> {
 }
 
 impl Stack<'_> {
-    /// Where a panel lies.
+    /// The area of a panel.
     pub fn area(&self, index: usize) -> Area {
         let top = HEAD + (self.height + GAP) * index as f64;
         Area { left: LEFT, right: WIDTH - RIGHT, top, bottom: top + self.height }
@@ -35,13 +35,13 @@ impl Stack<'_> {
         (LEFT, WIDTH - RIGHT)
     }
 
-    /// Upper and lower end of a panel, the lower one first, as axes take it.
+    /// Lower and upper end of a panel, in the order that axes take.
     pub fn upright(&self, index: usize) -> (f64, f64) {
         let Area { top, bottom, .. } = self.area(index);
         (bottom, top)
     }
 
-    /// Paper with headings and the name of the vertical axes.
+    /// The paper with headings and the name of the vertical axes.
     pub fn paper(&self) -> Document {
         let bottom = self.area(self.panels.saturating_sub(1)).bottom;
         let all = Area { bottom, ..self.area(0) };
@@ -51,13 +51,13 @@ impl Stack<'_> {
             .add(canvas::upright(self.y_name, LEFT - 66.0, 0.5 * (all.top + all.bottom)))
     }
 
-    /// Grid and numbers of a panel; the last has those of the horizontal axis.
+    /// Grid and numbers of a panel. Only the last panel has the numbers of the horizontal axis.
     pub fn frame(&self, index: usize, x: &Axis, y: &Axis) -> Group {
         let x_name = (index + 1 == self.panels).then_some(self.x_name);
         Frame { area: self.area(index), x, y, x_name, y_name: Some("") }.draw()
     }
 
-    /// What a panel is of, in its corner, and the place that this takes.
+    /// The name of a panel in its corner, and the place that it takes.
     pub fn name(&self, index: usize, name: &str) -> (Group, Area) {
         let area = self.area(index);
         let at = (area.left + 10.0, area.top + 6.0 + SMALL);

@@ -6,71 +6,71 @@ use crate::printable;
 use anyhow::Result;
 use askama::Template;
 
-/// All that the page says.
+/// The content of the page.
 #[derive(Clone, Debug, Default)]
 pub struct AllanPage {
     /// The heading.
     pub title: String,
     /// The command line that made it.
     pub command: String,
-    /// What is in the tables, such as `overlapping Allan deviation`.
+    /// The quantity in the tables, such as `overlapping Allan deviation`.
     pub quantity: String,
-    /// What the intervals of the deviations are, such as `68.3 % interval`.
+    /// The kind of the deviations' intervals, such as `68.3 % interval`.
     pub interval: String,
-    /// What the intervals of the coefficients are.
+    /// The kind of the coefficients' intervals.
     pub coefficient_interval: String,
-    /// Of the log as a whole.
+    /// Facts about the log as a whole.
     pub facts: Vec<Fact>,
-    /// What is wrong with several of its axes.
+    /// Warnings that concern several axes.
     pub warnings: Vec<String>,
-    /// Tables of the whole, such as the comparison with a data sheet.
+    /// Tables about the whole log, such as the comparison with a data sheet.
     pub tables: Vec<Table>,
-    /// What belongs together.
+    /// Records that belong together.
     pub groups: Vec<Group>,
-    /// One for each file or axis.
+    /// A record for each file or axis.
     pub records: Vec<Record>,
 }
 
 /// Records of one quantity.
 #[derive(Clone, Debug, Default)]
 pub struct Group {
-    /// Its heading; none where it is empty.
+    /// The heading; an empty name has none.
     pub name: String,
-    /// Such as the coefficients by axis.
+    /// Tables of the group, such as the coefficients by axis.
     pub tables: Vec<Table>,
-    /// SVG, as of [`crate::plot`]: they go into the page as they are.
+    /// SVG as [`crate::plot`] makes it; the page includes it unchanged.
     pub pictures: Vec<String>,
 }
 
 /// A table of words and numbers.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
-    /// What stands above it.
+    /// The heading above the table.
     pub title: String,
     /// Names of the columns.
     pub head: Vec<String>,
-    /// Cells; the first of a row names it.
+    /// Rows of cells; the first cell of a row names it.
     pub rows: Vec<Vec<String>>,
-    /// What stands below it.
+    /// The note below the table.
     pub note: String,
 }
 
-/// What was found in a file.
+/// The results of one file or axis.
 #[derive(Clone, Debug, Default)]
 pub struct Record {
-    /// The file.
+    /// The name of the file.
     pub name: String,
     /// The unit of the deviations; with °/s, the table also has °/h.
     pub unit: String,
-    /// Column, samples, rate, losses.
+    /// Facts of the record: column, samples, rate, losses.
     pub facts: Vec<Fact>,
-    /// What is wrong with the record or the result.
+    /// Warnings about the record or the result.
     pub warnings: Vec<String>,
     /// How to read the result.
     pub advice: Vec<String>,
-    /// Of the fit, if there was one.
+    /// The coefficients of the fit, if there was one.
     pub coefficients: Vec<Coefficient>,
-    /// By averaging time.
+    /// The deviations, by averaging time.
     pub points: Vec<AllanRow>,
     /// Averaging times without a deviation, with the reason.
     pub unavailable: Vec<Fact>,
@@ -79,11 +79,11 @@ pub struct Record {
 /// A noise coefficient in several units.
 #[derive(Clone, Debug, Default)]
 pub struct Coefficient {
-    /// Such as `N, angle random walk`.
+    /// The name, such as `N, angle random walk`.
     pub name: String,
     /// The same value in each unit.
     pub values: Vec<CoefficientValue>,
-    /// Such as `not identified: record 3 h`; empty where there is nothing to say.
+    /// A remark such as `not identified: record 3 h`; it may be empty.
     pub remark: String,
 }
 
@@ -130,7 +130,7 @@ impl AllanRow {
     }
 }
 
-/// Averaging times are exact: 10.24, not 10.2.
+/// Formats an averaging time exactly: 10.24, not 10.2.
 fn six_digits(value: f64) -> String {
     format!("{value:.5e}").parse().unwrap_or(value).to_string()
 }
@@ -146,7 +146,7 @@ struct Page<'a> {
 /// The page as HTML.
 ///
 /// # Errors
-/// None that is known: the template is compiled.
+/// No error is known, because the template is compiled.
 pub fn allan_page(page: &AllanPage) -> Result<String> {
     let page = Page { title: &page.title, software: zerorate::SOFTWARE, page };
     Ok(printable::page(&page.render()?))

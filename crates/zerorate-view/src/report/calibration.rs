@@ -9,9 +9,9 @@ use askama::Template;
 use zerorate::calibration::{CalibratedAxis, Contribution, CurveRecord, Run, SIMULATED, Uncertainties};
 use zerorate::{Calibration, Correction, Validity};
 
-/// The table of AN-1042 (F-52): its step and its reach, °C.
+/// Step and reach of the table of AN-1042 (F-52), °C.
 const TABLE_C: (f64, f64) = (0.02, 0.12);
-/// How far the picture reaches beyond the span of the measurement, °C; around T3 where no span is stated.
+/// Reach of the picture beyond the span of the measurement, or around T3 if no span is stated, °C.
 const BEYOND_C: f64 = 5.0;
 /// Points of the curve in the picture.
 const POINTS: u32 = 80;
@@ -26,15 +26,15 @@ struct Page<'a> {
     file: &'a str,
     warnings: &'a [String],
     span: String,
-    /// Of the headings below an axis.
+    /// Level of the headings below an axis.
     level: u8,
     axes: Vec<AxisPart<'a>>,
     sections: Vec<Section>,
 }
 
-/// What there is to say of one axis.
+/// The page's content for one axis.
 struct AxisPart<'a> {
-    /// The only axis has none.
+    /// The name of the axis; a single axis has none.
     name: Option<&'a str>,
     warnings: &'a [String],
     coverage: String,
@@ -43,7 +43,7 @@ struct AxisPart<'a> {
     pbc: String,
     btc: String,
     t3: String,
-    /// What a curve has beside the line, in symbols and in numbers; nothing, of a line.
+    /// The terms that a curve has beyond a line, in symbols and in numbers; empty for a line.
     symbols: &'static str,
     terms: String,
     picture: String,
@@ -53,7 +53,7 @@ struct AxisPart<'a> {
     sections: Vec<Section>,
 }
 
-/// A number with what is known of its error.
+/// A quantity with its uncertainty.
 struct Quantity {
     name: &'static str,
     value: String,
@@ -79,7 +79,7 @@ struct Section {
     facts: Vec<Fact>,
 }
 
-/// A calibration as one HTML page; `file` is what it is called.
+/// A calibration as one HTML page; `file` is the name of the calibration's file.
 ///
 /// # Errors
 /// A table that cannot be laid out.
@@ -162,13 +162,13 @@ fn terms(correction: &Correction) -> String {
     }
 }
 
-/// How well a correction is known, as its file states it.
+/// The uncertainty of a correction, as its file states it.
 struct Stated {
     coverage: f64,
     factor: f64,
-    /// Standard uncertainties of PBC, BTC, BTC2 and BTC3; a line has those of two.
+    /// Standard uncertainties of PBC, BTC, BTC2 and BTC3; a line has only the first two.
     terms: [Option<f64>; 4],
-    /// That of T3, °C; a curve is what it is at the T3 that the file states.
+    /// Standard uncertainty of T3, °C. A curve has none: its T3 is exact by definition.
     t3_c: Option<f64>,
 }
 
@@ -221,7 +221,7 @@ fn quantities(axis: &CalibratedAxis) -> Vec<Quantity> {
     all
 }
 
-/// `+ 0.25` or `− 0.25`, as a term of a sum.
+/// Formats a term of a sum: `+ 0.25` or `− 0.25`.
 fn signed_term(value: f64) -> String {
     format!("{} {:.5}", if value < 0.0 { '−' } else { '+' }, value.abs())
 }
@@ -237,8 +237,8 @@ fn span(calibration: &Calibration) -> String {
     }
 }
 
-/// The picture of that page alone, as SVG: the correction of an axis over temperature, with its interval and the span
-/// of the measurement, °/s over °C.
+/// The picture of the page, as SVG: the correction of an axis over temperature (°/s over °C), with its interval and
+/// the span of the measurement.
 pub fn calibration_picture(axis: &CalibratedAxis, validity: Option<Validity>) -> String {
     let correction = &axis.correction;
     let valid_c = validity.map(|span| (span.temp_min_c, span.temp_max_c));
@@ -298,7 +298,7 @@ fn measurement(calibration: &Calibration) -> Vec<Fact> {
     facts
 }
 
-/// Steps 4 and 6.
+/// The means of steps 4 and 6 (F-51).
 fn means(axis: &CalibratedAxis) -> Vec<Fact> {
     let Some(means) = axis.measured else { return Vec::new() };
     let with = |value: f64, u: Option<f64>| u.map_or(format!("{value:+.5}"), |u| format!("{value:+.5} (u = {u:.5})"));
@@ -372,7 +372,7 @@ mod tests {
     const BY_HAND: &str =
         "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n";
 
-    /// As `calibrate --method warmup` and `chamber` write them.
+    /// A curve as `calibrate --method warmup` and `chamber` write it.
     #[test]
     fn a_curve_is_shown_with_its_uncertainty() {
         let (mut calibration, _) = Calibration::parse(BY_HAND).unwrap();

@@ -8,19 +8,19 @@ use askama::Template;
 use zerorate::chamber::{Branches, ChamberOutcome, Record, Residual};
 use zerorate::{Calibration, Uncertainty};
 
-/// What the page is made of.
+/// The content of the page.
 pub struct ChamberPage<'a> {
-    /// Its heading.
+    /// The heading of the page.
     pub title: &'a str,
-    /// What came out.
+    /// The calibration that was found.
     pub calibration: &'a Calibration,
-    /// What was measured.
+    /// The record of the measurement.
     pub record: &'a Record,
-    /// Of each axis of the calibration.
+    /// The outcome of each axis of the calibration.
     pub outcomes: &'a [ChamberOutcome],
-    /// What there is to know beside it.
+    /// Warnings about the measurement.
     pub warnings: &'a [String],
-    /// What there is to say of each axis.
+    /// The facts of each axis.
     pub facts: Vec<Vec<Fact>>,
 }
 
@@ -46,7 +46,7 @@ struct AxisPart {
 /// The page as HTML.
 ///
 /// # Errors
-/// The template cannot be filled.
+/// If the template cannot be filled.
 pub fn chamber_page(page: ChamberPage<'_>) -> Result<String> {
     let ChamberPage { title, calibration, record, outcomes, warnings, facts } = page;
     let axes =
@@ -65,12 +65,12 @@ pub fn chamber_page(page: ChamberPage<'_>) -> Result<String> {
     Ok(printable::page(&page.render()?))
 }
 
-/// What the correction leaves over the time of the measurement, as SVG.
+/// The corrected rate over the time of the measurement, as SVG.
 pub fn over_time(outcome: &ChamberOutcome) -> String {
     picture("What the correction leaves over time", "time, min", outcome, |residual| residual.at_s / 60.0)
 }
 
-/// The loop: what the correction leaves over the temperature, as SVG.
+/// The loop: the corrected rate over the temperature, as SVG.
 pub fn over_temperature(outcome: &ChamberOutcome) -> String {
     picture("What the correction leaves over temperature", "temperature, °C", outcome, |residual| residual.temp_c)
 }
@@ -98,16 +98,14 @@ fn points(record: &Record, outcome: &ChamberOutcome, axis: usize) -> Vec<Vec<Str
     record.soaks.iter().zip(&outcome.soak_residuals_dps).map(row).collect()
 }
 
-/// What to say of a loop that stands out: no curve over temperature corrects it.
+/// The text of the warning `hysteresis` if the loop stands out: no curve over temperature corrects it.
 #[must_use]
 pub fn wide_loop(outcome: &ChamberOutcome, axis: &str) -> Option<String> {
     let Branches { half_width_dps, u_dps, .. } = outcome.branches?;
-    let (lag_s, half_u_dps) = (outcome.curve.following.lag_s, Uncertainty::FACTOR * u_dps);
+    let half_u_dps = Uncertainty::FACTOR * u_dps;
     (half_width_dps.abs() > 3.0 * u_dps).then(|| {
         format!(
-            "on axis {axis}, cooling and warming lie ±{half_width_dps:.5} ± {half_u_dps:.5} °/s about \
-             their mean, by hysteresis and a lag that is found as {lag_s:.0} s. No curve over temperature corrects \
-             that: this one is right where the temperature rests, on the way on which the measurement ended"
+            "{axis}: cooling and warming lie ±{half_width_dps:.5} ± {half_u_dps:.5} °/s about their mean; allow for it"
         )
     })
 }

@@ -1,4 +1,4 @@
-//! Reports: one HTML page each, with everything in it, for the screen and for paper.
+//! Reports: self-contained HTML pages for the screen and for paper.
 
 mod allan;
 mod calibration;
@@ -11,9 +11,9 @@ pub use chamber::{ChamberPage, chamber_page, over_temperature, over_time, wide_l
 /// A line of a table of facts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fact {
-    /// What it is.
+    /// The name of the fact.
     pub name: String,
-    /// How it is, with its unit.
+    /// The value, with its unit.
     pub value: String,
 }
 

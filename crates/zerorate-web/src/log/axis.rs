@@ -1,4 +1,4 @@
-//! What was found in a column of a log, for the page.
+//! The results of a column of a log, for the page.
 
 use super::message::{AxisKind, LogAxis, LogCoefficient, LogColumn, LogPoint, LogValue};
 use zerorate_allan::{Line, Term};
@@ -19,7 +19,7 @@ fn about(name: &str, quantity: Option<Quantity>, missing: u64) -> LogColumn {
     LogColumn { name: name.to_owned(), kind, unit: quantity.map(|of| of.unit().to_owned()), missing }
 }
 
-/// A column that was analysed, for the page.
+/// The results of a column that was analysed, for the page.
 pub fn message(record: &Record) -> LogAxis {
     let model = record.model();
     let of_noise = record.of_noise().map(|warning| format!("{}: {warning}", warning.code()));
@@ -34,7 +34,7 @@ pub fn message(record: &Record) -> LogAxis {
     }
 }
 
-/// Averages of 1, 2, 4 … samples; pictures have more.
+/// Averages of 1, 2, 4 … samples; the pictures have more.
 fn points(record: &Record) -> Vec<LogPoint> {
     let octaves = record.analysis.points.iter().filter(|point| point.m.is_power_of_two());
     octaves
@@ -48,12 +48,12 @@ fn points(record: &Record) -> Vec<LogPoint> {
         .collect()
 }
 
-/// Those of a model, if there is one.
+/// The deviations of a model, if there is one.
 pub fn coefficients(record: &Record) -> Vec<Named<'_>> {
     record.model().map_or_else(Vec::new, |fit| imu::coefficients(fit, record.quantity))
 }
 
-/// What a model has beside its coefficients, in words.
+/// The terms of a model beside its coefficients, in words.
 fn term(quantity: Option<Quantity>, term: &Term) -> Option<String> {
     let (unit, factor) = B.of(quantity).swap_remove(0);
     let size = |value: f64| format!("{} {unit}", number(value * factor));

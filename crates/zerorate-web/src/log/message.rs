@@ -1,16 +1,16 @@
-//! What the page and its reader of logs say to each other: `docs/formats/page.md`. Part of `web/src/protocol.ts`.
+//! The messages between the page and its reader of logs: `docs/formats/page.md`. Part of `web/src/protocol.ts`.
 
 use serde::{Deserialize, Serialize};
 #[cfg(test)]
 use ts_rs::TS;
 
-/// What a log may not say of itself, as the user says; what is left out is as the log says.
+/// The user's statements about a log. The rest is taken from the log itself.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 #[cfg_attr(test, derive(TS))]
 #[cfg_attr(test, ts(optional_fields))]
 pub struct LogSettings {
-    /// The columns, by name or by number counted from 0; none: all that are axes.
+    /// The columns, by name or by number counted from 0; none: all axes.
     pub columns: Option<Vec<String>>,
     /// The topic of a bag with several IMUs.
     pub topic: Option<String>,
@@ -20,15 +20,15 @@ pub struct LogSettings {
     pub time_column: Option<String>,
     /// `s`, `ms`, `us` or `ns`.
     pub time_unit: Option<String>,
-    /// Of gyroscopes: `dps`, `rad/s` …
+    /// Unit of gyroscopes: `dps`, `rad/s` …
     pub gyro_unit: Option<String>,
-    /// What a step of 1 is, in that unit.
+    /// The value of one step, in that unit.
     pub gyro_scale: Option<f64>,
-    /// Of accelerometers: `m/s²`, `g`, `mg` …
+    /// Unit of accelerometers: `m/s²`, `g`, `mg` …
     pub accel_unit: Option<String>,
-    /// What a step of 1 is, in that unit.
+    /// The value of one step, in that unit.
     pub accel_scale: Option<f64>,
-    /// What stands before the decimals: `point` or `comma`.
+    /// The decimal mark: `point` or `comma`.
     pub decimal: Option<String>,
 }
 
@@ -50,51 +50,51 @@ pub enum LogSetting {
     Decimal,
 }
 
-/// What a look into a log gives.
+/// The result of a look into a log.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "is", rename_all = "kebab-case")]
 #[cfg_attr(test, derive(TS))]
 pub enum Looked {
-    /// It was read, and can be analysed.
+    /// The log was read and can be analysed.
     Log(LogAbout),
-    /// It does not say enough of itself: ask, and look again with what is answered.
+    /// The log does not say enough about itself: ask the user, and look again with the answer.
     Question {
         /// What is missing, and why.
         text: String,
-        /// A table to choose from: the head, then a row each.
+        /// A table to choose from: the head, then the rows.
         choices: Vec<String>,
-        /// Any of these answers it.
+        /// The settings, any of which answers the question.
         settings: Vec<LogSetting>,
     },
-    /// It cannot be read: what is wrong, and what to do.
+    /// The log cannot be read.
     Refused {
-        /// In words.
+        /// What is wrong, and what to do.
         text: String,
     },
 }
 
-/// What is in a log.
+/// The content of a log.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct LogAbout {
-    /// What kind of file it is: `Parquet`, `text, packed by gzip`.
+    /// The format of the file: `Parquet`, `text, packed by gzip`.
     pub form: String,
-    /// Samples of a column, those that are missing included.
+    /// Number of samples of a column, including missing ones.
     #[cfg_attr(test, ts(type = "number"))]
     pub samples: u64,
     /// Samples per second, Hz.
     pub rate_hz: f64,
-    /// How long it is, s.
+    /// Duration, s.
     pub duration_s: f64,
     /// The topic of a bag.
     pub topic: Option<String>,
-    /// What will be analysed, gyroscopes first.
+    /// The columns that will be analysed, gyroscopes first.
     pub columns: Vec<LogColumn>,
-    /// What there is to say of it.
+    /// Warnings about the log.
     pub warnings: Vec<String>,
 }
 
-/// What an axis is of.
+/// The quantity of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(test, derive(TS))]
@@ -108,18 +108,18 @@ pub enum AxisKind {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct LogColumn {
-    /// What it is called, or its number.
+    /// The name, or the number of a column without one.
     pub name: String,
-    /// None: neither, and no file for a filter can have it.
+    /// The quantity; none: neither of them, and no file for a filter can take the column.
     pub kind: Option<AxisKind>,
-    /// The unit of its results; none: its own, which nobody stated.
+    /// The unit of the results; none: the unit of the column, which nobody stated.
     pub unit: Option<String>,
-    /// Samples that are missing.
+    /// Number of missing samples.
     #[cfg_attr(test, ts(type = "number"))]
     pub missing: u64,
 }
 
-/// What was found in a column.
+/// The results of a column.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct LogAxis {
@@ -127,15 +127,15 @@ pub struct LogAxis {
     pub column: LogColumn,
     /// Overlapping Allan deviation at octaves, in the unit of the column.
     pub points: Vec<LogPoint>,
-    /// N, B, K and what else the noise model has.
+    /// The coefficients of the noise model: N, B, K and others.
     pub coefficients: Vec<LogCoefficient>,
     /// Other terms of the model, in words.
     pub terms: Vec<String>,
-    /// By how much the model may be off, as a share; none: there is no model.
+    /// The possible error of the model, as a share; none: without a model.
     pub model_error: Option<f64>,
-    /// Why the coefficients are no result, if they are none.
+    /// Why the coefficients are not a valid result, if so.
     pub doubt: Option<String>,
-    /// What there is to say: `code: text`.
+    /// Warnings: `code: text`.
     pub warnings: Vec<String>,
 }
 
@@ -143,15 +143,15 @@ pub struct LogAxis {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct LogPoint {
-    /// s.
+    /// Averaging time, s.
     pub tau_s: f64,
     /// The deviation.
     pub dev: f64,
-    /// One sigma, lower.
+    /// Lower end of the one-sigma interval.
     pub lo: f64,
-    /// One sigma, upper.
+    /// Upper end of the one-sigma interval.
     pub hi: f64,
-    /// What the model expects.
+    /// The deviation of the model.
     pub model: Option<f64>,
 }
 
@@ -159,15 +159,15 @@ pub struct LogPoint {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct LogCoefficient {
-    /// `N`, `B`, `K`, `Q` or `R`, as IEEE Std 952 has them.
+    /// `N`, `B`, `K`, `Q` or `R`, as IEEE Std 952 names them.
     pub symbol: String,
-    /// Its name.
+    /// The name in words.
     pub name: String,
-    /// In each of its units, the usual one first.
+    /// The value in each unit, the usual one first.
     pub values: Vec<LogValue>,
-    /// Whether to believe it; if not, only `hi` says something.
+    /// Whether the value is identified; if not, only `hi` means something.
     pub identified: bool,
-    /// What is to be said of one that is not identified.
+    /// A remark on a coefficient that is not identified.
     pub remark: String,
 }
 
@@ -175,25 +175,25 @@ pub struct LogCoefficient {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct LogValue {
-    /// The number.
+    /// The value.
     pub value: f64,
     /// Lower end.
     pub lo: f64,
     /// Upper end.
     pub hi: f64,
-    /// Of all three.
+    /// Unit of all three.
     pub unit: String,
 }
 
-/// What all axes come to, after the last.
+/// The summary of all axes, after the last one.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct LogSummary {
-    /// The curves of each kind, spectra and records.
+    /// The pictures of each kind of axis: curves, spectra and records.
     pub pictures: Vec<LogPicture>,
-    /// What there is to say of several axes at once.
+    /// Warnings about several axes at once.
     pub warnings: Vec<String>,
-    /// Why no file for a filter can be had, if so.
+    /// Why no file for a filter can be made, if so.
     pub no_noise_file: Option<String>,
 }
 
@@ -201,21 +201,21 @@ pub struct LogSummary {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct LogPicture {
-    /// What it is called as a file: `gyroscope-allan.svg`.
+    /// The name of its file: `gyroscope-allan.svg`.
     pub name: String,
-    /// What it shows.
+    /// The title.
     pub title: String,
-    /// SVG.
+    /// The picture as SVG.
     pub svg: String,
 }
 
-/// A file for the filter that takes the noise.
+/// A request for the file with the noise parameters of a filter.
 #[derive(Clone, Debug, Deserialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct NoiseFileCommand {
-    /// Who reads it: `kalibr`, `openvins`, `vins`, `orbslam3`, `kf-gins` or `ros`.
+    /// The filter: `kalibr`, `openvins`, `vins`, `orbslam3`, `kf-gins` or `ros`.
     pub format: String,
-    /// What stands for all axes of a kind where the reader takes one number: `worst` or `mean`.
+    /// The value of all axes of a kind, if the filter takes one number: `worst` or `mean`.
     pub combine: String,
     /// Factor on all noise, above 0; 1: as measured.
     pub inflate: f64,

@@ -1,6 +1,7 @@
-//! A log that is dropped on the page: what is in it, its noise, and the file for the filter that takes it.
+//! A log that is dropped on the page: its content, its noise, and the file for a filter.
 //!
-//! Read once by [`LogReader::look`]; then a column at a time, so that whoever calls can say how far it is.
+//! [`LogReader::look`] reads the log once. Columns are then analysed one at a time, so that the caller can show
+//! progress.
 
 #[cfg(feature = "readers")]
 mod axis;
@@ -36,8 +37,8 @@ mod reader {
     }
 
     impl LogReader {
-        /// Reads the log of this name, and says what is in it, or what it has to be told. `open` gives its bytes, each
-        /// time from their start.
+        /// Reads the log of this name and returns its content or a question. `open` gives its bytes, each time from
+        /// the start.
         pub fn look(name: &str, open: impl Fn() -> Input, said: &LogSettings) -> (Looked, Option<Self>) {
             let path = Path::new(name);
             match read(path, &open, said) {
@@ -54,16 +55,16 @@ mod reader {
             }
         }
 
-        /// Columns that are not yet analysed.
+        /// Number of columns that are not analysed yet.
         #[must_use]
         pub fn left(&self) -> usize {
             self.waiting.len()
         }
 
-        /// Analyses the next column; none: all are.
+        /// Analyses the next column; `None` if all are done.
         ///
         /// # Errors
-        /// Why there is no noise in it that could be analysed.
+        /// Why the column has no noise that can be analysed.
         pub fn analyse(&mut self) -> Result<Option<LogAxis>, String> {
             let Some(column) = self.waiting.next() else { return Ok(None) };
             let options = AnalysisOptions {
@@ -79,7 +80,7 @@ mod reader {
             Ok(Some(message))
         }
 
-        /// What all axes come to, once all are analysed.
+        /// The summary of all axes, once all are analysed.
         #[must_use]
         pub fn summary(&self) -> LogSummary {
             let warnings = ImuWarning::of_motion(&Record::models(&self.analysed));
@@ -98,7 +99,7 @@ mod reader {
         /// The file for a filter.
         ///
         /// # Errors
-        /// Its numbers would be no result, or the log has not the axes for it.
+        /// If the numbers would not be a valid result, or the log lacks the axes for it.
         pub fn noise_file(&self, command: &NoiseFileCommand) -> Result<Download, String> {
             let (format, combine) = (format(&command.format)?, combine(&command.combine)?);
             let (axes, doubts) = (Record::axes(&self.analysed), Record::doubts(&self.analysed));
@@ -143,7 +144,7 @@ mod reader {
         Ok((about, reader))
     }
 
-    /// The axes of an IMU, or else all columns that there are, in units of their own.
+    /// The axes of an IMU. A log without them gives all its columns, in their own units.
     fn of_imu_or_any(path: &Path, mut columns: Vec<Column>, options: &ImuOptions) -> zerorate_logs::Result<Axes> {
         if Axes::are_among(&columns) {
             return Axes::of(path, columns, options);
@@ -152,7 +153,7 @@ mod reader {
         Ok(Axes { columns, topic: None, warnings })
     }
 
-    /// With the samples that are missing.
+    /// The number of samples, including missing ones.
     fn length(column: &Column) -> u64 {
         match column.series {
             zerorate_logs::Series::Codes(ref codes) => codes.len() as u64 + column.missing(),

@@ -8,7 +8,7 @@ use zerorate_logs::imu::Named;
 use zerorate_logs::{Look, Quantity, Record};
 use zerorate_view::plot::{self, Curve, PowerLaw, Signal, Spectrum, Tone, number};
 
-/// All of them.
+/// All pictures of a log.
 pub fn of(path: &Path, axes: &[Record]) -> Vec<LogPicture> {
     let groups = axes.chunk_by(|a, b| a.quantity == b.quantity);
     groups.flat_map(|group| of_kind(path, group)).collect()
@@ -43,7 +43,7 @@ fn curves(path: &Path, heading: &str, unit: &str, axes: &[Record]) -> String {
     let curves: Vec<Curve> = axes.iter().map(curve).collect();
     let options = plot::Options {
         title: Some(format!("{heading} in {}", path.display())),
-        subtitle: Some("one-sigma intervals; black: the model and its 95 % band; B is drawn at 0.664 B".to_owned()),
+        subtitle: Some("one-sigma intervals (black: the model and its 95 % band, B drawn at 0.664 B)".to_owned()),
         unit: unit.to_owned(),
         ..plot::Options::default()
     };
@@ -69,7 +69,7 @@ fn curve(axis: &Record) -> Curve {
     }
 }
 
-/// At the limit of what is not identified.
+/// A law at its value, or at its upper limit if it is not identified.
 fn law(named: &Named<'_>) -> PowerLaw {
     let (letter, unit, coefficient) = (named.letter, &named.units[0].0, named.coefficient);
     let (label, value) = match coefficient.identified {

@@ -1,13 +1,13 @@
-//! From what the page says of a log to what the readers take, and back from what they ask for.
+//! Converts settings of the page to what the readers take, and questions of the readers to settings of the page.
 
 use super::message::{LogSetting, LogSettings};
 use zerorate_logs::imu::{Combine, Format, ImuOptions, Said};
 use zerorate_logs::{ColumnOptions, Decimal, LogError, Names, Setting, TimeUnit, Unit};
 
-/// What messages call the settings: the labels of the page's fields.
+/// The names that messages use for the settings: the labels of the page's fields.
 pub const LABELS: Names = Names(label);
 
-/// A setting, its label, and the field of the page that it is.
+/// A setting, its label, and its field on the page.
 const FIELDS: [(Setting, &str, LogSetting); 10] = [
     (Setting::Column, "“columns”", LogSetting::Columns),
     (Setting::Topic, "“topic”", LogSetting::Topic),
@@ -38,7 +38,7 @@ pub fn asked_for(text: &str) -> Vec<LogSetting> {
     named.into_iter().map(|(_, field)| field).collect()
 }
 
-/// What the readers take.
+/// The settings in the form that the readers take.
 pub fn options(said: &LogSettings) -> Result<ImuOptions, LogError> {
     let above_zero = |label: &str, number: Option<f64>| match number {
         Some(number) if !(number > 0.0 && number.is_finite()) => {
@@ -79,14 +79,14 @@ fn decimal(text: &str) -> Result<Decimal, LogError> {
     }
 }
 
-/// Who reads a noise file, by name.
+/// The format of a noise file, by its name.
 pub fn format(name: &str) -> Result<Format, String> {
     let found = Format::ALL.into_iter().find(|format| format.name() == name);
-    found.ok_or_else(|| format!("`{name}` is none of {}", Format::ALL.map(Format::name).join(", ")))
+    found.ok_or_else(|| format!("`{name}` is unknown: take one of {}", Format::ALL.map(Format::name).join(", ")))
 }
 
-/// What stands for all axes, by name.
+/// The way to combine axes, by its name.
 pub fn combine(name: &str) -> Result<Combine, String> {
     let found = [Combine::Worst, Combine::Mean].into_iter().find(|combine| combine.name() == name);
-    found.ok_or_else(|| format!("`{name}` is neither worst nor mean"))
+    found.ok_or_else(|| format!("`{name}` is unknown: take worst or mean"))
 }

@@ -1,4 +1,4 @@
-//! What the page is told of calibrations: the guided one, and those on file.
+//! Messages about calibrations: the guided one, and those on file.
 
 use super::MethodName;
 use serde::Serialize;
@@ -10,49 +10,49 @@ use ts_rs::TS;
 #[serde(tag = "is", rename_all = "kebab-case")]
 #[cfg_attr(test, derive(TS))]
 pub enum Calibrating {
-    /// None.
+    /// There is none.
     Idle,
-    /// Under way.
+    /// It is running.
     Running(Running),
-    /// It came to a result.
+    /// It has a result.
     Done(CalibrationResult),
-    /// It must not become a calibration.
+    /// It was refused.
     Refused {
-        /// By which method.
+        /// The method.
         method: MethodName,
         /// Why, and what to do.
         text: String,
     },
-    /// It was ended without a result, and why.
+    /// It was ended without a result.
     Aborted {
-        /// By which method.
+        /// The method.
         method: MethodName,
         /// Why.
         text: String,
     },
 }
 
-/// A calibration under way.
+/// A running calibration.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct Running {
-    /// By which method.
+    /// The method.
     pub method: MethodName,
     /// All steps, in their order.
     pub steps: Vec<Step>,
-    /// Since it began, s.
+    /// Time since the start, s.
     pub elapsed_s: f64,
-    /// Until it ends, s.
+    /// Time until the end, s.
     pub left_s: f64,
-    /// What to do now.
+    /// The advice of what to do now.
     pub advice: String,
-    /// What would be refused if the step ended here.
+    /// Refusals that would follow if the step ended now.
     pub threats: Vec<String>,
-    /// Temperature at the beginning and now, and the lowest and highest in between, °C.
+    /// Temperature at the start and now, and the lowest and highest in between, °C.
     pub temps_c: Option<[f64; 4]>,
-    /// By `warmup` and `cycle`: standard uncertainty of the correction by now, °/s.
+    /// Standard uncertainty of the correction so far, °/s; only `warmup` and `cycle` have it.
     pub u_dps: Option<f64>,
-    /// Whether `finish-calibration` may be asked for.
+    /// Whether `finish-calibration` is possible now.
     pub can_finish: bool,
 }
 
@@ -60,63 +60,63 @@ pub struct Running {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct Step {
-    /// What it is called.
+    /// The name.
     pub name: String,
-    /// From its beginning, s.
+    /// Start of the step, s.
     pub from_s: f64,
-    /// To its end, s.
+    /// End of the step, s.
     pub to_s: f64,
 }
 
-/// What a calibration came to.
+/// The result of a calibration.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct CalibrationResult {
-    /// By which method.
+    /// The method.
     pub method: MethodName,
-    /// As it stands on file.
+    /// The calibration as it is on file.
     pub entry: CalibrationEntry,
-    /// Of each axis.
+    /// The results of each axis.
     pub axes: Vec<AxisResult>,
-    /// What there is to say.
+    /// Warnings about the result.
     pub warnings: Vec<String>,
 }
 
-/// What a calibration found of an axis.
+/// The result of a calibration for an axis.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct AxisResult {
-    /// What it is called.
+    /// The name of the axis.
     pub name: String,
-    /// °/s.
+    /// PBC, °/s.
     pub pbc_dps: f64,
-    /// Standard uncertainty, °/s.
+    /// Standard uncertainty of PBC, °/s.
     pub u_pbc_dps: f64,
-    /// °/s/°C.
+    /// BTC, °/s/°C.
     pub btc_dps_per_c: f64,
-    /// Standard uncertainty, °/s/°C.
+    /// Standard uncertainty of BTC, °/s/°C.
     pub u_btc_dps_per_c: f64,
-    /// °C.
+    /// T3, °C.
     pub t3_c: f64,
-    /// Over the temperatures seen.
+    /// The correction over the temperatures that occurred.
     pub curve: Vec<CurvePoint>,
     /// Mean rate in the last minute before the end, °/s.
     pub before_dps: Option<f64>,
-    /// The same corrected, °/s.
+    /// The same mean, corrected, °/s.
     pub after_dps: Option<f64>,
 }
 
-/// What is added to a rate at a temperature.
+/// The correction at a temperature.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct CurvePoint {
-    /// °C.
+    /// Temperature, °C.
     pub temp_c: f64,
-    /// °/s.
+    /// The correction that is added to the rate, °/s.
     pub correction_dps: f64,
     /// Standard uncertainty, °/s.
     pub u_dps: Option<f64>,
-    /// What a perfect measurement would find, °/s: of the twin.
+    /// The result of a perfect measurement, °/s; only the twin knows it.
     pub truth_dps: Option<f64>,
 }
 
@@ -124,24 +124,24 @@ pub struct CurvePoint {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct CalibrationEntry {
-    /// By its content.
+    /// The id, made from the content.
     pub id: String,
-    /// Of which part.
+    /// Serial number of the part, if it is stated.
     pub serial: Option<String>,
-    /// When, if that is stated.
+    /// The date of the measurement, if it is stated.
     pub created: Option<String>,
-    /// By which method, if that is stated.
+    /// The method, if it is stated.
     pub method: Option<String>,
-    /// Of the first axis, °/s.
+    /// PBC of the first axis, °/s.
     pub pbc_dps: f64,
-    /// Of the first axis, °/s/°C.
+    /// BTC of the first axis, °/s/°C.
     pub btc_dps_per_c: f64,
-    /// Of the first axis, °C.
+    /// T3 of the first axis, °C.
     pub t3_c: f64,
-    /// Where it holds, °C.
+    /// The range of temperatures in which it holds, °C.
     pub range_c: Option<[f64; 2]>,
     /// Whether it is applied.
     pub applied: bool,
-    /// Its file, which the page of a static site keeps.
+    /// The text of its file, which the page of a static site keeps.
     pub toml: String,
 }

@@ -1,26 +1,26 @@
-//! What the page is told of the noise of an axis: Allan deviation, spectrum, and the rate over temperature.
+//! Messages about the noise of an axis: Allan deviation, spectrum, and rate over temperature.
 
 use serde::Serialize;
 #[cfg(test)]
 use ts_rs::TS;
 
-/// What is known of the noise of an axis by now.
+/// The noise of an axis, as far as it is known.
 #[derive(Clone, Debug, Default, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct Statistics {
-    /// Over how much time, s.
+    /// Length of the record, s.
     pub duration_s: f64,
     /// Allan deviation.
     pub allan: Vec<AllanPoint>,
-    /// Its coefficients; none before there is enough.
+    /// The coefficients; empty before there are enough samples.
     pub coefficients: Vec<Coefficient>,
     /// Welch's spectrum of the last 131 072 readings.
     pub spectrum: Vec<SpectrumPoint>,
-    /// What is to be seen in it.
+    /// Features of the spectrum.
     pub marks: Vec<SpectrumMark>,
     /// The bias over temperature.
     pub temperature: OverTemperature,
-    /// What is in there beside noise.
+    /// A remark if the deviations contain more than noise.
     pub caution: Option<String>,
 }
 
@@ -28,15 +28,15 @@ pub struct Statistics {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct AllanPoint {
-    /// s.
+    /// Averaging time, s.
     pub tau_s: f64,
-    /// °/s.
+    /// The deviation, °/s.
     pub dev_dps: f64,
-    /// One sigma, lower, °/s.
+    /// Lower end of the one-sigma interval, °/s.
     pub lo_dps: f64,
-    /// One sigma, upper, °/s.
+    /// Upper end of the one-sigma interval, °/s.
     pub hi_dps: f64,
-    /// What the model expects, °/s.
+    /// The deviation of the model, °/s.
     pub model_dps: Option<f64>,
 }
 
@@ -46,19 +46,20 @@ pub struct AllanPoint {
 pub struct Coefficient {
     /// `N`, `B` or `K`.
     pub symbol: String,
-    /// Its name.
+    /// The name in words.
     pub name: String,
-    /// In `unit`.
+    /// The value, in `unit`.
     pub value: f64,
     /// Lower end of its 95 % interval.
     pub lo: f64,
     /// Upper end of its 95 % interval.
     pub hi: f64,
-    /// Of it.
+    /// Unit of the value.
     pub unit: String,
-    /// Whether to believe it.
+    /// Whether the value is identified.
     pub identified: bool,
-    /// In how many seconds it will be, if the noise is what it seems; null where that cannot be said, or is now.
+    /// Seconds until it is identified, if the noise is what it seems. Null if that is unknown, or if it is identified
+    /// already.
     pub identified_in_s: Option<f64>,
 }
 
@@ -66,25 +67,25 @@ pub struct Coefficient {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct SpectrumPoint {
-    /// Hz.
+    /// Frequency, Hz.
     pub hz: f64,
-    /// One-sided, °/s/√Hz.
+    /// One-sided density, °/s/√Hz.
     pub density_dps_per_rt_hz: f64,
 }
 
-/// Something in the spectrum.
+/// A feature of the spectrum.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct SpectrumMark {
-    /// Hz.
+    /// Frequency, Hz.
     pub hz: f64,
-    /// What.
+    /// The kind of feature.
     pub kind: MarkKind,
-    /// In words.
+    /// The feature in words.
     pub text: String,
 }
 
-/// What can be in a spectrum.
+/// The kinds of features in a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(test, derive(TS))]
@@ -100,9 +101,9 @@ pub enum MarkKind {
 #[derive(Clone, Debug, Default, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct OverTemperature {
-    /// From cold to warm.
+    /// The points, from cold to warm.
     pub points: Vec<TemperaturePoint>,
-    /// The straight line through them; none: there are too few.
+    /// The straight line through them; none: there are too few points.
     pub line: Option<TemperatureLine>,
 }
 
@@ -110,9 +111,9 @@ pub struct OverTemperature {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct TemperatureLine {
-    /// Minus BTC, °/s/°C.
+    /// The slope, which is minus BTC, °/s/°C.
     pub slope_dps_per_c: f64,
-    /// Standard uncertainty of that by white noise alone, °/s/°C.
+    /// Standard uncertainty of the slope by white noise alone, °/s/°C.
     pub u_dps_per_c: f64,
 }
 
@@ -120,12 +121,12 @@ pub struct TemperatureLine {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(TS))]
 pub struct TemperaturePoint {
-    /// Mean, °C.
+    /// Mean temperature, °C.
     pub temp_c: f64,
-    /// Mean, °/s.
+    /// Mean rate, °/s.
     pub rate_dps: f64,
-    /// Standard uncertainty of that by white noise, °/s.
+    /// Standard uncertainty of the mean rate by white noise, °/s.
     pub u_dps: f64,
-    /// Seconds in it.
+    /// Time at this temperature, s.
     pub seconds: u32,
 }

@@ -1,4 +1,4 @@
-//! Requests and their answers, and the guided calibration that they begin and end.
+//! Requests and their answers, and the guided calibrations that they start and end.
 
 use super::guide::{Guide, Measured};
 use super::{Handled, HostCommand, LiveView, Session};
@@ -9,17 +9,17 @@ use serde::Deserialize;
 use zerorate::Scan;
 use zerorate_record::Row;
 
-/// Fastest that simulated time is asked to go.
+/// The largest speed of simulated time.
 const FASTEST: f64 = 1000.0;
 
-/// What is left of a request that is not understood.
+/// The `id` of a request that is not understood.
 #[derive(Deserialize)]
 struct Anonymous {
     id: u32,
 }
 
 impl Session {
-    /// Carries out a request, or says who must.
+    /// Carries out a request, or says that the owner of the device must.
     pub fn ask(&mut self, request: &str) -> Handled {
         let Request { id, command } = match serde_json::from_str(request) {
             Ok(request) => request,
@@ -35,8 +35,8 @@ impl Session {
         }
     }
 
-    /// The answer to what the owner of the device was to do. A calibration that waits for a device that cannot be
-    /// opened is over.
+    /// The answer after the owner of the device has acted. A calibration that waits for a device that cannot be opened
+    /// ends.
     pub fn done(&mut self, id: u32, result: Result<(), String>) -> String {
         if let Err(why) = &result
             && self.wanted.is_some()
@@ -46,7 +46,7 @@ impl Session {
         written(id, result.map(|()| Reply::Nothing {}))
     }
 
-    /// How fast simulated time goes by now.
+    /// Notes the present speed of simulated time.
     pub fn speed(&mut self, factor: f64) {
         self.live_view.speed = factor;
         self.live_view.changed.device = true;
@@ -63,7 +63,7 @@ impl Session {
             Command::Apply { calibration } => self.apply(calibration.as_deref())?,
             Command::AddCalibration { toml } => {
                 let id = self.add_calibration(&toml)?;
-                let entry = self.shelf.entry_of(&id).ok_or("it is not on file")?;
+                let entry = self.shelf.entry_of(&id).ok_or("the calibration is not on file")?;
                 return Ok(Outcome::Reply(Reply::Calibration(entry)));
             }
             Command::RemoveCalibration { calibration } => {
@@ -86,10 +86,10 @@ impl Session {
 
     fn set_speed(&self, factor: f64) -> Result<Outcome, String> {
         if !self.live_view.about.simulated {
-            return Err("a real part has its own time; only simulated and recorded time can go faster".to_owned());
+            return Err("a real part has no speed; only simulated and recorded parts can run faster".to_owned());
         }
         if !(0.0..=FASTEST).contains(&factor) {
-            return Err(format!("factor is 0 (as fast as it goes) or up to {FASTEST}"));
+            return Err(format!("factor must be 0 (as fast as possible) or at most {FASTEST}"));
         }
         Ok(Outcome::Host(HostCommand::Speed(factor)))
     }
@@ -97,7 +97,7 @@ impl Session {
     /// The procedure begins with the first reading of a part that was just reset (F-51, step 3).
     fn calibrate(&mut self, command: &CalibrateCommand) -> Result<(), String> {
         if self.is_calibrating() {
-            return Err("a calibration is under way: end it first".to_owned());
+            return Err("a calibration is running: end it first".to_owned());
         }
         self.shelf.has_room(1)?;
         if let DeviceState::Failed { why } = &self.live_view.state {
@@ -110,7 +110,7 @@ impl Session {
         Ok(())
     }
 
-    /// By which method a calibration is under way or about to begin.
+    /// The method of the calibration that is running or about to begin.
     #[must_use]
     pub fn method(&self) -> Option<MethodName> {
         match &self.calibrating {
@@ -123,7 +123,7 @@ impl Session {
         self.method().is_some()
     }
 
-    /// Ends what is under way or about to begin without a result, and says why.
+    /// Ends a calibration that is running or about to begin, without a result, and says why.
     pub fn abort_calibration(&mut self, why: &str) {
         let Some(method) = self.method() else { return };
         (self.guide, self.wanted) = (None, None);
@@ -133,7 +133,7 @@ impl Session {
 
     fn dismiss(&mut self) -> Result<(), String> {
         if self.is_calibrating() {
-            return Err("a calibration is under way: end it first".to_owned());
+            return Err("a calibration is running: end it first".to_owned());
         }
         self.calibrating = Calibrating::Idle;
         self.changed.calibration = true;
@@ -141,16 +141,16 @@ impl Session {
     }
 
     fn finish_guide(&mut self) -> Result<(), String> {
-        let guide = self.guide.as_mut().ok_or("no calibration is under way")?;
+        let guide = self.guide.as_mut().ok_or("no calibration is running")?;
         match guide.end_recording() {
             Ok(true) => self.complete_guide(),
-            Ok(false) => return Err("this method has steps that are still to come: wait, or abort it".to_owned()),
+            Ok(false) => return Err("this method has more steps: wait for them, or abort it".to_owned()),
             Err(why) => self.refuse_guide(why),
         }
         Ok(())
     }
 
-    /// A recording has ended: enough for the methods that take all of it.
+    /// A recording has ended. Methods that take all of it can finish.
     pub(super) fn end_guide(&mut self, otherwise: &str) {
         let Some(guide) = &mut self.guide else { return self.abort_calibration(otherwise) };
         match guide.end_recording() {
@@ -192,7 +192,7 @@ impl Session {
     }
 }
 
-/// What becomes of a command.
+/// The outcome of a command.
 enum Outcome {
     Reply(Reply),
     Host(HostCommand),
@@ -204,6 +204,6 @@ fn answer(id: u32, result: Result<Reply, String>) -> Handled {
 
 fn written(id: u32, result: Result<Reply, String>) -> String {
     let outcome = result.map_or_else(Answered::Error, Answered::Ok);
-    // numbers, texts and lists of them
+    // these are numbers, texts and lists of them, which always serialise
     serde_json::to_string(&Answer { id, outcome }).unwrap_or_default()
 }

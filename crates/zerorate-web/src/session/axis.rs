@@ -1,4 +1,4 @@
-//! One axis of a part, as its readings come: what is shown of it now.
+//! One axis of a part as its readings arrive, and the numbers that are shown of it.
 
 use super::strips::{Strips, Values};
 use crate::message::{AxisNow, Rest, RestVerdict};
@@ -7,24 +7,24 @@ use zerorate::health::{Health, Judged};
 use zerorate::stationarity::{Verdict, judge};
 use zerorate::{Axis, Calibration, CodeSum, NamedAxis, Reading};
 
-/// Length of a block, ns and s: that of the core's judge of rest.
+/// Length of a block, ns and s: the length that the core's judge of rest takes.
 pub const BLOCK_NS: u64 = 100_000_000;
 pub const BLOCK_S: f64 = 0.1;
-/// Blocks of the number that is shown: a second.
+/// Number of blocks in the mean that is shown: a second.
 const SHOWN: usize = 10;
-/// Blocks in which rest is judged: 10 s.
+/// Number of blocks in which rest is judged: 10 s.
 const JUDGED: usize = 100;
-/// Blocks that are kept, for the mean before and after a correction: a minute.
+/// Number of blocks that are kept, for the means before and after a correction: a minute.
 const KEPT: usize = 600;
 
 /// Means over a block.
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
-    /// °/s; NaN where no reading is to be believed.
+    /// Rate, °/s; NaN if no reading is valid.
     pub rate_dps: f64,
-    /// °/s; NaN without a correction.
+    /// Corrected rate, °/s; NaN without a correction.
     pub corrected_dps: f64,
-    /// °C; NaN where none was read.
+    /// Temperature, °C; NaN if none was read.
     pub temp_c: f64,
 }
 
@@ -44,7 +44,7 @@ pub struct AxisState {
     closed: u64,
 }
 
-/// What is summed for a block.
+/// The sums of a block.
 #[derive(Debug, Default)]
 struct Sums {
     rate: CodeSum,
@@ -69,7 +69,7 @@ impl AxisState {
         }
     }
 
-    /// Everything that was read, whether it is to be believed or not, `at_ns` after the beginning.
+    /// Takes every reading, valid or not, `at_ns` after the start.
     #[inline]
     pub fn show(&mut self, at_ns: u64, reading: &Reading, correct: impl Fn(f64) -> Option<f64>) -> Option<Judged> {
         let rate_dps = self.axis.rate.value(reading.rate.into());
@@ -81,7 +81,7 @@ impl AxisState {
         self.health.push(reading)
     }
 
-    /// What is to be believed of a reading.
+    /// Takes a valid reading.
     #[inline]
     pub fn count(&mut self, judged: &Judged, corrected_dps: Option<f64>) {
         if let Some(temp) = judged.temp() {
@@ -152,7 +152,7 @@ impl AxisState {
         self.blocks.iter().skip(self.blocks.len().saturating_sub(count)).copied().collect()
     }
 
-    /// One-sided, from adjacent blocks of the last minute: their differences have the variance d²/τ.
+    /// One-sided density from adjacent blocks of the last minute: their differences have the variance d²/τ.
     fn white_dps_per_rt_hz(&self) -> Option<f64> {
         let rates = self.blocks.iter().map(|block| block.rate_dps);
         let steps = rates.clone().zip(rates.skip(1)).map(|(one, next)| (next - one) * (next - one));
@@ -160,18 +160,18 @@ impl AxisState {
         (known.len() >= SHOWN).then(|| (known.iter().sum::<f64>() / known.len() as f64 * BLOCK_S).sqrt())
     }
 
-    /// By the newest verdict; where rest cannot be judged, it is believed.
+    /// Whether the part is at rest by the newest verdict. If rest cannot be judged, it is assumed.
     pub fn is_at_rest(&self) -> bool {
         !matches!(self.rest.verdict, RestVerdict::Moving | RestVerdict::Noisy)
     }
 
-    /// Over the last 10 s.
+    /// Judges the last 10 s.
     fn judged(&self) -> Rest {
         let said = |verdict, text: String| Rest { verdict, text };
         let blocks = self.newest(JUDGED);
         let rates: Vec<f64> = blocks.iter().map(|block| block.rate_dps).filter(|rate| !rate.is_nan()).collect();
         if self.axis.noise.is_none() || self.axis.bias.largest_tempco_dps_per_c().is_none() {
-            return said(RestVerdict::Unjudged, "the typical noise of this part is not known".to_owned());
+            return said(RestVerdict::Unjudged, "the typical noise of this part is unknown".to_owned());
         }
         if rates.len() < JUDGED {
             return said(RestVerdict::Unjudged, NOT_YET.to_owned());
@@ -179,7 +179,7 @@ impl AxisState {
         if let Some(limit_dps) = self.axis.bias.largest_dps()
             && let Some(rate_dps) = mean(rates.iter().copied()).filter(|rate_dps| rate_dps.abs() > limit_dps)
         {
-            let text = format!("it turns: {rate_dps:+.2} °/s is more than the ±{limit_dps} °/s that can be bias");
+            let text = format!("it turns: {rate_dps:+.2} °/s is more than the largest bias, ±{limit_dps} °/s");
             return said(RestVerdict::Moving, text);
         }
         match judge(&self.axis, &rates, slope_c_per_s(&blocks)) {
@@ -190,7 +190,7 @@ impl AxisState {
             }
             Verdict::Moving { tau_s, seen_dps, limit_dps } => said(
                 RestVerdict::Moving,
-                format!("means over {tau_s:.1} s vary by {seen_dps:.4} °/s, where noise explains {limit_dps:.4} °/s"),
+                format!("means over {tau_s:.1} s vary by {seen_dps:.4} °/s, but noise explains {limit_dps:.4} °/s"),
             ),
             Verdict::Noisy { seen_dps_per_rt_hz, limit_dps_per_rt_hz } => said(
                 RestVerdict::Noisy,
@@ -200,17 +200,17 @@ impl AxisState {
     }
 }
 
-/// Of the last 10 s.
+/// The verdict's text before there are 10 s of readings.
 const NOT_YET: &str = "it takes 10 s of readings";
 
-/// Of what is known.
+/// The mean of the values that are known.
 fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     let (sum, count) =
         values.filter(|value| !value.is_nan()).fold((0.0, 0u32), |(sum, n), value| (sum + value, n + 1));
     (count > 0).then(|| sum / f64::from(count))
 }
 
-/// From the first half to the second.
+/// The slope from the first half to the second.
 fn slope_c_per_s(blocks: &[Block]) -> f64 {
     let (early, late) = blocks.split_at(blocks.len() / 2);
     let [early, late] = [early, late].map(|half| mean(half.iter().map(|block| block.temp_c)));
@@ -226,7 +226,7 @@ pub struct Angle {
 }
 
 impl Angle {
-    /// By the trapezoidal rule; a reading that is missing is a straight line between its neighbours.
+    /// Integrates by the trapezoidal rule. A missing reading is replaced by a straight line between its neighbours.
     #[inline]
     fn push(&mut self, t_ns: u64, rate_dps: f64) {
         if let Some((last_ns, last_dps)) = self.last.replace((t_ns, rate_dps)) {
@@ -236,12 +236,12 @@ impl Angle {
         }
     }
 
-    /// Zero is here.
+    /// Sets the angle to zero.
     pub fn zero(&mut self) {
         (self.deg, self.over_s) = (0.0, 0.0);
     }
 
-    /// Angle random walk and the error of the correction, °: √(d²t/2 + u²t²).
+    /// Angle random walk and error of the correction, °: √(d²t/2 + u²t²).
     fn u_deg(&self, white_dps_per_rt_hz: f64, u_correction_dps: Option<f64>) -> f64 {
         let walk = white_dps_per_rt_hz * (self.over_s / 2.0).sqrt();
         walk.hypot(u_correction_dps.unwrap_or(0.0) * self.over_s)

@@ -1,4 +1,4 @@
-//! What the first seconds of samples tell of part and connection, as `zerorate probe` does.
+//! Checks part and connection by the first seconds of samples, as `zerorate probe` does.
 
 use super::axis::AxisState;
 use crate::message::CheckResult;
@@ -6,10 +6,10 @@ use zerorate::health::Judged;
 use zerorate::{Checkup, Limits, Tally};
 use zerorate_record::{CaptureWarning, believed};
 
-/// How long samples are looked at, s.
+/// Time for which samples are checked, s.
 const DURATION_S: f64 = 5.0;
 
-/// The first seconds, until they were looked at.
+/// The first seconds, until they have been checked.
 #[derive(Debug)]
 pub struct Examination {
     checkups: Vec<Checkup>,
@@ -17,18 +17,18 @@ pub struct Examination {
 }
 
 impl Examination {
-    /// Of so many axes, before the first sample.
+    /// The check of this number of axes, before the first sample.
     pub fn new(axes: usize, nominal_hz: Option<f64>) -> Self {
         Self { checkups: vec![Checkup::default(); axes], nominal_hz }
     }
 
-    /// Takes a reading of an axis in.
+    /// Takes a reading of an axis.
     #[inline]
     pub fn push(&mut self, axis: usize, judged: &Judged) {
         self.checkups[axis].push(judged);
     }
 
-    /// What they have shown, once there are enough.
+    /// The results, once there are enough samples.
     pub fn ended(&self, axes: &[AxisState], tally: &Tally, start_ns: u64) -> Option<Vec<CheckResult>> {
         if tally.duration_s() < DURATION_S {
             return None;
@@ -52,7 +52,7 @@ impl Examination {
     }
 }
 
-/// A part that has stopped has none.
+/// The noise of an axis; a part that has stopped has none.
 fn noise(axis: &AxisState, checkup: &Checkup, several: bool, tally: &Tally) -> Option<CheckResult> {
     if axis.health.frozen().is_some() {
         return None;

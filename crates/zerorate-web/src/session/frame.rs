@@ -1,4 +1,4 @@
-//! Frames: what is new, or everything, in bytes (docs/formats/page.md).
+//! Makes frames, with everything that changed or with everything, as bytes (docs/formats/page.md).
 
 use super::axis::AxisState;
 use super::live_view::{LiveView, Seen};
@@ -11,7 +11,7 @@ use zerorate::{Calibration, Plan};
 use zerorate_record::believed;
 
 impl Session {
-    /// What is new since the last one, for everybody; none if nothing is.
+    /// The frame with everything that changed since the last one, for all windows; `None` if nothing changed.
     pub fn frame(&mut self) -> Option<Vec<u8>> {
         self.recompute();
         let Changed { statistics, calibration, calibrations } = self.changed;
@@ -23,14 +23,14 @@ impl Session {
         Some(encode(&self.completed(frame, changed), &payload))
     }
 
-    /// Everything, for one who came or was too slow.
+    /// The frame with everything, for a window that just opened or was too slow.
     #[must_use]
     pub fn snapshot(&self) -> Vec<u8> {
         let (frame, payload) = self.live_view.everything(self.shelf.applied());
         encode(&self.completed(frame, Changed::default()), &payload)
     }
 
-    /// Before a frame: what takes longer than a reading should.
+    /// Work before a frame that takes longer than a reading should.
     fn recompute(&mut self) {
         if !self.live_view.changed.readings {
             return;
@@ -49,7 +49,7 @@ impl Session {
         }
     }
 
-    /// What is seen, with what is known of it.
+    /// The content of a frame.
     fn completed(&self, seen: Frame, changed: Changed) -> Frame {
         let all = seen.snapshot;
         Frame {
@@ -61,7 +61,7 @@ impl Session {
         }
     }
 
-    /// The statistics begin anew.
+    /// Restarts the statistics.
     pub(super) fn restart_statistics(&mut self) {
         self.statistics = self.live_view.axes.iter().map(|axis| Statistics::new(&axis.axis)).collect();
         self.changed.statistics = true;
@@ -69,13 +69,13 @@ impl Session {
 }
 
 impl LiveView {
-    /// Whether there is something new.
+    /// Whether anything changed.
     pub fn is_changed(&self) -> bool {
         let Seen { device, readings, notices, everything } = self.changed;
         device || readings || notices || everything
     }
 
-    /// What is new since this was asked last, with its numbers.
+    /// The changes since the last call, with a new number.
     pub fn news(&mut self, applied: Option<&Calibration>) -> (Frame, Vec<f32>) {
         self.seq += 1;
         let changed = std::mem::take(&mut self.changed);
@@ -84,7 +84,7 @@ impl LiveView {
         news
     }
 
-    /// All there is.
+    /// A frame of everything.
     pub fn everything(&self, applied: Option<&Calibration>) -> (Frame, Vec<f32>) {
         self.told(Seen { everything: true, ..Seen::default() }, applied)
     }
@@ -163,9 +163,9 @@ impl LiveView {
     }
 }
 
-/// Length of the header, header, zeros, payload.
+/// Writes length of the header, header, zeros, payload.
 pub fn encode(frame: &Frame, payload: &[f32]) -> Vec<u8> {
-    // numbers, texts and lists of them; NaN becomes null
+    // these are numbers, texts and lists of them; NaN becomes null
     let header = serde_json::to_vec(frame).unwrap_or_default();
     let padded = (4 + header.len()).next_multiple_of(4);
     let mut bytes = Vec::with_capacity(padded + 4 * payload.len());

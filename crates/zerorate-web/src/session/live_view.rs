@@ -1,4 +1,4 @@
-//! What is seen of a device as its readings come: strips, numbers, rest, sample counts, checks of the connection.
+//! The live view of a device as its readings arrive: strips, numbers, rest, sample counts, connection checks.
 
 use super::About;
 use super::axis::{Angle, AxisState, BLOCK_NS, Block};
@@ -22,14 +22,14 @@ pub struct LiveView {
     pub(super) seq: u32,
     pub(super) changed: Seen,
     layout: Layout,
-    /// Of the first seconds, until they are over.
+    /// The check of the first seconds, until it is done.
     examination: Option<Examination>,
     start_ns: Option<u64>,
     last_ns: u64,
     block_ends_ns: u64,
 }
 
-/// What the next frame must state.
+/// The parts that the next frame must state.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Seen {
     pub device: bool,
@@ -38,28 +38,28 @@ pub(super) struct Seen {
     pub everything: bool,
 }
 
-/// Who looks on, at what is to be believed of the readings.
+/// An observer of the valid readings.
 pub trait Onlooker {
-    /// A reading of an axis; none where it is lost or not to be believed.
+    /// Takes a reading of an axis; none if it is lost or invalid.
     fn reading(&mut self, axis: usize, code: Option<i32>);
 
-    /// A block of an axis that is over.
+    /// Takes a finished block of an axis.
     fn block(&mut self, axis: usize, block: &Block, at_rest: bool);
 }
 
-/// Nobody.
+/// No observer.
 impl Onlooker for () {
     fn reading(&mut self, _: usize, _: Option<i32>) {}
 
     fn block(&mut self, _: usize, _: &Block, _: bool) {}
 }
 
-/// Readings that are filled in for one gap at most, and blocks: what was lost beyond is a gap in time.
+/// The largest number of readings and blocks that are filled in for one gap. More lost readings become a gap in time.
 const MOST_FILLED: u32 = 100_000;
 const MOST_BLOCKS: u64 = 36_000;
 
 impl LiveView {
-    /// Of a device that was just opened.
+    /// The view of a device that was just opened.
     pub fn new(about: About) -> Self {
         let axes: Vec<AxisState> = about.part.axes.iter().map(AxisState::new).collect();
         Self {
@@ -81,12 +81,12 @@ impl LiveView {
         }
     }
 
-    /// Of the same device, opened again.
+    /// The view of the same device, opened again.
     pub fn reopened(&self, about: About) -> Self {
         Self { speed: self.speed, seq: self.seq, ..Self::new(about) }
     }
 
-    /// Takes a reading, in the order of time; whether blocks ended before it.
+    /// Takes a reading, in the order of time. Returns whether blocks ended before it.
     #[inline]
     pub fn take(&mut self, row: &Row, onlooker: &mut impl Onlooker) -> bool {
         let start_ns = *self.start_ns.get_or_insert(row.t_ns);
@@ -109,7 +109,7 @@ impl LiveView {
         ends_blocks
     }
 
-    /// What all axes read at once.
+    /// The readings of all axes at one time.
     pub fn scan(&self, row: &Row) -> Scan {
         self.layout.scan(row)
     }
@@ -137,13 +137,13 @@ impl LiveView {
         axis.count(&judged, corrected_dps);
     }
 
-    /// Corrects so from here on. The angle begins anew: it would be part of one correction and part of another.
+    /// Applies this correction from now on. The angle restarts, because it must not mix two corrections.
     pub fn correct(&mut self, corrector: Option<Corrector<Vec<Correction>>>) {
         self.corrector = corrector;
         self.axes.iter_mut().for_each(|axis| axis.angle = Angle::default());
     }
 
-    /// Ends the blocks that are over at a time.
+    /// Ends the blocks that are over at this time.
     #[cold]
     fn close_blocks(&mut self, at_ns: u64, onlooker: &mut impl Onlooker) {
         let over = (at_ns - self.block_ends_ns) / BLOCK_NS + 1;
@@ -162,24 +162,24 @@ impl LiveView {
         }
     }
 
-    /// How it is with the device.
+    /// Sets the state of the device.
     pub fn state(&mut self, state: DeviceState) {
         self.state = state;
         self.changed.device = true;
     }
 
-    /// What there is to say.
+    /// Adds a notice.
     pub fn note(&mut self, said: &Said) {
         self.notices.push(said, self.now_s());
         self.changed.notices = true;
     }
 
-    /// All that is the case with the readings now.
+    /// Updates all conditions of the readings.
     pub fn stand(&mut self, findings: &[Said]) {
         self.changed.notices |= self.notices.stand(findings, self.now_s());
     }
 
-    /// What the check of the connection found, beside what was known before.
+    /// Adds results of the connection check to those known before.
     pub fn checked(&mut self, checks: impl IntoIterator<Item = CheckResult>) {
         self.about.checks.extend(checks);
         self.changed.device = true;

@@ -1,4 +1,4 @@
-//! A session: one device, everything that is known of it, and everybody who looks at it.
+//! A session: one device, everything known about it, and everybody who watches it.
 
 mod ask;
 mod axis;
@@ -24,49 +24,49 @@ use zerorate::{Calibration, Part, Tally};
 use zerorate_record::{CaptureInfo, Row};
 use zerorate_view::SessionWarning;
 
-/// What is being read.
+/// Facts about the device.
 #[derive(Clone, Debug)]
 pub struct About {
-    /// As `--device` names it.
+    /// The name, as `--device` takes it.
     pub name: String,
     /// How the samples are taken.
     pub info: CaptureInfo,
-    /// What is known of the part.
+    /// The part.
     pub part: Part,
-    /// Its time is simulated, or recorded.
+    /// Whether its time is simulated or recorded.
     pub simulated: bool,
-    /// How often it should convert, Hz, if that is known.
+    /// Nominal conversion rate, Hz, if it is known.
     pub nominal_hz: Option<f64>,
-    /// Its registers when it was opened.
+    /// The registers at the time of opening.
     pub registers: Vec<Register>,
-    /// What the check of the connection found.
+    /// The results of the connection check.
     pub checks: Vec<CheckResult>,
 }
 
-/// What became of a request.
+/// The outcome of a request.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Handled {
     /// The answer, as text.
     Answer(String),
-    /// Whoever owns the device does this, and [`Session::done`] makes the answer of how it went.
+    /// The owner of the device must do this. [`Session::done`] then makes the answer.
     Host {
-        /// Of the request.
+        /// The `id` of the request.
         id: u32,
-        /// What to do.
+        /// The action.
         command: HostCommand,
     },
 }
 
-/// What only the owner of the device can do.
+/// An action that only the owner of the device can take.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HostCommand {
-    /// Let simulated time go so many times as fast as the clock; 0: as fast as it can.
+    /// Run simulated time this many times as fast as the clock; 0: as fast as possible.
     Speed(f64),
-    /// Open the device again, from a reset on: [`Session::reopened`].
+    /// Open the device again, with a reset: [`Session::reopened`].
     Reopen,
 }
 
-/// Readings and requests in, frames and answers out.
+/// Takes readings and requests, and returns frames and answers.
 ///
 /// ```
 /// use adis16130::Width;
@@ -93,17 +93,17 @@ pub struct Session {
     shelf: Shelf,
     calibrating: Calibrating,
     guide: Option<Guide>,
-    /// What begins with the next reading, after the device was opened again.
+    /// The calibration that begins with the next reading, after the device was opened again.
     wanted: Option<Guide>,
-    /// The calibration that was measured since the device was opened, which is of this part for sure.
+    /// The calibration that was measured since the device was opened, which certainly belongs to this part.
     measured: Option<String>,
-    /// Samples are missing before the next one.
+    /// Whether samples are missing before the next one.
     is_torn: bool,
     truths: Vec<Truth>,
     changed: Changed,
 }
 
-/// What the next frame must state beside what is seen.
+/// The parts that the next frame must state beside the live view.
 #[derive(Clone, Copy, Debug, Default)]
 struct Changed {
     statistics: bool,
@@ -112,7 +112,7 @@ struct Changed {
 }
 
 impl Session {
-    /// Of a device that was just opened.
+    /// The session of a device that was just opened.
     #[must_use]
     pub fn new(about: About) -> Self {
         let live_view = LiveView::new(about);
@@ -130,20 +130,20 @@ impl Session {
         }
     }
 
-    /// What is known of the device.
+    /// The facts about the device.
     #[must_use]
     pub fn about(&self) -> &About {
         &self.live_view.about
     }
 
-    /// Of the same device, opened again: everything begins anew, but calibrations stay on file, and the calibration
-    /// that was asked for begins; one that had begun is over.
+    /// The session of the same device, opened again. Everything restarts, but calibrations stay on file. A calibration
+    /// that was requested begins; a running one ends.
     #[must_use]
     pub fn reopened(self, about: About) -> Self {
         let Self { live_view, shelf, calibrating, guide, wanted, .. } = self;
         let mut anew = Self { live_view: live_view.reopened(about.clone()), shelf, calibrating, ..Self::new(about) };
         anew.apply_again();
-        // a bridge is opened when that is asked for, and once more when its part has answered
+        // a bridge is opened when that is requested, and once more when its part has answered
         anew.guide = wanted.or(guide).filter(|guide| !guide.has_begun());
         if anew.guide.is_none() {
             anew.abort_calibration("the device was opened again");
@@ -151,7 +151,7 @@ impl Session {
         anew
     }
 
-    /// What was applied before, unless the part does not bear it.
+    /// Applies the previous calibration again, if it fits the part.
     fn apply_again(&mut self) {
         let applied = self.shelf.applied().map(Calibration::id);
         if let Err(why) = self.apply(applied.as_deref()) {
@@ -176,7 +176,7 @@ impl Session {
         }
     }
 
-    /// At the end of a block: what takes longer than a reading should.
+    /// Does work that takes longer than a reading should, at the end of a block.
     #[cold]
     fn look(&mut self) {
         let temp_c = self.live_view.temp_c();
@@ -186,42 +186,42 @@ impl Session {
         }
     }
 
-    /// What there is to say.
+    /// Adds a notice.
     pub fn note(&mut self, said: impl Into<Said>) {
         self.live_view.note(&said.into());
     }
 
-    /// So many samples did not come here, but are no loss of the device. What takes one sample for the successor of
-    /// the other begins anew: statistics with the next sample, a calibration when it is asked for.
+    /// Reports samples that did not reach the session, although the device did not lose them. Anything that needs
+    /// consecutive samples restarts: statistics with the next sample, a calibration at the next request.
     pub fn missed(&mut self, samples: u64) {
         self.live_view.missed += samples;
         self.live_view.changed.readings = true;
         self.is_torn = true;
         if self.guide.is_some() {
-            let why = "for the computer had too much else to do: end what else it does, and begin again";
-            self.abort_calibration(&format!("{samples} samples were not seen here, {why}"));
+            let why = "because the computer was too busy. Close other programs, and begin again";
+            self.abort_calibration(&format!("{samples} samples did not reach the session, {why}"));
         }
         self.note(SessionWarning::Missed(samples));
     }
 
-    /// What the twin knows of itself, with the newest samples.
+    /// The truth that the twin knows, with the newest samples.
     pub fn truths(&mut self, truths: &[Truth]) {
         self.truths.clear();
         self.truths.extend_from_slice(truths);
     }
 
-    /// What was read since the device was opened.
+    /// The counts of samples since the device was opened.
     #[must_use]
     pub fn tally(&self) -> &Tally {
         &self.live_view.tally
     }
 
-    /// What the check of the connection found, beside what was known when the device was opened.
+    /// Adds results of the connection check to those from the opening of the device.
     pub fn checked(&mut self, checks: impl IntoIterator<Item = CheckResult>) {
         self.live_view.checked(checks);
     }
 
-    /// How it is with the device.
+    /// Sets the state of the device.
     pub fn state(&mut self, state: DeviceState) {
         if self.live_view.state == state {
             return;
@@ -234,20 +234,21 @@ impl Session {
         self.live_view.state(state);
     }
 
-    /// Puts a calibration on file, by its TOML; its id. The place of one that is being measured stays free.
+    /// Puts a calibration on file from its TOML, and returns its id. The place of a calibration that is being measured
+    /// stays free.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// Describes the fault of the calibration.
     pub fn add_calibration(&mut self, toml: &str) -> Result<String, String> {
         let id = self.shelf.add_file(toml, usize::from(self.is_calibrating()))?;
         self.changed.calibrations = true;
         Ok(id)
     }
 
-    /// Applies a calibration on file, or none, and notes what there is to say of it; the angle is zero then.
+    /// Applies a calibration on file, or none, and notes its warnings. The angle is set to zero.
     ///
     /// # Errors
-    /// It is not on file, or of another part.
+    /// If the calibration is not on file, or belongs to another part.
     pub fn apply(&mut self, id: Option<&str>) -> Result<(), String> {
         let stranger = id.filter(|id| self.measured.as_deref() != Some(id));
         let doubts = stranger.map(|id| self.shelf.doubts(id, &self.live_view.about)).transpose()?;
@@ -268,7 +269,7 @@ impl Session {
         self.shelf.all()
     }
 
-    /// Counts what was put on file and taken off it.
+    /// Counts additions to and removals from the file.
     #[must_use]
     pub const fn shelf_changes(&self) -> u64 {
         self.shelf.changes()

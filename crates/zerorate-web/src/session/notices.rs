@@ -1,14 +1,14 @@
-//! What there is to say, each once.
+//! The notices of a session, each once.
 
 use crate::message::Notice;
 use std::fmt;
 use zerorate_record::CaptureWarning;
 use zerorate_view::SessionWarning;
 
-/// Notices that are kept.
+/// Number of notices that are kept.
 const MOST: usize = 100;
 
-/// The newest last.
+/// The notices, the newest last.
 #[derive(Debug, Default)]
 pub struct Notices {
     kept: Vec<Kept>,
@@ -18,22 +18,22 @@ pub struct Notices {
 struct Kept {
     notice: Notice,
     axis: String,
-    /// It is so now, and does not only happen once in a while.
+    /// Whether this is a condition that lasts, and not an event.
     stands: bool,
 }
 
-/// Something to be said: what has a code is the same whatever its numbers are.
+/// A message. Messages with the same code count as the same, even if their numbers differ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Said {
-    /// As `zerorate explain` knows it; empty where it has none.
+    /// The code that `zerorate explain` knows; empty for a message without one.
     code: &'static str,
-    /// Which one it is of, where a part has several.
+    /// The axis, if the part has several.
     axis: String,
     text: String,
 }
 
 impl Said {
-    /// With its code.
+    /// A message with a code.
     pub fn new(code: &'static str, text: impl fmt::Display) -> Self {
         Self { code, axis: String::new(), text: text.to_string() }
     }
@@ -77,12 +77,13 @@ impl Kept {
 }
 
 impl Notices {
-    /// Takes what happened. It takes the place of an older one of the same code and axis.
+    /// Takes an event. It replaces an older one with the same code and axis.
     pub fn push(&mut self, said: &Said, at_s: f64) {
         self.keep(said, at_s, false);
     }
 
-    /// Takes all that is the case now: counted when it begins, not whenever that is said. Whether anything is new.
+    /// Takes all present conditions. A condition is counted when it begins, not each time. Returns whether anything is
+    /// new.
     pub fn stand(&mut self, findings: &[Said], at_s: f64) -> bool {
         for kept in &mut self.kept {
             kept.stands &= findings.iter().any(|said| kept.is(said));

@@ -8,7 +8,7 @@ use zerorate_view::SessionWarning;
 use zerorate_view::export::{Export, ExportForm, Options};
 use zerorate_view::report;
 
-/// Calibrations that are kept.
+/// Number of calibrations that are kept.
 const MOST: usize = 100;
 
 /// Calibrations, the newest last.
@@ -22,19 +22,19 @@ pub struct Shelf {
 #[derive(Debug)]
 struct Kept {
     calibration: Calibration,
-    /// What there is to say of its file.
+    /// Warnings about its file.
     warnings: Vec<FileWarning>,
 }
 
 impl Shelf {
-    /// Puts a calibration on file, by its TOML, and leaves so many places free; its id. One that is there already
-    /// stays as it is, and one that differs from it by what its id does not tell is refused.
+    /// Puts a calibration on file from its TOML, leaving this many places free, and returns its id. A calibration that
+    /// is there already stays as it is. One with the same id but other content is refused.
     pub fn add_file(&mut self, toml: &str, free: usize) -> Result<String, String> {
         let (calibration, warnings) = Calibration::parse(toml).map_err(|error| error.to_string())?;
         self.put(Kept { calibration, warnings }, free)
     }
 
-    /// The same of one that was measured here.
+    /// Puts a calibration on file that was measured here.
     pub fn add(&mut self, calibration: Calibration) -> Result<String, String> {
         self.put(Kept { calibration, warnings: Vec::new() }, 0)
     }
@@ -51,15 +51,15 @@ impl Shelf {
         Ok(id)
     }
 
-    /// Whether so many more can be put on file.
+    /// Whether this many more can be put on file.
     pub fn has_room(&self, more: usize) -> Result<(), String> {
         match self.kept.len() + more <= MOST {
             true => Ok(()),
-            false => Err(format!("no more than {MOST} calibrations can be on file: remove one that you do not need")),
+            false => Err(format!("at most {MOST} calibrations can be on file: remove one that you do not need")),
         }
     }
 
-    /// Takes a calibration off file.
+    /// Removes a calibration.
     pub fn remove(&mut self, id: &str) -> Result<(), String> {
         self.known(id)?;
         if self.is_applied(id) {
@@ -70,7 +70,7 @@ impl Shelf {
         Ok(())
     }
 
-    /// Counts what was put on file and taken off it.
+    /// Counts additions and removals.
     pub const fn changes(&self) -> u64 {
         self.changes
     }
@@ -79,20 +79,20 @@ impl Shelf {
         self.kept.iter().map(|kept| &kept.calibration)
     }
 
-    /// What there is to say before a calibration from elsewhere is applied to this device. An error where it is that
-    /// of another part.
+    /// The warnings before a calibration from elsewhere is applied to this device. It is an error if the calibration
+    /// belongs to another part.
     pub fn doubts(&self, id: &str, about: &About) -> Result<Vec<SessionWarning>, String> {
         let Kept { calibration, warnings } = self.known(id)?;
         let of_file = |warning: &FileWarning| SessionWarning::OfCalibration { id: id.to_owned(), warning: *warning };
         Ok(warnings.iter().map(of_file).chain(stranger(calibration, about)?).collect())
     }
 
-    /// The one that is applied.
+    /// The calibration that is applied.
     pub fn applied(&self) -> Option<&Calibration> {
         self.find(self.applied.as_deref()?).map(|kept| &kept.calibration)
     }
 
-    /// What applies it to the axes of a part.
+    /// Makes the corrector that applies a calibration to the axes of a part.
     pub fn apply(&mut self, id: Option<&str>, part: &Part) -> Result<Option<Corrector<Vec<Correction>>>, String> {
         let Some(id) = id else {
             self.apply_none();
@@ -105,7 +105,7 @@ impl Shelf {
         Ok(Some(corrector))
     }
 
-    /// From here on none is applied.
+    /// Applies none from now on.
     pub fn apply_none(&mut self) {
         self.applied = None;
     }
@@ -136,7 +136,7 @@ impl Shelf {
             }
             name => {
                 let form = ExportForm::named(name).filter(|form| !form.is_autopilot());
-                let form = form.ok_or_else(|| format!("no calibration is handed out as `{name}`"))?;
+                let form = form.ok_or_else(|| format!("unknown form of download: `{name}`"))?;
                 let export = Export::new(calibration.clone(), Options::default()).map_err(failed)?;
                 file(form.row().extension, form.row().media_type, export.text(form).map_err(failed)?)
             }
@@ -156,20 +156,21 @@ impl Shelf {
     }
 }
 
-/// The id tells part, time and coefficients apart, and nothing else.
+/// The id depends on part, time and coefficients, and on nothing else.
 fn other_content(id: &str) -> String {
     format!(
-        "calibration {id} is on file with other values beside its coefficients, such as [validity]: remove that one \
-         first, then add this one"
+        "calibration {id} is on file with the same coefficients but other values, such as [validity]. Remove that \
+         one, then add this one"
     )
 }
 
-/// What shows that a calibration is that of the part: every part has its own bias, and the wrong one shows in nothing.
+/// Checks that a calibration belongs to the part. Every part has its own bias, and a wrong calibration shows in
+/// nothing.
 fn stranger(calibration: &Calibration, About { name, info, .. }: &About) -> Result<Option<SessionWarning>, String> {
     match (info.serial.as_deref(), calibration.serial.as_deref()) {
         (Some(part), Some(calibrated)) if part == calibrated => Ok(None),
         (Some(part), Some(calibrated)) => Err(format!(
-            "{name} is part {part}, this is the calibration of part {calibrated}: every part has its own bias"
+            "{name} is part {part}, but the calibration is of part {calibrated}, and every part has its own bias"
         )),
         (None, Some(calibrated)) => {
             Ok(Some(SessionWarning::UnknownSerial { calibrated: calibrated.to_owned(), name: name.clone() }))
@@ -195,7 +196,7 @@ pub fn entry(calibration: &Calibration, applied: bool) -> CalibrationEntry {
     }
 }
 
-/// What any file system takes.
+/// Limits a name to characters that any file system takes.
 fn plain(name: &str) -> String {
     let allowed = |c: char| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '_' };
     name.chars().take(60).map(allowed).collect()

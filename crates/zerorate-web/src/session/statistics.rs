@@ -1,5 +1,5 @@
-//! What is known of an axis' noise by now: Allan deviation, spectrum, rate over temperature. In bounded memory,
-//! however long it runs.
+//! The noise of an axis so far: Allan deviation, spectrum, rate over temperature. The memory is bounded, however long
+//! it runs.
 
 use super::axis::{BLOCK_S, Block};
 use super::live_view::Onlooker;
@@ -9,15 +9,15 @@ use std::collections::VecDeque;
 use zerorate::Axis;
 use zerorate_allan::{self as allan, FitOptions, Input, Options, Stream, interval};
 
-/// Readings of the spectrum: 23 s at the full rate of an ADIS16130.
+/// Number of readings in the spectrum: 23 s at the full rate of an ADIS16130.
 const SPECTRUM: usize = 1 << 17;
-/// Averages of single readings, up to this many octaves; blocks have the longer ones.
+/// Largest number of octaves of averages of single readings; blocks have the longer averages.
 const OCTAVES: usize = 16;
-/// Block means that are kept; then two become one.
+/// Number of block means that are kept; then pairs of them are merged.
 const MOST_MEANS: usize = 1 << 19;
-/// Before so many means nothing is said of coefficients.
+/// Least number of means for which coefficients are stated.
 const FEWEST_MEANS: usize = 300;
-/// Deviations and spectrum are computed again when there is this much more, and the model.
+/// Deviations, spectrum and model are computed again after this much more data.
 const GROWN: f64 = 1.01;
 const GROWN_FOR_FIT: f64 = 1.1;
 
@@ -30,14 +30,14 @@ pub struct Statistics {
     recent: VecDeque<f64>,
     means: Means,
     temps: Temperatures,
-    /// How long the part was not at rest, s.
+    /// Time for which the part was not at rest, s.
     moved_s: f64,
     shown: Shown,
     fit: Option<allan::Fit>,
     fitted_s: f64,
 }
 
-/// Of each axis.
+/// The statistics of each axis.
 impl Onlooker for Vec<Statistics> {
     #[inline]
     fn reading(&mut self, axis: usize, code: Option<i32>) {
@@ -65,7 +65,7 @@ impl Statistics {
         }
     }
 
-    /// A reading; none where it is lost or not to be believed.
+    /// Takes a reading; none if it is lost or invalid.
     #[inline]
     pub fn push(&mut self, code: Option<i32>) {
         if let Some(code) = code.or_else(|| self.stand_in.code()) {
@@ -80,7 +80,7 @@ impl Statistics {
         self.recent.push_back(code.map_or(f64::NAN, |code| self.axis.rate.value(code.into())));
     }
 
-    /// A block that is complete; of the rate over temperature, only where the part is at rest.
+    /// Takes a complete block. The rate over temperature takes it only if the part is at rest.
     pub fn push_block(&mut self, block: &Block, at_rest: bool) {
         self.means.push(block.rate_dps);
         match at_rest {
@@ -89,7 +89,7 @@ impl Statistics {
         }
     }
 
-    /// Whether there is enough that is new; it is computed then.
+    /// Whether there is enough new data; if so, everything is computed.
     pub fn refresh(&mut self, rate_hz: f64) -> bool {
         let duration_s = self.means.duration_s();
         if duration_s < GROWN * self.shown.duration_s || duration_s < self.shown.duration_s + 1.0 {
@@ -112,7 +112,7 @@ impl Statistics {
         true
     }
 
-    /// What was computed last.
+    /// The last results.
     pub fn shown(&self) -> &Shown {
         &self.shown
     }
@@ -121,7 +121,7 @@ impl Statistics {
         allan::fit(&Input::Rate(&self.means.values), self.means.rate_hz(), &FitOptions::default()).ok()
     }
 
-    /// Averages shorter than a block by adjacent readings, longer ones by overlapping blocks.
+    /// Averages shorter than a block use adjacent readings; longer ones use overlapping blocks.
     fn allan(&self, rate_hz: f64) -> Vec<AllanPoint> {
         let scale = 1.0 / self.axis.rate.lsb_per_unit;
         let longest = self.means.length_s();
@@ -148,7 +148,7 @@ impl Statistics {
         points
     }
 
-    /// What is in there beside noise is taken for slow noise: then B and K are not to be believed.
+    /// The model takes other signals for slow noise, so that B and K are not valid with them.
     fn coefficients(&self, caution: Option<&str>) -> Vec<Coefficient> {
         let Some(fit) = &self.fit else { return Vec::new() };
         let stated = [
@@ -171,7 +171,7 @@ impl Statistics {
     }
 
     fn spectrum(&mut self, rate_hz: f64) -> Vec<SpectrumPoint> {
-        // known of no error
+        // no error of this call is known
         let density = allan::welch(self.recent.make_contiguous(), rate_hz).unwrap_or_default();
         let one_sided = |density: f64| (2.0 * density).sqrt();
         let point = |one: &allan::Density| SpectrumPoint {
@@ -181,12 +181,12 @@ impl Statistics {
         density.iter().map(point).collect()
     }
 
-    /// What the part is known for, and where that lies at this rate.
+    /// The known features of the part, at the frequencies where they appear at this rate.
     fn marks(&self, rate_hz: f64) -> Vec<SpectrumMark> {
         let half_hz = rate_hz / 2.0;
         let mark = |hz, kind, text| SpectrumMark { hz, kind, text };
         let bandwidth = self.axis.bandwidth_hz.map(|hz| {
-            let aliases = if half_hz < hz { ": samples alias, for they come below twice of it" } else { "" };
+            let aliases = if half_hz < hz { ": samples alias, because their rate is below twice that" } else { "" };
             mark(hz.min(half_hz), MarkKind::Bandwidth, format!("bandwidth {hz:.0} Hz (−3 dB){aliases}"))
         });
         let resonance = self.axis.resonance.map(|tone| {
@@ -198,7 +198,7 @@ impl Statistics {
         bandwidth.into_iter().chain(resonance).chain([nyquist]).chain(self.lines()).collect()
     }
 
-    /// Lines that the model has taken out.
+    /// The lines that the model has removed.
     fn lines(&self) -> impl Iterator<Item = SpectrumMark> + '_ {
         let terms = self.fit.iter().flat_map(|fit| &fit.terms);
         terms.filter_map(|term| match term {
@@ -216,38 +216,37 @@ impl Statistics {
         self.fit.as_ref().map_or(typical, |fit| std::f64::consts::SQRT_2 * fit.n.value)
     }
 
-    /// What the deviations hold beside noise.
+    /// Describes signals other than noise in the deviations.
     fn caution(&self) -> Option<String> {
         if self.moved_s > 0.0 {
             return Some(format!(
-                "the part was not at rest for {:.0} s: this is motion as well as noise; begin anew when it is still",
+                "the part was not at rest for {:.0} s: this is motion as well as noise. Restart when it is still",
                 self.moved_s.ceil()
             ));
         }
         if let Some(fit) = self.fit.as_ref().filter(|fit| fit.is_rejected) {
             let off = 100.0 * fit.model_error;
-            return Some(format!("the rate does something that noise does not: the model is off by {off:.0} %"));
+            return Some(format!("the rate contains more than noise: the model is off by {off:.0} %"));
         }
         let missing = self.recent.iter().filter(|rate| rate.is_nan()).count() as f64 / self.recent.len().max(1) as f64;
         if missing > MOST_MISSING {
             let percent = 100.0 * missing;
-            return Some(format!("{percent:.1} % of the readings are missing: below 0.1 s there is too little noise"));
+            return Some(format!("{percent:.1} % of the readings are missing: below 0.1 s, the noise is too small"));
         }
         let span_c = self.temps.span_c();
-        (span_c > WARMED_C).then(|| {
-            format!("the temperature went by {span_c:.1} °C: long averages show how the bias follows it, beside noise")
-        })
+        (span_c > WARMED_C)
+            .then(|| format!("the temperature changed by {span_c:.1} °C: long averages show its effect on the bias"))
     }
 }
 
-/// Limits of a deviation enclose the true one with this probability.
+/// The limits of a deviation enclose the true one with this probability.
 const ONE_SIGMA: f64 = 0.683;
-/// Share of missing readings that is worth a word.
+/// A larger share of missing readings is worth a remark.
 const MOST_MISSING: f64 = 0.001;
-/// So is a temperature that went so far, °C.
+/// A larger change of temperature is worth a remark, °C.
 const WARMED_C: f64 = 0.5;
 
-/// Means over blocks; the blocks are longer the longer it lasts.
+/// Means over blocks, which become longer with time.
 #[derive(Debug, Default)]
 struct Means {
     values: Vec<f64>,
@@ -282,23 +281,23 @@ impl Means {
     }
 }
 
-/// NaN where one is.
+/// The mean of two means; NaN if one is.
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// What stands for a reading that is missing: the mean of those before, so that the times of the others stay right.
+/// The substitute for a missing reading: the mean of those before. It keeps the times of the others right.
 #[derive(Debug, Default)]
 struct StandIn {
-    /// None before the first.
+    /// `None` before the first reading.
     code: Option<f64>,
 }
 
-/// Readings that its mean goes over, about.
+/// The approximate number of readings in the mean.
 const STAND_IN_OVER: f64 = 1000.0;
 
 impl StandIn {
-    /// Takes a reading that is there.
+    /// Takes a valid reading.
     #[inline]
     fn push(&mut self, code: i32) {
         let code = f64::from(code);
@@ -315,7 +314,7 @@ mod tests {
     use super::*;
     use zerorate::Part;
 
-    /// A part whose code is constant has no deviation at all, whatever of it is missing.
+    /// A part whose code is constant has no deviation at all, however many of its readings are missing.
     #[test]
     fn what_is_missing_early_makes_no_step() {
         let mut statistics = Statistics::new(&Part::ADIS16130.axes[0].axis);

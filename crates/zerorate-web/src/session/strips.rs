@@ -1,17 +1,17 @@
-//! Strips: bins of time with the least and the largest value in each, at several lengths, in bounded memory.
+//! Strips: bins of time with the least and largest value in each, at several lengths, in bounded memory.
 
 use crate::message::Strip;
 use std::collections::VecDeque;
 
 /// Length of a bin of the first level, ns.
 const SHORTEST_NS: u64 = 1_000_000;
-/// Bins of a level that make one of the next.
+/// Number of bins of a level that make one bin of the next.
 const RATIO: u64 = 8;
-/// From 1 ms to 262 s.
+/// Number of levels, with bins from 1 ms to 262 s.
 const LEVELS: u32 = 7;
-/// Bins that are kept of each level: 2 s to 6 days.
+/// Number of bins that are kept of each level: 2 s to 6 days.
 pub const KEPT: usize = 2048;
-/// Least and largest of rate, corrected rate and temperature.
+/// Number of columns: least and largest of rate, corrected rate and temperature.
 const COLUMNS: usize = 6;
 
 /// Length of a bin at each level, s.
@@ -23,25 +23,25 @@ const fn bin_ns(level: u32) -> u64 {
     SHORTEST_NS * RATIO.pow(level)
 }
 
-/// Values at one time; NaN where there is none.
+/// The values at one time; NaN means unknown.
 #[derive(Clone, Copy, Debug)]
 pub struct Values {
-    /// °/s.
+    /// Rate, °/s.
     pub rate_dps: f64,
-    /// °/s.
+    /// Corrected rate, °/s.
     pub corrected_dps: f64,
-    /// °C.
+    /// Temperature, °C.
     pub temp_c: f64,
 }
 
-/// Least and largest of each.
+/// Least and largest of each value.
 #[derive(Clone, Copy, Debug)]
 struct Bin([f32; COLUMNS]);
 
 impl Bin {
     const EMPTY: Self = Self([f32::NAN; COLUMNS]);
 
-    /// NaN is neither less nor more than anything.
+    /// NaN is neither less nor more than any number.
     fn widen(&mut self, other: &Self) {
         for (index, (own, other)) in self.0.iter_mut().zip(other.0).enumerate() {
             *own = if index % 2 == 0 { own.min(other) } else { own.max(other) };
@@ -80,7 +80,7 @@ impl Strips {
         }
     }
 
-    /// Appends the bins that are complete: those since the last call, or all.
+    /// Appends the complete bins: those since the last call, or all.
     pub fn give(&self, axis: u32, all: bool, strips: &mut Vec<Strip>, payload: &mut Vec<f32>) {
         for (number, level) in self.levels.iter().enumerate() {
             let first = if all { level.first } else { level.given.max(level.first) };
@@ -97,7 +97,7 @@ impl Strips {
         }
     }
 
-    /// What was given counts as known from here on.
+    /// Marks everything so far as given.
     pub fn mark_given(&mut self) {
         for level in &mut self.levels {
             level.given = level.first + level.bins.len() as u64;
@@ -109,11 +109,11 @@ impl Strips {
 #[derive(Debug)]
 struct Level {
     bins: VecDeque<Bin>,
-    /// Number of the first of them.
+    /// Number of the first bin.
     first: u64,
-    /// Number of the first that was not given.
+    /// Number of the first bin that was not given.
     given: u64,
-    /// The one that is being filled, and its number.
+    /// The bin that is being filled, and its number.
     open: Option<(u64, Bin)>,
 }
 
@@ -124,7 +124,7 @@ impl Default for Level {
 }
 
 impl Level {
-    /// Takes values in the bin of this number; the bin before, if that is complete now.
+    /// Puts values in the bin of this number. Returns the bin before, if it is now complete.
     fn push(&mut self, number: u64, bin: &Bin) -> Option<(u64, Bin)> {
         match &mut self.open {
             Some((open, values)) if *open >= number => {

@@ -1,17 +1,18 @@
-//! The rate over temperature: means of the time that the part spent at each, and the straight line through them.
+//! The rate over temperature: the mean of the time that the part spent at each, and the straight line through the
+//! means.
 
 use super::axis::{BLOCK_S, Block};
 use crate::message::{OverTemperature, TemperatureLine, TemperaturePoint};
 use std::collections::BTreeMap;
 
-/// The narrowest bin, °C.
+/// The least width of a bin, °C.
 const NARROWEST_C: f64 = 0.05;
-/// Bins, at most; then they become wider.
+/// The largest number of bins; with more, they become wider.
 const MOST_BINS: usize = 400;
-/// Points that make a line.
+/// The least number of points for a line.
 const FEWEST_POINTS: usize = 3;
 
-/// Of one axis.
+/// The rate over temperature of one axis.
 #[derive(Debug)]
 pub struct Temperatures {
     width_c: f64,
@@ -57,13 +58,13 @@ impl Temperatures {
         }
     }
 
-    /// From the lowest to the highest, °C.
+    /// The span from the lowest to the highest temperature, °C.
     pub fn span_c(&self) -> f64 {
         let mut temps = self.bins.values().map(|bin| bin.temp_c / f64::from(bin.blocks));
         temps.next().zip(temps.next_back()).map_or(0.0, |(low_c, high_c)| high_c - low_c)
     }
 
-    /// For the page.
+    /// The result for the page.
     pub fn shown(&self, white_dps_per_rt_hz: f64) -> OverTemperature {
         let point = |bin: &Bin| {
             let (blocks, duration_s) = (f64::from(bin.blocks), f64::from(bin.blocks) * BLOCK_S);
@@ -79,7 +80,7 @@ impl Temperatures {
     }
 }
 
-/// Least squares, weighted by the uncertainties.
+/// Weighted least squares.
 fn line(points: &[TemperaturePoint]) -> Option<TemperatureLine> {
     let weighted: Vec<_> =
         points.iter().filter(|point| point.u_dps > 0.0).map(|point| (point.u_dps.powi(-2), point)).collect();
@@ -103,7 +104,7 @@ mod tests {
         temperatures.shown(0.04)
     }
 
-    /// A straight line is found whatever the bins are, with the uncertainty of the textbook: σ² over Σ(T − mean)².
+    /// The fit finds a straight line for any bins, with the uncertainty of the textbook: σ² over Σ(T − mean)².
     #[test]
     fn a_line_is_found() {
         for step_c in [0.01, 0.1, 1.0] {

@@ -1,7 +1,7 @@
-//! A bridge whose bytes somebody else moves (docs/formats/bridge.md).
+//! A bridge whose bytes are moved by the page (docs/formats/bridge.md).
 //!
-//! What is to be done with it is one future, from the first request to the last sample. It is polled by hand whenever
-//! bytes came or time went by, so that nothing here waits.
+//! A single future does all the work, from the first request to the last sample. It is polled by hand whenever bytes
+//! arrive or time passes, so that nothing here waits.
 
 mod wire;
 
@@ -30,17 +30,17 @@ pub struct Bridge {
     failed: Option<String>,
 }
 
-/// SPI clock that is asked for, Hz: half of what the part can (F-21), as the program does.
+/// The SPI clock that is requested, Hz: half of the part's maximum (F-21), as the program does.
 const SCLK_HZ: u32 = MAX_SCLK_HZ / 2;
 
-/// So long without a sample is a failure of the part.
+/// This long without a sample means that the part failed.
 const SILENCE: Duration = Duration::from_secs(1);
-/// The window that has the port may be kept from passing anything on for so long beyond that: by a dialog, or by a
-/// browser that spares what nobody sees.
+/// Additional time for which the window with the port may be blocked, by a dialog or by a browser that saves power in
+/// hidden windows.
 const BLOCKED: Duration = Duration::from_secs(30);
 
 impl Bridge {
-    /// A bridge from whose port nothing was heard yet, at this time of the page, ms.
+    /// A bridge whose port has sent nothing yet, at this time of the page, ms.
     #[must_use]
     pub fn open(now_ms: f64) -> Self {
         let config = Config::new().with_framing(Framing::Command);
@@ -105,7 +105,7 @@ impl Source for Bridge {
     }
 }
 
-/// All that is done with a bridge, until it can be read no more.
+/// Does all work with a bridge, until it can no longer be read.
 async fn measure(shared: Shared, config: Config) -> Result<Infallible, String> {
     let told = |error| match error {
         RequestError::Silent => format!("the bridge {SILENT}"),
@@ -134,8 +134,8 @@ async fn measure(shared: Shared, config: Config) -> Result<Infallible, String> {
     }
 }
 
-/// Ends whatever the bridge was doing, and sets its clock and what is to be written to the part; or says why that
-/// bridge will not do.
+/// Stops the bridge, and sets its clock and what it writes to the part. The inner error says why this bridge cannot be
+/// used.
 async fn greet(shared: &Shared, config: &Config) -> Result<Result<(), String>, RequestError> {
     wire::ask(shared, Ask::Stop, Answer::Stopped.only()).await?;
     let hello = wire::ask(shared, Ask::Hello, |answer| match answer {
@@ -145,8 +145,8 @@ async fn greet(shared: &Shared, config: &Config) -> Result<Result<(), String>, R
     let (protocol, firmware) = hello.await?;
     if protocol != PROTOCOL {
         return Ok(Err(format!(
-            "the bridge is {firmware} and speaks version {protocol} of the protocol, this page version {PROTOCOL}: \
-             bring the older one up to date"
+            "the bridge is {firmware} and speaks version {protocol} of the protocol, but this page speaks version \
+             {PROTOCOL}; update the older one"
         )));
     }
     shared.borrow_mut().firmware = Some(firmware);
@@ -155,9 +155,7 @@ async fn greet(shared: &Shared, config: &Config) -> Result<Result<(), String>, R
     let settings = Ask::Configure(Settings::from(config));
     match wire::ask(shared, settings, Answer::Configured.only()).await {
         Err(RequestError::Refused(Refusal::NoSuchWire)) => {
-            return Ok(
-                Err("the bridge cannot hear the falling edge of RDY: bring its firmware up to date".to_owned()),
-            );
+            return Ok(Err("the bridge cannot detect the falling edge of RDY: update its firmware".to_owned()));
         }
         configured => configured?,
     }

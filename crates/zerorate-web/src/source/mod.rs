@@ -1,5 +1,5 @@
-//! Devices that a browser can read: the twin, a recording that was dropped on the page, and a bridge whose bytes
-//! somebody else moves. None of them waits, and none has a clock.
+//! Devices that a browser can read: the twin, a recording that was dropped on the page, and a bridge whose bytes are
+//! moved by the page. None of them waits, and none has a clock.
 
 mod bridge;
 mod replay;
@@ -15,23 +15,23 @@ use adis16130_twin::Truth;
 use zerorate::Axis;
 use zerorate_record::{CaptureInfo, Converter, Row};
 
-/// What a source has next.
+/// The next item of a source.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Next {
     /// A reading.
     Row(Row),
-    /// None yet.
+    /// No reading yet.
     Waiting,
-    /// There are no more: a recording ended.
+    /// The end: a recording has no more readings.
     Ended,
 }
 
 /// A device that is being read.
 pub trait Source {
-    /// What is known of it by now; it is said once more when more is known ([`Source::opened`]).
+    /// The facts about the device so far. They are given again when more is known ([`Source::opened`]).
     fn about(&self) -> About;
 
-    /// Whether it was opened since this was asked last, so that there is more to say of it.
+    /// Whether the device was opened since the last call, so that more is known about it.
     fn opened(&mut self) -> bool {
         false
     }
@@ -39,36 +39,36 @@ pub trait Source {
     /// The next reading.
     ///
     /// # Errors
-    /// It cannot be read any more: why, and what to do.
+    /// If it can no longer be read: why, and what to do.
     fn next(&mut self) -> Result<Next, String>;
 
-    /// What a twin knows of itself now.
+    /// The truth that a twin knows, at present.
     fn truths(&self) -> Vec<Truth> {
         Vec::new()
     }
 
-    /// What there is to say since this was asked last.
+    /// The messages since the last call.
     fn notes(&mut self) -> Vec<Said> {
         Vec::new()
     }
 
-    /// What came through the serial port, at this time of the page, ms.
+    /// Takes bytes from the serial port, at this time of the page, ms.
     fn received(&mut self, bytes: &[u8], now_ms: f64) {
         let _ = (bytes, now_ms);
     }
 
-    /// What is to be written to it.
+    /// The bytes to write to the serial port.
     fn to_send(&mut self) -> Vec<u8> {
         Vec::new()
     }
 
-    /// The serial port is gone.
+    /// Reports that the serial port is gone.
     fn unplugged(&mut self, why: &str) {
         let _ = why;
     }
 }
 
-/// An ADIS16130 that the driver reads so, without registers and checks.
+/// The facts about an ADIS16130 that the driver reads, without registers and checks.
 fn about_part(name: &str, config: &Config, is_simulated: bool, has_roa_capacitor: bool) -> About {
     let converter = Converter {
         width: config.width(),

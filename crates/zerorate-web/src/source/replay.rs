@@ -6,7 +6,7 @@ use std::path::Path;
 use zerorate_logs::{ColumnOptions, RowReader};
 use zerorate_record::{CaptureInfo, Input};
 
-/// A recording; its time goes with its readings.
+/// A recording, which runs as fast as its readings.
 pub struct Replay {
     about: About,
     reader: RowReader,
@@ -17,7 +17,7 @@ impl Replay {
     /// Opens a capture of this name.
     ///
     /// # Errors
-    /// It is none, or damaged.
+    /// If the file is not a capture, or is damaged.
     pub fn open(name: &str, input: Input) -> Result<Self, String> {
         let reader = RowReader::open(Path::new(name), input, None, &ColumnOptions::default());
         let reader = reader.map_err(|error| error.to_string())?;

@@ -1,4 +1,4 @@
-//! The driver, reading the twin.
+//! The twin, read by the driver.
 
 use super::{Next, Source, about_part};
 use crate::registers;
@@ -8,7 +8,7 @@ use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig};
 use adis16130_twin::{Roa, Spec, Truth, Twin, TwinSpi};
 use zerorate_record::Row;
 
-/// The part in software; its time goes with its readings.
+/// The simulated sensor, whose time advances with its readings.
 pub struct TwinSource {
     about: About,
     twin: Twin,
@@ -18,14 +18,14 @@ pub struct TwinSource {
     alive_ns: u64,
 }
 
-/// So long without a reading is a failure.
+/// This long without a reading is a failure.
 const SILENCE_NS: u64 = 1_000_000_000;
 
 impl TwinSource {
-    /// A unit by its keys, as after `--device twin:`, which was just switched on.
+    /// A unit that was just switched on, by its keys, as after `--device twin:`.
     ///
     /// # Errors
-    /// Keys that there are not, or a part that does not answer.
+    /// If a key is unknown, or the part does not answer.
     pub fn open(keys: &str) -> Result<Self, String> {
         let spec = Spec::parse_keys(keys).map_err(|error| error.to_string())?;
         let has_capacitor = spec.roa == Roa::TenNanofarad;
@@ -41,13 +41,13 @@ impl TwinSource {
         Ok(Self { about, twin, part, sampler, alive_ns })
     }
 
-    /// A reading that failed for once is lost, and counted.
+    /// A single failed reading is lost, and counted.
     fn require_alive(&mut self) -> Result<(), String> {
         match self.part.diagnose() {
             Ok(Some(fault)) => Err(fault.to_string()),
             Ok(None) if self.twin.now_ns() - self.alive_ns < SILENCE_NS => Ok(()),
             Ok(None) => {
-                Err("no data ready: the part answers, but RDY (pin 10) brought no new data for a second".into())
+                Err("no data ready: the part answers, but RDY (pin 10) has announced no new data for a second".into())
             }
             Err(error) => Err(error.to_string()),
         }

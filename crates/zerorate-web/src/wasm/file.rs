@@ -1,4 +1,4 @@
-//! A file that the browser was given, read where it lies: it is never in memory as a whole.
+//! A file that the user gave to the browser. It is read in pieces and never in memory as a whole.
 
 use std::io;
 use std::sync::Arc;
@@ -7,12 +7,12 @@ use zerorate_record::{Elsewhere, Input};
 
 #[wasm_bindgen]
 extern "C" {
-    /// Fills `into` with the bytes of the worker's file from `at` on, and says how many there were.
+    /// Fills `into` with the bytes of the worker's file from `at` on, and returns their number.
     #[wasm_bindgen(js_namespace = zerorate, js_name = readAt, catch)]
     fn read_at(at: f64, into: &mut [u8]) -> Result<u32, JsValue>;
 }
 
-/// The file of this worker, which has one at a time.
+/// The file of this worker; a worker has one at a time.
 #[derive(Debug)]
 struct File {
     length: u64,
@@ -30,10 +30,10 @@ impl Elsewhere for File {
 }
 
 fn words(why: &JsValue) -> String {
-    why.as_string().unwrap_or_else(|| "the browser does not give the file's bytes; drop it once more".to_owned())
+    why.as_string().unwrap_or_else(|| "the browser does not give the file's bytes; drop the file again".to_owned())
 }
 
-/// The worker's file, which is so long.
+/// The worker's file, with this length.
 pub fn input(length: f64) -> Input {
     Input::elsewhere(Arc::new(File { length: length as u64 }))
 }

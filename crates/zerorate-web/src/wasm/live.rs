@@ -1,4 +1,4 @@
-//! The session with its device, as its worker calls it.
+//! The session with its device, for its worker.
 
 #[cfg(feature = "wasm-replay")]
 use super::file;
@@ -20,7 +20,7 @@ fn twin(keys: &str) -> Open {
     Box::new(move |_| Ok(Box::new(TwinSource::open(&keys)?) as Box<dyn Source>))
 }
 
-/// The worker's file, of this name and length.
+/// The worker's file, with this name and length.
 #[cfg(feature = "wasm-replay")]
 fn replay(name: &str, length: f64) -> Open {
     let name = name.to_owned();
@@ -37,22 +37,22 @@ fn opened(open: Open) -> Result<LiveSession, JsError> {
 
 #[wasm_bindgen]
 impl LiveSession {
-    /// With a unit of the twin.
+    /// A session with a unit of the twin.
     pub fn of_twin(keys: &str) -> Result<LiveSession, JsError> {
         opened(twin(keys))
     }
 
-    /// With a bridge, whose bytes come and go by `received` and `to_send`.
+    /// A session with a bridge, whose bytes come and go by `received` and `to_send`.
     pub fn of_bridge() -> Result<LiveSession, JsError> {
         opened(bridge())
     }
 
-    /// The same session with a unit of the twin instead.
+    /// Continues the session with a unit of the twin.
     pub fn use_twin(&mut self, keys: &str) -> Result<(), JsError> {
         self.instead(twin(keys))
     }
 
-    /// The same with a bridge.
+    /// Continues the session with a bridge.
     pub fn use_bridge(&mut self) -> Result<(), JsError> {
         self.instead(bridge())
     }
@@ -62,42 +62,42 @@ impl LiveSession {
         self.session().calibrations().map(|calibration| calibration.to_toml()).collect()
     }
 
-    /// Puts a calibration that the page kept on file; its id.
+    /// Puts a calibration on file that the page kept, and returns its id.
     pub fn add_calibration(&mut self, toml: &str) -> Result<String, JsError> {
         self.session().add_calibration(toml).map_err(|why| JsError::new(&why))
     }
 
-    /// Applies one that is on file.
+    /// Applies a calibration that is on file.
     pub fn apply(&mut self, id: &str) -> Result<(), JsError> {
         self.session().apply(Some(id)).map_err(|why| JsError::new(&why))
     }
 
-    /// The id of the one that is applied.
+    /// The id of the calibration that is applied.
     pub fn applied(&mut self) -> Option<String> {
         self.session().applied().map(Calibration::id)
     }
 
-    /// Whether a calibration is under way.
+    /// Whether a calibration is running.
     pub fn is_calibrating(&mut self) -> bool {
         self.session().method().is_some()
     }
 
-    /// Something that the page has to say.
+    /// Adds a notice of the page.
     pub fn note(&mut self, text: &str) {
         self.session().note(Said::plain(text));
     }
 
-    /// What was to be opened cannot be.
+    /// Notes that a device cannot be opened.
     pub fn cannot_open(&mut self, why: &str) {
         self.session().note(Said::new("cannot-open", why));
     }
 
-    /// Goes on where a first look at the same unit is, so long after its first reading, s.
+    /// Continues where a first look at the same unit is, this long after its first reading, s.
     pub fn catch_up(&mut self, shown_s: f64) {
         self.0.catch_up(shown_s, &mut now_ms);
     }
 
-    /// Takes readings for at most so long, ms, as far as their time has come.
+    /// Takes readings whose time has come, for at most this long, ms.
     pub fn turn(&mut self, budget_ms: f64) {
         self.0.turn(&mut now_ms, budget_ms);
     }
@@ -107,28 +107,28 @@ impl LiveSession {
         self.0.ask(request, now_ms())
     }
 
-    /// What is new, for every window; none: nothing.
+    /// The frame with everything that changed, for every window; none if nothing did.
     pub fn frame(&mut self) -> Option<Vec<u8>> {
         self.session().frame()
     }
 
-    /// All there is, for a window that just came.
+    /// The frame with everything, for a window that just opened.
     pub fn snapshot(&mut self) -> Vec<u8> {
         self.session().snapshot()
     }
 
-    /// What came through the serial port.
+    /// Takes bytes from the serial port.
     pub fn received(&mut self, bytes: &[u8]) {
         self.0.received(bytes, now_ms());
     }
 
-    /// What is to be written to it.
+    /// The bytes to write to the serial port.
     #[wasm_bindgen(js_name = to_send)]
     pub fn outgoing(&mut self) -> Vec<u8> {
         self.0.to_send()
     }
 
-    /// The serial port is gone, and why.
+    /// Reports that the serial port is gone, and why.
     pub fn unplugged(&mut self, why: &str) {
         self.0.unplugged(why);
     }
@@ -145,12 +145,12 @@ impl LiveSession {
 #[cfg(feature = "wasm-replay")]
 #[wasm_bindgen]
 impl LiveSession {
-    /// With a recording: the worker's file.
+    /// A session with a recording: the worker's file.
     pub fn of_replay(name: &str, length: f64) -> Result<LiveSession, JsError> {
         opened(replay(name, length))
     }
 
-    /// The same session with a recording instead.
+    /// Continues the session with a recording.
     pub fn use_replay(&mut self, name: &str, length: f64) -> Result<(), JsError> {
         self.instead(replay(name, length))
     }

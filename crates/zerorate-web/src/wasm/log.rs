@@ -1,4 +1,4 @@
-//! The reader of logs, as its worker calls it.
+//! The reader of logs, for its worker.
 
 use super::{file, now_ms};
 use crate::log::LogReader;
@@ -8,10 +8,10 @@ use wasm_bindgen::prelude::*;
 use zerorate_allan::{Input, Stat, deviations, octaves};
 use zerorate_record::limits::{Bytes, set_max_memory};
 
-/// Of the 4 GiB that a module can have, what the columns of a log may take; its analysis takes the rest.
+/// The memory for the columns of a log, out of the 4 GiB that a module can have; the analysis takes the rest.
 const MAX_MEMORY: Bytes = Bytes(2 << 30);
 
-/// A log, and what is known of it by now.
+/// A log and the results so far.
 #[wasm_bindgen]
 pub struct Log {
     reader: Option<LogReader>,
@@ -29,23 +29,23 @@ impl Log {
         Ok(Self { reader, looked: json(&looked)? })
     }
 
-    /// What was seen: a `Looked` in JSON.
+    /// The result of the look: a `Looked` in JSON.
     pub fn looked(&self) -> String {
         self.looked.clone()
     }
 
-    /// Columns that are not yet analysed.
+    /// Number of columns that are not analysed yet.
     pub fn left(&self) -> usize {
         self.reader.as_ref().map_or(0, LogReader::left)
     }
 
-    /// The next column: a `LogAxis` in JSON; none: all are analysed.
+    /// The next column as a `LogAxis` in JSON; none: all are analysed.
     pub fn analyse(&mut self) -> Result<Option<String>, JsError> {
         let found = self.open()?.analyse().map_err(|why| JsError::new(&why))?;
         found.as_ref().map(json).transpose()
     }
 
-    /// What they come to: a `LogSummary` in JSON.
+    /// The summary of all columns: a `LogSummary` in JSON.
     pub fn summary(&mut self) -> Result<String, JsError> {
         json(&self.open()?.summary())
     }
@@ -58,7 +58,7 @@ impl Log {
     }
 
     fn open(&mut self) -> Result<&mut LogReader, JsError> {
-        self.reader.as_mut().ok_or_else(|| JsError::new("there is no log that was read"))
+        self.reader.as_mut().ok_or_else(|| JsError::new("no log has been read yet"))
     }
 }
 
@@ -66,7 +66,7 @@ fn json(value: &impl Serialize) -> Result<String, JsError> {
     Ok(serde_json::to_string(value)?)
 }
 
-/// How long the overlapping Allan deviation at octaves takes, ms, without the way of the samples into the module; then
+/// Time that the overlapping Allan deviation at octaves takes, ms, without moving the samples into the module; then
 /// the deviations. For `cargo xtask bench-web`.
 #[wasm_bindgen]
 pub fn oadev(rate: &[f64]) -> Vec<f64> {

@@ -1,4 +1,4 @@
-//! What the modules of a browser export: JavaScript's types come in and go out, and nothing is decided.
+//! The exports of the browser's modules. They only convert between Rust's and JavaScript's types.
 //!
 //! Each feature is a module: `wasm-first` shows the twin at once, `wasm-live` runs the session, `wasm-replay` runs it
 //! with recordings, and `wasm-log` reads logs. All are this crate as a cdylib with the same dependencies.

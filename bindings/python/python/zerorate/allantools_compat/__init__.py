@@ -2,16 +2,16 @@
 
     import zerorate.allantools_compat as allantools
 
-Signatures, order and names of the results, and the selection of averaging times are those of allantools 2024.06, whose
-own tests of these functions pass against this module (``cargo xtask python allantools`` in the repository). What is
-different:
+Signatures, order and names of the results, and the selection of averaging times are the same as in allantools 2024.06.
+Its own tests of these functions pass against this module (``cargo xtask python allantools`` in the repository). The
+differences:
 
-* Missing values (NaN) inside of a record stay gaps: averages over them count if half of their samples are there.
+* Missing values (NaN) inside a record stay gaps: averages over them count if half of their samples are present.
   allantools returns NaN.
-* The noise is identified where allantools raises NotImplementedError only by `zerorate.allan`, not by
-  `autocorr_noise_id`.
-* `gradev` has the limits that allantools says it has, and `mtie` leaves missing phase out.
-* What is in `NOT_OFFERED` is not here; an access to it says so.
+* Where allantools raises NotImplementedError, so does `autocorr_noise_id`; only `zerorate.allan` identifies the noise
+  there.
+* `gradev` has the limits that allantools documents, and `mtie` leaves missing phase out.
+* The names in `NOT_OFFERED` are not here; an access to them says so.
 
 New programs should call `zerorate.allan`, which states confidence limits and noise types without further calls.
 """

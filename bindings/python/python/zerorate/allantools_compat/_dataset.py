@@ -11,7 +11,7 @@ from ._offer import NOT_OFFERED, NotOffered
 
 
 class Dataset:
-    """A record, and the deviation that was computed of it last.
+    """A record, and the deviation that was computed last.
 
     `inp` holds ``data``, ``rate``, ``data_type``, ``taus``; `out` holds ``taus``, ``stat``, ``stat_err``,
     ``stat_unc``, ``stat_n``, ``stat_id``.
@@ -23,7 +23,7 @@ class Dataset:
         self.set_input(data, rate, data_type, taus)
 
     def set_input(self, data: Any, rate: float = 1.0, data_type: str = "phase", taus: Any = None) -> None:
-        """Another record; the results of the one before are gone. Arguments as of `adev`."""
+        """Sets another record and discards the old results. Arguments are as in `adev`."""
         self.inp = {"data": data, "rate": rate, "data_type": data_type, "taus": taus}
         self.out = dict.fromkeys(("taus", "stat", "stat_err", "stat_unc", "stat_n", "stat_id"))
 
@@ -35,7 +35,7 @@ class Dataset:
         AttributeError
             If there is no such function, here (`NotOffered`) or in allantools.
         RuntimeError
-            If it is no deviation.
+            If the function is not a deviation.
         """
         if function not in _NAMES:
             raise _no_deviation(function)
@@ -76,7 +76,7 @@ _NAMES = [*(name for name, *_ in _zerorate.statistics()), "gradev", "mtie"]
 
 def _no_deviation(name: str) -> Exception:
     if name not in NOT_OFFERED:
-        return AttributeError(f"no deviation {name!r}; there are {', '.join(_NAMES)}")
+        return AttributeError(f"no deviation {name!r}; the deviations are {', '.join(_NAMES)}")
     if name.endswith("dev") or name in ("theo1", "mtie", "tierms"):
         return NotOffered(name)
-    return RuntimeError(f"{name} is no deviation; there are {', '.join(_NAMES)}")
+    return RuntimeError(f"{name} is not a deviation; the deviations are {', '.join(_NAMES)}")

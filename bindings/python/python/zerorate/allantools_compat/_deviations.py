@@ -22,7 +22,7 @@ def _deviation(stat: str, data: Any, rate: float, data_type: str, taus: Any) -> 
         raise Exception(f"unknown data_type: {data_type}")  # what allantools raises
     is_phase = data_type == "phase"
     record = np.asarray(data, dtype=np.float64) if is_phase else trim_data(data)
-    # all that the choice of times takes from the phase is how many points it has
+    # the choice of times needs only the number of points of the phase
     phase = np.broadcast_to(0.0, len(record) + (not is_phase))
     _, lengths, used = tau_generator(phase, rate, taus)
     devs, ns = _zerorate.deviations(
@@ -61,38 +61,38 @@ def adev(data: Any, rate: float = 1.0, data_type: str = "phase", taus: Any = Non
 
 
 def oadev(data: Any, rate: float = 1.0, data_type: str = "phase", taus: Any = None) -> Result:
-    """Overlapping Allan deviation, NIST SP 1065 equation 11. Arguments and result as of `adev`."""
+    """Overlapping Allan deviation, NIST SP 1065 equation 11. Arguments and result are as in `adev`."""
     return _deviation("oadev", data, rate, data_type, taus)
 
 
 def mdev(data: Any, rate: float = 1.0, data_type: str = "phase", taus: Any = None) -> Result:
-    """Modified Allan deviation, NIST SP 1065 equation 14. Arguments and result as of `adev`."""
+    """Modified Allan deviation, NIST SP 1065 equation 14. Arguments and result are as in `adev`."""
     return _deviation("mdev", data, rate, data_type, taus)
 
 
 def tdev(data: Any, rate: float = 1.0, data_type: str = "phase", taus: Any = None) -> Result:
-    """Time deviation, s, NIST SP 1065 equation 15. Arguments and result as of `adev`."""
+    """Time deviation, s, NIST SP 1065 equation 15. Arguments and result are as in `adev`."""
     return _deviation("tdev", data, rate, data_type, taus)
 
 
 def hdev(data: Any, rate: float = 1.0, data_type: str = "phase", taus: Any = None) -> Result:
-    """Hadamard deviation, NIST SP 1065 equation 17. Arguments and result as of `adev`."""
+    """Hadamard deviation, NIST SP 1065 equation 17. Arguments and result are as in `adev`."""
     return _deviation("hdev", data, rate, data_type, taus)
 
 
 def ohdev(data: Any, rate: float = 1.0, data_type: str = "phase", taus: Any = None) -> Result:
-    """Overlapping Hadamard deviation, NIST SP 1065 equation 18. Arguments and result as of `adev`."""
+    """Overlapping Hadamard deviation, NIST SP 1065 equation 18. Arguments and result are as in `adev`."""
     return _deviation("ohdev", data, rate, data_type, taus)
 
 
 def totdev(data: Any, rate: float = 1.0, data_type: str = "phase", taus: Any = None) -> Result:
-    """Total deviation, NIST SP 1065 equation 25. Arguments and result as of `adev`."""
+    """Total deviation, NIST SP 1065 equation 25. Arguments and result are as in `adev`."""
     return _deviation("totdev", data, rate, data_type, taus)
 
 
 def mtie(data: Any, rate: float = 1.0, data_type: str = "phase", taus: Any = None) -> Result:
     """Maximum time interval error, s: the largest excursion of the phase within any τ (ITU-T G.810). Arguments and
-    result as of `adev`.
+    result are as in `adev`.
 
     A missing value of the phase (NaN) is left out of its windows; in allantools the result is NaN then. A missing
     frequency makes all phase after it unknown.
@@ -105,7 +105,7 @@ def mtie(data: Any, rate: float = 1.0, data_type: str = "phase", taus: Any = Non
 
 
 _EXPONENTS = {"wp": 2.0, "fp": 1.0, "wf": 0.0, "ff": -1.0, "rf": -2.0}
-"""Of the density of the frequency."""
+"""Exponents of the density of the frequency."""
 
 
 def gradev(
@@ -116,13 +116,13 @@ def gradev(
     ci: float = 0.9,
     noisetype: str = "wp",
 ) -> tuple[Floats, Floats, list[Floats], Floats]:
-    """Overlapping Allan deviation of a record with gaps (NaN): of the differences all of whose points are there.
+    """Overlapping Allan deviation of a record with gaps (NaN), from the differences whose points are all present.
 
     Parameters
     ----------
     data, rate, data_type, taus
-        As of `adev`. Give phase if you can: a missing frequency makes all phase after it unknown. `zerorate.allan` is
-        better off with gaps in a rate.
+        See `adev`. Give phase if you can: a missing frequency makes all phase after it unknown. `zerorate.allan`
+        handles gaps in a rate better.
     ci
         Probability of the interval.
     noisetype
@@ -132,8 +132,8 @@ def gradev(
     Returns
     -------
     (taus, dev, [err_lo, err_hi], n)
-        As of `adev`, and how far the limits are below and above the deviation. (allantools 2024.6 says so, but hands
-        the degrees of freedom over for the probability, and returns NaN.)
+        See `adev`; the errors are the distances of the limits below and above the deviation. (allantools 2024.6
+        documents this, but passes the degrees of freedom as the probability and returns NaN.)
     """
     phase = np.ascontiguousarray(_phase(data, rate, data_type))
     _, lengths, used = tau_generator(phase, rate, taus)
@@ -159,7 +159,7 @@ def _phase(data: Any, rate: float, data_type: str) -> Floats:
 
 
 def remove_small_ns(taus: Any, devs: Any, deverrs: Any, ns: Any) -> Result:
-    """Leaves out what rests on a single term or none. `deverrs` is an array, or a list of two (lower, upper).
+    """Removes times with a single term or none. `deverrs` is an array, or a list of two (lower, upper).
 
     Raises
     ------
@@ -183,7 +183,7 @@ def three_cornered_hat_phase(
 ) -> Result:
     """Deviation of clock A out of comparisons of three: σ²_A = (σ²_AB + σ²_CA − σ²_BC) / 2; 0 where that is negative.
 
-    `function` is the deviation, such as `oadev`. Result as of `adev`.
+    `function` is the deviation, such as `oadev`. The result is as in `adev`.
     """
     times, ab, _, ns = function(phasedata_ab, data_type="phase", rate=rate, taus=taus)
     bc = function(phasedata_bc, data_type="phase", rate=rate, taus=taus)[1]

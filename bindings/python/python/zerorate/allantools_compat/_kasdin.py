@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 
 class _Law(NamedTuple):
-    """What deviations a frequency density h f^α has: σ² = coefficient · h · τ^exponent."""
+    """The deviations of a frequency density h f^α: σ² = coefficient · h · τ^exponent."""
 
     avar_exponent: float
     mvar_exponent: float
     avar: Callable[[float, float], float]
-    """Of the highest frequency and τ."""
+    """A function of the highest frequency and τ."""
     mvar: float
     pvar: float
 
@@ -44,7 +44,7 @@ _LAWS = {
 class Noise:
     """A phase with power-law noise, by N. J. Kasdin and T. Walter (IEEE Frequency Control Symposium 1992).
 
-    Drawn from numpy's global generator.
+    It is drawn from numpy's global generator.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class Noise:
         Discrete variance.
     b
         Exponent of the density of the phase: 0 white phase, −1 flicker phase, −2 white frequency, −3 flicker
-        frequency, −4 random walk frequency. The deviations are known of these alone.
+        frequency, −4 random walk frequency. The deviations are known for these alone.
     """
 
     def __init__(self, nr: int = 2, qd: float = 1, b: float = 0) -> None:
@@ -62,7 +62,7 @@ class Noise:
         self.set_input(nr, qd, b)
 
     def set_input(self, nr: int = 2, qd: float = 1, b: float = 0) -> None:
-        """Other parameters."""
+        """Sets other parameters."""
         self.nr, self.qd, self.b = nr, qd, b
 
     def generateNoise(self) -> None:
@@ -114,5 +114,5 @@ class Noise:
     @property
     def _law(self) -> _Law:
         if self.b not in _LAWS:
-            raise ValueError(f"b={self.b}: deviations are known of b = 0, -1, -2, -3, -4")
+            raise ValueError(f"b={self.b}: deviations are known for b = 0, -1, -2, -3, -4")
         return _LAWS[int(self.b)]

@@ -1,4 +1,4 @@
-"""What is not here."""
+"""The names of allantools that are not offered."""
 
 NOT_OFFERED = (
     "Plot",
@@ -21,11 +21,11 @@ NOT_OFFERED = (
     "tierms",
     "ttotdev",
 )
-"""What allantools has and `zerorate.allantools_compat` has not."""
+"""Names of allantools that `zerorate.allantools_compat` does not have."""
 
 
 class NotOffered(AttributeError):
-    """One of `NOT_OFFERED` was asked for."""
+    """A name in `NOT_OFFERED` was accessed."""
 
     def __init__(self, name: str) -> None:
         super().__init__(f"zerorate.allantools_compat does not offer {name}; take it from allantools")

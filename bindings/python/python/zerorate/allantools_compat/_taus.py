@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 def tau_generator(
     data: Any, rate: float, taus: Any = None, v: bool = False, even: bool = False, maximum_m: int = -1
 ) -> tuple[NDArray[Any], Floats, Floats]:
-    """The averaging times of a request that a record of ``len(data)`` phase points can have.
+    """The requested averaging times that a record of ``len(data)`` phase points allows.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def tau_generator(
     even
         Even lengths only.
     maximum_m
-        Longest length in samples; −1: the record.
+        Longest length in samples; −1: the length of the record.
 
     Returns
     -------
@@ -76,8 +76,8 @@ def _lengths(taus: Any, points: int, rate: float) -> Floats:
 def tau_reduction(ms: Any, rate: float, n_per_decade: int) -> tuple[NDArray[np.int64], Floats]:
     """Thins a list of lengths, as of ``taus="all"``, to about `n_per_decade` in a decade.
 
-    A length stays if the next one of the list lies in the next interval of the logarithmic grid; the last one never
-    does.
+    A length stays if the next one in the list lies in the next interval of the logarithmic grid; the last one is always
+    removed.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-//! A chamber that somebody sets by hand, step after step.
+//! A chamber that somebody sets by hand, step by step.
 
 use super::{Found, FoundAxis, GuidedMethod, Measured, Stage};
 use crate::message::{CalibrateCommand, Step};
@@ -9,7 +9,7 @@ use zerorate::chamber::{
 use zerorate::{Calibration, Part, Plan, Scan, Warning};
 use zerorate_view::{Seconds, SessionWarning, report};
 
-/// The plan where none was named.
+/// The plan if none was named.
 const DEFAULT: &str = "two-point";
 /// Highest order of the curve.
 const MAX_ORDER: usize = 3;
@@ -17,7 +17,7 @@ const MAX_ORDER: usize = 3;
 #[derive(Debug)]
 pub struct ByHand {
     procedure: ChamberProcedure,
-    /// When the steps that are done ended, s since the beginning.
+    /// End times of the finished steps, s since the start.
     ends_s: Vec<f64>,
     max_lost: f64,
     earth_dps: Option<f64>,
@@ -33,8 +33,8 @@ impl ByHand {
         Ok(Self { procedure, ends_s: Vec::new(), max_lost, earth_dps: super::earth_dps(command) })
     }
 
-    /// When a step ends that begins at `from_s`, s: when it did; or after the time that it takes at least, and not
-    /// before now where it is under way.
+    /// The end of a step that begins at `from_s`, s. It is the real end of a finished step, and otherwise the end of
+    /// its least duration, but for the running step not before now.
     fn end_s(&self, step: usize, from_s: f64) -> f64 {
         let (plan, part) = (self.procedure.plan(), self.procedure.part());
         let least_s = plan.least_s(step, part) - plan.least_s(step + 1, part);
@@ -53,9 +53,9 @@ impl ByHand {
         let how = step.c_per_min.map_or(String::new(), |c_per_min| format!(", at {c_per_min} °C a minute"));
         let then = match step.end {
             StepEnd::Hold(hold_s) => format!("leave it there for {}", Seconds(hold_s)),
-            StepEnd::Average(_) => "leave it there until the part has settled and was averaged".to_owned(),
+            StepEnd::Average(_) => "leave it there until the sensor has settled and was averaged".to_owned(),
         };
-        let at = progress.temp_c.map_or(String::new(), |temp_c| format!(" The part is at {temp_c:.1} °C."));
+        let at = progress.temp_c.map_or(String::new(), |temp_c| format!(" The sensor is at {temp_c:.1} °C."));
         format!(
             "Step {} of {}: set the chamber to {:.1} °C{how}, and {then}. Now: {}.{at}",
             progress.step + 1,
@@ -66,13 +66,13 @@ impl ByHand {
     }
 }
 
-/// A plan by its name, or the plan itself.
+/// A plan by its name or its text.
 fn text_of(named: &str) -> Result<&str, String> {
     let shipped = SHIPPED.iter().find(|(name, _)| *name == named).map(|(_, text)| *text);
     let names = SHIPPED.map(|(name, _)| name).join(" and ");
     shipped
         .or(Some(named).filter(|text| text.contains('=')))
-        .ok_or_else(|| format!("no plan is called {named:?}; {names} come with the software, or give a plan itself"))
+        .ok_or_else(|| format!("unknown plan {named:?}: take one of {names}, or give the text of a plan"))
 }
 
 impl GuidedMethod for ByHand {

@@ -1,4 +1,4 @@
-//! The methods of one recording: AN-1042's hour, a warm-up, a cycle.
+//! The methods of one recording: the hour of AN-1042, a warm-up, a cycle.
 
 use super::{Found, FoundAxis, GuidedMethod, Measured, Stage, label};
 use crate::message::{CalibrateCommand, MethodName, Step};
@@ -7,7 +7,7 @@ use zerorate::{
     Action, AxisRefusal, Calibration, Event, Method, Outcome, Part, PartProcedure, Plan, Say, Scan, State, resonance,
 };
 
-/// How often how well a curve is known is computed, s of part time: that takes about 0.1 s.
+/// Time between two computations of how well a curve is known, s of part time; each takes about 0.1 s.
 const REACH_EVERY_S: f64 = 60.0;
 
 #[derive(Debug)]
@@ -31,16 +31,16 @@ impl Hour {
     fn advice(&self, state: State, temps_c: Option<[f64; 4]>) -> String {
         let warmed_c = temps_c.map_or(0.0, |[first, now, ..]| now - first);
         match (state, self.procedure.plan().method) {
-            (State::Start, _) => "Leave the part where it is: it is being initialised.".to_owned(),
+            (State::Start, _) => "Do not move the sensor: it is being initialised.".to_owned(),
             (State::Recording, Method::Cycle) => {
-                "Heat the part, then let it cool, as far as it will see in use; do not move it.".to_owned()
+                "Heat the sensor, then let it cool, over the temperatures of its later use. Do not move it.".to_owned()
             }
             (State::WarmUp | State::Recording, _) => format!(
-                "Leave the part alone while it warms itself; it is {warmed_c:+.2} °C from where it began. No draught, \
-                 no touch, no load on its supply that switches."
+                "Leave the sensor alone while it warms itself; it is {warmed_c:+.2} °C from its start. Avoid \
+                 draughts, touch, and switching loads on its supply."
             ),
-            (State::Settle, _) => "Leave the part alone until its temperature has settled.".to_owned(),
-            _ => "Do not touch the table: the part is being averaged at rest.".to_owned(),
+            (State::Settle, _) => "Leave the sensor alone until its temperature has settled.".to_owned(),
+            _ => "Do not touch the table: the rate at rest is being averaged.".to_owned(),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! A guided calibration: what to do now, what would be refused, and what it comes to.
+//! A guided calibration: what to do now, what would be refused, and its result.
 
 mod chamber;
 mod hour;
@@ -16,35 +16,35 @@ use zerorate::calibration::Origin;
 use zerorate::{Calibration, Correction, EARTH_DPS, Part, Say, Scan, Setting, Tally, Warning};
 use zerorate_record::{CaptureInfo, Row, SampleHash};
 
-/// How often what would be refused is looked at, s of part time.
+/// Time between two looks at what would be refused, s of part time.
 const LOOK_EVERY_S: f64 = 2.0;
-/// Points of a curve.
+/// Number of points of a curve.
 const POINTS: u8 = 9;
 
-/// What the methods have in common: a procedure that is fed.
+/// The interface of all methods: a procedure that takes readings.
 trait GuidedMethod: std::fmt::Debug + Send {
-    /// The part was initialised, and its first reading is of this time.
+    /// Begins. The part was initialised, and its first reading has this time.
     fn begin(&mut self, t_ns: u64) -> Result<(), String>;
 
-    /// Takes a reading; true where it is done. An error is a refusal.
+    /// Takes a reading. Returns true when the procedure is done; an error is a refusal.
     fn take(&mut self, scan: &Scan) -> Result<bool, String>;
 
-    /// Ends a recording here; false where there are steps still to come.
+    /// Ends a recording now. Returns false if there are more steps.
     fn end_recording(&mut self) -> Result<bool, String> {
         Ok(false)
     }
 
-    /// Once in a while: what takes longer than a reading should.
+    /// Does work that takes longer than a reading should. It is called once in a while.
     fn look(&mut self) {}
 
-    /// Where it stands.
+    /// The progress.
     fn stage(&self, temps_c: Option<[f64; 4]>) -> Stage;
 
-    /// What it came to.
+    /// The result.
     fn finish(self: Box<Self>, source: &Measured<'_>, origin: Origin) -> Result<Found, String>;
 }
 
-/// Where a procedure stands.
+/// The progress of a procedure.
 struct Stage {
     steps: Vec<Step>,
     elapsed_s: f64,
@@ -55,14 +55,14 @@ struct Stage {
     can_finish: bool,
 }
 
-/// What a procedure came to.
+/// The result of a procedure.
 struct Found {
     calibration: Calibration,
     axes: Vec<FoundAxis>,
     warnings: Vec<Said>,
 }
 
-/// Of one axis.
+/// The result of one axis.
 struct FoundAxis {
     correction: Correction,
     u_pbc_dps: f64,
@@ -70,7 +70,7 @@ struct FoundAxis {
     span_c: (f64, f64),
 }
 
-/// A calibration under way.
+/// A running calibration.
 #[derive(Debug)]
 pub struct Guide {
     pub method: MethodName,
@@ -82,16 +82,16 @@ pub struct Guide {
     look_s: f64,
 }
 
-/// Of the Earth's rotation, on a vertical axis (F-16).
+/// Settings for the Earth's rotation, on a vertical axis (F-16).
 fn earth_dps(command: &CalibrateCommand) -> Option<f64> {
     command.latitude_deg.map(|deg| EARTH_DPS * deg.to_radians().sin())
 }
 
 impl Guide {
-    /// Before the first reading of a part that was just initialised.
+    /// Prepares a calibration before the first reading of a part that was just initialised.
     pub fn new(command: &CalibrateCommand, part: &Part, info: &CaptureInfo) -> Result<Self, String> {
         if let Some(deg) = command.latitude_deg.filter(|deg| !(-90.0..=90.0).contains(deg)) {
-            return Err(format!("a latitude of {deg}°: give a number from -90 to 90"));
+            return Err(format!("the latitude is {deg}°: give a number from -90 to 90"));
         }
         let way: Box<dyn GuidedMethod> = match command.method {
             MethodName::Chamber => Box::new(ByHand::new(command, part)?),
@@ -108,7 +108,7 @@ impl Guide {
         })
     }
 
-    /// Takes a reading; true where the procedure is done with it.
+    /// Takes a reading. Returns true when the procedure is done.
     #[inline]
     pub fn take(&mut self, row: &Row, scan: &Scan) -> Result<bool, String> {
         if !std::mem::replace(&mut self.begun, true) {
@@ -118,17 +118,17 @@ impl Guide {
         self.way.take(scan)
     }
 
-    /// Whether it took a reading.
+    /// Whether it has taken a reading.
     pub const fn has_begun(&self) -> bool {
         self.begun
     }
 
-    /// Ends a recording here; false where the method has steps that are still to come.
+    /// Ends a recording now. Returns false if the method has more steps.
     pub fn end_recording(&mut self) -> Result<bool, String> {
         self.way.end_recording()
     }
 
-    /// Once in a while: the temperature, and what would be refused.
+    /// Updates the temperature and what would be refused. It is called once in a while.
     pub fn look(&mut self, temp_c: Option<f64>) {
         if let Some(now_c) = temp_c {
             let [first, _, low, high] = self.temps_c.unwrap_or([now_c; 4]);
@@ -147,7 +147,7 @@ impl Guide {
         Calibrating::Running(Running { method, steps, elapsed_s, left_s, advice, threats, temps_c, u_dps, can_finish })
     }
 
-    /// What it came to, with the calibration itself.
+    /// The result, with the calibration itself.
     pub fn finish(self, source: &Measured<'_>) -> Result<(CalibrationResult, Calibration), String> {
         let info = CaptureInfo { serial: self.serial.or_else(|| source.info.serial.clone()), ..source.info.clone() };
         let Found { calibration, axes, warnings } = self.way.finish(source, info.origin(self.hash.hex()))?;
@@ -162,7 +162,7 @@ impl Guide {
     }
 }
 
-/// What a calibration was measured with.
+/// Facts about the measurement of a calibration.
 pub struct Measured<'a> {
     pub info: &'a CaptureInfo,
     pub tally: &'a Tally,
@@ -196,7 +196,7 @@ impl Measured<'_> {
     }
 }
 
-/// What the page calls a setting.
+/// The name of a setting on the page.
 fn label(setting: Setting) -> &'static str {
     match setting {
         Setting::Average => "the two averages",
@@ -208,7 +208,7 @@ fn label(setting: Setting) -> &'static str {
     }
 }
 
-/// Each once.
+/// Lists each warning once.
 fn worded<'a>(warnings: impl IntoIterator<Item = &'a Warning>) -> Vec<Said> {
     let mut all = Vec::new();
     for warning in warnings {

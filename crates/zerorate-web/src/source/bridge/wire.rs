@@ -1,4 +1,4 @@
-//! Requests and answers over bytes that somebody else moves.
+//! Requests and answers over bytes that are moved by the page.
 
 use crate::message::Register;
 use adis16130::bridge::{Answer, Ask, Client, Heard, Pending, RequestError, Step, WireSample};
@@ -12,7 +12,7 @@ use std::task::Poll;
 use std::time::Duration;
 use zerorate_record::Row;
 
-/// What the work on a bridge and its owner both see.
+/// The state that the work on a bridge shares with its owner.
 pub type Shared = Rc<RefCell<Wire>>;
 
 /// Both directions of a port.
@@ -23,24 +23,24 @@ pub struct Wire {
     pub to_send: Vec<u8>,
     /// Time of the page.
     pub now: Duration,
-    /// What the bridge calls itself, once it has said so.
+    /// The name that the bridge gave, once it has.
     pub firmware: Option<String>,
-    /// Of the part, as they were when it was opened.
+    /// The registers of the part at the time of opening.
     pub registers: Vec<Register>,
-    /// The part has just taken its configuration.
+    /// Whether the part has just taken its configuration.
     pub is_opened: bool,
     pub rows: VecDeque<Row>,
 }
 
 impl Wire {
-    /// The part has taken its configuration; these are its registers.
+    /// Notes that the part has taken its configuration; these are its registers.
     pub fn opened(&mut self, registers: Vec<Register>) {
         self.registers = registers;
         self.is_opened = true;
     }
 }
 
-/// Sends a request until it is answered with what `take` takes.
+/// Sends a request until an answer comes that `take` accepts.
 pub async fn ask<T>(shared: &Shared, ask: Ask<'_>, take: impl Fn(Answer<'_>) -> Option<T>) -> Result<T, RequestError> {
     let mut pending = Pending::new(ask);
     poll_fn(|_| {
@@ -57,10 +57,10 @@ pub async fn ask<T>(shared: &Shared, ask: Ask<'_>, take: impl Fn(Answer<'_>) -> 
     .await
 }
 
-/// The next sample; none where the part brings none for so long.
+/// The next sample; `None` if the part sends none for this long.
 ///
-/// Silence may be that of whoever moves the bytes instead. So the bridge is asked for anything: if it answers, the
-/// part is silent; else what is on its way may come for so much longer.
+/// The silence may be due to the window that moves the bytes. So the bridge is asked for anything: if it answers, the
+/// part is silent. Otherwise, bytes under way get this much more time.
 pub async fn sample(shared: &Shared, silence: Duration, blocked: Duration) -> Result<Option<WireSample>, String> {
     let mut heard = hear(shared, silence, |heard| heard != Heard::Answer).await;
     if heard.is_none() {
@@ -75,15 +75,15 @@ pub async fn sample(shared: &Shared, silence: Duration, blocked: Duration) -> Re
         Some(Heard::Sample(sample)) => Ok(Some(sample)),
         Some(_) => Ok(None),
         None => Err(format!(
-            "nothing came from the bridge for {} s: the window that reads its port is blocked (by a dialog, or by \
-             the browser while nobody sees it), or the bridge hangs; bring that window to the front, and open the \
+            "nothing came from the bridge for {} s: the window that reads its port is blocked (by a dialog, or \
+             because it is hidden), or the bridge hangs. Bring that window to the front, and open the \
              port again",
             blocked.as_secs()
         )),
     }
 }
 
-/// What comes within so long, of what counts.
+/// Waits at most this long for an item that counts.
 async fn hear(shared: &Shared, within: Duration, counts: impl Fn(Heard) -> bool) -> Option<Heard> {
     let deadline = shared.borrow().now + within;
     poll_fn(|_| {
@@ -111,7 +111,7 @@ impl SpiDevice for Transfers {
                     bytes.copy_from_slice(&received);
                 }
                 Operation::Write(bytes) => drop(self.exchange(bytes).await?),
-                // the driver does none of these
+                // the driver uses none of these
                 _ => return Err(RequestError::Unsupported),
             }
         }
