@@ -129,7 +129,9 @@ fn the_earth_is_subtracted_only_when_it_is_given() {
     assert!((with.correction.pbc_dps - without.correction.pbc_dps - 0.003).abs() < 1e-12);
     assert!(codes(&without).contains(&"earth-included") && !codes(&with).contains(&"earth-included"));
     let Some(assumed) = with.warnings.iter().find(|warning| warning.code() == "earth-subtracted") else { panic!() };
-    assert!(assumed.to_string().contains("±0.00418 °/s") && assumed.to_string().contains("turned over"), "{assumed}");
+    assert!(assumed.to_string().contains("+0.00300 °/s of Earth rotation was subtracted"), "{assumed}");
+    let known = Warning::EXPLANATIONS.iter().find(|one| one.code == "earth-subtracted").unwrap();
+    assert!(known.seen.contains("±0.00418 °/s") && known.remedy.contains("turned over"), "{known:?}");
 }
 
 #[test]
