@@ -84,9 +84,7 @@ pub enum FileWarning {
 rows!(match FileWarning {
     Self::NoChecksum => Row {
         code: "no-checksum",
-        text: format_args!(
-            "this calibration has no checksum, so changes go unseen; use the file as it was written"
-        ),
+        text: format_args!("this calibration has no checksum, so changes go unseen; use the file as it was written"),
         says: Says::Warning,
         by: &["stream", "correct", "export", "report", "serve"],
         seen: "A calibration file has no checksum: it was written by hand, or its check lines were taken out.",

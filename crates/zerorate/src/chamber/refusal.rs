@@ -131,11 +131,14 @@ rows!(match ChamberRefusal {
     },
     Self::Disturbed { step, times, why } => Row {
         code: "disturbed",
-        text: format_args!("{} of step {step} was disturbed {times} times. The last time {why}", ChamberState::Average),
+        text: format_args!(
+            "{} of step {step} was disturbed {times} times. The last time {why}",
+            ChamberState::Average
+        ),
         says: Says::Refusal,
         by: &["chamber"],
         seen: "Something disturbed the average of a soak point again and again.",
-        matters: "There is no quiet average of that soak point.",
+        matters: "That soak point lacks a quiet average.",
         remedy: "Keep the door closed, damp the fan, fix the part, and read without losses.",
     },
     Self::Span { span_c, least_c } => Row {
@@ -215,11 +218,9 @@ impl fmt::Display for Disturbance {
                 "the part's temperature moved by {moved_c:+.2} °C, above the limit of {limit_c:.2} °C: was the door \
                  opened?"
             ),
-            Self::Motion { axis } => write!(
-                f,
-                "axis {} was not at rest: does the chamber or its fan shake the part?",
-                axis + 1
-            ),
+            Self::Motion { axis } => {
+                write!(f, "axis {} was not at rest: does the chamber or its fan shake the part?", axis + 1)
+            }
             Self::Gaps => f.write_str("less than 80 % of it was read"),
             Self::OutOfRange => f.write_str("the rate was beyond the range"),
         }

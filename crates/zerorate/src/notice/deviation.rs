@@ -14,12 +14,12 @@ rows_with_remedies!(match Deviation {
         says: Says::Either,
         by: &["calibrate", "recalibrate", "allan", "imu"],
         seen: "The level of the rate jumped, and stayed.",
-        matters: "A knock or a step of the supply looks like a change of the bias. The bias of an ADIS16130 follows its \
-            supply by up to 0.0002 °/s per mV (F-01). A method that fits a curve takes \
-            it out: the correction is the one after the step, and its uncertainty allows for the rest. AN-1042 keeps \
-            it: the brackets give the errors that it makes in PBC and BTC, and their uncertainties include them. If \
-            it cannot be told from the temperature, or spoils BTC, the measurement is refused. In an Allan analysis \
-            it would pass for a random walk.",
+        matters: "A knock or a step of the supply looks like a change of the bias. The bias of an ADIS16130 follows \
+            its supply by up to 0.0002 °/s per mV (F-01). A method that fits a curve takes the step out: the \
+            correction is the one after the step, and its uncertainty allows for the rest. AN-1042 keeps it: the \
+            brackets give the errors that it makes in PBC and BTC, and their uncertainties include them. If it cannot \
+            be told from the temperature, or spoils BTC, the measurement is refused. In an Allan analysis it would \
+            pass for a random walk.",
         remedy: "Use a linear supply, check that nothing moved, and measure again.",
     },
     Self::Curvature { dps_per_c2 } => Row {
@@ -37,9 +37,7 @@ rows_with_remedies!(match Deviation {
     },
     Self::Lag { lag_s } => Row {
         code: "lagging",
-        text: format_args!(
-            "the rate follows the temperature about {lag_s:.0} s late"
-        ),
+        text: format_args!("the rate follows the temperature about {lag_s:.0} s late"),
         remedies: &[Remedy::WarmMoreSlowly, Remedy::Chamber, Remedy::CheckNothingMovedSlowly],
         says: Says::Either,
         by: &["calibrate", "recalibrate", "chamber"],
@@ -53,9 +51,7 @@ rows_with_remedies!(match Deviation {
     },
     Self::Hysteresis { width_c } => Row {
         code: "hysteresis",
-        text: format_args!(
-            "the rate held still until the temperature had changed by about {width_c:.1} °C"
-        ),
+        text: format_args!("the rate held still until the temperature had changed by about {width_c:.1} °C"),
         remedies: &[Remedy::Chamber, Remedy::CheckNothingMovedSlowly],
         says: Says::Either,
         by: &["calibrate", "recalibrate", "chamber"],

@@ -132,14 +132,15 @@ rows_with_remedies!(match Refusal {
     Self::Unsteady { floor_dps, typical_dps, u_btc_dps_per_c, wanted_dps_per_c } => Row {
         code: "unsteady-offset",
         text: format_args!(
-            "the rate is unsteady during the offset average (step 8), like a flicker floor of {floor_dps:.4} °/s \
-             where {typical_dps} is typical. u(BTC) would be {u_btc_dps_per_c:.4} °/s/°C, above the limit of \
+            "the rate is unsteady during the offset average (step 8): its flicker floor is {floor_dps:.4} °/s, and \
+             {typical_dps} is typical. u(BTC) would be {u_btc_dps_per_c:.4} °/s/°C, above the limit of \
              {wanted_dps_per_c}"
         ),
         remedies: &[Remedy::LinearSupply, Remedy::KeepStill, Remedy::AcceptMoreUBtc],
         says: Says::Refusal,
         by: &["calibrate", "recalibrate"],
-        seen: "The rate wandered or stepped during the offset average (step 8).",
+        seen: "The rate wandered or stepped during the offset average (step 8). The refusal says which flicker floor \
+            would do the same.",
         matters: "BTC would be more uncertain than was asked for.",
         remedy: "Use a linear supply, keep the platform still, or accept more.",
         command: "zerorate calibrate --max-u-btc 0.01 -o unit.toml",
@@ -189,11 +190,7 @@ rows_with_remedies!(match Refusal {
         text: format_args!(
             "the line carries bit errors: {count} of {samples} readings during {window} jump more than the bandwidth \
              of the part allows{}",
-            if still_moves {
-                ". The rest varies more than noise, by smaller errors or by motion"
-            } else {
-                ""
-            },
+            if still_moves { ". The rest varies more than noise, by smaller errors or by motion" } else { "" },
         ),
         remedies: match still_moves {
             true => &[Remedy::SlowerClock, Remedy::ShorterCable, Remedy::FixToStillPlatform],
@@ -241,8 +238,8 @@ rows_with_remedies!(match Refusal {
     Self::OneWay { rise_c, fall_c } => Row {
         code: "one-way",
         text: format_args!(
-            "the temperature covered {rise_c:.1} °C while it rose and {fall_c:.1} °C while it fell. A cycle must cover \
-             at least half of its span in each direction"
+            "the temperature covered {rise_c:.1} °C while it rose and {fall_c:.1} °C while it fell. A cycle must \
+             cover at least half of its span in each direction"
         ),
         remedies: &[Remedy::HeatAndCool],
         says: Says::Refusal,

@@ -78,11 +78,11 @@ macro_rules! still {
     () => {
         "Any other rotation that is constant over the hour, or nearly constant, looks like bias and is part of PBC: \
          nothing at rest can tell the two apart. The same is true of a step of the supply that comes too late to be \
-         seen: up to 350 mV in the last second of step 8, 200 mV in the last five, and 100 mV before."
+         seen. Such a step has up to 350 mV in the last second of step 8, 200 mV in the last five, and 100 mV before."
     };
 }
 
-/// What excludes such a rotation.
+/// Advice that excludes such a rotation.
 macro_rules! mount {
     () => {
         "Mount the part where nothing turns. To be sure, calibrate again with the axis turned over: half of the \
@@ -122,9 +122,7 @@ rows_with_remedies!(match Warning {
     },
     Self::CurvatureUnseen { u_dps_per_c } => Row {
         code: "curvature-unseen",
-        text: format_args!(
-            "u(BTC) allows {u_dps_per_c:.4} °/s/°C for curvature"
-        ),
+        text: format_args!("u(BTC) allows {u_dps_per_c:.4} °/s/°C for curvature"),
         remedies: &[Remedy::AssumeLinear],
         says: Says::Either,
         by: &["calibrate", "recalibrate"],
@@ -137,9 +135,7 @@ rows_with_remedies!(match Warning {
     },
     Self::Drifting { drift_c, shift_dps, u_pbc_dps } => Row {
         code: "temperature-drifting",
-        text: format_args!(
-            "T3 is {drift_c:+.3} °C off step 8: PBC shifts {shift_dps:+.4} °/s"
-        ),
+        text: format_args!("T3 is {drift_c:+.3} °C off step 8: PBC shifts {shift_dps:+.4} °/s"),
         remedies: &[Remedy::SettleLonger, Remedy::ShieldFromDraughts],
         says: Says::Warning,
         by: &["calibrate", "recalibrate"],
@@ -156,9 +152,7 @@ rows_with_remedies!(match Warning {
     },
     Self::Restless => Row {
         code: "restless",
-        text: format_args!(
-            "unexplained changes may make the uncertainties too small"
-        ),
+        text: format_args!("unexplained changes may make the uncertainties too small"),
         remedies: &[Remedy::FixToStillPlatform, Remedy::LinearSupply],
         says: Says::Either,
         by: &["calibrate", "recalibrate", "chamber"],
@@ -169,9 +163,7 @@ rows_with_remedies!(match Warning {
     },
     Self::Flat { btc_dps_per_c, typical_dps_per_c } => Row {
         code: "flat-bias",
-        text: format_args!(
-            "BTC is only {btc_dps_per_c:+.4} °/s/°C, and {typical_dps_per_c} is typical"
-        ),
+        text: format_args!("BTC is only {btc_dps_per_c:+.4} °/s/°C, and {typical_dps_per_c} is typical"),
         remedies: &[Remedy::CheckOverWiderRange],
         says: Says::Warning,
         by: &["calibrate", "recalibrate"],
@@ -182,9 +174,7 @@ rows_with_remedies!(match Warning {
     },
     Self::HourUnchecked => Row {
         code: "hour-unchecked",
-        text: format_args!(
-            "too few seconds were kept to find steps, lag or motion"
-        ),
+        text: format_args!("too few seconds were kept to find steps, lag or motion"),
         remedies: &[Remedy::RecordAndRecompute],
         says: Says::Warning,
         by: &["calibrate", "recalibrate"],
@@ -195,9 +185,7 @@ rows_with_remedies!(match Warning {
     },
     Self::ShortAverage { average_s, best_s } => Row {
         code: "short-average",
-        text: format_args!(
-            "PBC was averaged for {average_s:.1} s, and {best_s:.0} s is best"
-        ),
+        text: format_args!("PBC was averaged for {average_s:.1} s, and {best_s:.0} s is best"),
         remedies: &[Remedy::LongerOffset],
         says: Says::Warning,
         by: &["calibrate", "recalibrate"],
@@ -208,9 +196,7 @@ rows_with_remedies!(match Warning {
     },
     Self::Aliased { rate_hz, needed_hz } => Row {
         code: "aliased",
-        text: format_args!(
-            "noise folds in at {rate_hz:.0} samples/s, below the {needed_hz:.0}/s needed"
-        ),
+        text: format_args!("{rate_hz:.0} samples/s are below twice the bandwidth ({needed_hz:.0} Hz)"),
         remedies: &[Remedy::SmallerDivider],
         says: Says::Warning,
         by: &["probe", "capture", "calibrate", "chamber"],
@@ -249,10 +235,7 @@ rows_with_remedies!(match Warning {
     },
     Self::Impossible { count, fraction } => Row {
         code: "impossible-readings",
-        text: format_args!(
-            "{count} readings ({:.4} %) are bit errors, left out",
-            fraction * 100.0
-        ),
+        text: format_args!("{count} readings ({:.4} %) are bit errors, left out", fraction * 100.0),
         remedies: &[Remedy::SlowerClock, Remedy::ShorterCable],
         says: Says::Warning,
         by: &["capture", "calibrate", "recalibrate", "stream", "correct"],
@@ -262,10 +245,10 @@ rows_with_remedies!(match Warning {
         remedy: "Lower the SPI clock, or shorten the cable.",
         command: "zerorate probe --device 'spi:/dev/spidev0.0?rdy=gpiochip0:25&hz=1000000'",
     },
-    Self::Resonance { tone: Tone { rms_dps, .. }, folded_hz, divider, .. } => Row {
+    Self::Resonance { tone: Tone { rms_dps, .. }, rate_hz, divider, .. } => Row {
         code: "resonance",
         text: format_args!(
-            "resonance at {folded_hz:.1} Hz: bias up to {:.2} °/s{}",
+            "at {rate_hz:.1}/s the resonance adds up to {:.2} °/s{}",
             core::f64::consts::SQRT_2 * rms_dps,
             NoneAt(divider)
         ),
@@ -273,17 +256,15 @@ rows_with_remedies!(match Warning {
         says: Says::Warning,
         by: &["probe", "capture", "calibrate"],
         seen: "At this sample rate the part's mechanical resonance folds to nearly zero. Its frequency is known only \
-            to half of the last digit that the data sheet prints (ADIS16130: 14.3 kHz, F-07).",
+            to half of the last digit that the data sheet prints (ADIS16130: 14.3 kHz ± 50 Hz, F-07).",
         matters: "Near zero the resonance looks like a bias, and averaging may not remove it. The warning says how \
-            large that bias may be, and at which frequency the resonance appears.",
-        remedy: "Read at another rate. The warning names a divider that is good, if there is one.",
+            large that bias may be at this rate.",
+        remedy: "Read at another rate. The warning names a divider without this bias, if there is one.",
         command: "zerorate calibrate --divider 57 -o unit.toml",
     },
     Self::Extrapolated { low_c, high_c, temp_min_c, temp_max_c } => Row {
         code: "extrapolated",
-        text: format_args!(
-            "{low_c:.1} … {high_c:.1} °C leaves the {temp_min_c:.1} … {temp_max_c:.1} °C calibrated"
-        ),
+        text: format_args!("{low_c:.1} … {high_c:.1} °C leaves the {temp_min_c:.1} … {temp_max_c:.1} °C calibrated"),
         remedies: &[Remedy::WiderSpan],
         says: Says::Warning,
         by: &["correct", "stream"],
@@ -295,9 +276,7 @@ rows_with_remedies!(match Warning {
     },
     Self::RestUnjudged => Row {
         code: "rest-unjudged",
-        text: format_args!(
-            "typical noise or tempco is unknown, so rest was not judged"
-        ),
+        text: format_args!("typical noise or tempco is unknown, so rest was not judged"),
         remedies: &[Remedy::CompletePart],
         says: Says::Warning,
         by: &["calibrate", "recalibrate"],
@@ -307,9 +286,7 @@ rows_with_remedies!(match Warning {
     },
     Self::CurvatureUnknown => Row {
         code: "curvature-unknown",
-        text: format_args!(
-            "u(BTC) leaves out curvature and hysteresis"
-        ),
+        text: format_args!("u(BTC) leaves out curvature and hysteresis"),
         remedies: &[Remedy::CompletePart],
         says: Says::Warning,
         by: &["calibrate", "recalibrate"],
@@ -320,9 +297,7 @@ rows_with_remedies!(match Warning {
     },
     Self::Noisy { ratio } => Row {
         code: "noisy",
-        text: format_args!(
-            "the noise is {ratio:.1} times typical: motion, or the supply"
-        ),
+        text: format_args!("the noise is {ratio:.1} times typical: motion, or the supply"),
         remedies: &[Remedy::KeepStill, Remedy::LinearSupply],
         says: Says::Either,
         by: &["probe", "calibrate", "recalibrate"],
@@ -366,7 +341,7 @@ rows_with_remedies!(match Warning {
         by: &["probe", "calibrate", "recalibrate", "chamber"],
         seen: "No temperature was read, or a log has none in any row. If data ready has two edges for each sample, \
             the program listened to the one that comes before the data.",
-        matters: "Without a temperature there is no coefficient and no correction.",
+        matters: "Coefficient and correction need a temperature.",
         remedy: "If data ready was heard twice for each sample, use its other edge (edge=rising or edge=falling in \
             the device's address). Otherwise read the temperature more often.",
         command: "zerorate capture --every-temp 1 -o rest.arrows",
@@ -386,18 +361,12 @@ rows_with_remedies!(match Warning {
     },
     Self::Late { lag_s } => Row {
         code: "lagging",
-        text: format_args!(
-            "the bias lags by {lag_s:.0} s: at 1 °C/min it is {:.1} °C behind",
-            lag_s / 60.0
-        ),
+        text: format_args!("the bias lags by {lag_s:.0} s: at 1 °C/min it is {:.1} °C behind", lag_s / 60.0),
         remedies: &[Remedy::WarmMoreSlowly],
     },
     Self::OneBranch { hysteresis_dps: Some(half_dps) } => Row {
         code: "one-branch",
-        text: format_args!(
-            "a typical {:.4} °/s shift by cooling is not in the uncertainty",
-            2.0 * half_dps
-        ),
+        text: format_args!("a typical {:.4} °/s shift by cooling is not in the uncertainty", 2.0 * half_dps),
         remedies: &[Remedy::HeatAndCool],
         says: Says::Warning,
         by: &["calibrate", "recalibrate"],
@@ -409,18 +378,12 @@ rows_with_remedies!(match Warning {
     },
     Self::OneBranch { hysteresis_dps: None } => Row {
         code: "one-branch",
-        text: format_args!(
-            "the shift by cooling is unknown and not in the uncertainty"
-        ),
+        text: format_args!("the shift by cooling is unknown and not in the uncertainty"),
         remedies: &[Remedy::HeatAndCool],
     },
     Self::TargetMissed { u_dps, target_dps } => Row {
         code: "target-missed",
-        text: format_args!(
-            "standard uncertainty {:.1} °/h, not {:.1} °/h",
-            3600.0 * u_dps,
-            3600.0 * target_dps
-        ),
+        text: format_args!("standard uncertainty {:.1} °/h, not {:.1} °/h", 3600.0 * u_dps, 3600.0 * target_dps),
         remedies: &[Remedy::GiveUpTarget, Remedy::Chamber],
         says: Says::Warning,
         by: &["calibrate"],
