@@ -146,7 +146,7 @@ fn every_mistake_is_named_with_its_line_and_axis() {
         ("schema = 2", "schema = 1", 8, Some("x"), "axis belongs to schema 2"),
         ("\"ADIS16405\"", "\"a b\"", 2, None, "up to 40 letters"),
         ("width_bits = 12", "width_bits = 40", 3, None, "width_bits is 40"),
-        ("lsb_per_c = 7.14", "lsb_per_c = 0", 3, None, "no scale"),
+        ("lsb_per_c = 7.14", "lsb_per_c = 0", 3, None, "not a scale"),
         ("lsb_per_c = 7.14", "lsb_per_k = 7.14", 4, None, "lsb_per_k"),
         ("pbc_dps = -0.25", "pbc_dps = nan", 10, Some("x"), "pbc_dps must be a number within ±100000 °/s"),
         ("pbc_dps = -0.25", "pbc_dsp = -0.25", 10, Some("x"), "pbc_dsp"),
@@ -155,7 +155,7 @@ fn every_mistake_is_named_with_its_line_and_axis() {
         ("name = \"y\"", "name = \"\\u0007\"", 12, Some("\u{7}"), "up to 40 letters"),
         ("name = \"y\"", "name = 5", 12, Some("2"), "invalid type"),
         ("name = \"y\"", "serial = 5", 12, Some("2"), "serial"),
-        ("lsb_per_dps = 20", "lsb_per_dps = -20", 13, Some("y"), "no scale"),
+        ("lsb_per_dps = 20", "lsb_per_dps = -20", 13, Some("y"), "not a scale"),
         ("width_bits = 16", "width_bits = 0", 13, Some("y"), "width_bits is 0"),
         // 65 535 codes of 1/20 °/s
         ("pbc_dps = 0.75", "pbc_dps = 3277", 18, Some("y"), "pbc_dps must be a number within ±3277 °/s"),
