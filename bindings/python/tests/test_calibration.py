@@ -155,7 +155,7 @@ def test_correct_is_the_formula_of_the_note() -> None:
     np.testing.assert_allclose(calibration.correct(rate[:, ::2], 31.5), rate[:, ::2] - 0.25)
     assert np.isnan(calibration.correct(1.0, float("nan")))
     assert calibration.correct([], []).shape == (0,)
-    with pytest.warns(UserWarning, match="extrapolated"):
+    with pytest.warns(UserWarning, match="leaves the"):
         calibration.correct(rate, 60.0)
     with pytest.raises(ValueError, match="shape"):
         calibration.correct([1.0, 2.0], [1.0, 2.0, 3.0])

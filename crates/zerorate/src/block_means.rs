@@ -7,7 +7,7 @@ pub(crate) const BLOCK_S: f64 = 0.1;
 /// The same, ns.
 pub(crate) const BLOCK_NS: u64 = 100_000_000;
 
-/// How averages of so many blocks differ from one to the next.
+/// Averages of `m` blocks, and how adjacent ones differ.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Adjacent {
     /// Blocks in an average.
@@ -18,7 +18,7 @@ pub struct Adjacent {
     pub(crate) variance: f64,
 }
 
-/// Non-overlapping averages of `m` values, and their Allan variance; that is zero where there are not two of them.
+/// Non-overlapping averages of `m` values, and their Allan variance. The variance is zero if there are fewer than two.
 pub(crate) fn adjacent(values: &[f64], m: usize) -> Adjacent {
     let means: Vec<f64> = values.chunks_exact(m).map(|chunk| chunk.iter().sum::<f64>() / m as f64).collect();
     let squares: f64 = means.windows(2).map(|pair| (pair[1] - pair[0]) * (pair[1] - pair[0])).sum();

@@ -1,4 +1,4 @@
-//! What a measurement leaves behind: exact integer sums of codes in blocks of 0.1 s, one run of blocks for each step.
+//! The record of a measurement: exact integer sums of codes in blocks of 0.1 s, one run of blocks for each step.
 
 use crate::block_means::{Adjacent, BLOCK_NS, BLOCK_S, adjacent};
 use crate::code_sum::CodeSum;
@@ -23,7 +23,7 @@ impl Blocks {
         self.segments.iter().flat_map(|segment| segment.seconds(&self.axis))
     }
 
-    /// Rates, °/s, and temperatures, °C, of every block of a step; NaN where there is none.
+    /// Rates, °/s, and temperatures, °C, of every block of a step; NaN if a block has none.
     #[cfg(feature = "std")]
     pub(crate) fn tenths(&self, state: State) -> impl Iterator<Item = (f64, f64)> + '_ {
         let or_none = |value: Option<f64>| value.unwrap_or(f64::NAN);
@@ -31,8 +31,8 @@ impl Blocks {
         blocks.map(move |block| (or_none(block.rate_dps(&self.axis)), or_none(block.temp_c(&self.axis))))
     }
 
-    /// The eighths of a step (`Summary::eighths`) after something was taken out of the rate: `less` is its mean from a
-    /// time to another.
+    /// The eighths of a step (`Summary::eighths`) after something was taken out of the rate: `less` gives the mean of
+    /// that something between two times.
     pub(crate) fn eighths_less(&self, state: State, less: impl Fn(f64, f64) -> f64) -> Adjacent {
         let segment = &self.segments[state as usize];
         let start_s = |k: usize| segment.start_s() + k as f64 * BLOCK_S;
@@ -101,7 +101,7 @@ fn eighths(rates_dps: &[f64]) -> Adjacent {
     adjacent(rates_dps, (rates_dps.len() / 8).max(1))
 }
 
-/// Blocks in the parts of a recording in which rest is judged: 150 s.
+/// Number of blocks in the stretches over which rest is judged: 150 s.
 const STRETCH_BLOCKS: usize = 1500;
 
 /// The samples of one step of the procedure.
@@ -116,7 +116,7 @@ struct Segment {
     spoilt: u64,
 }
 
-/// The mean over a second: when, which rate, which temperature.
+/// The mean rate and temperature over one second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Second {
     pub(crate) at_s: f64,
@@ -177,8 +177,8 @@ impl Segment {
         }
     }
 
-    /// Rest in each part that is as long as the longest average of F-51, without what follows the temperature there: a
-    /// part may warm much faster at the start than in any of the averages.
+    /// Judges rest in stretches as long as the longest average of F-51, without the part of the rate that follows the
+    /// temperature. A part may warm much faster at the start than in any of the averages.
     fn verdict_of_stretches(&self, axis: &Axis) -> Verdict {
         let judged = self.blocks.chunks(STRETCH_BLOCKS).map(|blocks| {
             let block = |block: &Block| {

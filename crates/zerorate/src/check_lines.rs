@@ -13,13 +13,13 @@ const LINE_CHECKS: &str = "line_checks = \"";
 /// Hexadecimal digits for each line.
 const DIGITS: usize = 4;
 
-/// What is wrong with a file that claims to be as it was written. Lines count from 1.
+/// Damage of a file whose check lines do not hold. Lines count from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the field is the number of a line")]
 pub enum Damage {
-    /// This line was edited, added or follows one that was removed.
+    /// This line was edited or added, or it follows one that was removed.
     Changed { line: usize },
-    /// The file ends after this line; there were more.
+    /// The file ends after this line, and more lines were written.
     EndsEarly { line: usize },
 }
 
@@ -32,16 +32,16 @@ impl fmt::Display for Damage {
     }
 }
 
-/// What is said of a file that has no check lines and needs them.
+/// The text about a file that has no check lines and needs them.
 pub(crate) const UNCHECKED: &str = "it has no check lines, so nothing shows whether it is whole";
 
-/// A file: its header, the check lines, and the fields.
+/// Writes a file: its header, the check lines, and the fields.
 pub(crate) fn file(header: &str, fields: &impl Serialize) -> String {
     // a struct of numbers, strings, arrays and tables always has a TOML form
     with_checks(header, &toml::to_string(fields).unwrap_or_default())
 }
 
-/// The same of fields that are a text already.
+/// Writes a file from fields that are a text already.
 pub(crate) fn with_checks(header: &str, fields: &str) -> String {
     [header, &lines_for(&[header, fields].concat()), fields].concat()
 }
@@ -83,7 +83,7 @@ pub(crate) fn sha256_hex(text: &str) -> String {
     })
 }
 
-/// The first line that is not what was written; none where it must be a check line itself.
+/// Finds the first line that is not what was written. None if it must be a check line itself.
 fn locate(body: &[(usize, &str)], line_checks: &str) -> Option<Damage> {
     let mut expected = line_checks.as_bytes().chunks(DIGITS);
     for (line, text) in body {
@@ -96,8 +96,8 @@ fn locate(body: &[(usize, &str)], line_checks: &str) -> Option<Damage> {
     expected.next().map(|_| Damage::EndsEarly { line })
 }
 
-/// Lines that count, with their numbers: line ends and trailing blanks of any editor or checkout are the same, blank
-/// lines are none.
+/// The lines that the check covers, with their numbers. Line ends, trailing blanks and blank lines, which editors and
+/// checkouts change, do not matter.
 fn normal(text: &str) -> impl Iterator<Item = (usize, &str)> {
     text.lines().enumerate().map(|(index, line)| (index + 1, line.trim_end())).filter(|(_, line)| !line.is_empty())
 }

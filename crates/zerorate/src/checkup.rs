@@ -1,4 +1,4 @@
-//! Does a part at rest look like a healthy one? What `probe` judges, with its limits.
+//! Check whether a part at rest looks healthy: the judgement of `probe`, with its limits.
 
 use crate::code_sum::CodeSum;
 use crate::health::Judged;
@@ -8,20 +8,20 @@ use crate::tally::Tally;
 use alloc::vec::Vec;
 use zerorate_allan::{self as allan, Gap, Input, Stat};
 
-/// From where on a part is remarkable.
+/// The limits beyond which a part is remarkable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// White noise less than this, in typical ones: too quiet for a part that senses.
+    /// Least white noise, as a ratio to the typical one. A part below it is too quiet to sense.
     pub least_noise: f64,
-    /// White noise more than this, in typical ones.
+    /// Largest white noise, as a ratio to the typical one.
     pub most_noise: f64,
-    /// The rate of samples may be off by this, relative to the nominal one.
+    /// Largest relative error of the sample rate.
     pub rate_error: f64,
 }
 
 impl Default for Limits {
-    /// A quarter to three times the typical noise; a rate within 5 %, where the clock of an ADIS16130 is good to 1 %
-    /// (F-32).
+    /// Allows a quarter to three times the typical noise, and a sample rate within 5 %. The clock of an ADIS16130 is
+    /// good to 1 % (F-32).
     fn default() -> Self {
         Self { least_noise: 0.25, most_noise: 3.0, rate_error: 0.05 }
     }
@@ -49,9 +49,9 @@ impl Default for Limits {
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Checkup {
-    /// From the zero code.
+    /// Rate codes less the zero code.
     rate_codes: Vec<i32>,
-    /// Readings among them that are not to be believed.
+    /// Places of readings that are missing or not to be believed.
     gaps: Vec<Gap>,
     rates: CodeSum,
     temps: CodeSum,
@@ -91,7 +91,7 @@ impl Checkup {
     pub fn white_dps_per_rt_hz(&self, axis: &Axis, rate_hz: f64) -> Option<f64> {
         let m = libm::round(WHITE_TAU_S * rate_hz) as u64;
         let scale = 1.0 / axis.rate.lsb_per_unit;
-        // what is missing before the first sample or after the last is no gap
+        // samples missing before the first one or after the last one do not make a gap
         let inner = self.gaps.iter().filter(|gap| gap.at > 0 && gap.at < self.rate_codes.len());
         let gaps: Vec<Gap> = inner.copied().collect();
         let codes = Input::Codes { codes: &self.rate_codes, gaps: &gaps };
@@ -99,7 +99,7 @@ impl Checkup {
         Some(point.dev * scale * libm::sqrt(2.0 * m as f64 / rate_hz))
     }
 
-    /// Whether white noise that was measured of this axis is that of a healthy part at rest.
+    /// Warns if the measured white noise of this axis does not fit a healthy part at rest.
     #[must_use]
     pub fn noise_warning(axis: &Axis, white_dps_per_rt_hz: f64, limits: &Limits) -> Option<Warning> {
         let ratio = white_dps_per_rt_hz / axis.noise?.white_dps_per_rt_hz;
@@ -110,7 +110,7 @@ impl Checkup {
         }
     }
 
-    /// What is wrong with how the samples come. `nominal_hz` is how many a second there should be, if that is known.
+    /// The warnings about how the samples come. `nominal_hz` is the expected sample rate, if it is known.
     #[must_use]
     pub fn warnings(&self, tally: &Tally, nominal_hz: Option<f64>, limits: &Limits) -> Vec<Warning> {
         let rate_hz = tally.rate_hz();

@@ -2,7 +2,7 @@
 
 use crate::part::Scale;
 
-/// The sum of codes of one channel, each less the zero code: exact for up to 2³² of them; and how many they were.
+/// The sum and the number of codes of one channel, each less the zero code. The sum is exact for up to 2³² codes.
 ///
 /// ```
 /// use zerorate::{Axis, CodeSum};
@@ -27,13 +27,13 @@ impl CodeSum {
         self.count += 1;
     }
 
-    /// The sum of both.
+    /// Adds two sums.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self { from_zero: self.from_zero + other.from_zero, count: self.count + other.count }
     }
 
-    /// What is left when a part of the sum is taken out.
+    /// Takes a part out of the sum.
     #[must_use]
     pub(crate) fn without(self, part: Self) -> Self {
         Self { from_zero: self.from_zero - part.from_zero, count: self.count - part.count }
@@ -45,7 +45,7 @@ impl CodeSum {
         self.count
     }
 
-    /// Their mean as a value, divided once; none of no codes.
+    /// Mean of the codes as a value, divided once. None without codes.
     #[must_use]
     pub fn mean(&self, scale: &Scale) -> Option<f64> {
         let lsb = f64::from(self.count) * scale.lsb_per_unit;

@@ -1,4 +1,4 @@
-//! The table of F-52 as a processor without division and floating point looks into it.
+//! Look-up in the table of F-52 for a processor without division and floating point.
 
 use crate::correction::{Correction, TableError};
 use crate::part::Scale;
@@ -6,9 +6,9 @@ use crate::part::Scale;
 /// The table of F-52, (TEMP − T3) × BTC in µ°/s, found by the temperature code: no allocation, no division, no
 /// floating point.
 ///
-/// Row r, counted from 0, is for TEMP − T3 = (R − r) · step with 2R + 1 rows. The nearest row is
-/// r = ⌊R + ½ − (temp − T3 as a code) / step⌋ with the step in codes; the reciprocal of the step has 32 fraction bits,
-/// so that two rows whose distances differ by less than 2⁻³² · |temp − T3 as a code| steps may stand for each other.
+/// Row r, counted from 0, is for TEMP − T3 = (R − r) · step with 2R + 1 rows. The nearest row is r = ⌊R + ½ − (temp −
+/// T3 as a code) / step⌋ with the step in codes. The reciprocal of the step has 32 fraction bits. So if the distances
+/// of two rows differ by less than 2⁻³² · |temp − T3 as a code| steps, either row may be found.
 ///
 /// ```
 /// use zerorate::{Axis, CodeTable, Correction};
@@ -29,15 +29,15 @@ pub struct CodeTable<'a> {
 }
 
 impl<'a> CodeTable<'a> {
-    /// Rows as [`Correction::fill_table`] lays them out, with the step and the T3 that they were made for, °C, and the
-    /// scale of the temperature.
+    /// Wraps rows from [`Correction::fill_table`], with the step and the T3 of their table, °C, and the scale of the
+    /// temperature.
     #[must_use]
     pub fn new(rows_udps: &'a [i32], step_c: f64, t3_c: f64, temp: &Scale) -> Self {
         Self { rows_udps, index: RowIndex::new(rows_udps.len(), step_c, t3_c, temp) }
     }
 
-    /// The row nearest to the temperature of a 24-bit code, µ°/s, to be added to RATE + PBC. None where the
-    /// temperature lies more than half a step beyond the first or the last row.
+    /// The row nearest to the temperature of a 24-bit code, µ°/s, to be added to RATE + PBC. None if the temperature
+    /// lies more than half a step beyond the first or the last row.
     #[inline]
     #[must_use]
     pub fn look_up_udps(&self, temp_code: u32) -> Option<i32> {
@@ -45,8 +45,8 @@ impl<'a> CodeTable<'a> {
         self.rows_udps.get(row).copied()
     }
 
-    /// The same, held at the first or last row beyond the table: there it is wrong by BTC times the distance to that
-    /// row. A table without rows corrects nothing.
+    /// The same row, held at the first or last one beyond the table. There it is wrong by BTC times the distance to
+    /// that row. A table without rows corrects nothing.
     #[inline]
     #[must_use]
     pub fn look_up_held_udps(&self, temp_code: u32) -> i32 {
@@ -55,7 +55,7 @@ impl<'a> CodeTable<'a> {
     }
 }
 
-/// Where a temperature lies in a table: `row = (middle_q + (t3_code − temp) · rows_per_code_q) >> 32`.
+/// Place of a temperature in a table: `row = (middle_q + (t3_code − temp) · rows_per_code_q) >> 32`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RowIndex {
     /// The row of T3 and a half, times 2³².
@@ -70,7 +70,8 @@ impl RowIndex {
     /// Fraction bits of `middle_q` and `rows_per_code_q`.
     pub const Q: u32 = 32;
 
-    /// For a table of `rows` rows in steps of `step_c` °C around `t3_c` °C. A step below 10⁻⁶ °C counts as that.
+    /// The index for a table of `rows` rows in steps of `step_c` °C around `t3_c` °C. A step below 10⁻⁶ °C counts as
+    /// 10⁻⁶ °C.
     #[must_use]
     pub fn new(rows: usize, step_c: f64, t3_c: f64, temp: &Scale) -> Self {
         let one = (1i64 << Self::Q) as f64;
@@ -93,11 +94,11 @@ impl RowIndex {
 }
 
 impl Correction {
-    /// Lays out the table of F-52 in millionths of a °/s, rounded to nearest, from +`span_c` down to −`span_c`, and
-    /// returns how many rows it has: the first so many of `rows_udps`. The rest stays as it is.
+    /// Lays out the table of F-52 in millionths of a °/s, rounded to nearest, from +`span_c` down to −`span_c`. It
+    /// fills the first rows of `rows_udps` and returns their number. The other rows stay as they are.
     ///
     /// # Errors
-    /// As [`Correction::table`]; a table that does not fit; a correction beyond ±2147 °/s.
+    /// The errors of [`Correction::table`], a table that does not fit, or a correction beyond ±2147 °/s.
     pub fn fill_table(&self, step_c: f64, span_c: f64, rows_udps: &mut [i32]) -> Result<usize, TableError> {
         let rows = self.rows(step_c, span_c)?;
         let needed = rows.len();
@@ -138,8 +139,8 @@ mod tests {
         assert!(matches!(steep.fill_table(0.02, 0.12, &mut [0; 13]), Err(TableError::TooSteep { .. })));
     }
 
-    /// How far row `row` is from the place of a code in the table, in 2⁻⁴⁰ rows, by exact rational arithmetic: steps
-    /// in millionths of a degree, distances in 14 093 · 10⁶ parts of one.
+    /// Distance of row `row` from the place of a code in the table, in 2⁻⁴⁰ rows, by exact rational arithmetic. Steps
+    /// are in millionths of a degree, and distances in 14 093 · 10⁶ parts of one.
     fn distance(row: usize, rows: usize, step_uc: i128, t3_code: i32, temp: u32) -> i128 {
         let step = step_uc * 14_093;
         let from_middle = row as i128 - (rows as i128 - 1) / 2;
@@ -147,7 +148,7 @@ mod tests {
         ((from_middle * step - place).abs() << 40) / step
     }
 
-    /// All over the range and every code near T3, for the note's step and for others that divide nothing.
+    /// Codes all over the range and every code near T3, for the note's step and for odd ones.
     #[test]
     fn codes_find_the_nearest_row() {
         for (step_uc, half) in [(20_000, 100), (20_000, 6), (333_333, 150), (1, 3), (1_000_000, 60)] {

@@ -1,12 +1,11 @@
-//! The bias correction of F-50, RBC = RATE + PBC + (TEMP − T3) × BTC, in f64 and in f32, its table (F-52), and
-//! the same with a quadratic and a cubic term.
+//! The bias correction of F-50, RBC = RATE + PBC + (TEMP − T3) × BTC, in f64 and in f32, and its table (F-52). All of
+//! them also work with a quadratic and a cubic term.
 
 use alloc::vec::Vec;
 use core::fmt;
 
-/// The three numbers of F-50, and two more where the bias follows the temperature along a curve:
-/// RATE + PBC + d·BTC + d²·BTC2 + d³·BTC3 with d = TEMP − T3. All coefficients are *added*: each is minus the bias
-/// that it removes.
+/// The three numbers of F-50, and two more if the bias follows the temperature along a curve: RATE + PBC + d·BTC +
+/// d²·BTC2 + d³·BTC3 with d = TEMP − T3. All coefficients are *added*: each is minus the bias that it removes.
 ///
 /// ```
 /// let correction = zerorate::Correction::line(-0.25, -0.04, 31.5);
@@ -33,20 +32,20 @@ pub struct Correction {
     pub btc3_dps_per_c3: f64,
 }
 
-/// What a file leaves out.
+/// Whether a term is zero, so that a file leaves it out.
 #[cfg(feature = "file")]
 fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }
 
 impl Correction {
-    /// That of F-50.
+    /// The correction of F-50, without a quadratic and a cubic term.
     #[must_use]
     pub const fn line(pbc_dps: f64, btc_dps_per_c: f64, t3_c: f64) -> Self {
         Self { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2: 0.0, btc3_dps_per_c3: 0.0 }
     }
 
-    /// Whether it is that of F-50, without a quadratic and a cubic term.
+    /// Whether the correction is a line as in F-50, without a quadratic and a cubic term.
     #[must_use]
     pub const fn is_line(&self) -> bool {
         self.btc2_dps_per_c2 == 0.0 && self.btc3_dps_per_c3 == 0.0
@@ -59,25 +58,25 @@ impl Correction {
         rate_dps + self.pbc_dps + self.rise_dps(temp_c - self.t3_c)
     }
 
-    /// What is added to a rate at a temperature in °C: minus the bias there, °/s.
+    /// The correction that is added to a rate at a temperature in °C: minus the bias there, °/s.
     #[must_use]
     pub fn at(&self, temp_c: f64) -> f64 {
         self.pbc_dps + self.rise_dps(temp_c - self.t3_c)
     }
 
-    /// What is added beside PBC at TEMP − T3 = `delta_c`, °/s.
+    /// The correction beside PBC at TEMP − T3 = `delta_c`, °/s.
     #[inline]
     fn rise_dps(&self, delta_c: f64) -> f64 {
         delta_c * (self.btc_dps_per_c + delta_c * (self.btc2_dps_per_c2 + delta_c * self.btc3_dps_per_c3))
     }
 
-    /// How much it changes in 1 °C at TEMP − T3 = `delta_c`, °/s/°C: BTC everywhere, of a line.
+    /// Slope of the correction at TEMP − T3 = `delta_c`, °/s/°C. For a line it is BTC everywhere.
     #[must_use]
     pub fn slope_dps_per_c(&self, delta_c: f64) -> f64 {
         self.btc_dps_per_c + delta_c * (2.0 * self.btc2_dps_per_c2 + delta_c * 3.0 * self.btc3_dps_per_c3)
     }
 
-    /// The steepest slope within `reach_c` of T3, as an amount, °/s/°C.
+    /// Absolute value of the steepest slope within `reach_c` of T3, °/s/°C.
     #[must_use]
     pub fn steepest_dps_per_c(&self, reach_c: f64) -> f64 {
         // the slope is a parabola: steepest at an end or where it turns
@@ -86,15 +85,15 @@ impl Correction {
         [-reach_c, reach_c, turn_c].iter().map(|delta_c| self.slope_dps_per_c(*delta_c).abs()).fold(0.0, f64::max)
     }
 
-    /// The most that a straight line between rows of a table in steps of `step_c` misses within `reach_c` of T3, °/s:
-    /// step² / 8 times the largest second derivative. Nothing, of a line.
+    /// Largest error of straight lines between the rows of a table in steps of `step_c` within `reach_c` of T3, °/s.
+    /// It is step² / 8 times the largest second derivative, and zero for a line.
     #[must_use]
     pub fn bend_dps(&self, step_c: f64, reach_c: f64) -> f64 {
         let second = 2.0 * self.btc2_dps_per_c2.abs() + 6.0 * self.btc3_dps_per_c3.abs() * reach_c;
         step_c * step_c / 8.0 * second
     }
 
-    /// The same in single precision, for a processor with a small floating point unit.
+    /// Converts the correction to single precision, for a processor with a small floating point unit.
     #[must_use]
     pub fn to_f32(&self) -> CorrectionF32 {
         CorrectionF32 {
@@ -106,11 +105,11 @@ impl Correction {
         }
     }
 
-    /// The look-up table of F-52: what is added beside PBC, of a line (TEMP − T3) × BTC, from `span_c` down to
-    /// −`span_c` in steps of `step_c`.
+    /// The look-up table of F-52 from `span_c` down to −`span_c` in steps of `step_c`. Its rows hold the correction
+    /// beside PBC, which is (TEMP − T3) × BTC for a line.
     ///
     /// # Errors
-    /// A step or span that is not positive, a span that is no whole number of steps, or more than 100 001 rows.
+    /// A step or span that is not positive, a span that is not a whole number of steps, or more than 100 001 rows.
     pub fn table(&self, step_c: f64, span_c: f64) -> Result<Vec<TableRow>, TableError> {
         Ok(self.rows(step_c, span_c)?.collect())
     }
@@ -144,8 +143,8 @@ fn steps_in_span(step_c: f64, span_c: f64) -> Result<i32, TableError> {
     Ok(steps as i32)
 }
 
-/// [`Correction`] in f32. Its error against f64 stays below 4e-5 °/s over the whole range, one code of the rate
-/// channel.
+/// [`Correction`] in f32. Its difference from f64 stays below 4e-5 °/s over the whole range, which is one code of the
+/// rate channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CorrectionF32 {
     /// PBC, °/s.
@@ -161,7 +160,7 @@ pub struct CorrectionF32 {
 }
 
 impl CorrectionF32 {
-    /// Rate in °/s, temperature in °C, corrected rate in °/s.
+    /// Corrects a rate in °/s at a temperature in °C, and returns °/s.
     #[inline]
     #[must_use]
     pub fn apply(&self, rate_dps: f32, temp_c: f32) -> f32 {
@@ -176,23 +175,23 @@ impl CorrectionF32 {
 pub struct TableRow {
     /// TEMP − T3, °C.
     pub delta_c: f64,
-    /// What is added to RATE + PBC there, °/s: for a line (TEMP − T3) × BTC.
+    /// Correction that is added to RATE + PBC there, °/s: (TEMP − T3) × BTC for a line.
     pub correction_dps: f64,
 }
 
-/// A table that cannot be laid out as asked.
+/// The reason why a table cannot be laid out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(missing_docs, reason = "the fields are the numbers as asked, with their units, and rows")]
 pub enum TableError {
-    /// Step and span must both be above zero.
+    /// Step or span is not above zero.
     NotPositive { step_c: f64, span_c: f64 },
-    /// The span is no whole number of steps.
+    /// The span is not a whole number of steps.
     Ragged { step_c: f64, span_c: f64 },
-    /// More than 100 001 rows.
+    /// The table would have more than 100 001 rows.
     TooLong { step_c: f64, span_c: f64 },
-    /// More rows than the place for them holds.
+    /// The table has more rows than the buffer.
     NoRoom { needed: usize, room: usize },
-    /// A row that does not fit 32 bits in millionths of a °/s.
+    /// A row does not fit into 32 bits in millionths of a °/s.
     TooSteep { correction_dps: f64 },
 }
 
@@ -203,7 +202,7 @@ impl fmt::Display for TableError {
                 write!(f, "step {step_c} °C and span {span_c} °C must both be above zero")
             }
             Self::Ragged { step_c, span_c } => {
-                write!(f, "the span of {span_c} °C is no whole number of steps of {step_c} °C; choose a multiple")
+                write!(f, "the span of {span_c} °C is not a whole number of steps of {step_c} °C; choose a multiple")
             }
             Self::TooLong { step_c, span_c } => {
                 write!(
@@ -214,7 +213,7 @@ impl fmt::Display for TableError {
             Self::NoRoom { needed, room } => {
                 write!(
                     f,
-                    "the table has {needed} rows and there is room for {room}; choose a smaller span or a larger step"
+                    "the table has {needed} rows, and there is room for {room}; choose a smaller span or a larger step"
                 )
             }
             Self::TooSteep { correction_dps } => {
@@ -257,7 +256,7 @@ mod tests {
 
     const CURVED: Correction = Correction { btc2_dps_per_c2: 0.0007, btc3_dps_per_c3: -2e-5, ..TYPICAL };
 
-    /// Against the sum of powers, from −40 to 85 °C.
+    /// Compares with the sum of powers, from −40 to 85 °C.
     #[test]
     fn a_curve_adds_its_terms() {
         for temp_c in (-400..850).map(|tenth| f64::from(tenth) / 10.0) {
@@ -286,8 +285,8 @@ mod tests {
         }
     }
 
-    /// What tables lose is what a fine search finds: half a step off the nearest row, and between rows joined by
-    /// straight lines.
+    /// Compares the stated loss of a table with a fine search: half a step off the nearest row, and between rows
+    /// joined by straight lines.
     #[test]
     fn what_a_table_loses_is_bounded() {
         let (step_c, reach_c) = (0.5, 20.0);

@@ -4,16 +4,16 @@ use crate::correction::Correction;
 use crate::notice::Warning;
 use crate::validity::Validity;
 
-/// What is applied: a correction for each axis, in an array on a microcontroller, in a `Vec` elsewhere.
+/// The corrections to apply, one for each axis: in an array on a microcontroller, in a `Vec` elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CorrectorConfig<C = [Correction; 1]> {
     /// PBC, BTC and T3 of each axis.
     pub corrections: C,
-    /// Where they hold, if that is stated.
+    /// The temperatures at which the corrections hold, if that is stated.
     pub validity: Option<Validity>,
 }
 
-/// Applies a correction to each axis of a part: rates without a temperature take the last one that was read.
+/// Applies a correction to each axis of a part. A rate without a temperature takes the last one that was read.
 ///
 /// ```
 /// use zerorate::{Correction, Corrector, CorrectorConfig, Validity};
@@ -41,22 +41,22 @@ pub struct Corrector<C = [Correction; 1]> {
 /// A reading of one axis, corrected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corrected {
-    /// F-50, °/s; none without a rate that is believed, and before the first temperature.
+    /// Rate corrected by F-50, °/s. None without a rate that is believed, and before the first temperature.
     pub rate_dps: Option<f64>,
     /// The temperature that was used, °C.
     pub temp_c: Option<f64>,
-    /// It lies outside the span where the correction holds.
+    /// Whether that temperature lies outside the span where the correction holds.
     pub extrapolated: bool,
 }
 
 impl<C: AsRef<[Correction]>> Corrector<C> {
-    /// Before the first reading.
+    /// Makes a corrector that has not seen a reading.
     #[must_use]
     pub fn new(config: CorrectorConfig<C>) -> Self {
         Self { config, temp_c: None, range_c: None }
     }
 
-    /// How many axes it corrects.
+    /// Number of axes that it corrects.
     #[must_use]
     pub fn axes(&self) -> usize {
         self.config.corrections.as_ref().len()
@@ -72,14 +72,15 @@ impl<C: AsRef<[Correction]>> Corrector<C> {
     }
 
     /// Corrects a rate of an axis, °/s, or a mean of rates: F-50. None without a rate, before the first temperature,
-    /// and for an axis that it has no correction of.
+    /// and for an axis that has no correction.
     #[inline]
     #[must_use]
     pub fn correct(&self, axis: usize, rate_dps: Option<f64>) -> Option<f64> {
         Some(self.config.corrections.as_ref().get(axis)?.apply(rate_dps?, self.temp_c?))
     }
 
-    /// Both for the only axis: a rate in °/s, or a mean of rates, with the temperature in °C that was read with it.
+    /// Reads and corrects for a part with one axis: a rate in °/s, or a mean of rates, with the temperature in °C that
+    /// was read with it.
     #[inline]
     pub fn take(&mut self, rate_dps: Option<f64>, read_c: Option<f64>) -> Corrected {
         self.read(read_c);
@@ -92,7 +93,7 @@ impl<C: AsRef<[Correction]>> Corrector<C> {
         self.temp_c
     }
 
-    /// Whether it lies outside the span where the corrections hold.
+    /// Whether that temperature lies outside the span where the corrections hold.
     #[must_use]
     pub fn is_extrapolated(&self) -> bool {
         let outside = |(validity, temp_c): (Validity, f64)| !validity.covers(temp_c);
@@ -105,7 +106,7 @@ impl<C: AsRef<[Correction]>> Corrector<C> {
         self.range_c
     }
 
-    /// What to say where a temperature left the span.
+    /// The warning that a temperature left the span, if one did.
     #[must_use]
     pub fn warning(&self) -> Option<Warning> {
         let (low_c, high_c) = self.range_c?;

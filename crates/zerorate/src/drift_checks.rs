@@ -1,9 +1,9 @@
-//! The whole hour against one line over temperature: what else the rate did, from a step to a lag, and what that does
-//! to PBC and BTC.
+//! Comparison of the whole hour with one line over temperature. It finds what else the rate did, from a step to a lag,
+//! and the errors that this makes in PBC and BTC.
 //!
-//! The means over seconds are put together into some 300 bins and whitened by the part's noise (`gls.rs`). Of all
-//! shapes that the rate could have (`shape.rs`), the one that explains most is taken into the model, and again, until
-//! noise would show what is left as well.
+//! The means over seconds are put together into some 300 bins and whitened by the part's noise (`gls.rs`). The shape
+//! (`shape.rs`) that explains most of the rate is taken into the model. This repeats until noise alone could explain
+//! the rest.
 
 use crate::blocks::Second;
 use crate::gls::{self, Fit, dot};
@@ -14,16 +14,16 @@ use alloc::vec::Vec;
 use core::f64::consts::PI;
 use zerorate_allan::linear::Cholesky;
 
-/// What the rate did beside following the temperature on a line.
+/// A deviation of the rate from a line over temperature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Deviation {
-    /// A change of level: the supply, or a platform that was turned.
+    /// The level changed: by the supply, or by a turn of the platform.
     Step {
-        /// When, from the first sample, s.
+        /// Time from the first sample, s.
         at_s: f64,
-        /// The level after it less the one before, °/s.
+        /// The level after the step less the level before it, °/s.
         size_dps: f64,
-        /// The least step of the supply that does so, mV, if that is known.
+        /// The least step of the supply with this effect, mV, if that is known.
         supply_mv: Option<f64>,
     },
     /// The bias bends over temperature.
@@ -36,7 +36,7 @@ pub enum Deviation {
         /// Time constant, s.
         lag_s: f64,
     },
-    /// The bias holds still until the temperature has changed by so much, and follows at that distance.
+    /// The bias holds still until the temperature has changed by `width_c`, and then follows at that distance.
     Hysteresis {
         /// That change, °C.
         width_c: f64,
@@ -53,32 +53,32 @@ pub enum Deviation {
 /// A deviation, and the error that it puts into the result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finding {
-    /// What it is.
+    /// The deviation.
     pub deviation: Deviation,
-    /// PBC less what it should be, °/s.
+    /// Error of PBC, °/s.
     pub pbc_dps: f64,
-    /// BTC less what it should be, °/s/°C.
+    /// Error of BTC, °/s/°C.
     pub btc_dps_per_c: f64,
 }
 
-/// All that the hour shows.
+/// All findings of the hour.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Findings {
-    /// What is there beyond doubt, the strongest first.
+    /// The deviations that are beyond doubt, the strongest first.
     pub(crate) found: Vec<Finding>,
-    /// The rate still does more than [`MOST`] of them explain.
+    /// Whether the rate still does more than [`MOST`] of them explain.
     pub(crate) unexplained: bool,
-    /// What all of this, and what may be there, adds to the uncertainty of PBC, °/s.
+    /// Share of certain and suspected deviations in the uncertainty of PBC, °/s.
     pub(crate) u_pbc_dps: f64,
-    /// The same of BTC, °/s/°C.
+    /// The same share for BTC, °/s/°C.
     pub(crate) u_btc_dps_per_c: f64,
-    /// Rms error of BTC by the curvature, as far as the hour shows that, °/s/°C.
+    /// Rms error of BTC by the curvature, as far as the hour shows it, °/s/°C.
     pub(crate) u_curvature_dps_per_c: f64,
     taken: Vec<(Shape, f64)>,
 }
 
 impl Findings {
-    /// The strongest of each kind: a sway whose frequency wanders is found more than once.
+    /// The strongest deviation of each kind, and all steps. A sway whose frequency wanders is found more than once.
     pub(crate) fn distinct(&self) -> impl Iterator<Item = Finding> + '_ {
         let kind = |finding: &Finding| core::mem::discriminant(&finding.deviation);
         let found = &self.found;
@@ -87,19 +87,19 @@ impl Findings {
         (0..found.len()).filter(move |k| !repeats(*k)).map(|k| found[k])
     }
 
-    /// The one that spoils BTC most.
+    /// The deviation that spoils BTC most.
     pub(crate) fn worst_of_btc(&self) -> Option<Finding> {
         self.found.iter().copied().max_by(|a, b| a.btc_dps_per_c.abs().total_cmp(&b.btc_dps_per_c.abs()))
     }
 
-    /// Mean of the steps and the motion that were found, from a time to another, °/s.
+    /// Mean of the steps and the motion that were found, between two times, °/s.
     pub(crate) fn disturbance_dps(&self, start_s: f64, end_s: f64) -> f64 {
         let disturbs = |(shape, _): &&(Shape, f64)| matches!(shape, Shape::Step { .. } | Shape::Sway { .. });
         self.taken.iter().filter(disturbs).map(|(shape, size)| size * shape.mean(start_s, end_s)).sum()
     }
 }
 
-/// Where the procedure averaged, and what may be assumed.
+/// The averages of the procedure, and the assumptions about the unit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Question {
     /// Steps 4, 6 and 8.
@@ -108,20 +108,20 @@ pub(crate) struct Question {
     pub(crate) span_c: f64,
     pub(crate) t3_c: f64,
     pub(crate) noise: NoiseModel,
-    /// Spread of the curvature over units, °/s/°C²; zero for a unit that is known to be linear.
+    /// Spread of the curvature over units, °/s/°C². It is zero for a unit that is known to be linear.
     pub(crate) curvature_dps_per_c2: f64,
-    /// Bias per supply voltage, at most, °/s/mV.
+    /// Largest change of the bias with the supply, °/s/mV.
     pub(crate) supply_dps_per_mv: Option<f64>,
 }
 
-/// Deviations that are told apart.
+/// Largest number of deviations that are told apart.
 const MOST: usize = 4;
-/// Fewest bins that say anything.
+/// Fewest bins that suffice.
 const FEWEST: usize = 40;
-/// Standard deviations from which something may be there, and widens the uncertainty.
+/// Standard deviations from which a deviation is suspected, and widens the uncertainty.
 const SUSPECT: f64 = 3.0;
 
-/// Looks for deviations; none where the record is too short or has too many holes.
+/// Looks for deviations. None if the record is too short or has too many holes.
 pub(crate) fn findings(seconds: &[Second], question: &Question) -> Option<Findings> {
     let bins = bins(seconds);
     if bins.len() < FEWEST {
@@ -130,17 +130,17 @@ pub(crate) fn findings(seconds: &[Second], question: &Question) -> Option<Findin
     Search::new(seconds, &bins, question)?.run()
 }
 
-/// Means over a stretch.
+/// The means over a stretch.
 struct Bin {
     stretch: Stretch,
     rate_dps: f64,
     temp_c: f64,
 }
 
-/// Bins of a record, but for the short ones at its ends.
+/// Number of bins of a record, without the short ones at its ends.
 const BINS: u32 = 280;
 
-/// The record in bins, short ones at its ends. Those with less than half of their seconds are left out.
+/// Puts the record into bins, with short ones at its ends. Bins with less than half of their seconds are left out.
 fn bins(seconds: &[Second]) -> Vec<Bin> {
     let total_s = seconds.last().map_or(0, |second| second.at_s as u32 + 1);
     let longest = total_s.div_ceil(BINS).max(1);
@@ -161,18 +161,18 @@ fn bins(seconds: &[Second]) -> Vec<Bin> {
     bins
 }
 
-/// The model as far as it has come.
+/// The search, with the model so far.
 struct Search<'a> {
     question: &'a Question,
     stretches: Vec<Stretch>,
     whitener: Cholesky,
     rates: Vec<f64>,
-    /// What is in the model, whitened: level, temperature, then the shapes.
+    /// Columns of the model, whitened: level, temperature, then the shapes.
     columns: Vec<Vec<f64>>,
     shapes: Vec<Shape>,
     /// The same columns as orthogonal unit vectors.
     units: Vec<Vec<f64>>,
-    /// What the model leaves of the rates.
+    /// The rates less the model.
     residual: Vec<f64>,
     candidates: Vec<Candidate>,
 }
@@ -207,7 +207,7 @@ impl<'a> Search<'a> {
         self.summary(unexplained)
     }
 
-    /// The candidate that explains most, of those that explain more than noise would let them.
+    /// The candidate that explains most, if it explains more than noise could.
     fn strongest(&self) -> Option<&Candidate> {
         let gains = self.candidates.iter().map(|candidate| (candidate.gain(&self.residual), candidate));
         let beyond_doubt = gains.filter(|(gain, candidate)| *gain > alarm(&candidate.shape));
@@ -215,7 +215,7 @@ impl<'a> Search<'a> {
         beyond_doubt.max_by(|a, b| rank(a).total_cmp(&rank(b))).map(|(_, candidate)| candidate)
     }
 
-    /// Takes a column into the model, and out of everything else.
+    /// Adds a column to the model, and takes it out of everything else.
     fn add(&mut self, column: Vec<f64>) {
         let mut left = column.clone();
         self.units.iter().for_each(|unit| gls::take_out(&mut left, unit));
@@ -229,7 +229,7 @@ impl<'a> Search<'a> {
         self.columns.push(column);
     }
 
-    /// The shape with what its candidate leaves open: the second of a step, the phase of a sway.
+    /// The shape with the details that its candidate leaves open: the second of a step, the phase of a sway.
     fn refined(&self, candidate: &Candidate) -> Shape {
         match candidate.shape {
             Shape::Step { at_s, .. } => self.located(at_s),
@@ -275,14 +275,14 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// How well the error that all findings make is known.
+    /// Standard uncertainty of the error that all findings make.
     fn u(&self, fit: &Fit, of: fn(&Finding) -> f64) -> f64 {
         let shapes = self.shapes.iter().map(|shape| of(&self.finding(shape, 1.0)));
         let weights: Vec<f64> = vec![0.0; self.columns.len() - self.shapes.len()].into_iter().chain(shapes).collect();
         libm::sqrt(fit.variance(&weights))
     }
 
-    /// What a shape of a size does.
+    /// The finding for a shape of a given size.
     fn finding(&self, shape: &Shape, size: f64) -> Finding {
         let worst = |error: fn(&Question, &Shape) -> f64| match *shape {
             Shape::Step { at_s, from_s, to_s } => {
@@ -298,7 +298,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The largest errors of PBC and BTC by what may be there without being beyond doubt.
+    /// The largest errors of PBC and BTC by deviations that are suspected only.
     fn suspects(&self) -> (f64, f64) {
         let doubtful = |candidate: &&Candidate| {
             matches!(candidate.shape, Shape::Step { .. } | Shape::Lagged { .. } | Shape::Held { .. })
@@ -325,11 +325,10 @@ impl<'a> Search<'a> {
     }
 }
 
-/// How much gain a place may lose against the best one to be as good as that: the 95 % point of χ² with one degree of
-/// freedom.
+/// Largest loss of gain at which a place is as good as the best one: the 95 % point of χ² with one degree of freedom.
 const NEARLY: f64 = 3.84;
 
-/// The gain from which a shape is there beyond doubt. Measured on ordinary units: docs/reference/accuracy.md.
+/// The gain from which a shape is beyond doubt. Measured on ordinary units: docs/reference/accuracy.md.
 fn alarm(shape: &Shape) -> f64 {
     match shape {
         Shape::Step { .. } => 22.0,
@@ -358,23 +357,23 @@ impl Question {
         }
     }
 
-    /// By how much a shape of size 1 makes PBC wrong.
+    /// Error of PBC by a shape of size 1.
     fn pbc_error(&self, shape: &Shape) -> f64 {
         let offset = &self.averages[2];
         shape.bias_at(offset.end_s) - shape.mean(offset.start_s, offset.end_s)
     }
 
-    /// By how much a shape of size 1 makes BTC wrong, per °C.
+    /// Error of BTC by a shape of size 1, per °C.
     fn btc_error(&self, shape: &Shape) -> f64 {
         let [first, second, _] = &self.averages;
         (shape.mean(first.start_s, first.end_s) - shape.mean(second.start_s, second.end_s)) / self.span_c
     }
 }
 
-/// A shape that may be in the rates: whitened, less what the model has of it.
+/// A shape that may be in the rates, whitened and less its part in the model.
 struct Candidate {
     shape: Shape,
-    /// One; two for a sway, a quarter apart.
+    /// One column, or two for a sway, a quarter of a period apart.
     columns: Vec<Vec<f64>>,
     /// Squares of the columns before anything was taken out.
     full: f64,
@@ -396,13 +395,13 @@ impl Candidate {
         self.columns.iter_mut().for_each(|column| gls::take_out(column, unit));
     }
 
-    /// By how much the sum of squares falls with it: χ² where there is nothing.
+    /// Decrease of the sum of squares by this shape. It is χ² if the shape is absent.
     fn gain(&self, residual: &[f64]) -> f64 {
         let sizes = self.sizes(residual);
         self.columns.iter().zip(sizes).map(|(column, size)| size * dot(column, residual)).sum()
     }
 
-    /// Its size; the first of two.
+    /// Size of the first column.
     fn size(&self, residual: &[f64]) -> f64 {
         self.sizes(residual)[0]
     }
@@ -412,7 +411,7 @@ impl Candidate {
         libm::atan2(cosine, sine)
     }
 
-    /// Sizes of the columns; zero where the model leaves next to nothing of them.
+    /// Sizes of the columns. They are zero if the model leaves next to nothing of them.
     fn sizes(&self, residual: &[f64]) -> [f64; 2] {
         let a = &self.columns[0];
         let b = self.columns.get(1).unwrap_or(a);
@@ -440,7 +439,7 @@ fn add_square(covariances: &mut [Vec<f64>], column: &[f64], sd: f64) {
 mod tests {
     use super::*;
 
-    /// An hour in short: 1000 s that warm by 8 °C, white noise of F-02, and what `add` adds at each second.
+    /// A short version of the hour: 1000 s that warm by 8 °C, white noise of F-02, and what `add` adds at each second.
     fn record(seed: u32, add: impl Fn(f64) -> f64) -> Vec<Second> {
         let mut state = u64::from(seed) * 2 + 1;
         let mut uniform = || {
@@ -481,7 +480,8 @@ mod tests {
         assert_eq!(findings(&record(1, |_| 0.0)[..30], &asked()), None);
     }
 
-    /// 200 mV a second before the end of step 8 are all of PBC's error; in its middle they are half of that.
+    /// A step of 200 mV a second before the end of step 8 makes its whole size the error of PBC, and half of it in the
+    /// middle of step 8.
     #[test]
     fn a_step_is_found_up_to_the_end() {
         for (at, share) in [(997.0, 1.0), (925.0, 0.5), (300.0, 0.0)] {
@@ -492,7 +492,7 @@ mod tests {
         }
     }
 
-    /// The same sizes, found from the shape alone.
+    /// The period and the size of a sway are found from the shape alone.
     #[test]
     fn a_sway_is_found_with_its_period_and_size() {
         let finding = strongest(|at_s| 0.02 * libm::sin(2.0 * PI * 0.006 * at_s));
@@ -500,7 +500,7 @@ mod tests {
         assert!((hz - 0.006).abs() < 3e-4 && (size_dps - 0.02).abs() < 0.003, "{finding:?}");
     }
 
-    /// A hole in the record is no step.
+    /// A hole in the record is not a step.
     #[test]
     fn a_hole_is_left_out() {
         let mut seconds = record(3, |_| 0.0);

@@ -1,4 +1,4 @@
-//! From the recorded windows to PBC, BTC and T3, each with its standard uncertainty.
+//! Computes PBC, BTC and T3 from the recorded windows, each with its standard uncertainty.
 
 use crate::block_means::{Adjacent, BLOCK_S};
 use crate::blocks::{Blocks, Second};
@@ -17,7 +17,7 @@ use crate::uncertainty::Uncertainty;
 use alloc::vec::Vec;
 use zerorate_allan::FLOOR_PER_B;
 
-/// Everything that the result rests on.
+/// All data for the result.
 pub(crate) struct Evidence<'a> {
     pub(crate) axis: &'a Axis,
     pub(crate) plan: &'a Plan,
@@ -30,12 +30,12 @@ impl Evidence<'_> {
         &self.windows[state as usize]
     }
 
-    /// The typical flicker floor; zero where it is not known.
+    /// The typical flicker floor. It is zero if it is not known.
     fn flicker_floor_dps(&self) -> f64 {
         self.axis.noise.map_or(0.0, |noise| noise.flicker_floor_dps)
     }
 
-    /// The typical curvature; zero for a unit that is known to be linear, and where it is not known.
+    /// The typical curvature. It is zero for a unit that is known to be linear, and if it is not known.
     fn curvature_dps_per_c2(&self) -> f64 {
         if self.plan.assume_linear { 0.0 } else { self.axis.bias.curvature_dps_per_c2.unwrap_or(0.0) }
     }
@@ -49,13 +49,13 @@ impl Evidence<'_> {
 /// The result of the procedure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome<W = Vec<Warning>> {
-    /// Steps 4 and 6 of F-51; none by another method.
+    /// Means of steps 4 and 6 of F-51. None for another method.
     pub means: Option<Measured>,
     /// PBC, BTC and T3.
     pub correction: Correction,
-    /// How well each is known.
+    /// Uncertainty of PBC, BTC and T3.
     pub uncertainty: Uncertainty,
-    /// The noise that the uncertainties rest on.
+    /// The noise that the uncertainties are computed from.
     pub noise: Noise,
     /// Falling edges of data ready per second.
     pub rdy_hz: f64,
@@ -65,9 +65,9 @@ pub struct Outcome<W = Vec<Warning>> {
     pub samples: u64,
     /// Rate samples lost.
     pub lost_samples: u64,
-    /// Readings that are impossible for the part, and in no mean.
+    /// Readings that are impossible for the part. No mean includes them.
     pub impossible_readings: u64,
-    /// From the first sample to the last, s.
+    /// Time from the first sample to the last, s.
     pub duration_s: f64,
     /// Lowest temperature seen (mean over 0.1 s), °C.
     pub temp_min_c: f64,
@@ -75,13 +75,13 @@ pub struct Outcome<W = Vec<Warning>> {
     pub temp_max_c: f64,
     /// The plan that was carried out.
     pub plan: Plan,
-    /// What there is to know beside the numbers.
+    /// The warnings beside the numbers.
     pub warnings: W,
-    /// The bias over temperature; none by AN-1042.
+    /// The bias over temperature. None for AN-1042.
     pub curve: Option<BiasCurve>,
 }
 
-/// Steps 4 and 6 of F-51.
+/// Means of steps 4 and 6 of F-51.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "file", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[expect(missing_docs, reason = "the names of F-51, with their units")]
@@ -100,47 +100,47 @@ impl Outcome {
     }
 }
 
-/// The noise at the output: the white part as measured, the rest as far as the record shows it.
+/// The noise at the output. White noise is as measured, and the other terms are as far as the record shows them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
-    /// The three noises; white is always measured.
+    /// The three noises. White noise is always measured.
     pub model: NoiseModel,
-    /// Whether the flicker was measured; else it is the part's typical value (M-04), which so short a record cannot
-    /// improve.
+    /// Whether the flicker was measured. Otherwise it is the part's typical value (M-04), which so short a record
+    /// cannot improve.
     pub flicker_measured: bool,
-    /// The same of the rate random walk.
+    /// Whether the rate random walk was measured.
     pub walk_measured: bool,
 }
 
 impl Noise {
-    /// That under which a curve was found.
+    /// The noise under which a curve was found.
     pub(crate) fn of_curve(curve: &BiasCurve) -> Self {
         let [flicker_measured, walk_measured] = curve.noise_told;
         Self { model: curve.noise, flicker_measured, walk_measured }
     }
 }
 
-/// Refuses after step 6 where the span of temperature cannot give the wanted uncertainty of BTC.
+/// Refuses after step 6 if the span of temperature cannot give the wanted uncertainty of BTC.
 pub(crate) fn span_suffices(seen: &Evidence<'_>) -> Result<(), Refusal> {
     let slope = Slope::new(seen)?;
     let u_noise = slope.u_noise(&seen.noise());
-    // T3 will be no lower than T2 if the part goes on warming, so this is the least that curvature can do.
+    // T3 will be no lower than T2 if the part goes on warming, so this is the least effect of curvature.
     let u_curvature = slope.u_curvature(seen, slope.t2_c);
     slope.accept(u_noise, u_curvature, seen.plan)
 }
 
-/// The warnings that need no more than the windows, each where it applies.
+/// The warnings that need the windows alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindowWarnings([Option<Warning>; 12]);
 
 impl WindowWarnings {
-    /// Those that apply.
+    /// The warnings that apply.
     pub fn iter(&self) -> impl Iterator<Item = &Warning> {
         self.0.iter().flatten()
     }
 }
 
-/// The result of a procedure that has reached its end and kept its seconds, which show what else the rate did.
+/// The result of a procedure that has reached its end and kept its seconds, which show the deviations of the rate.
 pub(crate) fn outcome_of_hour(seen: &Evidence<'_>, blocks: &Blocks) -> Result<Outcome, Refusal> {
     let seconds: Vec<Second> = blocks.seconds().collect();
     let hour = match seen.axis.noise {
@@ -164,7 +164,7 @@ pub(crate) fn outcome_of_windows(seen: &Evidence<'_>) -> Result<Outcome<WindowWa
     outcome(seen, None, seen.window(State::Offset).eighths, |warnings| warnings)
 }
 
-/// What the hour is asked.
+/// The question to the checks of the hour.
 fn question(seen: &Evidence<'_>) -> Result<Question, Refusal> {
     let slope = Slope::new(seen)?;
     Ok(Question {
@@ -212,8 +212,8 @@ fn outcome<W>(
     })
 }
 
-/// Refuses what must not become a calibration, with the cause: first what the plan asks of any unit, then what this
-/// one did.
+/// Refuses a measurement that must not become a calibration, and names the cause. It checks the demands of the plan
+/// first, and then the deviations of this unit.
 fn accept(
     seen: &Evidence<'_>,
     slope: &Slope,
@@ -279,14 +279,14 @@ impl Slope {
         -(self.b2_dps - self.b1_dps) / self.span_c()
     }
 
-    /// Noise of the two rates and of the two temperatures, °/s/°C.
+    /// Uncertainty of BTC by noise of the two rates and of the two temperatures, °/s/°C.
     fn u_noise(&self, noise: &NoiseModel) -> f64 {
         let temps_dps = self.btc_dps_per_c() * self.u_t_c * core::f64::consts::SQRT_2;
         libm::hypot(noise.sd(&self.windows), temps_dps) / self.span_c().abs()
     }
 
-    /// The secant through T1 and T2 against the tangent at T3, for a typical curvature, and two branches of the
-    /// hysteresis.
+    /// Uncertainty of BTC by a typical curvature, as the secant through T1 and T2 against the tangent at T3, and by
+    /// two branches of the hysteresis.
     fn u_curvature(&self, seen: &Evidence<'_>, t3_c: f64) -> f64 {
         if seen.plan.assume_linear {
             return 0.0;
@@ -296,8 +296,8 @@ impl Slope {
         libm::hypot(curvature, branches)
     }
 
-    /// The same, or more where the hour shows more; never less, since what it shows rests on a noise model and a few
-    /// degrees.
+    /// The same uncertainty, or a larger one if the hour shows more. It is never smaller, because the hour covers only
+    /// a few degrees and depends on a noise model.
     fn u_curvature_seen(&self, seen: &Evidence<'_>, t3_c: f64, hour: Option<&Findings>) -> f64 {
         let typical = self.u_curvature(seen, t3_c);
         hour.map_or(typical, |hour| hour.u_curvature_dps_per_c.max(typical))
@@ -322,7 +322,7 @@ struct Level {
     u_t3_c: f64,
     /// T3 minus the mean temperature of step 8, °C.
     drift_c: f64,
-    /// What that does to PBC, °/s.
+    /// Shift of PBC by that drift, °/s.
     shift_dps: f64,
     btc_dps_per_c: f64,
 }
@@ -410,8 +410,8 @@ fn white_density(seen: &Evidence<'_>) -> f64 {
 /// Upper 0.1 % point of the normal distribution.
 const SIGNIFICANT_Z: f64 = 3.09;
 
-/// White as measured. Flicker as typical, unless step 8 wanders significantly more than that: then as much as it
-/// shows.
+/// White noise as measured. Flicker is typical, unless step 8 wanders significantly more: then it is as large as step
+/// 8 shows.
 fn measured_noise(seen: &Evidence<'_>, eighths: Adjacent) -> Noise {
     let typical = seen.noise();
     let expected = typical.allan_variance(eighths.m as f64 * BLOCK_S);
@@ -446,7 +446,7 @@ fn warnings(
     let needed_hz = seen.axis.bandwidth_hz.map(|hz| 2.0 * hz);
     let known = bias.curvature_dps_per_c2.is_some() && bias.hysteresis_dps.is_some();
     let unjudged = seen.axis.noise.is_none() || bias.largest_tempco_dps_per_c().is_none();
-    // what was found may hide a temperature coefficient, and has a warning of its own
+    // a finding may hide a temperature coefficient, and it has its own warning
     let hidden = hour.map_or(0.0, |hour| hour.u_btc_dps_per_c);
     let flat = bias.least_tempco_dps_per_c().is_some_and(|least| level.btc_dps_per_c.abs() + hidden < least);
     let when = |condition: bool, warning: Warning| condition.then_some(warning);

@@ -1,19 +1,19 @@
-//! Readings that no longer change: a part that has stopped, while data ready goes on.
+//! Detection of readings that no longer change: a part that has stopped, while data ready goes on.
 
 use crate::reading::Reading;
 
-/// A noisy channel that does not change for this long is frozen, if it was read so often meanwhile.
+/// Time without a change after which a noisy channel is frozen, if it was read [`FROZEN_READINGS`] times meanwhile.
 const FROZEN_NS: u64 = 100_000_000;
-/// Noise gives the same code twice with a probability below 0.2, even in 16 bits and behind the filter of F-04: that
-/// so many in a row are the same has one below 10⁻²².
+/// Readings for that. Noise gives the same code twice with a probability below 0.2, even in 16 bits and behind the
+/// filter of F-04. So this many equal codes have a probability below 10⁻²².
 const FROZEN_READINGS: u64 = 32;
-/// So are two channels that have never changed for this long, and so many readings.
+/// Time after which two channels that have never changed are frozen, with as many readings.
 const DEAD_NS: u64 = 2_000_000_000;
 const DEAD_READINGS: u64 = 100;
-/// A rate alone that never changed for this long.
+/// Time after which a rate alone that has never changed is frozen.
 const DEAD_ALONE_NS: u64 = 10_000_000_000;
 
-/// Since when the readings have not changed.
+/// The time since which the readings have not changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frozen {
     /// Time of the first reading of the code that is there now, ns.
@@ -22,8 +22,8 @@ pub struct Frozen {
     pub both: bool,
 }
 
-/// Looks for readings that no longer change. A part changes its code at almost every reading; a simulation without
-/// noise does not, and is not taken for a frozen part as long as anything changes in it.
+/// Looks for readings that no longer change. A part changes its code at almost every reading. A simulation without
+/// noise does not, but it does not count as frozen as long as anything in it changes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Freeze {
     rate: Channel,
@@ -59,7 +59,7 @@ impl Channel {
         self.changes > 20 && self.changes * 2 > self.readings_at_change
     }
 
-    /// The first reading is a change from nothing.
+    /// The first reading counts as a change.
     fn never_changed(&self) -> bool {
         self.changes <= 1
     }
@@ -81,7 +81,7 @@ impl Freeze {
         if now_ns.saturating_sub(self.rate.changed_ns) < FROZEN_NS { None } else { self.judge(now_ns) }
     }
 
-    /// The same at the end of a record, however short it is.
+    /// The same judgement at the end of a record, however short it is.
     #[must_use]
     pub fn at_end(&self) -> Option<Frozen> {
         let same = self.rate.same_readings();

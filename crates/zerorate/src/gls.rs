@@ -1,27 +1,26 @@
-//! Least squares under the part's own noise: a record is whitened by its covariance, and after that every deviation
-//! counts the same.
+//! Least squares under the part's own noise: a record is whitened by its covariance, and then every deviation counts
+//! the same.
 
 use alloc::vec::Vec;
 use zerorate_allan::linear::Cholesky;
 pub(crate) use zerorate_allan::linear::dot;
 
-/// A pivot below this share of its diagonal element is rounding.
+/// Share of its diagonal element below which a pivot is rounding.
 const LEAST_PIVOT: f64 = 1e-12;
 
-/// The factor of a covariance matrix of which these are the rows of the lower triangle; none where it is not positive
-/// definite.
+/// Factors a covariance matrix, given by the rows of its lower triangle. None if it is not positive definite.
 pub(crate) fn whitener(rows: Vec<Vec<f64>>) -> Option<Cholesky> {
     Cholesky::new(rows, LEAST_PIVOT)
 }
 
-/// Coefficients of whitened columns, and how well they are known.
+/// Coefficients of whitened columns, and their uncertainty.
 pub(crate) struct Fit {
     pub(crate) coefficients: Vec<f64>,
     information: Cholesky,
 }
 
 impl Fit {
-    /// The coefficients that leave least of `values`; none where the columns depend on each other.
+    /// Finds the coefficients that leave least of `values`. None if the columns depend on each other.
     pub(crate) fn new(columns: &[Vec<f64>], values: &[f64]) -> Option<Self> {
         let products =
             |(i, column): (usize, &Vec<f64>)| columns[..=i].iter().map(|other| dot(column, other)).collect();
@@ -37,7 +36,7 @@ impl Fit {
     }
 }
 
-/// Takes out of `column` what the unit vector `unit` explains.
+/// Takes the projection on the unit vector `unit` out of `column`.
 pub(crate) fn take_out(column: &mut [f64], unit: &[f64]) {
     let share = dot(column, unit);
     column.iter_mut().zip(unit).for_each(|(value, unit)| *value -= share * unit);

@@ -1,4 +1,4 @@
-//! Which readings of a stream are to be believed: one judge for everything that takes samples.
+//! Judgement of which readings of a stream to believe: one judge for everything that takes samples.
 
 use crate::freeze::Freeze;
 pub use crate::freeze::Frozen;
@@ -7,21 +7,20 @@ use crate::plausible::{Plausible, Verdict};
 use crate::reading::Reading;
 use core::fmt;
 
-/// What is wrong with a reading; nothing, if it is to be believed. `Display` names it, for scripts:
-/// `impossible+frozen`.
+/// The faults of a reading, or none if it is to be believed. `Display` names them, for scripts: `impossible+frozen`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Flags(u8);
 
 impl Flags {
     /// Nothing is wrong.
     pub const NONE: Self = Self(0);
-    /// The rate is one that the part cannot have measured between its neighbours: a bit error.
+    /// The part cannot have measured this rate between its neighbours: a bit error.
     pub const IMPOSSIBLE: Self = Self(1);
     /// The rate is beyond the range of the converter (F-35).
     pub const OUT_OF_RANGE: Self = Self(2);
     /// The readings have stopped changing.
     pub const FROZEN: Self = Self(4);
-    /// The temperature is one that cannot follow the one before: a bit error.
+    /// The temperature cannot follow the one before: a bit error.
     pub const IMPOSSIBLE_TEMP: Self = Self(8);
 
     const NAMES: [(Self, &str); 4] = [
@@ -31,19 +30,19 @@ impl Flags {
         (Self::IMPOSSIBLE_TEMP, "impossible-temperature"),
     ];
 
-    /// As a number: 1 impossible, 2 out of range, 4 frozen, 8 temperature impossible.
+    /// The flags as a number: 1 impossible, 2 out of range, 4 frozen, 8 temperature impossible.
     #[must_use]
     pub fn bits(self) -> u8 {
         self.0
     }
 
-    /// Both together.
+    /// The union of two sets of flags.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
-    /// Whether all of `other` is in it.
+    /// Whether all flags of `other` are set.
     #[must_use]
     pub fn has(self, other: Self) -> bool {
         self.0 & other.0 == other.0
@@ -70,12 +69,12 @@ impl fmt::Display for Flags {
     }
 }
 
-/// A reading with what was found of it.
+/// A reading with its faults.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Judged {
     /// The reading, untouched.
     pub reading: Reading,
-    /// What is wrong with it.
+    /// The faults of the reading.
     pub flags: Flags,
 }
 
@@ -87,7 +86,7 @@ impl Judged {
         self.flags.rate_is_good().then_some(self.reading.rate)
     }
 
-    /// The same of the temperature, if one was read.
+    /// Code of the temperature less the zero code, if one was read and is to be believed.
     #[must_use]
     #[inline]
     pub fn temp(&self) -> Option<i32> {
@@ -100,7 +99,7 @@ impl Judged {
     }
 }
 
-/// How many readings had what.
+/// Numbers of readings with each fault.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Marks {
     /// Rates that the part cannot have measured.
@@ -116,16 +115,16 @@ pub struct Marks {
 }
 
 impl Marks {
-    /// Readings that are left out wherever means are taken.
+    /// Readings that all means leave out.
     #[must_use]
     pub fn spoilt(&self) -> u64 {
         self.impossible + self.impossible_temps
     }
 }
 
-/// Judges a stream of readings of one axis: hands each on, two readings late, with what is wrong with it.
+/// Judges a stream of readings of one axis: hands each on, two readings late, with its faults.
 ///
-/// What counts as impossible, and how often that is a false alarm, stands in [`plausible`](crate::plausible).
+/// [`plausible`](crate::plausible) says what counts as impossible, and how often that is a false alarm.
 ///
 /// ```
 /// use zerorate::health::{Flags, Health};
@@ -151,7 +150,7 @@ pub struct Health {
 }
 
 impl Health {
-    /// For readings of this axis.
+    /// Makes a judge for readings of this axis.
     #[must_use]
     pub fn new(axis: &Axis) -> Self {
         let (plausible, freeze, marks) = (Plausible::new(axis), Freeze::default(), Marks::default());
@@ -164,7 +163,7 @@ impl Health {
         self.plausible.has_limits()
     }
 
-    /// Takes a reading in, and hands on the one two before it.
+    /// Takes a reading in, and hands on the one that came two before it.
     #[inline]
     pub fn push(&mut self, reading: &Reading) -> Option<Judged> {
         self.frozen = self.freeze.watch(reading);
@@ -172,32 +171,32 @@ impl Health {
         judged.map(|(reading, finding)| self.judged(reading, finding.rate, finding.temp_impossible))
     }
 
-    /// Hands on the next of those that still wait, with the neighbours that it has: at the end of a record, or where
-    /// its mean ends.
+    /// Hands on the next waiting reading, judged by the neighbours that it has. Call this at the end of a record, or
+    /// where a mean ends.
     pub fn finish(&mut self) -> Option<Judged> {
         let judged = self.plausible.early();
         judged.map(|(reading, finding)| self.judged(reading, finding.rate, finding.temp_impossible))
     }
 
-    /// How many readings were taken in and not handed on yet: two at most.
+    /// Number of readings that wait to be handed on: two at most.
     #[must_use]
     pub fn waiting(&self) -> u64 {
         self.plausible.waiting()
     }
 
-    /// Whether the part is frozen now, and since when.
+    /// Tells whether the part is frozen now, and since when.
     #[must_use]
     pub fn frozen(&self) -> Option<Frozen> {
         self.frozen
     }
 
-    /// The same at the end of a record, however short it is.
+    /// The same judgement at the end of a record, however short it is.
     #[must_use]
     pub fn frozen_at_end(&self) -> Option<Frozen> {
         self.frozen.or_else(|| self.freeze.at_end())
     }
 
-    /// What was found so far.
+    /// Counts of the faults so far.
     #[must_use]
     pub fn marks(&self) -> &Marks {
         &self.marks

@@ -4,11 +4,11 @@ use crate::correction::Correction;
 use crate::part::{Axis, Scale};
 use core::fmt;
 
-/// How codes are carried through an integer correction: it follows from the scales of rate and temperature alone.
+/// The format of an integer correction. It follows from the scales of rate and temperature alone.
 ///
 /// The coefficients have q = min(30, w_t + 6, 61 − w_r) fraction bits, with w_r bits of a rate code and w_t of a
-/// temperature code. So a slope that is rounded is off by at most 2⁻⁷ rate codes over the whole scale of a temperature
-/// of up to 24 bits, and no sum leaves 64 bits: rate · 2^q, offset and (TEMP − T3) · slope stay below 2⁶¹ each.
+/// temperature code. So the rounded slope is off by at most 2⁻⁷ rate codes over the whole scale of a temperature of up
+/// to 24 bits. No sum leaves 64 bits: rate · 2^q, offset and (TEMP − T3) · slope stay below 2⁶¹ each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IntegerForm {
     /// Fraction bits of offset and slope.
@@ -20,10 +20,10 @@ pub struct IntegerForm {
 }
 
 impl IntegerForm {
-    /// That of the ADIS16130.
+    /// The form for the ADIS16130.
     pub const ADIS16130: Self = Self::new(&Axis::ADIS16130.rate, &Axis::ADIS16130.temp);
 
-    /// For codes on these scales, of up to 32 bits each.
+    /// The form for codes on these scales, of up to 32 bits each.
     #[must_use]
     pub const fn new(rate: &Scale, temp: &Scale) -> Self {
         let (by_temp, by_rate) = (temp.width_bits as u32 + 6, 61_u32.saturating_sub(rate.width_bits as u32));
@@ -32,7 +32,7 @@ impl IntegerForm {
         Self { q, rate_codes: rate.codes(), temp_codes: temp.codes() }
     }
 
-    /// The largest slope: of 31 bits, and such that no temperature takes it beyond 61.
+    /// The largest slope. It has 31 bits, and its product with any temperature has at most 61.
     fn slope_max(&self) -> f64 {
         let (first, last) = self.temp_codes;
         let most = libm::exp2(61.0) / ((last - first) as f64 + 1.0);
@@ -40,13 +40,12 @@ impl IntegerForm {
     }
 }
 
-/// F-50 on codes, without division or floating point:
-/// `corrected = (rate · 2^q + offset_q + (temp − t3_code) · slope_q + 2^(q−1)) >> q`, held to the codes that there
-/// are.
+/// F-50 on codes, without division or floating point: `corrected = (rate · 2^q + offset_q + (temp − t3_code) · slope_q
+/// + 2^(q−1)) >> q`, held to the possible codes.
 ///
-/// Rounds to nearest; differs from F-50 in f64 by at most 0.51 codes (0.51/23 488 °/s for the ADIS16130, F-40) where a
-/// temperature has up to 24 bits, and by at most ½ + 2^(w − q − 1) where it has w > 24. A 16-bit code of the ADIS16130
-/// goes in as code × 256.
+/// It rounds to nearest. For a temperature of up to 24 bits it differs from F-50 in f64 by at most 0.51 codes (0.51/23
+/// 488 °/s for the ADIS16130, F-40). For one of w > 24 bits it differs by at most ½ + 2^(w − q − 1) codes. A 16-bit
+/// code of the ADIS16130 goes in as code × 256.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IntegerCorrection {
     /// PBC in rate codes times 2^q.
@@ -58,10 +57,10 @@ pub struct IntegerCorrection {
 }
 
 impl IntegerCorrection {
-    /// Fraction bits of `offset_q` and `slope_q` for the ADIS16130, and the most that there are ([`IntegerForm`]).
+    /// Fraction bits of `offset_q` and `slope_q` for the ADIS16130, which is also the maximum ([`IntegerForm`]).
     pub const Q: u32 = 30;
 
-    /// The corrected 24-bit rate code of a 24-bit rate code and the temperature code taken with it: of the ADIS16130.
+    /// Corrects a 24-bit rate code of the ADIS16130 with the temperature code taken with it.
     #[inline]
     #[must_use]
     pub const fn apply(&self, rate_code: u32, temp_code: u32) -> u32 {
@@ -69,8 +68,8 @@ impl IntegerCorrection {
         self.apply_as(&IntegerForm::ADIS16130, rate, temp) as u32
     }
 
-    /// The corrected rate code of a rate code and the temperature code taken with it, in the form that the correction
-    /// was made for. A code that there is not counts as the nearest.
+    /// Corrects a rate code with the temperature code taken with it, in the form that the correction was made for. An
+    /// impossible code counts as the nearest possible one.
     ///
     /// ```
     /// use zerorate::{Axis, Correction, IntegerForm, Scale};
@@ -90,7 +89,7 @@ impl IntegerCorrection {
     }
 }
 
-/// The nearest that there is.
+/// The nearest possible code.
 #[inline]
 pub(crate) const fn held(code: i64, (first, last): (i64, i64)) -> i64 {
     if code < first {
@@ -103,11 +102,12 @@ pub(crate) const fn held(code: i64, (first, last): (i64, i64)) -> i64 {
 }
 
 impl Correction {
-    /// The same on the codes of an axis, see [`IntegerCorrection`] and [`IntegerForm`].
+    /// Converts the correction to the codes of an axis, see [`IntegerCorrection`] and [`IntegerForm`].
     ///
     /// # Errors
-    /// A curve; a coefficient that does not fit: |BTC| up to 2³¹⁻q rate codes per temperature code (1.2 °/s/°C of the
-    /// ADIS16130), PBC within the span of the rate's codes, T3 within those of the temperature and within 32 bits.
+    /// The correction is a curve, or a coefficient does not fit. These fit: |BTC| up to 2³¹⁻q rate codes per
+    /// temperature code (1.2 °/s/°C for the ADIS16130), PBC within the span of the rate's codes, and T3 within the
+    /// temperature's codes and 32 bits.
     pub fn to_integer(&self, rate: &Scale, temp: &Scale) -> Result<IntegerCorrection, IntegerError> {
         let form = IntegerForm::new(rate, temp);
         let per_lsb = rate.lsb_per_unit / temp.lsb_per_unit;
@@ -133,17 +133,17 @@ impl Correction {
         let t3_code = within("t3_c", t3_exact, first as f64, last as f64)?;
         let slope = within("btc_dps_per_c", self.btc_dps_per_c * per_lsb * one, -form.slope_max(), form.slope_max())?;
         let pbc_lsb = self.pbc_dps * rate.lsb_per_unit;
-        // T3 rounds to a code; what that leaves of (TEMP − T3) × BTC belongs to the offset.
+        // T3 rounds to a code. The rounding error times BTC belongs to the offset.
         let offset = (pbc_lsb + (t3_code - t3_exact) * self.btc_dps_per_c * per_lsb) * one;
         let offset = within("pbc_dps", offset, -rate.span() * one, rate.span() * one)?;
         Ok(IntegerCorrection { offset_q: offset as i64, slope_q: slope as i32, t3_code: t3_code as i32 })
     }
 }
 
-/// A coefficient that the integer arithmetic cannot carry.
+/// A coefficient that does not fit the integer arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntegerError {
-    /// The calibration's name for it.
+    /// Name of the coefficient in the calibration.
     pub coefficient: &'static str,
     /// The largest BTC of these scales, °/s/°C.
     pub largest_btc_dps_per_c: f64,
@@ -164,9 +164,9 @@ impl fmt::Display for IntegerError {
         let digits = libm::round(2.0 - libm::log10(digit * 100.0)).max(0.0) as usize;
         write!(
             f,
-            "{coefficient} does not fit the integer correction (|BTC| up to {:.digits$} °/s/°C, PBC within the \
-             {rate_bits}-bit codes of the rate, T3 within the {temp_bits}-bit codes of the temperature); check the \
-             calibration",
+            "{coefficient} does not fit the integer correction, so check the calibration. Limits: |BTC| up to \
+             {:.digits$} °/s/°C, PBC within the {rate_bits}-bit codes of the rate, T3 within the {temp_bits}-bit \
+             codes of the temperature",
             libm::floor(largest / digit) * digit
         )
     }
@@ -249,13 +249,13 @@ mod tests {
         ]
     }
 
-    /// The exact corrected code, times 2⁶⁰, of coefficients that are whole multiples of 2⁻⁴⁰ codes.
+    /// The exact corrected code, times 2⁶⁰, for coefficients that are whole multiples of 2⁻⁴⁰ codes.
     fn exact(offset: i128, slope: i128, t3: i64, rate: i64, temp: i64) -> i128 {
         (i128::from(rate) << 60) + (offset << 20) + i128::from(temp - t3) * (slope << 20)
     }
 
-    /// Against exact arithmetic, over every width and coding: coefficients that 40 fraction bits express, so that f64
-    /// brings them into the correction without an error of its own.
+    /// Compares with exact arithmetic, over every width and coding. The coefficients have 40 fraction bits, so f64
+    /// carries them without an error.
     #[test]
     fn it_is_exact_on_any_scale() {
         for (rate_scale, temp_scale) in scales() {
@@ -266,7 +266,7 @@ mod tests {
             for (offset, slope) in
                 [(123_456_789_012_345_i128, 7_654_321_987_i128), (-98_765_432_109, -543_210_987), (0, 0)]
             {
-                // no more than the scale, and than the largest slope
+                // at most the scale, and the largest slope
                 let offset = offset % (1 << (40 + rate_scale.width_bits - 1));
                 let slope = slope % ((form.slope_max() * libm::exp2(40.0 - f64::from(form.q))) as i128);
                 let correction = Correction::line(

@@ -1,14 +1,14 @@
-//! A correction of order 3 on codes, in integers: for curves what `integer` is for lines.
+//! A correction of order 3 on codes, in integers. It does for curves what `integer` does for lines.
 
 use crate::correction::Correction;
 use crate::integer::held;
 use crate::part::{Axis, Scale};
 use core::fmt;
 
-/// How codes are carried through an [`IntegerCurve`]: it follows from the scales of rate and temperature alone.
+/// The format of an [`IntegerCurve`]. It follows from the scales of rate and temperature alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CurveForm {
-    /// The distance from T3 in codes, times 2 to this, fills 32 bits with its sign.
+    /// The distance from T3 in codes, times 2 to this power, fills 32 bits with its sign.
     pub temp_shift: u32,
     /// First and last code of the rate.
     pub rate_codes: (i64, i64),
@@ -17,14 +17,14 @@ pub struct CurveForm {
 }
 
 impl CurveForm {
-    /// That of the ADIS16130: 148.8 °C to either side of T3.
+    /// The form for the ADIS16130, which reaches 148.8 °C to either side of T3.
     pub const ADIS16130: Self = Self::new(&Axis::ADIS16130.rate, &Axis::ADIS16130.temp);
 
-    /// The form reaches at least this far from T3, °C, in whole powers of two of codes: to any temperature that a part
-    /// is specified for, wherever T3 lies. Farther out the temperature counts as that at the end of the reach.
+    /// Least reach of the form from T3, °C. The reach is a whole power of two in codes. It covers any temperature that
+    /// a part is specified for, wherever T3 lies. Farther out the temperature counts as the end of the reach.
     pub const REACH_C: f64 = 128.0;
 
-    /// For codes on these scales, of up to 32 bits each.
+    /// The form for codes on these scales, of up to 32 bits each.
     #[must_use]
     pub const fn new(rate: &Scale, temp: &Scale) -> Self {
         let mut temp_shift = 31;
@@ -34,7 +34,7 @@ impl CurveForm {
         Self { temp_shift, rate_codes: rate.codes(), temp_codes: temp.codes() }
     }
 
-    /// First and last distance from T3, in codes; farther out the temperature counts as that at these ends.
+    /// First and last distance from T3, in codes. Farther out the temperature counts as these ends.
     #[must_use]
     pub const fn reach(&self) -> (i64, i64) {
         let codes = 1_i64 << (31 - self.temp_shift);
@@ -43,15 +43,14 @@ impl CurveForm {
 }
 
 /// A correction of order 3 on codes, without division or floating point, by Horner's rule on 32 bits with products of
-/// 64: with x = (temp − t3_code) · 2^temp_shift,
-/// `sum = t0 + ⌊x·(t1 + ⌊x·(t2 + ⌊x·t3 / 2³²⌋) / 2³²⌋) / 2³²⌋` and
-/// `corrected = rate + (sum + 2^(f−1)) >> f`, held to the codes that there are.
+/// 64 bits. Let x = (temp − t3_code) · 2^temp_shift. Then `sum = t0 + ⌊x·(t1 + ⌊x·(t2 + ⌊x·t3 / 2³²⌋) / 2³²⌋) / 2³²⌋`
+/// and `corrected = rate + (sum + 2^(f−1)) >> f`, held to the possible codes.
 ///
-/// f, the fraction bits, follows from the largest term: 1 at least, 16 at most.
-/// Let u = 2⁻ᶠ codes. A term is rounded, ±½ u; each of the three products loses up to 1 u by its floor, and what was
-/// lost before counts at most half, for |x| ≤ 2³¹. So the sum is off by at most ½ + (1 + ½ (½ + 1 + ½ (½ + 1 + ¼)))
-/// = 2.69 u, and the code by **½ + 2.69 · 2⁻ᶠ codes** (0.51 for f = 8, and 1.85 at worst) from the curve in f64 within
-/// [`CurveForm::REACH_C`] of T3. Beyond, the temperature is held, and so is what is added.
+/// The number of fraction bits, f, follows from the largest term and lies between 1 and 16. Let u = 2⁻ᶠ codes. A term
+/// is rounded by ±½ u. Each of the three products loses up to 1 u by its floor, and an earlier loss counts at most
+/// half, because |x| ≤ 2³¹. So the sum is off by at most ½ + (1 + ½ (½ + 1 + ½ (½ + 1 + ¼))) = 2.69 u. The code is off
+/// by **½ + 2.69 · 2⁻ᶠ codes** (0.51 for f = 8, and 1.85 at worst) from the curve in f64 within [`CurveForm::REACH_C`]
+/// of T3. Beyond it, the temperature and the correction are held.
 ///
 /// ```
 /// use zerorate::{Axis, Correction};
@@ -64,7 +63,7 @@ impl CurveForm {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IntegerCurve {
-    /// What is added at T3, and the terms of order 1, 2 and 3 over x / 2³², in rate codes times 2^f.
+    /// The correction at T3, and the terms of order 1, 2 and 3 over x / 2³², in rate codes times 2^f.
     pub terms: [i32; 4],
     /// T3 as a temperature code.
     pub t3_code: i32,
@@ -76,13 +75,13 @@ impl IntegerCurve {
     /// Fewest and most fraction bits.
     pub const FRACTION: (u32, u32) = (1, 16);
 
-    /// The most that it differs from the curve in f64 within the reach, rate codes: ½ + 2.69 · 2⁻ᶠ.
+    /// Largest difference from the curve in f64 within the reach, rate codes: ½ + 2.69 · 2⁻ᶠ.
     #[must_use]
     pub fn bound_codes(&self) -> f64 {
         0.5 + 2.69 * libm::exp2(-f64::from(self.fraction))
     }
 
-    /// The corrected 24-bit rate code of a 24-bit rate code and the temperature code taken with it: of the ADIS16130.
+    /// Corrects a 24-bit rate code of the ADIS16130 with the temperature code taken with it.
     #[inline]
     #[must_use]
     pub const fn apply(&self, rate_code: u32, temp_code: u32) -> u32 {
@@ -90,8 +89,8 @@ impl IntegerCurve {
         self.apply_as(&CurveForm::ADIS16130, rate, temp) as u32
     }
 
-    /// The corrected rate code of a rate code and the temperature code taken with it, in the form that the correction
-    /// was made for. A code that there is not counts as the nearest.
+    /// Corrects a rate code with the temperature code taken with it, in the form that the correction was made for. An
+    /// impossible code counts as the nearest possible one.
     #[inline]
     #[must_use]
     pub const fn apply_as(&self, form: &CurveForm, rate: i64, temp: i64) -> i64 {
@@ -112,12 +111,12 @@ const fn high(a: i32, b: i32) -> i32 {
 }
 
 impl Correction {
-    /// The same on the codes of an axis, see [`IntegerCurve`]; of a line as well, for which
+    /// Converts the correction to the codes of an axis, see [`IntegerCurve`]. It takes a line too, for which
     /// [`Correction::to_integer`] takes fewer instructions.
     ///
     /// # Errors
-    /// Terms that come to more than 2²⁹ codes within the reach (22 857 °/s for the ADIS16130), T3 outside the codes of
-    /// the temperature, a temperature of more than 2²⁴ codes in 1 °C.
+    /// The terms come to more than 2²⁹ codes within the reach (22 857 °/s for the ADIS16130), T3 is outside the codes
+    /// of the temperature, or the temperature has more than 2²⁴ codes in 1 °C.
     pub fn to_integer_curve(&self, rate: &Scale, temp: &Scale) -> Result<IntegerCurve, CurveError> {
         let form = CurveForm::new(rate, temp);
         let (first, last) = form.temp_codes;
@@ -156,7 +155,7 @@ impl Correction {
     }
 }
 
-/// The most that a sum of Horner's rule comes to with |x / 2³²| ≤ ½, in codes, and the term that has most of it.
+/// Largest sum of Horner's rule with |x / 2³²| ≤ ½, in codes, and the term that contributes most.
 fn largest(terms: &[f64; 4]) -> (&'static str, f64) {
     let (mut sum, mut most) = (0.0, 0.0_f64);
     for term in terms.iter().rev() {
@@ -170,12 +169,12 @@ fn largest(terms: &[f64; 4]) -> (&'static str, f64) {
     (named.map_or("pbc_dps", |(name, _)| name), most)
 }
 
-/// A curve that the integer arithmetic cannot carry.
+/// A curve that does not fit the integer arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurveError {
-    /// The calibration's name for the term that is too large.
+    /// Name in the calibration of the term that is too large.
     pub coefficient: &'static str,
-    /// What the terms come to within the reach, rate codes; for T3 its own code.
+    /// Size of the terms within the reach, rate codes. For T3 it is the code of T3.
     pub codes: f64,
     /// The reach from T3, °C.
     pub reach_c: f64,
@@ -187,15 +186,15 @@ impl fmt::Display for CurveError {
         match coefficient {
             "t3_c" => write!(
                 f,
-                "t3_c does not fit the integer correction of a curve (code {codes:.0}; T3 must be a code of the \
-                 temperature, and {} °C at most 2^31 codes); check the calibration",
+                "t3_c (code {codes:.0}) does not fit the integer correction of a curve, so check the calibration. T3 \
+                 must be a code of the temperature, and {} °C must be at most 2^31 codes",
                 CurveForm::REACH_C
             ),
             _ => write!(
                 f,
-                "{coefficient} does not fit the integer correction of a curve: within ±{reach_c:.0} °C of T3 it comes \
-                 to {codes:.2e} rate codes, and up to 5.4e8 fit; check the calibration, or take the table or single \
-                 precision"
+                "{coefficient} does not fit the integer correction of a curve: it reaches {codes:.2e} rate codes \
+                 within ±{reach_c:.0} °C of T3, and up to 5.4e8 fit. Check the calibration, or take the table or \
+                 single precision"
             ),
         }
     }
@@ -220,7 +219,7 @@ mod tests {
         (0..count).map(|i| (i.wrapping_mul(2_654_435_761), i.wrapping_mul(2_246_822_519)))
     }
 
-    /// The largest error of an integer curve against f64, in rate codes, less what is stated; temperatures beyond the
+    /// Largest error of an integer curve against f64, in rate codes, less the stated bound. Temperatures beyond the
     /// reach are held.
     fn beyond_the_bound(correction: &Correction, rate_scale: &Scale, temp_scale: &Scale, count: u32) -> f64 {
         let form = CurveForm::new(rate_scale, temp_scale);
@@ -236,14 +235,14 @@ mod tests {
             let temp_c = temp_scale.value(held_temp - temp_scale.zero_code);
             let exact = rate as f64 + correction.at(temp_c) * rate_scale.lsb_per_unit;
             let exact = exact.clamp(form.rate_codes.0 as f64, form.rate_codes.1 as f64);
-            // f64 itself: 2⁻⁵² of numbers up to 2³¹ codes
+            // rounding of f64 itself: 2⁻⁵² of numbers up to 2³¹ codes
             worst = worst.max((integer.apply_as(&form, rate, temp) as f64 - exact).abs() - bound - 1e-4);
         }
         worst
     }
 
     /// The corners of what an ADIS16130 can need: ±250 °/s, ±1 °/s/°C, T3 at both ends of the operating range, and
-    /// terms of 0.02 °/s/°C² and 2·10⁻⁴ °/s/°C³, forty times what units show; each alone as well.
+    /// terms of 0.02 °/s/°C² and 2·10⁻⁴ °/s/°C³, forty times the values of units. Each also comes alone.
     #[test]
     fn the_bound_holds_at_every_corner() {
         for corner in 0..3_u32.pow(4) {
@@ -288,7 +287,8 @@ mod tests {
         }
     }
 
-    /// A line is what the line's own form makes of it, to a code where both are near the middle between two.
+    /// A line gives the same codes as in the line's own form, within one code where both are near the middle between
+    /// two.
     #[test]
     fn a_line_agrees_with_its_own_form() {
         let line = Correction::line(-0.2537, -0.04, 31.5123);

@@ -1,15 +1,15 @@
-//! Which temperatures a recording passed while it warmed, and which while it cooled.
+//! The temperatures that a recording passed while it warmed, and while it cooled.
 
 use alloc::vec::Vec;
 
-/// A change of direction by less than this share of the whole span is a wiggle within a leg: it is too short to show
+/// Share of the whole span below which a change of direction is a wiggle within a leg. A wiggle is too short to show
 /// the other branch of a hysteresis.
 const WIGGLE: f64 = 0.125;
 
-/// From a turning point to the next: the lowest and the highest temperature, °C.
+/// Lowest and highest temperature from one turning point to the next, °C.
 type Range = (f64, f64);
 
-/// How many °C the temperature covered while it rose, and while it fell. A temperature that was passed several times
+/// Span that the temperature covered while it rose, and while it fell, °C. A temperature that was passed several times
 /// in one direction counts once.
 pub(crate) fn covered_c(temps_c: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
     let (low_c, high_c) = temps_c.clone().fold(EMPTY, |(low, high), c| (low.min(c), high.max(c)));
@@ -24,11 +24,11 @@ const EMPTY: Range = (f64::INFINITY, f64::NEG_INFINITY);
 
 struct Legs {
     wiggle_c: f64,
-    /// Of the present leg.
+    /// Range of the present leg.
     seen: Range,
     /// The direction of the present leg, once it is known.
     rising: Option<bool>,
-    /// Of the rising legs, and of the falling ones.
+    /// Ranges of the rising legs, and of the falling ones.
     ranges: [Vec<Range>; 2],
 }
 
@@ -59,7 +59,7 @@ impl Legs {
     }
 }
 
-/// How much the ranges cover together.
+/// Total length that the ranges cover.
 fn length(mut ranges: Vec<Range>) -> f64 {
     ranges.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (mut length_c, mut reached_c) = (0.0, f64::NEG_INFINITY);

@@ -75,5 +75,5 @@ pub use tally::Tally;
 pub use uncertainty::Uncertainty;
 pub use validity::Validity;
 
-/// What stands in the files that this software writes.
+/// Name and version of this software, as in the files that it writes.
 pub const SOFTWARE: &str = concat!("zerorate ", env!("CARGO_PKG_VERSION"));

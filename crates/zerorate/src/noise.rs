@@ -1,4 +1,4 @@
-//! What noise does to means over windows: the covariance of any two weighted sums of window means.
+//! The effect of noise on means over windows: the covariance of any two weighted sums of window means.
 
 use alloc::vec::Vec;
 use core::f64::consts::{LN_2, PI};
@@ -87,7 +87,7 @@ impl NoiseModel {
 pub struct Window {
     /// Start, s.
     pub start_s: f64,
-    /// End, s; after the start.
+    /// End, s. It is after the start.
     pub end_s: f64,
     /// Factor of this mean in the sum.
     pub weight: f64,

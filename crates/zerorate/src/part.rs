@@ -1,5 +1,5 @@
-//! What is true of one kind of gyroscope: a value that is handed in. [`Part::ADIS16130`] is built in; any other comes
-//! from a file ([`Part::parse`], `docs/formats/part.md`).
+//! The properties of one kind of gyroscope, as a value that is handed in. [`Part::ADIS16130`] is built in; any other
+//! comes from a file ([`Part::parse`], `docs/formats/part.md`).
 
 use crate::noise::NoiseModel;
 use alloc::borrow::Cow;
@@ -13,21 +13,21 @@ pub use file::PartError;
 #[cfg(feature = "file")]
 pub(crate) use file::is_word;
 
-/// Most axes of a part: its readings take that much room.
+/// Largest number of axes of a part. Its readings take that much room.
 pub const MAX_AXES: usize = 8;
 
-/// How far a temperature may leave the span of a calibration where its noise is not known, °C: what ten times the
-/// noise of a single reading is for the ADIS16130 (M-05).
+/// Allowed distance of a temperature from the span of a calibration if its noise is not known, °C. For the ADIS16130
+/// this is ten times the noise of a single reading (M-05).
 pub(crate) const UNKNOWN_MARGIN_C: f64 = 0.5;
 
 /// A kind of gyroscope: its name and its axes, which share one temperature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// What captures and calibrations call it.
+    /// Name in captures and calibrations.
     pub name: Cow<'static, str>,
-    /// One at least, [`MAX_AXES`] at most.
+    /// The axes, from one to [`MAX_AXES`].
     pub axes: Cow<'static, [NamedAxis]>,
-    /// What logs call the column of the temperature, where it is not `temp`.
+    /// Column of the temperature in logs, if it is not `temp`.
     pub temp_column: Option<Cow<'static, str>>,
     /// Coldest and warmest air in which it may operate, °C.
     pub operating_c: Option<(f64, f64)>,
@@ -36,22 +36,22 @@ pub struct Part {
 /// An axis of a [`Part`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedAxis {
-    /// What captures and calibrations call it.
+    /// Name in captures and calibrations.
     pub name: Cow<'static, str>,
-    /// What logs call its column, where it is not the name.
+    /// Column in logs, if it differs from the name.
     pub column: Option<Cow<'static, str>>,
-    /// Its numbers.
+    /// The numbers of the axis.
     pub axis: Axis,
-    /// Where its typical noise comes from.
+    /// Sources of its typical noise.
     pub sources: NoiseSources,
 }
 
-/// Where the typical noise of an axis comes from: a fact, a data sheet, a measurement.
+/// Sources of the typical noise of an axis: a fact, a data sheet, a measurement.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NoiseSources {
-    /// Of its flicker.
+    /// Source of the flicker.
     pub flicker: Option<Cow<'static, str>>,
-    /// Of its rate random walk.
+    /// Source of the rate random walk.
     pub rate_random_walk: Option<Cow<'static, str>>,
 }
 
@@ -73,8 +73,8 @@ impl Part {
     };
 }
 
-/// The numbers of one axis, and of the temperature that belongs to it. What is not known is `None`, and whatever needs
-/// it is not done; where a user has to know that, a warning says so.
+/// The numbers of one axis, and of the temperature that belongs to it. An unknown number is `None`, and a step that
+/// needs it is left out. If the user has to know that, a warning says so.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
     /// Codes to °/s.
@@ -85,11 +85,11 @@ pub struct Axis {
     pub temp_noise_c: Option<f64>,
     /// Largest rate that it measures, °/s, in both directions.
     pub range_dps: Option<f64>,
-    /// −3 dB of its response, Hz, as it is set.
+    /// −3 dB frequency of its response, Hz, as it is set.
     pub bandwidth_hz: Option<f64>,
     /// Typical noise of its rate.
     pub noise: Option<TypicalNoise>,
-    /// Typical bias and what it follows.
+    /// Typical bias, and its dependence on other quantities.
     pub bias: TypicalBias,
     /// How a typical unit warms itself after it is switched on.
     pub self_heating: Option<SelfHeating>,
@@ -107,11 +107,11 @@ pub struct Scale {
     pub lsb_per_unit: f64,
     /// The code that stands for `zero_value`.
     pub zero_code: i64,
-    /// Its value.
+    /// Value of the zero code.
     pub zero_value: f64,
     /// Bits of a code, 1 to 32.
     pub width_bits: u8,
-    /// Whether codes are two's complement; else they begin at 0.
+    /// Whether codes are two's complement. Otherwise they begin at 0.
     pub signed: bool,
 }
 
@@ -120,7 +120,7 @@ impl Scale {
     const OFFSET_24: Self =
         Self { lsb_per_unit: 1.0, zero_code: 8_388_608, zero_value: 0.0, width_bits: 24, signed: false };
 
-    /// The same scale for codes that lack so many low bits (F-43).
+    /// The same scale for codes that lack `bits` low bits (F-43).
     #[must_use]
     pub fn without_low_bits(self, bits: u8) -> Self {
         Self {
@@ -148,7 +148,7 @@ impl Scale {
         (value - self.zero_value) * self.lsb_per_unit + self.zero_code as f64
     }
 
-    /// The code nearest to a value; beyond what a code can say the first or last one.
+    /// The code nearest to a value, which is the first or last code for a value beyond the scale.
     #[must_use]
     pub fn nearest_code(&self, value: f64) -> i64 {
         let (first, last) = self.codes();
@@ -178,7 +178,7 @@ impl Scale {
     }
 }
 
-/// Noise as a typical unit has it.
+/// The noise of a typical unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TypicalNoise {
     /// One-sided density of the white noise, °/s/√Hz.
@@ -190,7 +190,7 @@ pub struct TypicalNoise {
 }
 
 impl TypicalNoise {
-    /// As a model.
+    /// Converts the typical noise to a model.
     #[must_use]
     pub const fn model(&self) -> NoiseModel {
         NoiseModel {
@@ -201,34 +201,34 @@ impl TypicalNoise {
     }
 }
 
-/// A part that warms itself, as the sum of two exponentials.
+/// The self-heating of a part, as the sum of two exponentials.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SelfHeating {
-    /// How far it warms soon, °C.
+    /// Size of the fast share, °C.
     pub fast_c: f64,
-    /// With which time constant, s.
+    /// Time constant of that share, s.
     pub fast_s: f64,
-    /// How far it warms late, °C.
+    /// Size of the slow share, °C.
     pub slow_c: f64,
-    /// With which time constant, s.
+    /// Time constant of that share, s.
     pub slow_s: f64,
 }
 
 impl SelfHeating {
-    /// How much warmer it is so long after it was switched on, °C.
+    /// Temperature rise `after_s` seconds after power-on, °C.
     #[must_use]
     pub fn rise_c(&self, after_s: f64) -> f64 {
         -self.fast_c * libm::expm1(-after_s / self.fast_s) - self.slow_c * libm::expm1(-after_s / self.slow_s)
     }
 
-    /// When less than this is to come, s; by then the fast share is over.
+    /// Time from which less than `rest_c` of the rise is to come, s. By then the fast share is over.
     #[must_use]
     pub fn settles_to_s(&self, rest_c: f64) -> f64 {
         (self.slow_s * libm::log(self.slow_c / rest_c)).max(0.0)
     }
 }
 
-/// The bias as a typical unit has it, and how far units spread.
+/// The bias of a typical unit, and its spread over units.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TypicalBias {
     /// Standard deviation of the initial bias over units, °/s.
@@ -241,12 +241,12 @@ pub struct TypicalBias {
     pub curvature_dps_per_c2: Option<f64>,
     /// Half width of the hysteresis, °/s.
     pub hysteresis_dps: Option<f64>,
-    /// Bias per supply voltage, at most, °/s/mV.
+    /// Largest change of the bias with the supply, °/s/mV.
     pub supply_dps_per_mv: Option<f64>,
 }
 
 impl TypicalBias {
-    /// A rate above this is no bias, °/s: ten times the spread over units.
+    /// Largest rate that can be bias, °/s: ten times the spread over units.
     #[must_use]
     pub fn largest_dps(&self) -> Option<f64> {
         self.initial_dps.map(|initial_dps| 10.0 * initial_dps)
@@ -264,26 +264,27 @@ impl TypicalBias {
         Some(self.tempco_dps_per_c?.abs() - 3.0 * self.tempco_spread_dps_per_c?)
     }
 
-    /// The largest step of the bias that a change of the supply explains, °/s: 500 mV. Where that is not known, any.
+    /// The largest step of the bias that a change of the supply by 500 mV explains, °/s. Infinite if the dependence is
+    /// not known.
     #[must_use]
     pub fn largest_supply_step_dps(&self) -> f64 {
         self.supply_dps_per_mv.map_or(f64::INFINITY, |dps_per_mv| 500.0 * dps_per_mv)
     }
 }
 
-/// A tone that the part adds to its rate, and how well its frequency is known.
+/// A tone that the part adds to its rate, and the tolerance of its frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tone {
     /// Its frequency, Hz.
     pub hz: f64,
-    /// How far off it may be, Hz: half of the last digit that is printed.
+    /// Tolerance of that frequency, Hz: half of the last digit that is printed.
     pub tolerance_hz: f64,
     /// Its rms before sampling, °/s.
     pub rms_dps: f64,
 }
 
 impl Tone {
-    /// Where it appears, Hz: 0 … `rate_hz`/2.
+    /// Frequency at which the tone appears among samples at `rate_hz`, Hz: 0 … `rate_hz`/2.
     ///
     /// ```
     /// let tone = zerorate::Axis::ADIS16130.resonance.expect("it is known");
@@ -296,16 +297,16 @@ impl Tone {
         (turns - libm::round(turns)).abs() * rate_hz
     }
 
-    /// Below this it counts as near zero, Hz, for means over `average_s`: where averaging leaves more of it than of
-    /// the white noise of this density, and the tolerance. Where the tolerance is more than an eighth of the rate,
-    /// that eighth: such rates are too low to be sure of any.
+    /// Frequency below which the tone counts as near zero, Hz, for means over `average_s`. There averaging leaves more
+    /// of the tone than of white noise of this density, and the tolerance is added. If the tolerance is more than an
+    /// eighth of the rate, it counts as that eighth, because no such low rate is safe.
     #[must_use]
     pub fn near_zero_hz(&self, rate_hz: f64, average_s: f64, white_dps_per_rt_hz: f64) -> f64 {
         let averaged_hz = 2.0 * self.rms_dps / (PI * white_dps_per_rt_hz * libm::sqrt(average_s));
         averaged_hz + self.tolerance_hz.min(rate_hz / 8.0)
     }
 
-    /// Whether it looks like a bias among samples at `rate_hz`, in means over `average_s`.
+    /// Whether the tone looks like a bias among samples at `rate_hz`, in means over `average_s`.
     #[must_use]
     pub fn looks_like_bias(&self, rate_hz: f64, average_s: f64, white_dps_per_rt_hz: f64) -> bool {
         rate_hz > 0.0 && self.folded_hz(rate_hz) < self.near_zero_hz(rate_hz, average_s, white_dps_per_rt_hz)
@@ -337,7 +338,7 @@ impl Axis {
         resonance: Some(Tone { hz: 14_300.0, tolerance_hz: 50.0, rms_dps: 0.02 }),                 // F-07, M-08
         alternates: true,                                                                          // F-56
     };
-    /// An axis of which nothing but its scales is known.
+    /// An axis with known scales, of which nothing else is known.
     #[must_use]
     pub fn unknown(rate: Scale, temp: Scale) -> Self {
         Self {
@@ -354,17 +355,17 @@ impl Axis {
         }
     }
 
-    /// Its bandwidth with 0.01 µF between ROA1 and ROA2, Hz (F-04).
+    /// Bandwidth of the ADIS16130 with 0.01 µF between ROA1 and ROA2, Hz (F-04).
     pub const ADIS16130_ROA_10NF_HZ: f64 = 50.0;
 
-    /// How far a temperature may leave the span of a calibration unremarked, °C: ten times the noise of a reading, or
-    /// [`Validity::MARGIN_C`](crate::Validity::MARGIN_C) where that is not known.
+    /// Distance from the span of a calibration at which a temperature is still unremarked, °C. It is ten times the
+    /// noise of a reading, or [`Validity::MARGIN_C`](crate::Validity::MARGIN_C) if that is not known.
     #[must_use]
     pub fn temp_margin_c(&self) -> f64 {
         self.temp_noise_c.map_or(UNKNOWN_MARGIN_C, |noise_c| 10.0 * noise_c)
     }
 
-    /// The typical noise as a model; without one, no noise but what is measured.
+    /// The typical noise as a model. Without one, the model has no noise beside the measured one.
     #[must_use]
     pub fn typical_noise(&self) -> NoiseModel {
         const NONE: TypicalNoise =

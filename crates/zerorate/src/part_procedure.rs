@@ -1,5 +1,5 @@
-//! The procedure for all axes of a part in one hour: a [`Procedure`] for each, which see the same times and the same
-//! temperature.
+//! The procedure for all axes of a part in one hour. Each axis has a [`Procedure`], and all of them see the same times
+//! and the same temperature.
 
 use crate::estimate::Outcome;
 use crate::notice::Refusal;
@@ -16,9 +16,8 @@ use core::fmt;
 
 /// The procedure of F-51 for all axes of a part.
 ///
-/// It takes [`Scan`]s as [`Procedure`] takes readings, and is used in the same way. Where one axis is refused, all
-/// are: a part that moves moves whole, and a calibration that lacks an axis would pass for one of a part that has
-/// fewer.
+/// It takes [`Scan`]s as [`Procedure`] takes readings, and is used in the same way. If one axis is refused, all are: a
+/// part moves as a whole, and a calibration that lacks an axis would look like one of a part with fewer axes.
 ///
 /// ```
 /// use zerorate::{Action, Part, PartProcedure, Plan};
@@ -30,40 +29,40 @@ use core::fmt;
 pub struct PartProcedure {
     part: Part,
     plan: Plan,
-    /// In the order of the part.
+    /// One procedure for each axis, in the order of the part.
     axes: Vec<Procedure>,
 }
 
 impl PartProcedure {
-    /// A procedure for this part that has not begun.
+    /// Prepares a procedure for this part.
     ///
     /// # Errors
-    /// A duration or limit that makes no sense.
+    /// A duration or limit of the plan makes no sense.
     pub fn new(part: &Part, plan: Plan) -> Result<Self, PlanError> {
         let axes = part.axes.iter().map(|axis| Procedure::new(&axis.axis, plan)).collect::<Result<_, _>>()?;
         Ok(Self { part: part.clone(), plan, axes })
     }
 
-    /// What it was made for.
+    /// The part that is measured.
     #[must_use]
     pub fn part(&self) -> &Part {
         &self.part
     }
 
-    /// The durations and limits it was made with.
+    /// The plan of the measurement.
     #[must_use]
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// What to do next. All axes are at the same step.
+    /// Returns the next task. All axes are at the same step.
     #[must_use]
     #[inline]
     pub fn next(&self) -> Action {
         self.axes.first().map_or(Action::Done, Procedure::next)
     }
 
-    /// How far it has come.
+    /// Progress of the measurement.
     #[must_use]
     #[inline]
     pub fn progress(&self) -> Progress {
@@ -72,11 +71,11 @@ impl PartProcedure {
         self.axes.first().map_or(none, Procedure::progress)
     }
 
-    /// Takes in what was seen. A refusal is final: the measurement is over. An axis that a scan does not have was not
-    /// read at its time.
+    /// Takes in an event. A refusal is final: the measurement is over. An axis that a scan lacks was not read at its
+    /// time.
     ///
     /// # Errors
-    /// What was measured of an axis must not become a calibration.
+    /// The measurement of an axis must not become a calibration.
     #[inline]
     pub fn handle(&mut self, event: Event<'_, Scan>) -> Result<(), AxisRefusal> {
         for (index, procedure) in self.axes.iter_mut().enumerate() {
@@ -93,7 +92,7 @@ impl PartProcedure {
         Ok(())
     }
 
-    /// What would be refused if the present step ended now, of each axis ([`Procedure::threat`]).
+    /// The refusals of the axes if the present step ended now ([`Procedure::threat`]).
     pub fn threats(&self) -> impl Iterator<Item = AxisRefusal> + '_ {
         let threat = |(index, axis): (usize, &Procedure)| Some(AxisRefusal::new(&self.part, index, axis.threat()?));
         self.axes.iter().enumerate().filter_map(threat)
@@ -111,17 +110,17 @@ impl PartProcedure {
         Ok(ended)
     }
 
-    /// How far the axis has come that is farthest from an end ([`Procedure::reached`]).
+    /// Progress of the axis that is farthest from its target ([`Procedure::reached`]).
     #[must_use]
     pub fn reached(&self) -> Option<Reached> {
         let all: Option<Vec<Reached>> = self.axes.iter().map(Procedure::reached).collect();
         all?.into_iter().max_by(|a, b| a.u_dps.total_cmp(&b.u_dps))
     }
 
-    /// What came out for each axis, in the order of the part, once [`PartProcedure::next`] says [`Action::Done`].
+    /// Returns the outcomes of the axes, in the order of the part, once [`PartProcedure::next`] says [`Action::Done`].
     ///
     /// # Errors
-    /// As [`PartProcedure::handle`]; before the end, the window that is still short of samples.
+    /// The errors of [`PartProcedure::handle`] or, before the end, the window that is still short of samples.
     pub fn finish(self) -> Result<Vec<Outcome>, AxisRefusal> {
         let Self { part, axes, .. } = self;
         let finish = |(index, procedure): (usize, Procedure)| {
@@ -134,9 +133,9 @@ impl PartProcedure {
 /// The measurement must not become a calibration, because of one axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxisRefusal {
-    /// Its name; none where it is the only one.
+    /// Name of the axis. None if the part has one axis only.
     pub axis: Option<String>,
-    /// Why.
+    /// The refusal.
     pub refusal: Refusal,
 }
 

@@ -1,4 +1,4 @@
-//! How long the steps of the procedure take, and what is accepted.
+//! Durations of the steps of the procedure, and limits of what is accepted.
 
 use crate::remedy::{Names, Say, Setting};
 use core::fmt;
@@ -6,7 +6,7 @@ use core::fmt;
 /// Rotation of the Earth, °/s, on an axis parallel to its own (F-16).
 pub const EARTH_DPS: f64 = 0.00418;
 
-/// How the bias over temperature is found.
+/// A method to find the bias over temperature.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
     /// Two averages and the line through them (F-51).
@@ -14,15 +14,15 @@ pub enum Method {
     An1042,
     /// A curve through every block of the recording ([`thermal`](crate::thermal)).
     Warmup,
-    /// The same, of a recording that warms and cools.
+    /// The same curve, through a recording that warms and cools.
     Cycle,
 }
 
 impl Method {
-    /// All of them.
+    /// All methods.
     pub const ALL: [Self; 3] = [Self::An1042, Self::Warmup, Self::Cycle];
 
-    /// What calibrations call it.
+    /// Name of the method in calibrations.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -36,7 +36,7 @@ impl Method {
 /// Durations and limits; the default is F-51.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
-    /// What is made of the samples. All but AN-1042 take the same time as one recording, without steps in it.
+    /// Method of the measurement. All but AN-1042 make one recording of the same total time, without steps.
     pub method: Method,
     /// Average of steps 4 and 6, s.
     pub average_s: f64,
@@ -54,10 +54,11 @@ pub struct Plan {
     pub max_u_btc_dps_per_c: f64,
     /// The component of the Earth's rotation on the part's axis, °/s, which is subtracted from the bias (F-16).
     pub earth_dps: Option<f64>,
-    /// The bias is a straight line over temperature: no allowance for curvature and hysteresis.
+    /// Whether to take the bias as a straight line over temperature, without an allowance for curvature and
+    /// hysteresis.
     pub assume_linear: bool,
     /// End the recording once the temperature has settled and the standard uncertainty of the correction, rms over the
-    /// temperatures seen, is no more than this, °/s. Not for AN-1042.
+    /// temperatures seen, is no more than this, °/s. It does not apply to AN-1042.
     pub target_dps: Option<f64>,
 }
 
@@ -79,7 +80,7 @@ impl Default for Plan {
     }
 }
 
-/// Rounded to whole ones.
+/// Converts seconds to nanoseconds, rounded to whole ones.
 pub(crate) fn ns(seconds: f64) -> u64 {
     libm::round(seconds * 1e9) as u64
 }
@@ -99,7 +100,7 @@ impl Plan {
         steps_s.into_iter().map(ns).sum()
     }
 
-    /// Every number within what a measurement on Earth can be.
+    /// Checks that every number is possible for a measurement on Earth.
     pub(crate) fn check(&self) -> Result<(), PlanError> {
         let within = |setting, value: f64, least: f64, most: f64, unit| {
             if (least..=most).contains(&value) { Ok(()) } else { Err(PlanError { setting, value, least, most, unit }) }
@@ -116,31 +117,32 @@ impl Plan {
     }
 }
 
-/// No step of F-51 takes longer than a day, s: the ambient temperature would go round once.
+/// Longest step of F-51, s: a day, in which the ambient temperature goes round once.
 const DAY_S: f64 = 86_400.0;
-/// An uncertainty of BTC that no day reaches, °/s/°C: the white noise of a part of this class alone (F-02) makes ten
-/// times as much.
+/// Least uncertainty of BTC that may be asked for, °/s/°C. No day reaches it: the white noise of such a part alone
+/// (F-02) makes ten times as much.
 const LEAST_U_BTC_DPS_PER_C: f64 = 1e-8;
-/// An uncertainty of BTC at which it says nothing: 25 times the coefficient itself (F-05).
+/// Largest uncertainty of BTC that may be asked for, °/s/°C. It tells nothing: it is 25 times the coefficient itself
+/// (F-05).
 const MOST_U_BTC_DPS_PER_C: f64 = 1.0;
 
-/// An uncertainty that no hour reaches, °/s: a thousandth of the flicker floor (M-04).
+/// Least target, °/s: a thousandth of the flicker floor (M-04), which no hour reaches.
 const LEAST_TARGET_DPS: f64 = 1e-6;
-/// An uncertainty that says nothing, °/s: that of a part out of the box (M-01).
+/// Largest target, °/s. It tells nothing: a part out of the box is as good (M-01).
 const MOST_TARGET_DPS: f64 = 1.0;
 
 /// A plan that cannot be carried out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanError {
-    /// Which number.
+    /// The setting that is out of range.
     pub setting: Setting,
-    /// What was asked, in its unit.
+    /// The value that was asked for, in its unit.
     pub value: f64,
-    /// The least that makes sense.
+    /// Least value that makes sense.
     pub least: f64,
-    /// The most that makes sense.
+    /// Largest value that makes sense.
     pub most: f64,
-    /// Its unit.
+    /// Unit of these values.
     pub unit: &'static str,
 }
 

@@ -1,5 +1,6 @@
-//! Readings that the part cannot have made: a bit error on the bus changes one reading, and a part of 300 Hz cannot
-//! jump and come back within one sample. Integers only, bounded memory, two samples of look-ahead.
+//! Detection of readings that the part cannot have made. A bit error on the bus changes one reading, and a part of 300
+//! Hz cannot jump and come back within one sample. The code uses integers only, bounded memory, and two samples of
+//! look-ahead.
 //!
 //! # Strict rule
 //!
@@ -8,48 +9,50 @@
 //! L = |y₀ − (4·(y₋₁ + y₁) − (y₋₂ + y₂))/6| > Θ(T), where Θ(T) = 1.15 °/s · r + 0.35 °/s · r⁴, r = T/175.7 µs, for the
 //! ADIS16130,
 //!
-//! and L also exceeds what is rough about its four neighbours, |y₂ − 2y₁ + 2y₋₁ − y₋₂| and |y₂ − y₁ − y₋₁ + y₋₂|, and
-//! four times what was rough about the readings before (the largest L, which fades by 1/32 with each reading).
+//! and L also exceeds two other numbers. One is the roughness of its four neighbours, |y₂ − 2y₁ + 2y₋₁ − y₋₂| and |y₂
+//! − y₁ − y₋₁ + y₋₂|. The other is four times the roughness of the readings before, the largest L, which fades by 1/32
+//! with each reading.
 //!
-//! * Noise: white noise of F-02 behind the poles of F-03 gives L a standard deviation of 0.064 °/s at 175.7 µs (0.104,
-//!   0.141, 0.202 at 1.5, 2 and 3 times that), a resonance of M-08 at most 0.075 °/s. Even at three times that noise Θ
-//!   lies 6.6 deviations out: less than one false mark in 2·10¹⁰ readings (40 days); at the noise of F-02 none in
-//!   practice (16 deviations).
-//! * Motion: a sine of f and amplitude A shows L = A·|H(f)|·(8/3)·sin⁴(πfT), H being the poles of F-03: 0.35 °/s for
-//!   250 °/s (F-08) at the bandwidth of 300 Hz, the second term of Θ. So no motion within range and bandwidth is ever
-//!   marked, nor any other with an angular acceleration below 43 000 °/s². A hard shock or a vibration above 1 kHz
-//!   (0.5 kHz at a third of the full rate) may cost one mark, or two, where it begins: its neighbours and its past are
-//!   rough, and then nothing is marked.
-//! * So what is smaller than Θ, 1.5 °/s at the full rate, is not found; nor is what comes together with such a shock,
-//!   or with another error within two samples that is as large.
+//! * Noise: white noise of F-02 behind the poles of F-03 gives L a standard deviation of 0.064 °/s at 175.7 µs. At
+//!   1.5, 2 and 3 times that period it is 0.104, 0.141 and 0.202 °/s. A resonance of M-08 gives at most 0.075 °/s.
+//!   Even at three times that noise Θ lies 6.6 deviations out, which is less than one false mark in 2·10¹⁰ readings
+//!   (40 days). At the noise of F-02 it lies 16 deviations out, so there are no false marks in practice.
+//! * Motion: a sine of frequency f and amplitude A shows L = A·|H(f)|·(8/3)·sin⁴(πfT), with the poles H of F-03. For
+//!   250 °/s (F-08) at the bandwidth of 300 Hz this is 0.35 °/s, the second term of Θ. So no motion within range and
+//!   bandwidth is ever marked, nor any other with an angular acceleration below 43 000 °/s². A hard shock or a
+//!   vibration above 1 kHz (0.5 kHz at a third of the full rate) may cost one or two marks where it begins. After that
+//!   its neighbours and its past are rough, and nothing is marked.
+//! * Limits: an error smaller than Θ, 1.5 °/s at the full rate, is not found. The same is true of an error that comes
+//!   together with such a shock, or with another error of the same size within two samples.
 //!
 //! # Loose rule
 //!
-//! Next to a loss, at either end of a record, and where the readings are more than 0.6 ms apart, a reading is
-//! impossible if it cannot be reached from either of two neighbours: the response of the two poles (F-03) to any input
-//! within ±250 °/s (F-08) moves by no more than 2 · 250 °/s · 1194/s · t in a time t (the largest value of their
-//! impulse response is 1194/s at 0.26 ms), 105 °/s in a sample. Where they are more than 1.2 ms apart even that says
-//! nothing, and the reading is *unjudged*.
+//! This rule holds next to a loss, at either end of a record, and for readings more than 0.6 ms apart. There a reading
+//! is impossible if it cannot be reached from either of two neighbours. The response of the two poles (F-03) to any
+//! input within ±250 °/s (F-08) moves by no more than 2 · 250 °/s · 1194/s · t in a time t, 105 °/s in a sample.
+//! 1194/s is the largest value of their impulse response, at 0.26 ms. For readings more than 1.2 ms apart even that
+//! says nothing, and the reading is *unjudged*.
 //!
 //! A reading out of range, alone among neighbours from which the end of the range cannot be reached, is impossible
 //! too.
 //!
 //! # Temperatures
 //!
-//! A temperature is impossible if it differs from each of the last two good ones by more than 1 °C and 2 °C/s (the
-//! noise of M-05 has 0.053 °C in a reading, so this is 13 deviations; F-55 expects up to 1 °C/s). A second one in a
+//! A temperature is impossible if it differs from each of the last two good ones by more than 1 °C and 2 °C/s. The
+//! noise of M-05 has 0.053 °C in a reading, so this is 13 deviations, and F-55 expects up to 1 °C/s. A second one in a
 //! row that agrees with it is believed.
 
 use crate::part::Axis;
 use crate::reading::Reading;
 use core::num::NonZeroU64;
 
-/// What is possible for an axis, in integers.
+/// The limits of possible readings of an axis, in integers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Limits {
     /// Noise part of Θ, 2⁻¹⁶ codes per µs.
     noise_per_us_q16: u64,
-    /// The noise part is no less than that at this distance, µs: a part that converts its rate only is faster.
+    /// The noise part never falls below its value at this distance, µs, because a part that converts only its rate is
+    /// faster.
     least_us: u64,
     /// Motion part of Θ, µs⁴ per code.
     motion_us4_per_code: NonZeroU64,
@@ -59,15 +62,15 @@ struct Limits {
     slew_codes_per_us: u64,
     /// Noise that the loose rule allows for on top, codes.
     slew_noise_codes: u64,
-    /// No two codes differ by more.
+    /// Largest difference of two codes.
     span_codes: u64,
 }
 
 impl Limits {
-    /// The numbers of the ADIS16130 (1.15 °/s and 0.35 °/s at 175.7 µs, 0.6 ms, 2 · 250 °/s · 1194/s, 1.5 °/s), and
-    /// for another axis what follows by similarity: time goes with 1/bandwidth, motion with the range, noise with its
-    /// density times √bandwidth, and all of them with the codes per °/s. None where range, bandwidth or noise is not
-    /// known, or the codes are too wide for these sums.
+    /// Scales the numbers of the ADIS16130 (1.15 °/s and 0.35 °/s at 175.7 µs, 0.6 ms, 2 · 250 °/s · 1194/s, 1.5 °/s)
+    /// to another axis by similarity. Time scales with 1/bandwidth, motion with the range, and noise with its density
+    /// times √bandwidth, and all of them with the codes per °/s. None if range, bandwidth or noise is not known, or if
+    /// the codes are too wide for these sums.
     fn of(axis: &Axis) -> Option<Self> {
         let (bandwidth, range) = (axis.bandwidth_hz? / 300.0, axis.range_dps? / 250.0);
         let noise = axis.noise?.white_dps_per_rt_hz / 0.0125 * libm::sqrt(bandwidth);
@@ -94,35 +97,34 @@ impl Limits {
     }
 }
 
-/// How much rougher than its past a reading must be.
+/// Ratio by which a reading must be rougher than its past.
 const ROUGHNESS: u32 = 4;
-/// A mark counts this much less than its size for the past of the readings after it.
+/// Divisor of a mark's size in the past of the readings after it.
 const MARK_SHARE: u32 = 2;
-/// Judgements after a mark during which it counts for the past: a shock that has begun is in the readings' own past
-/// after three.
+/// Judgements after a mark during which it counts for the past. A shock is in the readings' own past after three.
 const SHOCK_LASTS: u8 = 8;
 /// log₂ of the readings over which the past fades.
 const FADING: u32 = 5;
 /// Readings that are kept.
 const KEPT: usize = 8;
-/// Those among them that a judgement waits for.
+/// Readings that a judgement waits for.
 const AHEAD: usize = 2;
-/// Place of the reading that is judged with all its neighbours.
+/// Index of the reading that is judged with all its neighbours.
 const JUDGED: usize = KEPT - 1 - AHEAD;
 
-/// What was found of a reading.
+/// The judgement of a reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Finding {
     pub(crate) rate: Verdict,
     pub(crate) temp_impossible: bool,
 }
 
-/// What was found of a rate.
+/// The judgement of a rate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Verdict {
     Possible,
     Impossible,
-    /// Beyond the range of the converter (F-35).
+    /// The rate is beyond the range of the converter (F-35).
     OutOfRange,
     /// Its neighbours are too far away to tell.
     Unjudged,
@@ -132,16 +134,16 @@ pub(crate) enum Verdict {
 #[derive(Clone, Debug)]
 pub(crate) struct Plausible {
     limits: Option<Limits>,
-    /// Newest last; what was found impossible is replaced by what its neighbours make of it.
+    /// Codes, newest last. An impossible one is replaced by the value that its neighbours suggest.
     codes: [i32; KEPT],
     times_ns: [u64; KEPT],
-    /// A bit for each of them, newest lowest: out of range by status or code.
+    /// A bit for each code, newest lowest: out of range by status or code.
     out_of_range: u8,
-    /// How many there are.
+    /// Number of codes.
     filled: usize,
-    /// How many of them, up to the newest, follow each other without a loss.
+    /// Number of codes, up to the newest, that follow each other without a loss.
     run: usize,
-    /// How many of the newest are not judged yet.
+    /// Number of the newest codes that are not judged yet.
     waiting: usize,
     readings: [Option<Reading>; AHEAD + 1],
     roughness: u32,
@@ -149,16 +151,16 @@ pub(crate) struct Plausible {
     temps: Temps,
 }
 
-/// The last mark: a shock that has begun looks like one too, and is not to be marked again.
+/// The last mark. A shock that has begun looks like one too, and must not be marked again.
 #[derive(Clone, Copy, Debug, Default)]
 struct Shock {
     roughness: u32,
-    /// Judgements for which it still counts; by then what is rough about a shock is in the past of the readings.
+    /// Judgements for which it still counts. After them the past of the readings shows the roughness of a shock.
     left: u8,
 }
 
 impl Plausible {
-    /// For readings of this axis.
+    /// Makes a judge for readings of this axis.
     pub(crate) fn new(axis: &Axis) -> Self {
         Self {
             limits: Limits::of(axis),
@@ -180,7 +182,7 @@ impl Plausible {
         self.limits.is_some()
     }
 
-    /// Takes a reading in, and judges the one two before it.
+    /// Takes a reading in, and judges the one that came two before it.
     #[inline]
     pub(crate) fn push(&mut self, reading: &Reading) -> Option<(Reading, Finding)> {
         self.codes.copy_within(1.., 0);
@@ -227,8 +229,8 @@ impl Plausible {
         }
     }
 
-    /// A part cannot leave its range for one reading only, and be well inside before and after: then the code is
-    /// spoilt, or the status.
+    /// Judges a reading out of range. A part cannot leave its range for one reading only, and be well inside before
+    /// and after. Then the code or the status is spoilt.
     #[cold]
     fn beyond(&mut self, limits: &Limits, place: usize) -> Verdict {
         let others = [place.checked_sub(1), Some(place + 1)].map(|other| other.filter(|other| self.is_there(*other)));
@@ -283,7 +285,7 @@ impl Plausible {
         Verdict::Impossible
     }
 
-    /// By two neighbours: one on each side, or two on one.
+    /// Judges by two neighbours: one on each side, or two on one.
     #[cold]
     fn loose(&mut self, limits: &Limits, place: usize) -> Verdict {
         let there = |place: &usize| self.is_there(*place);
@@ -308,14 +310,14 @@ impl Plausible {
         Verdict::Impossible
     }
 
-    /// How far the response can move between two readings.
+    /// Largest distance that the response can move between two readings, in codes.
     fn reach_codes(&self, limits: &Limits, place: usize, other: usize) -> u64 {
         let us = self.times_ns[place % KEPT].abs_diff(self.times_ns[other % KEPT]).div_ceil(1000);
         us.saturating_mul(limits.slew_codes_per_us).saturating_add(limits.slew_noise_codes)
     }
 }
 
-/// The reading at a place and two on each side. (The remainders change nothing; with them the compiler sees that
+/// The reading at a place and two on each side. (The remainders change nothing, but with them the compiler sees that
 /// nothing can panic.)
 #[inline]
 fn around(codes: &[i32; KEPT], place: usize) -> [i32; 5] {
@@ -330,17 +332,17 @@ fn six_times_deviation(codes: &[i32; KEPT], place: usize) -> u32 {
     (6 * y2 - 4 * (y1 + y3) + y0 + y4).unsigned_abs()
 }
 
-/// Judges temperatures by the last two good ones: an error just below the limit must not make the reading after it
+/// Judges temperatures by the last two good ones. An error just below the limit must not make the reading after it
 /// look wrong.
 #[derive(Clone, Copy, Debug)]
 struct Temps {
-    /// Noise and quantisation: 1 °C.
+    /// Allowance for noise and quantisation: 1 °C.
     step_codes: u64,
     /// 2 °C/s.
     codes_per_s: u64,
     good: Option<Temp>,
     before: Option<Temp>,
-    /// The last one, if it was found impossible.
+    /// The last temperature, if it was found impossible.
     odd: Option<Temp>,
 }
 
@@ -443,7 +445,7 @@ mod tests {
         }
     }
 
-    /// What the part reads of a motion, every `periods` periods.
+    /// The readings that the part makes of a motion, every `periods` periods.
     fn readings(count: u64, periods: u64, motion: impl Fn(f64) -> f64) -> Vec<Reading> {
         let period_s = (PERIOD_NS * periods) as f64 * 1e-9;
         let mut poles = Poles::default();

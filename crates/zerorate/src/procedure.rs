@@ -1,4 +1,4 @@
-//! The calibration of F-51 as a state machine without clock or bus: samples and times go in, what to do next comes
+//! The calibration of F-51 as a state machine without clock or bus: samples and times go in, and the next task comes
 //! out. Its states and their transitions are in `states.rs`.
 
 use crate::block_means::BLOCK_S;
@@ -16,42 +16,42 @@ use crate::states::{Check, State, Until};
 use crate::stationarity::Verdict;
 use crate::tally::Tally;
 
-/// Before this much of a step nothing can be said of it, s.
+/// Time from the start of a step before which nothing is judged, s.
 const FIRST_LOOK_S: f64 = 2.0;
 
-/// Samples without any temperature are refused after this, ns: a longer wait brings none.
+/// Time after which samples without any temperature are refused, ns. A longer wait brings none.
 pub(crate) const TEMPERATURE_NS: u64 = 30_000_000_000;
 
-/// What the caller does next.
+/// The next task of the caller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
     /// Initialise the part with F-30 and report [`Event::Initialised`].
     Initialise,
-    /// Hand in readings, as they come, or the time where none come.
+    /// Hand in readings as they come, or the time while none come.
     Read,
     /// Call [`Procedure::finish`].
     Done,
 }
 
-/// What the caller saw. Times are nanoseconds of one clock, never going back. `R` is a [`Reading`] of one axis, or a
-/// [`Scan`](crate::Scan) of all.
+/// An event that the caller saw. Times are nanoseconds of one clock that never goes back. `R` is a [`Reading`] of one
+/// axis, or a [`Scan`](crate::Scan) of all.
 #[derive(Clone, Copy, Debug)]
 pub enum Event<'a, R = Reading> {
     /// The part was initialised.
     Initialised {
-        /// When.
+        /// Time of the initialisation.
         t_ns: u64,
     },
     /// The part was read.
     Reading(&'a R),
-    /// Time went by without one.
+    /// Time went by without a reading.
     Time {
-        /// What the clock says.
+        /// The present time.
         t_ns: u64,
     },
 }
 
-/// How far the procedure has come.
+/// Progress of the procedure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
     /// The present step.
@@ -78,22 +78,22 @@ pub struct Procedure<L = Blocks> {
     state: State,
     started_ns: u64,
     now_ns: u64,
-    /// End of the present state, from the start of the procedure.
+    /// Time at which the present state ends, from the start of the procedure.
     ends_ns: u64,
     ledger: L,
     tally: Tally,
     health: Health,
 }
 
-/// The procedure on fixed memory, about 3 KB, for a microcontroller: it allocates nothing. It is that of AN-1042,
-/// whatever method its plan names: the others take every block.
+/// The procedure on fixed memory, about 3 KB, for a microcontroller. It allocates nothing. It always follows AN-1042,
+/// even if its plan names another method, because the others need every block.
 ///
-/// PBC, BTC and T3 are those of [`Procedure`], bit for bit, and so are uncertainties and refusals, with two
-/// differences. It does not look at the hour as a whole ([`Warning::Found`](crate::Warning::Found)), and says so by
-/// [`Warning::HourUnchecked`](crate::Warning::HourUnchecked); its uncertainties hold nothing of what is found there.
-/// And a small step inside an average, which [`Procedure`] accepts with a warning, is refused as motion or as
-/// unsteady. (Where blocks of 0.1 s stayed empty, the two may group the others differently, and their uncertainties
-/// differ by a few per cent.)
+/// PBC, BTC and T3 agree with [`Procedure`] bit for bit. Uncertainties and refusals agree too, with two differences.
+/// First, it does not check the hour as a whole ([`Warning::Found`](crate::Warning::Found)), so its uncertainties do
+/// not allow for such deviations. [`Warning::HourUnchecked`](crate::Warning::HourUnchecked) says so. Second, it
+/// refuses a small step inside an average as motion or as unsteady, while [`Procedure`] accepts it with a warning. If
+/// blocks of 0.1 s stayed empty, the two may group the others differently, and then their uncertainties differ by a
+/// few per cent.
 ///
 /// ```
 /// use zerorate::{Action, Axis, FixedProcedure, Plan};
@@ -105,18 +105,18 @@ pub struct Procedure<L = Blocks> {
 pub type FixedProcedure = Procedure<Running>;
 
 impl Procedure {
-    /// A procedure for this axis that has not begun.
+    /// Prepares a procedure for this axis.
     ///
     /// # Errors
-    /// A duration or limit that makes no sense.
+    /// A duration or limit of the plan makes no sense.
     pub fn new(axis: &Axis, plan: Plan) -> Result<Self, PlanError> {
         Self::with_ledger(axis, plan)
     }
 
-    /// The result, once [`Procedure::next`] says [`Action::Done`].
+    /// Returns the result, once [`Procedure::next`] says [`Action::Done`].
     ///
     /// # Errors
-    /// As [`Procedure::handle`]; before the end, the window that is still short of samples.
+    /// The errors of [`Procedure::handle`] or, before the end, the window that is still short of samples.
     pub fn finish(self) -> Result<Outcome, Refusal> {
         match self.plan.method {
             Method::An1042 => estimate::outcome_of_hour(&self.seen(), &self.ledger),
@@ -124,8 +124,8 @@ impl Procedure {
         }
     }
 
-    /// How well the correction is known by now, rms over the temperatures seen, °/s, and whether the temperature has
-    /// settled: for [`Plan::target_dps`]. None before there is enough, and for AN-1042.
+    /// Uncertainty of the correction by now, rms over the temperatures seen, °/s, and whether the temperature has
+    /// settled, for [`Plan::target_dps`]. None before there is enough data, and for AN-1042.
     #[must_use]
     pub fn reached(&self) -> Option<Reached> {
         (self.state == State::Recording).then(|| recording::reached(&self.seen(), &self.ledger))?
@@ -133,18 +133,18 @@ impl Procedure {
 }
 
 impl FixedProcedure {
-    /// A procedure for this axis that has not begun.
+    /// Prepares a procedure for this axis.
     ///
     /// # Errors
-    /// A duration or limit that makes no sense.
+    /// A duration or limit of the plan makes no sense.
     pub fn on_fixed_memory(axis: &Axis, plan: Plan) -> Result<Self, PlanError> {
         Self::with_ledger(axis, Plan { method: Method::An1042, ..plan })
     }
 
-    /// The result, once [`Procedure::next`] says [`Action::Done`]. The procedure stays as it is.
+    /// Returns the result, once [`Procedure::next`] says [`Action::Done`]. The procedure stays as it is.
     ///
     /// # Errors
-    /// As [`Procedure::handle`]; before the end, the window that is still short of samples.
+    /// The errors of [`Procedure::handle`] or, before the end, the window that is still short of samples.
     pub fn outcome(&self) -> Result<Outcome<WindowWarnings>, Refusal> {
         estimate::outcome_of_windows(&self.seen())
     }
@@ -166,13 +166,13 @@ impl<L: Ledger> Procedure<L> {
         })
     }
 
-    /// The durations and limits it was made with.
+    /// The plan of the measurement.
     #[must_use]
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// What to do next.
+    /// Returns the next task.
     #[must_use]
     #[inline]
     pub fn next(&self) -> Action {
@@ -183,14 +183,14 @@ impl<L: Ledger> Procedure<L> {
         }
     }
 
-    /// How far it has come.
+    /// Progress of the measurement.
     #[must_use]
     #[inline]
     pub fn progress(&self) -> Progress {
         Progress { state: self.state, elapsed_s: self.now_ns as f64 * 1e-9, total_s: self.plan.total_s() }
     }
 
-    /// What would be refused if the present step ended now. Nothing in its first two seconds.
+    /// The refusal that would follow if the present step ended now. None in its first two seconds.
     #[must_use]
     pub fn threat(&self) -> Option<Refusal> {
         let mut ahead = self.clone();
@@ -200,10 +200,10 @@ impl<L: Ledger> Procedure<L> {
         lasted.then(|| ahead.check(self.state.row().check).err()).flatten()
     }
 
-    /// Takes in what was seen. A refusal is final: the measurement is over.
+    /// Takes in an event. A refusal is final: the measurement is over.
     ///
     /// # Errors
-    /// What was measured must not become a calibration.
+    /// The measurement must not become a calibration.
     #[inline]
     pub fn handle(&mut self, event: Event<'_>) -> Result<(), Refusal> {
         match event {
@@ -223,8 +223,8 @@ impl<L: Ledger> Procedure<L> {
         Evidence { axis: &self.axis, plan: &self.plan, windows: self.ledger.summaries(), tally: &self.tally }
     }
 
-    /// Ends the recording here, where its source has ended; false, and nothing done, where it takes steps that are
-    /// still to come.
+    /// Ends the recording here, because its source has ended. It returns false and does nothing if the method needs
+    /// steps that are still to come.
     ///
     /// # Errors
     /// As [`Procedure::handle`].
@@ -237,8 +237,7 @@ impl<L: Ledger> Procedure<L> {
         Ok(true)
     }
 
-    /// Ends the states that are over at `t_ns`. Samples that wait for their neighbours are judged before, but for the
-    /// newest `keep`.
+    /// Ends the states that are over at `t_ns`. Waiting samples are judged before that, except for the newest `keep`.
     #[inline]
     fn pass_to(&mut self, t_ns: u64, keep: u64) -> Result<(), Refusal> {
         if matches!(self.state, State::Start | State::Done) {
@@ -260,7 +259,7 @@ impl<L: Ledger> Procedure<L> {
         if let Some(judged) = self.health.push(reading) {
             self.record(&judged);
         }
-        // the sample that ends a step belongs to none, but a recording ends with its last sample
+        // the sample that ends a step belongs to no step, but a recording ends with its last sample
         let keep = u64::from(self.state != State::Recording);
         if keep == 0 {
             self.tally.count(reading);
@@ -329,7 +328,7 @@ impl<L: Ledger> Procedure<L> {
         }
     }
 
-    /// Enough samples, few lost, none out of range, and no motion.
+    /// Checks that there are enough samples, few lost, none out of range, and no motion.
     fn at_rest(&self) -> Result<(), Refusal> {
         let (window, seen) = (self.state, self.ledger.summary(self.state));
         let (samples, lost, limit) = (seen.samples, seen.lost, self.plan.max_lost);
@@ -369,7 +368,7 @@ impl<L: Ledger> Procedure<L> {
         }
     }
 
-    /// Where data ready itself was silent in the gaps, the host is not to blame.
+    /// The refusal for lost samples. If data ready itself was silent in the gaps, the host is not to blame.
     fn lost(&self, window: State, lost: u64, samples: u64) -> Refusal {
         let Tally { gaps, silent_gaps, .. } = self.tally;
         if self.tally.data_ready_stutters() {

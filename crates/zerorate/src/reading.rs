@@ -1,4 +1,4 @@
-//! What the core takes of a part: a reading of one axis, or of all its axes at one time.
+//! The input of the core: a reading of one axis, or of all axes of a part at one time.
 
 use crate::part::MAX_AXES;
 
@@ -6,23 +6,23 @@ use crate::part::MAX_AXES;
 /// feature `adis16130`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reading {
-    /// When, in ns of a clock that runs evenly; its zero does not matter.
+    /// Time, in ns of a clock that runs evenly. Its zero does not matter.
     pub t_ns: u64,
-    /// Running number of the edge of data ready that announced it; it may wrap. Where a part has none: of the reading.
+    /// Running number of the edge of data ready that announced it, which may wrap. For a part without data ready it is
+    /// the number of the reading.
     pub seq: u32,
     /// Code of the rate less the zero code ([`Scale`](crate::Scale)).
     pub rate: i32,
     /// Code of the temperature less the zero code, if it was read.
     pub temp: Option<i32>,
-    /// The part itself, or a code at the end of the scale, says that the rate is beyond the range.
+    /// Whether the rate is beyond the range, by the status of the part or by a code at the end of the scale.
     pub out_of_range: bool,
     /// Readings lost since the one before.
     pub lost: u32,
 }
 
 /// One reading of all axes of a part at one time, in codes as the part gave them: a [`Reading`] for each axis, with
-/// what they share in common. It has room for [`MAX_AXES`] axes, whatever the part has, so that it needs no memory of
-/// its own.
+/// the parts that they share. It always has room for [`MAX_AXES`] axes, so that it needs no memory of its own.
 ///
 /// ```
 /// use zerorate::Scan;
@@ -33,11 +33,11 @@ pub struct Reading {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scan {
-    /// When, as in [`Reading`].
+    /// Time, as in [`Reading`].
     pub t_ns: u64,
     /// Running number, as in [`Reading`].
     pub seq: u32,
-    /// Readings lost since the one before: of all axes together.
+    /// Readings of all axes together that were lost since the one before.
     pub lost: u32,
     /// Code of the one temperature less the zero code, if it was read.
     pub temp: Option<i32>,
@@ -51,8 +51,8 @@ pub struct Scan {
 const _: () = assert!(MAX_AXES <= u8::BITS as usize);
 
 impl Scan {
-    /// With the code of each axis less its zero code, without a temperature; none lost, none out of range. None where
-    /// there are more than [`MAX_AXES`].
+    /// Makes a scan from the code of each axis less its zero code, without a temperature, with none lost and none out
+    /// of range. None if there are more than [`MAX_AXES`].
     #[must_use]
     #[inline]
     pub fn new(t_ns: u64, seq: u32, rates: &[i32]) -> Option<Self> {
@@ -61,21 +61,21 @@ impl Scan {
         Some(Self { t_ns, seq, lost: 0, temp: None, rates: all, axes: rates.len() as u8, out_of_range: 0 })
     }
 
-    /// With this temperature.
+    /// Sets the temperature.
     #[must_use]
     #[inline]
     pub fn with_temp(self, temp: Option<i32>) -> Self {
         Self { temp, ..self }
     }
 
-    /// With so many readings lost before it.
+    /// Sets the number of readings lost before it.
     #[must_use]
     #[inline]
     pub fn with_lost(self, lost: u32) -> Self {
         Self { lost, ..self }
     }
 
-    /// With this axis out of range, as in [`Reading`].
+    /// Marks this axis as out of range, as in [`Reading`].
     #[must_use]
     #[inline]
     pub fn with_out_of_range(self, axis: usize) -> Self {
@@ -90,7 +90,7 @@ impl Scan {
         &self.rates[..usize::from(self.axes).min(MAX_AXES)]
     }
 
-    /// What was read of one axis.
+    /// The reading of one axis.
     #[must_use]
     #[inline]
     pub fn reading(&self, axis: usize) -> Option<Reading> {
@@ -101,7 +101,7 @@ impl Scan {
 }
 
 impl From<&Reading> for Scan {
-    /// Of a part with one axis.
+    /// Makes the scan of a part with one axis.
     #[inline]
     fn from(reading: &Reading) -> Self {
         let &Reading { t_ns, seq, rate, temp, out_of_range, lost } = reading;
@@ -113,8 +113,8 @@ impl From<&Reading> for Scan {
 
 #[cfg(feature = "adis16130")]
 impl From<&adis16130::Sample> for Reading {
-    /// On the 24-bit scale (F-43). Out of range by the status (OVR, F-35), which tells with CLAMP = 0 as well, or by a
-    /// code at the end of the scale.
+    /// Converts to the 24-bit scale (F-43). The reading is out of range by the status (OVR, F-35), which works with
+    /// CLAMP = 0 as well, or by a code at the end of the scale.
     #[inline]
     fn from(sample: &adis16130::Sample) -> Self {
         let from_zero = |code24: u32| code24 as i32 - adis16130::ZERO_CODE as i32;

@@ -1,5 +1,5 @@
-//! From one recording of a part at rest to the bias over temperature: what stands out is looked for, and all blocks go
-//! into one estimate ([`thermal`](crate::thermal)).
+//! Finds the bias over temperature from one recording of a part at rest. It looks for deviations that stand out, and
+//! then all blocks go into one estimate ([`thermal`](crate::thermal)).
 
 #[cfg(feature = "std")]
 use crate::block_means::BLOCK_S;
@@ -20,28 +20,28 @@ use alloc::vec::Vec;
 #[cfg(feature = "std")]
 use zerorate_allan::{self as allan, FitOptions, Input, Term};
 
-/// Blocks that a recording is put into, about: more of them tell no more.
+/// Approximate number of blocks of a recording. More of them tell no more.
 const MOST_BLOCKS: f64 = 1600.0;
 /// Shortest block, s.
 const SHORTEST_S: f64 = 2.0;
 
-/// How far a recording has come.
+/// Progress of a recording.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reached {
     /// Standard uncertainty of the correction, rms over the temperatures seen, °/s.
     pub u_dps: f64,
-    /// How long it takes until the temperature has settled, s, if it goes on as a self-heating does.
+    /// Time until the temperature has settled, s, if it goes on as a self-heating does.
     pub left_s: f64,
-    /// The temperature has settled: what is to come is inside the margin of the calibration.
+    /// Whether the temperature has settled: the change to come is inside the margin of the calibration.
     pub settled: bool,
 }
 
-/// A typical self-heating settles with this time constant, s (M-03).
+/// Time constant with which a typical self-heating settles, s (M-03).
 const SETTLING_S: f64 = 600.0;
-/// The slope of the temperature is taken over this, s.
+/// Time over which the slope of the temperature is taken, s.
 const SLOPE_S: f64 = 60.0;
 
-/// How far the recording has come; none before anything can be said.
+/// Progress of the recording. None before there is enough data.
 pub(crate) fn reached(seen: &Evidence<'_>, ledger: &Blocks) -> Option<Reached> {
     let seconds: Vec<Second> = ledger.seconds().collect();
     let summary = ledger.summary(State::Recording);
@@ -53,18 +53,18 @@ pub(crate) fn reached(seen: &Evidence<'_>, ledger: &Blocks) -> Option<Reached> {
     Some(Reached { u_dps: rms_u_dps(&curve), left_s, settled: left_s <= 0.0 })
 }
 
-/// What can be said of a recording before it begins.
+/// The forecast for a recording before it begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forecast {
-    /// When it ends, s.
+    /// Time at which it ends, s.
     pub after_s: f64,
     /// Standard uncertainty of the correction by then, rms over the temperatures of a typical self-heating, °/s.
     pub u_dps: f64,
 }
 
 impl Axis {
-    /// When a typical unit has settled and its correction is known to a standard uncertainty, °/s; where it never is,
-    /// the end of the time, s. None where its noise or its self-heating is not known.
+    /// Time at which a typical unit has settled and its correction reaches a standard uncertainty, °/s. If it never
+    /// does, this is the end of the time, s. None if its noise or its self-heating is not known.
     #[must_use]
     pub fn forecast(&self, target_dps: f64, total_s: f64) -> Option<Forecast> {
         let heating = self.self_heating?;
@@ -140,7 +140,8 @@ pub(crate) fn outcome(seen: &Evidence<'_>, ledger: &Blocks) -> Result<Outcome, R
     })
 }
 
-/// A cycle shows both branches of a hysteresis: rising and falling, it covers half of its span at least.
+/// Checks that a cycle shows both branches of a hysteresis: it must cover at least half of its span while rising and
+/// while falling.
 fn turned(plan: &Plan, seconds: &[Second]) -> Result<(), Refusal> {
     if plan.method != Method::Cycle {
         return Ok(());
@@ -155,7 +156,7 @@ fn turned(plan: &Plan, seconds: &[Second]) -> Result<(), Refusal> {
     Err(Refusal::OneWay { rise_c, fall_c })
 }
 
-/// Where it is looked for what a rate did beside following the temperature.
+/// The stretch of a recording in which deviations of the rate are looked for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Searched<'a> {
     pub(crate) axis: &'a Axis,
@@ -167,7 +168,7 @@ pub(crate) struct Searched<'a> {
 }
 
 impl Searched<'_> {
-    /// What it did; none where the part's noise is not known.
+    /// The deviations. None if the part's noise is not known.
     pub(crate) fn findings(&self, seconds: &[Second]) -> Option<Findings> {
         let &Self { axis, white_dps_per_rt_hz, times_s: (start_s, end_s), span_c } = self;
         axis.noise?;
@@ -185,7 +186,7 @@ impl Searched<'_> {
     }
 }
 
-/// When the level seems to have changed, s: what the models of a curve decide about.
+/// Times at which the level seems to have changed, s. The models of a curve decide about them.
 pub(crate) fn steps_s(hour: Option<&Findings>) -> Vec<f64> {
     let found = hour.into_iter().flat_map(|hour| &hour.found);
     found
@@ -193,7 +194,7 @@ pub(crate) fn steps_s(hour: Option<&Findings>) -> Vec<f64> {
         .collect()
 }
 
-/// What may be in a recording beside the bias and its noise; the models of the curve decide.
+/// Suspected steps and sways in a recording. The models of the curve decide about them.
 #[derive(Clone, Debug, Default)]
 struct Suspects {
     steps_s: Vec<f64>,
@@ -221,8 +222,8 @@ fn sways_hz(summary: &Summary, hour: Option<&Findings>) -> Vec<f64> {
     all
 }
 
-/// White noise and Gauss–Markov terms of the recording itself, by the model of what the curve leaves of it, cleaned of
-/// glitches and steps. None where that is too short for a model, or follows none.
+/// White noise and Gauss–Markov terms of the recording itself. They come from a model of its residuals after the
+/// curve, without glitches and steps. None if the recording is too short for a model, or follows none.
 #[cfg(feature = "std")]
 fn own_noise(ledger: &Blocks, curve: &BiasCurve) -> Option<(f64, Vec<(f64, f64)>)> {
     let left = |(k, (rate_dps, temp_c)): (usize, (f64, f64))| {
@@ -239,7 +240,7 @@ fn own_noise(ledger: &Blocks, curve: &BiasCurve) -> Option<(f64, Vec<(f64, f64)>
     (!fit.is_rejected && fit.n.value > 0.0).then_some((core::f64::consts::SQRT_2 * fit.n.value, terms))
 }
 
-/// The model of a spectrum takes the feature `std`; without it the white noise is that of adjacent blocks.
+/// Without the feature `std` there is no model of the spectrum, and the white noise comes from adjacent blocks.
 #[cfg(not(feature = "std"))]
 fn own_noise(_: &Blocks, _: &BiasCurve) -> Option<(f64, Vec<(f64, f64)>)> {
     None
@@ -268,7 +269,7 @@ fn curve(
     thermal::fit(&blocks(seconds), &assumed).map_err(|_| too_few(summary.samples))
 }
 
-/// What a curve says of PBC and BTC alone; nothing was measured of the rest, and it is zero.
+/// Takes the uncertainties of PBC and BTC from a curve. The others were not measured, and are zero.
 fn uncertainty_of(curve: &BiasCurve) -> Uncertainty {
     let covariance = &curve.covariance;
     Uncertainty {
@@ -295,7 +296,7 @@ fn white_density(summary: &Summary) -> f64 {
     stationarity::white_density(summary.rates)
 }
 
-/// The seconds in blocks of one length; those with less than half of their seconds are left out.
+/// Puts the seconds into blocks of one length. Blocks with less than half of their seconds are left out.
 pub(crate) fn blocks(seconds: &[Second]) -> Vec<Block> {
     let total_s = seconds.last().map_or(0.0, |second| second.at_s + 1.0);
     let length_s = libm::ceil(total_s / MOST_BLOCKS).max(SHORTEST_S);
@@ -322,7 +323,7 @@ fn rms_u_dps(curve: &BiasCurve) -> f64 {
     libm::sqrt(squares.sum::<f64>() / 9.0)
 }
 
-/// Refuses what must not become a calibration: motion, and a slope that is too uncertain.
+/// Refuses motion, and a slope that is too uncertain.
 fn accept(seen: &Evidence<'_>, curve: &BiasCurve, hour: Option<&Findings>) -> Result<(), Refusal> {
     let limit_dps = seen.axis.bias.largest_supply_step_dps();
     if let Some(sway) = curve.sway
@@ -337,7 +338,7 @@ fn accept(seen: &Evidence<'_>, curve: &BiasCurve, hour: Option<&Findings>) -> Re
     }
     let found = hour.into_iter().flat_map(|hour| &hour.found);
     let step = found.into_iter().find(|finding| matches!(finding.deviation, Deviation::Step { .. })).copied();
-    // what was taken out makes nothing wrong
+    // a sway that was taken out does no harm
     let taken = |sway: Sway| {
         let deviation = Deviation::Sway { hz: sway.hz, size_dps: sway.size_dps() };
         Finding { deviation, pbc_dps: 0.0, btc_dps_per_c: 0.0 }
@@ -380,17 +381,17 @@ fn warnings(seen: &Evidence<'_>, summary: &Summary, curve: &BiasCurve, hour: Opt
     of_run.into_iter().flatten().chain(steps).chain(sway).collect()
 }
 
-/// The steps that a curve is without.
+/// The warnings about steps that were taken out of a curve.
 pub(crate) fn steps_taken(curve: &BiasCurve) -> impl Iterator<Item = Warning> {
     let taken =
         |step: thermal::Step| Warning::StepTaken { at_s: step.at_s, size_dps: step.size_dps, u_dps: step.u_dps };
     curve.steps.into_iter().flatten().map(taken)
 }
 
-/// A shorter lag moves a bias by less than its uncertainty, s.
+/// Shortest lag with a warning, s. A shorter one moves a bias by less than its uncertainty.
 const LAG_WORTH_SAYING_S: f64 = 5.0;
 
-/// One warming shows one branch of the hysteresis.
+/// The warning that one warming shows only one branch of the hysteresis.
 fn branch(axis: &Axis) -> Warning {
     Warning::OneBranch { hysteresis_dps: axis.bias.hysteresis_dps }
 }

@@ -1,4 +1,4 @@
-//! What to do about a warning or a refusal: a value, which each front end puts into its own words.
+//! Remedies: what to do about a warning or a refusal, as values that each front end puts into its own words.
 
 use core::fmt;
 
@@ -25,7 +25,7 @@ pub enum Setting {
 }
 
 impl Setting {
-    /// Its name as a field of [`Plan`](crate::Plan), or of what reads the part.
+    /// Name of the setting as a field of [`Plan`](crate::Plan) or of the reader of the part.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -48,10 +48,10 @@ impl Setting {
     }
 }
 
-/// What a front end calls a setting.
+/// The names that a front end uses for the settings.
 pub type Names = fn(Setting) -> &'static str;
 
-/// Something to do.
+/// A remedy: one thing that the user can do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 #[repr(u8)]
@@ -96,13 +96,13 @@ pub enum Remedy {
 }
 
 impl Remedy {
-    /// A number that stays, for C.
+    /// A number for C that never changes.
     #[must_use]
     pub const fn code(self) -> u8 {
         self as u8
     }
 
-    /// The setting that it is about, if it is about one.
+    /// The setting that the remedy changes, if it changes one.
     #[must_use]
     pub const fn setting(self) -> Option<Setting> {
         Some(match self {
@@ -122,27 +122,27 @@ impl Remedy {
         })
     }
 
-    /// What to do, before the name of its setting.
+    /// The text of the remedy, without the name of its setting.
     const fn text(self) -> &'static str {
         match self {
-            Self::GiveEarth => "give its component on the axis",
-            Self::AssumeLinear => "if this unit is known to be linear, say so",
+            Self::GiveEarth => "give its component",
+            Self::AssumeLinear => "if linear, say so",
             Self::SettleLonger => "settle longer",
             Self::ShieldFromDraughts => "shield the part from draughts",
             Self::LinearSupply => "use a linear supply",
             Self::CheckNothingMoved => "check that nothing moved",
             Self::CheckNothingMovedSlowly => "check that nothing moved slowly",
-            Self::Chamber => "measure at several temperatures in a chamber (F-54)",
-            Self::WarmMoreSlowly => "warm and settle longer and more slowly",
-            Self::FixToStillPlatform => "fix the part to a still platform",
-            Self::CheckOverWiderRange => "check it over a wider range before you rely on it elsewhere than at T3",
-            Self::RecordAndRecompute => "record the samples and compute the calibration from them",
+            Self::Chamber => "measure in a chamber",
+            Self::WarmMoreSlowly => "warm and settle more slowly",
+            Self::FixToStillPlatform => "fix it to a still base",
+            Self::CheckOverWiderRange => "check it over a wider range",
+            Self::RecordAndRecompute => "calibrate from a recording",
             Self::LongerOffset => "average the offset longer",
             Self::SmallerDivider => "use a smaller divider",
             Self::LargerDivider => "use a larger divider",
             Self::SlowerClock => "lower the SPI clock",
             Self::ShorterCable => "shorten or shield the cable",
-            Self::OtherRate => "read at another rate",
+            Self::OtherRate => "change the rate",
             Self::KeepStill => "keep the platform still",
             Self::RemoveVibration => "remove the vibration",
             Self::StartCold => "start with a part that was off for an hour",
@@ -152,30 +152,28 @@ impl Remedy {
             Self::ReadTemperatureMore => "read the temperature more often",
             Self::AllowMoreLoss => "allow more",
             Self::CheckSupplyAndWiring => "check supply and wiring",
-            Self::CheckDataReady => {
-                "check the data-ready wire, its level and its pull-up, and only then what else the host does"
-            }
-            Self::ResetAndCheck => "reset the part, and check its data wire and its supply",
+            Self::CheckDataReady => "check the data-ready wire, its level and pull-up",
+            Self::ResetAndCheck => "reset the part, check its data wire and supply",
             Self::LongerAverage => "average longer",
-            Self::CompletePart => "complete the file of the part",
+            Self::CompletePart => "complete the part's file",
             Self::WiderSpan => "calibrate over a wider span",
             Self::FasterClock => "raise the SPI clock",
-            Self::HeatAndCool => "heat and cool the part, by hand or in a chamber",
-            Self::GiveUpTarget => "ask for what the part can give",
-            Self::OtherEdge => "listen to the other edge of data ready",
+            Self::HeatAndCool => "heat and cool the part",
+            Self::GiveUpTarget => "relax the target",
+            Self::OtherEdge => "use the other edge",
         }
     }
 }
 
-/// Something whose text names settings.
+/// A text that names settings.
 pub trait Say {
-    /// Says it, with these names for settings.
+    /// Writes the text with these names for settings.
     ///
     /// # Errors
-    /// The writer's.
+    /// Passes on the errors of the writer.
     fn say(&self, f: &mut fmt::Formatter<'_>, names: Names) -> fmt::Result;
 
-    /// The same, to be displayed.
+    /// Binds the names, so that the text can be displayed.
     fn with(&self, names: Names) -> Said<'_, Self>
     where
         Self: Sized,
@@ -184,7 +182,7 @@ pub trait Say {
     }
 }
 
-/// Something and the names of its settings.
+/// A text together with the names of its settings.
 #[derive(Clone, Copy, Debug)]
 pub struct Said<'a, T> {
     what: &'a T,
@@ -197,10 +195,15 @@ impl<T: Say> fmt::Display for Said<'_, T> {
     }
 }
 
-/// Says remedies one after the other, each with the name of its setting in brackets.
+/// Writes remedies as the end of a sentence, each with the name of its setting in brackets.
 pub(crate) fn say_all(remedies: &[Remedy], f: &mut fmt::Formatter<'_>, names: Names) -> fmt::Result {
-    for remedy in remedies {
-        write!(f, "; {}", remedy.text())?;
+    for (index, remedy) in remedies.iter().enumerate() {
+        let before = match index {
+            0 => "; ",
+            _ if index + 1 == remedies.len() => ", or ",
+            _ => ", ",
+        };
+        write!(f, "{before}{}", remedy.text())?;
         if let Some(setting) = remedy.setting() {
             write!(f, " ({})", names(setting))?;
         }

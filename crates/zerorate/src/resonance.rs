@@ -1,23 +1,23 @@
-//! Where a mechanical resonance of a part appears among its samples, and whether averaging can remove it there.
+//! The frequency at which a mechanical resonance of a part appears among its samples, and whether averaging removes it
+//! there.
 //!
-//! A tone of `tone_hz`, sampled `rate_hz` times a second, appears at |tone − n·rate| for the nearest n: that of the
-//! ADIS16130 at 2.778 kHz at the full rate of 5692.6/s (F-07), where any mean removes it. Near zero it looks like a
-//! bias. A mean over τ leaves of a tone of rms a at f no more than √2·a/(π·f·τ), and the white noise of density d
-//! leaves d/√(2τ): below f = 2·a/(π·d·√τ) the tone is the larger one.
+//! A tone of `tone_hz`, sampled `rate_hz` times a second, appears at |tone − n·rate| for the nearest n. The tone of
+//! the ADIS16130 appears at 2.778 kHz at the full rate of 5692.6/s (F-07), where any mean removes it. Near zero it
+//! looks like a bias. A mean over τ leaves no more than √2·a/(π·f·τ) of a tone with rms a at f, and d/√(2τ) of white
+//! noise with density d. Below f = 2·a/(π·d·√τ) the tone is the larger one.
 
 use crate::notice::Warning;
 use crate::part::Axis;
 
 pub use crate::part::Tone;
 
-/// What to say of samples that come at `rate_hz`, as measured, where every `divider`-th edge of data ready is read, in
-/// means over `average_s`. Nothing of a part whose resonance or noise is not known.
+/// Warns if the resonance looks like a bias. The samples come at `rate_hz`, as measured, with every `divider`-th edge
+/// of data ready read, in means over `average_s`. None for a part whose resonance or noise is not known.
 #[must_use]
 pub fn warning(axis: &Axis, rate_hz: f64, divider: u16, average_s: f64) -> Option<Warning> {
     let (tone, white) = (axis.resonance?, axis.noise?.white_dps_per_rt_hz);
     let divider = divider.max(1);
-    // F-56: N gives f_conv/(N + 1) where the channels alternate, and so does N = 1, where an edge comes with every
-    // pair
+    // F-56: N gives f_conv/(N + 1) if the channels alternate, and so does N = 1, where an edge comes with every pair
     let extra = if axis.alternates { 1.0 } else { 0.0 };
     let rate_at = |other: u16| rate_hz * (f64::from(divider) + extra) / (f64::from(other) + extra);
     tone.looks_like_bias(rate_hz, average_s, white).then(|| Warning::Resonance {
@@ -28,7 +28,7 @@ pub fn warning(axis: &Axis, rate_hz: f64, divider: u16, average_s: f64) -> Optio
     })
 }
 
-/// The divider nearest to this one that is good, the lower of two; none if there is none up to four times this one.
+/// The good divider nearest to this one, or the lower of two. None if there is none up to four times this one.
 fn nearest(divider: u16, good: impl Fn(u16) -> bool) -> Option<u16> {
     (1..=divider.saturating_mul(3))
         .flat_map(|apart| [divider.checked_sub(apart), divider.checked_add(apart)])
@@ -72,7 +72,7 @@ mod tests {
         }
     }
 
-    /// N = 3 at 5692.6/s is 68 Hz away from a multiple; at a clock 0.48 % faster it is there.
+    /// N = 3 at 5692.6/s is 68 Hz away from a multiple. At a clock 0.48 % faster it is on the multiple.
     #[test]
     fn the_measured_rate_decides() {
         assert_eq!(warning(rate_hz(3), 3, 10.0), None);

@@ -8,13 +8,14 @@ use crate::part::Axis;
 use crate::states::{STATES, State};
 use crate::stationarity::{self, Verdict};
 
-/// Averaging times of the test for rest: 2, 4, … 2¹⁴ blocks. A window longer than 1.8 h is not tested at longer ones.
+/// Number of averaging times of the test for rest: 2, 4, … 2¹⁴ blocks. A window longer than 1.8 h is not tested at
+/// longer times.
 const RUNGS: usize = 14;
 
 /// A ledger of about 3 KB that never grows.
 ///
-/// Means, and what is refused, are those of [`Blocks`](crate::blocks::Blocks), with one exception: a single small step
-/// of the rate in a window is refused as motion, since telling the two apart takes all blocks.
+/// Means and refusals agree with [`Blocks`](crate::blocks::Blocks), with one exception. A single small step of the
+/// rate in a window is refused as motion, because only all blocks together tell the two apart.
 #[derive(Clone, Debug)]
 pub struct Running {
     axis: Axis,
@@ -45,7 +46,7 @@ struct Live {
     block: u64,
     rate: CodeSum,
     temp: CodeSum,
-    /// Temperatures up to the middle of the step.
+    /// Sum of the temperatures up to the middle of the step.
     first_half: CodeSum,
     rates: Averages,
     temps: Averages,
@@ -104,7 +105,7 @@ impl Live {
         }
     }
 
-    /// The block is complete.
+    /// Ends a block that is complete.
     fn end_block(&mut self, axis: &Axis, totals: &mut Totals) {
         if let Some(rate_dps) = core::mem::take(&mut self.rate).mean(&axis.rate) {
             self.rates.push(rate_dps);

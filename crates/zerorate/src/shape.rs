@@ -5,10 +5,10 @@ use crate::noise::Stretch;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
-/// What a rate may do over the hour.
+/// A shape that a rate may have over the hour.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Shape {
-    /// 0 before a time and 1 after it, which is known to lie between two others.
+    /// A step from 0 to 1 at a time that is known to lie between two others.
     Step { at_s: f64, from_s: f64, to_s: f64 },
     /// The square of the temperature over T3, °C².
     Curved(Series),
@@ -20,7 +20,7 @@ pub(crate) enum Shape {
     Sway { hz: f64, phase: f64 },
 }
 
-/// A value for each second of the record: when, and how much.
+/// A value for each second of the record, as time and value.
 pub(crate) type Series = Vec<(f64, f64)>;
 
 impl Shape {
@@ -45,7 +45,7 @@ impl Shape {
         Self::Held { width_c, ahead }
     }
 
-    /// Mean from a time to another, s.
+    /// Mean between two times, s.
     pub(crate) fn mean(&self, start_s: f64, end_s: f64) -> f64 {
         let length_s = end_s - start_s;
         match self {
@@ -60,7 +60,8 @@ impl Shape {
         }
     }
 
-    /// How much of it belongs to the bias in balance at a time, s: a level does, motion and delay do not.
+    /// Share of the shape that belongs to the bias in balance at a time, s. A level belongs to it, and motion and
+    /// delay do not.
     pub(crate) fn bias_at(&self, time_s: f64) -> f64 {
         match self {
             Self::Step { at_s, .. } => f64::from(u8::from(*at_s < time_s)),
@@ -75,8 +76,8 @@ pub(crate) fn means<'a>(shape: &'a Shape, stretches: &'a [Stretch]) -> impl Iter
     stretches.iter().map(|stretch| shape.mean(f64::from(stretch.start_s), f64::from(stretch.end_s)))
 }
 
-/// All that are looked for in a record of these stretches: a step at each of their ends, and the others over the
-/// scales that it can show.
+/// All shapes that are looked for in a record of these stretches: a step at each of their ends, and the other shapes
+/// over the scales that the record can show.
 pub(crate) fn all(seconds: &[Second], stretches: &[Stretch], t3_c: f64) -> Vec<Shape> {
     let total_s = stretches.last().map_or(0.0, |stretch| f64::from(stretch.end_s));
     let longest_s = stretches.iter().map(Stretch::length_s).fold(1.0, f64::max);
@@ -95,7 +96,7 @@ fn spread(first: f64, end: f64, ratio: f64) -> impl Iterator<Item = f64> {
     core::iter::successors(Some(first), move |value| Some(value * ratio)).take_while(move |value| *value < end)
 }
 
-/// The temperature less what follows it; `next` moves the follower on.
+/// The temperature less a follower, which `next` moves on.
 fn followed(seconds: &[Second], next: impl Fn(f64, f64, f64) -> f64) -> Series {
     let (mut follower_c, mut last_s) = seconds.first().map_or((0.0, 0.0), |second| (second.temp_c, second.at_s));
     let ahead = |second: &Second| {

@@ -1,11 +1,11 @@
-//! Where the procedure of F-51 can stand, and what leads from one state to the next.
+//! The states of the procedure of F-51, and the transitions between them.
 //!
 //! All transitions stand in [`TABLE`].
 
 use crate::plan::{Method, Plan};
 use core::fmt;
 
-/// Where the procedure stands. `Display` names it as a user would.
+/// A state of the procedure. `Display` names it as a user would.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the table and Display say what each is")]
 pub enum State {
@@ -22,7 +22,7 @@ pub enum State {
 
 pub(crate) const STATES: usize = 9;
 
-/// When a state ends.
+/// The condition that ends a state.
 pub(crate) enum Until {
     Initialised,
     After(fn(&Plan) -> f64),
@@ -38,7 +38,7 @@ pub(crate) struct StateRow {
     to: State,
 }
 
-/// What must hold when a state ends.
+/// A check at the end of a state.
 #[derive(Clone, Copy)]
 pub(crate) enum Check {
     Nothing,
@@ -47,8 +47,8 @@ pub(crate) enum Check {
     TemperatureWasRead,
 }
 
-/// F-51, steps 3 to 9, and beside it the one recording of the other methods. Steps 1 and 2, the platform and the
-/// supply, are the user's.
+/// Steps 3 to 9 of F-51, and the one recording of the other methods. Steps 1 and 2, the platform and the supply, are
+/// up to the user.
 #[rustfmt::skip]
 const TABLE: [StateRow; STATES] = [
     StateRow { from: State::Start, name: "initialisation (step 3)",
@@ -81,7 +81,7 @@ const _: () = {
 };
 
 impl State {
-    /// All of them, in their order.
+    /// All states, in their order.
     pub(crate) const ALL: [Self; STATES] = {
         let mut all = [Self::Start; STATES];
         let mut index = 0;
@@ -106,7 +106,7 @@ impl State {
 }
 
 impl Plan {
-    /// The steps that take time, in their order: which, and from when to when since initialisation, s.
+    /// The steps that take time, in their order, each with its beginning and its end since initialisation, s.
     pub fn steps(&self) -> impl Iterator<Item = (State, f64, f64)> + use<'_> {
         let states =
             core::iter::successors(Some(State::Start.next(self.method)), |state| Some(state.next(self.method)));

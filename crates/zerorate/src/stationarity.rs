@@ -1,4 +1,4 @@
-//! Was the part at rest? Block means are held against the noise floor, at averaging times from a block to a quarter of
+//! The test for rest. It compares block means with the noise floor, at averaging times from a block to a quarter of
 //! the window.
 
 use crate::block_means::{Adjacent, BLOCK_S, adjacent};
@@ -7,29 +7,29 @@ use crate::part::Axis;
 use crate::thermal::{self, Block};
 use alloc::vec::Vec;
 
-/// A part is called noisy, not at rest, above this multiple of its typical white noise.
+/// Multiple of the typical white noise above which a part is called noisy instead of at rest.
 const NOISY: f64 = 3.0;
-/// How far the flicker floor and the random walk of a good unit may lie above their typical values.
+/// Allowed ratio of the flicker floor and the random walk of a good unit to their typical values.
 const SPREAD: f64 = 2.0;
 /// One-sided normal quantile of the tests: a false alarm in fifty million.
 const ALARM_Z: f64 = 5.5;
 
-/// What a window looks like.
+/// The verdict on a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(missing_docs, reason = "the fields are the numbers with their units")]
 pub enum Verdict {
-    /// Noise explains it.
+    /// Noise explains the window.
     AtRest,
-    /// At rest but for one step, `at_s` after the window's start.
+    /// The part was at rest except for one step, `at_s` after the window's start.
     Step { at_s: f64, size_dps: f64 },
-    /// At `tau_s`, the Allan deviation is `seen_dps` where the noise explains at most `limit_dps`.
+    /// At `tau_s`, the Allan deviation is `seen_dps`, and noise explains at most `limit_dps`.
     Moving { tau_s: f64, seen_dps: f64, limit_dps: f64 },
-    /// White noise of `seen_dps_per_rt_hz` where the part has at most `limit_dps_per_rt_hz`.
+    /// The white noise is `seen_dps_per_rt_hz`, and the part has at most `limit_dps_per_rt_hz`.
     Noisy { seen_dps_per_rt_hz: f64, limit_dps_per_rt_hz: f64 },
 }
 
-/// Judges a window by its Allan variances alone: of single blocks, and of averages of `m` of them where there are
-/// such. A step is motion then. A part whose typical noise or temperature coefficient is not known cannot be judged,
+/// Judges a window by its Allan variances alone: of single blocks, and of averages of `m` of them if there are any.
+/// Then a step counts as motion. A part whose typical noise or temperature coefficient is not known cannot be judged,
 /// and passes.
 pub(crate) fn judge_variances(
     axis: &Axis,
@@ -75,8 +75,9 @@ pub fn judge(axis: &Axis, rates_dps: &[f64], temp_slope_c_per_s: f64) -> Verdict
     }
 }
 
-/// Judges the means of blocks of 0.1 s without what follows the temperature in them. A step is looked for beside the
-/// temperature: a polynomial that is taken out first bends about the step, and the rest looks like motion.
+/// Judges the means of blocks of 0.1 s without their part that follows the temperature. A step and the temperature are
+/// fitted together: a polynomial that is taken out first would bend about the step, and the rest would look like
+/// motion.
 pub(crate) fn judge_without_temperature(axis: &Axis, blocks: &[Block]) -> Verdict {
     let ladder = |blocks: &[Block]| {
         let rates_dps = thermal::without_temperature(blocks);
@@ -103,7 +104,7 @@ pub(crate) fn white_density(blocks: Adjacent) -> f64 {
 }
 
 /// Factor by which an Allan variance of `pairs` adjacent differences may exceed its expectation at the normal quantile
-/// `z`: χ²/ν by Wilson and Hilferty (1931), with the 2/3 of the pairs that white noise leaves as degrees of freedom.
+/// `z`. It is χ²/ν by Wilson and Hilferty (1931), with 2/3 of the pairs as degrees of freedom, as for white noise.
 pub(crate) fn allowance(pairs: usize, z: f64) -> f64 {
     let spread = 2.0 / (9.0 * (pairs as f64 * 2.0 / 3.0).max(1.0));
     let root = 1.0 - spread + z * libm::sqrt(spread);
@@ -169,7 +170,7 @@ impl Step {
         best
     }
 
-    /// The blocks without it, and without the one in which it happened.
+    /// The blocks without the step, and without the block in which it happened.
     fn removed_from_blocks(&self, blocks: &[Block]) -> Vec<Block> {
         let level = |k: usize| if k >= self.at { self.size_dps } else { 0.0 };
         let beside = |k: &usize| k.abs_diff(self.at) > 1;
@@ -177,7 +178,7 @@ impl Step {
         (0..blocks.len()).filter(beside).map(without).collect()
     }
 
-    /// The record without it. The block in which it happened fits neither level and is left out.
+    /// The record without the step. The block in which it happened fits neither level and is left out.
     fn removed_from(&self, rates_dps: &[f64]) -> Vec<f64> {
         let level = |k: usize| if k >= self.at { self.size_dps } else { 0.0 };
         let beside = |k: &usize| k.abs_diff(self.at) > 1;

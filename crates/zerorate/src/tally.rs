@@ -4,7 +4,7 @@ use crate::notice::Refusal;
 use crate::reading::Reading;
 use crate::states::State;
 
-/// How many samples came, how many were lost, and how fast they were.
+/// Counts of samples that came and were lost, and their rate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     /// Rate samples read.
@@ -13,7 +13,7 @@ pub struct Tally {
     pub lost: u64,
     /// Times that samples were lost.
     pub gaps: u64,
-    /// Those in which two or more were lost, and no edge of data ready was counted meanwhile.
+    /// Gaps in which two or more samples were lost, and no edge of data ready was counted.
     pub silent_gaps: u64,
     temps: u64,
     edges: u64,
@@ -43,8 +43,8 @@ impl Tally {
         self.lost += u64::from(reading.lost);
     }
 
-    /// A host that is late counts the edges that it could not handle, and one that reads too slowly loses one sample
-    /// at a time (F-33).
+    /// Counts a gap. A host that is late counts the edges that it could not handle, and one that reads too slowly
+    /// loses one sample at a time (F-33).
     #[inline]
     fn note_gap(&mut self, lost: u32, edges: u32) {
         if self.least_edges == 0 || edges < self.least_edges {
@@ -56,8 +56,8 @@ impl Tally {
         }
     }
 
-    /// Whether losses come from a data-ready line that stays silent, rather than from a host that is late: in every
-    /// fourth gap at least no edge was counted.
+    /// Whether losses come from a silent data-ready line rather than from a late host: at least a quarter of the gaps
+    /// had no edge.
     #[must_use]
     pub fn data_ready_stutters(&self) -> bool {
         self.silent_gaps > 0 && 4 * self.silent_gaps >= self.gaps
@@ -78,7 +78,7 @@ impl Tally {
         self.lacks_temperature() && counted > 0.0 && (self.edges as f64 / counted - 2.0).abs() < 0.1
     }
 
-    /// The refusal where a window holds no temperature.
+    /// The refusal for a window without a temperature.
     pub(crate) fn no_temperature(&self, window: State) -> Refusal {
         Refusal::NoTemperature { window, wrong_edge: self.hears_wrong_edge() }
     }
@@ -89,7 +89,7 @@ impl Tally {
         self.per_second((self.samples + self.lost).saturating_sub(1))
     }
 
-    /// From the first sample to the last, s.
+    /// Time from the first sample to the last, s.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
         self.last_ns.saturating_sub(self.first_ns) as f64 * 1e-9

@@ -1,31 +1,30 @@
-//! Where a correction holds, and what to say elsewhere.
+//! The temperatures at which a correction holds, and the warning elsewhere.
 
 use crate::notice::Warning;
 use crate::part::UNKNOWN_MARGIN_C;
 
-/// Where a correction holds.
+/// The span of temperatures at which a correction holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Validity {
     /// Lowest temperature seen while measuring, °C.
     pub temp_min_c: f64,
     /// Highest temperature seen while measuring, °C.
     pub temp_max_c: f64,
-    /// How far a temperature may leave the span unremarked, °C.
+    /// Distance from the span at which a temperature is still unremarked, °C.
     pub margin_c: f64,
 }
 
 impl Validity {
-    /// The margin where nothing else is known, °C: what ten times the noise of a single reading is for the ADIS16130
-    /// (M-05).
+    /// The margin if nothing else is known, °C: ten times the noise of a single reading of the ADIS16130 (M-05).
     pub const MARGIN_C: f64 = UNKNOWN_MARGIN_C;
 
-    /// Whether the correction holds at a temperature; elsewhere it is an extrapolation.
+    /// Whether the correction holds at a temperature. Elsewhere it is an extrapolation.
     #[must_use]
     pub fn covers(&self, temp_c: f64) -> bool {
         (self.temp_min_c - self.margin_c..=self.temp_max_c + self.margin_c).contains(&temp_c)
     }
 
-    /// What to say where temperatures from `low_c` to `high_c` leave the span.
+    /// The warning that temperatures from `low_c` to `high_c` leave the span, if they do.
     #[must_use]
     pub fn warning(&self, low_c: f64, high_c: f64) -> Option<Warning> {
         let Self { temp_min_c, temp_max_c, .. } = *self;

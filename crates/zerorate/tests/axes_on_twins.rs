@@ -10,7 +10,7 @@ use zerorate::{
     Reading, Refusal, Scan, State,
 };
 
-/// A procedure short enough for a test; the units below settle as much faster.
+/// A procedure short enough for a test. The units below settle faster by the same factor.
 const SHORT: Plan = Plan {
     method: Method::An1042,
     target_dps: None,
@@ -83,7 +83,7 @@ impl Unit {
     }
 }
 
-/// All of them at one time: the temperature is that of the first.
+/// Reads all of them at one time, with the temperature of the first.
 fn scan(units: &mut [Unit; 3]) -> Scan {
     let readings = units.each_mut().map(Unit::read);
     let [x, y, z] = readings;
@@ -96,7 +96,7 @@ fn scan(units: &mut [Unit; 3]) -> Scan {
 struct Measured {
     outcomes: Vec<Outcome>,
     truths: [Truth; 3],
-    /// What a procedure for the first axis alone finds.
+    /// The result of a procedure for the first axis alone.
     alone: Outcome,
 }
 
@@ -132,7 +132,7 @@ fn measure(mut units: [Unit; 3]) -> Result<Measured, AxisRefusal> {
     }
 }
 
-/// Each axis comes out with its own bias and coefficient, within its uncertainty; the first as it would alone.
+/// Each axis comes out with its own bias and coefficient, within its uncertainty, and the first one as it would alone.
 #[test]
 fn three_axes_are_calibrated_in_one_hour() {
     let Measured { outcomes, truths, alone } = measure(units(|_, spec| spec)).unwrap();
@@ -176,7 +176,7 @@ fn one_axis_that_freezes_refuses_the_part_by_its_name() {
     assert_eq!(refusal.axis.as_deref(), Some("z"));
 }
 
-/// Scans with fewer axes than the part: what was not read is missing, by name.
+/// Scans have fewer axes than the part, and the missing axis is named.
 #[test]
 fn an_axis_that_is_not_read_is_missed() {
     let mut procedure = PartProcedure::new(&part(), SHORT).unwrap();
@@ -190,7 +190,7 @@ fn an_axis_that_is_not_read_is_missed() {
     assert_eq!(refusal.axis.as_deref(), Some("z"));
 }
 
-/// The only axis of a part has no name worth saying.
+/// The only axis of a part is not named.
 #[test]
 fn a_single_axis_is_refused_as_ever() {
     let mut procedure = PartProcedure::new(&Part::ADIS16130, SHORT).unwrap();

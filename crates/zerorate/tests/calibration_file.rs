@@ -1,4 +1,4 @@
-//! The calibration file: what is written comes back, and nothing that was changed since passes for it.
+//! The calibration file: a written calibration comes back, and a changed file does not pass for it.
 
 use zerorate::calibration::{CalibratedAxis, Calibration, FileError, FileWarning, Notes, Origin};
 use zerorate::track::TrackerConfig;
@@ -140,7 +140,7 @@ btc2_dps_per_c2 = 0.0005
 btc3_dps_per_c3 = -1e-6
 ";
 
-/// The terms of a curve make a file schema 3, without them it is what it was; each term counts for the id.
+/// The terms of a curve make a file schema 3. Without them the file is as before. Each term counts for the id.
 #[test]
 fn a_curve_is_schema_3() {
     let (curved, _) = Calibration::parse(CURVED).unwrap();
@@ -214,8 +214,8 @@ impl Normal {
     }
 }
 
-/// The measurement itself, many times: a line over temperature, a mean rate with an error, a T3 with an error as large
-/// as that, and a BTC whose error has to do with the rate's.
+/// The measurement itself, many times: a line over temperature, a mean rate with an error, a T3 with an equally large
+/// error, and a BTC whose error is correlated with the rate's.
 #[test]
 fn the_uncertainty_of_a_correction_is_that_of_many_measurements() {
     const DRAWS: u32 = 40_000;
@@ -254,7 +254,7 @@ fn the_uncertainty_of_a_correction_is_that_of_many_measurements() {
     assert!((stated_cov_pbc_t3 / seen - 1.0).abs() < 0.05, "{stated_cov_pbc_t3} where {seen} is seen");
 }
 
-/// What a curve states of itself is what a tracker begins with.
+/// A tracker begins with the uncertainties that a curve states.
 #[test]
 fn a_tracker_begins_with_the_uncertainty_of_the_curve() {
     let text = "schema = 3\npart = \"ADIS16130\"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n\

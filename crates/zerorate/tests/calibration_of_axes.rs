@@ -81,7 +81,7 @@ fn what_concerns_all_axes_stands_once() {
     assert!(own.eq(expected.iter().map(|one| &one[..])));
 }
 
-/// Sources are those of the part's file; where it has none, that is said.
+/// Sources come from the part's file. If it has none, the calibration says so.
 #[test]
 fn noise_says_where_it_comes_from() {
     let NoiseRecord { white_source, flicker_source, rate_random_walk_source, .. } =
@@ -137,7 +137,7 @@ fn by_hand_scales_may_be_missing() {
     assert!(!corrector.is_extrapolated() && corrector.correct(2, Some(1.0)).is_none());
 }
 
-/// Line, axis, and what is said.
+/// Line, axis, and the text of the error.
 #[test]
 fn every_mistake_is_named_with_its_line_and_axis() {
     for (from, to, line, axis, said) in [
@@ -146,16 +146,16 @@ fn every_mistake_is_named_with_its_line_and_axis() {
         ("schema = 2", "schema = 1", 8, Some("x"), "axis belongs to schema 2"),
         ("\"ADIS16405\"", "\"a b\"", 2, None, "up to 40 letters"),
         ("width_bits = 12", "width_bits = 40", 3, None, "width_bits is 40"),
-        ("lsb_per_c = 7.14", "lsb_per_c = 0", 3, None, "no scale"),
+        ("lsb_per_c = 7.14", "lsb_per_c = 0", 3, None, "not a scale"),
         ("lsb_per_c = 7.14", "lsb_per_k = 7.14", 4, None, "lsb_per_k"),
         ("pbc_dps = -0.25", "pbc_dps = nan", 10, Some("x"), "pbc_dps must be a number within ±100000 °/s"),
         ("pbc_dps = -0.25", "pbc_dsp = -0.25", 10, Some("x"), "pbc_dsp"),
         ("pbc_dps = -0.25, ", "", 10, Some("x"), "missing field `pbc_dps`"),
-        ("name = \"x\"", "name = \"y\"", 12, Some("y"), "is that of another axis"),
+        ("name = \"x\"", "name = \"y\"", 12, Some("y"), "is the name of another axis"),
         ("name = \"y\"", "name = \"\\u0007\"", 12, Some("\u{7}"), "up to 40 letters"),
         ("name = \"y\"", "name = 5", 12, Some("2"), "invalid type"),
         ("name = \"y\"", "serial = 5", 12, Some("2"), "serial"),
-        ("lsb_per_dps = 20", "lsb_per_dps = -20", 13, Some("y"), "no scale"),
+        ("lsb_per_dps = 20", "lsb_per_dps = -20", 13, Some("y"), "not a scale"),
         ("width_bits = 16", "width_bits = 0", 13, Some("y"), "width_bits is 0"),
         // 65 535 codes of 1/20 °/s
         ("pbc_dps = 0.75", "pbc_dps = 3277", 18, Some("y"), "pbc_dps must be a number within ±3277 °/s"),
@@ -194,7 +194,7 @@ fn one_axis_at_least_and_eight_at_most() {
     };
     assert!(with(0).unwrap_err().to_string().contains("there is no [[axis]]"));
     assert_eq!(with(8).unwrap().0.axes.len(), 8);
-    assert!(with(9).unwrap_err().to_string().contains("axis stands 9 times; 1 to 8 can be"));
+    assert!(with(9).unwrap_err().to_string().contains("axis stands 9 times; give 1 to 8"));
     let none = Calibration::parse("schema = 2\npart = \"P\"\naxis = []\n").unwrap_err().to_string();
     assert!(none.contains("axis stands 0 times"), "{none}");
 }
@@ -212,7 +212,7 @@ fn every_changed_digit_is_found() {
     }
 }
 
-/// An ADIS16130 on another scale, or with an axis of another name, cannot be said in schema 1.
+/// Schema 1 cannot express an ADIS16130 on another scale, or with an axis of another name.
 #[test]
 fn schema_1_is_written_for_what_it_can_say_alone() {
     let one = |change: fn(&mut Calibration)| {
@@ -242,7 +242,7 @@ fn the_id_follows_names_and_numbers_of_every_axis() {
     assert!((1..ids.len()).all(|k| !ids[..k].contains(&ids[k])), "{ids:?}");
 }
 
-/// A log may hold axes in another order, or fewer; another part, or an axis that was not calibrated, is an error.
+/// A log may hold axes in another order, or fewer. Another part, or an axis that was not calibrated, is an error.
 #[test]
 fn axes_are_found_by_name() {
     let (calibration, _) = Calibration::parse(BY_HAND).unwrap();

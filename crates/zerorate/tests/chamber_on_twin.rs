@@ -33,7 +33,7 @@ fn plan(steps: &[Step]) -> ChamberPlan {
 struct Bench {
     unit: Means,
     air_c: f64,
-    /// From when to when its door is open, s.
+    /// The time during which its door is open, from and to, s.
     door_s: (f64, f64),
     now_s: f64,
     readings: u32,
@@ -116,7 +116,7 @@ fn ramps_and_holds_go_by_the_clock() {
     assert_eq!(procedure.finish().expect("a record").len(), 30 + 60 + 90);
 }
 
-/// What was measured before an interruption stays, and the time in between counts.
+/// The record before an interruption stays, and the time of the interruption counts.
 #[test]
 fn a_measurement_goes_on_after_the_last_finished_step() {
     let steps = [soak(15.0), soak(40.0)];
@@ -185,7 +185,7 @@ fn air_beyond_the_plan_and_silence_end_it() {
     assert!(matches!(refusal, Some(ChamberRefusal::Silent { step: 2, .. })), "{refusal:?}");
 }
 
-/// Of a plan of 25 and 60 °C, at the step that `at` names.
+/// The refusal of a plan of 25 and 60 °C, at the step that `at` names.
 fn heated(first_step: bool) -> ChamberProcedure {
     let mut bench = Bench::new(&quick(9));
     let mut procedure = procedure(&[soak(25.0), soak(60.0)]);
@@ -194,7 +194,7 @@ fn heated(first_step: bool) -> ChamberProcedure {
     procedure
 }
 
-/// F-08: −40 to +85 °C, and 3 °C for the control of a chamber. A first reading lifts nothing of that.
+/// F-08: −40 to +85 °C, and 3 °C for the control of a chamber. The first reading does not widen these limits.
 #[test]
 fn air_that_harms_the_part_ends_it_from_the_first_reading_on() {
     for air_c in [500.0, 120.0, 88.1, -43.1] {
@@ -206,7 +206,7 @@ fn air_that_harms_the_part_ends_it_from_the_first_reading_on() {
     }
 }
 
-/// The air may come from 80 °C; having come, it may not go back, nor be there when the second step begins.
+/// The air may come from 80 °C. It may not go back there, nor be there when the second step begins.
 #[test]
 fn a_first_reading_counts_only_until_the_air_has_come_to_the_plan() {
     let mut procedure = heated(true);

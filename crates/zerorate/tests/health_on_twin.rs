@@ -1,4 +1,4 @@
-//! Which readings are believed, measured on the twin against what the twin itself converted.
+//! The readings that are believed, measured on the twin against its own conversions.
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig, Width};
@@ -8,7 +8,7 @@ use zerorate::{Action, Axis, Event, Method, Outcome, Plan, Procedure, Reading, R
 
 const AXIS: Axis = Axis::ADIS16130;
 
-/// Reads a twin for so long, as a driver sees it; what cannot be read is lost.
+/// Reads a twin for a time, as a driver sees it. Samples that cannot be read are lost.
 fn readings(spec: Spec, config: Config, sampling: SamplerConfig, seconds: f64) -> Vec<Reading> {
     let twin = Twin::new(spec);
     let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), config);
@@ -34,8 +34,8 @@ fn judged(samples: &[Reading]) -> (Vec<Judged>, Health) {
     (all, health)
 }
 
-/// The rate and the temperature that stand in the registers at an edge: those of a clean run, whose edges come with
-/// the temperature. An edge half a period earlier comes with the rate.
+/// Rate and temperature in the registers at an edge, from a clean run, whose edges come with the temperature. An edge
+/// half a period earlier comes with the rate.
 fn truth(clean: &[Reading], t_ns: u64) -> Option<(i32, i32)> {
     let next = clean.partition_point(|sample| sample.t_ns < t_ns);
     let newest = clean.partition_point(|sample| sample.t_ns <= t_ns).checked_sub(1)?;
@@ -47,8 +47,8 @@ fn with_bit_errors(spec: &Spec, rate: f64) -> Spec {
     Spec { fault: Fault::BitErrors, bit_error_rate: rate, fault_at_s: Some(0.5), ..spec.clone() }
 }
 
-/// 1e-5 on the line: every rate that is wrong by more than 2 °/s, and every temperature by more than 1.5 °C, is
-/// marked; nothing else is.
+/// With 1e-5 on the line, every rate that is wrong by more than 2 °/s is marked, and every temperature that is wrong
+/// by more than 1.5 °C. Nothing else is marked.
 #[test]
 fn bit_errors_are_marked_at_rest_and_in_motion_and_nothing_else() {
     let motions = [
@@ -113,7 +113,7 @@ fn a_wrapped_code_is_out_of_range() {
     assert_eq!(health.marks().out_of_range, judged.len() as u64);
 }
 
-/// A line that stutters and a host that is late both lose samples; only one of them is the host's fault.
+/// A line that stutters and a host that is late both lose samples. Only one of them is the host's fault.
 #[test]
 fn a_stuttering_line_is_told_from_a_late_host() {
     let tally = |samples: &[Reading]| {

@@ -1,4 +1,4 @@
-//! What the sampler counts as lost, against what the part knows of it: on hosts that stop at any moment.
+//! The losses that the sampler counts, against the losses that the part knows, on hosts that stop at any moment.
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, Framing, MCLK_HZ, Sampler, SamplerConfig};
@@ -29,19 +29,19 @@ impl Random {
     }
 }
 
-/// What a host does with its time, in periods of the part.
+/// The habits of a host, in periods of the part.
 #[derive(Clone, Copy, Debug)]
 struct Habits {
     /// From one stop to the next, on average.
     between_stops: f64,
     longest_stop: f64,
-    /// Its timestamps are late by this on average, in ns, and by the rest of a stop, as those of edges that come over
-    /// USB; else they are those of the edges.
+    /// Mean delay of its timestamps, in ns, beside the rest of a stop, as for edges that come over USB. Without it
+    /// they are the times of the edges.
     late_stamps_ns: Option<f64>,
     every_temp: u16,
 }
 
-/// When the host stops, from and to, in ns; drawn as far as anybody has asked.
+/// The stops of the host, from and to, in ns, drawn as far as they are needed.
 struct Stops {
     habits: Habits,
     random: Random,
@@ -49,7 +49,7 @@ struct Stops {
 }
 
 impl Stops {
-    /// When the stop ends that this moment lies in.
+    /// The end of the stop in which this moment lies.
     fn end_of(&mut self, t_ns: u64) -> Option<u64> {
         while self.stops.last().is_none_or(|(_, to)| *to <= t_ns) {
             let before = self.stops.last().map_or(0, |(_, to)| *to);
@@ -93,14 +93,14 @@ impl SpiDevice for Bus {
         let before = self.1.twin.lost_unread().rate;
         self.0.transaction(operations)?;
         if reads_rate {
-            // what is dropped during the read is lost after it (F-33)
+            // samples dropped during the read are lost after it (F-33)
             *self.1.known.borrow_mut() = self.1.twin.lost_unread().rate.overwritten + before.lost_new;
         }
         Ok(())
     }
 }
 
-/// After each sample: what was counted since the first one, and what the part knows.
+/// The losses after each sample: as counted since the first one, and as the part knows them.
 fn run(seed: u64, habits: Habits) -> Vec<(i64, i64)> {
     let twin = Twin::new(Spec { noise: false, ..Spec::from_seed(seed) });
     let stops = Stops { habits, random: Random(seed), stops: Vec::new() };
@@ -134,7 +134,7 @@ fn run(seed: u64, habits: Habits) -> Vec<(i64, i64)> {
     counts
 }
 
-/// How many more were counted than the part knows, at the end.
+/// Difference between the counted losses and the known ones at the end.
 fn surplus(counts: &[(i64, i64)]) -> i64 {
     counts.last().map_or(0, |(counted, known)| counted - known)
 }

@@ -9,7 +9,7 @@ use zerorate::{
     Remedy, State, Warning, WindowWarnings,
 };
 
-/// A procedure short enough for a test. The part of [`quick`] settles as much faster.
+/// A procedure short enough for a test. The part of [`quick`] settles faster by the same factor.
 const SHORT: Plan = Plan {
     method: Method::An1042,
     target_dps: None,
@@ -129,7 +129,9 @@ fn the_earth_is_subtracted_only_when_it_is_given() {
     assert!((with.correction.pbc_dps - without.correction.pbc_dps - 0.003).abs() < 1e-12);
     assert!(codes(&without).contains(&"earth-included") && !codes(&with).contains(&"earth-included"));
     let Some(assumed) = with.warnings.iter().find(|warning| warning.code() == "earth-subtracted") else { panic!() };
-    assert!(assumed.to_string().contains("±0.00418 °/s") && assumed.to_string().contains("turned over"), "{assumed}");
+    assert!(assumed.to_string().contains("+0.00300 °/s of Earth rotation was subtracted"), "{assumed}");
+    let known = Warning::EXPLANATIONS.iter().find(|one| one.code == "earth-subtracted").unwrap();
+    assert!(known.seen.contains("±0.00418 °/s") && known.remedy.contains("turned over"), "{known:?}");
 }
 
 #[test]
@@ -229,8 +231,7 @@ fn stepped(mv: f64, at_s: f64) -> Spec {
 /// A BTC of any uncertainty is accepted, so that there is a result to look at.
 const LENIENT: Plan = Plan { max_u_btc_dps_per_c: 1.0, ..SHORT };
 
-/// Steps at both ends of the hour and of its averages: found where they are, and in the uncertainty as far as they
-/// matter.
+/// Steps at both ends of the hour and of its averages are found at their places, and the uncertainty allows for them.
 #[test]
 fn a_supply_step_is_a_warning_with_its_time_and_widens_what_it_spoils() {
     let steps = [(250.0, 100.0), (400.0, 3.0), (-400.0, 62.5), (200.0, 135.0), (-300.0, 141.5)];
@@ -262,7 +263,7 @@ fn a_step_inside_step_8_is_no_lack_of_temperature() {
 
 type IsCause = fn(&Deviation) -> bool;
 
-/// What the warm-up itself shows, and the four averages do not.
+/// The warm-up shows deviations that the four averages do not.
 #[test]
 fn curvature_lag_and_hysteresis_show_in_the_warm_up() {
     let unit = || quick(13);
@@ -286,7 +287,7 @@ fn curvature_lag_and_hysteresis_show_in_the_warm_up() {
     assert!(codes(&stuck).contains(&"flat-bias"), "{:?}", stuck.warnings);
 }
 
-/// A period of half of the procedure: every average is at rest, the hour is not.
+/// With a period of half of the procedure every average is at rest, and the hour is not.
 #[test]
 fn slow_sway_shows_between_the_averages() {
     let swaying = |sway_dps| Spec { motion: Motion::Sway, sway_dps, sway_hz: 0.014, ..quick(14) };
@@ -298,7 +299,7 @@ fn slow_sway_shows_between_the_averages() {
     assert!(matches!(far, Refusal::Swaying { .. } | Refusal::Moving { .. }), "{far}");
 }
 
-/// The sign of what the drift does is known, and AN-1042 to the letter leaves it in PBC and inside u.
+/// The sign of the drift's effect is known. AN-1042 to the letter leaves it in PBC and inside u.
 #[test]
 fn the_drift_from_step_8_to_t3_is_told_with_its_sign() {
     let drifting = Spec { noise: false, warmup_s: 400.0, tempco_dps_per_c: 0.04, ..quick(15) };
@@ -405,7 +406,7 @@ fn a_small_step_inside_an_average_is_motion_for_the_one_on_fixed_memory() {
     assert!(matches!(fixed, Err(Refusal::Unsteady { .. }) | Ok(_)), "{fixed:?}");
 }
 
-/// What is not known of a part is not used, and each result says so.
+/// Unknown properties of a part are not used, and each result says so.
 #[test]
 fn a_part_of_which_little_is_known_is_calibrated_with_warnings() {
     let known = Axis::ADIS16130;
@@ -417,7 +418,7 @@ fn a_part_of_which_little_is_known_is_calibrated_with_warnings() {
         assert!(codes.contains(&code), "no {code} in {codes:?}");
     }
     assert!(!codes.contains(&"curvature-unseen"), "{codes:?}");
-    assert_eq!(outcome.correction, calibrated(&known, plan).correction, "the numbers are those of the samples");
+    assert_eq!(outcome.correction, calibrated(&known, plan).correction, "the numbers come from the samples");
 }
 
 /// A part with half as many codes per °/s turns twice as fast by the same codes.

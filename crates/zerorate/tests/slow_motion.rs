@@ -1,4 +1,4 @@
-//! What a platform or a supply does slowly during a recording: inside the stated uncertainty, or refused.
+//! Slow motion of a platform or a supply during a recording is inside the stated uncertainty, or refused.
 
 mod hours;
 
@@ -72,8 +72,8 @@ fn a_wide_play_is_not_a_lag() {
 /// The code of the text, the method that says it, and the units to which it happens.
 type Claim = (&'static str, Method, fn(u64) -> Spec);
 
-/// Each text that says that something is in the uncertainty, and units to which that happens: the result is inside,
-/// and a stated error is in the uncertainty beside that of the same unit without it.
+/// Checks each text that says that the uncertainty includes something, on units to which that happens. The result is
+/// inside, and the stated error adds to the uncertainty of the same unit without it.
 #[test]
 fn what_is_said_to_be_in_the_uncertainty_is_in_it() {
     let claims: [Claim; 5] = [

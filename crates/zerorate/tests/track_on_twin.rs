@@ -17,7 +17,7 @@ fn tracker() -> Tracker {
     Tracker::new(TrackerConfig::of(&Axis::ADIS16130, CORRECTION, PRIOR))
 }
 
-/// So many seconds at T3 with white noise alone, at a rate beyond the calibrated bias.
+/// Some seconds at T3 with white noise alone, at a rate beyond the calibrated bias.
 fn push(tracker: &mut Tracker, random: &mut Random, seconds: f64, mut dps: impl FnMut(f64) -> f64) {
     for block in 0..(seconds / BLOCK_S).round() as u32 {
         let noise_dps = NOISE_DPS / (2.0 * BLOCK_S).sqrt() * random.normal();
@@ -46,8 +46,8 @@ fn a_tracked_bias_is_three_times_better() {
 /// Slow turns fill a quarter of the moving time: one takes 60 s on average, 21 other motions 1055 s in all.
 const OFTEN: f64 = 1055.0 / (3.0 * 60.0);
 
-/// What docs/tracking.md says of a world in which slow turns are five times as frequent as rests: most of the gain is
-/// lost, and the intervals do not hold. Whoever mends that changes the page as well.
+/// docs/tracking.md describes a world in which slow turns are five times as frequent as rests: most of the gain is
+/// lost, and the intervals do not hold. If you mend that, change the page as well.
 #[test]
 fn frequent_slow_turns_undo_most_of_it() {
     let days: Vec<Day> = (1..=6).map(|seed| day(&Spec::from_seed(seed), 24.0, OFTEN)).collect();
@@ -93,7 +93,7 @@ fn a_slow_turn_is_not_swallowed() {
     }
 }
 
-/// A turn that begins within a rest is found, and what was learned of it dropped.
+/// A turn that begins within a rest is found, and its learning is dropped.
 #[test]
 fn a_turn_that_begins_at_rest_is_found() {
     let mut rolled_back = 0;
@@ -109,7 +109,7 @@ fn a_turn_that_begins_at_rest_is_found() {
     assert!(rolled_back >= 36, "{rolled_back}");
 }
 
-/// What shakes or sways is never learned from; a rest between is.
+/// The tracker never learns from shaking or swaying, and it learns from a rest between them.
 #[test]
 fn motion_is_not_learned_from() {
     let mut sum_dps = 0.0;
@@ -127,7 +127,7 @@ fn motion_is_not_learned_from() {
     assert!((0.001..0.004).contains(&(sum_dps / 20.0)), "{sum_dps}");
 }
 
-/// Another axis that moves, a gap and a reading that is missing end a rest; a rate without any temperature is nothing.
+/// Another axis that moves, a gap or a missing reading ends a rest. A rate without any temperature is ignored.
 #[test]
 fn what_is_missing_is_no_rest() {
     let mut random = Random::new(1);
@@ -148,7 +148,7 @@ fn what_is_missing_is_no_rest() {
     assert!((tracker.tracked(33.0).u_dps / walked - 1.0).abs() < 1e-9);
 }
 
-/// A state is taken up with its age and the change by a power-up, and one that cannot be is refused.
+/// A state is taken up with its age and the change by a power-up, and an impossible one is refused.
 #[test]
 fn a_state_outlives_a_power_down() {
     let (mut before, mut random) = (tracker(), Random::new(5));

@@ -207,9 +207,9 @@ fn a_rate_that_folds_the_resonance_to_zero_is_warned_of() {
     let capture = zerorate(&["capture", "--device", device, "--duration", "5s", "-o", path(&file), "--json"]);
     let capture = capture.ended_with(0).json();
     let calibrated = calibrate(&["--device", "twin:mclk_hz=231880", "--json"]).ended_with(0).json();
-    for (found, rate) in [(&probe, "100.0 samples"), (&capture, "100.0 samples"), (&calibrated, "220.0 samples")] {
+    for (found, rate) in [(&probe, "at 100.0/s"), (&capture, "at 100.0/s"), (&calibrated, "at 220.0/s")] {
         let warnings = found["warnings"].to_string();
-        let wanted = ["resonance: ", rate, "a divider of 2"];
+        let wanted = ["resonance: ", rate, "none at 2"];
         assert!(wanted.iter().all(|text| warnings.contains(text)), "{warnings}");
     }
     let good = zerorate(&["probe", "--device", "twin:mclk_hz=6000000", "--json"]).ended_with(0).json();

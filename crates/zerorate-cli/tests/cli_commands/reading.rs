@@ -295,7 +295,7 @@ fn the_other_edge_of_data_ready_works_where_the_line_is_other() {
         zerorate(&["probe", "--device", device, "--duration", "1s"]).ended_with(0);
     }
     let hour = ["calibrate", "--device", "twin:rdy=pulse", "--method", "warmup"];
-    zerorate(&hour).ended_with(3).saying(&["no-temperature", "listen to the other edge of data ready", "edge=rising"]);
+    zerorate(&hour).ended_with(3).saying(&["no-temperature", "use the other edge", "edge=rising"]);
 }
 
 /// Tip 2 of AN-1042: 0.01 µF between ROA1 and ROA2 give 50 Hz (F-04), and 223 samples a second are enough then.

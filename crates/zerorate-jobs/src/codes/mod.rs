@@ -101,7 +101,7 @@ pub fn all() -> impl Iterator<Item = &'static Explanation> {
     GROUPS.iter().flat_map(Group::all)
 }
 
-/// What stands behind `code`. A whole line that begins with it does as well: `aliased: 228 rate samples …`.
+/// What stands behind `code`. A whole line that begins with it does as well: `aliased: 228 samples/s …`.
 #[must_use]
 pub fn explain(code: &str) -> Option<&'static Explanation> {
     let line = code.trim();
@@ -158,9 +158,9 @@ const PREFACE: &str = "# Every warning and refusal
 
 <!-- Made by `cargo xtask codegen` out of the rows that crates/zerorate-jobs/src/codes names; change them. -->
 
-A warning begins with its code, and its result stands: `warning: aliased: 228 rate samples a second are
-below …`. A refusal (exit code 3) is followed by a line with its code, and there is no result. The lines
-have the numbers of the case; here stands what is true of every case. In the terminal:
+A warning begins with its code, and its result stands: `warning: aliased: 228 samples/s are below …`. A refusal
+(exit code 3) is followed by a line with its code, and there is no result. The lines have the numbers of the case.
+This page says what is true of every case. In the terminal:
 
 ```sh
 zerorate explain                # all codes

@@ -1,4 +1,4 @@
-//! The calibration that a measurement in a chamber amounts to.
+//! Building of a calibration from a measurement in a chamber.
 
 use super::{CalibratedAxis, Calibration, CurveRecord, Origin, Run, noise_record, one_line};
 use crate::chamber::{ChamberOutcome, Record};
@@ -18,12 +18,13 @@ pub struct ChamberRun<'a> {
     pub max_lost: f64,
     /// Component of the Earth's rotation that was subtracted, °/s.
     pub earth_dps: Option<f64>,
-    /// What there is to know beside the numbers.
+    /// The warnings of the measurement.
     pub warnings: &'a [Warning],
 }
 
 impl Calibration {
-    /// Of the axes of a part, in their order, whose bias over temperature was found from this record.
+    /// Builds the calibration of a part from the outcomes of its axes, in their order, and the record that they came
+    /// from.
     #[must_use]
     pub fn of_chamber(
         part: &Part,
@@ -58,7 +59,7 @@ fn said(warning: Warning) -> String {
     one_line(&warning.to_string())
 }
 
-/// Of an axis whose warnings are its own: those of the only one are the calibration's.
+/// Builds one axis. It keeps its own warnings, unless it is the only axis: then the calibration has them.
 fn calibrated(axis: &NamedAxis, outcome: &ChamberOutcome, is_only: bool) -> CalibratedAxis {
     CalibratedAxis {
         name: axis.name.to_string(),

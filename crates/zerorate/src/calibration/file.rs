@@ -1,4 +1,4 @@
-//! The calibration as a TOML file.
+//! Reading and writing of a calibration as a TOML file.
 
 use super::form::CalibrationForm;
 use super::{Calibration, SCHEMA};
@@ -13,20 +13,20 @@ use zerorate_allan::{Says, rows};
 const HEADER: &str = "# A zerorate calibration (docs/formats/calibration.md). To use other numbers, edit a copy and \
     delete its two check lines.\n";
 
-/// Why a text is no calibration. Lines count from 1.
+/// The reason why a text is not a calibration. Lines count from 1.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are what the text shows")]
 pub enum FileError {
-    /// Not TOML, or not the fields of a calibration.
+    /// The text is not TOML, or does not have the fields of a calibration.
     Syntax { line: usize, axis: Option<String>, message: String },
-    /// Written by newer software.
+    /// Newer software wrote the file.
     Newer { line: usize, schema: u32 },
-    /// No longer what was written.
+    /// The text has changed since it was written.
     Edited { line: usize },
     /// The end is missing.
     Truncated { line: usize },
-    /// Another part's, or a number that cannot be.
+    /// A value belongs to another part, or a number is impossible.
     Value { line: usize, axis: Option<String>, name: &'static str, why: String },
 }
 
@@ -36,16 +36,16 @@ impl fmt::Display for FileError {
             Self::Syntax { line, axis, message } => write!(f, "line {line}{}: {message}", Of(axis)),
             Self::Newer { line, schema } => write!(
                 f,
-                "line {line}: schema {schema} was written by a newer zerorate; this one reads up to schema {SCHEMA}, \
-                 so update it"
+                "line {line}: a newer zerorate wrote schema {schema}, and this one reads up to schema {SCHEMA}. \
+                 Update zerorate"
             ),
             Self::Edited { line } => write!(
                 f,
-                "line {line} is not what was written: the file was edited or damaged; take the original, or delete \
+                "line {line} is not what was written: the file was edited or damaged. Take the original, or delete \
                  the lines `checksum` and `line_checks` to use it as a hand-written calibration"
             ),
             Self::Truncated { line } => {
-                write!(f, "the file ends at line {line}, but more was written: it is truncated; take the original")
+                write!(f, "the file is truncated: it ends at line {line}, but more was written. Take the original")
             }
             Self::Value { line, axis, name, why } => write!(f, "line {line}{}: {name} {why}", Of(axis)),
         }
@@ -73,26 +73,23 @@ impl From<EntryError> for FileError {
     }
 }
 
-/// What there is to know of a calibration that was read.
+/// A warning about a calibration that was read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FileWarning {
-    /// It was written by hand, or its check lines were taken out.
+    /// The file was written by hand, or its check lines were taken out.
     NoChecksum,
 }
 
 rows!(match FileWarning {
     Self::NoChecksum => Row {
         code: "no-checksum",
-        text: format_args!(
-            "the calibration has no checksum: nothing shows whether its numbers are as they were measured"
-        ),
+        text: format_args!("this calibration has no checksum, so changes go unseen; use the file as it was written"),
         says: Says::Warning,
         by: &["stream", "correct", "export", "report", "serve"],
         seen: "A calibration file has no checksum: it was written by hand, or its check lines were taken out.",
         matters: "Nothing shows whether its numbers are as they were measured.",
-        remedy: "Prefer the file that a command has written. For one that was written by hand there is nothing to be \
-            done.",
+        remedy: "Prefer the file that a command has written. If the file was written by hand, there is nothing to do.",
         command: "zerorate verify unit.toml",
     },
 });
@@ -107,7 +104,7 @@ impl Calibration {
     /// Reads a calibration file.
     ///
     /// # Errors
-    /// What is wrong, with the line.
+    /// Returns what is wrong, with the line.
     ///
     /// ```
     /// use zerorate::calibration::{Calibration, FileWarning};
@@ -131,14 +128,14 @@ impl Calibration {
         Ok((form.into_calibration(), if checked { Vec::new() } else { [FileWarning::NoChecksum].into() }))
     }
 
-    /// The file, with its check lines. Numbers come back bit for bit.
+    /// Writes the text of the file, with its check lines. Numbers come back bit for bit.
     #[must_use]
     pub fn to_toml(&self) -> String {
         check_lines::file(HEADER, self)
     }
 }
 
-/// All that is asked of a newer file before it is refused.
+/// The one field that is read of a newer file before it is refused.
 #[derive(Deserialize)]
 struct Head {
     schema: Option<u32>,

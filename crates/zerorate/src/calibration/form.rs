@@ -1,4 +1,4 @@
-//! The tables of the file, and what they mean.
+//! The tables of a calibration file, and their meaning.
 
 use super::{CalibratedAxis, Calibration, CurveRecord, NoiseRecord, Notes, Run, Uncertainties};
 use crate::estimate::Measured;
@@ -8,10 +8,10 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize, Serializer};
 
-/// The schema that brought several axes, and any part.
+/// The first schema with several axes, and with any part.
 pub(super) const SEVERAL: u32 = 2;
 
-/// The schema that brought the terms of a curve, in either form.
+/// The first schema with the terms of a curve, in either form.
 pub(super) const CURVED: u32 = 3;
 
 /// The schema that brought the notes beside that on the supply, in either form.
@@ -38,7 +38,7 @@ pub(super) struct CalibrationForm {
     warnings: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) temperature: Option<TempScale>,
-    /// The plain form: of the only axis.
+    /// The plain form, for the only axis.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) correction: Option<Correction>,
     pub(super) measured: Option<Measured>,
@@ -123,7 +123,7 @@ impl From<Scale> for TempScale {
 }
 
 impl CalibrationForm {
-    /// What the tables mean, once they are known to be sound.
+    /// Converts tables that are known to be sound.
     pub(super) fn into_calibration(self) -> Calibration {
         let only = Part::ADIS16130.axes[0].clone();
         let (temp, axes) = match self.axis {
@@ -197,7 +197,7 @@ impl Span {
 }
 
 impl Calibration {
-    /// The version of its file form: the oldest that can say all of it.
+    /// Version of the file form: the oldest that can express the whole calibration.
     #[must_use]
     pub fn schema(&self) -> u32 {
         let Notes { supply: _, ambient, operator, host } = &self.notes;
@@ -209,7 +209,8 @@ impl Calibration {
         }
     }
 
-    /// Whether it is of nothing but an ADIS16130 as it is, so that its file and its exports need name no axis.
+    /// Whether the calibration belongs to a standard ADIS16130, so that its file and its exports need not name an
+    /// axis.
     #[must_use]
     pub fn is_plain(&self) -> bool {
         let Part { name, axes, .. } = &Part::ADIS16130;
@@ -261,7 +262,7 @@ impl Calibration {
 }
 
 impl Serialize for Calibration {
-    /// As its file has it.
+    /// Writes the calibration in its file form.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         self.form().serialize(serializer)
     }

@@ -1,4 +1,4 @@
-//! What the numbers of a calibration can be.
+//! Limits of the numbers of a calibration.
 
 use super::form::{AxisForm, CURVED, CalibrationForm, NOTED, SEVERAL, Span};
 use super::{CurveRecord, SCHEMA, Uncertainties};
@@ -12,26 +12,26 @@ use toml::Spanned;
 use toml::de::DeValue;
 use zerorate_allan::entry::{Document, Entry, EntryError};
 
-/// No number of a calibration is larger, whatever its unit.
+/// Largest number in a calibration, in any unit.
 const LARGEST: f64 = 1e9;
 /// Temperatures that a sensor may state, °C.
 const TEMPS_C: RangeInclusive<f64> = -100.0..=200.0;
-/// No gyroscope turns faster, °/s.
+/// Fastest rate of any gyroscope, °/s.
 const FASTEST_DPS: f64 = 1e5;
 
-/// Within what a correction must lie.
+/// Limits of the coefficients of a correction.
 struct Limits {
     pbc_dps: f64,
     btc_dps_per_c: f64,
     t3_c: RangeInclusive<f64>,
 }
 
-/// The terms of a curve, as the file calls them.
+/// Names of the terms of a curve in the file.
 const CURVE: [&str; 2] = ["btc2_dps_per_c2", "btc3_dps_per_c3"];
 
 impl Limits {
-    /// The range of the part (F-08), 250 times its temperature coefficient (F-05), and temperatures around those it is
-    /// specified for.
+    /// The range of the part (F-08), 250 times its temperature coefficient (F-05), and temperatures around its
+    /// specified range.
     const ADIS16130: Self = Self {
         pbc_dps: match Axis::ADIS16130.range_dps {
             Some(range_dps) => range_dps,
@@ -41,7 +41,7 @@ impl Limits {
         t3_c: -60.0..=150.0,
     };
 
-    /// What the codes can say: BTC changes a rate by the whole scale in 1 °C.
+    /// The limits that the codes set: BTC changes a rate by at most the whole scale in 1 °C.
     fn of(rate: Option<Scale>, temp: Option<Scale>) -> Self {
         let span_dps = rate.map_or(FASTEST_DPS, |rate| rate.span() / rate.lsb_per_unit);
         let t3_c = temp.map_or(TEMPS_C, |temp| {
@@ -54,7 +54,7 @@ impl Limits {
 }
 
 impl CalibrationForm {
-    /// Whether this is a calibration that one can compute with.
+    /// Checks that one can compute with this calibration.
     pub(super) fn check(&self, document: &Document<'_>) -> Result<(), EntryError> {
         let root = document.root();
         for (key, note) in [("ambient_note", &self.ambient_note), ("operator", &self.operator), ("host", &self.host)] {
@@ -71,7 +71,7 @@ impl CalibrationForm {
         document.each(plain)
     }
 
-    /// The plain form: schema 1, or 3 of a curve.
+    /// Checks the plain form: schema 1, or 3 for a curve.
     fn check_only_axis(&self, root: Entry<'_>) -> Result<(), EntryError> {
         let Self { schema, part, correction, uncertainty, curve, temperature, validity, .. } = self;
         root.at("part").require(*part == Part::ADIS16130.name, || {
@@ -88,7 +88,7 @@ impl CalibrationForm {
         check_coverage(root.at("uncertainty"), uncertainty.as_ref())
     }
 
-    /// The form of several axes: schema 2, or 3 of curves.
+    /// Checks the form of several axes: schema 2, or 3 for curves.
     fn check_axes(&self, root: Entry<'_>, axes: &[AxisForm]) -> Result<(), EntryError> {
         let Self { part, temperature, correction, measured, uncertainty, curve, noise, .. } = self;
         let spelt = || "must be up to 40 letters, digits, -, _ and .".into();
@@ -104,14 +104,14 @@ impl CalibrationForm {
         }
         let count = axes.len();
         let some = (1..=MAX_AXES).contains(&count);
-        root.at("axis").require(some, || format!("stands {count} times; 1 to {MAX_AXES} can be"))?;
+        root.at("axis").require(some, || format!("stands {count} times; give 1 to {MAX_AXES}"))?;
         let temp = temperature.as_ref().map(|scale| scale.scale()).transpose();
         let temp = temp.map_err(|why| root.at("temperature").error(why))?;
         for (index, axis) in axes.iter().enumerate() {
             let entry = root.at("axis").item(index);
             entry.at("name").require(is_word(&axis.name), spelt)?;
             let alone = axes[..index].iter().all(|other| other.name != axis.name);
-            entry.at("name").require(alone, || "is that of another axis".into())?;
+            entry.at("name").require(alone, || "is the name of another axis".into())?;
             let rate = axis.rate.as_ref().map(|scale| scale.scale()).transpose();
             let rate = rate.map_err(|why| entry.at("rate").error(why))?;
             self.check_correction(entry.at("correction"), &axis.correction, &Limits::of(rate, temp))?;
@@ -183,12 +183,12 @@ impl Span {
     }
 }
 
-/// What holds for every value, wherever it stands: numbers are such that one can compute with them, and texts are one
-/// line each, because the check lines count lines.
+/// Checks any value: one must be able to compute with a number, and a text must be one line, because the check lines
+/// count lines.
 fn plain(key: &str, value: &DeValue<'_>) -> Result<(), String> {
     let number = value.as_float().and_then(|float| float.as_str().parse::<f64>().ok());
     if number.is_some_and(|number| number.is_nan() || number.abs() > LARGEST) {
-        return Err(format!("`{key}` is no number that a measurement can have"));
+        return Err(format!("`{key}` is not a number that a measurement can have"));
     }
     let many = value.as_array().into_iter().flatten().map(Spanned::get_ref);
     if many.chain([value]).filter_map(DeValue::as_str).any(|text| text.contains(char::is_control)) {

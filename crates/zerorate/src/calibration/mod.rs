@@ -1,5 +1,5 @@
-//! A calibration of one unit: what was found of each axis, how well it is known, where it holds, and where it comes
-//! from.
+//! A calibration of one unit: the corrections of its axes, their uncertainties, the temperatures where they hold, and
+//! their origin.
 //!
 //! Its file form is specified in `docs/formats/calibration.md`; [`Calibration::parse`] and [`Calibration::to_toml`]
 //! read and write it.
@@ -32,20 +32,20 @@ pub const SCHEMA: u32 = 4;
 /// Stands where a date would: the part was the software twin.
 pub const SIMULATED: &str = "SIMULATED";
 
-/// One unit's calibration. Only part and corrections must be there; a measured calibration has everything.
+/// The calibration of one unit. Part and corrections are mandatory, and a measured calibration has everything.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
-    /// Which kind of part.
+    /// Name of the kind of part.
     pub part: String,
     /// Serial number of the unit.
     pub serial: Option<String>,
     /// When the samples were recorded, RFC 3339; [`SIMULATED`] for the software twin.
     pub created: Option<String>,
-    /// How it was measured: `an1042` is F-51; `warmup` and `cycle` take every block of a recording.
+    /// Method of the measurement. `an1042` is F-51, and `warmup` and `cycle` use every block of a recording.
     pub method: Option<String>,
     /// The software that measured it.
     pub software: Option<String>,
-    /// Where the samples came from.
+    /// The device that the samples came from.
     pub device: Option<String>,
     /// Registers and reading scheme of the part while it was measured.
     pub config: Option<String>,
@@ -57,32 +57,32 @@ pub struct Calibration {
     pub warnings: Vec<String>,
     /// Scale of the codes of the temperature that all axes share.
     pub temp: Option<Scale>,
-    /// What was found of each axis: one at least, [`MAX_AXES`](crate::MAX_AXES) at most.
+    /// The axes, from one to [`MAX_AXES`](crate::MAX_AXES).
     pub axes: Vec<CalibratedAxis>,
-    /// Where the corrections hold.
+    /// The temperatures at which the corrections hold.
     pub validity: Option<Validity>,
     /// The run itself.
     pub run: Option<Run>,
 }
 
-/// What was found of one axis.
+/// The calibration of one axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibratedAxis {
-    /// What the part and its captures call it.
+    /// Name of the axis in the part and its captures.
     pub name: String,
-    /// Texts of the warnings that concern it alone.
+    /// Texts of the warnings that concern this axis alone.
     pub warnings: Vec<String>,
-    /// Scale of its codes.
+    /// Scale of the codes of the axis.
     pub rate: Option<Scale>,
     /// PBC, BTC and T3 (F-50), and the terms of a curve.
     pub correction: Correction,
-    /// The means it rests on.
+    /// The means that AN-1042 is computed from.
     pub measured: Option<Measured>,
     /// Standard uncertainties and covariances, of AN-1042.
     pub uncertainty: Option<Uncertainties>,
-    /// Those of a curve, and what it rests on.
+    /// Uncertainties of a curve, and its basis.
     pub curve: Option<CurveRecord>,
-    /// The noise behind them.
+    /// The noise that the uncertainties are computed from.
     pub noise: Option<NoiseRecord>,
 }
 
@@ -109,8 +109,8 @@ pub struct Uncertainties {
     pub drift_dps: Option<f64>,
 }
 
-/// How well a curve is known, and what it rests on: value ± `coverage_factor` × u covers the truth with the
-/// probability `coverage`.
+/// The uncertainty of a curve and its basis: value ± `coverage_factor` × u covers the truth with the probability
+/// `coverage`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(missing_docs, reason = "as the fields of `BiasCurve`")]
@@ -120,17 +120,17 @@ pub struct CurveRecord {
     pub order: usize,
     /// Posterior probability of each order, from 0.
     pub order_weights: [f64; TERMS],
-    /// Of PBC and the coefficients of the first to third order.
+    /// Covariance of PBC and the coefficients of the first to third order.
     pub covariance: [[f64; TERMS]; TERMS],
-    /// Time by which the bias follows the temperature sensor late, s.
+    /// Lag of the bias behind the temperature sensor, s.
     pub lag_s: f64,
-    /// Half width of the play with which it does so, °C.
+    /// Half width of the play between bias and temperature, °C.
     pub play_c: f64,
-    /// Steps that were taken out: when, s, and how large, °/s.
+    /// Steps that were taken out: time, s, and size, °/s.
     pub steps: Vec<[f64; 2]>,
 }
 
-/// The noise model, and which of it was measured.
+/// The noise model, and which of its terms were measured.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(missing_docs, reason = "as the fields of `NoiseModel`; a source is `measured`, `typical (…)` or `unknown`")]
@@ -160,7 +160,7 @@ pub struct Run {
     pub offset_s: f64,
     pub max_lost: f64,
     pub max_u_btc_dps_per_c: f64,
-    /// Component of the Earth's rotation that was subtracted (F-16); none: it is inside PBC.
+    /// Component of the Earth's rotation that was subtracted (F-16); none if it is part of PBC.
     pub earth_dps: Option<f64>,
     pub assume_linear: bool,
 }
@@ -171,7 +171,7 @@ pub fn is_twin(device: &str) -> bool {
     device == "twin" || device.starts_with("twin:")
 }
 
-/// What the core cannot know of a measurement.
+/// Facts about a measurement that the core cannot know.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[expect(missing_docs, reason = "as the fields of `Calibration`")]
 pub struct Origin {
@@ -222,7 +222,7 @@ impl Notes {
 }
 
 impl Calibration {
-    /// The calibration that a measurement of all axes of a part amounts to: the outcomes in the order of its axes.
+    /// Builds the calibration of a part from the outcomes of its axes, in their order.
     #[must_use]
     pub fn new(part: &Part, outcomes: &[Outcome], origin: Origin) -> Self {
         let common: Vec<&Warning> = Outcome::shared_warnings(outcomes).collect();
@@ -256,10 +256,10 @@ impl Calibration {
         self.axes.iter().find(|axis| axis.name == name)
     }
 
-    /// A corrector of these axes of a part, in their order.
+    /// Builds a corrector for these axes of a part, in their order.
     ///
     /// # Errors
-    /// The calibration is of another part, or has no such axis.
+    /// The calibration belongs to another part, or has no such axis.
     pub fn corrector<'a>(
         &self,
         part: &str,
@@ -277,8 +277,7 @@ impl Calibration {
         }
     }
 
-    /// Short name of what it corrects, the same for the same unit and numbers: 12 hexadecimal digits. Corrected data
-    /// carry it.
+    /// Short name of 12 hexadecimal digits, the same for the same unit and numbers. Corrected data carry it.
     #[must_use]
     pub fn id(&self) -> String {
         let part = &self.part;
@@ -299,13 +298,13 @@ impl Calibration {
     }
 }
 
-/// A calibration that is of something else than what is to be corrected.
+/// The calibration does not belong to the data that it should correct.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the fields are the names that the text shows")]
 pub enum OtherPart {
-    /// Of another kind of part.
+    /// The calibration belongs to another kind of part.
     Part { calibrated: String, axes: String, part: String },
-    /// Of other axes.
+    /// The calibration has other axes.
     Axis { axis: String, axes: String },
 }
 
@@ -327,13 +326,13 @@ impl fmt::Display for OtherPart {
 impl core::error::Error for OtherPart {}
 
 impl CalibratedAxis {
-    /// Standard uncertainty of PBC + (T − T3) · BTC at the temperature T, °C, in °/s: of what is added to the rate,
-    /// not of the rate itself. None where the calibration states no uncertainties.
+    /// Standard uncertainty of PBC + (T − T3) · BTC at the temperature T, °C, in °/s: the uncertainty of the added
+    /// correction, not of the rate itself. None if the calibration states no uncertainties.
     ///
     /// u² = u_pbc² + d² u_btc² + 2 d cov_pbc_btc with d = T − T3, the first-order propagation of JCGM 100:2008,
-    /// equation 13, for two quantities. T3 is no third one: PBC is what it is *at the T3 that the file states*, so
-    /// that an error of that reading, ε, is an error −BTC · ε of PBC and in u_pbc once already (and in cov_pbc_btc, as
-    /// far as it has to do with BTC's).
+    /// equation 13, for two quantities. T3 is not a third quantity, because PBC holds *at the T3 that the file
+    /// states*. An error ε of that reading is an error −BTC · ε of PBC. So u_pbc contains it already, and cov_pbc_btc
+    /// contains its correlation with the error of BTC.
     #[must_use]
     pub fn u_correction_dps(&self, temp_c: f64) -> Option<f64> {
         if let Some(curve) = &self.curve {
@@ -347,7 +346,7 @@ impl CalibratedAxis {
     }
 }
 
-/// Of a probability, what is worth writing.
+/// Rounds a probability to the digits that are worth writing.
 fn rounded(probability: f64) -> f64 {
     libm::round(1e4 * probability) / 1e4
 }

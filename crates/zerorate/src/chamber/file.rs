@@ -1,4 +1,4 @@
-//! A plan from its file (`docs/formats/plan.md`).
+//! Reading of a plan from its file (`docs/formats/plan.md`).
 
 use super::plan::{ChamberPlan, ChamberPlanError, Step, StepEnd};
 use alloc::format;
@@ -58,7 +58,7 @@ enum Number {
     Word(String),
 }
 
-/// Plans that come with this software: name and file.
+/// Plans that come with this software, as name and file.
 pub const SHIPPED: [(&str, &str); 2] =
     [("f57", include_str!("../../plans/f57.toml")), ("two-point", include_str!("../../plans/two-point.toml"))];
 
@@ -66,7 +66,7 @@ impl ChamberPlan {
     /// Reads the file of a plan.
     ///
     /// # Errors
-    /// No such file: the line, the key, and what to do.
+    /// The text is not a plan: the error has the line, the key, and what to do.
     pub fn parse(text: &str) -> Result<Self, ChamberPlanError> {
         let document = Document::parse(text)?;
         let (root, file) = (document.root(), document.fields::<File>()?);
@@ -92,7 +92,7 @@ impl ChamberPlan {
     }
 }
 
-/// None for `"auto"`, and for nothing.
+/// Returns none for `"auto"`, and for an absent value.
 fn auto(entry: Entry<'_>, value: Option<&Number>, bounds: &Bounds) -> Result<Option<f64>, EntryError> {
     match value {
         Some(Number::Known(number)) => entry.number(*number, bounds).map(Some),
@@ -121,7 +121,7 @@ impl StepForm {
     }
 }
 
-/// How often the steps are gone through.
+/// Returns how many times the steps are repeated.
 fn cycles(root: Entry<'_>, cycles: Option<u32>, steps: usize) -> Result<usize, EntryError> {
     root.require(steps > 0, || {
         "there is no [[step]]; give at least two, each with to_c = the temperature of the chamber in °C".into()

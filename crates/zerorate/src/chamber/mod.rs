@@ -1,5 +1,5 @@
-//! A part in a temperature chamber: what the chamber is to do ([`ChamberPlan`]), and the measurement that goes with it
-//! ([`ChamberProcedure`]), without clock, bus or chamber.
+//! A part in a temperature chamber: the plan of the temperatures ([`ChamberPlan`]), and the measurement that follows
+//! it ([`ChamberProcedure`]), without clock, bus or chamber.
 
 #[cfg(feature = "file")]
 mod file;

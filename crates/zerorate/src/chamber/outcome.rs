@@ -1,4 +1,4 @@
-//! From the record of a chamber to the bias over temperature of each axis.
+//! Computes the bias over temperature of each axis from the record of a chamber.
 
 use super::record::{Record, Soak};
 use super::refusal::ChamberRefusal;
@@ -12,27 +12,27 @@ use crate::recording::{Searched, steps_s, steps_taken};
 use crate::thermal::{self, Assumed, BiasCurve, Block};
 use alloc::vec::Vec;
 
-/// What was found of one axis.
+/// The result of one axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChamberOutcome {
     /// The bias over temperature at the end of the measurement.
     pub curve: BiasCurve,
-    /// What it rests on, for pictures: means over some seconds each, with what is left of them after the correction.
+    /// The data of the curve, for pictures: means over some seconds each, with their residuals after the correction.
     pub residuals: Vec<Residual>,
-    /// What the correction, and the steps that were taken out, leave of each soak point of the record, °/s.
+    /// Residual of each soak point after the correction and without the steps that were taken out, °/s.
     pub soak_residuals_dps: Vec<f64>,
-    /// How far warming and cooling lie apart; none where the part was not at the same temperature on both ways.
+    /// The distance between warming and cooling. None if the part was not at the same temperature in both directions.
     pub branches: Option<Branches>,
 }
 
 impl ChamberOutcome {
-    /// What there is to know beside the numbers: the steps that were taken out.
+    /// The warnings of the result: the steps that were taken out.
     pub fn warnings(&self) -> impl Iterator<Item = Warning> {
         steps_taken(&self.curve)
     }
 }
 
-/// A mean, corrected, without the steps that were taken out.
+/// A corrected mean, without the steps that were taken out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Residual {
     /// Middle of the mean, s from the start.
@@ -45,39 +45,39 @@ pub struct Residual {
     pub warming: Option<bool>,
 }
 
-/// The loop that the bias goes through as the temperature goes up and down.
+/// The loop of the bias as the temperature goes up and down.
 ///
 /// `half_width_dps` is half of the mean bias while cooling less the mean while warming, over the temperatures that
-/// were passed in both directions, and with the other sign where the bias falls with the temperature: positive for a
-/// bias that follows late. Hysteresis and a lag of the sensing element both open it.
+/// were passed in both directions. If the bias falls with the temperature, the sign is the other one, so a bias that
+/// follows late has a positive half width. Hysteresis and a lag of the sensing element both open it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Branches {
     /// Half of the distance, °/s.
     pub half_width_dps: f64,
-    /// Its standard uncertainty, °/s: all noises of the curve, the random walk between the two ways included.
+    /// Its standard uncertainty, °/s: all noises of the curve, including the random walk between the two directions.
     pub u_dps: f64,
     /// Coldest and warmest temperature that was passed in both directions, °C.
     pub span_c: (f64, f64),
 }
 
-/// Means that a curve is found from, about: more of them cost time and tell nothing.
+/// Approximate number of means for a curve. More of them cost time and tell nothing.
 const MOST_BLOCKS: usize = 1600;
-/// They are short against all that is slow in a part, s.
+/// Shortest and longest mean, s: short against everything that is slow in a part.
 const BLOCK_S: (usize, usize) = (2, 60);
-/// A mean in which the temperature runs farther says nothing of any temperature, °C.
+/// Largest change of temperature within a mean, °C. A mean over more belongs to no single temperature.
 const BLOCK_SPAN_C: f64 = 5.0;
-/// A chamber that hardly changes the temperature does not pay, °C: a part that warms itself does as much.
+/// Least span of temperature, °C. A part that warms itself covers as much without a chamber.
 const LEAST_SPAN_C: f64 = 5.0;
-/// Temperatures within this are the same, °C.
+/// Width of the bins in which temperatures count as the same, °C.
 const BIN_C: f64 = 5.0;
 /// A part whose temperature changes by less is neither warming nor cooling, °C/s: 0.2 °C/min.
 const STILL_C_PER_S: f64 = 0.2 / 60.0;
-/// The temperature that the correction refers to is the mean over the last so many seconds.
+/// T3, to which the correction refers, is the mean temperature over this many seconds at the end.
 const T3_S: usize = 10;
 
 impl Record {
-    /// The bias over temperature of each axis of the part. `earth_dps` is the component of the Earth's rotation on the
-    /// axis, °/s, which is subtracted, and `max_order` the highest order that is tried.
+    /// Finds the bias over temperature of each axis of the part. `earth_dps` is the component of the Earth's rotation
+    /// on the axis, °/s, which is subtracted, and `max_order` the highest order that is tried.
     ///
     /// # Errors
     /// The temperature hardly changed, or there is too little of the record.
@@ -135,7 +135,7 @@ impl Record {
         Ok(ChamberOutcome { curve, residuals, soak_residuals_dps, branches })
     }
 
-    /// When the level of a rate seems to have changed, s.
+    /// Times at which the level of a rate seems to have changed, s.
     fn suspects_s(&self, axis: &Axis, rates_dps: &[f64], white_dps_per_rt_hz: f64) -> Vec<f64> {
         let second = |k: usize| Second { at_s: self.start_s[k], rate_dps: rates_dps[k], temp_c: self.temp_c[k] };
         let seconds: Vec<Second> = (0..self.len()).filter(|k| self.at_rest[*k]).map(second).collect();
@@ -172,8 +172,8 @@ fn block_s(blocks: &[Block]) -> f64 {
     blocks.first().map_or(1.0, |block| block.length_s)
 }
 
-/// One-sided density of the white noise, °/s/√Hz, from the median difference of adjacent seconds: those have the
-/// variance d², and a median takes no notice of the few in which the temperature runs.
+/// One-sided density d of the white noise, °/s/√Hz, from the median difference of adjacent seconds. The differences
+/// have the variance d², and the median ignores the few seconds in which the temperature changes fast.
 fn white_density(rates_dps: &[f64]) -> f64 {
     /// Median of the absolute value of a normal number of unit variance.
     const MEDIAN: f64 = 0.674_489_750_196_081_7;
@@ -229,7 +229,7 @@ fn branches(residuals: &[Residual], length_s: f64, curve: &BiasCurve) -> Option<
     })
 }
 
-/// The means that a sum is made of, those that follow each other with the same share as one.
+/// The windows of a weighted sum of residuals. Adjacent residuals with the same share become one window.
 fn windows(residuals: &[Residual], length_s: f64, share: impl Fn(&Residual) -> Option<f64>) -> Vec<Window> {
     let mut windows: Vec<(f64, Window)> = Vec::new();
     for residual in residuals {
@@ -245,7 +245,7 @@ fn windows(residuals: &[Residual], length_s: f64, share: impl Fn(&Residual) -> O
     windows.into_iter().map(|(_, window)| window).collect()
 }
 
-/// Whether the bias rises with the temperature: what is added falls.
+/// Whether the bias rises with the temperature, so that the correction falls.
 fn rises(correction: &Correction, temp_c: f64) -> bool {
     let d = temp_c - correction.t3_c;
     let slope =

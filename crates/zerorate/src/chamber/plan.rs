@@ -1,11 +1,11 @@
-//! What a chamber is to do, and when a part has followed it.
+//! The plan of a chamber, and the rules by which a part has followed it.
 
 use crate::part::Part;
 use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
 
-/// The steps of a measurement in a chamber; its file form is `docs/formats/plan.md`.
+/// The steps of a measurement in a chamber. `docs/formats/plan.md` specifies the file form.
 ///
 /// ```
 /// # #[cfg(feature = "file")] {
@@ -23,20 +23,20 @@ use core::fmt;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChamberPlan {
-    /// What people call it.
+    /// Name of the plan.
     pub name: String,
-    /// All steps in their order, those of every cycle.
+    /// All steps in their order, with the steps of every cycle.
     pub steps: Vec<Step>,
-    /// Largest drift of the part's own temperature at a soak point, °C/min; none: as little as hides below the noise
-    /// of the average ([`ChamberPlan::drift_c_per_s`]).
+    /// Largest drift of the part's own temperature at a soak point, °C/min. None allows as much as hides below the
+    /// noise of the average ([`ChamberPlan::drift_c_per_s`]).
     pub drift_c_per_min: Option<f64>,
-    /// Over so long that drift is measured, s.
+    /// Time over which that drift is measured, s.
     pub window_s: f64,
-    /// A part that has not settled this long after the set point was there never will, s.
+    /// Time limit for settling, s from when the set point was reached.
     pub settle_timeout_s: f64,
     /// How far the air may go beyond the coldest and the warmest set point, °C.
     pub overshoot_c: f64,
-    /// Where the chamber is left, °C.
+    /// Temperature at which the chamber is left, °C.
     pub safe_c: f64,
 }
 
@@ -45,7 +45,7 @@ pub struct ChamberPlan {
 pub struct Step {
     /// Set point, °C.
     pub to_c: f64,
-    /// How fast the set point goes there, °C/min; none: at once.
+    /// Speed of the set point, °C/min. None lets it jump.
     pub c_per_min: Option<f64>,
     /// When the step is over.
     pub end: StepEnd,
@@ -54,28 +54,30 @@ pub struct Step {
 /// When a step is over.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepEnd {
-    /// So long after the set point was there, whatever the part does, s.
+    /// The step ends this long after the set point was reached, s.
     Hold(f64),
-    /// When the part has settled and was averaged for so long, s; none: as long as its Allan deviation says.
+    /// The step ends when the part has settled and was averaged for this long, s. None takes the time of the least
+    /// Allan deviation.
     Average(Option<f64>),
 }
 
 impl Step {
-    /// How long the set point takes from another, s.
+    /// Time that the set point takes from another temperature, s.
     #[must_use]
     pub fn ramp_s(&self, from_c: f64) -> f64 {
         self.c_per_min.map_or(0.0, |c_per_min| (self.to_c - from_c).abs() / c_per_min * 60.0)
     }
 }
 
-/// An average of `auto` is never shorter or longer than this, s.
+/// Shortest and longest average of `auto`, s.
 const AVERAGE_S: (f64, f64) = (30.0, 3600.0);
-/// Drift that is allowed where the part's noise or temperature coefficient is not known, °C/min.
+/// Allowed drift if the part's noise or temperature coefficient is not known, °C/min.
 const DRIFT_C_PER_MIN: f64 = 0.05;
 
 impl ChamberPlan {
-    /// A plan of timed steps from what a chamber did: times, s, and temperatures, °C, in order. Where the temperature
-    /// stayed within 1 °C for five minutes is a step of its own, and what is between is a ramp.
+    /// Makes a plan of timed steps from the course of a chamber: times, s, and temperatures, °C, in order. Each
+    /// stretch where the temperature stayed within 1 °C for five minutes becomes a step, and the time between two of
+    /// them becomes a ramp.
     ///
     /// # Errors
     /// Fewer than two rows, times that do not rise, or more than 1000 such stretches.
@@ -123,9 +125,9 @@ impl ChamberPlan {
         temps.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), c| (low.min(c), high.max(c)))
     }
 
-    /// Length of an average, s: as it is planned, or where the Allan deviation of this part is lowest
-    /// ([`NoiseModel::best_averaging_s`](crate::noise::NoiseModel::best_averaging_s)) with the white noise of each
-    /// axis as it was measured; the longest of all axes.
+    /// Length of an average, s: the planned one, or the time at which the Allan deviation of this part is lowest
+    /// ([`NoiseModel::best_averaging_s`](crate::noise::NoiseModel::best_averaging_s)). The white noise of each axis is
+    /// as measured, and the axis with the longest time decides.
     #[must_use]
     pub fn average_s(&self, planned_s: Option<f64>, part: &Part, white_dps_per_rt_hz: &[Option<f64>]) -> f64 {
         let best_s = |(axis, white): (&crate::NamedAxis, &Option<f64>)| {
@@ -137,9 +139,9 @@ impl ChamberPlan {
         planned_s.unwrap_or_else(|| libm::ceil(best_s().clamp(AVERAGE_S.0, AVERAGE_S.1)))
     }
 
-    /// Largest drift of the part's own temperature at a soak point, °C/s: as planned, or so little that it changes the
-    /// bias over an average by no more than the noise of that average, σ(τ)/(|tempco| τ) with the typical noise and
-    /// coefficient of the most sensitive axis.
+    /// Largest drift of the part's own temperature at a soak point, °C/s. It is as planned, or so small that the bias
+    /// changes over an average by no more than the noise of that average. That limit is σ(τ)/(|tempco| τ), with the
+    /// typical noise and coefficient of the most sensitive axis.
     #[must_use]
     pub fn drift_c_per_s(&self, average_s: f64, part: &Part) -> f64 {
         if let Some(c_per_min) = self.drift_c_per_min {
@@ -152,8 +154,8 @@ impl ChamberPlan {
         least.reduce(f64::min).unwrap_or(DRIFT_C_PER_MIN / 60.0)
     }
 
-    /// How long it takes at least from a step on, s: a soak point settles within one window and is averaged for as
-    /// long as a typical part needs.
+    /// Least remaining time from a step on, s. It assumes that a soak point settles within one window and is averaged
+    /// for as long as a typical part needs.
     #[must_use]
     pub fn least_s(&self, from_step: usize, part: &Part) -> f64 {
         let typical: Vec<Option<f64>> = part.axes.iter().map(|_| None).collect();
@@ -169,7 +171,7 @@ impl ChamberPlan {
         (from_step..self.steps.len()).map(of_step).sum()
     }
 
-    /// Whether a part can be measured by this plan at all.
+    /// Checks that a part can be measured by this plan.
     ///
     /// # Errors
     /// An average of `auto` for a part whose noise is not known.
@@ -188,7 +190,7 @@ impl ChamberPlan {
 }
 
 impl ChamberPlan {
-    /// Whether the part may be wherever this plan sends the air. To be asked before anything is heated or cooled; a
+    /// Checks that the part bears every temperature of this plan. Call this before anything is heated or cooled. A
     /// recording has happened already.
     ///
     /// # Errors
@@ -208,7 +210,7 @@ impl ChamberPlan {
 }
 
 const LESS: core::cmp::Ordering = core::cmp::Ordering::Less;
-/// Air that stays within this, °C, for so long, s, has come to rest.
+/// Air that stays within this span, °C, for the time below, s, has come to rest.
 const STAYS_C: f64 = 1.0;
 const STAYS_S: f64 = 300.0;
 const MAX_STRETCHES: usize = 1000;
@@ -232,7 +234,8 @@ fn stays(course: &[(f64, f64)]) -> Vec<(usize, usize)> {
     stays
 }
 
-/// A ramp that ends at a time and temperature, and a hold after it. A first row that is late is waited for.
+/// Makes a ramp that ends at a time and temperature, and a hold after it. If the first row is late, the step waits for
+/// it.
 fn timed((from_s, from_c): (f64, f64), (to_s, to_c): (f64, f64), hold_s: f64) -> Option<Step> {
     let (ramp_s, way_c) = (to_s - from_s, (to_c - from_c).abs());
     let is_ramp = ramp_s > 0.0 && way_c > 0.0;
@@ -241,7 +244,7 @@ fn timed((from_s, from_c): (f64, f64), (to_s, to_c): (f64, f64), hold_s: f64) ->
     (is_ramp || hold_s > 0.0).then_some(Step { to_c, c_per_min, end: StepEnd::Hold(hold_s) })
 }
 
-/// Why a plan cannot be carried out.
+/// The reason why a plan cannot be carried out.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ChamberPlanError(String);
 
@@ -285,7 +288,7 @@ mod tests {
     }
 
     /// √1.5 · 0.0125/10⁻⁴ = 153.1 s (F-02, M-04); there the Allan deviation is √(N²/τ + floor² + K²τ/3) = 0.00189 °/s,
-    /// which 0.04 °/s/°C (F-05) over 154 s makes of 0.0184 °C/min.
+    /// and 0.04 °/s/°C (F-05) reaches that over 154 s with a drift of 0.0184 °C/min.
     #[test]
     fn averages_are_as_long_as_the_allan_deviation_says_and_drift_hides_below_it() {
         let (plan, part) = (plan(), Part::ADIS16130);
@@ -298,7 +301,7 @@ mod tests {
         assert_eq!(wide.drift_c_per_s(154.0, &part), 0.3 / 60.0);
     }
 
-    /// 300 s at 25 °C, 600 s of ramp, 900 s at 45 °C, every 10 s and with what a sensor makes of it.
+    /// 300 s at 25 °C, 600 s of ramp, 900 s at 45 °C, every 10 s and with the errors of a sensor.
     #[test]
     fn what_a_chamber_did_is_a_plan_by_the_clock() {
         let air_c = |s: f64| 25.0 + ((s - 300.0) / 30.0).clamp(0.0, 20.0);

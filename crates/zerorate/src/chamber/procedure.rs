@@ -1,8 +1,8 @@
-//! The measurement in a chamber as a state machine without clock, bus or chamber: readings and times go in; where the
-//! air is to be comes out.
+//! The measurement in a chamber as a state machine without clock, bus or chamber: readings and times go in, and the
+//! set point of the air comes out.
 //!
-//! All transitions stand in one table (`procedure/table.rs`), and what is judged (`procedure/judging.rs`) says when
-//! they are due. Samples alone decide them: what the chamber says of its air can only end a measurement, so that a
+//! All transitions stand in one table (`procedure/table.rs`), and the judgements (`procedure/judging.rs`) say when
+//! they are due. Samples alone decide them. The chamber's reading of its air can only end a measurement, so a
 //! recording of the samples gives the same result.
 
 mod judging;
@@ -23,31 +23,31 @@ use crate::tally::Tally;
 
 use alloc::vec::Vec;
 
-/// What the caller does next.
+/// The next task of the caller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChamberAction {
     /// Initialise the part and report the time of its first reading by [`ChamberProcedure::begin`].
     Initialise,
-    /// Keep the air at [`ChamberProcedure::set_point_c`], and hand in what is read.
+    /// Keep the air at [`ChamberProcedure::set_point_c`], and hand in the readings.
     Read,
     /// Call [`ChamberProcedure::finish`].
     Done,
 }
 
-/// How far the measurement has come.
+/// Progress of the measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChamberProgress {
-    /// What is being done.
+    /// The present state.
     pub state: ChamberState,
-    /// At which step, from 0.
+    /// Index of the present step, from 0.
     pub step: usize,
-    /// Of how many.
+    /// Number of steps.
     pub steps: usize,
     /// Time since the first reading, s.
     pub elapsed_s: f64,
-    /// How long it still takes at least, s.
+    /// Least remaining time, s.
     pub left_s: f64,
-    /// Where the air is to be at the end of the step, °C.
+    /// Set point at the end of the step, °C.
     pub to_c: f64,
     /// The part's own temperature during the last second, °C.
     pub temp_c: Option<f64>,
@@ -65,7 +65,7 @@ struct Block {
     temp: CodeSum,
 }
 
-/// One axis: its judge, its second so far, and the blocks over which rest is judged.
+/// State of one axis: its judge, its second so far, and the blocks over which rest is judged.
 #[derive(Clone, Debug)]
 struct AxisState {
     axis: Axis,
@@ -76,30 +76,30 @@ struct AxisState {
     white_dps_per_rt_hz: Option<f64>,
 }
 
-/// How the air comes to the span of the plan, outside which it may be at first.
+/// How the air comes to the span of the plan. At first it may be outside.
 #[derive(Clone, Copy, Debug, Default)]
 enum Coming {
-    /// Nothing was heard of it.
+    /// The chamber has not said yet where its air is.
     #[default]
     Unknown,
-    /// From this temperature, °C, during this step.
+    /// The air comes from this temperature, °C, during this step.
     From { air_c: f64, step: usize },
-    /// It has come, or has had its time.
+    /// The air has come, or its time is over.
     Over,
 }
 
-/// What happened in the present state.
+/// The events of the present state.
 #[derive(Clone, Copy, Debug, Default)]
 struct Present {
     began_s: f64,
-    /// Of the record.
+    /// Index of its first second in the record.
     first: usize,
-    /// Of an average: its length, s.
+    /// Length of the average, s, if the state is one.
     average_s: f64,
     out_of_range: bool,
 }
 
-/// The measurement in a chamber, step by step.
+/// The procedure of a measurement in a chamber, step by step.
 ///
 /// ```
 /// use zerorate::Part;
@@ -128,27 +128,27 @@ pub struct ChamberProcedure {
     state: ChamberState,
     step: usize,
     started_ns: u64,
-    /// Time of the record at `started_ns`, s: that of a measurement that was resumed.
+    /// Time of the record at `started_ns`, s. It is above zero if the measurement was resumed.
     offset_s: f64,
     /// The second that is being filled, from `started_ns`.
     second: u64,
     axes: Vec<AxisState>,
     record: Record,
-    /// Where `axes[..].blocks` begin in the record.
+    /// Index in the record at which `axes[..].blocks` begin.
     blocks_from: usize,
     tally: Tally,
     present: Present,
     disturbed: u32,
     /// Set point and temperature of the last soak point at which the part had settled.
     settled_at_c: Option<(f64, f64)>,
-    /// What the chamber said last.
+    /// Last air temperature that the chamber said, °C.
     air_c: Option<f64>,
     coming: Coming,
     beyond: u32,
 }
 
 impl ChamberProcedure {
-    /// A measurement of this part that has not begun; no more than a share of `max_lost` of all samples may be lost.
+    /// Prepares a measurement of this part. A share of at most `max_lost` of all samples may be lost.
     ///
     /// # Errors
     /// The plan does not fit the part.
@@ -183,7 +183,7 @@ impl ChamberProcedure {
         })
     }
 
-    /// The same with the steps that a record has already, which ended `gap_s` before it goes on.
+    /// Continues after the `steps` finished steps of a record, which ended `gap_s` seconds before.
     #[must_use]
     pub fn resumed(mut self, record: Record, steps: usize, gap_s: f64) -> Self {
         self.offset_s = record.start_s.last().map_or(0.0, |last_s| libm::ceil(last_s + 1.0 + gap_s.max(0.0)));
@@ -196,7 +196,7 @@ impl ChamberProcedure {
         self
     }
 
-    /// What to do next.
+    /// Returns the next task.
     #[must_use]
     #[inline]
     pub fn next(&self) -> ChamberAction {
@@ -207,45 +207,45 @@ impl ChamberProcedure {
         }
     }
 
-    /// The plan that is carried out.
+    /// The plan of this measurement.
     #[must_use]
     pub fn plan(&self) -> &ChamberPlan {
         &self.plan
     }
 
-    /// What is measured.
+    /// The part that is measured.
     #[must_use]
     pub fn part(&self) -> &Part {
         &self.part
     }
 
-    /// What was measured so far.
+    /// The record so far.
     #[must_use]
     pub fn record(&self) -> &Record {
         &self.record
     }
 
-    /// What the steps that are over have measured; to be asked where one of them ends.
+    /// The record of the finished steps, and their number. Call this when a step ends.
     #[must_use]
     pub fn finished_steps(&self) -> (Record, usize) {
         let [samples, lost, impossible] = self.counts();
         (Record { samples, lost, impossible, ..self.record.clone() }, self.steps_done())
     }
 
-    /// Samples of this run; those of one that was resumed are in the record alone.
+    /// Counts of the samples of this run. The record alone counts the samples of earlier runs.
     #[must_use]
     pub fn tally(&self) -> &Tally {
         &self.tally
     }
 
-    /// Steps that are over.
+    /// Number of finished steps.
     #[must_use]
     #[inline]
     pub fn steps_done(&self) -> usize {
         if self.state == ChamberState::Done { self.plan.steps.len() } else { self.step }
     }
 
-    /// Where the air is to be now, °C.
+    /// The present set point, °C.
     #[must_use]
     pub fn set_point_c(&self) -> f64 {
         let (from_c, to_c) = self.plan.course_c(self.step);
@@ -261,7 +261,7 @@ impl ChamberProcedure {
         }
     }
 
-    /// How far it has come.
+    /// Progress of the measurement.
     #[must_use]
     pub fn progress(&self) -> ChamberProgress {
         let Self { state, step, .. } = *self;
@@ -277,7 +277,7 @@ impl ChamberProcedure {
         }
     }
 
-    /// The part was initialised, and its first reading is of this time.
+    /// Begins the measurement: the part was initialised, and its first reading has this time.
     pub fn begin(&mut self, t_ns: u64) {
         if self.state == ChamberState::Start {
             self.started_ns = t_ns;
@@ -288,7 +288,7 @@ impl ChamberProcedure {
     /// Takes in a reading of all axes. A refusal is final.
     ///
     /// # Errors
-    /// What was measured must not become a calibration.
+    /// The measurement must not become a calibration.
     #[inline]
     pub fn take(&mut self, scan: &Scan) -> Result<(), ChamberRefusal> {
         if matches!(self.state, ChamberState::Start | ChamberState::Done) {
@@ -312,7 +312,7 @@ impl ChamberProcedure {
         Ok(())
     }
 
-    /// The record, once [`ChamberProcedure::next`] says [`ChamberAction::Done`].
+    /// Returns the record, once [`ChamberProcedure::next`] says [`ChamberAction::Done`].
     ///
     /// # Errors
     /// Samples were lost, or the part was not at rest, for too great a share of the time.
@@ -337,7 +337,7 @@ impl ChamberProcedure {
         self.offset_s + self.second as f64
     }
 
-    /// Samples, lost ones and impossible readings, those before it was resumed included.
+    /// Numbers of samples, lost samples and impossible readings, including the earlier runs.
     fn counts(&self) -> [u64; 3] {
         let impossible = self.axes.first().map_or(0, |axis| axis.health.marks().spoilt());
         let Record { samples, lost, impossible: before, .. } = self.record;

@@ -1,4 +1,4 @@
-//! What a measurement in a chamber leaves behind: means over seconds of all of it, and its soak points.
+//! The record of a measurement in a chamber: means over all its seconds, and its soak points.
 
 use crate::notice::Warning;
 use alloc::vec::Vec;
@@ -12,23 +12,23 @@ pub struct Record {
     pub temp_c: Vec<f64>,
     /// Mean rate of each axis, °/s.
     pub rates_dps: Vec<Vec<f64>>,
-    /// Whether the part was at rest, as far as its rate tells.
+    /// Whether the part was at rest, judged by its rate.
     pub at_rest: Vec<bool>,
     /// The soak points.
     pub soaks: Vec<Soak>,
-    /// Rate samples that it was made of.
+    /// Rate samples that were read.
     pub samples: u64,
     /// Rate samples lost.
     pub lost: u64,
-    /// Readings that are impossible for the part, and in no mean.
+    /// Readings that are impossible for the part. No mean includes them.
     pub impossible: u64,
 }
 
-/// The mean of a step: of its average, or of the last part of a timed one.
+/// The mean of a step: over its average, or over the end of a timed step.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "file", derive(serde::Serialize, serde::Deserialize))]
 pub struct Soak {
-    /// Its step, from 0.
+    /// Index of the step, from 0.
     pub step: usize,
     /// Set point, °C.
     pub set_c: f64,
@@ -38,9 +38,9 @@ pub struct Soak {
     pub end_s: f64,
     /// Mean of the part's own temperature, °C.
     pub temp_c: f64,
-    /// Drift of that, °C/min.
+    /// Drift of that temperature, °C/min.
     pub drift_c_per_min: f64,
-    /// Whether it drifted by less than the limit.
+    /// Whether that drift was below the limit.
     pub settled: bool,
     /// Mean rate of each axis, °/s.
     pub rates_dps: Vec<f64>,
@@ -51,7 +51,8 @@ impl Record {
         Self { rates_dps: alloc::vec![Vec::new(); axes], ..Self::default() }
     }
 
-    /// What there is to know of it, whatever comes out; `earth_dps` of the Earth's rotation is subtracted, °/s.
+    /// The warnings of the record, with any outcome. `earth_dps` is the subtracted component of the Earth's rotation,
+    /// °/s.
     pub fn warnings(&self, earth_dps: Option<f64>) -> impl Iterator<Item = Warning> {
         let earth = earth_dps.map_or(Warning::EarthIncluded, |earth_dps| Warning::EarthSubtracted { earth_dps });
         let Self { samples, lost, impossible, .. } = *self;
@@ -67,14 +68,14 @@ impl Record {
         self.start_s.len()
     }
 
-    /// Lowest and highest temperature, °C; none of an empty record.
+    /// Lowest and highest temperature, °C. None if the record is empty.
     #[must_use]
     pub fn span_c(&self) -> Option<(f64, f64)> {
         let low_c = self.temp_c.iter().copied().reduce(f64::min)?;
         Some((low_c, self.temp_c.iter().copied().reduce(f64::max)?))
     }
 
-    /// Whether there is none.
+    /// Whether the record has no seconds.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.start_s.is_empty()
@@ -92,8 +93,8 @@ impl Record {
         self.start_s.partition_point(|at_s| *at_s < start_s)
     }
 
-    /// Drift of the temperature over the seconds from an index on, °C/s, and its standard uncertainty from how these
-    /// scatter about it; none of fewer than ten.
+    /// Drift of the temperature over the seconds from an index on, °C/s, and its standard uncertainty from their
+    /// scatter about it. None for fewer than ten seconds.
     pub(super) fn drift(&self, from: usize) -> Option<Drift> {
         let (times, temps) = (self.start_s.get(from..)?, self.temp_c.get(from..)?);
         let n = times.len() as f64;
@@ -113,7 +114,7 @@ impl Record {
     }
 }
 
-/// How a temperature moves.
+/// The drift of a temperature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Drift {
     pub c_per_s: f64,
@@ -122,7 +123,7 @@ pub(super) struct Drift {
 }
 
 impl Drift {
-    /// Whether it is below a limit, with the probability of 97.7 %.
+    /// Whether the drift is below a limit, with a probability of 97.7 %.
     pub fn is_below(&self, limit_c_per_s: f64) -> bool {
         self.c_per_s.abs() + 2.0 * self.u_c_per_s <= limit_c_per_s
     }

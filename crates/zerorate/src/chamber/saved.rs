@@ -1,4 +1,4 @@
-//! A measurement that was interrupted, as a text: what its finished steps measured.
+//! The text form of an interrupted measurement: the record of its finished steps.
 
 use super::file::{MAX_STEPS, SET_POINTS_C};
 use super::record::{Record, Soak};
@@ -15,52 +15,52 @@ use zerorate_allan::entry::{Document, EntryError};
 const SCHEMA: u32 = 1;
 const HEADER: &str =
     "# An interrupted measurement in a chamber: zerorate chamber goes on with it (docs/chamber.md).\n";
-/// Ten years, s: pauses of a measurement that is resumed included.
+/// Longest time of a record, s: ten years, including the pauses of a resumed measurement.
 const LONGEST_S: f64 = 3.2e8;
 /// More samples than ten years have, and few enough to be added.
 const MOST_SAMPLES: u64 = 1 << 50;
-/// Faster drifts are no temperature of a part, °C/min.
+/// Possible drifts of the temperature of a part, °C/min.
 const DRIFTS_C_PER_MIN: RangeInclusive<f64> = -1e4..=1e4;
 
 /// The finished steps of a measurement. `docs/chamber.md` says when it is written and read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Saved {
-    /// What was measured.
+    /// The record of the measurement.
     pub record: Record,
-    /// So many steps of the plan.
+    /// Number of finished steps of the plan.
     pub steps: usize,
-    /// When the last of them ended, RFC 3339; none for a simulated part.
+    /// Time at which the last of them ended, RFC 3339. None for a simulated part.
     pub ended: Option<String>,
 }
 
-/// Why a text does not go on with a measurement. Lines count from 1.
+/// The reason why a text cannot continue a measurement. Lines count from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the text shows them")]
 pub enum SavedError {
-    /// It is not such a text.
+    /// The text does not have the form of an interrupted measurement.
     Syntax(String),
-    /// No longer what was written.
+    /// The text has changed since it was written.
     Altered(Damage),
-    /// Without check lines: nothing shows whether it is whole.
+    /// The text has no check lines, so nothing shows whether it is whole.
     Unchecked,
-    /// Lists of different length.
+    /// Lists have different lengths.
     Damaged,
     /// A number that no measurement gives.
     Impossible { what: &'static str },
-    /// It belongs to something else.
+    /// The text belongs to another measurement.
     Other { what: &'static str, saved: String, wanted: String },
 }
 
 impl fmt::Display for SavedError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Syntax(what) => write!(f, "it is no interrupted measurement: {what}"),
+            Self::Syntax(what) => write!(f, "it is not an interrupted measurement: {what}"),
             Self::Altered(damage) => damage.fmt(f),
             Self::Unchecked => f.write_str(check_lines::UNCHECKED),
-            Self::Damaged => f.write_str("it is damaged: its lists do not belong together"),
-            Self::Impossible { what } => write!(f, "it is damaged: no measurement gives such {what}"),
+            Self::Damaged => f.write_str("it is damaged: its lists have different lengths"),
+            Self::Impossible { what } => write!(f, "it is damaged: a measurement cannot give such {what}"),
             Self::Other { what, saved, wanted } => {
-                write!(f, "it is of another {what}: {saved:?} there, {wanted:?} here")
+                write!(f, "it belongs to another {what}: {saved:?} there, {wanted:?} here")
             }
         }
     }
@@ -103,7 +103,7 @@ struct AxisForm {
     rate_dps: Vec<f64>,
 }
 
-/// What a measurement is of: it goes on with nothing else.
+/// The identity of a measurement. A measurement continues only if all of it agrees.
 pub(super) struct Identity<'a> {
     plan_text: &'a str,
     part: &'a Part,
@@ -112,7 +112,7 @@ pub(super) struct Identity<'a> {
 }
 
 impl Saved {
-    /// As a text; `device` and `serial` are what was measured, `plan_text` the plan's file.
+    /// Writes the text. `device` and `serial` say what was measured, and `plan_text` is the file of the plan.
     #[must_use]
     pub fn to_toml(&self, plan_text: &str, part: &Part, device: &str, serial: &str) -> String {
         let Record { start_s, temp_c, rates_dps, at_rest, soaks, samples, lost, impossible } = self.record.clone();
@@ -138,10 +138,10 @@ impl Saved {
         check_lines::file(HEADER, &form)
     }
 
-    /// From such a text, if it is whole and of the same measurement.
+    /// Reads such a text, if it is whole and belongs to the same measurement.
     ///
     /// # Errors
-    /// Why not.
+    /// The reason why the text cannot continue this measurement.
     pub fn parse(text: &str, plan_text: &str, part: &Part, device: &str, serial: &str) -> Result<Self, SavedError> {
         let is_checked = check_lines::verify(text).map_err(SavedError::Altered)?;
         let fields = check_lines::without_checks(text);
@@ -185,8 +185,8 @@ fn all(range: &RangeInclusive<f64>, mut numbers: impl Iterator<Item = f64>) -> b
 }
 
 impl SavedForm {
-    /// Holds each number against what a measurement of this part can give: whatever goes on with them loops over times
-    /// and steps.
+    /// Checks each number against the range that a measurement of this part can give. Later code loops over these
+    /// times and steps.
     fn is_possible(&self, part: &Part) -> Result<(), SavedError> {
         let Some(first) = part.axes.first() else { return Err(SavedError::Damaged) };
         let (times_s, temps_c) = (0.0..=LONGEST_S, values(&first.axis.temp));
@@ -284,7 +284,7 @@ mod tests {
             ("plan", "twin:", "SN2", "serial number"),
         ] {
             let error = parse(&text, plan, device, serial).unwrap_err();
-            assert!(error.to_string().starts_with(&format!("it is of another {what}")), "{error}");
+            assert!(error.to_string().starts_with(&format!("it belongs to another {what}")), "{error}");
         }
         assert!(matches!(
             parse(&text[..200], "plan", "twin:", "SN1"),
@@ -322,7 +322,7 @@ mod tests {
         assert!(matches!(parsed(cut), Err(SavedError::Altered(Damage::EndsEarly { .. }))), "{:?}", parsed(cut));
     }
 
-    /// With check lines that are right.
+    /// The check lines are right, and the numbers are not.
     #[test]
     fn numbers_that_no_measurement_gives_are_named() {
         let text = saved().to_toml("plan", &Part::ADIS16130, "twin:", "SN1");

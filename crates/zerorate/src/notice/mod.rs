@@ -1,4 +1,4 @@
-//! What a measurement has to say beside its numbers: warnings, and the refusals that end it.
+//! Notices of a measurement: warnings beside its numbers, and refusals that end it.
 
 mod deviation;
 mod refusal;
@@ -9,7 +9,7 @@ pub use warning::Warning;
 
 use crate::remedy::Remedy;
 
-/// Makes `remedies()` as well of rows that are otherwise those of [`zerorate_allan::rows!`].
+/// Generates `remedies()` in addition to the items of [`zerorate_allan::rows!`].
 macro_rules! rows_with_remedies {
     (match $name:ident {
         $($variant:pat => Row {
@@ -25,7 +25,7 @@ macro_rules! rows_with_remedies {
 
         #[allow(unused_variables, reason = "few remedies depend on a field of the variant")]
         impl $name {
-            /// What to do about it, the best first.
+            /// The remedies, the best first.
             #[must_use]
             pub fn remedies(&self) -> &'static [Remedy] {
                 match *self {
@@ -37,12 +37,12 @@ macro_rules! rows_with_remedies {
 }
 use rows_with_remedies;
 
-/// What to do where no temperature was read.
+/// The remedies for a temperature that was not read.
 const fn more_temperatures(wrong_edge: bool) -> &'static [Remedy] {
     if wrong_edge { &[Remedy::OtherEdge] } else { &[Remedy::ReadTemperatureMore] }
 }
 
-/// Why no temperature was read, as far as the edges tell.
+/// The reason why no temperature was read, if the edges of data ready show it.
 pub(crate) const fn because_of(wrong_edge: bool) -> &'static str {
-    if wrong_edge { ": two edges of data ready were heard for each sample, each before its data" } else { "" }
+    if wrong_edge { ", since data ready has two edges for each sample" } else { "" }
 }

@@ -1,4 +1,4 @@
-//! Refusals: the measurement must not become a calibration.
+//! Refusals: a measurement that must not become a calibration.
 
 use super::{because_of, more_temperatures, rows_with_remedies};
 use crate::drift_checks::{Deviation, Finding};
@@ -7,22 +7,22 @@ use crate::states::State;
 use core::fmt;
 use zerorate_allan::Says;
 
-/// The measurement must not become a calibration. `Display` says why, with the numbers, and what to do.
+/// A refusal: the measurement must not become a calibration. `Display` says why, with the numbers, and what to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are the numbers that the text shows, with their units")]
 pub enum Refusal {
     /// The rate varies more than noise and temperature explain.
     Moving { window: State, tau_s: f64, seen_dps: f64, limit_dps: f64 },
-    /// A mean rate that no bias explains.
+    /// The mean rate is larger than a bias can be.
     Turning { window: State, rate_dps: f64, limit_dps: f64 },
-    /// White noise far above the part's.
+    /// The white noise is far above the typical one.
     Noisy { window: State, seen_dps_per_rt_hz: f64, limit_dps_per_rt_hz: f64 },
     /// T1 and T2 are too close for the wanted uncertainty of BTC.
     Span { t1_c: f64, t2_c: f64, u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
-    /// The uncertainty of BTC comes from the curvature that may be there, so a larger span does not help.
+    /// The uncertainty of BTC comes from a possible curvature, so a larger span does not help.
     Curvature { u_btc_dps_per_c: f64, u_curvature_dps_per_c: f64, wanted_dps_per_c: f64 },
-    /// BTC would be too uncertain by what the rate did during the hour.
+    /// A deviation of the rate during the hour makes BTC too uncertain.
     Found { finding: Finding, u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
     /// The platform moves slowly, and far.
     Swaying { hz: f64, size_dps: f64, limit_dps: f64 },
@@ -30,19 +30,19 @@ pub enum Refusal {
     Unsteady { floor_dps: f64, typical_dps: f64, u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
     /// Too many samples were lost.
     Lost { window: State, lost: u64, samples: u64, limit: f64 },
-    /// Readings beyond the range.
+    /// Readings were beyond the range.
     Overranged { window: State, count: u64, samples: u64 },
     /// The readings stopped changing.
     Frozen { at_s: f64, for_s: f64, both: bool },
-    /// Too many readings that the part cannot have measured; or some, and a rest that moves.
+    /// Too many readings are impossible for the part, or some are and the other readings vary too much.
     BitErrors { window: State, count: u64, samples: u64, still_moves: bool },
-    /// Too many samples were lost, and in the gaps data ready itself was silent.
+    /// Too many samples were lost, and data ready was silent in the gaps.
     Stuttering { window: State, lost: u64, samples: u64, silent_gaps: u64, gaps: u64 },
     /// A window holds too few samples.
     TooFew { window: State, samples: u64, needed: u64 },
-    /// A window holds no temperature; where the host hears the edge before new data, it finds none.
+    /// A window holds no temperature. A host that listens to the edge before new data finds none.
     NoTemperature { window: State, wrong_edge: bool },
-    /// The temperature did not rise and fall; what it covered in each direction.
+    /// The temperature did not both rise and fall. The fields are the spans that it covered in each direction.
     OneWay { rise_c: f64, fall_c: f64 },
     /// A step or a sway of the rate cannot be told from what the temperature did.
     StepOrTemperature { finding: Finding, u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
@@ -52,8 +52,8 @@ rows_with_remedies!(match Refusal {
     Self::Moving { window, tau_s, seen_dps, limit_dps } => Row {
         code: "moving",
         text: format_args!(
-            "the part moves: during {window}, means over {tau_s:.1} s vary by {seen_dps:.4} °/s (Allan deviation) \
-             where noise and temperature explain at most {limit_dps:.4} °/s"
+            "the part moves: during {window}, means over {tau_s:.1} s vary by {seen_dps:.4} °/s (Allan deviation), \
+             more than the {limit_dps:.4} °/s of noise and temperature"
         ),
         remedies: &[Remedy::FixToStillPlatform],
         says: Says::Refusal,
@@ -65,55 +65,55 @@ rows_with_remedies!(match Refusal {
     Self::Turning { window, rate_dps, limit_dps } => Row {
         code: "turning",
         text: format_args!(
-            "the part turns: during {window}, its mean rate is {rate_dps:+.2} °/s, more than the ±{limit_dps} °/s \
-             that can be bias"
+            "the part turns: its mean rate during {window} is {rate_dps:+.2} °/s, more than the ±{limit_dps} °/s \
+             that a bias can be"
         ),
         remedies: &[Remedy::KeepStill],
         says: Says::Refusal,
         by: &["calibrate", "recalibrate"],
         seen: "The mean rate is larger than any bias of such a part.",
-        matters: "The part turns, or is not the part that it is taken for.",
-        remedy: "Keep the platform still; check the file of the part.",
+        matters: "The part turns, or it is another part than you named.",
+        remedy: "Keep the platform still, and check the file of the part.",
         command: "zerorate probe",
     },
     Self::Noisy { window, seen_dps_per_rt_hz, limit_dps_per_rt_hz } => Row {
         code: "noisy",
         text: format_args!(
-            "the part shakes or its supply is noisy: during {window}, the noise is {seen_dps_per_rt_hz:.4} °/s/√Hz, \
-             above {limit_dps_per_rt_hz:.4} °/s/√Hz"
+            "the part shakes or its supply is noisy: the noise during {window} is {seen_dps_per_rt_hz:.4} °/s/√Hz, \
+             above the limit of {limit_dps_per_rt_hz:.4} °/s/√Hz"
         ),
         remedies: &[Remedy::RemoveVibration, Remedy::LinearSupply],
     },
     Self::Span { t1_c, t2_c, u_btc_dps_per_c, wanted_dps_per_c } => Row {
         code: "small-span",
         text: format_args!(
-            "the temperature hardly changed: from T1 = {t1_c:.3} °C to T2 = {t2_c:.3} °C (by {:.3} °C), so BTC would \
-             be uncertain by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted",
+            "the temperature hardly changed (T1 = {t1_c:.3} °C, T2 = {t2_c:.3} °C, {:.3} °C apart). u(BTC) would be \
+             {u_btc_dps_per_c:.4} °/s/°C, above the limit of {wanted_dps_per_c}",
             t2_c - t1_c
         ),
         remedies: &[Remedy::StartCold, Remedy::LongerWarmUp, Remedy::AcceptMoreUBtc],
         says: Says::Refusal,
         by: &["calibrate", "recalibrate", "chamber"],
         seen: "The temperature hardly changed between the averages.",
-        matters: "The coefficient is a difference of rates divided by a difference of temperatures: with a small one, \
-            noise decides.",
-        remedy: "Start with a part that was off for an hour, warm it longer, or accept more. In a chamber: check that \
-            it is on, and that the part is in it.",
+        matters: "BTC is a difference of rates divided by a difference of temperatures. If the latter is small, noise \
+            decides. The refusal gives u(BTC), the standard uncertainty of BTC.",
+        remedy: "Start with a part that was off for an hour, warm it longer, or accept more. In a chamber, check that \
+            it is on and that the part is in it.",
         command: "zerorate calibrate --warmup 20m -o unit.toml",
     },
     Self::Curvature { u_btc_dps_per_c, u_curvature_dps_per_c, wanted_dps_per_c } => Row {
         code: "curvature-unseen",
         text: format_args!(
-            "BTC would be uncertain by {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted, \
-             {u_curvature_dps_per_c:.4} of it from the curvature that two temperatures cannot show"
+            "u(BTC) would be {u_btc_dps_per_c:.4} °/s/°C, above the limit of {wanted_dps_per_c}: \
+             {u_curvature_dps_per_c:.4} of it allows for curvature that two temperatures cannot show"
         ),
         remedies: &[Remedy::AcceptMoreUBtc, Remedy::AssumeLinear],
     },
     Self::Found { finding: Finding { deviation, btc_dps_per_c, .. }, u_btc_dps_per_c, wanted_dps_per_c } => Row {
         code: { deviation.code() },
         text: format_args!(
-            "{deviation}. It makes BTC wrong by about {btc_dps_per_c:+.4} °/s/°C, so that BTC would be uncertain by \
-             {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted"
+            "{deviation}. BTC is off by about {btc_dps_per_c:+.4} °/s/°C, and u(BTC) would be {u_btc_dps_per_c:.4}, \
+             above the limit of {wanted_dps_per_c}"
         ),
         remedies: match deviation {
             Deviation::Step { .. } => &[Remedy::LinearSupply, Remedy::CheckNothingMoved, Remedy::AcceptMoreUBtc],
@@ -124,8 +124,7 @@ rows_with_remedies!(match Refusal {
     Self::Swaying { hz, size_dps, limit_dps } => Row {
         code: "swaying",
         text: format_args!(
-            "the part moves: the rate sways by ±{size_dps:.3} °/s once in {:.0} s, more than the {limit_dps} °/s that \
-             a result could bear",
+            "the part moves: the rate sways by ±{size_dps:.3} °/s once in {:.0} s, above the limit of {limit_dps} °/s",
             1.0 / hz
         ),
         remedies: &[Remedy::FixToStillPlatform],
@@ -133,14 +132,15 @@ rows_with_remedies!(match Refusal {
     Self::Unsteady { floor_dps, typical_dps, u_btc_dps_per_c, wanted_dps_per_c } => Row {
         code: "unsteady-offset",
         text: format_args!(
-            "the rate is unsteady during the offset average (step 8): it wanders or steps as a flicker floor of \
-             {floor_dps:.4} °/s would, where {typical_dps} °/s is typical, so BTC would be uncertain by \
-             {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted"
+            "the rate is unsteady during the offset average (step 8): its flicker floor is {floor_dps:.4} °/s, and \
+             {typical_dps} is typical. u(BTC) would be {u_btc_dps_per_c:.4} °/s/°C, above the limit of \
+             {wanted_dps_per_c}"
         ),
         remedies: &[Remedy::LinearSupply, Remedy::KeepStill, Remedy::AcceptMoreUBtc],
         says: Says::Refusal,
         by: &["calibrate", "recalibrate"],
-        seen: "The rate wandered or stepped during the offset average (step 8).",
+        seen: "The rate wandered or stepped during the offset average (step 8). The refusal says which flicker floor \
+            would do the same.",
         matters: "BTC would be more uncertain than was asked for.",
         remedy: "Use a linear supply, keep the platform still, or accept more.",
         command: "zerorate calibrate --max-u-btc 0.01 -o unit.toml",
@@ -148,7 +148,7 @@ rows_with_remedies!(match Refusal {
     Self::Lost { window, lost, samples, limit } => Row {
         code: "lost-samples",
         text: format_args!(
-            "{lost} of {} samples were lost during {window}, more than the {} % allowed",
+            "{lost} of {} samples were lost during {window}, above the limit of {} %",
             lost + samples,
             limit * 100.0
         ),
@@ -157,45 +157,40 @@ rows_with_remedies!(match Refusal {
     Self::Overranged { window, count, samples } => Row {
         code: "out-of-range",
         text: format_args!(
-            "{count} of {samples} readings during {window} are out of range: the part turns, or its supply or wiring \
-             is wrong"
+            "{count} of {samples} readings during {window} are out of range: the part turns, or its supply or \
+             wiring is wrong"
         ),
         remedies: &[Remedy::KeepStill, Remedy::CheckSupplyAndWiring],
         says: Says::Either,
         by: &["capture", "calibrate", "recalibrate", "stream", "correct"],
         seen: "Readings are beyond the range of the part.",
-        matters: "It turns faster than it can measure, its supply is wrong, or the line carries errors. Such readings \
-            are no measurements.",
-        remedy: "Keep it still; check supply and wiring.",
+        matters: "The part turns faster than it can measure, its supply is wrong, or the line carries errors. Such \
+            readings are not measurements.",
+        remedy: "Keep the part still, and check supply and wiring.",
         command: "zerorate probe",
     },
     Self::Frozen { at_s, for_s, both } => Row {
         code: "frozen",
         text: format_args!(
-            "the {} frozen: at {at_s:.1} s the code had not changed for {for_s:.1} s, while noise changes every \
+            "the {} frozen: at {at_s:.1} s the code had not changed for {for_s:.1} s, and noise should change every \
              reading",
             if both { "readings are" } else { "rate is" }
         ),
         remedies: &[Remedy::ResetAndCheck],
         says: Says::Either,
         by: &["capture", "calibrate", "recalibrate", "chamber", "stream", "correct", "allan", "imu"],
-        seen: "The readings stopped changing, while noise changes every reading of a part that senses.",
+        seen: "The readings stopped changing. Noise changes every reading of a part that senses.",
         matters: "From there on nothing was measured.",
-        remedy: "Reset the part; check its data line and its supply (ADIS16130: SDO is pin 12, the supply pins 11, \
-            13, 15). Of a log, use what is before.",
+        remedy: "Reset the part, and check its data line and its supply (ADIS16130: SDO is pin 12, the supply pins \
+            are 11, 13 and 15). In a log, use the samples before that.",
         command: "zerorate probe",
     },
     Self::BitErrors { window, count, samples, still_moves } => Row {
         code: "bit-errors",
         text: format_args!(
-            "the line carries bit errors: {count} of {samples} readings during {window} are impossible for the \
-             bandwidth of the part{}",
-            if still_moves {
-                ", and the rest varies more than noise explains, by errors too small to tell from motion or by \
-                    motion as well"
-            } else {
-                ""
-            },
+            "the line carries bit errors: {count} of {samples} readings during {window} jump more than the bandwidth \
+             of the part allows{}",
+            if still_moves { ". The rest varies more than noise, by smaller errors or by motion" } else { "" },
         ),
         remedies: match still_moves {
             true => &[Remedy::SlowerClock, Remedy::ShorterCable, Remedy::FixToStillPlatform],
@@ -203,35 +198,36 @@ rows_with_remedies!(match Refusal {
         },
         says: Says::Refusal,
         by: &["calibrate", "recalibrate"],
-        seen: "Too many readings are impossible for the bandwidth of the part; or some are, and the rest varies too.",
-        matters: "A line that breaks these breaks others by amounts that nothing shows.",
-        remedy: "Lower the SPI clock, shorten or shield the cable.",
+        seen: "Too many readings are impossible for the bandwidth of the part. Or some are, and the rest varies more \
+            than noise explains: by errors too small to tell from motion, or by motion as well.",
+        matters: "A line that breaks these readings breaks others by amounts that nothing shows.",
+        remedy: "Lower the SPI clock, or shorten or shield the cable.",
     },
     Self::Stuttering { window, lost, samples, silent_gaps, gaps } => Row {
         code: "data-ready-stutters",
         text: format_args!(
-            "{lost} of {} samples were lost during {window}, and in {silent_gaps} of {gaps} gaps no edge of data \
-             ready came: data ready stutters, or the host was deaf to it for that long",
+            "data ready stutters, or the host missed it: {lost} of {} samples were lost during {window}, and no edge \
+             came in {silent_gaps} of {gaps} gaps",
             lost + samples
         ),
         remedies: &[Remedy::CheckDataReady],
         says: Says::Either,
         by: &["probe", "capture", "calibrate", "recalibrate", "stream"],
         seen: "Samples were lost, and in the gaps no edge of data ready came.",
-        matters: "It is the line that is silent, or the host was deaf to it. The part itself may be well.",
+        matters: "The line was silent, or the host did not hear it. The part itself may be in order.",
         remedy: "Check the wire of data ready (ADIS16130: RDY, pin 10), its level and its pull-up, and only then what \
             else the host does.",
         command: "zerorate probe",
     },
     Self::TooFew { window, samples, needed } => Row {
         code: "too-few-samples",
-        text: format_args!("only {samples} samples during {window}, at least {needed} are needed"),
+        text: format_args!("{window} has only {samples} samples, and at least {needed} are needed"),
         remedies: &[Remedy::CheckDataReady, Remedy::SmallerDivider, Remedy::LongerAverage],
         says: Says::Refusal,
         by: &["calibrate", "recalibrate"],
         seen: "A window of the procedure holds too few samples.",
-        matters: "An average of so few is no measurement.",
-        remedy: "Check the data-ready wire; use a smaller divider, or average longer.",
+        matters: "An average of so few samples is not a measurement.",
+        remedy: "Check the data-ready wire, use a smaller divider, or average longer.",
         command: "zerorate probe",
     },
     Self::NoTemperature { window, wrong_edge } => Row {
@@ -242,22 +238,24 @@ rows_with_remedies!(match Refusal {
     Self::OneWay { rise_c, fall_c } => Row {
         code: "one-way",
         text: format_args!(
-            "the temperature covered {rise_c:.1} °C while it rose and {fall_c:.1} °C while it fell: a cycle covers \
-             half of its span at least in each direction"
+            "the temperature covered {rise_c:.1} °C while it rose and {fall_c:.1} °C while it fell. A cycle must \
+             cover at least half of its span in each direction"
         ),
         remedies: &[Remedy::HeatAndCool],
         says: Says::Refusal,
         by: &["calibrate", "recalibrate"],
         seen: "With `--method cycle`, the temperature did not cover half of its span while it rose, or while it fell.",
-        matters: "A cycle shows hysteresis and lag by going both ways. One way shows neither.",
-        remedy: "Heat and cool the part while it is measured; or take the method for a warming alone.",
+        matters: "A cycle shows hysteresis and lag because the temperature goes in both directions. One direction \
+            shows neither.",
+        remedy: "Heat and cool the part while it is measured, by hand or in a chamber. Or use the method for a \
+            warming alone.",
         command: "zerorate recalibrate unit.arrows --method warmup -o unit.toml",
     },
     Self::StepOrTemperature { finding, u_btc_dps_per_c, wanted_dps_per_c } => Row {
         code: { finding.deviation.code() },
         text: format_args!(
-            "{}, while the temperature changed as well, and the two cannot be told apart: BTC would be uncertain by \
-             {u_btc_dps_per_c:.4} °/s/°C where {wanted_dps_per_c} is wanted",
+            "{}, which cannot be told from a change of the temperature. u(BTC) would be {u_btc_dps_per_c:.4} \
+             °/s/°C, above the limit of {wanted_dps_per_c}",
             finding.deviation
         ),
         remedies: match finding.deviation {

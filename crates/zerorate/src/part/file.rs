@@ -1,4 +1,4 @@
-//! A [`Part`] from a file (`docs/formats/part.md`).
+//! Reading of a [`Part`] from a file (`docs/formats/part.md`).
 
 use super::{Axis, MAX_AXES, NamedAxis, NoiseSources, Part, Scale, SelfHeating, Tone, TypicalBias, TypicalNoise};
 use alloc::borrow::Cow;
@@ -28,7 +28,7 @@ impl Part {
     /// ```
     ///
     /// # Errors
-    /// No such file: where, and what is wrong.
+    /// The text does not describe a part: the error says where, and what is wrong.
     pub fn parse(text: &str) -> Result<Self, PartError> {
         let document = Document::parse(text)?;
         let (root, file) = (document.root(), document.fields::<File>()?);
@@ -37,7 +37,7 @@ impl Part {
         })?;
         let (list, count) = (root.at("axis"), file.axis.len());
         list.require(count > 0, || "it has no [[axis]]; give each axis a name".into())?;
-        list.require(count <= MAX_AXES, || format!("it has {count} axes; {MAX_AXES} is the most"))?;
+        list.require(count <= MAX_AXES, || format!("it has {count} axes; give at most {MAX_AXES}"))?;
         let axes = (0..count).map(|index| file.named(root, index)).collect::<Result<Vec<NamedAxis>, _>>()?;
         for (index, one) in axes.iter().enumerate() {
             let alone = axes[..index].iter().all(|other| other.name != one.name);
@@ -50,7 +50,7 @@ impl Part {
     }
 }
 
-/// What is wrong with the file of a part.
+/// The error in the file of a part.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PartError(EntryError);
 
@@ -82,7 +82,7 @@ struct File {
     axis: Vec<AxisForm>,
 }
 
-/// What differs from the rest of the part.
+/// The entries of an axis that differ from the rest of the part.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct AxisForm {
@@ -151,7 +151,7 @@ struct Resonance {
     rms_dps: Number,
 }
 
-/// A number, alone or with its standard uncertainty over units and where it comes from.
+/// A number, alone or with its standard uncertainty over units and its source.
 #[derive(Deserialize)]
 #[serde(from = "Written")]
 struct Number {
@@ -186,12 +186,12 @@ impl From<Written> for Number {
 }
 
 impl Number {
-    /// Its value, if it is above zero.
+    /// Returns the value, if it is above zero.
     fn positive(&self, entry: Entry<'_>) -> Result<f64, EntryError> {
         entry.number(self.value, &Bounds::Positive)
     }
 
-    /// Its value and its uncertainty, if both are numbers and the latter is not negative.
+    /// Returns the value and the uncertainty, if both are numbers and the latter is not negative.
     fn known(&self, entry: Entry<'_>) -> Result<(f64, f64), EntryError> {
         let &Self { value, u, .. } = self;
         entry.require(value.is_finite() && Bounds::NotNegative.hold(u), || {
@@ -204,7 +204,7 @@ impl Number {
 impl File {
     fn named(&self, root: Entry<'_>, index: usize) -> Result<NamedAxis, EntryError> {
         let (form, own) = (&self.axis[index], root.at("axis").item(index));
-        // a table of the axis stands for the whole table of the part
+        // a table of the axis replaces the whole table of the part
         let table = |key, is_own| if is_own { own.at(key) } else { root.at(key) };
         let (rate, at_rate) = (form.rate.as_ref().unwrap_or(&self.rate), table("rate", form.rate.is_some()));
         let (noise, at_noise) = (form.noise.as_ref().or(self.noise.as_ref()), table("noise", form.noise.is_some()));
@@ -256,7 +256,7 @@ impl Temperature {
     }
 }
 
-/// No part operates beyond these, °C.
+/// Lowest temperature of any part, °C.
 const ABSOLUTE_ZERO_C: f64 = -273.15;
 const HOTTEST_C: f64 = 1000.0;
 
@@ -290,7 +290,8 @@ impl Noise {
 }
 
 impl Bias {
-    /// The initial bias and the curvature are zero on average: what is typical is how they spread.
+    /// Converts to a typical bias. The initial bias and the curvature are zero on average, so their spread is the
+    /// typical value.
     fn typical(&self, table: Entry<'_>) -> Result<TypicalBias, EntryError> {
         let known = |key, number: &Option<Number>| number.as_ref().map(|it| it.known(table.at(key))).transpose();
         let spread = |key, number| known(key, number).map(|known| known.map(|(value, u)| libm::hypot(value, u)));
@@ -325,7 +326,7 @@ impl Resonance {
 }
 
 impl Scale {
-    /// A scale out of a file, if codes can have it.
+    /// Checks that codes can have this scale, and returns it.
     pub(crate) fn checked(
         lsb_per_unit: f64,
         zero_value: f64,
@@ -335,7 +336,7 @@ impl Scale {
     ) -> Result<Self, String> {
         let signed = signed.unwrap_or(zero_code <= 0);
         if !(lsb_per_unit > 0.0 && lsb_per_unit.is_finite() && zero_value.is_finite()) {
-            return Err(format!("{lsb_per_unit} codes per unit around {zero_value} are no scale"));
+            return Err(format!("{lsb_per_unit} codes per unit around {zero_value} are not a scale"));
         }
         if !(1..=32).contains(&width_bits) {
             return Err(format!("width_bits is {width_bits}; it must be 1 to 32"));
@@ -347,13 +348,13 @@ impl Scale {
     }
 }
 
-/// A name that can stand in a file name and in a column of a table.
+/// Checks that a name fits into a file name and a column of a table, and returns it.
 fn word(what: &str, entry: Entry<'_>, name: &str) -> Result<String, EntryError> {
     entry.require(is_word(name), || format!("{what} is called {name:?}; use up to 40 letters, digits, -, _ and ."))?;
     Ok(String::from(name))
 }
 
-/// Up to 40 letters, digits, `-`, `_` and `.`.
+/// Whether a name has up to 40 letters, digits, `-`, `_` and `.`.
 pub(crate) fn is_word(name: &str) -> bool {
     let good = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     !name.is_empty() && name.len() <= 40 && name.chars().all(good)

@@ -12,11 +12,11 @@ pub(super) struct Basis {
     polynomials: [[f64; TERMS]; TERMS],
 }
 
-/// Below this, °C, there is no temperature to follow.
+/// Half span below which the temperature counts as constant, °C.
 const LEAST_HALF_SPAN_C: f64 = 1e-6;
 
 impl Basis {
-    /// Orthogonal over these blocks, about their mean temperature.
+    /// Makes polynomials that are orthogonal over these blocks, about their mean temperature.
     pub(super) fn over(blocks: &[Block]) -> Self {
         let temps = || blocks.iter().map(|block| block.temp_c);
         let (low_c, high_c) = temps().fold((f64::MAX, f64::MIN), |(low, high), c| (low.min(c), high.max(c)));

@@ -2,9 +2,9 @@
 //! every column of the model at once.
 //!
 //! The gains of a Kalman filter do not depend on the data, so it is a linear map of a series to its innovations, which
-//! are white. Taken over all series, the innovations give the normal equations of generalised least squares, in a time
-//! that is linear in the blocks (Harvey, Forecasting, Structural Time Series Models and the Kalman Filter, 1989,
-//! section 3.4.2). And the walk that it ends with is the part of the bias that no column holds.
+//! are white. The innovations of all series give the normal equations of generalised least squares, in a time that is
+//! linear in the blocks. The method is that of Harvey, Forecasting, Structural Time Series Models and the Kalman
+//! Filter, 1989, section 3.4.2. The walk at the end is the part of the bias that no column holds.
 
 use super::{Block, Noise};
 use crate::gls;
@@ -15,17 +15,19 @@ use core::f64::consts::{LN_2, PI};
 
 /// Highest frequency at which flicker is modelled, Hz.
 const FLICKER_TOP_HZ: f64 = 10.0;
-/// A process that forgets this much faster than a block is long is white to it.
+/// Ratio of the length of a block to the memory of a process from which that process counts as white.
 const WHITE_FROM: f64 = 3.0;
 
-/// A filter run over the blocks of a recording, but for the data: gains, and the variances of the innovations.
+/// The part of a filter run over the blocks of a recording that does not depend on the data: gains, and the variances
+/// of the innovations.
 pub(super) struct Filter {
     states: usize,
-    /// For each block.
+    /// One step for each block.
     steps: Vec<Step>,
-    /// How much the states keep from a block to the next; recordings have few distances between blocks.
+    /// Factors by which the states decay from a block to the next. Recordings have few different distances between
+    /// blocks.
     decays: Vec<Vec<f64>>,
-    /// For each block those of all states.
+    /// Gains of all states, block after block.
     gains: Vec<f64>,
     log_determinant: f64,
     walk_variance: f64,
@@ -41,7 +43,7 @@ struct Step {
 pub(super) struct White {
     /// The innovations in units of their standard deviations.
     values: Vec<f64>,
-    /// What the series leaves in the walk at the end.
+    /// Share of the series in the walk at the end.
     walk: f64,
 }
 
@@ -52,21 +54,21 @@ pub(super) struct Whites {
     gram: Vec<Vec<f64>>,
 }
 
-/// What the filter makes of series.
+/// The result of the filter for several series.
 #[derive(Clone, Debug)]
 pub(super) struct Filtered {
     /// Sums of products of the whitened series: the lower triangle.
     pub(super) gram: Vec<Vec<f64>>,
     /// Logarithm of the determinant of the blocks' covariance.
     pub(super) log_determinant: f64,
-    /// What each series leaves in the walk at the end.
+    /// Share of each series in the walk at the end.
     pub(super) walk: Vec<f64>,
-    /// Variance of the walk at the end, were the model known, (°/s)².
+    /// Variance of the walk at the end for a known model, (°/s)².
     pub(super) walk_variance: f64,
 }
 
 impl Filter {
-    /// For blocks of one length.
+    /// Runs the filter for blocks of one length.
     pub(super) fn new(noise: &Noise, blocks: &[Block]) -> Self {
         let mut covariance = Covariance::new(noise, blocks.first().map_or(1.0, |block| block.length_s));
         let states = covariance.rows.len();
@@ -106,7 +108,7 @@ impl Filter {
         Whites { gram: (0..series.len()).map(row).collect(), series }
     }
 
-    /// What is made of these series, and of `more`. None where a number is not finite.
+    /// Combines these series and `more`. None if a number is not finite.
     pub(super) fn filtered(&self, whites: &Whites, more: &[White]) -> Option<Filtered> {
         let mut gram = whites.gram.clone();
         for (k, one) in more.iter().enumerate() {
@@ -141,7 +143,7 @@ impl Filter {
     }
 }
 
-/// What is known of the states: the walk, then the processes that are slow against a block.
+/// Covariance of the states: the walk, then the processes that are slow against a block.
 struct Covariance {
     white_variance: f64,
     walk_variance_per_s: f64,
@@ -157,7 +159,7 @@ struct Process {
 }
 
 impl Covariance {
-    /// Before the first of blocks of a length.
+    /// The covariance before the first block.
     fn new(noise: &Noise, length_s: f64) -> Self {
         let all = flicker(noise.bias_instability_dps).chain(noise.gauss_markov.iter().map(Process::of));
         let (fast, slow): (Vec<Process>, Vec<Process>) = all
@@ -176,7 +178,7 @@ impl Covariance {
         }
     }
 
-    /// How much of each state is left after a time.
+    /// Factor by which each state decays over a time.
     fn decays(&self, time_s: f64) -> Vec<f64> {
         let left = self.processes.iter().map(|process| libm::exp(-process.rate_per_s * time_s));
         core::iter::once(1.0).chain(left).collect()
@@ -192,7 +194,7 @@ impl Covariance {
         }
     }
 
-    /// A block is seen. Gives the variance of its innovation, and puts the gains to the others.
+    /// Takes in a block. It returns the variance of its innovation, and appends the gains to the others.
     fn observe(&mut self, gains: &mut Vec<f64>) -> f64 {
         let start = gains.len();
         gains.extend(self.rows.iter().map(|row| row.iter().sum::<f64>()));
@@ -217,14 +219,14 @@ impl Process {
         self.variance * 2.0 * (libm::expm1(-x) + x) / (x * x)
     }
 
-    /// As means over such a time show it.
+    /// The process as means over such a time show it.
     fn of_means(&self, length_s: f64) -> Self {
         Self { variance: self.mean_variance(length_s), ..*self }
     }
 }
 
-/// The 1/f spectrum, one process to an octave: corners at the middle of each on a logarithmic scale, variances what
-/// S(f) = B²/(πf) holds inside it.
+/// The processes of a 1/f spectrum, one to an octave. The corner of each is at the middle of its octave on a
+/// logarithmic scale, and its variance is the integral of S(f) = B²/(πf) over the octave.
 fn flicker(bias_instability_dps: f64) -> impl Iterator<Item = Process> {
     let octaves = libm::ceil(libm::log2(FLICKER_TOP_HZ / FLICKER_CUTOFF_HZ));
     let variance = bias_instability_dps * bias_instability_dps / PI * LN_2;

@@ -1,27 +1,27 @@
-//! The temperature that the bias follows, where it is not the one that is measured: late, or with play.
+//! The temperature that the bias follows if it is not the measured one: late, or with play.
 
 use super::Block;
 use alloc::vec::Vec;
 
-/// Where the bias is held by the play, and where it would be without.
+/// The temperature at which the play holds the bias, and the one without play.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Held {
     pub(super) at_c: f64,
     pub(super) of_c: f64,
 }
 
-/// How the bias follows the temperature sensor.
+/// The way in which the bias follows the temperature sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Following {
-    /// Time constant by which the sensing element is late, s.
+    /// Time constant of the lag of the sensing element, s.
     pub lag_s: f64,
-    /// Half width of the play: the temperature may change by so much before the bias follows, °C.
+    /// Half width of the play, °C: the temperature may change by this much before the bias follows.
     pub play_c: f64,
 }
 
 impl Following {
-    /// The temperature that the bias is at, for each block, and at the end how far the play holds it from that of the
-    /// sensing element. Both start in balance and in the middle of the play.
+    /// The temperature of the bias for each block, and its distance from the sensing element by the play at the end.
+    /// Both start in balance and in the middle of the play.
     pub(super) fn temps_c(&self, blocks: &[Block]) -> (Vec<f64>, Held) {
         let Some(first) = blocks.first() else { return Default::default() };
         let (mut late_c, mut held_c, mut last) = (first.temp_c, first.temp_c, *first);
@@ -35,7 +35,7 @@ impl Following {
         (temps_c, Held { at_c: held_c, of_c: late_c })
     }
 
-    /// The solution of lag · late' = T − late where T is a straight line from a block to the next.
+    /// The solution of lag · late' = T − late with T as a straight line from a block to the next.
     fn late_c(&self, late_c: f64, last: &Block, block: &Block) -> f64 {
         let passed_s = block.middle_s() - last.middle_s();
         if self.lag_s <= 0.0 || passed_s <= 0.0 {

@@ -2,7 +2,7 @@
 
 use core::f64::consts::SQRT_2;
 
-/// What models of one kind say of a value: a normal distribution, and their weight among all models.
+/// The value by models of one kind: a normal distribution, and their weight among all models.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Peak {
     pub(super) weight: f64,
@@ -10,8 +10,8 @@ pub(super) struct Peak {
     pub(super) variance: f64,
 }
 
-/// Half widths, in standard uncertainties, at which a stated interval is relied upon: 95 %, 99.73 % and 99.994 % of a
-/// normal distribution.
+/// Half widths, in standard uncertainties, of the intervals that users rely on: 95 %, 99.73 % and 99.994 % of a normal
+/// distribution.
 const RELIED_ON: [f64; 3] = [crate::uncertainty::Uncertainty::FACTOR, 3.0, 4.0];
 /// Halvings of a bracket, after which it is narrower than any rounding that matters.
 const HALVINGS: u32 = 40;
@@ -22,7 +22,7 @@ pub(super) fn honest_u(peaks: &[Peak], centre: f64, sd: f64) -> f64 {
     RELIED_ON.iter().map(|factor| half_width(peaks, centre, *factor, factor * sd) / factor).fold(sd, f64::max)
 }
 
-/// The half width, `least` or more, outside of which no more lies than outside of ±`factor` standard deviations.
+/// The half width, `least` or more, outside of which at most as much lies as outside of ±`factor` standard deviations.
 fn half_width(peaks: &[Peak], centre: f64, factor: f64, least: f64) -> f64 {
     let allowed = libm::erfc(factor / SQRT_2);
     if outside(peaks, centre, least) <= allowed {
@@ -37,7 +37,7 @@ fn half_width(peaks: &[Peak], centre: f64, factor: f64, least: f64) -> f64 {
     high
 }
 
-/// How much of the peaks lies outside of `centre` ± `half_width`.
+/// Share of the peaks outside of `centre` ± `half_width`.
 fn outside(peaks: &[Peak], centre: f64, half_width: f64) -> f64 {
     let tail = |distance: f64, peak: &Peak| 0.5 * libm::erfc(distance / libm::sqrt(2.0 * peak.variance));
     let both = |peak: &Peak| {

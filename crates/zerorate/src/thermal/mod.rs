@@ -1,14 +1,14 @@
-//! The bias over temperature from a whole recording at rest: generalised least squares over every block of it, under
-//! the noise that it has.
+//! The bias over temperature from a whole recording at rest, by generalised least squares over all its blocks under
+//! its own noise.
 //!
 //! rate = bias(T) + flicker + random walk + white noise. The bias is a polynomial of order 0 to 3 in the temperature
-//! that it follows (`follow.rs`), the noises are the states of a Kalman filter (`filter.rs`), and the bias that is
-//! wanted is that at the end, the walk included. The order, the strength of the slow noises, lag and play are not
-//! known beforehand: each combination is a model with an evidence (`posterior.rs`, `model_averaging.rs`). The order
-//! that has most evidence is taken, but none that is more likely too low than not. The uncertainty is that of all
-//! models together, so what the recording cannot tell apart widens it (Hoeting et al., Bayesian Model Averaging,
-//! Statistical Science 14, 1999). PBC and the slope at T3 are widened further where models disagree so much that a
-//! variance does not tell it (`interval.rs`).
+//! that it follows (`follow.rs`), and the noises are the states of a Kalman filter (`filter.rs`). The result is the
+//! bias at the end, including the walk. The order, the strength of the slow noises, lag and play are not known
+//! beforehand: each combination is a model with an evidence (`posterior.rs`, `model_averaging.rs`). The order with
+//! most evidence is taken, unless it is more likely too low than not. The uncertainty covers all models together, so
+//! models that the recording cannot tell apart widen it (Hoeting et al., Bayesian Model Averaging, Statistical Science
+//! 14, 1999). The uncertainties of PBC and of the slope at T3 are widened further if models disagree more than a
+//! variance can tell (`interval.rs`).
 
 mod basis;
 mod filter;
@@ -31,12 +31,13 @@ use interval::{Peak, honest_u};
 use model_averaging::{Weighed, weigh};
 use posterior::{Powers, Record};
 
-/// Steps that a curve has at most.
+/// Largest number of steps of a curve.
 pub const MOST_STEPS: usize = 4;
 /// Coefficients of a bias over temperature, from the constant to the cubic one.
 pub const TERMS: usize = 4;
 
-/// The mean over a stretch of a recording. All of a recording have the same length, and there may be gaps between.
+/// The mean over a stretch of a recording. All blocks of a recording have the same length, and there may be gaps
+/// between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block {
     /// Its beginning, s.
@@ -58,7 +59,7 @@ impl Block {
         self.start_s + self.length_s
     }
 
-    /// How much of it lies after a time.
+    /// Share of the block after a time.
     fn share_after(&self, at_s: f64) -> f64 {
         ((self.end_s() - at_s) / self.length_s).clamp(0.0, 1.0)
     }
@@ -74,20 +75,20 @@ struct Noise {
     gauss_markov: Vec<(f64, f64)>,
 }
 
-/// What is known of a recording beside its blocks.
+/// The knowledge about a recording beside its blocks.
 #[derive(Clone, Copy, Debug)]
 pub struct Assumed<'a> {
-    /// What is typical of the axis: beforehand probabilities of coefficients and noises.
+    /// The typical axis, which gives the prior probabilities of coefficients and noises.
     pub axis: &'a Axis,
     /// One-sided density of the white noise of this recording, °/s/√Hz.
     pub white_dps_per_rt_hz: f64,
     /// Gauss–Markov processes in it: standard deviation, °/s, and correlation time, s.
     pub gauss_markov: &'a [(f64, f64)],
-    /// When the level seems to have changed, s, the strongest first, of which [`MOST_STEPS`] are taken; the models
-    /// decide.
+    /// Times at which the level seems to have changed, s, the strongest first. The first [`MOST_STEPS`] are taken, and
+    /// the models decide about them.
     pub steps_s: &'a [f64],
-    /// Frequencies at which the platform may sway, Hz, in rising order; the models decide. Where there are none, no
-    /// sway is looked for.
+    /// Frequencies at which the platform may sway, Hz, in rising order. The models decide about them. If there are
+    /// none, no sway is looked for.
     pub sways_hz: &'a [f64],
     /// The highest order that is tried, 0 to 3.
     pub max_order: usize,
@@ -95,31 +96,31 @@ pub struct Assumed<'a> {
     pub t3_c: f64,
 }
 
-/// The bias at the end of a recording over temperature.
+/// The bias over temperature at the end of a recording.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BiasCurve {
-    /// What is added to a rate: minus the bias.
+    /// The correction that is added to a rate: minus the bias.
     pub correction: Correction,
     /// Covariance of PBC and the coefficients of the first to third order: of °/s/°Cⁿ each.
     pub covariance: [[f64; TERMS]; TERMS],
-    /// What the variance of BTC has beside `covariance[1][1]`, (°/s/°C)²: orders that disagree on the slope make two
-    /// peaks, and intervals by the variance alone would miss the smaller one too often.
+    /// Variance of BTC in excess of `covariance[1][1]`, (°/s/°C)². Orders that disagree on the slope make two peaks,
+    /// and intervals by the variance alone would miss the smaller one too often.
     pub btc_excess: f64,
     /// The order that was taken.
     pub order: usize,
     /// Posterior probability of each order.
     pub order_weights: [f64; TERMS],
-    /// How the bias follows the temperature: the mean over all models.
+    /// The way in which the bias follows the temperature, as the mean over all models.
     pub following: Following,
-    /// Whether it is likelier that the bias follows late than that it does not.
+    /// Whether the bias is more likely to follow late than at once.
     pub is_late: bool,
     /// The noise: white as given, B and K the geometric means over all models.
     pub noise: NoiseModel,
-    /// Whether the recording says more of B, and of K, than was likely beforehand.
+    /// Whether the recording narrowed B, and K, beyond the prior.
     pub noise_told: [bool; 2],
     /// Steps that are more likely there than not.
     pub steps: [Option<Step>; MOST_STEPS],
-    /// The sway of the platform, where one is more likely there than not.
+    /// The sway of the platform, if one is more likely there than not.
     pub sway: Option<Sway>,
     /// Lowest and highest temperature of the blocks, °C.
     pub span_c: (f64, f64),
@@ -132,7 +133,7 @@ impl BiasCurve {
         libm::sqrt(self.covariance[1][1] + self.btc_excess)
     }
 
-    /// What the steps that were taken out make the mean over a block differ from the level at the end by, °/s.
+    /// Difference of the mean over a block from the level at the end by the steps that were taken out, °/s.
     pub(crate) fn stepped_dps(&self, block: &Block) -> f64 {
         self.steps.iter().flatten().map(|step| step.size_dps * (block.share_after(step.at_s) - 1.0)).sum()
     }
@@ -141,15 +142,15 @@ impl BiasCurve {
 /// A change of the level that was taken out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// When, s.
+    /// Time of the step, s.
     pub at_s: f64,
-    /// The level after it less the one before, °/s.
+    /// The level after the step less the level before it, °/s.
     pub size_dps: f64,
-    /// Standard uncertainty of that, °/s.
+    /// Standard uncertainty of the size, °/s.
     pub u_dps: f64,
 }
 
-/// A sway of the platform that was taken out: that of the most likely model.
+/// A sway of the platform that was taken out, as in the most likely model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sway {
     /// Frequency, Hz.
@@ -167,7 +168,7 @@ impl Sway {
         libm::hypot(self.sine_dps, self.cosine_dps)
     }
 
-    /// What it adds to the rate at a time, °/s.
+    /// Rate of the sway at a time, °/s.
     #[must_use]
     pub fn at(&self, at_s: f64) -> f64 {
         let (sine, cosine) = libm::sincos(2.0 * core::f64::consts::PI * self.hz * at_s);
@@ -175,27 +176,27 @@ impl Sway {
     }
 }
 
-/// Why there is no curve.
+/// The reason why a recording does not give a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ThermalError {
     /// Fewer blocks than a model has parameters.
     TooFew {
-        /// How many there are.
+        /// Number of blocks.
         blocks: usize,
-        /// How many there must be.
+        /// Least number of blocks.
         needed: usize,
     },
     /// A rate or temperature is not a finite number, or nothing varies.
     Degenerate,
 }
 
-/// Fewest blocks of which anything can be said.
+/// Fewest blocks that suffice.
 const FEWEST: usize = 40;
 
 /// Finds the bias over temperature at the end of a recording.
 ///
 /// # Errors
-/// Too few blocks, or blocks that no model can explain.
+/// There are too few blocks, or no model can explain them.
 pub fn fit(blocks: &[Block], assumed: &Assumed<'_>) -> Result<BiasCurve, ThermalError> {
     if blocks.len() < FEWEST {
         return Err(ThermalError::TooFew { blocks: blocks.len(), needed: FEWEST });
@@ -222,8 +223,8 @@ pub(crate) fn without_temperature(blocks: &[Block]) -> Vec<f64> {
     left
 }
 
-/// The step that explains most of the rates beside a level and a polynomial over temperature: the block that it comes
-/// before, and its size, °/s. It is that of the least squares over all three.
+/// The step that explains most of the rates beside a level and a polynomial over temperature, by least squares over
+/// all three. Returns the block that it comes before, and its size, °/s.
 pub(crate) fn step_beside_temperature(blocks: &[Block]) -> (usize, f64) {
     let basis = Basis::over(blocks);
     let column = |degree| blocks.iter().map(|block| basis.at(degree, block.temp_c)).collect::<Vec<f64>>();
@@ -234,14 +235,14 @@ pub(crate) fn step_beside_temperature(blocks: &[Block]) -> (usize, f64) {
         let share = gls::dot(column, &left) / square;
         left.iter_mut().zip(column).for_each(|(rate_dps, value)| *rate_dps -= share * value);
     }
-    // sums over what is behind the step
+    // sums over the blocks behind the step
     let (mut behind, mut sums, mut most) = (0.0, [0.0; TERMS], (0.0, 0, 0.0));
     for at in (1..blocks.len()).rev() {
         behind += left[at];
         sums.iter_mut().zip(&columns).for_each(|(sum, column)| *sum += column[at]);
         let explained = sums.iter().zip(squares).filter(|(_, square)| *square > 0.0);
         let square = (blocks.len() - at) as f64 - explained.map(|(sum, square)| sum * sum / square).sum::<f64>();
-        // next to the ends the level explains it all
+        // next to the ends the level explains all of the step
         let gain = if square > 0.5 { behind * behind / square } else { 0.0 };
         if gain > most.0 {
             most = (gain, at, behind / square);
@@ -250,8 +251,8 @@ pub(crate) fn step_beside_temperature(blocks: &[Block]) -> (usize, f64) {
     (most.1, most.2)
 }
 
-/// The curve without looking at rates, as far as it does not depend on them: its covariance, for the typical noise and
-/// the highest order. For what a recording will tell.
+/// The curve before its rates are known, as a forecast: its covariance does not depend on them. It takes the typical
+/// noise and the highest order.
 pub(crate) fn expected(blocks: &[Block], assumed: &Assumed<'_>) -> Option<BiasCurve> {
     let basis = Basis::over(blocks);
     let prior_dps = prior(&assumed.axis.bias, &basis, blocks);
@@ -261,8 +262,9 @@ pub(crate) fn expected(blocks: &[Block], assumed: &Assumed<'_>) -> Option<BiasCu
     Some(average(&record, assumed.axis, &[model]))
 }
 
-/// The most likely temperature coefficient where a part states none: such that the span changes the rate by as much as
-/// the rate is seen to change. A tenth of that is quadratic, as in the parts that state it, and a fiftieth cubic.
+/// Prior spreads of the coefficients. If the part states no temperature coefficient, the span is assumed to change the
+/// rate by as much as the rate is seen to change. A tenth of that is quadratic, as in parts that state it, and a
+/// fiftieth is cubic.
 fn prior(typical: &TypicalBias, basis: &Basis, blocks: &[Block]) -> [f64; TERMS] {
     let half_span_c = basis.half_span_c();
     let rates = || blocks.iter().map(|block| block.rate_dps);
@@ -276,14 +278,14 @@ fn prior(typical: &TypicalBias, basis: &Basis, blocks: &[Block]) -> [f64; TERMS]
     [0.0, linear_dps, quadratic_dps, cubic_dps]
 }
 
-/// At this distance, °C, a typical cubic term is as large as a typical quadratic one: half of the range that parts are
+/// Distance at which a typical cubic term is as large as a typical quadratic one, °C: half of the range that parts are
 /// specified for (F-08).
 const HALF_RANGE_C: f64 = 62.5;
 
-/// A spread below this share of what it was beforehand was told by the recording.
+/// Share of its prior spread below which a quantity was measured by the recording.
 const TOLD: f64 = 0.7;
 
-/// The mean over the models of the order that is taken, and the covariance of all about it.
+/// The mean over the models of the order that is taken, and the covariance of all models about it.
 fn average(record: &Record<'_>, axis: &Axis, models: &[Weighed]) -> BiasCurve {
     let mut order_weights = [0.0; TERMS];
     models.iter().for_each(|model| order_weights[model.posterior.order] += model.weight);
@@ -354,16 +356,16 @@ fn variance_of_logarithm(models: &[Weighed], of: fn(&Noise) -> f64) -> f64 {
     models.iter().map(|model| model.weight * (off(model) * off(model))).sum()
 }
 
-/// The order with the most evidence, of those that are not too low with a probability of more than one half. A bend
-/// that quadratic and cubic models share between them does not lose to a line that each alone is less likely than.
+/// The order with the most evidence, of those that are not too low with a probability of more than one half. So a bend
+/// that quadratic and cubic models share wins against a line that is more likely than either of them.
 fn order_taken(order_weights: &[f64; TERMS]) -> usize {
     let above = |order: usize| order_weights[order + 1..].iter().sum::<f64>();
     let high_enough = (0..TERMS).filter(|order| above(*order) <= 0.5);
     high_enough.max_by(|a, b| order_weights[*a].total_cmp(&order_weights[*b])).unwrap_or(0)
 }
 
-/// By how much the variance of a coefficient must be larger for its intervals to hold what they state. Its models are
-/// in peaks: one of each order, without a sway and with one.
+/// Excess variance that a coefficient needs so that its intervals keep their stated probability. Its models are in
+/// peaks: one of each order, without a sway and with one.
 fn excess(models: &[Weighed], k: usize, value: f64, variance: f64) -> f64 {
     let peak = |index: usize| {
         let (order, sways) = (index / 2, index % 2 == 1);
@@ -398,7 +400,7 @@ fn steps(record: &Record<'_>, models: &[Weighed]) -> [Option<Step>; MOST_STEPS] 
     core::array::from_fn(|index| if index < record.steps_s.len() { step(index) } else { None })
 }
 
-/// The sway of the most likely model that has one, where a sway is more likely there than not.
+/// The sway of the most likely model that has one, if a sway is more likely there than not.
 fn sway(models: &[Weighed]) -> Option<Sway> {
     let with = || models.iter().filter_map(|model| Some((model, model.hypothesis.sway_hz?)));
     let weight: f64 = with().map(|(model, _)| model.weight).sum();
@@ -408,7 +410,7 @@ fn sway(models: &[Weighed]) -> Option<Sway> {
 }
 
 impl BiasCurve {
-    /// Standard uncertainty of what is added at a temperature, °/s.
+    /// Standard uncertainty of the correction at a temperature, °/s.
     #[must_use]
     pub fn u_dps(&self, temp_c: f64) -> f64 {
         u_dps(&self.covariance, temp_c - self.correction.t3_c)

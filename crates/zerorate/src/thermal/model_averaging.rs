@@ -1,5 +1,5 @@
-//! What is not known beforehand and is no coefficient: how strong the slow noises are, how late and with how much play
-//! the bias follows the temperature, and which of the steps that stand out are there. All combinations that matter.
+//! Averaging over all combinations of unknowns that are not coefficients: the strength of the slow noises, the lag and
+//! the play of the bias, and the steps that are really there. Only combinations that matter are kept.
 
 use super::filter::{Filter, White};
 use super::posterior::{Columns, Posterior, Record};
@@ -9,7 +9,7 @@ use crate::noise::NoiseModel;
 use crate::part::Axis;
 use alloc::vec::Vec;
 
-/// A combination whose evidence is so much below the best one's logarithm does not matter.
+/// Distance of the logarithm of the evidence from the best one at which a combination does not matter.
 const NEGLIGIBLE: f64 = 5.0;
 /// Ratio of one lag to the next.
 const LAG_RATIO: f64 = 1.25;
@@ -21,17 +21,19 @@ const PLAY_RATIO: f64 = 2.0;
 const LEAST_PLAY_C: f64 = 0.0125;
 /// Ratio of one B to the next.
 const B_RATIO: f64 = core::f64::consts::SQRT_2;
-/// Ratio of one K to the next, of which a recording tells less.
+/// Ratio of one K to the next. A recording tells less of K than of B.
 const K_RATIO: f64 = 2.0;
-/// Plays that stand where one is too coarse, and how often they are made finer.
+/// Number of plays that replace one that is too coarse.
 const FINER_PLAYS: i32 = 8;
+/// Number of times that plays are made finer.
 const FINER_ROUNDS: i32 = 2;
-/// Steps of noise, up and down, that are tried.
+/// Number of steps of noise, up and down, that are tried.
 const NOISE_REACH: i32 = 20;
-/// Spread over units of the logarithms of B and K, where the part states typical values; and where it does not.
+/// Spread over units of the logarithms of B and K, if the part states typical values.
 const TYPICAL_SPREAD: [f64; 2] = [0.35, 0.5];
+/// The same spread, if the part states none.
 const UNKNOWN_SPREAD: [f64; 2] = [1.0, 1.5];
-/// How likely a step is in a recording.
+/// Prior probability of a step in a recording.
 const STEP_PROBABILITY: f64 = 0.02;
 
 /// One combination.
@@ -39,7 +41,7 @@ const STEP_PROBABILITY: f64 = 0.02;
 pub(super) struct Hypothesis {
     pub(super) noise: Noise,
     pub(super) following: Following,
-    /// So many of the steps, the strongest first, are there.
+    /// Number of steps that are there, the strongest first.
     pub(super) steps: usize,
     /// The platform sways at this frequency, Hz.
     pub(super) sway_hz: Option<f64>,
@@ -74,7 +76,7 @@ pub(super) fn weigh(record: &Record<'_>, assumed: &Assumed<'_>) -> Vec<Weighed> 
     models
 }
 
-/// The model of the highest order under the typical noise, of a bias that follows at once.
+/// The model of the highest order under the typical noise, for a bias that follows at once.
 pub(super) fn typical(record: &Record<'_>, assumed: &Assumed<'_>) -> Option<Weighed> {
     let lattice = Lattice::new(record, assumed);
     let model = lattice.models(&lattice.filter((0, 0)), (0, 0), &Path::default()).last()?;
@@ -86,20 +88,21 @@ pub(super) fn spread(axis: &Axis) -> [f64; 2] {
     if axis.noise.is_some() { TYPICAL_SPREAD } else { UNKNOWN_SPREAD }
 }
 
-/// The paths are chosen under the noise, and the noise on the best of the paths; after this often nothing changes.
+/// Rounds of the search. Each chooses the paths under the noise, and then the noise on the best path. After these
+/// rounds nothing changes.
 const ROUNDS: usize = 2;
 
 fn score(model: &Weighed) -> f64 {
     model.posterior.log_evidence + model.hypothesis.log_prior
 }
 
-/// What the bias follows, how many steps there are, and whether the platform sways.
+/// A hypothesis about the temperature that the bias follows, the number of steps, and the sway of the platform.
 #[derive(Clone, Copy, Debug, Default)]
 struct Path {
     following: Following,
     steps: usize,
     sway: Option<Swaying>,
-    /// Logarithm of the number of plays that stand where the others have one.
+    /// Logarithm of the number of plays that share the place of one.
     log_finer: f64,
 }
 
@@ -147,8 +150,8 @@ impl<'a> Lattice<'a> {
         relevant(still.into_iter().chain(swaying).collect())
     }
 
-    /// The paths, and finer plays about the best one where its neighbours explain much less: a wide play between two
-    /// of the lattice looks like a lag.
+    /// Adds finer plays about the best path if its neighbours explain much less. A wide play between two of the
+    /// lattice looks like a lag.
     fn finer_plays(&self, filter: &Filter, noise: (i32, i32), mut scored: Vec<(f64, Path)>) -> Vec<(f64, Path)> {
         let mut ratio = PLAY_RATIO;
         for round in 1..=FINER_ROUNDS {
@@ -166,7 +169,7 @@ impl<'a> Lattice<'a> {
             let log_finer = f64::from(round) * libm::log(f64::from(FINER_PLAYS));
             let finer = (1 - FINER_PLAYS..FINER_PLAYS).filter(|k| *k != 0);
             let plays: Vec<f64> = finer.map(|k| play_c * libm::pow(ratio, f64::from(k))).collect();
-            // whatever the lag: the best one may change with the play
+            // for every lag, since the best one may change with the play
             let lags = self.paths.iter().filter(|one| one.steps == path.steps && one.following.play_c == 0.0);
             scored.extend(lags.flat_map(|one| plays.iter().map(|play_c| with(one, *play_c, log_finer))));
         }
@@ -174,7 +177,7 @@ impl<'a> Lattice<'a> {
     }
 
     /// The paths with a sway, with their scores, beside those without: first the sways that explain most on any path,
-    /// at the frequencies that matter there, and then all paths with these. None where no sway matters.
+    /// at the frequencies that matter there, and then all paths with these. None if no sway matters.
     fn swaying_paths(&self, filter: &Filter, noise: (i32, i32), still: &[(f64, Path)]) -> Vec<(f64, Path)> {
         let coarse = self.with_sways(filter, noise, &self.paths, &sway::of(self.sways_hz));
         let most = |scored: &[(f64, Path)]| scored.iter().copied().max_by(|a, b| a.0.total_cmp(&b.0));
@@ -207,7 +210,8 @@ impl<'a> Lattice<'a> {
         if sways.is_empty() { Vec::new() } else { paths.iter().flat_map(with).collect() }
     }
 
-    /// The noises that matter on a path, the best first: uphill from the middle, and from there to where it is over.
+    /// The noises that matter on a path, the best first: uphill from the middle to the best, and from there outwards
+    /// until the noises no longer matter.
     fn relevant_noises(&self, path: &Path) -> Vec<(i32, i32)> {
         let score = |noise| self.score(&self.filter(noise), noise, path);
         let mut known: Vec<(f64, (i32, i32))> = Vec::from([(score((0, 0)), (0, 0))]);
@@ -283,8 +287,8 @@ impl<'a> Lattice<'a> {
     }
 }
 
-/// Where nothing is stated of the slow noises, what MEMS gyroscopes have beside their white noise: flicker that meets
-/// it after some 100 s, and a walk that does so after some 300 s.
+/// Slow noises of usual MEMS gyroscopes, if the part states none: flicker that meets the white noise after some 100 s,
+/// and a walk that meets it after some 300 s.
 fn unknown(white_dps_per_rt_hz: f64) -> NoiseModel {
     NoiseModel {
         white_dps_per_rt_hz,
@@ -293,13 +297,13 @@ fn unknown(white_dps_per_rt_hz: f64) -> NoiseModel {
     }
 }
 
-/// No lag, and those from 2 s to a quarter of the recording.
+/// No lag, and lags from 2 s to a quarter of the recording.
 fn lags(record: &Record<'_>) -> Vec<f64> {
     let length_s = record.length_s();
     core::iter::once(0.0).chain(geometric(SHORTEST_LAG_S, length_s / 4.0, LAG_RATIO)).collect()
 }
 
-/// No play, and plays to half of the span, with which the bias hardly follows; none where play shows nowhere.
+/// No play, and plays up to half of the span, at which the bias hardly follows. Only no play if play shows nowhere.
 fn plays(record: &Record<'_>) -> Vec<f64> {
     core::iter::once(0.0).chain(geometric(LEAST_PLAY_C, record.basis.half_span_c(), PLAY_RATIO)).collect()
 }
@@ -308,7 +312,7 @@ fn geometric(first: f64, end: f64, ratio: f64) -> impl Iterator<Item = f64> {
     core::iter::successors(Some(first), move |value| Some(value * ratio)).take_while(move |value| *value < end)
 }
 
-/// Those whose score is not negligible, the best first.
+/// Keeps the items whose score is not negligible, the best first.
 fn relevant<T>(mut scored: Vec<(f64, T)>) -> Vec<T> {
     scored.retain(|(score, _)| score.is_finite());
     scored.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -1,4 +1,4 @@
-//! One model of a recording: what it says of the bias, and how well it explains the rates.
+//! One model of a recording: its bias, and how well it explains the rates.
 
 use super::basis::Basis;
 use super::filter::{Filter, Filtered, White, Whites};
@@ -23,7 +23,7 @@ pub(super) struct Posterior {
     pub(super) covariance: [Powers; TERMS],
     /// Size and variance of each step.
     pub(super) steps: Vec<(f64, f64)>,
-    /// Sine and cosine of the sway, °/s; zero where the model has none.
+    /// Sine and cosine of the sway, °/s. They are zero if the model has none.
     pub(super) sway_dps: [f64; 2],
 }
 
@@ -34,39 +34,39 @@ pub(super) struct Columns {
     steps: usize,
 }
 
-/// What does not change from one model to another.
+/// The data that all models share.
 pub(super) struct Record<'a> {
     pub(super) blocks: &'a [Block],
     pub(super) basis: &'a Basis,
-    /// When the level changes, s.
+    /// Times at which the level changes, s.
     pub(super) steps_s: &'a [f64],
     pub(super) t3_c: f64,
-    /// Standard deviations of the coefficients of the basis beforehand, °/s, from the first degree on.
+    /// Prior standard deviations of the coefficients of the basis, °/s, from the first degree on.
     pub(super) prior_dps: [f64; TERMS],
     pub(super) max_order: usize,
 }
 
-/// Spread of a step beforehand, °/s: that of a supply that changes by some tenths of a volt (F-01).
+/// Prior spread of a step, °/s: a supply that changes by some tenths of a volt (F-01).
 const STEP_DPS: f64 = 0.05;
-/// How far columns spread beforehand.
+/// Prior spread of the columns.
 #[derive(Clone, Copy)]
 struct Spread {
     /// The bend of the bias over temperature, as a ratio of the typical one.
     bend: f64,
     /// The sine and the cosine of a sway, °/s.
     sway_dps: f64,
-    /// Logarithm of how likely this is.
+    /// Logarithm of the probability of this spread.
     log_share: f64,
 }
 
-/// Bends, as ratios of the typical one, and the shares of units with such, the typical one last. Without the strong
-/// bends a slow sway explains them better.
+/// Bends, as ratios of the typical one, and the shares of units with such a bend, the typical one last. Without the
+/// strong bends a slow sway would explain them better.
 const BENDS: [(f64, f64); 2] = [(8.0, 0.1), (1.0, 0.9)];
-/// Sizes of a sway, °/s. A small one is as likely as a large one; without the small ones the random walk of the part
-/// explains them better.
+/// Sizes of a sway, °/s. A small one is as likely as a large one. Without the small ones the random walk of the part
+/// would explain them better.
 const SWAYS_DPS: [f64; 3] = [0.01, 0.03, 0.1];
 
-/// What is tried of the columns of an order, with a sway or without.
+/// The spreads that are tried for the columns of an order, with a sway or without.
 fn spreads(order: usize, has_sway: bool) -> impl Iterator<Item = Spread> {
     let bends = if order < 2 { &[(1.0, 1.0)][..] } else { &BENDS };
     let sways_dps = if has_sway { &SWAYS_DPS[..] } else { &[1.0] };
@@ -90,7 +90,7 @@ impl Record<'_> {
         temps.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), temp_c| (low.min(temp_c), high.max(temp_c)))
     }
 
-    /// The columns of a bias that follows the temperature so, with so many of the steps.
+    /// The columns of a bias that follows the temperature in this way, with this number of steps.
     pub(super) fn columns(&self, filter: &Filter, following: Following, steps: usize) -> Columns {
         let (followed, held) = following.temps_c(self.blocks);
         let rates = self.blocks.iter().map(|block| block.rate_dps).collect();
@@ -123,7 +123,7 @@ impl Record<'_> {
         self.all_solved(&filtered, columns.steps).map(|solved| solved.log_evidence).collect()
     }
 
-    /// All orders, each with all that its columns may spread by.
+    /// Solves all orders, each with all spreads of its columns.
     fn all_solved(&self, filtered: &Filtered, steps: usize) -> impl Iterator<Item = Solved> {
         let has_sway = filtered.gram.len() > self.max_order + 2 + steps;
         let all =
@@ -131,8 +131,8 @@ impl Record<'_> {
         all.filter_map(move |(order, spread)| self.solved(order, spread, filtered, steps))
     }
 
-    /// What a unit of each column adds to the bias at the end, in powers of the temperature over T3: less what the
-    /// walk has taken of it, and with the distance at which the play holds it.
+    /// Contribution of a unit of each column to the bias at the end, in powers of the temperature over T3. The share
+    /// of the walk is taken off, and the distance at which the play holds the bias is included.
     fn constants(&self, filtered: &Filtered, steps: usize, held: Held) -> Vec<Powers> {
         let polynomial = |degree| {
             let mut powers = self.basis.about(degree, self.t3_c);
@@ -140,7 +140,7 @@ impl Record<'_> {
             powers
         };
         let steps = (0..steps).map(|_| [1.0, 0.0, 0.0, 0.0]);
-        // a sway is motion, and in no bias
+        // a sway is motion, and does not belong to the bias
         let columns = (0..=self.max_order).map(polynomial).chain(steps).chain(core::iter::repeat([0.0; TERMS]));
         let less_walk = |(mut powers, walk): (Powers, &f64)| {
             powers[0] -= walk;
@@ -149,7 +149,7 @@ impl Record<'_> {
         columns.zip(&filtered.walk[1..]).map(less_walk).collect()
     }
 
-    /// One order, with columns that spread so.
+    /// Solves one order with one spread of its columns.
     fn solved(&self, order: usize, spread: Spread, filtered: &Filtered, steps: usize) -> Option<Solved> {
         let columns: Vec<usize> = (0..=order).chain(self.max_order + 1..filtered.gram.len() - 1).collect();
         let precision = |column: usize| match column {

@@ -1,27 +1,27 @@
-//! Sways of the platform as models: which frequencies are tried, and how likely each is beforehand.
+//! Sways of the platform as models: the frequencies that are tried, and their prior probabilities.
 
 use alloc::vec::Vec;
 
-/// How likely it is that a platform sways, against that it does not.
+/// Prior odds that a platform sways.
 const ODDS: f64 = 0.5;
-/// Between frequencies whose evidences differ by more than this factor's logarithm another one is tried.
+/// Difference of the logarithms of the evidence of two frequencies above which another one between them is tried.
 const COARSE: f64 = 1.0;
-/// Frequencies whose evidence is so much below the best one's logarithm need no finer steps.
+/// Distance of the logarithm of the evidence from the best one at which frequencies need no finer steps.
 const FAR: f64 = 6.0;
-/// Frequencies that are tried, at most.
+/// Largest number of frequencies that are tried.
 const MOST: usize = 96;
-/// Neighbours closer than this ratio, less 1, are the same frequency.
+/// Ratio, less 1, below which neighbours are the same frequency.
 const FINEST: f64 = 1e-4;
 
-/// A frequency, and the logarithm of how likely a sway about it is beforehand.
+/// A frequency, and the logarithm of the prior probability of a sway about it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Swaying {
     pub(super) hz: f64,
     pub(super) log_prior: f64,
 }
 
-/// The frequencies in rising order with their probabilities: each logarithm of a frequency is as likely as another,
-/// and each frequency stands for what is nearest to it.
+/// The frequencies in rising order with their probabilities: all logarithms of frequencies are equally likely, and
+/// each frequency stands for its neighbourhood.
 pub(super) fn of(sways_hz: &[f64]) -> Vec<Swaying> {
     let (Some(first), Some(last)) = (sways_hz.first(), sways_hz.last()) else { return Vec::new() };
     let range = libm::log(last / first).max(f64::MIN_POSITIVE);

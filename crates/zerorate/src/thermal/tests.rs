@@ -41,7 +41,7 @@ fn errors(curve: &BiasCurve, truth: &Truth) -> [f64; 9] {
 }
 
 /// Three blocks, their covariance written down by hand from the definitions: a walk that begins with the first, one
-/// Gauss–Markov process, white noise. Products of whitened series are those of the inverse matrix.
+/// Gauss–Markov process, white noise. Products of whitened series equal products with the inverse matrix.
 #[test]
 fn the_filter_is_the_inverse_of_the_covariance() {
     let noise = Noise {
@@ -52,7 +52,7 @@ fn the_filter_is_the_inverse_of_the_covariance() {
     };
     let block = |start_s| Block { start_s, length_s: 2.0, rate_dps: 0.0, temp_c: 25.0 };
     let blocks = [block(0.0), block(2.0), block(10.0)];
-    // walk from the middle of the first block, process of next to infinite memory, white noise of means over 2 s
+    // a walk from the middle of the first block, a process with nearly infinite memory, white noise of means over 2 s
     let (walk, constant, white) = (0.003 * 0.003, 0.01 * 0.01, 0.02 * 0.02 / 4.0);
     let middles: [f64; 3] = [0.0, 2.0, 10.0];
     let covariance =
@@ -72,7 +72,7 @@ fn the_filter_is_the_inverse_of_the_covariance() {
     assert!((filtered.log_determinant - dense.ln_determinant()).abs() < 1e-5);
 }
 
-/// With next to no noise the curve is that of the unit, whatever order it has.
+/// With next to no noise the curve equals the unit's, for every order.
 #[test]
 fn a_quiet_unit_is_found_exactly() {
     let quiet = Spec { noise: false, hysteresis_dps: 0.0, ..Spec::from_seed(5) };
@@ -92,7 +92,7 @@ fn a_quiet_unit_is_found_exactly() {
     }
 }
 
-/// Intervals of units with everything drawn: their squares are on average what a normal distribution has.
+/// Errors of units with everything drawn: their mean square in units of u is as for a normal distribution.
 #[test]
 fn intervals_are_honest() {
     let squares = (200..216).map(|seed| {
@@ -124,7 +124,7 @@ fn a_lag_is_found() {
     assert!(errors(&curve, &truth).iter().all(|error| error.abs() < 3.0), "{:?}", errors(&curve, &truth));
 }
 
-/// Five minutes after power-on the element is still behind by more than the interval: the curve is that in balance.
+/// Five minutes after power-on the element is still behind by more than the interval. The curve holds in balance.
 #[test]
 fn a_lag_is_no_bias() {
     for seed in 3..6 {
@@ -144,7 +144,7 @@ fn a_step_is_taken_out() {
     assert!(errors(&curve, &truth).iter().all(|error| error.abs() < 3.0), "{:?}", errors(&curve, &truth));
 }
 
-/// What was suspected and is not there costs nothing.
+/// A suspected step that is not there costs nothing.
 #[test]
 fn a_step_that_is_none_is_left_out() {
     assert_eq!(curve_of(&Spec::from_seed(8), &[1800.0]).0.steps, [None; MOST_STEPS]);

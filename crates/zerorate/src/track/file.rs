@@ -16,18 +16,18 @@ const HEADER: &str =
     "# What zerorate stream --track has learned (docs/tracking.md). To begin anew, delete this file.\n";
 const SCHEMA: u32 = 1;
 
-/// What is known of the biases of a part, for the next time that it is switched on.
+/// The tracked biases of a part, for the next time that it is switched on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrackFile {
     schema: u32,
     /// Id of the calibration that it continues.
     pub calibration: String,
-    /// Which kind of part.
+    /// Name of the kind of part.
     pub part: String,
     /// Serial number of the unit.
     pub serial: Option<String>,
-    /// When it was written, RFC 3339; none for a simulated part.
+    /// Time at which the file was written, RFC 3339. None for a simulated part.
     pub saved: Option<String>,
     axis: Vec<AxisForm>,
 }
@@ -44,24 +44,24 @@ struct AxisForm {
     rolled_back: u32,
 }
 
-/// Why a text is no state that can be taken up. Lines count from 1.
+/// The reason why a text cannot be taken up as a state. Lines count from 1.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are what the text shows")]
 pub enum TrackFileError {
-    /// Not TOML, or not the fields of a state.
+    /// The text is not TOML, or does not have the fields of a state.
     Syntax { line: usize, message: String },
-    /// Written by newer software.
+    /// Newer software wrote the file.
     Newer { schema: u32 },
-    /// No longer what was written.
+    /// The text has changed since it was written.
     Altered(Damage),
-    /// Without check lines: nothing shows whether it is whole.
+    /// The text has no check lines, so nothing shows whether it is whole.
     Unchecked,
-    /// It continues another calibration.
+    /// The state continues another calibration.
     OtherCalibration { of: String, given: String },
-    /// Of another unit.
+    /// The state belongs to another unit.
     OtherUnit { of: String, given: String },
-    /// Without an axis of the part.
+    /// The state lacks an axis of the part.
     NoAxis { axis: String },
 }
 
@@ -69,13 +69,13 @@ impl fmt::Display for TrackFileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Syntax { line, message } => write!(f, "line {line}: {message}"),
-            Self::Newer { schema } => write!(f, "schema {schema} was written by a newer zerorate; update this one"),
+            Self::Newer { schema } => write!(f, "a newer zerorate wrote schema {schema}; update this one"),
             Self::Altered(damage) => damage.fmt(f),
             Self::Unchecked => f.write_str(check_lines::UNCHECKED),
             Self::OtherCalibration { of, given } => {
-                write!(f, "it continues calibration {of}, and that given is {given}")
+                write!(f, "it continues calibration {of}, and you gave {given}")
             }
-            Self::OtherUnit { of, given } => write!(f, "it is of {of}, and the part is {given}"),
+            Self::OtherUnit { of, given } => write!(f, "it belongs to {of}, and the part is {given}"),
             Self::NoAxis { axis } => write!(f, "it has no axis {axis:?}"),
         }
     }
@@ -90,7 +90,7 @@ impl From<EntryError> for TrackFileError {
 }
 
 impl TrackFile {
-    /// Of the axes of a calibration, each with its name.
+    /// Makes the state of the axes of a calibration, each with its name.
     pub fn new<'a>(
         calibration: &Calibration,
         saved: Option<String>,
@@ -118,7 +118,7 @@ impl TrackFile {
     /// Reads a state that is whole.
     ///
     /// # Errors
-    /// What is wrong, with the line.
+    /// Returns what is wrong, with the line.
     pub fn parse(text: &str) -> Result<Self, TrackFileError> {
         let checked = check_lines::verify(text).map_err(TrackFileError::Altered)?;
         let fields = check_lines::without_checks(text);
@@ -130,16 +130,16 @@ impl TrackFile {
         }
     }
 
-    /// The file, with its check lines. Numbers come back bit for bit.
+    /// Writes the text of the file, with its check lines. Numbers come back bit for bit.
     #[must_use]
     pub fn to_toml(&self) -> String {
         check_lines::file(HEADER, self)
     }
 
-    /// What it says of an axis, if it is a state of that calibration.
+    /// Returns the state of an axis, if it belongs to that calibration.
     ///
     /// # Errors
-    /// Of what else it is.
+    /// The state belongs to something else, or lacks the axis.
     pub fn of(&self, calibration: &Calibration, axis: &str) -> Result<Saved, TrackFileError> {
         let given = calibration.id();
         if self.calibration != given {
@@ -160,12 +160,12 @@ impl TrackFile {
     }
 }
 
-/// What is assumed of a calibration that states no uncertainties, as one written by hand, °/s: a setting. A first rest
-/// within ±0.1 °/s is believed then, after others like it.
+/// Assumed uncertainty of PBC for a calibration that states none, such as one written by hand, °/s: a setting. With
+/// it, a first rest within ±0.1 °/s is believed, after others like it.
 const UNSTATED_U_PBC_DPS: f64 = 0.05;
 
 impl Prior {
-    /// What a calibration states of itself; of one that states nothing, what is assumed.
+    /// The uncertainties that a calibration states, or assumed ones if it states none.
     fn of_calibration(calibrated: &CalibratedAxis, axis: &Axis) -> Self {
         if let Some(CurveRecord { covariance, .. }) = &calibrated.curve {
             return Self {
@@ -195,8 +195,9 @@ impl Prior {
 }
 
 impl TrackerConfig {
-    /// Of an axis of a calibration: noise and uncertainties are its own, and where it states none those of the part.
-    /// None where nobody states the noise, since rest is told by it.
+    /// Makes the configuration for an axis of a calibration. It takes the noise and the uncertainties of the
+    /// calibration, or of the part if the calibration states none. None if nobody states the noise, because noise
+    /// tells rest.
     #[must_use]
     pub fn of_calibration(calibrated: &CalibratedAxis, axis: &Axis) -> Option<Self> {
         let noise = match &calibrated.noise {

@@ -1,7 +1,7 @@
-//! The bias as six numbers and their covariance: a Kalman filter on fixed memory.
+//! The bias as six numbers and their covariance, in a Kalman filter on fixed memory.
 //!
-//! What the calibration leaves is b(T) = offset + slope · d + curvature · d² + flicker, d = T − T3. The offset walks
-//! with K, the flicker is three first-order processes, slope and curvature stay. Time and temperature are arguments.
+//! The calibration leaves b(T) = offset + slope · d + curvature · d² + flicker, with d = T − T3. The offset walks with
+//! K, the flicker is three first-order processes, slope and curvature stay. Time and temperature are arguments.
 
 use core::f64::consts::PI;
 use libm::{exp, log, sqrt};
@@ -10,7 +10,7 @@ use crate::noise::{FLICKER_CUTOFF_HZ, NoiseModel};
 
 /// Offset, slope, curvature, and the three parts of the flicker.
 pub const STATES: usize = 6;
-/// Different numbers of a symmetric matrix of that size.
+/// Number of different elements of a symmetric matrix of that size.
 pub const COVARIANCES: usize = STATES * (STATES + 1) / 2;
 
 const OFFSET: usize = 0;
@@ -18,13 +18,13 @@ const SLOPE: usize = 1;
 const CURVATURE: usize = 2;
 const FLICKER: usize = 3;
 
-/// Above it flicker is noise of a mean, Hz: 1/(2π · 4 s), the shortest mean that is taken in.
+/// Frequency above which flicker counts as noise of a mean, Hz: 1/(2π · 4 s), for the shortest mean that is taken in.
 const FLICKER_TOP_HZ: f64 = 0.04;
-/// What a mean over τ holds of the flicker above that, in units of B²/π: at most this over τ. The integral of
+/// Variance of a mean over τ by the flicker above that, in units of B²/π: at most this over τ. The integral of
 /// sinc²(τf)/f from there on is 0.96 for 4 s, 0.38 for 8 s, 0.15 for 12 s, 0.05 for 16 s.
 const FLICKER_ABOVE_S: f64 = 4.0;
 
-/// What drives the bias, and how.
+/// The processes that drive the bias.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Drift {
     walk_dps2_per_s: f64,
@@ -32,9 +32,9 @@ pub(super) struct Drift {
     flicker_per_s: [f64; STATES - FLICKER],
     fast_flicker_dps2_s: f64,
     white_dps2_s: f64,
-    /// °/s/°C, with which the play of the hysteresis is crossed.
+    /// Temperature coefficient with which the play of the hysteresis is crossed, °/s/°C.
     tempco_dps_per_c: f64,
-    /// From one branch to the other, °/s.
+    /// Distance from one branch of the hysteresis to the other, °/s.
     play_dps: f64,
 }
 
@@ -54,36 +54,37 @@ impl Drift {
         }
     }
 
-    /// Variance of a mean over so many seconds beside the bias that the filter follows, (°/s)².
+    /// Variance of a mean over this many seconds beside the bias that the filter follows, (°/s)².
     pub(super) fn of_mean(&self, length_s: f64) -> f64 {
         (self.white_dps2_s + self.fast_flicker_dps2_s) / length_s
     }
 
-    /// Variance by the hysteresis when the temperature has changed by so much: the bias may have stayed where it was,
-    /// until the play is crossed.
+    /// Variance by the hysteresis after a change of the temperature. The bias may have stayed where it was, until the
+    /// play is crossed.
     fn of_play(&self, change_c: f64) -> f64 {
         let stayed = (self.tempco_dps_per_c * change_c.abs()).min(self.play_dps);
         0.5 * stayed * stayed
     }
 }
 
-/// What is known before anything was tracked, as standard deviations and one covariance.
+/// The knowledge before any tracking, as standard deviations and one covariance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Prior {
-    /// Of PBC, °/s.
+    /// Standard uncertainty of PBC, °/s.
     pub u_pbc_dps: f64,
-    /// Of BTC, °/s/°C.
+    /// Standard uncertainty of BTC, °/s/°C.
     pub u_btc_dps_per_c: f64,
-    /// Of both, (°/s)²/°C.
+    /// Covariance of both, (°/s)²/°C.
     pub cov_pbc_btc_dps2_per_c: f64,
-    /// Of the quadratic term, °/s/°C²: of the calibration where it has one, else of units of the part.
+    /// Standard uncertainty of the quadratic term, °/s/°C²: from the calibration if it has one, else from the spread
+    /// over units.
     pub u_curvature_dps_per_c2: f64,
 }
 
-/// The bias, what the calibration takes out left aside, as it is known.
+/// The bias that the calibration leaves, and its covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filter {
-    /// Offset, °/s; slope, °/s/°C; curvature, °/s/°C²; flicker, °/s.
+    /// Offset (°/s), slope (°/s/°C), curvature (°/s/°C²) and flicker (°/s).
     pub state: [f64; STATES],
     /// Lower triangle of their covariance, row by row.
     pub covariance: [f64; COVARIANCES],
@@ -94,9 +95,9 @@ pub struct Filter {
 /// A mean at rest against what the filter expected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Innovation {
-    /// What it is above it, °/s.
+    /// The mean less its expected value, °/s.
     pub(super) dps: f64,
-    /// Its variance where the part is at rest.
+    /// Variance of that difference for a part at rest.
     pub(super) dps2: f64,
 }
 
@@ -117,7 +118,7 @@ impl Filter {
         &mut self.covariance[place(of, of)]
     }
 
-    /// So much time passes.
+    /// Lets time pass.
     pub(super) fn wait(&mut self, seconds: f64, drift: &Drift) {
         *self.variance(OFFSET) += drift.walk_dps2_per_s * seconds;
         for (part, rate) in (FLICKER..STATES).zip(drift.flicker_per_s) {
@@ -132,17 +133,17 @@ impl Filter {
         }
     }
 
-    /// The offset may have changed by so much, °/s (1 σ): a power-up.
+    /// Widens the offset by this much, °/s (1 σ), as after a power-up.
     pub(super) fn jolt(&mut self, u_dps: f64) {
         *self.variance(OFFSET) += u_dps * u_dps;
     }
 
-    /// What the slow bias is beyond the calibration at T − T3, °/s, and its variance, (°/s)².
+    /// The slow bias beyond the calibration at T − T3, °/s, and its variance, (°/s)².
     pub(super) fn change(&self, d_c: f64, drift: &Drift) -> (f64, f64) {
         self.sum(&shape(d_c, 0.0), d_c, drift)
     }
 
-    /// A mean at rest against what is expected of it.
+    /// Compares a mean at rest with its expected value.
     pub(super) fn innovation(&self, mean_dps: f64, length_s: f64, d_c: f64, drift: &Drift) -> Innovation {
         let (expected_dps, dps2) = self.sum(&shape(d_c, 1.0), d_c, drift);
         Innovation { dps: mean_dps - expected_dps, dps2: dps2 + drift.of_mean(length_s) }
@@ -166,7 +167,7 @@ impl Filter {
         }
     }
 
-    /// One of the two, with the probability `p` this one: mean and covariance of the mixture.
+    /// Mean and covariance of the mixture of both filters, with the probability `p` for this one.
     pub(super) fn mixed(&self, p: f64, other: &Self) -> Self {
         let apart: [f64; STATES] = core::array::from_fn(|row| self.state[row] - other.state[row]);
         let mut mixed = if p < 0.5 { *other } else { *self };
@@ -187,7 +188,7 @@ impl Filter {
         })
     }
 
-    /// Whether it can be: finite, and no variance below zero.
+    /// Whether the state is possible: finite, and no variance below zero.
     pub(super) fn is_sound(&self) -> bool {
         let finite = self.state.iter().chain(&self.covariance).chain([&self.at_c]).all(|number| number.is_finite());
         let squares = |row: usize, column: usize| {
@@ -199,14 +200,14 @@ impl Filter {
     }
 }
 
-/// What each state adds at T − T3, with so much of the flicker.
+/// Factor of each state in the bias at T − T3, with this factor of the flicker.
 fn shape(d_c: f64, flicker: f64) -> [f64; STATES] {
     let mut shape = [flicker; STATES];
     (shape[OFFSET], shape[SLOPE], shape[CURVATURE]) = (1.0, d_c, d_c * d_c);
     shape
 }
 
-/// Where a covariance stands; the remainder changes none and spares the check of an index, which could panic.
+/// Index of a covariance. The remainder changes nothing, and spares an index check that could panic.
 const fn place(row: usize, column: usize) -> usize {
     let (row, column) = if row < column { (column, row) } else { (row, column) };
     (row * (row + 1) / 2 + column) % COVARIANCES

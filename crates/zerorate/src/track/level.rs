@@ -1,16 +1,15 @@
-//! Whether the level of a quiet stretch is the bias, or that of a slow turn: as a probability.
+//! The probability that the level of a quiet stretch is the bias, and not a slow turn.
 //!
-//! A turn that is slower than what the bias may have changed by cannot be told from that change. So nothing is
-//! decided: with the probability that it was a turn the bias stays as uncertain as it was before, and
-//! the uncertainty says so.
+//! A turn that is slower than a possible change of the bias cannot be told from that change. So nothing is decided.
+//! With the probability of a turn the bias stays as uncertain as it was before, and the uncertainty says so.
 
 use super::filter::{Innovation, sd};
 use libm::exp;
 
-/// Quiet turns are assumed to be as frequent as rests, and each of these rates, in units of the least that is to be
-/// told, as likely as the others, in both directions. Faster ones are told beyond doubt.
+/// Rates of quiet turns, in units of the least turn to be told. Quiet turns are assumed to be as frequent as rests,
+/// and all these rates to be equally likely in both directions. Faster turns are told beyond doubt.
 const TURNS: [f64; 6] = [0.7, 1.0, 1.4, 2.0, 2.8, 4.0];
-/// Beyond so many standard deviations no bias explains a level, whatever the turn: noise does so once in 16 000.
+/// Standard deviations beyond which a bias does not explain a level. Noise exceeds them once in 16 000.
 const MOST: f64 = 4.0;
 
 /// The probability that a part was at rest, from its quiet mean and the slowest turn to be told, °/s.

@@ -1,9 +1,9 @@
-//! A bias that keeps getting better: found at rest, known in between, on fixed memory.
+//! Tracking of the bias: it is learned at rest and predicted in between, on fixed memory.
 //!
-//! A [`Tracker`] takes means over [`BLOCK_S`] of one axis. It tells rest from the rate alone (`rest.rs`), follows what
-//! the calibration leaves of the bias with a Kalman filter (`filter.rs`), and believes a level as far as it is no slow
-//! turn (`level.rs`). `docs/tracking.md` derives the limits and states what was measured. There is no clock
-//! and no allocation in it.
+//! A [`Tracker`] takes means over [`BLOCK_S`] of one axis. It tells rest from the rate alone (`rest.rs`), and follows
+//! the bias that the calibration leaves with a Kalman filter (`filter.rs`). It believes a level by the probability
+//! that it is not a slow turn (`level.rs`). `docs/tracking.md` derives the limits and states what was measured. The
+//! tracker uses neither a clock nor allocation.
 //!
 //! ```
 //! use zerorate::track::{Phase, Prior, Tracker, TrackerConfig};
@@ -38,43 +38,44 @@ use crate::part::Axis;
 use filter::{Drift, Innovation, sd};
 use rest::{QUAD_S, Quiet, Seen};
 
-/// Quads that make a mean that is learned from: 16 s.
+/// Number of quads in a mean that is learned from: 16 s.
 const QUADS_PER_MEAN: u32 = 4;
-/// States that are kept to go back to, each 32 s older than the one before: as far as the longest test of means looks.
+/// Number of states that are kept to go back to, each 32 s older than the one before. They reach as far back as the
+/// longest test of means.
 const KEPT: usize = 4;
-/// Means between two of them.
+/// Number of means between two kept states.
 const MEANS_PER_KEPT: u32 = 2;
 /// Blocks per second.
 const BLOCKS_PER_S: u32 = 10;
 
-/// What is tracked, and by which numbers.
+/// The bias to track, and the numbers of the tracking.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackerConfig {
     /// The calibration.
     pub correction: Correction,
-    /// How well it was known.
+    /// Uncertainty of the calibration.
     pub prior: Prior,
     /// The part's noise: white as measured, flicker, and the random walk that drives the bias.
     pub noise: NoiseModel,
-    /// Half width of the hysteresis, °/s; zero where it is not known.
+    /// Half width of the hysteresis, °/s. It is zero if it is not known.
     pub hysteresis_dps: f64,
-    /// Component of the Earth's rotation on the axis wherever it rests, °/s (F-16), where the calibration has taken
-    /// that out of PBC; else zero.
+    /// Component of the Earth's rotation on the axis wherever it rests, °/s (F-16), if the calibration has subtracted
+    /// it from PBC. Otherwise zero.
     pub earth_dps: f64,
     /// The slowest turn that must not be taken for bias, °/s.
     pub least_turn_dps: f64,
-    /// How far the bias changes from one power-up to the next, °/s (1 σ).
+    /// Change of the bias from one power-up to the next, °/s (1 σ).
     pub power_up_dps: f64,
 }
 
 impl TrackerConfig {
-    /// The slowest turn, °/s: a setting.
+    /// Default of the slowest turn, °/s: a setting.
     pub const LEAST_TURN_DPS: f64 = 0.02;
-    /// The change by a power-up, °/s: a setting, since no source states one for the ADIS16130. Six times the floor of
-    /// its flicker (M-04).
+    /// Default change by a power-up, °/s: a setting, because no source states one for the ADIS16130. Six times the
+    /// floor of its flicker (M-04).
     pub const POWER_UP_DPS: f64 = 0.01;
 
-    /// With the typical noise and hysteresis of an axis.
+    /// Makes a configuration with the typical noise and hysteresis of an axis.
     #[must_use]
     pub fn of(axis: &Axis, correction: Correction, prior: Prior) -> Self {
         Self {
@@ -89,52 +90,52 @@ impl TrackerConfig {
     }
 }
 
-/// What the part does, as far as one axis shows it.
+/// The motion of the part, as far as one axis shows it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Phase {
-    /// It moves, or cannot be believed.
+    /// The part moves, or its readings cannot be believed.
     #[default]
     Moving,
-    /// It is quiet, for too short a time to say more.
+    /// The part is quiet, for too short a time to say more.
     Quiet,
-    /// It rests, and is learned from.
+    /// The part rests, and its bias is learned.
     Rest,
-    /// It is quiet, but at a level that a slow turn explains better than a change of the bias.
+    /// The part is quiet, but at a level that a slow turn explains better than a change of the bias.
     Doubtful,
 }
 
-/// The bias as it is known now.
+/// The present estimate of the bias.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tracked {
-    /// What it is beyond what the calibration takes out, °/s.
+    /// Bias beyond the calibration, °/s.
     pub change_dps: f64,
-    /// Standard uncertainty of that, °/s: of the bias with its flicker, at rest or turning.
+    /// Standard uncertainty of the bias with its flicker, °/s, at rest or turning.
     pub u_dps: f64,
-    /// What the part does.
+    /// The motion of the part.
     pub phase: Phase,
 }
 
-/// What happened since the tracker was begun.
+/// Counts since the tracker began.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Seconds that were learned from as rest.
+    /// Seconds of rest from which the tracker learned.
     pub learned_s: u32,
     /// Quiet seconds whose level a slow turn explains better.
     pub doubtful_s: u32,
-    /// Times that a turn began within a rest, and what had been learned last was dropped.
+    /// Times that a turn began within a rest, and the last learning was dropped.
     pub rolled_back: u32,
 }
 
-/// What outlives a power-down.
+/// The state that outlives a power-down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Saved {
     /// Bias and covariance.
     pub filter: Filter,
-    /// All that happened so far.
+    /// Counts so far.
     pub counts: Counts,
 }
 
-/// A saved state that cannot be: not finite, or with a covariance that none has.
+/// A saved state is impossible: not finite, or with an impossible covariance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unsound;
 
@@ -146,16 +147,17 @@ struct Sum {
     quads: u32,
 }
 
-/// A quiet time so far: what it would teach if it were rest is in the filter, what was known before stands here.
+/// A quiet stretch so far. The filter holds what it would teach if it were rest, and this holds the knowledge before
+/// it.
 #[derive(Clone, Copy, Debug)]
 struct Stretch {
     before: Filter,
-    /// Sum over its seconds of what its means are above what was expected before.
+    /// Sum over its seconds of the means less their expected values.
     innovation_dps_s: f64,
     seconds: u32,
-    /// That it was rest.
+    /// Probability that it was rest.
     probability: f64,
-    /// States to go back to, oldest first, each with the seconds in it and since.
+    /// States to go back to, oldest first, each with its seconds and the seconds since.
     kept: [Kept; KEPT],
     kept_count: usize,
     means: u32,
@@ -222,7 +224,7 @@ impl Stretch {
         self.kept.iter_mut().for_each(|kept| kept.age_s = kept.age_s.saturating_add(1));
     }
 
-    /// How probable rest is by all of it.
+    /// Judges the probability of rest by the whole stretch.
     fn judge(&mut self, d_c: f64, least_turn_dps: f64, drift: &Drift) {
         let length_s = f64::from(self.seconds);
         let expected = self.before.innovation(0.0, length_s, d_c, drift);
@@ -232,7 +234,7 @@ impl Stretch {
 }
 
 impl Tracker {
-    /// With what the calibration knows.
+    /// Makes a tracker that begins from the calibration.
     #[must_use]
     pub fn new(config: TrackerConfig) -> Self {
         let tempco_dps_per_c = config.correction.btc_dps_per_c;
@@ -254,10 +256,10 @@ impl Tracker {
         }
     }
 
-    /// With what was known before a power-down of so many seconds.
+    /// Makes a tracker that continues from a saved state after a power-down of `off_s` seconds.
     ///
     /// # Errors
-    /// A state that cannot be.
+    /// The state is impossible.
     pub fn resume(config: TrackerConfig, saved: &Saved, off_s: f64) -> Result<Self, Unsound> {
         if !(saved.filter.is_sound() && off_s >= 0.0 && off_s.is_finite()) {
             return Err(Unsound);
@@ -266,7 +268,7 @@ impl Tracker {
         Ok(new.aged(off_s))
     }
 
-    /// The part was switched on anew since the calibration, so many seconds after it.
+    /// Ages the tracker for a part that was switched on anew, this many seconds after the calibration.
     #[must_use]
     pub fn aged(mut self, since_s: f64) -> Self {
         self.filter.wait(since_s.max(0.0), &self.drift);
@@ -275,13 +277,13 @@ impl Tracker {
         self
     }
 
-    /// What is to be kept for [`Tracker::resume`].
+    /// Returns the state to keep for [`Tracker::resume`].
     #[must_use]
     pub fn save(&self) -> Saved {
         Saved { filter: self.known(), counts: self.counts() }
     }
 
-    /// Takes in the mean rate, °/s, and the mean temperature, °C, of the next [`BLOCK_S`]; none where they are
+    /// Takes in the mean rate, °/s, and the mean temperature, °C, of the next [`BLOCK_S`]. They are none if they are
     /// missing. A rate without a temperature takes the last one. `still`: no other axis of the part
     /// [moves](Self::moves).
     pub fn push(&mut self, rate_dps: Option<f64>, temp_c: Option<f64>, still: bool) -> Phase {
@@ -314,7 +316,7 @@ impl Tracker {
         self.moves
     }
 
-    /// So much time passes without a reading.
+    /// Lets time pass without a reading.
     pub fn wait(&mut self, seconds: f64) {
         self.quiet.begin_anew();
         self.end();
@@ -322,7 +324,7 @@ impl Tracker {
         self.stretch = Stretch::after(&self.filter);
     }
 
-    /// The bias at a temperature, °C.
+    /// Estimates the bias at a temperature, °C.
     #[must_use]
     pub fn tracked(&self, temp_c: f64) -> Tracked {
         let (d_c, p) = (temp_c - self.config.correction.t3_c, self.stretch.probability);
@@ -333,13 +335,13 @@ impl Tracker {
         Tracked { change_dps: turn_dps + p * apart_dps, u_dps: sd(dps2), phase: self.phase }
     }
 
-    /// The corrected rate, °/s: that of the calibration, less what was tracked.
+    /// Corrects a rate, °/s, by the calibration and the tracked bias.
     #[must_use]
     pub fn correct(&self, rate_dps: f64, temp_c: f64) -> f64 {
         self.config.correction.apply(rate_dps, temp_c) - self.tracked(temp_c).change_dps
     }
 
-    /// What happened so far, the present rest included.
+    /// Counts so far, including the present rest.
     #[must_use]
     pub fn counts(&self) -> Counts {
         let mut counts = self.counts;
@@ -379,7 +381,7 @@ impl Tracker {
         self.phase = if self.stretch.probability < 0.5 { Phase::Doubtful } else { Phase::Rest };
     }
 
-    /// A motion ends the stretch: what is left of it counts, but for the last quad.
+    /// Ends the stretch after a motion. All of it counts, except for the last quad.
     fn end(&mut self) {
         if self.sum.quads > 0 {
             self.take();
@@ -387,7 +389,8 @@ impl Tracker {
         self.close(Phase::Moving);
     }
 
-    /// A step within a stretch: a turn has begun or ended. What was learned since it may have begun is dropped.
+    /// Handles a step within a stretch: a turn has begun or ended. The learning since its earliest beginning is
+    /// dropped.
     fn go_back(&mut self) {
         if self.stretch.kept_count > 0 {
             let Kept { filter, innovation_dps_s, seconds, age_s } = self.stretch.kept[0];
@@ -400,7 +403,7 @@ impl Tracker {
         self.close(Phase::Quiet);
     }
 
-    /// The stretch is over: what it taught counts as far as it was rest.
+    /// Closes the stretch. Its learning counts by the probability that it was rest.
     fn close(&mut self, phase: Phase) {
         self.counts = self.counts();
         self.filter = self.known();

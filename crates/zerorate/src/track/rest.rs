@@ -1,37 +1,38 @@
-//! Whether a part is quiet: its rate varies no more than its own noise, over 0.1 s to 64 s.
+//! The test whether a part is quiet: its rate varies no more than its own noise, over 0.1 s to 64 s.
 //!
-//! Quiet is not at rest: a steady turn is quiet as well. What its level says is asked in `mod.rs`.
+//! Quiet does not mean at rest, because a steady turn is quiet as well. `mod.rs` judges its level.
 
 use crate::noise::NoiseModel;
 use libm::sqrt;
 
 /// Length of the means that are pushed, s.
 pub const BLOCK_S: f64 = 0.1;
-/// Of them make a second.
+/// Number of blocks in a second.
 const BLOCKS: u32 = 10;
-/// Seconds of a quad, the length of the means that are kept.
+/// Length of a quad, the means that are kept, s.
 pub(super) const QUAD_S: u32 = 4;
-/// Quads that are kept: twice 64 s.
+/// Number of quads that are kept: twice 64 s.
 const QUADS: usize = 32;
 
-/// Tests of adjacent means: how many quads each has, and the factor of the standard deviation of their difference
-/// beyond which it is no noise. One in 10 000, 4600 and 2100 such differences is by noise; they come every 4 s.
+/// Tests of adjacent means: the number of quads in each, and the ratio of their difference to its standard deviation
+/// beyond which noise does not explain it. Noise exceeds these in one of 10 000, 4600 and 2100 differences, which come
+/// every 4 s.
 const STEPS: [(usize, f64); 3] = [(1, 3.9), (4, 3.7), (16, 3.5)];
-/// The same for adjacent seconds: one in 16 000.
+/// The same ratio for adjacent seconds, exceeded in one of 16 000.
 const SECOND_FACTOR: f64 = 4.0;
 /// χ² of nine degrees of freedom that noise exceeds in one of 33 000 seconds: variance of the ten means of 0.1 s.
 const SECOND_CHI2: f64 = 36.8;
 
-/// What a block tells.
+/// The finding after a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Seen {
-    /// Nothing yet.
+    /// There is nothing to say yet.
     Open,
-    /// Another mean over four quiet seconds: rate and temperature.
+    /// Another mean over four quiet seconds is complete: rate and temperature.
     Quad(f64, f64),
-    /// It moves, or a block is missing.
+    /// The part moves, or a block is missing.
     Moving,
-    /// A step that noise does not explain.
+    /// The rate stepped by more than noise explains.
     Step,
 }
 
@@ -42,7 +43,7 @@ pub(super) struct Quiet {
     second_dps: f64,
     steps_dps: [f64; STEPS.len()],
     blocks: u32,
-    /// About the first of the second: nothing is lost by cancellation.
+    /// Sum of squares about the first block of the second, so that nothing is lost by cancellation.
     squares_dps2: f64,
     first_dps: f64,
     shifted_dps: f64,
@@ -52,7 +53,7 @@ pub(super) struct Quiet {
     quad_dps: f64,
     quad_c: f64,
     ring: [f64; QUADS],
-    /// How many were put into it since it began anew.
+    /// Number of quads since the last fresh start.
     filled: u32,
 }
 
@@ -77,7 +78,7 @@ impl Quiet {
         }
     }
 
-    /// Takes in the mean of a block, less what the calibration knows; none where it is missing.
+    /// Takes in the mean of a block, less the calibrated bias. It is none if the block is missing.
     pub(super) fn push(&mut self, rate_dps: Option<f64>, temp_c: f64) -> Seen {
         let Some(rate_dps) = rate_dps.filter(|rate| rate.is_finite() && temp_c.is_finite()) else {
             self.begin_anew();
@@ -94,7 +95,7 @@ impl Quiet {
         if self.blocks < BLOCKS { Seen::Open } else { self.second() }
     }
 
-    /// Everything before is of another stretch.
+    /// Starts afresh: everything before belongs to another stretch.
     pub(super) fn begin_anew(&mut self) {
         (self.blocks, self.seconds, self.filled, self.last_second_dps) = (0, 0, 0, None);
     }
@@ -135,7 +136,7 @@ impl Quiet {
         Seen::Quad(self.quad_dps, self.quad_c)
     }
 
-    /// Mean of so many quads, behind so many newer ones.
+    /// Mean of `quads` quads, behind `newer` newer ones.
     fn mean(&self, newer: usize, quads: usize) -> f64 {
         let last = self.filled as usize - 1;
         let sum: f64 = (newer..newer + quads).map(|back| self.ring[(last - back) % QUADS]).sum();

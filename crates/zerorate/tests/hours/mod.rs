@@ -5,7 +5,7 @@ use zerorate::{Action, Axis, Event, Method, Outcome, Plan, Procedure, Reading, R
 
 /// Time of one mean, and of a block of the procedure, s.
 const MEAN_S: f64 = 0.1;
-/// The air of a cycle: when it begins to move, s, to how far from where it began, °C, and for how long, s.
+/// The air of a cycle: time at which it begins to move, s, distance from its beginning, °C, and duration, s.
 const CYCLE: [(u32, f64, f64); 2] = [(1200, -8.0, 480.0), (2400, 0.0, 480.0)];
 
 /// The plan of a method. A cycle takes 70 minutes, so that the part is in balance again.
@@ -41,8 +41,7 @@ pub fn measure(spec: &Spec, method: Method) -> Result<(Outcome, Truth), Refusal>
     Ok((procedure.finish()?, means.truth()))
 }
 
-/// By how many of its standard uncertainties the worst of PBC, BTC and the correction over the temperatures seen is
-/// off.
+/// Largest error of PBC, BTC and the correction over the temperatures seen, in standard uncertainties.
 pub fn worst_u(outcome: &Outcome, truth: &Truth) -> f64 {
     let (correction, u) = (&outcome.correction, &outcome.uncertainty);
     let pbc = (correction.pbc_dps - truth.pbc_dps(correction.t3_c)) / u.u_pbc_dps;

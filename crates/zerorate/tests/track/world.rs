@@ -41,7 +41,7 @@ impl Random {
     }
 }
 
-/// What a platform does for a while.
+/// A motion of the platform for a while.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
     Rest,
@@ -53,7 +53,7 @@ pub enum Motion {
         dps: f64,
         hz: f64,
     },
-    /// Steady and slow: quiet, but no rest.
+    /// Steady and slow: quiet, but not at rest.
     SlowTurn {
         dps: f64,
     },
@@ -67,7 +67,7 @@ pub enum Motion {
 const REST_S: (f64, f64) = (15.0, 105.0);
 const BETWEEN_S: (f64, f64) = (300.0, 1980.0);
 
-/// How often a slow turn comes, against 21 motions of other kinds: such turns fill a twentieth of the moving time.
+/// Frequency of a slow turn against 21 motions of other kinds. Such turns fill a twentieth of the moving time.
 pub const SELDOM: f64 = 1.0;
 
 /// The motion of a robot or a vehicle.
@@ -81,14 +81,14 @@ pub struct Platform {
 }
 
 impl Platform {
-    /// It begins to move.
+    /// Begins a motion.
     pub fn new(seed: u64, slow_turns: f64) -> Self {
         let mut random = Random::new(seed ^ 0x7472_6163_6B00_0000);
         let until_rest_s = random.between(BETWEEN_S.0, BETWEEN_S.1);
         Self { slow_turns, random, motion: Motion::Shaking { dps: 0.5 }, left_s: 10.0, length_s: 10.0, until_rest_s }
     }
 
-    /// The next 0.1 s: what it does and the mean rate, °/s.
+    /// The next 0.1 s: the motion and the mean rate, °/s.
     pub fn step(&mut self) -> (Motion, f64) {
         if self.left_s <= 0.0 {
             self.go_on();
@@ -134,7 +134,7 @@ impl Platform {
     }
 }
 
-/// A unit that was calibrated by AN-1042, and what the calibration says of itself.
+/// A unit that was calibrated by AN-1042, with the uncertainties that the calibration states.
 pub struct Unit {
     means: Means,
     gain: f64,
@@ -142,7 +142,7 @@ pub struct Unit {
     pub prior: Prior,
 }
 
-/// 0.1 s of it.
+/// A block of 0.1 s.
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
     pub rate_dps: f64,
@@ -152,7 +152,7 @@ pub struct Block {
 }
 
 impl Unit {
-    /// Switched on, and calibrated by F-51 in 53 minutes.
+    /// Switches a unit on, and calibrates it by F-51 in 53 minutes.
     pub fn calibrated(spec: &Spec) -> Self {
         let mut unit = Self {
             means: Means::new(spec, 1),
@@ -211,33 +211,33 @@ fn stated([t1_c, t2_c, t3_c]: [f64; 3], drift_dps: f64) -> Prior {
     }
 }
 
-/// What a time of motion and rest came to.
+/// The result of a time of motion and rest.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Day {
-    /// Rms of what the calibration alone leaves of the bias, °/s.
+    /// Rms of the bias that the calibration alone leaves, °/s.
     pub static_dps: f64,
-    /// The same with what was tracked taken out.
+    /// Rms of the bias that the tracker leaves, °/s.
     pub tracked_dps: f64,
     /// Share of the time at which the truth was within 1.96 u.
     pub covered: f64,
-    /// Whether it was at the end.
+    /// Whether the truth was within 1.96 u at the end.
     pub covered_at_end: bool,
     pub rest_s: f64,
-    /// Learned from as rest, that were.
+    /// Seconds that were learned as rest, and were rest.
     pub learned_s: f64,
-    /// Learned from as rest, that were a slow turn, or any other motion.
+    /// Seconds that were learned as rest, and were a slow turn or any other motion.
     pub turning_learned_s: f64,
     pub moving_learned_s: f64,
     pub turning_s: f64,
 }
 
-/// Tracks the unit of a seed for so many hours behind its calibration.
+/// Tracks the unit of a seed for some hours after its calibration.
 pub fn day(spec: &Spec, hours: f64, slow_turns: f64) -> Day {
     let mut unit = Unit::calibrated(spec);
     let mut tracker = Tracker::new(TrackerConfig::of(&Axis::ADIS16130, unit.correction, unit.prior));
     let mut platform = Platform::new(spec.seed, slow_turns);
     let blocks = (hours * 3600.0 / BLOCK_S) as u64;
-    // what was learned counts for what the platform did 10 s before: a stretch is taken in when it is over
+    // learning counts for the motion 10 s before, because a stretch is taken in when it is over
     let mut past = VecDeque::from(vec![Motion::Rest; 100]);
     let (mut day, mut learned_s, mut covered) = (Day::default(), 0.0, 0u64);
     for _ in 0..blocks {
@@ -268,7 +268,7 @@ pub fn day(spec: &Spec, hours: f64, slow_turns: f64) -> Day {
     day
 }
 
-/// From a mean to its end.
+/// Change from a mean to its end.
 fn walked(noise: &NoiseModel, length_s: f64) -> f64 {
     noise.rate_random_walk_dps_per_rt_s * (length_s / 3.0).sqrt()
 }

@@ -1,5 +1,5 @@
-//! What a measurement in a chamber is judged by, second for second: silence, a door left open, the dwell at a set
-//! point, and rest.
+//! Judgement of a measurement in a chamber, second by second: silence, an open door, the dwell at a set point, and
+//! rest.
 
 use super::table::Until;
 use super::{ChamberProcedure, ChamberState, Coming, Present};
@@ -12,32 +12,33 @@ use crate::stationarity::{self, Verdict};
 
 use alloc::vec::Vec;
 
-/// Air this near to the set point has reached it, °C.
+/// Distance from the set point at which the air has reached it, °C.
 pub(in crate::chamber) const REACHED_C: f64 = 3.0;
-/// So many readings of the air beyond its limits are no slip of the wire.
+/// Readings beyond the limits that end the measurement. A single one may be an error of the line.
 const BEYOND: u32 = 2;
-/// The air may be farther away for so long, s, once the set point is where it goes: chambers take an hour for a
-/// hundred degrees.
+/// Time in which the air must reach the set point, s, once the ramp has ended. Chambers take an hour for a hundred
+/// degrees.
 const REACH_S: f64 = 5400.0;
-/// Temperature that an average may move through, °C.
+/// Largest change of the temperature during an average, °C.
 const AVERAGE_MOVES_C: f64 = 1.0;
-/// So often a soak point is averaged anew.
+/// Number of times that a soak point is averaged anew.
 const MAX_DISTURBED: u32 = 3;
-/// Rest is judged over so many seconds while the temperature changes.
+/// Seconds over which rest is judged while the temperature changes.
 const REST_S: usize = 100;
-/// A part warms itself by no more than this above the air, °C, and reads no less than that below it (M-03 with room
-/// for other parts).
+/// Least and greatest difference between the part's reading and the air, °C, by self-heating and the error of its
+/// sensor (M-03 with room for other parts).
 const SELF_HEATING_C: (f64, f64) = (-5.0, 25.0);
-/// Without a reading for so long the measurement ends, s.
+/// Time without a reading after which the measurement ends, s.
 const SILENT_S: u64 = 60;
-/// A part tells its temperature within so long, s.
+/// Time within which a part must tell its temperature, s.
 const TEMPERATURE_S: f64 = 30.0;
 
 impl ChamberProcedure {
-    /// What the chamber says of its air, °C. Never needed; it only ends a measurement that cannot become one.
+    /// Takes in the air temperature that the chamber reads, °C. It is never needed, and it only ends a measurement
+    /// that cannot succeed.
     ///
     /// # Errors
-    /// The chamber does not do what it is told.
+    /// The chamber does not follow its set point.
     pub fn air(&mut self, air_c: f64) -> Result<(), ChamberRefusal> {
         self.air_c = Some(air_c);
         let step = self.step + 1;
@@ -59,9 +60,9 @@ impl ChamberProcedure {
         Ok(())
     }
 
-    /// Where the plan lets the air be, °C: between its set points and the temperature at which the chamber is left,
-    /// for an open door lets the air go there. At first the air may be where the plan never goes: until it has come to
-    /// the plan, and no longer than the first step takes.
+    /// The range in which the plan allows the air, °C. It covers the set points and the temperature at which the
+    /// chamber is left, because an open door lets the air go there. At first the air may be outside, until it has come
+    /// to the plan, and for no longer than the first step takes.
     fn air_may_be_c(&mut self, air_c: f64) -> (f64, f64) {
         let ((low_c, high_c), safe_c) = (self.plan.span_c(), self.plan.safe_c);
         let (low_c, high_c) = (low_c.min(safe_c), high_c.max(safe_c));
@@ -82,7 +83,7 @@ impl ChamberProcedure {
 }
 
 impl ChamberProcedure {
-    /// Ends the seconds before `second`, and the states that are over with them.
+    /// Closes the seconds before `second`, and leaves the states that end with them.
     pub(super) fn close_seconds(&mut self, second: u64) -> Result<(), ChamberRefusal> {
         if second - self.second > SILENT_S {
             return Err(ChamberRefusal::Silent { step: self.step + 1, for_s: (second - self.second) as f64 });
@@ -95,7 +96,7 @@ impl ChamberProcedure {
         Ok(())
     }
 
-    /// What has become of the present state.
+    /// Checks whether the present state is over, disturbed or impossible.
     fn look(&mut self) -> Result<(), ChamberRefusal> {
         if let Some(frozen) = self.axes.iter().find_map(|axis| axis.health.frozen()) {
             let since_ns = frozen.since_ns.saturating_sub(self.started_ns);
@@ -160,8 +161,8 @@ impl ChamberProcedure {
         Ok(())
     }
 
-    /// Whether a part that has come to rest did so at this set point. Its own warmth is what it was at the last one;
-    /// at the first it may be anything that parts have.
+    /// Whether a part whose temperature rests does so at this set point. Its self-heating is as at the last set point.
+    /// At the first one it may be anything that parts have.
     fn is_near(&self, drift: &Drift) -> bool {
         let set_c = self.plan.course_c(self.step).1;
         match self.settled_at_c {
@@ -199,7 +200,7 @@ impl ChamberProcedure {
         Ok(())
     }
 
-    /// How far the temperature is from where an average began, °C.
+    /// Change of the temperature since an average began, °C.
     fn moved_c(&self, first: usize) -> Option<f64> {
         Some(self.record.temp_c.last()? - self.record.temp_c.get(first)?)
     }
@@ -218,7 +219,7 @@ impl ChamberProcedure {
         self.plan.average_s(planned_s, &self.part, &white)
     }
 
-    /// Keeps the mean of what was read since `from_s`.
+    /// Keeps the mean of the readings since `from_s` as a soak point.
     fn keep_soak(&mut self, from_s: f64, average_s: f64) {
         let from = self.record.index_of(from_s);
         let Some(drift) = self.record.drift(from) else { return };
@@ -237,8 +238,8 @@ impl ChamberProcedure {
         self.record.soaks.push(soak);
     }
 
-    /// Whether the part was at rest since this was asked last; else which axis was not. The seconds are marked, and
-    /// quiet ones tell the white noise.
+    /// Judges whether the part was at rest since the last call, and returns an axis that was not. It marks the
+    /// seconds, and quiet ones give the white noise.
     pub(super) fn judge_rest(&mut self) -> Option<usize> {
         let (from, len) = (self.blocks_from, self.record.len());
         let mut moving = None;
@@ -260,11 +261,11 @@ impl ChamberProcedure {
     }
 }
 
-/// The shortest record that tells the white noise, s.
+/// The shortest record that gives the white noise, s.
 const WHITE_S: f64 = 20.0;
 
-/// Rates less the parabola over temperature that fits them best: what a bias does that follows the temperature is no
-/// motion, and within [`REST_S`] a chamber may go far.
+/// Rates less the parabola over temperature that fits them best. A bias that follows the temperature is not motion,
+/// and within [`REST_S`] a chamber may go far.
 fn without_temperature(blocks: &[(f64, f64)]) -> Vec<f64> {
     let mean_c = blocks.iter().map(|(_, c)| c).sum::<f64>() / blocks.len().max(1) as f64;
     let mut rates_dps: Vec<f64> = blocks.iter().map(|(dps, _)| *dps).collect();

@@ -1,11 +1,11 @@
-//! The states of a measurement in a chamber, as a table: what ends each of them, and what follows.
+//! The states of a measurement in a chamber, as a table: the event that ends each state, and the state that follows.
 
 use super::{ChamberProcedure, Present};
 use crate::chamber::plan::StepEnd;
 
 use core::fmt;
 
-/// Where the measurement stands. `Display` names it as a user would.
+/// A state of the measurement. `Display` names it as a user would.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the table and Display say what each is")]
 pub enum ChamberState {
@@ -17,26 +17,26 @@ pub enum ChamberState {
     Done,
 }
 
-/// When a state ends.
+/// The event that ends a state.
 #[derive(Clone, Copy)]
 pub(super) enum Until {
     Initialised,
-    /// The set point is where the step takes it.
+    /// The ramp of the step has ended.
     Arrived,
     /// The step's time is over.
     Held,
     /// The part's own temperature has come to rest near the set point.
     Settled,
-    /// It was averaged long enough.
+    /// The average is long enough.
     Averaged,
     Never,
 }
 
-/// What follows a state.
+/// The state that follows.
 #[derive(Clone, Copy)]
 enum To {
     State(ChamberState),
-    /// By how the step ends.
+    /// The state depends on how the step ends.
     ByStep {
         hold: ChamberState,
         average: ChamberState,
@@ -97,7 +97,7 @@ impl fmt::Display for ChamberState {
 }
 
 impl ChamberProcedure {
-    /// From a state that is over into the next.
+    /// Leaves a state that is over for the next one.
     pub(super) fn leave(&mut self, disturbed: bool) {
         let row = self.state.row();
         if let (true, Some(back)) = (disturbed, row.disturbed) {
@@ -117,7 +117,7 @@ impl ChamberProcedure {
     }
 
     pub(super) fn enter(&mut self, state: ChamberState) {
-        // what happened before is no part of the new state
+        // earlier motion does not belong to the new state
         let _ = self.judge_rest();
         self.state = state;
         self.present = Present { began_s: self.now_s(), first: self.record.len(), ..Present::default() };
