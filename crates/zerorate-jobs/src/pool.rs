@@ -101,7 +101,7 @@ impl Misfit {
             Differs::Rejected { error } => format!("has no model of its own (off by {:.0} %)", error * 100.0),
             Differs::White { ratio } => format!("has {ratio:.2} times the N of the others"),
             Differs::Slow { gain } => {
-                format!("has other slow noise (flicker, random walk or memory; −2 ln L differs by {gain:.0})")
+                format!("has other slow noise (−2 ln L differs by {gain:.0})")
             }
             _ => "differs".to_owned(),
         };
@@ -111,7 +111,7 @@ impl Misfit {
     fn warning(&self) -> LogWarning {
         let rest = match self.is_left_out {
             true => "left out of the common model",
-            false => "the common model is of two that differ; a third would tell which is the exception",
+            false => "a third record would tell which is odd",
         };
         LogWarning::NotAlike(format!("{} {}: {rest}", self.record, self.why))
     }

@@ -91,8 +91,7 @@ fn restamp(rows: &mut [TimedRow], interval: f64) -> Option<String> {
     let first = stray.first().filter(|_| stray.len() as f64 <= (MAX_STRAY * rows.len() as f64).max(1.0))?;
     stray.iter().for_each(|at| rows[*at].time = 0.5 * (rows[at - 1].time + rows[at + 1].time));
     Some(format!(
-        "{} rows have a stamp far from those of the rows around: it is wrong, the samples count (the first: row \
-         {first})",
+        "{} rows have a wrong stamp, which is replaced (the first: row {first})",
         stray.len()
     ))
 }
@@ -123,7 +122,7 @@ fn unwrap(rows: &mut [TimedRow], first: f64, interval: f64) -> Option<String> {
     }
     let (row, modulus) = *found.first()?;
     let times = found.len();
-    Some(format!("the counter of the time wraps around at {modulus} ({times} times, first at row {row}): unwrapped"))
+    Some(format!("the counter wraps around at {modulus} ({times} times, first at row {row})"))
 }
 
 /// Sorts rows that are late, and follows a clock that was set back.
@@ -156,7 +155,7 @@ fn sort(rows: &mut [TimedRow], first: f64, interval: f64) -> Result<Vec<String>,
     }
     let sorted =
         swapped.first().map(|(_, row)| format!("{moved} rows come too late and are sorted (the first: row {row})"));
-    let followed = (!steps.is_empty()).then(|| format!("{}: no sample is taken as lost there", set_back(&steps)));
+    let followed = (!steps.is_empty()).then(|| set_back(&steps));
     Ok(sorted.into_iter().chain(followed).collect())
 }
 
@@ -240,14 +239,13 @@ fn separate(rows: &mut Vec<TimedRow>, columns: &[FoundColumn], interval: f64) ->
 fn said_of(dropped: &[usize], wrong: &[usize], is_coarse: bool) -> Vec<String> {
     let dropped = dropped.first().map(|row| {
         format!(
-            "{} rows repeat the row before, stamp and values, and are dropped (the first: row {row})",
+            "{} rows repeat the row before and are dropped (the first: row {row})",
             dropped.len()
         )
     });
     let wrong = wrong.first().map(|row| {
-        let why = if is_coarse { "the clock is coarse" } else { "their stamps are wrong" };
-        let count = wrong.len();
-        format!("{count} rows have the stamp of the row before: {why}, the samples count (the first: row {row})")
+        let why = if is_coarse { "coarse clock" } else { "a wrong one" };
+        format!("{} rows repeat a stamp ({why}); they count (the first: row {row})", wrong.len())
     });
     dropped.into_iter().chain(wrong).collect()
 }

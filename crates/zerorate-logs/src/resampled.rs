@@ -39,12 +39,10 @@ pub fn doubt(series: &Series) -> Option<String> {
     };
     let (share, how) = match repeats {
         Some(share) => (share, "repeat the one before"),
-        None => (of_lines()?, "lie on the line between their neighbours"),
+        None => (of_lines()?, "lie on the line between neighbours"),
     };
     Some(format!(
-        "{:.0} % of the samples {how} to the last digit, as noise does not: the log was resampled or filled in, or \
-         the sensor converts more slowly than it is read; what is found is the noise of such a log, and N is another: \
-         take the log as the sensor gave it",
+        "{:.0} % of the samples {how}; use the raw log",
         100.0 * share
     ))
 }
@@ -101,7 +99,7 @@ mod tests {
         assert!(said(filled).starts_with("10 % of the samples repeat"));
         let mut drawn = noise(6000, 1e5);
         (3..5999).step_by(10).for_each(|at| drawn[at] = 0.5 * (drawn[at - 1] + drawn[at + 1]));
-        assert!(said(drawn.iter().map(|sample| sample.round()).collect()).contains("lie on the line between"));
+        assert!(said(drawn.iter().map(|sample| sample.round()).collect()).contains("lie on the line between neighbours"));
         assert!(
             said(drawn.iter().map(|sample| sample * 1e-7 + 9.81).collect()).starts_with("10 % of the samples lie")
         );

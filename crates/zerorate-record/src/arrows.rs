@@ -151,10 +151,7 @@ impl StreamReader {
         }
         (self.stated.ended, self.stated.torn) = (true, true);
         let (path, dropped) = (self.path.display(), self.len.saturating_sub(whole));
-        let text = format!(
-            "{path} was not closed (a power cut?): every whole batch is read, the {dropped} bytes after the last one \
-             are dropped"
-        );
+        let text = format!("{path} was not closed; the {dropped} bytes after its last whole batch are dropped");
         self.stated.warning = Some(CaptureWarning::Torn(text));
         Ok(())
     }

@@ -50,8 +50,7 @@ impl Stated {
 pub fn cut_off(path: &Path, rows: usize) -> CaptureWarning {
     let path = path.display();
     CaptureWarning::Torn(format!(
-        "{path} was not closed, or its end was removed: every whole block of rows is read, {rows} rows behind the \
-         last one are dropped"
+        "{path} was not closed; {rows} rows after its last whole block are dropped"
     ))
 }
 

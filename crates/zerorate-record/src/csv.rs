@@ -161,7 +161,7 @@ impl CsvReader {
         }
         if !line.ended {
             let path = self.path.display();
-            let text = format!("{path} does not end with a line end: its last line may be cut short and is dropped");
+            let text = format!("{path} lacks its last line end; its last line may be cut short and is dropped");
             self.stated.warning = Some(CaptureWarning::Torn(text));
             return Ok(Entry::Nothing);
         }

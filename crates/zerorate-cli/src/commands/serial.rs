@@ -14,7 +14,7 @@ pub fn one_line(text: &str) -> Result<String, String> {
 }
 
 /// Of a command with an option for it.
-pub const GIVE: &str = "give --serial SN to have it checked";
+pub const GIVE: &str = "give --serial SN";
 
 /// The part whose rates are to be corrected.
 pub struct Part<'a> {

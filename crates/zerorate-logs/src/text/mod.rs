@@ -161,7 +161,7 @@ impl<'a> TextColumns<'a> {
             lines,
             first,
         });
-        let broken = broken.judge(path, asked.args.max_bad, names.of(Setting::MaxBad), cut.time.is_none())?;
+        let broken = broken.judge(path, asked.args.max_bad, names.of(Setting::MaxBad))?;
         let broken = broken.map(LogWarning::LinesBroken);
         let warnings = skipped.into_iter().chain(broken).chain(LogWarning::torn(torn)).collect();
         let time = cut.time.map(|time| cut.names[time].clone());

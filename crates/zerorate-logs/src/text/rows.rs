@@ -289,14 +289,10 @@ pub struct Broken {
 }
 
 impl Broken {
-    /// What is to be said of them; an error if they are more than may be skipped, as a share of the rows.
-    pub fn judge(
-        self,
-        path: &Path,
-        most: Option<f64>,
-        option: &str,
-        counts: bool,
-    ) -> Result<Option<String>, CaptureError> {
+    /// The text of a warning about them; an error if more lines are broken than may be skipped.
+    ///
+    /// `most` is the share of the rows that may be skipped, and `option` the name of its setting.
+    pub fn judge(self, path: &Path, most: Option<f64>, option: &str) -> Result<Option<String>, CaptureError> {
         let Self { rows, bad, first } = self;
         let Some((line, what)) = first else { return Ok(None) };
         let most = most.unwrap_or(MAX_BAD);
@@ -308,10 +304,9 @@ impl Broken {
             };
             return Err(at_line(path, line, &format!("{what}{why}")));
         }
-        let (are, each) = if bad == 1 { ("is", "it counts") } else { ("are", "each counts") };
-        let means = if counts { format!("; {each} as a missing sample") } else { String::new() };
+        let are = if bad == 1 { "is" } else { "are" };
         Ok(Some(format!(
-            "{}: {bad} of {rows} lines {are} broken and skipped{means} (the first: line {line}, {what})",
+            "{}: {bad} of {rows} lines {are} broken and skipped (the first: line {line}, {what})",
             path.display()
         )))
     }

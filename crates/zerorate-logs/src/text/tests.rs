@@ -135,8 +135,8 @@ fn a_serial_log() {
     let said = column.warnings.iter().map(LogWarning::to_string).collect::<Vec<_>>().join("; ");
     let codes: Vec<&str> = column.warnings.iter().map(LogWarning::code).collect();
     assert_eq!(codes, ["lines-skipped", "lines-broken", "unit-unknown"]);
-    assert!(said.contains("4 lines above the data are no header and skipped (the first: `ets Jun"), "{said}");
-    assert!(said.contains("2 of 2000 lines are broken and skipped; each counts as a missing sample"), "{said}");
+    assert!(said.contains("4 lines above the data are not a header; skipped: `ets Jun"), "{said}");
+    assert!(said.contains("2 of 2000 lines are broken and skipped"), "{said}");
     assert!(said.contains("the first: line 705, it has 2 cells, and the others have 3)"), "{said}");
     // with a time the time tells what is missing
     let column = read(&text, "--column 1 --time-column 0 --time-unit ms");
