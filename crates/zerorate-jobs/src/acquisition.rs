@@ -32,6 +32,7 @@ pub struct Acquisition {
     layout: Layout,
     axes: Vec<JudgedAxis>,
     start_ns: Option<u64>,
+    is_recording: bool,
 }
 
 impl Acquisition {
@@ -58,7 +59,13 @@ impl Acquisition {
             layout,
             axes,
             start_ns: None,
+            is_recording: device.file().is_some(),
         })
+    }
+
+    /// Whether a recording is read, which has no wires to check.
+    pub fn is_recording(&self) -> bool {
+        self.is_recording
     }
 
     /// What is read, and how.

@@ -70,18 +70,13 @@ pub struct Quantities {
 }
 
 impl Quantities {
-    /// Those that are wanted; all of one topic. Where it is open which, `survey` says what there is.
+    /// Chooses the quantities that are wanted, all of one topic. Where it is open which, `survey` says what there is.
     pub fn choose(
         path: &Path,
         topics: &BTreeSet<String>,
         asked: &ColumnQuery<'_>,
         survey: impl FnOnce() -> Survey,
     ) -> Result<Self> {
-        if topics.is_empty() {
-            return Err(
-                CaptureError::not_a_log(path, "it is a bag without a topic of type sensor_msgs/msg/Imu").into()
-            );
-        }
         let names: Vec<Option<&str>> = match asked.wanted {
             Wanted::One(name) => vec![name],
             Wanted::Listed(names) => names.iter().map(|name| Some(name.as_str())).collect(),
@@ -189,7 +184,7 @@ impl<'a> Collector<'a> {
             message
         };
         let Imu { stamp_ns, numbers } = decode(encoding, message)
-            .ok_or_else(|| at(format!("its {} bytes are no sensor_msgs/Imu in {encoding:?}", message.len())))?;
+            .ok_or_else(|| at(format!("its {} bytes are not a sensor_msgs/Imu in {encoding:?}", message.len())))?;
         if let Some(times) = &mut self.times {
             times.push_integer(stamp_ns);
         }

@@ -160,16 +160,21 @@ impl Log<'_> {
 /// How a bag of ROS 1 starts.
 pub const ROS_BAG: &[u8] = b"#ROSBAG V2.0\n";
 
-/// Files that people have, and what to do with them.
+/// The starts of files that people have but nobody reads here, and what to do with them.
 const FOREIGN: &[(&[u8], &str)] = &[
     (b"#ROSBAG V1", "it is a bag of ROS 1 in its old version 1; convert it with `rosbag fix FILE NEW.bag`"),
     (b"7z\xBC\xAF\x27\x1C", "it is a 7z archive; unpack it and name a file in it"),
     (b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", "it is a workbook of Excel; save the sheet as CSV"),
+    (b"\xA3\x95", DATAFLASH),
+    (b"FMT, 128, ", DATAFLASH),
     (b"{\"", JSON),
     (b"[{", JSON),
     (b"\x80\x04\x95", PICKLE),
     (b"\x80\x05\x95", PICKLE),
 ];
+
+const DATAFLASH: &str = "it is an ArduPilot DataFlash log, which is not read yet; convert it with pymavlink: \
+                         `mavlogdump.py --format csv --types IMU FILE > imu.csv`";
 
 const JSON: &str = "it is JSON; convert it to a table: in Python `pandas.read_json('FILE').to_csv('log.csv')`, with \
                     `lines=True` if each line is an object";

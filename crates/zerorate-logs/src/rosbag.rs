@@ -3,7 +3,7 @@
 
 use super::imu_messages::{Collector, Encoding, Quantities, is_imu};
 use super::open::{Log, ROS_BAG};
-use super::topics::Survey;
+use super::topics::{Survey, without_imu};
 use super::{ColumnQuery, Found, Result};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
@@ -30,7 +30,10 @@ const CONNECTION: u8 = 7;
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let (path, room) = (log.path, log.room);
     let mut file = BufReader::with_capacity(BUFFER, log.input);
-    let topics = topics(path, &mut file, room)?;
+    let (topics, others) = topics(path, &mut file, room)?;
+    if topics.is_empty() {
+        return Err(without_imu(path, &others));
+    }
     let names: BTreeSet<String> = topics.values().cloned().collect();
     let seen = || survey(&mut Records { path, file: &mut file, room, bytes: 0 }, &topics);
     let wanted = Quantities::choose(path, &names, asked, seen)?;
@@ -54,31 +57,35 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     })?;
     let torn = torn.map(|why| {
         let path = path.display();
-        format!("{path} was not closed or is damaged ({why}): what stands before is read, the rest is dropped")
+        format!("{path} was not closed or is damaged ({why}); the rest is dropped")
     });
     Ok(collector.finish(torn, stated))
 }
 
-/// The topics with an IMU by the number of their connection. A bag that was closed lists its connections behind its
-/// chunks; in one that was not they stand in them.
-fn topics(path: &Path, file: &mut BufReader<Input>, room: Room) -> Result<BTreeMap<u32, String>> {
-    let mut connections = BTreeMap::new();
-    let mut all = 0;
+/// The topics with an IMU by the number of their connection, and the types of the other topics. A bag that was closed
+/// lists its connections behind its chunks. In a bag that was not closed, they stand in the chunks.
+fn topics(path: &Path, file: &mut BufReader<Input>, room: Room) -> Result<Topics> {
+    let (mut connections, mut others) = (BTreeMap::new(), BTreeMap::new());
     for skip_chunks in [true, false] {
         let torn = Records { path, file, room, bytes: 0 }.each(skip_chunks, |record| {
-            all += u64::from(record.op() == Some(CONNECTION));
-            connections
-                .extend(record.connection().filter(|(_, _, kind)| is_imu(kind)).map(|(at, topic, _)| (at, topic)));
+            match record.connection() {
+                Some((at, topic, kind)) if is_imu(&kind) => drop(connections.insert(at, topic)),
+                Some((_, topic, kind)) => drop(others.insert(topic, kind)),
+                None => {}
+            }
             Ok(())
         })?;
-        if all > 0 && torn.is_none() {
+        if torn.is_none() && !(connections.is_empty() && others.is_empty()) {
             break;
         }
     }
-    Ok(connections)
+    Ok((connections, others))
 }
 
-/// What there is of them, as far as the file is whole.
+/// Topics by the number of their connection, and types by the name of their topic.
+type Topics = (BTreeMap<u32, String>, BTreeMap<String, String>);
+
+/// The topics with an IMU, as far as the file is whole.
 fn survey(records: &mut Records<'_>, topics: &BTreeMap<u32, String>) -> Survey {
     let mut survey = Survey::default();
     topics.values().for_each(|topic| survey.topic(topic, IMU));

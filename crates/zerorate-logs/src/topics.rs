@@ -1,14 +1,15 @@
-//! What a bag with several IMUs has to choose from, as a table.
+//! The topics of a bag: the IMUs that it offers, as a table, or what it has in their place.
 
 use super::{ColumnQuery, LogError, Setting};
 use std::collections::BTreeMap;
 use std::path::Path;
+use zerorate_record::CaptureError;
 
-/// What was seen of the topics with an IMU, by name.
+/// The topics with an IMU, by name.
 #[derive(Debug, Default)]
 pub struct Survey(pub(super) BTreeMap<String, Topic>);
 
-/// What was seen of one.
+/// A topic, as far as its messages were read.
 #[derive(Debug, Default)]
 pub struct Topic {
     pub kind: String,
@@ -38,6 +39,22 @@ impl Survey {
         };
         all().map(line).collect()
     }
+}
+
+/// A bag without an IMU; `others` are the types of its topics, by name.
+pub fn without_imu(path: &Path, others: &BTreeMap<String, String>) -> LogError {
+    /// Topics that are named: a bag may have thousands.
+    const NAMED: usize = 20;
+    let named = others.iter().take(NAMED).map(|(topic, kind)| format!("{topic} ({kind})").escape_debug().to_string());
+    let mut named: Vec<String> = named.collect();
+    if others.len() > NAMED {
+        named.push(format!("and {} more", others.len() - NAMED));
+    }
+    let has = match named.is_empty() {
+        true => "it has no messages".to_owned(),
+        false => format!("it has {}", named.join(", ")),
+    };
+    CaptureError::not_a_log(path, format!("it is a bag without a topic of type sensor_msgs/msg/Imu; {has}")).into()
 }
 
 /// Several IMUs, and none of them was meant.

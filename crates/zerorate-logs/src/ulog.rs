@@ -76,7 +76,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
         full.is_none()
     })?;
     full.map_or(Ok(()), |why| Err(CaptureError::no_room(path, why)))?;
-    let torn = torn.map(|why: String| format!("{}: {why}: what stands before is read", path.display()));
+    let torn = torn.map(|why: String| format!("{}: {why}; the rest is dropped", path.display()));
     let name = format!("{}.{}", chosen.topic, chosen.time.name);
     let columns = chosen.fields.into_iter().zip(values).map(|((name, field), values)| FoundColumn {
         stated: stated(&chosen.topic, &field.name).or_else(|| temperature(&chosen.topic, &field.name)),

@@ -151,8 +151,12 @@ impl<'a> TextColumns<'a> {
     }
 
     fn finish(self, head: Head, asked: &ColumnQuery<'_>) -> Result<Found> {
+        let rows = self.rows();
         let Self { cut, columns, times, numerals, broken, torn, .. } = self;
         let (path, names) = (cut.path, asked.args.names);
+        if rows == 0 && broken.bad == 0 {
+            return Err(CaptureError::not_a_log(path, "it has a header and no rows; was anything recorded?").into());
+        }
         if let Some((line, what)) = numerals.doubt(names.of(Setting::Decimal)) {
             return Err(LogError::File(at_line(path, line, &what)));
         }

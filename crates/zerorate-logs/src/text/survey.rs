@@ -38,6 +38,7 @@ pub fn settle(path: &Path, input: Input, head: &mut Head, args: &ColumnOptions) 
     match head.open {
         Open::Nothing => {}
         Open::OneNameLess if survey.ends_empty => head.width -= 1,
+        Open::OneNameLess if head.has_clash() => return Err(head.miscounted(path, head.lines, head.names.len())),
         Open::OneNameLess => match (survey.is_index, survey.is_decimal) {
             (true, false) => head.index = true,
             (false, true) => head.read_as_decimals(),

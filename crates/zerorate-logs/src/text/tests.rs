@@ -64,6 +64,40 @@ fn one_column_with_decimal_commas() {
     assert!(fails("gz\n1,234\n5,678\n", "--rate 10").contains("`1,234` is 1.234 or 1234; give --decimal comma"));
 }
 
+/// Commas cut the rows, and the numbers as well.
+#[test]
+fn decimal_commas_between_commas() {
+    let clash = "decimal commas and comma separators clash in this file. Export it with \";\" or with decimal points";
+    let cut = |number: f64, decimals: usize| format!("{number:.decimals$}").replace('.', ",");
+    let row = |at: i32| format!("{},{},{}\n", cut(at.into(), 3), cut(-0.05 + 0.01 * f64::from(at), 3), cut(0.5, 1));
+    let rows: String = (0..40).map(row).collect();
+    let said = fails(&format!("t_s,gx,gy\n{rows}"), "--column gx --rate 10");
+    assert!(said.contains("the header has 3 names, and the rows below have 6 cells") && said.ends_with(clash), "{said}");
+    for (text, options) in [
+        (rows.clone(), "--column 1 --rate 10"),
+        (format!("t_s,gx,gy\n{rows}"), "--column gx --rate 10 --decimal comma"),
+        // a counter before a number, as the index of a table
+        ("n,gx\n0,0,125\n1,0,0625\n2,0,25\n".to_owned(), "--column gx --rate 10"),
+        // some numbers without decimals
+        ("n,gx,gy\n0,0,125,0,05\n1,0,0625,0,5\n2,0,25,0,1\n".to_owned(), "--column gx --rate 10"),
+    ] {
+        let said = fails(&text, options);
+        assert!(said.ends_with(clash), "{text}: {said}");
+    }
+    // columns of integers, with and without padding
+    for text in ["a,b,c,d\n1,05,2,3\n2,06,2,4\n", "1,5,2,3\n2,6,2,4\n", "1,05,-2,-3\n2,06,2,4\n"] {
+        assert_eq!(numbers(&read(text, "--column 1 --rate 10")), [5.0, 6.0]);
+    }
+}
+
+#[test]
+fn a_header_without_rows() {
+    for text in ["t_s,gx,gy\n", "t_s,gx,gy", "gx_dps;gy_dps\n"] {
+        let said = fails(text, "--column 1 --rate 10");
+        assert!(said.contains("it has a header and no rows"), "{text}: {said}");
+    }
+}
+
 #[test]
 fn thousands_beside_decimals() {
     let rows: String = (0..300).map(|row| format!("{row},\"1,{:03}.5\"\n", row * 3)).collect();
