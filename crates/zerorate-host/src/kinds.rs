@@ -17,9 +17,9 @@ use crate::{iio::IioAddress, spi::SpiAddress};
 /// A kind of device.
 #[derive(Clone, Copy, Debug)]
 pub struct Kind {
-    /// What its addresses begin with, before the colon.
+    /// Start of its addresses, before the colon.
     pub name: &'static str,
-    /// How they look.
+    /// The form of its addresses.
     pub form: &'static str,
     parse: fn(&str) -> Parsed,
 }
@@ -47,10 +47,10 @@ fn only_linux(_: &str) -> Parsed {
         .to_owned())
 }
 
-/// What `--device` names.
+/// The device that `--device` names.
 #[derive(Clone, Debug)]
 pub struct DeviceSpec {
-    /// As it was given.
+    /// The text as it was given.
     text: String,
     address: Arc<dyn Address>,
 }
@@ -74,7 +74,7 @@ impl DeviceSpec {
         self.address.is_simulated()
     }
 
-    /// Opens the device; sends nothing to the part yet. `stop` ends whatever takes long.
+    /// Opens the device; sends nothing to the part yet. `stop` ends every long wait.
     ///
     /// # Errors
     /// Why it cannot be opened.

@@ -109,7 +109,7 @@ fn each_kind_is_named_where_none_fits() {
     assert!(format!("{bandwidth:?}").contains("bandwidth_hz: Some(50.0)"), "{bandwidth:?}");
 }
 
-/// What is drawn is each axis's own, what is given holds for all; clock and warmth are one.
+/// Each axis draws its own values, given values hold for all; clock and warmth are shared.
 #[test]
 fn a_twin_may_have_several_axes() {
     for (wrong, hint) in [("axes=0", "1, 2 or 3"), ("axes=4", "1, 2 or 3"), ("axes=three", "1, 2 or 3")] {

@@ -26,9 +26,9 @@ const FILES: [(&str, &[u8]); 16] = [
 
 /// What follows `allan`, the exit code, and what is said.
 const CASES: [(&str, i32, &str); 22] = [
-    ("word.csv --column x --rate 9", 1, "word.csv, line 4, column x: `abc` is no number"),
+    ("word.csv --column x --rate 9", 1, "word.csv, line 4, column x: `abc` is not a number"),
     ("inf.csv --rate 9", 1, "inf.csv, line 3, column x: it is infinite"),
-    ("marks.csv --column x --rate 9", 1, "marks.csv, line 3, column x: `2,5` is no number with a decimal point"),
+    ("marks.csv --column x --rate 9", 1, "marks.csv, line 3, column x: `2,5` is not a number with a decimal point"),
     ("thousands.csv --column x --rate 9", 1, "thousands.csv, line 2: `1,500` is 1.500 or 1500; give --decimal comma"),
     ("short.csv --column x --rate 9", 1, "short.csv, line 3, column x: the line ends before this cell"),
     (
