@@ -211,7 +211,7 @@ impl Coding<'_> {
     fn no_codes(&self, name: &str, row: usize, value: f64) -> LogError {
         let remedy = format!("state its unit in its name, as in {}", self.remedy);
         LogError::Ask(format!(
-            "{}, column {name}, row {row}: {value} is no code, and no unit is stated; {remedy}",
+            "{}, column {name}, row {row}: {value} is not a code, and no unit is stated; {remedy}",
             self.path.display()
         ))
     }

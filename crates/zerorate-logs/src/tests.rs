@@ -297,7 +297,7 @@ fn a_capture_tells_what_it_lost() {
     let back = "0,1,8388608,8,,0\n10,2,8388608,8,,0\n10,3,8388608,8,,0\n";
     assert!(folder.fails(format!("{head}{back}"), "").contains("row 2: t_ns does not increase, from 10 to 10"));
     let wide = "0,1,16777216,8,,0\n";
-    assert!(folder.fails(format!("{head}{wide}"), "").contains("16777216 is no code of 24 bits"));
+    assert!(folder.fails(format!("{head}{wide}"), "").contains("16777216 is not a code of 24 bits"));
 }
 
 /// A number of samples counts those that are missing; a gap that is cut through is left out whole.

@@ -47,7 +47,7 @@ const CASES: [(&str, i32, &str); 22] = [
     ("short.csv --column t --time-column t", 2, "both time and rate in `t`"),
     ("short.csv --column x --time-column when", 2, "no column `when`; choose with --time-column one of: 0 `t`, 1 `x`"),
     ("twice.csv --column x --rate 9", 2, "several columns `x`, so it takes their number"),
-    ("inf.csv --rate 9 --unit knots", 2, "`knots` is no unit of angular rate or acceleration; choose dps"),
+    ("inf.csv --rate 9 --unit knots", 2, "`knots` is not a unit of angular rate or acceleration; choose dps"),
     ("inf.csv --time-column 0 --rate 9", 2, "--rate"),
     ("inf.csv --time-unit s", 2, "--time-column"),
     ("ros1.bag --rate 9", 1, "ros1.bag cannot be read as a log: it is a bag of ROS 1 in its old version 1; convert"),
