@@ -15,7 +15,7 @@ fn is_z(column: &Column, name: &str) {
     assert!((column.rate_hz - 200.0).abs() < 1e-9, "{}", column.rate_hz);
 }
 
-/// Whatever is cut off, nothing panics.
+/// Cut anywhere, nothing panics.
 fn cut(bytes: &[u8], options: &str) {
     let folder = Folder::new();
     (0..bytes.len()).step_by(97).for_each(|at| drop(folder.read(&bytes[..at], options)));
@@ -105,7 +105,7 @@ fn matrices_of_matlab() {
     }
 }
 
-/// As h5py writes it in its oldest and its newest form, and hdf5storage for MATLAB.
+/// Files of h5py in its oldest and its newest form, and of hdf5storage for MATLAB.
 #[test]
 fn data_sets_of_hdf5() {
     let folder = Folder::new();

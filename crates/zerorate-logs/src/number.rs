@@ -2,7 +2,7 @@
 
 use super::Decimal;
 
-/// What a cell of text holds.
+/// The content of a cell of text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Number {
     /// Nothing, or a word for nothing.
@@ -126,7 +126,7 @@ const TENS: [f64; 23] = [
     1e20, 1e21, 1e22,
 ];
 
-/// Digits that a u64 holds, whatever they are.
+/// Digits that always fit a u64.
 const DIGITS: usize = 18;
 
 /// A number of a sign, digits and a point at most, which is what nearly all are. An integer over a power of ten, both

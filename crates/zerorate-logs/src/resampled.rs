@@ -1,5 +1,5 @@
-//! Logs that were resampled, filled in, or read from a sensor faster than it converts: their noise is not that of the
-//! sensor.
+//! Logs that were resampled, filled in, or read from a sensor faster than it converts: their noise is not the noise of
+//! the sensor.
 
 use super::series::Series;
 
@@ -12,12 +12,12 @@ const ENOUGH: usize = 500;
 /// Share of the samples from which it is said.
 const SAID: f64 = 0.02;
 
-/// Steps of the numbers in the usual difference between samples, from which equal ones are no chance: with Gaussian
-/// differences 1 in 370 then.
+/// Number of steps in the usual difference between samples. Above it, equal samples do not come by chance: with
+/// Gaussian differences, 1 in 370 then.
 const FINE: f64 = 100.0;
 
-/// What is to be said of samples that repeat the one before, or lie on the line between their neighbours, to the last
-/// digit. Of numbers too coarse to tell nothing is said.
+/// The text about samples that repeat the one before, or lie on the line between their neighbours, to the last digit.
+/// None where the numbers are too coarse to tell.
 pub fn doubt(series: &Series) -> Option<String> {
     let samples: Vec<f64> = match series {
         Series::Codes(codes) => codes.iter().take(LOOKED_AT).map(|code| f64::from(*code)).collect(),

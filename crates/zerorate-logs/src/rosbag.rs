@@ -18,7 +18,7 @@ const BUFFER: usize = 1 << 18;
 /// The longest head of a record: a connection names a topic and a type.
 const MAX_HEAD: u32 = 1 << 16;
 
-/// What ROS 1 calls the message.
+/// The type of the message in ROS 1.
 const IMU: &str = "sensor_msgs/Imu";
 
 const MESSAGE: u8 = 2;
@@ -115,7 +115,7 @@ impl Record {
         Some(u32::from_le_bytes(*field(&self.head, name)?.first_chunk()?))
     }
 
-    /// How many messages of each connection a chunk has, as the index at the end of the bag states.
+    /// The number of messages of each connection in a chunk, as the index at the end of the bag states.
     fn counts(&self) -> impl Iterator<Item = (u32, u32)> {
         let number = |bytes: &[u8; 4]| u32::from_le_bytes(*bytes);
         self.data.as_chunks::<4>().0.as_chunks::<2>().0.iter().map(move |[conn, count]| (number(conn), number(count)))
@@ -146,7 +146,7 @@ struct Records<'a> {
     path: &'a Path,
     file: &'a mut BufReader<Input>,
     room: Room,
-    /// What all chunks unpacked to.
+    /// Bytes of all chunks after unpacking.
     bytes: u64,
 }
 
@@ -220,7 +220,7 @@ impl Records<'_> {
         Ok(bytes)
     }
 
-    /// How many bytes follow, which must be there.
+    /// The number of bytes that follow, which must be there.
     fn length(&mut self, end: u64, most: Option<u32>) -> Result<u32, Stop> {
         let mut length = [0; 4];
         self.file.read_exact(&mut length)?;

@@ -46,7 +46,7 @@ pub fn options(text: &str) -> ColumnOptions {
     options
 }
 
-/// What a command line calls the options.
+/// The names of the options on a command line.
 fn flag(setting: Setting) -> &'static str {
     match setting {
         Setting::Column => "--column",
@@ -177,7 +177,7 @@ fn damaged_tables_are_errors() {
         for at in (0..table.len()).step_by(11) {
             let mut damaged = table.clone();
             damaged[at] ^= 0xFF;
-            // whatever it says, it says it
+            // any answer will do
             drop(folder.read(&damaged, "--rate 5"));
             drop(folder.read(&table[..at], "--rate 5"));
         }

@@ -60,7 +60,7 @@ rows!(match LogWarning {
         by: &["allan", "imu"],
         seen: "A bag states at its end, in its index or in its `metadata.yaml`, how many messages a topic has, and \
             holds another number of them.",
-        matters: "The bag is damaged, or a part of it is missing or came from elsewhere: bytes were changed, a file \
+        matters: "The bag is damaged, or a part of it is missing or came from elsewhere. Bytes were changed, a file \
             was cut and closed again, or a file of another recording lies in the folder. The messages that are there \
             are read.",
         remedy: "Take another copy of the bag. If there is none, `ros2 bag reindex` counts the messages again.",
@@ -103,8 +103,8 @@ rows!(match LogWarning {
         text: format_args!("{path}, {column}: {how}"),
         says: Says::Warning,
         by: &["allan", "imu", "probe", "capture", "calibrate", "recalibrate", "stream", "serve"],
-        seen: "Rows of a log were out of order, there twice, or had stamps that cannot be theirs, in a way that \
-            has one explanation: a queue, a counter that wrapped around, a coarse clock.",
+        seen: "Rows of a log were out of order, there twice, or had impossible stamps. All of it has one \
+            explanation: a queue, a counter that wrapped around, or a coarse clock.",
         matters: "The rows were put right. They are sorted by time, and a row that is there twice counts once. A \
             wrong stamp is replaced by the time halfway between its neighbours; its sample counts. A counter that \
             wrapped around is unwrapped. Where a clock was set back, no sample is taken as lost.",
@@ -216,9 +216,9 @@ rows!(match LogWarning {
         text: format_args!("{text}"),
         says: Says::Warning,
         by: &["allan"],
-        seen: "Among records that were to have one model, one differs by more than chance: in the angle random walk \
-            N, in its slow noise (flicker, random walk or memory; the text gives the change of −2 ln L), or because \
-            it has no model of its own.",
+        seen: "Among records that were to have one model, one differs by more than chance. Either its angle random \
+            walk N differs, or its slow noise (flicker, random walk or memory; the text gives the change of −2 ln L), \
+            or it has no model of its own.",
         matters: "That record is left out of the common model. Of only two records both are kept, and both are \
             suspect.",
         remedy: "Look at it by itself. A third record would tell which is the exception.",

@@ -1,12 +1,12 @@
-//! Why numbers are no result.
+//! Reasons why numbers must not become a result.
 
 use std::fmt;
 use zerorate_allan::Fit;
 
-/// Why the coefficients of an axis are no result.
+/// Why the coefficients of an axis must not become a result.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Doubt {
-    /// There is no noise model.
+    /// The record has no noise model.
     NoModel(String),
     /// It is off by so much, as a share.
     Rejected(f64),
@@ -64,7 +64,7 @@ impl Doubts {
         self.0.first().map(|(doubt, _)| doubt.code())
     }
 
-    /// Whether nothing stands against a file with the numbers. With `force` only a model that is not there does.
+    /// Whether a file with the numbers may be written. With `force`, only a missing model forbids it.
     #[must_use]
     pub fn allow(&self, force: bool) -> bool {
         self.0.iter().all(|(doubt, _)| force && matches!(doubt, Doubt::Rejected(_)))

@@ -20,7 +20,7 @@ pub struct Moment {
     pub at_s: f64,
     /// The names of the axes.
     pub axes: Vec<String>,
-    /// What happens.
+    /// The kind of motion.
     pub kind: MotionKind,
 }
 

@@ -1,4 +1,4 @@
-//! How a text starts: what was printed before the data, a header of one line or two, and how its rows are cut.
+//! The start of a text: lines printed before the data, a header of one line or two, and the cuts of its rows.
 
 use super::super::number::{Number, Numerals};
 use super::super::{ColumnOptions, Decimal, LogError, Result, Setting};
@@ -12,20 +12,20 @@ const LINES: usize = 1000;
 /// A line with its number, counted from 1.
 type Numbered<'a> = (u64, &'a str);
 
-/// How a text is laid out.
+/// The layout of a text.
 #[derive(Clone, Debug)]
 pub struct Head {
-    /// What cuts a row.
+    /// The delimiter of a row.
     pub delimiter: Delimiter,
     /// Cells of a row.
     pub width: usize,
     /// The names of the columns, or their numbers.
     pub names: Vec<String>,
-    /// Which of them hold numbers.
+    /// Whether each column holds numbers.
     pub numeric: Vec<bool>,
     /// Lines before the first row.
     pub lines: u64,
-    /// Of those, what is neither header nor comment: their number, and the first.
+    /// The number of these lines that are neither header nor comment, and the first of them.
     pub skipped: Option<(usize, String)>,
     /// The decimal mark, as far as these lines tell.
     pub decimal: Option<Decimal>,
@@ -33,11 +33,11 @@ pub struct Head {
     cuts_numbers: bool,
     /// The first cell of a row is an index, which has no name.
     pub index: bool,
-    /// What only the whole text can tell.
+    /// Questions that only the whole text can answer.
     pub open: Open,
 }
 
-/// What the first lines leave open.
+/// A question that the first lines leave open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Open {
     /// Nothing.
@@ -48,7 +48,7 @@ pub enum Open {
     TwoOrDecimals,
 }
 
-/// What the lines of one layout have in common.
+/// The common layout of lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Shape {
     delimiter: Delimiter,
@@ -61,7 +61,7 @@ pub fn is_comment(line: &str) -> bool {
 }
 
 impl Head {
-    /// Of the lines of `text`, with which the file begins.
+    /// Reads the head from `text`, the lines with which the file begins.
     pub fn read(path: &Path, text: &str, args: &ColumnOptions) -> Result<Self> {
         if text.contains('\r') && !text.contains('\n') {
             let what = "its lines end with a carriage return alone; convert it with `tr '\\r' '\\n' < FILE`";
@@ -225,20 +225,20 @@ impl Shape {
             }
         }
         let (shape, _) = votes.into_iter().rev().max_by_key(|(_, count)| *count)?;
-        // where nothing is cut a comma is that of a decimal
+        // where nothing is cut, a comma marks decimals
         let is_one = shape == Self { delimiter: Delimiter::Comma, width: 1 };
         Some(if is_one { Self { delimiter: Delimiter::Semicolon, ..shape } } else { shape })
     }
 }
 
-/// What the lines of the shape of most tell.
+/// The findings from the lines of the most common shape.
 struct Rows {
-    /// The first of them that is no header.
+    /// Index of the first line that is not a header.
     first: usize,
     numeric: Vec<bool>,
     all_integers: bool,
     decimal: Option<Decimal>,
-    /// As in [`Head`].
+    /// Some cell begins like the decimals of a number, as [`Head`] has it.
     cuts_numbers: bool,
     /// Each second cell looks like the decimals of the cell before.
     all_are_cut: bool,
@@ -349,7 +349,7 @@ fn shortened(line: &str) -> String {
     }
 }
 
-/// What separates the cells of this line. A comma between numbers that stand in blanks is a decimal comma.
+/// The delimiter of the cells of this line. A comma between numbers that stand in blanks is a decimal comma.
 fn delimiter(line: &str, decimal: Option<Decimal>) -> Delimiter {
     let several = |cell: &str| cell.split(' ').filter(|part| part.parse::<f64>().is_ok()).count() > 1;
     let found = match decimal {

@@ -11,17 +11,17 @@ use std::path::Path;
 use zerorate_record::CaptureError;
 use zerorate_record::delimited::Delimiter;
 
-/// Which cells of a line are wanted.
+/// The wanted cells of a line.
 pub struct Cut<'a> {
     /// The file.
     pub path: &'a Path,
-    /// What separates cells.
+    /// The delimiter of cells.
     pub delimiter: Delimiter,
-    /// How many a line has.
+    /// The number of cells of a line.
     pub width: usize,
     /// Places in a line, in their order, and which of the wanted ones each is.
     pub wanted: Vec<(usize, usize)>,
-    /// Which of the wanted ones is the time.
+    /// The index of the time among the wanted cells.
     pub time: Option<usize>,
     /// Names of the wanted ones.
     pub names: Vec<String>,
@@ -29,13 +29,13 @@ pub struct Cut<'a> {
     pub head: u64,
 }
 
-/// What a block of lines holds.
+/// The content of a block of lines.
 pub struct Piece {
-    /// For each wanted cell a number for each row, NaN where it is missing, and whether all are codes.
+    /// The numbers of each wanted cell, NaN where one is missing, and whether all of them are codes.
     pub columns: Vec<(Vec<f64>, bool)>,
     /// Times of the rows, if they are wanted.
     pub times: Vec<Time>,
-    /// Lines, whatever they hold.
+    /// Lines of any kind.
     pub lines: u64,
     /// Rows and broken lines.
     pub rows: u64,
@@ -45,9 +45,9 @@ pub struct Piece {
     pub first_bad: Option<Wrong>,
     /// A value that must not be skipped.
     pub fatal: Option<Wrong>,
-    /// What is wrong with the last line, which lacks its end.
+    /// The error in the last line, which lacks its end.
     pub cut: Option<Wrong>,
-    /// What the numbers tell of the decimal mark.
+    /// Evidence of the decimal mark.
     pub numerals: Numerals,
 }
 
@@ -66,7 +66,7 @@ pub enum Time {
 }
 
 impl Piece {
-    /// Of no line, of so many columns.
+    /// An empty piece for this number of columns.
     pub fn new(columns: usize) -> Self {
         Self {
             columns: vec![(Vec::new(), true); columns],
@@ -81,7 +81,7 @@ impl Piece {
         }
     }
 
-    /// The same of no line again, in the memory that it has: what is new costs as much as what is read into it.
+    /// Empties the piece but keeps its memory: new memory costs as much as reading into it.
     pub fn clear(&mut self, numerals: Numerals) {
         self.columns.iter_mut().for_each(|(column, are_codes)| {
             column.clear();

@@ -22,7 +22,7 @@ fn a_header_with_one_name_too_few() {
         let column = read(&text, "--column gy --rate 10");
         assert_eq!((column.name.as_str(), numbers(&column)[4]), ("gy", 0.25), "{header}");
         assert_eq!(numbers(&read(&text, "--column 0 --rate 10"))[4], 2.5, "{header}");
-        // what counts no rows is no index
+        // a column that does not count the rows is not an index
         let text = text.replacen("\n", "\n9", 1);
         let said = fails(&text.replace("\n9\"1\"", "\n\"9\""), "--column gy --rate 10");
         assert!(said.contains("the header has 2 names, and the rows below have 3 cells"), "{said}");
@@ -32,7 +32,7 @@ fn a_header_with_one_name_too_few() {
     assert!(said.contains("line 1: the header has 4 names, and the rows below have 3 cells"), "{said}");
     let said = fails("t,x\n0,1,2,4\n1,2,3,5\n", "--column x --rate 10");
     assert!(said.contains("the header has 2 names, and the rows below have 4 cells"), "{said}");
-    // a delimiter at the end of each row, or of the header, is no cell
+    // a delimiter at the end of each row, or of the header, does not make a cell
     for text in ["t,x\n0,1,\n1,2,\n2,4,\n", "t,x,\n0,1\n1,2\n2,4\n", "t,x,\n0,1,\n1,2,\n2,4,\n"] {
         assert_eq!(numbers(&read(text, "--column x --rate 10")), [1.0, 2.0, 4.0], "{text:?}");
     }
@@ -155,7 +155,7 @@ fn names_above_units() {
     assert!(column.warnings.is_empty(), "{:?}", column.warnings);
 }
 
-/// What a board prints while it starts, and what a cable makes of some lines.
+/// The lines that a board prints while it starts, and lines that a cable broke.
 #[test]
 fn a_serial_log() {
     let mut lines: Vec<String> = (0..2000).map(|row| format!("{},{}.5,-3", row * 10, row % 7)).collect();

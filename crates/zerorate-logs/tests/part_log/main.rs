@@ -8,7 +8,7 @@ use zerorate::Part;
 use zerorate_logs::{ColumnOptions, PartLog};
 use zerorate_record::Row;
 
-/// The scales are those of the data sheet; the log holds no temperature, so that is made up.
+/// The scales come from the data sheet; the log holds no temperature, so that column is made up.
 const ADIS16405: &str = r#"
     schema = 1
     name = "ADIS16405"
