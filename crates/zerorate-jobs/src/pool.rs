@@ -8,11 +8,11 @@ use zerorate_logs::{LogWarning, Record};
 pub struct Pool {
     /// It, as a record of its own.
     pub record: Record,
-    /// How far the records lie apart beyond their own intervals.
+    /// The distance of the records beyond their own intervals.
     pub spread: Vec<Spread>,
-    /// Those that do not fit.
+    /// The records that do not fit.
     pub apart: Vec<Misfit>,
-    /// Those that the model is of, by name.
+    /// The records that the model describes, by name.
     pub used: Vec<String>,
 }
 

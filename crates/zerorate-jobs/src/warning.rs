@@ -191,7 +191,8 @@ rows!(match JobWarning {
         by: &["serve", "stream", "chamber"],
         seen: "What a run keeps for later has no place: calibrations that are made on the page, the state of the \
                tracking, or the finished steps of a measurement in a chamber. The disk may be full.",
-        matters: "The run goes on, and its results are right. Whatever cannot be kept is lost when the program ends.",
+        matters: "The run goes on, and its results are right. Results that cannot be kept are lost when the program \
+                  ends.",
         remedy: "Make room: the state and the steps are written again a minute or a step later. Download calibrations \
                  from the page, or give the program a folder.",
         command: "zerorate serve --folder calibrations",

@@ -18,8 +18,8 @@ const ON_GRID: f64 = 1e-4;
 
 /// A log whose columns are the axes of a part, and its temperature.
 ///
-/// Integers without a unit are codes; values with a unit become the nearest codes. A row that lacks an axis is no
-/// reading, and counts as lost with the row after it.
+/// Integers without a unit are codes; values with a unit become the nearest codes. A row that lacks an axis is
+/// not a reading, and counts as lost with the row after it.
 #[derive(Debug)]
 pub struct PartLog {
     info: CaptureInfo,

@@ -436,7 +436,7 @@ fn what_leads_on() {
         assert!(run.contains(said), "{line}: {run}");
     }
     let run = bench.zerorate("imu imu.csv -o none/imu.yaml").fails(1);
-    assert!(run.contains("cannot write none/imu.yaml: there is no folder none; make it"), "{run}");
+    assert!(run.contains("cannot write none/imu.yaml: the folder none does not exist; make it"), "{run}");
     let run = bench.zerorate("imu imu.csv -o -").fails(2);
     assert!(run.contains("give the file a name") && !bench.path("-").exists(), "{run}");
     let run = bench.zerorate("imu imu.csv --column 1,2,3 --format VINS").ended_with(0);

@@ -141,7 +141,7 @@ impl<'a> Measurement<'a> {
         Ok(())
     }
 
-    /// Where the twin was asked for its truth, it is kept; and with a target, looked at whether that is reached.
+    /// Keeps the twin's truth where it was asked for. With a target, checks whether it is reached.
     #[inline]
     fn mark(&mut self) -> Result<()> {
         let truths = self.acquisition.truths();
@@ -200,7 +200,7 @@ impl<'a> Measurement<'a> {
     }
 }
 
-/// How a refusal is worded.
+/// The wording of refusals.
 #[derive(Clone, Copy)]
 struct Words {
     names: Names,

@@ -152,7 +152,7 @@ fn vins(file: &mut Text, numbers: &Numbers) {
     file.number("gyr_n", gyroscope.0.as_ref(), "rad/s");
     file.number("acc_w", accelerometer.1.as_ref(), "m/s³");
     file.number("gyr_w", gyroscope.1.as_ref(), "rad/s²");
-    file.line(&format!("g_norm: {G_NORM}   # m/s², standard gravity: put that of your place here"));
+    file.line(&format!("g_norm: {G_NORM}   # m/s², standard gravity: put your local gravity here"));
     file.line(&format!("# the rate: {rate_hz:.6} Hz; at another the four numbers are others"));
 }
 

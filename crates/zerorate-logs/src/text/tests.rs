@@ -143,7 +143,7 @@ fn times_as_clocks_show_them() {
         assert!((column.rate_hz - 100.0).abs() < 1e-6 && column.missing() == 0, "{times:?}");
     }
     let said = fails("time,gz\n05/06/2026 07:08 AM,1\n05/06/2026 07:09 AM,2\n", "--column gz --time-column time");
-    assert!(said.contains("is no number, and no time such as 2026-03-01 12:00:00.25"), "{said}");
+    assert!(said.contains("is not a number, and no time such as 2026-03-01 12:00:00.25"), "{said}");
 }
 
 #[test]
