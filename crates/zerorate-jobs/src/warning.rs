@@ -100,9 +100,7 @@ rows!(match JobWarning {
     Self::Readings(ref warning) => Row { code: { warning.code() }, text: format_args!("{warning}") },
     Self::Overflowed(samples) => Row {
         code: "queue-overflow",
-        text: format_args!(
-            "{samples} samples were lost, as disk or processor is too slow; use a divider"
-        ),
+        text: format_args!("{samples} samples were lost, as disk or processor is too slow; use a divider"),
         says: Says::Warning,
         by: &["probe", "capture"],
         seen: "Samples were read, but the disk or the processor was too slow to keep them.",
@@ -112,9 +110,7 @@ rows!(match JobWarning {
     },
     Self::Damaged(frames) => Row {
         code: "damaged-frames",
-        text: format_args!(
-            "{frames} frames from the bridge were damaged; check its cable, or lower the baud rate"
-        ),
+        text: format_args!("{frames} frames from the bridge were damaged; check its cable, or lower the baud rate"),
         says: Says::Warning,
         by: &["probe", "capture", "serve"],
         seen: "Frames of the bridge came damaged over its cable.",
@@ -124,9 +120,7 @@ rows!(match JobWarning {
     },
     Self::UnknownSerial { ref cal, ref calibrated, ref name, advice } => Row {
         code: "unknown-serial",
-        text: format_args!(
-            "{cal} is for part {calibrated}; {name} may be another: {advice}"
-        ),
+        text: format_args!("{cal} is for part {calibrated}; {name} may be another: {advice}"),
         says: Says::Warning,
         by: &["stream", "correct", "serve"],
         seen: "Nothing shows that the calibration belongs to this very part: the calibration, the recording or the \
@@ -137,9 +131,7 @@ rows!(match JobWarning {
     },
     Self::NoSerial { ref cal } => Row {
         code: "unknown-serial",
-        text: format_args!(
-            "{cal} states no serial number; give one to `zerorate calibrate` next time"
-        ),
+        text: format_args!("{cal} states no serial number; give one to `zerorate calibrate` next time"),
     },
     Self::LogFailed { after_s, ref why } => Row {
         code: "log-failed",
@@ -184,9 +176,7 @@ rows!(match JobWarning {
     },
     Self::StateNotKept { ref why, again_s } => Row {
         code: "not-kept",
-        text: format_args!(
-            "the state cannot be written: {why}; the next attempt is in {again_s} s"
-        ),
+        text: format_args!("the state cannot be written: {why}; the next attempt is in {again_s} s"),
         says: Says::Warning,
         by: &["serve", "stream", "chamber"],
         seen: "What a run keeps for later has no place: calibrations that are made on the page, the state of the \
@@ -201,9 +191,7 @@ rows!(match JobWarning {
         Row { code: "not-kept", text: format_args!("the finished steps cannot be kept: {why}") },
     Self::LimitsUnknown => Row {
         code: "limits-unknown",
-        text: format_args!(
-            "the file of the part lacks operating_c; only the plan protects the part"
-        ),
+        text: format_args!("the file of the part lacks operating_c; only the plan protects the part"),
         says: Says::Warning,
         by: &["chamber"],
         seen: "The file of the part does not state at which temperatures the part may operate.",
@@ -221,9 +209,7 @@ rows!(match JobWarning {
     },
     Self::Resumed => Row {
         code: "resumed",
-        text: format_args!(
-            "the measurement was interrupted; the bias may have changed if power was off"
-        ),
+        text: format_args!("the measurement was interrupted; the bias may have changed if power was off"),
         says: Says::Warning,
         by: &["chamber"],
         seen: "The measurement was interrupted, and went on from its finished steps.",

@@ -102,8 +102,5 @@ fn encoding(path: &Path, channel: &Channel<'_>) -> Result<Encoding, CaptureError
 }
 
 fn torn(path: &Path, error: &Torn) -> String {
-    format!(
-        "{} was not closed or is damaged ({error}); the rest is dropped",
-        path.display()
-    )
+    format!("{} was not closed or is damaged ({error}); the rest is dropped", path.display())
 }

@@ -56,7 +56,8 @@ impl Numerals {
         if is_missing(cell) {
             return Ok(Number::Missing);
         }
-        let number = cell.parse().ok().or_else(|| of_fortran(cell)).ok_or_else(|| format!("`{cell}` is not a number"))?;
+        let number =
+            cell.parse().ok().or_else(|| of_fortran(cell)).ok_or_else(|| format!("`{cell}` is not a number"))?;
         if cell.contains('.') {
             self.with_point(cell)?;
         }
@@ -227,7 +228,9 @@ mod tests {
 
     #[test]
     fn both_marks_are_a_mistake() {
-        assert!(read(&["1.5", "1,5"]).0[1].as_ref().unwrap_err().contains("`1,5` is not a number with a decimal point"));
+        assert!(
+            read(&["1.5", "1,5"]).0[1].as_ref().unwrap_err().contains("`1,5` is not a number with a decimal point")
+        );
         assert!(read(&["1,5", "1.5"]).0[1].as_ref().unwrap_err().contains("decimal comma"));
         for cell in ["1.2345,6", "1234.567,5", "1,23.5", "1.234,5,6", ",123.5"] {
             assert!(read(&[cell]).0[0].as_ref().unwrap_err().contains("no number"), "{cell}");

@@ -90,10 +90,7 @@ fn restamp(rows: &mut [TimedRow], interval: f64) -> Option<String> {
     let stray: Vec<usize> = (1..rows.len().saturating_sub(1)).filter(|at| is_stray(&rows[at - 1..at + 2])).collect();
     let first = stray.first().filter(|_| stray.len() as f64 <= (MAX_STRAY * rows.len() as f64).max(1.0))?;
     stray.iter().for_each(|at| rows[*at].time = 0.5 * (rows[at - 1].time + rows[at + 1].time));
-    Some(format!(
-        "{} rows have a wrong stamp, which is replaced (the first: row {first})",
-        stray.len()
-    ))
+    Some(format!("{} rows have a wrong stamp, which is replaced (the first: row {first})", stray.len()))
 }
 
 /// Adds what a counter lost when it wrapped around: one that counts from zero, or from less than that as far up.
@@ -237,12 +234,9 @@ fn separate(rows: &mut Vec<TimedRow>, columns: &[FoundColumn], interval: f64) ->
 
 /// The texts about dropped rows, and about rows that got another time.
 fn said_of(dropped: &[usize], wrong: &[usize], is_coarse: bool) -> Vec<String> {
-    let dropped = dropped.first().map(|row| {
-        format!(
-            "{} rows repeat the row before and are dropped (the first: row {row})",
-            dropped.len()
-        )
-    });
+    let dropped = dropped
+        .first()
+        .map(|row| format!("{} rows repeat the row before and are dropped (the first: row {row})", dropped.len()));
     let wrong = wrong.first().map(|row| {
         let why = if is_coarse { "coarse clock" } else { "a wrong one" };
         format!("{} rows repeat a stamp ({why}); they count (the first: row {row})", wrong.len())

@@ -41,10 +41,7 @@ pub fn doubt(series: &Series) -> Option<String> {
         Some(share) => (share, "repeat the one before"),
         None => (of_lines()?, "lie on the line between neighbours"),
     };
-    Some(format!(
-        "{:.0} % of the samples {how}; use the raw log",
-        100.0 * share
-    ))
+    Some(format!("{:.0} % of the samples {how}; use the raw log", 100.0 * share))
 }
 
 /// Share of the differences that are none, if that is much, and all others are so large that none is by chance.
@@ -99,7 +96,9 @@ mod tests {
         assert!(said(filled).starts_with("10 % of the samples repeat"));
         let mut drawn = noise(6000, 1e5);
         (3..5999).step_by(10).for_each(|at| drawn[at] = 0.5 * (drawn[at - 1] + drawn[at + 1]));
-        assert!(said(drawn.iter().map(|sample| sample.round()).collect()).contains("lie on the line between neighbours"));
+        assert!(
+            said(drawn.iter().map(|sample| sample.round()).collect()).contains("lie on the line between neighbours")
+        );
         assert!(
             said(drawn.iter().map(|sample| sample * 1e-7 + 9.81).collect()).starts_with("10 % of the samples lie")
         );

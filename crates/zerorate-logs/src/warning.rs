@@ -53,9 +53,7 @@ rows!(match LogWarning {
         Row { code: { warning.code() }, text: format_args!("{path}: {warning}") },
     Self::Miscounted { ref path, ref topic, stated, found } => Row {
         code: "messages-miscounted",
-        text: format_args!(
-            "{path} states {stated} messages of {topic} and holds {found}; take another copy"
-        ),
+        text: format_args!("{path} states {stated} messages of {topic} and holds {found}; take another copy"),
         says: Says::Warning,
         by: &["allan", "imu"],
         seen: "A bag states at its end, in its index or in its `metadata.yaml`, how many messages a topic has, and \
@@ -76,9 +74,7 @@ rows!(match LogWarning {
     },
     Self::OffCodes { ref path, ref column, by, unit, codes } => Row {
         code: "off-codes",
-        text: format_args!(
-            "{path}: column {column} is rounded to codes, by up to {by:.1e} {unit} ({codes:.2} codes)"
-        ),
+        text: format_args!("{path}: column {column} is rounded to codes, by up to {by:.1e} {unit} ({codes:.2} codes)"),
         says: Says::Warning,
         by: &["probe", "capture", "calibrate", "recalibrate", "stream", "serve"],
         seen: "Values of a log do not lie on the codes of the part. They are rounded to the nearest codes.",
@@ -88,9 +84,7 @@ rows!(match LogWarning {
     },
     Self::Stopped { ref path, ref column, same, len } => Row {
         code: "frozen",
-        text: format_args!(
-            "{path}: the last {same} of {len} samples of column {column} are the same; cut them off"
-        ),
+        text: format_args!("{path}: the last {same} of {len} samples of column {column} are the same; cut them off"),
     },
     Self::Hung { ref path, ref column, same, len, from_s } => Row {
         code: "frozen",
@@ -160,9 +154,7 @@ rows!(match LogWarning {
     },
     Self::UnitUnknown { ref path, ref column, unit, scale } => Row {
         code: "unit-unknown",
-        text: format_args!(
-            "{path}: the unit of column {column} is not stated; give {unit} (dps, rad/s …) or {scale}"
-        ),
+        text: format_args!("{path}: the unit of column {column} is not stated; give {unit} (dps, rad/s …) or {scale}"),
         says: Says::Warning,
         by: &["allan", "imu"],
         seen: "The unit of a column is not stated, by its name or by the form of the log.",
@@ -182,15 +174,11 @@ rows!(match LogWarning {
         remedy: "If one of these columns is an axis, name the columns that are axes.",
         command: "zerorate imu log.csv --column gx,gy,gz",
     },
-    Self::BlanksLeftOut { ref path, ref names } => Row {
-        code: "columns-left-out",
-        text: format_args!("{path}: left out, being 0 in every row: {names}"),
-    },
+    Self::BlanksLeftOut { ref path, ref names } =>
+        Row { code: "columns-left-out", text: format_args!("{path}: left out, being 0 in every row: {names}") },
     Self::SeveralImus { ref path, count, kinds, column } => Row {
         code: "several-imus",
-        text: format_args!(
-            "{path}: {count} columns are {kinds}, and an IMU has three; choose with {column}"
-        ),
+        text: format_args!("{path}: {count} columns are {kinds}, and an IMU has three; choose with {column}"),
         says: Says::Warning,
         by: &["imu", "serve"],
         seen: "More than three columns are gyroscopes, or accelerometers.",

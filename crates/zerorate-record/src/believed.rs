@@ -48,7 +48,5 @@ fn of_edges(tally: &Tally) -> Option<CaptureWarning> {
 pub fn frozen_text(frozen: &Frozen, start_ns: u64) -> String {
     let since_s = frozen.since_ns.saturating_sub(start_ns) as f64 * 1e-9;
     let what = if frozen.both { "the readings have" } else { "the rate has" };
-    format!(
-        "{what} not changed since {since_s:.1} s; reset the part, check its data line and supply"
-    )
+    format!("{what} not changed since {since_s:.1} s; reset the part, check its data line and supply")
 }

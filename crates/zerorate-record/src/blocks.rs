@@ -49,9 +49,7 @@ impl Stated {
 /// The warning about a capture that lacks its end, with the number of rows without a check.
 pub fn cut_off(path: &Path, rows: usize) -> CaptureWarning {
     let path = path.display();
-    CaptureWarning::Torn(format!(
-        "{path} was not closed; {rows} rows after its last whole block are dropped"
-    ))
+    CaptureWarning::Torn(format!("{path} was not closed; {rows} rows after its last whole block are dropped"))
 }
 
 /// Gives batches.

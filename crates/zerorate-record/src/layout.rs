@@ -425,7 +425,8 @@ pub(super) fn stated<'a>(path: &Path, metadata: &'a Metadata, key: &str) -> Resu
 /// The value of a key as a number.
 pub(super) fn number<T: FromStr>(path: &Path, metadata: &Metadata, key: &str) -> Result<T, CaptureError> {
     let text = stated(path, metadata, key)?;
-    let wrong = || CaptureError::damaged(path, "metadata", format!("{key} = {text}, which is not a number in its range"));
+    let wrong =
+        || CaptureError::damaged(path, "metadata", format!("{key} = {text}, which is not a number in its range"));
     text.parse().map_err(|_| wrong())
 }
 

@@ -46,15 +46,11 @@ rows!(match CaptureWarning {
     Self::Impossible(ref warning) => Row { code: { warning.code() }, text: format_args!("{warning}") },
     Self::OutOfRange(readings) => Row {
         code: "out-of-range",
-        text: format_args!(
-            "{readings} readings are beyond the range of the part; check motion, supply and wiring"
-        ),
+        text: format_args!("{readings} readings are beyond the range of the part; check motion, supply and wiring"),
     },
     Self::Unjudged { can_judge: true } => Row {
         code: "unjudged",
-        text: format_args!(
-            "the readings are too far apart to tell bit errors from motion; use a smaller divider"
-        ),
+        text: format_args!("the readings are too far apart to tell bit errors from motion; use a smaller divider"),
         says: Says::Warning,
         by: &["capture", "stream", "correct"],
         seen: "The readings are too far apart in time, or too little is known of the part, to tell an impossible \
@@ -65,9 +61,7 @@ rows!(match CaptureWarning {
     },
     Self::Unjudged { can_judge: false } => Row {
         code: "unjudged",
-        text: format_args!(
-            "bit errors cannot be told from motion; state range, bandwidth and noise of the part"
-        ),
+        text: format_args!("bit errors cannot be told from motion; state range, bandwidth and noise of the part"),
     },
     Self::DataReadyStutters { silent_gaps, gaps } => Row {
         code: "data-ready-stutters",
@@ -77,9 +71,7 @@ rows!(match CaptureWarning {
     },
     Self::ClockStands(samples) => Row {
         code: "clock-stands",
-        text: format_args!(
-            "{samples} samples were not later than the one before and count as lost; check the clock"
-        ),
+        text: format_args!("{samples} samples were not later than the one before and count as lost; check the clock"),
         says: Says::Warning,
         by: &["capture"],
         seen: "Samples came that were not later than the sample before.",
@@ -88,9 +80,7 @@ rows!(match CaptureWarning {
     },
     Self::ClockJump(samples) => Row {
         code: "clock-jump",
-        text: format_args!(
-            "the time jumped by {samples} samples, which count as lost; find what stopped the device"
-        ),
+        text: format_args!("the time jumped by {samples} samples, which count as lost; find what stopped the device"),
         says: Says::Warning,
         by: &["capture"],
         seen: "The time of the device jumped forward, by samples that the device did not count.",
@@ -132,9 +122,7 @@ rows!(match CaptureWarning {
     },
     Self::Unchecked { ref path } => Row {
         code: "not-checked",
-        text: format_args!(
-            "{path} is a capture of version 1 without checks; damage may pass unnoticed"
-        ),
+        text: format_args!("{path} is a capture of version 1 without checks; damage may pass unnoticed"),
         says: Says::Warning,
         by: &["probe", "capture", "correct", "repair", "stream", "calibrate", "recalibrate", "serve"],
         seen: "A capture has no checks over its rows: its version is 1, or other software has rewritten it.",
@@ -144,15 +132,11 @@ rows!(match CaptureWarning {
     },
     Self::Rewritten { ref path } => Row {
         code: "not-checked",
-        text: format_args!(
-            "{path} was rewritten by other software and has no checks; prefer the original"
-        ),
+        text: format_args!("{path} was rewritten by other software and has no checks; prefer the original"),
     },
     Self::EdgesMisplaced { ref path, rows } => Row {
         code: "edges-misplaced",
-        text: format_args!(
-            "{path}: edge_seq contradicts the time in {rows} rows; was it edited?"
-        ),
+        text: format_args!("{path}: edge_seq contradicts the time in {rows} rows; was it edited?"),
         says: Says::Warning,
         by: &["probe", "capture", "correct", "repair", "stream", "calibrate", "recalibrate", "serve"],
         seen: "In some rows of a capture the count of data-ready edges (edge_seq) contradicts the time.",

@@ -139,7 +139,11 @@ fn check_units(options: &ImuOptions, path: &Path, axes: &[(Kind, Column)]) -> cr
             continue;
         }
         if let Some(unit) = unit.filter(|unit| unit.quantity() != kind.quantity()) {
-            return Err(LogError::Ask(format!("{unit} is not a unit for {}; {}", kind.plural(), options.remedy(kind))));
+            return Err(LogError::Ask(format!(
+                "{unit} is not a unit for {}; {}",
+                kind.plural(),
+                options.remedy(kind)
+            )));
         }
         let unstated: Vec<&str> =
             of_kind.filter(|column| column.quantity.is_none()).map(|column| column.name.as_str()).collect();

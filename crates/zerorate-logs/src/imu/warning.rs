@@ -54,10 +54,7 @@ impl ImuWarning {
 rows!(match ImuWarning {
     Self::Motion(MotionKind::Jump, ref moments) => Row {
         code: "motion",
-        text: format_args!(
-            "several axes jump together at {}; cut the log there",
-            Named(moments)
-        ),
+        text: format_args!("several axes jump together at {}; cut the log there", Named(moments)),
         says: Says::Warning,
         by: &["allan", "imu"],
         seen: "Several axes jump, or have a glitch, at the same moment.",
@@ -66,10 +63,7 @@ rows!(match ImuWarning {
     },
     Self::Motion(MotionKind::Knock, ref moments) => Row {
         code: "motion",
-        text: format_args!(
-            "several axes have a glitch together at {}; knocked?",
-            Named(moments)
-        ),
+        text: format_args!("several axes have a glitch together at {}; knocked?", Named(moments)),
     },
     Self::KindAbsent(kind, None) => Row {
         code: "kind-absent",
@@ -81,10 +75,8 @@ rows!(match ImuWarning {
             it is fails, rather than trusting a guess.",
         remedy: "Fill them in from another log or from the data sheet, or name the columns.",
     },
-    Self::KindAbsent(kind, Some(setting)) => Row {
-        code: "kind-absent",
-        text: format_args!("{setting} names no {}; fill in its numbers", kind.name()),
-    },
+    Self::KindAbsent(kind, Some(setting)) =>
+        Row { code: "kind-absent", text: format_args!("{setting} names no {}; fill in its numbers", kind.name()) },
 });
 
 impl fmt::Display for ImuWarning {

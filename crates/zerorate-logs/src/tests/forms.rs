@@ -285,7 +285,10 @@ fn bags_without_an_imu_name_their_topics() {
         ),
     ] {
         let said = folder.fails(bag, "--column z");
-        assert!(said.contains("a bag without a topic of type sensor_msgs/msg/Imu") && said.ends_with(topics), "{said}");
+        assert!(
+            said.contains("a bag without a topic of type sensor_msgs/msg/Imu") && said.ends_with(topics),
+            "{said}"
+        );
     }
     let many: Vec<String> = (0..30).map(|at| format!("/{at:02}")).collect();
     let many: Vec<&str> = many.iter().map(String::as_str).collect();

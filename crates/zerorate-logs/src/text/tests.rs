@@ -72,7 +72,10 @@ fn decimal_commas_between_commas() {
     let row = |at: i32| format!("{},{},{}\n", cut(at.into(), 3), cut(-0.05 + 0.01 * f64::from(at), 3), cut(0.5, 1));
     let rows: String = (0..40).map(row).collect();
     let said = fails(&format!("t_s,gx,gy\n{rows}"), "--column gx --rate 10");
-    assert!(said.contains("the header has 3 names, and the rows below have 6 cells") && said.ends_with(clash), "{said}");
+    assert!(
+        said.contains("the header has 3 names, and the rows below have 6 cells") && said.ends_with(clash),
+        "{said}"
+    );
     for (text, options) in [
         (rows.clone(), "--column 1 --rate 10"),
         (format!("t_s,gx,gy\n{rows}"), "--column gx --rate 10 --decimal comma"),
