@@ -7,7 +7,7 @@ use super::series::SeriesBuilder;
 use super::topics::{Survey, Topic, several};
 use super::{Clock, ColumnOptions, ColumnQuery, Found, FoundColumn, LogError, Names, Result, Setting, Wanted, wrong};
 use crate::warning::LogWarning;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 #[cfg(not(feature = "zstd"))]
 use zerorate_record::NotBuiltIn;
@@ -113,6 +113,22 @@ impl Quantities {
         let (quantity, position) = QUANTITIES.into_iter().find(|(name, _)| *name == long)?;
         Some(Self { topic: topic.to_owned(), all: vec![(quantity, position)] })
     }
+}
+
+/// A bag without an IMU; `others` are the types of its topics, by name.
+pub fn without_imu(path: &Path, others: &BTreeMap<String, String>) -> LogError {
+    /// Topics that are named: a bag may have thousands.
+    const NAMED: usize = 20;
+    let named = others.iter().take(NAMED).map(|(topic, kind)| format!("{topic} ({kind})").escape_debug().to_string());
+    let mut named: Vec<String> = named.collect();
+    if others.len() > NAMED {
+        named.push(format!("and {} more", others.len() - NAMED));
+    }
+    let has = match named.is_empty() {
+        true => "it has no messages".to_owned(),
+        false => format!("it has {}", named.join(", ")),
+    };
+    CaptureError::not_a_log(path, format!("it is a bag without a topic of type sensor_msgs/msg/Imu; {has}")).into()
 }
 
 /// A quantity that messages do not have, or that was not named.

@@ -1,8 +1,8 @@
 //! ROS bags in MCAP.
 
-use super::imu_messages::{Collector, Encoding, Quantities, is_imu};
+use super::imu_messages::{Collector, Encoding, Quantities, is_imu, without_imu};
 use super::open::Log;
-use super::topics::{Survey, without_imu};
+use super::topics::Survey;
 use super::{ColumnQuery, Found, Result, tabular};
 use mcap::Channel;
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,8 +1,8 @@
 //! ROS bags in SQLite, as ROS 2 made them before Iron.
 
-use super::imu_messages::{Collector, Encoding, Quantities, is_imu};
+use super::imu_messages::{Collector, Encoding, Quantities, is_imu, without_imu};
 use super::open::Log;
-use super::topics::{Survey, without_imu};
+use super::topics::Survey;
 use super::{ColumnQuery, Found, Result};
 use rusqlite::config::DbConfig;
 use rusqlite::limits::Limit;

@@ -3,7 +3,6 @@
 use super::{ColumnQuery, LogError, Setting};
 use std::collections::BTreeMap;
 use std::path::Path;
-use zerorate_record::CaptureError;
 
 /// The topics with an IMU, by name.
 #[derive(Debug, Default)]
@@ -39,22 +38,6 @@ impl Survey {
         };
         all().map(line).collect()
     }
-}
-
-/// A bag without an IMU; `others` are the types of its topics, by name.
-pub fn without_imu(path: &Path, others: &BTreeMap<String, String>) -> LogError {
-    /// Topics that are named: a bag may have thousands.
-    const NAMED: usize = 20;
-    let named = others.iter().take(NAMED).map(|(topic, kind)| format!("{topic} ({kind})").escape_debug().to_string());
-    let mut named: Vec<String> = named.collect();
-    if others.len() > NAMED {
-        named.push(format!("and {} more", others.len() - NAMED));
-    }
-    let has = match named.is_empty() {
-        true => "it has no messages".to_owned(),
-        false => format!("it has {}", named.join(", ")),
-    };
-    CaptureError::not_a_log(path, format!("it is a bag without a topic of type sensor_msgs/msg/Imu; {has}")).into()
 }
 
 /// Several IMUs, and none of them was meant.
