@@ -140,7 +140,7 @@ fn gaps_are_not_closed_up_silently() {
     bench.write("gap.csv", capture("A1", rows));
     let run = bench.zerorate("allan gap.csv --json");
     assert!(
-        run.stderr.contains("warning: gaps: gap.csv: 2 samples are missing among 4; they are gaps"),
+        run.stderr.contains("warning: gaps: gap.csv: 2 samples are missing among 4; averages that lack"),
         "{}",
         run.stderr
     );
