@@ -178,7 +178,7 @@ def test_a_clock_that_is_uneven_is_judged_as_that_of_a_log() -> None:
         off = (rng.normal(size=4096) * share * 1e7).astype(np.int64).astype("timedelta64[ns]")
         return pandas.Series(rate, index=pandas.DatetimeIndex(even(4096) + off))
 
-    with pytest.warns(UserWarning, match="off an even clock by .* .1[456] % of an interval"):
+    with pytest.warns(UserWarning, match="off an even clock by 1[456] % of an interval"):
         found = zerorate.allan(with_jitter(0.15))
     assert found.rate_hz == pytest.approx(RATE_HZ, rel=1e-4) and found.warnings
     stepped = even(4096).copy()

@@ -211,10 +211,11 @@ pub enum SpecError {
 impl fmt::Display for SpecError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::UnknownKey { key, nearest } => {
-                write!(f, "unknown key `{key}`:")?;
-                nearest.map_or(Ok(()), |nearest| write!(f, " did you mean `{nearest}`?"))?;
-                f.write_str(" known keys:")?;
+            Self::UnknownKey { key, nearest: Some(nearest) } => {
+                write!(f, "unknown key `{key}`; did you mean `{nearest}`?")
+            }
+            Self::UnknownKey { key, nearest: None } => {
+                write!(f, "unknown key `{key}`; known keys:")?;
                 KEYS.iter().try_for_each(|key| write!(f, " {}", key.name))
             }
             Self::NoValue { item } => write!(f, "`{item}` is not key=value"),

@@ -1,4 +1,4 @@
-//! What every kind of address gives.
+//! The interface of every kind of address.
 
 use crate::source::{Setup, Source};
 use crate::{Result, Stop};
@@ -6,9 +6,9 @@ use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
 
-/// What follows the colon, understood.
+/// An address without its kind: the parsed text after the colon.
 pub(crate) trait Address: fmt::Debug + Send + Sync {
-    /// Opens the device that was called `name`; sends nothing to the part yet. `stop` ends whatever takes long.
+    /// Opens the device that was called `name`; sends nothing to the part yet. `stop` ends every long wait.
     fn open(&self, name: &str, setup: &Setup, stop: &Stop) -> Result<Box<dyn Source>>;
 
     /// The file that is read, where it is a recording.

@@ -3,13 +3,13 @@
 use jiff::{Timestamp, Unit};
 use std::time::SystemTime;
 
-/// What the clock of the machine says; none where it is set beyond the years that have a date, −9999 to 9999.
+/// The time of the machine's clock; none where the clock is beyond the years that have a date, −9999 to 9999.
 #[must_use]
 pub fn now() -> Option<Timestamp> {
     stamp(SystemTime::now())
 }
 
-/// For the record, to the second; empty where there is none.
+/// The time for the record, to the second; empty where there is none.
 pub(crate) fn text() -> String {
     now().map_or_else(String::new, to_second)
 }

@@ -1,10 +1,10 @@
-//! Where edges of data ready come from.
+//! Sources of data-ready edges.
 
 use adis16130::Edge;
 use anyhow::Result;
 use std::time::Duration;
 
-/// Where edges of data ready come from.
+/// A source of data-ready edges.
 pub trait Edges {
     /// The newest edge not handed out yet, or else the next; `None` if none comes within so many ns.
     fn next(&mut self, timeout_ns: u64) -> Result<Option<Edge>>;

@@ -7,18 +7,18 @@ use zerorate_logs::LogError;
 use zerorate_record::CaptureError;
 use zerorate_record::admission::Disbelief;
 
-/// Why a device cannot be read. Its text and those of its sources say what was seen and what to do.
+/// Why a device cannot be read. Its text and the texts of its sources say what was seen and what to do.
 #[derive(Debug)]
 pub struct DeviceError {
     cause: Cause,
     told: anyhow::Error,
 }
 
-/// What kind of failure it is.
+/// The kind of a failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Cause {
-    /// What was asked for makes no sense at this device.
+    /// The request makes no sense at this device.
     Request,
     /// It is not there.
     Missing,
@@ -34,7 +34,7 @@ pub enum Cause {
     Part,
     /// The recording cannot be read, or is damaged.
     File,
-    /// What is in it must not become a measurement; the code of why.
+    /// The content must not become a measurement; the code says why.
     Refused(&'static str),
     /// It was asked to stop.
     Stopped,
@@ -43,7 +43,7 @@ pub enum Cause {
 }
 
 impl DeviceError {
-    /// What kind of failure it is.
+    /// The kind of the failure.
     #[must_use]
     pub fn cause(&self) -> Cause {
         self.cause
@@ -51,7 +51,7 @@ impl DeviceError {
 }
 
 impl DeviceError {
-    /// The same for somebody else.
+    /// A copy of the error, for another reader of the device.
     pub(crate) fn again(&self) -> Self {
         Self { cause: self.cause, told: anyhow::anyhow!("{:#}", self.told) }
     }
@@ -116,7 +116,7 @@ impl UserError {
         Self::new(Cause::Request, words).into()
     }
 
-    /// What the system said about a file.
+    /// An error of the system about a file.
     pub fn of_system(error: &io::Error, words: impl Into<String>) -> Self {
         Self::new(of_system(error), words)
     }

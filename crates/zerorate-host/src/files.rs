@@ -39,7 +39,7 @@ pub fn text(path: &Path, most: Bytes) -> std::io::Result<String> {
     String::from_utf8(bytes).map_err(|_| std::io::Error::new(ErrorKind::InvalidData, "it is not text in UTF-8"))
 }
 
-/// What stands for standard input among the names of logs.
+/// The name of a log that means standard input.
 pub const STDIN: &str = "-";
 
 /// Opens a log: a file, what is piped into the program (`-`), or the folder of a bag of ROS 2, which has several
@@ -60,7 +60,7 @@ pub fn log(path: &Path) -> Result<Parts, CaptureError> {
     Ok(Parts { files: files.collect::<Result<_, CaptureError>>()?, messages: stated(&description) })
 }
 
-/// The files that are read where a log is named: itself, or those of a folder.
+/// The files that are read for the name of a log: the log itself, or the files of a folder.
 #[must_use]
 pub fn listed(path: &Path) -> Vec<PathBuf> {
     match path.read_dir() {
@@ -69,7 +69,7 @@ pub fn listed(path: &Path) -> Vec<PathBuf> {
     }
 }
 
-/// How many bytes a log has on disk; what is piped in may have any number.
+/// Bytes of a log on disk; a pipe may hold any number.
 pub fn log_length(path: &Path) -> u64 {
     let length = |path: &Path| path.metadata().map_or(0, |metadata| metadata.len());
     match path {
@@ -82,7 +82,7 @@ pub fn log_length(path: &Path) -> u64 {
     }
 }
 
-/// What was piped in, in a file without a name: several forms are not read from start to end.
+/// Copies a pipe to a file without a name, because several forms are not read from start to end.
 fn spooled(mut piped: impl Read) -> std::io::Result<Input> {
     let mut file = tempfile::tempfile()?;
     std::io::copy(&mut piped, &mut file)?;
@@ -93,7 +93,7 @@ fn spooled(mut piped: impl Read) -> std::io::Result<Input> {
 /// The description of a bag of ROS 2, in its folder.
 const METADATA: &str = "metadata.yaml";
 
-/// As much of it as is looked at.
+/// Bytes of it that are read.
 const MAX_METADATA: u64 = 1 << 20;
 
 /// The description of a bag of ROS 2; empty where there is none.

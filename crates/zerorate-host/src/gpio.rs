@@ -144,7 +144,7 @@ fn why_no_line(chip: &Path, line: u32, error: gpiocdev::Error) -> anyhow::Error 
     anyhow::Error::new(error).context(UserError::new(cause, remedy))
 }
 
-/// What the system said.
+/// The error number of the system.
 pub fn errno(error: &gpiocdev::Error) -> Option<Errno> {
     match error {
         gpiocdev::Error::Os(errno) | gpiocdev::Error::Uapi(_, gpiocdev_uapi::Error::Os(errno)) => {

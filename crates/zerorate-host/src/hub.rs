@@ -1,8 +1,8 @@
 //! One thread reads a device, for everybody.
 //!
-//! Whoever must have every sample (a recorder, the procedure) subscribes to [`LosslessReader`], and the thread
-//! waits for it; what is lost then is lost in front of the thread, where the samples count it. A [`Watcher`] is never
-//! waited for: what does not fit into its queue it has missed, and is told how much that was.
+//! A reader that must have every sample (a recorder, the procedure) subscribes to [`LosslessReader`], and the thread
+//! waits for it. Samples that are lost then are lost in front of the thread, and the later samples count them. The
+//! thread never waits for a [`Watcher`]: it misses what does not fit into its queue, and is told how much that was.
 
 use crate::pace::{Pace, Speed, WallClock};
 use crate::source::{DeviceInfo, Losses, Source};
@@ -23,7 +23,7 @@ use zerorate_record::{CaptureWarning, Row};
 const BATCH: usize = 4096;
 /// Wall time of a batch at most, where that holds the part time: a watcher sees samples this late.
 const LIVE_BATCH: Duration = Duration::from_millis(20);
-/// Batches that wait for whoever takes everything.
+/// Batches that wait for a reader that takes everything.
 const QUEUE: usize = 16;
 
 /// Samples in a row.
@@ -31,11 +31,11 @@ const QUEUE: usize = 16;
 pub struct Batch {
     /// In order of time, as they may stand in a capture.
     pub rows: Vec<Row>,
-    /// What there is to say since the batch before.
+    /// The warnings since the batch before.
     pub notes: Vec<SourceWarning>,
-    /// What there is to say of the times of all samples so far.
+    /// The warnings about the times of all samples so far.
     pub doubts: Vec<CaptureWarning>,
-    /// What was lost between the part and here, since the beginning.
+    /// Losses between the part and here, since the beginning.
     pub losses: Losses,
     /// The twin's truth after the last sample, of each axis.
     pub truths: Vec<Truth>,
@@ -62,12 +62,12 @@ pub struct LosslessReader(Receiver<Delivered>);
 #[derive(Debug)]
 pub struct Watcher(Receiver<Watched>);
 
-/// What a watcher gets.
+/// The samples that a watcher gets.
 #[derive(Clone, Debug)]
 pub struct Watched {
     /// Samples in a row.
     pub batch: Arc<Batch>,
-    /// Samples right before them for which there was no room.
+    /// Samples right before these for which there was no room.
     pub missed: u64,
     /// Samples that were lost in front of the hub before those, which nobody else will tell.
     pub lost: u64,
@@ -76,7 +76,7 @@ pub struct Watched {
 /// A batch, or why there are no more.
 type Delivered = Result<Arc<Batch>, DeviceError>;
 
-/// What who does not wait for ever finds.
+/// The result of a wait with a timeout.
 #[derive(Clone, Debug)]
 pub enum Awaited<T> {
     /// Samples.
@@ -110,7 +110,7 @@ enum Subscriber {
 
 type Work = Box<dyn FnOnce(&mut dyn Source) + Send>;
 
-/// What the thread is to do before it reads samples.
+/// Work for the thread before it reads samples.
 enum Request {
     Do(Work),
     Read { marks_ns: Vec<u64> },
@@ -127,7 +127,7 @@ impl Hub {
         Self::start(move || spec.open(&setup, &inner), stop)
     }
 
-    /// The same for a source that `open` makes in the thread: it need not be `Send`.
+    /// Starts a hub for a source that `open` makes in the thread, so it need not be `Send`.
     ///
     /// # Errors
     /// Why it cannot be opened.
@@ -157,19 +157,19 @@ impl Hub {
         Ok(Self { facts, requests, subscribers, speed, failure, stop: stop.clone(), ended, thread })
     }
 
-    /// What does not change while the device is read.
+    /// The facts that do not change while the device is read.
     #[must_use]
     pub fn facts(&self) -> &DeviceInfo {
         &self.facts
     }
 
-    /// What ends the reading.
+    /// The stop that ends the reading.
     #[must_use]
     pub fn stop(&self) -> &Stop {
         &self.stop
     }
 
-    /// How fast simulated or recorded time goes. [`Hub::read`] sets it; from then on it may change at any time.
+    /// The speed of simulated or recorded time. [`Hub::read`] sets it; from then on it may change at any time.
     #[must_use]
     pub fn speed(&self) -> &Speed {
         &self.speed
@@ -184,7 +184,7 @@ impl Hub {
     /// Does something with the source, in its thread. To be called before [`Hub::read`].
     ///
     /// # Errors
-    /// What `work` failed with, or that the device is being read already.
+    /// The error of `work`, or that the device is being read already.
     pub fn with<T: Send + 'static>(
         &self,
         work: impl FnOnce(&mut dyn Source) -> Result<T> + Send + 'static,
@@ -219,7 +219,7 @@ impl Hub {
     /// `marks_ns` in ascending order, so that what it states (the truth) is of that sample.
     ///
     /// # Errors
-    /// That the thread is gone.
+    /// The thread has ended.
     pub fn read(&self, pace: Pace, marks_ns: Vec<u64>) -> Result<()> {
         self.speed.set(pace.factor());
         let begun = self.requests.send(Request::Read { marks_ns });
@@ -256,7 +256,7 @@ impl LosslessReader {
     /// The next samples, if they come within so much time.
     ///
     /// # Errors
-    /// As [`LosslessReader::next`].
+    /// As for [`LosslessReader::next`].
     pub fn next_within(&self, patience: Duration) -> Result<Awaited<Arc<Batch>>> {
         Ok(match Awaited::of(self.0.recv_timeout(patience)) {
             Awaited::Samples(given) => Awaited::Samples(given?),
@@ -267,7 +267,7 @@ impl LosslessReader {
 }
 
 impl Watcher {
-    /// The next samples; waits for them. None at the end, whatever it was: who takes everything is told.
+    /// Waits for the next samples. None at the end: a reader that takes everything hears of the end elsewhere.
     #[must_use]
     pub fn next(&self) -> Option<Watched> {
         self.0.recv().ok()
@@ -282,9 +282,9 @@ impl Watcher {
 
 /// Rows on their way into batches.
 struct Gathering {
-    /// Of simulated or recorded time.
+    /// The clock of simulated or recorded time.
     clock: Option<WallClock>,
-    /// Where batches must end, since the first row.
+    /// Times since the first row at which batches must end.
     marks: Peekable<IntoIter<u64>>,
     admission: Admission,
     start_ns: Option<u64>,
@@ -332,7 +332,7 @@ struct Worker {
 }
 
 impl Worker {
-    /// Does what is asked for, then reads until the end, and hangs up.
+    /// Serves the requests, then reads until the end, and hangs up.
     fn serve(self, source: &mut dyn Source, wanted: &Receiver<Request>) {
         while let Ok(request) = wanted.recv() {
             match request {
@@ -374,7 +374,7 @@ impl Worker {
     /// False where nobody is there.
     fn give(&self, batch: Batch) -> bool {
         let batch = Arc::new(batch);
-        // whoever must have everything is waited for: not while new subscribers wait for the lock
+        // wait for readers that must have everything, but not while new subscribers wait for the lock
         let mut subscribers = std::mem::take(&mut *lock(&self.subscribers));
         subscribers.retain_mut(|subscriber| subscriber.give(&batch, &self.ended));
         let mut all = lock(&self.subscribers);
@@ -407,7 +407,7 @@ fn wait_for_room(queue: &SyncSender<Delivered>, given: Delivered, ended: &Stop) 
     }
 }
 
-/// So long is slept where a queue is full: short against what is in it.
+/// Time to sleep where a queue is full: short against the samples in it.
 const FULL_QUEUE: Duration = Duration::from_micros(200);
 
 impl Subscriber {

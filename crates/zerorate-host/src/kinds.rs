@@ -17,9 +17,9 @@ use crate::{iio::IioAddress, spi::SpiAddress};
 /// A kind of device.
 #[derive(Clone, Copy, Debug)]
 pub struct Kind {
-    /// What its addresses begin with, before the colon.
+    /// Start of its addresses, before the colon.
     pub name: &'static str,
-    /// How they look.
+    /// The form of its addresses.
     pub form: &'static str,
     parse: fn(&str) -> Parsed,
 }
@@ -47,10 +47,10 @@ fn only_linux(_: &str) -> Parsed {
         .to_owned())
 }
 
-/// What `--device` names.
+/// The device that `--device` names.
 #[derive(Clone, Debug)]
 pub struct DeviceSpec {
-    /// As it was given.
+    /// The text as it was given.
     text: String,
     address: Arc<dyn Address>,
 }
@@ -74,7 +74,7 @@ impl DeviceSpec {
         self.address.is_simulated()
     }
 
-    /// Opens the device; sends nothing to the part yet. `stop` ends whatever takes long.
+    /// Opens the device; sends nothing to the part yet. `stop` ends every long wait.
     ///
     /// # Errors
     /// Why it cannot be opened.
@@ -89,16 +89,38 @@ impl FromStr for DeviceSpec {
     fn from_str(text: &str) -> Result<Self, String> {
         let parts = text.split_once(':');
         let kind = parts.and_then(|(name, rest)| Some((KINDS.iter().find(|kind| kind.name == name)?, rest)));
-        match kind {
-            Some((kind, rest)) => Ok(Self { text: text.to_owned(), address: (kind.parse)(rest)? }),
-            None if text == "twin" => Err("write twin: with the colon".to_owned()),
-            None if Path::new(text).is_file() => Err(format!("that is a file; to replay it write replay:{text}")),
-            None => {
+        match (kind, meant(text)) {
+            (Some((kind, rest)), _) => Ok(Self { text: text.to_owned(), address: (kind.parse)(rest)? }),
+            (None, _) if text == "twin" => Err("write twin: with the colon".to_owned()),
+            (None, Some(meant)) => Err(format!("did you mean {meant}?")),
+            (None, None) if Path::new(text).is_file() => {
+                Err(format!("that is a file; to replay it write replay:{text}"))
+            }
+            (None, None) => {
                 let forms: Vec<&str> = KINDS.iter().map(|kind| kind.form).collect();
                 Err(format!("no such kind of device; there are {}", forms.join(", ")))
             }
         }
     }
+}
+
+/// The address that was meant where the kind of device is missing before a port, a bus or a host.
+fn meant(text: &str) -> Option<String> {
+    let is_number = |text: &str| text.parse::<u16>().is_ok();
+    let ports = ["/dev/tty", "/dev/cu.", "/dev/serial/", "/dev/rfcomm"];
+    if ports.iter().any(|start| text.starts_with(start)) || text.strip_prefix("COM").is_some_and(is_number) {
+        return Some(format!("bridge:{text}"));
+    }
+    if text.starts_with("/dev/spidev") {
+        let rdy = if text.contains("rdy=") { "" } else { "?rdy=CHIP:LINE" };
+        return Some(format!("spi:{text}{rdy}"));
+    }
+    if let Some(name) = text.strip_prefix("/sys/bus/iio/devices/") {
+        return Some(format!("iio:{name}"));
+    }
+    let (host, port) = text.rsplit_once(':')?;
+    let is_host = !host.is_empty() && KINDS.iter().all(|kind| kind.name != host);
+    (is_host && is_number(port)).then(|| format!("tcp:{text}"))
 }
 
 impl fmt::Display for DeviceSpec {

@@ -44,5 +44,5 @@ pub use source::{Bus, DeviceInfo, Losses, Registers, Sampling, Setup, Source};
 pub use stop::Stop;
 pub use warning::SourceWarning;
 
-/// What is given back by whatever may fail at a device.
+/// The result of an operation that may fail at a device.
 pub type Result<T, E = DeviceError> = std::result::Result<T, E>;

@@ -30,16 +30,16 @@ pub struct Live<S, E> {
 
 /// SPI clocks that are tried, Hz, up to the part's fastest (F-21).
 const CLOCKS_HZ: [u32; 7] = [1_000_000, 2_000_000, 4_000_000, 5_000_000, 6_000_000, 8_000_000, MAX_SCLK_HZ];
-/// So many whole configurations must come back right at each of them.
+/// Whole configurations that must be read back correctly at each clock.
 const READ_BACKS: u32 = 20;
 
-/// Of each of the two levels of the self-test: batches of 64, which are long against the bandwidth (F-03).
+/// Samples at each of the two levels of the self-test: batches of 64, which are long against the bandwidth (F-03).
 const SELF_TEST_SAMPLES: u16 = 1024;
 
-/// So long without a data-ready edge is a failure.
+/// A silence of this length without a data-ready edge is a failure.
 const SILENCE_NS: u64 = 1_000_000_000;
 
-/// The same in periods of the part, for one with a slow clock.
+/// The same silence in periods of the part, for a part with a slow clock.
 const SILENT_PERIODS: f64 = 20.0;
 
 /// An initialised part shows many edges in this time (F-32).
@@ -90,8 +90,8 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         Ok(fastest)
     }
 
-    /// What the self-test does to the rate (F-11). The pin is released whatever happens, also with Ctrl-C. Leaves the
-    /// part configured.
+    /// Measures the change of the rate under self-test (F-11). The pin is released in every case, also with Ctrl-C.
+    /// Leaves the part configured.
     pub fn self_test<P>(&mut self, pin: &mut P) -> Result<SelfTest>
     where
         P: OutputPin<Error: Debug + Send + Sync + 'static>,
@@ -167,7 +167,7 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         now_ns.saturating_sub(alive_ns) < self.silence_ns()
     }
 
-    /// So long without a sample is a failure.
+    /// The silence without a sample that is a failure.
     pub fn silence_ns(&self) -> u64 {
         let edges = u64::from(self.sampling.divider.max(1)) * u64::from(self.sampling.divided.max(1));
         // 1024 edges at 11.4 kHz are 0.09 s, so this is ten times the time from one sample to the next
@@ -177,7 +177,7 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         nominal_ns.max((SILENT_PERIODS * period_ns * edges as f64) as u64)
     }
 
-    /// What the part shows where no sample came in time.
+    /// The fault that the part shows where no sample came in time.
     #[cold]
     pub fn why_silent(&mut self) -> anyhow::Error {
         let fault = match self.part.diagnose() {

@@ -5,10 +5,10 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use zerorate::Axis;
 
-/// What an address says of the part itself, whatever it is connected to.
+/// The options of an address that concern the part itself, on any connection.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PartOptions {
-    /// How it is configured, and how its wires are heard.
+    /// Configuration of the part, and the edge of its data-ready line.
     pub config: Config,
     /// A counter in the line lets every N-th edge of RDY through (F-56).
     pub divided: u16,
@@ -25,16 +25,16 @@ pub fn split(text: &str) -> (&str, impl Iterator<Item = &str>) {
     (name, options.split('&').filter(|option| !option.is_empty()))
 }
 
-/// What [`PartOptions::with`] knows, in words.
+/// The options that [`PartOptions::with`] knows, in words.
 pub const PART_OPTIONS: &str = "framing=command|byte (F-22), width=24|16, fw=RATE or fw=RATE:TEMP (F-31), chop=0|1, \
-     edge=falling|rising (F-32), divided=N (a counter in the line lets every N-th edge through, F-56), \
-     roa=none|10nf or bandwidth_hz=HZ (F-04)";
+     edge=falling|rising (F-32), divided=N (a counter passes every N-th edge, F-56), roa=none|10nf or \
+     bandwidth_hz=HZ (F-04)";
 /// Filter words fit into seven bits.
 const FW_RANGE: RangeInclusive<u32> = 0..=0x7F;
 const DIVIDED_RANGE: RangeInclusive<u32> = 1..=u16::MAX as u32;
 
 impl PartOptions {
-    /// As the note prescribes (F-22, F-30), with nothing in the line of RDY.
+    /// The options that the note prescribes (F-22, F-30), with nothing in the line of RDY.
     pub const fn new() -> Self {
         Self { config: Config::new(), divided: 1, bandwidth_hz: None }
     }
@@ -44,7 +44,7 @@ impl PartOptions {
         Self { config: Config::new().with_framing(Framing::Command), ..Self::new() }
     }
 
-    /// These, changed by an option; `None` = that is no option of the part.
+    /// Applies an option; `None` = the part has no such option.
     pub fn with(self, option: &str) -> Result<Option<Self>, String> {
         if let Some(text) = option.strip_prefix("divided=") {
             let divided = number("divided", text, DIVIDED_RANGE)? as u16;
@@ -57,7 +57,7 @@ impl PartOptions {
     }
 }
 
-/// The bandwidth that an option sets, Hz (none: the part's own); `None` = that is no option of the bandwidth.
+/// The bandwidth that an option sets, Hz (none: the part's own); `None` = the option does not set the bandwidth.
 pub fn bandwidth(option: &str) -> Result<Option<Option<f64>>, String> {
     match option.split_once('=') {
         Some(("roa", "none")) => Ok(Some(None)),
@@ -107,7 +107,7 @@ pub fn gpio_line(text: &str) -> Result<(PathBuf, u32), String> {
     let parts = text.rsplit_once(':').and_then(|(chip, line)| Some((chip, line.parse().ok()?)));
     let (chip, line) = parts
         .filter(|(chip, _)| !chip.is_empty())
-        .ok_or_else(|| format!("`{text}` is no CHIP:LINE, as in gpiochip0:25 (gpioinfo lists them)"))?;
+        .ok_or_else(|| format!("`{text}` is not CHIP:LINE, as in gpiochip0:25 (gpioinfo lists them)"))?;
     let chip = if chip.starts_with('/') { chip.into() } else { PathBuf::from("/dev").join(chip) };
     Ok((chip, line))
 }

@@ -1,21 +1,21 @@
-//! How fast simulated or recorded time goes.
+//! The speed of simulated or recorded time.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How fast simulated or recorded time goes when it begins to be read.
+/// The speed of simulated or recorded time when reading begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pace {
-    /// As fast as it is taken.
+    /// The samples set the speed: as fast as they are taken.
     Free,
     /// No faster than the wall clock.
     RealTime,
 }
 
 impl Pace {
-    /// As a [`Speed`].
+    /// The pace as a [`Speed`].
     pub(crate) fn factor(self) -> f64 {
         match self {
             Self::Free => 0.0,
@@ -24,13 +24,13 @@ impl Pace {
     }
 }
 
-/// How many times as fast as the wall clock simulated or recorded time goes; 0: as fast as it is taken. All clones are
-/// one, and it may change at any time.
+/// The speed of simulated or recorded time, as a multiple of the wall clock; 0: as fast as samples are taken. All
+/// clones share one speed, which may change at any time.
 #[derive(Clone, Debug)]
 pub struct Speed(Arc<AtomicU64>);
 
 impl Default for Speed {
-    /// As fast as it is taken.
+    /// The samples set the speed: as fast as they are taken.
     fn default() -> Self {
         Self(Arc::new(AtomicU64::new(0.0f64.to_bits())))
     }

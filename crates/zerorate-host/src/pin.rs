@@ -7,7 +7,7 @@ use embedded_hal::digital::{Error, ErrorKind, ErrorType, InputPin};
 use std::cell::RefCell;
 use std::fmt;
 
-/// So long is waited for an edge at once, ns.
+/// Longest single wait for an edge, ns.
 const LOOK_NS: u64 = 1_000_000;
 
 /// Why a pin could not be set or heard.

@@ -10,12 +10,12 @@ use std::thread;
 /// Samples that can wait: 11 s at the full rate, 2.6 MB.
 const QUEUE: usize = 1 << 16;
 
-/// What happens to a sample for which the queue has no room.
+/// Policy for a sample for which the queue has no room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WhenFull {
     /// It is lost, and counted: reading the part cannot wait.
     Drop,
-    /// It waits: whoever sends it keeps, or counts, what comes meanwhile.
+    /// It waits: its sender keeps, or counts, what comes meanwhile.
     Wait,
 }
 

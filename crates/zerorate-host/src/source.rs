@@ -1,4 +1,4 @@
-//! What every kind of device gives.
+//! The interface of every kind of device.
 
 use crate::Result;
 use crate::chamber::Air;
@@ -13,7 +13,7 @@ use zerorate::calibration::Notes;
 use zerorate::{Names, Part, Setting};
 use zerorate_record::{CaptureInfo, Converter, Row};
 
-/// How often a part is read. A recording has decided that already.
+/// The sampling of a part. A recording has decided that already.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sampling {
     /// Temperature with every N-th rate sample (F-55); none: with each.
@@ -23,7 +23,7 @@ pub struct Sampling {
 }
 
 impl Sampling {
-    /// For the driver, behind a counter that lets every `divided`-th edge through.
+    /// The configuration of the driver, behind a counter that lets every `divided`-th edge through.
     pub(crate) fn config(self, divided: u16) -> SamplerConfig {
         SamplerConfig::new()
             .with_every_temp(self.every_temp.unwrap_or(1))
@@ -32,16 +32,16 @@ impl Sampling {
     }
 }
 
-/// How a device is to be read.
+/// The settings for reading a device.
 #[derive(Clone, Debug)]
 pub struct Setup {
-    /// How often.
+    /// The sampling.
     pub sampling: Sampling,
-    /// What is known of the part; none: an ADIS16130, or what a recording states of its own.
+    /// The known facts about the part; none: an ADIS16130, or the part that a recording states.
     pub part: Option<Part>,
     /// The air around a simulated part; none: as its address says.
     pub air: Option<Air>,
-    /// What the front end calls settings, for errors.
+    /// The names that the front end uses for the settings, for errors.
     pub names: Names,
 }
 
@@ -53,7 +53,7 @@ impl Default for Setup {
 
 /// An open device. It need not be `Send`: the [`Hub`](crate::Hub) opens it in the thread that reads it.
 pub trait Source {
-    /// What does not change while it is read.
+    /// The facts that do not change while the device is read.
     fn facts(&self) -> DeviceInfo;
 
     /// Resets the part, initialises it, and reads everything back. Returns the revision; a recording has none, and the
@@ -70,13 +70,13 @@ pub trait Source {
         Ok(None)
     }
 
-    /// The registers of the part, as they are, if it has some and we can read them; of several parts, those of the
-    /// first. To be called before the first sample.
+    /// The registers of the part, if it has some and we can read them; for several parts, the registers of the first.
+    /// To be called before the first sample.
     fn registers(&mut self) -> Result<Option<Registers>> {
         Ok(None)
     }
 
-    /// What the self-test does to the rate (F-11). `gpio` is the line that its pins are on, where this host has them.
+    /// Measures the change of the rate under self-test (F-11). `gpio` is the line that its pins are on, where this host has them.
     /// To be called before the first sample. Errors call settings by `names`.
     fn self_test(&mut self, gpio: &str, names: Names) -> Result<SelfTest> {
         let _ = gpio;
@@ -84,34 +84,34 @@ pub trait Source {
         Err(UserError::request(format!("{option} needs the part itself: twin:, spi:, bridge: or tcp:")).into())
     }
 
-    /// What was lost on its way here.
+    /// Losses between the part and here.
     fn losses(&self) -> Losses {
         Losses::default()
     }
 
-    /// The twin's truth about its slow bias now, of each axis; of a part that is no twin, none.
+    /// The twin's truth about its slow bias now, for each axis; empty for a part that is not a twin.
     fn truths(&self) -> Vec<Truth> {
         Vec::new()
     }
 
-    /// What there is to say since this was asked last.
+    /// The warnings since the last call.
     fn take_notes(&mut self) -> Vec<SourceWarning> {
         Vec::new()
     }
 }
 
-/// What does not change while a device is read.
+/// The facts that do not change while a device is read.
 #[derive(Clone, Debug)]
 pub struct DeviceInfo {
-    /// What is read.
+    /// Name of the device.
     pub name: String,
-    /// How the samples are taken.
+    /// The description of the capture.
     pub info: CaptureInfo,
-    /// What is known of the part, as it is set.
+    /// The known facts about the part, as it is set.
     pub part: Part,
-    /// How CS frames the bytes (F-22), where it is this program that decides.
+    /// Framing of the bytes by CS (F-22), where this program decides it.
     pub framing: Option<Framing>,
-    /// Whether it is a part whose time is that of the wall clock.
+    /// Whether the time of the part is the time of the wall clock.
     pub is_real: bool,
     /// Samples per second, nominally; not known of a recording of any other part.
     pub rate_hz: Option<f64>,
@@ -120,7 +120,7 @@ pub struct DeviceInfo {
 }
 
 impl DeviceInfo {
-    /// Of an ADIS16130 that the driver reads.
+    /// The facts of an ADIS16130 that the driver reads.
     pub(crate) fn of_part(
         name: &str,
         options: &PartOptions,
@@ -166,16 +166,16 @@ pub(crate) fn nominal_rate_hz(info: &CaptureInfo, mclk_hz: u32) -> Option<f64> {
     Some(pairs_hz * 2.0 / (f64::from(info.edges_per_reading()) + 1.0))
 }
 
-/// What stands in the registers of an ADIS16130.
+/// The registers of an ADIS16130.
 #[derive(Clone, Debug)]
 pub struct Registers {
-    /// What was written to it.
+    /// The configuration that was written to it.
     pub config: Config,
     /// Each with its bits, in the order of their addresses.
     pub values: Vec<(Address, u32)>,
 }
 
-/// What was found of an SPI bus.
+/// The findings about an SPI bus.
 #[derive(Clone, Copy, Debug)]
 pub struct Bus {
     /// The clock that was asked for, Hz.
@@ -186,7 +186,7 @@ pub struct Bus {
     pub read_s: Option<f64>,
 }
 
-/// What was lost between the part and here; it is counted in the samples' `lost` as well.
+/// Losses between the part and here; the samples' `lost` counts them as well.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Losses {
     /// Samples that were read, but nobody took in time.

@@ -48,7 +48,7 @@ pub struct SpiAddress {
     pub line: u32,
     /// SPI clock, Hz.
     pub hz: u32,
-    /// How the part is configured, and how it is wired.
+    /// Configuration and wiring of the part.
     pub part: PartOptions,
     /// Nominal master clock of the part, Hz.
     pub mclk_hz: u32,
@@ -76,7 +76,7 @@ impl SpiAddress {
                     Some(changed) => part = changed,
                     None => {
                         return Err(format!(
-                            "`{option}` is no option; there are rdy=CHIP:LINE, hz=SCLK, mclk=HZ, {PART_OPTIONS}, as \
+                            "`{option}` is not an option; there are rdy=CHIP:LINE, hz=SCLK, mclk=HZ, {PART_OPTIONS}, as \
                              in {SPI_EXAMPLE}"
                         ));
                     }
@@ -105,7 +105,7 @@ struct SpiPart {
     state: State,
 }
 
-/// What the reading thread has to say.
+/// The warnings of the reading thread.
 type Notes = Arc<Mutex<Vec<SourceWarning>>>;
 
 enum State {
@@ -160,7 +160,7 @@ impl SpiPart {
         live.registers().map_err(|error| explain(error, &self.address, &self.failed))
     }
 
-    /// What the self-test does to the rate; its pins are on this line.
+    /// Measures the change of the rate under self-test; its pins are on this line.
     fn test_itself(&mut self, (chip, line): (PathBuf, u32)) -> Result<SelfTest> {
         let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
         let mut pin = GpioOutput::open(&chip, line)?;
@@ -244,7 +244,7 @@ fn become_realtime(notes: &Notes) {
     }
 }
 
-/// What the system said last about a transfer that failed. The driver's errors do not carry it.
+/// The last error number of a failed transfer. The driver's errors do not carry it.
 #[derive(Clone, Debug, Default)]
 struct LastErrno(Arc<AtomicI32>);
 
@@ -370,7 +370,7 @@ impl SpiDevice for SpiBus {
     }
 }
 
-/// What the system says about a failed transfer.
+/// The error of the system for a failed transfer.
 struct SpiError(io::Error);
 
 impl fmt::Debug for SpiError {
@@ -426,7 +426,7 @@ fn why_not_configured(path: &Path, error: io::Error) -> anyhow::Error {
             "{file} cannot do SPI mode 3 with 8-bit words, which the part needs (F-20): use another SPI controller, \
              or spi-gpio"
         ),
-        _ => format!("{file} is no spidev device: name the file as ls /dev/spidev* lists it"),
+        _ => format!("{file} is not a spidev device; name a file that ls /dev/spidev* lists"),
     };
     anyhow::Error::new(error).context(text)
 }
@@ -435,7 +435,7 @@ fn why_not_configured(path: &Path, error: io::Error) -> anyhow::Error {
 mod tests {
     use super::*;
 
-    /// A pulled cable is seen by whatever waits just then: the bus, or the line of data ready.
+    /// The bus or the line of data ready notices a pulled cable, depending on which waits just then.
     #[test]
     fn a_pulled_cable_is_one_wherever_it_is_seen() {
         let address = SpiAddress::read("/dev/spidev0.0?rdy=gpiochip0:3").unwrap();

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Given to whatever may take long; all clones are one.
+/// A request to end long work early; all clones share one.
 #[derive(Clone, Debug, Default)]
 pub struct Stop(Arc<AtomicBool>);
 
 impl Stop {
-    /// Asks whatever has a clone of this to end cleanly.
+    /// Asks everything that has a clone of this to end cleanly.
     pub fn ask(&self) {
         self.0.store(true, Ordering::Relaxed);
     }

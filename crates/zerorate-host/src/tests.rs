@@ -94,11 +94,22 @@ fn each_kind_is_named_where_none_fits() {
     {
         assert!(text.parse::<DeviceSpec>().unwrap_err().contains(hint), "{text}");
     }
+    for (text, meant) in [
+        ("/dev/ttyACM0", "bridge:/dev/ttyACM0"),
+        ("/dev/ttyUSB0?baud=2000000", "bridge:/dev/ttyUSB0?baud=2000000"),
+        ("COM3", "bridge:COM3"),
+        ("/dev/spidev0.0", "spi:/dev/spidev0.0?rdy=CHIP:LINE"),
+        ("/dev/spidev0.0?rdy=gpiochip0:25", "spi:/dev/spidev0.0?rdy=gpiochip0:25"),
+        ("/sys/bus/iio/devices/iio:device0", "iio:iio:device0"),
+        ("192.168.0.9:16130", "tcp:192.168.0.9:16130"),
+    ] {
+        assert_eq!(text.parse::<DeviceSpec>().unwrap_err(), format!("did you mean {meant}?"));
+    }
     let bandwidth = "bridge:/dev/ttyACM0?roa=10nf&hz=4000000".parse::<DeviceSpec>().expect("an address");
     assert!(format!("{bandwidth:?}").contains("bandwidth_hz: Some(50.0)"), "{bandwidth:?}");
 }
 
-/// What is drawn is each axis's own, what is given holds for all; clock and warmth are one.
+/// Each axis draws its own values, given values hold for all; clock and warmth are shared.
 #[test]
 fn a_twin_may_have_several_axes() {
     for (wrong, hint) in [("axes=0", "1, 2 or 3"), ("axes=4", "1, 2 or 3"), ("axes=three", "1, 2 or 3")] {

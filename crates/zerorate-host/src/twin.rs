@@ -20,12 +20,12 @@ use zerorate_record::{CaptureInfo, Layout, Row};
 /// `twin:KEY=VALUE,…`: the unit, and how the driver configures it.
 #[derive(Clone, Debug)]
 pub struct TwinAddress {
-    /// Of each axis.
+    /// The unit of each axis.
     units: Vec<Spec>,
     part: PartOptions,
 }
 
-/// What the axes of several twins on one clock are called.
+/// The names of the axes of several twins on one clock.
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl TwinAddress {
@@ -61,14 +61,14 @@ impl TwinAddress {
 }
 
 impl TwinAddress {
-    /// What the driver is told of the clock that all share.
+    /// The clock that the driver is told, which all axes share.
     fn mclk_hz(&self) -> u32 {
         told_mclk_hz(self.units[0].mclk_hz)
     }
 }
 
-/// The unit of an axis: what is drawn for it is its own, but for the clock and the warmth, which are those of the
-/// first and do not wander where there are several.
+/// The unit of an axis. Drawn values are its own, except clock and warmth, which it shares with the first axis and
+/// which do not wander where there are several.
 fn unit_of(axis: usize, axes: usize, keys: &[&str]) -> Result<Spec, SpecError> {
     let first = Spec::parse_keys(&keys.join(","))?;
     if axes == 1 {
@@ -124,7 +124,8 @@ fn several(axes: usize, width: Width) -> Part {
     Part { name: format!("ADIS16130x{}", axes.len()).into(), axes: axes.into(), ..Part::ADIS16130 }
 }
 
-/// Several twins on one clock, as the axes of one part: the temperature and all that stands once is that of the first.
+/// Several twins on one clock, as the axes of one part: the temperature and every other common value come from the
+/// first.
 struct Twins {
     facts: DeviceInfo,
     units: Vec<Live<TwinSpi, TwinEdges>>,
@@ -145,7 +146,7 @@ impl Source for Twins {
         Ok(revision)
     }
 
-    /// Where a twin has lost samples, those of the others that belong to no row are lost with them.
+    /// Where one twin has lost samples, samples of the others without a row are lost as well.
     fn next(&mut self) -> Result<Option<Row>> {
         if let (Some(follower), Some((first, others))) = (&mut self.follower, self.units.split_first()) {
             follower.keep(&first.edges.twin, others.iter().map(|unit| &unit.edges.twin));
@@ -236,7 +237,7 @@ impl Source for TwinPart {
     }
 }
 
-/// What is said of a simulated part in air where no such part operates.
+/// The warning about a simulated part in air where no such part operates.
 fn beyond_limits(unit: &Spec, part: &Part) -> Option<SourceWarning> {
     let (low_c, high_c) = part.operating_c?;
     let is_beyond = unit.profile != Profile::Oven && !(low_c..=high_c).contains(&unit.ambient_c);
@@ -244,7 +245,7 @@ fn beyond_limits(unit: &Spec, part: &Part) -> Option<SourceWarning> {
     is_beyond.then_some(SourceWarning::BeyondLimits { ambient_c: unit.ambient_c, part, low_c, high_c })
 }
 
-/// What the driver is told of the clock: the nominal one (F-31), unless the unit was given quite another.
+/// The clock that the driver is told: the nominal one (F-31), unless the unit was given quite another.
 fn told_mclk_hz(mclk_hz: f64) -> u32 {
     let nominal_hz = f64::from(MCLK_HZ);
     if (mclk_hz / nominal_hz - 1.0).abs() < 0.05 { MCLK_HZ } else { mclk_hz.round() as u32 }

@@ -1,4 +1,4 @@
-//! What carries the bytes: a serial port (USB CDC, UART) or a TCP connection.
+//! Carriers of the bytes: a serial port (USB CDC, UART) or a TCP connection.
 
 use anyhow::{Context, Result};
 use serialport::SerialPort;
@@ -10,14 +10,14 @@ use std::time::Duration;
 /// A connection takes no longer to be made, and a request no longer to be sent.
 const PATIENCE: Duration = Duration::from_secs(3);
 
-/// Where the other end is.
+/// The address of the other end.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Port {
     /// At a serial port; USB ignores the baud rate.
     Serial {
-        /// Its file, or its name on systems where ports are no files.
+        /// Its file, or its name on systems where ports are not files.
         path: String,
-        /// Of a UART.
+        /// Baud rate of a UART.
         baud: u32,
     },
     /// At HOST:PORT.

@@ -265,7 +265,7 @@ fn a_part_waits_for_its_air_only_behind_the_mark_at_which_that_moves() {
         let spec: DeviceSpec = format!("twin:seed={seed}").parse().expect("a device");
         let hub = Hub::open(&spec, setup, &Stop::default()).expect("a hub");
         hub.with(|source| source.initialise()).expect("a part");
-        // a hub waits for its thread, and that for whoever leads the air
+        // a hub waits for its thread, and the thread for the lead of the air
         let (everything, lead) = (hub.everything(), air.lead());
         hub.read(Pace::Free, (0..=400).map(|second| second * SECOND_NS).collect()).expect("it begins");
         for second in 0..400 {

@@ -33,6 +33,7 @@ pub struct Acquisition {
     layout: Layout,
     axes: Vec<JudgedAxis>,
     start_ns: Option<u64>,
+    is_recording: bool,
 }
 
 impl Acquisition {
@@ -59,15 +60,21 @@ impl Acquisition {
             layout,
             axes,
             start_ns: None,
+            is_recording: device.file().is_some(),
         })
     }
 
-    /// What is read, and how.
+    /// Whether a recording is read, which has no wires to check.
+    pub fn is_recording(&self) -> bool {
+        self.is_recording
+    }
+
+    /// The facts about the device.
     pub fn facts(&self) -> &DeviceInfo {
         self.hub.facts()
     }
 
-    /// How the samples are taken; the serial number and the notes are those given, or else those of the recording.
+    /// The description of the capture. A given serial number or note replaces the value of the recording.
     pub fn info(&self, serial: Option<&str>, notes: &Notes) -> CaptureInfo {
         let mut info = self.facts().info.clone();
         info.serial = serial.map(str::to_owned).or(info.serial);
@@ -85,8 +92,8 @@ impl Acquisition {
         Ok(self.hub.with(|source| source.try_bus())?)
     }
 
-    /// What the self-test does to the rate (F-11). To be called before the first sample. Errors call settings by
-    /// `names`.
+    /// Measures the change of the rate under self-test (F-11). To be called before the first sample. Errors call
+    /// settings by `names`.
     pub fn self_test(&self, gpio: &str, names: Names) -> Result<SelfTest> {
         let gpio = gpio.to_owned();
         Ok(self.hub.with(move |source| source.self_test(&gpio, names))?)
@@ -103,7 +110,7 @@ impl Acquisition {
         last.map_or_else(Vec::new, |batch| batch.truths.clone())
     }
 
-    /// What was read so far.
+    /// Totals of the samples that were read so far.
     pub fn tally(&self) -> &Tally {
         &self.tally
     }
@@ -141,8 +148,8 @@ impl Acquisition {
         Ok(true)
     }
 
-    /// What the next sample tells of each axis, with what is wrong with it, two samples late; at the end, those that
-    /// are left. Empty behind the last.
+    /// Gives the next reading of each axis with its faults, two samples late, and the rest at the end. Empty behind the
+    /// last.
     #[inline]
     pub fn next_judged(&mut self, judged: &mut Vec<Judged>) -> Result<bool> {
         judged.clear();
@@ -186,12 +193,12 @@ impl Acquisition {
         self.axes.iter().map(|axis| &axis.health)
     }
 
-    /// What is found frozen at the end, if anything is.
+    /// The frozen readings at the end, if there are any.
     pub fn frozen_at_end(&self) -> Option<Frozen> {
         self.healths().find_map(Health::frozen_at_end)
     }
 
-    /// What is found frozen by now.
+    /// The readings that are frozen by now.
     pub fn frozen(&self) -> Option<Frozen> {
         self.healths().find_map(Health::frozen)
     }
@@ -201,7 +208,7 @@ impl Acquisition {
         self.start_ns.unwrap_or_default()
     }
 
-    /// What there is to say of the samples: all of them are judged then.
+    /// The warnings about the samples. This judges the rest of them.
     pub fn warnings(&mut self) -> Vec<JobWarning> {
         for axis in &mut self.axes {
             while axis.health.finish().is_some() {}
@@ -212,7 +219,7 @@ impl Acquisition {
         of_the_rate.map(JobWarning::from).chain(self.disbelief()).chain(on_the_way).collect()
     }
 
-    /// What there is to say of readings that are not to be believed.
+    /// The warnings about readings that cannot be trusted.
     pub fn disbelief(&self) -> impl Iterator<Item = JobWarning> + use<> {
         let axes = self.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
         believed::of_axes(axes, &self.tally, self.start_ns()).into_iter().map(JobWarning::Readings)
@@ -252,7 +259,7 @@ pub fn aliasing(axis: &Axis, tally: &Tally) -> Option<Warning> {
     (tally.samples > 1 && rate_hz < needed_hz).then_some(Warning::Aliased { rate_hz, needed_hz })
 }
 
-/// What is to be said of samples that were read, but lost before they came here.
+/// The warnings about samples that were read, but lost before they came here.
 pub fn lost_on_the_way(losses: Losses) -> impl Iterator<Item = JobWarning> {
     let Losses { overflowed, damaged } = losses;
     let overflow = (overflowed > 0).then_some(JobWarning::Overflowed(overflowed));

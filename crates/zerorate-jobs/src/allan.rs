@@ -6,15 +6,15 @@ use std::path::{Path, PathBuf};
 use zerorate_host::files;
 use zerorate_logs::{AnalysisOptions, Column, ColumnOptions, Record, RecordError, SettlingError, Wanted};
 
-/// Which columns of logs are analysed, and how.
+/// The columns of logs to analyse, and the options of the analysis.
 pub struct AllanOptions {
     /// The columns of each log.
     pub columns: Columns,
-    /// What the logs do not say of them.
+    /// Facts that the logs do not state.
     pub log: ColumnOptions,
     /// The column with the temperature; none: one by the usual names.
     pub temperature: Option<String>,
-    /// How each is analysed.
+    /// The options of the analysis of each.
     pub analysis: AnalysisOptions,
 }
 
@@ -31,7 +31,7 @@ pub enum Columns {
 /// Analyses columns of each of these logs, one pass over each.
 ///
 /// # Errors
-/// Where a log cannot be read, or a column cannot be analysed.
+/// A log cannot be read, or a column cannot be analysed.
 pub fn allan(logs: &[PathBuf], options: &AllanOptions) -> Result<Vec<Record>> {
     let wanted = match &options.columns {
         Columns::Single => Wanted::One(options.log.column.as_deref()),
@@ -60,7 +60,7 @@ pub(crate) fn analysed(
     columns.into_iter().map(|column| Record::of(column, log, options, temperature).map_err(failed)).collect()
 }
 
-/// As front ends tell failures apart.
+/// Sorts failures into the kinds that front ends tell apart.
 fn failed(error: RecordError) -> anyhow::Error {
     match error {
         RecordError::Settling(SettlingError::NothingLeft(why)) => InvalidOptions(why).into(),

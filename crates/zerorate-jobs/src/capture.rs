@@ -1,4 +1,4 @@
-//! A capture as columns, for whoever computes with them.
+//! A capture as columns, for computations.
 
 use anyhow::Result;
 use std::path::Path;
@@ -18,11 +18,11 @@ pub struct Recording {
     pub part: String,
     /// Its axes.
     pub axes: Vec<RecordedAxis>,
-    /// Status register (of an ADIS16130 that of the channel, F-35); −1 where it was not read.
+    /// Status register (of an ADIS16130: of the channel, F-35); −1 where it was not read.
     pub status: Vec<i64>,
     /// Temperature code; none where it was not read.
     pub temp_code: Vec<Option<i64>>,
-    /// What the temperature codes mean.
+    /// The meaning of the temperature codes.
     pub temp: Option<Scale>,
     /// Samples lost right before this one.
     pub lost: Vec<u32>,
@@ -30,20 +30,20 @@ pub struct Recording {
     pub metadata: Vec<(String, String)>,
     /// The calibration that was applied, if the capture is a corrected one; its raw columns are untouched.
     pub calibration_id: Option<String>,
-    /// What is to be said of the file: a torn tail, rows that nothing checks, readings that are not to be believed.
+    /// The warnings about the file: a torn tail, rows without checks, readings that cannot be trusted.
     pub notes: Vec<CaptureWarning>,
 }
 
 /// The readings of one axis.
 #[derive(Clone, Debug)]
 pub struct RecordedAxis {
-    /// What the part calls it.
+    /// Its name in the part.
     pub name: String,
     /// Rate code.
     pub codes: Vec<i64>,
-    /// What the codes mean, in °/s.
+    /// The meaning of the codes, in °/s.
     pub scale: Scale,
-    /// What is wrong with it, 0 for nothing: 1 impossible for the part, 2 out of range, 4 frozen, 8 impossible
+    /// The faults of the reading, 0 for none: 1 impossible for the part, 2 out of range, 4 frozen, 8 impossible
     /// temperature.
     pub flags: Vec<u8>,
     health: Health,

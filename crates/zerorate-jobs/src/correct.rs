@@ -45,17 +45,17 @@ impl<'a> Job<'a> {
         Ok(Self { capture, reader, part, calibration })
     }
 
-    /// How the capture was taken.
+    /// The description of the capture.
     #[must_use]
     pub fn info(&self) -> &CaptureInfo {
         self.reader.info()
     }
 
     /// Writes the corrected capture in this form; its number of rows. `warn` hears what is found, and `stop` ends it.
-    /// What is said calls settings by `names`.
+    /// Corrects the capture. Messages call settings by `names`.
     ///
     /// # Errors
-    /// What is wrong with the capture, that it holds no temperature, or why the file cannot be written.
+    /// The capture is damaged, it holds no temperature, or the file cannot be written.
     pub fn run(
         self,
         output: Staged,
@@ -203,7 +203,7 @@ impl Correcting {
     }
 }
 
-/// As they were measured.
+/// The rates as they were measured.
 fn rates_dps(axis: &Axis, judged: &[Judged]) -> ArrayRef {
     let rates_dps = judged.iter().map(|judged| axis.rate.value(judged.reading.rate.into()));
     Arc::new(Float64Array::from_iter_values(rates_dps))
@@ -214,7 +214,7 @@ fn flags(judged: &[Judged]) -> ArrayRef {
 }
 
 impl Correcting {
-    /// What there is to say of the readings.
+    /// The warnings about the readings.
     fn warnings(&self) -> impl Iterator<Item = JobWarning> + use<> {
         let before = (self.without_temp > 0).then_some(JobWarning::BeforeTemperature(self.without_temp));
         let axes = self.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));

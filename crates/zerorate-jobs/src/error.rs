@@ -4,13 +4,13 @@
 #[derive(Debug, thiserror::Error)]
 #[error("{why}")]
 pub struct Refused {
-    /// For scripts, and for whoever looks it up.
+    /// The code, for scripts and for `zerorate explain`.
     pub code: &'static str,
     why: String,
 }
 
 impl Refused {
-    /// With its code, and why.
+    /// A refusal with its code and its text.
     pub fn new(code: &'static str, why: impl Into<String>) -> Self {
         Self { code, why: why.into() }
     }

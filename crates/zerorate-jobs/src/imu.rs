@@ -7,25 +7,25 @@ use zerorate_host::files;
 use zerorate_logs::imu::{Axes, Format, ImuOptions, ImuWarning, Kind, NoNoiseFile};
 use zerorate_logs::{AnalysisOptions, LogWarning, Record, Setting};
 
-/// What is wanted of the log of an IMU.
+/// The wanted results from the log of an IMU.
 pub struct ImuNoiseOptions {
-    /// Which columns are axes, and what the log does not say of them.
+    /// The columns that are axes, and facts that the log does not state.
     pub axes: ImuOptions,
     /// The column with the temperature; none: one by the usual names.
     pub temperature: Option<String>,
-    /// How each axis is analysed.
+    /// The options of the analysis of each axis.
     pub analysis: AnalysisOptions,
-    /// Who is to read a file of the noise; none: nobody.
+    /// The consumer of a noise file; none: no file.
     pub format: Option<Format>,
 }
 
 /// The noise of all axes of an IMU.
 pub struct ImuNoise {
-    /// Of each axis, gyroscopes first.
+    /// The record of each axis, gyroscopes first.
     pub axes: Vec<Record>,
     /// The topic of a bag.
     pub topic: Option<String>,
-    /// What is to be said of the log.
+    /// The warnings about the log.
     pub notes: Vec<LogWarning>,
     /// The kinds of axis that are not there.
     pub absent: Vec<ImuWarning>,
@@ -34,7 +34,7 @@ pub struct ImuNoise {
 /// Analyses all axes of the IMU in a log, one pass over it.
 ///
 /// # Errors
-/// Where the log cannot be read, has no axes or not those of the file, or one cannot be analysed.
+/// The log cannot be read, it lacks axes or the axes of the file, or an axis cannot be analysed.
 pub fn imu(log: &Path, options: &ImuNoiseOptions) -> Result<ImuNoise> {
     let axes = Axes::read(log, files::log(log)?, &options.axes)?;
     let absent = axes.absent(&options.axes).collect();

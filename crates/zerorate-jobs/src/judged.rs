@@ -6,9 +6,9 @@ use zerorate::{Axis, NamedAxis};
 
 /// An axis, and its readings that are judged and not taken yet.
 pub struct JudgedAxis {
-    /// What the part calls it.
+    /// Its name in the part.
     pub name: String,
-    /// What is true of it.
+    /// The known facts about the axis.
     pub axis: Axis,
     /// Its judge.
     pub health: Health,

@@ -1,4 +1,4 @@
-//! What zerorate does, as functions: typed options in, events and typed results out.
+//! The jobs of zerorate as functions: typed options in, events and typed results out.
 //!
 //! No argument parser, no printing, no exit code: the command line and the Python package word what is said here.
 //!

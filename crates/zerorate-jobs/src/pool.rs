@@ -8,11 +8,11 @@ use zerorate_logs::{LogWarning, Record};
 pub struct Pool {
     /// It, as a record of its own.
     pub record: Record,
-    /// How far the records lie apart beyond their own intervals.
+    /// The distance of the records beyond their own intervals.
     pub spread: Vec<Spread>,
-    /// Those that do not fit.
+    /// The records that do not fit.
     pub apart: Vec<Misfit>,
-    /// Those that the model is of, by name.
+    /// The records that the model describes, by name.
     pub used: Vec<String>,
 }
 
@@ -101,7 +101,7 @@ impl Misfit {
             Differs::Rejected { error } => format!("has no model of its own (off by {:.0} %)", error * 100.0),
             Differs::White { ratio } => format!("has {ratio:.2} times the N of the others"),
             Differs::Slow { gain } => {
-                format!("has other slow noise (flicker, random walk or memory; −2 ln L differs by {gain:.0})")
+                format!("has other slow noise (−2 ln L differs by {gain:.0})")
             }
             _ => "differs".to_owned(),
         };
@@ -111,7 +111,7 @@ impl Misfit {
     fn warning(&self) -> LogWarning {
         let rest = match self.is_left_out {
             true => "left out of the common model",
-            false => "the common model is of two that differ; a third would tell which is the exception",
+            false => "a third record would tell which is odd",
         };
         LogWarning::NotAlike(format!("{} {}: {rest}", self.record, self.why))
     }

@@ -1,4 +1,4 @@
-//! Is there a part, is it wired right, and do its samples look like those of one?
+//! Checks that a part responds, is wired correctly, and delivers plausible samples.
 
 use crate::acquisition::Acquisition;
 use crate::proposal::proposal;
@@ -17,7 +17,7 @@ pub struct Findings {
     pub device: String,
     /// The register; a replay has none.
     pub revision: Option<u8>,
-    /// How CS frames the bytes (F-22): byte or command; none where that is not in our hands.
+    /// Framing of the bytes by CS (F-22): byte or command; none where this program does not decide it.
     pub framing: Option<&'static str>,
     pub self_test: Option<SelfTested>,
     /// On an SPI bus.
@@ -35,7 +35,7 @@ pub struct Findings {
     pub lost_samples: u64,
     pub longest_gap_ms: f64,
     pub duration_s: f64,
-    /// Of a part with one axis; else it stands in `axes`.
+    /// The axis of a part with one axis; otherwise see `axes`.
     #[serde(flatten)]
     pub only: Option<AxisFindings>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -44,7 +44,7 @@ pub struct Findings {
     pub warnings: Vec<CodedWarning>,
 }
 
-/// What was found of an axis.
+/// The findings about an axis.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct AxisFindings {
@@ -56,18 +56,18 @@ pub struct AxisFindings {
     pub typical_white_dps_per_rt_hz: Option<f64>,
 }
 
-/// What the self-test did to the rate.
+/// The change of the rate under self-test.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct SelfTested {
     pub shift_dps: f32,
     /// Standard uncertainty.
     pub u_dps: f32,
-    /// With the self-test, and as many without.
+    /// Samples with the self-test, and as many without.
     pub samples: u32,
 }
 
-/// What the part says before the first sample.
+/// The findings before the first sample.
 struct Before {
     /// The register.
     revision: Option<u8>,
@@ -76,7 +76,7 @@ struct Before {
 }
 
 /// Resets the part, initialises it and reads samples for so long; with `gpio` it tries the self-test on that line.
-/// `see` hears how many s are read, with every 4096th sample. What is said calls settings by `names`.
+/// `see` hears how many s are read, with every 4096th sample. Messages call settings by `names`.
 ///
 /// # Errors
 /// Why the part cannot be read, or that it was interrupted.

@@ -39,7 +39,7 @@ impl Recorder {
         self.writer.push(row)
     }
 
-    /// Writes what is left and puts the file onto the disk.
+    /// Writes the rest and puts the file onto the disk.
     pub fn finish(self) -> Result<CaptureSummary, CaptureError> {
         let path = self.file.path().to_owned();
         let put = |error: io::Error| CaptureError::io("put onto the disk:", &path, error);

@@ -7,8 +7,8 @@ use zerorate_host::files;
 use zerorate_logs::{Column, ColumnOptions, Setting, Settling, TEMPERATURE_NAMES, Wanted};
 use zerorate_record::Input;
 
-/// The temperature of the log at `path`: the column `name`, or one by the usual names where the log seems to have one;
-/// none where there is none. What `options` say of the unit of other columns is not said of it.
+/// The temperature of the log at `path`: the column `name`, or a column with a usual name; none where the log has
+/// neither. The unit and scale in `options` are for other columns and do not apply to it.
 #[must_use]
 pub fn of_log(path: &Path, name: Option<&str>, options: &ColumnOptions) -> Option<Column> {
     let options = ColumnOptions { column: None, unit: None, scale: None, ..options.clone() };
@@ -18,10 +18,10 @@ pub fn of_log(path: &Path, name: Option<&str>, options: &ColumnOptions) -> Optio
     })
 }
 
-/// The same for what is to be done with it.
+/// The same temperature, or an error where `settling` needs it and the log has none.
 ///
 /// # Errors
-/// There is none, and it was named, or a polynomial over it is to be taken out.
+/// The log has no temperature, but one was named, or a polynomial over it is to be taken out.
 pub fn required(
     path: &Path,
     name: Option<&str>,

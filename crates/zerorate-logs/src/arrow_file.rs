@@ -30,7 +30,7 @@ const BUFFER: usize = 1 << 18;
 /// Reads an Arrow file, batch by batch.
 pub struct ArrowFile {
     path: PathBuf,
-    /// Where the stream starts.
+    /// Offset of the stream.
     start: u64,
     messages: Messages<BufReader<Take<Input>>>,
     decoder: StreamDecoder,
@@ -58,7 +58,7 @@ impl ArrowFile {
     }
 }
 
-/// Where the stream starts: behind the mark and zeros, which no message begins with.
+/// Offset of the stream: behind the mark and zeros, which no message begins with.
 fn stream_start(file: &mut Input) -> io::Result<u64> {
     let mut head = Vec::new();
     file.rewind()?;
@@ -68,7 +68,7 @@ fn stream_start(file: &mut Input) -> io::Result<u64> {
     Ok((ALIGNMENT * (1 + padding)) as u64)
 }
 
-/// Where the stream ends at the latest: at the index, or where the file was cut off.
+/// Latest end of the stream: the index, or the place where the file was cut off.
 fn stream_end(file: &mut Input) -> io::Result<u64> {
     let length = file.length()?;
     let mut end = Vec::new();

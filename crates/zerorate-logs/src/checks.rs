@@ -4,7 +4,7 @@
 use super::tests::{numbers, options};
 use super::*;
 
-/// What a log is found to hold: the name and the bits of each column, its rate, and what is said of it.
+/// The content of a log: name and bits of each column, its rate, and the warnings.
 type Read = (Vec<(String, Vec<u64>)>, u64, Vec<LogWarning>);
 
 fn read(bytes: &[u8], said: &str) -> Result<Read> {
@@ -42,7 +42,7 @@ macro_rules! fixture {
     };
 }
 
-/// Whatever bit of these files is flipped.
+/// Flips bits of these files.
 #[track_caller]
 fn never_silent(files: &[(&str, &[u8])], said: &str) {
     for (name, file) in files {
@@ -82,7 +82,7 @@ fn of_hdf5() {
     never_silent(&[fixture!("fletcher.h5"), fixture!("gzip.h5"), fixture!("lzf.h5")], "--time-column t_ns");
 }
 
-/// What is not packed has no check but those of the description and the index; of `x` the index has two pages.
+/// Without packing, only the description and the index carry checks; the index of `x` has two pages.
 #[test]
 fn of_indices_of_hdf5() {
     let (_, file) = fixture!("paged.h5");

@@ -1,4 +1,4 @@
-//! Which of a file's columns are meant.
+//! The choice of columns of a file.
 
 use super::{ColumnOptions, LogError, LogWarning, Names, Result, Setting};
 use std::path::Path;
@@ -7,7 +7,7 @@ use zerorate_record::{Quantity, TimeUnit, Unit, is_celsius};
 /// Columns that a message lists.
 const LISTED: usize = 100;
 
-/// Which columns of a log are meant, each by its name or its number counted from 0.
+/// The wanted columns of a log, each by its name or its number counted from 0.
 #[derive(Clone, Copy, Debug)]
 pub enum Wanted<'a> {
     /// This one; none: the rate of a capture, or the only column.
@@ -23,12 +23,12 @@ pub enum Wanted<'a> {
 /// A column that is described by something else than the user's word.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Described {
-    /// What it is, for messages: `axis x`.
+    /// Its role, for messages: `axis x`.
     pub what: String,
-    /// What it is called.
+    /// Its name.
     pub name: String,
-    /// Whether it is called so to the letter, but for a unit in brackets that the file does not have; if not, `_code`
-    /// or a unit may follow, as in `x_dps` or `x [rad/s]`.
+    /// Whether the name must match to the letter, except for a unit in brackets that the file does not have. If not,
+    /// `_code` or a unit may follow, as in `x_dps` or `x [rad/s]`.
     pub is_exact: bool,
 }
 
@@ -56,14 +56,14 @@ pub struct Columns<'a> {
     pub names: Vec<&'a str>,
     /// Whether each holds numbers.
     pub numeric: Vec<bool>,
-    /// What messages call the options.
+    /// The names of the options in messages.
     pub settings: Names,
 }
 
 /// The columns that were chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
-    /// Those with the numbers, in the order in which they were asked for.
+    /// The columns with the numbers, in the order in which they were asked for.
     pub values: Vec<usize>,
     /// The one with the time.
     pub time: Option<usize>,

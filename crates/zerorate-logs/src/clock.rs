@@ -17,14 +17,14 @@ const MAX_JITTER: f64 = 0.5;
 /// A timestamp may be this much of an interval early before the sample before it counts as missing no more.
 const EARLY: f64 = 0.35;
 
-/// More gaps than this share of the rows, with more samples missing than are there, are no gaps: rows that arrive in
-/// bursts look so.
+/// Rows that arrive in bursts look like gaps. So gaps count as gaps only below this share of the rows, or if fewer
+/// samples are missing than are there.
 const MAX_GAPS: f64 = 0.05;
 
 /// One gap of more than so many times the rows is none: a clock that was set, or another log.
 const MAX_LEAP: u64 = 100;
 
-/// How fast the even clock follows the timestamps: it forgets an offset within some ten samples.
+/// The speed at which the even clock follows the timestamps: it forgets an offset within some ten samples.
 const FOLLOW: f64 = 0.1;
 
 /// Rows on each side of a place that tell whether samples are missing there: their median has a fifth of the jitter.
@@ -63,7 +63,7 @@ impl Times {
         self.since_first.push(since_first);
     }
 
-    /// The same, of a time that is no integer; `Err` tells why it cannot be one.
+    /// Adds a time that is not an integer; `Err` tells why it cannot be a time.
     pub fn push_number(&mut self, time: f64) -> Result<(), String> {
         if !time.is_finite() {
             return Err("no time; every row must have one".to_owned());
@@ -260,7 +260,7 @@ fn median(numbers: &mut [f64]) -> f64 {
     if numbers.is_empty() { 0.0 } else { *numbers.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
-/// What a clock tells.
+/// The findings about a clock.
 #[derive(Debug, PartialEq)]
 pub struct Beat {
     /// Mean rate, lost samples included.
@@ -271,17 +271,17 @@ pub struct Beat {
     pub jitter: f64,
 }
 
-/// Of a deviation, the relative error that is none.
+/// A relative error of a deviation that nobody notices.
 const NO_ERROR: f64 = 0.01;
 
 impl Beat {
-    /// What jitter means, if there is enough to be said. The samples are taken as evenly spaced. If they were really
-    /// taken when the timestamps say, each is w(t + δ) in place of w(t), with δ of rms j intervals τ₀:
+    /// The text of a warning, if the jitter is large. The samples are taken as evenly spaced. If they were really taken
+    /// when the timestamps say, each is w(t + δ) in place of w(t), with δ of rms j intervals τ₀:
     ///
-    /// * white noise has no memory, so nothing changes;
-    /// * a random walk differs by a variance of K²·E|δ| ≤ K²·j·τ₀, independent from sample to sample, and the mean of
-    ///   m by that over m, beside an Allan variance of K²·m·τ₀/3: the deviation by 3·j/m²/2 at most;
-    /// * flicker noise up to the Nyquist frequency differs by a variance of π/4·j²·B², beside 2·ln 2/π·B²: the
+    /// * White noise has no memory, so nothing changes.
+    /// * A random walk differs by a variance of K²·E|δ| ≤ K²·j·τ₀, independent from sample to sample. The mean of m
+    ///   samples differs by that over m, beside an Allan variance of K²·m·τ₀/3: the deviation by 3·j/m²/2 at most.
+    /// * Flicker noise up to the Nyquist frequency differs by a variance of π/4·j²·B², beside 2·ln 2/π·B²: the
     ///   deviation by 0.89·j²/m.
     pub fn jitter_text(&self) -> Option<String> {
         let Self { rate_hz, jitter, .. } = *self;
@@ -289,19 +289,15 @@ impl Beat {
         let enough = (0..30).map(|power| f64::from(1u32 << power)).find(|m| error(*m) < NO_ERROR);
         (jitter > SAID_JITTER).then(|| {
             format!(
-                "the timestamps are off an even clock by {:.3e} s ({:.0} % of an interval, rms); the samples are \
-                 taken as even at their mean rate of {rate_hz:.6} Hz: of the deviations that changes nothing of \
-                 white noise, and of the rest less than {:.0} % at one interval and less than 1 % from {:.3e} s on",
-                jitter / rate_hz,
+                "stamps are off an even clock by {:.0} % of an interval; judge from {:.4} s on",
                 100.0 * jitter,
-                (100.0 * error(1.0)).ceil(),
                 enough.unwrap_or_default() / rate_hz
             )
         })
     }
 }
 
-/// An even clock that follows the timestamps, so that one late row is no lost sample.
+/// An even clock that follows the timestamps, so that one late row does not count as a lost sample.
 struct Tracking {
     interval: f64,
     even: f64,
@@ -421,7 +417,7 @@ mod tests {
             assert!(whole.gaps.is_empty(), "{:?}", whole.gaps);
             assert!((whole.rate_hz / 200.0 - 1.0).abs() < 2e-6, "{}", whole.rate_hz);
             let text = whole.jitter_text().unwrap();
-            assert!(text.contains("off an even clock") && text.contains("nothing of white noise"), "{text}");
+            assert!(text.contains("off an even clock by") && text.contains("judge from"), "{text}");
             let found = beat(stamps(9_000..9_007)).unwrap();
             assert_eq!(missing_in(&found.gaps), 7, "{:?}", found.gaps);
             assert!(found.gaps.iter().all(|gap| gap.at.abs_diff(9_000) < 3), "{:?}", found.gaps);
@@ -429,7 +425,7 @@ mod tests {
         assert_eq!(beat((0..1000).map(f64::from)).unwrap().jitter_text(), None);
     }
 
-    /// What the text says of a random walk, against one that was simulated: at one interval, and from where it is 1 %.
+    /// The bound of the text holds for a simulated random walk, from one interval on.
     #[test]
     fn the_bound_on_jitter_holds() {
         const FINE: usize = 16;

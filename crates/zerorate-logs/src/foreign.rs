@@ -15,7 +15,7 @@ fn is_z(column: &Column, name: &str) {
     assert!((column.rate_hz - 200.0).abs() < 1e-9, "{}", column.rate_hz);
 }
 
-/// Whatever is cut off, nothing panics.
+/// Cut anywhere, nothing panics.
 fn cut(bytes: &[u8], options: &str) {
     let folder = Folder::new();
     (0..bytes.len()).step_by(97).for_each(|at| drop(folder.read(&bytes[..at], options)));
@@ -105,7 +105,7 @@ fn matrices_of_matlab() {
     }
 }
 
-/// As h5py writes it in its oldest and its newest form, and hdf5storage for MATLAB.
+/// Files of h5py in its oldest and its newest form, and of hdf5storage for MATLAB.
 #[test]
 fn data_sets_of_hdf5() {
     let folder = Folder::new();
@@ -165,6 +165,8 @@ fn what_is_no_log_says_what_to_do() {
     let folder = Folder::new();
     for (start, said) in [
         (&b"{\"t\":0,\"gz\":1}\n"[..], "in Python `pandas.read_json('FILE').to_csv('log.csv')`"),
+        (b"\xA3\x95\x80\x80\x59FMT", "it is an ArduPilot DataFlash log, which is not read yet"),
+        (b"FMT, 128, 89, FMT, BBnNZ, Type,Length\n", "`mavlogdump.py --format csv --types IMU FILE > imu.csv`"),
         (b"[{\"t\":0}]", "it is JSON"),
         (b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1....", "save the sheet as CSV"),
         (b"\x80\x05\x95....", "a pickle of Python"),

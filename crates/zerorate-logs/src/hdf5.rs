@@ -1,6 +1,7 @@
-//! HDF5, which MATLAB writes as `-v7.3`: data sets of numbers by their path, `imu/gyro`, or as MATLAB calls them,
-//! `imu.gyro`, and the numbers in those of compounds, as PyTables writes tables, by `table.gz`. Any other is none of
-//! the log's.
+//! HDF5, which MATLAB writes as `-v7.3`.
+//!
+//! Data sets of numbers have their path as a name: `imu/gyro`, or in MATLAB `imu.gyro`. Numbers in data sets of
+//! compounds, as PyTables writes tables, are called `table.gz`. Other data sets are ignored.
 
 use super::choice::{Choice, Columns, same_length};
 use super::clock::Times;
@@ -27,7 +28,7 @@ const LZF: u16 = 32000;
 /// Columns of a data set at most: with more it is rather an image.
 const MAX_COLUMNS: u64 = 4096;
 
-/// How deep groups stand in groups, at most.
+/// Greatest depth of nested groups.
 const MAX_DEPTH: usize = 8;
 
 /// Data sets that are looked at.
@@ -73,7 +74,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     Ok(Found { columns: values.into_iter().enumerate().map(name).collect(), clock, warnings: Vec::new() })
 }
 
-/// Its data sets of numbers, in the order of their names: as a file lists them is no order.
+/// The data sets of numbers, in the order of their names, because a file lists them in any order.
 fn sets(path: &Path, input: Input, room: Room) -> Result<Vec<Set>, CaptureError> {
     let most = usize::try_from(room.bytes()).unwrap_or(usize::MAX) / 4;
     let options = OpenOptions::default()
@@ -95,7 +96,7 @@ fn sets(path: &Path, input: Input, room: Room) -> Result<Vec<Set>, CaptureError>
     found.ok_or_else(|| senseless(path))?.map_err(damaged)
 }
 
-/// Those of the library, and LZF.
+/// The filters of the library, and LZF.
 fn filters(most: usize) -> FilterRegistry {
     let mut filters = FilterRegistry::new();
     let unpack = move |_: &_, packed: &[u8], _| {
@@ -105,7 +106,7 @@ fn filters(most: usize) -> FilterRegistry {
     filters
 }
 
-/// What is wrong; of a way to pack that is not known, what to do.
+/// The text of an error. For an unknown packing it says what to do.
 fn said(error: &Error) -> String {
     match error {
         Error::UnsupportedFilter(_) => {
@@ -138,7 +139,7 @@ fn push_time(times: &mut Times, row: u64, cell: Number) -> Result<(), String> {
     Ok(())
 }
 
-/// Whether MATLAB wrote it, which puts its own head before that of HDF5.
+/// Whether MATLAB wrote the file, with its own head before the head of HDF5.
 fn starts_as_matlab(input: &Input) -> bool {
     input.bytes_at(0, 6).is_ok_and(|start| &start[..] == b"MATLAB")
 }
@@ -212,9 +213,9 @@ struct SetColumn<'a> {
     name: String,
     set: &'a Dataset,
     rows: u64,
-    /// Which column, of a data set of two dimensions, and whether its rows are the first of these.
+    /// The column of a data set of two dimensions, and whether the rows of the log are its first dimension.
     at: Option<(u64, bool)>,
-    /// Which number, of a compound.
+    /// The field of a compound.
     field: Option<&'a CompoundField>,
 }
 

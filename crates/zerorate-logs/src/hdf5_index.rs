@@ -2,8 +2,8 @@
 //! `libver="latest"`). The library reads past them: a changed bit there leaves out a filter, and the values come out
 //! wrong.
 //!
-//! The HDF Group, HDF5 File Format Specification 3.0, VII.D (fixed array) and VII.E (extensible array). Of an
-//! extensible array its blocks of data are not checked.
+//! The HDF Group, HDF5 File Format Specification 3.0, VII.D (fixed array) and VII.E (extensible array). The
+//! blocks of data of an extensible array are not checked.
 
 use hdf5_reader::checksum::jenkins_lookup3;
 use hdf5_reader::error::Error;

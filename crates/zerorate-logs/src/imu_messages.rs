@@ -7,15 +7,15 @@ use super::series::SeriesBuilder;
 use super::topics::{Survey, Topic, several};
 use super::{Clock, ColumnOptions, ColumnQuery, Found, FoundColumn, LogError, Names, Result, Setting, Wanted, wrong};
 use crate::warning::LogWarning;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 #[cfg(not(feature = "zstd"))]
 use zerorate_record::NotBuiltIn;
 use zerorate_record::limits::Room;
 use zerorate_record::{CaptureError, Quantity, TimeUnit, Unit};
 
-/// What can be asked of a message, as ROS calls it, and where it stands after the header: orientation and its
-/// covariance are 13 numbers, each vector is followed by a covariance of 9.
+/// The quantities of a message by their names in ROS, and their places after the header: orientation and its
+/// covariance are 13 numbers, and a covariance of 9 follows each vector.
 const QUANTITIES: [(&str, usize); 6] = [
     ("angular_velocity.x", 13),
     ("angular_velocity.y", 14),
@@ -25,17 +25,17 @@ const QUANTITIES: [(&str, usize); 6] = [
     ("linear_acceleration.z", 27),
 ];
 
-/// How many numbers follow the header.
+/// Numbers after the header.
 const NUMBERS: usize = 37;
 
-/// The first bytes of whatever Zstandard packed: a bag may pack each message.
+/// The first bytes of Zstandard: a bag may pack each message.
 const ZSTD: [u8; 4] = [0x28, 0xB5, 0x2F, 0xFD];
 
 /// The longest message: a frame name and 37 numbers, with much to spare.
 #[cfg(feature = "zstd")]
 const MAX_MESSAGE: usize = 1 << 16;
 
-/// How a message is written.
+/// The encoding of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
     /// Common Data Representation of OMG, as in ROS 2: numbers aligned to their size.
@@ -45,7 +45,7 @@ pub enum Encoding {
 }
 
 impl Encoding {
-    /// By its name in a bag.
+    /// Looks an encoding up by its name in a bag.
     pub fn of(name: &str) -> Option<Self> {
         match name {
             "cdr" => Some(Self::Cdr),
@@ -60,7 +60,7 @@ pub fn is_imu(type_name: &str) -> bool {
     matches!(type_name, "sensor_msgs/msg/Imu" | "sensor_msgs/Imu")
 }
 
-/// Which quantities of which topic are meant.
+/// The wanted quantities of a topic.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantities {
     /// The topic with the IMU.
@@ -70,18 +70,13 @@ pub struct Quantities {
 }
 
 impl Quantities {
-    /// Those that are wanted; all of one topic. Where it is open which, `survey` says what there is.
+    /// Chooses the quantities that are wanted, all of one topic. Where it is open which, `survey` says what there is.
     pub fn choose(
         path: &Path,
         topics: &BTreeSet<String>,
         asked: &ColumnQuery<'_>,
         survey: impl FnOnce() -> Survey,
     ) -> Result<Self> {
-        if topics.is_empty() {
-            return Err(
-                CaptureError::not_a_log(path, "it is a bag without a topic of type sensor_msgs/msg/Imu").into()
-            );
-        }
         let names: Vec<Option<&str>> = match asked.wanted {
             Wanted::One(name) => vec![name],
             Wanted::Listed(names) => names.iter().map(|name| Some(name.as_str())).collect(),
@@ -107,7 +102,7 @@ impl Quantities {
         Ok(Self { topic, all: chosen.into_iter().flat_map(|one| one.all).collect() })
     }
 
-    /// `wanted` is a quantity, or a topic and a quantity; x, y and z are those of angular_velocity.
+    /// Finds a quantity, with or without its topic; x, y and z mean angular_velocity.
     fn choose_one(topics: &BTreeSet<String>, only: Option<&str>, wanted: Option<&str>) -> Option<Self> {
         let wanted = wanted?;
         let of_topic = topics
@@ -120,12 +115,28 @@ impl Quantities {
     }
 }
 
+/// A bag without an IMU; `others` are the types of its topics, by name.
+pub fn without_imu(path: &Path, others: &BTreeMap<String, String>) -> LogError {
+    /// Topics that are named: a bag may have thousands.
+    const NAMED: usize = 20;
+    let named = others.iter().take(NAMED).map(|(topic, kind)| format!("{topic} ({kind})").escape_debug().to_string());
+    let mut named: Vec<String> = named.collect();
+    if others.len() > NAMED {
+        named.push(format!("and {} more", others.len() - NAMED));
+    }
+    let has = match named.is_empty() {
+        true => "it has no messages".to_owned(),
+        false => format!("it has {}", named.join(", ")),
+    };
+    CaptureError::not_a_log(path, format!("it is a bag without a topic of type sensor_msgs/msg/Imu; {has}")).into()
+}
+
 /// A quantity that messages do not have, or that was not named.
 fn unknown(path: &Path, topic: &str, wanted: Option<&str>, names: Names) -> LogError {
     if wanted == Some(super::part_log::TEMP) {
         return LogError::Ask(format!(
             "{}: a message of sensor_msgs/Imu holds no temperature, and a part is calibrated over its temperature; \
-             join that of another topic to it in a table, such as CSV or Parquet",
+             join the temperature of another topic to it in a table, such as CSV or Parquet",
             path.display()
         ));
     }
@@ -189,7 +200,7 @@ impl<'a> Collector<'a> {
             message
         };
         let Imu { stamp_ns, numbers } = decode(encoding, message)
-            .ok_or_else(|| at(format!("its {} bytes are no sensor_msgs/Imu in {encoding:?}", message.len())))?;
+            .ok_or_else(|| at(format!("its {} bytes are not a sensor_msgs/Imu in {encoding:?}", message.len())))?;
         if let Some(times) = &mut self.times {
             times.push_integer(stamp_ns);
         }
@@ -269,7 +280,7 @@ impl Head {
     }
 }
 
-/// What follows the mark of the encoding.
+/// The bytes after the mark of the encoding.
 struct Body<'a> {
     bytes: &'a [u8],
     encoding: Encoding,

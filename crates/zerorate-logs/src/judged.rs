@@ -1,4 +1,4 @@
-//! The readings of a capture that are not to be believed are no numbers, but gaps.
+//! Readings of a capture that cannot be trusted become gaps.
 
 use super::wrong;
 use super::{LogError, Result as LogResult};
@@ -13,7 +13,7 @@ use zerorate::health::{Health, Judged};
 use zerorate_record::columns::Rows;
 use zerorate_record::{CaptureError, CaptureInfo, Layout, believed};
 
-/// Which readings a column is made of.
+/// The readings that make a column.
 #[derive(Clone, Copy, Debug)]
 enum Channel {
     Rate,
@@ -33,7 +33,8 @@ pub struct Judging {
 }
 
 impl Judging {
-    /// For the column of this name; none if it holds no readings. A temperature is judged with the first axis.
+    /// The readings of the column of this name; none if it holds no readings. A temperature is judged with the first
+    /// axis.
     pub fn of_column(name: &str, info: &CaptureInfo) -> Option<Self> {
         let layout = info.layout.clone();
         let of_axis = layout.axes().iter().position(|axis| {
@@ -76,7 +77,7 @@ impl Judging {
         self.tail.take().map(|values| masked(&values, believed)).transpose()
     }
 
-    /// What there is to say of the rows, once all are judged. A part that had stopped is no measurement.
+    /// The warnings about the rows, once all are judged. A part that had stopped is refused.
     pub fn found(&self, path: &Path) -> LogResult<Vec<LogWarning>> {
         let start_ns = self.start_ns.unwrap_or_default();
         if let Some(frozen) = self.health.frozen_at_end() {

@@ -2,7 +2,7 @@
 //! one pass over the file.
 //!
 //! Nothing is guessed: what a file does not state must be given as an option, or is said to be unknown. Each form is
-//! recognised by its content, whatever the file is called, and nothing here opens a file ([`Input`]).
+//! recognised by its content, not by its name, and nothing here opens a file ([`Input`]).
 //!
 //! Text, raw numbers, Arrow, PX4's logs and captures are always read. A feature adds each other form, and a file of a
 //! form that is not built in says so ([`NotBuiltIn`](zerorate_record::NotBuiltIn)).
@@ -93,7 +93,7 @@ use zerorate_record::limits::Room;
 use zerorate_record::table::{self, Opened};
 use zerorate_record::{CaptureError, Input};
 
-/// Which numbers of a log are meant, and what the log does not say about them itself.
+/// The wanted numbers of a log, and facts that the log does not state itself.
 #[derive(Clone, Debug, Default)]
 pub struct ColumnOptions {
     /// The column, by its name or its number counted from 0; none: the rate of a capture, or the only column.
@@ -117,14 +117,14 @@ pub struct ColumnOptions {
     /// The unit of the column; none: the one that its name states, as in gyro_z_dps or `gz [rad/s]`.
     pub unit: Option<Unit>,
 
-    /// What a step of 1 in the column is, in its unit, or else in °/s, or m/s² for what states that it is an
-    /// acceleration; none: 1, or the scale of the part for the codes of a capture.
+    /// The size of a step of 1 in the column. It is in the unit of the column, or else in °/s, or in m/s² for a stated
+    /// acceleration. None: 1, or the scale of the part for the codes of a capture.
     pub scale: Option<f64>,
 
     /// Takes the unit that is given where the name of a column states another; without it that is an error.
     pub force_unit: bool,
 
-    /// What stands before the decimals in a text file; none: a point, or a comma where it can be nothing else.
+    /// The decimal mark of a text file; none: a point, or a comma where nothing else is possible.
     pub decimal: Option<Decimal>,
 
     /// The file is nothing but numbers of this type, little endian.
@@ -133,12 +133,12 @@ pub struct ColumnOptions {
     /// Broken lines of a text file that are skipped and counted, as a share of all; none: [`MAX_BAD`].
     pub max_bad: Option<f64>,
 
-    /// What messages call these options.
+    /// The names of these options in messages.
     pub names: Names,
 }
 
-/// Broken lines of a text file that are skipped unless told otherwise, as a share of all: a bad cable breaks fewer,
-/// and what breaks more is no cable but another form.
+/// Broken lines of a text file that are skipped by default, as a share of all. A bad cable breaks fewer lines; more
+/// broken lines mean that the file has another form.
 pub const MAX_BAD: f64 = 0.01;
 
 /// Why a column cannot be had.
@@ -158,7 +158,7 @@ pub enum LogError {
     Refused(&'static str, String),
 }
 
-/// What reading a log gives.
+/// The result of reading a log.
 pub type Result<T, E = LogError> = std::result::Result<T, E>;
 
 /// A decimal mark.
@@ -182,16 +182,16 @@ pub struct Column {
     pub gaps: Vec<Gap>,
     /// Mean rate of the samples, those that are missing included.
     pub rate_hz: f64,
-    /// What it measures, if the file states its unit, or a unit or a scale was given.
+    /// Its quantity, if the file states its unit, or a unit or a scale was given.
     pub quantity: Option<Quantity>,
-    /// What a step of the numbers is, in the unit of that quantity's results; 1 if their unit is not known.
+    /// The size of a step in the unit of that quantity's results; 1 if the unit is not known.
     pub scale: f64,
-    /// What is to be said about the file: a tail that was torn off, a unit that is not known.
+    /// The warnings about the file: a tail that was torn off, a unit that is not known.
     pub warnings: Vec<LogWarning>,
 }
 
 impl Column {
-    /// How many samples are missing.
+    /// The number of missing samples.
     pub fn missing(&self) -> u64 {
         match &self.series {
             Series::Codes(_) => series::missing_in(&self.gaps),
@@ -199,7 +199,7 @@ impl Column {
         }
     }
 
-    /// As deviations and models are computed of it: a rate.
+    /// The samples as a rate, for deviations and models.
     pub fn input(&self) -> zerorate_allan::Input<'_> {
         match &self.series {
             Series::Codes(codes) => zerorate_allan::Input::Codes { codes, gaps: &self.gaps },
@@ -257,14 +257,14 @@ impl Column {
     }
 }
 
-/// Reads a column of a log, whatever form it has, packed or not; `path` names it in messages.
+/// Reads a column of a log in any form, packed or not; `path` names it in messages.
 pub fn read(path: &Path, input: Input, args: &ColumnOptions) -> Result<Column> {
     let columns = read_all(path, input, Wanted::One(args.column.as_deref()), args)?;
     columns.into_iter().next().ok_or_else(|| LogError::Ask(format!("{} has no column", path.display())))
 }
 
-/// Reads the columns that are wanted in one pass over the file, whatever `args.column` says. All have one rate; what
-/// is to be said of the file as a whole is said with the first.
+/// Reads the `wanted` columns in one pass over the file and ignores `args.column`. All have one rate. The first
+/// carries the warnings about the file as a whole.
 pub fn read_all(path: &Path, input: Input, wanted: Wanted<'_>, args: &ColumnOptions) -> Result<Vec<Column>> {
     find(path, input, wanted, args)?.finish(path, args)
 }
@@ -272,7 +272,7 @@ pub fn read_all(path: &Path, input: Input, wanted: Wanted<'_>, args: &ColumnOpti
 /// Reads columns of a table in memory; `path` is what messages call them.
 ///
 /// # Errors
-/// As of a file.
+/// The same errors as for a file.
 pub fn read_table(path: &Path, table: &RecordBatch, wanted: Wanted<'_>, args: &ColumnOptions) -> Result<Vec<Column>> {
     let room = Room::of(table.get_array_memory_size() as u64);
     let mut columns = tabular::TableColumns::start(path, &table.schema(), room, &ColumnQuery { wanted, args })?;
@@ -290,7 +290,7 @@ fn find(path: &Path, input: Input, wanted: Wanted<'_>, args: &ColumnOptions) -> 
     }
 }
 
-/// Which columns, and what is known of them.
+/// The wanted columns, and the known facts about them.
 struct ColumnQuery<'a> {
     wanted: Wanted<'a>,
     args: &'a ColumnOptions,
@@ -305,7 +305,7 @@ fn found(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     }
 }
 
-/// What reads a form that has a reader of its own, where it is built in.
+/// The reader of a form that needs a reader of its own, where it is built in.
 fn reader(form: LogForm) -> Option<fn(Log<'_>, &ColumnQuery<'_>) -> Result<Found>> {
     match form {
         LogForm::ArrowFile => Some(read_arrow_file),
@@ -354,7 +354,7 @@ struct Found {
 struct FoundColumn {
     name: String,
     values: SeriesBuilder,
-    /// What it measures, and what a step is in the unit of its results, where that is a property of the form.
+    /// Its quantity, and a step in the unit of its results, where the form defines them.
     stated: Option<(Quantity, f64)>,
     warnings: Vec<LogWarning>,
 }
@@ -384,13 +384,13 @@ impl FoundColumn {
     }
 }
 
-/// What a file tells about time.
+/// The statements of a file about time.
 enum Clock {
     /// Nothing.
     Silent,
     /// The name of a column, and the times in it.
     Column(String, Times),
-    /// Rate and gaps, as counted by whatever wrote the file.
+    /// Rate and gaps, as the writer of the file counted them.
     Counted { rate_hz: Option<f64>, gaps: Vec<Gap> },
 }
 
@@ -498,7 +498,7 @@ fn unsteady(path: &Path, column: &str, why: &str) -> LogError {
     LogError::Refused("times-uneven", format!("{}, column {column}: {why}", path.display()))
 }
 
-/// Of `columns`, those that may hold the time are named.
+/// The error where the rate is missing. It names the columns that may hold the time.
 fn no_rate(path: &Path, columns: &[&str], names: Names) -> LogError {
     let [rate, time, unit] = [Setting::Rate, Setting::TimeColumn, Setting::TimeUnit].map(|setting| names.of(setting));
     let is_like_time = |name: &str| {

@@ -1,8 +1,8 @@
 //! MATLAB files of version 5 to 7.2 (MathWorks, MAT-File Format, R2023b): matrices of real numbers, by the name of the
-//! variable, and those in structures of one element by `variable.field`. Any other variable is none of the log's.
+//! variable, and in structures of one element by `variable.field`. Other variables are ignored.
 //!
-//! What is packed carries a check (Adler-32), what is not packed carries none. A matrix of numbers that contradicts
-//! itself is an error: were it left out, nobody would miss its columns.
+//! Packed data carries a check (Adler-32), other data carries none. A matrix of numbers that contradicts itself is an
+//! error: if it were left out, nobody would miss its columns.
 
 use super::choice::{Choice, Columns, same_length};
 use super::clock::Times;
@@ -25,7 +25,7 @@ const HEAD: usize = 128;
 /// Columns of a matrix at most: with more it is rather an image.
 const MAX_COLUMNS: usize = 4096;
 
-/// How deep structures stand in structures, at most.
+/// Greatest depth of nested structures.
 const MAX_DEPTH: usize = 4;
 
 const INT8: u32 = 1;
@@ -91,7 +91,7 @@ fn variables(
     Ok((all, None))
 }
 
-/// What is wrong with a variable, by its number counted from 1.
+/// The error for a variable, by its number counted from 1.
 fn damaged(path: &Path, before: usize, what: &str) -> CaptureError {
     CaptureError::damaged(path, format!("variable {} of a MATLAB file", before + 1), what)
 }
@@ -111,9 +111,9 @@ fn is_big_endian(path: &Path, file: &mut BufReader<zerorate_record::Input>) -> R
 /// An element as it stands in the file.
 struct Packed {
     kind: u32,
-    /// How many bytes of data it states.
+    /// The number of bytes of data that it states.
     length: usize,
-    /// Those that are there.
+    /// The bytes that are there.
     data: Vec<u8>,
 }
 
@@ -203,9 +203,9 @@ impl Element {
 struct Variable<'a> {
     name: String,
     kind: u32,
-    /// Those of the matrix.
+    /// The bytes of the matrix.
     bytes: &'a [u8],
-    /// Where the first number of the column stands in it, and how far it is to the next.
+    /// Offset of the first number of the column, and the distance to the next.
     first: usize,
     step: usize,
     len: usize,

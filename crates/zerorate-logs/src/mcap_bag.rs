@@ -1,11 +1,11 @@
 //! ROS bags in MCAP.
 
-use super::imu_messages::{Collector, Encoding, Quantities, is_imu};
+use super::imu_messages::{Collector, Encoding, Quantities, is_imu, without_imu};
 use super::open::Log;
 use super::topics::Survey;
 use super::{ColumnQuery, Found, Result, tabular};
 use mcap::Channel;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Seek;
 use std::path::Path;
 use zerorate_record::limits::Room;
@@ -25,7 +25,10 @@ pub fn read(mut log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
 /// Reads quantities of the IMU messages.
 fn read_messages(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let (path, mut file) = (log.path, log.input);
-    let topics = topics(path, &mut file, log.room)?;
+    let (topics, others) = topics(path, &mut file, log.room)?;
+    if topics.is_empty() {
+        return Err(without_imu(path, &others));
+    }
     let wanted = Quantities::choose(path, &topics, asked, || survey(&mut file, log.room))?;
     let topic = wanted.topic.clone();
     let stated = mcap_messages::stated(&mut file, log.room).get(&topic).copied();
@@ -50,30 +53,34 @@ fn read_messages(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     Ok(collector.finish(cut, stated))
 }
 
-/// The topics with an IMU. Their channels stand anywhere before their first message, so the file is read for them.
-fn topics(path: &Path, file: &mut Input, room: Room) -> Result<BTreeSet<String>> {
-    let mut topics = BTreeSet::new();
+/// The topics with an IMU, and the types of the other topics. A channel stands anywhere before its first message, so
+/// the file is read for them.
+fn topics(path: &Path, file: &mut Input, room: Room) -> Result<(BTreeSet<String>, BTreeMap<String, String>)> {
+    let (mut topics, mut others) = (BTreeSet::new(), BTreeMap::new());
     let mut first = true;
     for message in Messages::new(file, room) {
         match message {
             Ok(message) => {
-                let schema = message.channel.schema.as_ref();
-                if schema.is_some_and(|schema| is_imu(&schema.name)) && !topics.contains(&message.channel.topic) {
-                    topics.insert(message.channel.topic.clone());
+                let topic = &message.channel.topic;
+                let kind = message.channel.schema.as_ref().map_or("no type", |schema| &schema.name);
+                if is_imu(kind) && !topics.contains(topic) {
+                    topics.insert(topic.clone());
+                } else if !is_imu(kind) && !others.contains_key(topic) {
+                    others.insert(topic.clone(), kind.to_owned());
                 }
             }
             Err(error) if first => {
                 return Err(CaptureError::damaged(path, "as an MCAP file", error.to_string()).into());
             }
-            // whatever is whole will be read
+            // the whole part of the file will be read
             Err(_) => {}
         }
         first = false;
     }
-    Ok(topics)
+    Ok((topics, others))
 }
 
-/// What there is of them, as far as the file is whole.
+/// The topics with an IMU, as far as the file is whole.
 fn survey(file: &mut Input, room: Room) -> Survey {
     let mut survey = Survey::default();
     if file.rewind().is_err() {
@@ -95,8 +102,5 @@ fn encoding(path: &Path, channel: &Channel<'_>) -> Result<Encoding, CaptureError
 }
 
 fn torn(path: &Path, error: &Torn) -> String {
-    format!(
-        "{} was not closed or is damaged ({error}): what stands before is read, the rest is dropped",
-        path.display()
-    )
+    format!("{} was not closed or is damaged ({error}); the rest is dropped", path.display())
 }

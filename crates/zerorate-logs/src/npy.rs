@@ -29,12 +29,12 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
 pub struct Array {
     fields: Vec<Field>,
     rows: u64,
-    /// Where its data starts.
+    /// Offset of its data.
     start: u64,
 }
 
 impl Array {
-    /// Reads its header; the file has so many bytes. `name` is that of the array in its archive.
+    /// Reads its header. `length` is the number of bytes of the file, and `name` the array's name in its archive.
     pub fn new(path: &Path, file: &mut impl Read, length: u64, name: &str) -> Result<Self, CaptureError> {
         let place = if name.is_empty() { "as an NPY file".to_owned() } else { format!("array {name}") };
         let (header, start) = header(file).map_err(|what| CaptureError::damaged(path, place, what))?;
@@ -43,7 +43,7 @@ impl Array {
         let fields = match (header.shape(), name) {
             ([], name) if !name.is_empty() => Vec::new(),
             (_, "") => fields(path, &header)?,
-            // what is no column is none that can be asked for
+            // nobody can ask for a field that is not a column
             (shape, name) => {
                 fields(path, &header).unwrap_or_default().into_iter().map(|field| field.of(name, shape)).collect()
             }
@@ -51,7 +51,7 @@ impl Array {
         Ok(Self { fields, rows, start })
     }
 
-    /// How many columns it has.
+    /// The number of its columns.
     #[cfg(feature = "npz")]
     pub fn columns(&self) -> usize {
         self.fields.len()
@@ -103,7 +103,7 @@ pub fn read_arrays(
     Ok(Found { columns: columns.collect(), clock, warnings: left_out.into_iter().collect() })
 }
 
-/// What is wrong, and in which of the rows at hand.
+/// The row among the rows at hand, and the error.
 type Wrong = (usize, String);
 
 fn push_values(values: &mut SeriesBuilder, cells: &Cells<'_>, field: &Field) -> Result<(), Wrong> {
@@ -165,7 +165,7 @@ const MAX_HEADER: u32 = 1 << 14;
 /// Depth of its brackets at most: a dictionary, with a list of fields, each in brackets, with its shape in brackets.
 const MAX_DEPTH: usize = 6;
 
-/// How deep brackets stand in brackets; none where a backslash leaves open what is a string.
+/// The depth of nested brackets; none where a backslash leaves open what is a string.
 fn depth(header: &[u8]) -> Option<usize> {
     let (mut now, mut most, mut quote) = (0usize, 0, None);
     for byte in header {
@@ -332,7 +332,7 @@ impl Cells<'_> {
         self.bytes.chunks(self.stride).map(|row| &row[..self.size])
     }
 
-    /// Of [plain](Field::is_plain) cells the numbers.
+    /// The numbers of [plain](Field::is_plain) cells.
     fn plain(&self) -> Vec<f64> {
         let (packed, rest) = self.bytes.as_chunks();
         if self.stride == size_of::<f64>() && rest.is_empty() {

@@ -30,7 +30,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
         let array = archive.header(name)?;
         columns += array.columns();
         if columns > MAX_COLUMNS {
-            let why = format!("its arrays have more than {MAX_COLUMNS} columns; save those of the log alone");
+            let why = format!("its arrays have more than {MAX_COLUMNS} columns; save only the arrays of the log");
             return Err(CaptureError::not_a_log(path, why).into());
         }
         arrays.push(array);
@@ -79,7 +79,7 @@ struct Archive<'a> {
     path: &'a Path,
     archive: ZipArchive<BufReader<Input>>,
     room: Room,
-    /// What was unpacked so far.
+    /// Bytes that were unpacked so far.
     bytes: u64,
 }
 

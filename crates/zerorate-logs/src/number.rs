@@ -2,7 +2,7 @@
 
 use super::Decimal;
 
-/// What a cell of text holds.
+/// The content of a cell of text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Number {
     /// Nothing, or a word for nothing.
@@ -39,7 +39,7 @@ impl Numerals {
         self.decimal
     }
 
-    /// Reads a cell; `Err` tells why it is no number.
+    /// Reads a cell; `Err` tells why it is not a number.
     pub fn read(&mut self, cell: &str, line: u64) -> Result<Number, String> {
         if let Some(number) = plain(cell.as_bytes()) {
             return match number {
@@ -56,7 +56,8 @@ impl Numerals {
         if is_missing(cell) {
             return Ok(Number::Missing);
         }
-        let number = cell.parse().ok().or_else(|| of_fortran(cell)).ok_or_else(|| format!("`{cell}` is no number"))?;
+        let number =
+            cell.parse().ok().or_else(|| of_fortran(cell)).ok_or_else(|| format!("`{cell}` is not a number"))?;
         if cell.contains('.') {
             self.with_point(cell)?;
         }
@@ -94,7 +95,7 @@ impl Numerals {
     }
 
     fn with_comma(&mut self, cell: &str, line: u64) -> Result<Number, String> {
-        let not_with_point = || format!("`{cell}` is no number with a decimal point, as the others are");
+        let not_with_point = || format!("`{cell}` is not a number with a decimal point, as the others are");
         if let Some((mark, number)) = in_thousands(cell) {
             match (mark, self.decimal) {
                 (Decimal::Point, _) => self.with_point(cell)?,
@@ -107,7 +108,7 @@ impl Numerals {
             return Err(not_with_point());
         }
         let number = cell.replacen(',', ".", 1).parse();
-        let number = number.ok().filter(|_| !cell.contains('.')).ok_or_else(|| format!("`{cell}` is no number"))?;
+        let number = number.ok().filter(|_| !cell.contains('.')).ok_or_else(|| format!("`{cell}` is not a number"))?;
         if !could_be_thousands(cell) {
             self.decimal = Some(Decimal::Comma);
         } else if self.doubtful.is_none() {
@@ -126,7 +127,7 @@ const TENS: [f64; 23] = [
     1e20, 1e21, 1e22,
 ];
 
-/// Digits that a u64 holds, whatever they are.
+/// Digits that always fit a u64.
 const DIGITS: usize = 18;
 
 /// A number of a sign, digits and a point at most, which is what nearly all are. An integer over a power of ten, both
@@ -227,7 +228,9 @@ mod tests {
 
     #[test]
     fn both_marks_are_a_mistake() {
-        assert!(read(&["1.5", "1,5"]).0[1].as_ref().unwrap_err().contains("`1,5` is no number with a decimal point"));
+        assert!(
+            read(&["1.5", "1,5"]).0[1].as_ref().unwrap_err().contains("`1,5` is not a number with a decimal point")
+        );
         assert!(read(&["1,5", "1.5"]).0[1].as_ref().unwrap_err().contains("decimal comma"));
         for cell in ["1.2345,6", "1234.567,5", "1,23.5", "1.234,5,6", ",123.5"] {
             assert!(read(&[cell]).0[0].as_ref().unwrap_err().contains("no number"), "{cell}");

@@ -1,4 +1,4 @@
-//! Opens a log by what it contains, whatever its name, and unpacks it.
+//! Opens a log, recognises it by its content, and unpacks it.
 
 use std::io::{self, BufReader, Read, Seek};
 use std::path::Path;
@@ -6,7 +6,7 @@ use zerorate_record::catch_panic::catch_panic;
 use zerorate_record::limits::{NoRoom, Room};
 use zerorate_record::{CaptureError, Input, NotBuiltIn};
 
-/// As many bytes as the longest mark at a file's start has.
+/// Bytes of the longest mark at a file's start.
 const MARK: u64 = 16;
 
 /// Bytes that a read asks the system for.
@@ -18,12 +18,12 @@ pub struct Log<'a> {
     pub path: &'a Path,
     /// Its content, from the start.
     pub input: Input,
-    /// What reading it may take.
+    /// The limit of memory for reading it.
     pub room: Room,
     start: Vec<u8>,
 }
 
-/// What is in a log.
+/// The form of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LogForm {
     /// Parquet.
@@ -72,7 +72,7 @@ pub fn open(path: &Path, input: Input) -> Result<Log<'_>, CaptureError> {
     }
 }
 
-/// What kind of file it is, in words, by how it begins; `path` names it in messages.
+/// The kind of a file in words, recognised by its start; `path` names it in messages.
 ///
 /// # Errors
 /// It cannot be read, or is of a kind that nobody reads here.
@@ -108,7 +108,7 @@ impl LogForm {
 }
 
 impl LogForm {
-    /// What reads it, where that is not built in.
+    /// The reader of the form that is not built in.
     pub const fn missing(self) -> Option<NotBuiltIn> {
         match self {
             Self::Hdf5 if cfg!(not(feature = "hdf5")) => Some(NotBuiltIn { what: "HDF5", feature: "hdf5" }),
@@ -135,7 +135,7 @@ impl LogForm {
 }
 
 impl Log<'_> {
-    /// What is in it; what cannot be read comes with advice.
+    /// Recognises the form; the error for an unsupported form says what to do.
     pub fn form(&self) -> Result<LogForm, CaptureError> {
         let starts = |mark: &[u8]| self.start.starts_with(mark);
         let foreign = FOREIGN.iter().find(|(mark, _)| starts(mark));
@@ -157,26 +157,31 @@ impl Log<'_> {
     }
 }
 
-/// How a bag of ROS 1 starts.
+/// The start of a bag of ROS 1.
 pub const ROS_BAG: &[u8] = b"#ROSBAG V2.0\n";
 
-/// Files that people have, and what to do with them.
+/// The starts of files that people have but nobody reads here, and what to do with them.
 const FOREIGN: &[(&[u8], &str)] = &[
     (b"#ROSBAG V1", "it is a bag of ROS 1 in its old version 1; convert it with `rosbag fix FILE NEW.bag`"),
     (b"7z\xBC\xAF\x27\x1C", "it is a 7z archive; unpack it and name a file in it"),
     (b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", "it is a workbook of Excel; save the sheet as CSV"),
+    (b"\xA3\x95", DATAFLASH),
+    (b"FMT, 128, ", DATAFLASH),
     (b"{\"", JSON),
     (b"[{", JSON),
     (b"\x80\x04\x95", PICKLE),
     (b"\x80\x05\x95", PICKLE),
 ];
 
+const DATAFLASH: &str = "it is an ArduPilot DataFlash log, which is not read yet; convert it with pymavlink: \
+                         `mavlogdump.py --format csv --types IMU FILE > imu.csv`";
+
 const JSON: &str = "it is JSON; convert it to a table: in Python `pandas.read_json('FILE').to_csv('log.csv')`, with \
                     `lines=True` if each line is an object";
 
 const PICKLE: &str = "it is a pickle of Python, which runs what is in it; save a table there: `to_csv`, `numpy.save`";
 
-/// How a file is packed.
+/// The packing of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Packing {
     Bzip2,
@@ -198,7 +203,7 @@ impl Packing {
         }
     }
 
-    /// What unpacks it, where that is not built in.
+    /// The unpacker that is not built in.
     const fn missing(self) -> Option<NotBuiltIn> {
         match self {
             Self::Zstd if cfg!(feature = "zstd") => None,
@@ -269,8 +274,7 @@ impl From<io::Error> for Unpacking {
     }
 }
 
-/// Of the content, what a packer may refer back to: 128 MiB, twice what `xz -9` does, and all that `zstd` does without
-/// `--ultra`.
+/// The largest window of a packer: 128 MiB, twice the window of `xz -9`, and the largest of `zstd` without `--ultra`.
 #[cfg(feature = "packed")]
 const MAX_WINDOW_KB: u32 = 128 << 10;
 

@@ -1,12 +1,12 @@
-//! Rows whose times are not in order, and what becomes of them: a counter that wrapped around is unwrapped, rows that
-//! were swapped are sorted, rows that are there twice are dropped, and a clock that was set back is followed. All is
-//! counted and said; what is too much for that is refused, with its place.
+//! Puts rows in order whose times are not. A counter that wrapped around is unwrapped. Rows that were swapped are
+//! sorted, and rows that are there twice are dropped. A clock that was set back is followed. Each of these is counted
+//! and said. Where it happens too often, the log is refused, with the place.
 
 use super::FoundColumn;
 use super::clock::Times;
 
-/// Where counters wrap around, in their own unit: those of 16, 24 and 32 bits, one of 32 bits in µs that was written
-/// in s or ms, and times of a day and of a week.
+/// The values at which counters wrap around, in their own unit: counters of 16, 24 and 32 bits, of 32 bits in µs that
+/// was written in s or ms, and times of a day and of a week.
 const MODULI: [f64; 12] = [
     65_536.0,
     16_777_216.0,
@@ -90,11 +90,7 @@ fn restamp(rows: &mut [TimedRow], interval: f64) -> Option<String> {
     let stray: Vec<usize> = (1..rows.len().saturating_sub(1)).filter(|at| is_stray(&rows[at - 1..at + 2])).collect();
     let first = stray.first().filter(|_| stray.len() as f64 <= (MAX_STRAY * rows.len() as f64).max(1.0))?;
     stray.iter().for_each(|at| rows[*at].time = 0.5 * (rows[at - 1].time + rows[at + 1].time));
-    Some(format!(
-        "{} rows have a stamp far from those of the rows around: it is wrong, the samples count (the first: row \
-         {first})",
-        stray.len()
-    ))
+    Some(format!("{} rows have a wrong stamp, which is replaced (the first: row {first})", stray.len()))
 }
 
 /// Adds what a counter lost when it wrapped around: one that counts from zero, or from less than that as far up.
@@ -123,7 +119,7 @@ fn unwrap(rows: &mut [TimedRow], first: f64, interval: f64) -> Option<String> {
     }
     let (row, modulus) = *found.first()?;
     let times = found.len();
-    Some(format!("the counter of the time wraps around at {modulus} ({times} times, first at row {row}): unwrapped"))
+    Some(format!("the counter wraps around at {modulus} ({times} times, first at row {row})"))
 }
 
 /// Sorts rows that are late, and follows a clock that was set back.
@@ -156,7 +152,7 @@ fn sort(rows: &mut [TimedRow], first: f64, interval: f64) -> Result<Vec<String>,
     }
     let sorted =
         swapped.first().map(|(_, row)| format!("{moved} rows come too late and are sorted (the first: row {row})"));
-    let followed = (!steps.is_empty()).then(|| format!("{}: no sample is taken as lost there", set_back(&steps)));
+    let followed = (!steps.is_empty()).then(|| set_back(&steps));
     Ok(sorted.into_iter().chain(followed).collect())
 }
 
@@ -168,8 +164,8 @@ fn set_back(steps: &[(f64, String)]) -> String {
     }
 }
 
-/// The rows among which `row` and those behind it are late, as far as they fill a hole there. In a clock that was set
-/// back there is no hole.
+/// The rows among which `row` and those behind it are late, as far as they fill a hole there. A clock that was set
+/// back leaves no hole.
 fn late(rows: &[TimedRow], row: usize, interval: f64) -> Option<(usize, usize)> {
     let latest = rows[row - 1].time;
     let behind = &rows[row..rows.len().min(row + NEAR)];
@@ -236,24 +232,20 @@ fn separate(rows: &mut Vec<TimedRow>, columns: &[FoundColumn], interval: f64) ->
     said_of(&dropped, &wrong, is_coarse)
 }
 
-/// Of the rows that were dropped, and of those that got another time.
+/// The texts about dropped rows, and about rows that got another time.
 fn said_of(dropped: &[usize], wrong: &[usize], is_coarse: bool) -> Vec<String> {
-    let dropped = dropped.first().map(|row| {
-        format!(
-            "{} rows repeat the row before, stamp and values, and are dropped (the first: row {row})",
-            dropped.len()
-        )
-    });
+    let dropped = dropped
+        .first()
+        .map(|row| format!("{} rows repeat the row before and are dropped (the first: row {row})", dropped.len()));
     let wrong = wrong.first().map(|row| {
-        let why = if is_coarse { "the clock is coarse" } else { "their stamps are wrong" };
-        let count = wrong.len();
-        format!("{count} rows have the stamp of the row before: {why}, the samples count (the first: row {row})")
+        let why = if is_coarse { "coarse clock" } else { "a wrong one" };
+        format!("{} rows repeat a stamp ({why}); they count (the first: row {row})", wrong.len())
     });
     dropped.into_iter().chain(wrong).collect()
 }
 
-/// The interval of the samples under a clock of coarse steps: of the steps that are not longer than usual, the whole
-/// time over the rows in it, without the first and the last step, which may not be whole.
+/// The interval of the samples under a clock of coarse steps: the total time of the steps of usual length over the
+/// number of rows in them. The first and the last step do not count, because they may not be whole.
 fn fine_interval(rows: &[TimedRow]) -> f64 {
     let starts: Vec<usize> =
         (0..rows.len()).filter(|at| *at == 0 || rows[*at].time > rows[at - 1].time).skip(1).collect();
@@ -323,7 +315,7 @@ mod tests {
         let (times, values, said) = mended(&rows).unwrap();
         assert!(is_even(&times, 100) && values[40] == 20.0, "{times:?}");
         assert!(said.contains("their stamps are wrong"), "{said}");
-        // the same value by chance is no row twice where the time has room for it
+        // equal values by chance do not make a row a repeat where the time has room for it
         rows[40].1 = rows[39].1;
         assert_eq!(mended(&rows).unwrap().0.len(), 100);
         // 1.6 samples to a step of the clock
@@ -374,9 +366,7 @@ mod tests {
             rows[100].0 = stray;
             let (times, values, said) = mended(&rows).unwrap();
             assert!(is_even(&times, 400) && values.is_sorted(), "{said}");
-            assert!(
-                said.contains("1 rows have a stamp far from those of the rows around") && said.contains("row 100")
-            );
+            assert!(said.contains("1 rows have a wrong stamp") && said.contains("row 100"), "{said}");
         }
     }
 

@@ -58,7 +58,7 @@ struct Groups<'a> {
     file: Mutex<Input>,
     metadata: ArrowReaderMetadata,
     columns: Vec<usize>,
-    /// What a row of all of them takes.
+    /// Bytes of a row of all columns.
     row_bytes: u64,
     room: Room,
     /// Rows of all groups that were decoded so far: a page of a few bytes may state any number of them.

@@ -9,7 +9,7 @@ use std::path::Path;
 use zerorate::{MAX_AXES, Part, Scale};
 use zerorate_record::{CaptureInfo, Input, Layout, Quantity, Row};
 
-/// What logs call the temperature, unless the part says otherwise.
+/// The name of the temperature column, unless the part states another.
 pub(super) const TEMP: &str = "temp";
 
 /// A value that is this near to a code, in codes, lies on it: what decimals and units leave of a code that somebody
@@ -18,8 +18,8 @@ const ON_GRID: f64 = 1e-4;
 
 /// A log whose columns are the axes of a part, and its temperature.
 ///
-/// Integers without a unit are codes; values with a unit become the nearest codes. A row that lacks an axis is no
-/// reading, and counts as lost with the row after it.
+/// Integers without a unit are codes; values with a unit become the nearest codes. A row that lacks an axis is
+/// not a reading, and counts as lost with the row after it.
 #[derive(Debug)]
 pub struct PartLog {
     info: CaptureInfo,
@@ -40,8 +40,8 @@ impl PartLog {
     /// column nor rate is given, the time is the only other column whose name states a unit of time, as in `t_ns`.
     ///
     /// # Errors
-    /// The file cannot be read; it lacks an axis, the temperature, a unit or the time; or its values are none of the
-    /// part.
+    /// The file cannot be read, it lacks an axis, the temperature, a unit or the time, or the part cannot have made its
+    /// values.
     pub fn open(path: &Path, input: Input, part: &Part, args: &ColumnOptions) -> Result<Self> {
         let layout = Layout::of_part(part)
             .map_err(|what| LogError::Ask(format!("no capture can have the part {}: {what}", part.name)))?;
@@ -81,13 +81,13 @@ impl PartLog {
         log.checked(path)
     }
 
-    /// What a reader of these rows has to know of them. Whoever opened the log may know more.
+    /// The description for a reader of these rows. The opener of the log may know more.
     #[must_use]
     pub fn info(&self) -> &CaptureInfo {
         &self.info
     }
 
-    /// What is to be said of the log: values that were rounded, rows that lack a value, a tail that was torn off.
+    /// The warnings about the log: values that were rounded, rows that lack a value, a tail that was torn off.
     #[must_use]
     pub fn warnings(&self) -> &[LogWarning] {
         &self.warnings
@@ -140,7 +140,7 @@ impl Iterator for PartLog {
     }
 }
 
-/// The columns of the axes, and behind them that of the temperature.
+/// The columns of the axes, then the column of the temperature.
 fn described(part: &Part) -> Vec<Described> {
     let column = |what: String, stated: Option<&str>, name: &str| Described {
         what,
@@ -152,13 +152,13 @@ fn described(part: &Part) -> Vec<Described> {
     part.axes.iter().map(axis).chain([temp]).collect()
 }
 
-/// What the name of a column states, or the one by which the part has it.
+/// The unit that the name of a column states, or the name that the part gives.
 fn stated(column: &str, described: &Described) -> Option<(Quantity, f64)> {
     let by_part = || described.without_unit().and_then(|_| Quantity::of_column(&described.name));
     Quantity::of_column(column).or_else(by_part)
 }
 
-/// What a step of a column is in °/s, if that is stated; nothing else is a rate.
+/// The size of a step of a column in °/s, if that is stated; only a column in such a unit is a rate.
 fn rate_unit(path: &Path, column: &str, stated: Option<(Quantity, f64)>) -> Result<Option<f64>> {
     match stated {
         Some((Quantity::AngularRate, dps)) => Ok(Some(dps)),
@@ -173,15 +173,15 @@ fn rate_unit(path: &Path, column: &str, stated: Option<(Quantity, f64)>) -> Resu
     }
 }
 
-/// How the values of a column become codes.
+/// The conversion of the values of a column to codes.
 struct Coding<'a> {
     path: &'a Path,
     scale: Scale,
-    /// What a step of 1 in the column is, in the unit of the scale; none: the column holds codes.
+    /// The size of a step of 1, in the unit of the scale; none: the column holds codes.
     unit: Option<f64>,
     /// The unit of the scale.
     name: &'static str,
-    /// How a column states a unit.
+    /// Advice on how a column states its unit.
     remedy: &'static str,
 }
 
@@ -211,7 +211,7 @@ impl Coding<'_> {
     fn no_codes(&self, name: &str, row: usize, value: f64) -> LogError {
         let remedy = format!("state its unit in its name, as in {}", self.remedy);
         LogError::Ask(format!(
-            "{}, column {name}, row {row}: {value} is no code, and no unit is stated; {remedy}",
+            "{}, column {name}, row {row}: {value} is not a code, and no unit is stated; {remedy}",
             self.path.display()
         ))
     }

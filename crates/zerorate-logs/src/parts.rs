@@ -10,7 +10,7 @@ use zerorate_record::Input;
 pub struct Parts {
     /// Each with its name, in their order.
     pub files: Vec<(PathBuf, Input)>,
-    /// How many messages of each topic there are in all of them, as the description of the bag states.
+    /// The number of messages of each topic in all files, as the description of the bag states.
     pub messages: Vec<(String, u64)>,
 }
 

@@ -52,7 +52,7 @@ pub fn read(log: Log<'_>, raw: RawType, names: Names) -> Result<Found> {
     let bytes = log.input.length().map_err(failed)?;
     let size = raw.bytes();
     if !bytes.is_multiple_of(size as u64) {
-        let what = format!("{bytes} bytes are no whole number of {size}-byte numbers: is {setting} right?");
+        let what = format!("{bytes} bytes are not a multiple of {size}-byte numbers; check {setting}");
         return Err(CaptureError::damaged(log.path, "as raw numbers", what).into());
     }
     let mut values = SeriesBuilder::new(log.room);

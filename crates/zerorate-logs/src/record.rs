@@ -16,33 +16,33 @@ pub struct Record {
     pub file: PathBuf,
     /// The name of the column.
     pub column: String,
-    /// Of what the deviations are, in the unit of its results; none: in a unit that nobody stated.
+    /// The quantity of the deviations, in the unit of its results; none: nobody stated the unit.
     pub quantity: Option<Quantity>,
-    /// Of the intervals.
+    /// Confidence of the intervals.
     pub confidence: f64,
     /// Its deviations.
     pub analysis: Analysis,
-    /// The same at the averaging times of pictures, where those are others.
+    /// The deviations at the averaging times of pictures, where those differ.
     finer: Option<Analysis>,
     /// None where nobody asked for it.
     pub fit: Option<Result<Fit, FitError>>,
     /// The rate in the unit of the results; only where it is fitted once more, and nothing was taken out before.
     pub rate: Option<Vec<f64>>,
-    /// What there is to know of the log.
+    /// The warnings about the log.
     pub notes: Vec<LogWarning>,
-    /// Its rate follows its temperature, and there is no model to say so.
+    /// The rate follows the temperature, and the record has no model that would say so.
     pub follows: Option<AllanWarning>,
-    /// What is drawn of it beside its curve; none unless that was asked for, and of a rate.
+    /// The picture beside its curve; none unless it was asked for, and only of a rate.
     pub look: Option<Look>,
     /// The polynomial over temperature that was taken out.
     pub detrended: Option<Detrended>,
-    /// What was left out at its beginning, s.
+    /// The time left out at its beginning, s.
     pub skipped_s: f64,
 }
 
 /// A record as one looks at it.
 pub struct Look {
-    /// As it was read.
+    /// The samples as they were read.
     pub envelope: Envelope,
     /// Without what was taken out before the fit.
     pub spectrum: Vec<Density>,
@@ -58,7 +58,7 @@ impl Look {
     }
 }
 
-/// How a column is analysed.
+/// The options of an analysis.
 #[derive(Clone, Debug, Default)]
 pub struct AnalysisOptions {
     /// It holds a phase, the integral of a rate.
@@ -75,20 +75,20 @@ pub struct AnalysisOptions {
     pub draws: bool,
     /// The rate is needed for a model of several records.
     pub keeps_rate: bool,
-    /// What is left out, and taken out, before.
+    /// The preparation: time left out, temperature and drift taken out.
     pub settling: Settling,
 }
 
 /// Why a column cannot be analysed.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
-    /// What was to be done before cannot be.
+    /// The preparation failed.
     #[error(transparent)]
     Settling(#[from] SettlingError),
     /// Its numbers must not become a result, or cannot be written out.
     #[error(transparent)]
     Log(#[from] LogError),
-    /// So few samples have no deviation.
+    /// Too few samples for a deviation.
     #[error("{0}: {1} samples are too few, at least 2 are needed")]
     TooFew(String, usize),
     /// The options ask for what there is not.
@@ -103,7 +103,7 @@ impl Record {
     /// Analyses a column of the log `file`. Its temperature is another column.
     ///
     /// # Errors
-    /// Where there is nothing to analyse, and where the numbers must not become a result.
+    /// The record has nothing to analyse, or its numbers must not become a result.
     pub fn of(
         mut column: Column,
         file: &Path,
@@ -188,17 +188,17 @@ impl Record {
         }
     }
 
-    /// What there is to know of the model.
+    /// The warnings about the model.
     pub fn of_model(&self) -> &[AllanWarning] {
         self.model().map_or(&[], |fit| &fit.warnings)
     }
 
-    /// What there is to know of its noise: that it follows the temperature, and what there is to know of the model.
+    /// The warnings about its noise: that it follows the temperature, and the warnings about the model.
     pub fn of_noise(&self) -> impl Iterator<Item = &AllanWarning> {
         self.follows.iter().chain(self.of_model())
     }
 
-    /// What tells this log from others: the file, and the column.
+    /// The label that tells this log from others: the file, and the column.
     pub fn label(&self) -> String {
         label(&self.file, &self.column)
     }
@@ -208,12 +208,12 @@ impl Record {
         matches!(self.column.as_str(), "rate_code" | "rate_corrected_dps")
     }
 
-    /// What the deviation is called.
+    /// The name of the deviation.
     pub fn title(&self) -> &'static str {
         self.analysis.stat.title()
     }
 
-    /// What pictures show.
+    /// The analysis that pictures show.
     pub fn drawn(&self) -> &Analysis {
         self.finer.as_ref().unwrap_or(&self.analysis)
     }
@@ -223,7 +223,7 @@ impl Record {
         self.fit.as_ref()?.as_ref().ok()
     }
 
-    /// What stands out of its spectrum.
+    /// The lines in its spectrum.
     pub fn lines(&self) -> impl Iterator<Item = &Line> {
         self.model().into_iter().flat_map(Fit::lines)
     }
@@ -240,7 +240,7 @@ impl Record {
         }
     }
 
-    /// What kind of axis of an IMU it is, if it is one.
+    /// The kind of axis of an IMU, if it is one.
     pub fn kind(&self) -> Option<Kind> {
         Kind::of(self.quantity?)
     }
@@ -251,7 +251,7 @@ impl Record {
         Some(Axis { name: &self.column, kind, rate_hz, fit, scale: 1.0 })
     }
 
-    /// Those of several records that are axes of an IMU and have a model.
+    /// The axes of an IMU among several records, as far as they have a model.
     pub fn axes(records: &[Self]) -> Vec<Axis<'_>> {
         records.iter().filter_map(Self::axis).collect()
     }
@@ -267,12 +267,12 @@ impl Record {
         records.iter().filter_map(|record| Some((record.column.as_str(), record.model()?))).collect()
     }
 
-    /// What the model says of a point, if there is a model and it speaks of this statistic.
+    /// The value of the model at a point, if a model exists and describes this statistic.
     pub fn expected(&self, point: &Point) -> Option<Expected> {
         self.model()?.expected(&self.analysis, point)
     }
 
-    /// Averaging time and deviation of the minimum: that of the fit, or of the points where the fit is of another
+    /// Averaging time and deviation of the minimum: from the fit, or from the points where the fit describes another
     /// statistic.
     pub fn minimum(&self) -> Option<(f64, f64)> {
         if let (true, Ok(fit)) = (self.analysis.stat.is_allan(), self.believed()) {
@@ -296,7 +296,7 @@ impl Record {
     }
 }
 
-/// What is missing, and what is done about it.
+/// Closes the gaps if asked to, and gives the warning about them.
 fn gaps(options: &AnalysisOptions, file: &Path, column: &mut Column) -> Option<LogWarning> {
     let missing = column.missing();
     if missing == 0 {
@@ -309,7 +309,7 @@ fn gaps(options: &AnalysisOptions, file: &Path, column: &mut Column) -> Option<L
     Some(LogWarning::Gaps { path, missing, among, are_closed })
 }
 
-/// What tells a column from those of other logs.
+/// The label that tells a column from the columns of other logs.
 fn label(file: &Path, column: &str) -> String {
     format!("{}, column {column}", file.display())
 }

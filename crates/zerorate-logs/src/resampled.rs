@@ -1,5 +1,5 @@
-//! Logs that were resampled, filled in, or read from a sensor faster than it converts: their noise is not that of the
-//! sensor.
+//! Logs that were resampled, filled in, or read from a sensor faster than it converts: their noise is not the noise of
+//! the sensor.
 
 use super::series::Series;
 
@@ -12,16 +12,16 @@ const ENOUGH: usize = 500;
 /// Share of the samples from which it is said.
 const SAID: f64 = 0.02;
 
-/// Steps of the numbers in the usual difference between samples, from which equal ones are no chance: with Gaussian
-/// differences 1 in 370 then.
+/// Number of steps in the usual difference between samples. Above it, equal samples do not come by chance: with
+/// Gaussian differences, 1 in 370 then.
 const FINE: f64 = 100.0;
 
 /// Different sizes of differences from which numbers are fine. Coarse codes that were printed with more digits have
 /// few sizes, and repeat by chance.
 const SIZES: usize = 100;
 
-/// What is to be said of samples that repeat the one before, or lie on the line between their neighbours, to the last
-/// digit. Of numbers too coarse to tell nothing is said.
+/// The text about samples that repeat the one before, or lie on the line between their neighbours, to the last digit.
+/// None where the numbers are too coarse to tell.
 pub fn doubt(series: &Series) -> Option<String> {
     let samples: Vec<f64> = match series {
         Series::Codes(codes) => codes.iter().take(LOOKED_AT).map(|code| f64::from(*code)).collect(),
@@ -43,14 +43,9 @@ pub fn doubt(series: &Series) -> Option<String> {
     };
     let (share, how) = match repeats {
         Some(share) => (share, "repeat the one before"),
-        None => (of_lines()?, "lie on the line between their neighbours"),
+        None => (of_lines()?, "lie on the line between neighbours"),
     };
-    Some(format!(
-        "{:.0} % of the samples {how} to the last digit, as noise does not: the log was resampled or filled in, or \
-         the sensor converts more slowly than it is read; what is found is the noise of such a log, and N is another: \
-         take the log as the sensor gave it",
-        100.0 * share
-    ))
+    Some(format!("{:.0} % of the samples {how}; use the raw log", 100.0 * share))
 }
 
 /// Share of the differences that are none, if that is much, and all others are so large that none is by chance.
@@ -111,7 +106,9 @@ mod tests {
         assert!(said(filled).starts_with("10 % of the samples repeat"));
         let mut drawn = noise(6000, 1e5);
         (3..5999).step_by(10).for_each(|at| drawn[at] = 0.5 * (drawn[at - 1] + drawn[at + 1]));
-        assert!(said(drawn.iter().map(|sample| sample.round()).collect()).contains("lie on the line between"));
+        assert!(
+            said(drawn.iter().map(|sample| sample.round()).collect()).contains("lie on the line between neighbours")
+        );
         assert!(
             said(drawn.iter().map(|sample| sample * 1e-7 + 9.81).collect()).starts_with("10 % of the samples lie")
         );

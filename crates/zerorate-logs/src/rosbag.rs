@@ -1,7 +1,7 @@
 //! Bags of ROS 1, version 2.0 (<https://wiki.ros.org/Bags/Format/2.0>): records with a head of named fields, most of
 //! them in chunks that may be packed. No library reads them without mapping the file into memory.
 
-use super::imu_messages::{Collector, Encoding, Quantities, is_imu};
+use super::imu_messages::{Collector, Encoding, Quantities, is_imu, without_imu};
 use super::open::{Log, ROS_BAG};
 use super::topics::Survey;
 use super::{ColumnQuery, Found, Result};
@@ -18,7 +18,7 @@ const BUFFER: usize = 1 << 18;
 /// The longest head of a record: a connection names a topic and a type.
 const MAX_HEAD: u32 = 1 << 16;
 
-/// What ROS 1 calls the message.
+/// The type of the message in ROS 1.
 const IMU: &str = "sensor_msgs/Imu";
 
 const MESSAGE: u8 = 2;
@@ -30,7 +30,10 @@ const CONNECTION: u8 = 7;
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let (path, room) = (log.path, log.room);
     let mut file = BufReader::with_capacity(BUFFER, log.input);
-    let topics = topics(path, &mut file, room)?;
+    let (topics, others) = topics(path, &mut file, room)?;
+    if topics.is_empty() {
+        return Err(without_imu(path, &others));
+    }
     let names: BTreeSet<String> = topics.values().cloned().collect();
     let seen = || survey(&mut Records { path, file: &mut file, room, bytes: 0 }, &topics);
     let wanted = Quantities::choose(path, &names, asked, seen)?;
@@ -54,31 +57,35 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     })?;
     let torn = torn.map(|why| {
         let path = path.display();
-        format!("{path} was not closed or is damaged ({why}): what stands before is read, the rest is dropped")
+        format!("{path} was not closed or is damaged ({why}); the rest is dropped")
     });
     Ok(collector.finish(torn, stated))
 }
 
-/// The topics with an IMU by the number of their connection. A bag that was closed lists its connections behind its
-/// chunks; in one that was not they stand in them.
-fn topics(path: &Path, file: &mut BufReader<Input>, room: Room) -> Result<BTreeMap<u32, String>> {
-    let mut connections = BTreeMap::new();
-    let mut all = 0;
+/// The topics with an IMU by the number of their connection, and the types of the other topics. A bag that was closed
+/// lists its connections behind its chunks. In a bag that was not closed, they stand in the chunks.
+fn topics(path: &Path, file: &mut BufReader<Input>, room: Room) -> Result<Topics> {
+    let (mut connections, mut others) = (BTreeMap::new(), BTreeMap::new());
     for skip_chunks in [true, false] {
         let torn = Records { path, file, room, bytes: 0 }.each(skip_chunks, |record| {
-            all += u64::from(record.op() == Some(CONNECTION));
-            connections
-                .extend(record.connection().filter(|(_, _, kind)| is_imu(kind)).map(|(at, topic, _)| (at, topic)));
+            match record.connection() {
+                Some((at, topic, kind)) if is_imu(&kind) => drop(connections.insert(at, topic)),
+                Some((_, topic, kind)) => drop(others.insert(topic, kind)),
+                None => {}
+            }
             Ok(())
         })?;
-        if all > 0 && torn.is_none() {
+        if torn.is_none() && !(connections.is_empty() && others.is_empty()) {
             break;
         }
     }
-    Ok(connections)
+    Ok((connections, others))
 }
 
-/// What there is of them, as far as the file is whole.
+/// Topics by the number of their connection, and types by the name of their topic.
+type Topics = (BTreeMap<u32, String>, BTreeMap<String, String>);
+
+/// The topics with an IMU, as far as the file is whole.
 fn survey(records: &mut Records<'_>, topics: &BTreeMap<u32, String>) -> Survey {
     let mut survey = Survey::default();
     topics.values().for_each(|topic| survey.topic(topic, IMU));
@@ -108,7 +115,7 @@ impl Record {
         Some(u32::from_le_bytes(*field(&self.head, name)?.first_chunk()?))
     }
 
-    /// How many messages of each connection a chunk has, as the index at the end of the bag states.
+    /// The number of messages of each connection in a chunk, as the index at the end of the bag states.
     fn counts(&self) -> impl Iterator<Item = (u32, u32)> {
         let number = |bytes: &[u8; 4]| u32::from_le_bytes(*bytes);
         self.data.as_chunks::<4>().0.as_chunks::<2>().0.iter().map(move |[conn, count]| (number(conn), number(count)))
@@ -139,7 +146,7 @@ struct Records<'a> {
     path: &'a Path,
     file: &'a mut BufReader<Input>,
     room: Room,
-    /// What all chunks unpacked to.
+    /// Bytes of all chunks after unpacking.
     bytes: u64,
 }
 
@@ -213,7 +220,7 @@ impl Records<'_> {
         Ok(bytes)
     }
 
-    /// How many bytes follow, which must be there.
+    /// The number of bytes that follow, which must be there.
     fn length(&mut self, end: u64, most: Option<u32>) -> Result<u32, Stop> {
         let mut length = [0; 4];
         self.file.read_exact(&mut length)?;

@@ -1,4 +1,4 @@
-//! Rows of a part, whatever they were recorded in.
+//! Rows of a part, from a recording of any form.
 
 use crate::{CaptureError, Input, LogError, LogWarning};
 use crate::{ColumnOptions, PartLog};
@@ -20,7 +20,7 @@ impl RowReader {
     /// messages. `args` are for logs alone.
     ///
     /// # Errors
-    /// It cannot be read, or is wrong in itself; without a part, it is no capture.
+    /// It cannot be read, or is wrong in itself; without a part, it is not a capture.
     pub fn open(path: &Path, mut input: Input, part: Option<&Part>, args: &ColumnOptions) -> Result<Self, LogError> {
         let failed = |error| CaptureError::io("read", path, error);
         let again = input.try_clone().map_err(failed)?;
@@ -35,7 +35,7 @@ impl RowReader {
         }
     }
 
-    /// What there is to know of the rows.
+    /// The description of the rows.
     #[must_use]
     pub fn info(&self) -> &CaptureInfo {
         match self {
@@ -44,7 +44,7 @@ impl RowReader {
         }
     }
 
-    /// What is to be said once all rows were read.
+    /// The warnings, once all rows were read.
     #[must_use]
     pub fn warnings(&self) -> Vec<LogWarning> {
         match self {

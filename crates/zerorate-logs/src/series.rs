@@ -6,8 +6,8 @@ use zerorate_record::limits::{NoRoom, Room};
 /// Missing samples that are filled in at most: a bound on memory where a clock leaps.
 const MAX_FILLED: u64 = 10_000_000;
 
-/// What a row costs: a code, what is computed of it, and the same again while both grow. A number with a time costs
-/// twice as much, and where that is too much the limit of the process tells.
+/// Bytes of a row: a code, its result, and the same again while both grow. A number with a time costs twice as much;
+/// where that is too much, the limit of the process stops it.
 pub const ROW_BYTES: u64 = 16;
 
 /// Numbers, as exact as the file has them.
@@ -20,7 +20,7 @@ pub enum Series {
 }
 
 impl Series {
-    /// How many there are.
+    /// The number of samples.
     pub fn len(&self) -> usize {
         match self {
             Self::Codes(codes) => codes.len(),
@@ -41,7 +41,7 @@ pub struct SeriesBuilder {
     gaps: Vec<Gap>,
     rows: u64,
     room: Room,
-    /// How many series share the room.
+    /// The number of series that share the room.
     sharing: u64,
 }
 
@@ -57,7 +57,7 @@ impl SeriesBuilder {
         Self { series: Series::Codes(Vec::new()), gaps: Vec::new(), rows: 0, room, sharing }
     }
 
-    /// What a row of all of them costs.
+    /// Bytes of a row of all series.
     fn row_bytes(&self) -> u64 {
         ROW_BYTES.saturating_mul(self.sharing)
     }
@@ -68,7 +68,7 @@ impl SeriesBuilder {
         self.room.check(self.rows.saturating_add(more).saturating_mul(self.row_bytes()))
     }
 
-    /// How many rows there were, with those that were empty.
+    /// The number of rows, including empty ones.
     pub fn rows(&self) -> u64 {
         self.rows
     }
@@ -232,7 +232,7 @@ pub fn join(gaps: &mut Vec<Gap>, gap: Gap) {
     }
 }
 
-/// How many samples are missing in all gaps together.
+/// The number of missing samples in all gaps together.
 pub fn missing_in(gaps: &[Gap]) -> u64 {
     gaps.iter().fold(0, |sum, gap| sum.saturating_add(gap.missing))
 }
@@ -256,7 +256,7 @@ fn merged(empty_rows: &[Gap], between_rows: &[Gap]) -> Vec<Gap> {
     all
 }
 
-/// What is missing before the first sample or after the last is no gap.
+/// Keeps the inner gaps: missing samples before the first sample or after the last do not make a gap.
 fn inner(mut gaps: Vec<Gap>, len: usize) -> Vec<Gap> {
     gaps.retain(|gap| gap.at > 0 && gap.at < len && gap.missing > 0);
     gaps

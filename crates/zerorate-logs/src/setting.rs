@@ -1,4 +1,4 @@
-//! What each option of a column is called, so that a message can say which to give.
+//! The names of the options of a column, so that a message can say which to give.
 
 use std::fmt;
 
@@ -54,7 +54,7 @@ impl Setting {
     }
 }
 
-/// What a front end calls an option: its field, unless it says otherwise.
+/// The name of an option in a front end: its field, unless the front end says otherwise.
 #[derive(Clone, Copy)]
 pub struct Names(pub fn(Setting) -> &'static str);
 

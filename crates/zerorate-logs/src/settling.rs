@@ -1,18 +1,18 @@
-//! What is done about the temperature and the beginning of a column before it is analysed.
+//! Preparation of a column before the analysis: its temperature and its beginning.
 
 use crate::imu::span;
 use crate::{Column, LogError, Names, Series, Setting};
 use std::path::Path;
 use zerorate_allan::{AllanWarning, DetrendError, Follows, Settled, detrend, follows_temperature};
 
-/// What is done with a record before it is analysed.
+/// Preparation of a record before the analysis.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Settling {
-    /// What is left out at its beginning, s.
+    /// Time left out at its beginning, s.
     pub skip_s: f64,
     /// Order of the polynomial over temperature that is taken out; none: nothing is.
     pub order: Option<usize>,
-    /// What messages call these.
+    /// The names of these options in messages.
     pub names: Names,
 }
 
@@ -34,7 +34,7 @@ impl Settling {
     /// Does it to a column of `file`, whose temperature is another column.
     ///
     /// # Errors
-    /// Where nothing would be left, or what does not fit.
+    /// Nothing would be left, or the temperature does not fit.
     pub fn apply(
         &self,
         column: &mut Column,

@@ -25,13 +25,13 @@ fn same(content: &[u8], names: &[&str], said: &str) -> Vec<Column> {
     for names in [&names, &backwards] {
         let together = all(content, Wanted::Listed(names), said).unwrap();
         let alone: Vec<Column> = names.iter().map(one).collect();
-        // NaN is no number, not even this one
+        // NaN is not equal to itself
         assert_eq!(format!("{together:?}"), format!("{alone:?}"));
     }
     all(content, Wanted::Listed(&names), said).unwrap()
 }
 
-/// What is in memory goes the way of a file: names, time, gaps and what is no number.
+/// A table in memory is read like a file: names, time, gaps and cells that are not numbers.
 #[test]
 fn a_table_in_memory_is_a_log() {
     let since_ns = [0, 10, 20, 50, 60].map(|ms| ms * 1_000_000_i64).to_vec();

@@ -1,6 +1,6 @@
 //! ROS bags in SQLite, as ROS 2 made them before Iron.
 
-use super::imu_messages::{Collector, Encoding, Quantities, is_imu};
+use super::imu_messages::{Collector, Encoding, Quantities, is_imu, without_imu};
 use super::open::Log;
 use super::topics::Survey;
 use super::{ColumnQuery, Found, Result};
@@ -18,7 +18,11 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
         CaptureError::damaged(path, "as a ROS 2 bag in SQLite", format!("{error}; {remedy}"))
     };
     let bag = open(log, failed)?;
-    let topics = topics_of(&bag).map_err(failed)?;
+    let (topics, others): (Vec<Topic>, Vec<Topic>) =
+        topics_of(&bag).map_err(failed)?.into_iter().partition(|topic| is_imu(&topic.kind));
+    if topics.is_empty() {
+        return Err(without_imu(path, &others.into_iter().map(|topic| (topic.name, topic.kind)).collect()));
+    }
     let names: BTreeSet<String> = topics.iter().map(|topic| topic.name.clone()).collect();
     let wanted = Quantities::choose(path, &names, asked, || survey(&bag, &topics))?;
     let ids = topics.iter().filter(|topic| topic.name == wanted.topic);
@@ -64,7 +68,7 @@ fn open(log: Log<'_>, failed: impl Fn(rusqlite::Error) -> CaptureError) -> Resul
     Ok(bag)
 }
 
-/// A topic with an IMU.
+/// A topic of the bag.
 struct Topic {
     id: i64,
     name: String,
@@ -77,10 +81,10 @@ fn topics_of(bag: &Connection) -> rusqlite::Result<Vec<Topic>> {
     let topics = query.query_map([], |row| {
         Ok(Topic { id: row.get(0)?, name: row.get(1)?, kind: row.get(2)?, format: row.get(3)? })
     })?;
-    topics.filter(|topic| topic.as_ref().map_or(true, |topic| is_imu(&topic.kind))).collect()
+    topics.collect()
 }
 
-/// What there is of them, as far as it can be read.
+/// The topics with an IMU, as far as they can be read.
 fn survey(bag: &Connection, topics: &[Topic]) -> Survey {
     let mut survey = Survey::default();
     for Topic { id, name, kind, format } in topics {

@@ -8,11 +8,11 @@ use zerorate_allan::Input;
 /// A column that changes more often than not, and then no more for so many samples, has stopped.
 const STOPPED_SAMPLES: usize = 1000;
 
-/// What is to be said of the column `name` of a log where it stops changing: a log of another part need not have
-/// stopped with it. `path` names the log in messages.
+/// The warning about the column `name` of a log where it stops changing: a log of another part need not have stopped
+/// with it. `path` names the log in messages.
 ///
 /// # Errors
-/// Of one value all along: that is no noise but a dead sensor.
+/// Refuses a column of one value all along: a dead sensor, not noise.
 pub fn stopped(input: Input<'_>, rate_hz: f64, path: &Path, name: &str) -> Result<Option<LogWarning>> {
     let (changes, total, gaps) = match input {
         Input::Codes { codes, gaps } => (Changes::of(codes.iter().map(|code| f64::from(*code))), codes.len(), gaps),
@@ -39,15 +39,15 @@ pub fn stopped(input: Input<'_>, rate_hz: f64, path: &Path, name: &str) -> Resul
 /// Samples of one value, one after the other.
 #[derive(Clone, Copy, Default)]
 struct Run {
-    /// Where the first is in the record.
+    /// Index of the first stopped sample.
     start: usize,
-    /// How many there are.
+    /// The number of stopped samples.
     len: usize,
-    /// With the missing ones between and behind them.
+    /// The same, with the missing samples between and behind them.
     samples: usize,
 }
 
-/// How a column changes.
+/// The changes of a column.
 #[derive(Default)]
 struct Changes {
     /// Samples that are there.

@@ -88,7 +88,7 @@ impl<'a> TableColumns<'a> {
         })
     }
 
-    /// How many columns of numbers there are.
+    /// The number of columns of numbers.
     #[cfg(feature = "parquet")]
     pub fn len(&self) -> usize {
         self.values.len()
@@ -248,7 +248,7 @@ fn of_code(layout: &Layout, name: &str) -> Option<(Quantity, f64)> {
     of_axis.or_else(|| (name == "temp_code").then(|| (Quantity::Temperature, 1.0 / layout.temp().lsb_per_unit)))
 }
 
-/// What a capture tells beyond its numbers: it has counted what was lost.
+/// The statements of a capture beyond its numbers: it has counted lost samples.
 #[derive(Default)]
 struct Capture {
     span_ns: Option<(u64, u64)>,

@@ -1,18 +1,17 @@
-//! Which column of a log is its temperature.
+//! The column of a log that is its temperature.
 
 use crate::{Column, Result};
 use std::io::{Read, Seek, SeekFrom};
 use zerorate_record::Input;
 
-/// What logs call their temperature.
+/// The usual names of a temperature in logs.
 pub const TEMPERATURE_NAMES: [&str; 4] = ["temp_code", "temp_c", "temp", "temperature"];
 
 /// Bytes at both ends of a file in which columns name themselves.
 const ENDS: u64 = 1 << 16;
 
-/// The temperature of a log: the column `name`, or one by the usual names where the log seems to have one; none where
-/// there is none. `read` reads columns of it by their names. `bytes` are those of its file: none where it is not read
-/// twice, as what is piped in.
+/// The temperature of a log: the column `name`, or a column with a usual name; none where the log has neither. `read`
+/// reads columns by their names. `bytes` is the size of the file: none where it cannot be read twice, as a pipe.
 pub fn temperature(
     name: Option<&str>,
     bytes: Option<Input>,

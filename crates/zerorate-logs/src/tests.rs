@@ -46,7 +46,7 @@ pub fn options(text: &str) -> ColumnOptions {
     options
 }
 
-/// What a command line calls the options.
+/// The names of the options on a command line.
 fn flag(setting: Setting) -> &'static str {
     match setting {
         Setting::Column => "--column",
@@ -177,7 +177,7 @@ fn damaged_tables_are_errors() {
         for at in (0..table.len()).step_by(11) {
             let mut damaged = table.clone();
             damaged[at] ^= 0xFF;
-            // whatever it says, it says it
+            // any answer will do
             drop(folder.read(&damaged, "--rate 5"));
             drop(folder.read(&table[..at], "--rate 5"));
         }
@@ -297,7 +297,7 @@ fn a_capture_tells_what_it_lost() {
     let back = "0,1,8388608,8,,0\n10,2,8388608,8,,0\n10,3,8388608,8,,0\n";
     assert!(folder.fails(format!("{head}{back}"), "").contains("row 2: t_ns does not increase, from 10 to 10"));
     let wide = "0,1,16777216,8,,0\n";
-    assert!(folder.fails(format!("{head}{wide}"), "").contains("16777216 is no code of 24 bits"));
+    assert!(folder.fails(format!("{head}{wide}"), "").contains("16777216 is not a code of 24 bits"));
 }
 
 /// A number of samples counts those that are missing; a gap that is cut through is left out whole.

@@ -1,14 +1,14 @@
-//! What a bag with several IMUs has to choose from, as a table.
+//! The topics of a bag: the IMUs that it offers, as a table, or what it has in their place.
 
 use super::{ColumnQuery, LogError, Setting};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// What was seen of the topics with an IMU, by name.
+/// The topics with an IMU, by name.
 #[derive(Debug, Default)]
 pub struct Survey(pub(super) BTreeMap<String, Topic>);
 
-/// What was seen of one.
+/// A topic, as far as its messages were read.
 #[derive(Debug, Default)]
 pub struct Topic {
     pub kind: String,

@@ -23,13 +23,13 @@ const HEAD: usize = 16;
 /// Rows between two looks at how much room is left.
 const PIECE: u64 = 1024;
 
-/// How deep types stand in types, at most.
+/// Greatest depth of nested types.
 const MAX_DEPTH: usize = 8;
 
 /// Fields of a topic at most: the longest of PX4 have some hundreds.
 const MAX_FIELDS: usize = 4096;
 
-/// Topics with the readings of an IMU, and what their fields hold: those of the drivers, and the one that is filtered.
+/// Topics with the readings of an IMU, and the units of their fields: topics of the drivers, and the filtered one.
 const IMUS: [(&str, &str, Unit); 6] = [
     ("sensor_gyro", "", Unit::RadPerS),
     ("sensor_accel", "", Unit::MPerS2),
@@ -66,7 +66,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
         for (values, number) in values.iter_mut().zip(numbers) {
             match number {
                 Value::Integer(integer) => values.push_integer(integer),
-                // what is no number is a missing sample, infinite or not
+                // a value that is not finite is a missing sample
                 Value::Number(number) => drop(values.push_number(if number.is_finite() { number } else { f64::NAN })),
             }
         }
@@ -76,7 +76,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
         full.is_none()
     })?;
     full.map_or(Ok(()), |why| Err(CaptureError::no_room(path, why)))?;
-    let torn = torn.map(|why: String| format!("{}: {why}: what stands before is read", path.display()));
+    let torn = torn.map(|why: String| format!("{}: {why}; the rest is dropped", path.display()));
     let name = format!("{}.{}", chosen.topic, chosen.time.name);
     let columns = chosen.fields.into_iter().zip(values).map(|((name, field), values)| FoundColumn {
         stated: stated(&chosen.topic, &field.name).or_else(|| temperature(&chosen.topic, &field.name)),
@@ -85,7 +85,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     Ok(Found { columns: columns.collect(), clock: Clock::Column(name, times), warnings: LogWarning::torn(torn) })
 }
 
-/// What PX4 defines a field to hold.
+/// The content of a field by PX4's definition.
 fn stated(topic: &str, field: &str) -> Option<(Quantity, f64)> {
     let topic = topic.split('#').next().unwrap_or(topic);
     let is_axis = |rest: &str| matches!(rest, "x" | "y" | "z" | "[0]" | "[1]" | "[2]");
@@ -98,7 +98,7 @@ fn temperature(topic: &str, field: &str) -> Option<(Quantity, f64)> {
     (topic.starts_with("sensor_") && field == "temperature").then_some((Quantity::Temperature, 1.0))
 }
 
-/// What the axis or the temperature of a part is called, where the part does not say it: that of the only gyroscope.
+/// The field of an axis or the temperature, where the part does not name it: a field of the only gyroscope.
 fn of_driver(column: &Described) -> String {
     match (column.is_exact, column.name.as_str()) {
         (true, name) => name.to_owned(),
@@ -154,14 +154,14 @@ impl<'a> Messages<'a> {
     }
 }
 
-/// What a log says of its topics.
+/// The statements of a log about its topics.
 #[derive(Default)]
 struct Topics {
     /// Fields by the name of a format, as they are written.
     formats: BTreeMap<String, Vec<(String, String)>>,
     /// Name and instance by the number in messages.
     logged: BTreeMap<u16, (String, u8)>,
-    /// How many messages of each there are, and the times of the first and the last, µs.
+    /// The number of messages of each topic, and the times of the first and the last, µs.
     seen: BTreeMap<u16, (u64, i64, i64)>,
 }
 
@@ -191,7 +191,7 @@ struct Chosen {
     id: u16,
     topic: String,
     time: Field,
-    /// What each is called, and where it stands.
+    /// Name and place of each field.
     fields: Vec<(String, Field)>,
 }
 
@@ -224,7 +224,7 @@ impl Topics {
         Some(())
     }
 
-    /// What a topic is called: with its instance, if there are several.
+    /// Names of topics: with the instance, if there are several.
     fn names(&self) -> BTreeMap<String, u16> {
         let several = |topic: &str| self.logged.values().filter(|(name, _)| name == topic).count() > 1;
         let named = self.logged.iter().map(|(id, (topic, instance))| match several(topic) {

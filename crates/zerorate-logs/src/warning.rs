@@ -1,17 +1,17 @@
-//! What is to be said of a log, beside what is in it.
+//! Warnings about a log.
 
 use std::fmt;
 use zerorate_allan::{Says, rows};
 use zerorate_record::CaptureWarning;
 
-/// The log was read, but there is something to know. `path` names the file.
+/// A warning about a log, which was read. `path` names the file.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are what the text shows")]
 pub enum LogWarning {
-    /// About a capture that is read as a log.
+    /// A warning about a capture that is read as a log.
     Capture(CaptureWarning),
-    /// About the readings of a capture.
+    /// A warning about the readings of a capture.
     Readings { path: String, warning: CaptureWarning },
     /// A bag does not hold as many messages as it states.
     Miscounted { path: String, topic: String, stated: u64, found: u64 },
@@ -19,15 +19,15 @@ pub enum LogWarning {
     RowsIncomplete { path: String, lacking: usize, rows: usize },
     /// Values of a column were rounded to codes, by so much of this unit.
     OffCodes { path: String, column: String, by: f64, unit: &'static str, codes: f64 },
-    /// The last samples of a column are the same.
+    /// The last samples of a column are equal.
     Stopped { path: String, column: String, same: usize, len: usize },
-    /// Samples of a column are the same from a moment on.
+    /// Samples of a column are equal from a moment on.
     Hung { path: String, column: String, same: usize, len: usize, from_s: f64 },
     /// Rows were put in order, as the text says.
     TimesMended { path: String, column: String, how: String },
     /// The stamps are off an even clock, as the text says.
     TimesJitter { path: String, how: String },
-    /// Lines above the data are no header.
+    /// The lines above the data are not a header.
     LinesSkipped { path: String, lines: usize, first: String },
     /// Lines are broken, as the text says.
     LinesBroken(String),
@@ -35,7 +35,7 @@ pub enum LogWarning {
     Resampled { path: String, column: String, how: String },
     /// A column does not state its unit; `unit` and `scale` are the names of settings.
     UnitUnknown { path: String, column: String, unit: &'static str, scale: &'static str },
-    /// These columns are no axes of an IMU.
+    /// These columns are not axes of an IMU.
     ColumnsLeftOut { path: String, names: String },
     /// These columns hold no numbers.
     NoNumbers { path: String, names: String },
@@ -55,64 +55,57 @@ rows!(match LogWarning {
         Row { code: { warning.code() }, text: format_args!("{path}: {warning}") },
     Self::Miscounted { ref path, ref topic, stated, found } => Row {
         code: "messages-miscounted",
-        text: format_args!(
-            "{path} states {stated} messages of {topic} and holds {found}: it is damaged, or a part of it is missing \
-             or came from elsewhere; take another copy"
-        ),
+        text: format_args!("{path} states {stated} messages of {topic} and holds {found}; take another copy"),
         says: Says::Warning,
         by: &["allan", "imu"],
         seen: "A bag states at its end, in its index or in its `metadata.yaml`, how many messages a topic has, and \
             holds another number of them.",
-        matters: "Messages were lost or came from elsewhere: bytes were changed, a file was cut and closed again, or \
-            a file of another recording lies in the folder. What is there is read.",
+        matters: "The bag is damaged, or a part of it is missing or came from elsewhere. Bytes were changed, a file \
+            was cut and closed again, or a file of another recording lies in the folder. The messages that are there \
+            are read.",
         remedy: "Take another copy of the bag. If there is none, `ros2 bag reindex` counts the messages again.",
     },
     Self::RowsIncomplete { ref path, lacking, rows } => Row {
         code: "rows-incomplete",
-        text: format_args!("{path}: {lacking} rows of {rows} lack the value of an axis; they count as lost"),
+        text: format_args!("{path}: {lacking} of {rows} rows lack the value of an axis; they count as lost"),
         says: Says::Either,
         by: &["calibrate", "capture"],
         seen: "Rows of a part's log lack the value of an axis.",
-        matters: "They count as lost; where no row has all axes, nothing is left.",
+        matters: "These rows count as lost. Where no row has all axes, nothing is left.",
         remedy: "Name the columns that hold the axes, as docs/formats/part.md says.",
     },
     Self::OffCodes { ref path, ref column, by, unit, codes } => Row {
         code: "off-codes",
-        text: format_args!(
-            "{path}: column {column} does not lie on the codes of the part; values are rounded to the nearest, by \
-             {by:.3e} {unit} at most ({codes:.2} codes)"
-        ),
+        text: format_args!("{path}: column {column} is rounded to codes, by up to {by:.1e} {unit} ({codes:.2} codes)"),
         says: Says::Warning,
         by: &["probe", "capture", "calibrate", "recalibrate", "stream", "serve"],
-        seen: "Values of a log do not lie on the codes of the part; they are rounded to the nearest.",
+        seen: "Values of a log do not lie on the codes of the part. They are rounded to the nearest codes.",
         matters: "The log is an average, was printed with too few digits, or is in another unit than its \
             column says.",
         remedy: "Check the unit in the column's name and the scale in the file of the part; log more digits.",
     },
     Self::Stopped { ref path, ref column, same, len } => Row {
         code: "frozen",
-        text: format_args!(
-            "{path}: the last {same} of {len} samples of column {column} are the same, while it changed most of the \
-             time before; the sensor may have stopped: cut the log there"
-        ),
+        text: format_args!("{path}: the last {same} of {len} samples of column {column} are the same; cut them off"),
     },
     Self::Hung { ref path, ref column, same, len, from_s } => Row {
         code: "frozen",
         text: format_args!(
-            "{path}: {same} of {len} samples of column {column} are the same, from {from_s:.1} s on, while it changed \
-             most of the time otherwise; the sensor or its bus may have hung: analyse what is before and after"
+            "{path}: {same} of {len} samples of column {column} are the same, from {from_s:.1} s on; cut them out"
         ),
     },
     Self::TimesMended { ref path, ref column, ref how } => Row {
         code: "times-mended",
-        text: format_args!("{path}, column {column}: {how}"),
+        text: format_args!("{path}, {column}: {how}"),
         says: Says::Warning,
         by: &["allan", "imu", "probe", "capture", "calibrate", "recalibrate", "stream", "serve"],
-        seen: "Rows of a log were out of order, there twice, or had stamps that cannot be theirs, in a way that \
-            has one explanation: a queue, a counter that wrapped around, a coarse clock.",
-        matters: "They were put right: the order is that of the times, what is there twice counts once, and a wrong \
-            stamp is replaced by the one between its neighbours.",
-        remedy: "Nothing, if the text says what you expect of that log; else look at the first row that it names.",
+        seen: "Rows of a log were out of order, there twice, or had impossible stamps. All of it has one \
+            explanation: a queue, a counter that wrapped around, or a coarse clock.",
+        matters: "The rows were put right. They are sorted by time, and a row that is there twice counts once. A \
+            wrong stamp is replaced by the time halfway between its neighbours; its sample counts. A counter that \
+            wrapped around is unwrapped. Where a clock was set back, no sample is taken as lost.",
+        remedy: "Do nothing if the text says what you expect of that log. Otherwise look at the first row that it \
+            names.",
     },
     Self::TimesJitter { ref path, ref how } => Row {
         code: "times-jitter",
@@ -120,100 +113,94 @@ rows!(match LogWarning {
         says: Says::Warning,
         by: &["allan", "imu", "probe", "capture", "calibrate", "recalibrate", "stream", "serve"],
         seen: "The stamps of the rows are off an even clock, by chance and by much of an interval.",
-        matters: "The samples are taken as even, at their mean rate. The text says from which averaging time on \
-            that changes a deviation by less than 1 %.",
-        remedy: "Let the sensor or its driver stamp the samples, not whatever writes them; or judge longer \
+        matters: "The samples are taken as even, at their mean rate. For white noise that changes nothing. With a \
+            jitter of j intervals (rms) it changes other deviations over m samples by 1.5 j/m² + 0.89 j²/m at most. \
+            The text says from which averaging time on that is less than 1 %.",
+        remedy: "Let the sensor or its driver stamp the samples, not the program that writes them; or judge longer \
             averages only.",
     },
     Self::LinesSkipped { ref path, lines, ref first } => Row {
         code: "lines-skipped",
         text: format_args!(
-            "{path}: {lines} {} above the data are no header and skipped (the first: `{first}`)",
+            "{path}: {lines} {} above the data are not a header; skipped: `{first:.20}` …",
             if lines == 1 { "line" } else { "lines" }
         ),
         says: Says::Warning,
         by: &["allan", "imu", "probe", "capture", "calibrate", "recalibrate", "stream", "serve"],
-        seen: "Lines stand above the data that are no header.",
-        matters: "They are not read; the first is shown, so that none is skipped that should count.",
-        remedy: "Nothing, if they are remarks.",
+        seen: "Lines stand above the data that are not a header.",
+        matters: "These lines are not read. The start of the first is shown, so that you notice if it should count.",
+        remedy: "Do nothing if they are remarks.",
     },
     Self::LinesBroken(ref text) => Row {
         code: "lines-broken",
         text: format_args!("{text}"),
         says: Says::Warning,
         by: &["allan", "imu", "probe", "capture", "calibrate", "recalibrate", "stream", "serve"],
-        seen: "Lines of a text have too few cells, or cells that are no numbers.",
-        matters: "They are skipped. Without a time column each counts as a missing sample; with one, the times \
-            tell.",
-        remedy: "Look at the first, which is named. `--max-bad` sets the share from which on the log is refused.",
+        seen: "Lines of a text have too few cells, or cells that are not numbers.",
+        matters: "These lines are skipped. Without a time column each counts as a missing sample; with one, the \
+            times tell.",
+        remedy: "Look at the first of them, which the text names. `--max-bad` sets the share of broken lines above \
+            which the log is refused.",
         command: "zerorate allan log.csv --max-bad 0",
     },
     Self::Resampled { ref path, ref column, ref how } => Row {
         code: "resampled",
-        text: format_args!("{path}, column {column}: {how}"),
+        text: format_args!("{path}, {column}: {how}"),
         says: Says::Warning,
         by: &["allan", "imu"],
         seen: "Many samples repeat the one before, or lie on the line between their neighbours, to the last \
             digit, as noise does not.",
-        matters: "The log was resampled or filled in, or the sensor converts more slowly than it is read: what is \
-            found is the noise of such a log, and the angle random walk N of the sensor is another.",
+        matters: "The log was resampled or filled in, or the sensor converts more slowly than it is read. The \
+            result is the noise of such a log. The angle random walk N of the sensor itself differs.",
         remedy: "Take the log as the sensor gave it, at its own rate.",
     },
     Self::UnitUnknown { ref path, ref column, unit, scale } => Row {
         code: "unit-unknown",
-        text: format_args!(
-            "{path}: the unit of column {column} is not stated, so the result is in its own unit; give {unit} (dps, \
-             rad/s, m/s², g …) or {scale}"
-        ),
+        text: format_args!("{path}: the unit of column {column} is not stated; give {unit} (dps, rad/s …) or {scale}"),
         says: Says::Warning,
         by: &["allan", "imu"],
         seen: "The unit of a column is not stated, by its name or by the form of the log.",
-        matters: "The result is in the unit of the column, whatever that is, and no unit of a coefficient can be \
-            named.",
-        remedy: "Give the unit or the scale.",
+        matters: "The result is in the unknown unit of the column, so coefficients have no units.",
+        remedy: "Give the unit (dps, rad/s, m/s², g …) or the scale.",
         command: "zerorate allan log.csv --column gz --unit rad/s",
     },
     Self::ColumnsLeftOut { ref path, ref names } => Row {
         code: "columns-left-out",
-        text: format_args!("{path}: left out, being neither gyroscope nor accelerometer: {names}"),
+        text: format_args!("{path}: neither gyroscope nor accelerometer: {names}"),
         says: Says::Warning,
         by: &["imu", "serve"],
-        seen: "Columns of a log are neither gyroscope nor accelerometer; or are 0 in every row, as a message has \
-            it whose part has fewer axes.",
-        matters: "They are not analysed; were one of them an axis, its number would be missing in the file.",
-        remedy: "Name the columns that are axes, if one of these is.",
+        seen: "Columns of a log are neither gyroscope nor accelerometer; or they are 0 in every row, as in a \
+            message from a part with fewer axes.",
+        matters: "These columns are not analysed. If one of them were an axis, its number would be missing in the \
+            file.",
+        remedy: "If one of these columns is an axis, name the columns that are axes.",
         command: "zerorate imu log.csv --column gx,gy,gz",
     },
     Self::NoNumbers { ref path, ref names } =>
         Row { code: "columns-left-out", text: format_args!("{path}: left out, holding no numbers: {names}") },
-    Self::BlanksLeftOut { ref path, ref names } => Row {
-        code: "columns-left-out",
-        text: format_args!("{path}: left out, being 0 in every row, as where nothing measures it: {names}"),
-    },
+    Self::BlanksLeftOut { ref path, ref names } =>
+        Row { code: "columns-left-out", text: format_args!("{path}: left out, being 0 in every row: {names}") },
     Self::SeveralImus { ref path, count, kinds, column } => Row {
         code: "several-imus",
-        text: format_args!(
-            "{path}: {count} columns are {kinds}, and an IMU has three: are they of several? choose with {column}"
-        ),
+        text: format_args!("{path}: {count} columns are {kinds}, and an IMU has three; choose with {column}"),
         says: Says::Warning,
         by: &["imu", "serve"],
         seen: "More than three columns are gyroscopes, or accelerometers.",
-        matters: "One IMU has three axes of each, so these are of several, and one file for a filter would mix \
-            them.",
+        matters: "One IMU has three axes of each, so these columns belong to several IMUs. One file for a filter \
+            would mix them.",
         remedy: "Choose the columns of one.",
         command: "zerorate imu log.csv --column gx,gy,gz",
     },
     Self::Gaps { ref path, missing, among, are_closed: true } => Row {
         code: "gaps",
         text: format_args!(
-            "{path}: {missing} samples are missing among {among}; the gaps are closed up, which changes the result"
+            "{path}: {missing} samples are missing among {among}; the gaps are closed up, which changes results"
         ),
     },
     Self::Gaps { ref path, missing, among, are_closed: false } => Row {
         code: "gaps",
         text: format_args!(
-            "{path}: {missing} samples are missing among {among}; they are gaps, and what averages lack more than \
-             half of their samples is left out"
+            "{path}: {missing} samples are missing among {among}; averages that lack over half are left out"
         ),
     },
     Self::NotAlike(ref text) => Row {
@@ -221,19 +208,22 @@ rows!(match LogWarning {
         text: format_args!("{text}"),
         says: Says::Warning,
         by: &["allan"],
-        seen: "Among records that were to have one model, one differs by more than chance.",
-        matters: "It is left out, or, of two, both are suspect.",
+        seen: "Among records that were to have one model, one differs by more than chance. Either its angle random \
+            walk N differs, or its slow noise (flicker, random walk or memory; the text gives the change of −2 ln L), \
+            or it has no model of its own.",
+        matters: "That record is left out of the common model. Of only two records both are kept, and both are \
+            suspect.",
         remedy: "Look at it by itself. A third record would tell which is the exception.",
     },
 });
 
 impl LogWarning {
-    /// About a file whose end is missing, if it is.
+    /// The warning about a file whose end is missing; empty where the end is there.
     pub(crate) fn torn(text: Option<String>) -> Vec<Self> {
         text.map(|text| CaptureWarning::Torn(text).into()).into_iter().collect()
     }
 
-    /// As scripts read it: `code: text`.
+    /// The warning as scripts read it: `code: text`.
     #[must_use]
     pub fn coded(&self) -> String {
         format!("{}: {self}", self.code())
@@ -249,5 +239,42 @@ impl fmt::Display for LogWarning {
 impl From<CaptureWarning> for LogWarning {
     fn from(warning: CaptureWarning) -> Self {
         Self::Capture(warning)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// [`LogWarning::LinesBroken`] names what is wrong in a line, which may be longer.
+    #[test]
+    fn a_warning_is_one_short_line() {
+        let [path, column] = [|| "log.csv".to_owned(), || "gz_dps".to_owned()];
+        let [topic, names] = [|| "/imu".to_owned(), || "mag_x, mag_y, mag_z, temp_c".to_owned()];
+        let first = "ets Jun  8 2016 00:22:57, rst:0x1 (POWERON_RESET)".to_owned();
+        let how = "12 rows come too late and are sorted (the first: row 3456)".to_owned();
+        let beat = crate::clock::Beat { rate_hz: 200.0, gaps: Vec::new(), jitter: 0.15 };
+        let held = (0..4000).map(|at| f64::from((at / 2) * 7919 % 10_007)).collect();
+        let resampled = crate::resampled::doubt(&crate::series::Series::Numbers(held)).expect("each is there twice");
+        let all = [
+            LogWarning::Miscounted { path: "run_0".to_owned(), topic: topic(), stated: 12_000, found: 11_950 },
+            LogWarning::RowsIncomplete { path: path(), lacking: 12, rows: 720_000 },
+            LogWarning::OffCodes { path: path(), column: column(), by: 1.234e-4, unit: "°/s", codes: 0.52 },
+            LogWarning::Stopped { path: path(), column: column(), same: 2000, len: 720_000 },
+            LogWarning::Hung { path: path(), column: column(), same: 2000, len: 72_000, from_s: 15.0 },
+            LogWarning::TimesMended { path: path(), column: "t_us".to_owned(), how },
+            LogWarning::TimesJitter { path: path(), how: beat.jitter_text().expect("much jitter") },
+            LogWarning::LinesSkipped { path: path(), lines: 4, first },
+            LogWarning::Resampled { path: path(), column: column(), how: resampled },
+            LogWarning::UnitUnknown { path: path(), column: "gz".to_owned(), unit: "--unit", scale: "--scale" },
+            LogWarning::ColumnsLeftOut { path: path(), names: names() },
+            LogWarning::BlanksLeftOut { path: path(), names: names() },
+            LogWarning::SeveralImus { path: path(), count: 6, kinds: "accelerometers", column: "--column" },
+            LogWarning::Gaps { path: path(), missing: 1200, among: 720_000, are_closed: true },
+            LogWarning::Gaps { path: path(), missing: 1200, among: 720_000, are_closed: false },
+        ];
+        for line in all.map(|warning| warning.coded()) {
+            assert!(line.chars().count() <= 100, "{line}");
+        }
     }
 }

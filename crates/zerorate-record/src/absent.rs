@@ -1,6 +1,6 @@
 //! The forms that this build was made without: each answers with what adds it.
 
-/// As [`crate::parquet`].
+/// Stands in for [`crate::parquet`].
 #[cfg(not(feature = "parquet"))]
 pub mod parquet {
     use crate::blocks::{BlockSink, Opened, Out};
@@ -19,7 +19,7 @@ pub mod parquet {
     }
 }
 
-/// As [`crate::bag`].
+/// Stands in for [`crate::bag`].
 #[cfg(not(feature = "mcap"))]
 pub mod bag {
     use crate::blocks::{BlockSink, Opened, Out};

@@ -1,4 +1,4 @@
-//! What of a device's samples may become a capture: nothing that a reader of the file would refuse
+//! Admits the samples of a device to a capture: all samples that a reader of the file would not refuse
 //! (docs/formats/capture.md, "What must agree").
 
 use super::row::Row;
@@ -57,7 +57,7 @@ impl Admission {
         if self.standing >= STANDING { Err(Disbelief::Clock(self.standing, what)) } else { Ok(()) }
     }
 
-    /// What is to be said of samples that were not recorded as they came.
+    /// The warnings about samples that were not recorded as they came.
     pub fn warnings(&self) -> impl Iterator<Item = CaptureWarning> {
         let left_out = (self.left_out > 0).then_some(CaptureWarning::ClockStands(self.left_out));
         let jumped = (self.jumped > 0).then_some(CaptureWarning::ClockJump(self.jumped));

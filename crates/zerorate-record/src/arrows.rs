@@ -1,4 +1,4 @@
-//! The Arrow IPC stream form: the one to record in, because every whole batch in it can be read whatever happens next.
+//! The Arrow IPC stream form: the form to record in, because every whole batch in it stays readable.
 
 use super::CaptureError;
 use super::blocks::{BatchSource, BlockSink, Out, Stated};
@@ -75,7 +75,7 @@ pub struct StreamReader {
     path: PathBuf,
     messages: Messages<BufReader<Input>>,
     decoder: StreamDecoder,
-    /// The same file, to look at what follows a place that cannot be read.
+    /// The same file once more, to look beyond a place that cannot be read.
     rest: Input,
     len: u64,
     room: Room,
@@ -151,16 +151,13 @@ impl StreamReader {
         }
         (self.stated.ended, self.stated.torn) = (true, true);
         let (path, dropped) = (self.path.display(), self.len.saturating_sub(whole));
-        let text = format!(
-            "{path} was not closed (a power cut?): every whole batch is read, the {dropped} bytes after the last one \
-             are dropped"
-        );
+        let text = format!("{path} was not closed; the {dropped} bytes after its last whole batch are dropped");
         self.stated.warning = Some(CaptureWarning::Torn(text));
         Ok(())
     }
 }
 
-/// How many messages from `start` on carry a check.
+/// The number of messages from `start` on that carry a check.
 fn checks_from(input: &mut Input, start: u64) -> io::Result<usize> {
     let mark = chain::CHECKS.as_bytes();
     input.seek(SeekFrom::Start(start))?;

@@ -147,7 +147,7 @@ fn rows_of_another_layout_are_refused() {
     for row in bad {
         let mut writer = start(&dir.path().join("bad"), Format::Csv, &imu());
         let error = writer.push(&row).unwrap_err().to_string();
-        assert!(error.contains("is no row of an ADIS16405"), "{error}");
+        assert!(error.contains("is not a row of an ADIS16405"), "{error}");
         writer.push(&good).unwrap();
     }
 }
@@ -184,7 +184,7 @@ fn metadata_of_axes_are_checked() {
         }
         CaptureInfo::from_metadata(Path::new("imu.arrows"), &metadata).unwrap_err().to_string()
     };
-    assert!(error("zerorate.axis.y.unit", Some("m/s^2")).contains("`m/s^2`, which is no unit of angular rate"));
+    assert!(error("zerorate.axis.y.unit", Some("m/s^2")).contains("`m/s^2`, which is not a unit of angular rate"));
     assert!(error("zerorate.axes", Some("x,y,w")).contains("`zerorate.axis.w.unit` is missing"));
     assert!(error("zerorate.axes", None).contains("`zerorate.axes` is missing"));
     assert!(error("zerorate.axes", Some("x,y,x")).contains("two columns would be called"));
@@ -194,7 +194,7 @@ fn metadata_of_axes_are_checked() {
     assert!(error("zerorate.part", Some("ADIS16130")).contains("`zerorate.width_bits` is missing"));
 }
 
-/// What is not in the capture is not known, and never that of the ADIS16130.
+/// A fact that the capture does not state is unknown; the value of the ADIS16130 never stands in.
 #[test]
 fn of_another_part_only_what_the_capture_states_is_known() {
     let info = CaptureInfo { bandwidth_hz: Some(50.0), ..imu() };
@@ -228,7 +228,7 @@ fn a_scan_is_the_row_less_the_zero_codes() {
     );
 }
 
-/// The core counts in 24 bits, whatever the width (F-43).
+/// The core counts in 24 bits, for any width of the codes (F-43).
 #[test]
 fn a_row_of_an_adis16130_is_read_as_its_sample() {
     for (width, code) in [(Width::Bits24, 8_400_000), (Width::Bits16, 55_706), (Width::Bits16, 65_535)] {

@@ -1,15 +1,15 @@
-//! What is to be said of readings that are not to be believed.
+//! Warnings about readings that cannot be trusted.
 
 use crate::warning::CaptureWarning;
 use zerorate::health::{Frozen, Health};
 use zerorate::{Tally, Warning};
 
-/// What was found of a run of samples. `start_ns` is the time of its first sample.
+/// The warnings about a run of samples. `start_ns` is the time of its first sample.
 pub fn warnings(health: &Health, tally: &Tally, start_ns: u64) -> Vec<CaptureWarning> {
     of_axes([("", health)], tally, start_ns)
 }
 
-/// The same of each axis of a part, by its name; where there is one, it is not named.
+/// The warnings about each axis of a part. Where there are several axes, each warning names its axis.
 pub fn of_axes<'a>(
     axes: impl IntoIterator<Item = (&'a str, &'a Health)>,
     tally: &Tally,
@@ -44,12 +44,9 @@ fn of_edges(tally: &Tally) -> Option<CaptureWarning> {
     tally.data_ready_stutters().then_some(CaptureWarning::DataReadyStutters { silent_gaps, gaps })
 }
 
-/// Since when which readings do not change, and what to do.
+/// The text of a warning or refusal: since when which readings do not change, and what to do.
 pub fn frozen_text(frozen: &Frozen, start_ns: u64) -> String {
     let since_s = frozen.since_ns.saturating_sub(start_ns) as f64 * 1e-9;
     let what = if frozen.both { "the readings have" } else { "the rate has" };
-    format!(
-        "{what} not changed since {since_s:.1} s, while noise changes every reading: the part is frozen; reset it and \
-         check its data line and its supply (ADIS16130: SDO is pin 12, the supply pins 11, 13, 15)"
-    )
+    format!("{what} not changed since {since_s:.1} s; reset the part, check its data line and supply")
 }

@@ -1,4 +1,4 @@
-//! What the forms of a capture have in common: blocks of rows, written and read.
+//! The common parts of all forms of a capture: blocks of rows, written and read.
 
 use crate::chain::End;
 use crate::warning::CaptureWarning;
@@ -8,10 +8,10 @@ use arrow_schema::SchemaRef;
 use std::io::Write;
 use std::path::Path;
 
-/// How every MCAP file starts.
+/// The start of every MCAP file.
 pub const MCAP_MARK: &[u8] = b"\x89MCAP0\r\n";
 
-/// Where a capture goes.
+/// The destination of a capture.
 pub type Out = Box<dyn Write + Send>;
 
 /// Takes blocks of rows in one of the forms.
@@ -23,7 +23,7 @@ pub trait BlockSink {
     fn finish(self: Box<Self>, check: Option<&str>, end: &End) -> Result<(), CaptureError>;
 }
 
-/// What a source has stated so far, beside its rows.
+/// The statements of a source so far, beside its rows.
 pub struct Stated {
     /// Columns and metadata.
     pub schema: SchemaRef,
@@ -35,7 +35,7 @@ pub struct Stated {
     pub ended: bool,
     /// The file ended where no end should be.
     pub torn: bool,
-    /// What is to be said after the last batch: a tail that was torn off.
+    /// The warning after the last batch: a tail that was torn off.
     pub warning: Option<CaptureWarning>,
 }
 
@@ -46,23 +46,20 @@ impl Stated {
     }
 }
 
-/// What is to be said of a capture that lacks its end, with so many rows that no check vouches for.
+/// The warning about a capture that lacks its end, with the number of rows without a check.
 pub fn cut_off(path: &Path, rows: usize) -> CaptureWarning {
     let path = path.display();
-    CaptureWarning::Torn(format!(
-        "{path} was not closed, or its end was removed: every whole block of rows is read, {rows} rows behind the \
-         last one are dropped"
-    ))
+    CaptureWarning::Torn(format!("{path} was not closed; {rows} rows after its last whole block are dropped"))
 }
 
 /// Gives batches.
 pub trait BatchSource {
-    /// What the form is called.
+    /// Name of the form.
     fn form(&self) -> &'static str {
         "table"
     }
 
-    /// What was stated so far.
+    /// The statements so far.
     fn stated(&self) -> &Stated;
 
     /// The same, to be added to.
@@ -87,10 +84,10 @@ pub trait BatchSource {
     }
 }
 
-/// What a file turned out to be.
+/// The content of a file.
 pub enum Opened {
     /// Columns with names and types.
     Table(Box<dyn BatchSource>),
-    /// Text that is no capture: perhaps the log of some other gyroscope.
+    /// Text that is not a capture: perhaps the log of some other gyroscope.
     Text(Input),
 }

@@ -23,7 +23,7 @@ where
             let counts = column.to_data().into_builder().data_type(DataType::Int64).build()?;
             converted(&Int64Array::from(counts))
         }
-        other => Err(ArrowError::CastError(format!("{other} is no type of integers")))
+        other => Err(ArrowError::CastError(format!("{other} is not a type of integers")))
     }
 }
 
@@ -61,7 +61,7 @@ pub fn floats(column: &dyn Array) -> Result<Float64Array, ArrowError> {
             let unit = 10f64.powi((*places).into());
             Ok(column.as_primitive::<Decimal128Type>().unary(|value| value as f64 / unit))
         }
-        other => Err(ArrowError::CastError(format!("{other} is no type of numbers")))
+        other => Err(ArrowError::CastError(format!("{other} is not a type of numbers")))
     }
 }
 

@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// Metadata of the table: the check of the description itself.
 pub const HEAD: &str = "zerorate.check.head";
 
-/// With a block: its check.
+/// Key of the check of a block.
 pub const BATCH: &str = "zerorate.check.batch";
 
 /// In Parquet, whose index is in one place: the checks of all blocks, in order, with blanks between.
@@ -24,10 +24,10 @@ pub const BATCHES: &str = "zerorate.check.batches";
 /// Behind the last row: [`End`].
 pub const END: &str = "zerorate.check.end";
 
-/// What no check covers: the checks.
+/// Start of the keys that no check covers: the checks.
 pub const CHECKS: &str = "zerorate.check.";
 
-/// What makes a metadata entry part of the description.
+/// Start of the metadata keys that are part of the description.
 const DESCRIPTION: &str = "zerorate.";
 
 const PREFIX: &[u8] = b"zerorate.capture.v2\n";
@@ -36,7 +36,7 @@ const END_MARK: &[u8] = b"end\n";
 /// Digits of a check, of four bits each: one change in 2⁶⁴ is missed.
 const DIGITS: usize = 16;
 
-/// What a file states behind its last row.
+/// The statement of a file after its last row.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct End {
     /// Rows of the file.
@@ -48,7 +48,7 @@ pub struct End {
 }
 
 impl End {
-    /// As it stands in the file. The length is always the same.
+    /// The text in the file. Its length is always the same.
     pub fn to_text(&self) -> String {
         format!("{:020} {} {}", self.rows, self.samples_sha256, self.check)
     }
@@ -174,7 +174,7 @@ struct Cells {
 }
 
 impl Cells {
-    /// A column of another type than numbers and truth values is no part of a capture: it has no bytes here.
+    /// Only columns of numbers and truth values are part of a capture: any other column has no bytes here.
     fn of(column: &ArrayRef) -> Self {
         match (column.data_type(), column.data_type().primitive_width()) {
             (DataType::Boolean, _) => {

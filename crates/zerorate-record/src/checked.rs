@@ -24,7 +24,7 @@ pub struct Checked {
     ended: bool,
 }
 
-/// What the file has to say for itself.
+/// The checks that a file carries.
 enum Checks {
     /// Schema 1: nothing.
     Absent,
@@ -34,7 +34,7 @@ enum Checks {
     Stripped,
 }
 
-/// What was read so far.
+/// Totals of the rows that were read so far.
 #[derive(Clone, Debug, Default)]
 pub struct Found {
     /// Rows.
@@ -77,7 +77,7 @@ impl Checked {
         })
     }
 
-    /// How the capture was taken.
+    /// The description of the capture.
     pub fn info(&self) -> &CaptureInfo {
         &self.info
     }
@@ -87,14 +87,14 @@ impl Checked {
         self.source.stated().schema.clone()
     }
 
-    /// What the file states about itself, without its checks.
+    /// The metadata of the file, without its checks.
     pub fn description(&self) -> Metadata {
         let schema = self.schema();
         let entries = schema.metadata().iter().filter(|(key, _)| chain::describes(key));
         entries.map(|(key, value)| (key.clone(), value.clone())).collect()
     }
 
-    /// What was read so far.
+    /// Totals of the rows that were read so far.
     pub fn found(&self) -> &Found {
         &self.found
     }
@@ -109,7 +109,7 @@ impl Checked {
         self.source.stated().torn
     }
 
-    /// What is to be said once all rows were read.
+    /// The warnings, once all rows were read.
     pub fn warnings(&self) -> Vec<CaptureWarning> {
         let path = || self.path.display().to_string();
         let unchecked = match self.checks {
@@ -224,7 +224,7 @@ impl Checked {
         }
     }
 
-    /// What the file states at its end, once all rows were read.
+    /// The statement at the end of the file, once all rows were read.
     pub fn end(&self) -> Option<&End> {
         self.source.stated().end.as_ref()
     }

@@ -141,7 +141,7 @@ impl Codes {
         }
     }
 
-    /// Of a column without nulls.
+    /// The value in a column without nulls.
     #[inline]
     fn value(&self, row: usize) -> i64 {
         match self {
@@ -164,7 +164,7 @@ impl Codes {
         }
     }
 
-    /// The first that is no code of this scale.
+    /// The first value that is not a code of this scale.
     fn misfit(&self, scale: &Scale) -> Option<i64> {
         let (first, last) = scale.codes();
         let outside = |code: &i64| !(first..=last).contains(code);
@@ -209,12 +209,12 @@ impl Rows {
         self.t_ns.len()
     }
 
-    /// Whether there is no row.
+    /// Whether there are no rows.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// What each row says of the way from the row before.
+    /// The step of each row from the row before.
     pub fn marks(&self) -> impl Iterator<Item = Mark> {
         let rows = self.t_ns.iter().zip(&self.edge_seq[..]).zip(&self.lost[..]);
         rows.map(|((t_ns, edge_seq), lost)| Mark { t_ns: *t_ns, edge_seq: *edge_seq, lost: *lost })
@@ -293,7 +293,7 @@ impl Batch<'_> {
         match codes.misfit(scale) {
             Some(code) => {
                 let bits = scale.width_bits;
-                Err(self.damaged(format!("{name} {code} is no code of {bits} bits, as the metadata states")))
+                Err(self.damaged(format!("{name} {code} is not a code of {bits} bits, as the metadata states")))
             }
             None => Ok(codes),
         }

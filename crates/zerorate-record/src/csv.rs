@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Arc;
 
-/// How every CSV capture starts.
+/// The start of every CSV capture.
 pub const PREAMBLE: &str = "# zerorate.";
 
 /// Bytes of a few batches.
@@ -89,14 +89,14 @@ impl BlockSink for CsvSink {
 pub struct CsvReader {
     path: PathBuf,
     lines: Lines,
-    /// For each column of the file, in order: its builder, or none if its name is unknown.
+    /// A builder for each column of the file, in order; none where the name is unknown.
     columns: Vec<NamedColumn>,
     /// Whether its rows carry checks: version 2 of the format.
     is_checked: bool,
     stated: Stated,
 }
 
-/// What a line below the header is.
+/// A line below the header.
 enum Entry {
     /// A row, which is in the columns now.
     Row,
@@ -161,7 +161,7 @@ impl CsvReader {
         }
         if !line.ended {
             let path = self.path.display();
-            let text = format!("{path} does not end with a line end: its last line may be cut short and is dropped");
+            let text = format!("{path} lacks its last line end; its last line may be cut short and is dropped");
             self.stated.warning = Some(CaptureWarning::Torn(text));
             return Ok(Entry::Nothing);
         }
@@ -180,7 +180,7 @@ impl CsvReader {
     }
 }
 
-/// What a comment states; none if that is malformed.
+/// The statement in a comment; none if it is malformed.
 fn statement(comment: &str) -> Option<Entry> {
     let entry = comment.split_once('=').map(|(key, value)| (key.trim(), value.trim()));
     match entry {
@@ -199,7 +199,7 @@ fn push_cells(path: &Path, place: &str, line: &str, columns: &mut [NamedColumn])
         let wrong = |what: String| CaptureError::damaged(path, format!("{place}, column {name}"), what);
         let cell = cells.next().ok_or_else(|| wrong("the line ends before this cell".to_owned()))?;
         if column.as_mut().is_some_and(|column| !column.push(cell)) {
-            return Err(wrong(format!("`{cell}` is no number in the range of this column")));
+            return Err(wrong(format!("`{cell}` is not a number in the range of this column")));
         }
     }
     match cells.next() {
@@ -274,11 +274,11 @@ fn written(column: &ArrayRef) -> Result<WriteCell<'_>, ArrowError> {
                 }
             }))
         }
-        other => Err(ArrowError::CsvError(format!("{other} is no type of a capture's column")))
+        other => Err(ArrowError::CsvError(format!("{other} is not a type of a capture's column")))
     }
 }
 
-/// With as many digits as bring the same number back, and always a point.
+/// Writes a number with as many digits as bring the same number back, and always a point.
 fn push_float(value: f64, line: &mut String) {
     let plain = value == 0.0 || (1e-5..1e9).contains(&value.abs());
     let text = if plain || !value.is_finite() { value.to_string() } else { format!("{value:e}") };
@@ -290,7 +290,7 @@ fn push_float(value: f64, line: &mut String) {
 
 /// A column that grows by cells of text.
 trait CellColumn {
-    /// Adds a cell; an empty one is a null. False if it is no number of the type.
+    /// Adds a cell; an empty cell is a null. False if the cell is not a number of the type.
     fn push(&mut self, cell: &str) -> bool;
 
     /// Takes the column out.

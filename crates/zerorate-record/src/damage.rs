@@ -1,5 +1,5 @@
-//! Whatever happens to a file: it is refused, or what is read of it is what was written. Damage is made here, with
-//! seeds.
+//! After any damage, a file is refused, or the rows that are read are the rows that were written. Damage is made here,
+//! with seeds.
 
 #[cfg(feature = "parquet")]
 mod of_parquet;
@@ -20,12 +20,12 @@ fn slow(n: u32) -> Vec<Row> {
     (0..n).map(row).collect()
 }
 
-/// What a reader made of a file.
+/// The result of reading a file.
 #[derive(Debug, PartialEq)]
 enum Outcome {
     Refused,
     Same,
-    /// So many of the first rows, and a warning.
+    /// Number of rows from the start, with a warning.
     Prefix(usize),
     Wrong(String),
 }
@@ -181,7 +181,7 @@ fn pieces_of_stream(bytes: &[u8]) -> Vec<Vec<u8>> {
     pieces
 }
 
-/// The same of CSV.
+/// The pieces of a CSV.
 fn pieces_of_csv(bytes: &[u8]) -> Vec<Vec<u8>> {
     let text = std::str::from_utf8(bytes).unwrap();
     let rows = text.find("\n1000,").unwrap() + 1;

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// Bytes that a read asks the system for.
 const READ_BUFFER: usize = 1 << 18;
 
-/// The longest line, a bound on memory when a file is no text at all.
+/// The longest line, a bound on memory when a file is not text at all.
 const MAX_LINE: u64 = 1 << 20;
 
 /// Reads a text file line by line.
@@ -88,7 +88,17 @@ impl Lines {
     }
 }
 
-/// What separates the cells of a line.
+/// Whether a text looks like a table, as other software logs it: one of its first lines has cells, numbers among them.
+pub fn is_table(text: &str) -> bool {
+    let has_numbers = |line: &str| {
+        let delimiter = Delimiter::detect(line);
+        let is_cut = delimiter != Delimiter::Blanks && !line.contains(['=', '[']);
+        is_cut && delimiter.cells(line).count() > 1 && delimiter.cells(line).any(|cell| cell.parse::<f64>().is_ok())
+    };
+    text.lines().take(100).any(has_numbers)
+}
+
+/// The mark that separates the cells of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Delimiter {
     /// `,`
@@ -168,6 +178,16 @@ mod tests {
         for line in lines {
             let cells: Vec<_> = Delimiter::detect(line).cells(line.trim()).collect();
             assert_eq!(cells, ["1", "2", "x"], "{line:?}");
+        }
+    }
+
+    #[test]
+    fn a_table_is_told_from_other_text() {
+        for table in ["t,x\n0,1.5\n", "# log\nt;x\n0;1,5\n", "0\t1\n"] {
+            assert!(is_table(table), "{table:?}");
+        }
+        for other in ["", "t,x\n", "[correction]\nt3_c = 24.5 # a, 1\n", "seen 1, then 2\n"] {
+            assert!(!is_table(other), "{other:?}");
         }
     }
 

@@ -1,4 +1,4 @@
-//! What can be wrong with a capture: each message names the file and says what to do.
+//! Errors of captures: each message names the file and says what to do.
 
 use crate::NotBuiltIn;
 use crate::limits::NoRoom;
@@ -33,13 +33,13 @@ pub enum CaptureError {
         zerorate", path.display(), reads)]
     Newer { path: PathBuf, found: u32, reads: u32 },
 
-    /// What the file holds does not fit into the memory it may take.
+    /// The content does not fit into the memory that the file may take.
     #[error("{}: {why}", path.display())]
     NoRoom { path: PathBuf, why: NoRoom },
 
     /// A capture of something that this version of the program does not know.
-    #[error("{} holds the axis `{axis}` in `{unit}`, which is no unit of angular rate that this program knows: use a \
-        newer zerorate", path.display())]
+    #[error("{} holds the axis `{axis}` in `{unit}`, which is not a unit of angular rate that this program knows; use \
+        a newer zerorate", path.display())]
     OtherQuantity { path: PathBuf, axis: String, unit: String },
 
     /// A capture, or another table, whose content is wrong.
@@ -66,7 +66,7 @@ impl CaptureError {
         Self::NotACapture { path: path.to_owned(), why: why.into() }
     }
 
-    /// The file is no log of any form that is read.
+    /// The file is not a log in any supported form.
     pub fn not_a_log(path: &Path, why: impl Into<String>) -> Self {
         Self::NotALog { path: path.to_owned(), why: why.into() }
     }

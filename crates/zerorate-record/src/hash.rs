@@ -5,9 +5,9 @@ use super::row::Row;
 use sha2::{Digest, Sha256};
 use zerorate::MAX_AXES;
 
-/// Of one axis with a status of eight bits.
+/// Head of the hash of one axis with a status of eight bits.
 const ONE_AXIS: &str = "zerorate.samples.v1\n";
-/// Of all others; their names follow.
+/// Head of the hash of all other layouts; their names follow.
 const AXES: &str = "zerorate.samples.v2 ";
 
 /// Bytes of the longest row.
@@ -53,7 +53,7 @@ impl SampleHash {
         self.digest.clone().chain_update(&self.pending).finalize().into()
     }
 
-    /// The same in lower-case hexadecimal.
+    /// The digest in lower-case hexadecimal.
     pub fn hex(&self) -> String {
         hex(&self.digest())
     }

@@ -32,18 +32,18 @@ const AMBIENT_NOTE: &str = "zerorate.ambient_note";
 const OPERATOR: &str = "zerorate.operator";
 const HOST: &str = "zerorate.host";
 
-/// How a capture was taken.
+/// The description of a capture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaptureInfo {
     /// Version of the format that the file has.
     pub schema: u32,
     /// The part, its axes, and what their codes mean.
     pub layout: Layout,
-    /// Where the samples came from, as given on the command line.
+    /// The source of the samples, as given on the command line.
     pub device: String,
     /// Serial number, as given.
     pub serial: Option<String>,
-    /// How the converter of an ADIS16130 was set; another part has none.
+    /// Settings of the converter of an ADIS16130; another part has none.
     pub converter: Option<Converter>,
     /// Temperature was read with every N-th rate sample (F-55).
     pub every_temp: u16,
@@ -53,7 +53,7 @@ pub struct CaptureInfo {
     pub divided: u16,
     /// −3 dB of the rate, Hz, where it is not the part's own (F-04).
     pub bandwidth_hz: Option<f64>,
-    /// What wrote the capture.
+    /// The software that wrote the capture.
     pub software: String,
     /// When, RFC 3339; empty on a simulated device, whose files depend on nothing but the seed.
     pub created: String,
@@ -74,7 +74,7 @@ pub struct Converter {
 
 /// A part that is not the one of a capture.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("what is read is an {found} with the axes {axes}, and what was given describes an {given}")]
+#[error("the device is an {found} with the axes {axes}, but the given file describes an {given}")]
 pub struct NotThePart {
     found: String,
     axes: String,
@@ -82,7 +82,8 @@ pub struct NotThePart {
 }
 
 impl CaptureInfo {
-    /// Of a part of which nothing else is known: every reading has a temperature, no edge was left out.
+    /// The description for a part of which nothing else is known: every reading has a temperature, no edge was left
+    /// out.
     #[must_use]
     pub fn new(layout: Layout) -> Self {
         Self {
@@ -101,7 +102,7 @@ impl CaptureInfo {
         }
     }
 
-    /// Of an ADIS16130 that is set like this.
+    /// The description for an ADIS16130 with these settings.
     #[must_use]
     pub fn adis16130(converter: Converter) -> Self {
         Self { converter: Some(converter), ..Self::new(Layout::adis16130(converter.width)) }
@@ -118,7 +119,7 @@ impl CaptureInfo {
         is_twin(&self.device)
     }
 
-    /// Where a calibration by samples of this digest comes from ([`SampleHash`](super::SampleHash)).
+    /// The origin of a calibration by samples of this digest ([`SampleHash`](super::SampleHash)).
     #[must_use]
     pub fn origin(self, capture_sha256: String) -> Origin {
         let Self { converter, every_temp, divider, divided, bandwidth_hz, .. } = self;
@@ -273,7 +274,7 @@ fn bandwidth_hz(path: &Path, metadata: &Metadata) -> Result<Option<f64>, Capture
     }
 }
 
-/// Whether `metadata` claims to describe a capture, of whatever version.
+/// Whether `metadata` claims to describe a capture, of any version.
 pub fn is_capture(metadata: &Metadata) -> bool {
     metadata.iter().any(|(key, _)| key.starts_with("zerorate."))
 }
@@ -283,7 +284,7 @@ fn one_line(value: &str) -> String {
     value.replace(['\r', '\n'], " ").trim().to_owned()
 }
 
-/// Of an ADIS16130 it is known what the metadata must state.
+/// Checks an ADIS16130, for which the metadata must state known values.
 fn check_layout(path: &Path, metadata: &Metadata, layout: &Layout) -> Result<(), CaptureError> {
     let wrong = layout.to_metadata().find(|(key, expected)| metadata.get(key) != Some(expected));
     wrong.map_or(Ok(()), |(key, expected)| {

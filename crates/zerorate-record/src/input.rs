@@ -6,13 +6,13 @@ use std::fs::File;
 use std::io::{self, Cursor, ErrorKind, Read, Seek, SeekFrom};
 use std::sync::Arc;
 
-/// Bytes to be read, from the start: those of an open file, some in memory, or some that lie elsewhere.
+/// Bytes to be read from the start: of an open file, in memory, or elsewhere.
 #[derive(Debug)]
 pub struct Input(Kind);
 
-/// Bytes that are neither in a file of this system nor in memory, such as those of a file that a browser was given.
+/// Bytes that are neither in a file of this system nor in memory, such as a file that a browser was given.
 pub trait Elsewhere: Debug + Send + Sync {
-    /// How many there are.
+    /// The number of bytes.
     fn length(&self) -> u64;
 
     /// Fills `into` from its front with those from `at` on, as far as there are any, and says how many.
@@ -25,12 +25,12 @@ pub trait Elsewhere: Debug + Send + Sync {
 #[derive(Debug)]
 enum Kind {
     File(File),
-    /// What has no name by which it could be opened again.
+    /// A file without a name, which cannot be opened again.
     Nameless(File),
     Memory(Cursor<Bytes>),
     Elsewhere {
         bytes: Arc<dyn Elsewhere>,
-        /// Where the next read begins.
+        /// Offset of the next read.
         at: u64,
     },
 }
@@ -48,7 +48,7 @@ impl From<Vec<u8>> for Input {
 }
 
 impl Input {
-    /// How many bytes there are.
+    /// The number of bytes.
     pub fn length(&self) -> io::Result<u64> {
         match &self.0 {
             Kind::File(file) | Kind::Nameless(file) => Ok(file.metadata()?.len()),
@@ -57,13 +57,13 @@ impl Input {
         }
     }
 
-    /// Of bytes that somebody else reads.
+    /// An input of bytes that somebody else reads.
     #[must_use]
     pub fn elsewhere(bytes: Arc<dyn Elsewhere>) -> Self {
         Self(Kind::Elsewhere { bytes, at: 0 })
     }
 
-    /// Of a file without a name, as what was piped into a program is spooled to.
+    /// An input of a file without a name, such as a spooled pipe.
     #[must_use]
     pub fn nameless(file: File) -> Self {
         Self(Kind::Nameless(file))
@@ -87,7 +87,7 @@ impl Input {
         }
     }
 
-    /// The same bytes once more. Where it is a file, the two share one position.
+    /// The same bytes once more. The copies of a file share one position.
     pub fn try_clone(&self) -> io::Result<Self> {
         Ok(Self(match &self.0 {
             Kind::File(file) => Kind::File(file.try_clone()?),
@@ -97,7 +97,7 @@ impl Input {
         }))
     }
 
-    /// So many bytes from `start` on; fewer are an error. Where it is a file, its position moves.
+    /// This many bytes from `start` on; fewer are an error. Moves the position of a file.
     pub fn bytes_at(&self, start: u64, length: usize) -> io::Result<Bytes> {
         let outside = || io::Error::new(ErrorKind::UnexpectedEof, format!("{length} bytes at {start} are not there"));
         if let Kind::Memory(bytes) = &self.0 {

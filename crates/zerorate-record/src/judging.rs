@@ -31,7 +31,7 @@ pub struct JudgedRow {
 }
 
 impl Judging {
-    /// Of a part with these axes, before the first row.
+    /// A judge for a part with these axes, before the first row.
     #[must_use]
     pub fn new(layout: &Layout, axes: &[Axis], corrector: Option<Corrector<Vec<Correction>>>) -> Self {
         let axes = axes.iter().map(|axis| (*axis, Health::new(axis))).collect();
@@ -70,7 +70,7 @@ impl Judging {
         self.corrector.as_ref().and_then(Corrector::temp_c)
     }
 
-    /// What the corrector adds to the rate of an axis at the temperature that was read last, °/s.
+    /// The correction of the rate of an axis at the temperature that was read last, °/s.
     #[must_use]
     pub fn correction_dps(&self, axis: usize) -> Option<f64> {
         self.corrector.as_ref()?.correct(axis, Some(0.0))

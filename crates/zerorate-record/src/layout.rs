@@ -1,5 +1,4 @@
-//! What the columns of a capture are: the axes of its part, and what their codes mean (docs/formats/capture.md,
-//! "Axes").
+//! The columns of a capture: the axes of its part, and the meaning of their codes (docs/formats/capture.md, "Axes").
 
 use super::CaptureError;
 use super::row::Row;
@@ -35,7 +34,7 @@ pub struct Layout {
 /// An axis, as its codes are recorded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CodedAxis {
-    /// What the part calls it: its columns begin with that.
+    /// Its name in the part, with which its columns begin.
     pub name: String,
     /// The unit that its scale leads to.
     pub unit: Unit,
@@ -47,11 +46,11 @@ pub struct CodedAxis {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[expect(missing_docs, reason = "the fields are the words of the message")]
 pub enum LayoutError {
-    /// As many axes.
+    /// The number of axes is out of range.
     #[error("{0} axes; a capture has 1 to {MAX_AXES}")]
     Axes(usize),
     /// A name that cannot be one.
-    #[error("{0:?} is no name: use up to {LONGEST_NAME} letters, digits, -, _ and .")]
+    #[error("{0:?} is not a name; use up to {LONGEST_NAME} letters, digits, -, _ and .")]
     Name(String),
     /// Two columns of one name.
     #[error("two columns would be called `{0}`: give the axes other names")]
@@ -59,7 +58,7 @@ pub enum LayoutError {
     /// Codes that no reading can hold.
     #[error("the codes of `{name}` go from {first} to {last}: so far from the zero code {zero} none can be taken")]
     Codes { name: String, first: i64, last: i64, zero: i64 },
-    /// A status register of a width that there is no column for.
+    /// A status register of a width for which there is no column.
     #[error("a status of {0} bits; it has 8, 16 or 32")]
     Status(u8),
     /// The part that is built in, described by somebody else.
@@ -68,7 +67,7 @@ pub enum LayoutError {
 }
 
 impl Layout {
-    /// That of an ADIS16130, whose codes have this width (F-40, F-41, F-43).
+    /// The layout of an ADIS16130 with codes of this width (F-40, F-41, F-43).
     #[must_use]
     pub fn adis16130(width: Width) -> Self {
         let Part { name, axes, .. } = Part::ADIS16130;
@@ -87,10 +86,10 @@ impl Layout {
         }
     }
 
-    /// That of another part, whose codes are in the scales that it states. The status has 8 bits.
+    /// The layout of another part, with codes in the scales that the part states. The status has 8 bits.
     ///
     /// # Errors
-    /// What in the part no capture can have.
+    /// A property of the part that no capture can have.
     pub fn of_part(part: &Part) -> Result<Self, LayoutError> {
         if part.name == Part::ADIS16130.name {
             return Err(LayoutError::BuiltIn(part.name.to_string()));
@@ -110,7 +109,7 @@ impl Layout {
         Ok(layout)
     }
 
-    /// With a status register of so many bits: 8, 16 or 32.
+    /// Sets the width of the status register: 8, 16 or 32 bits.
     ///
     /// # Errors
     /// Another width.
@@ -155,8 +154,8 @@ impl Layout {
         &self.axes
     }
 
-    /// Which of x, y and z (0, 1, 2) each axis is, by the last letter of its name; a part with one axis has it on z if
-    /// its name does not say. None where the names do not tell three different directions.
+    /// The direction of each axis: 0, 1 or 2 for x, y or z, by the last letter of its name. The only axis of a part is
+    /// on z if its name does not say. None where the names do not tell three different directions.
     #[must_use]
     pub fn directions(&self) -> Option<Vec<usize>> {
         let direction = |axis: &CodedAxis| {
@@ -222,7 +221,7 @@ impl Layout {
         outside.fold(scan.with_temp(temp), Scan::with_out_of_range)
     }
 
-    /// The same of one axis; none where it has no such axis.
+    /// The reading of one axis; none where the layout has no such axis.
     #[must_use]
     #[inline]
     pub fn reading(&self, row: &Row, axis: usize) -> Option<Reading> {
@@ -242,7 +241,8 @@ impl Layout {
         ((code - scale.zero_code) << self.dropped_bits) as i32
     }
 
-    /// By a code at the end of the scale, or by the status of an ADIS16130 (OVR, F-35).
+    /// Whether a reading is out of range, by a code at the end of the scale or by the status of an ADIS16130 (OVR,
+    /// F-35).
     #[inline]
     fn is_out_of_range(&self, row: &Row, axis: usize) -> bool {
         let at_end = |(coded, code): (&CodedAxis, &i64)| {
@@ -271,7 +271,7 @@ impl Layout {
     #[cold]
     fn misfit(&self, row: &Row) -> String {
         let (part, axes, found) = (&self.part, self.axes.len(), row.codes());
-        format!("{row:?} is no row of an {part}, for it has {found:?} in place of {axes} codes of its width")
+        format!("{row:?} is not a row of an {part}, for it has {found:?} in place of {axes} codes of its width")
     }
 
     /// The raw columns.
@@ -411,21 +411,22 @@ fn scale(path: &Path, metadata: &Metadata, key: &str, zero_value: f64) -> Result
     let has_scale = scale.lsb_per_unit > 0.0 && scale.lsb_per_unit.is_finite() && scale.zero_value.is_finite();
     if !(has_scale && (1..=32).contains(&scale.width_bits)) {
         let (lsb, bits) = (scale.lsb_per_unit, scale.width_bits);
-        let what = format!("`{key}`: {lsb} codes of {bits} bits per unit are no scale");
+        let what = format!("`{key}`: {lsb} codes of {bits} bits per unit do not make a scale");
         return Err(CaptureError::damaged(path, "metadata", what));
     }
     Ok(scale)
 }
 
-/// What the metadata say under a key.
+/// The value of a key in the metadata.
 pub(super) fn stated<'a>(path: &Path, metadata: &'a Metadata, key: &str) -> Result<&'a String, CaptureError> {
     metadata.get(key).ok_or_else(|| CaptureError::damaged(path, "metadata", format!("`{key}` is missing")))
 }
 
-/// The same as a number.
+/// The value of a key as a number.
 pub(super) fn number<T: FromStr>(path: &Path, metadata: &Metadata, key: &str) -> Result<T, CaptureError> {
     let text = stated(path, metadata, key)?;
-    let wrong = || CaptureError::damaged(path, "metadata", format!("{key} = {text}, which is no number in its range"));
+    let wrong =
+        || CaptureError::damaged(path, "metadata", format!("{key} = {text}, which is not a number in its range"));
     text.parse().map_err(|_| wrong())
 }
 

@@ -1,9 +1,9 @@
 //! Captures: raw codes on disk, as docs/formats/capture.md specifies them.
 //!
 //! [`CaptureWriter`] and [`CaptureReader`] move rows of any number of axes, in any of four forms, in constant
-//! memory. A capture is the truth: whatever is computed from a live part comes out the same from its capture.
+//! memory. A capture is the truth: each result computed from a live part comes out the same from its capture.
 //!
-//! Each form is recognised by its content, whatever the file is called. Nothing here opens a file: [`Input`] is bytes
+//! Each form is recognised by its content, not by its name. Nothing here opens a file: [`Input`] is bytes
 //! that the caller has opened, so that the same readers serve a browser. The readers of other logs build on the pieces
 //! here that bound memory, survive a decoder's panic and read Arrow and MCAP.
 
@@ -81,7 +81,7 @@ pub struct CaptureWriter {
     summary: CaptureSummary,
 }
 
-/// What was recorded.
+/// Totals of a recording.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CaptureSummary {
     /// Rows written.
@@ -98,7 +98,7 @@ impl CaptureWriter {
         Ok(Self::new(path, info, schema, sink))
     }
 
-    /// The same in the MCAP form, with all that robots read.
+    /// Creates a capture in the MCAP form, with everything that robots read.
     pub fn create_robot_log(path: &Path, out: Out, info: &CaptureInfo, log: RobotLog) -> Result<Self, CaptureError> {
         let schema = checked_schema(info.layout.raw_fields(), info.to_metadata());
         let sink = table::create_robot_log(path, out, &schema, log)?;
@@ -165,7 +165,7 @@ pub struct CaptureReader {
 }
 
 impl CaptureReader {
-    /// Reads a capture by what it contains, whatever its name: `path` names it in messages.
+    /// Reads a capture, recognised by its content: `path` names it in messages.
     pub fn open(path: &Path, input: Input) -> Result<Self, CaptureError> {
         match table::recognise(path, input)? {
             Opened::Table(source) => Self::from_source(path, source),
@@ -187,7 +187,7 @@ impl CaptureReader {
         Ok(Self { calibration_id, table, rows: None, next_row: 0 })
     }
 
-    /// How the capture was taken.
+    /// The description of the capture.
     pub fn info(&self) -> &CaptureInfo {
         self.table.info()
     }
@@ -198,7 +198,7 @@ impl CaptureReader {
         self.calibration_id.as_deref()
     }
 
-    /// What is to be said once all samples were read: a tail that was torn off, a file that nothing checks.
+    /// The warnings, once all samples were read: a tail that was torn off, a file without checks.
     pub fn warnings(&self) -> Vec<CaptureWarning> {
         self.table.warnings()
     }

@@ -1,22 +1,22 @@
-//! How much memory a file may take. What it holds shows only while it is read, and what it states of itself may be
+//! Limits of the memory that a file may take. Its real size shows only while it is read, and its own statements may be
 //! wrong.
 
 use std::fmt;
 use std::str::FromStr;
 use std::sync::OnceLock;
 
-/// What any file may take, however small.
+/// Bytes that any file may take, even the smallest.
 pub const FREE_BYTES: u64 = 64 << 20;
 
-/// What it may take on top of that, as a multiple of its size on disk. The best that packs a log of noise is some 20
-/// to 1.
+/// Bytes that a file may take on top of that, as a multiple of its size on disk. The best packer of noise reaches some
+/// 20 to 1.
 pub const FACTOR: u64 = 256;
 
-/// What a file of text has at most that people write or that states one result: a calibration, a part, a data sheet, a
-/// token, what a tracker has learned.
+/// Largest file of text that people write or that states one result: a calibration, a part, a data sheet, a token, the
+/// state of a tracker.
 pub const TEXT: Bytes = Bytes(1 << 20);
 
-/// What the commands take at least: their threads, and a batch of each form.
+/// Least memory of the commands: their threads, and a batch of each form.
 const LEAST_BYTES: u64 = 256 << 20;
 
 /// The default where nobody has set it.
@@ -65,12 +65,12 @@ pub fn set_max_memory(bytes: Bytes) {
     let _ = MAX_MEMORY.set(bytes.0.max(LEAST_BYTES));
 }
 
-/// What the process may take, as set.
+/// The memory that the process may take, as set.
 pub fn max_memory() -> u64 {
     *MAX_MEMORY.get_or_init(|| DEFAULT_BYTES)
 }
 
-/// What one file may take in memory, or unpacked on disk.
+/// The limit of one file in memory, or unpacked on disk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Room {
     bytes: u64,
@@ -93,7 +93,7 @@ pub enum NoRoom {
 }
 
 impl Room {
-    /// Of a file of so many bytes, as they are on disk.
+    /// The limit for a file of this many bytes on disk.
     pub fn of(file_bytes: u64) -> Self {
         Self { bytes: for_size(file_bytes), max_memory: max_memory() }
     }
@@ -112,18 +112,18 @@ impl Room {
         }
     }
 
-    /// What it may take on disk, where the memory of the machine is no bound.
+    /// The limit on disk, where the memory of the machine does not count.
     pub fn bytes_on_disk(self) -> u64 {
         self.bytes
     }
 
-    /// Whether they fit on disk, where the memory of the machine is no bound.
+    /// Checks the limit on disk, where the memory of the machine does not count.
     pub fn check_on_disk(self, bytes: u64) -> Result<(), NoRoom> {
         Self { max_memory: u64::MAX, ..self }.check(bytes)
     }
 }
 
-/// What files of so many bytes may take, however much memory there is.
+/// The limit for files of this many bytes, with any amount of memory.
 pub fn for_size(file_bytes: u64) -> u64 {
     FREE_BYTES.saturating_add(file_bytes.saturating_mul(FACTOR))
 }

@@ -46,11 +46,11 @@ impl Torn {
     }
 }
 
-/// What a message takes besides its data: the head of its record.
+/// Bytes of a message besides its data: the head of its record.
 const MESSAGE_HEAD: u64 = 31;
 
 impl<R: Read> Messages<R> {
-    /// A record is as long as the room at most, whatever length it states. The file is held to its checks: of each
+    /// A record is at most as long as the room, even if it states more. The file must pass its checks: of each
     /// chunk behind its messages, and of all in front of its end.
     pub fn new(file: R, room: Room) -> Self {
         let longest = usize::try_from(room.bytes()).unwrap_or(usize::MAX);
@@ -76,7 +76,8 @@ impl<R: Read> Messages<R> {
     }
 }
 
-/// How many messages of each topic a file states at its end; nothing where it was not closed, or does not say.
+/// The number of messages of each topic that a file states at its end; empty where the file was not closed, or does
+/// not say.
 pub fn stated(file: &mut Input, room: Room) -> BTreeMap<String, u64> {
     let summary = catch_panic(|| summary(file, room)).and_then(Result::ok).flatten();
     let Some((counts, summary)) = summary.and_then(|summary| Some((summary.stats.clone()?, summary))) else {

@@ -1,7 +1,7 @@
 //! The frames of an Arrow IPC stream: where each message begins and ends, and whether it is whole.
 //!
 //! The Arrow library decodes the messages. It trusts their offsets, though, and does not say whether a stream ended
-//! well; a recording that was cut off is the case this program is made for, so the frames are read here.
+//! well. This program is made for recordings that were cut off, so it reads the frames here.
 
 use crate::catch_panic::catch_panic;
 use crate::limits::Room;
@@ -22,7 +22,7 @@ pub struct Messages<R> {
     position: u64,
 }
 
-/// What stands at the reader's position.
+/// The message at the reader's position.
 pub enum Message {
     /// A message with all its bytes.
     Whole(MessageBytes),
@@ -117,7 +117,7 @@ impl MessageBytes {
         }
         let dictionary = || message.header_as_dictionary_batch().and_then(|dictionary| dictionary.data());
         let batch = message.header_as_record_batch().or_else(dictionary);
-        let batch = batch.ok_or_else(|| "a message is no batch of rows".to_owned())?;
+        let batch = batch.ok_or_else(|| "a message is not a batch of rows".to_owned())?;
         let unpacked = check_buffers(batch, body)?;
         room.check(unpacked).map_err(|why| why.to_string())?;
         check_rows(batch, unpacked)

@@ -1,11 +1,11 @@
-//! What this program could do, but was built without.
+//! Features that this build lacks.
 
 use std::fmt;
 
 /// A part of the program that was left out when it was built, and the feature of `zerorate-cli` that adds it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotBuiltIn {
-    /// What is missing, as in "built without …".
+    /// The missing feature, as in "built without …".
     pub what: &'static str,
     /// The feature that adds it.
     pub feature: &'static str,

@@ -98,7 +98,7 @@ fn encoding(properties: WriterPropertiesBuilder, name: &str, data_type: &DataTyp
 pub struct ParquetReader {
     path: PathBuf,
     reader: ParquetRecordBatchReader,
-    /// Of the batches that follow.
+    /// The checks of the batches that follow.
     checks: Option<IntoIter<String>>,
     stated: Stated,
 }

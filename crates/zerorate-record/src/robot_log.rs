@@ -1,23 +1,23 @@
-//! What a bag of ROS 2 states beside the rows of its capture.
+//! The contents of a ROS 2 bag beside the rows of its capture.
 
 use zerorate::{Calibration, Part};
 
-/// What stands in a bag beside the rows of its capture.
+/// The contents of a bag beside the rows of its capture.
 pub struct RobotLog {
-    /// What is known of the part.
+    /// The known facts about the part.
     pub part: Part,
-    /// What corrects its rates; none: they are as they were measured.
+    /// The calibration that corrects its rates; none: the rates stand as they were measured.
     pub calibration: Option<Calibration>,
-    /// What the stamps of the messages are.
+    /// The source of the time stamps.
     pub stamps: Stamps,
 }
 
-/// What the stamps of messages are.
+/// The source of the time stamps of messages.
 pub enum Stamps {
     /// The time of the part, `t_ns`: of a simulated one, and where nothing else is known.
     OfPart,
     /// The first sample is of this time, ns since 1970.
     From(u64),
-    /// The time of day, ns since 1970, when the first block of samples comes: that of its last sample.
+    /// The time of day of the last sample in the first block, ns since 1970.
     Now(Box<dyn Fn() -> u64 + Send>),
 }

@@ -4,8 +4,8 @@ use super::succession::Mark;
 use adis16130::Sample;
 use zerorate::MAX_AXES;
 
-/// A row, as it came: what its codes mean, the [`Layout`](super::Layout) of the capture says. It has room for
-/// [`MAX_AXES`] axes, whatever the part has, so that it needs no memory of its own.
+/// A row, as it came. The [`Layout`](super::Layout) of the capture says what its codes mean. A row has room for
+/// [`MAX_AXES`] axes for any part, so that it needs no memory of its own.
 ///
 /// ```
 /// use zerorate_record::Row;
@@ -30,8 +30,8 @@ pub struct Row {
 }
 
 impl Row {
-    /// With the code of each axis; without status and temperature, nothing lost. None where there are more than
-    /// [`MAX_AXES`].
+    /// A row with the code of each axis, without status and temperature, and with nothing lost. None where there are
+    /// more than [`MAX_AXES`] axes.
     #[must_use]
     #[inline]
     pub fn new(t_ns: u64, edge_seq: u32, codes: &[i64]) -> Option<Self> {
@@ -40,27 +40,27 @@ impl Row {
         Some(Self::with_codes(t_ns, edge_seq, all, codes.len()))
     }
 
-    /// With the codes of the first so many axes.
+    /// Fills in the codes of the first axes.
     #[inline]
     pub(super) fn with_codes(t_ns: u64, edge_seq: u32, codes: [i64; MAX_AXES], axes: usize) -> Self {
         Self { t_ns, edge_seq, lost: 0, status: None, temp_code: None, codes, axes: axes.min(MAX_AXES) as u8 }
     }
 
-    /// With this status.
+    /// Sets the status.
     #[must_use]
     #[inline]
     pub fn with_status(self, status: Option<u32>) -> Self {
         Self { status, ..self }
     }
 
-    /// With this temperature.
+    /// Sets the temperature.
     #[must_use]
     #[inline]
     pub fn with_temp_code(self, temp_code: Option<i64>) -> Self {
         Self { temp_code, ..self }
     }
 
-    /// With so many readings lost before it.
+    /// Sets the number of readings lost before it.
     #[must_use]
     #[inline]
     pub fn with_lost(self, lost: u32) -> Self {
@@ -74,7 +74,7 @@ impl Row {
         &self.codes[..usize::from(self.axes).min(MAX_AXES)]
     }
 
-    /// What it says of the way from the row before.
+    /// The step from the row before.
     #[must_use]
     #[inline]
     pub fn mark(&self) -> Mark {
@@ -83,7 +83,7 @@ impl Row {
 }
 
 impl From<&Sample> for Row {
-    /// Of an ADIS16130. The width of its codes is that of the layout.
+    /// A row of an ADIS16130. The layout states the width of its codes.
     #[inline]
     fn from(sample: &Sample) -> Self {
         let mut codes = [0; MAX_AXES];

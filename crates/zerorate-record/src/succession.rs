@@ -16,16 +16,16 @@ const NEEDED: usize = 16;
 /// a busy host and a loss that is reported a few samples late stay far below.
 const UNSURE: f64 = 64.0;
 
-/// The same where the edges agree with the time.
+/// The same limit where the edges agree with the time.
 const SURE: f64 = 8.0;
 
 /// The part of a gap by which they may differ: a clock that is off and a period that was learned badly stay below.
 const OF_GAP: f64 = 0.125;
 
-/// Edges for each sample beyond which `edge_seq` is no count of edges: a stuttering line makes a few.
+/// Edges per sample beyond which `edge_seq` cannot be a count of edges: a stuttering line makes a few.
 const EDGES_PER_SAMPLE: f64 = 64.0;
 
-/// What a row says of the way from the row before.
+/// The step of a row from the row before.
 #[derive(Clone, Copy, Debug)]
 pub struct Mark {
     /// `t_ns`
@@ -98,7 +98,7 @@ pub struct Succession {
     learned: Option<Pace>,
 }
 
-/// What a sample takes, as the median of the first steps.
+/// The duration of a sample, as the median of the first steps.
 #[derive(Clone, Copy, Debug)]
 struct Pace {
     period_ns: f64,
@@ -194,7 +194,7 @@ mod tests {
 
     const PERIOD_NS: u64 = 175_667;
 
-    /// So many rows at the full rate.
+    /// A number of rows at the full rate.
     fn rows(n: u32) -> Vec<Mark> {
         (0..n).map(|i| Mark { t_ns: 1_000 + u64::from(i) * PERIOD_NS, edge_seq: i, lost: 0 }).collect()
     }

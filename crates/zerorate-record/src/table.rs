@@ -49,7 +49,7 @@ impl Format {
         format.missing().map_or(Ok(format), |missing| Err(CaptureError::not_built_in(path, missing)))
     }
 
-    /// What reads and writes it, where that is not built in.
+    /// The reader and writer of the form that is not built in.
     const fn missing(self) -> Option<NotBuiltIn> {
         match self {
             Self::Mcap if cfg!(not(feature = "mcap")) => Some(NotBuiltIn::MCAP),
@@ -68,9 +68,9 @@ pub struct CheckedSink {
     layout: Layout,
 }
 
-/// Where a block ends.
+/// The ends of blocks.
 enum Blocks {
-    /// With each batch, which has so many rows at most.
+    /// A block ends with each batch, which has at most this many rows.
     Batches { rows: usize },
     /// After so many rows; `open` of them are written.
     Rows { rows: usize, open: usize },
@@ -151,7 +151,7 @@ impl CheckedSink {
     }
 }
 
-/// Finds out what a file contains, whatever its name: `path` names it in messages.
+/// Recognises a file by its content: `path` names it in messages.
 pub fn recognise(path: &Path, mut input: Input) -> Result<Opened, CaptureError> {
     let failed = |error| CaptureError::io("read", path, error);
     if input.is_directory().map_err(failed)? {

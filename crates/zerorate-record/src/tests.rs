@@ -109,7 +109,7 @@ fn sixteen_bit_codes_keep_their_width() {
     }
 }
 
-/// The same samples give the same bytes: nothing of the time or the machine enters.
+/// The same samples give the same bytes: neither the time nor the machine enters.
 #[test]
 fn the_bytes_depend_on_the_samples_alone() {
     let dir = TempDir::new().unwrap();

@@ -4,12 +4,12 @@ use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
 
-/// What a column measures.
+/// The quantity of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// Of a gyroscope; its results are in °/s.
+    /// The rate of a gyroscope; its results are in °/s.
     AngularRate,
-    /// Of an accelerometer; its results are in m/s².
+    /// The acceleration of an accelerometer; its results are in m/s².
     Acceleration,
     /// Its results are in °C.
     Temperature,
@@ -25,7 +25,7 @@ impl Quantity {
         }
     }
 
-    /// What the name of a column states: the quantity, and how much of the unit of its results a step is.
+    /// The quantity that the name of a column states, and the size of a step in the unit of its results.
     pub fn of_column(name: &str) -> Option<(Self, f64)> {
         let unit = Unit::of_column(name).map(|unit| (unit.quantity(), unit.in_results()));
         unit.or_else(|| is_celsius(name).then_some((Self::Temperature, 1.0)))
@@ -78,7 +78,7 @@ impl Unit {
         Self::MicroG,
     ];
 
-    /// What it is a unit of.
+    /// Its quantity.
     pub fn quantity(self) -> Quantity {
         match self {
             Self::MPerS2 | Self::G | Self::MilliG | Self::MicroG => Quantity::Acceleration,
@@ -86,7 +86,7 @@ impl Unit {
         }
     }
 
-    /// What it is called here.
+    /// Its name here.
     pub fn name(self) -> &'static str {
         self.names()[0]
     }
@@ -108,7 +108,7 @@ impl Unit {
         }
     }
 
-    /// What others call it, in small letters and without blanks.
+    /// Its names elsewhere, in small letters and without blanks.
     fn names(self) -> &'static [&'static str] {
         match self {
             Self::Dps => &["dps", "deg/s", "°/s", "º/s", "deg/sec", "degs/s", "degps", "deg*s^-1", "degs^-1"],
@@ -125,7 +125,7 @@ impl Unit {
         }
     }
 
-    /// How it ends a name that has no room for a slash.
+    /// Its endings of names that have no room for a slash.
     fn endings(self) -> &'static [&'static str] {
         match self {
             Self::Dps => &["dps", "deg_s", "deg_per_s", "deg_per_sec", "degps"],
@@ -167,7 +167,7 @@ impl FromStr for Unit {
         let plain: String = text.to_lowercase().chars().filter(|c| !c.is_whitespace()).collect();
         Self::ALL.into_iter().find(|unit| unit.names().contains(&plain.as_str())).ok_or_else(|| {
             let names: Vec<&str> = Self::ALL.into_iter().map(Self::name).collect();
-            format!("`{text}` is no unit of angular rate or acceleration; choose {}", names.join(", "))
+            format!("`{text}` is not a unit of angular rate or acceleration; choose {}", names.join(", "))
         })
     }
 }
@@ -193,7 +193,7 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
-    /// How many of it are a second.
+    /// How many of this unit make a second.
     pub fn per_s(self) -> f64 {
         match self {
             Self::S => 1.0,
@@ -235,7 +235,7 @@ pub fn is_celsius(name: &str) -> bool {
     }
 }
 
-/// What stands in the last pair of brackets.
+/// The content of the last pair of brackets.
 fn bracketed(name: &str) -> Option<&str> {
     [('[', ']'), ('(', ')')].into_iter().find_map(|(open, close)| {
         let (_, rest) = name.rsplit_once(open)?;

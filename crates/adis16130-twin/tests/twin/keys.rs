@@ -63,8 +63,10 @@ fn an_override_changes_nothing_else() {
 #[test]
 fn bad_items_are_named() {
     let message = |text: &str| Spec::parse_keys(text).unwrap_err().to_string();
-    assert!(message("sede=7").starts_with("unknown key `sede`: did you mean `seed`? known keys: seed bias_dps"));
+    assert_eq!(message("sede=7"), "unknown key `sede`; did you mean `seed`?");
+    assert_eq!(message("bias=0.4"), "unknown key `bias`; did you mean `bias_dps`?");
     assert!(message("tempco=0.04").contains("`tempco_dps_per_c`?"));
+    assert!(message("zzzzzz=1").starts_with("unknown key `zzzzzz`; known keys: seed bias_dps"));
     assert_eq!(message("seed"), "`seed` is not key=value");
     assert_eq!(message("seed=1,"), "`` is not key=value");
     assert_eq!(message("seed=1,seed=2"), "seed is given twice");

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use zerorate::{Calibration, Say};
 use zerorate_jobs::JobWarning;
 use zerorate_jobs::correct::Job;
+use zerorate_record::delimited::is_table;
 use zerorate_record::{CaptureInfo, Format, limits};
 
 /// Corrects a capture: RATE + PBC + d · BTC, with d = TEMP − T3, and + d² · BTC2 + d³ · BTC3 where the calibration has
@@ -70,7 +71,10 @@ pub fn run(args: &CorrectArgs) -> Result<()> {
 pub(super) fn load(path: &Path, outputs: &mut Outputs) -> Result<Calibration> {
     let name = path.display();
     let text = outputs.text(path, limits::TEXT)?;
-    let (calibration, warnings) = Calibration::parse(&text).with_context(|| name.to_string())?;
+    let (calibration, warnings) = Calibration::parse(&text).with_context(|| match is_table(&text) {
+        true => format!("{name} is a CSV, not a calibration; give the file that `zerorate calibrate` wrote"),
+        false => name.to_string(),
+    })?;
     let of_file = |warning| coded(JobWarning::OfCalibration(name.to_string(), warning));
     warn(&warnings.into_iter().map(of_file).collect::<Vec<_>>());
     Ok(calibration)

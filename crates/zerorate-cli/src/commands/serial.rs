@@ -39,7 +39,7 @@ impl From<NotesArgs> for Notes {
 }
 
 /// Of a command with an option for it.
-pub const GIVE: &str = "give --serial SN to have it checked";
+pub const GIVE: &str = "give --serial SN";
 
 /// The part whose rates are to be corrected.
 pub struct Part<'a> {

@@ -9,6 +9,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use zerorate::Calibration;
 use zerorate_host::files;
+use zerorate_record::delimited::is_table;
 use zerorate_record::table::{self, Opened};
 use zerorate_record::{CaptureError, Checked, Input};
 use zerorate_view::duration::Seconds;
@@ -57,6 +58,9 @@ struct Verdict {
     torn: bool,
     /// What is wrong, and where.
     damage: Option<String>,
+    /// The file was never a capture or a calibration.
+    #[serde(skip)]
+    is_foreign: bool,
     /// What to do, where it is not whole.
     remedy: Option<String>,
     notes: Vec<String>,
@@ -90,7 +94,8 @@ fn verdict(path: &Path) -> Verdict {
             }
             _ => None,
         };
-        Verdict { damage: Some(reason(error)), remedy, ..Verdict::default() }
+        let is_foreign = matches!(error, CaptureError::NotACapture { .. });
+        Verdict { damage: Some(reason(error)), remedy, is_foreign, ..Verdict::default() }
     });
     Verdict { whole: !verdict.torn && verdict.damage.is_none(), file, ..verdict }
 }
@@ -143,7 +148,11 @@ fn calibration(path: &Path, file: Input) -> Result<Verdict, CaptureError> {
     let read = file.take(CALIBRATION_BYTES).read_to_string(&mut text);
     let (one, several) = (text.contains("[correction]"), text.contains("axis") && text.contains("correction"));
     if read.is_err() || !(one || several) {
-        return Err(CaptureError::not_a_capture(path, "and it is no calibration file either"));
+        let why = match is_table(&text) && !text.contains("zerorate.") {
+            true => "it is a CSV of other software, which has no check lines, so it cannot be verified",
+            false => "and it is not a calibration file either",
+        };
+        return Err(CaptureError::not_a_capture(path, why));
     }
     let parsed = Calibration::parse(&text);
     Ok(Verdict {
@@ -160,6 +169,7 @@ fn calibration(path: &Path, file: Input) -> Result<Verdict, CaptureError> {
 impl Verdict {
     fn to_text(&self) -> String {
         let state = match (&self.damage, self.torn) {
+            (Some(_), _) if self.is_foreign => "NOT A CAPTURE",
             (Some(_), _) => "DAMAGED",
             (None, true) => "TORN",
             (None, false) if self.checked => "whole",

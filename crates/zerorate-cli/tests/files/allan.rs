@@ -140,7 +140,7 @@ fn gaps_are_not_closed_up_silently() {
     bench.write("gap.csv", capture("A1", rows));
     let run = bench.zerorate("allan gap.csv --json");
     assert!(
-        run.stderr.contains("warning: gaps: gap.csv: 2 samples are missing among 4; they are gaps"),
+        run.stderr.contains("warning: gaps: gap.csv: 2 samples are missing among 4; averages that lack"),
         "{}",
         run.stderr
     );
@@ -162,7 +162,7 @@ fn what_is_wrong_is_named() {
     bench.write("binary", [b'x', 0xC0, 0x80, 1, b'\n']);
     let cases = [
         ("short.csv --column x --max-bad 0.5", 2, "give --rate in Hz"),
-        ("log.csv --column x --rate 100", 1, "log.csv, line 4, column x: `abc` is no number"),
+        ("log.csv --column x --rate 100", 1, "log.csv, line 4, column x: `abc` is not a number"),
         ("log.csv --rate 100", 2, "choose with --column one of: 0 `t`, 1 `x`"),
         ("log.csv --rate 100 --column z", 2, "no column `z`"),
         ("log.csv --rate 100 --column 2", 2, "no column `2`"),

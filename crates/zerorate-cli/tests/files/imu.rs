@@ -180,7 +180,7 @@ fn units_are_asked_for_and_never_guessed() {
     let run = bench.zerorate(LINE).ended_with(2);
     assert!(run.stderr.contains("columns wx, wy, wz (gyroscope) state no unit"), "{}", run.stderr);
     let run = bench.zerorate(&format!("{LINE} --gyro-unit m/s^2")).ended_with(2);
-    assert!(run.stderr.contains("is no unit for gyroscopes"));
+    assert!(run.stderr.contains("is not a unit for gyroscopes"));
     let broken = std::fs::read_to_string(bench.path("imu.csv")).unwrap().replacen("\n50.00,", "\nreset\n50.00,", 1);
     bench.write("imu.csv", broken);
     let run = bench.zerorate(&format!("{LINE} --gyro-unit dps --accel-unit m/s^2 -o units.yaml")).ended_with(0);
@@ -436,7 +436,7 @@ fn what_leads_on() {
         assert!(run.contains(said), "{line}: {run}");
     }
     let run = bench.zerorate("imu imu.csv -o none/imu.yaml").fails(1);
-    assert!(run.contains("cannot write none/imu.yaml: there is no folder none; make it"), "{run}");
+    assert!(run.contains("cannot write none/imu.yaml: the folder none does not exist; make it"), "{run}");
     let run = bench.zerorate("imu imu.csv -o -").fails(2);
     assert!(run.contains("give the file a name") && !bench.path("-").exists(), "{run}");
     let run = bench.zerorate("imu imu.csv --column 1,2,3 --format VINS").ended_with(0);

@@ -26,9 +26,9 @@ const FILES: [(&str, &[u8]); 16] = [
 
 /// What follows `allan`, the exit code, and what is said.
 const CASES: [(&str, i32, &str); 22] = [
-    ("word.csv --column x --rate 9", 1, "word.csv, line 4, column x: `abc` is no number"),
+    ("word.csv --column x --rate 9", 1, "word.csv, line 4, column x: `abc` is not a number"),
     ("inf.csv --rate 9", 1, "inf.csv, line 3, column x: it is infinite"),
-    ("marks.csv --column x --rate 9", 1, "marks.csv, line 3, column x: `2,5` is no number with a decimal point"),
+    ("marks.csv --column x --rate 9", 1, "marks.csv, line 3, column x: `2,5` is not a number with a decimal point"),
     ("thousands.csv --column x --rate 9", 1, "thousands.csv, line 2: `1,500` is 1.500 or 1500; give --decimal comma"),
     ("short.csv --column x --rate 9", 1, "short.csv, line 3, column x: the line ends before this cell"),
     (
@@ -47,7 +47,7 @@ const CASES: [(&str, i32, &str); 22] = [
     ("short.csv --column t --time-column t", 2, "both time and rate in `t`"),
     ("short.csv --column x --time-column when", 2, "no column `when`; choose with --time-column one of: 0 `t`, 1 `x`"),
     ("twice.csv --column x --rate 9", 2, "several columns `x`, so it takes their number"),
-    ("inf.csv --rate 9 --unit knots", 2, "`knots` is no unit of angular rate or acceleration; choose dps"),
+    ("inf.csv --rate 9 --unit knots", 2, "`knots` is not a unit of angular rate or acceleration; choose dps"),
     ("inf.csv --time-column 0 --rate 9", 2, "--rate"),
     ("inf.csv --time-unit s", 2, "--time-column"),
     ("ros1.bag --rate 9", 1, "ros1.bag cannot be read as a log: it is a bag of ROS 1 in its old version 1; convert"),

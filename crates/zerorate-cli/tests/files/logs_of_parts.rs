@@ -136,7 +136,7 @@ fn what_a_log_does_not_say_is_asked_for() {
     let fixtures = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../zerorate-logs/fixtures");
     bench.write("imu.bag", std::fs::read(fixtures.join("imu_none.bag")).unwrap());
     for (log, part, said) in [
-        ("ardupilot.csv", part(["GyrX", "GyrY", "GyrZ"], "T [°C]"), "is no code, and no unit is stated"),
+        ("ardupilot.csv", part(["GyrX", "GyrY", "GyrZ"], "T [°C]"), "is not a code, and no unit is stated"),
         ("ardupilot.csv", part(["GyrX [rad/s]", "GyrY [rad/s]", "GyrZ [rad/s]"], "T"), "column T, row 0"),
         ("ardupilot.csv", part(["AccX [m/s²]", "GyrY [rad/s]", "GyrZ [rad/s]"], "T [°C]"), "the axis of a gyroscope"),
         #[cfg(feature = "ros")]

@@ -194,3 +194,14 @@ fn corrected_captures_and_calibrations_are_verified() {
     bench.write("bad.toml", "[correction]\npbc_dps = x\n");
     assert_eq!(verdict(&bench, "bad.toml").0, Some(1));
 }
+
+#[test]
+fn a_foreign_log_is_neither_damaged_nor_a_calibration() {
+    let bench = bench();
+    bench.write("log.csv", "t_s,gz_dps\n0.0,0.25\n0.1,0.5\n");
+    let said = bench.zerorate("verify log.csv");
+    assert!(said.code == Some(1) && said.stdout.contains("log.csv: NOT A CAPTURE"), "{said:?}");
+    assert!(said.stdout.contains("no check lines, so it cannot be verified"), "{said:?}");
+    let said = bench.zerorate("correct unit.arrows --cal log.csv -o done.csv");
+    assert!(said.code == Some(1) && said.stderr.contains("log.csv is a CSV, not a calibration"), "{said:?}");
+}

@@ -1,4 +1,4 @@
-//! Where a bridge is, and how its part is set.
+//! The address of a bridge, and the settings of its part.
 
 use super::BridgePart;
 use crate::Stop;
@@ -14,11 +14,11 @@ use std::sync::Arc;
 /// A part behind a bridge.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BridgeAddress {
-    /// Where the bridge is.
+    /// The port or the connection of the bridge.
     pub port: Port,
     /// SPI clock of the bridge, Hz.
     pub hz: u32,
-    /// How the part is configured, and how it is wired.
+    /// Configuration and wiring of the part.
     pub part: PartOptions,
     /// Nominal master clock of the part, Hz.
     pub mclk_hz: u32,
@@ -82,7 +82,7 @@ impl BridgeAddress {
                 Some(("mclk", text)) => address.mclk_hz = number("mclk", text, MCLK_RANGE_HZ)?,
                 _ => match address.part.with(option)? {
                     Some(changed) => address.part = changed,
-                    None => return Err(format!("`{option}` is no option; there are {known}, {PART_OPTIONS}")),
+                    None => return Err(format!("`{option}` is not an option; there are {known}, {PART_OPTIONS}")),
                 },
             }
         }

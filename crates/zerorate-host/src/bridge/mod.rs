@@ -41,7 +41,7 @@ enum State {
 }
 
 impl BridgePart {
-    /// Opens the port, ends whatever the bridge was doing, and sets its SPI clock.
+    /// Opens the port, ends what the bridge was doing before, and sets its SPI clock.
     fn open(address: &BridgeAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Self> {
         let sampling = setup.sampling.config(address.part.divided);
         let facts = DeviceInfo::of_part(name, &address.part, sampling, address.mclk_hz, setup.part.as_ref())?;
@@ -77,7 +77,7 @@ impl BridgePart {
         live.registers().map_err(|error| self.link.explain(error, &self.address))
     }
 
-    /// What the self-test does to the rate.
+    /// Measures the change of the rate under self-test.
     fn test_itself(&mut self) -> Result<SelfTest> {
         let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
         let mut pin = SelfTestWire(self.link.clone());
@@ -216,7 +216,7 @@ struct Stream {
 }
 
 impl Stream {
-    /// Waits no longer than the part may be silent, whatever else the bridge says meanwhile.
+    /// Waits no longer than the part may be silent, even if the bridge says something else meanwhile.
     fn next(&mut self) -> Result<Sample> {
         let asked = Instant::now();
         let deadline = asked + Duration::from_nanos(self.live.silence_ns());

@@ -3,12 +3,12 @@
 use anyhow::{Result, ensure};
 use std::time::Duration;
 
-/// So much waiting for samples is looked at as a whole.
+/// Waits for samples are judged together over this time.
 const WINDOW: Duration = Duration::from_secs(2);
 /// The bridge's time may go slower than the host's by this: an emulated one is slow, but not so slow.
 const SLOWEST: u32 = 64;
 
-/// How far the samples have got in their own time while the host waited for them.
+/// Progress of the samples in their own time, while the host waited for them.
 #[derive(Debug, Default)]
 pub struct Progress {
     /// Time of the first sample of the window.

@@ -34,7 +34,7 @@ struct Leg {
     until_ns: u64,
 }
 
-/// Whoever says where the air goes. When it is dropped, the air stays and the part goes on.
+/// The lead that says where the air goes. When it is dropped, the air stays and the part goes on.
 #[derive(Debug)]
 pub struct Lead(Air);
 
@@ -61,7 +61,7 @@ impl Air {
         }
     }
 
-    /// Whoever says where it goes.
+    /// Makes the lead that says where the air goes.
     #[must_use]
     pub fn lead(&self) -> Lead {
         Lead(self.clone())
@@ -98,7 +98,7 @@ impl Follower {
     }
 
     /// To be called before each sample of the units, whose clock the first has. It waits behind a sample that is late
-    /// enough, whatever the time is when that has been read: whoever leads the air has seen samples, and no clock.
+    /// enough, at any time of the clock: the lead of the air has seen samples, and no clock.
     #[inline]
     pub fn keep<'a>(&mut self, first: &'a Twin, others: impl Iterator<Item = &'a Twin>) {
         if self.last_ns.is_some_and(|last_ns| last_ns >= self.until_ns) {

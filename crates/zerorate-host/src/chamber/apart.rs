@@ -1,4 +1,4 @@
-//! A chamber in a thread of its own: whoever reads a part must not wait for it.
+//! A chamber in a thread of its own, so that the reader of a part need not wait for it.
 
 use super::{Chamber, Left};
 use crate::{DeviceError, Result, Stop};
@@ -6,14 +6,14 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// So often it is asked.
+/// Time between two questions to the chamber.
 const PERIOD: Duration = Duration::from_secs(5);
 
-/// So often it is looked whether the thread is still there.
+/// Time between two checks that the thread is still there.
 const SLICE: Duration = Duration::from_millis(100);
 
-/// Any chamber, told and asked every 5 s by a thread of its own. [`Chamber::read_c`] gives what it said last, and
-/// [`Chamber::set`] fails some seconds after it could not be told.
+/// Any chamber, told and asked every 5 s by a thread of its own. [`Chamber::read_c`] gives its last answer.
+/// [`Chamber::set`] fails some seconds after the chamber could not be told.
 pub struct Apart {
     shared: Arc<Shared>,
     halt: Stop,
@@ -71,7 +71,7 @@ impl Apart {
     /// Starts the thread, and the chamber in it.
     ///
     /// # Errors
-    /// There is no thread to be had.
+    /// No thread can be started.
     pub fn new(mut chamber: Box<dyn Chamber>) -> Result<Self> {
         let shared = Arc::new(Shared::default());
         let (inner, halt) = (shared.clone(), chamber.halt());

@@ -1,15 +1,15 @@
-//! What a chamber is left at.
+//! The state in which a chamber is left.
 
-/// What a chamber said of itself when it was left. What it did not say, nobody knows.
+/// The state that a chamber stated when it was left. Fields that it did not state are unknown.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Left {
     /// The set point that it took, or said that it holds, °C.
     pub set_c: Option<f64>,
     /// It said that it stopped.
     pub is_stopped: bool,
-    /// Where its air is, °C.
+    /// Temperature of its air, °C.
     pub air_c: Option<f64>,
-    /// What went wrong.
+    /// The error, if there was one.
     pub why: Option<String>,
 }
 

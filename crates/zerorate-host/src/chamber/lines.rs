@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 /// The commands of one kind of chamber. `{}` is the temperature in °C with a decimal; `¶` goes out as byte B6h.
 #[derive(Debug, PartialEq)]
 pub struct Dialect {
-    /// What `set=` calls it.
+    /// Name of the command set in `set=`.
     pub name: &'static str,
     /// Whose it is.
     pub of: &'static str,
@@ -33,13 +33,13 @@ pub struct Dialect {
     pub set: &'static str,
     /// Asks for the air.
     pub read: &'static str,
-    /// Which field of the answer is the air, and what is between fields.
+    /// Index of the field of the answer that holds the air temperature, and the separator of fields.
     pub field: (usize, char),
     /// Asks for the set point, and where it is in the answer.
     pub read_set: &'static str,
-    /// As `field`.
+    /// The same for the set point.
     pub set_field: (usize, char),
-    /// How the answer to a command that is no question begins, if there is one.
+    /// Start of the answer to a command that is not a question, if the chamber answers one.
     pub accepted: Option<&'static str>,
     /// Told last, after the safe set point.
     pub stop: &'static [&'static str],
@@ -97,7 +97,7 @@ pub const DIALECTS: [Dialect; 3] = [
     },
 ];
 
-/// Where such a chamber is.
+/// The connection to such a chamber.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineAddress {
     place: Place,
@@ -120,7 +120,7 @@ const FIRST_WAIT: Duration = Duration::from_millis(100);
 const LONGEST_WAIT: Duration = Duration::from_secs(5);
 /// A connection is made within this, the look-up of a name included.
 const CONNECTION: Duration = Duration::from_secs(4);
-/// So often a wait looks whether it was asked to stop.
+/// Time between two checks whether a wait was asked to stop.
 const SLICE: Duration = Duration::from_millis(50);
 /// A chamber that is left is told again and again for so long, s, as long as it has not confirmed.
 pub const ENDING_S: u64 = 10;
@@ -223,13 +223,13 @@ impl Failure {
 /// A chamber at the end of a wire.
 pub(super) struct Lines {
     address: LineAddress,
-    /// Either ends every wait: the user's, and that of whoever has the chamber.
+    /// Either ends every wait: the stop of the user, and the stop of the owner of the chamber.
     stops: [Stop; 2],
     wire: Option<Wire>,
     received: VecDeque<u8>,
     /// Something was sent to it, which it may have obeyed.
     is_touched: bool,
-    /// Where its air was sent last, °C: told again at each new connection.
+    /// The set point sent last, °C: told again at each new connection.
     wanted_c: Option<f64>,
     /// It is being left. Nothing but time ends a wait then.
     is_leaving: bool,
@@ -318,7 +318,7 @@ impl Lines {
         commands.iter().try_for_each(|command| self.command(command))
     }
 
-    /// Tells it something that is no question.
+    /// Sends a command that is not a question.
     fn command(&mut self, command: &str) -> Result<(), Failure> {
         self.send(command)?;
         let Some(accepted) = self.address.dialect.accepted else { return Ok(()) };

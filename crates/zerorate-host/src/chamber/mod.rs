@@ -22,7 +22,7 @@ use std::time::Duration;
 
 /// A temperature chamber. It is started once and ended once.
 pub trait Chamber: Send {
-    /// Sets it going. Whatever comes of it, [`Chamber::end`] is due from here on: a command may be obeyed and its
+    /// Sets it going. From here on [`Chamber::end`] is due, even after an error: a command may be obeyed and its
     /// answer get lost.
     ///
     /// # Errors
@@ -40,13 +40,13 @@ pub trait Chamber: Send {
     /// The temperature of its air, °C; none where it does not tell.
     ///
     /// # Errors
-    /// As [`Chamber::set`].
+    /// Reads the temperature of the air, °C. Errors as for [`Chamber::set`].
     fn read_c(&mut self) -> Result<Option<f64>>;
 
     /// Simulated time goes on.
     fn pass(&mut self, _seconds: f64) {}
 
-    /// Cuts short, once it is asked, whatever this chamber waits for but [`Chamber::end`].
+    /// A stop that, once it is asked, cuts short every wait of this chamber except [`Chamber::end`].
     fn halt(&self) -> Stop {
         Stop::default()
     }
@@ -56,7 +56,7 @@ pub trait Chamber: Send {
     fn end(&mut self, safe_c: f64) -> Option<Left>;
 }
 
-/// What `--chamber` names.
+/// The chamber that `--chamber` names.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ChamberSpec {
     /// Somebody turns its knobs.
@@ -67,7 +67,7 @@ pub enum ChamberSpec {
     Lines(LineAddress),
 }
 
-/// What there is.
+/// All forms of a chamber's name.
 const FORMS: &str = "hand, sim:KEY=VALUE,…, tcp:HOST:PORT?set=COMMANDS, serial:/dev/ttyUSB0?set=COMMANDS";
 
 impl FromStr for ChamberSpec {

@@ -44,7 +44,7 @@ impl Default for SimulatedChamber {
 }
 
 impl SimulatedChamber {
-    /// By `key=value` pairs, separated by commas.
+    /// Reads `key=value` pairs, separated by commas.
     ///
     /// # Errors
     /// An unknown key, or a value that makes no sense.
@@ -54,7 +54,7 @@ impl SimulatedChamber {
             let (key, text) =
                 item.split_once('=').ok_or_else(|| format!("`{item}`: write KEY=VALUE; keys are {KEYS}"))?;
             let value = text.parse::<f64>().ok().filter(|value| value.is_finite());
-            let value = value.ok_or_else(|| format!("`{item}`: {text:?} is no number"))?;
+            let value = value.ok_or_else(|| format!("`{item}`: {text:?} is not a number"))?;
             chamber.set_key(key, value).map_err(|why| format!("`{item}`: {why}"))?;
         }
         Ok(chamber)
@@ -77,7 +77,7 @@ impl SimulatedChamber {
         Ok(())
     }
 
-    /// Where its air is, °C.
+    /// Temperature of its air, °C.
     #[must_use]
     pub fn air_c(&self) -> f64 {
         self.air_c
@@ -100,7 +100,7 @@ impl SimulatedChamber {
     }
 }
 
-/// Of an oscillator whose step overshoots by this share; critical for none.
+/// Damping of an oscillator whose step overshoots by this share; critical for 0.
 fn damping(overshoot: f64) -> f64 {
     if overshoot <= 0.0 {
         return 1.0;

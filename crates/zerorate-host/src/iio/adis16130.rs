@@ -14,7 +14,7 @@ use zerorate_record::Row;
 
 const RATE: &str = "in_anglvel_z";
 const TEMP: &str = "in_temp0";
-/// The kernel prints scales with nine decimals; that of the rate then has three digits.
+/// The kernel prints scales with nine decimals, so the scale of the rate has only three digits.
 const SCALE_TOLERANCE: f64 = 0.005;
 
 /// The part, being polled.
@@ -22,7 +22,7 @@ pub struct Adis16130 {
     address: IioAddress,
     facts: DeviceInfo,
     sampling: Sampling,
-    /// What makes a raw reading a 24-bit code.
+    /// Added to a raw reading, this gives a 24-bit code.
     rate_shift: i64,
     temp_shift: i64,
     polls: Polls,
@@ -64,7 +64,7 @@ impl Adis16130 {
     fn code(&self, channel: &str, shift: i64) -> Result<u32> {
         let raw: i64 = read(&self.address.folder, &format!("{channel}_raw"))?;
         let code = raw + shift;
-        ensure!((0..1 << 24).contains(&code), "{channel}_raw is {raw}, which is no reading of 24 bits");
+        ensure!((0..1 << 24).contains(&code), "{channel}_raw is {raw}, which is not a reading of 24 bits");
         Ok(code as u32)
     }
 }
@@ -96,7 +96,7 @@ mod tests {
     use super::*;
     use std::fs;
 
-    /// What the driver of Linux 6.12 shows.
+    /// A folder as the driver of Linux 6.12 shows it.
     fn folder(rate_scale: &str) -> tempfile::TempDir {
         let folder = tempfile::tempdir().expect("a folder");
         for (name, text) in [

@@ -8,15 +8,15 @@ use zerorate::Scale;
 /// A channel of a device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
-    /// As its attributes begin: `in_anglvel_x`.
+    /// Start of the names of its attributes: `in_anglvel_x`.
     pub name: String,
     /// Raw values to °/s, or to °C.
     pub scale: Scale,
-    /// How it stands in the buffer, if the driver has one with this channel.
+    /// Its place in the buffer, if the driver has a buffer with this channel.
     pub element: Option<Element>,
 }
 
-/// How a channel stands in a scan of the buffer.
+/// The layout of a channel in a scan of the buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Element {
     /// Channels stand in this order.
@@ -30,9 +30,9 @@ pub struct Element {
 }
 
 impl Channel {
-    /// The channel of this name, such as `in_anglvel_x`. `kind` is what its attributes are called where all channels
-    /// of a kind share them (`in_anglvel`); `per_unit` is how many of the kernel's units make one of ours, and `zero`
-    /// the value at its zero.
+    /// The channel of this name, such as `in_anglvel_x`. `kind` is the name of the attributes that all channels
+    /// of a kind share (`in_anglvel`). `per_unit` is the number of the kernel's units in one of ours, and `zero` the
+    /// value at its zero.
     pub fn read(folder: &Path, name: &str, kind: &str, per_unit: f64) -> Result<Self> {
         let attribute = |what: &str| [format!("{name}_{what}"), format!("{kind}_{what}")];
         let number = |what: &str| first(folder, &attribute(what).each_ref().map(String::as_str));
@@ -70,7 +70,7 @@ impl Element {
         let index = read(&elements, &format!("{channel}_index"))?;
         let text = read_text(&elements, &format!("{channel}_type"))?;
         let parsed = Self::parse(&text, index);
-        parsed.map(Some).with_context(|| format!("{channel}_type reads {text:?}, which is no type of a channel"))
+        parsed.map(Some).with_context(|| format!("{channel}_type reads {text:?}, which is not the type of a channel"))
     }
 
     /// `le:s16/32>>4`: little endian, signed, 16 bits of 32, shifted up by 4.

@@ -21,10 +21,10 @@ use zerorate_record::{CaptureInfo, Layout, Row};
 
 /// Scans that the kernel keeps until they are read.
 const BUFFERED: u32 = 4096;
-/// So long without a scan is a failure, and no less than so many periods.
+/// A silence of this length and of [`SILENT_PERIODS`] periods is a failure.
 const SILENCE: Duration = Duration::from_secs(1);
 const SILENT_PERIODS: f64 = 20.0;
-/// The same where the driver does not say how often it scans.
+/// The silence that is a failure where the driver does not state its rate.
 const UNKNOWN_SILENCE: Duration = Duration::from_secs(10);
 /// A wish to end is heeded at least this often.
 const STOP_POLL: Timespec = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
@@ -51,7 +51,7 @@ fn dev_file(folder: &Path) -> PathBuf {
     Path::new("/dev").join(folder.file_name().unwrap_or_default())
 }
 
-/// What a driver shows.
+/// A device as its driver shows it.
 struct Device {
     folder: PathBuf,
     rates: Vec<Channel>,
@@ -67,7 +67,7 @@ impl Device {
         let there = |axis: &&str| folder.join(format!("in_anglvel_{axis}_raw")).exists();
         let axes: Vec<&str> = ["x", "y", "z"].into_iter().filter(there).collect();
         if axes.is_empty() {
-            let why = format!("{driver} in {} is no gyroscope: it has no in_anglvel_x, _y or _z", folder.display());
+            let why = format!("{driver} in {} is not a gyroscope: it lacks in_anglvel_x, _y and _z", folder.display());
             return Err(UserError::request(why).into());
         }
         let rates = axes.iter().map(|axis| rate(axis)).collect::<Result<Vec<_>>>()?;
@@ -98,7 +98,8 @@ impl Device {
     }
 }
 
-/// What the driver states. It calls parts by lower-case letters; who has a file of the part writes its name as it is.
+/// The part as the driver states it. Drivers write names of parts in small letters; the file of a part has the name as
+/// it is.
 fn part(driver: &str, axes: &[&str], rates: &[Channel], temp: Option<&Channel>, known: Option<&Part>) -> Part {
     const NO_TEMP: Scale = Scale { lsb_per_unit: 1.0, zero_code: 0, zero_value: 0.0, width_bits: 16, signed: true };
     let known = known.filter(|known| known.name.eq_ignore_ascii_case(driver));
@@ -156,7 +157,7 @@ impl Source for Polled {
 struct Buffered {
     device: Device,
     scans: File,
-    /// Where each rate stands in a scan; the temperature; the time.
+    /// The place of each rate in a scan, of the temperature, and of the time.
     rates: Vec<(usize, Element)>,
     temp: Option<(usize, Element)>,
     time: (usize, Element),
@@ -249,7 +250,7 @@ impl Buffered {
     }
 }
 
-/// Makes scans of these channels and no others, whatever was in them before.
+/// Makes scans of these channels and no others.
 fn set_up(folder: &Path, enabled: &[(&str, Element)]) -> Result<()> {
     write(folder, "buffer/enable", "0")?;
     if folder.join("current_timestamp_clock").exists() {
@@ -300,7 +301,8 @@ fn require_trigger(folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Where each stands in a scan, and how long that is: in the order of their indices, each at a multiple of its size.
+/// The offset of each channel in a scan, and the length of a scan: in the order of their indices, each at a multiple
+/// of its size.
 fn places(enabled: &[(&str, Element)]) -> (Vec<usize>, usize) {
     let mut order: Vec<usize> = (0..enabled.len()).collect();
     order.sort_by_key(|at| enabled[*at].1.index);
@@ -338,7 +340,7 @@ mod tests {
     use rustix::fs::{CWD, FileType, Mode, mknodat};
     use std::fs;
 
-    /// What a HID gyroscope shows (`hid-sensor-gyro-3d`), with a temperature beside.
+    /// A folder of a HID gyroscope (`hid-sensor-gyro-3d`), with a temperature beside.
     fn folder(more: &[(&str, &str)]) -> tempfile::TempDir {
         let folder = tempfile::tempdir().expect("a folder");
         for (name, text) in [

@@ -1,7 +1,8 @@
 //! Gyroscopes behind drivers of the Linux kernel (Industrial I/O).
 //!
-//! [`generic`] reads any of them in the scales that its driver states, through its buffer where it has one, with time
-//! stamps, or polled; [`adis16130`] reads the one part whose codes are known, polled, for that driver has no buffer.
+//! [`generic`] reads any of them in the scales that its driver states. Where the driver has a buffer, it reads samples
+//! with time stamps from there; otherwise it polls. [`adis16130`] reads the one part whose codes are known. It polls,
+//! because that driver has no buffer.
 
 mod adis16130;
 mod channel;
@@ -24,7 +25,7 @@ use zerorate::Setting;
 pub struct IioAddress {
     /// The device's folder in sysfs.
     pub folder: PathBuf,
-    /// How often it is polled, per second; none: read through its buffer, where it has one.
+    /// Polls per second; none: read through its buffer, where it has one.
     pub hz: Option<u32>,
     /// −3 dB of the rate, Hz, where it is not the part's own (F-04).
     pub bandwidth_hz: Option<f64>,
@@ -51,7 +52,7 @@ impl IioAddress {
                 _ => {
                     bandwidth_hz = bandwidth(option)?.ok_or_else(|| {
                         format!(
-                            "`{option}` is no option; there are hz=POLLS_PER_SECOND, roa=none|10nf and \
+                            "`{option}` is not an option; there are hz=POLLS_PER_SECOND, roa=none|10nf and \
                              bandwidth_hz=HZ (F-04)"
                         )
                     })?;

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::str::FromStr;
 
-/// What must be there.
+/// Reads a file that must be there.
 pub fn read<T: FromStr<Err: std::error::Error + Send + Sync + 'static>>(folder: &Path, name: &str) -> Result<T> {
     let text = read_text(folder, name)?;
     text.parse().with_context(|| format!("{}/{name} reads {text:?}", folder.display()))

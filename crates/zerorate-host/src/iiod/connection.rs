@@ -14,9 +14,9 @@ use std::time::{Duration, Instant};
 const LONGEST_LINE: usize = 1024;
 /// A line or a value that began has come by then.
 const LONGEST_LINE_TIME: Duration = Duration::from_secs(10);
-/// Whoever asks for nothing for so long is gone.
+/// A client that asks for nothing for so long is gone.
 const LONGEST_SILENCE: Duration = Duration::from_secs(3600);
-/// Whoever takes nothing of what was asked for in so long is gone.
+/// A client that takes no data for so long is gone.
 const LONGEST_STALL: Duration = Duration::from_secs(10);
 /// A wish to end is heeded at least this often.
 const POLL: Duration = Duration::from_millis(100);
@@ -26,7 +26,7 @@ pub const QUEUE: usize = 128;
 /// Serves a client until it hangs up, or the wish to end.
 ///
 /// # Errors
-/// That it went away in the middle, or did not heed the limits.
+/// The client went away in the middle, or did not heed the limits.
 pub fn serve(stream: &TcpStream, hub: &Hub, device: &Device, stop: &Stop) -> io::Result<()> {
     let mut peer = Peer::new(stream, stop)?;
     let mut session = Session::new(device);
@@ -68,7 +68,7 @@ struct Buffer<'a> {
     sent: usize,
 }
 
-/// How waiting for samples ended.
+/// The end of a wait for samples.
 enum Waited {
     Samples,
     Nothing,
@@ -174,7 +174,7 @@ impl<'a> Peer<'a> {
         }
     }
 
-    /// So many bytes.
+    /// Takes this many bytes.
     fn value(&mut self, bytes: usize) -> io::Result<Vec<u8>> {
         let (mut value, since) = (Vec::with_capacity(bytes), Instant::now());
         while value.len() < bytes {
@@ -189,7 +189,7 @@ impl<'a> Peer<'a> {
         Ok(value)
     }
 
-    /// What has come; empty where the client hung up.
+    /// The bytes that have come; empty where the client hung up.
     fn more(&mut self, since: Instant, limit: Duration) -> io::Result<&[u8]> {
         loop {
             match self.reader.fill_buf() {

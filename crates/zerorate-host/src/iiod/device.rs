@@ -10,7 +10,7 @@ use zerorate::calibration::OtherPart;
 use zerorate::{Axis, Calibration, Correction, Corrector, MAX_AXES, Scale, Tally};
 use zerorate_record::Layout;
 
-/// What libiio calls the first device.
+/// The id of the first device in libiio.
 pub const ID: &str = "iio:device0";
 
 /// Attributes of the device itself.
@@ -19,7 +19,7 @@ pub const ATTRIBUTES: [&str; 4] = ["sampling_frequency", "samples_lost", "calibr
 /// Attributes of its buffers.
 pub const BUFFER_ATTRIBUTES: [&str; 1] = ["samples_lost"];
 
-/// What can be written, where writing is allowed at all.
+/// The only attribute that can be written, where writing is allowed at all.
 const WRITABLE: &str = "calibbias";
 
 /// Larger than any bias of any part, rad/s.
@@ -28,13 +28,13 @@ const LARGEST_BIAS_RAD_PER_S: f64 = 100.0;
 /// The device.
 #[derive(Debug)]
 pub struct Device {
-    /// As clients know it: the part in small letters.
+    /// Its name for clients: the part in small letters.
     pub name: String,
-    /// What it states of itself, beside its channels.
+    /// The attributes of the context, beside the channels.
     pub context: Vec<(&'static str, String)>,
     /// Its channels.
     pub table: Table,
-    /// What its codes mean.
+    /// The meaning of its codes.
     pub layout: Layout,
     axes: Vec<Axis>,
     corrector: Option<Corrector<Vec<Correction>>>,
@@ -44,12 +44,12 @@ pub struct Device {
     live: Mutex<Live>,
 }
 
-/// What was read last.
+/// The readings of the last sample.
 #[derive(Debug)]
 struct Live {
     scanner: Scanner,
     scan: Option<Scan>,
-    /// What it did not see is lost to it, whatever the reason.
+    /// Samples that this reader did not see count as lost, for any reason.
     tally: Tally,
     /// Samples that were lost between the part and the hub.
     lost: u64,
@@ -57,7 +57,7 @@ struct Live {
     is_gone: bool,
     /// Samples that buffers had no room for, all together.
     missed: u64,
-    /// What clients added to the corrected rate of each axis, °/s.
+    /// Offsets that clients added to the corrected rate of each axis, °/s.
     trims_dps: [f64; MAX_AXES],
 }
 
@@ -112,12 +112,12 @@ impl Device {
         name == ID || name == self.name
     }
 
-    /// For a buffer that begins now.
+    /// A scanner for a buffer that begins now.
     pub fn scanner(&self) -> Scanner {
         Scanner::new(&self.layout, &self.axes, self.corrector.clone()).with_temp_of(&self.live().scanner)
     }
 
-    /// What is added to corrected rates beside the calibration, °/s.
+    /// Offsets added to corrected rates beside the calibration, °/s.
     pub fn trims_dps(&self) -> [f64; MAX_AXES] {
         self.live().trims_dps
     }
@@ -159,10 +159,10 @@ impl Device {
         self.live().scan.is_some()
     }
 
-    /// What an attribute reads now.
+    /// The value of an attribute now.
     ///
     /// # Errors
-    /// There is none of this name; nothing was read yet; the device is gone.
+    /// No attribute has this name, nothing was read yet, or the device is gone.
     pub fn read(&self, place: Place<'_>, attribute: &str) -> Result<String, Errno> {
         match place {
             Place::Device => self.read_own(attribute),
@@ -185,7 +185,7 @@ impl Device {
     /// Writes an attribute.
     ///
     /// # Errors
-    /// There is none of this name; it cannot be written, or nobody allowed that; the value makes no sense.
+    /// No attribute has this name, it cannot be written, writing is not allowed, or the value makes no sense.
     pub fn write(&self, place: Place<'_>, attribute: &str, value: &[u8]) -> Result<(), Errno> {
         if !self.attributes(place).contains(&attribute) {
             return Err(Errno::NOT_FOUND);
@@ -268,7 +268,7 @@ impl Device {
         }
     }
 
-    /// What is added to the rate of an axis now, °/s.
+    /// The offset that is added to the rate of an axis now, °/s.
     fn bias_dps(&self, live: &Live, axis: usize) -> Result<f64, Errno> {
         Ok(live.scanner.correction_dps(axis).ok_or(Errno::TRY_AGAIN)? + live.trims_dps[axis])
     }
@@ -277,7 +277,7 @@ impl Device {
     fn trim(&self, axis: usize, value: &[u8]) -> Result<(), Errno> {
         let text = std::str::from_utf8(value).map_err(|_| Errno::NONSENSE)?;
         let wanted: f64 = text.trim_end_matches('\0').trim().parse().map_err(|_| Errno::NONSENSE)?;
-        // not a number is no smaller than anything
+        // written so that NaN fails as well
         if wanted.abs() <= LARGEST_BIAS_RAD_PER_S {
             let live = &mut *self.live();
             live.trims_dps[axis] += wanted.to_degrees() - self.bias_dps(live, axis)?;

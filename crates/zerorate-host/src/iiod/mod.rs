@@ -25,7 +25,7 @@ use std::time::{Duration, Instant};
 use zerorate::Calibration;
 use zerorate::calibration::OtherPart;
 
-/// Where clients look for a server.
+/// The port at which clients look for a server.
 pub const PORT: u16 = 30431;
 
 /// Connections at a time; a client has one, and one more for a buffer.
@@ -35,14 +35,14 @@ const POLL: Duration = Duration::from_millis(20);
 /// A client reads all attributes at once, so the first one waits this long for a first sample.
 const FIRST_SAMPLE: Duration = Duration::from_secs(2);
 
-/// What is served: a hub, and what its device states of itself.
+/// A server of a hub and of the statements of its device.
 pub struct Server<'a> {
     hub: &'a Hub,
     device: Device,
 }
 
 impl<'a> Server<'a> {
-    /// Of the device that a hub reads; with a calibration, its corrected rates beside the codes.
+    /// Makes a server of the device that a hub reads; with a calibration, it serves corrected rates beside the codes.
     ///
     /// # Errors
     /// The calibration is of another part.
@@ -74,7 +74,7 @@ impl<'a> Server<'a> {
                     Ok((stream, _)) => {
                         let taken = Place::take(&connections);
                         let body = move || taken.map(|_place| self.attend(&stream, stop));
-                        // where there is no thread to be had, the client sees a connection that ends
+                        // where no thread can be started, the client sees a connection that ends
                         drop(thread::Builder::new().name("iiod".to_owned()).spawn_scoped(scope, body));
                     }
                     Err(error) if is_passing(&error) => thread::sleep(POLL),
@@ -88,7 +88,7 @@ impl<'a> Server<'a> {
         })
     }
 
-    /// A client that breaks off is no failure of the server.
+    /// A client that breaks off does not mean that the server failed.
     fn attend(&self, stream: &TcpStream, stop: &Stop) {
         let _ = connection::serve(stream, self.hub, &self.device, stop);
     }
@@ -122,7 +122,7 @@ impl Drop for Place<'_> {
     }
 }
 
-/// Nobody is there, who was there has gone, or there is no room right now.
+/// Nobody connects, the client has gone, or there is no room right now.
 fn is_passing(error: &io::Error) -> bool {
     let no_descriptor = [23, 24]; // ENFILE, EMFILE
     let kinds =

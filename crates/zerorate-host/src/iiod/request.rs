@@ -1,4 +1,4 @@
-//! What a client asks for: a line, understood. `docs/libiio.md` has them all as a table.
+//! The requests of clients, parsed from a line. `docs/libiio.md` has them all as a table.
 
 use std::str::SplitAsciiWhitespace;
 use std::time::Duration;
@@ -14,7 +14,7 @@ impl Errno {
     pub const NOT_OPENED: Self = Self(6);
     /// No buffer is open that could be read.
     pub const NOT_OPEN: Self = Self(9);
-    /// There is no reading yet.
+    /// No reading has come yet.
     pub const TRY_AGAIN: Self = Self(11);
     /// It would take too much memory.
     pub const TOO_LARGE: Self = Self(12);
@@ -40,7 +40,7 @@ pub enum Request<'a> {
     Exit,
     Version,
     Print,
-    /// How long samples may be waited for; none: as long as it takes.
+    /// Longest wait for samples; none: as long as it takes.
     Timeout(Option<Duration>),
     Read {
         device: &'a str,
@@ -48,7 +48,7 @@ pub enum Request<'a> {
         /// None: all that there are.
         attribute: Option<&'a str>,
     },
-    /// So many bytes follow, whatever becomes of them.
+    /// A value of this many bytes follows, whether it is accepted or not.
     Write {
         device: &'a str,
         place: Place<'a>,
@@ -93,7 +93,7 @@ impl<'a> Request<'a> {
     /// Understands a line, which may end in any white space.
     ///
     /// # Errors
-    /// That it makes no sense, or asks for what this server does not do.
+    /// The line makes no sense, or asks for something that this server does not do.
     pub fn parse(line: &'a [u8]) -> Result<Self, Errno> {
         let text = std::str::from_utf8(line).map_err(|_| Errno::NONSENSE)?;
         let mut words = Words(text.split_ascii_whitespace());
@@ -142,7 +142,7 @@ impl Keyword {
     }
 }
 
-/// What is left of a line.
+/// The rest of a line.
 struct Words<'a>(SplitAsciiWhitespace<'a>);
 
 impl<'a> Words<'a> {
@@ -195,7 +195,7 @@ impl<'a> Words<'a> {
 mod tests {
     use super::*;
 
-    /// As libiio 0.24 sends them.
+    /// The requests as libiio 0.24 sends them.
     #[test]
     fn requests_are_those_of_the_library() {
         let parse = |line: &'static str| Request::parse(line.as_bytes());

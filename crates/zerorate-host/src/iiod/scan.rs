@@ -11,13 +11,13 @@ use zerorate_record::{Layout, Row};
 pub struct Scan {
     /// The row that it is, with the last temperature that was read.
     pub row: Row,
-    /// Of each axis, °/s; none where the reading is not believed, and before the first temperature.
+    /// The corrected rate of each axis, °/s; none where the reading is not trusted, and before the first temperature.
     pub corrected_dps: [Option<f64>; MAX_AXES],
     /// Samples that are missing since the beginning.
     pub lost: u64,
 }
 
-/// What becomes of rows: they come out in their order, two later where they are corrected, since they are judged then.
+/// Turns rows into scans, in their order. Corrected rows come two rows later, since they are judged then.
 #[derive(Clone, Debug)]
 pub struct Scanner {
     correcting: Option<Judging>,
@@ -42,7 +42,7 @@ impl Scanner {
         self
     }
 
-    /// What the corrector adds to the rate of an axis at the temperature that was read last, °/s.
+    /// The correction of the rate of an axis at the temperature that was read last, °/s.
     pub fn correction_dps(&self, axis: usize) -> Option<f64> {
         self.correcting.as_ref()?.correction_dps(axis)
     }
@@ -67,14 +67,14 @@ impl Scanner {
 /// Samples in a buffer with some of the channels.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Packing {
-    /// What stands where in a sample.
+    /// Each quantity of a sample, and its offset.
     places: Vec<(Quantity, usize)>,
     /// Bytes of a sample.
     size: usize,
 }
 
 impl Packing {
-    /// None where a bit is set that is no channel's, or none is set.
+    /// The layout of a sample with the channels of `mask`; none where the mask is 0 or has a bit without a channel.
     pub fn new(table: &Table, mask: u32) -> Option<Self> {
         let channels = table.channels();
         if mask == 0 || u64::from(mask) >> channels.len() != 0 {
@@ -113,7 +113,7 @@ impl Packing {
     }
 }
 
-/// What a channel is stored as.
+/// The type in which a channel is stored.
 enum Stored {
     /// In 32 bits.
     Code(i64),
@@ -131,7 +131,7 @@ fn value(layout: &Layout, scan: &Scan, quantity: Quantity) -> Stored {
     }
 }
 
-/// In units of [`CORRECTED_RAD_PER_S`]; the least that there is, where there is no rate.
+/// The corrected rate in units of [`CORRECTED_RAD_PER_S`]; the least integer where there is no rate.
 pub fn corrected(rate_dps: Option<f64>) -> i64 {
     rate_dps.map_or(i64::MIN, |dps| (dps.to_radians() / CORRECTED_RAD_PER_S).round() as i64)
 }
@@ -145,7 +145,7 @@ mod tests {
         Layout::adis16130(Width::Bits24)
     }
 
-    /// By the rule of libiio's `iio_device_get_sample_size_mask`.
+    /// The layout follows the rule of libiio's `iio_device_get_sample_size_mask`.
     #[test]
     fn samples_are_aligned_as_the_library_expects() {
         let table = Table::new(&layout(), true);

@@ -15,33 +15,33 @@ const MOST_SAMPLES: usize = 1 << 24;
 /// A client of libiio 0.24 waits twice as long, and then hangs up.
 const PATIENCE: Duration = Duration::from_millis(2500);
 
-/// What a connection has agreed on.
+/// The state of a connection.
 pub struct Session<'a> {
     device: &'a Device,
     buffer: Option<Open>,
-    /// How long samples may be waited for.
+    /// Longest wait for samples.
     patience: Option<Duration>,
-    /// Where the value goes that comes now.
+    /// The attribute that the next value is for.
     writing: Option<(Owned, String)>,
 }
 
 /// An open buffer.
 #[derive(Clone, Debug)]
 pub struct Open {
-    /// What stands in its samples.
+    /// The layout of its samples.
     pub packing: Packing,
     /// Its mask, as it is sent.
     pub mask: u32,
 }
 
-/// What is to be done next.
+/// The next step of a connection.
 #[derive(Debug)]
 pub enum Step {
     /// Nothing.
     Nothing,
     /// Send this.
     Reply(Vec<u8>),
-    /// Take in so many bytes, whatever they are, and hand them to [`Session::written`].
+    /// Take in this many bytes, whether they are accepted or not, and hand them to [`Session::written`].
     Take(usize),
     /// Begin to watch the device, then send 0.
     Open(Open),
@@ -68,12 +68,12 @@ impl<'a> Session<'a> {
         Self { device, buffer: None, patience: Some(PATIENCE), writing: None }
     }
 
-    /// How long samples may be waited for; none: as long as it takes.
+    /// Longest wait for samples; none: as long as it takes.
     pub fn patience(&self) -> Option<Duration> {
         self.patience
     }
 
-    /// What a line asks for.
+    /// Handles a line of the client.
     pub fn line(&mut self, line: &[u8]) -> Step {
         match Request::parse(line).and_then(|request| self.request(request)) {
             Ok(step) => step,
@@ -82,7 +82,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// What becomes of a value that has come.
+    /// Handles a value that has come.
     pub fn written(&mut self, value: &[u8]) -> Vec<u8> {
         let Some((place, attribute)) = self.writing.take() else { return refusal(Errno::NONSENSE) };
         match self.device.write(place.borrowed(), &attribute, value) {
@@ -131,8 +131,8 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// For each attribute the length of its value, or why it has none, in four bytes with the highest first, then the
-    /// value with a NUL, filled up to a multiple of four bytes.
+    /// All attributes, one after the other. Each begins with the length of its value, or the error, in four bytes with
+    /// the highest first. The value follows with a NUL, filled up to a multiple of four bytes.
     fn read_all(&self, place: Place<'_>) -> Vec<u8> {
         let mut all = Vec::new();
         for attribute in self.device.attributes(place) {
@@ -154,7 +154,7 @@ impl<'a> Session<'a> {
         if bytes > LONGEST_VALUE {
             return Step::HangUp(refusal(Errno::TOO_LARGE));
         }
-        // of another device there is no attribute
+        // another device has no attributes
         let place = if self.device.is_called(device) { Owned::of(place) } else { Owned::Debug };
         self.writing = Some((place, attribute.to_owned()));
         Step::Take(bytes)
@@ -215,7 +215,7 @@ impl Owned {
     }
 }
 
-/// A browser that some page sent here: its next lines may be whatever that page likes.
+/// Recognises a browser that some page sent here: that page chooses its next lines.
 fn is_http(line: &[u8]) -> bool {
     line.windows(7).any(|word| word == b" HTTP/1")
 }

@@ -11,21 +11,21 @@ pub struct Table(Vec<Channel>);
 /// A channel.
 #[derive(Clone, Debug)]
 pub struct Channel {
-    /// As libiio knows it, which takes its type from how it begins: `anglvel_z`.
+    /// Its id in libiio, whose start gives the type of the channel: `anglvel_z`.
     pub id: String,
     /// A name beside, where the id says too little.
     pub name: Option<&'static str>,
-    /// What stands in it.
+    /// Its quantity.
     pub quantity: Quantity,
     /// Its form in the buffer: `le:u24/32>>0`.
     pub format: String,
     /// Bytes that it takes there; it stands at a multiple of them.
     pub bytes: usize,
-    /// What can be read of it.
+    /// The attributes that can be read.
     pub attributes: &'static [&'static str],
 }
 
-/// What stands in a channel.
+/// The quantity of a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// The code of an axis, as the part gave it.
@@ -34,7 +34,7 @@ pub enum Quantity {
     Temp,
     /// The corrected rate of an axis.
     Corrected(usize),
-    /// How many samples are missing so far.
+    /// Number of missing samples so far.
     Lost,
     /// When, ns.
     Time,
@@ -52,7 +52,7 @@ const PLAIN: &[&str] = &["raw", "scale"];
 const COUNT: &[&str] = &["raw"];
 
 impl Table {
-    /// Of a part with this layout, and with its corrected rates if there is a calibration.
+    /// The channels of a part with this layout, with its corrected rates if there is a calibration.
     pub fn new(layout: &Layout, is_corrected: bool) -> Self {
         let ids = ids(layout);
         let attributes = if is_corrected { CODE_AND_BIAS } else { CODE };
@@ -99,7 +99,7 @@ impl Channel {
         Self { id, name, quantity, format: format.to_owned(), bytes: size_of::<u64>(), attributes }
     }
 
-    /// What an attribute is called where all stand in one folder: `in_anglvel_z_raw`.
+    /// The file name of an attribute where all stand in one folder: `in_anglvel_z_raw`.
     pub fn file(&self, attribute: &str) -> String {
         let name = self.name.map(|name| format!("_{name}")).unwrap_or_default();
         format!("in_{}{name}_{attribute}", self.id)

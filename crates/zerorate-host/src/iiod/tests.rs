@@ -26,7 +26,7 @@ fn device(address: &str, calibration: Option<&str>) -> Result<Device, OtherPart>
     Device::new(&facts, calibration.as_ref())
 }
 
-/// With ten readings of 1 °/s at 26 °C (F-40, F-41), and one sample lost.
+/// A device with ten readings of 1 °/s at 26 °C (F-40, F-41), and one sample lost.
 fn calibrated() -> Device {
     let device = device("twin:", Some(CALIBRATION)).expect("of this part");
     let row = |k: u32| {
@@ -235,7 +235,7 @@ fn a_name_cannot_break_the_description() {
     assert!(!xml.contains('\n'), "one line");
 }
 
-/// Whatever a line is, the answer is a number, a value with its length, or the end.
+/// The answer to any line is a number, a value with its length, or the end.
 #[test]
 fn nonsense_is_answered() {
     let device = calibrated().writable();

@@ -4,7 +4,7 @@ use super::device::{ATTRIBUTES, BUFFER_ATTRIBUTES, Device, ID};
 use super::table::Channel;
 use std::fmt::Write;
 
-/// The protocol that is spoken is that of this release of libiio.
+/// The server speaks the protocol of this release of libiio.
 pub const VERSION: (u32, u32, &str) = (0, 24, "v0.24");
 
 /// Without it clients print an error, and go on.
@@ -54,7 +54,7 @@ fn describe_channel(xml: &mut String, index: usize, channel: &Channel) {
     *xml += "</channel>";
 }
 
-/// As a value of an XML attribute; what XML cannot hold becomes a question mark.
+/// Escapes text for a value of an XML attribute; what XML cannot hold becomes a question mark.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {

@@ -10,7 +10,7 @@ use std::process::{Command, Output, Stdio};
 /// The Python that Debian's python3-libiio belongs to.
 const PYTHON: &str = "/usr/bin/python3";
 
-/// What a client printed; none where it is not installed.
+/// The output of a client; none where it is not installed.
 fn run(mut client: Command) -> Option<Output> {
     match client.output() {
         Ok(output) => Some(output),

@@ -77,7 +77,7 @@ impl Served {
         Self { address, rows, count, stop, threads: vec![recorder, server] }
     }
 
-    /// As clients of libiio call it.
+    /// The URI that clients of libiio use.
     pub fn uri(&self) -> String {
         format!("ip:{}", self.address)
     }
@@ -107,8 +107,8 @@ impl Served {
         }
     }
 
-    /// Samples with all channels are rows of the hub, in order; whatever is missing between them is counted. Returns
-    /// how many that are.
+    /// Checks that samples with all channels are rows of the hub, in order, and that every missing row is counted.
+    /// Returns the number of samples.
     pub fn check(&self, bytes: &[u8], samples: usize) -> u64 {
         assert_eq!(bytes.len(), samples * super::SAMPLE);
         self.wait_for(field(bytes.rchunks(super::SAMPLE).next().expect("a sample"), 24));
@@ -208,7 +208,7 @@ impl Raw {
         assert_eq!(self.number(&format!("OPEN iio:device0 256 {mask}")), 0);
     }
 
-    /// So many bytes of what comes.
+    /// Takes this many bytes.
     pub fn take(&mut self, bytes: usize) -> Vec<u8> {
         let mut taken = vec![0; bytes];
         self.reader.read_exact(&mut taken).expect("bytes");

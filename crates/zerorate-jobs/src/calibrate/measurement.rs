@@ -8,8 +8,8 @@ use crate::warning::JobWarning;
 use adis16130_twin::Truth;
 use anyhow::{Result, anyhow};
 use zerorate::{
-    Action, AxisRefusal, Event, Names, Outcome, Part, PartProcedure, Progress, Reached, Say, Scan, Setting, State,
-    Warning,
+    Action, AxisRefusal, Event, Names, Outcome, Part, PartProcedure, Progress, Reached, Refusal, Say, Scan, Setting,
+    State, Warning,
 };
 use zerorate_record::{Layout, Row, SampleHash};
 use zerorate_view::Seconds;
@@ -25,7 +25,7 @@ pub trait Watch {
     /// Hears what goes wrong on the way, while the measurement goes on.
     fn warn(&mut self, warning: JobWarning);
 
-    /// What whoever looks on calls the settings.
+    /// The names that the front end uses for the settings.
     fn names(&self) -> Names;
 }
 
@@ -36,16 +36,16 @@ pub struct Measurement<'a> {
     log: Option<Recorder>,
     log_failed: Option<anyhow::Error>,
     hash: SampleHash,
-    /// The twin's truth at the end of step 8, or of the recording, of each axis.
+    /// The twin's truth of each axis, at the end of step 8 or of the recording.
     truths: Vec<Truth>,
     target: Target,
     watch: &'a mut dyn Watch,
 }
 
-/// What it came to.
+/// The result of a measurement.
 pub struct Measured {
     pub part: Part,
-    /// Of each axis.
+    /// The outcome of each axis.
     pub outcomes: Vec<Outcome>,
     pub capture_sha256: String,
     pub truths: Vec<Truth>,
@@ -78,17 +78,17 @@ impl<'a> Measurement<'a> {
 
     pub fn run(mut self) -> Result<Measured> {
         let fed = self.feed();
-        // Whatever happened, the log stays whole.
+        // the log stays whole, even after a failure
         if let Some(Err(error)) = self.log.take().map(Recorder::finish) {
             self.lose_log(error.into());
         }
         fed?;
-        let (plan, names) = (self.procedure.plan(), self.watch.names());
+        let (plan, words) = (self.procedure.plan(), self.words());
         let resonance = self.acquisition.resonance(plan.average_s.min(plan.offset_s));
         Ok(Measured {
             resonance,
             part: self.procedure.part().clone(),
-            outcomes: self.procedure.finish().map_err(|refusal| refused(&refusal, names))?,
+            outcomes: self.procedure.finish().map_err(|refusal| words.refused(&refusal))?,
             capture_sha256: self.hash.hex(),
             truths: self.truths,
             log_failed: self.log_failed,
@@ -118,9 +118,9 @@ impl<'a> Measurement<'a> {
 
     /// There are no more samples: a recording of any length will do where the method takes no steps.
     fn end(&mut self) -> Result<()> {
-        let names = self.watch.names();
+        let words = self.words();
         let whole = !self.acquisition.is_stopped()
-            && self.procedure.end_recording().map_err(|refusal| refused(&refusal, names))?;
+            && self.procedure.end_recording().map_err(|refusal| words.refused(&refusal))?;
         if whole { Ok(()) } else { Err(self.ended_early()) }
     }
 
@@ -141,7 +141,7 @@ impl<'a> Measurement<'a> {
         Ok(())
     }
 
-    /// Where the twin was asked for its truth, it is kept; and with a target, looked at whether that is reached.
+    /// Keeps the twin's truth where it was asked for. With a target, checks whether it is reached.
     #[inline]
     fn mark(&mut self) -> Result<()> {
         let truths = self.acquisition.truths();
@@ -149,9 +149,9 @@ impl<'a> Measurement<'a> {
             self.truths = truths;
         }
         if self.procedure.plan().target_dps.is_some() && self.target.is_due(&self.procedure) {
-            let names = self.watch.names();
+            let words = self.words();
             if self.target.is_reached(&self.procedure) {
-                self.procedure.end_recording().map_err(|refusal| refused(&refusal, names))?;
+                self.procedure.end_recording().map_err(|refusal| words.refused(&refusal))?;
             }
             if let Some(reached) = self.target.reached() {
                 self.watch.approach(reached);
@@ -162,7 +162,11 @@ impl<'a> Measurement<'a> {
 
     #[inline]
     fn handle(&mut self, event: Event<'_, Scan>) -> Result<()> {
-        self.procedure.handle(event).map_err(|refusal| refused(&refusal, self.watch.names()))
+        self.procedure.handle(event).map_err(|refusal| self.words().refused(&refusal))
+    }
+
+    fn words(&self) -> Words {
+        Words { names: self.watch.names(), is_recording: self.acquisition.is_recording() }
     }
 
     /// A log that fails is a failure, but no reason to throw away the measurement.
@@ -196,6 +200,47 @@ impl<'a> Measurement<'a> {
     }
 }
 
-fn refused(refusal: &AxisRefusal, names: Names) -> anyhow::Error {
-    Refused::new(refusal.refusal.code(), refusal.with(names).to_string()).into()
+/// The wording of refusals.
+#[derive(Clone, Copy)]
+struct Words {
+    names: Names,
+    /// A recording is read, which has no wires to check.
+    is_recording: bool,
+}
+
+impl Words {
+    fn refused(self, refusal: &AxisRefusal) -> anyhow::Error {
+        Refused::new(refusal.refusal.code(), self.text(refusal)).into()
+    }
+
+    fn text(self, refusal: &AxisRefusal) -> String {
+        let Self { names, is_recording } = self;
+        let Refusal::TooFew { window, samples, needed } = refusal.refusal else {
+            return refusal.with(names).to_string();
+        };
+        if !is_recording {
+            return refusal.with(names).to_string();
+        }
+        let axis = refusal.axis.as_ref().map_or(String::new(), |axis| format!("axis {axis}: "));
+        format!(
+            "{axis}the recording has only {samples} samples during {window}, at least {needed} are needed; average \
+             longer ({}) or record faster",
+            names(Setting::Average)
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_recording_has_no_wires_to_check() {
+        let refusal = Refusal::TooFew { window: State::FirstAverage, samples: 12, needed: 30 };
+        let refusal = AxisRefusal { axis: Some("z".to_owned()), refusal };
+        let text = |is_recording| Words { names: Setting::name, is_recording }.text(&refusal);
+        assert!(text(false).contains("wire"), "{}", text(false));
+        assert!(!text(true).contains("wire") && text(true).contains("average longer (average_s)"), "{}", text(true));
+        assert!(text(true).starts_with("axis z: the recording has only 12 samples during"), "{}", text(true));
+    }
 }

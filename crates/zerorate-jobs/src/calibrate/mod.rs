@@ -19,7 +19,7 @@ use zerorate::{Calibration, Method, Names, Part, PartProcedure, Plan, Say};
 use zerorate_host::DeviceInfo;
 use zerorate_record::{CaptureInfo, Format};
 
-/// What is to become of the result.
+/// The fate of the result.
 #[derive(Clone, Debug, Default)]
 pub struct Kept {
     /// The file of the calibration.
@@ -37,7 +37,7 @@ pub struct Kept {
 /// A recording of a method without steps takes no longer than this, s.
 const LONGEST_S: f64 = 86_400.0;
 
-/// How long the part settles where nobody says so, s. Of something recorded already, a method without steps takes all.
+/// The default settling time, s. A method without steps takes all of a recording.
 #[must_use]
 pub fn settle_s(method: Method, is_recorded: bool) -> f64 {
     if is_recorded && method != Method::An1042 { LONGEST_S } else { Plan::default().settle_s }
@@ -79,7 +79,7 @@ impl Files {
         Ok(file.map_or(Ok(()), |file| file.fill(calibration.to_toml().as_bytes()))?)
     }
 
-    /// What they were to be called, that of the calibration first.
+    /// The wanted names of the files, the calibration first.
     fn wanted(&self) -> Vec<PathBuf> {
         self.kept.output.iter().chain(&self.kept.log).cloned().collect()
     }
@@ -92,7 +92,7 @@ pub struct Job {
     files: Files,
 }
 
-/// Makes a measurement ready. What is said calls settings by `names`.
+/// Makes a measurement ready. Messages call settings by `names`.
 ///
 /// # Errors
 /// [`InvalidOptions`] where the plan makes no sense for the part.
@@ -103,7 +103,7 @@ pub fn prepare(acquisition: Acquisition, plan: Plan, files: Files, names: Names)
 }
 
 impl Job {
-    /// What is measured.
+    /// The part to measure.
     #[must_use]
     pub fn part(&self) -> &Part {
         self.procedure.part()
@@ -156,7 +156,7 @@ impl Job {
 
 /// A measurement that came to a result.
 pub struct Done {
-    /// What was found.
+    /// The results.
     pub report: Report,
     /// The calibration.
     pub calibration: Calibration,
@@ -164,15 +164,15 @@ pub struct Done {
     pub kept: Result<(), Undelivered>,
 }
 
-/// What a calibration is called that was given no name.
+/// The name of a calibration without a given name.
 const UNNAMED: &str = "calibration.toml";
 
 /// A calibration that is not, or not with all its company, where it was asked for.
 #[derive(Debug)]
 pub struct Undelivered {
-    /// What failed.
+    /// The failure.
     pub why: anyhow::Error,
-    /// Where the calibration is instead; none if no folder took it.
+    /// The place of the calibration instead; none if no folder took it.
     pub rescued: Option<PathBuf>,
 }
 
@@ -186,7 +186,7 @@ impl Undelivered {
         Self { why, rescued: rescue(name, &wanted, calibration.to_toml().as_bytes()) }
     }
 
-    /// What failed, and where the calibration is, `also` printed or not.
+    /// The error with the failure and the place of the calibration. `also` follows the place.
     #[must_use]
     pub fn error(self, also: &str) -> anyhow::Error {
         let place = match self.rescued {

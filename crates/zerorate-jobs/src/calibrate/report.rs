@@ -12,7 +12,7 @@ use zerorate::{Calibration, Names, Outcome, Uncertainty, Warning};
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct Report {
-    /// Of a part with one axis; else it stands in `axes`.
+    /// The axis of a part with one axis; otherwise see `axes`.
     #[serde(flatten)]
     pub only: Option<Numbers>,
     pub coverage: f64,
@@ -33,7 +33,7 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
     pub capture_sha256: Option<String>,
-    /// Those that concern all axes.
+    /// Warnings about all axes.
     pub warnings: Vec<CodedWarning>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub axes: Vec<AxisReport>,
@@ -49,11 +49,11 @@ pub struct AxisReport {
     pub name: String,
     #[serde(flatten)]
     pub numbers: Numbers,
-    /// Those that concern it alone.
+    /// Warnings about this axis alone.
     pub warnings: Vec<CodedWarning>,
 }
 
-/// What was found of an axis.
+/// The results of an axis.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct Numbers {
@@ -65,7 +65,7 @@ pub struct Numbers {
     pub btc_dps_per_c: f64,
     pub pbc_dps: f64,
     pub t3_c: f64,
-    /// Of a curve.
+    /// The terms of a curve.
     #[serde(flatten)]
     pub higher: Option<Higher>,
     pub u_pbc_dps: f64,
@@ -81,7 +81,7 @@ pub struct Numbers {
     pub truth: Option<TruthReport>,
 }
 
-/// What a curve has beside PBC and BTC.
+/// The terms of a curve beside PBC and BTC.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct Higher {
@@ -105,7 +105,7 @@ pub struct StepReport {
     pub u_dps: f64,
 }
 
-/// What is added to a rate at a temperature.
+/// The correction of a rate at a temperature.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct CurvePoint {
@@ -115,7 +115,7 @@ pub struct CurvePoint {
     pub u_dps: Option<f64>,
 }
 
-/// What the twin knows: the values that a perfect measurement would find at the reported T3.
+/// The truth of the twin: the values that a perfect measurement would find at the reported T3.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct TruthReport {
@@ -128,7 +128,7 @@ pub struct TruthReport {
 pub const POINTS: u8 = 9;
 
 impl CurvePoint {
-    /// Where they stand: evenly from a temperature to another.
+    /// The temperatures of the corrections: evenly from one temperature to another.
     pub fn temps_c(low_c: f64, high_c: f64) -> impl Iterator<Item = f64> {
         (0..POINTS).map(move |k| low_c + (high_c - low_c) * f64::from(k) / f64::from(POINTS - 1))
     }
@@ -146,7 +146,7 @@ impl TruthReport {
     }
 }
 
-/// Where a calibration is that could not be written as it was asked for.
+/// The place of a calibration that could not be written where it was wanted.
 #[derive(Clone, Debug, Serialize)]
 pub struct Rescued {
     /// The file that has it.
@@ -202,8 +202,8 @@ impl Higher {
 }
 
 impl Report {
-    /// Of all axes of the calibration, in its order. `truths` are the twins' states at the end of step 8; none where
-    /// the part is no twin.
+    /// The report about all axes of the calibration, in its order. `truths` are the twins' states at the end of step
+    /// 8; empty where the part is not a twin.
     pub fn new(outcomes: &[Outcome], calibration: &Calibration, truths: &[Truth], names: Names) -> Self {
         let common: Vec<&Warning> = Outcome::shared_warnings(outcomes).collect();
         let coded = |warning: &Warning| JobWarning::from(*warning).coded(names);

@@ -37,7 +37,7 @@ impl Target {
         self.reached.is_some_and(|reached| reached.settled && reached.u_dps <= self.target_dps)
     }
 
-    /// How far it was at the last look.
+    /// The state of the target at the last check.
     pub fn reached(&self) -> Option<Reached> {
         self.reached
     }

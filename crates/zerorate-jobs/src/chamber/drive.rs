@@ -19,7 +19,7 @@ pub const TICK_NS: u64 = 1_000_000_000;
 /// A set point is told anew when it has moved by this, °C: what chambers take.
 const SET_STEP_C: f64 = 0.1;
 
-/// A measurement that goes on. Whoever leads the air is dropped before whoever waits for it.
+/// A measurement that goes on. The lead of the air is dropped before everything that waits for the air.
 pub struct Drive<'a> {
     lead: Option<Lead>,
     /// The air around a simulated part whose chamber is set by hand.
@@ -38,7 +38,7 @@ pub struct Drive<'a> {
     watch: &'a mut dyn Watch,
 }
 
-/// What it came to.
+/// The results of the drive.
 pub struct Driven {
     pub procedure: ChamberProcedure,
     pub acquisition: Acquisition,
@@ -181,7 +181,7 @@ impl<'a> Drive<'a> {
         if self.mover.told_c().is_none_or(moved) { self.mover.set(wanted_c) } else { Ok(()) }
     }
 
-    /// Tells whoever turns the knobs what to do at a new step.
+    /// Tells the person at the knobs what to do at a new step.
     fn announce(&mut self) {
         let progress = self.procedure.progress();
         let is_new = self.announced != Some(progress.step) && progress.state != ChamberState::Done;

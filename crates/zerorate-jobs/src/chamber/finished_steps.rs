@@ -1,4 +1,4 @@
-//! What the finished steps measured, in a file beside the output: an interrupted measurement goes on from there.
+//! The results of finished steps, in a file beside the output: an interrupted measurement goes on from there.
 
 use super::UnusableSteps;
 use crate::error::InvalidOptions;
@@ -17,14 +17,14 @@ const ENDING: &str = ".chamber";
 /// A week of seconds of eight axes in text.
 const LARGEST: Bytes = Bytes(256 << 20);
 
-/// Where finished steps go, if anywhere, and what they are of.
+/// The file of finished steps, if there is one, and the measurement that they belong to.
 pub struct FinishedSteps {
     pub slot: Option<Slot>,
     pub plan_text: String,
     pub part: Part,
     pub device: String,
     pub serial: String,
-    /// Time is that of the wall clock.
+    /// Whether the time is the time of the wall clock.
     pub is_real: bool,
 }
 
@@ -36,7 +36,7 @@ impl FinishedSteps {
         name.into()
     }
 
-    /// What is there already, and how long ago that ended, s.
+    /// The steps in the file, and the time since their end, s.
     pub fn found(&self, restart: bool) -> Result<Option<(Saved, f64)>> {
         let Some(slot) = self.slot.as_ref().filter(|_| !restart) else { return Ok(None) };
         let shown = slot.path().display();
@@ -68,7 +68,7 @@ impl FinishedSteps {
         slot.put(text.as_bytes()).err().map(failed)
     }
 
-    /// What to do after an interruption when so many steps are over.
+    /// Advice on an interruption after this number of steps.
     pub fn hint(&self, steps: usize) -> String {
         match (&self.slot, steps) {
             (Some(slot), 1..) => format!(

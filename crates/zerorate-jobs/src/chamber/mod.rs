@@ -31,7 +31,7 @@ pub trait Watch {
     /// Sees how far it is, with every 4096th sample.
     fn see(&mut self, progress: &ChamberProgress);
 
-    /// So many of all steps are finished, which ended so many s before.
+    /// Hears that `steps` of `all` steps are finished, which ended `gap_s` before.
     fn resume(&mut self, steps: usize, all: usize, gap_s: f64);
 
     /// Hears what is to be set by hand.
@@ -46,11 +46,11 @@ pub trait Watch {
     /// It cannot be made or written.
     fn page(&mut self, found: &Found, file: Staged) -> Result<()>;
 
-    /// What whoever looks on calls the settings.
+    /// The names that the front end uses for the settings.
     fn names(&self) -> Names;
 }
 
-/// How the measurement is judged.
+/// The options that judge the measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct ChamberOptions {
     /// Largest share of lost samples.
@@ -59,7 +59,7 @@ pub struct ChamberOptions {
     pub earth_dps: Option<f64>,
     /// Highest order of the bias over temperature.
     pub max_order: usize,
-    /// Begin anew, whatever steps are finished.
+    /// Begin anew, even if steps are finished.
     pub restart: bool,
     /// Something moves the air, and has to spare the part.
     pub moves_air: bool,
@@ -69,9 +69,9 @@ pub struct ChamberOptions {
 #[derive(Debug, thiserror::Error)]
 #[error("{} does not go on with this measurement: {why}", path.display())]
 pub struct UnusableSteps {
-    /// Where they are.
+    /// The file of the finished steps.
     pub path: PathBuf,
-    /// What differs.
+    /// The difference.
     pub why: String,
 }
 
@@ -80,7 +80,7 @@ pub struct UnusableSteps {
 pub struct Files {
     of_calibration: calibrate::Files,
     page: Option<Staged>,
-    /// Where finished steps are kept.
+    /// The file that keeps finished steps.
     steps: Option<Slot>,
 }
 
@@ -90,7 +90,7 @@ impl Files {
     /// # Errors
     /// An [`OutputError`](crate::output::OutputError): why one of them is refused, or cannot be written.
     pub fn claim(outputs: Outputs, kept: Kept, page: Option<&Path>, is_replayed: bool) -> Result<Self> {
-        // beside a device there is no place for files
+        // a device has no room for files beside it
         let output = kept.output.clone().filter(|path| !is_replayed && (!path.exists() || path.is_file()));
         let mut of_calibration = calibrate::Files::claim(outputs, kept)?;
         let outputs = &mut of_calibration.outputs;
@@ -100,7 +100,7 @@ impl Files {
     }
 }
 
-/// A measurement that can begin. Whoever leads the air is dropped before whoever waits for it.
+/// A measurement that can begin. The lead of the air is dropped before everything that waits for the air.
 pub struct Job {
     lead: Option<Lead>,
     mover: Mover,
@@ -150,13 +150,13 @@ pub fn prepare(
 }
 
 impl Job {
-    /// What is measured.
+    /// The part to measure.
     #[must_use]
     pub fn part(&self) -> &Part {
         self.acquisition.part()
     }
 
-    /// How long it takes at least, s.
+    /// The least duration, s.
     #[must_use]
     pub fn left_s(&self) -> f64 {
         self.procedure.progress().left_s
@@ -210,13 +210,13 @@ fn mark_ticks(acquisition: &mut Acquisition, procedure: &ChamberProcedure) {
 
 /// A measurement that came to a result.
 pub struct Done {
-    /// What was found.
+    /// The results.
     pub found: Found,
     /// Whether all files that were asked for are there.
     pub kept: Result<(), Undelivered>,
 }
 
-/// What was found.
+/// The results of a measurement.
 pub struct Found {
     /// In numbers.
     pub report: Report,
@@ -224,7 +224,7 @@ pub struct Found {
     pub calibration: Calibration,
     /// All that was measured.
     pub record: Record,
-    /// Of each axis.
+    /// The outcome of each axis.
     pub outcomes: Vec<ChamberOutcome>,
 }
 

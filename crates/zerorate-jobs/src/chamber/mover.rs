@@ -1,5 +1,5 @@
-//! What moves the air, and what becomes of it: however a measurement ends, the chamber is sent where it may stay, and
-//! the user hears what it was left at.
+//! Moves the air. After any end of a measurement, the chamber is sent to its safe temperature, and the user hears how
+//! it was left.
 
 use anyhow::Result;
 use zerorate_host::{Apart, Chamber, ChamberSpec, Left, Stop};
@@ -16,28 +16,28 @@ pub trait AirListener {
     fn settle(&self, air: Option<(&AirState, Option<&Left>)>);
 }
 
-/// What is known of the air.
+/// The known facts about the air.
 #[derive(Clone, Debug)]
 pub struct AirState {
-    /// What a real chamber is called.
+    /// The name of a real chamber.
     pub name: Option<String>,
-    /// Where it may stay, °C.
+    /// The safe temperature, °C.
     pub safe_c: f64,
     /// The set point that it was told last, °C.
     pub told_c: Option<f64>,
 }
 
-/// What moves the air.
+/// The mover of the air.
 pub(super) enum By {
     /// A recording has decided that already.
     Nobody,
-    /// Somebody at the knobs, who is told each step.
+    /// Somebody at the knobs, who hears of each step.
     Hand,
     /// A chamber.
     Chamber(Box<dyn Chamber>),
 }
 
-/// What moves the air, until it is left. It is left at the latest when it is dropped.
+/// Moves the air until it is left, at the latest when this is dropped.
 pub struct Mover {
     pub(super) by: By,
     state: AirState,
@@ -90,7 +90,7 @@ impl Mover {
         Ok(())
     }
 
-    /// Of a simulated chamber there is nothing to say.
+    /// Notes that the user must hear about the chamber; a simulated one needs no word.
     fn owe(&self) {
         if matches!(self.by, By::Hand) || self.state.name.is_some() {
             self.listener.owe(&self.state);

@@ -19,7 +19,7 @@ pub struct PlanFile {
     pub plan: ChamberPlan,
     /// Its text.
     pub text: String,
-    /// What it was called.
+    /// The given name of the plan.
     pub name: String,
 }
 
@@ -27,7 +27,7 @@ impl PlanFile {
     /// Reads it; a CSV of what a chamber did is a plan of a recording only. Errors call settings by `names`.
     ///
     /// # Errors
-    /// [`InvalidOptions`] where it is no plan, or why it cannot be read.
+    /// [`InvalidOptions`] where the file is not a plan, or why it cannot be read.
     pub fn read(name: &Path, of_recording: bool, outputs: &mut Outputs, names: Names) -> Result<Self> {
         let shown = name.display().to_string();
         let text = match shipped(name) {

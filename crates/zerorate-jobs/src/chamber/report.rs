@@ -1,4 +1,4 @@
-//! What a measurement in a chamber has found.
+//! The results of a measurement in a chamber.
 
 use crate::calibrate::{CurvePoint, TruthReport};
 use crate::warning::CodedWarning;
@@ -11,7 +11,7 @@ use zerorate::{Calibration, Correction, Uncertainty};
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct Report {
-    /// Of a part with one axis; else it stands in `axes`.
+    /// The axis of a part with one axis; otherwise see `axes`.
     #[serde(flatten)]
     pub only: Option<AxisReport>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -34,7 +34,7 @@ pub struct Report {
     pub warnings: Vec<CodedWarning>,
 }
 
-/// What was found of an axis.
+/// The results of an axis.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct AxisReport {
@@ -77,7 +77,7 @@ pub struct Point {
     pub settled: bool,
 }
 
-/// How far warming and cooling lie apart.
+/// The distance between warming and cooling.
 #[derive(Clone, Debug, Serialize)]
 pub struct Loop {
     pub half_width_dps: f64,
@@ -123,7 +123,7 @@ impl Report {
         }
     }
 
-    /// Of all axes.
+    /// The reports of all axes.
     pub fn all(&self) -> impl Iterator<Item = &AxisReport> {
         self.only.iter().chain(&self.axes)
     }

@@ -86,7 +86,7 @@ pub const GROUPS: [Group; 6] = [
 ];
 
 impl Group {
-    /// What its codes mean.
+    /// The explanations of its codes.
     pub fn all(&self) -> impl Iterator<Item = &'static Explanation> {
         self.codes.split_whitespace().filter_map(row)
     }
@@ -101,7 +101,7 @@ pub fn all() -> impl Iterator<Item = &'static Explanation> {
     GROUPS.iter().flat_map(Group::all)
 }
 
-/// What stands behind `code`. A whole line that begins with it does as well: `aliased: 228 samples/s …`.
+/// The explanation of `code`. A whole line that begins with the code does as well: `aliased: 228 samples/s …`.
 #[must_use]
 pub fn explain(code: &str) -> Option<&'static Explanation> {
     let line = code.trim();

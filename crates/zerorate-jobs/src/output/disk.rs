@@ -8,7 +8,7 @@ use std::io::{self, ErrorKind};
 use std::path::Path;
 use std::time::Duration;
 
-/// What the name of every unfinished file ends in. Nothing else makes such names, so that what a killed run left is
+/// The ending of the name of every unfinished file. Nothing else makes such names, so the files of a killed run are
 /// known by it.
 const ENDING: &str = ".zerorate.part";
 
@@ -23,7 +23,7 @@ const TURN_TRIES: u32 = 200;
 const TURN_PAUSE: Duration = Duration::from_millis(5);
 
 /// Makes an unfinished file beside `name`, under a name that nothing has. One process at a time has one for the same
-/// name. What killed processes left in the folder is removed.
+/// name. Files that killed processes left in the folder are removed.
 pub fn claim(path: &Path, folder: &Path, name: &OsStr) -> Result<Temporary, OutputError> {
     let _turn = turn_in(folder);
     let stem = stem(name);
@@ -33,7 +33,7 @@ pub fn claim(path: &Path, folder: &Path, name: &OsStr) -> Result<Temporary, Outp
         let is_rival = start.strip_prefix(&stem).is_some_and(|random| random.len() == RANDOM);
         match owner(&entry.path()) {
             Owner::Alive if is_rival => return Err(OutputError::Busy { path: path.to_owned() }),
-            // whoever may not remove it leaves it
+            // a user who may not remove the file leaves it
             Owner::Dead => drop(fs::remove_file(entry.path())),
             Owner::Alive | Owner::Unknown => {}
         }
@@ -66,7 +66,7 @@ fn create(folder: &Path, stem: &str) -> io::Result<Temporary> {
     }
 }
 
-/// What became of the process that made an unfinished file.
+/// The state of the process that made an unfinished file.
 enum Owner {
     Alive,
     Dead,

@@ -38,7 +38,7 @@ pub enum OutputError {
     #[error("{} was written by something else meanwhile, and is left as it is", path.display())]
     TakenMeanwhile { path: PathBuf },
 
-    /// A link to nothing: whoever made it may have wanted the file elsewhere than its user thinks.
+    /// A link to nothing: its maker may have wanted the file elsewhere than the user thinks.
     #[error("{} is a symbolic link to {}, which does not exist; a file is not made through a \
              link: name the file itself, or remove the link", path.display(), target.display())]
     Dangling { path: PathBuf, target: PathBuf },
@@ -49,10 +49,10 @@ pub enum OutputError {
     ForeignLink { path: PathBuf, target: PathBuf, uid: u32 },
 
     /// Elsewhere that is stdout; here results for people are printed there.
-    #[error("`-` is no file, and stdout is for what the command prints: give the file a name")]
+    #[error("`-` is not a file, and stdout is for what the command prints; give the file a name")]
     Dash,
 
-    /// What is kept there must be read again.
+    /// A file that must be read again later needs a place that can be read.
     #[error("{} is not a file: name a file, or one that does not exist yet", path.display())]
     NotAFile { path: PathBuf },
 
@@ -60,8 +60,12 @@ pub enum OutputError {
     #[error("cannot write {}: it is a folder", path.display())]
     Folder { path: PathBuf },
 
-    /// Nothing can be put where there is no folder.
-    #[error("cannot write {}: there is no folder {}; make it, or choose another", path.display(), folder.display())]
+    /// A file cannot be put into a folder that does not exist.
+    #[error(
+        "cannot write {}: the folder {} does not exist; make it, or choose another",
+        path.display(),
+        folder.display()
+    )]
     NoFolder { path: PathBuf, folder: PathBuf },
 
     /// The file system said no.

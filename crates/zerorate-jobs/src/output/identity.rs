@@ -1,4 +1,4 @@
-//! Which file it is, by whatever name.
+//! The identity of a file, under any name.
 
 use std::ffi::OsString;
 use std::fs::{self, File, Metadata};
@@ -10,7 +10,7 @@ pub enum Identity {
     /// Device and inode: the same through hard links.
     #[cfg(unix)]
     Inode(u64, u64),
-    /// Where nothing better tells files apart.
+    /// The path stands in where nothing better tells files apart.
     #[cfg(not(unix))]
     Path(PathBuf),
     /// No file yet.
@@ -24,20 +24,20 @@ impl Identity {
         Self::of(&metadata, path)
     }
 
-    /// Of whatever exists there, a pipe as well.
+    /// The identity of anything at that path, a pipe as well.
     #[cfg(unix)]
     pub fn of(metadata: &Metadata, _: &Path) -> Option<Self> {
         use std::os::unix::fs::MetadataExt;
         Some(Self::Inode(metadata.dev(), metadata.ino()))
     }
 
-    /// Of whatever exists there.
+    /// The identity of anything at that path.
     #[cfg(not(unix))]
     pub fn of(_: &Metadata, path: &Path) -> Option<Self> {
         path.canonicalize().ok().map(Self::Path)
     }
 
-    /// Of the open file that is called `path`.
+    /// The identity of the open file that is called `path`.
     pub fn of_open(file: &File, path: &Path) -> Option<Self> {
         Self::of(&file.metadata().ok()?, path)
     }

@@ -1,10 +1,9 @@
-//! Where results go: never onto what is read, never over what is there, never half a file under its final name.
+//! Destinations of results: never an input, never an existing file, never half a file under its final name.
 //!
 //! [`Outputs`] knows all files of a run. A command opens a file by it and by nothing else, so that it knows every
-//! input. It refuses an output that is an input or another output of the same
-//! run, by whatever name (hard links, symbolic links, `./x`, `/dev/stdout`), and one that exists, unless `--force`; a
-//! capture is not even then replaced by what can be computed again. docs/reference/files.md states the rules for
-//! users.
+//! input. It refuses an output that is an input or another output of the same run, under any name (hard links,
+//! symbolic links, `./x`, `/dev/stdout`). It refuses an output that exists, unless `--force`. Even with `--force`,
+//! results that can be computed again never replace a capture. docs/reference/files.md states the rules for users.
 
 mod disk;
 mod error;
@@ -66,7 +65,7 @@ impl Outputs {
     /// The run reads these logs. What does not exist fails when it is read, with a better message.
     ///
     /// # Errors
-    /// As [`Outputs::reads`].
+    /// The outputs of a run that reads these inputs, as with [`Outputs::reads`].
     pub fn reading<'a>(mut self, inputs: impl IntoIterator<Item = &'a Path>) -> Result<Self, OutputError> {
         inputs.into_iter().try_for_each(|path| self.reads(path))?;
         Ok(self)
@@ -86,15 +85,15 @@ impl Outputs {
     /// Reads a file of text whole, which has no more than `most` bytes.
     ///
     /// # Errors
-    /// As [`Outputs::reads`], or why it cannot be read.
+    /// The errors of [`Outputs::reads`], or why the file cannot be read.
     pub fn text(&mut self, path: &Path, most: Bytes) -> anyhow::Result<String> {
         self.try_text(path, most)?.with_context(|| format!("cannot read {}", path.display()))
     }
 
-    /// The same for a caller that has its own words for what goes wrong with the file.
+    /// Reads a text, for a caller that has its own words for what goes wrong with the file.
     ///
     /// # Errors
-    /// As [`Outputs::reads`].
+    /// The errors of [`Outputs::reads`].
     pub fn try_text(&mut self, path: &Path, most: Bytes) -> Result<io::Result<String>, OutputError> {
         self.reads(path)?;
         Ok(files::text(path, most))
@@ -103,7 +102,7 @@ impl Outputs {
     /// Opens a capture.
     ///
     /// # Errors
-    /// As [`Outputs::reads`], or what is wrong with it.
+    /// The errors of [`Outputs::reads`], or the damage of the capture.
     pub fn capture(&mut self, path: &Path) -> anyhow::Result<CaptureReader> {
         self.reads(path)?;
         Ok(files::capture(path)?)
@@ -125,7 +124,7 @@ impl Outputs {
     /// cut.
     ///
     /// # Errors
-    /// As [`Outputs::derived`].
+    /// The errors of [`Outputs::derived`].
     pub fn recording(&mut self, path: &Path) -> Result<Recording, OutputError> {
         let place = self.claim(path)?;
         Recording::new(path, place)
@@ -135,7 +134,7 @@ impl Outputs {
     /// exist.
     ///
     /// # Errors
-    /// As [`Outputs::derived`].
+    /// The errors of [`Outputs::derived`].
     pub fn slot(&mut self, path: &Path) -> Result<Slot, OutputError> {
         let place = self.claim_over(path, true)?;
         if place.exists() {
@@ -175,7 +174,7 @@ impl Outputs {
     }
 }
 
-/// Whether the error is that of a file that is there and stays as it is: another name, or force, is all that it takes.
+/// Whether the error is about a file that exists and stays as it is: another name, or force, is all that it takes.
 #[must_use]
 pub fn is_refusal(error: &anyhow::Error) -> bool {
     error.chain().any(|cause| cause.downcast_ref().is_some_and(OutputError::is_refusal))
@@ -212,7 +211,7 @@ fn was_capture(path: &Path) -> io::Result<bool> {
     Ok(starts_like_one && head.windows(NAME.len()).any(|window| window == NAME))
 }
 
-/// What begins the keys of a capture's description.
+/// Start of the keys of a capture's description.
 const NAME: &[u8] = b"zerorate.";
 
 #[cfg(test)]

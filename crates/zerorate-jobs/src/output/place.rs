@@ -1,4 +1,4 @@
-//! What an output's name leads to.
+//! The place that an output's name leads to.
 
 use super::OutputError;
 use super::identity::Identity;
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// Links in a row that are followed, as many as Linux follows.
 const MOST_LINKS: usize = 40;
 
-/// Where an output will be.
+/// The place of an output.
 #[derive(Clone, Debug)]
 pub enum Place {
     /// A name in a folder, with or without a file. Links to it have been followed.
@@ -60,7 +60,7 @@ impl Place {
         matches!(self, Self::Name { replaces: Some(_), .. })
     }
 
-    /// Which file it is; none for a device, which any number of outputs may share.
+    /// The identity of the file; none for a device, which any number of outputs may share.
     pub fn identity(&self) -> Option<Identity> {
         match self {
             Self::Name { replaces: Some(file), .. } => Some(file.clone()),

@@ -50,7 +50,7 @@ impl Recording {
     /// To write to.
     ///
     /// # Errors
-    /// Where the process has too many files open.
+    /// The process has too many files open.
     pub fn file(&self) -> io::Result<File> {
         self.file.try_clone()
     }
@@ -58,7 +58,7 @@ impl Recording {
     /// Everything was written: puts it onto the disk.
     ///
     /// # Errors
-    /// Where it did not get there, now or before.
+    /// Data did not get there, now or before.
     pub fn finish(self) -> io::Result<()> {
         let Some(sync) = self.sync else { return Ok(()) };
         sync.finish()?;

@@ -11,9 +11,9 @@ use std::path::{Path, PathBuf};
 const RANDOM: usize = 6;
 
 /// Writes `content` beside the first of `wanted` where that is possible, or else to the folder for temporary files,
-/// under a name like that of `name` which nothing has. Returns where it is; none if no place takes it.
+/// under a free name like `name`. Returns where it is; none if no place takes it.
 pub fn rescue(name: &Path, wanted: &[&Path], content: &[u8]) -> Option<PathBuf> {
-    // beside a device there is no place for files
+    // a device has no room for files beside it
     let beside = wanted.iter().filter(|path| !path.exists() || path.is_file()).map(|path| folder_of(path).to_owned());
     beside.chain([std::env::temp_dir()]).find_map(|folder| write(&folder, name, content).ok())
 }

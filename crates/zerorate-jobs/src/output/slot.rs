@@ -15,7 +15,7 @@ use zerorate_record::limits::Bytes;
 /// A claimed file. The claim ends when this is dropped; what was written stays.
 #[derive(Debug)]
 pub struct Slot {
-    /// As it was asked for.
+    /// The path as it was asked for.
     path: PathBuf,
     folder: PathBuf,
     name: OsString,
@@ -40,7 +40,7 @@ impl Slot {
         &self.path
     }
 
-    /// What is there, with no more than `most` bytes; none where there is no file.
+    /// The content, with at most `most` bytes; none where the file does not exist.
     ///
     /// # Errors
     /// Why it cannot be read.
@@ -51,10 +51,10 @@ impl Slot {
         }
     }
 
-    /// Puts this in place of what is there. Where that fails, the older content stays, and it can be tried again.
+    /// Replaces the content. Where that fails, the older content stays, and the caller can try again.
     ///
     /// # Errors
-    /// What the file system says, or that something else has written there meanwhile.
+    /// The error of the file system, or that something else has written there meanwhile.
     pub fn put(&mut self, content: &[u8]) -> Result<(), OutputError> {
         let target = self.target();
         let found = Identity::of_file(&target);
@@ -77,7 +77,7 @@ impl Slot {
         Ok(())
     }
 
-    /// Removes what is there: it is not wanted any more.
+    /// Removes the file, which is not wanted any more.
     pub fn clear(&mut self) {
         if self.holds.take() == Identity::of_file(&self.target()) {
             let _ = fs::remove_file(self.target());

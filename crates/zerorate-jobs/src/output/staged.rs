@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// A claimed output. Dropped before [`Staged::publish`], it leaves everything as it was.
 #[derive(Debug)]
 pub struct Staged {
-    /// As it was asked for.
+    /// The path as it was asked for.
     path: PathBuf,
     destination: Destination,
 }
@@ -47,7 +47,7 @@ impl Staged {
     /// To write to.
     ///
     /// # Errors
-    /// Where the process has too many files open.
+    /// The process has too many files open.
     pub fn file(&self) -> Result<File, OutputError> {
         let file = match &self.destination {
             Destination::File { unfinished, .. } => unfinished.file(),
@@ -59,7 +59,7 @@ impl Staged {
     /// Writes the whole content and publishes it.
     ///
     /// # Errors
-    /// As [`Staged::publish`].
+    /// The errors of [`Staged::publish`].
     pub fn fill(self, content: &[u8]) -> Result<(), OutputError> {
         self.file()?.write_all(content).map_err(|error| OutputError::io("write", &self.path, error))?;
         self.publish()
@@ -68,7 +68,7 @@ impl Staged {
     /// The file is complete: onto the disk with it, then the name, then the name onto the disk.
     ///
     /// # Errors
-    /// What the file system says, or that something else took the name meanwhile.
+    /// The error of the file system, or that something else took the name meanwhile.
     pub fn publish(self) -> Result<(), OutputError> {
         let path = self.path;
         let failed = |error| OutputError::io("write", &path, error);

@@ -6,7 +6,7 @@ use std::io;
 #[cfg(unix)]
 use std::path::Path;
 
-/// What stdout is called in messages.
+/// The name of stdout in messages.
 pub const STDOUT: &str = "stdout";
 
 /// The standard streams that go into regular files, by name.

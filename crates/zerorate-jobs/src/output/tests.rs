@@ -10,7 +10,7 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Locks are those of the kernel: a process that is killed has none, and a file that is open here has one.
+/// The kernel keeps the locks: a killed process has none, and a file that is open here has one.
 #[cfg(unix)]
 #[test]
 fn what_killed_runs_left_is_removed_and_nothing_else() {

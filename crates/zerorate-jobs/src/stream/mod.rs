@@ -24,7 +24,7 @@ pub trait Listener {
     /// Hears a warning.
     fn warn(&mut self, warning: JobWarning);
 
-    /// What was learned could not be written to this file for a while, and is in it again.
+    /// Hears that the state, which could not be written to this file for a while, is in it again.
     fn kept_again(&mut self, state: &Path);
 
     /// Hears at the end what was learned of each axis.
@@ -42,27 +42,27 @@ pub struct StreamRow {
     pub temp_c: f64,
     /// Samples lost since the row before.
     pub lost: u64,
-    /// What is wrong with readings that were left out.
+    /// The faults of readings that were left out.
     pub flags: Flags,
-    /// What is tracked.
+    /// The tracked bias.
     pub tracked: Option<TrackedRow>,
 }
 
-/// What a row says of the bias.
+/// The state of the bias at a row.
 #[derive(Clone, Debug)]
 pub struct TrackedRow {
-    /// Of each axis.
+    /// The tracked bias of each axis.
     pub axes: Vec<TrackedAxis>,
     /// moving, quiet, rest or doubtful.
     pub phase: &'static str,
 }
 
-/// Which rows a stream has.
+/// The rows of a stream.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StreamOptions {
     /// Each row is the mean of so many ns; none: a row for each sample.
     pub period_ns: Option<u64>,
-    /// How long it goes on.
+    /// The duration of the stream.
     pub duration_ns: Option<u64>,
 }
 
@@ -126,7 +126,7 @@ struct Mean {
     readings: u64,
     first_ns: u64,
     last_ns: u64,
-    /// Of each axis.
+    /// The sum of each axis.
     rates: Vec<CodeSum>,
     temp: CodeSum,
     lost: u64,
@@ -157,7 +157,7 @@ impl Mean {
             }
             self.flags = self.flags.and(judged.flags);
         }
-        // temperature and losses are those of all axes
+        // all axes share temperature and losses
         if let Some(first) = axes.first() {
             if let Some(temp) = first.temp() {
                 self.temp.push(temp);

@@ -13,16 +13,16 @@ use zerorate::{Calibration, CodeSum, Part, Scale};
 use zerorate_host::DeviceInfo;
 use zerorate_record::limits;
 
-/// How the bias is tracked.
+/// The options of the tracking.
 #[derive(Clone, Debug)]
 pub struct TrackOptions {
-    /// Where what was learned is kept.
+    /// The file of the state.
     pub state: Option<PathBuf>,
     /// The Earth's rotation that a part at rest shows beyond its calibrated bias.
     pub earth_dps: f64,
     /// The slowest steady turn that must not be learned as bias.
     pub least_turn_dps: f64,
-    /// How far the bias changes from one power-up to the next (1 σ).
+    /// The change of the bias from one power-up to the next (1 σ).
     pub power_up_dps: f64,
 }
 
@@ -31,16 +31,16 @@ pub struct TrackOptions {
 #[error("{0:#}")]
 pub struct UnusableState(pub anyhow::Error);
 
-/// What a row says of the bias of an axis.
+/// The state of the bias of an axis at a row.
 #[derive(Clone, Copy, Debug)]
 pub struct TrackedAxis {
     /// The bias.
     pub bias_dps: f64,
-    /// How far it is from its calibration, and how well it is known.
+    /// The distance from its calibration, and its uncertainty.
     pub tracked: Tracked,
 }
 
-/// What was learned of an axis.
+/// The learned state of an axis.
 #[derive(Debug)]
 pub struct Learned<'a> {
     /// The axis.
@@ -51,7 +51,7 @@ pub struct Learned<'a> {
     pub tracked: Option<Tracked>,
 }
 
-/// How often the state is written, s of the part's time.
+/// Time between two writes of the state, s of the part's time.
 const SAVE_EVERY_S: u64 = 60;
 const BLOCK_NS: u64 = (BLOCK_S * 1e9) as u64;
 
@@ -62,7 +62,7 @@ pub struct Tracking {
     temp_scale: Option<Scale>,
     names: Vec<String>,
     phases: Vec<Phase>,
-    /// Of the block that is being read.
+    /// Number of the block that is being read.
     block: u64,
     rates: Vec<CodeSum>,
     temp: CodeSum,
@@ -71,13 +71,13 @@ pub struct Tracking {
     saved_s: u64,
 }
 
-/// Where the state is kept.
+/// The file of the state.
 struct Store {
     slot: Slot,
     calibration: Calibration,
     /// The time of day at the first sample, where there is one.
     began: Option<Timestamp>,
-    /// What was learned last could not be written.
+    /// The latest state could not be written.
     is_behind: bool,
 }
 
@@ -162,7 +162,7 @@ fn taken_up(
     let off_s = since(file.saved.as_deref(), began);
     match off_s {
         Some(off_s) if off_s < 0.0 => bail!(
-            "it was written {:.0} s after what is read now began: a state of a later time, or a clock is wrong",
+            "it was written {:.0} s after this run began: the state is of a later time, or a clock is wrong",
             -off_s
         ),
         Some(_) => {}
@@ -171,13 +171,13 @@ fn taken_up(
     let tracker = |(name, config): (&String, &TrackerConfig)| {
         let saved = file.of(calibration, name)?;
         Tracker::resume(*config, &saved, off_s.unwrap_or(0.0))
-            .map_err(|_| anyhow!("its numbers of axis {name} are no covariance"))
+            .map_err(|_| anyhow!("its numbers of axis {name} are not a covariance"))
     };
     names.iter().zip(configs).map(tracker).collect()
 }
 
 impl Store {
-    /// The state that is there; none where there is no file.
+    /// The state in the file; none where the file does not exist.
     fn load(&self) -> Result<Option<TrackFile>> {
         let path = self.slot.path();
         let text = match self.slot.content(limits::TEXT) {
@@ -249,7 +249,7 @@ impl Tracking {
         }
     }
 
-    /// What a row says, where the calibration alone corrects an axis by `correction_dps`.
+    /// The state at a row, where the calibration alone corrects an axis by `correction_dps`.
     pub fn row(&self, temp_c: f64, correction_dps: impl Fn(usize) -> f64) -> TrackedRow {
         let axis = |(axis, tracker): (usize, &Tracker)| {
             let tracked = tracker.tracked(temp_c);

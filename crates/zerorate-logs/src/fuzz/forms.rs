@@ -56,7 +56,7 @@ fn sqlite_bag() {
     edited(150, &[forms::sqlite_bag()], |bytes| read(bytes, &["--column z"]));
 }
 
-/// What other people's writers made, and pieces of it that tests of the forms know.
+/// Files of other people's writers, and pieces of them that tests of the forms know.
 #[test]
 fn of_others() {
     let files = [forms::ROSBAG, forms::ROSBAG_BZ2, forms::ROSBAG_LZ4].map(<[u8]>::to_vec);

@@ -37,7 +37,7 @@ const PART: &str = r#"
     temperature = { lsb_per_c = 7.14, zero_code = 0, zero_c = 25, width_bits = 12, signed = true }
 "#;
 
-/// As the log of a part: times increase, and every row has all codes of its scales.
+/// Reads the log of a part: times increase, and every row has all codes of its scales.
 fn read_as_part(bytes: &[u8]) {
     let part = Part::parse(PART).expect("a part");
     let Ok(log) = PartLog::open(Path::new("edited"), bytes.to_vec().into(), &part, &ColumnOptions::default()) else {

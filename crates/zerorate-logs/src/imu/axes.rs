@@ -4,25 +4,25 @@ use super::{ImuWarning, Kind};
 use crate::{Column, ColumnOptions, LogError, LogWarning, Parts, Quantity, Setting, Unit, Wanted};
 use std::path::Path;
 
-/// What a log may not say of its axes itself.
+/// Facts about the axes that a log may not state itself.
 #[derive(Clone, Debug, Default)]
 pub struct ImuOptions {
     /// The columns, by name or number; none: all that are axes.
     pub columns: Option<Vec<String>>,
-    /// Of the gyroscope.
+    /// Facts about the gyroscope.
     pub gyro: Said,
-    /// Of the accelerometer.
+    /// Facts about the accelerometer.
     pub accel: Said,
     /// Topic, rate, time and names of the options.
     pub log: ColumnOptions,
 }
 
-/// What the numbers of a kind of axis are, as the user says.
+/// The unit and scale of a kind of axis, as the user states them.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Said {
     /// Their unit.
     pub unit: Option<Unit>,
-    /// What a step of 1 is in that.
+    /// The size of a step of 1, in that unit.
     pub scale: Option<f64>,
 }
 
@@ -32,7 +32,7 @@ pub struct Axes {
     pub columns: Vec<Column>,
     /// The topic of a bag.
     pub topic: Option<String>,
-    /// What is to be said of the log.
+    /// The warnings about the log.
     pub warnings: Vec<LogWarning>,
 }
 
@@ -43,7 +43,7 @@ impl Axes {
     /// Reads all of them in one pass; `path` names the log in messages.
     ///
     /// # Errors
-    /// As [`crate::read_parts`], and where no column is one, or the unit of one is not known.
+    /// As for [`crate::read_parts`], and where no column is an axis, or the unit of an axis is not known.
     pub fn read(path: &Path, parts: impl Into<Parts>, options: &ImuOptions) -> crate::Result<Self> {
         let wanted = options.columns.as_deref().map_or(Wanted::All, Wanted::Listed);
         Self::of(path, crate::read_parts(path, parts, wanted, &options.log)?, options)
@@ -63,10 +63,10 @@ impl Axes {
         columns.iter().any(|column| !Kind::is_beside(&column.name) && Kind::of_column(column).is_some())
     }
 
-    /// Those among the columns of a log.
+    /// The axes among the columns of a log.
     ///
     /// # Errors
-    /// Where no column is one, or the unit of one is not known.
+    /// No column is an axis, or the unit of an axis is not known.
     pub fn of(path: &Path, columns: Vec<Column>, options: &ImuOptions) -> crate::Result<Self> {
         let (mut axes, mut left_out, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
         for column in columns {
@@ -99,8 +99,8 @@ impl Axes {
     }
 }
 
-/// Leaves out what nothing measured of messages, which have three axes of each kind whatever the part has; unless
-/// there is nothing else.
+/// Leaves out the columns of messages that nothing measured, unless there is nothing else. A message has three axes of
+/// each kind, even from a part with fewer axes.
 fn without_blanks(path: &Path, axes: &mut Vec<(Kind, Column)>) -> Option<LogWarning> {
     let is_blank = |(_, column): &(Kind, Column)| column.is_blank();
     let names: Vec<&str> = axes.iter().filter(|axis| is_blank(axis)).map(|(_, column)| column.name.as_str()).collect();
@@ -139,7 +139,7 @@ impl Kind {
     }
 }
 
-/// That each kind has a unit, and one of its own.
+/// Checks that each kind has a unit of its own.
 fn check_units(options: &ImuOptions, path: &Path, axes: &[(Kind, Column)]) -> crate::Result<()> {
     let mut unknown = Vec::new();
     for kind in Kind::ALL {
@@ -152,7 +152,11 @@ fn check_units(options: &ImuOptions, path: &Path, axes: &[(Kind, Column)]) -> cr
             continue;
         }
         if let Some(unit) = unit.filter(|unit| unit.quantity() != kind.quantity()) {
-            return Err(LogError::Ask(format!("{unit} is no unit for {}; {}", kind.plural(), options.remedy(kind))));
+            return Err(LogError::Ask(format!(
+                "{unit} is not a unit for {}; {}",
+                kind.plural(),
+                options.remedy(kind)
+            )));
         }
         let unstated: Vec<&str> =
             of_kind.filter(|column| column.quantity.is_none()).map(|column| column.name.as_str()).collect();
@@ -173,7 +177,7 @@ fn check_units(options: &ImuOptions, path: &Path, axes: &[(Kind, Column)]) -> cr
 /// Axes of an IMU in each kind.
 const AXES: usize = 3;
 
-/// What is to be said where one IMU cannot have that many.
+/// The warning about more axes than one IMU can have.
 fn too_many(path: &Path, kind: Kind, axes: &[(Kind, Column)], column: &'static str) -> Option<LogWarning> {
     let count = axes.iter().filter(|(of, _)| *of == kind).count();
     let path = path.display().to_string();
@@ -196,7 +200,7 @@ fn no_axes(path: &Path, found: &[String]) -> LogError {
     let found = if found.is_empty() { "no numbers at all".to_owned() } else { found.join(", ") };
     LogError::Ask(format!(
         "{} has no column whose name or unit says that it is an axis of an IMU (such as gyro_x, wx, `ax [m/s^2]`); it \
-         has: {found}; rename those that are",
+         has: {found}. Rename the columns that are axes",
         path.display(),
     ))
 }
@@ -211,7 +215,7 @@ fn topic_of(column: &str) -> Option<String> {
 mod tests {
     use super::*;
 
-    /// As `rostopic echo -p` writes it: the variances of an angular velocity are none, unless somebody asks for them.
+    /// `rostopic echo -p` writes variances of an angular velocity; they are not axes, unless somebody asks for them.
     #[test]
     fn what_stands_beside_axes_is_left_out() {
         let text = "%time,field.angular_velocity.x,field.angular_velocity_covariance0,gyro_clipping\n\

@@ -20,7 +20,7 @@ pub struct Named<'a> {
     pub units: Vec<(String, f64)>,
 }
 
-/// Units of a coefficient, given as those of fits in °/s and in m/s², and as what follows any other unit.
+/// Units of a coefficient: for fits in °/s and in m/s², and as an ending of any other unit.
 pub struct Units {
     rate: &'static [(&'static str, f64)],
     acceleration: &'static [(&'static str, f64)],
@@ -38,7 +38,7 @@ const N: Units = Units {
     acceleration: &[("m/s/√h", 60.0), ("m/s/√s", 1.0), ("µg/√Hz, one-sided", SQRT_2 * MICRO_G)],
     other: "·√s",
 };
-/// Of the bias instability, and of whatever else is in the unit of the rate. B is that unit.
+/// The bias instability B, and every other value in the unit of the rate.
 pub const B: Units = Units {
     rate: &[("°/h", 3600.0), ("°/s", 1.0)],
     acceleration: &[("µg", MICRO_G), ("mg", MICRO_G / 1e3), ("m/s²", 1.0)],
@@ -57,7 +57,7 @@ const R: Units = Units {
 };
 
 impl Units {
-    /// Those of a quantity, the usual one first, each with how many of it are one of the fit's.
+    /// The units for a quantity, the usual one first, each with its number per unit of the fit.
     #[must_use]
     pub fn of(&self, quantity: Option<Quantity>) -> Vec<(String, f64)> {
         let known = match quantity {
@@ -104,7 +104,7 @@ impl Named<'_> {
         Estimate { value: value * factor, lo: lo * factor, hi: hi * factor }
     }
 
-    /// What is to be said of a coefficient that is not identified.
+    /// The text for a coefficient that is not identified.
     #[must_use]
     pub fn remark(&self) -> String {
         match (self.coefficient.identified, self.coefficient.needed_s) {

@@ -1,6 +1,6 @@
 //! Files for the filters that take the noise of an IMU: one complete text for each, every number with its meaning.
 //!
-//! Which number goes where, and where that is known from: `docs/imu.md`.
+//! `docs/imu.md` states which number goes where, and the source of each rule.
 
 use super::numbers::{AxisNumbers, Choice, Chosen, Memory, Numbers, Sensor};
 use zerorate_record::plain;
@@ -27,7 +27,7 @@ impl Format {
     /// All of them.
     pub const ALL: [Self; 6] = [Self::Kalibr, Self::Openvins, Self::Vins, Self::Orbslam3, Self::KfGins, Self::Ros];
 
-    /// What it is called as an option.
+    /// Its name as an option.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -46,7 +46,7 @@ impl Format {
         matches!(self, Self::KfGins | Self::Ros)
     }
 
-    /// What reads it, for people.
+    /// Its name for people.
     #[must_use]
     pub fn reader(self) -> &'static str {
         match self {
@@ -95,7 +95,8 @@ fn kalibr(file: &mut Text, numbers: &Numbers, indent: &str) {
     file.plain(&format!("{indent}update_rate"), numbers.rate_hz, "Hz, as recorded");
 }
 
-/// What OpenVINS wants beside the noise cannot be told at rest: no rotation, no misalignment, scales of 1.
+/// Values beside the noise that OpenVINS wants and that cannot be measured at rest: no rotation, no misalignment,
+/// scales of 1.
 const OPENVINS_REST: &str = "  T_i_b:
     - [1.0, 0.0, 0.0, 0.0]
     - [0.0, 1.0, 0.0, 0.0]
@@ -133,7 +134,7 @@ fn openvins(file: &mut Text, numbers: &Numbers) {
     file.line(OPENVINS_REST);
 }
 
-/// Standard gravity; VINS wants that of the place.
+/// Standard gravity; VINS wants the local gravity.
 const G_NORM: &str = "9.80665";
 
 fn vins(file: &mut Text, numbers: &Numbers) {
@@ -151,7 +152,7 @@ fn vins(file: &mut Text, numbers: &Numbers) {
     file.number("gyr_n", gyroscope.0.as_ref(), "rad/s");
     file.number("acc_w", accelerometer.1.as_ref(), "m/s³");
     file.number("gyr_w", gyroscope.1.as_ref(), "rad/s²");
-    file.line(&format!("g_norm: {G_NORM}   # m/s², standard gravity: put that of your place here"));
+    file.line(&format!("g_norm: {G_NORM}   # m/s², standard gravity: put your local gravity here"));
     file.line(&format!("# the rate: {rate_hz:.6} Hz; at another the four numbers are others"));
 }
 
@@ -209,7 +210,7 @@ impl Text {
         self.0.push('\n');
     }
 
-    /// What the file is, how its numbers were chosen, and what stands behind them.
+    /// Writes what the file is, how its numbers were chosen, and what supports them.
     fn head(&mut self, numbers: &Numbers, format: Format, meaning: &str) {
         let (reader, is_by_axis) = (format.reader(), format.is_by_axis());
         let Choice { log, combine, inflate, names, .. } = &numbers.choice;
@@ -279,14 +280,14 @@ fn number(value: f64) -> String {
     }
 }
 
-/// The same without an exponent, for rates and times.
+/// Writes a rate or a time without an exponent.
 fn decimal(value: f64) -> String {
     let text = format!("{value:.6}");
     let short = text.trim_end_matches('0');
     if short.ends_with('.') { format!("{short}0") } else { short.to_owned() }
 }
 
-/// A word as YAML takes it, whatever is in it. OpenCV takes the comment behind a word without quotes for a part of it.
+/// Quotes any word for YAML. OpenCV takes the comment behind a word without quotes for a part of the word.
 fn quoted(word: &str) -> String {
     format!("\"{}\"", plain::line(word).replace('\\', "\\\\").replace('"', "\\\""))
 }
@@ -297,7 +298,7 @@ mod tests {
     use crate::imu::Combine;
     use clap::ValueEnum;
 
-    /// Python has these names, the command line those of clap.
+    /// Python uses these names, and the command line uses the names of clap.
     #[test]
     fn front_ends_have_the_same_names() {
         let of_clap = |value: Option<clap::builder::PossibleValue>| value.map(|value| value.get_name().to_owned());

@@ -1,12 +1,12 @@
-//! Why numbers are no result.
+//! Reasons why numbers must not become a result.
 
 use std::fmt;
 use zerorate_allan::Fit;
 
-/// Why the coefficients of an axis are no result.
+/// Why the coefficients of an axis must not become a result.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Doubt {
-    /// There is no noise model.
+    /// The record has no noise model.
     NoModel(String),
     /// It is off by so much, as a share.
     Rejected(f64),

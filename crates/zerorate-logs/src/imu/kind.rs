@@ -1,8 +1,8 @@
-//! What an axis of an IMU is of, by the unit or the name of its column.
+//! The kind of an axis of an IMU, by the unit or the name of its column.
 
 use crate::{Column, Quantity};
 
-/// What an axis is of.
+/// The kind of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Angular rate.
@@ -31,7 +31,7 @@ impl Kind {
         }
     }
 
-    /// What it measures.
+    /// The quantity that it measures.
     #[must_use]
     pub const fn quantity(self) -> Quantity {
         match self {
@@ -40,13 +40,13 @@ impl Kind {
         }
     }
 
-    /// What measures a quantity.
+    /// The kind that measures a quantity.
     #[must_use]
     pub fn of(quantity: Quantity) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.quantity() == quantity)
     }
 
-    /// By the unit that a column has, or else by its name.
+    /// The kind of a column, by its unit or else by its name.
     pub(super) fn of_column(column: &Column) -> Option<Self> {
         column.quantity.map_or_else(|| Self::named(&column.name), Self::of)
     }

@@ -3,13 +3,13 @@
 use super::numbers::Numbers;
 use super::{Axis, Choice, Doubts, Format, Kind};
 
-/// Why there is no file for a filter.
+/// Why no file for a filter can be written.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum NoNoiseFile {
     /// There is nothing to write.
     #[error("no column is stated to be an axis of a gyroscope or an accelerometer")]
     NoAxis,
-    /// Of the factor on all noise.
+    /// The factor on all noise is not a number above zero.
     #[error("the factor on all noise must be a number above zero")]
     Inflate(f64),
     /// Its numbers would be no result.

@@ -4,7 +4,7 @@ use super::{Doubts, Kind};
 use crate::{Names, Setting};
 use zerorate_allan::{Coefficient, FLOOR_PER_B, Fit, Term};
 
-/// What stands for several axes.
+/// The rule that makes one value of several axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Combine {
@@ -16,37 +16,37 @@ pub enum Combine {
 
 /// An axis with its noise model.
 pub struct Axis<'a> {
-    /// What it is called.
+    /// Its name.
     pub name: &'a str,
-    /// What it is of.
+    /// Its kind.
     pub kind: Kind,
     /// Samples per second.
     pub rate_hz: f64,
     /// The model.
     pub fit: &'a Fit,
-    /// What one of the unit of the model is in that of results, °/s or m/s².
+    /// The unit of the model in the unit of results, °/s or m/s².
     pub scale: f64,
 }
 
-/// What the numbers are of, and how they are chosen.
+/// The source of the numbers, and the rules by which they are chosen.
 pub struct Choice {
-    /// What was read.
+    /// The log that was read.
     pub log: String,
     /// The topic of a bag.
     pub topic: Option<String>,
-    /// What stands for all axes of a kind.
+    /// The rule that makes one value of all axes of a kind.
     pub combine: Combine,
     /// Factor on all noise, 1 unless it was asked for.
     pub inflate: f64,
-    /// What the file calls options.
+    /// The names of the options in the file.
     pub names: Names,
 }
 
-/// What stands in the file, in rad/s and m/s².
+/// The numbers of the file, in rad/s and m/s².
 pub struct Numbers {
-    /// Of what they are.
+    /// The source of the numbers.
     pub choice: Choice,
-    /// Why what was forced out is no result.
+    /// The doubts that were overruled.
     pub doubts: Vec<String>,
     /// Samples per second.
     pub rate_hz: f64,
@@ -54,7 +54,7 @@ pub struct Numbers {
     pub gyroscope: Option<Sensor>,
     /// None where there is no such axis.
     pub accelerometer: Option<Sensor>,
-    /// For whoever takes the bias as a Gauss–Markov process.
+    /// The bias as a Gauss–Markov process.
     pub memory: Memory,
 }
 
@@ -73,12 +73,12 @@ pub struct Sensor {
 pub struct Chosen {
     /// The number.
     pub value: f64,
-    /// Which it is.
+    /// The axis or axes that it comes from.
     pub from: String,
 }
 
 impl Chosen {
-    /// The same so many times as large.
+    /// Multiplies the number by a factor.
     #[must_use]
     pub fn times(&self, factor: f64) -> Self {
         Self { value: self.value * factor, from: self.from.clone() }
@@ -99,7 +99,7 @@ pub struct AxisNumbers {
 pub struct Memory {
     /// The time.
     pub tau_s: f64,
-    /// Where it and the σ are from.
+    /// The axis or axes that it and the σ come from.
     pub from: String,
 }
 
@@ -160,13 +160,13 @@ impl Axis<'_> {
     }
 }
 
-/// Where the Allan deviation of a Gauss–Markov process has its peak, in correlation times.
+/// The averaging time at which the Allan deviation of a Gauss–Markov process peaks, in correlation times.
 const PEAK_AT: f64 = 1.89;
-/// How high it is there, in standard deviations.
+/// The Allan deviation at that peak, in standard deviations.
 const PEAK: f64 = 0.617;
 
 impl Numbers {
-    /// Of these axes.
+    /// Makes the numbers of these axes.
     pub fn new(choice: Choice, doubts: &Doubts, axes: &[Axis<'_>]) -> Self {
         let memory = Memory::of(axes);
         let sensor = |kind| Sensor::new(&choice, axes.iter().filter(|axis| axis.kind == kind), memory.tau_s);
@@ -177,8 +177,8 @@ impl Numbers {
 }
 
 impl Memory {
-    /// The correlation time of the Gauss–Markov terms, their geometric mean; without one, that of a process whose
-    /// Allan deviation peaks at the longest averaging time that all models speak of.
+    /// The correlation time of the Gauss–Markov terms, their geometric mean. Without one, of a process whose Allan
+    /// deviation peaks at the longest averaging time that all models speak of.
     fn of(axes: &[Axis<'_>]) -> Self {
         let times: Vec<f64> = axes.iter().filter_map(|axis| Some(axis.memory()?.1)).collect();
         if !times.is_empty() {
@@ -228,14 +228,14 @@ impl Combine {
         }
     }
 
-    /// What was done, for the file.
+    /// The description of the rule, for the file.
     #[must_use]
     pub fn words(self, names: Names) -> String {
         let taken = self.name();
         format!("the {taken} was taken ({} {taken})", names.of(Setting::Combine))
     }
 
-    /// What it is called as an option.
+    /// Its name as an option.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

@@ -1,4 +1,4 @@
-//! What is to be said of the axes of an IMU together.
+//! Warnings about the axes of an IMU together.
 
 use super::Kind;
 use std::fmt;
@@ -9,23 +9,23 @@ use zerorate_allan::{Fit, MotionKind, Says, motion, rows};
 pub enum ImuWarning {
     /// The same happens to several axes at once, at these moments.
     Motion(MotionKind, Vec<Moment>),
-    /// The log has nothing of a kind; or, by the name of the setting that chose the columns, they have not.
+    /// The log has no column of a kind. The name is of the setting that chose the columns, if one did.
     KindAbsent(Kind, Option<&'static str>),
 }
 
 /// A moment at which several axes jump, or have a glitch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moment {
-    /// When, s from the start.
+    /// Time from the start, s.
     pub at_s: f64,
     /// The names of the axes.
     pub axes: Vec<String>,
-    /// What happens.
+    /// The kind of motion.
     pub kind: MotionKind,
 }
 
 impl Moment {
-    /// Those of the axes of one log, each by its name.
+    /// The moments that the axes of one log share. Each axis comes with its name.
     #[must_use]
     pub fn all(axes: &[(&str, &Fit)]) -> Vec<Self> {
         let fits: Vec<&Fit> = axes.iter().map(|(_, fit)| *fit).collect();
@@ -44,7 +44,7 @@ impl ImuWarning {
         found.map(|(kind, moments)| Self::Motion(kind, moments)).collect()
     }
 
-    /// As scripts read it: `code: text`.
+    /// The warning as scripts read it: `code: text`.
     #[must_use]
     pub fn coded(&self) -> String {
         format!("{}: {self}", self.code())
@@ -54,39 +54,29 @@ impl ImuWarning {
 rows!(match ImuWarning {
     Self::Motion(MotionKind::Jump, ref moments) => Row {
         code: "motion",
-        text: format_args!(
-            "several axes jump together at {}: the sensor moved, which is no noise of it; record where nothing moves, \
-             or cut the log there",
-            Named(moments)
-        ),
+        text: format_args!("several axes jump together at {}; cut the log there", Named(moments)),
         says: Says::Warning,
         by: &["allan", "imu"],
         seen: "Several axes jump, or have a glitch, at the same moment.",
-        matters: "The sensor moved, or was knocked: that is no noise of it.",
-        remedy: "Record where nothing moves, or cut the log there.",
+        matters: "The sensor moved or was knocked, or all axes of one sample broke. That is not noise of the sensor.",
+        remedy: "Record where nothing moves and nobody touches the sensor, or cut the log there.",
     },
     Self::Motion(MotionKind::Knock, ref moments) => Row {
         code: "motion",
-        text: format_args!(
-            "several axes have a glitch together at {}: a knock, or a sample of all that broke; keep the sensor from \
-             being touched",
-            Named(moments)
-        ),
+        text: format_args!("several axes have a glitch together at {}; knocked?", Named(moments)),
     },
     Self::KindAbsent(kind, None) => Row {
         code: "kind-absent",
-        text: format_args!("the log has no {}: its numbers are left to be filled in", kind.name()),
+        text: format_args!("the log has no {}; fill in its numbers", kind.name()),
         says: Says::Warning,
         by: &["imu"],
         seen: "The log has no gyroscope, or no accelerometer.",
-        matters: "The numbers of the kind that is not there are left in the file to be filled in: a filter that \
-            reads it as it is fails, rather than trusting a guess.",
+        matters: "The file leaves the numbers of the missing kind to be filled in. A filter that reads the file as \
+            it is fails, rather than trusting a guess.",
         remedy: "Fill them in from another log or from the data sheet, or name the columns.",
     },
-    Self::KindAbsent(kind, Some(setting)) => Row {
-        code: "kind-absent",
-        text: format_args!("{setting} names no {}: its numbers are left to be filled in", kind.name()),
-    },
+    Self::KindAbsent(kind, Some(setting)) =>
+        Row { code: "kind-absent", text: format_args!("{setting} names no {}; fill in its numbers", kind.name()) },
 });
 
 impl fmt::Display for ImuWarning {
@@ -95,11 +85,11 @@ impl fmt::Display for ImuWarning {
     }
 }
 
-/// The first moments in words, and how many follow.
+/// The first moments in words, and the number of those that follow.
 struct Named<'a>(&'a [Moment]);
 
 /// Moments that a text names.
-const NAMED: usize = 6;
+const NAMED: usize = 1;
 
 impl fmt::Display for Named<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -107,7 +97,27 @@ impl fmt::Display for Named<'_> {
         f.write_str(&self.0.iter().take(NAMED).map(words).collect::<Vec<_>>().join(", "))?;
         match self.0.len().saturating_sub(NAMED) {
             0 => Ok(()),
-            more => write!(f, " and {more} times more"),
+            more => write!(f, " + {more} more"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_warning_is_one_short_line() {
+        let axes = || ["gx_dps", "gy_dps", "gz_dps"].map(str::to_owned).to_vec();
+        let moments = |kind| (0..7).map(|at| Moment { at_s: 300.0 + f64::from(at), axes: axes(), kind }).collect();
+        let all = [
+            ImuWarning::Motion(MotionKind::Jump, moments(MotionKind::Jump)),
+            ImuWarning::Motion(MotionKind::Knock, moments(MotionKind::Knock)),
+            ImuWarning::KindAbsent(Kind::Accelerometer, None),
+            ImuWarning::KindAbsent(Kind::Accelerometer, Some("--column")),
+        ];
+        for line in all.map(|warning| warning.coded()) {
+            assert!(line.chars().count() <= 100, "{line}");
         }
     }
 }

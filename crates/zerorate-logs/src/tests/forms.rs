@@ -176,9 +176,19 @@ pub fn mcap_packed(
     encoding: &str,
     messages: impl Fn(u64) -> Vec<u8>,
 ) -> Vec<u8> {
+    mcap_of_type("sensor_msgs/msg/Imu", packing, topics, encoding, messages)
+}
+
+fn mcap_of_type(
+    kind: &str,
+    packing: Option<mcap::Compression>,
+    topics: &[&str],
+    encoding: &str,
+    messages: impl Fn(u64) -> Vec<u8>,
+) -> Vec<u8> {
     let mut file = Cursor::new(Vec::new());
     let mut writer = mcap::WriteOptions::new().compression(packing).create(&mut file).unwrap();
-    let schema = writer.add_schema("sensor_msgs/msg/Imu", "ros2msg", b"").unwrap();
+    let schema = writer.add_schema(kind, "ros2msg", b"").unwrap();
     for topic in topics {
         let channel = writer.add_channel(schema, topic, encoding, &Default::default()).unwrap();
         for i in 0..20 {
@@ -215,7 +225,7 @@ fn messages_in_every_encoding() {
     assert!(
         folder
             .fails(&short, "--column z")
-            .contains("topic /imu, message 0: its 5 bytes are no sensor_msgs/Imu in Cdr")
+            .contains("topic /imu, message 0: its 5 bytes are not a sensor_msgs/Imu in Cdr")
     );
     let back = mcap(&["/imu"], "cdr", |i| imu(true, false, (30 - i) * 1000, 0.0));
     assert!(
@@ -248,6 +258,42 @@ pub fn sqlite_bag() -> Vec<u8> {
     }
     drop(bag);
     fs::read(&path).unwrap()
+}
+
+/// The same bytes with another type of message, which has a name of the same length.
+fn of_joysticks(bag: &[u8], kind: &[u8]) -> Vec<u8> {
+    let joy = [&kind[..kind.len() - 3], b"Joy"].concat();
+    let mut bag = bag.to_vec();
+    for at in 0..bag.len() - kind.len() {
+        if bag[at..].starts_with(kind) {
+            bag[at..at + kind.len()].copy_from_slice(&joy);
+        }
+    }
+    bag
+}
+
+#[test]
+fn bags_without_an_imu_name_their_topics() {
+    let folder = Folder::new();
+    let mcap = mcap_of_type("sensor_msgs/msg/Joy", None, &["/b", "/a"], "cdr", |_| vec![0, 1, 0, 0]);
+    for (bag, topics) in [
+        (mcap, "it has /a (sensor_msgs/msg/Joy), /b (sensor_msgs/msg/Joy)"),
+        (of_joysticks(ROSBAG, b"sensor_msgs/Imu"), "it has /imu (sensor_msgs/Joy)"),
+        (
+            of_joysticks(&sqlite_bag(), b"sensor_msgs/msg/Imu"),
+            "it has /chat (std_msgs/msg/String), /imu (sensor_msgs/msg/Joy)",
+        ),
+    ] {
+        let said = folder.fails(bag, "--column z");
+        assert!(
+            said.contains("a bag without a topic of type sensor_msgs/msg/Imu") && said.ends_with(topics),
+            "{said}"
+        );
+    }
+    let many: Vec<String> = (0..30).map(|at| format!("/{at:02}")).collect();
+    let many: Vec<&str> = many.iter().map(String::as_str).collect();
+    let bag = mcap_of_type("sensor_msgs/msg/Joy", None, &many, "cdr", |_| vec![0, 1, 0, 0]);
+    assert!(folder.fails(bag, "--column z").ends_with("/19 (sensor_msgs/msg/Joy), and 10 more"));
 }
 
 #[test]

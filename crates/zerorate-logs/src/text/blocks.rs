@@ -13,13 +13,13 @@ const BLOCK: usize = 1 << 22;
 #[cfg(test)]
 const BLOCK: usize = 1 << 12;
 
-/// The longest line, a bound on memory when a file is no text at all.
+/// The longest line, a bound on memory when a file is not text at all.
 const MAX_LINE: usize = 1 << 20;
 
 /// Bytes of whole lines. The last line of a text may lack its line feed.
 pub struct Block {
     buffer: Vec<u8>,
-    /// Where in the buffer the lines end.
+    /// The end of the lines in the buffer.
     end: usize,
     /// Whether the text ends with it.
     pub is_last: bool,
@@ -31,7 +31,7 @@ impl Block {
         &self.buffer[..self.end]
     }
 
-    /// Its text; what is no UTF-8 is replaced, so that a line that a cable broke is one broken line.
+    /// Its text. Bytes that are not UTF-8 are replaced, so that a line that a cable broke is one broken line.
     pub fn text(&self) -> Cow<'_, str> {
         // to look first is fast where all is as it should be
         std::str::from_utf8(self.bytes()).map_or_else(|_| String::from_utf8_lossy(self.bytes()), Cow::Borrowed)
@@ -55,15 +55,15 @@ impl Block {
 pub struct Blocks<'a> {
     path: &'a Path,
     input: Input,
-    /// What was read of a line that is not whole.
+    /// The start of a line that is not whole yet.
     rest: Vec<u8>,
     ended: bool,
-    /// Buffers of blocks that nobody needs any more: memory that is new costs as much as what is read into it.
+    /// Buffers of used blocks: new memory costs as much as reading into it.
     spare: Vec<Vec<u8>>,
 }
 
 impl<'a> Blocks<'a> {
-    /// Of `input`, which `path` names in messages.
+    /// Blocks of `input`, which `path` names in messages.
     pub fn new(path: &'a Path, input: Input) -> Self {
         Self { path, input, rest: Vec::new(), ended: false, spare: Vec::new() }
     }
@@ -116,7 +116,7 @@ impl<'a> Blocks<'a> {
         Ok(filled)
     }
 
-    /// As many blocks as are to be had, up to `count`.
+    /// The next blocks, up to `count`.
     pub fn several(&mut self, count: usize) -> Result<Vec<Block>, CaptureError> {
         let mut blocks = Vec::with_capacity(count);
         while blocks.len() < count

@@ -1,4 +1,4 @@
-//! How a text starts: what was printed before the data, a header of one line or two, and how its rows are cut.
+//! The start of a text: lines printed before the data, a header of one line or two, and the cuts of its rows.
 
 use super::super::number::{Number, Numerals};
 use super::super::{ColumnOptions, Decimal, LogError, Result, Setting};
@@ -12,30 +12,32 @@ const LINES: usize = 1000;
 /// A line with its number, counted from 1.
 type Numbered<'a> = (u64, &'a str);
 
-/// How a text is laid out.
+/// The layout of a text.
 #[derive(Clone, Debug)]
 pub struct Head {
-    /// What cuts a row.
+    /// The delimiter of a row.
     pub delimiter: Delimiter,
     /// Cells of a row.
     pub width: usize,
     /// The names of the columns, or their numbers.
     pub names: Vec<String>,
-    /// Which of them hold numbers.
+    /// Whether each column holds numbers.
     pub numeric: Vec<bool>,
     /// Lines before the first row.
     pub lines: u64,
-    /// Of those, what is neither header nor comment: their number, and the first.
+    /// The number of these lines that are neither header nor comment, and the first of them.
     pub skipped: Option<(usize, String)>,
     /// The decimal mark, as far as these lines tell.
     pub decimal: Option<Decimal>,
+    /// Commas seem to cut numbers as well as rows, for a cell begins like the decimals of a number: `05`.
+    cuts_numbers: bool,
     /// The first cell of a row is an index, which has no name.
     pub index: bool,
-    /// What only the whole text can tell.
+    /// Questions that only the whole text can answer.
     pub open: Open,
 }
 
-/// What the first lines leave open.
+/// A question that the first lines leave open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Open {
     /// Nothing.
@@ -46,7 +48,7 @@ pub enum Open {
     TwoOrDecimals,
 }
 
-/// What the lines of one layout have in common.
+/// The common layout of lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Shape {
     delimiter: Delimiter,
@@ -59,7 +61,7 @@ pub fn is_comment(line: &str) -> bool {
 }
 
 impl Head {
-    /// Of the lines of `text`, with which the file begins.
+    /// Reads the head from `text`, the lines with which the file begins.
     pub fn read(path: &Path, text: &str, args: &ColumnOptions) -> Result<Self> {
         if text.contains('\r') && !text.contains('\n') {
             let what = "its lines end with a carriage return alone; convert it with `tr '\\r' '\\n' < FILE`";
@@ -88,10 +90,14 @@ impl Head {
             lines: start.saturating_sub(1),
             skipped: None,
             decimal: rows.decimal,
+            cuts_numbers: rows.cuts_numbers,
             index: false,
             open: Open::Nothing,
         };
         let used = head.name(path, above, &comments)?;
+        if used == 0 && rows.all_are_cut {
+            return Err(CaptureError::damaged(path, format!("line {start}"), CLASH).into());
+        }
         let skipped = &above[..above.len() - used];
         head.skipped = skipped.first().map(|(_, line)| (skipped.len(), shortened(line)));
         let undecided = args.decimal.is_none() && shape == Shape { delimiter: Delimiter::Comma, width: 2 };
@@ -108,12 +114,26 @@ impl Head {
         let is_text = !first.contains(['\0', '\u{FFFD}']);
         if some == 1 && is_text && delimiter != Delimiter::Blanks {
             let (width, numeric) = (names.len(), vec![true; names.len()]);
-            let (open, index, decimal) = (Open::Nothing, false, None);
-            return Ok(Self { delimiter, width, names, numeric, lines, skipped: None, decimal, index, open });
+            let (open, index, decimal, cuts_numbers) = (Open::Nothing, false, None, false);
+            return Ok(Self {
+                delimiter,
+                width,
+                names,
+                numeric,
+                lines,
+                skipped: None,
+                decimal,
+                cuts_numbers,
+                index,
+                open,
+            });
+        }
+        if args.decimal == Some(Decimal::Comma) && first.contains(',') {
+            return Err(CaptureError::damaged(path, "as a text file", CLASH).into());
         }
         let remedy = match is_text {
             true => "is it a log?".to_owned(),
-            false => format!("it is no UTF-8 text; raw numbers need their type ({})", args.names.of(Setting::Raw)),
+            false => format!("it is not UTF-8 text; raw numbers need their type ({})", args.names.of(Setting::Raw)),
         };
         let what = format!("none of its first {some} lines holds a number (`{}`): {remedy}", shortened(first));
         Err(CaptureError::damaged(path, "as a text file", what).into())
@@ -165,20 +185,30 @@ impl Head {
         }
     }
 
-    /// A header whose names cannot be those of the columns.
+    /// The error for a header that does not name the columns one by one.
     pub fn miscounted(&self, path: &Path, line: u64, names: usize) -> LogError {
-        let remedy = "which name is of which column is unknown: give each column its name, or remove the header";
-        CaptureError::damaged(
-            path,
-            format!("line {line}"),
-            format!("the header has {names} names, and the rows below have {} cells; {remedy}", self.width),
-        )
-        .into()
+        let Self { delimiter, width, decimal, cuts_numbers, .. } = *self;
+        let is_cut = delimiter == Delimiter::Comma && decimal.is_none();
+        let why = match is_cut && names > 1 && (cuts_numbers || width == 2 * names) {
+            true => CLASH,
+            false => "give each column a name, or remove the header",
+        };
+        let what = format!("the header has {names} names, and the rows below have {width} cells; {why}");
+        CaptureError::damaged(path, format!("line {line}"), what).into()
+    }
+
+    /// Whether commas cut numbers as well as rows, where the header has one name too few.
+    pub fn has_clash(&self) -> bool {
+        self.cuts_numbers && self.names.len() > 1
     }
 }
 
+/// Why a file cannot be read whose commas cut the numbers as well as the rows.
+const CLASH: &str = "decimal commas and comma separators clash in this file. Export it with \";\" or with decimal \
+                     points";
+
 impl Shape {
-    /// Of a line that holds a number.
+    /// The shape of a line that holds a number.
     fn of(line: &str, decimal: Option<Decimal>) -> Option<Self> {
         let delimiter = delimiter(line, decimal);
         let cells: Vec<&str> = delimiter.cells(line).collect();
@@ -195,19 +225,23 @@ impl Shape {
             }
         }
         let (shape, _) = votes.into_iter().rev().max_by_key(|(_, count)| *count)?;
-        // where nothing is cut a comma is that of a decimal
+        // where nothing is cut, a comma marks decimals
         let is_one = shape == Self { delimiter: Delimiter::Comma, width: 1 };
         Some(if is_one { Self { delimiter: Delimiter::Semicolon, ..shape } } else { shape })
     }
 }
 
-/// What the lines of the shape of most tell.
+/// The findings from the lines of the most common shape.
 struct Rows {
-    /// The first of them that is no header.
+    /// Index of the first line that is not a header.
     first: usize,
     numeric: Vec<bool>,
     all_integers: bool,
     decimal: Option<Decimal>,
+    /// Some cell begins like the decimals of a number, as [`Head`] has it.
+    cuts_numbers: bool,
+    /// Each second cell looks like the decimals of the cell before.
+    all_are_cut: bool,
 }
 
 impl Rows {
@@ -243,14 +277,30 @@ impl Rows {
         };
         let integer = |cell: &&str| cell.parse::<i64>().is_ok();
         let first = first + usize::from(is_numbered(&rows[first]) && rows.len() > first + 1);
+        let data = || rows[first..].iter().filter(fits);
         let all_integers = rows[first..].iter().flatten().all(integer);
-        Self { first, numeric, all_integers, decimal: decimal.or(learned) }
+        let is_cut = shape.delimiter == Delimiter::Comma && learned.is_none();
+        let cuts_numbers = is_cut && data().flatten().any(|cell| is_rest_of_number(cell) || *cell == "-0");
+        let are_pairs = |row: &Vec<&str>| {
+            row.iter().enumerate().all(|(at, cell)| match at % 2 {
+                0 => integer(&cell) && !is_rest_of_number(cell),
+                _ => !cell.is_empty() && cell.bytes().all(|byte| byte.is_ascii_digit()),
+            })
+        };
+        let is_even = shape.width >= 4 && shape.width.is_multiple_of(2);
+        let all_are_cut = is_even && cuts_numbers && data().all(are_pairs);
+        Self { first, numeric, all_integers, decimal: decimal.or(learned), cuts_numbers, all_are_cut }
     }
 }
 
 /// Names that are an empty one and then 0, 1, 2 …, as pandas writes them.
 fn is_numbered(row: &[&str]) -> bool {
     row.len() > 1 && row[0].is_empty() && row[1..].iter().zip(0..).all(|(cell, at)| cell.parse() == Ok(at))
+}
+
+/// Whether a cell begins as only the decimals of a number do: `05`, of a `0,05` that was cut.
+fn is_rest_of_number(cell: &str) -> bool {
+    cell.len() > 1 && cell.starts_with('0') && cell.bytes().all(|byte| byte.is_ascii_digit())
 }
 
 fn mark(cell: &str) -> Option<Decimal> {
@@ -299,7 +349,7 @@ fn shortened(line: &str) -> String {
     }
 }
 
-/// What separates the cells of this line. A comma between numbers that stand in blanks is a decimal comma.
+/// The delimiter of the cells of this line. A comma between numbers that stand in blanks is a decimal comma.
 fn delimiter(line: &str, decimal: Option<Decimal>) -> Delimiter {
     let several = |cell: &str| cell.split(' ').filter(|part| part.parse::<f64>().is_ok()).count() > 1;
     let found = match decimal {

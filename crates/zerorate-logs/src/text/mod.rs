@@ -62,13 +62,13 @@ pub fn read(path: &Path, mut input: Input, room: Room, asked: &ColumnQuery<'_>) 
     Ok(found)
 }
 
-/// How the text starts, and what of that only all of it can tell.
+/// Reads the head of the text, and the whole text where the head leaves a question open.
 fn head(path: &Path, input: &mut Input, asked: &ColumnQuery<'_>) -> Result<Head> {
     let failed = |error| CaptureError::io("read", path, error);
     let clone = |input: &Input| input.try_clone().map_err(failed);
     let start = Blocks::new(path, clone(input)?).next()?;
     let mut head = Head::read(path, &start.as_ref().map(Block::legible).unwrap_or_default(), asked.args)?;
-    // who asks for a second column, or for a time, knows that there are two
+    // a caller that asks for a second column, or for a time, knows that there are two
     let one = match asked.wanted {
         Wanted::One(name) => name.is_none_or(|name| name == "0") && asked.args.time_column.is_none(),
         _ => false,
@@ -117,7 +117,7 @@ impl<'a> TextColumns<'a> {
         pieces.iter().try_for_each(|piece| self.learn(piece))
     }
 
-    /// What a piece holds beside its numbers.
+    /// Takes in the findings of a piece beside its numbers.
     fn learn(&mut self, piece: &Piece) -> Result<(), CaptureError> {
         let path = self.cut.path;
         let Piece { times, lines, rows, bad, first_bad, fatal, cut, numerals, .. } = piece;
@@ -154,8 +154,12 @@ impl<'a> TextColumns<'a> {
     }
 
     fn finish(self, head: Head, asked: &ColumnQuery<'_>) -> Result<Found> {
+        let rows = self.rows();
         let Self { cut, columns, times, numerals, broken, torn, .. } = self;
         let (path, names) = (cut.path, asked.args.names);
+        if rows == 0 && broken.bad == 0 {
+            return Err(CaptureError::not_a_log(path, "it has a header and no rows; was anything recorded?").into());
+        }
         if let Some((line, what)) = numerals.doubt(names.of(Setting::Decimal)) {
             return Err(LogError::File(at_line(path, line, &what)));
         }
@@ -164,7 +168,7 @@ impl<'a> TextColumns<'a> {
             lines,
             first,
         });
-        let broken = broken.judge(path, asked.args.max_bad, names.of(Setting::MaxBad), cut.time.is_none())?;
+        let broken = broken.judge(path, asked.args.max_bad, names.of(Setting::MaxBad))?;
         let broken = broken.map(LogWarning::LinesBroken);
         let warnings = skipped.into_iter().chain(broken).chain(LogWarning::torn(torn)).collect();
         let time = cut.time.map(|time| cut.names[time].clone());

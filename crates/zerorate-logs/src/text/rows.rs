@@ -11,17 +11,17 @@ use std::path::Path;
 use zerorate_record::CaptureError;
 use zerorate_record::delimited::Delimiter;
 
-/// Which cells of a line are wanted.
+/// The wanted cells of a line.
 pub struct Cut<'a> {
     /// The file.
     pub path: &'a Path,
-    /// What separates cells.
+    /// The delimiter of cells.
     pub delimiter: Delimiter,
-    /// How many a line has.
+    /// The number of cells of a line.
     pub width: usize,
     /// Places in a line, in their order, and which of the wanted ones each is.
     pub wanted: Vec<(usize, usize)>,
-    /// Which of the wanted ones is the time.
+    /// The index of the time among the wanted cells.
     pub time: Option<usize>,
     /// Names of the wanted ones.
     pub names: Vec<String>,
@@ -29,13 +29,13 @@ pub struct Cut<'a> {
     pub head: u64,
 }
 
-/// What a block of lines holds.
+/// The content of a block of lines.
 pub struct Piece {
-    /// For each wanted cell a number for each row, NaN where it is missing, and whether all are codes.
+    /// The numbers of each wanted cell, NaN where one is missing, and whether all of them are codes.
     pub columns: Vec<(Vec<f64>, bool)>,
     /// Times of the rows, if they are wanted.
     pub times: Vec<Time>,
-    /// Lines, whatever they hold.
+    /// Lines of any kind.
     pub lines: u64,
     /// Rows and broken lines.
     pub rows: u64,
@@ -45,9 +45,9 @@ pub struct Piece {
     pub first_bad: Option<Wrong>,
     /// A value that must not be skipped.
     pub fatal: Option<Wrong>,
-    /// What is wrong with the last line, which lacks its end.
+    /// The error in the last line, which lacks its end.
     pub cut: Option<Wrong>,
-    /// What the numbers tell of the decimal mark.
+    /// Evidence of the decimal mark.
     pub numerals: Numerals,
 }
 
@@ -66,7 +66,7 @@ pub enum Time {
 }
 
 impl Piece {
-    /// Of no line, of so many columns.
+    /// An empty piece for this number of columns.
     pub fn new(columns: usize) -> Self {
         Self {
             columns: vec![(Vec::new(), true); columns],
@@ -81,7 +81,7 @@ impl Piece {
         }
     }
 
-    /// The same of no line again, in the memory that it has: what is new costs as much as what is read into it.
+    /// Empties the piece but keeps its memory: new memory costs as much as reading into it.
     pub fn clear(&mut self, numerals: Numerals) {
         self.columns.iter_mut().for_each(|(column, are_codes)| {
             column.clear();
@@ -289,14 +289,10 @@ pub struct Broken {
 }
 
 impl Broken {
-    /// What is to be said of them; an error if they are more than may be skipped, as a share of the rows.
-    pub fn judge(
-        self,
-        path: &Path,
-        most: Option<f64>,
-        option: &str,
-        counts: bool,
-    ) -> Result<Option<String>, CaptureError> {
+    /// The text of a warning about them; an error if more lines are broken than may be skipped.
+    ///
+    /// `most` is the share of the rows that may be skipped, and `option` the name of its setting.
+    pub fn judge(self, path: &Path, most: Option<f64>, option: &str) -> Result<Option<String>, CaptureError> {
         let Self { rows, bad, first } = self;
         let Some((line, what)) = first else { return Ok(None) };
         let most = most.unwrap_or(MAX_BAD);
@@ -308,10 +304,9 @@ impl Broken {
             };
             return Err(at_line(path, line, &format!("{what}{why}")));
         }
-        let (are, each) = if bad == 1 { ("is", "it counts") } else { ("are", "each counts") };
-        let means = if counts { format!("; {each} as a missing sample") } else { String::new() };
+        let are = if bad == 1 { "is" } else { "are" };
         Ok(Some(format!(
-            "{}: {bad} of {rows} lines {are} broken and skipped{means} (the first: line {line}, {what})",
+            "{}: {bad} of {rows} lines {are} broken and skipped (the first: line {line}, {what})",
             path.display()
         )))
     }

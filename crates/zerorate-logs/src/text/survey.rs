@@ -1,4 +1,4 @@
-//! What only a whole text can tell: whether its first column is an index, and whether its commas are those of
+//! Questions that only a whole text can answer: whether its first column is an index, and whether its commas mark
 //! decimals.
 
 use super::super::ColumnOptions;
@@ -10,7 +10,7 @@ use std::path::Path;
 use zerorate_record::delimited::Delimiter;
 use zerorate_record::{CaptureError, Input};
 
-/// What holds for every row.
+/// The facts that hold for every row.
 struct Survey {
     rows: u64,
     /// The first cell counts the rows, from 0 or from 1.
@@ -24,7 +24,7 @@ struct Survey {
     rises: bool,
     falls: bool,
     last: i64,
-    /// A cell shows that a comma is that of a decimal: `-0,25` or `1,05`.
+    /// A cell shows that the commas mark decimals: `-0,25` or `1,05`.
     shows_decimals: bool,
     /// A row is not two cells.
     uneven: bool,
@@ -38,14 +38,15 @@ pub fn settle(path: &Path, input: Input, head: &mut Head, args: &ColumnOptions) 
     match head.open {
         Open::Nothing => {}
         Open::OneNameLess if survey.ends_empty => head.width -= 1,
+        Open::OneNameLess if head.has_clash() => return Err(head.miscounted(path, head.lines, head.names.len())),
         Open::OneNameLess => match (survey.is_index, survey.is_decimal) {
             (true, false) => head.index = true,
             (false, true) => head.read_as_decimals(),
             (true, true) => {
                 let name = &head.names[0];
                 return Err(ask(format!(
-                    "the header has one name, `{name}`, and the rows are cut by a comma: as decimals (1,5 is 1.5; \
-                     give {decimal} comma), or behind a number of the row (give that column a name)"
+                    "the header has one name, `{name}`, and each row has one comma. Give {decimal} comma if 1,5 is \
+                     1.5; otherwise give the first column a name"
                 )));
             }
             (false, false) => return Err(head.miscounted(path, head.lines, head.names.len())),

@@ -22,7 +22,7 @@ fn a_header_with_one_name_too_few() {
         let column = read(&text, "--column gy --rate 10");
         assert_eq!((column.name.as_str(), numbers(&column)[4]), ("gy", 0.25), "{header}");
         assert_eq!(numbers(&read(&text, "--column 0 --rate 10"))[4], 2.5, "{header}");
-        // what counts no rows is no index
+        // a column that does not count the rows is not an index
         let text = text.replacen("\n", "\n9", 1);
         let said = fails(&text.replace("\n9\"1\"", "\n\"9\""), "--column gy --rate 10");
         assert!(said.contains("the header has 2 names, and the rows below have 3 cells"), "{said}");
@@ -32,7 +32,7 @@ fn a_header_with_one_name_too_few() {
     assert!(said.contains("line 1: the header has 4 names, and the rows below have 3 cells"), "{said}");
     let said = fails("t,x\n0,1,2,4\n1,2,3,5\n", "--column x --rate 10");
     assert!(said.contains("the header has 2 names, and the rows below have 4 cells"), "{said}");
-    // a delimiter at the end of each row, or of the header, is no cell
+    // a delimiter at the end of each row, or of the header, does not make a cell
     for text in ["t,x\n0,1,\n1,2,\n2,4,\n", "t,x,\n0,1\n1,2\n2,4\n", "t,x,\n0,1,\n1,2,\n2,4,\n"] {
         assert_eq!(numbers(&read(text, "--column x --rate 10")), [1.0, 2.0, 4.0], "{text:?}");
     }
@@ -62,6 +62,43 @@ fn one_column_with_decimal_commas() {
     assert!(fails("gz\n7,0.5\n9,0.7\n8,0.9\n", "--rate 10").contains("has 1 names, and the rows below have 2 cells"));
     assert_eq!(numbers(&read("gz\n1,0.5\n2,0.7\n3,0.9\n", "--rate 10")), [0.5, 0.7, 0.9]);
     assert!(fails("gz\n1,234\n5,678\n", "--rate 10").contains("`1,234` is 1.234 or 1234; give --decimal comma"));
+}
+
+/// Commas cut the rows, and the numbers as well.
+#[test]
+fn decimal_commas_between_commas() {
+    let clash = "decimal commas and comma separators clash in this file. Export it with \";\" or with decimal points";
+    let cut = |number: f64, decimals: usize| format!("{number:.decimals$}").replace('.', ",");
+    let row = |at: i32| format!("{},{},{}\n", cut(at.into(), 3), cut(-0.05 + 0.01 * f64::from(at), 3), cut(0.5, 1));
+    let rows: String = (0..40).map(row).collect();
+    let said = fails(&format!("t_s,gx,gy\n{rows}"), "--column gx --rate 10");
+    assert!(
+        said.contains("the header has 3 names, and the rows below have 6 cells") && said.ends_with(clash),
+        "{said}"
+    );
+    for (text, options) in [
+        (rows.clone(), "--column 1 --rate 10"),
+        (format!("t_s,gx,gy\n{rows}"), "--column gx --rate 10 --decimal comma"),
+        // a counter before a number, as the index of a table
+        ("n,gx\n0,0,125\n1,0,0625\n2,0,25\n".to_owned(), "--column gx --rate 10"),
+        // some numbers without decimals
+        ("n,gx,gy\n0,0,125,0,05\n1,0,0625,0,5\n2,0,25,0,1\n".to_owned(), "--column gx --rate 10"),
+    ] {
+        let said = fails(&text, options);
+        assert!(said.ends_with(clash), "{text}: {said}");
+    }
+    // columns of integers, with and without padding
+    for text in ["a,b,c,d\n1,05,2,3\n2,06,2,4\n", "1,5,2,3\n2,6,2,4\n", "1,05,-2,-3\n2,06,2,4\n"] {
+        assert_eq!(numbers(&read(text, "--column 1 --rate 10")), [5.0, 6.0]);
+    }
+}
+
+#[test]
+fn a_header_without_rows() {
+    for text in ["t_s,gx,gy\n", "t_s,gx,gy", "gx_dps;gy_dps\n"] {
+        let said = fails(text, "--column 1 --rate 10");
+        assert!(said.contains("it has a header and no rows"), "{text}: {said}");
+    }
 }
 
 #[test]
@@ -109,7 +146,7 @@ fn times_as_clocks_show_them() {
         assert!((column.rate_hz - 100.0).abs() < 1e-6 && column.missing() == 0, "{times:?}");
     }
     let said = fails("time,gz\n05/06/2026 07:08 AM,1\n05/06/2026 07:09 AM,2\n", "--column gz --time-column time");
-    assert!(said.contains("is no number, and no time such as 2026-03-01 12:00:00.25"), "{said}");
+    assert!(said.contains("is not a number, and no time such as 2026-03-01 12:00:00.25"), "{said}");
 }
 
 #[test]
@@ -121,7 +158,7 @@ fn names_above_units() {
     assert!(column.warnings.is_empty(), "{:?}", column.warnings);
 }
 
-/// What a board prints while it starts, and what a cable makes of some lines.
+/// The lines that a board prints while it starts, and lines that a cable broke.
 #[test]
 fn a_serial_log() {
     let mut lines: Vec<String> = (0..2000).map(|row| format!("{},{}.5,-3", row * 10, row % 7)).collect();
@@ -135,8 +172,8 @@ fn a_serial_log() {
     let said = column.warnings.iter().map(LogWarning::to_string).collect::<Vec<_>>().join("; ");
     let codes: Vec<&str> = column.warnings.iter().map(LogWarning::code).collect();
     assert_eq!(codes, ["lines-skipped", "lines-broken", "unit-unknown"]);
-    assert!(said.contains("4 lines above the data are no header and skipped (the first: `ets Jun"), "{said}");
-    assert!(said.contains("2 of 2000 lines are broken and skipped; each counts as a missing sample"), "{said}");
+    assert!(said.contains("4 lines above the data are not a header; skipped: `ets Jun"), "{said}");
+    assert!(said.contains("2 of 2000 lines are broken and skipped"), "{said}");
     assert!(said.contains("the first: line 705, it has 2 cells, and the others have 3)"), "{said}");
     // with a time the time tells what is missing
     let column = read(&text, "--column 1 --time-column 0 --time-unit ms");

@@ -8,7 +8,7 @@ use zerorate::Part;
 use zerorate_logs::{ColumnOptions, PartLog};
 use zerorate_record::Row;
 
-/// The scales are those of the data sheet; the log holds no temperature, so that is made up.
+/// The scales come from the data sheet; the log holds no temperature, so that column is made up.
 const ADIS16405: &str = r#"
     schema = 1
     name = "ADIS16405"
@@ -99,7 +99,7 @@ fn hostile_logs_are_refused_with_the_place() {
     fails("t_s,x,y,z,temp\n0,1,2,32768,4\n1,1,2,3,4\n", "column z, row 0: 32768 is beyond the codes of the part");
     fails("t_s,x,y,z_dps,temp\n0,1,2,2000,4\n1,1,2,3,4\n", "16 bits and go from -32768 to 32767");
     fails("t_s,x,y,z,temp\n0,1,2,3,2048\n1,1,2,3,4\n", "column temp, row 0: 2048 is beyond");
-    fails("t_s,x,y,z,temp\n0,1,2,0.5,4\n1,1,2,3,4\n", "column z, row 0: 0.5 is no code, and no unit is stated");
+    fails("t_s,x,y,z,temp\n0,1,2,0.5,4\n1,1,2,3,4\n", "column z, row 0: 0.5 is not a code, and no unit is stated");
     fails("t_s,x,y,z,temp\n0,1,2,inf,4\n1,1,2,3,4\n", "infinite");
     fails("x,y,z,temp\n1,2,3,4\n1,2,3,4\n", "does not say how fast it was sampled");
     fails("t,x,y,z,temp\n1,1,2,3,4\n2,1,2,3,4\n", "does not say how fast it was sampled");

@@ -1,6 +1,6 @@
 //! Common Data Representation of OMG as ROS 2 writes it: little endian, numbers aligned to their size.
 
-/// What says how a message is written: CDR, little endian.
+/// The mark that states the encoding of a message: CDR, little endian.
 const MARK: [u8; 4] = [0, 1, 0, 0];
 
 /// A message that grows.
@@ -20,7 +20,7 @@ impl Cdr {
         self
     }
 
-    /// So many numbers, one after the other.
+    /// Adds these numbers, one after the other.
     pub fn doubles(&mut self, values: &[f64]) -> &mut Self {
         values.iter().fold(self, |message, value| message.number(value.to_le_bytes()))
     }

@@ -94,7 +94,7 @@ fn field_name(column: &str) -> String {
     if starts_well { name } else { format!("axis_{name}") }
 }
 
-/// A row as a message. Codes have 32 bits at most, whatever their sign.
+/// Encodes a row as a message. Codes have 32 bits at most, signed or unsigned.
 pub fn encode(row: &Row) -> Cdr {
     let mut message = Cdr::new();
     message.number(row.t_ns.to_le_bytes()).number(row.edge_seq.to_le_bytes());
@@ -108,7 +108,7 @@ pub fn encode(row: &Row) -> Cdr {
     message
 }
 
-/// The row that a message is; none if it is no row of this layout.
+/// Decodes a message; none if it is not a row of this layout.
 pub fn decode(layout: &Layout, message: &[u8]) -> Option<Row> {
     let mut fields = Fields::of(message)?;
     let (t_ns, edge_seq) = (u64::from_le_bytes(fields.number()?), u32::from_le_bytes(fields.number()?));

@@ -28,10 +28,10 @@ pub const CORRECTED: &str = "/imu/data";
 /// The temperatures.
 pub const TEMPERATURE: &str = "/imu/temperature";
 
-/// What this software calls itself in the head of such a file begins so.
+/// The name of this software begins so in the head of such a file.
 const LIBRARY: &str = "zerorate";
 
-/// As much of a file as its head takes.
+/// Bytes of a file that hold its head.
 const HEAD: u64 = 512;
 
 /// Starts such a file; `path` names it in messages.

@@ -34,12 +34,12 @@ pub struct McapReader {
     stated: Stated,
 }
 
-/// What a message is to the capture.
+/// The meaning of a message for the capture.
 enum Entry {
     Row,
     Check(String),
     End(End),
-    /// Of somebody else.
+    /// A message of other software.
     Other,
     /// The file ends.
     Nothing,
@@ -93,7 +93,7 @@ impl McapReader {
             SAMPLES if rows == MAX_ROWS => Err(self.damaged("a check is missing among its rows")),
             SAMPLES => {
                 let row = decode(&self.layout, &message.data);
-                let row = row.ok_or_else(|| self.damaged("a message is no row of this capture"))?;
+                let row = row.ok_or_else(|| self.damaged("a message is not a row of this capture"))?;
                 self.rows.push(&row);
                 Ok(Entry::Row)
             }
@@ -175,7 +175,7 @@ fn is_capture(message: &Message<'_>) -> bool {
     matches!(message.channel.topic.as_str(), SAMPLES | CHECKS)
 }
 
-/// What a text states; none if that is malformed.
+/// The statement in a text; none if the text is malformed.
 fn statement(message: &[u8]) -> Option<Entry> {
     match Fields::of(message)?.text()?.split_once(" = ")? {
         (chain::BATCH, check) => Some(Entry::Check(check.to_owned())),

@@ -1,4 +1,4 @@
-//! What robots read: `sensor_msgs/Imu` and `sensor_msgs/Temperature`, out of judged rows.
+//! Messages that robots read, made of judged rows: `sensor_msgs/Imu` and `sensor_msgs/Temperature`.
 
 use super::cdr::Cdr;
 use crate::CaptureError;
@@ -13,7 +13,7 @@ use zerorate::{Axis, Calibration};
 /// The frame in which rates are stated, as robots commonly call it.
 const FRAME: &str = "imu_link";
 
-/// Of an axis that the part does not have, (rad/s)²: so large that no filter takes anything of it.
+/// Variance of an axis that the part does not have, (rad/s)²: so large that no filter trusts the axis.
 const UNKNOWN_VARIANCE: f64 = 1e6;
 
 /// Noise bandwidth of a low-pass of first order over its bandwidth at −3 dB. One of higher order has less.
@@ -22,21 +22,21 @@ const NOISE_BANDWIDTH: f64 = std::f64::consts::FRAC_PI_2;
 /// Makes the messages.
 pub struct Robot {
     judging: Judging,
-    /// Which of x, y and z each axis is.
+    /// The direction of each axis: x, y or z.
     directions: Vec<usize>,
     noise: Vec<AxisNoise>,
     temp_variance_c2: f64,
     stamps: Stamps,
-    /// What is added to `t_ns`.
+    /// Offset added to `t_ns`.
     offset_ns: Option<i64>,
-    /// What it was corrected with.
+    /// The id of the calibration that corrected it.
     pub calibration_id: Option<String>,
 }
 
-/// What is known of the error of an axis.
+/// The known errors of an axis.
 struct AxisNoise {
     calibrated: Option<CalibratedAxis>,
-    /// Of a single sample, (°/s)².
+    /// Variance of a single sample, (°/s)².
     sample_dps2: Option<f64>,
 }
 
@@ -49,13 +49,13 @@ pub struct RobotMessages {
 }
 
 impl Robot {
-    /// For rows of this layout; `path` names the file in messages.
+    /// Makes messages for rows of this layout; `path` names the file in messages.
     pub fn new(path: &Path, layout: &Layout, log: RobotLog) -> Result<Self, CaptureError> {
         let RobotLog { part, calibration, stamps } = log;
         let wrong = |why: String| CaptureError::damaged(path, "messages to be written", why);
         let directions = layout.directions().ok_or_else(|| {
             wrong(
-                "a message of sensor_msgs/Imu has the axes x, y and z, and those of this part are not called so \
+                "a message of sensor_msgs/Imu has the axes x, y and z, but the axes of this part have other names \
                 (docs/formats/part.md)"
                     .to_owned(),
             )
@@ -93,7 +93,7 @@ impl Robot {
         t_ns.saturating_add_signed(self.offset_ns.unwrap_or_default())
     }
 
-    /// What comes of a row: the messages of one before it.
+    /// Takes a row and gives the messages of an earlier row.
     pub fn push(&mut self, row: &Row) -> Option<RobotMessages> {
         let judged = self.judging.push(row)?;
         Some(self.messages(&judged))
@@ -115,7 +115,7 @@ impl Robot {
         RobotMessages { stamp_ns, imu: self.imu(stamp_ns, judged), temperature }
     }
 
-    /// Orientation and acceleration are marked as absent. All axes are believed, or there is no message.
+    /// Orientation and acceleration are marked as absent. There is a message only where all axes can be trusted.
     fn imu(&self, stamp_ns: u64, judged: &JudgedRow) -> Option<Cdr> {
         let rates_dps = if self.calibration_id.is_some() { &judged.corrected_dps } else { &judged.rates_dps };
         let (mut rates, mut variances) = ([0.0; 3], [UNKNOWN_VARIANCE; 3]);
@@ -150,7 +150,7 @@ impl AxisNoise {
         Self { calibrated, sample_dps2: white.zip(bandwidth_hz).map(|(white, hz)| white * white * hz) }
     }
 
-    /// Of a corrected sample at a temperature: what the correction may be wrong by, and the noise of a sample.
+    /// The variance of a corrected sample at a temperature: uncertainty of the correction, and noise of a sample.
     fn variance_dps2(&self, temp_c: Option<f64>) -> Option<f64> {
         let u_dps = self.calibrated.as_ref()?.u_correction_dps(temp_c?)?;
         Some(u_dps * u_dps + self.sample_dps2?)

@@ -150,7 +150,7 @@ impl BlockSink for McapSink {
     }
 }
 
-/// Nothing is sought in the file, and blocks end where those of the capture do.
+/// Nothing seeks in the file, and its blocks end where the blocks of the capture end.
 fn options() -> WriteOptions {
     WriteOptions::new()
         .profile("ros2")

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 use zerorate::{Axis, Calibration, Part, Scale};
 
-/// What was written into memory.
+/// The bytes that were written into memory.
 #[derive(Clone, Default)]
 struct Memory(Arc<Mutex<Vec<u8>>>);
 
@@ -112,7 +112,7 @@ fn corrected_rates_carry_their_calibration_and_what_is_known_of_them() {
     assert_eq!(messages(&plain, CORRECTED)[0].1[16..25], [0.0; 9], "a calibration without uncertainties");
 }
 
-/// Raw codes are those of the part, whatever was corrected.
+/// Raw codes come from the part, with and without a correction.
 #[test]
 fn the_rows_are_those_of_a_capture() {
     let dir = tempfile::tempdir().expect("a folder");

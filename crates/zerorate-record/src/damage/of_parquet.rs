@@ -1,4 +1,4 @@
-//! What stands in row groups and in the index behind them.
+//! Damage in row groups and in the index behind them.
 
 use super::*;
 use ::parquet::arrow::ArrowWriter;

@@ -5,7 +5,7 @@ use crate::tests::FORMATS;
 use crate::{CaptureReader, Format, axes, tests as forms};
 use std::path::Path;
 
-/// Samples come out in order of time, whatever the file holds.
+/// Samples come out in order of time, for any content of the file.
 fn read(bytes: &[u8]) {
     let Ok(mut reader) = CaptureReader::open(Path::new("edited"), bytes.to_vec().into()) else { return };
     let samples: Vec<_> = reader.by_ref().map_while(Result::ok).collect();

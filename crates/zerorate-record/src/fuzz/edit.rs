@@ -27,7 +27,7 @@ enum Edit {
     Remove { at: Place, length: u8 },
     /// Some bytes are there twice.
     Splice { from: Place, to: Place, length: u8 },
-    /// The same byte again and again.
+    /// One byte, repeated.
     Fill { at: Place, byte: u8, length: u8 },
 }
 

@@ -3,7 +3,7 @@
 mod track;
 
 use super::correct::load;
-use super::serial::{Part, one_line};
+use super::serial::{GIVE, Part, one_line};
 use crate::device::{DeviceArgs, SamplingArgs};
 use crate::exit::Usage;
 use crate::output::{Outputs, Stdout, say, warn};
@@ -103,7 +103,7 @@ fn check_serial(args: &StreamArgs, facts: &DeviceInfo, calibration: &Calibration
         bail!("{} is the calibration of a part without a serial number, not of part {given}", args.cal.display());
     }
     let name = args.device.device.to_string();
-    let part = Part { name: &name, serial: given.or(recorded), advice: "give --serial SN to have it checked" };
+    let part = Part { name: &name, serial: given.or(recorded), advice: GIVE };
     warn(part.check(calibration, &args.cal)?.map(coded).as_slice());
     Ok(())
 }
