@@ -1,4 +1,4 @@
-//! `cargo xtask iiod`: the libiio server, read by clients that nobody here wrote.
+//! `cargo xtask iiod`: reads the libiio server with clients of other projects.
 
 use crate::app;
 use crate::server::Server;
@@ -19,7 +19,7 @@ const PURPOSE: &str = "the libiio server with libiio's clients";
 /// twice.
 const TESTS: &str = "test --workspace --all-features --quiet --test iiod";
 
-/// Installs the clients, and runs the tests that use them. Where they cannot be had it says so and passes.
+/// Installs the clients and runs the tests that use them. Without the clients it says so and passes.
 pub fn run() -> Result<()> {
     if !(available(&[CLIENTS], PURPOSE)? && module_available("iio", "python3-libiio", PURPOSE)?) {
         return Ok(());
@@ -41,7 +41,7 @@ const SAMPLES: usize = 60_000;
 const SAMPLE_BYTES: usize = 24;
 const RECORDING: &str = "target/iiod.arrows";
 
-/// Several clients look on while the program records: none is short of a sample, and nothing is lost.
+/// Several clients read while the program records. No client misses a sample, and nothing is lost.
 fn trial(program: &Path) -> Result<()> {
     let _ = fs::remove_file(RECORDING);
     let server = Server::start(program, &["--device", "twin:seed=8", "-o", RECORDING])?;
@@ -63,7 +63,7 @@ fn trial(program: &Path) -> Result<()> {
     Ok(fs::remove_file(RECORDING)?)
 }
 
-/// Its exit code says nothing: it ends well even where it got no sample.
+/// Its exit code says nothing: it is 0 even without a sample.
 fn client(uri: &str) -> Result<()> {
     let mut client = Command::new("iio_readdev");
     client.args(["-u", uri, "-b", "256", "-s", &SAMPLES.to_string(), "iio:device0"]);

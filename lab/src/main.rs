@@ -1,4 +1,4 @@
-//! The tasks of `cargo xtask` that take more than a compiler: campaigns, rigs, benchmarks, and what is handed out.
+//! The tasks of `cargo xtask` that need more than a compiler: campaigns, rigs, benchmarks and distribution.
 //!
 //! To add a command: write a module with `#[derive(clap::Args)] pub struct NameArgs` and
 //! `pub fn run(args: &NameArgs)`, and give it a variant in [`Task`].
@@ -37,17 +37,17 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Calibrate many units of the twin and hold the stated uncertainties against their truth
+    /// Calibrate many units of the twin and compare the stated uncertainties with their truth
     Coverage(coverage::CoverageArgs),
-    /// Calibrate many units by every method, hold all against their truth, and write docs/reference/methods.md
+    /// Calibrate many units by every method, compare all with their truth, and write docs/reference/methods.md
     Methods(methods::MethodsArgs),
-    /// Simulate records at rest and hold the fitted noise coefficients against their truth
+    /// Simulate records at rest and compare the fitted noise coefficients with their truth
     CoverageAllan(coverage_allan::CoverageAllanArgs),
     /// Time the Allan deviation beside its peers, which it installs, and print ratios
     BenchPeers(bench_peers::BenchPeersArgs),
-    /// Serve the twin to 20 pages and 4 clients of libiio while it is recorded, and print what that costs
+    /// Serve the twin to 20 pages and 4 clients of libiio while it is recorded, and print the cost
     BenchServe(bench_serve::BenchServeArgs),
-    /// Time the core in WebAssembly beside the program, the page until it shows something, and what it loads
+    /// Time the core in WebAssembly beside the program, and the page's first picture and its size
     BenchWeb,
     /// Run driver, twin and correction on an emulated Cortex-M4F; count instructions and bytes
     Firmware(firmware::FirmwareArgs),
@@ -62,13 +62,13 @@ enum Task {
     Rig(app::ProgramArgs),
     /// Break the part, the files and the program at random moments, and look for results that are wrong and silent
     Trust(trust::TrustArgs),
-    /// Make docs/ a book; run its commands, follow its links
+    /// Render docs/ as a book, run its commands and follow its links
     Book(book::BookArgs),
-    /// Make what is handed out, into target/dist: programs, packages, wheels, libraries, firmware, pictures, licences
+    /// Make the distribution in target/dist: programs, packages, wheels, libraries, firmware, pictures, licences
     Dist(dist::DistArgs),
     /// Make the file that a Pico, or a board with TinyUF2, takes from an image of the bridge
     Uf2(uf2::Uf2Args),
-    /// Write the licences of what is in the page, for `cargo xtask web --site`
+    /// Write the licences of the software in the page, for `cargo xtask web --site`
     #[command(hide = true)]
     PageLicences { out: PathBuf },
 }

@@ -22,19 +22,19 @@ const DEVICE: &str = "twin:seed=1";
 /// Pairs of conversions a second at the nominal clock (F-31): 11 385 conversions, of the rate and the temperature in
 /// turn.
 const PAIRS_HZ: f64 = 5692.6;
-/// Of the time that went by; less than that is no real time.
+/// Share of the elapsed time that the twin must give to count as real time.
 const REAL_TIME: f64 = 0.98;
 /// On a busy machine the twin may take so many times as long.
 const LONGEST: u32 = 10;
 const STEP: Duration = Duration::from_millis(100);
 
-/// What to run.
+/// Command line of `cargo xtask bench-serve`.
 #[derive(clap::Args)]
 pub struct BenchServeArgs {
-    /// How long, s
+    /// Length of the measurement, s
     #[arg(long, default_value_t = 60)]
     seconds: u64,
-    /// Pages that look on
+    /// Pages that watch
     #[arg(long, default_value_t = 20)]
     watchers: usize,
     /// Clients of libiio (iio_readdev, where libiio-utils is installed or can be)
@@ -49,7 +49,7 @@ pub struct BenchServeArgs {
     check: bool,
 }
 
-/// Starts the server, lets everybody look on, and prints what that costs.
+/// Starts the server and all watchers, and prints the cost.
 pub fn run(args: &BenchServeArgs) -> Result<()> {
     let program = program(args)?;
     let clients = if has_iio(args)? { args.clients } else { 0 };
@@ -91,9 +91,9 @@ fn has_iio(args: &BenchServeArgs) -> Result<bool> {
     Ok(args.clients > 0 && tools::available(&[tool], "clients of libiio that look on")?)
 }
 
-/// What everybody saw.
+/// The figures of all watchers.
 struct Seen {
-    /// Of one core.
+    /// Processor time as a share of one core.
     share: f64,
     wall_s: f64,
     pages: Vec<Frames>,
@@ -135,7 +135,7 @@ fn print(seen: &Seen, recorded: &Recorded, wall_s: f64, peak_mb: f64) {
     println!("real time     {verdict}: {span_s:.1} s in {wall_s:.1} s, {:.1} %", share * 100.0);
     let frames_per_s = seen.pages.iter().map(|page| page.count).min().unwrap_or_default() as f64 / seen.wall_s;
     let kb_per_s = seen.pages.iter().map(|page| page.bytes).max().unwrap_or_default() as f64 / 1e3 / seen.wall_s;
-    // the first is one that everybody gets
+    // the first snapshot does not count: every page gets one
     let late: u64 = seen.pages.iter().map(|page| page.snapshots.saturating_sub(1)).sum();
     println!(
         "pages         {}, at least {frames_per_s:.1} frames/s, at most {kb_per_s:.0} KB/s each; \
@@ -146,7 +146,7 @@ fn print(seen: &Seen, recorded: &Recorded, wall_s: f64, peak_mb: f64) {
     println!("memory        {peak_mb:.1} MB at most");
 }
 
-/// Each got samples that were recorded.
+/// Checks that each client got samples that were recorded.
 fn check_clients(clients: &[Vec<u8>], program: &Path, capture: &Path) -> Result<()> {
     if clients.is_empty() {
         println!("libiio        no client");

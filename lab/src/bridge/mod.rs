@@ -3,7 +3,7 @@
 
 mod cable;
 mod emulator;
-/// The firmware's own loop, for what it sends on the host.
+/// The firmware's own loop, to get the bytes that it sends on the host.
 #[path = "../../../firmware/qemu/src/bridge.rs"]
 mod firmware;
 mod script;
@@ -26,17 +26,17 @@ const SAMPLES: u32 = 5_000;
 /// A calibration of half a minute of part time.
 const PLAN: [&str; 10] =
     ["--average", "1s", "--warmup", "10s", "--settle", "10s", "--offset", "5s", "--max-u-btc", "1"];
-/// One frame in so many is damaged.
+/// Number of frames of which one is damaged.
 const DAMAGED_EVERY: u64 = 50;
-/// Bytes until the cable is pulled.
+/// Number of bytes after which the cable is pulled.
 const PULLED_AFTER: u64 = 60_000;
 
-/// What was found.
+/// The results.
 #[derive(Serialize)]
 struct Findings {
     seed: u64,
     duration_s: f64,
-    /// Of the stream that controller and host send alike.
+    /// Bytes of the stream that controller and host send alike.
     bytes_alike: usize,
     probe: Value,
     capture_tcp: Value,
@@ -48,7 +48,7 @@ struct Findings {
     samples_before_the_cable_was_pulled: u64,
 }
 
-/// Runs everything and stops at the first that is wrong.
+/// Runs everything and stops at the first error.
 pub fn run(args: &ProgramArgs) -> Result<()> {
     if !available(&[QEMU], "the bridge in the emulator")? {
         return Ok(());
@@ -152,7 +152,7 @@ impl Bench {
         Ok((there, here))
     }
 
-    /// Damaged frames are found, and what was in them is counted.
+    /// Damaged frames are found, and their samples are counted as lost.
     fn damage(&self) -> Result<(u64, u64)> {
         let emulator = self.emulator(Line::Socket)?;
         let cable = Cable::lay(emulator.port(), Some(DAMAGED_EVERY), None)?;
@@ -169,12 +169,12 @@ impl Bench {
         let warnings = summary["warnings"].to_string();
         let said = warnings.split("damaged-frames: ").nth(1).and_then(|rest| rest.split(' ').next()?.parse().ok());
         let Some(found) = said else { bail!("no word on damaged frames: {warnings}") };
-        // those that came after the last recorded sample are among them
+        // frames after the last recorded sample are among them
         ensure!(found + 2 >= lost, "{found} damaged frames, but {lost} lost samples");
         Ok((found, lost))
     }
 
-    /// What was recorded until the cable was pulled stays.
+    /// Samples recorded before the cable was pulled stay.
     fn pull(&self) -> Result<u64> {
         let emulator = self.emulator(Line::Socket)?;
         let cable = Cable::lay(emulator.port(), None, Some(PULLED_AFTER))?;

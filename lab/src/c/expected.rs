@@ -43,7 +43,7 @@ const SELF_TEST_FAULTS: &str = "no pin -1\nno plan -1\nno result -1\nno function
     not set up -2\ncalls 0 level 0 n 7\nbroken rdy -11\ncalls 1 level 0 n 7\n\
     no rdy -13\ncalls 0 level 0 n 7\nno delay -13\ncalls 0 level 0 n 7\n";
 
-/// Everything that the test prints.
+/// The whole output of the test.
 pub fn text(seed: u64) -> Result<String> {
     let quick = "mclk_hz=1000000,warmup_s=10,curvature=0,hysteresis=0";
     let mut text = MISUSE.to_owned();
@@ -57,7 +57,7 @@ pub fn text(seed: u64) -> Result<String> {
     Ok(text)
 }
 
-/// A stream, with the numbers of the statuses typed again; what is not written stays 7.
+/// A stream, with the numbers of the statuses typed again. Values that are not written stay 7.
 fn stream(text: &mut String) -> Result<()> {
     let validity = Some(Validity { temp_min_c: 25.0, temp_max_c: 33.0, margin_c: 0.5 });
     let mut corrector = Corrector::new(CorrectorConfig { corrections: [CORRECTION], validity });

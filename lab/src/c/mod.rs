@@ -23,7 +23,7 @@ const NEWLIB: Tool = Tool { program: "arm-none-eabi-gcc", package: "libnewlib-ar
 const WARNINGS: [&str; 6] = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-Wconversion"];
 const EXAMPLES: [&str; 2] = ["main_loop", "interrupt"];
 
-/// What to run.
+/// Command line of `cargo xtask c`.
 #[derive(clap::Args)]
 pub struct CArgs {
     /// The unit of the twin
@@ -69,7 +69,7 @@ fn is_self_contained(library: &Path) -> Result<()> {
     Ok(())
 }
 
-/// What `zerorate export` makes of the correction of the test, as `unit.h`.
+/// Exports the correction of the test as `unit.h`, by `zerorate export`.
 fn export_header() -> Result<()> {
     let unit = Path::new(WORK).join("unit.toml");
     fs::write(&unit, expected::CALIBRATION)?;

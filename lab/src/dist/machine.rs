@@ -7,7 +7,7 @@ use std::process::Command;
 
 /// A kind of computer that runs Linux.
 pub struct Machine {
-    /// In the names of files.
+    /// Its name in the names of files.
     pub name: &'static str,
     /// Rust's name of it.
     pub target: &'static str,
@@ -15,7 +15,7 @@ pub struct Machine {
     pub debian: &'static str,
     /// Debian's compiler for it, with the C library that the program takes into itself.
     pub compiler: Tool,
-    /// What runs its programs here; none for this computer.
+    /// The emulator that runs its programs here; none for this computer.
     pub emulator: Option<&'static str>,
 }
 

@@ -1,4 +1,4 @@
-//! What goes with every copy: the licences of all that is linked in with their texts, and a bill of materials.
+//! The papers for every copy: licences of everything linked in, with their texts, and a bill of materials.
 
 use super::product::{Component, PRODUCTS, Product};
 use super::{Folder, python, sbom};
@@ -10,7 +10,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// Rust's page about what is in its own libraries.
+/// Rust's page about the content of its own libraries.
 pub const RUST_LIBRARY: &str = "rust-std-COPYRIGHT.html";
 
 /// The page of a product.
@@ -73,7 +73,7 @@ pub fn page(product: &Product, contents: &[Component]) -> Result<String> {
     Ok(page)
 }
 
-/// Holds each bill to CycloneDX's own schema, by its own library.
+/// Checks each bill against CycloneDX's own schema, with its own library.
 pub fn check(folder: &Folder) -> Result<()> {
     let python = python()?;
     for product in &PRODUCTS {

@@ -1,4 +1,4 @@
-//! The controller in QEMU: what it read, and what it counted.
+//! The controller in QEMU: its readings and its counts.
 
 use super::scenario::Reading;
 use super::tracking::Known;
@@ -11,10 +11,10 @@ use std::process::Command;
 /// An instruction takes 2^SHIFT ns of virtual time.
 const SHIFT: u32 = 10;
 
-/// A tick of SysTick takes so many ns: the core of the mps2-an386 runs at 25 MHz.
+/// Length of a tick of SysTick, ns. The core of the mps2-an386 runs at 25 MHz.
 const TICK_NS: u32 = 40;
 
-/// Everything the image said.
+/// The parsed output of the image.
 #[derive(Default)]
 pub struct Report {
     pub readings: Vec<Reading>,

@@ -1,4 +1,4 @@
-//! AN-1042 on means: steps 4, 6 and 8 of F-51 at their times, without what the real procedure checks beside.
+//! AN-1042 on means: steps 4, 6 and 8 of F-51 at their times, without the checks of the real procedure.
 
 use super::unit::{MEAN_S, Recording};
 use crate::trial::Rig;

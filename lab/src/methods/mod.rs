@@ -21,7 +21,7 @@ use campaign::Units;
 use std::ops::RangeInclusive;
 use unit::Kind;
 
-/// What to run.
+/// Command line of `cargo xtask methods`.
 #[derive(clap::Args)]
 pub struct MethodsArgs {
     /// Units of each kind, by their seeds, both ends included
@@ -39,9 +39,9 @@ pub struct MethodsArgs {
 }
 
 const QUICK: RangeInclusive<u64> = 1..=3;
-/// The tables beside the methods take so much of the units.
+/// Share of the units that the tables beside the methods take.
 const SIDE_SHARE: u64 = 5;
-/// Seeds on which the short form of AN-1042 is held against the real procedure.
+/// Seeds on which the short form of AN-1042 is compared with the real procedure.
 const CHECKED: u64 = 5;
 
 /// Runs everything and writes the page with its pictures.

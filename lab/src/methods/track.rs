@@ -12,12 +12,12 @@ use world::{Day, SELDOM};
 
 const HOURS: f64 = 24.0;
 
-/// What tracking makes of the days of many units.
+/// Results of tracking over the days of many units.
 #[derive(Clone, Debug)]
 pub struct Tracking {
-    /// What the calibration alone leaves, rms over units and time, °/h.
+    /// Residual of the calibration alone, rms over units and time, °/h.
     pub static_dph: f64,
-    /// The same with what was tracked.
+    /// Residual with tracking.
     pub tracked_dph: f64,
     /// Share of the time that the bias was inside the stated 95 % interval, %.
     pub inside: f64,
@@ -43,7 +43,7 @@ impl Tracking {
         }
     }
 
-    /// How much less is left.
+    /// Residual without tracking over residual with it.
     pub fn ratio(&self) -> f64 {
         self.static_dph / self.tracked_dph
     }

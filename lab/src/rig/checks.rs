@@ -1,4 +1,4 @@
-//! Does what the guest saw agree with what the part sent, and what it measured with the truth?
+//! Compares the guest's data with the part's, and the guest's results with the truth.
 
 use super::SLOW_CAPTURES;
 use super::files::{Files, run_of};
@@ -11,7 +11,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// Everything that was seen, by both sides.
+/// The data of both sides.
 pub struct Observed {
     /// The guest's files.
     pub files: PathBuf,
@@ -47,7 +47,7 @@ struct Check {
     statement: String,
 }
 
-/// What the kernel's driver showed, and what the part sent to it.
+/// The readings that the kernel's driver showed, and the readings that the part sent to it.
 #[derive(Serialize)]
 struct KernelDriver {
     rate_scale: String,
@@ -60,7 +60,7 @@ struct KernelDriver {
     temp_codes_part: Vec<u32>,
 }
 
-/// A capture, and what the part knows of it.
+/// A capture, with the part's own account of it.
 #[derive(Serialize)]
 struct Stream {
     samples: u64,
@@ -174,7 +174,7 @@ impl Findings {
         Ok(())
     }
 
-    /// The checks, for people.
+    /// The checks as text for people.
     pub fn text(&self) -> String {
         let mut text = format!("Linux {}, part seed={}, {:.0} s\n", self.kernel_release, self.seed, self.duration_s);
         for Check { holds, statement } in &self.checks {

@@ -41,7 +41,7 @@ const TOOLS: [Tool; 8] = [
 /// MCLK with which every edge reaches the guest: 1054 cycles make a pair (F-31), so 99.6 pairs a second. Not 100, of
 /// which the resonance (F-07) is a multiple: sampling would turn it into a bias.
 const SLOW_HZ: &str = "105000";
-/// The same where it cannot follow: 996 pairs a second.
+/// MCLK at which the guest cannot follow: 996 pairs a second.
 const FAST_HZ: &str = "1050000";
 /// A calibration that a quick part allows, and that a busy host cannot spoil: means have no need of all samples.
 const PLAN: &str = "--average 5s --warmup 30s --settle 10s --offset 15s --max-u-btc 0.05 --max-lost 0.95";

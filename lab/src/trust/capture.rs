@@ -1,4 +1,4 @@
-//! The part breaks at a random moment of a recording, which is held against one of the same unit without the fault.
+//! The part breaks at a random moment of a recording. It is compared with one of the same unit without the fault.
 
 use super::bench::{Bench, Folder, Run, random};
 use super::faults::{Fault, fault_of};

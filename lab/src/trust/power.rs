@@ -67,7 +67,7 @@ impl Disk {
         self.mounted.join(name).display().to_string()
     }
 
-    /// What would be found if the power went now.
+    /// The disk's content if the power went now.
     fn after_a_power_cut(&self, name: &str) -> Result<Option<Self>> {
         let folder = Folder::new(&format!("{name}-cut"))?;
         let image = folder.path().join("disk.img");

@@ -7,7 +7,7 @@ use adis16130_twin::{Motion, Roa, Spec};
 use anyhow::{Context, Result};
 use zerorate::{Method, Plan};
 
-/// What the classes are called, in the order of [`FAULTS`].
+/// Names of the classes, in the order of [`FAULTS`].
 const NAMES: [&str; FAULTS.len()] = [
     "world ordinary",
     "world step",
@@ -51,7 +51,7 @@ const FLICKER_MV: f64 = 10.0;
 const SEEN_SIGMA: f64 = 8.0;
 /// Step 8 and what follows it, s: before that, the hour shows both levels for long enough.
 const STEP_8_S: f64 = 160.0;
-/// An hour sees less than a full turn of a slower sway.
+/// Frequency of a sway below which the hour has less than a full turn.
 const SEEN_HZ: f64 = 3e-4;
 /// Less than half a turn of a small sway was seen to pass for the random walk of the part, or for a bend. The bound is
 /// that of the trials and not derived.
