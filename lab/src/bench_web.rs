@@ -1,5 +1,5 @@
-//! `cargo xtask bench-web`: the core as WebAssembly beside the same core as a program on one thread; how soon the page
-//! shows something, and how much it loads.
+//! `cargo xtask bench-web`: times the core as WebAssembly beside the same core as a program on one thread. It also
+//! measures how soon the page shows something, and how much it loads.
 
 use crate::bench_peers;
 use crate::venv::{done, printed};

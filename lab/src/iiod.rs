@@ -15,8 +15,8 @@ const CLIENTS: Tool = Tool { program: "iio_info", package: "libiio-utils" };
 const REQUIREMENTS: &str = "lab/iiod-requirements.txt";
 const PURPOSE: &str = "the libiio server with libiio's clients";
 
-/// The tests, with all clients installed that can be had. As in the step `test-full`, so that nothing is compiled
-/// twice.
+/// The tests, with all available clients installed. The command is the one of the step `test-full`, so that nothing
+/// is compiled twice.
 const TESTS: &str = "test --workspace --all-features --quiet --test iiod";
 
 /// Installs the clients and runs the tests that use them. Without the clients it says so and passes.
@@ -56,7 +56,7 @@ fn trial(program: &Path) -> Result<()> {
     ensure!(file["whole"] == true && file["lost"] == 0, "the recording lost samples: {file}");
     let span_s = (file["last_ns"].as_f64().unwrap_or(0.0) - file["first_ns"].as_f64().unwrap_or(0.0)) * 1e-9;
     println!(
-        "{TOGETHER} clients of libiio took {SAMPLES} samples each; {} samples in {span_s:.1} s recorded, none lost; \
+        "{TOGETHER} clients of libiio took {SAMPLES} samples each, {} samples in {span_s:.1} s recorded, none lost, \
          {cpu_s:.1} s of processor, {peak_mb:.0} MB at most",
         file["rows"]
     );

@@ -1,4 +1,4 @@
-//! Calibrations of the twin against its truth: of ordinary units, and of units to which something happens during the
+//! Compares calibrations of the twin with its truth, for ordinary units and for units that are disturbed during the
 //! hour.
 
 use adis16130::blocking::Adis16130;
@@ -37,7 +37,7 @@ pub struct Rig {
 
 impl Rig {
     pub fn new(spec: Spec) -> Self {
-        // a host knows the nominal clock, or that of a part that it slowed down
+        // a host knows the nominal clock, or the clock of a part that it slowed down
         let is_nominal = (spec.mclk_hz / f64::from(MCLK_HZ) - 1.0).abs() < 0.05;
         let mclk_hz = if is_nominal { MCLK_HZ } else { spec.mclk_hz as u32 };
         let bandwidth_hz = match spec.roa {
@@ -73,8 +73,8 @@ impl Rig {
         }
     }
 
-    /// The result, and the truth at the end of step 8, or of the recording. A refusal is an error that can be had
-    /// back.
+    /// The result, and the truth at the end of step 8, or of the recording. A refusal is an error from which callers
+    /// can take the refusal.
     pub fn calibrate(&mut self, plan: Plan) -> anyhow::Result<(Outcome, Truth)> {
         let mut air = if plan.method == Method::Cycle { &CYCLE[..] } else { &[] };
         let mut procedure = Procedure::new(&self.axis, plan)?;

@@ -1,5 +1,5 @@
-//! `cargo xtask uf2`: an image as the file that a board takes when it is copied to its drive: a Raspberry Pi Pico, or
-//! an STM32F4 with TinyUF2.
+//! `cargo xtask uf2`: converts an image to the file that a user copies to the drive of a board: a Raspberry Pi Pico,
+//! or an STM32F4 with TinyUF2.
 //!
 //! The format is Microsoft's UF2 (<https://github.com/microsoft/uf2>): blocks of 512 bytes, each with its address and
 //! its number, so that a drive may write them in any order.

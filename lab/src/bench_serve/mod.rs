@@ -1,5 +1,5 @@
-//! `cargo xtask bench-serve`: `zerorate serve` with everybody looking on at once, in real time: pages, clients of
-//! libiio, and a recording, which must lose nothing.
+//! `cargo xtask bench-serve`: runs `zerorate serve` in real time with pages, clients of libiio and a recording at
+//! once. The recording must lose nothing.
 
 mod page;
 mod samples;
@@ -24,7 +24,7 @@ const DEVICE: &str = "twin:seed=1";
 const PAIRS_HZ: f64 = 5692.6;
 /// Share of the elapsed time that the twin must give to count as real time.
 const REAL_TIME: f64 = 0.98;
-/// On a busy machine the twin may take so many times as long.
+/// How many times as long the twin may take on a busy machine.
 const LONGEST: u32 = 10;
 const STEP: Duration = Duration::from_millis(100);
 
@@ -43,8 +43,8 @@ pub struct BenchServeArgs {
     /// The program, instead of building it
     #[arg(long, value_name = "FILE")]
     program: Option<PathBuf>,
-    /// As a step of the test: with the program of the tests, and until the twin has given so much, however long that
-    /// takes on a busy machine
+    /// Run as a step of the test: with the tests' program, and until the twin has given the wanted time, however long
+    /// a busy machine takes for it
     #[arg(long, conflicts_with = "program")]
     check: bool,
 }
@@ -68,7 +68,7 @@ pub fn run(args: &BenchServeArgs) -> Result<()> {
     let expected = recorded.span_s * PAIRS_HZ;
     ensure!(
         (recorded.rows as f64 / expected - 1.0).abs() < 0.03,
-        "{} samples are not those of the time",
+        "{} samples do not match the time",
         recorded.rows
     );
     check_clients(&seen.clients, &program, &capture)

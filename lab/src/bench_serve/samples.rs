@@ -87,8 +87,8 @@ impl Client {
     }
 }
 
-/// Samples of a client are rows in their order, and what is missing between them is counted in them. Returns how many
-/// it got, and how many it was too slow for.
+/// Checks that a client's samples are rows in their order, and that they count the missing rows between them. Returns
+/// how many it got, and how many it was too slow for.
 pub fn check_client(bytes: &[u8], rows: &[(u64, u32)]) -> Result<(u64, u64)> {
     let mut at = None;
     let (mut count, mut missed) = (0, 0);

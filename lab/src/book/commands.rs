@@ -1,8 +1,8 @@
 //! Runs the commands of the chapters on the twin, as a reader would run them.
 //!
 //! Commands stand in fences, never indented. Every ```sh block whose first word is `zerorate` is run, line by line,
-//! from the first chapter to the last, in one folder. A line ends with 0, or as it says: `# refused (exit 3)`. What
-//! needs a part, files of the reader's or hours is marked ```sh,untried, which the book shows.
+//! from the first chapter to the last, in one folder. A line ends with 0, or as it says: `# refused (exit 3)`. A block
+//! that needs a part, the reader's files or hours is marked ```sh,untried, which the book shows.
 
 use anyhow::{Context, Result, bail, ensure};
 use std::fs;

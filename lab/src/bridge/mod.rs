@@ -1,5 +1,5 @@
-//! `cargo xtask bridge`: the program against a bridge's firmware on an emulated Cortex-M4F with the twin in it: over a
-//! socket, over a serial port, and over a cable that does harm.
+//! `cargo xtask bridge`: tries the program with a bridge's firmware on an emulated Cortex-M4F that contains the twin.
+//! It uses a socket, a serial port, and a cable that does harm.
 
 mod cable;
 mod emulator;
@@ -148,7 +148,7 @@ impl Bench {
         let here_dps = number(&here, "pbc_dps")? + shift_c * number(&here, "btc_dps_per_c")?;
         let difference = number(&there, "pbc_dps")? - here_dps;
         let limit = 2.0 * number(&there, "u_pbc_dps")?.hypot(number(&here, "u_pbc_dps")?);
-        ensure!(difference.abs() <= limit, "PBC differs by {difference} °/s from that in process, more than {limit}");
+        ensure!(difference.abs() <= limit, "PBC differs by {difference} °/s from PBC in process, more than {limit}");
         Ok((there, here))
     }
 

@@ -14,7 +14,7 @@ use std::time::Duration;
 const LEAST_BYTES: usize = 26;
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// Starts both, and returns how many bytes of so many samples are the same, which must be all.
+/// Starts both, and returns how many bytes of so many samples are the same. All must be the same.
 pub fn compare(emulator: &Emulator, seed: u64, samples: u32) -> Result<usize> {
     let start = Ask::Start { every_temp: 1, divider: 1, mclk_hz: adis16130::MCLK_HZ };
     let mut room = [0; MAX_FRAME];

@@ -1,5 +1,5 @@
-//! `cargo xtask c`: the C interface: what its library links, and whether C gives what Rust gives, on the
-//! host and on an emulated Cortex-M4F.
+//! `cargo xtask c`: checks the C interface. It looks at what the library links, and compares C with Rust on the host
+//! and on an emulated Cortex-M4F.
 
 mod expected;
 

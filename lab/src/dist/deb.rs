@@ -1,7 +1,7 @@
 //! The Debian package: the program with its manual page, completions, udev rules and a systemd unit.
 //!
-//! It is made by dpkg-deb, which is on every Debian, from the files in `packaging/`: cargo-deb would have to be
-//! compiled first, and what it finds out, the libraries that a program needs, is nothing here.
+//! dpkg-deb, which is on every Debian, makes it from the files in `packaging/`. cargo-deb would have to be compiled
+//! first. It finds the libraries that a program needs, and this program needs none.
 
 use super::machine::{MACHINES, Machine};
 use super::root::Root;
@@ -101,8 +101,8 @@ fn documents(folder: &Folder, to: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Installs this machine's into a bare Debian, uses it as a user and with the rights of the unit, and removes it; the
-/// others' are unpacked there, and their programs run under emulators.
+/// Installs this machine's package into a bare Debian, uses it as a user and with the rights of the unit, and removes
+/// it. The packages of the others are unpacked there, and their programs run under emulators.
 pub fn check(folder: &Folder) -> Result<()> {
     let Some(root) = Root::unpack(folder)? else { return Ok(()) };
     for machine in &MACHINES {

@@ -50,8 +50,8 @@ impl Machine {
         available(&[Tool { program, package: "qemu-user-static" }], &format!("running programs for {}", self.name))
     }
 
-    /// A command that runs `program`, which is one of its own. What starts itself again, as `zerorate` does to read
-    /// files under a limit, cannot do that under an emulator, and goes on without.
+    /// A command that runs `program`, which was built for this machine. A program that starts itself again, as
+    /// `zerorate` does to read files under a limit, cannot do that under an emulator, and goes on without.
     pub fn command(&self, program: &Path) -> Command {
         let Some(emulator) = self.emulator else { return Command::new(program) };
         let mut command = Command::new(emulator);

@@ -1,5 +1,5 @@
-//! `cargo xtask dist`: whatever is handed out, made on Debian 12 on x86-64 into `target/dist/`, and tried where it
-//! would run.
+//! `cargo xtask dist`: makes all distributed files on Debian 12 on x86-64, in `target/dist/`, and tries them where
+//! they would run.
 
 mod c_library;
 mod deb;

@@ -66,7 +66,7 @@ pub fn page(product: &Product, contents: &[Component]) -> Result<String> {
     let without = without.join(", ");
     writeln!(
         page,
-        "\n## Without a text of their own\n\nWhoever wrote these enclosed no text: {without}. Those of MIT and \
+        "\n## Without a text of their own\n\nThe authors of these enclosed no text: {without}. The texts of MIT and \
          Apache-2.0 are as in LICENSE-MIT and LICENSE-APACHE beside this page; SQLite's authors ask for nothing but \
          a blessing."
     )?;

@@ -262,7 +262,7 @@ fn rust_library() -> Result<Component> {
     })
 }
 
-/// Debian's C library, which is inside of the program. Its licence lets whoever has the program put in another one: by
+/// Debian's C library, which is inside the program. Its licence lets every recipient of the program replace it: by
 /// `cargo xtask dist program`, from the sources.
 fn glibc() -> Result<Component> {
     let version = printed(Command::new("dpkg-query").args(["--show", "--showformat=${source:Version}", "libc6-dev"]))?;

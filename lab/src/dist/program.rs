@@ -50,8 +50,8 @@ fn build(machine: &Machine) -> Result<PathBuf> {
     Ok(Path::new(TARGET_DIR).join(machine.target).join("dist/zerorate"))
 }
 
-/// Runs each where it belongs: this computer's in a bare Debian, the others' under emulators. All must print the same
-/// and write the same bytes.
+/// Runs each program where it belongs: this computer's in a bare Debian, the others' under emulators. All must print
+/// the same and write the same bytes.
 pub fn check(folder: &Folder) -> Result<()> {
     let inputs = folder.empty("trial")?;
     trial::lay_out(&inputs)?;

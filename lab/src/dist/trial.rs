@@ -1,5 +1,5 @@
-//! What the program must do wherever it is put: the twin, files of every kind with a foreign decoder behind them, and
-//! a picture. All machines must print the same and write the same bytes.
+//! The trial that the program must pass on every machine: the twin, files of every kind that needs a foreign decoder,
+//! and a picture. All machines must print the same and write the same bytes.
 
 use anyhow::{Context, Result, ensure};
 use std::fs;

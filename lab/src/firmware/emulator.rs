@@ -50,7 +50,7 @@ impl Report {
             let words: Vec<&str> = line.split(' ').collect();
             let number = |index: usize| -> Result<i64> {
                 let word = words.get(index).with_context(|| format!("`{line}` is too short"))?;
-                word.parse().with_context(|| format!("`{word}` in `{line}` is no number"))
+                word.parse().with_context(|| format!("`{word}` in `{line}` is not a number"))
             };
             match words[..] {
                 ["reading", ..] => report.readings.push(Reading {
@@ -86,7 +86,7 @@ fn instructions(ticks: i64) -> Result<u64> {
     let count = (ticks as f64 / per_instruction).round();
     ensure!(
         (count * per_instruction - ticks as f64).abs() <= 2.0,
-        "{ticks} ticks are no whole number of instructions"
+        "{ticks} ticks are not a whole number of instructions"
     );
     Ok(count as u64)
 }

@@ -1,5 +1,5 @@
-//! `cargo xtask firmware`: driver, twin, correction and tracker on an emulated Cortex-M4F: does it compute what the
-//! host computes, how many instructions does that take, and how large are driver and tracker.
+//! `cargo xtask firmware`: runs driver, twin, correction and tracker on an emulated Cortex-M4F. It compares the
+//! results with the host's, counts instructions, and measures the size of driver and tracker.
 
 mod emulator;
 mod footprint;
@@ -184,8 +184,8 @@ fn show(args: &FirmwareArgs, outcome: &Outcome) -> Result<()> {
     Ok(())
 }
 
-/// Against the committed page, and against the goals, of which a missed one is stated; writes the page where that was
-/// asked for.
+/// Compares the figures with the committed page and with the goals. It states missed goals, and writes the page on
+/// request.
 fn judge(args: &FirmwareArgs, outcome: &Outcome) -> Result<()> {
     if args.update {
         ensure!(outcome.readings_agreed.is_some(), "without the emulator the figures are not complete");

@@ -1,5 +1,5 @@
-//! What the noise leaves to know, whatever the method: generalised least squares with everything known but the
-//! coefficients and the walk.
+//! The bound that noise sets to every method: generalised least squares with everything known but the coefficients and
+//! the walk.
 
 use super::least_squares::{Factor, dot};
 use super::unit::{Recording, TEMPS};

@@ -129,8 +129,8 @@ fn judged_warm_up(recording: &Recording) -> anyhow::Result<Judged> {
     Judged::of(recording, gls::fit).context("the warm-up gave nothing")
 }
 
-/// The least that any method can leave of a unit whose bias is known to be of an order, with a rate random walk of so
-/// many times that of M-04, °/h.
+/// The least residual of any method for a unit whose bias is known to have this order, °/h. `factor` gives the rate
+/// random walk as a multiple of M-04.
 pub fn bound_dph(order: usize, factor: f64) -> anyhow::Result<f64> {
     let typical = Axis::ADIS16130.typical_noise();
     let walk = factor * typical.rate_random_walk_dps_per_rt_s;

@@ -1,5 +1,5 @@
-//! `cargo xtask methods`: all ways to find the bias over temperature, against each other and against the truth of many
-//! units, written as docs/reference/methods.md.
+//! `cargo xtask methods`: compares all ways to find the bias over temperature, with each other and with the truth of
+//! many units, and writes docs/reference/methods.md.
 
 mod an1042;
 mod ardupilot;

@@ -101,7 +101,7 @@ fn goals(results: &Results) -> Vec<Goal> {
     let times_better = |kind: Kind, least: f64| {
         let (an1042, warmup) = (summary(kind, AN1042).residual_dph, summary(kind, WARMUP).residual_dph);
         Goal {
-            what: format!("residual of {AN1042} over that of {WARMUP}, {} units", kind.name()),
+            what: format!("residual of {AN1042} over residual of {WARMUP}, {} units", kind.name()),
             goal: format!("at least {least}"),
             measured: format!("{:.1} ({an1042:.1}/{warmup:.1} °/h)", an1042 / warmup),
             is_met: an1042 / warmup >= least,
@@ -120,7 +120,7 @@ fn goals(results: &Results) -> Vec<Goal> {
     };
     let (warmup, cycle) = (summary(Kind::Lagging, WARMUP).residual_dph, summary(Kind::Lagging, CYCLE).residual_dph);
     let cycle = Goal {
-        what: format!("residual of {WARMUP} over that of {CYCLE}, lagging units"),
+        what: format!("residual of {WARMUP} over residual of {CYCLE}, lagging units"),
         goal: "at least 2".to_owned(),
         measured: format!("{:.1} ({warmup:.1}/{cycle:.1} °/h)", warmup / cycle),
         is_met: warmup / cycle >= 2.0,
@@ -136,7 +136,7 @@ fn tracked(tracking: &Tracking) -> [Goal; 2] {
     let Tracking { static_dph, tracked_dph, worse, units, .. } = tracking;
     [
         Goal {
-            what: "a day with 5 % of rest: residual of the calibration alone over that of track".to_owned(),
+            what: "a day with 5 % of rest: residual of the calibration alone over residual of track".to_owned(),
             goal: "at least 3".to_owned(),
             measured: format!("{:.1} ({static_dph:.1}/{tracked_dph:.1} °/h)", tracking.ratio()),
             is_met: tracking.ratio() >= 3.0,

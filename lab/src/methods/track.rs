@@ -1,5 +1,5 @@
-//! `stream --track`: a day of motion with rest for a twentieth of it, behind a calibration by AN-1042. The world is
-//! that of the core's tests.
+//! `stream --track`: a day of motion with rest for a twentieth of it, after a calibration by AN-1042. The motion is
+//! the same as in the core's tests.
 
 #[path = "../../../crates/zerorate/tests/track/world.rs"]
 mod world;

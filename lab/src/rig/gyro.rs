@@ -1,15 +1,15 @@
-//! A gyroscope that is a HID sensor, for the guest: `gyro RECORD` makes it through `/dev/uhid`, and writes down what
-//! it sends.
+//! A gyroscope that is a HID sensor, for the guest. `gyro RECORD` makes it through `/dev/uhid`, and records what it
+//! sends.
 //!
-//! Compiled by itself, with the standard library only and statically, for the guest has no other library.
+//! It is compiled by itself, statically, with the standard library alone, because the guest has no other library.
 
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
 /// Time from one reading to the next.
 const PERIOD: Duration = Duration::from_millis(10);
-/// A reading that is later than this is not sent: so whoever receives two can tell from their times how many are
-/// missing between them.
+/// A reading that is later than this is not sent. A receiver can therefore tell from the times of two readings how
+/// many are missing between them.
 const LATEST: Duration = Duration::from_millis(4);
 /// Readings in a group, of which the last few are never sent.
 const BLOCK: u32 = 50;

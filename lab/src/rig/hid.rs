@@ -175,7 +175,7 @@ impl Stream {
         let width_ns = most - least;
         check(
             width_ns >= 0,
-            format!("{name}: each time is that of its hand-over, by one clock ({width_ns} ns of slack)"),
+            format!("{name}: each timestamp is the time of hand-over, by one clock ({width_ns} ns of slack)"),
         );
         let allowed = TOLERANCE * (*samples as f64 + self.lost_in_truth as f64) + TOLERANCE_READINGS;
         let Self { lost_counted, lost_in_truth, miscounted, .. } = self;

@@ -51,7 +51,7 @@ fn gyro(folder: &Path) -> Result<PathBuf> {
     Ok(program)
 }
 
-/// Copies a program, and the libraries that it was linked with to where it looks for them; a static one has none.
+/// Copies a program, and its libraries to where it looks for them. A static program has none.
 fn add_program(root: &Path, program: &Path, name: &str) -> Result<()> {
     fs::copy(program, root.join("bin").join(name)).with_context(|| format!("copying {}", program.display()))?;
     let libraries = Command::new("ldd").arg(program).stderr(Stdio::null()).output()?;

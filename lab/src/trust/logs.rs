@@ -1,6 +1,5 @@
 //! Logs of other people's software that carry checks of their own: a bit flips, or a bag states another number of
-//! messages. The files are those of `crates/zerorate-logs/fixtures/make_checked.py`, by independent
-//! writers.
+//! messages. `crates/zerorate-logs/fixtures/make_checked.py` made the files, with independent writers.
 
 use super::bench::{Bench, Folder, Run, random};
 use super::{Class, Verdict};

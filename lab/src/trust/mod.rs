@@ -1,5 +1,5 @@
-//! `cargo xtask trust`: does the program ever hand out a wrong result without a word? Faults, damage and bad worlds,
-//! drawn from seeds; every run is judged against what the twin knows or against what was recorded without the fault.
+//! `cargo xtask trust`: does the program ever give a wrong result without a warning? Faults, damage and bad worlds are
+//! drawn from seeds. Every run is compared with the twin's truth, or with a recording without the fault.
 
 mod bench;
 mod capture;

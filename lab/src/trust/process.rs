@@ -66,7 +66,7 @@ fn kill_capture(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict
     Ok(if saved == whole {
         Verdict::Right
     } else {
-        Verdict::Silent(format!("the first {rows} samples are not those of the part"))
+        Verdict::Silent(format!("the first {rows} samples differ from the part's"))
     })
 }
 
