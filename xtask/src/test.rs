@@ -5,12 +5,12 @@ use anyhow::{Result, ensure};
 use std::time::Instant;
 use xtask::arguments::Arguments;
 
-/// All crates, with their default features; documentation tests are among them. In the profile of the README's first
-/// command, which has built the dependencies by then: those of another profile take minutes. `test-full` of `ci` tests
-/// in the profile `dev`, which checks for overflow.
+/// All crates, with their default features and with documentation tests. The profile is the one of the README's first
+/// command, which has built the dependencies by then. Building them in another profile takes minutes. `test-full` of
+/// `ci` tests in the profile `dev`, which checks for overflow.
 pub const STEP: Step = Step::new("test", "test --release");
 
-/// What is not tested here, in one line.
+/// The tests that are left out here, in one line.
 const BESIDE: &str = "`cargo xtask check` looks at format, lints, generated files and bare targets; `cargo xtask ci` \
                       does all this and tests all features, C, Python, the page, firmware and rigs.";
 

@@ -62,7 +62,7 @@ pub unsafe extern "C" fn zerorate_self_test_plan_default(plan: *mut SelfTestPlan
 /// Else the errors of zerorate_gyro_read, and ZERORATE_E_PIN.
 ///
 /// # Safety
-/// Each pointer is null or points to memory of its type; nothing else uses the gyroscope meanwhile; what `pin` points
+/// Each pointer is null or points to memory of its type. Nothing else uses the gyroscope meanwhile. What `pin` points
 /// to may be called as its documentation says.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_gyro_self_test(

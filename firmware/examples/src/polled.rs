@@ -1,4 +1,4 @@
-//! A loop that waits for RDY, on whatever has embedded-hal: the one of the project's README.
+//! The loop of the project's README, which waits for RDY. It runs on any board with embedded-hal.
 
 // README: begin
 use crate::{BackOff, unit}; // unit.rs: zerorate export unit.toml --format rust
