@@ -29,7 +29,7 @@ pub fn check(out: &Path) -> Result<()> {
     fs::remove_file(&foreign)?;
     let (shown, said) = seen?;
     ensure!(said.contains("Content Security Policy") && !shown.contains("<title>run"), "the policy is not in force");
-    println!("{} pages of the book in Chromium keep to their policy, and it is in force", PAGES.len());
+    println!("{} pages of the book in Chromium keep to their policy, which is in force", PAGES.len());
     Ok(())
 }
 

@@ -64,9 +64,9 @@ pub fn run(args: &ProgramArgs) -> Result<()> {
         println!("{}", serde_json::to_string_pretty(&findings)?);
     }
     eprintln!(
-        "seed {}: {} bytes of samples are the same from controller and host; probe, capture (socket and serial port) \
-         and calibrate agree with the twin; {} damaged frames cost {} samples; {} samples were kept when the cable \
-         was pulled",
+        "seed {}: {} bytes of samples are the same from controller and host. Probe, capture (socket and serial port) \
+         and calibrate agree with the twin. {} damaged frames cost {} samples. {} samples were kept when the cable \
+         was pulled.",
         findings.seed,
         findings.bytes_alike,
         findings.damaged_frames,

@@ -1,4 +1,4 @@
-//! Compares the program's data with those of a gyroscope of another kind, read through the kernel's HID driver.
+//! Compares the program's data with a gyroscope of another kind, read through the kernel's HID driver.
 
 use super::files::{Files, GuestRow, run_of};
 use anyhow::{Context, Result};

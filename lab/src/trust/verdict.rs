@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// What the user is left with after a run.
+/// The state in which a run leaves its user.
 pub enum Verdict {
     /// The result is right, or all that was recorded until then.
     Right,
