@@ -46,8 +46,8 @@ pub struct Settings {
     pub divider: u16,
     /// Width of the data registers: 24 or 16.
     pub bits: u8,
-    /// 1 = CS rises between all bytes, as the note prescribes, and `transfer` is called once per byte. 0 = CS stays
-    /// low for a whole command, which is faster and works too (F-22).
+    /// 1 = CS rises between all bytes, as the note prescribes, and `transfer` is called once per byte. With 0 CS
+    /// stays low for a whole command, which is faster and works too (F-22).
     pub per_byte_framing: u8,
     /// Which edge of the line says "new data": 0 = falling, 1 = rising, as behind an inverting level shifter.
     pub rdy_rises: u8,
