@@ -76,7 +76,7 @@ fn record() -> Vec<f64> {
     uniform.chunks_exact(12).map(sample).collect()
 }
 
-/// With the search for glitches and steps.
+/// The noise model with the search for glitches and steps.
 #[divan::bench(sample_count = 5, sample_size = 1)]
 fn noise_model(bencher: Bencher<'_, '_>) {
     let record = record();

@@ -4,7 +4,7 @@ use anyhow::Result;
 use std::path::PathBuf;
 pub use xtask::app::{program, target_folder};
 
-/// What a task takes that tries the program on a unit of the twin.
+/// Options of a task that tries the program on a unit of the twin.
 #[derive(clap::Args)]
 pub struct ProgramArgs {
     /// The unit of the twin

@@ -15,7 +15,7 @@ const LOGS: &str = "target/bench-peers";
 const PROGRAM: &str = "target/peers/dist/zerorate";
 const AXES: &str = "gx,gy,gz,ax,ay,az";
 
-/// What to run.
+/// Command line of `cargo xtask bench-peers`.
 #[derive(clap::Args)]
 pub struct BenchPeersArgs {
     /// Samples; the default is an hour at 5.7 kSPS
@@ -88,7 +88,7 @@ fn print_times(lines: &[Line]) {
     }
 }
 
-/// Work, and how many times as fast as allantools zerorate is to be on two threads.
+/// Work, and the goal: how many times as fast as allantools on two threads.
 const GOALS: [(&str, f64); 5] =
     [("oadev", 45.0), ("oadev, fine", 60.0), ("mdev", 40.0), ("ohdev", 40.0), ("totdev", 40.0)];
 
@@ -107,7 +107,7 @@ fn missed(is_met: bool) -> &'static str {
     if is_met { "" } else { ", MISSED" }
 }
 
-/// The best peer that did the same work, codes standing for the rates that they are.
+/// The best peer that did the same work. Work on codes is compared with work on rates.
 fn peer_of<'a>(lines: &'a [Line], ours: &Line) -> Option<(&'a str, f64)> {
     let work = ours.work.trim_end_matches(" of codes");
     let is_ours = |line: &Line| line.who.starts_with("zerorate");
@@ -152,7 +152,7 @@ fn time_program() -> Result<()> {
     Ok(std::fs::remove_file(CAPTURE)?)
 }
 
-/// Files, and how many times as fast as polars or NumPy and allantools the program is to be with each.
+/// Files, and the goal with each: how many times as fast as polars or NumPy and allantools.
 const FILES: [(&str, f64); 4] = [("one.csv", 6.0), ("seven.csv", 6.0), ("seven.parquet", 15.0), ("one.npy", 15.0)];
 
 /// From a log of noise to the table: the whole program beside a whole program in Python, each the best of three.
@@ -196,7 +196,7 @@ fn analysis<'a>(path: &'a str, columns: &'a str) -> [&'a str; 8] {
     ["allan", path, "--column", columns, "--rate", "1", "--unit", "dps"]
 }
 
-/// The most memory of the program, beside that of the columns as f64.
+/// The program's peak memory as a multiple of the columns as f64.
 fn print_peak(python: &Path, path: &str, columns: &str, samples: u64) -> Result<()> {
     let mut command = Command::new(python);
     command.args(["lab/peers/files.py", "peak", PROGRAM]).args(analysis(path, columns));

@@ -1,5 +1,5 @@
-//! `cargo xtask bench-web`: the core as WebAssembly beside the same core as a program on one thread; how soon the page
-//! shows something, and how much it loads.
+//! `cargo xtask bench-web`: times the core as WebAssembly beside the same core as a program on one thread. It also
+//! measures how soon the page shows something, and how much it loads.
 
 use crate::bench_peers;
 use crate::venv::{done, printed};
@@ -11,14 +11,14 @@ use std::process::Command;
 const DATA: &str = "target/bench-web.f64";
 /// An hour at 5.7 kSPS.
 const SAMPLES: &str = "20500000";
-/// WebAssembly may take so many times as long.
+/// How many times as long WebAssembly may take.
 const MOST_TIMES: f64 = 1.6;
-/// Until something is drawn, s.
+/// Time until something is drawn, s.
 const MOST_S: f64 = 1.0;
-/// Before anything is drawn, and the readers of logs, KB.
+/// Size loaded before anything is drawn, and size of the readers of logs, KB.
 const MOST_KB: [f64; 2] = [150.0, 800.0];
 
-/// What the browser's side prints.
+/// The output of the browser's side.
 #[derive(Deserialize)]
 struct Page {
     seconds: f64,
@@ -39,7 +39,7 @@ struct Line {
     dev: Option<Vec<Option<f64>>>,
 }
 
-/// Builds both as they are handed out, runs them one after the other, prints the figures and what misses its goal.
+/// Builds both as distributed, runs them one after the other, prints the figures and the missed goals.
 pub fn run() -> Result<()> {
     web::build_small()?;
     let peers = bench_peers::peers()?;

@@ -1,4 +1,4 @@
-//! `cargo xtask coverage`: calibrates many units of the twin and holds what is stated against their truth.
+//! `cargo xtask coverage`: calibrates many units of the twin and compares the statements with their truth.
 
 use crate::seeds::{self, for_each_seed};
 use crate::trial::{self, FAULTS, Fault, Judged, Rig, Unit, judge};
@@ -11,7 +11,7 @@ use zerorate::{Axis, Correction, Plan, Reading, Uncertainty};
 /// How long the part is off before its second warm-up, s.
 const OFF_S: u64 = 3600;
 
-/// What to run.
+/// Command line of `cargo xtask coverage`.
 #[derive(clap::Args)]
 pub struct CoverageArgs {
     /// Units, by their seeds, both ends included
@@ -23,7 +23,7 @@ pub struct CoverageArgs {
     /// Only the default units: errors, and a second warm-up with and without correction
     #[arg(long)]
     default_units: bool,
-    /// Only the units to which something happens: how often what is wrong is told
+    /// Only the disturbed units: how often a wrong result is reported
     #[arg(long, conflicts_with_all = ["linear_units", "default_units"])]
     disturbed_units: bool,
     /// Units at once
@@ -31,7 +31,7 @@ pub struct CoverageArgs {
     threads: usize,
 }
 
-/// Runs both parts, or the one that was asked for.
+/// Runs all parts, or the requested one.
 pub fn run(args: &CoverageArgs) -> anyhow::Result<()> {
     if args.disturbed_units {
         println!("| what happens | inside | warned | refused | wrong and silent | the worst of these |");

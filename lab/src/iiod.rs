@@ -1,4 +1,4 @@
-//! `cargo xtask iiod`: the libiio server, read by clients that nobody here wrote.
+//! `cargo xtask iiod`: reads the libiio server with clients of other projects.
 
 use crate::app;
 use crate::server::Server;
@@ -15,11 +15,11 @@ const CLIENTS: Tool = Tool { program: "iio_info", package: "libiio-utils" };
 const REQUIREMENTS: &str = "lab/iiod-requirements.txt";
 const PURPOSE: &str = "the libiio server with libiio's clients";
 
-/// The tests, with all clients installed that can be had. As in the step `test-full`, so that nothing is compiled
-/// twice.
+/// The tests, with all available clients installed. The command is the one of the step `test-full`, so that nothing
+/// is compiled twice.
 const TESTS: &str = "test --workspace --all-features --quiet --test iiod";
 
-/// Installs the clients, and runs the tests that use them. Where they cannot be had it says so and passes.
+/// Installs the clients and runs the tests that use them. Without the clients it says so and passes.
 pub fn run() -> Result<()> {
     if !(available(&[CLIENTS], PURPOSE)? && module_available("iio", "python3-libiio", PURPOSE)?) {
         return Ok(());
@@ -41,7 +41,7 @@ const SAMPLES: usize = 60_000;
 const SAMPLE_BYTES: usize = 24;
 const RECORDING: &str = "target/iiod.arrows";
 
-/// Several clients look on while the program records: none is short of a sample, and nothing is lost.
+/// Several clients read while the program records. No client misses a sample, and nothing is lost.
 fn trial(program: &Path) -> Result<()> {
     let _ = fs::remove_file(RECORDING);
     let server = Server::start(program, &["--device", "twin:seed=8", "-o", RECORDING])?;
@@ -56,14 +56,14 @@ fn trial(program: &Path) -> Result<()> {
     ensure!(file["whole"] == true && file["lost"] == 0, "the recording lost samples: {file}");
     let span_s = (file["last_ns"].as_f64().unwrap_or(0.0) - file["first_ns"].as_f64().unwrap_or(0.0)) * 1e-9;
     println!(
-        "{TOGETHER} clients of libiio took {SAMPLES} samples each; {} samples in {span_s:.1} s recorded, none lost; \
+        "{TOGETHER} clients of libiio took {SAMPLES} samples each, {} samples in {span_s:.1} s recorded, none lost, \
          {cpu_s:.1} s of processor, {peak_mb:.0} MB at most",
         file["rows"]
     );
     Ok(fs::remove_file(RECORDING)?)
 }
 
-/// Its exit code says nothing: it ends well even where it got no sample.
+/// Its exit code says nothing: it is 0 even without a sample.
 fn client(uri: &str) -> Result<()> {
     let mut client = Command::new("iio_readdev");
     client.args(["-u", uri, "-b", "256", "-s", &SAMPLES.to_string(), "iio:device0"]);

@@ -1,4 +1,4 @@
-//! The tasks of `cargo xtask` that take more than a compiler: campaigns, rigs, benchmarks, and what is handed out.
+//! The tasks of `cargo xtask` that need more than a compiler: campaigns, rigs, benchmarks and distribution.
 //!
 //! To add a command: write a module with `#[derive(clap::Args)] pub struct NameArgs` and
 //! `pub fn run(args: &NameArgs)`, and give it a variant in [`Task`].
@@ -37,14 +37,14 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Calibrate many units of the twin and hold the stated uncertainties against their truth
+    /// Calibrate many units of the twin and compare the stated uncertainties with their truth
     Coverage(coverage::CoverageArgs),
-    /// Calibrate many units by every method, hold all against their truth, and write docs/reference/methods.md
+    /// Calibrate many units by every method, compare all with their truth, and write docs/reference/methods.md
     ///
     /// The whole table takes about half an hour on two cores. It is written with its pictures, also with fewer
     /// `--seeds`. `--quick` runs the methods on a few units.
     Methods(methods::MethodsArgs),
-    /// Simulate records at rest and hold the fitted noise coefficients against their truth
+    /// Simulate records at rest and compare the fitted noise coefficients with their truth
     CoverageAllan(coverage_allan::CoverageAllanArgs),
     /// Time the Allan deviation beside its peers, which it installs, and print ratios
     BenchPeers(bench_peers::BenchPeersArgs),
@@ -55,7 +55,7 @@ enum Task {
     /// depends on. Without `--check` the task measures the figures of docs/serve.md, with the program as it is handed
     /// out.
     BenchServe(bench_serve::BenchServeArgs),
-    /// Time the core in WebAssembly beside the program, the page until it shows something, and what it loads
+    /// Time the core in WebAssembly beside the program, and the page's first picture and its size
     BenchWeb,
     /// Run driver, twin and correction on an emulated Cortex-M4F; count instructions and bytes
     ///
@@ -112,7 +112,7 @@ enum Task {
     Dist(dist::DistArgs),
     /// Make the file that a Pico, or a board with TinyUF2, takes from an image of the bridge
     Uf2(uf2::Uf2Args),
-    /// Write the licences of what is in the page, for `cargo xtask web --site`
+    /// Write the licences of the software in the page, for `cargo xtask web --site`
     #[command(hide = true)]
     PageLicences { out: PathBuf },
 }

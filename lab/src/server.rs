@@ -1,4 +1,4 @@
-//! `zerorate serve` as a process, for tasks that look on.
+//! `zerorate serve` as a process, for tasks that watch it.
 
 use crate::venv::done;
 use anyhow::{Context, Result, ensure};
@@ -8,17 +8,17 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread;
 
-/// The server, ended with this.
+/// The server, which ends when this value is dropped.
 pub struct Server {
     child: Child,
-    /// Where pages connect.
+    /// The address where pages connect.
     pub page: String,
-    /// Where clients of libiio connect, as they are told it.
+    /// The address where clients of libiio connect, in their notation.
     pub iio_uri: String,
 }
 
 impl Server {
-    /// At ports that are free, with these arguments; what it says from then on goes to stderr.
+    /// Starts it at free ports with these arguments; its further messages go to stderr.
     pub fn start(program: &Path, arguments: &[&str]) -> Result<Self> {
         let mut command = Command::new(program);
         command.args(["serve", "--listen", "127.0.0.1:0", "--iio", "127.0.0.1:0"]).args(arguments);
@@ -32,9 +32,9 @@ impl Server {
         Ok(server)
     }
 
-    /// Time of the processor by now, s.
+    /// Processor time until now, s.
     pub fn cpu_s(&self) -> Result<f64> {
-        /// `getconf CLK_TCK`: so many Linux counts for whoever asks.
+        /// Ticks a second in Linux's accounts (`getconf CLK_TCK`).
         const TICKS_PER_S: f64 = 100.0;
         let stat = fs::read_to_string(format!("/proc/{}/stat", self.child.id()))?;
         let (_, behind_name) = stat.rsplit_once(')').context("/proc/PID/stat")?;
@@ -42,14 +42,14 @@ impl Server {
         Ok(ticks.sum::<Result<f64, _>>()? / TICKS_PER_S)
     }
 
-    /// The most memory that it had, MB.
+    /// Its peak memory, MB.
     pub fn peak_mb(&self) -> Result<f64> {
         let status = fs::read_to_string(format!("/proc/{}/status", self.child.id()))?;
         let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).context("/proc/PID/status")?;
         Ok(line.trim().trim_end_matches(" kB").parse::<f64>()? / 1024.0)
     }
 
-    /// As Ctrl-C does.
+    /// Ends it as Ctrl-C does.
     pub fn end(mut self) -> Result<()> {
         done(Command::new("kill").args(["-INT", &self.child.id().to_string()]))?;
         let status = self.child.wait()?;

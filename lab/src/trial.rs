@@ -1,4 +1,4 @@
-//! Calibrations of the twin against its truth: of ordinary units, and of units to which something happens during the
+//! Compares calibrations of the twin with its truth, for ordinary units and for units that are disturbed during the
 //! hour.
 
 use adis16130::blocking::Adis16130;
@@ -37,7 +37,7 @@ pub struct Rig {
 
 impl Rig {
     pub fn new(spec: Spec) -> Self {
-        // a host knows the nominal clock, or that of a part that it slowed down
+        // a host knows the nominal clock, or the clock of a part that it slowed down
         let is_nominal = (spec.mclk_hz / f64::from(MCLK_HZ) - 1.0).abs() < 0.05;
         let mclk_hz = if is_nominal { MCLK_HZ } else { spec.mclk_hz as u32 };
         let bandwidth_hz = match spec.roa {
@@ -73,8 +73,8 @@ impl Rig {
         }
     }
 
-    /// The result, and the truth at the end of step 8, or of the recording. A refusal is an error that can be had
-    /// back.
+    /// The result, and the truth at the end of step 8, or of the recording. A refusal is an error from which callers
+    /// can take the refusal.
     pub fn calibrate(&mut self, plan: Plan) -> anyhow::Result<(Outcome, Truth)> {
         let mut air = if plan.method == Method::Cycle { &CYCLE[..] } else { &[] };
         let mut procedure = Procedure::new(&self.axis, plan)?;
@@ -104,7 +104,7 @@ fn new_sampler(mclk_hz: u32) -> Sampler {
     Sampler::new(SamplerConfig::default(), &Config::default(), mclk_hz)
 }
 
-/// An estimate's error and its stated standard uncertainty.
+/// The error of an estimate and its stated standard uncertainty.
 #[derive(Clone, Copy, Debug)]
 pub struct Judged {
     pub error: f64,
@@ -130,13 +130,13 @@ pub fn judge(outcome: &Outcome, truth: &Truth) -> Unit {
 /// How the calibration of a unit ended.
 #[derive(Clone, Debug)]
 pub enum Ended {
-    /// With numbers, and the warnings that tell of something that happened (by their codes).
+    /// It gave numbers, with the codes of the warnings that report an event.
     Calibrated { unit: Unit, warnings: Vec<&'static str> },
-    /// With a refusal.
+    /// It was refused.
     Refused,
 }
 
-/// Warnings that say what the plan asked for, or what every measurement leaves open.
+/// Warnings that repeat the plan, or that every measurement has.
 const STANDING: [&str; 4] = ["earth-included", "earth-subtracted", "curvature-unseen", "short-average"];
 
 /// Calibrates a unit.
@@ -165,12 +165,12 @@ impl Ended {
         }
     }
 
-    /// It told nobody.
+    /// Whether it gave no warning.
     pub fn is_silent(&self) -> bool {
         matches!(self, Self::Calibrated { warnings, .. } if warnings.is_empty())
     }
 
-    /// Outside the 95 % interval, and it told nobody.
+    /// Whether the result is outside the 95 % interval without a warning.
     pub fn is_wrong_and_silent(&self) -> bool {
         self.is_silent() && self.worst() > Uncertainty::FACTOR
     }
@@ -182,7 +182,7 @@ pub struct Fault {
     pub spec: fn(u64) -> Spec,
 }
 
-/// What the procedure has to notice by itself. The seed draws sizes, times and signs.
+/// Events that the procedure has to notice by itself. The seed draws sizes, times and signs.
 pub const FAULTS: [Fault; 12] = [
     Fault { name: "none", spec: Spec::from_seed },
     Fault { name: "supply step of 20 to 400 mV at any time", spec: |seed| step(seed, 0.0, HOUR_S) },
@@ -210,7 +210,7 @@ pub const FAULTS: [Fault; 12] = [
     },
 ];
 
-/// What the methods that take the whole recording have to notice: a sway that is slow against it.
+/// A sway that is slow against the recording. The methods that take the whole recording have to notice it.
 pub fn slow_sway(seed: u64) -> Spec {
     let (sway_dps, sway_hz) = (draw(seed, 1).between_logs(0.01, 0.2), draw(seed, 2).between_logs(1e-4, 1e-3));
     Spec { motion: Motion::Sway, sway_dps, sway_hz, ..Spec::from_seed(seed) }

@@ -1,5 +1,5 @@
-//! `cargo xtask uf2`: an image as the file that a board takes when it is copied to its drive: a Raspberry Pi Pico, or
-//! an STM32F4 with TinyUF2.
+//! `cargo xtask uf2`: converts an image to the file that a user copies to the drive of a board: a Raspberry Pi Pico,
+//! or an STM32F4 with TinyUF2.
 //!
 //! The format is Microsoft's UF2 (<https://github.com/microsoft/uf2>): blocks of 512 bytes, each with its address and
 //! its number, so that a drive may write them in any order.
@@ -24,12 +24,12 @@ pub struct Uf2Args {
     output: Option<PathBuf>,
 }
 
-/// What a boot loader takes.
+/// A boot loader's family and flash.
 struct Family {
     name: &'static str,
     /// "Family ID" in Microsoft's list.
     id: u32,
-    /// Its flash: nothing else may be in the file, or the boot loader of an RP2040 takes it for a program in RAM.
+    /// Its flash. With anything else in the file, the boot loader of an RP2040 takes it for a program in RAM.
     flash: Range<u32>,
 }
 
@@ -67,7 +67,7 @@ pub fn convert(image: &[u8]) -> Result<Vec<u8>> {
     Ok(blocks(&pages, family))
 }
 
-/// What of an image belongs into flash, by whole pages, zeros where nothing is.
+/// The part of an image that belongs into flash, in whole pages, filled with zeros.
 fn pages(image: &[u8]) -> Result<BTreeMap<u32, [u8; PAGE]>> {
     let file = ElfFile32::<Endianness>::parse(image)?;
     let mut pages = BTreeMap::new();
@@ -104,7 +104,7 @@ fn blocks(pages: &BTreeMap<u32, [u8; PAGE]>, family: &Family) -> Vec<u8> {
 mod tests {
     use super::*;
 
-    /// What a boot loader would write, by a reader that shares nothing with the writer.
+    /// The bytes that a boot loader would write, by a reader that shares nothing with the writer.
     #[test]
     fn another_reader_finds_the_same_bytes() {
         let image: Vec<u8> = (0..1000_u32).map(|i| (i * 7) as u8).collect();

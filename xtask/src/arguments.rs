@@ -40,7 +40,7 @@ impl Arguments {
         Ok(self.0)
     }
 
-    /// Refuses whatever is left.
+    /// Refuses all arguments that are left.
     pub fn end(self) -> Result<()> {
         let words = self.words()?;
         ensure!(words.is_empty(), "unknown argument {}: --help names those that there are", words.join(" "));

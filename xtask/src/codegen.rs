@@ -1,11 +1,11 @@
-//! `cargo xtask codegen`: all files that are made of other sources of the project.
+//! `cargo xtask codegen`: all files that are generated from other sources of the project.
 
 use anyhow::{Context, Result, ensure};
 use std::process::{Command, Stdio};
 use xtask::arguments::Arguments;
 use xtask::lab;
 
-/// What `--help` prints.
+/// The text of `--help`.
 pub const HELP: &str = "\
 \x20 --check  Write nothing, and fail where a file is not as it would be written
 
@@ -17,7 +17,7 @@ allan.svg and correction.svg come from hours of the twin: `cargo xtask dist prog
 `trust --update`, `firmware --update`.";
 
 /// Files that tests compare with what they would be now, and write where [`UPDATE`] is set.
-/// Each test is built alone: beside those of the other libraries it would take several times as long.
+/// Each test is built alone. With the tests of the other libraries it would take several times as long.
 const OF_TESTS: [(&str, &str); 2] = [
     ("web/src/protocol.ts", "test --quiet --package zerorate-web --lib the_page_knows_these_types"),
     ("docs/codes.md", "test --quiet --package zerorate-jobs --test codes the_chapter_is_that_of_the_table"),

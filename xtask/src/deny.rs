@@ -17,7 +17,7 @@ cannot be fetched, it says so, and checks licences and sources only.";
 /// Each project has a lock file of its own.
 const PROJECTS: [&str; 4] = ["Cargo.toml", "firmware/Cargo.toml", "bindings/c/Cargo.toml", "lab/Cargo.toml"];
 
-/// What can be judged without the network always, the advisories where their database can be had.
+/// Runs all checks that need no network, and the advisories if their database is available.
 pub fn run(arguments: Arguments) -> Result<()> {
     arguments.end()?;
     let program = program()?;

@@ -7,7 +7,7 @@ use std::ffi::OsStr;
 use std::path::PathBuf;
 use std::process::Command;
 
-/// The tasks, each with what it does. A test of the lab compares this table with its command line.
+/// The tasks, each with a description. A test of the lab compares this table with its command line.
 pub const TASKS: [(&str, &str); 15] = [
     ("coverage", "Calibrate many units of the twin and hold the stated uncertainties against their truth"),
     ("methods", "Calibrate many units by every method, hold all against their truth, and write a page of it"),
@@ -41,13 +41,13 @@ pub fn task(name: &str) -> Result<Command> {
     Ok(command)
 }
 
-/// Runs a program of the lab that takes seconds, which is why it is built fast.
+/// Runs a program of the lab that takes seconds, and is therefore built without optimisation.
 pub fn tool<T: AsRef<OsStr>>(package: &str, arguments: impl IntoIterator<Item = T>) -> Result<()> {
     let mut command = cargo("run", package, "dev")?;
     done(command.args(["--quiet", "--"]).args(arguments))
 }
 
-/// The target folder of the lab. It lies in that of the project, so that one folder holds all that was built.
+/// The target folder of the lab. It lies in the project's, so that one folder holds everything that was built.
 pub fn folder() -> Result<PathBuf> {
     Ok(target_folder()?.join("lab"))
 }

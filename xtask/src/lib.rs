@@ -1,4 +1,4 @@
-//! What the tasks of `cargo xtask` share with those in `lab/`: how to start other programs, and what they need.
+//! Code that the tasks of `cargo xtask` share with the lab: how to start other programs, and their tools.
 
 pub mod app;
 pub mod arguments;

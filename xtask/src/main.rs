@@ -1,7 +1,7 @@
-//! `cargo xtask`: whatever a developer or CI runs that is longer than a line.
+//! `cargo xtask`: the tasks of developers and CI that take more than a line.
 //!
-//! It starts in seconds, since it is made of next to nothing. Tasks that need the libraries of the project are in
-//! `lab/`. To add a task here: write a module with `HELP` and `run`, and give it a row in [`TASKS`].
+//! It starts in seconds, because it has almost no dependencies. Tasks that need the libraries of the project are in
+//! `lab/`. To add a task here, write a module with `HELP` and `run`, and give it a row in [`TASKS`].
 
 mod build_time;
 mod check;
@@ -115,10 +115,10 @@ fn run(words: &[String]) -> Result<ExitCode> {
         println!("{}", help());
         return Ok(ExitCode::SUCCESS);
     }
-    bail!("there is no task {name}; `cargo xtask --help` names all")
+    bail!("unknown task {name}; `cargo xtask --help` lists all")
 }
 
-/// Runs a task of the lab, whose error and exit code are ours then.
+/// Runs a task of the lab, and passes on its error and exit code.
 fn in_lab(name: &str, arguments: &[String]) -> Result<ExitCode> {
     let status = lab::task(name)?.args(arguments).status()?;
     Ok(status.code().and_then(|code| u8::try_from(code).ok()).map_or(ExitCode::FAILURE, ExitCode::from))

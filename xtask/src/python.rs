@@ -36,11 +36,11 @@ fn parts() -> String {
     format!("parts: {}; without one, all", PARTS.map(|(name, _)| name).join(", "))
 }
 
-/// Builds, installs, tests. Where there is no Python, or no package registry to be reached, it says so and passes.
+/// Builds, installs, tests. Without Python or a package registry it says so and passes.
 pub fn run(arguments: Arguments) -> Result<()> {
     let only = arguments.words()?;
     for part in &only {
-        ensure!(PARTS.iter().any(|(name, _)| name == part), "there is no part {part}; {}", parts());
+        ensure!(PARTS.iter().any(|(name, _)| name == part), "unknown part {part}; {}", parts());
     }
     let python = match environment()? {
         Ok(python) => python,
@@ -59,11 +59,11 @@ pub fn run(arguments: Arguments) -> Result<()> {
     Ok(())
 }
 
-/// The interpreter with what the tests need, or why there is none that is not our fault.
+/// The interpreter with the tests' packages, or the reason outside our control why there is none.
 fn environment() -> Result<Result<PathBuf, &'static str>> {
     let has_venv = Command::new("python3").args(["-m", "venv", "--help"]).stdout(Stdio::null()).status();
     if !has_venv.is_ok_and(|status| status.success()) {
-        return Ok(Err("there is no python3 with venv (apt install python3-venv)"));
+        return Ok(Err("python3 with venv is missing (apt install python3-venv)"));
     }
     match venv::python("wheel", Path::new(REQUIREMENTS)) {
         Ok(python) => Ok(Ok(fs::canonicalize("target")?.join(python.strip_prefix("target")?))),

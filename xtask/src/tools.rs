@@ -14,8 +14,8 @@ pub struct Tool {
     pub package: &'static str,
 }
 
-/// Whether all `tools` are there. What is missing is installed where this is Debian and we are root; elsewhere it is
-/// named on stderr, with the command that installs it, and the caller skips what it wanted them for.
+/// Whether all `tools` are available. On Debian as root, missing ones are installed. Elsewhere stderr names them, with
+/// the command that installs them, and the caller skips its work.
 pub fn available(tools: &[Tool], purpose: &str) -> Result<bool> {
     let missing: Vec<&str> = tools.iter().filter(|tool| !runs(tool.program)).map(|tool| tool.package).collect();
     installed(&missing, purpose)
@@ -58,7 +58,7 @@ fn runs(program: &str) -> bool {
     Command::new(program).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
 }
 
-/// Whether we may install what is missing.
+/// Whether we may install missing packages.
 pub fn is_root() -> bool {
     Command::new("id").arg("-u").output().is_ok_and(|output| output.stdout == b"0\n")
 }

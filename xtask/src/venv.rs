@@ -23,7 +23,7 @@ pub fn done(command: &mut Command) -> Result<()> {
     Ok(())
 }
 
-/// The same, for what it prints to stdout.
+/// Runs a command and returns its stdout.
 pub fn printed(command: &mut Command) -> Result<String> {
     let output = command.stderr(std::process::Stdio::inherit()).output();
     let output = output.with_context(|| format!("cannot start {command:?}"))?;

@@ -1,4 +1,4 @@
-//! `cargo xtask web`: the page, from the core as WebAssembly to the files that a server hands out.
+//! `cargo xtask web`: builds the page, from the core as WebAssembly to the files that a server sends.
 //!
 //! The modules are one crate built several times with the same dependencies, which are compiled once.
 
@@ -12,7 +12,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// What `--help` prints.
+/// The text of `--help`.
 pub const HELP: &str = "\
 \x20 --site DIR  Write the static site there: page, service worker, book and licences
   --check     Test the page in Chromium
@@ -28,27 +28,27 @@ where the next `cargo build` takes it.
 Debian, root installs what is missing; elsewhere the task says what it skips.";
 
 const TARGET: &str = "wasm32-unknown-unknown";
-/// Of what is in the modules.
+/// The file with the licences of the modules.
 const LICENCES: &str = "THIRD-PARTY.txt";
-/// What every browser of the last years has.
+/// WebAssembly features that every browser of the last years has.
 const RUSTFLAGS: &str = "-C target-feature=+simd128";
-/// Where the program takes the page from.
+/// The folder from which the program takes the page.
 const INTO: &str = "crates/zerorate-cli/page";
-/// zstd is written in C, and of the compilers only clang makes WebAssembly of it.
+/// zstd is written in C, and only clang compiles it to WebAssembly.
 const TOOLS: [Tool; 3] = [
     Tool { program: "node", package: "nodejs" },
     Tool { program: "npm", package: "npm" },
     Tool { program: "clang", package: "clang" },
 ];
 const CHROMIUM: Tool = Tool { program: "chromium", package: "chromium" };
-/// The bundler and its types ask for it.
+/// The version that the bundler and its types require.
 const OLDEST_NODE: u32 = 18;
 
-/// A module: what of the crate it is, and what its files are called.
+/// A module: its part of the crate, and the names of its files.
 struct Module {
     feature: &'static str,
     name: &'static str,
-    /// What it is linked for.
+    /// Whether it is linked for size or for speed.
     opt_level: &'static str,
 }
 
@@ -56,11 +56,11 @@ const MODULES: [Module; 4] = [
     Module { feature: "wasm-first", name: "zerorate_first", opt_level: "s" },
     Module { feature: "wasm-live", name: "zerorate_live", opt_level: "s" },
     Module { feature: "wasm-replay", name: "zerorate_replay", opt_level: "s" },
-    // where it is linked for size, LTO makes no vectors of any loop
+    // where it is linked for size, LTO vectorises no loop
     Module { feature: "wasm-log", name: "zerorate_log", opt_level: "3" },
 ];
 
-/// Builds the page, copies it to where the program takes it from, and does what else was asked for.
+/// Builds the page, copies it to the program's folder, and runs the other requested parts.
 pub fn run(mut arguments: Arguments) -> Result<()> {
     let site = arguments.value("--site")?;
     let [check, pictures, small] = ["--check", "--pictures", "--small"].map(|name| arguments.flag(name));
@@ -80,14 +80,14 @@ pub fn run(mut arguments: Arguments) -> Result<()> {
     Ok(())
 }
 
-/// The page for what is handed out.
+/// Builds the page for distribution.
 pub fn build_small() -> Result<()> {
     ensure!(build("web-dist")?, "the program is handed out with the page inside of it: install what is named above");
     Ok(())
 }
 
-/// Makes `web/dist` with the modules in this profile, and puts it where the program takes it from; false where
-/// something that it takes is not there, which was said then.
+/// Makes `web/dist` with the modules in this profile, and copies it to the program's folder. Returns false if a tool
+/// is missing, after saying so.
 fn build(profile: &str) -> Result<bool> {
     if !tools::available(&TOOLS, "the page")? || !has_node()? {
         return Ok(false);
@@ -116,7 +116,7 @@ fn has_node() -> Result<bool> {
 }
 
 impl Module {
-    /// Its bytes, and what calls them from TypeScript.
+    /// Builds the module's bytes, and the TypeScript that calls them.
     fn build(&self, profile: &str) -> Result<()> {
         let mut cargo = Command::new("cargo");
         cargo.args(["rustc", "--locked", "-p", "zerorate-web", "--lib", "--crate-type", "cdylib"]);
@@ -128,7 +128,7 @@ impl Module {
     }
 }
 
-/// Whether what package.json names is in web/node_modules, as the lock file says.
+/// Whether web/node_modules has the packages of package.json, as the lock file says.
 fn installed() -> Result<bool> {
     let (lock, mark) = (Path::new("web/package-lock.json"), Path::new("web/node_modules/.package-lock.json"));
     let is_newer =
@@ -149,7 +149,7 @@ fn npm(arguments: &[&str]) -> Command {
     command
 }
 
-/// Puts the page where the program takes it from, less what only a static site has.
+/// Copies the page to the program's folder, without the files that only a static site needs.
 fn embed() -> Result<()> {
     fs::create_dir_all(INTO)?;
     for old in files(Path::new(INTO))? {
@@ -166,7 +166,7 @@ fn embed() -> Result<()> {
     Ok(())
 }
 
-/// A session of the page's own, and what that page keeps for when there is no network.
+/// A session in the page itself, and the files that the page keeps for use without a network.
 fn is_static_only(name: &str) -> bool {
     let is_session = ["first", "live", "replay"].iter().any(|of| name == format!("zerorate_{of}_bg.wasm"));
     is_session || matches!(name, "home.json" | "sw.js" | "live.js")
@@ -183,8 +183,8 @@ fn write_site(site: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Runs a script of the page that takes a browser, with the program that has the page inside, and a bridge in QEMU
-/// where that can be had.
+/// Runs a script of the page that needs a browser, with the program that contains the page, and with a bridge in QEMU
+/// if that is available.
 fn browse(script: &str, purpose: &str) -> Result<()> {
     if !tools::available(&[CHROMIUM], purpose)? {
         return Ok(());

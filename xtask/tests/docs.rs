@@ -53,8 +53,8 @@ fn every_page_that_the_code_cites_is_in_the_project() {
     assert!(unknown.is_empty(), "pages cited but not there:\n{}", unknown.join("\n"));
 }
 
-/// Made by programs: the C header from the Rust sources, the examples' unit by `zerorate export`, and calibrations
-/// that `zerorate calibrate` wrote.
+/// Files made by programs: the C header from the Rust sources, the examples' unit by `zerorate export`, and
+/// calibrations that `zerorate calibrate` wrote.
 const GENERATED: [&str; 2] = ["bindings/c/include/zerorate.h", "crates/zerorate-cli/tests/golden"];
 
 #[test]
@@ -108,7 +108,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
 }
 
-/// Folders of what is made, and of what others wrote.
+/// Folders of generated files, and of other people's files.
 const FOREIGN: [&str; 2] = ["target", "node_modules"];
 
 /// All files with one of these extensions, hidden and foreign folders left out.

@@ -1,4 +1,4 @@
-//! What is handed out fits together: versions agree, and the files of `packaging/` name what there is.
+//! The distribution fits together: versions agree, and the files of `packaging/` name existing files.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! What the page is built with.
+//! The versions with which the page is built.
 
 use std::fs;
 use std::path::{Path, PathBuf};

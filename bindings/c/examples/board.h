@@ -1,4 +1,4 @@
-/* What an example needs of a board. Yours implements these with its vendor's library; the tests do with the twin. */
+/* The functions that an example needs. Implement them with your vendor's library; the tests use the twin. */
 #ifndef BOARD_H
 #define BOARD_H
 
@@ -13,13 +13,13 @@ int32_t board_rdy(void *context);
 void board_delay_us(void *context, uint32_t us);
 /* A clock that does not stop. */
 uint64_t board_now_ns(void);
-/* Calls `handler` on the falling edge of RDY, from the next on; not any more where it is null. */
+/* Calls `handler` on each falling edge of RDY, from the next on. With null it stops. */
 void board_rdy_interrupt(void (*handler)(void));
 /* Sleeps until an interrupt, for 10 ms at most (a timer); returns at once where one is pending. */
 void board_sleep(void);
-/* Does something with the corrected rate, a code of 24 bits. */
+/* Uses the corrected rate, a code of 24 bits. */
 void board_use(uint32_t corrected_code, uint32_t lost);
-/* Tells somebody. */
+/* Reports a message. */
 void board_report(const char *text);
 
 #endif

@@ -1,6 +1,6 @@
 /*
- * Samples in the interrupt of RDY, corrects in the main loop: no sample is lost as long as the main loop empties the
- * queue in time, and each that is lost is counted. While the interrupt is enabled, the gyroscope belongs to it alone.
+ * Samples in the interrupt of RDY, and corrects in the main loop. No sample is lost while the main loop empties the
+ * queue in time, and each lost sample is counted. While the interrupt is enabled, the gyroscope belongs to it alone.
  * Not run on a board: the tests run it on the twin. */
 #include "board.h"
 #include "zerorate.h"
@@ -14,7 +14,7 @@ static volatile uint32_t written;
 static volatile uint32_t taken;
 static volatile zerorate_status failure;
 
-/* Orders the accesses to `queue` and its counters: on one core it is enough that the compiler does not. */
+/* Keeps the compiler from reordering the accesses to `queue` and its counters, which is enough on one core. */
 #define BARRIER() __asm volatile("" ::: "memory")
 
 static void on_rdy(void)
@@ -38,7 +38,7 @@ static void on_rdy(void)
     }
 }
 
-/* Where no edge comes, no interrupt would ever tell: the supply has dipped, or RDY is cut. Says what it is, and starts
+/* Without edges no interrupt comes any more: the supply has dipped, or RDY is cut. Reports the cause, and starts
  * anew. */
 static void restart_if_silent(void)
 {

@@ -36,7 +36,7 @@ int main(void)
         if (status == ZERORATE_OK) {
             board_use(zerorate_correct_integer(&correction, reading.rate_code, reading.temp_code), 0);
         } else {
-            /* no edge in time, out of range, a brown-out, a dead line: each has its own */
+            /* no edge in time, out of range, a brown-out, a dead line: each has its own status */
             board_report(zerorate_text(status));
             board_delay_us(NULL, 100000);
             status = zerorate_gyro_initialise(&gyro);

@@ -6,7 +6,7 @@ use crate::status::{Status, ZERORATE_E_NULL, ZERORATE_E_STATE};
 pub trait Object: Sized {
     /// The contents.
     type State;
-    /// What memory holds that has been set up as this.
+    /// The mark in memory that was set up as this kind of object.
     const MARK: u32;
 }
 
@@ -33,7 +33,7 @@ pub unsafe fn set_up<O: Object>(object: *mut O, state: O::State) -> Result<(), S
 /// The contents of an object.
 ///
 /// # Safety
-/// `object` is null or points to readable and writable memory of one, initialised with whatever, that nothing else
+/// `object` is null or points to readable and writable memory of one, initialised with any bytes, that nothing else
 /// uses during `'a`.
 pub unsafe fn state<'a, O: Object>(object: *mut O) -> Result<&'a mut O::State, Status> {
     let marked = not_null(object)?.cast::<Marked<O::State>>();
@@ -45,7 +45,7 @@ pub unsafe fn state<'a, O: Object>(object: *mut O) -> Result<&'a mut O::State, S
     Ok(unsafe { &mut (*marked).state })
 }
 
-/// What a pointer to constant plain data points to.
+/// The plain data behind a constant pointer.
 ///
 /// # Safety
 /// `data` is null or points to a valid `T`.

@@ -14,7 +14,7 @@ use embedded_hal::spi::{self, Operation, SpiDevice};
 pub struct Bus {
     /// Handed to each function. May be null.
     pub context: *mut c_void,
-    /// Sends `length` bytes and puts what comes back in their place, with CS low from the first bit to the last. SPI
+    /// Sends `length` bytes and replaces them by the received ones, with CS low from the first bit to the last. SPI
     /// mode 3, most significant bit first, at most 10 MHz (F-20, F-21). Returns 0, or anything else for an error. Must
     /// not be null.
     pub transfer: Option<unsafe extern "C" fn(context: *mut c_void, bytes: *mut u8, length: usize) -> i32>,
@@ -36,7 +36,7 @@ pub struct SelfTestPin {
     pub set: Option<unsafe extern "C" fn(context: *mut c_void, level: i32) -> i32>,
 }
 
-/// The caller's function said no, or there is none.
+/// The caller's function reported an error, or is missing.
 #[derive(Clone, Copy, Debug)]
 pub struct Refused;
 

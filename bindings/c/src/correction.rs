@@ -22,13 +22,13 @@ pub struct Correction {
 }
 
 impl Correction {
-    /// As the core has it.
+    /// Converts it to the core's type.
     pub fn to_core(self) -> zerorate::Correction {
         let Self { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 } = self;
         zerorate::Correction { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 }
     }
 
-    /// Of what the core has.
+    /// Converts it from the core's type.
     pub fn from_core(of: zerorate::Correction) -> Self {
         let zerorate::Correction { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 } = of;
         Self { pbc_dps, btc_dps_per_c, t3_c, btc2_dps_per_c2, btc3_dps_per_c3 }
@@ -167,8 +167,8 @@ pub unsafe extern "C" fn zerorate_correct_f32(correction: *const CorrectionF32, 
     })
 }
 
-/// The corrected rate code of a rate code and the temperature code taken with it, all of 24 bits; rounded to nearest,
-/// held to 0 ... 2^24 - 1. The rate code itself where `correction` is null.
+/// The corrected rate code of a rate code and the temperature code taken with it, all of 24 bits. It is rounded to
+/// nearest and held to 0 ... 2^24 - 1. Returns the rate code itself where `correction` is null.
 ///
 /// # Safety
 /// `correction` is null or points to one.
@@ -188,7 +188,7 @@ pub unsafe extern "C" fn zerorate_correct_integer(
     )
 }
 
-/// The same by a curve. Farther than 148 deg C from T3, the temperature counts as that at the end of this reach.
+/// The same by a curve. A temperature farther than 148 deg C from T3 counts as 148 deg C away.
 ///
 /// # Safety
 /// `curve` is null or points to one.

@@ -26,7 +26,7 @@ pub struct Validity {
     pub temp_min_c: f64,
     /// Highest temperature seen while measuring, deg C.
     pub temp_max_c: f64,
-    /// How far a temperature may leave the span unremarked, deg C: 0.5.
+    /// How far a temperature may leave the span without a mark, deg C: 0.5.
     pub margin_c: f64,
 }
 
@@ -38,7 +38,7 @@ pub struct Corrected {
     pub rate_dps: f64,
     /// The temperature that was used, deg C.
     pub temp_c: f64,
-    /// 1 = that lies outside the span where the correction holds.
+    /// 1 = that temperature lies outside the span where the correction holds.
     pub extrapolated: u8,
 }
 
@@ -63,9 +63,9 @@ pub unsafe extern "C" fn zerorate_corrector_begin(
     }))
 }
 
-/// Corrects the next rate, deg/s, with the temperature that was read with it, deg C; NaN where none was, then with the
-/// last one. Returns ZERORATE_NOTHING and writes nothing before the first temperature, and where the rate is NaN: one
-/// that is not to be believed.
+/// Corrects the next rate, deg/s, with the temperature that was read with it, deg C. Where none was read, pass NaN:
+/// the last one is used. Returns ZERORATE_NOTHING and writes nothing before the first temperature, and where the rate
+/// is NaN, which marks a reading that must not be used.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.

@@ -20,7 +20,7 @@ pub struct Gyro {
     pub opaque: [u64; 48],
 }
 
-/// What is in there.
+/// The private contents.
 pub struct State {
     /// The driver.
     pub driver: Adis16130<Port, Line>,
@@ -46,8 +46,8 @@ pub struct Settings {
     pub divider: u16,
     /// Width of the data registers: 24 or 16.
     pub bits: u8,
-    /// 1 = CS rises between all bytes, as the note prescribes, and `transfer` is called once per byte; 0 = it stays
-    /// low for a whole command, which is faster and works too (F-22).
+    /// 1 = CS rises between all bytes, as the note prescribes, and `transfer` is called once per byte. With 0 CS
+    /// stays low for a whole command, which is faster and works too (F-22).
     pub per_byte_framing: u8,
     /// Which edge of the line says "new data": 0 = falling, 1 = rising, as behind an inverting level shifter.
     pub rdy_rises: u8,
@@ -106,7 +106,7 @@ impl Sample {
         }
     }
 
-    /// As the procedure takes it.
+    /// Converts it to the procedure's type.
     pub fn to_driver(self) -> Result<DriverSample, Status> {
         let width = width(self.bits)?;
         let raw = |code24: u32| code24 >> (24 - width.bits());

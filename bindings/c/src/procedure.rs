@@ -17,10 +17,10 @@ pub struct Procedure {
     pub opaque: [u64; 512],
 }
 
-/// What is in there.
+/// The private contents.
 pub struct State {
     procedure: FixedProcedure,
-    /// What ended it before its time.
+    /// The refusal or error that ended it early.
     refused: Option<Refusal>,
 }
 
@@ -86,7 +86,7 @@ pub struct Outcome {
     pub samples: u64,
     /// Rate samples lost.
     pub lost: u64,
-    /// What there is to know beside the numbers: a sum of ZERORATE_WARNING_...
+    /// Warnings about the numbers: a sum of ZERORATE_WARNING_...
     pub warnings: u32,
 }
 
@@ -106,12 +106,12 @@ pub const ZERORATE_WARNING_LOST: u32 = 32;
 pub const ZERORATE_WARNING_WANDERING: u32 = 64;
 /// A warning that this version of the interface has no number for.
 pub const ZERORATE_WARNING_OTHER: u32 = 128;
-/// What was given for the Earth's rotation was subtracted; any other constant rotation is inside PBC.
+/// The given Earth rotation was subtracted; any other constant rotation is inside PBC.
 pub const ZERORATE_WARNING_EARTH_SUBTRACTED: u32 = 256;
-/// BTC is next to nothing: a wide hysteresis or a long lag would look the same.
+/// BTC is close to zero: a wide hysteresis or a long lag would look the same.
 pub const ZERORATE_WARNING_FLAT: u32 = 512;
-/// Always set: steps, lag, curvature, hysteresis and slow motion between the averages were not looked for, since that
-/// takes a record of every second, which does not fit into the memory of a controller. `zerorate recalibrate` looks at
+/// Always set. Steps, lag, curvature, hysteresis and slow motion between the averages were not looked for. That takes
+/// a record of every second, which does not fit into the memory of a controller. `zerorate recalibrate` looks at
 /// recorded samples.
 pub const ZERORATE_WARNING_HOUR_UNCHECKED: u32 = 1024;
 
@@ -155,7 +155,7 @@ impl Plan {
 
 impl Outcome {
     fn new(outcome: &CoreOutcome<WindowWarnings>) -> Self {
-        // the procedure on fixed memory is that of AN-1042, which has them
+        // the procedure on fixed memory is AN-1042's, which has them
         const NONE: Measured = Measured { b1_dps: f64::NAN, t1_c: f64::NAN, b2_dps: f64::NAN, t2_c: f64::NAN };
         let means = outcome.means.unwrap_or(NONE);
         Self {
@@ -248,8 +248,8 @@ pub unsafe extern "C" fn zerorate_procedure_next(procedure: *mut Procedure) -> S
     }
 }
 
-/// What to do about the refusal that ended the measurement: a ZERORATE_REMEDY_..., the best first. 0 where there is no
-/// remedy of this index, counted from 0, or no refusal.
+/// The remedies for the refusal that ended the measurement: a ZERORATE_REMEDY_..., the best first. Returns 0 if
+/// nothing was refused, or if no remedy has this index, counted from 0.
 ///
 /// # Safety
 /// `procedure` is null or points to one that nothing else uses meanwhile.
@@ -260,7 +260,7 @@ pub unsafe extern "C" fn zerorate_procedure_remedy(procedure: *mut Procedure, in
     refused.and_then(|refusal| refusal.remedies().get(index).copied()).map_or(0, Remedy::code)
 }
 
-/// The part was initialised, at a time of the clock that the samples have too.
+/// Tells that the part was initialised, at a time of the samples' clock.
 ///
 /// # Safety
 /// `procedure` is null or points to one that nothing else uses meanwhile.
@@ -284,7 +284,7 @@ pub unsafe extern "C" fn zerorate_procedure_sample(procedure: *mut Procedure, sa
     status::of(state.and_then(|state| state.handle(Event::Reading(&Reading::from(&sample?)))))
 }
 
-/// Time went by without a sample.
+/// Tells that time passed without a sample.
 ///
 /// # Safety
 /// `procedure` is null or points to one that nothing else uses meanwhile.

@@ -71,7 +71,7 @@ pub const ZERORATE_REMEDY_FASTER_CLOCK: u8 = 33;
 /// Listen to the other edge of data ready.
 pub const ZERORATE_REMEDY_OTHER_EDGE: u8 = 36;
 
-/// The numbers are those of the core.
+/// The numbers are the same as in the core.
 const _: () = {
     assert!(ZERORATE_REMEDY_GIVE_EARTH == Remedy::GiveEarth.code());
     assert!(ZERORATE_REMEDY_ASSUME_LINEAR == Remedy::AssumeLinear.code());

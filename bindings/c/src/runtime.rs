@@ -1,9 +1,9 @@
-//! What a static library without an operating system owes the linker.
+//! The symbols that the linker needs from a static library without an operating system.
 
 use core::alloc::{GlobalAlloc, Layout};
 use core::panic::PanicInfo;
 
-/// There is no heap. The core could allocate, but nothing exported here does, so this never gets into the library.
+/// The library has no heap. The core could allocate, but no export does, so this never gets into the library.
 struct NoHeap;
 
 #[global_allocator]

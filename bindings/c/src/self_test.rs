@@ -62,8 +62,8 @@ pub unsafe extern "C" fn zerorate_self_test_plan_default(plan: *mut SelfTestPlan
 /// Else the errors of zerorate_gyro_read, and ZERORATE_E_PIN.
 ///
 /// # Safety
-/// Each pointer is null or points to memory of its type; nothing else uses the gyroscope meanwhile; what `pin` points
-/// to may be called as its documentation says.
+/// Each pointer is null or points to memory of its type. Nothing else uses the gyroscope meanwhile. The
+/// function in `pin` may be called as its documentation says.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn zerorate_gyro_self_test(
     gyro: *mut Gyro,

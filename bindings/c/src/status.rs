@@ -1,22 +1,22 @@
-//! What functions return: stable numbers.
+//! The numbers that functions return. They are stable.
 
 use adis16130::{BusError, Fault, InitError, ReadError, SampleError, SelfTestError, VerifyError, WaitError};
 use core::ffi::{CStr, c_char};
 use zerorate::{CurveError, IntegerError, PlanError, Refusal, TableError};
 
-/// What a function returns: ZERORATE_OK, a positive number that says something harmless, or a negative one that says
-/// what failed. The numbers keep their meaning in all versions.
+/// The result of a function: ZERORATE_OK, a positive number for a harmless state, or a negative number for a failure.
+/// The numbers keep their meaning in all versions.
 pub type Status = i32;
 
 /// It worked.
 pub const ZERORATE_OK: Status = 0;
 /// Nothing was due at this edge, or it was stale: no sample, and no loss.
 pub const ZERORATE_NOTHING: Status = 1;
-/// A pointer is null that must not be.
+/// A pointer that must not be null is null.
 pub const ZERORATE_E_NULL: Status = -1;
 /// The object has not been set up, or a call came too early for it.
 pub const ZERORATE_E_STATE: Status = -2;
-/// An argument is out of range; its documentation says which there are.
+/// An argument is out of range; its documentation has the range.
 pub const ZERORATE_E_ARGUMENT: Status = -3;
 /// `transfer` returned other than 0. It may have left the part in the middle of a command: initialise it.
 pub const ZERORATE_E_BUS: Status = -10;
@@ -41,7 +41,7 @@ pub const ZERORATE_E_CONFIGURATION_LOST: Status = -22;
 pub const ZERORATE_E_UNEXPECTED: Status = -23;
 /// The input is out of range, on a healthy link (F-35).
 pub const ZERORATE_E_OUT_OF_RANGE: Status = -24;
-/// There is no reading yet, on a healthy link: the part has not been initialised, or its first conversion has not
+/// The link is healthy, but no reading exists yet. The part has not been initialised, or its first conversion has not
 /// ended. Initialise it, wait for RDY and read again.
 pub const ZERORATE_E_NO_READING: Status = -25;
 /// A coefficient does not fit the integer correction: |BTC| up to 1.19 deg/s/deg C, PBC and T3 within the codes.
@@ -52,7 +52,7 @@ pub const ZERORATE_E_TABLE_LAYOUT: Status = -31;
 pub const ZERORATE_E_TABLE_ROOM: Status = -32;
 /// A row does not fit 32 bits in millionths of a deg/s.
 pub const ZERORATE_E_TABLE_STEEP: Status = -33;
-/// The temperature lies beyond the table: the row at its end is not that of the temperature.
+/// The temperature lies beyond the table, whose last row does not fit it.
 pub const ZERORATE_E_TABLE_OUTSIDE: Status = -34;
 /// A duration or limit of the plan makes no sense.
 pub const ZERORATE_E_PLAN: Status = -40;

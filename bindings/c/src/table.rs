@@ -23,8 +23,8 @@ pub struct Table {
     pub t3_code: i32,
 }
 
-/// Lays the table of a correction out in `memory`, which has room for so many rows, from +`span_c` down to -`span_c`
-/// in steps of `step_c`, deg C: 2 * span / step + 1 rows.
+/// Lays the table of a correction out in `memory`, which has `room` rows. The table goes from +`span_c` down to
+/// -`span_c` in steps of `step_c`, deg C, and has 2 * span / step + 1 rows.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type, `memory` to `room` numbers of it.
@@ -63,8 +63,8 @@ pub unsafe extern "C" fn zerorate_table_lay_out(
 /// The row nearest to the temperature of a code of 24 bits, in millionths of a deg/s: corrected rate = rate + PBC +
 /// row.
 ///
-/// ZERORATE_E_TABLE_OUTSIDE more than half a step beyond the table. Then, too, the row is written: the first or last
-/// one, which is wrong there by BTC times the distance to it. ZERORATE_E_ARGUMENT where there is no table.
+/// Returns ZERORATE_E_TABLE_OUTSIDE more than half a step beyond the table. It then still writes the first or last
+/// row, which is wrong there by BTC times the distance to it. Returns ZERORATE_E_ARGUMENT without a table.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type, `table` to one that was laid out and whose rows are still

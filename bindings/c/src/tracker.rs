@@ -19,7 +19,7 @@ impl Object for Tracker {
     const MARK: u32 = 0x7A72_7431;
 }
 
-/// How well the calibration knew what it states, as `uncertainty` in its file.
+/// The uncertainty of the calibration, as `uncertainty` in its file.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct TrackerPrior {
@@ -53,7 +53,7 @@ const _: () = assert!(STATES == 6 && COVARIANCES == 21);
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Tracked {
-    /// What it is beyond what the correction takes out, deg/s: subtract it from corrected rates.
+    /// The bias beyond the correction, deg/s: subtract it from corrected rates.
     pub change_dps: f64,
     /// Its standard uncertainty, deg/s.
     pub u_dps: f64,
@@ -157,7 +157,7 @@ pub unsafe extern "C" fn zerorate_tracker_bias(tracker: *mut Tracker, temp_c: f6
     }))
 }
 
-/// What is to be kept while the power is off.
+/// The state to keep while the power is off.
 ///
 /// # Safety
 /// Each pointer is null or points to memory of its type.

@@ -1,7 +1,7 @@
 /*
- * Does with the C interface what lab/src/c/expected.rs does with the Rust crates, and prints it. Both must print the
- * same, on a host and on a microcontroller. "unit.h" is the header that `zerorate export --format c` writes for the
- * same correction. */
+ * Does the same with the C interface as lab/src/c/expected.rs with the Rust crates, and prints the results. Both must
+ * print the same, on a host and on a microcontroller. "unit.h" is the header that `zerorate export --format c` writes
+ * for the same correction. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -162,7 +162,7 @@ static void take(zerorate_corrector *corrector, double rate_dps, double temp_c)
     printf("extrapolated %u\n", (unsigned)corrected.extrapolated);
 }
 
-/* A stream: no temperature yet, one, the last one, a rate that is not to be believed, and beyond the span. */
+/* A stream: no temperature yet, one, the last one, a rate that must not be used, and beyond the span. */
 static void stream(void)
 {
     const zerorate_validity valid = {25.0, 33.0, 0.5};
@@ -215,7 +215,7 @@ static void track(void)
     print_status("unsound", zerorate_tracker_resume(&tracker, &CORRECTION, &prior, &state, 0.0));
 }
 
-/* What must not be taken for a reading: nothing converted yet, wrapped codes, and what comes after a transfer that
+/* Codes that must not pass for readings: nothing converted yet, wrapped codes, and bytes after a transfer that
  * failed. */
 static void no_numbers(void)
 {
@@ -358,8 +358,7 @@ static int32_t broken_rdy(void *context)
     return -1;
 }
 
-/* A self-test that must fail, and what it leaves: how often the pin was set, its level, and a result that nothing
- * wrote to. */
+/* A self-test that must fail. Prints how often the pin was set, its level, and a result that nothing wrote to. */
 static void failing_test(const char *what, zerorate_gyro *gyro, test_pin pin)
 {
     const zerorate_self_test_pin set = {&pin, set_test_pin};

@@ -1,11 +1,11 @@
-/* The twin, as tests see it. */
+/* The twin's functions for the tests. */
 #ifndef ZERORATE_TWIN_H
 #define ZERORATE_TWIN_H
 
 #include <stddef.h>
 #include <stdint.h>
 
-/* A twin of a specification such as "seed=7,warmup_s=30"; null where that says nothing. The functions below take it as
+/* A twin of a specification such as "seed=7,warmup_s=30"; null where that is invalid. The functions below take it as
  * `rig`. */
 void *zerorate_twin_new(const char *keys);
 void zerorate_twin_free(void *rig);

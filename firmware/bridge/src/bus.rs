@@ -1,5 +1,5 @@
-//! The part's bus: an SPI controller, CS, the self-test pin, a clock that can be set, and the edge of RDY that is
-//! heard.
+//! The part's bus: an SPI controller, CS, the self-test pin, a clock that can be set, and the edge of RDY that counts
+//! as "new data".
 
 use core::convert::Infallible;
 
@@ -20,9 +20,9 @@ pub struct PartBus<B, CS, ST> {
 }
 
 impl<B: SpiBus, CS: OutputPin<Error = Infallible>, ST: OutputPin<Error = Infallible>> PartBus<B, CS, ST> {
-    /// Takes a controller in mode 3, MSB first (F-20), the pin of CS, what does [`Bus::set_sclk_hz`] for clocks up to
-    /// [`MAX_SCLK_HZ`], the pin that drives the self-test pins (F-11), and the link of the
-    /// [`watch`](crate::sampling::watch) of RDY. Leaves CS high.
+    /// Makes the bus from a controller in mode 3, MSB first (F-20), and the pin of CS. It also takes a function for
+    /// [`Bus::set_sclk_hz`] with clocks up to [`MAX_SCLK_HZ`], the pin that drives the self-test pins (F-11), and the
+    /// link of the [`watch`](crate::sampling::watch) of RDY. Leaves CS high.
     pub fn new(controller: B, cs: CS, set_clock: fn(&mut B, u32) -> u32, self_test: ST, link: &'static Link) -> Self {
         let Ok(device) = ExclusiveDevice::new_no_delay(controller, cs);
         Self { device, set_clock, self_test, link }

@@ -1,4 +1,4 @@
-//! The LED: what the bridge does, to be seen from across the room.
+//! The LED, which shows the state of the bridge across a room.
 
 use embassy_time::{Duration, Timer};
 

@@ -1,7 +1,7 @@
-//! What the boards share: a bridge (`docs/formats/bridge.md`) without its pins.
+//! The code that the boards share: a bridge (`docs/formats/bridge.md`) without its pins.
 //!
 //! [`sampling`] reads the part. It runs in an interrupt, above [`port`], which carries bytes over USB when there is
-//! time. A [`Link`] is all that they share.
+//! time. They share a [`Link`] and nothing else.
 
 #![no_std]
 

@@ -1,4 +1,4 @@
-//! What passes between the port and the sampling side.
+//! The data that pass between the port and the sampling side.
 
 use core::cell::Cell;
 
@@ -21,9 +21,9 @@ const TO_HOST: usize = 32 * 1024;
 /// Bytes that wait for the sampling side. A host waits for its answers, so this is more than it sends.
 const FROM_HOST: usize = 256;
 
-/// What passes between the port and the sampling side.
+/// The data that pass between the port and the sampling side.
 pub struct Link {
-    /// The last edge of RDY that was not handled yet. Its number says how many there were before.
+    /// The last edge of RDY that was not handled yet. Its number counts all edges before it.
     pub(crate) edge: Signal<CriticalSectionRawMutex, Edge>,
     /// The kind of edge to hear from now on.
     pub(crate) heard: Signal<CriticalSectionRawMutex, RdyEdge>,
@@ -40,7 +40,7 @@ impl Default for Link {
 }
 
 impl Link {
-    /// Nothing has passed yet.
+    /// An empty link, over which nothing has passed yet.
     pub const fn new() -> Self {
         Self {
             edge: Signal::new(),
@@ -52,7 +52,7 @@ impl Link {
         }
     }
 
-    /// What the bridge does.
+    /// The state of the bridge.
     pub fn state(&self) -> State {
         self.state.lock(Cell::get)
     }
@@ -65,9 +65,9 @@ impl Link {
         self.heard.signal(edge);
     }
 
-    /// Queues a message for the host: a sample whole or not at all, which the next one's number tells; anything else
-    /// as soon as there is room, that is until the host reads or leaves; `alive` is called while it waits. To be
-    /// called from one task only.
+    /// Queues a message for the host. A sample goes in whole or not at all, and the next one's number shows that. Any
+    /// other message waits for room, until the host reads or leaves, and calls `alive` meanwhile. Call it from one
+    /// task only.
     pub(crate) async fn send(&self, message: &Message<'_>, mut alive: impl FnMut()) {
         let mut room = [0; MAX_FRAME];
         let Ok(frame) = encode(message, &mut room) else { return };
@@ -89,7 +89,7 @@ impl Link {
         self.to_host.clear();
     }
 
-    /// Drops what is queued. The next host finds the end of whatever frame the port was in.
+    /// Drops the queue. The next host finds the end of the frame in which the port stopped.
     pub(crate) async fn clear(&self) {
         self.from_host.clear();
         self.to_host.clear();

@@ -24,7 +24,7 @@ struct Buffers {
 
 static BUFFERS: StaticCell<Buffers> = StaticCell::new();
 
-/// Runs the device, which hosts tell from others by its serial number. To be called once.
+/// Runs the device, which hosts recognise by its serial number. Call it once.
 pub async fn run(driver: impl Driver<'static>, serial: Option<&'static str>, link: &Link) -> ! {
     let buffers =
         BUFFERS.init_with(|| Buffers { configuration: [0; 128], bos: [0; 32], control: [0; 64], state: State::new() });
@@ -39,7 +39,7 @@ pub async fn run(driver: impl Driver<'static>, serial: Option<&'static str>, lin
     join(enumerate(&mut device, link), carry(class, link)).await.0
 }
 
-/// A bus without traffic is one whose host sleeps or whose cable is out.
+/// On a bus without traffic the host sleeps, or the cable is out.
 async fn enumerate<D: Driver<'static>>(device: &mut UsbDevice<'static, D>, link: &Link) -> ! {
     loop {
         device.run_until_suspend().await;
@@ -65,9 +65,9 @@ async fn until_open(control: &ControlChanged<'_>, open: bool) {
     }
 }
 
-/// Until the device is disconnected.
+/// Runs until the device is disconnected.
 async fn send<D: Driver<'static>>(sender: &mut Sender<'static, D>, link: &Link) {
-    // never a full packet, after which a host waits for more
+    // never a full packet, because a host waits for more after one
     let mut packet = [0; PACKET - 1];
     loop {
         let len = link.to_host.read(&mut packet).await;
@@ -77,7 +77,7 @@ async fn send<D: Driver<'static>>(sender: &mut Sender<'static, D>, link: &Link) 
     }
 }
 
-/// Until the device is disconnected.
+/// Runs until the device is disconnected.
 async fn receive<D: Driver<'static>>(receiver: &mut Receiver<'static, D>, link: &Link) {
     let mut packet = [0; PACKET];
     while let Ok(len) = receiver.read_packet(&mut packet).await {

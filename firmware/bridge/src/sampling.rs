@@ -15,7 +15,7 @@ use crate::state::State;
 /// The SPI clock until a host asks for another: half of what the part takes (F-21), for wires and level shifters.
 const FIRST_SCLK_HZ: u32 = 5_000_000;
 
-/// After so long without a sign of life the watchdog resets the chip: a transfer that never ends, an executor that
+/// Time without a sign of life after which the watchdog resets the chip: a transfer that never ends, an executor that
 /// stands still.
 pub const WATCHDOG: Duration = Duration::from_millis(2_000);
 
@@ -41,7 +41,7 @@ async fn next(rdy: &mut impl Wait<Error = Infallible>, kind: RdyEdge) {
     };
 }
 
-/// Owns the part: reads it at edges, and does what hosts ask for. `firmware` is the name as in [`Station::new`];
+/// Owns the part: reads it at edges, and fulfils the requests of hosts. `firmware` is the name as in [`Station::new`];
 /// `alive` feeds the watchdog, and is called nowhere else.
 pub async fn serve(mut bus: impl Bus, firmware: &'static str, link: &Link, mut alive: impl FnMut()) -> ! {
     let sclk_hz = bus.set_sclk_hz(FIRST_SCLK_HZ);
@@ -69,7 +69,7 @@ pub async fn serve(mut bus: impl Bus, firmware: &'static str, link: &Link, mut a
             }
             Either3::Third(len) => {
                 for byte in &bytes[..len] {
-                    // to a damaged request there is no answer, so the host asks again
+                    // a damaged request gets no answer, so the host asks again
                     if let Some(Ok(request)) = requests.push(*byte) {
                         link.send(&station.request(&request).await, &mut alive).await;
                         link.show(if station.is_sampling() { State::Sampling } else { State::Ready });

@@ -1,6 +1,6 @@
-//! What the bridge does, and how the LED shows it.
+//! The state of the bridge, and how the LED shows it.
 
-/// What the bridge does.
+/// The state of the bridge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
     /// No host has asked for anything: a flash every second.

@@ -1,4 +1,4 @@
-//! The sampling side on the host: the twin on its bus, and this test in the place of the port.
+//! The sampling side on the host, with the twin on its bus and this test in place of the port.
 
 extern crate std;
 
@@ -245,7 +245,7 @@ impl Bench {
         assert!(poll(self.serve.as_mut()).is_pending());
     }
 
-    /// All that is queued, and what waits for room behind it.
+    /// The queued bytes, and the bytes that wait for room behind them.
     fn bytes(&mut self) -> Vec<u8> {
         let mut bytes = Vec::new();
         let mut some = [0; 63];
@@ -296,7 +296,7 @@ impl Bus for TwinBus {
     }
 }
 
-/// Transfers on it never end.
+/// A bus whose transfers never end.
 struct HungBus;
 
 impl ErrorType for HungBus {
@@ -315,7 +315,7 @@ impl Bus for HungBus {
     }
 }
 
-/// Falls and rises so often, at once.
+/// The pin falls and rises this often, at once.
 struct Edges {
     falls: u32,
     rises: u32,
@@ -375,7 +375,7 @@ impl OutputPin for Level {
     }
 }
 
-/// A controller that is asked for nothing.
+/// A controller that gets no request.
 struct NoController;
 
 impl ErrorType for NoController {

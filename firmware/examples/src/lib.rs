@@ -1,5 +1,5 @@
-//! What the examples share: the polled loop, the correction of the unit, exported from `unit.toml`, and how long to
-//! wait before another attempt.
+//! Code that the examples share: the polled loop, the correction of the unit, exported from `unit.toml`, and the
+//! pauses between attempts.
 
 #![no_std]
 
@@ -7,15 +7,15 @@ pub mod polled;
 /// Made by `zerorate export unit.toml --format rust`.
 pub mod unit;
 
-/// Pauses between attempts to bring the part back: 10 ms, doubled up to 1.28 s, so that a dead part makes no storm on
-/// the bus.
+/// Pauses between attempts to bring the part back: 10 ms, doubled up to 1.28 s, so that a dead part does not cause a
+/// storm on the bus.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BackOff {
     doublings: u32,
 }
 
 impl BackOff {
-    /// No attempt has failed.
+    /// The pauses before any attempt has failed.
     #[must_use]
     pub const fn new() -> Self {
         Self { doublings: 0 }
@@ -28,14 +28,14 @@ impl BackOff {
         pause_ms
     }
 
-    /// The part gives readings again.
+    /// Starts anew once the part gives readings again.
     pub fn done(&mut self) {
         self.doublings = 0;
     }
 }
 
-/// What the loop is for: takes a corrected rate code, and whether the calibration holds at the temperature that it was
-/// taken at.
+/// The user of the rate: takes a corrected rate code, and whether the calibration holds at the temperature of the
+/// reading.
 pub fn control(rate_code: u32, calibrated: bool) {
     core::hint::black_box((rate_code, calibrated));
 }

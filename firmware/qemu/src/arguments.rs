@@ -1,4 +1,4 @@
-//! The command line that the emulator gives.
+//! The command line from the emulator.
 
 use cortex_m_semihosting::{nr, syscall1};
 

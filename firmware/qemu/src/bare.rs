@@ -25,7 +25,7 @@ pub(crate) fn write(register: *mut u32, value: u32) {
     unsafe { register.write_volatile(value) }
 }
 
-/// Puts out bytes and a number, so that whatever made them is needed.
+/// Puts out bytes and a number, so that the compiler keeps the code that made them.
 #[inline(never)]
 pub fn put(bytes: &[u8], number: u32) {
     for byte in bytes {
@@ -40,7 +40,7 @@ pub fn edge() -> (u64, u32) {
     (u64::from(read(CLOCK)) << 32 | u64::from(read(CLOCK)), read(PINS))
 }
 
-/// A bus of one device. Only what the driver uses is carried out.
+/// A bus of one device. It carries out only the operations that the driver uses.
 #[derive(Clone, Copy, Debug)]
 pub struct Bus;
 

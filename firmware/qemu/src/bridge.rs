@@ -20,7 +20,7 @@ const LOOK_NS: u64 = 1_000_000;
 
 /// The line to the host.
 pub trait Port {
-    /// What ends it.
+    /// The error that ends the connection.
     type Closed;
 
     /// The next byte, if there is one; with `wait` there always is.
@@ -38,7 +38,7 @@ pub fn serve<P: Port>(twin: &Twin, firmware: &'static str, port: &mut P) -> Resu
     loop {
         while let Some(byte) = port.read(!station.is_sampling())? {
             if let Some(Ok(request)) = requests.push(byte) {
-                // time does not stand still while nothing is sampled, so that RDY shows a host that it lives
+                // time goes on while nothing is sampled, so that RDY shows the host that the part lives
                 if let Some(message) = next_edge(twin, &mut station) {
                     send(port, &message)?;
                 }

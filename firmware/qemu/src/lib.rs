@@ -1,4 +1,4 @@
-//! What the images share.
+//! Code that the images share.
 
 #![no_std]
 

@@ -1,5 +1,5 @@
-//! What controller and host both compute from a seed: a unit of the twin, read through the driver, corrected in four
-//! ways.
+//! The work that controller and host both do from a seed: read a unit of the twin through the driver, and correct it
+//! in four ways.
 //!
 //! The host includes this file too (`lab/src/firmware/`).
 
@@ -24,7 +24,7 @@ const CURVE: (f64, f64) = (0.0005, -2e-6);
 /// A part that gives no edge for this long is dead.
 const NO_EDGE_NS: u64 = 100_000_000;
 
-/// A reading and what the corrections make of it.
+/// A reading and its corrected forms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Reading {
     /// The rate, as the part gave it.
@@ -44,18 +44,18 @@ pub struct Reading {
 /// The correction in the forms that a controller uses.
 #[derive(Clone, Debug)]
 pub struct Corrections {
-    /// On codes.
+    /// The correction on codes.
     pub integer: IntegerCorrection,
-    /// On codes, with a quadratic and a cubic term.
+    /// The correction on codes, with a quadratic and a cubic term.
     pub curve: IntegerCurve,
-    /// In single precision.
+    /// The correction in single precision.
     pub single: CorrectionF32,
     rows_udps: [i32; ROWS],
     t3_c: f64,
 }
 
 impl Corrections {
-    /// What a perfect calibration of this unit would find.
+    /// The coefficients that a perfect calibration of this unit would find.
     pub fn of(twin: &Twin) -> Option<Self> {
         let truth = twin.truth();
         let t3_c = truth.sensor_c;
@@ -72,7 +72,7 @@ impl Corrections {
         })
     }
 
-    /// By look-up.
+    /// The table row, by look-up.
     pub fn table(&self) -> CodeTable<'_> {
         CodeTable::new(&self.rows_udps, TABLE_C.0, self.t3_c, &Axis::ADIS16130.temp)
     }
@@ -84,7 +84,7 @@ pub fn corrected_dps(single: &CorrectionF32, rate: RateCode, temp: TempCode) -> 
     single.apply(rate.to_dps(), temp.to_celsius())
 }
 
-/// Reads the unit of a seed and returns its corrections; `take` gets every reading. `None` where the part did not
+/// Reads the unit of a seed and returns its corrections; `take` gets every reading. Returns `None` if the part did not
 /// answer.
 pub fn run(seed: u64, mut take: impl FnMut(Reading)) -> Option<Corrections> {
     let twin = Twin::new(Spec::from_seed(seed));

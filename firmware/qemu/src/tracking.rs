@@ -1,5 +1,5 @@
-//! What controller and host both track from a seed: means of 0.1 s of a part that rests, begins to turn slowly, moves,
-//! rests again, gives nothing for a second, rests, and is without power for a day.
+//! The series that controller and host both track from a seed: means of 0.1 s. The part rests, begins to turn slowly,
+//! moves, rests again, gives nothing for a second, and rests. Then it is without power for a day.
 //!
 //! The host includes this file too (`lab/src/firmware/`).
 
@@ -8,37 +8,37 @@ use zerorate::{Axis, Correction};
 
 const CORRECTION: Correction = Correction::line(-0.25, -0.04, 26.0);
 
-/// What the part has beyond that correction, °/s.
+/// The part's bias beyond that correction, °/s.
 const CHANGE_DPS: f64 = 0.004;
 
-/// White noise of a mean of 0.1 s, °/s (1 σ): that of F-02, 0.0125 °/s/√Hz, times √5.
+/// White noise of a mean of 0.1 s, °/s (1 σ): 0.0125 °/s/√Hz (F-02) times √5.
 const WHITE_DPS: f64 = 0.028;
 
-/// So many means, and how fast the part turns, °/s; none where it gives nothing. The first rest is longer than the
-/// longest test of means, 128 s. Whole seconds, so that those of the tracker stay those of the series.
+/// Number of means, and how fast the part turns, °/s; none where it gives nothing. The first rest is longer than the
+/// longest test of means, 128 s. All lengths are whole seconds, so that the tracker's seconds stay in step.
 const STRETCHES: [(u32, Option<f64>); 6] =
     [(1_600, Some(0.0)), (600, Some(0.03)), (20, Some(5.0)), (400, Some(0.0)), (10, None), (300, Some(0.0))];
 
-/// Without power, s.
+/// Time without power, s.
 const OFF_S: f64 = 86_400.0;
 
-/// What is known after a mean.
+/// The tracker's knowledge after a mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Known {
     /// The bias beyond the correction, °/s, bit by bit.
     pub change_bits: u64,
     /// Its standard uncertainty, °/s, bit by bit.
     pub u_bits: u64,
-    /// What the part does.
+    /// The phase of the part's motion.
     pub phase: u8,
 }
 
 /// A mean over [`BLOCK_S`].
 #[derive(Clone, Copy, Debug)]
 pub struct Mean {
-    /// °/s; none where it is missing.
+    /// The mean rate, °/s; none where it is missing.
     pub rate_dps: Option<f64>,
-    /// °C.
+    /// The mean temperature, °C.
     pub temp_c: f64,
 }
 
@@ -60,8 +60,8 @@ pub fn tracker() -> Tracker {
     Tracker::new(config()).aged(0.0)
 }
 
-/// Tracks the series of a seed; `take` gets what is known after each mean, and at last after the time without power.
-/// `None` where the tracker refuses what it saved.
+/// Tracks the series of a seed; `take` gets the knowledge after each mean, and at last after the time without power.
+/// Returns `None` if the tracker refuses its saved state.
 pub fn run(seed: u64, mut take: impl FnMut(Known)) -> Option<Counts> {
     let mut tracker = tracker();
     let mut last_c = CORRECTION.t3_c;

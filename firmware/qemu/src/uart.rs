@@ -19,7 +19,7 @@ const TRANSMIT_AND_RECEIVE: u32 = 0b11;
 const FASTEST: u32 = 16;
 
 impl Uart {
-    /// Switches it on. To be called once.
+    /// Switches the line on. Call it once.
     #[expect(clippy::new_without_default, reason = "it switches something on")]
     pub fn new() -> Self {
         write(BAUD_DIVIDER, FASTEST);

@@ -1,4 +1,4 @@
-//! Every link of the book leads to a page and a place that are there, and nothing is loaded from elsewhere.
+//! Checks that every link of the book leads to an existing page and place, and that nothing is loaded from elsewhere.
 
 use crate::stage::below;
 use anyhow::{Result, ensure};

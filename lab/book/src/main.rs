@@ -1,7 +1,7 @@
 //! The book out of `docs/`: `book ROOT OUT`. `cargo xtask book` calls it.
 //!
-//! Stages the chapters, lets mdBook render them, takes the scripts out of the pages so that a policy without inline
-//! code holds, and follows every link.
+//! It stages the chapters and lets mdBook render them. It takes the scripts out of the pages, so that a policy without
+//! inline code holds, and follows every link.
 
 mod links;
 mod policy;
@@ -41,5 +41,5 @@ fn render(root: &Path, staged: &Path, out: &Path) -> Result<()> {
 /// Only a book may be replaced by one.
 fn ours(out: &Path) -> Result<()> {
     let is_ours = out.join("toc.html").exists() || fs::read_dir(out)?.next().is_none();
-    is_ours.then_some(()).with_context(|| format!("{} is there and is no book: not touched", out.display()))
+    is_ours.then_some(()).with_context(|| format!("{} exists and is not a book; it was not touched", out.display()))
 }

@@ -1,4 +1,4 @@
-//! The chapters, where mdBook takes them from: what lies in `docs/`, and pages of the project beside it.
+//! Stages the chapters for mdBook: the files in `docs/`, and pages of the project beside it.
 //!
 //! In the project a chapter links to files beside and outside of `docs/`, as a reader of the sources wants it. Here
 //! such a link leads to the chapter that was made of the file; where none was, its text stays.
@@ -36,7 +36,7 @@ pub fn fill(root: &Path, staged: &Path) -> Result<()> {
     Ok(fs::write(staged.join("SUMMARY.md"), summary)?)
 }
 
-/// Where a file of the project stands in the book.
+/// The place of a project file in the book.
 fn place(file: &Path) -> PathBuf {
     if let Ok(inside) = file.strip_prefix("docs") {
         let is_first = inside == Path::new("README.md");
@@ -75,7 +75,7 @@ fn relinked(text: &str, page: &Path, root: &Path, chapters: &BTreeSet<PathBuf>) 
 /// A link or a picture as it stands in a text.
 struct Link {
     whole: Range<usize>,
-    /// What is shown, and where it leads.
+    /// The shown text, and the target.
     text: Range<usize>,
     target: Range<usize>,
 }

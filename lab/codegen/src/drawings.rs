@@ -1,5 +1,5 @@
-//! Drawings made of the numbers and names in `docs/facts.md`. What the facts mark as unverified is
-//! dashed and has a "?".
+//! Drawings made of the numbers and names in `docs/facts.md`. Items that the facts mark as unverified
+//! are dashed and have a "?".
 
 use anyhow::{Context, Result, ensure};
 use std::collections::BTreeMap;
@@ -82,7 +82,7 @@ fn rect(at: (f64, f64), size: (f64, f64), style: &str) -> String {
     format!("<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" {style}/>\n")
 }
 
-/// What a pin is for, as a colour.
+/// The colour for the purpose of a pin.
 fn colour(name: &str) -> &'static str {
     match name {
         "VDD" => "#f4b9a5",
@@ -93,7 +93,7 @@ fn colour(name: &str) -> &'static str {
     }
 }
 
-/// Both ways up: the second is the mirror image of the first.
+/// The pins seen from both sides. The second drawing is the mirror image of the first.
 fn connector(pins: &Pins) -> String {
     let mut body = text((360.0, 24.0), "middle", "#000", "F-09, F-11: 24 pins, two rows, 1 mm pitch");
     for (left, title, is_mirrored) in [
@@ -282,7 +282,7 @@ fn bandwidth(facts: &str) -> Result<String> {
     Ok(svg(720, 388, "Bandwidth of the rate, and where the resonance folds to", &body))
 }
 
-/// Where a tone appears among samples at `rate_hz`.
+/// The frequency at which a tone appears among samples at `rate_hz`.
 pub fn fold(hz: f64, rate_hz: f64) -> f64 {
     (hz - (hz / rate_hz).round() * rate_hz).abs()
 }

@@ -11,6 +11,6 @@ pub fn text() -> Result<String> {
     let config = cbindgen::Config::from_file(project.join("cbindgen.toml")).map_err(|error| anyhow!(error))?;
     let mut text = Vec::new();
     cbindgen::generate_with_config(project, config)?.write(&mut text);
-    // what Rust calls safety is what C's callers have to keep
+    // Rust's safety section holds the rules for callers in C
     Ok(String::from_utf8(text)?.replace(" * # Safety\n * ", " * Required: "))
 }

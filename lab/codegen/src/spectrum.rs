@@ -15,7 +15,7 @@ use zerorate_view::plot::{Spectrum, Tone, spectra};
 const UNIT: &str = "seed=4,warmup_c=0";
 /// Segments of Welch's estimate for a record at the full rate: 0.35 Hz apart.
 const SAMPLES: usize = 1 << 17;
-/// As many at less than a twentieth of the rate would take minutes.
+/// Segments for a record at less than a twentieth of the rate, where the full number would take minutes.
 const SAMPLES_DIVIDED: usize = 1 << 14;
 /// A part that gives no edge for this long is dead.
 const NO_EDGE_NS: u64 = 100_000_000;

@@ -1,7 +1,7 @@
 //! Times zerorate and the crates `allan` and `allan-tools` on the rates in a file of little-endian f64. Prints a JSON
 //! object per run.
 //!
-//! `peers generate DATA SAMPLES` makes the file; `peers time DATA` times; `peers memory DATA` runs the overlapping
+//! `peers generate DATA SAMPLES` makes the file, and `peers time DATA` times. `peers memory DATA` runs the overlapping
 //! Allan deviation once and states the peak memory.
 
 use rand_distr::{Distribution, Normal};
@@ -12,7 +12,7 @@ use std::hint::black_box;
 use std::time::Instant;
 use zerorate_allan::{Input, Stat, deviations};
 
-/// Each run of zerorate is short: the best of so many counts.
+/// Runs of zerorate, of which the best counts: each is short.
 const REPEATS: usize = 7;
 /// Samples of the short record, 150 s at 5.7 kSPS.
 const SHORT: usize = 855_000;
@@ -35,7 +35,7 @@ fn generate(path: &str, samples: usize) {
 }
 
 fn time(rate: &[f64]) {
-    // what a 24-bit part would have sent: a step of 1/23488 °/s
+    // the codes of a 24-bit part, with a step of 1/23488 °/s
     let codes: Vec<i32> = rate.iter().map(|rate| (rate * 23_488.0).round() as i32).collect();
     for threads in [1, 2] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
@@ -63,7 +63,7 @@ fn hundred(samples: usize) -> Vec<u64> {
     lengths
 }
 
-/// Those of `--taus fine`: 1, 2, 3, then four to an octave.
+/// The averages of `--taus fine`: 1, 2, 3, then four to an octave.
 fn fine(samples: usize) -> Vec<u64> {
     let octaves = (0..60).flat_map(|k| (4..8).map(move |quarter| quarter << k));
     (1..4).chain(octaves).take_while(|m| 2 * m <= samples as u64).collect()

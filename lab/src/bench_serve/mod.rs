@@ -1,5 +1,5 @@
-//! `cargo xtask bench-serve`: `zerorate serve` with everybody looking on at once, in real time: pages, clients of
-//! libiio, and a recording, which must lose nothing.
+//! `cargo xtask bench-serve`: runs `zerorate serve` in real time with pages, clients of libiio and a recording at
+//! once. The recording must lose nothing.
 
 mod page;
 mod samples;
@@ -19,19 +19,19 @@ const DEVICE: &str = "twin:seed=1";
 /// Pairs of conversions a second at the nominal clock (F-31): 11 385 conversions, of the rate and the temperature in
 /// turn.
 const PAIRS_HZ: f64 = 5692.6;
-/// Of the time that went by; less than that is no real time.
+/// Share of the elapsed time that the twin must give to count as real time.
 const REAL_TIME: f64 = 0.98;
-/// On a busy machine the twin may take so many times as long.
+/// How many times as long the twin may take on a busy machine.
 const LONGEST: u32 = 10;
 const STEP: Duration = Duration::from_millis(100);
 
-/// What to run.
+/// Command line of `cargo xtask bench-serve`.
 #[derive(clap::Args)]
 pub struct BenchServeArgs {
-    /// How long, s
+    /// Length of the measurement, s
     #[arg(long, default_value_t = 60)]
     seconds: u64,
-    /// Pages that look on
+    /// Pages that watch
     #[arg(long, default_value_t = 20)]
     watchers: usize,
     /// Clients of libiio (iio_readdev, where libiio-utils is installed or can be)
@@ -40,13 +40,13 @@ pub struct BenchServeArgs {
     /// The program, instead of building it
     #[arg(long, value_name = "FILE")]
     program: Option<PathBuf>,
-    /// As a step of the test: with the program of the tests, and until the twin has given so much, however long that
-    /// takes on a busy machine
+    /// Run as a step of the test: with the tests' program, and until the twin has given the wanted time, however long
+    /// a busy machine takes for it
     #[arg(long, conflicts_with = "program")]
     check: bool,
 }
 
-/// Starts the server, lets everybody look on, and prints what that costs.
+/// Starts the server and all watchers, and prints the cost.
 pub fn run(args: &BenchServeArgs) -> Result<()> {
     let program = program(args)?;
     let clients = if has_iio(args)? { args.clients } else { 0 };
@@ -65,7 +65,7 @@ pub fn run(args: &BenchServeArgs) -> Result<()> {
     let expected = recorded.span_s * PAIRS_HZ;
     ensure!(
         (recorded.rows as f64 / expected - 1.0).abs() < 0.03,
-        "{} samples are not those of the time",
+        "{} samples do not match the time",
         recorded.rows
     );
     check_clients(&seen.clients, &program, &capture)
@@ -84,9 +84,9 @@ fn has_iio(args: &BenchServeArgs) -> Result<bool> {
     Ok(args.clients > 0 && tools::available(&[tool], "clients of libiio that look on")?)
 }
 
-/// What everybody saw.
+/// The figures of all watchers.
 struct Seen {
-    /// Of one core.
+    /// Processor time as a share of one core.
     share: f64,
     wall_s: f64,
     pages: Vec<Frames>,
@@ -128,7 +128,7 @@ fn print(seen: &Seen, recorded: &Recorded, wall_s: f64, peak_mb: f64) {
     println!("real time     {verdict}: {span_s:.1} s in {wall_s:.1} s, {:.1} %", share * 100.0);
     let frames_per_s = seen.pages.iter().map(|page| page.count).min().unwrap_or_default() as f64 / seen.wall_s;
     let kb_per_s = seen.pages.iter().map(|page| page.bytes).max().unwrap_or_default() as f64 / 1e3 / seen.wall_s;
-    // the first is one that everybody gets
+    // the first snapshot does not count: every page gets one
     let late: u64 = seen.pages.iter().map(|page| page.snapshots.saturating_sub(1)).sum();
     println!(
         "pages         {}, at least {frames_per_s:.1} frames/s, at most {kb_per_s:.0} KB/s each; \
@@ -139,7 +139,7 @@ fn print(seen: &Seen, recorded: &Recorded, wall_s: f64, peak_mb: f64) {
     println!("memory        {peak_mb:.1} MB at most");
 }
 
-/// Each got samples that were recorded.
+/// Checks that each client got samples that were recorded.
 fn check_clients(clients: &[Vec<u8>], program: &Path, capture: &Path) -> Result<()> {
     if clients.is_empty() {
         println!("libiio        no client");

@@ -12,23 +12,23 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// Numbers in a bin of a strip of one axis: least and largest of rate, corrected rate and temperature.
 const COLUMNS: u64 = 6;
 
-/// FIN, and binary.
+/// First byte of a binary frame, with FIN.
 const FRAME: u8 = 0x82;
-/// FIN, and a ping, to which a page that is there answers.
+/// First byte of a ping, with FIN. A connected page answers it.
 const PING: u8 = 0x89;
-/// The answer: FIN and pong, masked as whatever comes from a page, empty.
+/// The answer: an empty pong with FIN, masked as every message of a page.
 const PONG: [u8; 6] = [0x8a, 0x80, 0, 0, 0, 0];
 
-/// What came.
+/// The frames that one page received.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Frames {
     pub count: u64,
     pub bytes: u64,
-    /// How often the page was too slow, and got everything anew.
+    /// How often the page was too slow and got a new snapshot.
     pub snapshots: u64,
 }
 
-/// Takes frames until it is `over`; notes in `shown_ms` how much time of the part they show.
+/// Takes frames until it is `over`. Notes in `shown_ms` how much of the part's time they show.
 pub fn watch(address: &str, over: &AtomicBool, shown_ms: &AtomicU64) -> Result<Frames> {
     let mut stream = BufReader::new(connect(address)?);
     let (mut frames, mut last) = (Frames::default(), None);
@@ -64,7 +64,7 @@ fn connect(address: &str) -> Result<TcpStream> {
         sec-websocket-version: 13\r\nsec-websocket-key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n";
     stream.write_all(ask.as_bytes())?;
     let mut answer = Vec::new();
-    // byte by byte: frames come right behind it
+    // byte by byte, because frames follow directly
     while !answer.ends_with(b"\r\n\r\n") {
         let mut byte = [0];
         stream.read_exact(&mut byte)?;
@@ -75,7 +75,7 @@ fn connect(address: &str) -> Result<TcpStream> {
     Ok(stream)
 }
 
-/// A message of the server, which has no mask (RFC 6455, 5.2): its kind, and what is in it.
+/// Reads a message of the server, which has no mask (RFC 6455, 5.2). Returns its kind and its content.
 fn message(stream: &mut impl BufRead) -> Result<(u8, Vec<u8>)> {
     let mut head = [0; 2];
     stream.read_exact(&mut head)?;

@@ -1,4 +1,4 @@
-//! What was recorded, and whether that is what the twin gave and what clients of libiio got.
+//! The recording, compared with the twin's samples and with the samples that clients of libiio got.
 
 use crate::venv::{done, printed};
 use anyhow::{Context, Result, anyhow, ensure};
@@ -35,7 +35,7 @@ impl Recorded {
         })
     }
 
-    /// Nothing is lost, and every sample is the one that the twin gives where nobody looks on and no clock runs.
+    /// Checks that nothing is lost and that every sample is the one of a twin without watchers and without a clock.
     pub fn check(&self, program: &Path, device: &str, folder: &Path) -> Result<()> {
         ensure!(self.lost == 0, "{} samples were lost", self.lost);
         let alone = folder.join("alone.arrows");
@@ -79,7 +79,7 @@ impl Client {
         Ok(Self { child, bytes })
     }
 
-    /// What it got until now.
+    /// The bytes that it got until now.
     pub fn end(mut self) -> Result<Vec<u8>> {
         self.child.kill()?;
         self.child.wait()?;
@@ -87,12 +87,12 @@ impl Client {
     }
 }
 
-/// Samples of a client are rows in their order, and what is missing between them is counted in them. Returns how many
-/// it got, and how many it was too slow for.
+/// Checks that a client's samples are rows in their order, and that they count the missing rows between them. Returns
+/// how many it got, and how many it was too slow for.
 pub fn check_client(bytes: &[u8], rows: &[(u64, u32)]) -> Result<(u64, u64)> {
     let mut at = None;
     let (mut count, mut missed) = (0, 0);
-    // it was ended in the middle of one
+    // it may have ended in the middle of a sample
     for sample in bytes.chunks_exact(SAMPLE) {
         let code = u32::from_le_bytes(*sample.first_chunk().context("a code")?);
         let wide = |at: usize| sample[at..].first_chunk().map(|bytes| u64::from_le_bytes(*bytes)).context("8 bytes");

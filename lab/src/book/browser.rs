@@ -7,10 +7,10 @@ use std::path::Path;
 use std::process::Command;
 
 const CHROMIUM: Tool = Tool { program: "chromium", package: "chromium" };
-/// One that is long, one at the root, one in a folder.
+/// A long page, a page at the root, and a page in a folder.
 const PAGES: [&str; 3] = ["codes.html", "index.html", "formats/capture.html"];
 
-/// Opens some pages of the book in `out`. Skipped, with a word, where there is no Chromium.
+/// Opens some pages of the book in `out`. Without Chromium it says so and skips them.
 pub fn check(out: &Path) -> Result<()> {
     if !available(&[CHROMIUM], "the book in a browser")? {
         return Ok(());
@@ -29,11 +29,11 @@ pub fn check(out: &Path) -> Result<()> {
     fs::remove_file(&foreign)?;
     let (shown, said) = seen?;
     ensure!(said.contains("Content Security Policy") && !shown.contains("<title>run"), "the policy is not in force");
-    println!("{} pages of the book in Chromium keep to their policy, and it is in force", PAGES.len());
+    println!("{} pages of the book in Chromium keep to their policy, which is in force", PAGES.len());
     Ok(())
 }
 
-/// What the page is once its scripts have run, and what the browser has to say of them.
+/// The page after its scripts have run, and the browser's messages about them.
 fn opened(page: &Path) -> Result<(String, String)> {
     let profile = tempfile::tempdir()?;
     let mut chromium = Command::new(CHROMIUM.program);

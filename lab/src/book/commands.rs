@@ -1,8 +1,8 @@
-//! The commands that the chapters show, run on the twin as a reader would run them.
+//! Runs the commands of the chapters on the twin, as a reader would run them.
 //!
 //! Commands stand in fences, never indented. Every ```sh block whose first word is `zerorate` is run, line by line,
-//! from the first chapter to the last, in one folder. A line ends with 0, or as it says: `# refused (exit 3)`. What
-//! needs a part, files of the reader's or hours is marked ```sh,untried, which the book shows.
+//! from the first chapter to the last, in one folder. A line ends with 0, or as it says: `# refused (exit 3)`. A block
+//! that needs a part, the reader's files or hours is marked ```sh,untried, which the book shows.
 
 use anyhow::{Context, Result, bail, ensure};
 use std::fs;
@@ -20,7 +20,7 @@ struct Line {
     exit: i32,
 }
 
-/// Runs all, with `program` as `zerorate`.
+/// Runs all commands, with `program` as `zerorate`.
 pub fn run(program: &Path) -> Result<()> {
     let program = program.canonicalize().with_context(|| format!("no program {}", program.display()))?;
     let (mut count, folder) = (0, tempfile::tempdir()?);
@@ -48,7 +48,7 @@ pub fn run(program: &Path) -> Result<()> {
 fn try_line(line: &Line, program: &Path, folder: &Path) -> Result<()> {
     let path = std::env::var("PATH").unwrap_or_default();
     let beside = program.parent().context("a program in a folder")?;
-    // what waits for somebody must not wait for ever
+    // a command that waits for somebody must not wait for ever
     let mut shell = Command::new("timeout");
     shell.args([LONGEST_S, "sh", "-c", &line.command]).current_dir(folder);
     let output = shell.env("PATH", format!("{}:{path}", beside.display())).output()?;
@@ -65,7 +65,7 @@ fn try_line(line: &Line, program: &Path, folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// What is to be run of a chapter.
+/// The lines of a chapter that have to be run.
 fn lines(text: &str) -> Vec<Line> {
     let blocks = text.split("\n```sh\n").skip(1).filter_map(|rest| rest.split_once("\n```")).map(|(block, _)| block);
     let ours = blocks.filter(|block| block.starts_with("zerorate"));
@@ -73,7 +73,7 @@ fn lines(text: &str) -> Vec<Line> {
     whole.flat_map(|block| block.lines().filter_map(line).collect::<Vec<_>>()).collect()
 }
 
-/// A command of ours that is a block by its indent alone.
+/// Finds a command of ours in a block that only its indent makes.
 fn indented(text: &str) -> Option<&str> {
     let outside = text.split("```").step_by(2);
     outside.flat_map(str::lines).find(|line| line.starts_with("    zerorate "))
@@ -86,7 +86,7 @@ fn line(text: &str) -> Option<Line> {
     is_command.then(|| Line { command: command.to_owned(), exit })
 }
 
-/// Those in `docs`, in their order.
+/// The chapters in `docs`, in their order.
 fn chapters(docs: &Path) -> Result<Vec<PathBuf>> {
     let summary = fs::read_to_string(docs.join("SUMMARY.md"))?;
     let targets = summary.split("](").skip(1).filter_map(|rest| rest.split(')').next());

@@ -14,7 +14,7 @@ use xtask::lab;
 /// Command line of `cargo xtask book`.
 #[derive(clap::Args)]
 pub struct BookArgs {
-    /// Where to; what is there must be a book, and is replaced
+    /// Folder to write to; a folder that exists must hold a book, and is replaced
     #[arg(long, value_name = "DIR", default_value = "target/book/site")]
     out: PathBuf,
     /// Open pages in Chromium, and run the commands of the chapters

@@ -5,7 +5,7 @@ use std::io::{Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
 use std::thread;
 
-/// Where the program's end of the cable is.
+/// Address of the program's end of the cable.
 pub struct Cable(u16);
 
 impl Cable {
@@ -40,7 +40,7 @@ struct Harm {
     pulled_after: Option<u64>,
     /// Frames that have passed whole.
     frames: u64,
-    /// Bytes of the one that passes now.
+    /// Bytes of the frame that passes now.
     place: u64,
     bytes: u64,
 }
@@ -61,7 +61,7 @@ impl Harm {
         }
     }
 
-    /// Flips a bit in the second byte of a frame that is to be damaged, and makes no end of it.
+    /// Flips a bit in the second byte of a frame to be damaged, without turning it into an end.
     fn pass(&mut self, byte: u8) -> u8 {
         if byte == 0 {
             self.frames += 1;

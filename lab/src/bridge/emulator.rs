@@ -7,18 +7,18 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// The emulator is there within this.
+/// Time within which the emulator must listen.
 const START: Duration = Duration::from_secs(20);
 
 /// How the bridge's UART is reached.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Line {
     Socket,
-    /// A pseudo-terminal, which is a serial port to whoever opens it.
+    /// A pseudo-terminal, which programs open like a serial port.
     Serial,
 }
 
-/// A running emulator; it ends with this.
+/// A running emulator, which ends when this value is dropped.
 pub struct Emulator {
     qemu: Child,
     device: String,
@@ -26,12 +26,12 @@ pub struct Emulator {
 }
 
 impl Emulator {
-    /// Switches the bridge on, with this unit of the twin.
+    /// Switches on the bridge with this unit of the twin.
     pub fn start(image: &Path, seed: u64, line: Line) -> Result<Self> {
-        // free a moment ago, and nobody else here looks for one
+        // the port was free a moment ago, and nothing else here takes one
         let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
         let serial = match line {
-            // without nodelay every byte of an answer waits for the one before to be acknowledged
+            // without nodelay every byte of an answer waits until the previous one is acknowledged
             Line::Socket => format!("tcp:127.0.0.1:{port},server=on,wait=off,nodelay=on"),
             Line::Serial => "pty".to_owned(),
         };
@@ -54,12 +54,12 @@ impl Emulator {
         Ok(emulator)
     }
 
-    /// For `--device`.
+    /// The address for `--device`.
     pub fn device(&self) -> String {
         self.device.clone()
     }
 
-    /// Of the socket.
+    /// Address of the socket.
     pub fn port(&self) -> u16 {
         self.port
     }

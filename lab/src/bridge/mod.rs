@@ -1,9 +1,9 @@
-//! `cargo xtask bridge`: the program against a bridge's firmware on an emulated Cortex-M4F with the twin in it: over a
-//! socket, over a serial port, and over a cable that does harm.
+//! `cargo xtask bridge`: tries the program with a bridge's firmware on an emulated Cortex-M4F that contains the twin.
+//! It uses a socket, a serial port, and a cable that does harm.
 
 mod cable;
 mod emulator;
-/// The firmware's own loop, for what it sends on the host.
+/// The firmware's own loop, to get the bytes that it sends on the host.
 #[path = "../../../firmware/qemu/src/bridge.rs"]
 mod firmware;
 mod script;
@@ -26,17 +26,17 @@ const SAMPLES: u32 = 5_000;
 /// A calibration of half a minute of part time.
 const PLAN: [&str; 10] =
     ["--average", "1s", "--warmup", "10s", "--settle", "10s", "--offset", "5s", "--max-u-btc", "1"];
-/// One frame in so many is damaged.
+/// Number of frames of which one is damaged.
 const DAMAGED_EVERY: u64 = 50;
-/// Bytes until the cable is pulled.
+/// Number of bytes after which the cable is pulled.
 const PULLED_AFTER: u64 = 60_000;
 
-/// What was found.
+/// The results.
 #[derive(Serialize)]
 struct Findings {
     seed: u64,
     duration_s: f64,
-    /// Of the stream that controller and host send alike.
+    /// Bytes of the stream that controller and host send alike.
     bytes_alike: usize,
     probe: Value,
     capture_tcp: Value,
@@ -48,7 +48,7 @@ struct Findings {
     samples_before_the_cable_was_pulled: u64,
 }
 
-/// Runs everything and stops at the first that is wrong.
+/// Runs everything and stops at the first error.
 pub fn run(args: &ProgramArgs) -> Result<()> {
     if !available(&[QEMU], "the bridge in the emulator")? {
         return Ok(());
@@ -64,9 +64,9 @@ pub fn run(args: &ProgramArgs) -> Result<()> {
         println!("{}", serde_json::to_string_pretty(&findings)?);
     }
     eprintln!(
-        "seed {}: {} bytes of samples are the same from controller and host; probe, capture (socket and serial port) \
-         and calibrate agree with the twin; {} damaged frames cost {} samples; {} samples were kept when the cable \
-         was pulled",
+        "seed {}: {} bytes of samples are the same from controller and host. Probe, capture (socket and serial port) \
+         and calibrate agree with the twin. {} damaged frames cost {} samples. {} samples were kept when the cable \
+         was pulled.",
         findings.seed,
         findings.bytes_alike,
         findings.damaged_frames,
@@ -148,11 +148,11 @@ impl Bench {
         let here_dps = number(&here, "pbc_dps")? + shift_c * number(&here, "btc_dps_per_c")?;
         let difference = number(&there, "pbc_dps")? - here_dps;
         let limit = 2.0 * number(&there, "u_pbc_dps")?.hypot(number(&here, "u_pbc_dps")?);
-        ensure!(difference.abs() <= limit, "PBC differs by {difference} °/s from that in process, more than {limit}");
+        ensure!(difference.abs() <= limit, "PBC differs by {difference} °/s from PBC in process, more than {limit}");
         Ok((there, here))
     }
 
-    /// Damaged frames are found, and what was in them is counted.
+    /// Damaged frames are found, and their samples are counted as lost.
     fn damage(&self) -> Result<(u64, u64)> {
         let emulator = self.emulator(Line::Socket)?;
         let cable = Cable::lay(emulator.port(), Some(DAMAGED_EVERY), None)?;
@@ -169,12 +169,12 @@ impl Bench {
         let warnings = summary["warnings"].to_string();
         let said = warnings.split("damaged-frames: ").nth(1).and_then(|rest| rest.split(' ').next()?.parse().ok());
         let Some(found) = said else { bail!("no word on damaged frames: {warnings}") };
-        // those that came after the last recorded sample are among them
+        // frames after the last recorded sample are among them
         ensure!(found + 2 >= lost, "{found} damaged frames, but {lost} lost samples");
         Ok((found, lost))
     }
 
-    /// What was recorded until the cable was pulled stays.
+    /// Samples recorded before the cable was pulled stay.
     fn pull(&self) -> Result<u64> {
         let emulator = self.emulator(Line::Socket)?;
         let cable = Cable::lay(emulator.port(), None, Some(PULLED_AFTER))?;

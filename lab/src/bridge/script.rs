@@ -10,11 +10,11 @@ use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::time::Duration;
 
-/// A sample takes at least this (docs/formats/bridge.md).
+/// Least bytes of a sample (docs/formats/bridge.md).
 const LEAST_BYTES: usize = 26;
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// Starts both, and returns how many bytes of so many samples are the same, which must be all.
+/// Starts both, and returns how many bytes of so many samples are the same. All must be the same.
 pub fn compare(emulator: &Emulator, seed: u64, samples: u32) -> Result<usize> {
     let start = Ask::Start { every_temp: 1, divider: 1, mclk_hz: adis16130::MCLK_HZ };
     let mut room = [0; MAX_FRAME];
@@ -35,7 +35,7 @@ pub fn compare(emulator: &Emulator, seed: u64, samples: u32) -> Result<usize> {
     Ok(alike)
 }
 
-/// A port with a few requests in it, that closes when enough was sent.
+/// A port that holds a few requests, and closes when enough was sent.
 struct Script {
     requests: VecDeque<u8>,
     sent: Vec<u8>,

@@ -1,5 +1,5 @@
-//! What `bindings/c/tests/agree.c` must print, from the Rust crates: driver, corrections, and the procedure on fixed
-//! memory.
+//! The output that `bindings/c/tests/agree.c` must print, from the Rust crates: driver, corrections, and the procedure
+//! on fixed memory.
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, RateCode, Sample, Sampler, SamplerConfig, SelfTestPlan, TempCode, WaitBound};
@@ -28,7 +28,7 @@ const MISUSE: &str = "no settings -1\nno gyro -1\nnot set up -2\nnot begun -2\ns
     ragged -31\nno room -32\nno table -3\nlaid out 0\nabove -34 -4800\nbelow -34 4800\nno row -1\nno \
     correction 77\n\
     RDY gave no sign of new data in time. unknown status.\n";
-/// What is no reading, with the numbers typed again; and the deadline, 64 periods of 175.7 µs (F-31) after the first
+/// Failures to read, with the numbers typed again, and the deadline: 64 periods of 175.7 µs (F-31) after the first
 /// question.
 const NO_NUMBERS: &str = "framing 1\nset up 0\nwithout initialisation -25\ninitialise 0\nbefore the first conversion \
     -25\nconverted 0\n\
@@ -36,14 +36,14 @@ const NO_NUMBERS: &str = "framing 1\nset up 0\nwithout initialisation -25\niniti
     -12\n\
     initialise 0\nbeyond the scale -24\n";
 const FAULTS: &str = "diagnose 0\nzeros -21\nones -20\ndip -22\nagain 0\ncut -12\n";
-/// Self-tests that fail: wherever the pin was set at all it was set low last, unless that was refused.
+/// Self-tests that fail. A pin that was set at all was set low last, unless that was refused.
 const SELF_TEST_FAULTS: &str = "no pin -1\nno plan -1\nno result -1\nno function -13\n\
     low refused -14\ncalls 1 level 0 n 7\nhigh refused -14\ncalls 3 level 0 n 7\n\
     release refused -14\ncalls 3 level 1 n 7\ncut -12\ncalls 3 level 0 n 7\nzeros -21\ncalls 3 level 0 n 7\n\
     not set up -2\ncalls 0 level 0 n 7\nbroken rdy -11\ncalls 1 level 0 n 7\n\
     no rdy -13\ncalls 0 level 0 n 7\nno delay -13\ncalls 0 level 0 n 7\n";
 
-/// Everything that the test prints.
+/// The whole output of the test.
 pub fn text(seed: u64) -> Result<String> {
     let quick = "mclk_hz=1000000,warmup_s=10,curvature=0,hysteresis=0";
     let mut text = MISUSE.to_owned();
@@ -57,7 +57,7 @@ pub fn text(seed: u64) -> Result<String> {
     Ok(text)
 }
 
-/// A stream, with the numbers of the statuses typed again; what is not written stays 7.
+/// A stream, with the numbers of the statuses typed again. Values that are not written stay 7.
 fn stream(text: &mut String) -> Result<()> {
     let validity = Some(Validity { temp_min_c: 25.0, temp_max_c: 33.0, margin_c: 0.5 });
     let mut corrector = Corrector::new(CorrectorConfig { corrections: [CORRECTION], validity });

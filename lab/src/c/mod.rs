@@ -1,5 +1,5 @@
-//! `cargo xtask c`: the C interface: what its library links, and whether C gives what Rust gives, on the
-//! host and on an emulated Cortex-M4F.
+//! `cargo xtask c`: checks the C interface. It looks at what the library links, and compares C with Rust on the host
+//! and on an emulated Cortex-M4F.
 
 mod expected;
 
@@ -23,7 +23,7 @@ const NEWLIB: Tool = Tool { program: "arm-none-eabi-gcc", package: "libnewlib-ar
 const WARNINGS: [&str; 6] = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-Wconversion"];
 const EXAMPLES: [&str; 2] = ["main_loop", "interrupt"];
 
-/// What to run.
+/// Command line of `cargo xtask c`.
 #[derive(clap::Args)]
 pub struct CArgs {
     /// The unit of the twin
@@ -69,7 +69,7 @@ fn is_self_contained(library: &Path) -> Result<()> {
     Ok(())
 }
 
-/// What `zerorate export` makes of the correction of the test, as `unit.h`.
+/// Exports the correction of the test as `unit.h`, by `zerorate export`.
 fn export_header() -> Result<()> {
     let unit = Path::new(WORK).join("unit.toml");
     fs::write(&unit, expected::CALIBRATION)?;

@@ -1,4 +1,4 @@
-//! What simulated records say about one coefficient; shares in %.
+//! The figures of one coefficient over simulated records; shares in %.
 
 use super::scenario::{Bounds, Scenario};
 use zerorate_allan::Coefficient;
@@ -41,12 +41,12 @@ pub struct Judged {
 /// Standard deviations by which chance may be off: one of a hundred rows has more.
 const CHANCE: f64 = 2.58;
 
-/// What a share of so many records, %, may be off by.
+/// Allowed error of a share of so many records, %.
 pub fn scatter(share: f64, records: usize) -> f64 {
     CHANCE * (share * (100.0 - share) / records.max(1) as f64).sqrt()
 }
 
-/// What the rms error of so many records may be off by, as a factor.
+/// Allowed error of the rms error of so many records, as a factor.
 fn rms_scatter(records: usize) -> f64 {
     1.0 + CHANCE / (2.0 * records.max(1) as f64).sqrt()
 }

@@ -1,4 +1,4 @@
-//! `cargo xtask coverage-allan`: simulates records at rest and holds the fitted noise model against their truth.
+//! `cargo xtask coverage-allan`: simulates records at rest and compares the fitted noise model with their truth.
 
 mod judge;
 mod scenario;
@@ -18,7 +18,7 @@ use zerorate_allan::{
     AllanWarning, Coefficient, Deviation, Estimate, FitOptions, Input, Stat, Term, deviations, fit, fit_curve, octaves,
 };
 
-/// What to run.
+/// Command line of `cargo xtask coverage-allan`.
 #[derive(clap::Args)]
 pub struct CoverageAllanArgs {
     /// Records of each scenario
@@ -33,12 +33,12 @@ pub struct CoverageAllanArgs {
     /// Only the scenarios whose name contains this
     #[arg(long, default_value = "", value_name = "TEXT")]
     only: String,
-    /// Fit the curve alone, as where there is no record
+    /// Fit the curve alone, without the record
     #[arg(long)]
     curve: bool,
 }
 
-/// What was found in a record.
+/// The results of one record.
 struct Run {
     curve: Vec<Deviation>,
     /// N, B, K.
@@ -52,7 +52,7 @@ struct Run {
     fit_s: f64,
 }
 
-/// Warnings that say that a coefficient may be off. That something was found and taken out says no such thing.
+/// Warnings that a coefficient may be off. A warning that something was found and taken out is not among them.
 const TELLING: [&str; 8] = [
     "many-glitches",
     "many-steps",
@@ -63,11 +63,11 @@ const TELLING: [&str; 8] = [
     "drift-or-walk",
     "model-rejected",
 ];
-/// A coefficient is wrong where the truth is so many half widths of its interval away.
+/// A coefficient is wrong if the truth is this many half widths of its interval away.
 const WRONG: f64 = 3.0;
 
 impl Run {
-    /// A coefficient that is called identified, is wrong, and nothing was said.
+    /// Whether a coefficient is called identified, is wrong, and no warning says so.
     fn is_silently_wrong(&self, truth: &[f64; 3]) -> bool {
         let is_wrong = |(c, truth): (&Coefficient, &f64)| {
             let half = if *truth > c.value { c.hi - c.value } else { c.value - c.lo };
@@ -78,7 +78,7 @@ impl Run {
     }
 }
 
-/// Runs every scenario and fails where one is out of its bounds.
+/// Runs every scenario and fails if one is out of its bounds.
 pub fn run(args: &CoverageAllanArgs) -> anyhow::Result<()> {
     let mut missed = Vec::new();
     for scenario in scenarios().iter().filter(|scenario| scenario.name.contains(&args.only)) {
@@ -91,7 +91,7 @@ pub fn run(args: &CoverageAllanArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Prints what was found, and returns what is out of bounds.
+/// Prints the results, and returns those that are out of bounds.
 fn report(scenario: &Scenario, runs: &[Run]) -> Vec<String> {
     let mut missed = Vec::new();
     println!("  Allan variance over the model's, mean of all records: {}", mean_over_model(scenario, runs));
@@ -219,7 +219,7 @@ fn of_curve(curve: &[Deviation], samples: u64) -> anyhow::Result<Run> {
     })
 }
 
-/// One number for each octave: does the simulation do what the model says?
+/// One number for each octave, which shows whether the simulation follows the model.
 fn mean_over_model(scenario: &Scenario, runs: &[Run]) -> String {
     let octaves = runs.iter().map(|run| run.curve.len()).min().unwrap_or(0);
     let ratio = |i: usize| {

@@ -1,4 +1,4 @@
-//! The records that are simulated, and what must hold for each.
+//! The simulated records, and the bounds for each.
 
 use std::f64::consts::{LN_2, PI};
 
@@ -22,33 +22,33 @@ pub struct Scenario {
     pub bounds: Bounds,
 }
 
-/// What is not noise.
+/// A disturbance that is not noise.
 #[derive(Clone, Copy)]
 pub enum Beside {
     Nothing,
     /// Amplitude, °/s, and frequency, Hz.
     Sine(f64, f64),
-    /// Frequency and half width, Hz, and power as a part of that of the white noise.
+    /// Frequency and half width, Hz, and power as a part of the white noise's power.
     Resonance(f64, f64, f64),
     /// This part of the samples is off by ±50 °/s.
     Outliers(f64),
-    /// Of this size, °/s, at a random time.
+    /// A step of this size, °/s, at a random time.
     Step(f64),
     /// This part of the samples is missing, one by one.
     Loss(f64),
-    /// Bursts of up to so many s, and how many.
+    /// Longest burst of missing samples, s, and number of bursts.
     Bursts(f64, u32),
-    /// Codes of so many standard deviations of a sample.
+    /// Step of a code, in standard deviations of a sample.
     Coarse(f64),
     /// Size, °/s, and time constant, s.
     WarmUp(f64, f64),
 }
 
-/// What must hold, %.
+/// Bounds for the results, %.
 #[derive(Clone, Copy)]
 pub struct Bounds {
     pub coverage: (f64, f64),
-    /// Of N, B and K.
+    /// Bounds for N, B and K.
     pub rms: [f64; 3],
     /// Share of records with N and B identified.
     pub identified: [f64; 2],
@@ -59,7 +59,7 @@ pub struct Bounds {
     pub steps: (f64, f64),
 }
 
-/// What must hold unless a scenario says otherwise. Chance is allowed for beyond this, by the number of records.
+/// Bounds unless a scenario has its own. Chance is allowed for beyond them, by the number of records.
 const OTHER: Bounds = Bounds {
     coverage: (93.0, 97.0),
     rms: [f64::INFINITY; 3],
@@ -68,9 +68,9 @@ const OTHER: Bounds = Bounds {
     false_terms: 2.0,
     steps: (0.0, 2.0),
 };
-/// A warning says that the intervals are wider than chance asks for.
+/// A warning says that the intervals are wider than chance requires.
 const WIDENED: Bounds = Bounds { coverage: (93.0, 100.0), ..OTHER };
-/// Flicker or random walk may pass for something else: what counts is that it is not silent.
+/// Flicker or random walk may pass for something else, but not silently.
 const NOT_SILENT: Bounds = Bounds { coverage: (0.0, 100.0), ..OTHER };
 
 const fn floor(deg_per_h: f64) -> f64 {

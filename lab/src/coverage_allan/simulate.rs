@@ -13,11 +13,11 @@ use zerorate::noise::FLICKER_CUTOFF_HZ;
 pub const RATE_HZ: f64 = 100.0;
 /// The slow flicker is made at this rate, and interpolated; the fast one at the record's rate.
 const SLOW_RATE_HZ: f64 = 10.0;
-/// Where slow and fast flicker meet.
+/// Frequency at which slow and fast flicker meet.
 const SPLIT_HZ: f64 = 0.5;
 /// Points of each synthesis: the slow one repeats after 52 429 s.
 pub const SYNTHESIS: usize = 1 << 19;
-/// What an outlier is off by, °/s.
+/// Error of an outlier, °/s.
 const OUTLIER: f64 = 50.0;
 
 pub fn record(scenario: &Scenario, fft: &Arc<dyn Fft<f64>>, rng: &mut SmallRng) -> Vec<f64> {

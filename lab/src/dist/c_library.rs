@@ -1,4 +1,4 @@
-//! The C library as archives: header, static library, and what CMake and pkg-config look for.
+//! The C library as archives: header, static library, and the files for CMake and pkg-config.
 
 use super::{Folder, TARGET_DIR, VERSION, fill, papers, put, without_paths};
 use crate::targets;
@@ -9,12 +9,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What a library is for, and how a small project is made with it here.
+/// The target of a library, and how a small project is built with it here.
 struct Kind {
     target: &'static str,
     compiler: Tool,
     flags: &'static [&'static str],
-    /// How its programs are run; none: they are linked only.
+    /// The command that runs its programs; without one they are only linked.
     run: Option<&'static [&'static str]>,
 }
 
@@ -51,7 +51,7 @@ const TOOLS: [Tool; 4] = [
     Tool { program: "qemu-aarch64-static", package: "qemu-user-static" },
     Tool { program: "arm-none-eabi-gcc", package: "libnewlib-arm-none-eabi" },
 ];
-/// What the trial prints: a code, corrected, and what a bus that fails is called.
+/// The output of the trial: a corrected code, and the text for a failing bus.
 const PRINTED: &str = "8499475\nthe SPI transfer failed; reset and initialise the part\n";
 
 fn name(kind: &Kind) -> String {

@@ -1,7 +1,7 @@
 //! The Debian package: the program with its manual page, completions, udev rules and a systemd unit.
 //!
-//! It is made by dpkg-deb, which is on every Debian, from the files in `packaging/`: cargo-deb would have to be
-//! compiled first, and what it finds out, the libraries that a program needs, is nothing here.
+//! dpkg-deb, which is on every Debian, makes it from the files in `packaging/`. cargo-deb would have to be compiled
+//! first. It finds the libraries that a program needs, and this program needs none.
 
 use super::machine::{MACHINES, Machine};
 use super::root::Root;
@@ -16,7 +16,7 @@ use std::process::Command;
 
 const TOOLS: [Tool; 2] = [Tool { program: "dpkg-deb", package: "dpkg" }, Tool { program: "gzip", package: "gzip" }];
 
-/// What the program prints about itself, and where that goes.
+/// Texts that the program prints about itself, and the files they go to.
 const PRINTED: [(&[&str], &str); 4] = [
     (&["man"], "usr/share/man/man1/zerorate.1"),
     (&["completions", "bash"], "usr/share/bash-completion/completions/zerorate"),
@@ -33,7 +33,7 @@ const PACKAGED: [(&str, &str); 5] = [
     ("debian/postrm", "DEBIAN/postrm"),
 ];
 
-/// What Debian wants compressed.
+/// Files that Debian wants compressed.
 const COMPRESSED: [&str; 5] = [
     "usr/share/man/man1/zerorate.1",
     "usr/share/doc/zerorate/changelog",
@@ -86,7 +86,7 @@ fn lay_out(folder: &Folder, machine: &Machine, tree: &Path) -> Result<()> {
     fill("debian/control", &tree.join("DEBIAN/control"), &values)
 }
 
-/// What the licences ask for, and what has changed.
+/// The texts that the licences require, and the changelog.
 fn documents(folder: &Folder, to: &Path) -> Result<()> {
     let mit: String = fs::read_to_string("LICENSE-MIT")?
         .lines()
@@ -101,8 +101,8 @@ fn documents(folder: &Folder, to: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Installs this machine's into a bare Debian, uses it as a user and with the rights of the unit, and removes it; the
-/// others' are unpacked there, and their programs run under emulators.
+/// Installs this machine's package into a bare Debian, uses it as a user and with the rights of the unit, and removes
+/// it. The packages of the others are unpacked there, and their programs run under emulators.
 pub fn check(folder: &Folder) -> Result<()> {
     let Some(root) = Root::unpack(folder)? else { return Ok(()) };
     for machine in &MACHINES {
@@ -152,7 +152,7 @@ const INSTALLED: &str = "
     id zerorate > /dev/null
     bash -n /usr/share/bash-completion/completions/zerorate";
 
-/// As somebody without rights.
+/// Runs a command as a user without rights.
 const USED: &str = "
     mkdir -p /home/user && chown nobody /home/user && cd /home/user
     setpriv --reuid nobody --clear-groups ZERORATE probe > probe.txt 2>&1 < /dev/null || { cat probe.txt; exit 1; }

@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A board, and what is built for it.
+/// A board, and its build.
 struct Board {
     name: &'static str,
     target: &'static str,
@@ -57,7 +57,7 @@ fn build(board: &Board) -> Result<PathBuf> {
     Ok(Path::new(TARGET_DIR).join(board.target).join("release").join(board.bin))
 }
 
-/// Holds the files to their forms: no board is here to take them.
+/// Checks the form of the files; no board is at hand to take them.
 pub fn check(folder: &Folder) -> Result<()> {
     for board in &BOARDS {
         for form in board.forms {

@@ -7,7 +7,7 @@ use std::process::Command;
 
 /// A kind of computer that runs Linux.
 pub struct Machine {
-    /// In the names of files.
+    /// Its name in the names of files.
     pub name: &'static str,
     /// Rust's name of it.
     pub target: &'static str,
@@ -15,7 +15,7 @@ pub struct Machine {
     pub debian: &'static str,
     /// Debian's compiler for it, with the C library that the program takes into itself.
     pub compiler: Tool,
-    /// What runs its programs here; none for this computer.
+    /// The emulator that runs its programs here; none for this computer.
     pub emulator: Option<&'static str>,
 }
 
@@ -50,8 +50,8 @@ impl Machine {
         available(&[Tool { program, package: "qemu-user-static" }], &format!("running programs for {}", self.name))
     }
 
-    /// A command that runs `program`, which is one of its own. What starts itself again, as `zerorate` does to read
-    /// files under a limit, cannot do that under an emulator, and goes on without.
+    /// A command that runs `program`, which was built for this machine. A program that starts itself again, as
+    /// `zerorate` does to read files under a limit, cannot do that under an emulator, and goes on without.
     pub fn command(&self, program: &Path) -> Command {
         let Some(emulator) = self.emulator else { return Command::new(program) };
         let mut command = Command::new(emulator);

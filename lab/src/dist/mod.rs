@@ -1,5 +1,5 @@
-//! `cargo xtask dist`: whatever is handed out, made on Debian 12 on x86-64 into `target/dist/`, and tried where it
-//! would run.
+//! `cargo xtask dist`: makes all distributed files on Debian 12 on x86-64, in `target/dist/`, and tries them where
+//! they would run.
 
 mod c_library;
 mod deb;
@@ -27,12 +27,12 @@ pub struct DistArgs {
     /// Make only these parts; default: all
     #[arg(value_name = "PART", value_parser = clap::builder::PossibleValuesParser::new(PARTS.map(|part| part.name)))]
     only: Vec<String>,
-    /// Try what lies in target/dist, in a bare Debian, under emulators and in an empty environment; make nothing
+    /// Try the files in target/dist in a bare Debian, under emulators and in an empty environment; make nothing
     #[arg(long)]
     check: bool,
 }
 
-/// Something that is handed out.
+/// A kind of file that is distributed.
 struct Part {
     name: &'static str,
     make: fn(&Folder) -> Result<()>,
@@ -50,7 +50,7 @@ const PARTS: [Part; 7] = [
     Part { name: "pictures", make: pictures::make, check: pictures::check },
 ];
 
-/// The version of everything that is handed out: that of the workspace.
+/// The version of everything that is distributed: the workspace's version.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Apart from the developer's own, since other flags give other files.
 const TARGET_DIR: &str = "target/cross";
@@ -69,14 +69,14 @@ pub fn run(args: &DistArgs) -> Result<()> {
     if args.check { folder.check_sums() } else { folder.write_sums() }
 }
 
-/// Whose software is in the modules of the page, and under what licence. What is not of a crate lies beside them.
+/// Authors and licences of the software in the modules of the page. Software without a crate lies beside them.
 pub fn write_licences_of_page(out: &Path) -> Result<()> {
     let page =
         product::PRODUCTS.iter().find(|product| product.name == "zerorate-page").context("no page is handed out")?;
     fs::write(out, papers::page(page, &page.contents()?)?).with_context(|| out.display().to_string())
 }
 
-/// Where everything goes, and where it is made.
+/// The folder of the results, and the folder in which they are made.
 struct Folder {
     dist: PathBuf,
     work: PathBuf,
@@ -94,7 +94,7 @@ impl Folder {
         Ok(Self { dist, work, epoch: epoch.trim().to_owned() })
     }
 
-    /// The path of something that is handed out.
+    /// The path of a distributed file.
     fn of(&self, name: impl AsRef<Path>) -> PathBuf {
         self.dist.join(name)
     }
@@ -138,12 +138,12 @@ impl Folder {
     }
 }
 
-/// The interpreter of an environment with what is taken from PyPI.
+/// The Python interpreter of an environment with the packages from PyPI.
 fn python() -> Result<PathBuf> {
     Ok(std::path::absolute(venv::python("dist", Path::new("packaging/requirements.txt"))?)?)
 }
 
-/// Flags for rustc that keep the folders of this computer out of what it makes.
+/// Flags for rustc that keep the folders of this computer out of its output.
 fn without_paths() -> Result<String> {
     let home = std::env::var("CARGO_HOME").or_else(|_| std::env::var("HOME").map(|home| format!("{home}/.cargo")))?;
     let here = std::env::current_dir()?;

@@ -1,4 +1,4 @@
-//! What goes with every copy: the licences of all that is linked in with their texts, and a bill of materials.
+//! The papers for every copy: licences of everything linked in, with their texts, and a bill of materials.
 
 use super::product::{Component, PRODUCTS, Product};
 use super::{Folder, python, sbom};
@@ -10,7 +10,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-/// Rust's page about what is in its own libraries.
+/// Rust's page about the content of its own libraries.
 pub const RUST_LIBRARY: &str = "rust-std-COPYRIGHT.html";
 
 /// The page of a product.
@@ -66,14 +66,14 @@ pub fn page(product: &Product, contents: &[Component]) -> Result<String> {
     let without = without.join(", ");
     writeln!(
         page,
-        "\n## Without a text of their own\n\nWhoever wrote these enclosed no text: {without}. Those of MIT and \
+        "\n## Without a text of their own\n\nThe authors of these enclosed no text: {without}. The texts of MIT and \
          Apache-2.0 are as in LICENSE-MIT and LICENSE-APACHE beside this page; SQLite's authors ask for nothing but \
          a blessing."
     )?;
     Ok(page)
 }
 
-/// Holds each bill to CycloneDX's own schema, by its own library.
+/// Checks each bill against CycloneDX's own schema, with its own library.
 pub fn check(folder: &Folder) -> Result<()> {
     let python = python()?;
     for product in &PRODUCTS {

@@ -10,7 +10,7 @@ use std::process::{Command, Stdio};
 
 /// The folder of the committed pictures.
 const COMMITTED: &str = "docs/pictures";
-/// A unit at one temperature and its full rate: what is left is its noise, and its filter.
+/// A unit at one temperature and its full rate, so that only its noise and its filter remain.
 const RECORD: &str = "capture --device twin:seed=4,warmup_c=0 --duration 3h --force -o rest.parquet";
 const ALLAN: &str = "allan rest.parquet --fit --force --plot";
 const CALIBRATION: &str = "calibrate --device twin:seed=4 --serial SN17 --force -o unit.toml";

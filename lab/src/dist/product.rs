@@ -1,4 +1,4 @@
-//! What is in something that is handed out: crates, as cargo says, and what they and the toolchain bring beside.
+//! The contents of a distributed file: crates, as cargo says, and what they and the toolchain add.
 
 use super::machine::MACHINES;
 use crate::venv::printed;
@@ -11,7 +11,7 @@ use std::process::Command;
 
 /// Something with a list of contents.
 pub struct Product {
-    /// In the names of files.
+    /// Its name in the names of files.
     pub name: &'static str,
     manifest: &'static str,
     package: &'static str,
@@ -65,7 +65,7 @@ pub const PRODUCTS: [Product; 5] = [
     },
 ];
 
-/// Software of others that is linked in.
+/// Software of other projects that is linked in.
 #[derive(Clone)]
 pub struct Component {
     pub name: String,
@@ -73,11 +73,11 @@ pub struct Component {
     /// An SPDX expression.
     pub licence: String,
     pub repository: Option<String>,
-    /// Of the crate as the registry has it.
+    /// Checksum of the crate in the registry.
     pub sha256: Option<String>,
     /// A package URL, <https://github.com/package-url/purl-spec>.
     pub purl: String,
-    /// Names of those that it depends on, among the crates that are linked.
+    /// Names of its dependencies among the linked crates.
     pub needs: Vec<String>,
     /// The texts of its licences, where it has any.
     pub texts: Vec<String>,
@@ -215,7 +215,7 @@ fn checksums(lock: &Path) -> Result<BTreeMap<String, String>> {
         .collect())
 }
 
-/// What a crate brings that is no crate.
+/// Software inside a crate that is not a crate itself.
 fn beside(package: &Package) -> Result<Option<Component>> {
     let other = |name: &str, version: &str, licence: &str, texts| Component {
         name: name.to_owned(),
@@ -262,7 +262,7 @@ fn rust_library() -> Result<Component> {
     })
 }
 
-/// Debian's C library, which is inside of the program. Its licence lets whoever has the program put in another one: by
+/// Debian's C library, which is inside the program. Its licence lets every recipient of the program replace it: by
 /// `cargo xtask dist program`, from the sources.
 fn glibc() -> Result<Component> {
     let version = printed(Command::new("dpkg-query").args(["--show", "--showformat=${source:Version}", "libc6-dev"]))?;

@@ -1,6 +1,6 @@
 //! The program `zerorate` as one file without shared libraries, for each machine.
 //!
-//! It has Debian's glibc inside of it. With musl it took 10 to 40 % longer (docs/reference/build.md).
+//! It contains Debian's glibc. With musl it took 10 to 40 % longer (docs/reference/build.md).
 
 use super::machine::{MACHINES, Machine};
 use super::root::Root;
@@ -16,7 +16,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Its name among the files that are handed out.
+/// Its name among the distributed files.
 pub fn name(machine: &Machine) -> String {
     format!("zerorate-{VERSION}-{}-linux", machine.name)
 }
@@ -36,7 +36,7 @@ pub fn make(folder: &Folder) -> Result<()> {
     Ok(())
 }
 
-/// What cargo left for a machine.
+/// The program that cargo built for a machine.
 fn build(machine: &Machine) -> Result<PathBuf> {
     let linker = format!("CARGO_TARGET_{}_LINKER", machine.target.to_uppercase().replace('-', "_"));
     let mut cargo = Command::new("cargo");
@@ -50,8 +50,8 @@ fn build(machine: &Machine) -> Result<PathBuf> {
     Ok(Path::new(TARGET_DIR).join(machine.target).join("dist/zerorate"))
 }
 
-/// Runs each where it belongs: this computer's in a bare Debian, the others' under emulators. All must print the same
-/// and write the same bytes.
+/// Runs each program where it belongs: this computer's in a bare Debian, the others' under emulators. All must print
+/// the same and write the same bytes.
 pub fn check(folder: &Folder) -> Result<()> {
     let inputs = folder.empty("trial")?;
     trial::lay_out(&inputs)?;
@@ -68,7 +68,7 @@ pub fn check(folder: &Folder) -> Result<()> {
     Ok(())
 }
 
-/// What it printed and wrote; none where it cannot be run here.
+/// Its output and files; none where it cannot run here.
 fn try_out(folder: &Folder, machine: &Machine, inputs: &Path) -> Result<Option<Seen>> {
     let program = folder.of(name(machine));
     if machine.emulator.is_none() {

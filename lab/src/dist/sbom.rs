@@ -1,7 +1,7 @@
 //! A bill of materials in CycloneDX 1.6 (<https://cyclonedx.org/docs/1.6/json/>).
 //!
-//! Written here: cargo-cyclonedx would have to be compiled first, lists what only builds a crate as well, and knows
-//! nothing of the C code and the font inside of crates.
+//! The code is our own. cargo-cyclonedx would have to be compiled first, also lists packages that only build a crate,
+//! and does not know the C code and the font inside crates.
 
 use super::VERSION;
 use super::product::{Component, Product};

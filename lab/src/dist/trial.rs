@@ -1,5 +1,5 @@
-//! What the program must do wherever it is put: the twin, files of every kind with a foreign decoder behind them, and
-//! a picture. All machines must print the same and write the same bytes.
+//! The trial that the program must pass on every machine: the twin, files of every kind that needs a foreign decoder,
+//! and a picture. All machines must print the same and write the same bytes.
 
 use anyhow::{Context, Result, ensure};
 use std::fs;
@@ -8,7 +8,7 @@ use std::process::Command;
 
 /// The smallest calibration that the twin allows.
 const PLAN: &str = "--average 5s --warmup 30s --settle 10s --offset 15s --max-u-btc 0.05";
-/// Files written by others: a bag whose chunks are compressed by zstd, and one that no bag is inside of SQLite.
+/// Files of other projects: a bag with chunks compressed by zstd, and an SQLite file that is not a bag.
 const FOREIGN: [(&str, &str); 1] = [("bag.mcap", "crates/zerorate-logs/fixtures/imu_zstd.mcap")];
 
 /// The command lines, the exit code that each must have, and the files that it writes.
@@ -31,10 +31,10 @@ fn steps() -> Vec<(String, i32, &'static [&'static str])> {
     ]
 }
 
-/// What was seen: what was done, and what it printed or wrote.
+/// The observations: each step, and its output or file.
 pub type Seen = Vec<(String, Vec<u8>)>;
 
-/// Puts the files of others into `here`.
+/// Puts the files of other projects into `here`.
 pub fn lay_out(here: &Path) -> Result<()> {
     for (name, from) in FOREIGN {
         fs::copy(from, here.join(name)).with_context(|| from.to_owned())?;

@@ -10,9 +10,9 @@ use anyhow::{Context, Result, ensure};
 use std::path::Path;
 use std::process::Command;
 
-/// Apart from that of the program, which other flags make.
+/// Separate from the program's folder, whose flags differ.
 const TARGET_DIR: &str = "target/wheels";
-/// Rust's name of a machine, and that in the name of a wheel.
+/// Rust's name of a machine, and its name in a wheel's file name.
 const MACHINES: [(&str, &str); 2] = [("x86_64-unknown-linux-gnu", "x86_64"), ("aarch64-unknown-linux-gnu", "aarch64")];
 
 fn name(machine: &str) -> String {
@@ -64,7 +64,7 @@ const TOOLS: [Tool; 2] = [
     Tool { program: "mmdebstrap", package: "mmdebstrap" },
     Tool { program: "qemu-aarch64-static", package: "qemu-user-static" },
 ];
-/// Debian's Python for the other machine; nothing of it is installed, only unpacked.
+/// Debian's Python for the other machine. It is only unpacked, not installed.
 const PYTHON: &str = "bookworm-arm64-python";
 
 fn emulated(folder: &Folder) -> Result<Option<String>> {

@@ -1,4 +1,4 @@
-//! The controller in QEMU: what it read, and what it counted.
+//! The controller in QEMU: its readings and its counts.
 
 use super::scenario::Reading;
 use super::tracking::Known;
@@ -11,10 +11,10 @@ use std::process::Command;
 /// An instruction takes 2^SHIFT ns of virtual time.
 const SHIFT: u32 = 10;
 
-/// A tick of SysTick takes so many ns: the core of the mps2-an386 runs at 25 MHz.
+/// Length of a tick of SysTick, ns. The core of the mps2-an386 runs at 25 MHz.
 const TICK_NS: u32 = 40;
 
-/// Everything the image said.
+/// The parsed output of the image.
 #[derive(Default)]
 pub struct Report {
     pub readings: Vec<Reading>,
@@ -50,7 +50,7 @@ impl Report {
             let words: Vec<&str> = line.split(' ').collect();
             let number = |index: usize| -> Result<i64> {
                 let word = words.get(index).with_context(|| format!("`{line}` is too short"))?;
-                word.parse().with_context(|| format!("`{word}` in `{line}` is no number"))
+                word.parse().with_context(|| format!("`{word}` in `{line}` is not a number"))
             };
             match words[..] {
                 ["reading", ..] => report.readings.push(Reading {
@@ -86,7 +86,7 @@ fn instructions(ticks: i64) -> Result<u64> {
     let count = (ticks as f64 / per_instruction).round();
     ensure!(
         (count * per_instruction - ticks as f64).abs() <= 2.0,
-        "{ticks} ticks are no whole number of instructions"
+        "{ticks} ticks are not a whole number of instructions"
     );
     Ok(count as u64)
 }

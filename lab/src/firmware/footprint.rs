@@ -6,7 +6,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 
-/// Where the figures stand.
+/// The page with the figures.
 pub const PAGE: &str = "docs/reference/footprint.md";
 
 /// A rise by more than this share fails.
@@ -15,22 +15,22 @@ const TOLERANCE: f64 = 0.05;
 /// A figure of the page.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Figure {
-    /// What was measured, as the page calls it.
+    /// Name of the measured quantity on the page.
     pub what: &'static str,
     /// The figure.
     pub value: u64,
     /// Instructions or bytes.
     pub unit: &'static str,
-    /// What it must not exceed.
+    /// The limit, if there is one.
     pub goal: Option<u64>,
 }
 
-/// With what they were measured.
+/// Versions of the tools that measured the figures.
 #[derive(Clone, Debug, Serialize)]
 pub struct Versions {
-    /// As rustc states it.
+    /// Version that rustc states.
     pub rustc: String,
-    /// As QEMU states it.
+    /// Version that QEMU states.
     pub qemu: String,
 }
 

@@ -1,4 +1,4 @@
-//! What a linked image takes, and whether it can panic.
+//! The size of a linked image, and whether it can panic.
 
 use anyhow::{Context, Result};
 use object::read::archive::ArchiveFile;
@@ -22,7 +22,7 @@ pub struct Memory {
 /// Parts of names of the machinery behind a panic; each panic needs at least one of them.
 const PANIC_MARKS: [&str; 4] = ["panicking", "panic_", "unwrap_failed", "rust_begin_unwind"];
 
-/// Parts of names of whatever allocates.
+/// Parts of the names of functions that allocate.
 const HEAP_MARKS: [&str; 3] = ["__rust_alloc", "__rust_dealloc", "alloc_error"];
 
 /// The symbols in the members of a static library that belong to panics or to a heap.

@@ -1,13 +1,13 @@
-//! `cargo xtask firmware`: driver, twin, correction and tracker on an emulated Cortex-M4F: does it compute what the
-//! host computes, how many instructions does that take, and how large are driver and tracker.
+//! `cargo xtask firmware`: runs driver, twin, correction and tracker on an emulated Cortex-M4F. It compares the
+//! results with the host's, counts instructions, and measures the size of driver and tracker.
 
 mod emulator;
 mod footprint;
 pub mod image;
-/// What controller and host both compute.
+/// The work that controller and host both compute.
 #[path = "../../../firmware/qemu/src/scenario.rs"]
 mod scenario;
-/// What controller and host both track.
+/// The series that controller and host both track.
 #[path = "../../../firmware/qemu/src/tracking.rs"]
 mod tracking;
 
@@ -27,7 +27,7 @@ use tracking::Known;
 pub use xtask::images::{QEMU, image_of};
 use xtask::images::{TARGET, build};
 
-/// What to run.
+/// Command line of `cargo xtask firmware`.
 #[derive(clap::Args)]
 pub struct FirmwareArgs {
     /// The unit of the twin that both read
@@ -36,12 +36,12 @@ pub struct FirmwareArgs {
     /// Print one JSON object to stdout
     #[arg(long)]
     json: bool,
-    /// Write the figures to docs/reference/footprint.md, whatever they are
+    /// Write the figures to docs/reference/footprint.md, even if they rose
     #[arg(long)]
     update: bool,
 }
 
-/// What was measured, as JSON.
+/// The measured figures, as JSON.
 #[derive(Serialize)]
 struct Outcome {
     seed: u64,
@@ -95,7 +95,7 @@ fn alone() -> Result<Vec<Figure>> {
     ])
 }
 
-/// What the image of the driver, or of the tracker, takes more than the image without it.
+/// Size of the image of the driver, or of the tracker, less the size of the image without it.
 fn difference(profile: &str, name: &str) -> Result<Memory> {
     let image = Image::read(&build(profile, name)?)?;
     let panics = image.panic_symbols()?;
@@ -104,7 +104,7 @@ fn difference(profile: &str, name: &str) -> Result<Memory> {
     Ok(Memory { flash: with.flash - without.flash, ram: with.ram - without.ram })
 }
 
-/// How many readings agree, which must be all, with those of the host.
+/// Number of readings that agree with the host's. All must agree.
 fn compare(seed: u64, theirs: &[Reading]) -> Result<usize> {
     let mut ours = Vec::new();
     scenario::run(seed, |reading| ours.push(reading)).context("the twin gave no readings on the host")?;
@@ -115,7 +115,7 @@ fn compare(seed: u64, theirs: &[Reading]) -> Result<usize> {
     Ok(ours.len())
 }
 
-/// After how many means the tracker knows, which must be after all, what it knows on the host.
+/// Number of means after which the tracker agrees with the host's. It must agree after all.
 fn compare_tracked(seed: u64, theirs: &[Known]) -> Result<usize> {
     let mut ours = Vec::new();
     let counts = tracking::run(seed, |known| ours.push(known)).context("the tracker refuses its own state")?;
@@ -184,8 +184,8 @@ fn show(args: &FirmwareArgs, outcome: &Outcome) -> Result<()> {
     Ok(())
 }
 
-/// Against the committed page, and against the goals, of which a missed one is stated; writes the page where that was
-/// asked for.
+/// Compares the figures with the committed page and with the goals. It states missed goals, and writes the page on
+/// request.
 fn judge(args: &FirmwareArgs, outcome: &Outcome) -> Result<()> {
     if args.update {
         ensure!(outcome.readings_agreed.is_some(), "without the emulator the figures are not complete");

@@ -1,4 +1,4 @@
-//! AN-1042 on means: steps 4, 6 and 8 of F-51 at their times, without what the real procedure checks beside.
+//! AN-1042 on means: steps 4, 6 and 8 of F-51 at their times, without the checks of the real procedure.
 
 use super::unit::{MEAN_S, Recording};
 use crate::trial::Rig;
@@ -94,8 +94,8 @@ mod tests {
     use super::super::unit::Kind;
     use super::*;
 
-    /// Without noise two temperatures give a linear unit at all of them, but for what the temperature still moves from
-    /// the middle of step 8 to T3: some 0.005 °C in still air.
+    /// Without noise, two temperatures determine a linear unit at all temperatures. The error is the movement of the
+    /// temperature from the middle of step 8 to T3: some 0.005 °C in still air.
     #[test]
     fn a_quiet_line_is_found() {
         let spec = Spec { noise: false, ambient_wander_c: 0.0, ..Kind::Linear.spec(3, 0.0) };

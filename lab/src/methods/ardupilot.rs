@@ -1,10 +1,11 @@
-//! ArduPilot's learning while it warms (INS_TCALn_ENABLE = 2), as `AP_InertialSensor_tempcal.cpp` and `polyfit.cpp` do
-//! it: the mean rate over each half degree of rise, at the middle of that; a cubic polynomial through these points,
-//! about 35 °C.
+//! ArduPilot's learning while it warms (INS_TCALn_ENABLE = 2), as in `AP_InertialSensor_tempcal.cpp` and
+//! `polyfit.cpp`. It takes the mean rate over each half degree of rise, at the middle of the half degree. A cubic
+//! polynomial about 35 °C goes through these points.
 //!
-//! Two things are left out. ArduPilot saves nothing before the temperature has risen by 10 °C, which a warm-up of 8 °C
-//! never does: here it may. And it throws the constant away, since each start takes the level anew from half a second
-//! of rate: here the level is that of the polynomial. Its low-pass on the temperature changes nothing at this noise.
+//! Two rules are left out. ArduPilot saves nothing before the temperature has risen by 10 °C, which a warm-up of 8 °C
+//! never reaches; here it may save earlier. It also discards the constant, because each start takes the level anew
+//! from half a second of rate; here the level comes from the polynomial. Its low-pass on the temperature changes
+//! nothing at this noise.
 
 use super::least_squares::cubic;
 use super::unit::Recording;

@@ -1,5 +1,5 @@
-//! What the noise leaves to know, whatever the method: generalised least squares with everything known but the
-//! coefficients and the walk.
+//! The bound that noise sets to every method: generalised least squares with everything known but the coefficients and
+//! the walk.
 
 use super::least_squares::{Factor, dot};
 use super::unit::{Recording, TEMPS};
@@ -34,12 +34,12 @@ fn windows(recording: &Recording) -> Vec<Block> {
     (0..WINDOWS).map(|k| recording.window(k as f64 * length_s, (k + 1) as f64 * length_s)).collect()
 }
 
-/// Of the means of rates that the bias at the end is taken from: what the walk is away from its end is noise.
+/// Covariance of the means of rates. The distance of the walk from its end counts as noise.
 fn covariance(windows: &[Block], noise: &NoiseModel, end_s: f64) -> Vec<Vec<f64>> {
     let steady = noise.without_random_walk();
     let one = |block: &Block| [Window { start_s: block.start_s, end_s: block.start_s + block.length_s, weight: 1.0 }];
     let walk = noise.rate_random_walk_dps_per_rt_s.powi(2);
-    // windows have one length, so that their distance says all
+    // windows have one length, so that their distance is enough
     let by_distance: Vec<f64> =
         windows.iter().map(|other| steady.covariance(&one(&windows[0]), &one(other))).collect();
     let shared_s = |i: usize, j: usize| {
@@ -54,7 +54,7 @@ mod tests {
     use super::super::unit::Kind;
     use super::*;
 
-    /// Of white noise alone everything is known in closed form: N/√(2T) for a level.
+    /// White noise alone has a closed form: N/√(2T) for a level.
     #[test]
     fn white_noise_alone_is_averaged_away() {
         let white =

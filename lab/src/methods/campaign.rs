@@ -1,4 +1,4 @@
-//! Which methods are held against which units.
+//! The methods, and the units on which they are compared.
 
 use super::judged::{Fitted, Judged, Summary};
 use super::unit::{Kind, Recording, TEMPS};
@@ -17,7 +17,7 @@ pub struct Method {
     fit: fn(&Recording) -> Option<Fitted>,
 }
 
-/// What a method is given.
+/// The recording that a method gets.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Recorded {
     /// The hour of AN-1042.
@@ -70,7 +70,7 @@ fn raw(recording: &Recording) -> Correction {
     Correction::line(-recording.truth.bias_dps(middle_c), 0.0, middle_c)
 }
 
-/// What is run, beside its units.
+/// The runs of a campaign, beside its units.
 #[derive(Clone, Copy)]
 pub struct Units<'a> {
     pub seeds: &'a RangeInclusive<u64>,
@@ -107,7 +107,7 @@ impl Units<'_> {
         Kind::ALL.into_iter().map(of_kind).collect()
     }
 
-    /// The warm-up of linear units with a rate random walk of so many times that of M-04.
+    /// The warm-up of linear units, by the rate random walk as a multiple of M-04.
     pub fn by_walk(&self, factors: &[f64]) -> anyhow::Result<Vec<Summary>> {
         self.summaries(|seed| {
             let linear = Kind::Linear.spec(seed, self.lag_s);
@@ -116,7 +116,7 @@ impl Units<'_> {
         })
     }
 
-    /// One summary for each of what a unit is judged by.
+    /// One summary for each entry of the results of a unit.
     fn summaries(&self, one: impl Fn(u64) -> anyhow::Result<Vec<Judged>> + Sync) -> anyhow::Result<Vec<Summary>> {
         let units = for_each_seed(self.seeds, self.threads, one)?;
         let columns = units.first().map_or(0, Vec::len);
@@ -129,8 +129,8 @@ fn judged_warm_up(recording: &Recording) -> anyhow::Result<Judged> {
     Judged::of(recording, gls::fit).context("the warm-up gave nothing")
 }
 
-/// The least that any method can leave of a unit whose bias is known to be of an order, with a rate random walk of so
-/// many times that of M-04, °/h.
+/// The least residual of any method for a unit whose bias is known to have this order, °/h. `factor` gives the rate
+/// random walk as a multiple of M-04.
 pub fn bound_dph(order: usize, factor: f64) -> anyhow::Result<f64> {
     let typical = Axis::ADIS16130.typical_noise();
     let walk = factor * typical.rate_random_walk_dps_per_rt_s;

@@ -1,4 +1,4 @@
-//! What `calibrate --method warmup` and `cycle` do with their blocks, but for the steps, of which there are none here.
+//! The estimate of `calibrate --method warmup` and `cycle` on their blocks. Steps are left out: none occur here.
 
 use super::judged::Fitted;
 use super::unit::Recording;

@@ -5,7 +5,7 @@ use std::time::Instant;
 use zerorate::thermal::{self, BiasCurve, TERMS};
 use zerorate::{Correction, Uncertainty};
 
-/// What a method makes of a recording.
+/// The result of a method on a recording.
 pub struct Fitted {
     pub correction: Correction,
     /// Covariance of its coefficients, where it states one.
@@ -27,7 +27,7 @@ impl From<BiasCurve> for Fitted {
     }
 }
 
-/// A result held against the truth at the end of the recording, at the temperatures seen, the lowest first.
+/// A result compared with the truth at the end of the recording, at the temperatures seen, the lowest first.
 pub struct Judged {
     errors_dps: [f64; TEMPS],
     u_dps: Option<[f64; TEMPS]>,
@@ -36,7 +36,7 @@ pub struct Judged {
 }
 
 impl Judged {
-    /// None where the method gives none.
+    /// None where the method states no uncertainty.
     pub fn of(recording: &Recording, fit: impl FnOnce(&Recording) -> Option<Fitted>) -> Option<Self> {
         let start = Instant::now();
         let fitted = fit(recording)?;
@@ -136,7 +136,7 @@ fn orders(all: &[&Judged]) -> Option<[f64; TERMS]> {
     })
 }
 
-/// Zero of nothing; of an even number the upper one.
+/// The median: zero of an empty list, the upper one of an even number.
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)

@@ -6,7 +6,7 @@ use zerorate::Correction;
 pub struct Factor(Vec<Vec<f64>>);
 
 impl Factor {
-    /// Of the lower triangle of a symmetric matrix; none where that is not positive definite.
+    /// Factors a symmetric matrix by its lower triangle; none if it is not positive definite.
     pub fn new(mut rows: Vec<Vec<f64>>) -> Option<Self> {
         for i in 0..rows.len() {
             let (above, rest) = rows.split_at_mut(i);
@@ -23,7 +23,7 @@ impl Factor {
         Some(Self(rows))
     }
 
-    /// What has unit covariance where `values` have the matrix's.
+    /// Whitens `values`: with the matrix as their covariance, the result has unit covariance.
     pub fn whiten(&self, values: &[f64]) -> Vec<f64> {
         let mut white: Vec<f64> = Vec::with_capacity(values.len());
         for (row, value) in self.0.iter().zip(values) {

@@ -1,5 +1,5 @@
-//! `cargo xtask methods`: all ways to find the bias over temperature, against each other and against the truth of many
-//! units, written as docs/reference/methods.md.
+//! `cargo xtask methods`: compares all ways to find the bias over temperature, with each other and with the truth of
+//! many units, and writes docs/reference/methods.md.
 
 mod an1042;
 mod ardupilot;
@@ -21,7 +21,7 @@ use campaign::Units;
 use std::ops::RangeInclusive;
 use unit::Kind;
 
-/// What to run.
+/// Command line of `cargo xtask methods`.
 #[derive(clap::Args)]
 pub struct MethodsArgs {
     /// Units of each kind, by their seeds, both ends included
@@ -39,9 +39,9 @@ pub struct MethodsArgs {
 }
 
 const QUICK: RangeInclusive<u64> = 1..=3;
-/// The tables beside the methods take so much of the units.
+/// Share of the units that the tables beside the methods take.
 const SIDE_SHARE: u64 = 5;
-/// Seeds on which the short form of AN-1042 is held against the real procedure.
+/// Seeds on which the short form of AN-1042 is compared with the real procedure.
 const CHECKED: u64 = 5;
 
 /// Runs everything and writes the page with its pictures.

@@ -1,4 +1,4 @@
-//! docs/reference/methods.md and its pictures.
+//! Writes docs/reference/methods.md and its pictures.
 
 use super::an1042::Difference;
 use super::campaign::{AN1042, CHAMBER, CYCLE, METHODS, WARMUP};
@@ -19,30 +19,30 @@ const COVERAGE: &str = "docs/pictures/methods-coverage.svg";
 
 /// Lengths of the warm-up, min.
 pub const LENGTHS_MIN: [f64; 5] = [5.0, 10.0, 20.0, 53.0, 90.0];
-/// Rate random walks, in those of M-04.
+/// Rate random walks, as multiples of M-04.
 pub const WALKS: [f64; 4] = [0.0, 0.3, 1.0, 3.0];
 
-/// All that the page says.
+/// All results on the page.
 pub struct Results {
-    /// By kind, then by method.
+    /// Results by kind, then by method.
     pub methods: Vec<Vec<Summary>>,
-    /// By kind, then by length.
+    /// Results of the warm-up by kind, then by length.
     pub lengths: Vec<Vec<Summary>>,
-    /// By rate random walk.
+    /// Results of the warm-up by rate random walk.
     pub walks: Vec<Summary>,
     pub bounds_dph: Vec<f64>,
-    /// Of a quadratic bias under M-04.
+    /// The bound for a quadratic bias under M-04.
     pub curved_bound_dph: f64,
     pub tracking: Tracking,
     pub checked: Vec<Difference>,
     pub seeds: RangeInclusive<u64>,
-    /// Of the tables beside the methods.
+    /// Seeds of the tables beside the methods.
     pub side: RangeInclusive<u64>,
     pub lag_s: f64,
 }
 
 impl Results {
-    /// Of a linear bias under M-04.
+    /// The bound for a linear bias under M-04.
     fn bound_dph(&self) -> Result<f64> {
         let index = WALKS.iter().position(|factor| *factor == 1.0).context("no row for M-04")?;
         self.bounds_dph.get(index).copied().context("a bound is missing")
@@ -92,7 +92,7 @@ fn page(results: &Results) -> Result<String> {
     Ok(text)
 }
 
-/// The goals that the project set itself, and what came of them.
+/// The goals of the project, with the measured figures.
 fn goals(results: &Results) -> Vec<Goal> {
     let summary = |kind: Kind, name: &str| {
         let index = METHODS.iter().position(|method| method.name == name).unwrap_or_default();
@@ -101,7 +101,7 @@ fn goals(results: &Results) -> Vec<Goal> {
     let times_better = |kind: Kind, least: f64| {
         let (an1042, warmup) = (summary(kind, AN1042).residual_dph, summary(kind, WARMUP).residual_dph);
         Goal {
-            what: format!("residual of {AN1042} over that of {WARMUP}, {} units", kind.name()),
+            what: format!("residual of {AN1042} over residual of {WARMUP}, {} units", kind.name()),
             goal: format!("at least {least}"),
             measured: format!("{:.1} ({an1042:.1}/{warmup:.1} °/h)", an1042 / warmup),
             is_met: an1042 / warmup >= least,
@@ -120,7 +120,7 @@ fn goals(results: &Results) -> Vec<Goal> {
     };
     let (warmup, cycle) = (summary(Kind::Lagging, WARMUP).residual_dph, summary(Kind::Lagging, CYCLE).residual_dph);
     let cycle = Goal {
-        what: format!("residual of {WARMUP} over that of {CYCLE}, lagging units"),
+        what: format!("residual of {WARMUP} over residual of {CYCLE}, lagging units"),
         goal: "at least 2".to_owned(),
         measured: format!("{:.1} ({warmup:.1}/{cycle:.1} °/h)", warmup / cycle),
         is_met: warmup / cycle >= 2.0,
@@ -136,7 +136,7 @@ fn tracked(tracking: &Tracking) -> [Goal; 2] {
     let Tracking { static_dph, tracked_dph, worse, units, .. } = tracking;
     [
         Goal {
-            what: "a day with 5 % of rest: residual of the calibration alone over that of track".to_owned(),
+            what: "a day with 5 % of rest: residual of the calibration alone over residual of track".to_owned(),
             goal: "at least 3".to_owned(),
             measured: format!("{:.1} ({static_dph:.1}/{tracked_dph:.1} °/h)", tracking.ratio()),
             is_met: tracking.ratio() >= 3.0,
@@ -154,12 +154,12 @@ fn tracked(tracking: &Tracking) -> [Goal; 2] {
 mod tests {
     use super::*;
 
-    /// What of the template stands between its marks stands in the page as committed, in that order.
+    /// The committed page contains the texts between the template's marks, in their order.
     #[test]
     fn the_page_is_the_templates() {
         let page = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/reference/methods.md")).unwrap();
         let mut rest = page.as_str();
-        // marks and what is between them take turns
+        // marks and the texts between them take turns
         let pieces: Vec<&str> = TEMPLATE.split('@').step_by(2).collect();
         for (index, piece) in pieces.iter().enumerate() {
             let at = if index + 1 == pieces.len() { rest.rfind(piece) } else { rest.find(piece) };

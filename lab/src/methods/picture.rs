@@ -22,7 +22,7 @@ pub fn residuals(methods: &[Vec<Summary>]) -> String {
     })
 }
 
-/// Units inside their 95 % intervals over temperature, of the methods that state such.
+/// Units inside their 95 % intervals over temperature, for the methods that state intervals.
 pub fn coverage(methods: &[Vec<Summary>]) -> String {
     let states = |index: &usize| methods.iter().any(|of_kind| of_kind[*index].coverage.is_some());
     let stating: Vec<usize> = (0..METHODS.len()).filter(states).collect();
@@ -41,7 +41,7 @@ fn names(indices: &[usize]) -> Vec<String> {
     indices.iter().map(|index| METHODS[*index].name.to_owned()).collect()
 }
 
-/// Of each kind these methods alone.
+/// Only these methods of each kind.
 fn chosen(methods: &[Vec<Summary>], indices: &[usize]) -> Vec<Vec<Summary>> {
     methods.iter().map(|of_kind| indices.iter().map(|index| of_kind[*index].clone()).collect()).collect()
 }

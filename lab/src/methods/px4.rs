@@ -1,6 +1,6 @@
-//! PX4's thermal calibration from a log, as its `Tools/process_sensor_caldata.py` does it: the rate through a median
-//! of 31 samples, its means over 2000 intervals of temperature, a cubic polynomial through those without weights,
-//! about the middle of the span. The log has ten samples a second (its profile "thermal calibration").
+//! PX4's thermal calibration from a log, as in its `Tools/process_sensor_caldata.py`. The rate passes a median of 31
+//! samples and is averaged over 2000 intervals of temperature. A cubic polynomial goes through the means without
+//! weights, about the middle of the span. The log has ten samples a second (its profile "thermal calibration").
 
 use super::least_squares::cubic;
 use super::unit::Recording;

@@ -27,7 +27,7 @@ pub fn overview(methods: &[Vec<Summary>]) -> String {
     table(&heads, METHODS.iter().enumerate().map(row))
 }
 
-/// Intervals, orders and time of the methods that have such.
+/// Intervals, orders and time of the methods that have them.
 pub fn intervals(methods: &[Vec<Summary>]) -> String {
     let rows = METHODS.iter().enumerate().flat_map(|(index, method)| {
         let of_kinds = Kind::ALL.into_iter().zip(methods).map(move |(kind, of_kind)| (kind, &of_kind[index]));
@@ -93,7 +93,7 @@ fn with_coverage(summary: &Summary) -> String {
     format!("{:.1}{inside}", summary.residual_dph)
 }
 
-/// A goal of the project, and what came of it.
+/// A goal of the project, with the measured figure.
 pub struct Goal {
     pub what: String,
     pub goal: String,

@@ -1,5 +1,5 @@
-//! `stream --track`: a day of motion with rest for a twentieth of it, behind a calibration by AN-1042. The world is
-//! that of the core's tests.
+//! `stream --track`: a day of motion with rest for a twentieth of it, after a calibration by AN-1042. The motion is
+//! the same as in the core's tests.
 
 #[path = "../../../crates/zerorate/tests/track/world.rs"]
 mod world;
@@ -12,12 +12,12 @@ use world::{Day, SELDOM};
 
 const HOURS: f64 = 24.0;
 
-/// What tracking makes of the days of many units.
+/// Results of tracking over the days of many units.
 #[derive(Clone, Debug)]
 pub struct Tracking {
-    /// What the calibration alone leaves, rms over units and time, °/h.
+    /// Residual of the calibration alone, rms over units and time, °/h.
     pub static_dph: f64,
-    /// The same with what was tracked.
+    /// Residual with tracking.
     pub tracked_dph: f64,
     /// Share of the time that the bias was inside the stated 95 % interval, %.
     pub inside: f64,
@@ -43,7 +43,7 @@ impl Tracking {
         }
     }
 
-    /// How much less is left.
+    /// Residual without tracking over residual with it.
     pub fn ratio(&self) -> f64 {
         self.static_dph / self.tracked_dph
     }

@@ -1,4 +1,4 @@
-//! Units of four kinds, and what their hours look like.
+//! Units of four kinds, and their recordings.
 
 use adis16130_twin::{Mean, Means, Spec, Truth, facts};
 use zerorate::thermal::Block;
@@ -24,7 +24,7 @@ impl Kind {
         }
     }
 
-    /// The unit of a seed: a tempco of 0.04 °/s/°C (F-05) and a self-heating of 8 °C (M-03), whatever else is drawn.
+    /// The unit of a seed. All have a tempco of 0.04 °/s/°C (F-05) and a self-heating of 8 °C (M-03).
     pub fn spec(self, seed: u64, lag_s: f64) -> Spec {
         let unit = Spec::from_seed(seed);
         let linear = Spec {
@@ -44,7 +44,7 @@ impl Kind {
     }
 }
 
-/// Temperatures at which a method is judged: evenly over those that were seen.
+/// Number of temperatures at which a method is judged, evenly over those that were seen.
 pub const TEMPS: usize = 9;
 /// Length of a mean that a recording is kept in, s.
 pub const MEAN_S: f64 = 0.1;
@@ -105,12 +105,12 @@ impl Recording {
         unit.recording()
     }
 
-    /// As a fit takes it.
+    /// The recording in blocks, as a fit takes it.
     pub fn blocks(&self) -> Vec<Block> {
         self.averages(self.means.len().div_ceil(MOST_BLOCKS).max(LEAST_MEANS)).collect()
     }
 
-    /// Means over so many means each.
+    /// Means over this many means each.
     pub fn averages(&self, count: usize) -> impl Iterator<Item = Block> {
         self.means.chunks_exact(count).map(block)
     }

@@ -1,4 +1,4 @@
-//! Does what the guest saw agree with what the part sent, and what it measured with the truth?
+//! Compares the guest's data with the part's, and the guest's results with the truth.
 
 use super::SLOW_CAPTURES;
 use super::files::{Files, run_of};
@@ -11,7 +11,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// Everything that was seen, by both sides.
+/// The data of both sides.
 pub struct Observed {
     /// The guest's files.
     pub files: PathBuf,
@@ -47,7 +47,7 @@ struct Check {
     statement: String,
 }
 
-/// What the kernel's driver showed, and what the part sent to it.
+/// The readings that the kernel's driver showed, and the readings that the part sent to it.
 #[derive(Serialize)]
 struct KernelDriver {
     rate_scale: String,
@@ -60,7 +60,7 @@ struct KernelDriver {
     temp_codes_part: Vec<u32>,
 }
 
-/// A capture, and what the part knows of it.
+/// A capture, with the part's own account of it.
 #[derive(Serialize)]
 struct Stream {
     samples: u64,
@@ -146,7 +146,7 @@ impl Findings {
         let scales = [&driver.rate_scale, &driver.rate_offset, &driver.temp_scale, &driver.temp_offset];
         check(
             scales == ["0.000000743", "-8388608", "0.070957212", "-8036283"],
-            format!("its scales and offsets are those of F-40 and F-41: {scales:?}"),
+            format!("its scales and offsets agree with F-40 and F-41: {scales:?}"),
         );
         self.hid.check(files, &mut check)?;
         for name in ["iio", "probe", "bytes", "slow1", "slow2", "slow3", "fast", "calibrate", "cut", "replug"] {
@@ -174,7 +174,7 @@ impl Findings {
         Ok(())
     }
 
-    /// The checks, for people.
+    /// The checks as text for people.
     pub fn text(&self) -> String {
         let mut text = format!("Linux {}, part seed={}, {:.0} s\n", self.kernel_release, self.seed, self.duration_s);
         for Check { holds, statement } in &self.checks {
@@ -199,7 +199,7 @@ impl Findings {
 impl KernelDriver {
     fn new(files: &Files, record: &Record) -> Result<Self> {
         let (rate_codes_guest, temp_codes_guest) = (files.numbers("iio.rate")?, files.numbers("iio.temp")?);
-        // the script's readings come first, then those of zerorate through the same driver
+        // the script's readings come first, then zerorate's through the same driver
         let first = |readings: &[RegisterRead], count: usize| readings.iter().take(count).map(|r| r.code).collect();
         Ok(Self {
             rate_scale: files.text("iio.in_anglvel_z_scale")?,
@@ -239,8 +239,8 @@ impl Stream {
         })
     }
 
-    /// What must hold on the busiest host: the recorded codes are those sent, in order; no fewer losses are counted
-    /// than the part knows of; and what was recorded and what was lost are together all that there was.
+    /// Checks that must hold on the busiest host. The recorded codes are those sent, in order. No fewer losses are
+    /// counted than the part knows of. Recorded and lost samples together are all samples.
     fn is_complete(&self) -> bool {
         let allowed = COUNT_TOLERANCE * self.updates + UNREPORTED;
         let counted = self.lost_counted as f64;

@@ -1,4 +1,4 @@
-//! What the guest left.
+//! The files that the guest left.
 
 use anyhow::{Context, Result, ensure};
 use std::fs;
@@ -12,7 +12,7 @@ pub struct Files<'a>(pub &'a Path);
 pub struct GuestRow {
     pub t_ns: u64,
     pub edge: u32,
-    /// Of each axis.
+    /// The code of each axis.
     pub codes: Vec<i64>,
     pub lost: u64,
 }
@@ -29,7 +29,7 @@ impl Files<'_> {
         numbers.collect::<Option<_>>().with_context(|| format!("{name} holds something else than numbers"))
     }
 
-    /// How `zerorate` ended, with what it complained of where that is not the expected way.
+    /// How `zerorate` ended, with its complaint where it should have ended otherwise.
     pub fn ending(&self, name: &str, expected: u8) -> Result<(bool, String)> {
         let ended = self.text(&format!("{name}.code"))?;
         let holds = ended == expected.to_string();
@@ -61,7 +61,7 @@ impl Files<'_> {
         rows.collect()
     }
 
-    /// What the head of a capture says of `key`.
+    /// The value of `key` in the head of a capture.
     pub fn said(&self, capture: &str, key: &str) -> Result<String> {
         let text = self.text(&format!("{capture}.csv"))?;
         let start = format!("# zerorate.{key} = ");
@@ -70,7 +70,7 @@ impl Files<'_> {
     }
 }
 
-/// Of `all`, those one after the other that are `wanted`; nothing if there are none.
+/// The adjacent items of `all` that are `wanted`; empty if there are none.
 pub fn run_of<'a, T, K: PartialEq>(wanted: &[K], all: &'a [T], of: impl Fn(&T) -> K) -> &'a [T] {
     let mut windows = all.windows(wanted.len().max(1));
     windows.find(|window| window.iter().zip(wanted).all(|(one, wanted)| of(one) == *wanted)).unwrap_or(&[])

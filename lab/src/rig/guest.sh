@@ -1,6 +1,6 @@
 #!/bin/busybox sh
-# The guest of `cargo xtask rig`, as its first process. What it finds goes to /out, which leaves as an archive by the
-# second serial port; the first one tells the host how far it is: each `done` makes the host unplug the part and plug
+# The first process of the guest of `cargo xtask rig`. Results go to /out, which leaves as an archive through the
+# second serial port. The first port tells the host the progress: each `done` makes the host unplug the part and plug
 # in the next.
 /bin/busybox --install -s /bin
 export PATH=/bin
@@ -86,7 +86,7 @@ run hidpolled capture --device "iio:iio:device0?hz=50" --part /gyro.toml --durat
 (until_there /out/hidsilent.arrows; sleep 2; kill -STOP $gyro) &
 run hidsilent capture --device iio:iio:device0 --duration 60s -o /out/hidsilent.arrows --json
 kill -CONT $gyro
-# somebody else wants it, too
+# a second program wants it, too
 (until_there /out/hidcut.arrows; run hidbusy probe --device iio:iio:device0 --json; sleep 2; kill $gyro) &
 run hidcut capture --device iio:iio:device0 --duration 60s -o /out/hidcut.arrows --json
 finished iio

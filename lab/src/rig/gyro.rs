@@ -1,23 +1,23 @@
-//! A gyroscope that is a HID sensor, for the guest: `gyro RECORD` makes it through `/dev/uhid`, and writes down what
-//! it sends.
+//! A gyroscope that is a HID sensor, for the guest. `gyro RECORD` makes it through `/dev/uhid`, and records what it
+//! sends.
 //!
-//! Compiled by itself, with the standard library only and statically, for the guest has no other library.
+//! It is compiled by itself, statically, with the standard library alone, because the guest has no other library.
 
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
 
-/// One reading after the other.
+/// Time from one reading to the next.
 const PERIOD: Duration = Duration::from_millis(10);
-/// A reading that is later than this is not sent: so whoever receives two can tell from their times how many are
-/// missing between them.
+/// A reading that is later than this is not sent. A receiver can therefore tell from the times of two readings how
+/// many are missing between them.
 const LATEST: Duration = Duration::from_millis(4);
-/// Of so many readings the last few are never sent.
+/// Readings in a group, of which the last few are never sent.
 const BLOCK: u32 = 50;
 const WITHHELD: u32 = 4;
 
-/// Its only report, of each kind.
+/// Number of its only report of each kind.
 const REPORT: u8 = 1;
-/// What the kernel's driver writes to have readings: "all events" among the states of the descriptor.
+/// The state that the kernel's driver writes to get readings: "all events" in the descriptor.
 const ALL_EVENTS: u8 = 2;
 
 /// HID Usage Tables, page 0x20 (sensors). The fields of a report stand in the order of [`Gyro::feature`] and of
@@ -107,7 +107,7 @@ impl<K: Write, R: Write> Gyro<K, R> {
         self.kernel.write_all(&[&kind.to_ne_bytes()[..], &what.concat()].concat())
     }
 
-    /// Answers what the kernel asks.
+    /// Answers a request of the kernel.
     fn hear(&mut self, event: &[u8]) -> io::Result<()> {
         let (Some((kind, rest)), no_error) = (event.split_first_chunk::<4>(), 0u16.to_ne_bytes()) else {
             return Ok(());
@@ -161,7 +161,7 @@ impl<K: Write, R: Write> Gyro<K, R> {
     }
 }
 
-/// Of this reading, about x, y and z: different ones for 65536 readings in a row, over all 16 bits.
+/// Codes of this reading about x, y and z. They differ for 65536 readings in a row, over all 16 bits.
 fn codes(number: u32) -> [i16; 3] {
     [(25_173, 13_849), (-20_021, 4_711), (9_377, -30_011)]
         .map(|(factor, first): (i32, i32)| factor.wrapping_mul(number as i32).wrapping_add(first) as i16)
@@ -209,7 +209,7 @@ mod tests {
     use super::*;
     use std::collections::BTreeSet;
 
-    /// What it has told the kernel since, and its record.
+    /// Its messages to the kernel since then, and its record.
     fn told(gyro: &mut Gyro<Vec<u8>, Vec<u8>>) -> (Vec<u8>, String) {
         let record = std::mem::take(&mut gyro.record);
         (std::mem::take(&mut gyro.kernel), String::from_utf8(record).expect("text"))

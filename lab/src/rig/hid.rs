@@ -1,4 +1,4 @@
-//! Did the program see what a gyroscope of another kind sent, through the kernel's driver for HID sensors?
+//! Compares the program's data with a gyroscope of another kind, read through the kernel's HID driver.
 
 use super::files::{Files, GuestRow, run_of};
 use anyhow::{Context, Result};
@@ -6,12 +6,12 @@ use serde::Serialize;
 use serde_json::Value;
 use std::collections::HashMap;
 
-/// Read through the buffer: as long as was asked for, until it was silent, until it was gone.
+/// Captures through the buffer: one of the requested length, one until silence, one until unplugged.
 const BUFFERED: [&str; 3] = ["hid", "hidsilent", "hidcut"];
-/// All that were captured of it.
+/// All captures of this gyroscope.
 pub const CAPTURES: [&str; 4] = ["hid", "hidsilent", "hidcut", "hidpolled"];
 
-/// What it is made to be (`gyro.rs`): 0.01 °/s, 100 Hz.
+/// Its properties, from `gyro.rs`: 0.01 °/s, 100 Hz.
 const ATTRIBUTES: [(&str, &str); 5] = [
     ("name", "gyro_3d"),
     // 0.01 π/180 rad/s, in whole nano
@@ -21,7 +21,7 @@ const ATTRIBUTES: [(&str, &str); 5] = [
     ("in_anglvel_z_type", "le:s16/32>>0"),
 ];
 const RATE_HZ: f64 = 100.0;
-/// What the kernel states, in codes per °/s.
+/// The kernel's scale, in codes per °/s.
 const LSB_PER_DPS: f64 = 0.017_453_292_519_943_295 / 0.000_174_532;
 
 /// Share of the readings whose losses may be counted wrongly: a host that stops the machine makes their times late.
@@ -44,7 +44,7 @@ struct Sent {
     codes: Vec<i64>,
     /// Its own clock, before and after.
     between_ns: (i64, i64),
-    /// On demand, and not by itself.
+    /// Sent on demand, and not by itself.
     asked: bool,
 }
 
@@ -53,9 +53,9 @@ struct Sent {
 struct Stream {
     name: &'static str,
     samples: usize,
-    /// They are readings that it sent, one after the other.
+    /// Whether they are the readings that it sent, in order.
     are_those_sent: bool,
-    /// Between the clocks of both: the least that fits all times, and the most.
+    /// Offset between both clocks: the least that fits all times, and the most.
     offset_ns: (i64, i64),
     lost_counted: u64,
     lost_in_truth: u64,
@@ -67,7 +67,7 @@ struct Stream {
 #[derive(Serialize)]
 struct Polled {
     samples: usize,
-    /// Axes whose codes it sent, none older than that before.
+    /// Axes whose codes it sent, none older than the one before.
     axes_in_order: usize,
 }
 
@@ -175,7 +175,7 @@ impl Stream {
         let width_ns = most - least;
         check(
             width_ns >= 0,
-            format!("{name}: each time is that of its hand-over, by one clock ({width_ns} ns of slack)"),
+            format!("{name}: each timestamp is the time of hand-over, by one clock ({width_ns} ns of slack)"),
         );
         let allowed = TOLERANCE * (*samples as f64 + self.lost_in_truth as f64) + TOLERANCE_READINGS;
         let Self { lost_counted, lost_in_truth, miscounted, .. } = self;

@@ -13,7 +13,7 @@ const MODULES: [&str; 8] =
     ["xhci_pci", "usb_ljca", "spi_ljca", "gpio_ljca", "adis16130", "uhid", "hid_sensor_hub", "hid_sensor_gyro_3d"];
 const SCRIPT: &str = include_str!("guest.sh");
 const GYRO: &str = include_str!("gyro.rs");
-/// What is known of it beyond what its driver states.
+/// The file of the part, with properties that its driver does not state.
 const GYRO_PART: &str = include_str!("gyro.toml");
 /// The script's settings stand before this line of it.
 const FIRST_LINE: &str = "#!/bin/busybox sh\n";
@@ -51,7 +51,7 @@ fn gyro(folder: &Path) -> Result<PathBuf> {
     Ok(program)
 }
 
-/// Copies a program, and the libraries that it was linked with to where it looks for them; a static one has none.
+/// Copies a program, and its libraries to where it looks for them. A static program has none.
 fn add_program(root: &Path, program: &Path, name: &str) -> Result<()> {
     fs::copy(program, root.join("bin").join(name)).with_context(|| format!("copying {}", program.display()))?;
     let libraries = Command::new("ldd").arg(program).stderr(Stdio::null()).output()?;

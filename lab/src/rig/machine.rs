@@ -22,7 +22,7 @@ pub struct Machine {
     console: Receiver<String>,
     seen: Vec<String>,
     started: Instant,
-    /// Where the guest's files arrive.
+    /// The file that receives the guest's files.
     archive: PathBuf,
 }
 

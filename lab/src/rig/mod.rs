@@ -1,9 +1,9 @@
 //! `cargo xtask rig`: a stock Linux kernel in QEMU, and the twin as hardware on its USB port.
 //!
-//! Nothing in the guest is ours but the program under test, a shell script, and a gyroscope of another kind that the
-//! kernel takes for a HID sensor (`gyro.rs`); nothing in the kernel is patched. The kernel's own ADIS16130 driver
-//! reads the part, its driver for HID gyroscopes the other one, then the program reads the part over spidev and the
-//! GPIO chip, and all must have seen what part and gyroscope say that they sent.
+//! The guest has three files of ours: the program under test, a shell script, and a gyroscope of another kind that the
+//! kernel takes for a HID sensor (`gyro.rs`). The kernel is not patched. Its own ADIS16130 driver reads the part, and
+//! its driver for HID gyroscopes reads the other one. Then the program reads the part over spidev and the GPIO chip.
+//! All readings must be those that part and gyroscope sent.
 
 mod checks;
 mod files;
@@ -41,7 +41,7 @@ const TOOLS: [Tool; 8] = [
 /// MCLK with which every edge reaches the guest: 1054 cycles make a pair (F-31), so 99.6 pairs a second. Not 100, of
 /// which the resonance (F-07) is a multiple: sampling would turn it into a bias.
 const SLOW_HZ: &str = "105000";
-/// The same where it cannot follow: 996 pairs a second.
+/// MCLK at which the guest cannot follow: 996 pairs a second.
 const FAST_HZ: &str = "1050000";
 /// A calibration that a quick part allows, and that a busy host cannot spoil: means have no need of all samples.
 const PLAN: &str = "--average 5s --warmup 30s --settle 10s --offset 15s --max-u-btc 0.05 --max-lost 0.95";
@@ -134,7 +134,7 @@ fn calibrate_in_process(program: &Path, keys: &str) -> Result<serde_json::Value>
     serde_json::from_slice(&output.stdout).context("the in-process calibration")
 }
 
-/// A command that runs before others, where that is allowed: what keeps the time must not wait for a compiler.
+/// A command with priority over others, where that is allowed. A process that keeps time must not wait for a compiler.
 fn preferred(program: &Path) -> Command {
     if !is_root() {
         return Command::new(program);

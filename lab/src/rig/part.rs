@@ -1,4 +1,4 @@
-//! The twin as hardware, and what it saw of the bus.
+//! The twin as hardware, and its record of the bus.
 
 use super::preferred;
 use anyhow::{Context, Result, ensure};
@@ -14,7 +14,7 @@ pub struct Plugged {
     wire: PathBuf,
 }
 
-/// What the part reports when it is unplugged, as far as the rig looks at it.
+/// The fields that the rig uses of the part's report when it is unplugged.
 #[derive(Deserialize, Serialize)]
 pub struct Summary {
     pub seed: u64,
@@ -35,7 +35,7 @@ pub struct Losses {
     pub dropped: u64,
 }
 
-/// What a perfect measurement would find at `sensor_c`.
+/// The coefficients that a perfect measurement would find at `sensor_c`.
 #[derive(Deserialize, Serialize)]
 pub struct Truth {
     pub sensor_c: f64,
@@ -54,7 +54,7 @@ pub struct RegisterRead {
     pub edges: u32,
 }
 
-/// All that the part knows of its time on the bus.
+/// The part's whole record of its time on the bus.
 pub struct Record {
     pub summary: Summary,
     pub rates: Vec<RegisterRead>,
@@ -62,7 +62,7 @@ pub struct Record {
 }
 
 impl Plugged {
-    /// Switches a part on and plugs it in. `name` is that of its files below `folder`.
+    /// Switches a part on and plugs it in. Its files below `folder` are called `name`.
     pub fn plug(program: &Path, folder: &Path, name: &str, socket: &Path, arguments: &[&str]) -> Result<Self> {
         let summary = folder.join(format!("{name}.part.json"));
         let wire = folder.join(format!("{name}.wire.csv"));

@@ -17,7 +17,7 @@ pub const SHORT_S: f64 = 205.0;
 pub struct Bench {
     pub program: PathBuf,
     folder: Folder,
-    /// What `correct` makes of the whole recording `rest`, whatever its form.
+    /// The output of `correct` for the whole recording `rest`, in any form.
     pub rest: Corrected,
 }
 
@@ -29,11 +29,11 @@ pub struct Corrected {
     pub words: usize,
 }
 
-/// A folder below `target/` that goes with its owner.
+/// A folder below `target/` that is removed with its owner.
 pub struct Folder(PathBuf);
 
 impl Folder {
-    /// An empty one; no two have the same name.
+    /// Makes an empty folder; no two have the same name.
     pub fn new(name: &str) -> Result<Self> {
         let path = std::path::absolute(Path::new("target/trust").join(format!("{}-{name}", std::process::id())))?;
         std::fs::create_dir_all(&path).with_context(|| path.display().to_string())?;
@@ -49,7 +49,7 @@ impl Folder {
         self.0.join(name).display().to_string()
     }
 
-    /// What lies in it, by name.
+    /// The names of its files.
     pub fn names(&self) -> Result<Vec<String>> {
         let entries = std::fs::read_dir(&self.0)?;
         let mut names: Vec<String> =
@@ -97,7 +97,7 @@ impl Run {
         causes.iter().any(|cause| self.stderr.contains(cause) || self.stdout.contains(cause))
     }
 
-    /// What a run that failed in an orderly way is worth.
+    /// The verdict on a run that failed in an orderly way.
     pub fn refusal(&self, causes: &[&str]) -> super::Verdict {
         match self.code {
             Some(1 | 3) if self.says(causes) => super::Verdict::Refused,
@@ -145,7 +145,7 @@ impl Bench {
         Ok(self.command(args).output().with_context(|| self.program.display().to_string())?.into())
     }
 
-    /// A run that has to end well.
+    /// Runs the program, which has to succeed.
     pub fn must(&self, args: &[&str]) -> Result<Run> {
         let run = self.run(args)?;
         ensure!(run.code == Some(0), "{args:?} ended with {:?}: {}", run.code, run.stderr);

@@ -1,4 +1,4 @@
-//! The part breaks at a random moment of a recording, which is held against one of the same unit without the fault.
+//! The part breaks at a random moment of a recording. It is compared with one of the same unit without the fault.
 
 use super::bench::{Bench, Folder, Run, random};
 use super::faults::{Fault, fault_of};
@@ -64,8 +64,8 @@ fn telling(run: &Run) -> bool {
     run.json().is_ok_and(|summary| summary["warnings"].as_array().is_some_and(|warnings| !warnings.is_empty()))
 }
 
-/// What is wrong with `rows`, if anything: a code that the part did not measure and nobody flagged, or a loss that was
-/// not counted.
+/// The first error in `rows`, if any: a code that the part did not measure and nobody flagged, or a loss that was not
+/// counted.
 fn compare(rows: &BTreeMap<u64, CheckedRow>, clean: &BTreeMap<u64, CheckedRow>) -> Option<String> {
     for (t_ns, row) in rows {
         let Some(true_row) = clean.get(t_ns) else { continue };

@@ -1,4 +1,4 @@
-//! A chamber fails at a random moment of a measurement, or the state that a program goes on from is edited.
+//! A chamber fails at a random moment of a measurement, or the state from which a program goes on is edited.
 
 use super::bench::{Bench, Folder, random};
 use super::faults::WRONG_U;
@@ -38,14 +38,14 @@ pub const CLASSES: &[Class] = &[
 const UNIT: &str = "warmup_s=10";
 const PLAN: &str = "schema = 1\nwindow_s = 20\naverage_s = 30\nsettle_timeout_s = 600\ndrift_c_per_min = 0.2\n\
     [[step]]\nto_c = 15\n[[step]]\nto_c = 45\n";
-/// About so many questions a measurement asks.
+/// About the number of questions in a measurement.
 const QUESTIONS: usize = 250;
-/// No run takes longer, on a machine however busy.
+/// No run takes longer, even on a busy machine.
 const MOST: Duration = Duration::from_secs(120);
-/// How it is asked to end, and from outside at all.
+/// How the program is asked to end, if it is asked from outside.
 const SIGNALS: [&[&str]; 4] = [&[], &["-INT"], &["-INT", "-INT"], &["-TERM"]];
 
-/// The chamber must be safe at the end, or the last line say that nobody knows.
+/// Checks that the chamber is safe at the end, or that the last line says that nobody knows.
 fn failing(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     let speech = SPEECHES[usize::from(class.ends_with("f4t"))];
     let mut random = random(class, seed);
@@ -94,7 +94,7 @@ fn failing(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     })
 }
 
-/// Until that is so, the program has ended, or it should have.
+/// Waits until the condition holds, the program has ended, or it should have ended.
 fn wait_for(child: &mut Child, is_so: impl Fn() -> bool) -> Result<()> {
     let until = Instant::now() + MOST;
     while !is_so() && child.try_wait()?.is_none() && Instant::now() < until {
@@ -116,7 +116,7 @@ fn off_u(other: &Value, result: &Value) -> Result<f64> {
     Ok(worst)
 }
 
-/// An interrupted measurement, and what it comes to where nobody edits it.
+/// An interrupted measurement, and its result if nobody edits it.
 struct Interrupted {
     state: String,
     result: Value,
@@ -142,7 +142,7 @@ fn interrupted(bench: &Bench) -> Result<&'static Interrupted> {
     Ok(INTERRUPTED.get_or_init(|| Interrupted { state, result }))
 }
 
-/// Another digit in the place of one.
+/// Replaces one digit by another.
 fn edited(text: &str, random: &mut StdRng) -> String {
     let digits: Vec<usize> = text.bytes().enumerate().filter(|(_, b)| b.is_ascii_digit()).map(|(at, _)| at).collect();
     let at = digits[random.random_range(0..digits.len())];

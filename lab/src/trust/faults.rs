@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use rand::RngExt;
 use serde_json::Value;
 
-/// A fault of the twin, and what a user must read to find it.
+/// A fault of the twin, and the words by which a user finds it.
 pub struct Fault {
     pub name: &'static str,
     /// Further keys of the twin.
@@ -49,7 +49,7 @@ pub const CLASSES: &[Class] = &[
     class("calibrate unplug", "the cable is pulled"),
 ];
 
-/// Beyond so many of its standard uncertainties a result is wrong: 1 of 16 000 if all is well.
+/// A result is wrong beyond this many of its standard uncertainties: 1 of 16 000 if all is well.
 pub const WRONG_U: f64 = 4.0;
 
 fn calibrate(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
@@ -70,10 +70,10 @@ fn calibrate(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     })
 }
 
-/// What says nothing of this measurement.
+/// Warnings that say nothing about this measurement.
 const ALWAYS: [&str; 4] = ["earth-included", "curvature-unseen", "short-average", "lost-samples"];
 
-/// Holds a calibration against the twin's truth.
+/// Compares a calibration with the twin's truth.
 pub fn judge(run: &Run) -> Result<Verdict> {
     let result = run.json()?;
     let number = |value: &Value| value.as_f64().context("a number");

@@ -74,7 +74,7 @@ fn stretch(whole: &[u8], form: &str, random: &mut StdRng) -> Range<usize> {
     a.min(b)..a.max(b)
 }
 
-/// A capture may be read as it was, or be refused, or be read in part with a word.
+/// A capture may be read as it was, be refused, or be read in part with a warning.
 fn recording(bench: &Bench, file: &str, source: &str) -> Result<Verdict> {
     let verify = bench.run(&["verify", file])?;
     if let Some(wrong) = believed(bench, file)? {
@@ -87,7 +87,7 @@ fn recording(bench: &Bench, file: &str, source: &str) -> Result<Verdict> {
     })
 }
 
-/// What `correct` made of it without a word, if that is not what it makes of the whole one.
+/// The output of `correct` without a warning, if it differs from its output for the whole file.
 fn believed(bench: &Bench, file: &str) -> Result<Option<String>> {
     let (run, rows) = bench.corrected(file, &format!("{file}.corrected.csv"))?;
     let silent = run.code == Some(0) && rows != bench.rest.rows && run.stderr.lines().count() <= bench.rest.words;

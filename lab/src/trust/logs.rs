@@ -1,6 +1,5 @@
 //! Logs of other people's software that carry checks of their own: a bit flips, or a bag states another number of
-//! messages. The files are those of `crates/zerorate-logs/fixtures/make_checked.py`, by independent
-//! writers.
+//! messages. `crates/zerorate-logs/fixtures/make_checked.py` made the files, with independent writers.
 
 use super::bench::{Bench, Folder, Run, random};
 use super::{Class, Verdict};
@@ -43,7 +42,7 @@ pub const CLASSES: &[Class] = &[
     class("log folder", "a bag of ROS 2 in a folder states more messages than it holds, or fewer", miscounted),
 ];
 
-/// Where the files lie.
+/// Folder of the files.
 const FILES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../crates/zerorate-logs/fixtures/checked");
 
 /// Messages in each bag.
@@ -64,7 +63,7 @@ fn flipped(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     Ok(judged(&analysed(bench, &file)?, &right))
 }
 
-/// How many bytes from the start are under a check: the index of Parquet, which stands behind its pages, has none.
+/// Number of bytes from the start that a check covers. The index of Parquet, behind its pages, has no check.
 fn checked(name: &str, whole: &[u8]) -> usize {
     let index = |at: usize| whole[at..].first_chunk().map_or(0, |length| u32::from_le_bytes(*length) as usize);
     match name.ends_with(".parquet") {
@@ -112,7 +111,7 @@ fn analysed(bench: &Bench, log: &str) -> Result<Run> {
     bench.run(&[&["allan", log, "--column", "all", "--json"], time].concat())
 }
 
-/// A log may be read as it was, or be refused, or be read with a word.
+/// A log may be read as it was, be refused, or be read with a warning.
 fn judged(run: &Run, right: &Run) -> Verdict {
     match run.code {
         Some(1..=3) => Verdict::Refused,

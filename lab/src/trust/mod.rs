@@ -1,5 +1,5 @@
-//! `cargo xtask trust`: does the program ever hand out a wrong result without a word? Faults, damage and bad worlds,
-//! drawn from seeds; every run is judged against what the twin knows or against what was recorded without the fault.
+//! `cargo xtask trust`: does the program ever give a wrong result without a warning? Faults, damage and bad worlds are
+//! drawn from seeds. Every run is compared with the twin's truth, or with a recording without the fault.
 
 mod bench;
 mod capture;
@@ -25,13 +25,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use verdict::{Count, Verdict};
 
-/// What to run.
+/// Command line of `cargo xtask trust`.
 #[derive(clap::Args)]
 pub struct TrustArgs {
     /// A few runs of each class, as in `cargo xtask ci`
     #[arg(long)]
     quick: bool,
-    /// Only the classes whose names begin so
+    /// Only the classes whose names begin with this
     #[arg(long, value_name = "NAME")]
     only: Option<String>,
     /// Runs of each class [default: 500, or a few with --quick]
@@ -49,7 +49,7 @@ pub struct TrustArgs {
     /// The program to test, instead of building it
     #[arg(long, value_name = "FILE")]
     program: Option<PathBuf>,
-    /// Add each class to this file when it is through, and leave out those that it holds: a campaign may take days
+    /// Add each finished class to this file, and leave out those that it holds: a campaign may take days
     #[arg(long, value_name = "FILE")]
     resume: Option<PathBuf>,
     /// Write docs/reference/reliability.md
@@ -79,7 +79,7 @@ fn classes() -> Vec<Class> {
     [devices.concat(), computers.concat()].concat()
 }
 
-/// Runs the classes one after the other, and fails where a result was wrong and nobody heard of it.
+/// Runs the classes one after the other, and fails if a result was wrong and nobody was told.
 pub fn run(args: &TrustArgs) -> Result<()> {
     let program = args.program.clone().map_or_else(app::program, Ok)?;
     let bench = Bench::new(std::path::absolute(program)?)?;
@@ -109,7 +109,7 @@ pub fn run(args: &TrustArgs) -> Result<()> {
     Ok(())
 }
 
-/// The classes that are through, as lines of JSON in a file.
+/// The finished classes, as lines of JSON in a file.
 struct Done {
     path: Option<PathBuf>,
     counts: BTreeMap<String, Count>,

@@ -1,4 +1,4 @@
-//! docs/reference/reliability.md.
+//! Writes docs/reference/reliability.md.
 
 use super::Class;
 use super::verdict::Count;
@@ -9,7 +9,7 @@ use std::fs;
 const PAGE: &str = "docs/reference/reliability.md";
 const HEAD: &str = include_str!("reliability.md.in");
 
-/// Writes the page: what was tried and how it ended.
+/// Writes the page: the classes of runs and their outcomes.
 pub fn write(counts: &[(Class, Count)]) -> Result<()> {
     let mut table = String::from(
         "| class | what a run does | runs | right | refused, true cause | refused, another cause | wrong and warned | \

@@ -1,5 +1,5 @@
-//! The power goes: what the disk holds at a moment is what was synced until then. A file system in an image shows it,
-//! since the image does not have what the kernel has not written yet.
+//! The power fails. The disk then holds what was synced until that moment. A file system in an image shows this,
+//! because the image lacks everything that the kernel has not written yet.
 
 use super::bench::{Bench, Folder, SHORT, random};
 use super::process::{hash, samples};
@@ -27,7 +27,7 @@ pub const CLASSES: &[Class] = &[
     Class { name: "power cut after export h", what: "right after exit 0", quick: 1, run: after },
     Class {
         name: "power cut in capture",
-        what: "at a random moment of a recording: what is there is a prefix",
+        what: "at a random moment of a recording: the file is a prefix",
         quick: 1,
         run: within,
     },
@@ -67,7 +67,7 @@ impl Disk {
         self.mounted.join(name).display().to_string()
     }
 
-    /// What would be found if the power went now.
+    /// The disk's content if the power went now.
     fn after_a_power_cut(&self, name: &str) -> Result<Option<Self>> {
         let folder = Folder::new(&format!("{name}-cut"))?;
         let image = folder.path().join("disk.img");

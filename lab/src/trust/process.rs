@@ -36,7 +36,7 @@ pub const CLASSES: &[Class] = &[
     },
 ];
 
-/// Sends `signal` after a random time; how the program ended.
+/// Sends `signal` after a random time. Returns how the program ended.
 fn interrupted(bench: &Bench, class: &str, seed: u64, args: &[&str], signal: &str) -> Result<Run> {
     let child = bench.command(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
     sleep(Duration::from_micros(random(class, seed).random_range(0..400_000)));
@@ -66,7 +66,7 @@ fn kill_capture(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict
     Ok(if saved == whole {
         Verdict::Right
     } else {
-        Verdict::Silent(format!("the first {rows} samples are not those of the part"))
+        Verdict::Silent(format!("the first {rows} samples differ from the part's"))
     })
 }
 
@@ -80,7 +80,7 @@ pub fn hash(bench: &Bench, file: &str) -> Result<String> {
     Ok(verified(bench, file)?["samples_sha256"].as_str().context("samples_sha256")?.to_owned())
 }
 
-/// What `verify` says of a file that is whole.
+/// The report of `verify` on a whole file.
 fn verified(bench: &Bench, file: &str) -> Result<serde_json::Value> {
     Ok(bench.must(&["verify", "--json", file])?.json()?["files"][0].clone())
 }
@@ -129,7 +129,7 @@ fn full_disk(bench: &Bench, _: &'static str, seed: u64) -> Result<Verdict> {
     let kept = run.stdout.contains("pbc_dps") || fs::exists(&good)?;
     Ok(match run.code {
         Some(1) if kept => Verdict::Refused,
-        // every result warns of the Earth, so this one ended before there was any
+        // every result has the warning about the Earth, so this run ended before its result
         Some(1) if run.says(&["cannot write"]) && !run.says(&["earth-"]) => Verdict::Refused,
         code => Verdict::Silent(format!("{args:?} ended with {code:?}: {}", run.stderr)),
     })

@@ -1,10 +1,10 @@
-//! How a run ended, seen by its user.
+//! How a run ended for its user.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// What a user has in hands after a run.
+/// The state in which a run leaves its user.
 pub enum Verdict {
     /// The result is right, or all that was recorded until then.
     Right,
@@ -14,9 +14,9 @@ pub enum Verdict {
     Misjudged(String),
     /// A wrong result, and a warning with it.
     Warned,
-    /// A wrong result in a way that nothing could show, of which every result of this kind warns.
+    /// A wrong result in a way that nothing could show. Every result of this kind warns of it.
     Unknowable,
-    /// A wrong result, and not a word: this is wrong.
+    /// A wrong result without a warning: this is wrong.
     Silent(String),
     /// Nothing could be tried on this machine, and why.
     Skipped(&'static str),

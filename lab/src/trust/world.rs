@@ -1,4 +1,4 @@
-//! The part works, but the world is not as the procedure wants it. Whole procedures of 53 minutes, in this process.
+//! The part works, but the world is not as the procedure needs it. Whole procedures of 53 minutes run in this process.
 
 use super::faults::WRONG_U;
 use super::{Bench, Class, Verdict};
@@ -7,7 +7,7 @@ use adis16130_twin::{Motion, Roa, Spec};
 use anyhow::{Context, Result};
 use zerorate::{Method, Plan};
 
-/// What the classes are called, in the order of [`FAULTS`].
+/// Names of the classes, in the order of [`FAULTS`].
 const NAMES: [&str; FAULTS.len()] = [
     "world ordinary",
     "world step",
@@ -51,10 +51,10 @@ const FLICKER_MV: f64 = 10.0;
 const SEEN_SIGMA: f64 = 8.0;
 /// Step 8 and what follows it, s: before that, the hour shows both levels for long enough.
 const STEP_8_S: f64 = 160.0;
-/// An hour sees less than a full turn of a slower sway.
+/// Frequency of a sway below which the hour has less than a full turn.
 const SEEN_HZ: f64 = 3e-4;
-/// Less than half a turn of a small sway was seen to pass for the random walk of the part, or for a bend. The bound is
-/// that of the trials and not derived.
+/// Less than half a turn of a small sway passed for the random walk of the part, or for a bend. The bound comes from
+/// trials and is not derived.
 const WALK_TURNS: f64 = 0.5;
 const WALK_DPS: f64 = 0.04;
 /// One run in so many has the clock and the bandwidth of the part. The others have a fiftieth of the clock and 50 Hz
@@ -81,8 +81,8 @@ fn at_its_rate(spec: Spec, seed: u64) -> Spec {
     Spec { mclk_hz: spec.mclk_hz / 50.0, roa: Roa::TenNanofarad, ..spec }
 }
 
-/// A sway under a method that takes the whole recording: wrong is wrong here, warned of or not, since such a sway is
-/// in the uncertainty.
+/// A sway under a method that takes the whole recording. A wrong result is wrong here even with a warning, because the
+/// uncertainty includes such a sway.
 fn record(method: Method, seed: u64) -> Result<Verdict> {
     let (spec, plan) = (at_its_rate(trial::slow_sway(seed), seed), trial::plan(method));
     let is_walk = spec.sway_hz * plan.total_s() < WALK_TURNS && spec.sway_dps < WALK_DPS;

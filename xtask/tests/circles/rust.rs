@@ -1,4 +1,4 @@
-//! As much of Rust as it takes to see which names a file uses.
+//! A small reader of Rust that finds the names a file uses.
 
 /// A word, `::`, or any other character, with its line.
 #[derive(Clone, Copy)]

@@ -34,7 +34,7 @@ const FIRMWARE: &str = concat!("bridge-rp2040 ", env!("CARGO_PKG_VERSION"));
 /// The HAL panics below 1.93 kHz.
 const SLOWEST_SCLK_HZ: u32 = 2_000;
 
-/// The chip has none of its own: the number is that of the flash beside it, of 2 MB.
+/// The chip has no serial number. The number comes from the flash beside it, of 2 MB.
 const FLASH_BYTES: usize = 2 * 1024 * 1024;
 
 bind_interrupts!(struct Irqs {
@@ -92,7 +92,7 @@ async fn shine(mut led: Output<'static>) {
     lamp::run(|lit| led.set_level(lit.into()), &LINK).await
 }
 
-/// To be called once.
+/// Call it once.
 fn serial(flash: Peri<'static, FLASH>) -> Option<&'static str> {
     static ROOM: StaticCell<[u8; 16]> = StaticCell::new();
     let mut id = [0; 8];
@@ -100,7 +100,7 @@ fn serial(flash: Peri<'static, FLASH>) -> Option<&'static str> {
     Some(port::hex(id, ROOM.init([0; 16])))
 }
 
-/// The HAL does not tell what it sets, so this repeats its rule.
+/// The HAL does not report the clock that it sets, so this repeats its rule.
 fn set_clock(controller: &mut Controller, hz: u32) -> u32 {
     let hz = hz.max(SLOWEST_SCLK_HZ);
     controller.set_frequency(hz);

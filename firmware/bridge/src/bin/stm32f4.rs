@@ -90,14 +90,14 @@ async fn serve(
     sampling::serve(bus, FIRMWARE, &LINK, || watchdog.pet()).await
 }
 
-/// The LED lies between the pin and the supply.
+/// The LED is connected between the pin and the supply.
 #[embassy_executor::task]
 async fn shine(mut led: Output<'static>) {
     lamp::run(|lit| led.set_level((!lit).into()), &LINK).await
 }
 
-/// 72 MHz from the crystal of 25 MHz, and 48 MHz for USB. Faster ones that allow for USB leave SPI1 with 6 or 3 MHz
-/// (96 MHz) or 5.25 MHz (84 MHz); this one with 9, 4.5, 2.25 and 1.125 MHz.
+/// Sets 72 MHz from the crystal of 25 MHz, and 48 MHz for USB. SPI1 then has 9, 4.5, 2.25 and 1.125 MHz. Faster clocks
+/// that allow for USB leave SPI1 with 6 or 3 MHz (96 MHz) or 5.25 MHz (84 MHz).
 fn clocks() -> Config {
     let mut config = Config::default();
     config.rcc.hse = Some(Hse { freq: Hertz(25_000_000), mode: HseMode::Oscillator });
@@ -115,8 +115,8 @@ fn clocks() -> Config {
     config
 }
 
-/// The controller divides by a power of two. The HAL takes the nearest, which may be faster than what it is asked for;
-/// so it is asked for exactly one of them.
+/// The controller divides by a power of two. The HAL takes the nearest clock, which may be faster than the requested
+/// one. This function therefore requests one of them exactly.
 fn set_clock(controller: &mut Controller, hz: u32) -> u32 {
     let kernel_hz = rcc::frequency::<peripherals::SPI1>().0;
     let divided = (1..=8).map(|power| kernel_hz >> power).find(|clock| *clock <= hz);

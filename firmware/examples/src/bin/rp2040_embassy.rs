@@ -1,4 +1,4 @@
-//! Embassy on an RP2040, with DMA: one task numbers the edges of RDY, the other reads the part, and brings it back
+//! Embassy on an RP2040, with DMA. One task numbers the edges of RDY. The other reads the part, and brings it back
 //! where it falls silent or fails. Wired as the bridge on a Pico (`firmware/bridge/README.md`).
 
 #![no_std]
@@ -64,7 +64,7 @@ async fn watch(mut rdy: Input<'static>) {
     }
 }
 
-/// Returns where no edge comes within the deadline, and where a reading fails.
+/// Returns if no edge comes within the deadline, or if a reading fails.
 async fn until_it_fails(gyro: &mut Gyro, sampler: &mut Sampler, back_off: &mut BackOff) {
     let deadline = Duration::from_micros(sampler.silence_ns().div_ceil(1_000));
     let mut temp = None;
@@ -74,7 +74,7 @@ async fn until_it_fails(gyro: &mut Gyro, sampler: &mut Sampler, back_off: &mut B
             Ok(Some(sample)) => {
                 back_off.done();
                 temp = sample.temp.or(temp);
-                // a rate out of range is none (F-35)
+                // a rate out of range is not a reading (F-35)
                 let wrong = sample.status.is_some_and(|status| status.out_of_range());
                 if let (false, Some(temp)) = (wrong, temp) {
                     let temp_code = temp.code24();

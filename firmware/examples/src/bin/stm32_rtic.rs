@@ -38,7 +38,7 @@ mod app {
         wait_ticks: u32,
     }
 
-    /// What belongs to the part.
+    /// The driver and the sampler of the part.
     pub struct Part {
         gyro: Gyro,
         sampler: Sampler,
@@ -59,7 +59,7 @@ mod app {
         // one transfer per command, so that both channels are read before the next edge (F-22, F-33)
         let config = Config::new().with_framing(Framing::Command);
         let rdy = Input::new(p.PA10, Pull::Up);
-        // line 10 is that of port A since the reset
+        // line 10 belongs to port A since the reset
         pac::EXTI.ftsr(0).modify(|w| w.set_line(RDY, true));
         pac::EXTI.imr(0).modify(|w| w.set_line(RDY, true));
         cx.core.SYST.set_clock_source(SystClkSource::Core);
@@ -108,7 +108,7 @@ mod app {
                 Ok(Some(sample)) => {
                     self.back_off.done();
                     self.temp = sample.temp.or(self.temp);
-                    // a rate out of range is none (F-35)
+                    // a rate out of range is not a reading (F-35)
                     let wrong = sample.status.is_some_and(|status| status.out_of_range());
                     if let (false, Some(temp)) = (wrong, self.temp) {
                         let temp_code = temp.code24();

@@ -9,8 +9,8 @@ use firmware_qemu::bare::{edge, put};
 use zerorate::track::{Prior, Tracker, TrackerConfig};
 use zerorate::{Axis, Correction};
 
-/// The core needs one to link. It is never given memory, and since nothing allocates it is not in the image. (Beside
-/// the twin there is one.)
+/// The core needs an allocator to link. This one never gets memory, and since nothing allocates it is not in the
+/// image. (The images with the twin have a real one.)
 #[cfg(not(feature = "twin"))]
 #[global_allocator]
 static NO_HEAP: LlffHeap = LlffHeap::empty();
@@ -34,7 +34,7 @@ fn main() -> ! {
     }
 }
 
-/// One that the compiler cannot know.
+/// A value that the compiler cannot know.
 fn number() -> f64 {
     f64::from_bits(edge().0)
 }

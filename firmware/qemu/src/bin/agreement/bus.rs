@@ -6,7 +6,7 @@ use core::convert::Infallible;
 use embedded_hal::digital::{self, InputPin};
 use embedded_hal::spi::{self, Operation, SpiDevice};
 
-/// What each register answers, by address: the four bytes that come back while COM and zeros go out.
+/// The answer of each register, by address: the four bytes that return while COM and zeros go out.
 pub struct Answers([Cell<[u8; 4]>; 64]);
 
 impl Answers {
@@ -51,7 +51,7 @@ impl SpiDevice for Bus<'_> {
     }
 }
 
-/// RDY, which no counted work looks at.
+/// RDY, which no counted work reads.
 pub struct NoPin;
 
 impl digital::ErrorType for NoPin {

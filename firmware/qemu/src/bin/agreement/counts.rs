@@ -13,13 +13,13 @@ use firmware_qemu::tracking::{self, Mean};
 /// From one rate reading to the next with F-30: 1054 cycles of MCLK (F-31), ns.
 const PERIOD_NS: u64 = 175_667;
 
-/// Means that the tracker takes in in a second.
+/// Means that the tracker takes in each second.
 const BLOCKS_PER_S: usize = 10;
 
 /// Registers of a part that runs with F-30 and has a reading of each channel waiting (docs/facts.md section 3).
 const READY: [(Address, u8); 3] = [(Address::RateStatus, 0x08), (Address::TempStatus, 0x48), (Address::Mode, 0x22)];
 
-/// What was counted, by name.
+/// The counts, by name.
 type Counted = [(&'static str, Ticks); 14];
 
 /// Least and most ticks of a piece of work.
@@ -82,8 +82,8 @@ impl Counter {
         Self(systick)
     }
 
-    /// Ticks that `work` takes, with those of reading the clock. Never inlined, so that the latter are the same around
-    /// any work.
+    /// Ticks that `work` takes, including the ticks of reading the clock. Never inlined, so that reading costs the
+    /// same around any work.
     #[inline(never)]
     fn ticks<I, T>(&mut self, work: fn(&mut I) -> T, operands: &mut I) -> u32 {
         let work = black_box(work);
@@ -126,7 +126,7 @@ impl Operand {
     }
 }
 
-/// What a read needs: a driver whose bus has the answers, and what the sampler needs beside it.
+/// The objects of a read: a driver whose bus has the answers, and the sampler's arguments.
 struct Reader<'a> {
     gyro: Adis16130<Bus<'a>, NoPin>,
     sampler: Sampler,
@@ -174,8 +174,8 @@ impl Bench<'_> {
         })
     }
 
-    /// A mean taken in by the tracker: within a second, at the end of one, where it learns from the last 16 s, where
-    /// it finds a motion or a step; and the bias asked for.
+    /// Counts the tracker. It takes a mean within a second, at the end of one, where it learns from the last 16 s, and
+    /// where it finds a motion or a step. At last it is asked for the bias.
     fn tracker(&mut self, seed: u64) -> Option<[Ticks; 5]> {
         let [mut within, mut second, mut learned, mut motion, mut tracked] = [Ticks::NONE; 5];
         let mut operands = (tracking::tracker(), Mean { rate_dps: None, temp_c: 0.0 });

@@ -1,5 +1,5 @@
-//! Reads the twin of a seed through the driver, corrects what it read, tracks a bias, and counts instructions; says
-//! all of it over semihosting.
+//! Reads the twin of a seed through the driver, corrects the readings, tracks a bias, and counts instructions. Prints
+//! everything over semihosting.
 //!
 //! Lines: `reading RATE TEMP CORRECTED CURVED TABLE F32BITS`, `tracked CHANGEBITS UBITS PHASE`,
 //! `ticks NAME LEAST MOST`, `bytes NAME SIZE`.
@@ -32,7 +32,7 @@ fn main() -> ! {
     }
 }
 
-/// `None`: something failed, and the last line that was printed says where.
+/// Returns `None` where something failed; the last printed line says where.
 fn run(mut out: HostStream) -> Option<()> {
     let peripherals = cortex_m::Peripherals::take()?;
     heap::set_up();
