@@ -93,6 +93,8 @@ impl FromStr for DeviceSpec {
             Some((kind, rest)) => Ok(Self { text: text.to_owned(), address: (kind.parse)(rest)? }),
             None if text == "twin" => Err("write twin: with the colon".to_owned()),
             None if Path::new(text).is_file() => Err(format!("that is a file; to replay it write replay:{text}")),
+            None if text.starts_with("/dev/spidev") => Err(format!("did you mean spi:{text}?rdy=CHIP:LINE")),
+            None if text.starts_with("/dev/") || text.starts_with("COM") => Err(format!("did you mean bridge:{text}")),
             None => {
                 let forms: Vec<&str> = KINDS.iter().map(|kind| kind.form).collect();
                 Err(format!("no such kind of device; there are {}", forms.join(", ")))

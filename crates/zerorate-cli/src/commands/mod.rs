@@ -1,4 +1,4 @@
-//! One file for each command.
+//! The commands, one file or folder each.
 
 pub mod allan;
 pub mod calibrate;
@@ -7,6 +7,7 @@ pub mod chamber;
 pub mod correct;
 pub mod explain;
 pub mod export;
+pub mod help;
 pub mod imu;
 pub mod man;
 pub mod probe;
