@@ -1,11 +1,11 @@
-//! Puts the page into a program that serves it.
+//! Packs the page into a program that serves it.
 
 #[cfg(feature = "serve")]
 #[path = "build_page.rs"]
 mod page;
 
 fn main() -> std::io::Result<()> {
-    // without a line like this cargo would run this after every change
+    // without such a line cargo would run this script after every change
     println!("cargo::rerun-if-changed=build.rs");
     #[cfg(feature = "serve")]
     page::pack()?;

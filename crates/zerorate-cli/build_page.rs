@@ -1,5 +1,5 @@
-//! Puts the page into the program: packs what `cargo xtask web` left in `page/`, and lists it for `include_bytes!`.
-//! Without the page the list is empty, and the program says so when it is asked for it.
+//! Packs the page into the program: compresses the files that `cargo xtask web` wrote to `page/`, and lists them for
+//! `include_bytes!`. Without the page the list is empty, and the program says so when a browser asks for the page.
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
@@ -40,7 +40,7 @@ fn walk(folder: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
         if path.is_dir() {
             walk(&path, files)?;
         } else if path.file_name().is_some_and(|name| name != "README.md") {
-            // README.md keeps the folder in git, without which each build would look for it anew
+            // README.md keeps the folder in git; without the folder each build would run this script again
             files.push(path);
         }
     }

@@ -18,9 +18,13 @@ allan.svg and correction.svg come from hours of the twin: `cargo xtask dist prog
 
 /// Files that tests compare with what they would be now, and write where [`UPDATE`] is set.
 /// Each test is built alone. With the tests of the other libraries it would take several times as long.
-const OF_TESTS: [(&str, &str); 2] = [
+const OF_TESTS: [(&str, &str); 3] = [
     ("web/src/protocol.ts", "test --quiet --package zerorate-web --lib the_page_knows_these_types"),
     ("docs/codes.md", "test --quiet --package zerorate-jobs --test codes the_chapter_is_that_of_the_table"),
+    (
+        "docs/reference/commands.md",
+        "test --quiet --package zerorate-cli --features serve --lib the_page_is_that_of_the_program",
+    ),
 ];
 const UPDATE: &str = "ZERORATE_UPDATE";
 

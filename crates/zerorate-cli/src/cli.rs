@@ -1,4 +1,4 @@
-//! The command line: what every command is called. Each command's own options stand in its file.
+//! The command line: the names of all commands. The options of each command are in its own file.
 
 use crate::commands::{
     allan::{self, AllanArgs},
@@ -8,6 +8,7 @@ use crate::commands::{
     correct::{self, CorrectArgs},
     explain::{self, ExplainArgs},
     export::{self, ExportArgs},
+    help::{self, HelpArgs},
     imu::{self, ImuArgs},
     man,
     probe::{self, ProbeArgs},
@@ -20,36 +21,40 @@ use crate::commands::{
 };
 use crate::memory;
 use anyhow::Result;
+use clap::builder::Styles;
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use zerorate_record::limits::{self, Bytes};
 
-/// Takes an ADIS16130 gyroscope from its pins to a bias-free angular rate, and tells how well it did so.
+/// Measure the noise of any gyroscope, and find and remove the bias of an ADIS16130.
 #[derive(Parser, Debug)]
 #[command(
     name = "zerorate",
     version,
     max_term_width = 110,
+    disable_help_subcommand = true,
+    help_template = template(),
     after_help = "Data goes to stdout, progress and messages to stderr.\n\
         Exit code: 0 done, 1 failed, 2 usage, 3 the measurement was refused.\n\n\
         First steps, without any hardware:\n  \
-        zerorate probe                                  look at the simulated part\n  \
-        zerorate calibrate -o unit.toml --serial SN17   calibrate it, 53 simulated minutes in seconds\n  \
+        zerorate probe                                  check the simulated sensor\n  \
+        zerorate calibrate -o unit.toml --serial SN17   calibrate it: 53 simulated minutes in seconds\n  \
         zerorate stream --cal unit.toml --serial SN17 --duration 10s --rate 10"
 )]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
 
-    /// What reading files may take of the machine's memory, such as 512M or 2G [default: half of it]. A file takes at
-    /// most 256 MiB plus 256 times its size on disk, whatever is given here.
+    /// Memory that reading files may use, such as 512M or 2G [default: half of the machine's]. A file never uses more
+    /// than 256 MiB plus 256 times its size on disk.
     #[arg(long, global = true, value_name = "SIZE", help_heading = "Limits")]
     pub max_memory: Option<Bytes>,
 }
 
 impl Cli {
-    /// Carries out what the command line asks for.
+    /// Carries out the command.
     pub fn run(&self) -> Result<()> {
         match &self.command {
             Command::Probe(args) => probe::run(args),
@@ -68,6 +73,7 @@ impl Cli {
             Command::Imu(args) => imu::run(args),
             Command::Serve(args) => serve::run(args),
             Command::Twin(args) => twin::run(args),
+            Command::Help(args) => help::run(args),
             Command::Completions { shell } => man::completions(*shell, &mut Self::command()),
             Command::Man => man::man(Self::command()),
         }
@@ -80,7 +86,7 @@ impl Cli {
         }
     }
 
-    /// The files of unknown origin that the command reads.
+    /// The files of unknown origin that the command will read.
     pub fn foreign_files(&self) -> Vec<&Path> {
         match &self.command {
             Command::Allan(args) => args.files.iter().map(PathBuf::as_path).collect(),
@@ -119,15 +125,44 @@ pub enum Command {
     #[command(after_help = twin::keys_help())]
     Twin(TwinArgs),
     Explain(ExplainArgs),
-    /// Prints the completion script for a shell.
+    Help(HelpArgs),
+    /// Print the completion script of a shell.
     ///
     /// For example: zerorate completions bash > /etc/bash_completion.d/zerorate
     Completions {
         /// The shell to complete for.
         shell: Shell,
     },
-    /// Prints the manual page, all commands in one (roff): zerorate man | man -l -
+    /// Print the manual page of all commands (roff): zerorate man | man -l -
     Man,
+}
+
+/// The commands by purpose, as `zerorate --help` lists them.
+pub const GROUPS: [(&str, &[&str]); 6] = [
+    ("Look at a sensor", &["probe", "serve", "twin"]),
+    ("Calibrate it", &["calibrate", "recalibrate", "chamber"]),
+    ("Use a calibration", &["stream", "correct", "export", "report"]),
+    ("Analyse a log", &["allan", "imu"]),
+    ("Record and check files", &["capture", "verify", "repair"]),
+    ("Other", &["explain", "help", "completions", "man"]),
+];
+
+/// The help of the program, with its commands in groups.
+fn template() -> String {
+    let styles = Styles::styled();
+    let (header, literal) = (styles.get_header(), styles.get_literal());
+    let commands = Command::augment_subcommands(clap::Command::new("zerorate"));
+    let mut text = "{about-with-newline}\n{usage-heading} {usage}\n".to_owned();
+    for (group, names) in GROUPS {
+        // writing to a string cannot fail
+        let _ = writeln!(text, "\n{header}{group}:{header:#}");
+        for name in names {
+            let about = commands.find_subcommand(name).and_then(clap::Command::get_about);
+            let about = about.map(ToString::to_string).unwrap_or_default();
+            let _ = writeln!(text, "  {literal}{name:<12}{literal:#} {about}");
+        }
+    }
+    text + &format!("\n{header}Options:{header:#}\n") + "{options}{after-help}"
 }
 
 #[cfg(test)]
@@ -137,5 +172,19 @@ mod tests {
     #[test]
     fn the_definition_is_sound() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn every_command_is_in_one_group_and_on_one_line() {
+        let cli = Cli::command();
+        let mut commands: Vec<&str> = cli.get_subcommands().map(clap::Command::get_name).collect();
+        let mut grouped: Vec<&str> = GROUPS.iter().flat_map(|(_, names)| names.iter().copied()).collect();
+        commands.sort_unstable();
+        grouped.sort_unstable();
+        assert_eq!(grouped, commands);
+        for command in cli.get_subcommands() {
+            let about = command.get_about().map(ToString::to_string).unwrap_or_default();
+            assert!((10..=80).contains(&about.chars().count()), "{}: {about}", command.get_name());
+        }
     }
 }

@@ -1,39 +1,39 @@
-//! Which numbers of a log are meant, as options.
+//! The options that choose the numbers of a log.
 
 use clap::Args;
 use zerorate_jobs::allan::Columns;
 use zerorate_logs::{ColumnOptions, Decimal, Names, RawType, Setting, TimeUnit, Unit};
 
-/// Which numbers of a log are meant, and what the log does not say about them itself.
+/// The columns of a log to read, and what the log itself does not say about them.
 #[derive(Args, Debug, Default)]
 pub struct ColumnArgs {
-    /// The column, by its name or its number counted from 0 [default: the rate of a capture, or the only column].
+    /// The column, by name or by number from 0 [default: the rate of a capture, or the only column].
     ///
-    /// In a ROS bag x, y or z (of angular_velocity), linear_acceleration.z, or either behind a topic and a point.
+    /// In a ROS bag: x, y or z (of angular_velocity), linear_acceleration.z, or either after a topic and a point.
     /// `allan` takes several, in one pass over the file: gx,gy,gz or all.
     #[arg(long, value_name = "NAME|INDEX", conflicts_with = "raw")]
     column: Option<String>,
 
-    /// The topic of a bag or of a PX4 log, where it has several IMUs.
+    /// The topic, where a bag or a PX4 log has several IMUs.
     #[arg(long, value_name = "TOPIC", conflicts_with = "raw")]
     topic: Option<String>,
 
-    /// The column with the time of each row: it tells the rate, and where samples are missing [default: the only one
+    /// The column with the time of each row, which gives the rate and shows missing samples [default: the only one
     /// whose name states a unit of time, as t_ns does].
     #[arg(long, value_name = "NAME|INDEX", conflicts_with_all = ["raw", "rate"])]
     time_column: Option<String>,
 
-    /// The unit of the time column [default: the one that its name or type states, as in t_ns or `timestamp [ms]`].
+    /// The unit of the time column [default: as its name or type states, such as t_ns or `timestamp [ms]`].
     #[arg(long, value_enum, requires = "time_column")]
     time_unit: Option<TimeUnit>,
 
-    /// Samples per second [default: as the time column, the timestamps of a capture or the stamps of a bag tell]. With
-    /// it, the stamps of a bag are not looked at.
+    /// Samples per second [default: from the time column, the timestamps of a capture or the stamps of a bag]. This
+    /// option overrides the stamps of a bag.
     #[arg(long, value_name = "HZ", value_parser = positive)]
     rate: Option<f64>,
 
-    /// The unit of the column: dps, mdps, deg/min, deg/h, rad/s, mrad/s or urad/s [default: the one that its name
-    /// states, as in gyro_z_dps or `gz [rad/s]`].
+    /// The unit of the column: dps, mdps, deg/min, deg/h, rad/s, mrad/s, urad/s, m/s², g, mg or ug [default: the one
+    /// that its name states, as in gyro_z_dps or `gz [rad/s]`].
     #[arg(long, value_name = "UNIT")]
     unit: Option<Unit>,
 
@@ -41,32 +41,32 @@ pub struct ColumnArgs {
     #[arg(long, requires = "unit")]
     force_unit: bool,
 
-    /// What a step of 1 in the column is, in the unit of --unit [default: 1] or else in °/s [default: the scale of the
-    /// part for the codes of a capture].
+    /// The size of a step of 1 in the column, in the unit of --unit [default: 1]. Without --unit it is in °/s
+    /// [default: for the codes of a capture, the scale of the part].
     #[arg(long, value_name = "X", value_parser = positive)]
     scale: Option<f64>,
 
-    /// What stands before the decimals in a text file [default: a point, or a comma where it can be nothing else].
+    /// The decimal mark of a text file [default: a point, or a comma where it cannot be anything else].
     #[arg(long, value_enum, value_name = "MARK")]
     decimal: Option<Decimal>,
 
-    /// The file is nothing but numbers of this type, little endian.
+    /// Read a file of plain numbers of this type, little endian.
     #[arg(long, value_enum)]
     raw: Option<RawType>,
 
-    /// Broken lines of a text file that are skipped and counted, as a share of all; with more it is refused
+    /// The share of broken lines in a text file that are skipped and counted; a file with more is refused
     /// [default: 0.01].
     #[arg(long, value_name = "SHARE", value_parser = share)]
     max_bad: Option<f64>,
 }
 
 impl ColumnArgs {
-    /// Whether several columns are meant.
+    /// Whether the option names several columns.
     pub fn is_list(&self) -> bool {
         self.column.as_deref().is_some_and(|column| column == ALL || column.contains(','))
     }
 
-    /// Which are meant.
+    /// The columns to read.
     pub fn columns(&self) -> Columns {
         match self.column.as_deref().filter(|_| self.is_list()) {
             Some(list) => listed(list).map_or(Columns::All, Columns::Listed),
@@ -74,7 +74,7 @@ impl ColumnArgs {
         }
     }
 
-    /// What a log does not say of them.
+    /// The properties of the columns that the log does not state.
     pub fn options(&self) -> ColumnOptions {
         let Self { column, topic, time_column, time_unit, rate, unit, force_unit, scale, decimal, raw, max_bad } =
             self;
@@ -95,15 +95,15 @@ impl ColumnArgs {
     }
 }
 
-/// All columns with numbers.
+/// Stands for all columns with numbers.
 const ALL: &str = "all";
 
-/// The names of a list with commas; none: all.
+/// Splits a list at its commas. None stands for all columns.
 pub fn listed(list: &str) -> Option<Vec<String>> {
     (list != ALL).then(|| list.split(',').map(|name| name.trim().to_owned()).collect())
 }
 
-/// What the options are called here.
+/// Returns the option of a setting.
 pub fn flag(setting: Setting) -> &'static str {
     match setting {
         Setting::Column => "--column",

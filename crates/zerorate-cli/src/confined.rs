@@ -1,9 +1,9 @@
 //! A run in a child process with a limit on its memory.
 //!
-//! The decoders of foreign formats are other people's, and no check of ours foresees everything that they do with a
-//! damaged file. What they panic on is caught where they are called; but where memory or stack is used up the process
-//! ends, and there is nothing to catch. Therefore a command that reads files of unknown origin runs in a child, and
-//! its parent says what became of it.
+//! The decoders of foreign formats are written by others, and our checks cannot foresee everything that they do with a
+//! damaged file. Their panics are caught where they are called. Where memory or stack runs out the process ends, and
+//! there is nothing to catch. Therefore a command that reads files of unknown origin runs in a child process, and the
+//! parent reports how the child ended.
 
 use crate::output::say;
 use rustix::process::{Pid, Resource, Rlimit, Signal, kill_process, set_parent_process_death_signal, setrlimit};
@@ -19,30 +19,30 @@ use std::{io, thread};
 use zerorate_host::files as on_disk;
 use zerorate_record::limits::{self, Bytes};
 
-/// Tells the child that it is one.
+/// The variable that tells a child process its role.
 const MARK: &str = "ZERORATE_CONFINED";
 
-/// Where glibc reads how it is to get memory, and what it reads: large arrays in large pages, without which new memory
-/// takes longer than what is read into it. Other C libraries do not look there.
+/// The variable with the settings of glibc's allocator. Other C libraries ignore it.
 const TUNABLES: &str = "GLIBC_TUNABLES";
+/// Puts large arrays into large pages. Without this, getting new memory takes longer than reading the file into it.
 const LARGE_PAGES: &str = "glibc.malloc.hugetlb=1";
 
-/// What the program takes beside what is in the files: threads, tables, the result.
+/// Memory of the program beside the content of the files: threads, tables, the result.
 const PROGRAM_BYTES: u64 = 256 << 20;
 
-/// How a child ends that could not become this program, where its parent is not told: in QEMU's user mode. We end with
-/// no such code.
+/// Exit code of a child that could not start this program, where the parent does not learn of it: in QEMU's user mode.
+/// The program itself never ends with this code.
 const NOT_STARTED: i32 = 127;
 
-/// What happens where.
+/// The role of this process.
 pub enum Role {
-    /// The command is to be run here.
+    /// This process runs the command.
     Worker,
-    /// It was run in a child that ended like this.
+    /// A child ran the command and ended with this code.
     Supervisor(ExitCode),
 }
 
-/// Runs the command line `args` in a child if it reads `files` and this is no such child yet.
+/// Runs the command line `args` in a child process if it reads `files` and this process is not such a child already.
 pub fn run(args: &[OsString], files: &[&Path]) -> Role {
     let limit = limit(files);
     if files.is_empty() {
@@ -54,27 +54,28 @@ pub fn run(args: &[OsString], files: &[&Path]) -> Role {
     }
     match supervise(args) {
         Ok(status) if status.code() != Some(NOT_STARTED) => Role::Supervisor(ended(status, files, limit)),
-        // no /proc, or no process to be had: the command itself may still do
+        // there is no /proc, or no process can be started: the command itself may still run here
         _ => Role::Worker,
     }
 }
 
-/// What all the files together may take.
+/// The memory that all files together may take.
 fn limit(files: &[&Path]) -> Bytes {
     let sizes = files.iter().map(|path| on_disk::log_length(path)).fold(0, u64::saturating_add);
     Bytes(limits::for_size(sizes).saturating_add(PROGRAM_BYTES - limits::FREE_BYTES).min(limits::max_memory()))
 }
 
-/// Memory that is written to counts, address space that is only reserved does not. A limit that cannot be set is none:
-/// the checks of the readers still hold.
+/// Limits the memory of this process. Memory that is written to counts, reserved address space does not. Where the
+/// limit cannot be set, the checks of the readers still hold.
 fn confine(Bytes(limit): Bytes) {
     let _ = setrlimit(Resource::Data, Rlimit { current: Some(limit), maximum: Some(limit) });
     let _ = setrlimit(Resource::Core, Rlimit { current: Some(0), maximum: Some(0) });
     let _ = set_parent_process_death_signal(Some(Signal::TERM));
 }
 
-/// The child's standard streams are ours. Ctrl-C reaches both by itself, from the kernel; what a process sends us is
-/// passed on. The child is there before we listen, so that what we ignore it ignores too.
+/// Starts the child and waits for it. The child has our standard streams. The kernel sends Ctrl-C to both processes,
+/// and we pass on the signals of other processes. The child starts before we listen, so that it ignores what we
+/// ignore.
 fn supervise(args: &[OsString]) -> io::Result<ExitStatus> {
     let (name, rest) = args.split_first().ok_or(io::ErrorKind::InvalidInput)?;
     let mut command = Command::new("/proc/self/exe");
@@ -95,7 +96,7 @@ fn supervise(args: &[OsString]) -> io::Result<ExitStatus> {
     child.wait()
 }
 
-/// The child's exit code, or the reason why it has none.
+/// The exit code of the child. Where it has none, the reason is printed.
 fn ended(status: ExitStatus, files: &[&Path], limit: Bytes) -> ExitCode {
     match (status.code(), status.signal()) {
         (Some(code), _) => ExitCode::from(u8::try_from(code).unwrap_or(1)),
@@ -103,9 +104,8 @@ fn ended(status: ExitStatus, files: &[&Path], limit: Bytes) -> ExitCode {
         (None, _) => {
             let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
             say(format_args!(
-                "error: {}: reading took more than the {limit} of memory that it may take (--max-memory, and {} plus \
-                 {} times the size of the file): it is damaged, or made to fill a machine; if it is neither, give \
-                 more with --max-memory",
+                "error: {}: reading it takes more memory than the limit of {limit} (--max-memory, and {} plus {} \
+                 times the size of the file). The file is damaged or hostile; if it is neither, raise --max-memory",
                 names.join(", "),
                 Bytes(PROGRAM_BYTES),
                 limits::FACTOR

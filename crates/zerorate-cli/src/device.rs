@@ -1,4 +1,4 @@
-//! Which part is read, and how, as options.
+//! The options that say which sensor is read, and how.
 
 use crate::interrupt;
 use crate::output::{Outputs, warn};
@@ -11,21 +11,10 @@ use std::path::Path;
 use zerorate_host::{DeviceSpec, Pace, Sampling, Setup};
 use zerorate_jobs::{Acquisition, Tell};
 
-/// Which part to read.
+/// The sensor to read.
 #[derive(Args, Debug)]
 pub struct SourceArgs {
-    /// The part to read: twin: (simulated), twin:KEY=VALUE,… (see `zerorate twin`; axes=3: three of them on one clock,
-    /// with the seeds that follow each other, as the axes of one part), replay:FILE (a capture,
-    /// or with --part a log of that part, as docs/formats/part.md describes it),
-    /// spi:/dev/spidevB.C?rdy=gpiochipN:LINE (Linux; options hz=SCLK, mclk=HZ), iio:iio:deviceN
-    /// (any gyroscope that a driver of the Linux kernel reads: through its buffer where it has one, else polled 100
-    /// times a second, or hz=POLLS times), bridge:/dev/ttyACM0 (a microcontroller in between; options
-    /// hz=SCLK, mclk=HZ, baud=N) or tcp:HOST:PORT (the same over a socket). All but replay: and iio: take
-    /// framing=command|byte (how CS frames the bytes), width=24|16, fw=RATE[:TEMP] and chop=0|1 (the conversion
-    /// words), edge=falling|rising (of RDY; rising behind an inverter), and divided=N (a counter in the line lets
-    /// every N-th edge of RDY through: tip 2 of the note). All but replay: take roa=10nf or bandwidth_hz=HZ (the
-    /// bandwidth, where it is not the part's own; the twin knows roa alone). They stand after ? and & as in
-    /// spi:…?rdy=gpiochip0:25&width=16, or are keys of twin: .
+    /// The sensor to read, such as twin:, replay:FILE or bridge:… (all: `zerorate help device`).
     #[arg(short, long, value_name = "DEV", default_value = "twin:")]
     pub device: DeviceSpec,
 
@@ -33,32 +22,32 @@ pub struct SourceArgs {
     pub part: PartArgs,
 }
 
-/// Which part to read, and how fast its time goes where it is not that of the clock.
+/// The sensor to read, and how fast simulated or recorded time goes.
 #[derive(Args, Debug)]
 pub struct DeviceArgs {
     #[command(flatten)]
     pub source: SourceArgs,
 
-    /// Pace simulated or replayed time to the wall clock; without it they run as fast as they can.
+    /// Pace simulated or replayed time to the wall clock [default: as fast as possible].
     #[arg(long)]
     pub realtime: bool,
 }
 
 impl SourceArgs {
-    /// How it is to be read, and from then on one of the run's inputs. No command opens a device without it.
+    /// Returns how to read the device, and adds it to the inputs of the run. No command opens a device without it.
     pub fn setup(&self, sampling: SamplingArgs, outputs: &mut Outputs) -> Result<Setup> {
         self.file().map_or(Ok(()), |file| outputs.reads(file))?;
         Ok(Setup { sampling: sampling.plain(), part: self.part.named(outputs)?, air: None, names: flag })
     }
 
-    /// The file that is read, where the device is a recording.
+    /// The file to read, where the device is a recording.
     pub fn file(&self) -> Option<&Path> {
         self.device.file()
     }
 }
 
 impl DeviceArgs {
-    /// Opens the device and, from here on, takes Ctrl-C as the wish to end cleanly.
+    /// Opens the device. From here on Ctrl-C asks for a clean end.
     pub fn open(&self, setup: Setup) -> Result<Acquisition> {
         self.open_at(setup, false)
     }
@@ -71,7 +60,7 @@ impl DeviceArgs {
     }
 }
 
-/// Prints what a device has to say.
+/// Prints the warnings of a device.
 pub fn tell() -> Tell {
     Box::new(|warning| warn(&[warning.coded()]))
 }
@@ -84,15 +73,15 @@ impl Deref for DeviceArgs {
     }
 }
 
-/// How often the part is read. A replayed capture has decided this already.
+/// How often to read the sensor. For a replayed capture this is fixed.
 #[derive(Args, Debug, Clone, Copy)]
 pub struct SamplingArgs {
-    /// Read the temperature with every N-th rate sample, when the host cannot read both each time [default: 1].
+    /// Read the temperature with every N-th rate sample only, for a slow host [default: 1].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub every_temp: Option<u16>,
 
-    /// Read on every N-th data-ready edge only; the rate that results is measured and stated [default: 1]. Where a
-    /// counter divides the line itself, say so in the address (divided=N); a divider then counts what it lets through.
+    /// Read on every N-th data-ready edge only; the resulting rate is measured and stated [default: 1]. Where a
+    /// counter divides the line itself, put divided=N into the address. A divider then counts the edges behind it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub divider: Option<u16>,
 }

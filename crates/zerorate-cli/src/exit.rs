@@ -1,7 +1,7 @@
 //! How a run ends: exit code 0 done, 1 failed, 2 usage, 3 refused. The reason goes to stderr.
 
 use crate::output::{reader_left, say};
-use crate::wording::remedy;
+use crate::wording::text;
 use std::process::ExitCode;
 use zerorate_host::{Cause, DeviceError};
 use zerorate_jobs::output::is_refusal;
@@ -9,8 +9,8 @@ pub use zerorate_jobs::{InvalidOptions as Usage, Refused};
 use zerorate_logs::LogError;
 use zerorate_record::CaptureError;
 
-/// Prints why a run failed and picks the exit code. A reader of stdout that went away (`zerorate … | head`) is no
-/// failure; of any other pipe it is.
+/// Prints why a run failed and picks the exit code. A reader of stdout that left (`zerorate … | head`) is not a
+/// failure. A reader of any other pipe that left is one.
 pub fn report(error: &anyhow::Error) -> ExitCode {
     if reader_left(error) {
         return ExitCode::SUCCESS;
@@ -18,13 +18,13 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     let cause = error.downcast_ref().map(DeviceError::cause);
     let log = error.downcast_ref::<LogError>();
     let refusal = refusal(error);
-    let not_built_in = error.chain().any(|cause| is_not_built_in(cause.downcast_ref(), cause.downcast_ref()));
+    let is_request = error.chain().any(|cause| is_request(cause.downcast_ref(), cause.downcast_ref()));
     let (label, code) = if refusal.is_some() {
         ("refused", 3)
     } else if error.is::<Usage>()
         || matches!(log, Some(LogError::Ask(_) | LogError::Choose(..)))
         || cause == Some(Cause::Request)
-        || not_built_in
+        || is_request
         || is_refusal(error)
     {
         ("error", 2)
@@ -32,12 +32,12 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
         ("error", 1)
     };
     match log {
-        // each row is a line, whatever stands in it
+        // each row stays one line, even with control characters in it
         Some(LogError::Choose(question, table)) => {
             say(format_args!("{label}: {question}"));
             table.iter().for_each(say);
         }
-        _ => say(format_args!("{label}: {error:#}{}", remedy(error))),
+        _ => say(format_args!("{label}: {}", text(error))),
     }
     if let Some(code) = refusal {
         say(format_args!("code: {code} (`zerorate explain {code}` says more)"));
@@ -45,7 +45,7 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     ExitCode::from(code)
 }
 
-/// The code of a refusal, if it is one.
+/// The code of the error, if it is a refusal.
 fn refusal(error: &anyhow::Error) -> Option<&'static str> {
     let of_device = match error.downcast_ref().map(DeviceError::cause) {
         Some(Cause::Refused(code)) => Some(code),
@@ -58,13 +58,15 @@ fn refusal(error: &anyhow::Error) -> Option<&'static str> {
     error.downcast_ref().map(|refused: &Refused| refused.code).or(of_log).or(of_device)
 }
 
-/// Whether a file has a form that a feature adds.
-fn is_not_built_in(capture: Option<&CaptureError>, log: Option<&LogError>) -> bool {
+/// Whether other words on the command line, or another build, would do.
+fn is_request(capture: Option<&CaptureError>, log: Option<&LogError>) -> bool {
     let of_log = match log {
         Some(LogError::File(error)) => Some(error),
         _ => None,
     };
-    capture.or(of_log).is_some_and(|error| matches!(error, CaptureError::NotBuiltIn { .. }))
+    let is_request =
+        |error: &CaptureError| matches!(error, CaptureError::NotBuiltIn { .. } | CaptureError::UnknownEnding { .. });
+    capture.or(of_log).is_some_and(is_request)
 }
 
 #[cfg(test)]

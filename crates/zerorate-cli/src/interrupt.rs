@@ -1,6 +1,6 @@
-//! Ctrl-C, SIGTERM and SIGHUP. Loops that listen are asked to end cleanly, and a second signal ends the program at
-//! once, or after two seconds where a chamber is being switched off; so does the first where nothing listens.
-//! Temporary files are removed in either case. What `nohup` started outlives its terminal.
+//! Ctrl-C, SIGTERM and SIGHUP. The first signal asks loops that listen to end cleanly; where nothing listens, it ends
+//! the program. A second signal ends the program at once, or after two seconds while a chamber is being switched off.
+//! Temporary files are removed in every case. A program that `nohup` started outlives its terminal.
 
 use crate::{last_word, output};
 use anyhow::Context;
@@ -14,13 +14,13 @@ static HANDLED: OnceLock<()> = OnceLock::new();
 static LISTENED_TO: AtomicBool = AtomicBool::new(false);
 static STOP: OnceLock<Stop> = OnceLock::new();
 
-/// Added to the number of the signal that ended a program, this is its exit code, as shells report it.
+/// Exit code of a program that a signal ended: this plus the number of the signal, as in shells.
 const BY_SIGNAL: i32 = 128;
 
-/// A second signal leaves so much time to what must not be cut short.
+/// After a second signal, work that must not be cut short has this much time.
 const GRACE: Duration = Duration::from_secs(2);
 
-/// From here on a signal ends the program. To be called before any command runs.
+/// Installs the handler: from here on a signal ends the program. Call it before any command runs.
 pub fn handle() -> anyhow::Result<()> {
     // a process such as Python may have several command lines
     if HANDLED.set(()).is_ok() {
@@ -29,12 +29,12 @@ pub fn handle() -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What the first signal asks, once somebody listens.
+/// The request that the first signal makes, once a loop listens.
 pub fn stop() -> &'static Stop {
     STOP.get_or_init(Stop::default)
 }
 
-/// From here on the first signal only asks [`stop`].
+/// From here on the first signal only sets [`stop`].
 pub fn listen() {
     LISTENED_TO.store(true, Ordering::Relaxed);
 }
@@ -64,7 +64,7 @@ fn handle_signals() -> io::Result<()> {
     Ok(())
 }
 
-/// Whether whoever started the program wants it to ignore the signal. Known on Linux only.
+/// Whether the parent process made the program ignore the signal. Known on Linux only.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -74,7 +74,7 @@ fn is_ignored(signal: i32) -> bool {
 
 #[cfg(not(unix))]
 fn handle_signals() -> io::Result<()> {
-    /// The number of SIGINT, which systems without signals use for Ctrl-C as well.
+    /// The number of SIGINT. Systems without signals use it for Ctrl-C as well.
     const CTRL_C: i32 = 2;
     ctrlc::set_handler(|| heed(CTRL_C)).map_err(io::Error::other)
 }

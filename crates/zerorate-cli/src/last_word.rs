@@ -1,4 +1,4 @@
-//! The last line on stderr, however the program ends: what it leaves behind in the world, as a chamber that heats.
+//! The last line on stderr, however the program ends: what it leaves behind, such as a chamber that heats.
 
 use crate::output::say;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -6,7 +6,7 @@ use std::time::Duration;
 
 struct Last {
     word: Option<String>,
-    /// Something still has to be done about it.
+    /// Whether work is still going on that will change the word.
     is_pending: bool,
 }
 
@@ -17,23 +17,23 @@ fn last() -> MutexGuard<'static, Last> {
     LAST.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// From here on, a program that ends at once says this.
+/// Sets the word that a program says if it ends from here on.
 pub fn owe(word: String) {
     *last() = Last { word: Some(word), is_pending: true };
 }
 
-/// All is done that can be done, and this came of it.
+/// Sets the final word: everything that can be done is done.
 pub fn settle(word: Option<String>) {
     *last() = Last { word, is_pending: false };
     SETTLED.notify_all();
 }
 
-/// Waits for what is still being done, but no longer than this.
+/// Waits for pending work, at most this long.
 pub fn wait(most: Duration) {
     drop(SETTLED.wait_timeout_while(last(), most, |last| last.is_pending));
 }
 
-/// Says it, once, behind what `report` says.
+/// Says the word once, after the output of `report`.
 pub fn say_after<T>(report: impl FnOnce() -> T) -> T {
     let mut last = last();
     let reported = report();
@@ -43,7 +43,7 @@ pub fn say_after<T>(report: impl FnOnce() -> T) -> T {
     reported
 }
 
-/// Says it, and ends the program. Nothing is said behind it.
+/// Says the word and ends the program. Nothing follows it.
 pub fn exit(code: i32) -> ! {
     let mut last = last();
     if let Some(word) = last.word.take() {

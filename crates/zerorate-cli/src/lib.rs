@@ -1,11 +1,11 @@
-//! The program `zerorate` as a library: an ADIS16130 gyroscope, from its pins to a bias-free angular rate.
+//! The program `zerorate` as a library: the noise of any gyroscope, and the bias of an ADIS16130.
 //!
-//! The program is a call of [`main`], and so is the command line in the Python wheel.
+//! The program calls [`main_confined`]. The command line in the Python wheel calls [`main`].
 
 #![deny(
     clippy::print_stderr,
     clippy::print_stdout,
-    reason = "they panic where a stream is full or closed: output::say, output::print"
+    reason = "they panic where a stream is full or closed: use output::say and output::print"
 )]
 
 mod cli;
@@ -15,8 +15,9 @@ mod commands;
 mod confined;
 mod device;
 mod exit;
+mod first_steps;
 #[cfg(test)]
-#[expect(clippy::print_stderr, reason = "its replay is for whoever runs the tests")]
+#[expect(clippy::print_stderr, reason = "its replay is for the person who runs the tests")]
 mod fuzz;
 mod interrupt;
 mod last_word;
@@ -24,31 +25,36 @@ mod memory;
 mod output;
 mod part;
 mod progress;
+#[cfg(all(test, feature = "serve"))]
+mod reference;
 #[cfg(feature = "serve")]
 mod serve;
 #[cfg(unix)]
 mod twin_usb;
 mod wording;
 
-use clap::Parser;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// Runs the command line `args`, program name first, to its exit code: 0 done, 1 failed, 2 usage, 3 refused.
 ///
-/// Help, `--version` and a command line that makes no sense end the process, as clap does.
+/// Help, `--version` and a command line that cannot be parsed end the process, as clap does.
 pub fn main(args: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let cli = cli::Cli::parse_from(args);
-    cli.set_limits();
-    run(&cli)
+    let args: Vec<OsString> = args.into_iter().collect();
+    match first_steps::parse(&args) {
+        Ok(cli) => run(&cli),
+        Err(code) => code,
+    }
 }
 
-/// The same for a process that is nothing but this program: on Linux, what reads files of unknown origin runs in a
-/// child with a limit on its memory.
+/// Runs the command line in a process of its own. On Linux, a command that reads files of unknown origin runs in a
+/// child process with a limit on its memory.
 pub fn main_confined(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     let args: Vec<OsString> = args.into_iter().collect();
-    let cli = cli::Cli::parse_from(&args);
-    cli.set_limits();
+    let cli = match first_steps::parse(&args) {
+        Ok(cli) => cli,
+        Err(code) => return code,
+    };
     #[cfg(target_os = "linux")]
     if let confined::Role::Supervisor(code) = confined::run(&args, &cli.foreign_files()) {
         return code;

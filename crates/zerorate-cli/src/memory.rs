@@ -1,13 +1,13 @@
-//! How much memory the machine has.
+//! The memory of the machine.
 
 use zerorate_record::limits::Bytes;
 
-/// Half of what there is: what reading files may take by default.
+/// Half of the memory of the machine: the default limit of reading files.
 pub fn half() -> Option<Bytes> {
     machine_bytes().map(|bytes| Bytes(bytes / 2))
 }
 
-/// The memory of the machine, or of the container around the process.
+/// The memory of the machine, or of the container that the process runs in.
 #[cfg(target_os = "linux")]
 fn machine_bytes() -> Option<u64> {
     let info = rustix::system::sysinfo();

@@ -1,4 +1,4 @@
-//! Which part it is, as an option.
+//! The option that names the part.
 
 use crate::exit::Usage;
 use crate::output::Outputs;
@@ -8,17 +8,17 @@ use std::path::PathBuf;
 use zerorate::Part;
 use zerorate_record::{CaptureInfo, limits};
 
-/// Which part is measured.
+/// The part that is measured.
 #[derive(Args, Clone, Debug, Default)]
 pub struct PartArgs {
-    /// What is known of the part: adis16130, or the file of another (docs/formats/part.md) [default: what a recording
-    /// states of its own, else adis16130].
+    /// The properties of the part: adis16130, or the file of another part (docs/formats/part.md) [default: as a
+    /// recording states, or adis16130].
     #[arg(long = "part", value_name = "PART")]
     part: Option<PathBuf>,
 }
 
 impl PartArgs {
-    /// The part of a recording, with what is known of it beside.
+    /// The part of a recording, completed by the part that was named.
     pub fn of(&self, info: &CaptureInfo, outputs: &mut Outputs) -> Result<Part> {
         match self.named(outputs)? {
             Some(part) => Ok(info.part_from(&part).map_err(|error| Usage(error.to_string()))?),
@@ -26,7 +26,7 @@ impl PartArgs {
         }
     }
 
-    /// The part that was named, read from its file if it has one.
+    /// The part that was named, from its file unless it is built in.
     pub fn named(&self, outputs: &mut Outputs) -> Result<Option<Part>> {
         let Some(path) = &self.part else { return Ok(None) };
         let known = Part::ADIS16130;

@@ -1,4 +1,4 @@
-//! The progress bar on stderr: the step in words, how far, how long it still takes. Hidden where stderr is no
+//! The progress bar on stderr: the step in words, the progress, the time left. It is hidden where stderr is not a
 //! terminal.
 
 use crate::output::warn;
@@ -9,7 +9,7 @@ use zerorate_jobs::JobWarning;
 use zerorate_jobs::calibrate::Watch;
 use zerorate_view::Seconds;
 
-/// Progress of a measurement whose extent is known.
+/// Progress of a measurement whose length is known.
 #[derive(Debug)]
 pub struct Meter {
     bar: ProgressBar,
@@ -18,28 +18,28 @@ pub struct Meter {
 }
 
 impl Meter {
-    /// For a measurement that ends at `total`: seconds of part time, or samples.
+    /// A meter for a measurement that ends at `total`, in seconds of part time or in samples.
     pub fn new(total: f64) -> Self {
         let bar = ProgressBar::new(STEPS);
         let style = ProgressStyle::with_template("{msg:32} {wide_bar:.cyan/dim} {percent:>3} %  {eta} left ");
-        // The template is a constant; were it wrong, the plain bar would still do.
+        // the template is a constant; if it were wrong, the plain bar would still do
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         Self { bar, scale: STEPS as f64 / total.max(f64::MIN_POSITIVE), note: None }
     }
 
-    /// Shows how much of the measurement is over and what is being done. To be called every some thousand samples.
+    /// Shows how much of the measurement is done, and the current step. Call it every few thousand samples.
     pub fn show(&self, done: f64, step: String) {
         self.bar.set_message(step);
         self.bar.set_position((done * self.scale) as u64);
     }
 
-    /// The same where it is only known how much is left, in the unit of the total.
+    /// The same where only the rest is known, in the unit of the total.
     pub fn show_left(&self, done: f64, left: f64, step: String) {
         self.bar.set_message(step);
         self.bar.set_position((done / (done + left).max(f64::MIN_POSITIVE) * STEPS as f64) as u64);
     }
 
-    /// Whether anybody sees it.
+    /// Whether nobody can see the bar.
     pub fn is_hidden(&self) -> bool {
         self.bar.is_hidden()
     }

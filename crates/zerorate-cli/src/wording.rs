@@ -1,28 +1,43 @@
-//! Settings and warnings of a measurement, in the words of the command line.
+//! Settings, warnings and errors in the words of the command line.
 
+use crate::exit::Usage;
+use std::path::Path;
 use zerorate::Setting;
 use zerorate_jobs::output::could_be_forced;
 use zerorate_jobs::{CodedWarning, JobWarning};
-use zerorate_record::CaptureError;
+use zerorate_record::{CaptureError, Format};
 
-/// A warning as scripts find it: `code: text`.
+/// Formats a warning for scripts: `code: text`.
 pub fn coded(warning: impl Into<JobWarning>) -> CodedWarning {
     warning.into().coded(flag)
 }
 
-/// What a command can do about an error, as the end of its sentence.
-pub fn remedy(error: &anyhow::Error) -> &'static str {
+/// The text of an error, with the option that helps. Errors and warnings that carry an error both take it.
+pub fn text(error: &anyhow::Error) -> String {
+    format!("{error:#}{}", remedy(error))
+}
+
+/// The form of the file that a command with `--format` writes.
+pub fn form(asked: Option<Format>, path: &Path) -> anyhow::Result<Format> {
+    Format::choose(asked, path).map_err(|error| match error {
+        CaptureError::UnknownEnding { .. } => Usage(format!("{error}, or give --format")).into(),
+        other => other.into(),
+    })
+}
+
+/// The end of the sentence: what to do about an error.
+fn remedy(error: &anyhow::Error) -> &'static str {
     match error.downcast_ref() {
         _ if could_be_forced(error) => ", or give --force",
         Some(CaptureError::Corrected { .. }) => {
-            ": give `zerorate capture --device replay:CAPTURE --cal FILE -o BAG.mcap` the capture that this was \
-             corrected from"
+            ": run `zerorate capture --device replay:CAPTURE --cal FILE -o BAG.mcap` on the capture from which this \
+             file was corrected"
         }
         _ => "",
     }
 }
 
-/// What a setting is called on the command line.
+/// Returns the option of a setting.
 pub fn flag(setting: Setting) -> &'static str {
     match setting {
         Setting::Average => "--average",

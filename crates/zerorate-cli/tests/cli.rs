@@ -1,4 +1,4 @@
-//! The program, run as its users and their scripts run it: what it prints where, how it ends, which files it leaves.
+//! The program as its users and their scripts run it: its output, its exit code, and the files that it leaves.
 
 mod cli_commands;
 mod files;

@@ -72,6 +72,19 @@ pub struct Choice {
 impl Columns<'_> {
     /// The columns that were asked for; where nobody says which, those in `default` go before all others.
     pub fn choose(&self, wanted: Wanted<'_>, args: &ColumnOptions, default: &[usize]) -> Result<Choice> {
+        let lacks_rate = args.rate.is_none() && args.time_column.is_none() && self.stated_time(&[]).is_none();
+        let asks_rate = lacks_rate && default.is_empty() && !matches!(wanted, Wanted::Described(_));
+        self.chosen(wanted, args, default).map_err(|error| match error {
+            // both questions in one run
+            LogError::Ask(question) if asks_rate => {
+                let [rate, time] = [Setting::Rate, Setting::TimeColumn].map(|setting| self.settings.of(setting));
+                LogError::Ask(format!("{question}. Also give {rate} in Hz, or {time}"))
+            }
+            other => other,
+        })
+    }
+
+    fn chosen(&self, wanted: Wanted<'_>, args: &ColumnOptions, default: &[usize]) -> Result<Choice> {
         let time = args.time_column.as_deref().map(|wanted| self.position(wanted, Setting::TimeColumn)).transpose()?;
         let is_open = args.rate.is_none() && time.is_none();
         let is_any = matches!((wanted, default), (Wanted::All | Wanted::One(None), []));
@@ -182,9 +195,24 @@ impl Columns<'_> {
             }
             (None, _) => {
                 let number = wanted.parse().ok().filter(|number| *number < self.names.len());
-                number.ok_or_else(|| self.ambiguous(&format!("has no column `{wanted}`"), setting))
+                number.ok_or_else(|| {
+                    let meant = self.nearest(wanted).map(|name| format!(" (did you mean `{name}`?)"));
+                    self.ambiguous(&format!("has no column `{wanted}`{}", meant.unwrap_or_default()), setting)
+                })
             }
         }
+    }
+
+    /// The column that has the same letters and digits in its name, or more or fewer at one end.
+    fn nearest(&self, wanted: &str) -> Option<&str> {
+        let plain = |name: &str| name.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "");
+        let wanted = plain(wanted);
+        let is_near = |name: &&&str| {
+            let name = plain(name);
+            let holds = |one: &str, other: &str| other.len() > 1 && (one.starts_with(other) || one.ends_with(other));
+            holds(&name, &wanted) || holds(&wanted, &name)
+        };
+        self.names.iter().filter(is_near).min_by_key(|name| name.len().abs_diff(wanted.len())).copied()
     }
 
     /// Says which columns there are to choose from.

@@ -424,7 +424,14 @@ impl Found {
         Ok(())
     }
 
-    fn finish(mut self, path: &Path, args: &ColumnOptions) -> Result<Vec<Column>> {
+    fn finish(self, path: &Path, args: &ColumnOptions) -> Result<Vec<Column>> {
+        let (columns, no_rate) = self.finish_without_rate(path, args)?;
+        no_rate.map_or(Ok(columns), Err)
+    }
+
+    /// The columns, and the question for the rate where nothing tells it. Their rate is then 1 Hz, so that the caller
+    /// can find out what else it has to ask.
+    fn finish_without_rate(mut self, path: &Path, args: &ColumnOptions) -> Result<(Vec<Column>, Option<LogError>)> {
         self.mend(path, args)?;
         let beat = self.clock.beat(path, args)?.map(|(_, beat)| beat);
         if let Some(how) = beat.as_ref().and_then(Beat::jitter_text) {
@@ -436,17 +443,19 @@ impl Found {
             (None, Clock::Counted { rate_hz, gaps }) => (rate_hz, gaps),
             (None, _) => (None, Vec::new()),
         };
-        let rate_hz = args.rate.or(measured).ok_or_else(|| {
+        let told = args.rate.or(measured);
+        let no_rate = told.is_none().then(|| {
             let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
             no_rate(path, &names, args.names)
-        })?;
+        });
+        let rate_hz = told.unwrap_or(1.0);
         let mut of_file = warnings;
         let finish = |mut column: FoundColumn| {
             // what is of the file is said once, with its first column
             column.warnings.splice(..0, of_file.drain(..));
             column.finish(path, rate_hz, &lost, args)
         };
-        columns.into_iter().map(finish).collect()
+        Ok((columns.into_iter().map(finish).collect::<Result<_>>()?, no_rate))
     }
 }
 

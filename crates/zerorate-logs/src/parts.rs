@@ -27,6 +27,17 @@ pub fn read_parts(
     wanted: Wanted<'_>,
     args: &ColumnOptions,
 ) -> Result<Vec<Column>> {
+    let (columns, no_rate) = read_without_rate(path, parts, wanted, args)?;
+    no_rate.map_or(Ok(columns), Err)
+}
+
+/// The same, with the question for the rate beside the columns where the log does not tell it.
+pub(crate) fn read_without_rate(
+    path: &Path,
+    parts: impl Into<Parts>,
+    wanted: Wanted<'_>,
+    args: &ColumnOptions,
+) -> Result<(Vec<Column>, Option<LogError>)> {
     let Parts { files, messages } = parts.into();
     let mut all: Option<Found> = None;
     for (part, input) in files {
@@ -38,7 +49,7 @@ pub fn read_parts(
     }
     let mut all = all.ok_or_else(|| LogError::Ask(format!("{} has no file with a log", path.display())))?;
     all.hold_against(path, &messages);
-    all.finish(path, args)
+    all.finish_without_rate(path, args)
 }
 
 impl Found {

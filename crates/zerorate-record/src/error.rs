@@ -28,6 +28,10 @@ pub enum CaptureError {
     #[error("{}: {missing}", path.display())]
     NotBuiltIn { path: PathBuf, missing: NotBuiltIn },
 
+    /// A name for a new capture that does not say which form it is to have.
+    #[error("{} has no ending of a capture: name it .arrows, .parquet, .csv or .mcap", path.display())]
+    UnknownEnding { path: PathBuf },
+
     /// Written by a later version of the format.
     #[error("{} is a capture of version {found}, this program reads version {}: use a newer \
         zerorate", path.display(), reads)]

@@ -34,19 +34,25 @@ pub enum Format {
 }
 
 impl Format {
-    /// The form asked for, or else the one that the name of the file says, or else a stream.
+    /// The form asked for, or else the one that the ending of the file's name states. A name without an ending means a
+    /// stream.
     ///
     /// # Errors
-    /// It is not built in.
+    /// The ending is that of another kind of file, or the form is not built in.
     pub fn choose(asked: Option<Self>, path: &Path) -> Result<Self, CaptureError> {
-        let by_name = || match path.extension()?.to_str()? {
-            "parquet" => Some(Self::Parquet),
-            "csv" => Some(Self::Csv),
-            "mcap" => Some(Self::Mcap),
-            _ => None,
-        };
-        let format = asked.or_else(by_name).unwrap_or(Self::Arrows);
+        let format = asked.map_or_else(|| Self::by_name(path), Ok)?;
         format.missing().map_or(Ok(format), |missing| Err(CaptureError::not_built_in(path, missing)))
+    }
+
+    fn by_name(path: &Path) -> Result<Self, CaptureError> {
+        let Some(ending) = path.extension() else { return Ok(Self::Arrows) };
+        match ending.to_string_lossy().to_ascii_lowercase().as_str() {
+            "arrows" => Ok(Self::Arrows),
+            "parquet" => Ok(Self::Parquet),
+            "csv" => Ok(Self::Csv),
+            "mcap" => Ok(Self::Mcap),
+            _ => Err(CaptureError::UnknownEnding { path: path.to_owned() }),
+        }
     }
 
     /// The reader and writer of the form that is not built in.

@@ -329,9 +329,12 @@ fn the_name_chooses_the_form() {
     let by_name = |name: &str| Format::choose(None, Path::new(name)).ok();
     let parquet = Some(Format::Parquet).filter(|_| cfg!(feature = "parquet"));
     assert_eq!(
-        ["a.csv", "a.parquet", "a.arrows", "a"].map(by_name),
+        ["a.csv", "a.parquet", "a.ARROWS", "a"].map(by_name),
         [Some(Format::Csv), parquet, Some(Format::Arrows), Some(Format::Arrows)]
     );
+    let said = Format::choose(None, Path::new("a.txt")).map_err(|error| error.to_string());
+    assert_eq!(said, Err("a.txt has no ending of a capture: name it .arrows, .parquet, .csv or .mcap".to_owned()));
+    assert_eq!(Format::choose(Some(Format::Arrows), Path::new("a.txt")).ok(), Some(Format::Arrows));
     assert_eq!(Format::choose(Some(Format::Csv), Path::new("a.parquet")).ok(), Some(Format::Csv));
 }
 

@@ -1,4 +1,4 @@
-//! `zerorate serve`, where it is not built in.
+//! `zerorate serve` in a program that was built without it.
 
 use crate::exit::Usage;
 use anyhow::Result;
@@ -7,7 +7,7 @@ use std::ffi::OsString;
 use std::path::Path;
 use zerorate_record::NotBuiltIn;
 
-/// Shows a part live in the browser; this program was built without it.
+/// Show a sensor live in the browser (not in this program: it was built without it)
 #[derive(Args, Debug)]
 pub struct ServeArgs {
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
@@ -15,13 +15,13 @@ pub struct ServeArgs {
 }
 
 impl ServeArgs {
-    /// The file of unknown origin that it reads: none.
+    /// The command reads no file.
     pub fn file(&self) -> Option<&Path> {
         None
     }
 }
 
-/// Says what adds it.
+/// Says which feature adds the command.
 pub fn run(_: &ServeArgs) -> Result<()> {
     Err(Usage(NotBuiltIn { what: "`zerorate serve`", feature: "serve" }.to_string()).into())
 }

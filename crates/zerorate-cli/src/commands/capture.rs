@@ -1,4 +1,4 @@
-//! `zerorate capture`: raw codes with timestamps, to a file.
+//! `zerorate capture`: records raw codes with timestamps.
 
 use super::correct::load;
 use super::serial::{self, NotesArgs, Part, one_line};
@@ -7,7 +7,7 @@ use crate::exit::{Refused, Usage};
 use crate::interrupt;
 use crate::output::{Outputs, print_json, print_lines, warn};
 use crate::progress::Meter;
-use crate::wording::coded;
+use crate::wording::{coded, form};
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
@@ -19,16 +19,16 @@ use zerorate_record::believed;
 use zerorate_record::{CaptureInfo, Format, Row};
 use zerorate_view::duration::{self, Seconds};
 
-/// Records raw codes with timestamps.
+/// Record raw codes with timestamps to a file
 ///
-/// Every code is recorded as it was read. Readings that the part cannot have made (bit errors), readings out of range
-/// and a part that stopped are counted and said; if it had stopped at the end, the exit code is 3.
+/// Every code is recorded as it was read. Impossible readings (bit errors), readings out of range and a sensor that
+/// stopped are counted and reported. If the sensor had stopped at the end, the exit code is 3.
 ///
-/// Ctrl-C ends a recording early; the file is whole all the same. An .arrows file can be read up to its last whole
-/// batch even after a power cut.
+/// Ctrl-C ends a recording early, and the file is complete. An .arrows file can be read up to its last whole batch
+/// even after a power cut.
 ///
-/// An .mcap file is a bag of ROS 2: sensor_msgs/Imu in rad/s, with --cal corrected and with its covariance, and
-/// sensor_msgs/Temperature, beside the codes.
+/// An .mcap file is a bag of ROS 2. Beside the codes it holds sensor_msgs/Temperature and sensor_msgs/Imu in rad/s,
+/// which with --cal is corrected and has its covariance.
 #[derive(Args, Debug)]
 pub struct CaptureArgs {
     #[command(flatten)]
@@ -41,7 +41,7 @@ pub struct CaptureArgs {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 
-    /// How long to record: 10s, 10m, 1h30m, or seconds.
+    /// Time to record: 10s, 10m, 1h30m, or seconds.
     #[arg(long, value_name = "TIME", default_value = "10m", conflicts_with = "samples")]
     #[arg(value_parser = duration::above_zero)]
     duration: Seconds,
@@ -50,22 +50,22 @@ pub struct CaptureArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     samples: Option<u64>,
 
-    /// The form of the file; by default what its name ends with, else arrows.
+    /// The form of the file [default: as its ending states, or arrows without an ending].
     #[arg(long, value_enum)]
     format: Option<Format>,
 
-    /// Correct the rates that robots read with this calibration; codes stay as they are. Of --format mcap alone.
+    /// Correct the rates in rad/s of an .mcap file with this calibration. The codes stay as they are.
     #[arg(long, value_name = "FILE")]
     cal: Option<PathBuf>,
 
-    /// Serial number of the part, to be stored with the samples.
+    /// The serial number of the sensor, stored with the samples.
     #[arg(long, value_name = "SN", value_parser = one_line)]
     serial: Option<String>,
 
     #[command(flatten)]
     notes: NotesArgs,
 
-    /// Overwrite an existing file, but never the one that is replayed.
+    /// Overwrite an existing file, but never the file that is replayed.
     #[arg(long)]
     force: bool,
 
@@ -74,7 +74,7 @@ pub struct CaptureArgs {
     json: bool,
 }
 
-/// What was recorded.
+/// The summary of a recording.
 #[derive(Serialize)]
 struct Summary {
     file: String,
@@ -84,9 +84,9 @@ struct Summary {
     rdy_hz: f64,
     duration_s: f64,
     interrupted: bool,
-    /// Readings that are impossible for the part: bit errors.
+    /// Readings that the part cannot have made: bit errors.
     impossible_readings: u64,
-    /// Temperatures likewise.
+    /// Temperatures that the part cannot have measured.
     impossible_temps: u64,
     out_of_range: u64,
     /// Readings too far apart to be judged.
@@ -97,7 +97,7 @@ struct Summary {
 }
 
 pub fn run(args: &CaptureArgs) -> Result<()> {
-    let format = Format::choose(args.format, &args.output)?;
+    let format = form(args.format, &args.output)?;
     if args.cal.is_some() && format != Format::Mcap {
         let advice = "--cal is of --format mcap; a capture keeps its codes, and `zerorate correct` corrects it";
         return Err(Usage(advice.to_owned()).into());
@@ -127,7 +127,7 @@ fn check_serial(args: &CaptureArgs, info: &CaptureInfo, calibration: &Calibratio
     Ok(())
 }
 
-/// Hands on samples until enough were read, the replay ends, or Ctrl-C.
+/// Hands on samples until there are enough, the replay ends, or the user presses Ctrl-C.
 fn record(args: &CaptureArgs, acquisition: &mut Acquisition, mut take: impl FnMut(&Row) -> Result<()>) -> Result<()> {
     let wanted = args.samples.unwrap_or(u64::MAX);
     let ends_after_ns = args.samples.map_or(args.duration.nanos(), |_| u64::MAX);
@@ -179,7 +179,7 @@ fn summarise(args: &CaptureArgs, acquisition: &mut Acquisition) -> Result<()> {
     print_lines(&format!("{file}: {samples} samples in {took}{how}, {rate_hz:.1} a second, {lost_samples} lost\n"))
 }
 
-/// The recording is whole and stays; but what it ends with is no measurement.
+/// Refuses a recording whose end is not a measurement. The file is complete and stays.
 fn refuse_frozen(args: &CaptureArgs, acquisition: &Acquisition) -> Result<()> {
     match acquisition.frozen_at_end() {
         None => Ok(()),

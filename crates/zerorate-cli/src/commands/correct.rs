@@ -1,12 +1,13 @@
-//! `zerorate correct`: a recorded file, corrected, with its raw columns as they were.
+//! `zerorate correct`: corrects a recorded file and keeps its raw columns.
 
 use super::serial::Part;
 use crate::interrupt;
 use crate::output::{Outputs, say, warn};
 use crate::part::PartArgs;
-use crate::wording::{coded, flag};
-use anyhow::{Context, Result, bail};
+use crate::wording::{coded, flag, form};
+use anyhow::{Error, Result, anyhow, bail};
 use clap::Args;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use zerorate::{Calibration, Say};
 use zerorate_jobs::JobWarning;
@@ -14,17 +15,19 @@ use zerorate_jobs::correct::Job;
 use zerorate_record::delimited::is_table;
 use zerorate_record::{CaptureInfo, Format, limits};
 
-/// Corrects a capture: RATE + PBC + d · BTC, with d = TEMP − T3, and + d² · BTC2 + d³ · BTC3 where the calibration has
-/// these terms.
+/// Correct a recorded file with a calibration
 ///
-/// The result keeps all raw columns and adds rate_dps, temp_c, rate_corrected_dps and flags; of a part with several
-/// axes NAME_dps, NAME_corrected_dps and NAME_flags of each. Readings that are not to
-/// be believed, because the part cannot have made them (bit errors), because they are out of range, or because it had
-/// stopped, are flagged and have no corrected rate. A row whose temperature was not read takes the last one read
-/// before it. The result carries the id of the calibration, and is never corrected again.
+/// The corrected rate is RATE + PBC + d · BTC, with d = TEMP − T3, and + d² · BTC2 + d³ · BTC3 where the calibration
+/// has these terms.
+///
+/// The result keeps all raw columns and adds rate_dps, temp_c, rate_corrected_dps and flags. For a part with several
+/// axes these are NAME_dps, NAME_corrected_dps and NAME_flags of each axis. Impossible readings (bit errors), readings
+/// out of range and readings of a sensor that had stopped are flagged and have no corrected rate. A row without a
+/// temperature takes the last temperature before it. The result carries the id of the calibration and is never
+/// corrected again.
 #[derive(Args, Debug)]
 pub struct CorrectArgs {
-    /// The capture, in any of its forms.
+    /// The capture, in any form.
     #[arg(value_name = "CAPTURE")]
     pub capture: PathBuf,
 
@@ -36,14 +39,14 @@ pub struct CorrectArgs {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 
-    /// The form of the file; by default what its name ends with, else arrows.
+    /// The form of the file [default: as its ending states, or arrows without an ending].
     #[arg(long, value_enum)]
     format: Option<Format>,
 
     #[command(flatten)]
     part: PartArgs,
 
-    /// Overwrite an existing file; and correct even if the calibration is of another serial number, with a warning.
+    /// Overwrite an existing file, and only warn where the calibration has another serial number.
     #[arg(long)]
     force: bool,
 }
@@ -56,7 +59,7 @@ pub fn run(args: &CorrectArgs) -> Result<()> {
     let part = args.part.of(reader.info(), &mut outputs)?;
     let job = Job::new(&args.capture, reader, &part, &calibration)?;
     check_serial(args, job.info(), &calibration)?;
-    let format = Format::choose(args.format, &args.output)?;
+    let format = form(args.format, &args.output)?;
     let output = outputs.derived(&args.output)?;
     let name = args.capture.display();
     let rows = job.run(output, format, interrupt::stop(), flag, &mut |warning| match warning {
@@ -67,17 +70,25 @@ pub fn run(args: &CorrectArgs) -> Result<()> {
     Ok(())
 }
 
-/// Reads a calibration and says what there is to know of it.
+/// Reads a calibration and prints its warnings.
 pub(super) fn load(path: &Path, outputs: &mut Outputs) -> Result<Calibration> {
     let name = path.display();
-    let text = outputs.text(path, limits::TEXT)?;
-    let (calibration, warnings) = Calibration::parse(&text).with_context(|| match is_table(&text) {
-        true => format!("{name} is a CSV, not a calibration; give the file that `zerorate calibrate` wrote"),
-        false => name.to_string(),
+    let text = outputs.try_text(path, limits::TEXT)?.map_err(|error| match error.kind() {
+        ErrorKind::InvalidData | ErrorKind::FileTooLarge => other_file(path),
+        _ => Error::from(error).context(format!("cannot read {name}")),
+    })?;
+    let (calibration, warnings) = Calibration::parse(&text).map_err(|error| match text.contains("correction") {
+        true => Error::from(error).context(name.to_string()),
+        false => other_file(path),
     })?;
     let of_file = |warning| coded(JobWarning::OfCalibration(name.to_string(), warning));
     warn(&warnings.into_iter().map(of_file).collect::<Vec<_>>());
     Ok(calibration)
+}
+
+/// A log or another file was given as a calibration.
+fn other_file(path: &Path) -> Error {
+    anyhow!("{} is not a calibration file: give the TOML file that `zerorate calibrate -o` writes", path.display())
 }
 
 fn check_serial(args: &CorrectArgs, info: &CaptureInfo, calibration: &Calibration) -> Result<()> {
@@ -86,7 +97,7 @@ fn check_serial(args: &CorrectArgs, info: &CaptureInfo, calibration: &Calibratio
     let checked = Part { name: &name, serial: info.serial.as_deref(), advice }.check(calibration, &args.cal);
     match checked {
         Err(mismatch) if args.force => warn(&[mismatch]),
-        Err(mismatch) => bail!("{mismatch} (--force corrects all the same)"),
+        Err(mismatch) => bail!("{mismatch} (--force corrects nevertheless)"),
         Ok(doubt) => warn(doubt.map(coded).as_slice()),
     }
     Ok(())

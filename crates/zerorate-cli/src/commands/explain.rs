@@ -1,4 +1,4 @@
-//! `zerorate explain`: what a warning or a refusal means, by its code.
+//! `zerorate explain`: the meaning of the code of a warning or refusal.
 
 use crate::exit::Usage;
 use crate::output::{print_json, print_lines};
@@ -8,13 +8,13 @@ use serde::Serialize;
 use std::fmt::Write;
 use zerorate_jobs::codes::{self, Explanation, GROUPS};
 
-/// Says what a warning or a refusal means, by its code.
+/// Explain the code of a warning or refusal
 ///
-/// Every warning begins with its code, and every refusal is followed by its own: what was seen, why it matters, what
-/// to do. Without a code, all of them are listed.
+/// Every warning begins with its code, and every refusal is followed by one. The explanation says what was seen, why
+/// it matters and what to do. Without a code, all codes are listed.
 #[derive(Args, Debug)]
 pub struct ExplainArgs {
-    /// The code, such as aliased, or the line that begins with it; default: list all.
+    /// The code, such as aliased, or the whole line of the warning [default: list all].
     #[arg(value_name = "CODE")]
     code: Vec<String>,
     /// Print one JSON object to stdout.
@@ -97,7 +97,7 @@ mod tests {
     use crate::cli::Cli;
     use clap::{CommandFactory, Parser};
 
-    /// Words as a shell cuts them, for the quotes that the table has.
+    /// Splits a line as a shell does, for the quotes that the table has.
     fn words(line: &str) -> Vec<String> {
         line.split(' ').map(|word| word.trim_matches('\'').to_owned()).collect()
     }

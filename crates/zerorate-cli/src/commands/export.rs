@@ -1,4 +1,4 @@
-//! `zerorate export`: a calibration in the form that firmware takes: table and integer coefficients.
+//! `zerorate export`: a calibration as firmware takes it: table and integer coefficients.
 
 use super::correct::load;
 use crate::exit::Usage;
@@ -9,13 +9,13 @@ use clap::builder::{PossibleValue, PossibleValuesParser};
 use std::path::PathBuf;
 use zerorate_view::export::{Export, ExportForm, ExportWarning, InvalidOptions, Options, Prefix};
 
-/// Writes the correction for firmware: C header, Rust module, CSV or JSON, and parameters of PX4 and ArduPilot.
+/// Export a calibration for firmware: C, Rust, CSV, JSON, PX4 or ArduPilot
 ///
-/// The table holds what is added beside PBC, (TEMP − T3) · BTC and the terms of a curve, for TEMP − T3 from +span
-/// down to −span. The C and Rust forms also hold the integer coefficients, with a function from raw code to
-/// corrected code that needs no table, and the range that the calibration holds for: their look-up says whether a
-/// temperature lies inside. Two units fit into one program under two prefixes; in Rust, two modules do as well.
-/// Where a calibration has several axes, all are in one file, and their names carry that of the axis:
+/// The table holds the terms that are added to PBC: (TEMP − T3) · BTC and the terms of a curve, for TEMP − T3 from
+/// +span down to −span. The C and Rust forms also hold integer coefficients, with a function from raw code to
+/// corrected code that needs no table. They state the temperatures for which the calibration holds, and their look-up
+/// says whether a temperature lies inside. Two units fit into one program under two prefixes; in Rust, two modules do
+/// as well. All axes of a calibration are in one file, and their names carry the name of the axis, as in
 /// zerorate_x_correct_code.
 #[derive(Args, Clone, Debug)]
 pub struct ExportArgs {
@@ -23,29 +23,29 @@ pub struct ExportArgs {
     #[arg(value_name = "CALIBRATION")]
     cal: PathBuf,
 
-    /// What to write.
+    /// The form to write.
     #[arg(long, value_parser = formats())]
     format: String,
 
-    /// Step of the table, °C [default: 0.02; without --span-c the finest of 0.02, 0.05, 0.1, … that makes at most 1025
-    /// rows, 4.1 kB].
+    /// The step of the table, °C [default: 0.02; without --span-c the finest of 0.02, 0.05, 0.1, … that gives at most
+    /// 1025 rows, 4.1 kB].
     #[arg(long, value_name = "C")]
     step_c: Option<f64>,
 
-    /// The table reaches this far from T3 on both sides, °C [default: so far that it covers the temperatures that the
-    /// calibration holds for].
+    /// The reach of the table on both sides of T3, °C [default: it covers the temperatures for which the calibration
+    /// holds].
     #[arg(long, value_name = "C")]
     span_c: Option<f64>,
 
-    /// What names begin with in C and Rust [default: zerorate in C, nothing in Rust].
+    /// The prefix of names in C and Rust [default: zerorate in C, none in Rust].
     #[arg(long, value_name = "NAME")]
     prefix: Option<Prefix>,
 
-    /// Which gyroscope of the flight controller it is: 0 to 3 of PX4, 1 to 3 of ArduPilot [default: its first].
+    /// The number of the gyroscope in the flight controller: 0 to 3 in PX4, 1 to 3 in ArduPilot [default: the first].
     #[arg(long, value_name = "N")]
     sensor: Option<u32>,
 
-    /// The device_id of that gyroscope, as PX4 states it in sensor_gyro.
+    /// The device_id of the gyroscope, as PX4 states it in sensor_gyro.
     #[arg(long, value_name = "ID", allow_negative_numbers = true)]
     device_id: Option<i32>,
 
@@ -58,7 +58,7 @@ pub struct ExportArgs {
     force: bool,
 }
 
-/// What else may be asked for, and is refused.
+/// Forms that users ask for and that have no place for a bias.
 const REFUSED: [(&str, &str); 2] = [
     ("kalibr", "Refused: Kalibr has no place for a bias"),
     ("ros", "Refused: ROS has no place for a bias over temperature"),
@@ -92,7 +92,7 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     }
 }
 
-/// What makes no sense is said as such.
+/// Makes invalid options a usage error.
 fn usage(error: anyhow::Error) -> anyhow::Error {
     match error.downcast::<InvalidOptions>() {
         Ok(InvalidOptions(text)) => Usage(text).into(),
@@ -106,15 +106,15 @@ impl ExportArgs {
         Options { step_c, span_c, prefix, sensor, device_id }
     }
 
-    /// Which options belong to which form, before anything is read.
+    /// Checks that each option belongs to the form, before anything is read.
     fn check_autopilot(&self, form: Option<ExportForm>) -> Result<()> {
         let autopilot = form.is_some_and(ExportForm::is_autopilot);
         let px4 = form == Some(ExportForm::Px4);
         ensure!(self.sensor.is_none() || autopilot, Usage("--sensor is for --format px4 and ardupilot".to_owned()));
         ensure!(self.device_id.is_none() || px4, Usage("--device-id is for --format px4".to_owned()));
         let lacks_id = self.device_id.is_none() && px4;
-        let give = "--format px4: PX4 finds a gyroscope by its device id: give --device-id ID, the device_id of the \
-                    topic sensor_gyro (`listener sensor_gyro` in its console)";
+        let give = "--format px4 needs --device-id ID, by which PX4 finds a gyroscope: the device_id in the topic \
+                    sensor_gyro (`listener sensor_gyro` in its console)";
         ensure!(!lacks_id, Usage(give.to_owned()));
         let table = self.step_c.is_some() || self.span_c.is_some();
         ensure!(
@@ -125,11 +125,11 @@ impl ExportArgs {
     }
 }
 
-/// Formats of calibrations between cameras and IMUs: they have no place for a bias.
+/// Refuses formats of calibrations between cameras and IMUs, which have no place for a bias.
 fn no_place(format: &str) -> anyhow::Error {
     let (why, instead) = match format {
         "kalibr" => (
-            "an imu.yaml of Kalibr holds noise densities, a rate and a topic, and a bias is what its filter estimates",
+            "an imu.yaml of Kalibr holds noise densities, a rate and a topic, and its filter estimates the bias",
             "for the noise",
         ),
         _ => (

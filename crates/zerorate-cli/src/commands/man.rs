@@ -1,10 +1,11 @@
-//! `zerorate man` and `zerorate completions`: what the command line says about itself.
+//! `zerorate man` and `zerorate completions`: the command line as a manual page and as scripts for shells.
 
+use super::help::DEVICE;
 use crate::output::print;
 use clap_mangen::Man;
 use std::io::{self, Write};
 
-/// One page: the program, then a section for each command.
+/// Prints one page: the program, a section for each command, and the addresses of devices.
 pub fn man(mut root: clap::Command) -> anyhow::Result<()> {
     root.build();
     let man = Man::new(root.clone());
@@ -16,17 +17,18 @@ pub fn man(mut root: clap::Command) -> anyhow::Result<()> {
         writeln!(page, ".SH \"ZERORATE {}\"", command.get_name().to_uppercase())?;
         page.extend(command_section(command)?);
     }
+    writeln!(page, ".SH DEVICES\n.nf\n{}.fi", roff(DEVICE))?;
     print(&String::from_utf8_lossy(&page))
 }
 
-/// What [`render_body`] gives for a command, one heading level down.
+/// The text of [`render_body`] for a command, one heading level down.
 fn command_section(command: &clap::Command) -> io::Result<Vec<u8>> {
     let mut section = Vec::new();
     render_body(&Man::new(command.clone()), command, &mut section)?;
     Ok(String::from_utf8_lossy(&section).replace(".SH ", ".SS ").into_bytes())
 }
 
-/// Synopsis, description, options and, where there are any, notes.
+/// Writes synopsis, description, options and, where there are any, notes.
 fn render_body(man: &Man, command: &clap::Command, page: &mut Vec<u8>) -> io::Result<()> {
     man.render_synopsis_section(page)?;
     man.render_description_section(page)?;
@@ -34,14 +36,19 @@ fn render_body(man: &Man, command: &clap::Command, page: &mut Vec<u8>) -> io::Re
     if command.get_after_help().is_some() {
         let mut notes = Vec::new();
         man.render_extra_section(&mut notes)?;
-        // Its lines are tables: they stay as they are.
+        // its lines are tables and stay as they are
         let notes = String::from_utf8_lossy(&notes).replacen("EXTRA\n", "NOTES\n.nf\n", 1);
         writeln!(page, "{}\n.fi", notes.trim_end())?;
     }
     Ok(())
 }
 
-/// The completion script for `shell`.
+/// Text as it is, for roff: no line of it is a request.
+fn roff(text: &str) -> String {
+    text.replace('\\', "\\e").replace('-', "\\-").replace("\n'", "\n\\&'").replace("\n.", "\n\\&.")
+}
+
+/// Prints the completion script of `shell`.
 pub fn completions(shell: clap_complete::Shell, root: &mut clap::Command) -> anyhow::Result<()> {
     let mut script = Vec::new();
     clap_complete::generate(shell, root, "zerorate", &mut script);

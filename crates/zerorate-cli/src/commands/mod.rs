@@ -1,4 +1,4 @@
-//! One file for each command.
+//! The commands, one file or folder each.
 
 pub mod allan;
 pub mod calibrate;
@@ -8,6 +8,7 @@ pub mod correct;
 mod earth;
 pub mod explain;
 pub mod export;
+pub mod help;
 pub mod imu;
 pub mod man;
 pub mod probe;

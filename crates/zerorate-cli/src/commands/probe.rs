@@ -1,4 +1,4 @@
-//! `zerorate probe`: is there a part, is it wired right, and do its samples look like those of one?
+//! `zerorate probe`: checks that a sensor responds, is wired correctly and delivers plausible samples.
 
 use crate::device::{DeviceArgs, SamplingArgs};
 use crate::output::{Outputs, print_json, print_lines, warn};
@@ -9,12 +9,12 @@ use clap::Args;
 use zerorate_jobs::probe::{AxisFindings, Findings, SelfTested, probe};
 use zerorate_view::duration::{self, Seconds};
 
-/// Looks whether a part answers, is wired right and delivers.
+/// Check that the sensor responds, is wired correctly and delivers samples
 ///
-/// Resets the part, initialises it, reads every written register back, then reads samples and measures their rate, the
-/// noise, the temperature and how many were lost. Says what to check where something is wrong. On an SPI bus it also
-/// tries faster and faster clocks, and proposes what to leave out if the host cannot take all samples. On a replay
-/// only the samples are looked at.
+/// probe resets and initialises the sensor, reads every written register back, and then reads samples. It measures
+/// their rate, the noise, the temperature and the number of lost samples, and says what to check where something is
+/// wrong. On an SPI bus it also tries faster clocks, and proposes what to leave out if the host cannot read all
+/// samples. On a replay it checks the samples only.
 #[derive(Args, Debug)]
 pub struct ProbeArgs {
     #[command(flatten)]
@@ -23,13 +23,15 @@ pub struct ProbeArgs {
     #[command(flatten)]
     sampling: SamplingArgs,
 
-    /// How long to read samples: 5s, 1m, or seconds.
+    /// Time to read samples: 5s, 1m, or seconds.
     #[arg(long, value_name = "TIME", default_value = "5s", value_parser = duration::above_zero)]
     duration: Seconds,
 
-    /// Also measure what the self-test does to the rate: GPIO is the line that the self-test pins (1-7 and 9 of the
-    /// part) are on, as in gpiochip0:17, for spi: devices; the twin and bridges have their own. Nothing is judged by
-    /// the result, since nobody published the proper size (F-11). The pin is released at the end, also after Ctrl-C.
+    /// Also measure by how much the self-test shifts the rate.
+    ///
+    /// For spi: devices GPIO is the line of the self-test pins (1-7 and 9 of the part), as in gpiochip0:17. The twin
+    /// and bridges have their own line. The result is not judged, since its proper size is not published (F-11). The
+    /// pin is released at the end, also after Ctrl-C.
     #[arg(long, value_name = "GPIO", num_args = 0..=1, default_missing_value = "")]
     self_test: Option<String>,
 
@@ -75,7 +77,7 @@ fn text(findings: &Findings) -> String {
     )
 }
 
-/// A value that may not have been measured.
+/// Formats a value that may not have been measured.
 fn shown(value: Option<f64>, unit: &str) -> String {
     value.map_or("not measured".to_owned(), |value| format!("{value:.4} {unit}"))
 }

@@ -1,8 +1,9 @@
-//! `zerorate repair`: what is whole of a capture, in a new file.
+//! `zerorate repair`: copies the undamaged part of a capture to a new file.
 
 use crate::exit::Usage;
 use crate::interrupt;
 use crate::output::{Outputs, print, warn};
+use crate::wording::form;
 use anyhow::{Result, ensure};
 use arrow_array::RecordBatch;
 use arrow_schema::{Field, Metadata, SchemaRef};
@@ -13,14 +14,14 @@ use zerorate_record::columns::Rows;
 use zerorate_record::table::{self, Opened};
 use zerorate_record::{CaptureError, CaptureWarning, Checked, Format, Layout, checked_schema};
 
-/// Metadata of a repaired capture: what is missing.
+/// Metadata of a repaired capture that states what is missing.
 const REPAIRED: &str = "zerorate.repaired";
 
-/// Writes the whole blocks of a torn or damaged capture to a new file, and says what is missing.
+/// Copy the undamaged part of a capture to a new file
 ///
-/// A block is a second of samples, or 65536 rows of Parquet. Everything up to the first one that is torn or damaged is
-/// kept, bit for bit; the file that is read is never changed. A capture of version 1 becomes one of version 2, with
-/// checks from then on.
+/// A block is a second of samples, or 65536 rows of Parquet. All blocks before the first torn or damaged one are kept,
+/// bit for bit, and the command says what is missing. The original file is never changed. A capture of version 1
+/// becomes one of version 2, which has checks.
 #[derive(Args, Debug)]
 pub struct RepairArgs {
     /// The capture.
@@ -31,7 +32,7 @@ pub struct RepairArgs {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 
-    /// The form of the file; by default what its name ends with, else arrows.
+    /// The form of the file [default: as its ending states, or arrows without an ending].
     #[arg(long, value_enum)]
     format: Option<Format>,
 
@@ -42,7 +43,7 @@ pub struct RepairArgs {
 
 pub fn run(args: &RepairArgs) -> Result<()> {
     interrupt::listen();
-    let format = Format::choose(args.format, &args.output)?;
+    let format = form(args.format, &args.output)?;
     refuse_bag(format)?;
     let mut outputs = Outputs::new(args.force).reading([&*args.capture])?;
     let missing = Kept::of(&args.capture)?;
@@ -63,20 +64,20 @@ pub fn run(args: &RepairArgs) -> Result<()> {
     print(&format!("{name}: {} rows kept; {what}\n", missing.rows))
 }
 
-/// Of a bag only its rows are read: stamps and corrected rates would be lost.
+/// Refuses bags: only their rows are read, so stamps and corrected rates would be lost.
 fn refuse_bag(format: Format) -> Result<()> {
     if format == Format::Mcap {
-        let advice = "repair writes no bag: write an .arrows file, then `zerorate capture --device replay:FILE.arrows \
-            --cal CALIBRATION --duration TIME -o BAG.mcap`";
+        let advice = "repair cannot write a bag. Write an .arrows file, then `zerorate capture --device \
+            replay:FILE.arrows --cal CALIBRATION --duration TIME -o BAG.mcap`";
         return Err(Usage(advice.to_owned()).into());
     }
     Ok(())
 }
 
-/// How far a capture is whole.
+/// The undamaged part of a capture.
 struct Kept {
     rows: u64,
-    /// What is missing behind that.
+    /// The missing or damaged rest, in words.
     what: Option<String>,
 }
 
@@ -108,11 +109,11 @@ impl Kept {
 fn open(path: &Path) -> Result<Checked, CaptureError> {
     match table::recognise(path, files::open(path)?)? {
         Opened::Table(source) => Checked::new(path, source),
-        Opened::Text(_) => Err(CaptureError::not_a_capture(path, "only captures are repaired")),
+        Opened::Text(_) => Err(CaptureError::not_a_capture(path, "repair takes captures only")),
     }
 }
 
-/// The columns as they are, and the description as this version writes it.
+/// The columns of the file, with the description as this version writes it.
 fn schema(table: &Checked, missing: Option<&str>) -> SchemaRef {
     let found = table.schema();
     let mut metadata: Metadata = table.description().into_iter().chain(table.info().to_metadata()).collect();

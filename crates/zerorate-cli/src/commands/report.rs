@@ -1,4 +1,4 @@
-//! `zerorate report`: a calibration as one page, to be read, printed and filed.
+//! `zerorate report`: a calibration as one page to read, print and file.
 
 use super::allan::picture::{self, Kind};
 use super::correct::load;
@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use zerorate::Calibration;
 use zerorate_view::report;
 
-/// Writes a calibration as one self-contained HTML page.
+/// Write a calibration as one self-contained HTML page
 ///
 /// The page has the coefficients with their uncertainties, how to apply them, the correction over temperature, the
 /// look-up table around T3, and how and from which samples they were measured. It needs no network and prints on
@@ -21,7 +21,7 @@ pub struct ReportArgs {
     #[arg(value_name = "CALIBRATION")]
     cal: PathBuf,
 
-    /// The file to write [default: stdout]. If it ends in .svg or .png, that is the picture of the page alone: the
+    /// The file to write [default: stdout]. A name that ends in .svg or .png gives only the picture of the page, the
     /// correction over temperature.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,

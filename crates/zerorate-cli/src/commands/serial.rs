@@ -1,5 +1,6 @@
-//! Whether a calibration is that of the part: every part has its own bias, and the wrong one shows in nothing. And
-//! what is noted of a measurement.
+//! The check that a calibration belongs to the part. Every part has its own bias, and nothing in the samples shows
+//! that the calibration of another part was taken. Also the notes of a
+//! measurement.
 
 use anyhow::{Result, bail};
 use clap::Args;
@@ -8,7 +9,7 @@ use zerorate::Calibration;
 use zerorate::calibration::Notes;
 use zerorate_jobs::JobWarning;
 
-/// A text that goes into files and messages as one line.
+/// Parses a text that files and messages show as one line.
 pub fn one_line(text: &str) -> Result<String, String> {
     match text.contains(char::is_control) {
         true => Err("it must be one line of plain text, without control characters".to_owned()),
@@ -38,24 +39,24 @@ impl From<NotesArgs> for Notes {
     }
 }
 
-/// Of a command with an option for it.
+/// Advice of a command that has the option `--serial`.
 pub const GIVE: &str = "give --serial SN";
 
 /// The part whose rates are to be corrected.
 pub struct Part<'a> {
-    /// What it is called in messages: the device, or the capture.
+    /// Its name in messages: the device, or the capture.
     pub name: &'a str,
-    /// Its serial number, as far as it is known.
+    /// Its serial number, if it is known.
     pub serial: Option<&'a str>,
-    /// How to make it known.
+    /// How to make the serial number known.
     pub advice: &'static str,
 }
 
 impl Part<'_> {
-    /// What is to be said where nothing shows that `calibration`, from the file `path`, is of this part.
+    /// Returns a warning where nothing shows that `calibration`, from the file `path`, belongs to this part.
     ///
     /// # Errors
-    /// Where it is of another.
+    /// The calibration belongs to another part.
     pub fn check(&self, calibration: &Calibration, path: &Path) -> Result<Option<JobWarning>> {
         let (name, cal) = (self.name, path.display().to_string());
         match (self.serial, calibration.serial.as_deref()) {

@@ -20,16 +20,16 @@ use zerorate_record::limits;
 use zerorate_view::SessionWarning;
 use zerorate_web::session::{About, Said};
 
-/// Shows a part live in the browser: rate, noise, temperature, and calibration as a guided run.
+/// Show a sensor live in the browser, and calibrate it as a guided run
 ///
-/// Open the address that it prints. Everybody who opens it sees the same; nobody who looks on slows the part or the
-/// recording. Simulated and recorded time goes at the speed of the clock, and faster where the page asks for it. A
-/// part that is unplugged is looked for until it is there again. Ctrl-C ends it; the recording is whole.
+/// Open the address that the command prints. All viewers see the same page, and no viewer slows the sensor or the
+/// recording. Simulated and recorded time runs at the speed of the clock, or faster where the page asks for it. An
+/// unplugged sensor is opened again when it comes back. Ctrl-C ends the server, and the recording is complete.
 ///
-/// Others cannot reach it, unless --listen names an address of the network: then a token is needed, which is printed
-/// once. What the server keeps from whom stands in docs/serve.md.
+/// Other machines cannot reach the server unless --listen names an address of the network. A token is then required,
+/// which is printed once. docs/serve.md describes what the server protects.
 ///
-/// Clients of libiio (iio_info, iio_readdev, pyadi-iio) see the part as a device with a buffer: docs/libiio.md.
+/// Clients of libiio (iio_info, iio_readdev, pyadi-iio) see the sensor as a device with a buffer: docs/libiio.md.
 #[derive(Args, Debug)]
 pub struct ServeArgs {
     #[command(flatten)]
@@ -38,41 +38,41 @@ pub struct ServeArgs {
     #[command(flatten)]
     sampling: SamplingArgs,
 
-    /// A calibration to have on file; the first is applied. Can be given several times.
+    /// A calibration to have on file; the first is applied. The option can be repeated.
     #[arg(long = "cal", value_name = "FILE")]
     cals: Vec<PathBuf>,
 
-    /// Serial number of the part: that of its calibrations, and stored with the samples.
+    /// The serial number of the sensor: calibrations must have it, and it is stored with the samples.
     #[arg(long, value_name = "SN", value_parser = one_line)]
     serial: Option<String>,
 
-    /// The address and port to serve at; port 0 takes one that is free.
+    /// The address and port to serve at; port 0 takes a free port.
     #[arg(long, value_name = "IP:PORT", default_value = "127.0.0.1:8130", value_parser = address)]
     listen: SocketAddr,
 
-    /// Record every sample to this file meanwhile. Where the device is opened again, NAME-2 follows, and so on. Rates
-    /// that robots read in an .mcap file are corrected with the first --cal.
+    /// Record every sample to this file meanwhile. When the device is opened again, NAME-2 follows, and so on. The
+    /// rates in rad/s of an .mcap file are corrected with the first --cal.
     #[arg(short, long, value_name = "CAPTURE")]
     output: Option<PathBuf>,
 
-    /// Keep calibrations in this folder: those in it are on file, and those made on the page are written there.
+    /// Keep calibrations in this folder: read all files there, and write those made on the page.
     #[arg(long, value_name = "DIR")]
     folder: Option<PathBuf>,
 
-    /// Take the token from the first line of this file, instead of a new one each time.
+    /// Take the token from the first line of this file, instead of a new token for each run.
     #[arg(long, value_name = "FILE")]
     token_file: Option<PathBuf>,
 
-    /// A name by which browsers reach this machine, beside its numbers and localhost. Can be given several times.
+    /// A name by which browsers reach this machine, beside its IP addresses and localhost. The option can be repeated.
     #[arg(long = "host", value_name = "NAME")]
     hosts: Vec<String>,
 
     /// Serve clients of libiio at this address of this machine, with the corrected rate of the first --cal
-    /// [default: 127.0.0.1:30431, where that is free]
+    /// [default: 127.0.0.1:30431, if it is free].
     #[arg(long, value_name = "IP:PORT")]
     iio: Option<SocketAddr>,
 
-    /// Serve none.
+    /// Do not serve clients of libiio.
     #[arg(long, conflicts_with_all = ["iio", "allow_write"])]
     no_iio: bool,
 
@@ -82,7 +82,7 @@ pub struct ServeArgs {
 }
 
 impl ServeArgs {
-    /// The file of unknown origin that it reads.
+    /// The file of unknown origin that the command reads.
     pub fn file(&self) -> Option<&Path> {
         self.source.file()
     }
@@ -129,12 +129,12 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     });
     let session = session.context("starting the session")?;
     let served = serve::run(listener, guard, visits, stop);
-    // what is recorded is ended whatever the server died of
+    // however the server ended, the recording is completed
     stop.ask();
     served.and(session.join().unwrap_or_else(|_| Err(anyhow!("the session died"))))
 }
 
-/// The server for clients of libiio. It has no password, so nobody else is to reach it.
+/// Opens the server for clients of libiio. It has no password, so other machines must not reach it.
 fn libiio(args: &ServeArgs, calibration: Option<Calibration>) -> Result<Option<Libiio>> {
     if args.no_iio {
         return Ok(None);
@@ -159,14 +159,14 @@ fn libiio(args: &ServeArgs, calibration: Option<Calibration>) -> Result<Option<L
     Ok(Some(Libiio::new(listener, calibration, args.allow_write)))
 }
 
-/// The calibration that is applied must be that of the part.
+/// Checks that the calibration that is applied belongs to the part.
 fn check_serial(calibration: &Calibration, cal: &Path, about: &About) -> Result<()> {
     let part = Part { name: &about.name, serial: about.info.serial.as_deref(), advice: serial::GIVE };
     warn(part.check(calibration, cal)?.map(coded).as_slice());
     Ok(())
 }
 
-/// Calibrations of the folder and of the command line.
+/// Puts the calibrations of the folder and of the command line on file.
 fn shelve(args: &ServeArgs, session_thread: &mut SessionThread) -> Result<()> {
     let (session, folder) = session_thread.shelf();
     folder.read(session)?;
@@ -179,7 +179,7 @@ fn shelve(args: &ServeArgs, session_thread: &mut SessionThread) -> Result<()> {
     Ok(())
 }
 
-/// Who else can reach the address must know a token.
+/// The token, required where other machines can reach the address.
 fn token(args: &ServeArgs, outputs: &mut Outputs) -> Result<Option<Token>> {
     match &args.token_file {
         Some(path) => Token::of_file(path, &outputs.text(path, limits::TEXT)?).map(Some),
@@ -197,7 +197,7 @@ fn listen(address: SocketAddr) -> Result<TcpListener> {
                 address.ip(),
                 address.port().checked_add(1).unwrap_or_default()
             ),
-            ErrorKind::AddrNotAvailable => "that is no address of this machine; 127.0.0.1 is".to_owned(),
+            ErrorKind::AddrNotAvailable => "this machine has another address; 127.0.0.1 works".to_owned(),
             ErrorKind::PermissionDenied => "ports below 1024 are the system's: take a larger one".to_owned(),
             _ => error.to_string(),
         };
@@ -205,8 +205,8 @@ fn listen(address: SocketAddr) -> Result<TcpListener> {
     })
 }
 
-/// Says where the page is. A token of the user's own is not printed: what a service says is kept in a journal that
-/// others read.
+/// Prints the address of the page. A token from a file is not printed, since others can read the journal in which the
+/// output of a service is kept.
 fn announce(address: SocketAddr, token: Option<&Token>, of_file: Option<&Path>) {
     if !serve::has_page() {
         warn(&[serve::absent()]);
@@ -220,7 +220,7 @@ fn announce(address: SocketAddr, token: Option<&Token>, of_file: Option<&Path>) 
     let Some(token) = token else { return say(format_args!("open {url}")) };
     match of_file {
         Some(path) => say(format_args!("open {url} with the token of {}", path.display())),
-        // what stands behind # is sent to no server
+        // browsers do not send the part behind # to a server
         None => say(format_args!("open {url}#token={}", token.reveal())),
     }
     if !address.ip().is_loopback() {

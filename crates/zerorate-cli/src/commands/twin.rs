@@ -1,4 +1,4 @@
-//! `zerorate twin`: what the simulated part can be told, and the part as hardware that other software sees.
+//! `zerorate twin`: the keys of the simulated part, and the part as hardware that other software sees.
 
 use crate::interrupt;
 use crate::output::print;
@@ -7,14 +7,15 @@ use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
 
-/// Lists the keys of the simulated part, or plugs it into a virtual machine.
+/// List the keys of the simulated sensor, or plug it into a virtual machine
 ///
-/// Every command that reads a part takes the twin as `--device twin:KEY=VALUE,…`; without options this lists the keys.
+/// Every command that reads a sensor takes the twin as `--device twin:KEY=VALUE,…`. Without options this command lists
+/// the keys.
 ///
 /// With --usb the twin becomes hardware, on wall time, behind an emulated USB adapter for SPI and GPIO (Intel LJCA,
-/// 8086:0b63). QEMU plugs it into a guest, whose own kernel drivers bind it: usb-ljca, spi-ljca and gpio-ljca of Linux
-/// 6.12. RDY is line 3 of the adapter's GPIO chip. Ctrl-C unplugs it. docs/formats/ljca.md has the messages, and the
-/// QEMU options.
+/// 8086:0b63). QEMU plugs it into a guest, where the kernel's own drivers bind it: usb-ljca, spi-ljca and gpio-ljca of
+/// Linux 6.12. RDY is line 3 of the adapter's GPIO chip. Ctrl-C unplugs the twin. docs/formats/ljca.md has the
+/// messages and the options of QEMU.
 #[derive(Args, Debug)]
 pub struct TwinArgs {
     /// The unit, as in --device twin:KEY=VALUE,… .
@@ -25,13 +26,13 @@ pub struct TwinArgs {
     #[arg(long, value_name = "SOCKET")]
     usb: Option<PathBuf>,
 
-    /// Master clock of the converter, Hz; below the range of the key mclk_hz, so that a slow host can follow.
-    /// Temperatures and noise keep to the wall clock.
+    /// Master clock of the converter, Hz. It may be slower than the key mclk_hz allows, so that a slow host can
+    /// follow. Temperatures and noise follow the wall clock.
     #[arg(long, value_name = "HZ", requires = "usb")]
     #[arg(value_parser = clap::value_parser!(u32).range(1_000..=10_000_000))]
     mclk_hz: Option<u32>,
 
-    /// Converting from the start, as after F-30: for drivers that write no register, like the one of Linux.
+    /// Convert from the start, as after F-30: for drivers that write no register, such as the driver of Linux.
     #[arg(long, requires = "usb")]
     initialised: bool,
 
@@ -43,7 +44,7 @@ pub struct TwinArgs {
     #[arg(long, requires = "wire")]
     force: bool,
 
-    /// Print what the part saw, and its truth, as one JSON object at the end.
+    /// At the end, print what the twin saw and its true values as one JSON object.
     #[arg(long, requires = "usb")]
     json: bool,
 }
@@ -78,7 +79,7 @@ mod hardware {
     use serde::Serialize;
     use std::path::Path;
 
-    /// What the part saw, and what it knows.
+    /// What the part saw, and its true values.
     #[derive(Serialize)]
     struct Summary {
         seed: u64,
@@ -91,7 +92,7 @@ mod hardware {
         truth: TruthReport,
     }
 
-    /// Readings that nobody saw (F-33).
+    /// Readings that were lost unread (F-33).
     #[derive(Serialize)]
     struct Losses {
         overwritten: u64,
@@ -104,7 +105,7 @@ mod hardware {
         }
     }
 
-    /// The terms of the slow bias at the end; a perfect measurement finds PBC = −bias and BTC = −slope (F-50).
+    /// The terms of the slow bias at the end. A perfect measurement finds PBC = −bias and BTC = −slope (F-50).
     #[derive(Serialize)]
     struct TruthReport {
         sensor_c: f64,
@@ -146,14 +147,14 @@ mod hardware {
     }
 }
 
-/// The table of the keys, from the twin's own.
+/// The table of the keys, from the table of the twin.
 pub fn keys_help() -> String {
     let keys: Vec<String> = KEYS.iter().map(entry).collect();
     format!(
         "Keys of --device twin:KEY=VALUE,KEY=VALUE,… (drawn: by the seed, so every seed is another unit)\n\n{}\n\n\
          For example: zerorate calibrate --device twin:seed=7,bias_dps=0.8\n\
-         axes=3 makes a part with the axes x, y and z of it: its own bias and noise for each, one clock, one \
-         temperature",
+         axes=3 makes a part with the axes x, y and z. Each has its own bias and noise.\n\
+         All axes share one clock and one temperature.",
         keys.join("\n")
     )
 }

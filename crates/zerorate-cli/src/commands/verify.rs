@@ -1,4 +1,4 @@
-//! `zerorate verify`: is a file whole, and does it say the truth about itself?
+//! `zerorate verify`: checks files for damage and contradictions.
 
 use crate::output::{print, print_json};
 use anyhow::{Result, ensure};
@@ -14,17 +14,18 @@ use zerorate_record::table::{self, Opened};
 use zerorate_record::{CaptureError, Checked, Input};
 use zerorate_view::duration::Seconds;
 
-/// Bytes of a calibration file at most: a bound on memory where a file is something else.
+/// Largest size of a calibration file: bounds the memory where a file is something else.
 const CALIBRATION_BYTES: u64 = 1 << 20;
 
-/// Says of captures and calibration files whether they are whole: exit code 0 if all are, 1 if not.
+/// Check captures and calibration files for damage
 ///
-/// Every check in a file is computed again, and time, edges and losses of the rows are held against each other. A file
-/// that was torn (a power cut, a killed process) or damaged is named with the place, and with what to do: where blocks
-/// of rows before that place are whole, `zerorate repair` writes them to a new file.
+/// The exit code is 0 if all files are undamaged, and 1 if not. Every checksum in a file is computed again, and time,
+/// edges and losses of the rows are compared. For a torn file (a power cut, a killed process) or a damaged one the
+/// command names the place and the remedy: `zerorate repair` writes the undamaged blocks before that place to a new
+/// file.
 #[derive(Args, Debug)]
 pub struct VerifyArgs {
-    /// The files: captures in any form, calibrations.
+    /// Captures in any form, and calibrations.
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
 
@@ -40,14 +41,14 @@ struct Report {
     files: Vec<Verdict>,
 }
 
-/// What is found in a file.
+/// The result for one file.
 #[derive(Default, Serialize)]
 struct Verdict {
     file: String,
     whole: bool,
     form: &'static str,
     schema: Option<u32>,
-    /// Whether checks in the file vouch for everything in it.
+    /// Whether checks in the file cover its whole content.
     checked: bool,
     rows: u64,
     lost: u64,
@@ -56,12 +57,12 @@ struct Verdict {
     samples_sha256: Option<String>,
     /// Whether its end is missing.
     torn: bool,
+    /// Whether it is neither a capture nor a calibration.
+    #[serde(skip)]
+    is_other: bool,
     /// What is wrong, and where.
     damage: Option<String>,
-    /// The file was never a capture or a calibration.
-    #[serde(skip)]
-    is_foreign: bool,
-    /// What to do, where it is not whole.
+    /// The remedy for a damaged file.
     remedy: Option<String>,
     notes: Vec<String>,
 }
@@ -89,18 +90,20 @@ fn verdict(path: &Path) -> Verdict {
     let verdict = found.unwrap_or_else(|error| {
         let remedy = match error {
             CaptureError::Damaged { .. } | CaptureError::Table { .. } => Some(remedy(path, 0)),
-            CaptureError::NotACapture { .. } => {
-                Some("name a capture or a calibration; if this was one, take another copy".to_owned())
-            }
+            CaptureError::NotACapture { .. } => Some(
+                "verify checks captures and calibrations; `zerorate allan` reads other logs. If this was a capture, \
+                 take another copy"
+                    .to_owned(),
+            ),
             _ => None,
         };
-        let is_foreign = matches!(error, CaptureError::NotACapture { .. });
-        Verdict { damage: Some(reason(error)), remedy, is_foreign, ..Verdict::default() }
+        let is_other = matches!(error, CaptureError::NotACapture { .. });
+        Verdict { damage: Some(reason(error)), remedy, is_other, ..Verdict::default() }
     });
     Verdict { whole: !verdict.torn && verdict.damage.is_none(), file, ..verdict }
 }
 
-/// What to do with a damaged capture of which so many rows are whole: those in front of the first block that is not.
+/// What to do with a damaged capture that has `rows` rows before its first damaged block.
 fn remedy(path: &Path, rows: u64) -> String {
     match rows {
         0 => "no row of it can be kept: take another copy".to_owned(),
@@ -109,7 +112,7 @@ fn remedy(path: &Path, rows: u64) -> String {
 }
 
 fn reason(error: CaptureError) -> String {
-    // Arrow tells in several lines where it was
+    // Arrow describes the place in several lines
     format!("{:#}", anyhow::Error::from(error)).split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
@@ -169,7 +172,7 @@ fn calibration(path: &Path, file: Input) -> Result<Verdict, CaptureError> {
 impl Verdict {
     fn to_text(&self) -> String {
         let state = match (&self.damage, self.torn) {
-            (Some(_), _) if self.is_foreign => "NOT A CAPTURE",
+            (Some(_), _) if self.is_other => "NOT A CAPTURE",
             (Some(_), _) => "DAMAGED",
             (None, true) => "TORN",
             (None, false) if self.checked => "whole",

@@ -1,4 +1,4 @@
-//! Calibrations, and the page that is made of them.
+//! Calibrations, and the report made of them.
 
 use super::edited;
 use zerorate::Calibration;
@@ -67,7 +67,7 @@ earth_dps = 0.003
 assume_linear = false
 "#;
 
-/// Two axes, one in full and one as short as it can be.
+/// Two axes: one as short as possible, one in full.
 const AXES: &str = r#"schema = 2
 part = "ADIS16405"
 axis = [{ name = "x", correction = { pbc_dps = 1, btc_dps_per_c = 0, t3_c = 3 } }, { name = "y", warnings = ["one"],
@@ -84,7 +84,7 @@ temp_max_c = 32.5
 margin_c = 1.4
 "#;
 
-/// What is believed is finite, reads back as it is written, and makes a page.
+/// A calibration that is accepted gives finite rates, reads back as it was written, and makes a report.
 #[test]
 fn calibration() {
     let (measured, _) = Calibration::parse(CALIBRATION).expect("a calibration");

@@ -1,4 +1,4 @@
-//! Damaged input into every decoder of the program: none may panic. The harness is that of `zerorate-record`.
+//! Damaged input into every decoder of the program: none may panic. The harness is shared with `zerorate-record`.
 
 mod calibrations;
 #[path = "../../../zerorate-record/src/fuzz/edit.rs"]

@@ -9,7 +9,7 @@ fn frame(message: &impl serde::Serialize) -> Vec<u8> {
     encode(message, &mut [0; MAX_FRAME]).expect("it fits").to_vec()
 }
 
-/// What a bridge says: whatever the bytes, there is at most one message to a zero.
+/// Messages of a bridge: damaged bytes give at most one message for each zero byte.
 #[test]
 fn bridge_messages() {
     let reading = WireSample {
@@ -34,7 +34,7 @@ fn bridge_messages() {
     });
 }
 
-/// What a bridge is asked.
+/// Requests to a bridge.
 #[test]
 fn bridge_requests() {
     let requests = vec![
@@ -53,7 +53,7 @@ fn packet(kind: u32, body: &[u8]) -> Vec<u8> {
     [&kind.to_le_bytes()[..], &(body.len() as u32).to_le_bytes(), &[0; 8], body].concat()
 }
 
-/// A hello has the short head of 12 bytes, the others that of 16.
+/// The packets of a session. A hello has a head of 12 bytes, the others a head of 16.
 fn session() -> Vec<u8> {
     let hello = Connection::hello_packet("guest");
     let control = packet(100, &[0x80, 6, 0x80, 0, 0, 1, 0, 0, 18, 0]);
@@ -76,7 +76,7 @@ fn usb_redirection() {
     });
 }
 
-/// A part that answers as many bytes as it gets.
+/// A part that answers with the bytes that it gets.
 struct Echo;
 
 impl Board for Echo {

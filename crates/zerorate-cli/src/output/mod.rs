@@ -1,4 +1,4 @@
-//! What commands print, and where their results go.
+//! The output of commands: what they print, and the files that they write.
 
 mod print;
 mod stdio;

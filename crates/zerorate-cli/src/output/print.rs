@@ -1,4 +1,4 @@
-//! What commands print: data and lines for people to stdout, warnings to stderr.
+//! Printing: data and lines for people go to stdout, warnings to stderr.
 
 use super::{Stdout, say};
 use anyhow::{Context, Result};
@@ -7,13 +7,13 @@ use std::fmt::Display;
 use std::io::Write;
 use zerorate_record::plain;
 
-/// Prints text to stdout; a closed pipe is an error to be passed on, not a panic.
+/// Prints text to stdout. A closed pipe is an error to pass on, not a panic.
 pub fn print(text: &str) -> Result<()> {
     let mut stdout = Stdout::lock();
     stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()).context("cannot write to stdout")
 }
 
-/// Prints lines for people to stdout, whatever stands in them.
+/// Prints lines for people to stdout, without control characters.
 pub fn print_lines(text: &str) -> Result<()> {
     print(&plain::lines(text))
 }

@@ -1,26 +1,26 @@
-//! The standard streams: stdout, whose reader may leave, and stderr, which may be full.
+//! The standard streams: the reader of stdout may leave, and stderr may be full.
 
 use std::fmt::Display;
 use std::io::{self, ErrorKind, StdoutLock, Write};
 use zerorate_record::plain;
 
-/// The reader of stdout went away, as in `zerorate … | head`: the end of the run, and no failure.
+/// The reader of stdout left, as in `zerorate … | head`. This ends the run but is not a failure.
 #[derive(Clone, Copy, Debug, thiserror::Error)]
 #[error("the reader of stdout is gone")]
 struct ReaderLeft;
 
-/// Prints a line for people to stderr, whatever stands in it. One that cannot be written must not end what the user
-/// came for.
+/// Prints a line for people to stderr, without control characters. A line that cannot be written must not end the
+/// measurement.
 pub fn say(line: impl Display) {
     let _ = writeln!(io::stderr().lock(), "{}", plain::line(&line.to_string()));
 }
 
-/// Stdout, for data. A pipe without reader is told from every other broken pipe by [`ReaderLeft`].
+/// Stdout, for data. [`ReaderLeft`] distinguishes its broken pipe from every other one.
 #[derive(Debug)]
 pub struct Stdout(StdoutLock<'static>);
 
 impl Stdout {
-    /// Nobody else prints until this is dropped.
+    /// Locks stdout: nothing else prints until this is dropped.
     pub fn lock() -> Self {
         Self(io::stdout().lock())
     }
@@ -43,7 +43,7 @@ fn marked(error: io::Error) -> io::Error {
     }
 }
 
-/// Whether the error is that of a reader of stdout that left.
+/// Whether the error says that the reader of stdout left.
 pub fn reader_left(error: &anyhow::Error) -> bool {
     let is_mark = |error: &io::Error| error.get_ref().is_some_and(|inner| inner.is::<ReaderLeft>());
     error.chain().any(|cause| cause.downcast_ref().is_some_and(is_mark))

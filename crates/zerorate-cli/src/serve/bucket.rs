@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-/// So many at once, and so many a second in the long run.
+/// A token bucket: `most` actions at once, and `per_s` a second in the long run.
 #[derive(Debug)]
 pub struct Bucket {
     most: f64,
@@ -12,18 +12,18 @@ pub struct Bucket {
 }
 
 impl Bucket {
-    /// A full one.
+    /// A full bucket.
     pub fn new(most: u32, per_s: f64, now: Instant) -> Self {
         Self { most: most.into(), per_s, left: most.into(), at: now }
     }
 
-    /// Whether there is one.
+    /// Whether an action is allowed now.
     pub fn has_one(&mut self, now: Instant) -> bool {
         self.fill(now);
         self.left >= 1.0
     }
 
-    /// Takes one, or says how long it is until there is one.
+    /// Takes one action, or returns the time until one is allowed.
     pub fn take(&mut self, now: Instant) -> Result<(), Duration> {
         self.fill(now);
         if self.left < 1.0 {
@@ -33,7 +33,7 @@ impl Bucket {
         Ok(())
     }
 
-    /// Takes one, be there one or not: when the next may be taken.
+    /// Takes one action in any case, and returns when the next is allowed.
     pub fn borrow(&mut self, now: Instant) -> Instant {
         self.fill(now);
         self.left -= 1.0;

@@ -1,4 +1,4 @@
-//! What only the host of a part can say of its connection, as checks that are well or not.
+//! Checks of the connection that only the host of a part can make.
 
 use crate::wording::flag;
 use zerorate::Tally;
@@ -6,14 +6,14 @@ use zerorate_host::{Bus, DeviceInfo};
 use zerorate_jobs::proposal::proposal;
 use zerorate_web::message::CheckResult;
 
-/// How long samples are looked at, as by `zerorate probe`, s.
+/// Time of checking samples, as in `zerorate probe`, s.
 const DURATION_S: f64 = 5.0;
 
 fn check(what: &str, ok: bool, text: impl Into<String>) -> CheckResult {
     CheckResult { what: what.to_owned(), ok, text: text.into() }
 }
 
-/// What opening a device has shown.
+/// The checks that opening a device has made.
 pub fn connection_checks(revision: Option<u8>, bus: Option<Bus>) -> Vec<CheckResult> {
     let answers = revision.map(|revision| {
         check("part", true, format!("answers, revision {revision:02X}h; every register written reads back"))
@@ -29,19 +29,19 @@ pub fn connection_checks(revision: Option<u8>, bus: Option<Bus>) -> Vec<CheckRes
     answers.into_iter().chain(bus).collect()
 }
 
-/// Whether this host takes all samples: told by the first seconds of them.
+/// The check that this host takes all samples, made on the first seconds.
 pub struct HostCheck {
     bus: Option<Bus>,
     mclk_hz: u32,
 }
 
 impl HostCheck {
-    /// Of a device, before its first sample.
+    /// A check of a device that has not given a sample yet.
     pub fn new(facts: &DeviceInfo, bus: Option<Bus>) -> Self {
         Self { bus, mclk_hz: facts.mclk_hz }
     }
 
-    /// What to do for more of them: none before there are enough; none in it where all is well.
+    /// Returns the result once there are enough samples. The inner value is none where all is well.
     pub fn ended(&self, tally: &Tally) -> Option<Option<CheckResult>> {
         if tally.duration_s() < DURATION_S {
             return None;

@@ -1,4 +1,4 @@
-//! The device behind the page: opened, read, and opened again where it was unplugged or somebody asks for it.
+//! The device behind the page. It is opened, read, and opened again after it was unplugged or on request.
 
 use super::connection::connection_checks;
 use anyhow::Result;
@@ -11,20 +11,20 @@ use zerorate_record::CaptureInfo;
 use zerorate_web::registers;
 use zerorate_web::session::About;
 
-/// Which device, and how it is read.
+/// The device, and how to read it.
 #[derive(Clone, Debug)]
 pub struct Opener {
-    /// Which.
+    /// The device.
     pub spec: DeviceSpec,
-    /// How.
+    /// How to read it.
     pub setup: Setup,
-    /// Serial number of the part, where somebody said it.
+    /// The serial number of the part, if the user gave it.
     pub serial: Option<String>,
-    /// The wish that all ends.
+    /// The request to end.
     pub stop: Stop,
 }
 
-/// A device that was opened, initialised and looked at, and is not read yet.
+/// A device that was opened, initialised and checked, and is not read yet.
 pub struct Opened {
     pub hub: Arc<Hub>,
     pub about: About,
@@ -32,7 +32,7 @@ pub struct Opened {
 }
 
 impl Opener {
-    /// Opens the device and looks at it as `zerorate probe` does.
+    /// Opens the device and checks it as `zerorate probe` does.
     pub fn open(&self) -> Result<Opened> {
         let hub = Hub::open(&self.spec, self.setup.clone(), &self.stop)?;
         let revision = hub.with(|source| source.initialise())?;
@@ -54,15 +54,15 @@ impl Opener {
         Ok(Opened { hub: Arc::new(hub), about, bus })
     }
 
-    /// The same in a thread of its own, after `before` has been let go.
+    /// The same in a thread of its own, after `before` was dropped.
     pub fn open_again(&self, before: Option<Arc<Hub>>) -> Opening {
         let (opener, (tell, told)) = (self.clone(), channel());
         let body = move || {
             drop(before);
-            // who asked may be gone
+            // the receiver may be gone
             let _ = tell.send(opener.open());
         };
-        // where there is no thread to be had, the channel is closed
+        // if no thread can be started, the channel is closed
         drop(thread::Builder::new().name("opening".to_owned()).spawn(body));
         Opening(told)
     }
@@ -72,28 +72,28 @@ impl Opener {
 pub struct Opening(Receiver<Result<Opened>>);
 
 impl Opening {
-    /// What became of it, once that is known.
+    /// The result, once it is known.
     pub fn ready(&self) -> Option<Result<Opened>> {
         match self.0.try_recv() {
             Ok(opened) => Some(opened),
             Err(TryRecvError::Empty) => None,
-            Err(TryRecvError::Disconnected) => Some(Err(anyhow::anyhow!("there is no thread to open the device in"))),
+            Err(TryRecvError::Disconnected) => Some(Err(anyhow::anyhow!("cannot start a thread for the device"))),
         }
     }
 }
 
-/// Samples for the session: all there are, unless it were to keep a real part waiting.
+/// Samples for the session: all of them, unless a real part would have to wait.
 pub enum Feed {
     /// Simulated and recorded time waits for the session.
     LosslessReader(LosslessReader),
-    /// A real part does not: what does not fit into this queue is missed, and counted.
+    /// A real part does not wait: samples that do not fit into this queue are missed, and counted.
     Patient(Watcher),
 }
 
-/// Batches of 20 ms that wait for the session of a real part: 20 s, so that only a session that hangs misses any.
+/// Length of the queue for a real part, in batches of 20 ms: 20 s, so that only a session that hangs misses samples.
 const PATIENCE: usize = 1024;
 
-/// What a feed gives.
+/// Samples from a feed.
 pub struct Fed {
     pub batch: Arc<Batch>,
     /// Samples before it that were missed.
@@ -101,12 +101,12 @@ pub struct Fed {
 }
 
 impl Feed {
-    /// From here on.
+    /// A feed that begins now.
     pub fn of(hub: &Hub) -> Self {
         if hub.facts().is_real { Self::Patient(hub.watch(PATIENCE)) } else { Self::LosslessReader(hub.everything()) }
     }
 
-    /// What comes within this time. Why there is no more tells the hub.
+    /// Waits this long for samples. After the end the hub knows the reason.
     pub fn next_within(&self, patience: Duration) -> Awaited<Fed> {
         match self {
             Self::LosslessReader(everything) => match everything.next_within(patience) {
@@ -123,7 +123,7 @@ impl Feed {
     }
 }
 
-/// Begins to read at a speed.
+/// Begins to read, with time at this speed.
 pub fn begin(hub: &Hub, speed: f64) -> Result<(), DeviceError> {
     hub.read(Pace::RealTime, Vec::new())?;
     hub.speed().set(speed);

@@ -1,7 +1,8 @@
-//! Calibrations on disk: read at the start, and written when one was made. Names are made here, never taken from a
-//! request.
+//! Calibrations on disk: read at the start, and written when the page makes one. Their names are made here and never
+//! taken from a request.
 
 use crate::output::{Outputs, say, warn};
+use crate::wording::text;
 use anyhow::{Context, Result};
 use std::collections::{HashMap, HashSet};
 use std::fs;
@@ -11,33 +12,33 @@ use zerorate_record::limits;
 use zerorate_view::SessionWarning;
 use zerorate_web::session::{Said, Session};
 
-/// Where calibrations are kept; without a path, nowhere.
+/// The folder that keeps calibrations. Without a path none are kept.
 #[derive(Debug, Default)]
 pub struct Folder {
     path: Option<PathBuf>,
-    /// Ids that are there, or came from a file.
+    /// Ids that are in the folder, or came from a file.
     known: HashSet<String>,
-    /// Where they lie in the folder.
+    /// The files of each id in the folder.
     files: HashMap<String, Vec<PathBuf>>,
-    /// Changes of what is on file that were looked at.
+    /// The number of changes of the shelf that were handled.
     seen: u64,
 }
 
 impl Folder {
-    /// Where calibrations that are made are to be kept.
+    /// Keeps calibrations in the folder at `path`.
     pub fn new(path: Option<PathBuf>) -> Self {
         Self { path, ..Self::default() }
     }
 
-    /// Whether they are kept at all.
+    /// Whether calibrations are kept at all.
     pub fn is_there(&self) -> bool {
         self.path.is_some()
     }
 
-    /// Puts all calibrations of the folder on file; those that cannot be read are named on stderr.
+    /// Puts all calibrations of the folder on file. Files that cannot be read are named on stderr.
     ///
     /// # Errors
-    /// The folder cannot be made or read.
+    /// The folder cannot be created or read.
     pub fn read(&mut self, session: &mut Session) -> Result<()> {
         let Some(folder) = &self.path else { return Ok(()) };
         let about = || format!("--folder {}", folder.display());
@@ -49,26 +50,26 @@ impl Folder {
         for file in files {
             match self.add(&file, session) {
                 Ok(id) => self.files.entry(id).or_default().push(file),
-                Err(error) => warn(&[Said::from(SessionWarning::LeftOut(format!("{error:#}")))]),
+                Err(error) => warn(&[Said::from(SessionWarning::LeftOut(text(&error)))]),
             }
         }
         Ok(())
     }
 
-    /// Puts a calibration on file; its id.
+    /// Puts a calibration on file and returns its id.
     ///
     /// # Errors
-    /// It cannot be read, or is no calibration.
+    /// The file cannot be read, or is not a calibration.
     pub fn add(&mut self, path: &Path, session: &mut Session) -> Result<String> {
         let name = || path.display().to_string();
-        let text = Outputs::without_force().text(path, limits::TEXT)?;
-        let id = session.add_calibration(&text).map_err(|why| anyhow::anyhow!("{}: {why}", name()))?;
+        let toml = Outputs::without_force().text(path, limits::TEXT)?;
+        let id = session.add_calibration(&toml).map_err(|why| anyhow::anyhow!("{}: {why}", name()))?;
         self.known.insert(id.clone());
         Ok(id)
     }
 
-    /// Writes what came since, if there is a folder, and puts away what was removed; what went wrong is said on stderr
-    /// and on the page.
+    /// Writes new calibrations, if there is a folder, and renames the files of removed ones. Failures are reported on
+    /// stderr and on the page.
     pub fn keep(&mut self, session: &mut Session) {
         let changes = session.shelf_changes();
         if std::mem::replace(&mut self.seen, changes) == changes {
@@ -86,7 +87,7 @@ impl Folder {
                         self.files.entry(id.clone()).or_default().push(path);
                     }
                     Err(error) => {
-                        let why = format!("{error:#}");
+                        let why = text(&error);
                         tell(session, SessionWarning::NotKept { id: id.clone(), why });
                     }
                 }
@@ -95,7 +96,7 @@ impl Folder {
         }
     }
 
-    /// A calibration that was removed does not come back with the next start.
+    /// Renames the files of removed calibrations, so that these do not come back with the next start.
     fn put_away(&mut self, session: &mut Session) {
         let on_file: HashSet<String> = session.calibrations().map(Calibration::id).collect();
         let removed: Vec<String> = self.known.difference(&on_file).cloned().collect();
@@ -109,7 +110,7 @@ impl Folder {
                         session.note(Said::plain(note));
                     }
                     Err(error) => {
-                        let why = format!("{error:#}");
+                        let why = text(&error);
                         tell(session, SessionWarning::NotRemoved { id: id.clone(), why });
                     }
                 }
@@ -118,14 +119,14 @@ impl Folder {
     }
 }
 
-/// Says it on stderr and on the page.
+/// Reports a warning on stderr and on the page.
 pub fn tell(session: &mut Session, warning: SessionWarning) {
     let said = Said::from(warning);
     warn(&[&said]);
     session.note(said);
 }
 
-/// No file is deleted: it gets a name by which it is not read again.
+/// Gives the file a name by which it is not read again. No file is deleted.
 fn rename(file: &Path, id: &str) -> Result<PathBuf> {
     let mut names = (1..=MOST_REMOVED).map(|count| file.with_extension(removed_ending(id, count)));
     let free = names.find(|path| path.symlink_metadata().is_err());
@@ -134,10 +135,10 @@ fn rename(file: &Path, id: &str) -> Result<PathBuf> {
     Ok(removed)
 }
 
-/// Files of one id that were removed.
+/// Largest number of removed files of one id.
 const MOST_REMOVED: u32 = 1000;
 
-/// The first file that was removed keeps its name when there is a second one of the same id.
+/// The ending of a removed file. The first removed file of an id keeps its name when a second one follows.
 fn removed_ending(id: &str, count: u32) -> String {
     match count {
         1 => format!("toml.removed-{id}"),

@@ -1,5 +1,5 @@
-//! Who may talk to the server: whoever came to it by its own name, from its own page, and knows the token where there
-//! is one.
+//! Access to the server. A request must use the server's own name, come from its own page, and show the token where
+//! one is required.
 
 use crate::exit::Usage;
 use anyhow::{Result, anyhow};
@@ -15,34 +15,34 @@ pub struct Token(String);
 
 /// 128 bits, which nobody guesses.
 const TOKEN_BYTES: usize = 16;
-/// A token of one's own has so many characters.
+/// Allowed lengths of a token that the user gives.
 pub const TOKEN_LENGTHS: std::ops::RangeInclusive<usize> = 16..=256;
 
 impl Token {
-    /// By the random numbers of the operating system.
+    /// A new token from the random numbers of the operating system.
     pub fn random() -> Result<Self> {
         let mut bytes = [0; TOKEN_BYTES];
         getrandom::fill(&mut bytes).map_err(|error| anyhow!("no random numbers for the token: {error}"))?;
         Ok(Self(bytes.iter().map(|byte| format!("{byte:02x}")).collect()))
     }
 
-    /// The first line of a file that reads `text`.
+    /// The token in the first line of `text`, which the file at `path` holds.
     pub fn of_file(path: &Path, text: &str) -> Result<Self> {
         let token = text.lines().next().unwrap_or_default().trim();
         let fits = TOKEN_LENGTHS.contains(&token.len()) && token.bytes().all(|byte| byte.is_ascii_alphanumeric());
         if !fits {
-            let how = "a token is 16 to 256 letters and digits in one line, as `openssl rand -hex 16` writes one";
+            let how = "a token has 16 to 256 letters and digits in one line; `openssl rand -hex 16` makes one";
             return Err(Usage(format!("{}: {how}", path.display())).into());
         }
         Ok(Self(token.to_owned()))
     }
 
-    /// Whether somebody knows it; takes as long whatever is wrong with theirs.
+    /// Whether `shown` is the token. The comparison takes the same time for every wrong token.
     pub fn is(&self, shown: &str) -> bool {
         self.0.as_bytes().ct_eq(shown.as_bytes()).into()
     }
 
-    /// For whom it is printed or sent.
+    /// The text of the token, to print or to send.
     pub fn reveal(&self) -> &str {
         &self.0
     }
@@ -54,12 +54,12 @@ impl fmt::Debug for Token {
     }
 }
 
-/// What a request must fulfil.
+/// The conditions that a request must meet.
 #[derive(Debug)]
 pub struct Guard {
     token: Option<Token>,
     is_local: bool,
-    /// Names that the machine is known by, beside its numbers.
+    /// Names of the machine, beside its IP addresses.
     names: Vec<String>,
     cookie: String,
 }
@@ -69,8 +69,8 @@ pub type Refusal = (StatusCode, &'static str);
 
 const NOT_OUR_NAME: Refusal = (
     StatusCode::MISDIRECTED_REQUEST,
-    "this is not a name of this server (a site may have bent its own name to here): use its number, or start it with \
-     --host NAME\n",
+    "this is not a name of this server (another site may point its name here): use the IP address, or start the \
+     server with --host NAME\n",
 );
 const NOT_OUR_PAGE: Refusal = (StatusCode::FORBIDDEN, "only the page of this server may ask\n");
 const NO_SUCH_METHOD: Refusal = (StatusCode::METHOD_NOT_ALLOWED, "GET and HEAD alone, and POST of the token\n");
@@ -80,18 +80,18 @@ const FETCH_SITE: HeaderName = HeaderName::from_static("sec-fetch-site");
 const FETCH_MODE: HeaderName = HeaderName::from_static("sec-fetch-mode");
 
 impl Guard {
-    /// Of a server at this address; a token is needed wherever others can reach it.
+    /// A guard for a server at this address. A token is required where other machines can reach it.
     pub fn new(address: SocketAddr, token: Option<Token>, names: Vec<String>) -> Self {
         let cookie = format!("zerorate_{}", address.port());
         Self { token, is_local: address.ip().is_loopback(), names, cookie }
     }
 
-    /// The token, where one is needed.
+    /// The token, where one is required.
     pub fn token(&self) -> Option<&Token> {
         self.token.as_ref()
     }
 
-    /// What every request must fulfil: our own name, our own page, and nothing in it that nobody reads.
+    /// Checks what holds for every request: our own name, our own page, a known method and no body.
     pub fn check(&self, method: &Method, path: &str, headers: &HeaderMap) -> Result<(), Refusal> {
         let host = self.own_name(headers)?;
         from_own_page(method, host, headers)?;
@@ -103,13 +103,13 @@ impl Guard {
         }
     }
 
-    /// The cookie that stands for the token: for this server, and for no script.
+    /// The cookie that carries the token. It is sent to this server only, and scripts cannot read it.
     pub fn cookie(&self) -> Option<String> {
         let token = self.token.as_ref()?.reveal();
         Some(format!("{}={token}; Path=/; HttpOnly; SameSite=Strict", self.cookie))
     }
 
-    /// Tokens in the cookie or as `Authorization: Bearer`, which is for programs.
+    /// The tokens in a request: in the cookie, or for programs as `Authorization: Bearer`.
     pub fn shown<'a>(&'a self, headers: &'a HeaderMap) -> impl Iterator<Item = &'a str> {
         let texts = |name| headers.get_all(name).iter().filter_map(|value| value.to_str().ok());
         let cookies = texts(header::COOKIE).flat_map(|value| value.split(';'));
@@ -117,8 +117,8 @@ impl Guard {
         in_cookies.chain(texts(header::AUTHORIZATION).filter_map(|value| value.strip_prefix("Bearer ")))
     }
 
-    /// Against DNS rebinding: a site that lets its own name point here is known by that name. A number has no such
-    /// owner. Ports do not matter: they may be forwarded.
+    /// Protects against DNS rebinding: a site that points its own name here is recognised by that name. An IP address
+    /// has no such owner. The port is not compared, since it may be forwarded.
     fn own_name<'a>(&self, headers: &'a HeaderMap) -> Result<&'a str, Refusal> {
         let mut all = headers.get_all(header::HOST).iter();
         let (Some(host), None) = (all.next().and_then(|host| host.to_str().ok()), all.next()) else {
@@ -134,7 +134,8 @@ impl Guard {
     }
 }
 
-/// A browser lets any site open a WebSocket to this machine, or post to it, but says which site that is.
+/// Refuses requests from other sites. A browser lets any site open a WebSocket to this machine, or post to it, but
+/// states the site.
 fn from_own_page(method: &Method, host: &str, headers: &HeaderMap) -> Result<(), Refusal> {
     for origin in headers.get_all(header::ORIGIN) {
         let of = origin.to_str().ok().and_then(|origin| origin.split_once("://"));

@@ -1,4 +1,4 @@
-//! Clients of libiio beside the page: a server for each time that the device is opened.
+//! Clients of libiio beside the page. Each opening of the device has a server of its own.
 
 use crate::output::warn;
 use anyhow::{Context, Result};
@@ -11,7 +11,7 @@ use zerorate_host::{Hub, Stop};
 use zerorate_view::SessionWarning;
 use zerorate_web::session::Said;
 
-/// Where clients connect, and what is served to them.
+/// The listener for clients, and the data that they get.
 pub struct Libiio {
     listener: TcpListener,
     calibration: Option<Calibration>,
@@ -20,23 +20,23 @@ pub struct Libiio {
 }
 
 impl Libiio {
-    /// Nothing is served yet.
+    /// Serves nothing yet.
     pub fn new(listener: TcpListener, calibration: Option<Calibration>, may_be_written: bool) -> Self {
         Self { listener, calibration, may_be_written, running: None }
     }
 
-    /// Where clients connect.
+    /// The address that clients connect to.
     ///
     /// # Errors
-    /// The system does not know.
+    /// The system does not know the address.
     pub fn address(&self) -> Result<SocketAddr> {
         self.listener.local_addr().context("the libiio server")
     }
 
-    /// From here on the device of this hub.
+    /// Serves the device of this hub from here on.
     ///
     /// # Errors
-    /// There is no thread to be had, or no socket.
+    /// No thread or no socket can be had.
     pub fn begin(&mut self, hub: &Arc<Hub>) -> Result<()> {
         self.end();
         let (hub, stop) = (Arc::clone(hub), Stop::default());
@@ -57,7 +57,7 @@ impl Libiio {
         Ok(())
     }
 
-    /// Lets the hub go, and all clients.
+    /// Ends serving, and drops the hub and all clients.
     pub fn end(&mut self) {
         if let Some((stop, thread)) = self.running.take() {
             stop.ask();

@@ -1,4 +1,4 @@
-//! What is read and lost, for Prometheus, from the same snapshot that a page gets.
+//! Numbers of samples read and lost for Prometheus, from the same snapshot that a page gets.
 
 use super::server::Server;
 use super::watch;
@@ -30,7 +30,7 @@ fn head(frame: &[u8]) -> Option<Value> {
     serde_json::from_slice(rest.get(..u32::from_le_bytes(*length) as usize)?).ok()
 }
 
-/// Of a number in the header: name, kind, what it is, where it stands.
+/// Numbers in the header, each with its name, kind, help and place.
 const OF_THE_DEVICE: [(&str, &str, &str, &str); 8] = [
     ("samples_total", "counter", "Samples read since the device was opened.", "/ledger/samples"),
     ("samples_lost_total", "counter", "Samples lost, as the part and the host count them.", "/ledger/lost"),
@@ -42,7 +42,7 @@ const OF_THE_DEVICE: [(&str, &str, &str, &str); 8] = [
     ("temperature_celsius", "gauge", "Mean of the last second.", "/now/temp_c"),
 ];
 
-/// Of each axis, by its name.
+/// Numbers of each axis, each with its name, help and place.
 const OF_AN_AXIS: [(&str, &str, &str); 2] = [
     ("rate_dps", "Mean angular rate of the last second, degrees per second.", "/rate_dps"),
     ("corrected_rate_dps", "The same with the calibration that is applied.", "/corrected_dps"),
@@ -82,7 +82,7 @@ fn text(head: &Value, watchers: usize) -> String {
     text
 }
 
-/// A name of an axis comes from a file.
+/// Escapes the name of an axis, which comes from a file.
 fn escaped(label: &str) -> String {
     label.replace('\\', r"\\").replace('"', "\\\"").replace('\n', r"\n")
 }

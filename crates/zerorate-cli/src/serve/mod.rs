@@ -1,10 +1,10 @@
-//! The live page: one thread reads the device, one keeps the session of the page, one talks to browsers. The session
-//! has every sample; browsers have what they can take, and are never waited for.
+//! The live page. One thread reads the device, one keeps the session of the page, and one talks to browsers. The
+//! session gets every sample. Browsers get what they can take, and nothing waits for them.
 //!
 //! `session_thread.rs` has the device (`device.rs`), its recordings (`recordings.rs`) and the calibrations on disk
-//! (`folder.rs`). `server.rs` takes connections and asks the guard (`guard.rs`) about each
-//! request and counts the tokens that are tried (`trials.rs`); `watch.rs`, `page.rs` and `metrics.rs` answer
-//! them. `libiio.rs` is for other clients.
+//! (`folder.rs`). `server.rs` accepts connections, checks each request with the guard (`guard.rs`), and counts the
+//! tokens that are tried (`trials.rs`). `watch.rs`, `page.rs` and `metrics.rs` answer requests. `libiio.rs` serves
+//! other clients.
 
 mod bucket;
 mod connection;

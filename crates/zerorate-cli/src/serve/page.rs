@@ -1,4 +1,4 @@
-//! The files of the page, which are in the program: a request names one of a table, and nothing else.
+//! The files of the page, which are part of the program. A request can name a file of this table and nothing else.
 
 use axum::body::Bytes;
 use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri, header};
@@ -8,28 +8,28 @@ use std::io::Read;
 use zerorate_view::SessionWarning;
 use zerorate_web::session::Said;
 
-/// A file, packed by gzip: unlike brotli, browsers take that from any host over plain HTTP.
+/// A file, packed by gzip. Unlike brotli, browsers accept gzip from any host over plain HTTP.
 struct Asset {
     name: &'static str,
-    /// Of its content, for caches.
+    /// A hash of the content, for caches.
     tag: &'static str,
     packed: &'static [u8],
 }
 
-/// What the build found of the page; empty without it.
+/// The files of the page that the build found; empty without the page.
 static PAGE: &[Asset] = include!(concat!(env!("OUT_DIR"), "/page.rs"));
 
-/// Whether the page is in this program.
+/// Whether the page is part of this program.
 pub fn is_there() -> bool {
     !PAGE.is_empty()
 }
 
-/// What is said where it is not.
+/// The warning that the page is missing.
 pub fn absent() -> Said {
     SessionWarning::NoPage.into()
 }
 
-/// The file that is asked for.
+/// Answers with the file that the request names.
 pub async fn file(uri: Uri, headers: HeaderMap) -> Response {
     let name = match uri.path().trim_start_matches('/') {
         "" => "index.html",
@@ -56,14 +56,14 @@ impl Asset {
         own.insert(header::CONTENT_TYPE, HeaderValue::from_static(media_type(self.name)));
         own.insert(header::ETAG, HeaderValue::from_static(self.tag));
         own.insert(header::VARY, HeaderValue::from_static("accept-encoding"));
-        // it belongs to this program: another one may answer here tomorrow
+        // the file belongs to this program, and another program may answer here tomorrow
         own.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-cache"));
         response
     }
 
     fn unpacked(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
-        // packed by the build
+        // the build packed it, so it is whole
         let _ = GzDecoder::new(self.packed).read_to_end(&mut bytes);
         bytes
     }

@@ -1,4 +1,4 @@
-//! What is recorded while the page is served: one file from one opening of the device to its end.
+//! Recordings while the page is served: one file for each opening of the device.
 
 use crate::output::{Outputs, Recording, say};
 use anyhow::{Context, Result};
@@ -12,24 +12,24 @@ use zerorate_jobs::Recorder;
 use zerorate_jobs::output::OutputError;
 use zerorate_record::{CaptureInfo, Format};
 
-/// The recordings of a run. A device that was opened again begins another one: its time begins anew.
+/// The recordings of a run. A device that is opened again begins another recording, since its time begins anew.
 pub struct Recordings {
     files: Option<Arc<Mutex<Files>>>,
-    /// Of what robots read in a bag.
+    /// Corrects the rates in rad/s of a bag.
     calibration: Option<Calibration>,
     running: Option<JoinHandle<Result<()>>>,
 }
 
 impl Recordings {
-    /// Into files named after this one; none: nothing is recorded.
+    /// Records into files named after `path`. Without a path nothing is recorded.
     pub fn new(path: Option<PathBuf>, outputs: Outputs, calibration: Option<Calibration>) -> Self {
         let files = path.map(|path| Arc::new(Mutex::new(Files { path, outputs, count: 0 })));
         Self { files, calibration, running: None }
     }
 
-    /// Begins to record what a hub will read, in a thread of its own, which takes every sample. The first file is
-    /// there from the start, so that whoever cannot record is told at once; the others with their first samples, for
-    /// a part that is broken is opened again and again and gives none. `info` is stored with the samples.
+    /// Begins to record the samples of a hub, in a thread of its own, which gets every sample. The first file is
+    /// created at once, so that a user who cannot record is told immediately. Later files are created with their first
+    /// samples, because a broken part is opened again and again without giving any. `info` is stored with the samples.
     pub fn begin(&mut self, hub: &Hub, info: &CaptureInfo) -> Result<()> {
         self.end()?;
         let Some(files) = &self.files else { return Ok(()) };
@@ -40,7 +40,7 @@ impl Recordings {
         let (begun, waits) = channel();
         let body = move || {
             let mut opened = first.map(|file| Opened::create(file, &facts, calibration.clone())).transpose()?;
-            // whoever waits for that is still there
+            // the receiver still waits
             let _ = begun.send(());
             while let Ok(Some(batch)) = everything.next() {
                 if batch.rows.is_empty() {
@@ -57,17 +57,17 @@ impl Recordings {
         let thread =
             thread::Builder::new().name("recorder".to_owned()).spawn(body).context("starting the recorder")?;
         self.running = Some(thread);
-        // nothing is sent where it could not begin
+        // the thread sends nothing if it could not begin
         waits.recv().or_else(|_| self.end())
     }
 
-    /// Why the recording has ended, if it failed.
+    /// Returns why the recording ended, if it failed.
     pub fn failure(&mut self) -> Option<anyhow::Error> {
         let is_over = self.running.as_ref().is_some_and(JoinHandle::is_finished);
         if is_over { self.end().err() } else { None }
     }
 
-    /// Waits for the end of the recording: what it records has ended.
+    /// Waits for the end of the recording. Its device must have ended.
     pub fn end(&mut self) -> Result<()> {
         let Some(thread) = self.running.take() else { return Ok(()) };
         thread.join().unwrap_or_else(|_| anyhow::bail!("the recorder died"))
@@ -78,23 +78,23 @@ fn lock(files: &Mutex<Files>) -> std::sync::MutexGuard<'_, Files> {
     files.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Which files are recorded into.
+/// The files of the recordings.
 struct Files {
     path: PathBuf,
     outputs: Outputs,
-    /// The number of the last one.
+    /// The number of the last file.
     count: u32,
 }
 
 impl Files {
-    /// The first file, if it was not made yet.
+    /// Creates the first file, unless it exists already.
     fn first(&mut self) -> Result<Option<Recording>> {
         if self.count == 0 { self.next().map(Some) } else { Ok(None) }
     }
 
-    /// The next file. What an earlier run left of those that follow the first is not touched.
+    /// Creates the next file. Numbered files of an earlier run are skipped and not touched.
     fn next(&mut self) -> Result<Recording> {
-        // before anything is created
+        // check the form before anything is created
         Format::choose(None, &self.path)?;
         loop {
             self.count += 1;
@@ -106,7 +106,7 @@ impl Files {
     }
 }
 
-/// A file that is recorded into.
+/// A file that is being recorded.
 struct Opened {
     name: String,
     recorder: Recorder,
@@ -119,7 +119,7 @@ impl Opened {
         Ok(Self { name: path.display().to_string(), recorder })
     }
 
-    /// Records until the end, whatever that is: what there is until then is whole.
+    /// Records until the end, however it comes. The samples until then are complete.
     fn record(mut self, first: &Batch, more: &LosslessReader) -> Result<()> {
         let mut written = self.push(first);
         while written.is_ok() {

@@ -1,4 +1,4 @@
-//! Connections, and what may be asked on them. Every wait and every size has a bound.
+//! Connections and their requests. Every wait and every size has a bound.
 
 use super::bucket::Bucket;
 use super::guard::{Guard, Refusal};
@@ -26,9 +26,9 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use tokio::time;
 use zerorate_host::Stop;
 
-/// Connections at a time.
+/// Largest number of connections.
 const CONNECTIONS: usize = 96;
-/// Pages that look on.
+/// Largest number of viewers.
 const SEATS: usize = 48;
 /// Largest head of a request, bytes.
 const HEAD: usize = 16 << 10;
@@ -38,22 +38,22 @@ const BURST: u32 = 100;
 const REQUESTS_PER_S: f64 = 20.0;
 /// Largest token, bytes.
 const TOKEN: usize = 1 << 10;
-/// A wish to end is heeded this often.
+/// The request to end is checked this often.
 const POLL: Duration = Duration::from_millis(50);
 
-/// Where the page's script and everything else may come from: here, and no other place.
+/// Content security policy: scripts and everything else of the page come from this server only.
 const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; \
     img-src 'self' data: blob:; font-src 'self'; connect-src 'self'; worker-src 'self'; manifest-src 'self'; \
     base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// How long is waited for whom.
+/// The bounds of waiting.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// Until the head of a request must be there, and until the next one.
+    /// Time until the head of a request must be complete, and until the next request.
     pub head: Duration,
-    /// Of a connection that is no page looking on.
+    /// Lifetime of a connection that is not a viewer.
     pub lifetime: Duration,
-    /// A page that looks on must give a sign of life as often.
+    /// A viewer must give a sign of life this often.
     pub sign_of_life: Duration,
 }
 
@@ -64,7 +64,7 @@ impl Default for Limits {
     }
 }
 
-/// What all requests share.
+/// The state that all requests share.
 pub struct Server {
     pub visits: Visits,
     pub seats: Arc<Semaphore>,
@@ -73,14 +73,14 @@ pub struct Server {
     trials: Trials,
 }
 
-/// A connection, and how much is asked on it.
+/// A connection, with the limit on its requests.
 pub struct Connection {
     requests: Mutex<Bucket>,
     _place: OwnedSemaphorePermit,
 }
 
 impl Server {
-    /// Pages that look on.
+    /// The number of viewers.
     pub fn watchers(&self) -> usize {
         SEATS - self.seats.available_permits()
     }
@@ -89,14 +89,14 @@ impl Server {
         Self { visits, seats: Arc::new(Semaphore::new(SEATS)), limits, guard, trials: Trials::new(Instant::now()) }
     }
 
-    /// Samples and requests need the token, where there is one.
+    /// Checks the token, where one is required. Samples and requests need it.
     fn admit(&self, headers: &HeaderMap) -> Result<(), Refusal> {
         let Some(token) = self.guard.token() else { return Ok(()) };
         self.trials.admit(token, self.guard.shown(headers), Instant::now())
     }
 }
 
-/// Asks for the end of everything when it goes, however that comes about.
+/// Requests the end of everything when it is dropped, also by a panic.
 pub struct EndsAll(pub Stop);
 
 impl Drop for EndsAll {
@@ -105,10 +105,10 @@ impl Drop for EndsAll {
     }
 }
 
-/// Serves until the wish to end.
+/// Serves until the request to end.
 ///
 /// # Errors
-/// The system does not let it.
+/// The system does not let it serve.
 pub fn run(listener: TcpListener, guard: Guard, visits: Visits, stop: &Stop) -> Result<()> {
     serve(listener, Server::new(guard, visits, Limits::default()), stop)
 }
@@ -151,7 +151,7 @@ async fn accept(listener: tokio::net::TcpListener, routes: Router, limits: Limit
     let places = Arc::new(Semaphore::new(CONNECTIONS));
     loop {
         let Ok((stream, _)) = listener.accept().await else {
-            // no room for another file, or who came has left
+            // no room for another file, or the client has left
             time::sleep(POLL).await;
             continue;
         };
@@ -167,7 +167,7 @@ fn turn_away(stream: &TcpStream) {
 }
 
 async fn attend(stream: TcpStream, routes: Router, limits: Limits, place: OwnedSemaphorePermit) {
-    // frames are small, and late ones useless
+    // frames are small, and late frames are useless
     let _ = stream.set_nodelay(true);
     let requests = Mutex::new(Bucket::new(BURST, REQUESTS_PER_S, Instant::now()));
     let connection = Arc::new(Connection { requests, _place: place });
@@ -175,11 +175,11 @@ async fn attend(stream: TcpStream, routes: Router, limits: Limits, place: OwnedS
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(limits.head).max_buf_size(HEAD).max_headers(HEADERS);
     let served = http.serve_connection(TokioIo::new(stream), service).with_upgrades();
-    // whoever breaks off is no failure of the server
+    // a client that breaks off is not a failure of the server
     let _ = time::timeout(limits.lifetime, served).await;
 }
 
-/// What holds for every request and every answer.
+/// Checks every request, and sets the headers of every answer.
 async fn check(
     State(server): State<Arc<Server>>,
     Extension(connection): Extension<Arc<Connection>>,
@@ -207,7 +207,7 @@ async fn check(
     response
 }
 
-/// What holds beside for samples and requests.
+/// Checks the token for samples and requests.
 async fn admit(State(server): State<Arc<Server>>, request: Request, next: Next) -> Response {
     match server.admit(request.headers()) {
         Ok(()) => next.run(request).await,
@@ -215,23 +215,24 @@ async fn admit(State(server): State<Arc<Server>>, request: Request, next: Next) 
     }
 }
 
-/// What is left of a body is not waited for.
+/// Answers with a refusal and closes the connection, without waiting for the rest of a body.
 fn refused((status, why): Refusal) -> Response {
     (status, [(header::CONNECTION, "close")], why).into_response()
 }
 
-/// Which home the page is in (docs/formats/page.md).
+/// Tells the page where it runs (docs/formats/page.md).
 async fn home(State(server): State<Arc<Server>>, request: Request) -> Response {
     let token_needed = server.admit(request.headers()).is_err();
     let text = json!({"home": "served", "token_needed": token_needed}).to_string();
     ([(header::CONTENT_TYPE, "application/json")], text).into_response()
 }
 
-/// The token, typed into the page or taken by it from the fragment of the address; the answer brings the cookie.
+/// Checks a token that was typed into the page, or that the page took from the fragment of its address. The answer
+/// sets the cookie.
 async fn token(State(server): State<Arc<Server>>, body: Body) -> Response {
     let shown = match time::timeout(server.limits.head, to_bytes(body, TOKEN)).await {
         Ok(Ok(bytes)) => bytes,
-        Ok(Err(_)) => return refused((StatusCode::PAYLOAD_TOO_LARGE, "that is no token\n")),
+        Ok(Err(_)) => return refused((StatusCode::PAYLOAD_TOO_LARGE, "that is not a token\n")),
         Err(_) => return refused((StatusCode::REQUEST_TIMEOUT, "the token did not come\n")),
     };
     let shown = str::from_utf8(&shown).unwrap_or_default().trim();

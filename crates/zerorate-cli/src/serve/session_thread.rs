@@ -1,11 +1,11 @@
-//! The thread of the session: samples in, frames out, and requests in between.
+//! The thread of the session: it takes samples, sends frames, and answers requests in between.
 
 use super::connection::HostCheck;
 use super::device::{self, Fed, Feed, Opened, Opener, Opening};
 use super::folder::tell;
 use super::{Folder, Libiio, Recordings};
 use crate::output::say;
-use crate::wording::flag;
+use crate::wording::{flag, text};
 use anyhow::Result;
 use axum::body::Bytes;
 use std::sync::Arc;
@@ -21,35 +21,35 @@ use zerorate_web::session::{Handled, HostCommand, Said, Session};
 
 /// Time between two frames.
 const FRAME: Duration = Duration::from_millis(33);
-/// Requests wait no longer than this where no samples come.
+/// Requests wait at most this long when no samples come.
 const TURN: Duration = Duration::from_millis(10);
-/// A part that is gone is looked for this often.
+/// A part that is gone is opened again this often.
 const RETRY: Duration = Duration::from_secs(3);
-/// Frames that a browser may be behind: a second.
+/// Frames that a browser may be behind: one second.
 pub const BEHIND: usize = 32;
-/// Visits that wait; each connection has one at most.
+/// Length of the queue of visits. Each connection has at most one visit in it.
 const QUEUE: usize = 256;
-/// Visits between two looks at the samples.
+/// Largest number of visits between two looks at the samples.
 const VISITS: usize = 64;
 
-/// What somebody asks the thread for.
+/// A request to the thread.
 pub enum Visit {
-    /// To have a request answered.
+    /// Answer a request of the page.
     Ask(String, oneshot::Sender<String>),
-    /// To see everything, and from there on what is new.
+    /// Send everything so far, and then each new frame.
     Watch(oneshot::Sender<Begun>),
 }
 
-/// All there is by now, and what follows it.
+/// The state so far, and the frames that follow it.
 pub struct Begun {
     pub snapshot: Bytes,
     pub frames: broadcast::Receiver<Bytes>,
 }
 
-/// Where visits are handed in.
+/// The sender for visits.
 pub type Visits = SyncSender<Visit>;
 
-/// The session, the device, and who waits.
+/// The session, the device, and the visitors that wait.
 pub struct SessionThread {
     session: Session,
     opener: Opener,
@@ -63,9 +63,9 @@ pub struct SessionThread {
     newcomers: Vec<oneshot::Sender<Begun>>,
     /// When the next frame is due.
     frame_due: Instant,
-    /// Why the device cannot be read, as it was said last.
+    /// The last reason that was printed why the device cannot be read.
     failed: Option<String>,
-    /// What went wrong with a recording first.
+    /// The first failure of a recording.
     failure: Option<anyhow::Error>,
 }
 
@@ -74,7 +74,7 @@ enum Device {
     Opened(Arc<Hub>, Option<Bus>),
     Opening(Opening),
     Reading(Box<Reading>),
-    /// There is nothing to read; a real part is looked for again.
+    /// There is nothing to read. A real part is opened again later.
     Over {
         hub: Option<Arc<Hub>>,
         again: Option<Instant>,
@@ -97,7 +97,7 @@ impl Reading {
 }
 
 impl SessionThread {
-    /// For a device that was opened and is not read yet; where visits are handed in.
+    /// A thread for a device that was opened and is not read yet, with the sender for visits.
     pub fn new(opener: Opener, opened: Opened, recordings: Recordings, folder: Folder) -> (Self, Visits) {
         let (hand_in, visits) = sync_channel(QUEUE);
         let (frames, _) = broadcast::channel(BEHIND);
@@ -119,12 +119,12 @@ impl SessionThread {
         (thread, hand_in)
     }
 
-    /// With a server for clients of libiio.
+    /// Adds a server for clients of libiio.
     pub fn with_libiio(self, libiio: Option<Libiio>) -> Self {
         Self { libiio, ..self }
     }
 
-    /// Session and calibrations on file, before anything is read.
+    /// The session and the calibrations on file, before anything is read.
     pub fn shelf(&mut self) -> (&mut Session, &mut Folder) {
         (&mut self.session, &mut self.folder)
     }
@@ -144,7 +144,7 @@ impl SessionThread {
         }
     }
 
-    /// What holds of the program, however often the device is opened.
+    /// Notes what is true of the program, however often the device is opened.
     fn note_standing(&mut self) {
         if !self.folder.is_there() {
             self.session.note(SessionWarning::NoFolder);
@@ -162,10 +162,10 @@ impl SessionThread {
         Ok(())
     }
 
-    /// Goes on until the wish to end, and ends what is recorded.
+    /// Runs until the request to end, and completes the recording.
     ///
     /// # Errors
-    /// What went wrong with a recording.
+    /// The first failure of a recording.
     pub fn run(mut self, stop: &Stop) -> Result<()> {
         while !stop.asked() {
             self = self.turn(stop);
@@ -201,7 +201,7 @@ impl SessionThread {
         self
     }
 
-    /// Waits for samples, and takes all that are there: what waits too long is missed.
+    /// Waits for samples and takes all that have come, because samples that wait too long are missed.
     fn take_what_waits(&mut self, stop: &Stop) {
         let begun = Instant::now();
         let until = self.frame_due.max(begun + TURN);
@@ -250,7 +250,7 @@ impl SessionThread {
         }
     }
 
-    /// The recording ended, or the device failed.
+    /// Handles the end of a replay, or a device that failed.
     fn end_reading(&mut self) {
         let Device::Reading(reading) = &self.device else { return };
         let hub = Arc::clone(&reading.hub);
@@ -265,14 +265,14 @@ impl SessionThread {
         }
     }
 
-    /// The device cannot be read; the terminal is told once, however often it is looked for.
+    /// Handles a device that cannot be read. The terminal is told once, however often opening it is tried.
     fn gone(&mut self, error: &anyhow::Error, look_again: bool) {
         let hub = match std::mem::replace(&mut self.device, Device::Over { hub: None, again: None }) {
             Device::Over { hub, .. } => hub,
             _ => None,
         };
         self.device = Device::Over { hub, again: look_again.then(|| Instant::now() + RETRY) };
-        let why = format!("{error:#}");
+        let why = text(error);
         if self.failed.as_ref() != Some(&why) {
             say(format_args!("the device cannot be read: {why}"));
             self.failed = Some(why.clone());
@@ -281,7 +281,7 @@ impl SessionThread {
     }
 
     fn note_failure(&mut self, error: anyhow::Error) {
-        tell(&mut self.session, SessionWarning::NotRecorded(format!("{error:#}")));
+        tell(&mut self.session, SessionWarning::NotRecorded(text(&error)));
         self.failure.get_or_insert(error);
     }
 
@@ -295,7 +295,7 @@ impl SessionThread {
                 return;
             }
         };
-        // it holds the hub
+        // the libiio server holds the hub
         self.libiio.iter_mut().for_each(Libiio::end);
         self.device = Device::Opening(self.opener.open_again(hub));
         self.session.state(DeviceState::Opening);
@@ -309,7 +309,7 @@ impl SessionThread {
                 self.session = self.session.reopened(about);
                 self.note_standing();
                 self.failed = None;
-                // the part is shown all the same
+                // the part is shown nevertheless
                 if let Err(error) = self.recordings.begin(&hub, &self.session.about().info) {
                     self.note_failure(error);
                 }
@@ -328,7 +328,7 @@ impl SessionThread {
     fn receive(&mut self) {
         for _ in 0..VISITS {
             match self.visits.try_recv() {
-                // who asked may be gone
+                // the client may be gone
                 Ok(Visit::Ask(request, answer)) => drop(answer.send(self.answer(&request))),
                 Ok(Visit::Watch(begin)) => self.newcomers.push(begin),
                 Err(_) => return,
@@ -357,13 +357,13 @@ impl SessionThread {
         self.session.speed(factor);
     }
 
-    /// What is new goes to all; who came since the last frame gets all there is, which is the same to all of them.
+    /// Sends the new frame to all viewers. Newcomers since the last frame share one snapshot of everything.
     fn frame(&mut self) {
         let now = Instant::now();
         let next = self.frame_due + FRAME;
         self.frame_due = if next > now { next } else { now + FRAME };
         if let Some(frame) = self.session.frame() {
-            // nobody may be there
+            // there may be no viewer
             let _ = self.frames.send(frame.into());
         }
         if !self.newcomers.is_empty() {

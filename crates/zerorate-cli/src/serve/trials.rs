@@ -1,4 +1,4 @@
-//! Tokens that are tried: only so many, wherever they are shown.
+//! A limit on the tokens that are tried, wherever they are shown.
 
 use super::bucket::Bucket;
 use super::guard::{Refusal, TOKEN_LENGTHS, Token};
@@ -7,16 +7,18 @@ use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// Tokens that may be tried at once, and in a second, by all together.
+/// Tokens that all clients together may try at once, and in a second.
 const AT_ONCE: u32 = 5;
 const PER_S: f64 = 0.5;
-/// Wrong tokens that are remembered: a page that was left open shows its old one again and again, and tries nothing.
+/// Wrong tokens that are remembered. A page that was left open shows its old token again and again, and guesses
+/// nothing.
 const REMEMBERED: usize = 64;
 
-const NO_TOKEN: Refusal = (StatusCode::UNAUTHORIZED, "the token is needed that was printed when the server started\n");
+const NO_TOKEN: Refusal =
+    (StatusCode::UNAUTHORIZED, "this needs the token that was printed when the server started\n");
 const TOO_MANY: Refusal = (StatusCode::TOO_MANY_REQUESTS, "too many tokens were tried: wait some seconds\n");
 
-/// What was tried so far.
+/// The tokens that were tried so far.
 #[derive(Debug)]
 pub struct Trials(Mutex<Tried>);
 
@@ -27,13 +29,13 @@ struct Tried {
 }
 
 impl Trials {
-    /// Nothing yet.
+    /// No token was tried yet.
     pub fn new(now: Instant) -> Self {
         Self(Mutex::new(Tried { bucket: Bucket::new(AT_ONCE, PER_S, now), wrong: VecDeque::new() }))
     }
 
-    /// Whether one of these is the token. While too many are tried, the right one is not told either: whoever guesses
-    /// would know it by that.
+    /// Whether one of these is the token. While too many are tried, the right token is refused as well, since the
+    /// answer would confirm a guess.
     pub fn admit<'a>(
         &self,
         token: &Token,
@@ -61,7 +63,7 @@ impl Tried {
         if token.is(shown) {
             return Ok(true);
         }
-        // there is one
+        // `has_one` has checked it
         let _ = self.bucket.take(now);
         if self.wrong.len() == REMEMBERED {
             self.wrong.pop_front();

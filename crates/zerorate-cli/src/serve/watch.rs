@@ -1,4 +1,4 @@
-//! A browser that looks on, through a WebSocket: frames to it, requests from it.
+//! A viewer behind a WebSocket: it gets frames and sends requests.
 
 use super::bucket::Bucket;
 use super::server::{Connection, Server};
@@ -15,22 +15,22 @@ use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::oneshot;
 use tokio::time;
 
-/// Who takes nothing for so long is dropped, and comes again.
+/// A viewer that takes nothing for this long is dropped, and connects again.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Largest message of a page: a calibration file, and some.
+/// Largest message of a page: a calibration file, with a margin.
 const MESSAGE: usize = 1 << 20;
-/// Requests at once, and in a second; what comes faster waits.
+/// Requests at once, and in a second. Faster ones wait.
 const BURST: u32 = 40;
 const REQUESTS_PER_S: f64 = 20.0;
 
-/// Begins to look on.
+/// Takes a new viewer.
 pub async fn watch(
     State(server): State<Arc<Server>>,
     Extension(connection): Extension<Arc<Connection>>,
     upgrade: WebSocketUpgrade,
 ) -> Response {
     let Ok(seat) = Arc::clone(&server.seats).try_acquire_owned() else {
-        return (StatusCode::SERVICE_UNAVAILABLE, "as many look on as may\n").into_response();
+        return (StatusCode::SERVICE_UNAVAILABLE, "too many viewers already\n").into_response();
     };
     let upgrade = upgrade.max_message_size(MESSAGE).max_frame_size(MESSAGE).write_buffer_size(0);
     upgrade.on_upgrade(async move |socket| {
@@ -39,7 +39,7 @@ pub async fn watch(
     })
 }
 
-/// All there is by now, and what follows; none where the session has closed.
+/// The state so far and the frames that follow; none if the session has closed.
 pub async fn begin(visits: &Visits) -> Option<Begun> {
     let (begin, begun) = oneshot::channel();
     visits.try_send(Visit::Watch(begin)).ok()?;
@@ -52,12 +52,12 @@ struct Watch {
 }
 
 impl Watch {
-    /// Until it leaves, stalls, gives no sign of life, or the session ends. A page that misses frames gets everything
-    /// anew.
+    /// Serves the viewer until it leaves, stalls, gives no sign of life, or the session ends. A page that misses
+    /// frames gets everything anew.
     async fn serve(mut self, sign_of_life: Duration) {
         let mut requests = Bucket::new(BURST, REQUESTS_PER_S, Instant::now());
         let mut rounds = time::interval_at(time::Instant::now() + sign_of_life, sign_of_life);
-        // after a turn that was late the answer has its time all the same
+        // after a late turn the answer still has its full time
         rounds.set_missed_tick_behavior(time::MissedTickBehavior::Delay);
         let mut is_alive = true;
         while let Some(Begun { snapshot, mut frames }) = begin(&self.visits).await {
@@ -94,12 +94,12 @@ impl Watch {
         }
     }
 
-    /// False where it cannot take it in time.
+    /// Sends a message. False if the viewer does not take it in time.
     async fn send(&mut self, message: Message) -> bool {
         matches!(time::timeout(PATIENCE, self.socket.send(message)).await, Ok(Ok(())))
     }
 
-    /// False where that was the last message.
+    /// Handles a message. False if it was the last one.
     async fn heed(&mut self, message: Message) -> bool {
         match message {
             Message::Text(request) => {
@@ -123,13 +123,13 @@ impl Watch {
     }
 }
 
-/// The next message, not before a time.
+/// Reads the next message, not before `at`.
 async fn next(socket: &mut WebSocket, at: time::Instant) -> Option<Message> {
     time::sleep_until(at).await;
     socket.recv().await?.ok()
 }
 
-/// Everything the session knows, once.
+/// The whole state of the session, once.
 pub async fn snapshot(visits: &Visits) -> Option<Bytes> {
     begin(visits).await.map(|begun| begun.snapshot)
 }

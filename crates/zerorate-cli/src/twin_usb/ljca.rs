@@ -1,5 +1,5 @@
 //! The Intel La Jolla Cove adapter (8086:0b63) as a device: its descriptors and its messages, without a socket or a
-//! part. docs/formats/ljca.md specifies what is answered here.
+//! part. docs/formats/ljca.md specifies the answers.
 
 use super::redir::{Announcement, Control};
 
@@ -10,7 +10,7 @@ pub const RDY_PIN: u8 = 3;
 /// Most bytes of a message, as one USB packet carries it.
 pub const LONGEST_MESSAGE: usize = 64;
 
-/// How the device is announced.
+/// The description of the device for the other end.
 pub const ANNOUNCEMENT: Announcement = Announcement {
     vendor: 0x8086,
     product: 0x0b63,
@@ -47,9 +47,9 @@ const GPIO_EVENT: u8 = 4;
 /// SPI mode 3: clock polarity and phase both set (F-20).
 const MODE_3: u8 = 0b11;
 
-/// What hangs on the adapter.
+/// The hardware behind the adapter.
 pub trait Board {
-    /// One frame of CS with the clock in mode 3: what comes back for what goes out.
+    /// One frame of CS with the clock in mode 3: returns the bytes that come back for the bytes that go out.
     fn frame(&mut self, mosi: &[u8]) -> Vec<u8>;
     /// The level of RDY, `true` being high.
     fn rdy_high(&mut self) -> bool;
@@ -58,7 +58,7 @@ pub trait Board {
 /// The state of the adapter.
 #[derive(Debug, Default)]
 pub struct Ljca {
-    /// Interrupts of a line: asked for, let through, and held back until they are let through.
+    /// Interrupts of a line: requested, unmasked, and held back until they are unmasked.
     lines: [Line; PINS as usize],
     spi_mode: u8,
     events: u32,
@@ -89,7 +89,7 @@ impl Ljca {
         Some(answer)
     }
 
-    /// Takes a message of the host and returns those that answer it, in order. One that is no message has no answer.
+    /// Takes a message of the host and returns the answers in order. Bytes that are not a message have no answer.
     pub fn message(&mut self, bytes: &[u8], board: &mut impl Board) -> Vec<Vec<u8>> {
         let &[kind, command, flags, length, ..] = bytes else { return vec![] };
         let end = HEAD + usize::from(length);
@@ -110,7 +110,7 @@ impl Ljca {
         messages
     }
 
-    /// RDY has fallen: the event for the host, unless it must be held back.
+    /// Takes a falling edge of RDY, and returns the event for the host unless it must be held back.
     pub fn rdy_fell(&mut self) -> Option<Vec<u8>> {
         let line = &mut self.lines[usize::from(RDY_PIN)];
         if !line.interrupt {
@@ -125,7 +125,7 @@ impl Ljca {
         Some(message(GPIO, GPIO_EVENT, 0, &[1, RDY_PIN, 0]))
     }
 
-    /// Events that the host was told of since it reset the adapter.
+    /// Number of events sent to the host since it reset the adapter.
     pub fn events(&self) -> u32 {
         self.events
     }
@@ -136,7 +136,7 @@ impl Ljca {
         line.interrupt && line.unmasked
     }
 
-    /// An edge that came while the host had the line masked; its level is what it is now.
+    /// The event of an edge that came while the host had the line masked, with the present level.
     fn held_back(&mut self, board: &mut impl Board) -> Option<Vec<u8>> {
         let line = &mut self.lines[usize::from(RDY_PIN)];
         if !(line.pending && line.unmasked) {
@@ -189,7 +189,7 @@ impl Ljca {
         }
     }
 
-    /// In another mode than its own the part samples the wrong edges and understands nothing.
+    /// In any other SPI mode the part samples the wrong edges and understands nothing.
     fn transfer(&self, indicator: u8, mosi: &[u8], board: &mut impl Board) -> Vec<u8> {
         let miso = if self.spi_mode == MODE_3 { board.frame(mosi) } else { vec![0xFF; mosi.len()] };
         let mut packet = vec![indicator, miso.len() as u8];
@@ -286,7 +286,7 @@ mod tests {
         assert_eq!(answers(ljca, &[5, 3, 5, 4, 0x40, 2, 0x38, 0x22]), [[5, 3, 5, 4, 0x40, 2, 0xC7, 0xDD].to_vec()]);
     }
 
-    /// Each event masks its line until the host lets it through again; an edge in between comes then, once.
+    /// Each event masks its line until the host unmasks it. An edge in between is then reported once.
     #[test]
     fn edges_are_held_back_while_the_line_is_masked() {
         let ljca = &mut Ljca::default();

@@ -1,6 +1,6 @@
-//! The twin as hardware: behind an emulated USB adapter, on a socket that QEMU plugs into a guest.
+//! The twin as hardware behind an emulated USB adapter, on a socket that QEMU plugs into a guest.
 //!
-//! [`redir`] and [`ljca`] turn bytes into meaning, [`part`] lets the twin run on wall time; here is the loop between
+//! [`redir`] and [`ljca`] decode bytes, and [`part`] runs the twin on wall time. This module has the loop between
 //! them.
 
 pub mod ljca;
@@ -24,18 +24,18 @@ use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// How the part is made and watched.
+/// The properties of the part, and its log.
 pub struct Setup {
     pub spec: Spec,
-    /// Converting from the start, with the registers of F-30.
+    /// Whether it converts from the start, with the registers of F-30.
     pub initialised: bool,
-    /// Where every frame of the bus is logged.
+    /// The file for every frame of the bus.
     pub wire: Option<Recording>,
 }
 
 /// Plugs the part in at `socket`, which QEMU listens on, until the other end closes it or Ctrl-C unplugs it.
 ///
-/// The part is switched on when the connection stands.
+/// The part is switched on when the connection is made.
 pub fn serve(socket: &Path, setup: Setup) -> Result<Final> {
     let stream = connect(socket)?;
     let part = WallPart::new(setup.spec, setup.initialised, setup.wire)?;
@@ -50,17 +50,18 @@ pub fn serve(socket: &Path, setup: Setup) -> Result<Final> {
     };
     plug.stream.write_all(&Connection::hello_packet(zerorate::SOFTWARE))?;
     while !interrupt::asked() && plug.turn()? {}
-    // The other end may be gone already.
+    // the other end may be gone already
     let _ = plug.stream.write_all(&plug.connection.disconnect_packet());
     plug.part.finish(plug.ljca.events())
 }
 
-/// So long the other end may take to begin listening.
+/// Time for the other end to begin listening.
 const PATIENCE: Duration = Duration::from_secs(30);
 const RETRY: Duration = Duration::from_millis(50);
-/// Ctrl-C is heeded at least this often.
+/// Ctrl-C is checked at least this often.
 const LONGEST_WAIT: Duration = Duration::from_millis(100);
-/// Messages that wait for the host to fetch them: each is an answer to one of its own, or the one event of the line.
+/// Largest number of messages that the host has not fetched. Each answers a message of the host, or is the event of
+/// the line.
 const MOST_WAITING: usize = 64;
 
 fn connect(socket: &Path) -> Result<UnixStream> {
@@ -90,14 +91,14 @@ struct Plug {
     ljca: Ljca,
     part: WallPart,
     configuration: u8,
-    /// In-transfers that the host has asked for: id, endpoint.
+    /// In-transfers that the host has requested: id, endpoint.
     wanted: VecDeque<(u64, u8)>,
-    /// Messages that it has not fetched yet.
+    /// Messages that the host has not fetched yet.
     waiting: VecDeque<Vec<u8>>,
 }
 
 impl Plug {
-    /// Waits for the host or the part, and serves it. `false`: the other end is gone.
+    /// Waits for the host or the part, and serves it. Returns `false` if the other end is gone.
     fn turn(&mut self) -> Result<bool> {
         let open = if self.host_speaks()? { self.hear()? } else { true };
         if self.part.rdy_fell()
@@ -194,7 +195,7 @@ impl Plug {
 
     fn send(&mut self, packet: &[u8]) -> Result<()> {
         match self.stream.write_all(packet) {
-            // the read that follows finds the end of the connection
+            // the next read finds the end of the connection
             Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
             sent => sent.context("writing to the socket"),
         }

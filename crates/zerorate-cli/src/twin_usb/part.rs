@@ -1,4 +1,4 @@
-//! The twin on wall time, and what it saw of the bus.
+//! The twin on wall time, with a record of the bus.
 
 use super::ljca::Board;
 use crate::output::Recording;
@@ -18,7 +18,7 @@ const INITIALISATION: [u8; 12] = [0x01, 0x38, 0x28, 0x0A, 0x30, 0x05, 0x2A, 0x0A
 const READ_RATE: u8 = 0x48;
 const READ_TEMP: u8 = 0x4A;
 
-/// The part, whose time is that of the wall clock since it was switched on.
+/// The part. Its time is the wall-clock time since it was switched on.
 pub struct WallPart {
     twin: Twin,
     spi: TwinSpi,
@@ -28,7 +28,7 @@ pub struct WallPart {
     wire: Option<Wire>,
 }
 
-/// What the part saw of the bus.
+/// The traffic that the part saw on the bus.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Served {
     pub spi_frames: u64,
@@ -36,7 +36,7 @@ pub struct Served {
     pub temp_reads: u64,
     /// Falling edges of RDY.
     pub edges: u32,
-    /// Of those, the ones that the host was told of.
+    /// The edges that were reported to the host.
     pub edges_reported: u32,
 }
 
@@ -59,7 +59,7 @@ impl WallPart {
         Ok(Self { twin, spi, rdy, switched_on: Instant::now(), seen: Served::default(), wire })
     }
 
-    /// Lets everything happen that is due, and says whether RDY has fallen since the last call.
+    /// Advances the part to the present, and returns whether RDY has fallen since the last call.
     pub fn rdy_fell(&mut self) -> bool {
         self.catch_up();
         let Some(edge) = self.twin.next_falling_edge(0) else { return false };
@@ -67,14 +67,14 @@ impl WallPart {
         true
     }
 
-    /// How long until something may happen by itself.
+    /// Time until the part may do something by itself.
     pub fn idle_time(&self) -> Duration {
         let now_ns = self.switched_on.elapsed().as_nanos() as u64;
         let next_ns = self.twin.next_event_ns().unwrap_or(u64::MAX);
         Duration::from_nanos(next_ns.saturating_sub(now_ns))
     }
 
-    /// Ends the log of the wire and says how things stand, after so many edges were reported.
+    /// Ends the log of the wire and returns the final state, after so many edges were reported.
     pub fn finish(mut self, edges_reported: u32) -> Result<Final> {
         self.rdy_fell();
         self.seen.edges_reported = edges_reported;

@@ -1,7 +1,7 @@
 //! The usbredir protocol, version 0.7, as far as one device with control and bulk endpoints needs it: packets to bytes
-//! and back, without a socket. docs/formats/ljca.md says what is sent when.
+//! and back, without a socket. docs/formats/ljca.md describes the exchange.
 
-/// The longest packet taken; QEMU sends no transfer of more than 64 KiB to such a device.
+/// The longest packet accepted. QEMU sends at most 64 KiB in a transfer to such a device.
 pub const LONGEST_PACKET: usize = 1 << 20;
 
 /// Bytes of the version in a hello.
@@ -25,7 +25,7 @@ const CANCEL: u32 = 21;
 const CONTROL: u32 = 100;
 const BULK: u32 = 101;
 
-/// What both ends can do; what is in force is what both announce.
+/// The capabilities of an end. Those that both ends announce are in force.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Caps(u32);
 
@@ -35,7 +35,7 @@ impl Caps {
     const WIDE_IDS: u32 = 1 << 5;
     const LONG_BULK: u32 = 1 << 6;
 
-    /// What this end announces.
+    /// The capabilities that this end announces.
     pub const OURS: Self = Self(Self::DEVICE_VERSION | Self::MAX_PACKET_SIZE | Self::WIDE_IDS | Self::LONG_BULK);
 
     fn has(self, cap: u32) -> bool {
@@ -43,7 +43,7 @@ impl Caps {
     }
 }
 
-/// The result of a transfer, as the protocol numbers them.
+/// The result of a transfer, with the number of the protocol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Status {
@@ -57,10 +57,10 @@ pub enum Status {
 #[error("usbredir: {0}")]
 pub struct RedirError(String);
 
-/// What the guest's end sends.
+/// A request of the guest's end.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Request {
-    /// The other end's name. Its capabilities are in force from here on.
+    /// The name of the other end. Its capabilities are in force from here on.
     Hello(String),
     Reset,
     SetConfiguration(u8),
@@ -75,7 +75,7 @@ pub enum Request {
     /// The transfer of this id is no longer wanted.
     Cancel,
     Control(Control),
-    /// A bulk transfer: data for an out endpoint, or the wish for up to `length` bytes of an in endpoint.
+    /// A bulk transfer: data for an out endpoint, or a request for up to `length` bytes of an in endpoint.
     Bulk {
         endpoint: u8,
         length: u32,
@@ -104,7 +104,7 @@ impl Control {
     }
 }
 
-/// The device as it is announced.
+/// The description of a device.
 #[derive(Clone, Copy, Debug)]
 pub struct Announcement {
     pub vendor: u16,
@@ -126,7 +126,7 @@ pub struct Connection {
 }
 
 impl Connection {
-    /// Takes what the socket gave.
+    /// Takes bytes from the socket.
     pub fn push(&mut self, bytes: &[u8]) {
         self.received.extend_from_slice(bytes);
     }
@@ -193,7 +193,7 @@ impl Connection {
         Some(Request::Bulk { endpoint: *body.first()?, length, data: body.get(if long { 10 } else { 8 }..)?.to_vec() })
     }
 
-    // ---- what this end sends ----
+    // ---- packets that this end sends ----
 
     /// The first packet of a connection. Its id is 32 bits wide, since nothing is agreed yet.
     pub fn hello_packet(name: &str) -> Vec<u8> {
@@ -203,7 +203,7 @@ impl Connection {
         Self::default().packet(HELLO, 0, &body)
     }
 
-    /// The device is plugged in: its interface, its endpoints, itself.
+    /// Announces the device: its interface, its endpoints, and itself.
     pub fn connect_packets(&self, device: &Announcement) -> Vec<u8> {
         let mut interface = 1u32.to_le_bytes().to_vec();
         interface.extend([0; ENDPOINTS]);
@@ -244,7 +244,7 @@ impl Connection {
         body
     }
 
-    /// The device is unplugged.
+    /// Announces that the device is unplugged.
     pub fn disconnect_packet(&self) -> Vec<u8> {
         self.packet(DEVICE_DISCONNECT, 0, &[])
     }
@@ -275,7 +275,7 @@ impl Connection {
         self.packet(CONTROL, id, &body)
     }
 
-    /// The end of a bulk transfer of `length` bytes; `data` are those of an in endpoint.
+    /// The end of a bulk transfer of `length` bytes. `data` comes from an in endpoint.
     pub fn bulk_result(&self, id: u64, endpoint: u8, status: Status, length: u32, data: &[u8]) -> Vec<u8> {
         let mut body = vec![endpoint, status as u8];
         body.extend((length as u16).to_le_bytes());

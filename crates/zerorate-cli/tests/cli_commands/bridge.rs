@@ -25,7 +25,7 @@ struct Cable {
     is_old: bool,
 }
 
-/// The frame with another time in it, if it is that of a sample.
+/// The frame with another time in it, if it holds a sample.
 fn with_time(frame: &[u8], clock_step_ns: u64) -> Vec<u8> {
     let mut decoder = Decoder::new();
     for byte in frame {

@@ -167,7 +167,7 @@ fn a_recorded_warm_up_gives_the_same_curve_byte_for_byte() {
     }
 }
 
-/// A part that only warms is no cycle; one that cools again is, and its loop is found.
+/// A part that only warms does not make a cycle. One that cools again does, and its loop is found.
 #[test]
 fn a_cycle_must_rise_and_fall() {
     let refused = calibrate(&["--method", "cycle"]).ended_with(3);

@@ -156,7 +156,7 @@ fn bit_errors_are_marked_and_named() {
     assert!(allan["points"][0]["dev"].as_f64().is_some_and(|dev| dev < 0.3), "{}", allan["points"][0]);
 }
 
-/// What is left out is left out again: the capture is the truth, and its raw codes are as they were read.
+/// The same readings are left out again: the capture is the truth, and its raw codes are as they were read.
 #[test]
 fn a_calibration_over_a_bad_line_is_repeated_from_its_log() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -171,7 +171,7 @@ fn a_calibration_over_a_bad_line_is_repeated_from_its_log() {
     }
 }
 
-/// Of any log: zeros all over are no noise. One that stops is said.
+/// In any log: zeros all over are not noise. One that stops is said.
 #[test]
 fn allan_believes_no_constant_column() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -197,7 +197,7 @@ fn a_stuttering_line_is_not_blamed_on_the_host() {
     refused("twin:fault=rdy_stutter", 3, &["refused: ", "data ready stutters"]);
 }
 
-/// 100 pairs a second fold 14.3 kHz (F-07) to zero: 2 · 527 cycles at 105.4 kHz. So do 220.
+/// 100 pairs a second fold 14.3 kHz (F-07) to zero: 2 · 527 cycles at 105.4 kHz. 220 samples do as well.
 #[test]
 fn a_rate_that_folds_the_resonance_to_zero_is_warned_of() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -2,7 +2,7 @@
 
 use super::zerorate;
 
-const COMMANDS: [&str; 18] = [
+const COMMANDS: [&str; 19] = [
     "probe",
     "capture",
     "calibrate",
@@ -19,6 +19,7 @@ const COMMANDS: [&str; 18] = [
     "serve",
     "twin",
     "explain",
+    "help",
     "completions",
     "man",
 ];
@@ -30,6 +31,54 @@ fn every_command_is_listed_and_has_help() {
         assert!(overview.contains(&format!("\n  {command}")), "{command} in\n{overview}");
         let help = zerorate(&[command, "--help"]).ended_with(0).stdout;
         assert!(help.contains("Usage: zerorate"), "{help}");
+    }
+}
+
+#[test]
+fn commands_are_listed_in_groups() {
+    for overview in [zerorate(&["--help"]), zerorate(&["-h"]), zerorate(&["help"])] {
+        let text = overview.ended_with(0).stdout;
+        let calibrate = text.find("\nCalibrate it:\n  calibrate ").expect("a group");
+        assert!(calibrate < text.find("\nAnalyse a log:\n  allan ").expect("another"), "{text}");
+        assert!(text.contains("--max-memory") && text.contains("Exit code: 0 done"), "{text}");
+    }
+}
+
+#[test]
+fn help_knows_commands_and_topics() {
+    let of_command = zerorate(&["help", "calibrate"]).ended_with(0).stdout;
+    assert_eq!(of_command, zerorate(&["calibrate", "--help"]).ended_with(0).stdout);
+    let device = zerorate(&["help", "device"]).ended_with(0).stdout;
+    for address in ["twin:KEY=VALUE", "replay:FILE", "spi:/dev/", "iio:iio:", "bridge:/dev/ttyACM0", "tcp:HOST:PORT"] {
+        assert!(device.contains(&format!("\n  {address}")), "{address} in\n{device}");
+        assert!(!of_command.contains(address) || address == "replay:FILE", "{address} in\n{of_command}");
+    }
+    assert!(of_command.contains("`zerorate help device`"), "{of_command}");
+    assert!(zerorate(&["man"]).ended_with(0).stdout.contains(".SH DEVICES\n"));
+    zerorate(&["help", "calibrat"]).ended_with(2).saying(&["'calibrate'"]);
+}
+
+#[test]
+fn without_arguments_the_first_steps_are_five_lines() {
+    let run = zerorate(&[]).ended_with(2);
+    assert_eq!((run.stdout.as_str(), run.stderr.lines().count()), ("", 5), "{}", run.stderr);
+    assert!(run.stderr.contains("zerorate allan log.csv --fit") && run.stderr.contains("zerorate help"));
+}
+
+#[test]
+fn every_unit_is_listed() {
+    let units = |command: &str, option: &str| {
+        let help = zerorate(&[command, "--help"]).ended_with(0).stdout;
+        let rest = help.split_once(&format!("{option} <UNIT>")).expect("the option").1;
+        rest.split("[default").next().unwrap_or_default().to_owned()
+    };
+    for unit in zerorate_record::Unit::ALL {
+        let is_rate = unit.quantity() == zerorate_record::Quantity::AngularRate;
+        let of_kind = units("imu", if is_rate { "--gyro-unit" } else { "--accel-unit" });
+        for listed in [of_kind, units("allan", "--unit")] {
+            let listed: Vec<&str> = listed.split([' ', ',', '.', '\n']).collect();
+            assert!(listed.contains(&unit.name()), "{} in {listed:?}", unit.name());
+        }
     }
 }
 
@@ -56,7 +105,7 @@ fn twin_lists_every_key_of_the_contract() {
 
 #[test]
 fn typos_are_usage_errors_with_a_suggestion() {
-    let cases: [(&[&str], &str); 18] = [
+    let cases: [(&[&str], &str); 21] = [
         (&["calibrat"], "'calibrate'"),
         (&["calibrate", "--warmpup", "3"], "'--warmup'"),
         (&["calibrate", "--device", "twin:sed=7"], "`seed`"),
@@ -67,10 +116,13 @@ fn typos_are_usage_errors_with_a_suggestion() {
         (&["probe", "--device", "usb:1"], "tcp:HOST:PORT"),
         (&["probe", "--device", "tcp:here"], "tcp:127.0.0.1:16130"),
         (&["probe", "--device", "Cargo.toml"], "replay:Cargo.toml"),
+        (&["probe", "--device", "/dev/ttyACM0"], "did you mean bridge:/dev/ttyACM0"),
+        (&["probe", "--device", "/dev/spidev0.0"], "did you mean spi:/dev/spidev0.0?rdy="),
         (&["calibrate", "--average", "2x"], "10s, 10m, 1h30m"),
         (&["calibrate", "--average", "0"], "--average"),
         (&["calibrate", "--max-u-btc", "0"], "--max-u-btc"),
         (&["calibrate", "--max-lost", "1.5"], "--max-lost"),
+        (&["calibrate", "--target-dph", "2,5"], "use a decimal point: 2.5"),
         (&["calibrate", "--earth-dps", "15.04"], "if that was °/h, give 0.00418"),
         (&["probe", "--duration", "0"], "above zero"),
         (&["capture", "-o", "x.arrows", "--duration", "0"], "above zero"),

@@ -72,7 +72,7 @@ fn a_divider_lowers_the_rate_and_warns_of_aliasing() {
     zerorate(&args).ended_with(2).saying(&["--force"]);
 }
 
-/// F-56: the rate is that of a divider, and what the counter keeps back is no loss.
+/// F-56: the rate is as with a divider, and the edges that the counter keeps back are not losses.
 #[test]
 fn a_counter_in_the_line_is_told_of_in_the_address() {
     let device = "twin:mclk_hz=6000000,divided=50";

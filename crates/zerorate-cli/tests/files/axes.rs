@@ -10,7 +10,7 @@ use std::path::Path;
 use zerorate::{Calibration, Part};
 use zerorate_record::{CaptureInfo, CaptureReader, CaptureWriter, Format, Layout, Row};
 
-/// The scales are those of its data sheet, the noise is about that of its real log.
+/// The scales are from its data sheet, and the noise is about as in its real log.
 const PART: &str = r#"
 schema = 1
 name = "ADIS16405"
@@ -185,8 +185,8 @@ fn a_log_is_as_good_as_a_capture() {
     assert!(said.contains("has no column `z` for the axis z"), "{said}");
 }
 
-/// The log of a real part at rest, its temperature simulated: its z axis steps, and is refused by its name; whoever
-/// accepts that has the bias of all axes, which a plain mean shows as well.
+/// The log of a real part at rest, with a simulated temperature. Its z axis steps, and is refused by its name. A user
+/// who accepts that gets the bias of all axes, which a plain mean shows as well.
 #[test]
 fn a_real_log_goes_all_the_way() {
     let Some(folder) = super::allan::reference_data() else { return };

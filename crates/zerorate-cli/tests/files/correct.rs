@@ -1,4 +1,4 @@
-//! A capture, corrected: once, from the right calibration, with everything raw in it as it was.
+//! Correcting a capture: once, with the right calibration, and with its raw columns unchanged.
 
 use super::{Bench, FORMS, calibration, capture};
 use std::fs;

@@ -153,9 +153,9 @@ fn measured(correction: &Correction) -> (String, Validity) {
     (file_of(correction, validity), validity)
 }
 
-/// What the exported functions must print for `codes`: the core's corrected code, the row of its table nearest to the
-/// temperature, whether core and calibration know that temperature, whether the calibration does, and the corrected
-/// code of the nearest that it knows.
+/// The expected output of the exported functions for `codes`: the core's corrected code, the row of its table nearest
+/// to the temperature, whether core and calibration know that temperature, whether the calibration does, and the
+/// corrected code of the nearest that it knows.
 fn expected(correction: &Correction) -> String {
     let t3_code = Axis::ADIS16130.temp.nearest_code(correction.t3_c) as i32;
     let table = correction.table(0.02, 2.0).unwrap();
@@ -274,7 +274,7 @@ fn has_no_warning(bench: &Bench) {
     }
 }
 
-/// Two units in one source file; the second under the prefix of the first is no silent loss.
+/// Two units in one source file. A second unit under the prefix of the first is not lost silently.
 #[test]
 fn two_units_fit_into_one_program() {
     if !installed("gcc") {
@@ -398,8 +398,8 @@ fn codes_of_axes() -> Vec<(i32, [i32; 3])> {
     (-2060..2060).map(|temp| (temp, CODES.map(|(_, first, last)| of(first - 9, last + 9)))).collect()
 }
 
-/// What the functions of the three axes must print: by the core, which is held against exact arithmetic, and rows by
-/// distance in f64 (no code of 1/7.14 °C lies half-way between two rows of 0.2 °C).
+/// The expected output of the functions of the three axes. Corrected codes come from the core, which is tested against
+/// exact arithmetic. Rows follow the distance in f64: no code of 1/7.14 °C lies half-way between two rows of 0.2 °C.
 fn expected_of_axes(file: &str) -> String {
     let (calibration, _) = Calibration::parse(file).unwrap();
     let (temp_scale, validity) = (calibration.temp.unwrap(), calibration.validity.unwrap());

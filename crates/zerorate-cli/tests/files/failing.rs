@@ -1,4 +1,4 @@
-//! What fails is a failure, what was measured is not lost, and what was begun is cleared away.
+//! Failures are reported, measurements are not lost, and unfinished files are removed.
 #![cfg(target_os = "linux")]
 
 use super::{Bench, PROGRAM, Run, calibration};
@@ -255,7 +255,7 @@ fn signals_close_what_is_recorded_and_clear_away_what_is_not_finished() {
     }
 }
 
-/// A correction has no half: it is there, or nothing of it.
+/// A corrected file is complete, or does not exist.
 #[test]
 fn an_interrupted_correction_leaves_nothing() {
     let bench = Bench::new();
@@ -288,7 +288,7 @@ fn nohup_is_heeded() {
     assert_eq!(ended(child).code, Some(0));
 }
 
-/// Where no loop looks at the flag: at once, and cleared away all the same.
+/// Where no loop looks at the flag: it ends at once, and its files are removed nevertheless.
 #[test]
 fn a_signal_ends_a_run_that_waits() {
     let bench = Bench::new();

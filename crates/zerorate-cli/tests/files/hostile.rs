@@ -12,7 +12,7 @@ use std::process::Command;
 const ADDRESS_SPACE_KIB: u64 = 3 << 20;
 
 impl Bench {
-    /// Runs the program with little address space. Whatever it does, the machine survives.
+    /// Runs the program with little address space. The machine survives every hostile file.
     fn caged(&self, line: &str) -> Run {
         let script = format!("ulimit -v {ADDRESS_SPACE_KIB}; exec \"$0\" \"$@\"");
         let mut sh = Command::new("sh");
@@ -66,7 +66,7 @@ fn the_memory_of_a_large_log_is_a_choice() {
     bench.caged("allan some.bin --raw i16 --rate 10 --max-memory 256M --json").ok();
 }
 
-/// Four billion samples lost between two rows are no four billion rows.
+/// Four billion samples lost between two rows are not four billion rows.
 #[test]
 fn losses_take_no_memory() {
     let bench = Bench::new();

@@ -343,7 +343,7 @@ fn a_rejected_axis_is_no_file_unless_it_is_forced() {
     assert!(yaml.contains("# NOT A RESULT: bad_gyro_dps: the noise model is off by "), "{yaml}");
 }
 
-/// Whatever keeps a file from being made, its reason is said, and nothing is left behind.
+/// If a file cannot be made, the reason is said, and nothing is left behind.
 #[test]
 fn what_makes_no_file_says_why() {
     let bench = Bench::new();
@@ -409,16 +409,20 @@ fn ctrl_c_leaves_nothing_behind() {
     assert_eq!(std::fs::read_dir(bench.dir.path()).unwrap().count(), 0);
 }
 
-/// What a researcher gets wrong is named with what to do, and whatever is said of the log is true of it.
+/// Each mistake of a researcher is named with its remedy, and all that is said about the log is true.
 #[test]
 fn what_leads_on() {
     let bench = bench();
     let plain = log().replace("t_s,gyro_x_dps,gyro_y_dps,gyro_z_dps", "time,gx,gy,gz");
     bench.write("plain.csv", plain.replace(" [m/s^2]", ""));
+    bench.write("unnamed.csv", "a,b\n1,2\n2,3\n3,4\n");
     bench.write("sheet.toml", "schema = 1\nname = \"x\"\n[gyroscope]\nnoise_densty = 1\n");
     bench.write("binary.toml", b"\xff\xfe");
     for (line, said) in [
         ("imu plain.csv", "give --rate in Hz, or --time-column with --time-unit if `time` is the time"),
+        ("imu plain.csv", "`time` is the time. Also: columns gx, gy, gz (gyroscope) state no unit; give --gyro-unit"),
+        ("imu plain.csv", "; columns ax, ay, az (accelerometer) state no unit; give --accel-unit m/s²|g|mg|ug"),
+        ("imu unnamed.csv", "give --rate in Hz, or --time-column if a column holds the time. Also: it has no column"),
         ("imu plain.csv --rate 100", "columns gx, gy, gz (gyroscope) state no unit; give --gyro-unit"),
         ("imu plain.csv --rate 100", "; columns ax, ay, az (accelerometer) state no unit; give --accel-unit"),
         (
@@ -486,7 +490,7 @@ fn a_gyroscope_alone_leaves_the_rest_open() {
     assert!(run.stderr.contains("2 gyroscope axes, and ROS"), "{}", run.stderr);
 }
 
-/// Curves, spectra and records of both kinds, with what stands out named; a page of six axes is no burden.
+/// The page has curves, spectra and records of both kinds, with their lines named. A page of six axes is small enough.
 #[test]
 fn the_page_shows_record_spectrum_and_curves() {
     let bench = Bench::new();
@@ -511,7 +515,7 @@ fn the_page_shows_record_spectrum_and_curves() {
         "velocity random walk",
         "angle random walk",
         "Coefficients by axis",
-        "What stands out of the spectrum",
+        "Lines in the spectrum",
         " Hz</th><td>–</td><td>–</td><td>0.0",
         "12.5 Hz, 0.0",
         "B is drawn at 0.664 B",

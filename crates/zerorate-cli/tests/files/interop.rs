@@ -3,7 +3,7 @@
 use super::{Bench, capture, run, skip};
 use std::process::Command;
 
-/// Prints every row and the metadata of an Arrow stream and of a Parquet file, and what is left of the stream when its
+/// Prints every row and the metadata of an Arrow stream and of a Parquet file, and the rest of the stream when its
 /// tail is torn off.
 const READER: &str = r#"
 import pyarrow as pa, pyarrow.parquet as pq

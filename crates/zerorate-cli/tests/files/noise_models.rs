@@ -1,6 +1,6 @@
 //! Noise models of real sensors at rest, against an independent implementation.
 //!
-//! The numbers are those of the prototype of the method, written in Python with numpy and scipy: other code, another
+//! The numbers come from the prototype of the method, written in Python with numpy and scipy: other code, another
 //! solver (logarithms as parameters), the same mathematics. `python3 reference.py` beside the reference data prints
 //! them, once its glitches are looked for narrowest first and replaced before the next look, as here.
 

@@ -1,4 +1,4 @@
-//! No command destroys what it reads or what is there, by whatever name it is called.
+//! No command destroys its inputs or existing files, under any name.
 
 use super::{Bench, Run, calibration, capture, skip};
 use std::fs;
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 const ROWS: &str = "1000,1,8623488,8,8402701,0\n2000,2,8388608,8,,0\n3000,5,8153728,,8388608,1\n";
 const LOG: &str = "gz\n1\n2\n1\n3\n2\n1\n2\n3\n";
-/// The durations of a calibration that these files are no recording of: it would fail, but only after it was refused.
+/// Durations of a calibration that do not match these files: it would fail, but it must be refused before.
 const SHORT: &str = "--average 2s --warmup 60s --settle 120s --offset 20s --max-u-btc 0.2";
 
 /// A part of one axis, the columns of its logs, and what its data sheet says.
@@ -91,6 +91,11 @@ fn commands() -> Vec<(String, &'static [&'static str])> {
     commands
 }
 
+/// Whether `OUT` is a capture, whose form its ending states.
+fn records(command: &str) -> bool {
+    command.contains("--log OUT") || command.starts_with("capture") || command.starts_with("correct")
+}
+
 #[test]
 fn an_input_is_not_an_output_by_any_name() {
     let bench = bench();
@@ -102,8 +107,11 @@ fn an_input_is_not_an_output_by_any_name() {
             fs::hard_link(in_folder(input), in_folder("hard")).unwrap();
             let names = [(*input).to_owned(), format!("./{input}"), format!("sub/../{input}"), "hard".to_owned()];
             for name in names {
+                let has_form = command.contains("--format") || !records(&command);
+                let is_named = has_form || !name.ends_with(".toml");
+                let reason = if is_named { "same file as the input" } else { "has no ending of a capture" };
                 for force in ["", " --force"] {
-                    refused(&bench, &(command.replace("OUT", &name) + force), "same file as the input");
+                    refused(&bench, &(command.replace("OUT", &name) + force), reason);
                 }
             }
         }
@@ -152,6 +160,19 @@ fn nothing_is_overwritten_without_force() {
         bench.zerorate(&format!("{command} --force")).ok();
         assert_ne!(fs::read(bench.path("mine")).unwrap(), b"mine", "{command} --force");
     }
+}
+
+/// A name that promises text must not hide a binary file.
+#[test]
+fn an_unknown_ending_is_not_a_form() {
+    let bench = bench();
+    let why = "x.txt has no ending of a capture: name it .arrows, .parquet, .csv or .mcap";
+    for command in ["capture --samples 10", "correct rest.csv --cal unit.toml", "repair rest.csv"] {
+        refused(&bench, &format!("{command} -o x.txt"), &format!("{why}, or give --format\n"));
+    }
+    refused(&bench, &format!("calibrate {SHORT} --log x.txt"), &format!("{why}\n"));
+    bench.zerorate("capture --samples 10 --format csv -o x.txt").ok();
+    assert!(fs::read_to_string(bench.path("x.txt")).unwrap().starts_with("# zerorate"));
 }
 
 /// What was computed can be computed again, what was recorded is gone.

@@ -6,7 +6,7 @@ use zerorate::Measured;
 use zerorate::Validity;
 use zerorate::calibration::{Calibration, Run, Uncertainties};
 
-/// Everything that a measured calibration has, with texts that are no HTML.
+/// Everything that a measured calibration has, with texts that are not HTML.
 fn measured() -> String {
     let (mut unit, _) = Calibration::parse(&calibration(-0.25, -0.04, 31.5)).unwrap();
     unit.serial = Some("<script>alert('SN17')</script>".into());

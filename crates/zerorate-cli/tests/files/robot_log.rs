@@ -23,7 +23,7 @@ fn a_bag_is_a_capture() {
     let (stream, bag) = (verdict(&bench, "unit.arrows"), verdict(&bench, "unit.mcap"));
     assert_eq!((&bag["whole"], &bag["checked"], &bag["form"]), (&true.into(), &true.into(), &"MCAP".into()), "{bag}");
     assert_eq!(bag["samples_sha256"], stream["samples_sha256"], "no code changed");
-    // its rows are raw, and are corrected once, as those of any capture
+    // its rows are raw, and are corrected once, as in any capture
     for form in ["arrows", "mcap"] {
         bench.zerorate(&format!("correct unit.{form} --cal unit.toml -o {form}.csv")).ok();
     }
@@ -153,7 +153,7 @@ impl Bag {
     }
 }
 
-/// Whatever command writes a bag: its stamps are the time of day, as docs/formats/mcap.md promises.
+/// Every command that writes a bag stamps it with the time of day, as docs/formats/mcap.md promises.
 #[cfg(unix)]
 #[test]
 fn bags_of_all_commands_have_the_time_of_day() {

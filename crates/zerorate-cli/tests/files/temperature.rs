@@ -60,7 +60,7 @@ fn what_cannot_be_taken_out_is_said() {
         "least squares over means of 128 parts",
         "°/s/°C²",
     ]);
-    // what is no noise is no result of imu either
+    // imu does not give a result that is not noise
     let imu = "imu log.csv --rate 10 --column rate_dps --detrend temp --temp-column kelvin";
     bench.zerorate(imu).ended_with(3).saying(&["rate_dps"]);
 }

@@ -61,7 +61,7 @@ fn torn_and_damaged_files_are_told_apart() {
     }
 }
 
-/// Whatever bit of a capture flips, it is still one of version 2, and nobody is told that it was an old one.
+/// A capture with any bit flipped is still one of version 2, and nobody is told that it is an old one.
 #[test]
 fn a_flipped_capture_keeps_its_version() {
     let bench = bench();
@@ -80,7 +80,7 @@ fn a_flipped_capture_keeps_its_version() {
     }
 }
 
-/// What is told to be repaired can be, and as many rows are kept as was said.
+/// A file that the user is told to repair can be repaired, and keeps as many rows as stated.
 #[test]
 fn advice_that_can_be_followed() {
     let bench = bench();
@@ -193,6 +193,13 @@ fn corrected_captures_and_calibrations_are_verified() {
     assert_eq!((code, &by_hand["checked"], &by_hand["form"]), (Some(0), &false.into(), &"calibration".into()));
     bench.write("bad.toml", "[correction]\npbc_dps = x\n");
     assert_eq!(verdict(&bench, "bad.toml").0, Some(1));
+    bench.write("log.csv", "t_s,gz_dps\n0,1\n1,2\n");
+    let log = bench.zerorate("verify log.csv").ended_with(1).stdout;
+    assert!(log.starts_with("log.csv: NOT A CAPTURE\n") && log.contains("`zerorate allan` reads other logs"), "{log}");
+    for line in ["stream --cal log.csv", "report log.csv", "export log.csv --format c", "stream --cal unit.arrows"] {
+        let said = bench.zerorate(line).fails(1);
+        assert!(said.contains(" is not a calibration file: give the TOML file"), "{line}: {said}");
+    }
 }
 
 #[test]

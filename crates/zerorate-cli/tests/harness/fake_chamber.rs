@@ -6,9 +6,9 @@ use std::net::{TcpListener, TcpStream};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-/// Where the plans of these tests leave a chamber, °C. None of their steps goes there.
+/// The set point at which the plans of these tests leave a chamber, °C. None of their steps goes there.
 pub const SAFE_C: f64 = 25.0;
-/// Where a plan of these tests leaves the air of one that is stuck, °C: no part is harmed by that.
+/// The air of a chamber that is stuck, when a plan of these tests ends, °C. It harms no part.
 const STUCK_C: f64 = 70.0;
 
 /// Its commands.
@@ -27,11 +27,11 @@ pub const SPEECHES: [Speech; 2] = [Speech::Espec, Speech::F4t];
 pub enum Fault {
     /// Its sensor says 500 °C.
     Hot,
-    /// Its air is at 70 °C whatever it is told.
+    /// Its air stays at 70 °C.
     Stuck,
     /// It hears nothing and says nothing.
     Silent,
-    /// It hangs up, and so it does at each new connection.
+    /// It hangs up, and again at each new connection.
     Closes,
     /// It takes no set point.
     Refuses,
@@ -44,7 +44,7 @@ pub enum Fault {
 pub const FAULTS: [Fault; 7] =
     [Fault::Hot, Fault::Stuck, Fault::Silent, Fault::Closes, Fault::Refuses, Fault::AcceptsAgain, Fault::Unheard];
 
-/// From when on.
+/// When the fault begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Onset {
     /// From the first command on.
@@ -55,7 +55,7 @@ pub enum Onset {
     End,
 }
 
-/// What became of it.
+/// The state of the chamber.
 #[derive(Debug)]
 pub struct World {
     speech: Speech,
@@ -68,7 +68,7 @@ pub struct World {
     connections: usize,
     /// The fault is there.
     pub is_faulty: bool,
-    /// What was said to it.
+    /// The lines that it received.
     pub heard: Vec<String>,
 }
 
@@ -135,7 +135,7 @@ impl World {
     }
 }
 
-/// It, for as long as the process lives.
+/// The chamber, for as long as the process lives.
 pub struct FakeChamber {
     address: String,
     world: Arc<Mutex<World>>,
@@ -169,7 +169,7 @@ impl FakeChamber {
         Ok(Self { address, world })
     }
 
-    /// What `--chamber` takes.
+    /// The address for `--chamber`.
     pub fn argument(&self, patience_s: u32) -> String {
         let set = match self.world().speech {
             Speech::Espec => "espec",
@@ -182,8 +182,8 @@ impl FakeChamber {
         self.world.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What is wrong with the last word of a program that drove it; nothing, if the chamber is safe or the user knows
-    /// that it may not be, and nothing untrue was said.
+    /// Returns an error in the last word of a program that drove the chamber. There is none if the word is true, and
+    /// the chamber is safe or the user knows that it may not be.
     pub fn complaint(&self, stderr: &str) -> Option<String> {
         let world = self.world();
         let last = stderr.lines().last().unwrap_or_default();

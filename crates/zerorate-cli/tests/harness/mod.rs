@@ -1,4 +1,4 @@
-//! The program as a process, and what became of it. No other test starts it by a way of its own.
+//! The program as a process, and its result. Every test starts the program through this module.
 
 #[cfg(unix)]
 pub mod fake_chamber;
@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::process::{Command, Output};
 use tempfile::TempDir;
 
-/// Where the program is, for tests that have another one start it.
+/// The path of the program, for tests that start it from another program.
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_zerorate");
 
 /// The program with these arguments.
@@ -38,7 +38,7 @@ impl Bench {
         path
     }
 
-    /// The program in this folder, with what stands in `line` between spaces as arguments.
+    /// The program in this folder, with the words of `line` as arguments.
     pub fn command(&self, line: &str) -> Command {
         let mut command = command(&line.split(' ').collect::<Vec<_>>());
         command.current_dir(self.dir.path());
@@ -54,7 +54,7 @@ impl Bench {
 /// How a run ended.
 #[derive(Debug)]
 pub struct Run {
-    /// What was started, where that is known.
+    /// The command line, if it is known.
     pub line: String,
     pub code: Option<i32>,
     pub stdout: String,
@@ -95,7 +95,7 @@ impl Run {
         self
     }
 
-    /// What it printed, if all went well.
+    /// Stdout of a run that succeeded.
     #[track_caller]
     pub fn ok(self) -> String {
         self.ended_with(0).stdout

@@ -104,7 +104,7 @@ impl Served {
         self.watch_with(&[]).expect("a WebSocket")
     }
 
-    /// As Ctrl-C does.
+    /// Ends the server as Ctrl-C does.
     fn interrupt(mut self) -> ExitStatus {
         let id = i32::try_from(self.child.id()).ok().and_then(rustix::process::Pid::from_raw).expect("an id");
         rustix::process::kill_process(id, rustix::process::Signal::INT).expect("a process");

@@ -1,4 +1,4 @@
-//! What the server keeps from whom: each rule of docs/serve.md by a request that breaks it.
+//! The protection of the server: each rule of docs/serve.md is tested with a request that breaks it.
 
 use super::{LONG, Served};
 use crate::harness::Bench;
@@ -106,7 +106,7 @@ fn what_is_too_large_is_refused() {
     assert_eq!(code(&answer), 413);
     let mut page = served.watch();
     page.frame();
-    // a message of two megabytes, and one that is no text
+    // a message of two megabytes, and one that is not text
     let large = Message::text("x".repeat(2 << 20));
     let _ = page.socket.send(large);
     let begun = Instant::now();
@@ -158,10 +158,10 @@ fn who_does_not_go_on_is_not_waited_for() {
 fn no_more_may_connect_than_there_is_room_for() {
     let bench = Bench::new();
     bench.zerorate("capture --samples 100 -o short.arrows").ok();
-    // once it has ended there are no frames, and who reads none keeps its seat
+    // after its end there are no frames, and a viewer that reads none keeps its seat
     let served = Served::start(&bench, "--device replay:short.arrows");
     let pages: Vec<_> = (0..48).map(|_| served.watch()).collect();
-    assert!(served.watch_with(&[]).is_err(), "as many look on as may");
+    assert!(served.watch_with(&[]).is_err(), "too many viewers");
     let others: Vec<TcpStream> = (0..60).map(|_| served.connect()).collect();
     let begun = Instant::now();
     assert_eq!(code(&served.get("/home.json")), 503);
@@ -194,7 +194,7 @@ fn whoever_comes_over_the_network_must_know_the_token() {
     assert_eq!(code(&served.ask("GET /metrics", &bearer, "")), 200);
     let with_cookie = served.ask("GET /home.json", &format!("cookie: {cookie}\r\n"), "");
     assert!(with_cookie.ends_with("\"token_needed\":false}"));
-    // whoever tries many is slowed down, wherever they are shown
+    // a client that tries many tokens is slowed down, wherever it shows them
     let bearer_of = |k: u32| format!("authorization: Bearer {k:032}\r\n");
     assert!((0..50).any(|k| code(&served.ask("GET /metrics", &bearer_of(k), "")) == 429));
     assert!((50..100).any(|k| code(&served.ask("POST /token", "", &format!("{k:032}"))) == 429));

@@ -1,4 +1,4 @@
-//! Pages that look on.
+//! Viewers of the page.
 
 use super::{LONG, Served, Watch};
 use crate::harness::{Bench, Run, command};

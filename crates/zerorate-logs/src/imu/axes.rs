@@ -46,7 +46,17 @@ impl Axes {
     /// As for [`crate::read_parts`], and where no column is an axis, or the unit of an axis is not known.
     pub fn read(path: &Path, parts: impl Into<Parts>, options: &ImuOptions) -> crate::Result<Self> {
         let wanted = options.columns.as_deref().map_or(Wanted::All, Wanted::Listed);
-        Self::of(path, crate::read_parts(path, parts, wanted, &options.log)?, options)
+        let (columns, no_rate) = crate::parts::read_without_rate(path, parts, wanted, &options.log)?;
+        match (no_rate, Self::of(path, columns, options)) {
+            (None, axes) => axes,
+            // all that is missing is asked for at once
+            (Some(LogError::Ask(rate)), Err(LogError::Ask(more))) => {
+                let more = more.strip_prefix(&path.display().to_string()).unwrap_or(&more);
+                let more = more.strip_prefix(": ").map_or_else(|| format!("it{more}"), str::to_owned);
+                Err(LogError::Ask(format!("{rate}. Also: {more}")))
+            }
+            (Some(no_rate), _) => Err(no_rate),
+        }
     }
 
     /// The kinds of axis that the log has nothing of, or, where these chose columns, the columns.
@@ -121,10 +131,8 @@ impl ImuOptions {
     }
 
     fn remedy(&self, kind: Kind) -> String {
-        let units = match kind {
-            Kind::Gyroscope => "dps, rad/s …",
-            Kind::Accelerometer => "m/s², g, mg …",
-        };
+        let units = Unit::ALL.into_iter().filter(|unit| unit.quantity() == kind.quantity()).map(Unit::name);
+        let units = units.collect::<Vec<_>>().join("|");
         format!("give {} {units}", self.log.names.of(kind.unit_setting()))
     }
 }

@@ -197,6 +197,8 @@ fn choices_that_a_file_offers() {
         fails("0.5\n0.25\n1.5\n", "--column gz --rate 1").contains("has no column `gz`: it has one column, without")
     );
     assert!(fails("gz\n0.25\n1.5\n", "--column gx --rate 1").contains("has no column `gx`: its only column is `gz`"));
+    let near = fails("t,gy_dps,gz_dps\n1,2,3\n2,3,4\n", "--column GZ --rate 1");
+    assert!(near.contains("has no column `GZ` (did you mean `gz_dps`?); choose with --column"), "{near}");
     assert!(fails("1,2.5\n3,4.5\n", "--rate 1").contains("choose with --column one of: 0, 1"));
     assert!(fails("gx,gy\r1,2\r3,4\r", "--column gy --rate 1").contains("tr '\\r' '\\n' < FILE"));
     let said = fails("hello\nworld, this is\nno log\n", "--rate 1");

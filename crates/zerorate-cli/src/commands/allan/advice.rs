@@ -1,11 +1,11 @@
-//! What a noise model advises, in words.
+//! The advice that follows from a noise model, in words.
 
 use super::units;
 use zerorate_allan::{self as allan, Averaging};
 use zerorate_logs::Record;
 use zerorate_logs::{Quantity, STANDARD_GRAVITY};
 
-/// What the fit advises, a sentence each; nothing where it is rejected.
+/// The advice of the fit, one sentence each. A rejected fit gives none.
 pub fn advice(record: &Record) -> Vec<String> {
     let Some(advice) = record.model().and_then(allan::advice) else { return Vec::new() };
     let at_rest = |dev: f64| in_words(record, dev);

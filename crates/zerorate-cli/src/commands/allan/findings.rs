@@ -1,4 +1,4 @@
-//! What there is to know about several axes, a line for each kind of finding and the important first.
+//! The findings about several axes: a line for each kind of finding, the important ones first.
 
 use super::units::{deviation_unit, span};
 use super::{picture, temperature};
@@ -6,7 +6,7 @@ use zerorate_allan::{AllanWarning, LONGEST_RECORD_S};
 use zerorate_logs::{LogWarning, Record};
 use zerorate_view::plot::number;
 
-/// Codes of findings, those that spoil most first. What is not among them comes before all: it is of the log.
+/// Codes of findings, the most damaging first. Findings with other codes come before all: they concern the log.
 const BY_WEIGHT: [&str; 17] = [
     "model-rejected",
     "follows-temperature",
@@ -27,20 +27,20 @@ const BY_WEIGHT: [&str; 17] = [
     "not-identified",
 ];
 
-/// One kind of finding, and where it was made.
+/// One kind of finding, with the axes that have it.
 struct Finding {
     weight: usize,
-    /// What tells it from others: the code of a finding of the model, or a whole text.
+    /// Identifies the kind: the code of a finding about the model, or a whole text.
     key: String,
     /// The axes, each with its numbers.
     axes: Vec<(String, Vec<String>)>,
-    /// What it means, and what to do.
+    /// Its meaning, and what to do.
     meaning: String,
-    /// The same where it is of one axis, and names it.
+    /// The same for a single axis, with the name of the axis.
     of_one: Option<String>,
 }
 
-/// A line for each kind of finding.
+/// Formats the findings of all records, a line for each kind.
 pub fn condensed(records: &[Record]) -> Vec<String> {
     let mut all: Vec<Finding> = Vec::new();
     let mut add = |finding: Finding| match all.iter_mut().find(|one| one.key == finding.key) {
@@ -80,7 +80,7 @@ impl Finding {
         Self { weight, key: code.to_owned(), axes, meaning: format!("{code}: {meaning}"), of_one: None }
     }
 
-    /// Adds the same kind of finding, of another axis or of the same.
+    /// Adds a finding of the same kind, about the same or another axis.
     fn join(&mut self, other: Self) {
         for (name, details) in other.axes {
             match self.axes.iter_mut().find(|(known, _)| *known == name) {
@@ -99,7 +99,7 @@ impl Finding {
         let is_of_log = self.axes.len() == axes && self.key == self.meaning;
         match of_one {
             Some(text) if self.axes.len() == 1 => text.clone(),
-            // what every axis shares is of the log
+            // a finding that all axes share concerns the log
             None if is_of_log => meaning.clone(),
             _ => format!("{meaning}: {}", self.axes.iter().map(named).collect::<Vec<_>>().join(", ")),
         }
@@ -110,7 +110,7 @@ fn said(detail: String, meaning: &str) -> (String, String) {
     (detail, meaning.to_owned())
 }
 
-/// The numbers of one axis, and what they mean on any.
+/// The numbers of one axis, and their meaning on any axis.
 fn condensed_words(warning: &AllanWarning, unit: &str) -> (String, String) {
     match *warning {
         AllanWarning::Rejected { error, most } => (
@@ -148,7 +148,7 @@ fn condensed_words(warning: &AllanWarning, unit: &str) -> (String, String) {
     }
 }
 
-/// The same about the terms of the model.
+/// The same for findings about the terms of the model.
 fn words_of_terms(warning: &AllanWarning, unit: &str) -> (String, String) {
     match *warning {
         AllanWarning::WarmUp { size, tau_s } => said(

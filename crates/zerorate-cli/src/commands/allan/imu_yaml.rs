@@ -1,4 +1,4 @@
-//! `imu.yaml`, as Kalibr made it common, of the gyroscope alone: `zerorate imu` has all axes and other readers.
+//! `imu.yaml` in the form of Kalibr, for a gyroscope alone. `zerorate imu` has all axes and other readers.
 
 use crate::column::flag;
 use crate::exit::{Refused, Usage};
@@ -8,10 +8,10 @@ use zerorate_logs::Record;
 use zerorate_logs::imu::{Choice, Combine, Doubts, Format};
 use zerorate_logs::{Names, Quantity};
 
-/// Writes the gyroscope's part of the file; of several logs the worst.
+/// Writes the gyroscope's part of the file. Of several logs it takes the worst values.
 pub fn write(file: Staged, records: &[Record]) -> Result<()> {
     if let Some(other) = records.iter().find(|record| record.quantity != Some(Quantity::AngularRate)) {
-        let why = "the column is not stated to be an angular rate, and imu.yaml needs rad/s; give --unit or --scale";
+        let why = "the column does not state a unit of angular rate, and imu.yaml needs rad/s; give --unit or --scale";
         return Err(Usage(format!("{}: {why}", other.label())).into());
     }
     let doubt = records.iter().find_map(|record| Some((record, record.believed().err()?)));

@@ -115,10 +115,10 @@ struct PointRow {
 struct Fit {
     #[serde(flatten)]
     coefficients: BTreeMap<char, Coefficient>,
-    /// ε: by how much the model is off.
+    /// ε: the relative error of the model.
     model_error: Option<f64>,
     p_value: Option<f64>,
-    /// Off by too much: nothing is identified.
+    /// Whether the error is too large: nothing is identified.
     rejected: bool,
     terms: Vec<Term>,
 }
@@ -161,7 +161,7 @@ struct Missing {
 struct Coefficient {
     value: f64,
     lo: f64,
-    /// None where nothing bounds it.
+    /// None where the coefficient has no bound.
     hi: Option<f64>,
     unit: String,
     identified: bool,
@@ -212,8 +212,8 @@ fn fit(record: &Record) -> Fit {
     }
 }
 
-/// In the base unit of each coefficient, which is the one without a factor. Where there is no fit, zeros that nothing
-/// is known about.
+/// The coefficients, each in its base unit, which is the unit without a factor. Without a fit they are zeros that are
+/// not identified.
 fn letters(record: &Record) -> BTreeMap<char, Coefficient> {
     let base = |named: Named<'_>| {
         let unit = named.units.iter().find(|(_, factor)| *factor == 1.0).map(|(unit, _)| unit.clone());

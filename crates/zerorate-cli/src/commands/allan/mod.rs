@@ -1,4 +1,4 @@
-//! `zerorate allan`: how much the mean of a rate at rest moves, over how long it is taken.
+//! `zerorate allan`: by how much the mean of a rate at rest varies with the averaging time.
 
 mod advice;
 pub mod findings;
@@ -25,20 +25,20 @@ use zerorate_jobs::allan::{AllanOptions, allan};
 use zerorate_logs::imu::Doubt;
 use zerorate_logs::{AnalysisOptions, Record};
 
-/// Computes the Allan deviation of a gyroscope's log, taken at rest: a capture, or the log of any other part.
+/// Compute the Allan deviation of a log at rest, and fit a noise model
 ///
-/// Reads captures, Parquet, Arrow, NumPy (npy, npz), MATLAB, HDF5, bags of ROS 1 and 2 (files and folders), PX4 logs,
-/// text of any dialect and, with --raw, plain binary numbers, packed or not; - is what is piped in. Samples that are
-/// missing (lost in a capture, empty cells, NaN, jumps of the time column) are gaps: an average enters if at least
-/// half of its samples are there.
+/// The log is a capture or the log of any other gyroscope. Supported are captures, Parquet, Arrow, NumPy (npy, npz),
+/// MATLAB, HDF5, bags of ROS 1 and 2 (files and folders), PX4 logs and text of any dialect. With --raw the command
+/// reads plain binary numbers. Files may be compressed, and - reads from stdin. Missing samples (lost in a capture,
+/// empty cells, NaN, jumps of the time column) are gaps: an average counts if at least half of its samples are there.
 ///
-/// The table has a row for each averaging time: tau_s; m, the samples in each average; the deviation with the limits
-/// of its confidence interval; edf, the degrees of freedom behind them; the noise that dominates there; n, the terms
-/// that entered. What cannot be computed is listed with the reason. With --fit the noise coefficients follow, each
-/// with its 95 % interval, and what they say about averaging and recording.
+/// The table has a row for each averaging time tau_s. m is the number of samples in an average. The deviation has the
+/// limits of its confidence interval, and edf states the degrees of freedom behind them. noise names the noise that
+/// dominates there, and n counts the terms that entered. Rows that cannot be computed are listed with the reason. With
+/// --fit the noise coefficients follow, each with its 95 % interval, and advice on averaging and recording.
 #[derive(Args, Debug)]
 pub struct AllanArgs {
-    /// The logs. Several are compared.
+    /// The logs; several are compared.
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
 
@@ -48,37 +48,41 @@ pub struct AllanArgs {
     #[arg(long, default_value = "oadev", help = statistics())]
     stat: Stat,
 
-    /// The averaging times: octave, fine (four to an octave), decade (1, 2, 4, 10 … samples), log:N (N of them, evenly
-    /// spaced in the logarithm), all, or a list in seconds such as 0.1,1,10 [default: octave, in pictures fine]
+    /// The averaging times: octave, fine, decade, log:N, all, or a list in seconds such as 0.1,1,10 [default: octave,
+    /// in pictures fine].
+    ///
+    /// fine has four to an octave, decade has 1, 2, 4, 10 … samples, log:N has N times at even steps of the logarithm.
     #[arg(long)]
     taus: Option<Taus>,
 
-    /// What the column holds: the rate, or the phase, its integral (the angle).
+    /// The content of the column: the rate, or its integral, the phase (the angle).
     #[arg(long, value_enum, default_value = "rate")]
     data: Data,
 
-    /// Probability that an interval encloses the true deviation.
+    /// The probability that an interval contains the true deviation.
     #[arg(long, default_value_t = 0.683, value_parser = probability, value_name = "P")]
     confidence: f64,
 
-    /// Fit a noise model: N (angle random walk), B (bias instability), K (rate random walk), and Q (quantisation), R
-    /// (ramp), Gauss–Markov terms, the sensor's band and lines where they are significant. Glitches and steps are
-    /// taken out first, and out of the deviations too; warnings say which. A model that is off by more than 10 % is
-    /// rejected: exit code 3.
+    /// Fit a noise model: N (angle random walk), B (bias instability), K (rate random walk) and more.
+    ///
+    /// Q (quantisation), R (ramp), Gauss–Markov terms, the sensor's band and lines are added where they are
+    /// significant. Glitches and steps are removed first, from the deviations too, and warnings say which. A model
+    /// that is off by more than 10 % is rejected: exit code 3.
     #[arg(long)]
     fit: bool,
 
-    /// Fit one model to all the logs, which are of one type at rest: the likelihoods are added, the spread between the
-    /// records is stated, and those that do not fit are named. Text, picture, page and YAML are then of that model;
-    /// --json has every log as well.
+    /// Fit one model to all the logs, which must be of one type of sensor at rest.
+    ///
+    /// The likelihoods are added. The result states the spread between the records and names those that do not fit.
+    /// Text, picture, page and YAML then show the common model. --json has every log as well.
     #[arg(long)]
     pool: bool,
 
-    /// Take samples out that cannot be noise (knocks, bit errors) before a fit. It is what happens anyway.
+    /// Remove samples that cannot be noise (knocks, bit errors) before a fit. This is the default.
     #[arg(long, conflicts_with = "keep_glitches")]
     cut_glitches: bool,
 
-    /// Leave such samples in.
+    /// Keep such samples.
     #[arg(long)]
     keep_glitches: bool,
 
@@ -89,20 +93,20 @@ pub struct AllanArgs {
     #[command(flatten)]
     temperature: TemperatureArgs,
 
-    /// Draw the deviations with their intervals, the fit with its band and the averaging times of AN-1042: a .svg
-    /// or .png.
+    /// Draw the deviations with their intervals, the fit with its band, and the averaging times of AN-1042 (.svg,
+    /// .png).
     #[arg(long, value_name = "PICTURE")]
     plot: Vec<PathBuf>,
 
-    /// Write one self-contained HTML page with picture, tables, coefficients and advice.
+    /// Write one self-contained HTML page with pictures, tables, coefficients and advice.
     #[arg(long, value_name = "PAGE")]
     report: Option<PathBuf>,
 
-    /// Write N and K as Kalibr, VINS and OpenVINS read them (imu.yaml); of several logs the largest.
+    /// Write N and K as Kalibr, VINS and OpenVINS read them (imu.yaml). Several logs give their largest values.
     #[arg(long, value_name = "YAML")]
     imu_yaml: Option<PathBuf>,
 
-    /// Close up the gaps where samples are missing. This changes the result.
+    /// Close up the gaps where samples are missing, which changes the result.
     #[arg(long)]
     ignore_gaps: bool,
 
@@ -114,8 +118,8 @@ pub struct AllanArgs {
     #[arg(long, conflicts_with = "json")]
     csv: bool,
 
-    /// Print the result as one JSON object, with the noise model. One that is rejected says so in it; it is exit code
-    /// 3 where it was asked for, with --fit or --pool.
+    /// Print the result as one JSON object, with the noise model. The object says so if the model is rejected, and
+    /// with --fit or --pool the exit code is then 3.
     #[arg(long)]
     json: bool,
 }
@@ -125,27 +129,27 @@ fn statistics() -> String {
     format!("The statistic: {}", names.join(", "))
 }
 
-/// What a column holds.
+/// The content of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Data {
-    /// Rate.
+    /// The rate.
     Rate,
-    /// Its integral over time: for a gyroscope the angle.
+    /// The integral of the rate over time: for a gyroscope the angle.
     Phase,
 }
 
-/// What to do with jumps of the level.
+/// Treatment of jumps of the level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Steps {
-    /// Leave them in: a random walk has to explain them.
+    /// Keep them: a random walk has to explain them.
     Keep,
-    /// Take them out.
+    /// Remove them.
     Remove,
 }
 
 impl AllanArgs {
-    /// Whatever shows or uses noise coefficients needs the fit.
+    /// Whether an option shows or uses noise coefficients.
     fn wants_fit(&self) -> bool {
         self.fit || self.pool || self.json || !self.plot.is_empty() || self.report.is_some() || self.imu_yaml.is_some()
     }
@@ -189,7 +193,7 @@ pub fn run(args: &AllanArgs) -> Result<()> {
     if args.fit { records.iter().try_for_each(check_model) } else { Ok(()) }
 }
 
-/// Of a record alone each in full; of several a line for each kind.
+/// The warnings of a single record, each in full. Several records have a line for each kind of warning.
 fn warnings(args: &AllanArgs, records: &[Record]) -> Vec<String> {
     match records {
         [only] if !args.column.is_list() => temperature::warnings(only),
@@ -200,7 +204,7 @@ fn warnings(args: &AllanArgs, records: &[Record]) -> Vec<String> {
     }
 }
 
-/// Refuses a model that is rejected. A record without a model is no failure: its text says why.
+/// Refuses a rejected model. A record without a model is not a failure: its text says why.
 fn check_model(record: &Record) -> Result<()> {
     match record.believed() {
         Err(doubt @ Doubt::Rejected(_)) => {
@@ -210,7 +214,7 @@ fn check_model(record: &Record) -> Result<()> {
     }
 }
 
-/// One model of all records.
+/// Fits and prints one model of all records.
 fn pooled(args: &AllanArgs, records: &[Record], files: Files) -> Result<()> {
     let pool = zerorate_jobs::pool::pool(records).map_err(pool::failed)?;
     warn(&temperature::warnings(&pool.record));
@@ -228,16 +232,16 @@ fn pooled(args: &AllanArgs, records: &[Record], files: Files) -> Result<()> {
     check_model(&pool.record)
 }
 
-/// A picture and a table have one unit.
+/// Refuses records of different quantities where a picture or a table has one unit.
 fn check_units(args: &AllanArgs, records: &[Record]) -> Result<(), Usage> {
     let mixed = records.windows(2).find(|pair| pair[0].quantity != pair[1].quantity);
     mixed.filter(|_| args.csv || !args.plot.is_empty()).map_or(Ok(()), |pair| {
-        let names = format!("{} and {} are of different quantities", pair[0].label(), pair[1].label());
-        Err(Usage(format!("{names}, and a picture or a CSV table has one unit; make one for each, or --report")))
+        let names = format!("{} and {} measure different quantities", pair[0].label(), pair[1].label());
+        Err(Usage(format!("{names}, but a picture or a CSV table has one unit: make one for each, or give --report")))
     })
 }
 
-/// The files that were asked for, claimed before hours of data are read.
+/// The files to write, claimed before hours of data are read.
 struct Files {
     pictures: Vec<(picture::Kind, Staged)>,
     page: Option<Staged>,
@@ -275,7 +279,7 @@ impl Files {
     }
 }
 
-/// What the page says of all records together; a record alone has its warnings below.
+/// The head of the page, for all records together. The warnings of a single record are in its own section.
 fn head(records: &[Record], warnings: Vec<String>) -> page::Head {
     let title = match records {
         [first, ..] if picture::are_axes(records) => first.file.display().to_string(),

@@ -1,11 +1,11 @@
-//! Axes of one log to which something happens at once.
+//! Events that several axes of one log show at once.
 
 use serde::Serialize;
 use zerorate_allan::MotionKind;
 use zerorate_logs::Record;
 use zerorate_logs::imu::{ImuWarning, Moment};
 
-/// A moment at which several axes jump, or have a glitch.
+/// A moment at which several axes jump or have a glitch.
 #[derive(Serialize)]
 pub struct Motion {
     at_s: f64,
@@ -13,7 +13,7 @@ pub struct Motion {
     kind: &'static str,
 }
 
-/// Those of the axes of one log.
+/// Finds the common events of the axes of one log.
 pub fn of(axes: &[Record]) -> Vec<Motion> {
     let motion = |Moment { at_s, axes, kind }: Moment| Motion {
         at_s,
@@ -26,7 +26,7 @@ pub fn of(axes: &[Record]) -> Vec<Motion> {
     Moment::all(&Record::models(axes)).into_iter().map(motion).collect()
 }
 
-/// A line for the jumps, and one for the knocks.
+/// Formats the jumps as one line and the knocks as another.
 pub fn lines(axes: &[Record]) -> Vec<String> {
     ImuWarning::of_motion(&Record::models(axes)).iter().map(ImuWarning::coded).collect()
 }

@@ -11,7 +11,7 @@ use zerorate_logs::Record;
 use zerorate_view::plot::number;
 use zerorate_view::report::{self, AllanPage, AllanRow, Coefficient, CoefficientValue, Fact, Table, allan_page};
 
-/// What the page says of all records together.
+/// The head of the page, for all records together.
 #[derive(Default)]
 pub struct Head {
     pub title: String,
@@ -39,7 +39,7 @@ pub fn write(file: Staged, head: Head, records: &[Record]) -> Result<()> {
     Ok(file.fill(allan_page(&page)?.as_bytes())?)
 }
 
-/// Tables and pictures of one quantity. A record alone has its coefficients below.
+/// Tables and pictures of one quantity. A single record has its coefficients in its own section.
 fn of_group(group: &Group<'_>, is_one_of_several: bool) -> report::Group {
     let tables = match is_one_of_several {
         true => [by_axis(group), lines(group)].into_iter().filter(|table| !table.rows.is_empty()).collect(),
@@ -49,7 +49,7 @@ fn of_group(group: &Group<'_>, is_one_of_several: bool) -> report::Group {
     report::Group { name: name.to_owned(), tables, pictures: group.pictures() }
 }
 
-/// A row for each coefficient in each unit, a column for each axis.
+/// The table with a row for each coefficient and unit, and a column for each axis.
 fn by_axis(group: &Group<'_>) -> Table {
     let models: Vec<_> = group.records.iter().map(Record::model).collect();
     let all: Vec<_> = group.records.iter().map(units::coefficients).collect();
@@ -90,7 +90,7 @@ fn by_axis(group: &Group<'_>) -> Table {
     }
 }
 
-/// What an axis has not.
+/// The cell of an axis that lacks the value.
 const NONE: &str = "–";
 
 fn head(title: &str, group: &Group<'_>) -> Vec<String> {
@@ -101,7 +101,7 @@ fn row(title: String, cells: impl Iterator<Item = String>, unit: &str) -> Vec<St
     std::iter::once(title).chain(cells).chain([unit.to_owned()]).collect()
 }
 
-/// Two rows for each Gauss–Markov term that an axis has.
+/// The rows of Gauss–Markov terms, two for each term of an axis.
 fn gauss_markov(group: &Group<'_>) -> Vec<Vec<String>> {
     let of = |record: &Record| -> Vec<(Estimate, Estimate)> {
         let terms = record.believed().map_or(&[][..], |fit| &fit.terms);
@@ -137,7 +137,8 @@ fn value(Estimate { value, lo, hi }: &Estimate, is_identified: bool) -> String {
     }
 }
 
-/// What stands out of the spectra, by frequency: a row for what lies side by side, with all that an axis has of it.
+/// The table of spectral lines by frequency. Lines that lie side by side share a row, which sums up those of each
+/// axis.
 fn lines(group: &Group<'_>) -> Table {
     let of_axis = |(axis, record)| Record::lines(record).map(move |line| (axis, line));
     let mut found: Vec<(usize, &Line)> = group.records.iter().enumerate().flat_map(of_axis).collect();
@@ -160,16 +161,17 @@ fn lines(group: &Group<'_>) -> Table {
         row(frequency, (0..group.records.len()).map(cell), &format!("{} rms", group.unit()))
     };
     Table {
-        title: "What stands out of the spectrum".to_owned(),
+        title: "Lines in the spectrum".to_owned(),
         head: head("frequency", group),
         rows: found.chunk_by(is_beside).map(stretch).collect(),
-        note: "Disturbances or resonances: left out of N, B and K, part of the curve. In brackets how many lines lie \
-               side by side, the strongest at that frequency. What all axes have comes from the table they stand on."
+        note: "Disturbances or resonances: they are left out of N, B and K but are part of the curve. The number in \
+               brackets counts lines side by side; the strongest gives the frequency. Lines that all axes share come \
+               from the table on which the sensor stands."
             .to_owned(),
     }
 }
 
-/// How far from each other, as a share of their frequency, lines are one to a reader.
+/// Lines closer than this share of their frequency are one line to a reader.
 const BESIDE: f64 = 0.01;
 
 fn section(record: &Record) -> report::Record {

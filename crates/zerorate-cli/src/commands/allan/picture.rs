@@ -10,7 +10,7 @@ use zerorate_logs::Quantity;
 use zerorate_logs::Record;
 use zerorate_view::plot::{self, Curve, Minimum, PowerLaw, Signal, Spectrum, Tone, number};
 
-/// Form of a picture.
+/// The form of a picture.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
     Svg,
@@ -19,10 +19,10 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// As the name says; none where that is not the name of a picture.
+    /// The form that the name states; none where it is not the name of a picture.
     ///
     /// # Errors
-    /// It is not built in.
+    /// The form is not built in.
     pub fn of(path: &Path) -> Result<Option<Self>, Usage> {
         match path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("svg") => Ok(Some(Self::Svg)),
@@ -47,7 +47,7 @@ pub fn write(kind: Kind, file: Staged, svg: &str) -> Result<()> {
     }
 }
 
-/// The picture of all records. The fit is one of Allan deviations, so another statistic is drawn without it.
+/// Draws all records. The fit describes Allan deviations, so another statistic is drawn without it.
 pub fn svg(records: &[Record]) -> String {
     let is_of_one_log = are_axes(records);
     let named = |record: &Record| Curve { label: name(is_of_one_log, record), ..curve(record) };
@@ -78,12 +78,12 @@ pub fn are_axes(records: &[Record]) -> bool {
     records.len() > 1 && records.windows(2).all(|pair| pair[0].file == pair[1].file)
 }
 
-/// What tells a record from the others.
+/// The name that distinguishes a record from the others.
 pub fn name(is_of_one_log: bool, record: &Record) -> String {
     if is_of_one_log { record.column.clone() } else { record.label() }
 }
 
-/// AN-1042's averaging times, beside the part that it is about.
+/// The averaging times of AN-1042, if a record is from the part that the note describes.
 fn marks(records: &[Record]) -> Vec<plot::Mark> {
     if records.iter().any(Record::is_of_adis16130) { plot::an1042() } else { Vec::new() }
 }
@@ -95,19 +95,19 @@ pub struct Group<'a> {
 }
 
 impl<'a> Group<'a> {
-    /// Records that follow each other and are of one quantity.
+    /// Groups consecutive records of one quantity.
     pub fn all(records: &'a [Record]) -> Vec<Self> {
         let is_of_one_log = are_axes(records);
         let groups = records.chunk_by(|a, b| a.quantity == b.quantity);
         groups.map(|records| Self { records, is_of_one_log }).collect()
     }
 
-    /// What tells each record from the others.
+    /// The names that distinguish the records from each other.
     pub fn names(&self) -> Vec<String> {
         self.records.iter().map(|record| name(self.is_of_one_log, record)).collect()
     }
 
-    /// What the records are of.
+    /// The kind of sensor that the records come from.
     pub fn heading(&self) -> &'static str {
         match self.records.first().and_then(|record| record.quantity) {
             Some(Quantity::AngularRate) => "Gyroscope",
@@ -117,19 +117,19 @@ impl<'a> Group<'a> {
         }
     }
 
-    /// The unit of what was recorded.
+    /// The unit of the recorded quantity.
     pub fn unit(&self) -> &'static str {
         self.records.first().and_then(|record| record.quantity).map_or("unit", Quantity::unit)
     }
 
-    /// Curves, spectra and the records themselves.
+    /// Draws the curves, the spectra and the records over time.
     pub fn pictures(&self) -> Vec<String> {
         let is_of_axes = self.is_of_one_log && self.records.len() > 1;
         let curves = if is_of_axes { self.multiples() } else { svg(self.records) };
         std::iter::once(curves).chain(self.spectra()).chain(self.signals()).collect()
     }
 
-    /// A panel for each of several axes.
+    /// Draws a panel for each of several axes.
     fn multiples(&self) -> String {
         let panel = |(record, label): (&Record, String)| {
             let laws = believed(record).iter().map(law).collect();
@@ -151,7 +151,7 @@ impl<'a> Group<'a> {
         plot::allan_multiples(&curves, &options)
     }
 
-    /// The spectra, where all records have one.
+    /// Draws the spectra, if all records have one.
     fn spectra(&self) -> Option<String> {
         let unit = self.unit();
         let spectrum = |(record, label)| spectrum(record, label, unit);
@@ -159,7 +159,7 @@ impl<'a> Group<'a> {
         Some(plot::spectra(&format!("{}: spectrum", self.heading()), &all, &format!("{unit}/√Hz")))
     }
 
-    /// The records over time, where they were kept.
+    /// Draws the records over time, if they were kept.
     fn signals(&self) -> Option<String> {
         let signal = |(record, label): (&Record, String)| {
             let steps = record.model().map_or(&[][..], |fit| &fit.cleaned.steps);
@@ -192,7 +192,7 @@ fn spectrum(record: &Record, label: String, unit: &str) -> Option<Spectrum> {
     })
 }
 
-/// A line of a panel, at the limit of what is not identified.
+/// The line of a coefficient in a panel: at its value, or at its upper limit if it is not identified.
 fn law(named: &Named<'_>) -> PowerLaw {
     let (letter, unit, coefficient) = (named.letter, &named.units[0].0, named.coefficient);
     let (label, value) = match coefficient.identified {
@@ -202,10 +202,10 @@ fn law(named: &Named<'_>) -> PowerLaw {
     PowerLaw { label, at_1s: value * named.at_1s, slope: named.slope }
 }
 
-/// Gauss–Markov, in few letters.
+/// Short for Gauss–Markov.
 const MEMORY: &str = "GM";
 
-/// What a model has beside its coefficients, or that it is none.
+/// The other terms of a model beside its coefficients, or why there is no model.
 fn remarks(record: &Record) -> Vec<String> {
     match (&record.fit, record.model()) {
         (None, _) => Vec::new(),
@@ -215,7 +215,7 @@ fn remarks(record: &Record) -> Vec<String> {
     }
 }
 
-/// What is drawn, and what was left out of it.
+/// What the picture shows, and what was left out.
 fn subtitle(records: &[Record]) -> String {
     let Some(first) = records.first() else { return String::new() };
     let interval = units::interval(first.confidence);
@@ -263,12 +263,12 @@ fn curve(record: &Record) -> Curve {
     Curve { label: record.label(), points, model, laws, minimum, remarks: Vec::new() }
 }
 
-/// The coefficients that have a line: of Allan deviations, and above zero.
+/// The coefficients that have a line in the picture: Allan deviations only, and values above zero.
 fn drawn(record: &Record) -> Vec<Named<'_>> {
     believed(record).into_iter().filter(|named| named.coefficient.value > 0.0).collect()
 }
 
-/// Those of Allan deviations with a model that is not rejected.
+/// The coefficients of Allan deviations, if the model is not rejected.
 fn believed(record: &Record) -> Vec<Named<'_>> {
     match record.analysis.stat.is_allan() && record.believed().is_ok() {
         true => coefficients(record),

@@ -1,4 +1,4 @@
-//! Several records of one type as one: `--pool`.
+//! `--pool`: one model of several records of one type.
 
 use crate::exit::{Refused, Usage};
 use anyhow::Result;
@@ -8,7 +8,7 @@ use std::fmt::Write;
 use zerorate_allan::{self as allan, Stat};
 use zerorate_jobs::pool::{Misfit, NoPool, Pool};
 
-/// The spread between the records, a line for each coefficient.
+/// Formats the spread between the records, a line for each coefficient.
 pub fn text(pool: &Pool) -> Result<String> {
     let mut text = format!("One model of {} records: {}\n", pool.used.len(), pool.used.join("; "));
     writeln!(text, "Spread between them beyond their own intervals:")?;
@@ -23,7 +23,7 @@ pub fn text(pool: &Pool) -> Result<String> {
     Ok(text)
 }
 
-/// What a pool adds to the report of its model.
+/// The fields that a pool adds to the report of its model.
 #[derive(Serialize)]
 pub struct Json<'a> {
     records: &'a [String],
@@ -56,13 +56,10 @@ pub fn failed(why: NoPool) -> anyhow::Error {
     }
 }
 
-/// Only where the model speaks of the curve there is something to pool.
+/// Refuses a statistic that the noise model does not describe.
 pub fn check_statistic(stat: Stat) -> Result<(), Usage> {
     match stat.is_allan() {
         true => Ok(()),
-        false => Err(Usage(format!(
-            "--pool: the model is of the Allan deviation, not of {}; leave --stat out",
-            stat.name()
-        ))),
+        false => Err(Usage(format!("--pool models the Allan deviation, not {}; leave --stat out", stat.name()))),
     }
 }

@@ -11,7 +11,7 @@ use zerorate_logs::Record;
 /// and rounded to a whole number, which 62 averages get right 19 times of 20.
 const TELLING: f64 = 62.0;
 
-/// The line above the table.
+/// Formats the line above the table.
 pub fn heading(record: &Record) -> String {
     let analysis = &record.analysis;
     format!(
@@ -24,7 +24,7 @@ pub fn heading(record: &Record) -> String {
     )
 }
 
-/// A row for each averaging time, then a line for each that could not be computed.
+/// Formats a row for each averaging time, then a line for each time that could not be computed.
 pub fn text(record: &Record) -> Result<String> {
     let per_hour = units::deviation_unit(record) == Some("°/s");
     let mut text = String::new();
@@ -50,7 +50,7 @@ pub fn text(record: &Record) -> Result<String> {
     Ok(text)
 }
 
-/// The noise model with its intervals, then advice.
+/// Formats the noise model with its intervals, then the advice.
 pub fn coefficients_text(record: &Record) -> Result<String> {
     let mut text = String::from("\nNoise coefficients with their 95 % intervals\n");
     if let Some(Err(why)) = &record.fit {
@@ -76,8 +76,8 @@ pub fn coefficients_text(record: &Record) -> Result<String> {
     Ok(text)
 }
 
-/// All records in one table; the file's name is a column where there are several records, and the column's where there
-/// are several of a file.
+/// Formats all records as one table. Several records add a column with the file, and several records of one file add
+/// one with the name of the column.
 pub fn csv(records: &[Record]) -> Result<String> {
     let several = records.len() > 1;
     let of_columns = records.windows(2).any(|pair| pair[0].file == pair[1].file);
@@ -100,7 +100,7 @@ pub fn csv(records: &[Record]) -> Result<String> {
     Ok(String::from_utf8(rows.into_inner()?)?)
 }
 
-/// The unit as it ends a name.
+/// The ending of a column name that states the unit.
 fn suffix(record: &Record) -> &'static str {
     match units::deviation_unit(record) {
         Some("°/s") => "_dps",

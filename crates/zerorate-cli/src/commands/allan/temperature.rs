@@ -1,4 +1,4 @@
-//! What the temperature has to do with a record: warned of, taken out, or left out.
+//! The influence of the temperature on a record: warned of, taken out, or skipped.
 
 use super::units::{deviation_unit, span};
 use crate::column::flag;
@@ -9,11 +9,11 @@ use zerorate_allan::{AllanWarning, MOST_ORDER};
 use zerorate_logs::{LogWarning, Names, Record, Settling};
 use zerorate_view::duration::Seconds;
 
-/// What to do about a part that was warming.
+/// Options for a sensor that was warming.
 #[derive(Args, Debug)]
 pub struct TemperatureArgs {
-    /// Take a polynomial over temperature out before anything else, by least squares: of order 1, or as in temp:2 up
-    /// to 3. What it may have taken of the noise widens the intervals of long averages and of K.
+    /// Remove a polynomial over temperature first, by least squares: of order 1, or up to 3 as in temp:2. Noise that
+    /// it may have removed widens the intervals of long averages and of K.
     #[arg(long, value_name = "temp[:ORDER]", value_parser = order)]
     detrend: Option<usize>,
 
@@ -21,7 +21,7 @@ pub struct TemperatureArgs {
     #[arg(long, value_name = "NAME")]
     pub temp_column: Option<String>,
 
-    /// Leave out the beginning, while the part warms: 45m.
+    /// Leave out the beginning while the sensor warms, such as 45m.
     #[arg(long, value_name = "TIME")]
     skip: Option<Seconds>,
 }
@@ -43,22 +43,22 @@ impl TemperatureArgs {
     pub fn check(&self, is_pooled: bool, is_phase: bool) -> Result<(), Usage> {
         match self.detrend {
             Some(_) if is_pooled => Err(Usage(
-                "--detrend and --pool: what the polynomials took of each record is not known of the common model; \
-                 take one of them"
+                "--detrend and --pool exclude each other: the common model cannot tell what the polynomials removed \
+                 from each record"
                     .to_owned(),
             )),
-            Some(_) if is_phase => Err(Usage("--detrend is of a rate, not of --data phase".to_owned())),
+            Some(_) if is_phase => Err(Usage("--detrend works on a rate, not on --data phase".to_owned())),
             _ => Ok(()),
         }
     }
 }
 
-/// What there is to know of a record: first of the log.
+/// The warnings about a record, those about the log first.
 pub fn warnings(record: &Record) -> Vec<String> {
     record.notes.iter().map(LogWarning::coded).chain(record.of_noise().map(text)).collect()
 }
 
-/// A warning, with the options that help.
+/// Formats a warning, with the options that help.
 pub fn text(warning: &AllanWarning) -> String {
     let help = match warning {
         AllanWarning::FollowsTemperature { .. } => " (--detrend temp, --skip 45m)",
@@ -67,7 +67,7 @@ pub fn text(warning: &AllanWarning) -> String {
     format!("{}: {warning}{help}", warning.code())
 }
 
-/// What was done, a line each.
+/// Says what was done to the record, a line each.
 pub fn said(record: &Record) -> Vec<String> {
     let skipped = (record.skipped_s > 0.0).then(|| format!("without the first {}", span(record.skipped_s)));
     let unit = deviation_unit(record).unwrap_or("");
@@ -95,7 +95,7 @@ pub struct Json {
     over: &'static str,
     order: usize,
     method: &'static str,
-    /// Unit of the rate per °C, °C², °C³, about `mean_c`.
+    /// In the unit of the rate per °C, °C², °C³, about `mean_c`.
     coefficients: Vec<f64>,
     mean_c: f64,
     explained: f64,

@@ -1,4 +1,4 @@
-//! Noise coefficients in the units that data sheets, standards and users have them in.
+//! Noise coefficients in the units of data sheets, standards and users.
 
 use zerorate_allan::{Estimate, Fit, Line, Term};
 use zerorate_logs::Record;
@@ -6,7 +6,7 @@ pub use zerorate_logs::imu::{B, Named, span};
 use zerorate_logs::{Quantity, imu};
 use zerorate_view::plot::number;
 
-/// The coefficients of a record, those that every fit has first.
+/// The coefficients of a record. N, B and K, which every fit has, come first.
 pub fn coefficients(record: &Record) -> Vec<Named<'_>> {
     record.model().map_or_else(Vec::new, |fit| imu::coefficients(fit, record.quantity))
 }
@@ -26,14 +26,14 @@ pub fn misfit(fit: &Fit) -> String {
     }
 }
 
-/// What a table says of a coefficient or another term: in each unit value, limits and the unit.
+/// The row of a coefficient or another term in a table: value, limits and unit, in each unit.
 pub struct TermRow {
     pub name: String,
     pub values: Vec<(Estimate, String)>,
     pub remark: String,
 }
 
-/// All that the model of a record has, the coefficients first.
+/// All terms of the model of a record, the coefficients first.
 pub fn term_rows(record: &Record) -> Vec<TermRow> {
     let Some(fit) = record.model() else { return Vec::new() };
     let coefficient = |named: Named<'_>| TermRow {
@@ -85,7 +85,7 @@ fn of_term(record: &Record, term: &Term) -> TermRow {
     }
 }
 
-/// The Gauss–Markov terms of a model, as one says them: `328 µg, 25.9 s`.
+/// The Gauss–Markov terms of a model in short: `328 µg, 25.9 s`.
 pub fn gauss_markov(record: &Record) -> Vec<String> {
     let (unit, factor) = &B.of(record.quantity)[0];
     let terms = record.model().map_or(&[][..], |fit| &fit.terms);
@@ -98,12 +98,12 @@ pub fn gauss_markov(record: &Record) -> Vec<String> {
     terms.iter().filter_map(said).collect()
 }
 
-/// What the limits of a deviation are: `68.3 % intervals`.
+/// Names the limits of a deviation: `68.3 % intervals`.
 pub fn interval(confidence: f64) -> String {
     format!("{} % intervals", (confidence * 1e6).round() / 1e4)
 }
 
-/// The unit of the deviations of a record, for people; none if nobody stated it.
+/// The unit of the deviations of a record, for people; none if it is not stated.
 pub fn deviation_unit(record: &Record) -> Option<&'static str> {
     let quantity = record.quantity?;
     if !record.analysis.stat.is_times_s() {
@@ -116,7 +116,7 @@ pub fn deviation_unit(record: &Record) -> Option<&'static str> {
     })
 }
 
-/// The noise with the exponent α of the density of what is measured, as people call it there.
+/// The usual name of the noise whose spectral density has the exponent α.
 pub fn noise(alpha: i32, quantity: Option<Quantity>) -> &'static str {
     match alpha {
         2 if quantity == Some(Quantity::Acceleration) => "white velocity",

@@ -1,12 +1,13 @@
-//! The result of an hour reaches its user, whatever happens to the files that were to hold it.
+//! Delivers the result of an hour to its user, even if its files cannot be written.
 
 use super::{ResultArgs, text};
 use crate::output::{print, print_json, print_lines, reader_left, say};
+use crate::wording;
 use anyhow::Result;
 use zerorate::Calibration;
 use zerorate_jobs::calibrate::{Report, Rescued, Undelivered};
 
-/// Prints the result. Where that fails and no file holds it either, it is rescued.
+/// Prints the result. If printing fails and no file holds the result either, it is rescued.
 pub fn print_result(report: &Report, calibration: &Calibration, args: &ResultArgs) -> Result<()> {
     let printed = match args.json {
         true => print_json(report),
@@ -17,7 +18,7 @@ pub fn print_result(report: &Report, calibration: &Calibration, args: &ResultArg
             let left = reader_left(&why);
             let error = Undelivered::rescue(why, &[], calibration).error("");
             if left {
-                say(format_args!("warning: {error:#}"));
+                say(format_args!("warning: {}", wording::text(&error)));
             }
             Err(error)
         }
@@ -25,7 +26,8 @@ pub fn print_result(report: &Report, calibration: &Calibration, args: &ResultArg
     }
 }
 
-/// Prints the calibration itself: as its file, so that it can be redirected into one, or within the JSON object.
+/// Prints the calibration itself: as the text of its file, so that it can be redirected into one, or in the JSON
+/// object.
 pub fn print_undelivered(
     undelivered: Undelivered,
     mut report: Report,

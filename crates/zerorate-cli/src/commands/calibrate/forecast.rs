@@ -1,20 +1,20 @@
-//! `--target-dph`: how long it will take, as far as that can be said beforehand.
+//! `--target-dph`: a forecast of how long the recording will take.
 
 use zerorate::{Part, Plan};
 use zerorate_view::duration::Seconds;
 
-/// The target is looked at once a minute.
+/// The target is checked once a minute.
 const MINUTE_S: f64 = 60.0;
 
-/// What can be said beforehand.
+/// The forecast, a line for each axis.
 pub fn lines(part: &Part, plan: &Plan) -> Vec<String> {
     let Some(target_dps) = plan.target_dps else { return Vec::new() };
     let target_dph = 3600.0 * target_dps;
     let of_axis = |axis: &zerorate::NamedAxis| {
         let Some(forecast) = axis.axis.forecast(target_dps, plan.total_s()) else {
             return format!(
-                "{}: how long {target_dph:.1} °/h will take is said while the part warms, since nothing typical is \
-                 known of it",
+                "{}: no typical noise of this part is known, so the time to {target_dph:.1} °/h is forecast while it \
+                 warms",
                 axis.name
             );
         };
@@ -22,8 +22,8 @@ pub fn lines(part: &Part, plan: &Plan) -> Vec<String> {
         match u_dph <= target_dph {
             true => format!("{}: a typical part reaches {target_dph:.1} °/h after about {after}", axis.name),
             false => format!(
-                "{}: a typical part does not reach {target_dph:.1} °/h, since flicker and random walk leave about \
-                 {u_dph:.1} °/h: the recording will take its whole time",
+                "{}: a typical part does not reach {target_dph:.1} °/h: flicker and random walk leave about \
+                 {u_dph:.1} °/h, so the recording will take its whole time",
                 axis.name
             ),
         }

@@ -1,4 +1,4 @@
-//! `zerorate calibrate` and `recalibrate`: the procedure of F-51, on a part or on its recording.
+//! `zerorate calibrate` and `recalibrate`: the procedure of F-51, on a sensor or on its recording.
 
 mod deliver;
 mod forecast;
@@ -21,20 +21,21 @@ use zerorate_host::{DeviceSpec, Pace, Setup};
 use zerorate_jobs::Acquisition;
 use zerorate_jobs::calibrate::{Files, Job, Kept, prepare};
 
-/// Finds the bias of a part and how it changes with temperature.
+/// Find the bias of a sensor and how it changes with temperature
 ///
-/// The procedure of the application note AN-1042: two averages with a warm-up between them give the temperature
-/// coefficient BTC, a long average after settling gives the bias correction PBC at the temperature T3:
+/// The procedure follows the application note AN-1042. Two averages with a warm-up between them give the temperature
+/// coefficient BTC. A long average after settling gives the bias correction PBC at the temperature T3:
 ///
 /// corrected rate = RATE + PBC + (TEMP − T3) · BTC
 ///
-/// Which method: `an1042` is the note to the letter. `warmup` takes every sample of the same hour: a curve of order 0
-/// to 3 over temperature, known at every temperature, with the part's own noise, steps of the supply and a lag in it.
-/// `cycle` does so while you heat and cool the part, and leaves the least on a table. For the temperatures that the
-/// part will see take `zerorate chamber`; to keep any of them good, `zerorate stream --track`.
+/// Method `an1042` follows the note to the letter. Method `warmup` uses every sample of the same hour. It gives a
+/// curve of order 0 to 3 over temperature with an uncertainty at every temperature, and allows for the sensor's own
+/// noise, steps of the supply and a lag. Method `cycle` does the same while you heat and cool the sensor, and leaves
+/// the smallest error of a sensor on a table. For the full range of temperatures use `zerorate chamber`. To keep a
+/// calibration good afterwards, use `zerorate stream --track`.
 ///
-/// Fix the part to a still platform, supply it from a linear 5 V supply, and let it have been off for an hour.
-/// A part that moves, freezes, hardly changes its temperature or loses too many samples is refused (exit code 3).
+/// Before you start: fix the sensor to a still platform, use a linear 5 V supply, and keep the sensor off for an hour.
+/// A sensor that moves, freezes, hardly changes its temperature or loses too many samples is refused (exit code 3).
 #[derive(Args, Debug)]
 pub struct CalibrateArgs {
     #[command(flatten)]
@@ -58,9 +59,9 @@ pub struct CalibrateArgs {
     no_save: bool,
 }
 
-/// Computes the calibration again from a recorded capture.
+/// Compute a calibration again from a recorded capture
 ///
-/// The same samples give the same numbers, bit for bit, if the durations are those it was recorded for.
+/// The same samples give the same numbers, bit for bit, if the durations match the recording.
 #[derive(Args, Debug)]
 pub struct RecalibrateArgs {
     /// The capture, from `zerorate calibrate --log` or `zerorate capture`.
@@ -77,11 +78,11 @@ pub struct RecalibrateArgs {
     result: ResultArgs,
 }
 
-/// What becomes of the result.
+/// Options for the result.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Result")]
 struct ResultArgs {
-    /// Write the calibration file. It gets its name only when it is complete.
+    /// Write the calibration to this file, which gets its name only when it is complete.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
@@ -89,7 +90,7 @@ struct ResultArgs {
     #[arg(long)]
     force: bool,
 
-    /// Serial number of the part, stored in the file.
+    /// The serial number of the sensor, stored in the file.
     #[arg(long, value_name = "SN", value_parser = one_line)]
     serial: Option<String>,
 

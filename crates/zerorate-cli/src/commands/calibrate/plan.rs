@@ -1,4 +1,4 @@
-//! The durations and limits of F-51 on the command line. The defaults are those of the core.
+//! The durations and limits of F-51 on the command line. The core defines the defaults.
 
 use crate::commands::earth::EarthArgs;
 use clap::{Args, ValueEnum};
@@ -9,12 +9,14 @@ use zerorate_view::duration::Seconds;
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Procedure")]
 pub struct PlanArgs {
-    /// How the bias over temperature is found.
+    /// How to find the bias over temperature.
     #[arg(long, value_enum, default_value = "an1042")]
     method: MethodArg,
 
-    /// End the recording once the temperature has settled and the correction is known to this standard uncertainty,
-    /// rms over the temperatures seen, °/h (methods warmup and cycle) [default: the whole time].
+    /// End the recording early at this standard uncertainty of the correction, °/h [default: the whole time].
+    ///
+    /// For the methods warmup and cycle. The uncertainty is the rms over the temperatures seen, and the temperature
+    /// must have settled as well.
     #[arg(long, value_name = "DPH")]
     target_dph: Option<f64>,
 
@@ -26,45 +28,47 @@ pub struct PlanArgs {
     #[arg(long, value_name = "TIME", default_value_t = Seconds(Plan::default().warmup_s))]
     warmup: Seconds,
 
-    /// Settling to thermal balance, step 7 [default: 40m]. By the methods warmup and cycle all these times add up to
-    /// the length of the recording; of a capture these take everything, unless this is given.
+    /// Settling to thermal balance, step 7 [default: 40m].
+    ///
+    /// For the methods warmup and cycle all these times add up to the length of the recording. Without this option
+    /// they use the whole of a capture.
     #[arg(long, value_name = "TIME")]
     settle: Option<Seconds>,
 
-    /// Length of the average that gives PBC, step 8; one second of temperature follows it.
+    /// Length of the average that gives PBC, step 8. One second of temperature follows it.
     #[arg(long, value_name = "TIME", default_value_t = Seconds(Plan::default().offset_s))]
     offset: Seconds,
 
-    /// Largest share of lost samples in an average, 0 … 1; above it the measurement is refused.
+    /// Largest share of lost samples in an average, 0 … 1. Above it the measurement is refused.
     #[arg(long, value_name = "F", default_value_t = Plan::default().max_lost)]
     max_lost: f64,
 
-    /// Largest standard uncertainty of BTC, °/s/°C; above it the measurement is refused.
+    /// Largest standard uncertainty of BTC, °/s/°C. Above it the measurement is refused.
     #[arg(long, value_name = "U", default_value_t = Plan::default().max_u_btc_dps_per_c)]
     max_u_btc: f64,
 
     #[command(flatten)]
     earth: EarthArgs,
 
-    /// Take the bias for a straight line over temperature: no allowance for curvature and hysteresis in the
-    /// uncertainty.
+    /// Assume that the bias is a straight line over temperature: the uncertainty then ignores curvature and
+    /// hysteresis.
     #[arg(long)]
     assume_linear: bool,
 }
 
-/// Ways to calibrate.
+/// The methods of calibration.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum MethodArg {
     /// Two temperatures by self-heating and the line through them, as in AN-1042.
     An1042,
     /// A curve through every sample of the same time.
     Warmup,
-    /// The same while the part is heated and cooled, by hand or by a chamber.
+    /// The same curve while the sensor is heated and cooled, by hand or by a chamber.
     Cycle,
 }
 
 impl PlanArgs {
-    /// As the core takes it; of something recorded already, a method without steps takes all.
+    /// The plan for the core. A method without steps uses the whole of a recording.
     pub fn plan(&self, recorded: bool) -> Plan {
         let method = match self.method {
             MethodArg::An1042 => Method::An1042,

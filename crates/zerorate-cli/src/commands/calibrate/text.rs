@@ -6,7 +6,7 @@ use zerorate_jobs::calibrate::{Higher, Numbers, POINTS, Report};
 use zerorate_view::PlusMinus;
 use zerorate_view::duration::Seconds;
 
-/// What was found; `file` is where the calibration went.
+/// Formats the result; `file` holds the calibration.
 pub fn text(report: &Report, file: Option<&Path>, serial: Option<&str>) -> String {
     let mut text = head(report);
     for axis in &report.axes {
@@ -22,7 +22,7 @@ pub fn text(report: &Report, file: Option<&Path>, serial: Option<&str>) -> Strin
     text + "\n" + &what_next(file, serial)
 }
 
-/// All warnings, those of one axis with its name.
+/// All warnings. A warning about one axis carries its name.
 pub fn warnings(report: &Report) -> Vec<String> {
     let own = report.axes.iter().flat_map(|axis| axis.warnings.iter().map(|one| format!("axis {}: {one}", axis.name)));
     report.warnings.iter().map(ToString::to_string).chain(own).collect()
@@ -84,7 +84,7 @@ fn found(numbers: &Numbers, factor: f64) -> String {
         .unwrap_or_default()
 }
 
-/// Steps 4 and 6.
+/// Formats the averages of steps 4 and 6.
 fn means(numbers: &Numbers) -> Option<String> {
     let (b1_dps, t1_c, b2_dps, t2_c) = (numbers.b1_dps?, numbers.t1_c?, numbers.b2_dps?, numbers.t2_c?);
     Some(format!("  B1   {b1_dps:+.4} °/s at T1 = {t1_c:.2} °C\n  B2   {b2_dps:+.4} °/s at T2 = {t2_c:.2} °C\n"))
@@ -172,7 +172,7 @@ mod tests {
         Report::new(outcomes, &calibration, &[], zerorate::Setting::name)
     }
 
-    /// Several axes stand in a list, each with its warnings; one stands at the top, as it ever did.
+    /// Several axes are in a list, each with its warnings. A single axis is at the top level, as in earlier versions.
     #[test]
     fn axes_are_listed_where_there_are_several() {
         let two = [outcome(-0.5, Warning::Restless), outcome(0.25, Warning::RestUnjudged)];

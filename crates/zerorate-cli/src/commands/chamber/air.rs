@@ -1,4 +1,4 @@
-//! What a chamber is left at: the last that the user reads, however the program ends.
+//! The state in which a chamber is left: the last line that the user reads, however the program ends.
 
 use crate::last_word;
 use crate::output::say;
@@ -32,7 +32,7 @@ impl AirListener for LastWord {
 }
 
 impl Drop for LastWord {
-    /// Nobody else will say it.
+    /// Says the word after a panic, since nothing else will.
     fn drop(&mut self) {
         if std::thread::panicking() {
             last_word::say_after(|| ());
@@ -48,7 +48,7 @@ fn told(air: &AirState) -> String {
     air.told_c.map_or(String::new(), |told_c| format!("; it was last told {told_c:.1} °C"))
 }
 
-/// What a chamber was left at.
+/// Says in which state a chamber was left.
 fn word(state: &AirState, left: &Left) -> String {
     let Left { set_c, is_stopped, air_c, why } = left;
     let (safe_c, name) = (state.safe_c, state.name.as_deref().unwrap_or("the chamber"));

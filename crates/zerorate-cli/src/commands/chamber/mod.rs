@@ -25,19 +25,21 @@ use zerorate_jobs::chamber::{ChamberOptions, Files, Found, Job, Mover, PlanFile,
 use zerorate_view::duration::Seconds;
 use zerorate_view::report::over_temperature;
 
-/// Calibrates a part over the temperatures of a chamber.
+/// Calibrate a sensor over the temperatures of a chamber
 ///
-/// The plan says where the chamber goes: soak points, at which the part itself tells when it has settled and is
-/// averaged as long as its Allan deviation says, or ramps by the clock (docs/formats/plan.md). The whole recording
-/// then gives the bias over temperature with its uncertainty, its hysteresis and its lag.
+/// The plan lists the temperatures of the chamber: soak points, or ramps by the clock (docs/formats/plan.md). At a
+/// soak point the sensor itself shows when it has settled, and its Allan deviation decides how long it is averaged.
+/// The whole recording then gives the bias over temperature with its uncertainty, its hysteresis and its lag.
 ///
-/// Without --chamber you are told what to set. Ctrl-C ends the measurement, keeps the steps that are finished beside
-/// the output, and the same command goes on from there. Of `twin:` the air follows a simulated chamber, as fast as it
-/// goes.
+/// Without --chamber the command tells you what to set. Ctrl-C ends the measurement and keeps the finished steps
+/// beside the output, and the same command then goes on from there. For `twin:` the air follows a simulated chamber,
+/// as fast as possible.
 #[derive(Args, Debug)]
 pub struct ChamberArgs {
-    /// The plan: a file, or f57 (210 minutes from 25 over −40 to +85 °C and back) or two-point (15, 55 and 15 °C); or,
-    /// of a recording, a CSV of what its chamber did, with the columns t_s (from its first sample) and temp_c.
+    /// The plan: a file, f57, or two-point; for a recording also a CSV of what its chamber did.
+    ///
+    /// f57 takes 210 minutes from 25 over −40 to +85 °C and back; two-point goes to 15, 55 and 15 °C. The CSV has the
+    /// columns t_s (from the first sample) and temp_c.
     #[arg(value_name = "PLAN")]
     plan: PathBuf,
 
@@ -47,26 +49,28 @@ pub struct ChamberArgs {
     #[command(flatten)]
     sampling: SamplingArgs,
 
-    /// What moves the air: hand (you do), tcp:HOST[:PORT]?set=espec|f4t|simserv or serial:/dev/ttyUSB0?set=…&baud=N (a
-    /// chamber that takes lines of text; docs/chamber.md has the commands; patience_s=N: how long a lost connection is
-    /// made anew), sim:lag_s=…,overshoot=…,door_at_s=…,door_for_s=…,room_c=… (a simulated one, for twin:)
-    /// [default: hand; sim: for twin:].
+    /// How the chamber is controlled: hand, tcp:HOST[:PORT]?…, serial:DEV?… or sim:… [default: hand; sim: for twin:].
+    ///
+    /// hand: you set the chamber. tcp:HOST[:PORT]?set=espec|f4t|simserv and serial:/dev/ttyUSB0?set=…&baud=N: a
+    /// chamber that takes lines of text (docs/chamber.md has the commands). With patience_s=N a lost connection is
+    /// retried that long. sim:lag_s=…,overshoot=…,door_at_s=…,door_for_s=…,room_c=…: a simulated chamber, for twin:
+    /// only.
     #[arg(long, value_name = "CHAMBER")]
     chamber: Option<ChamberSpec>,
 
-    /// Largest share of lost samples, 0 … 1; above it the measurement is refused.
+    /// Largest share of lost samples, 0 … 1. Above it the measurement is refused.
     #[arg(long, value_name = "F", default_value_t = 0.001)]
     max_lost: f64,
 
     #[command(flatten)]
     earth: EarthArgs,
 
-    /// Highest order of the bias over temperature that is tried, 1 to 3; the evidence decides which is taken.
+    /// Highest order of the bias over temperature to try, 1 to 3. The evidence decides which order is taken.
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=3))]
     max_order: u8,
 
-    /// Write the calibration file. It gets its name only when it is complete. Until then, the finished steps stand
-    /// beside it in a file with `.chamber` after its name.
+    /// Write the calibration to this file, which gets its name only when it is complete. Until then the finished steps
+    /// are beside it, in a file with `.chamber` after its name.
     #[arg(short, long, value_name = "FILE", help_heading = "Result")]
     output: Option<PathBuf>,
 
@@ -74,12 +78,12 @@ pub struct ChamberArgs {
     #[arg(long, help_heading = "Result")]
     force: bool,
 
-    /// Begin anew where finished steps of an interrupted measurement are found.
+    /// Begin anew, although there are finished steps of an interrupted measurement.
     #[arg(long, help_heading = "Result")]
     restart: bool,
 
-    /// Write a page with the result, what the correction leaves over time and temperature, and the soak points; or
-    /// that over temperature alone, as .svg or .png.
+    /// Write a page with the result, the remaining error over time and temperature, and the soak points. A .svg or
+    /// .png has the error over temperature only.
     #[arg(long, value_name = "FILE", help_heading = "Result")]
     report: Option<PathBuf>,
 
@@ -88,7 +92,7 @@ pub struct ChamberArgs {
     #[arg(long, value_name = "FILE", help_heading = "Result")]
     log: Option<PathBuf>,
 
-    /// Serial number of the part, stored in the file.
+    /// The serial number of the sensor, stored in the file.
     #[arg(long, value_name = "SN", value_parser = one_line, help_heading = "Result")]
     serial: Option<String>,
 
@@ -101,17 +105,16 @@ pub struct ChamberArgs {
 }
 
 impl ChamberArgs {
-    /// What moves the air.
+    /// How the chamber is controlled.
     fn chamber(&self) -> Result<Option<ChamberSpec>> {
         let is_replayed = self.device.file().is_some();
         let is_simulated = self.device.device.is_simulated();
         match &self.chamber {
             Some(_) if is_replayed => {
-                Err(Usage("the recording has decided what the chamber did; leave --chamber out".to_owned()).into())
+                Err(Usage("a recording already states what the chamber did; leave --chamber out".to_owned()).into())
             }
             Some(ChamberSpec::Simulated(_)) if !is_simulated => {
-                let why =
-                    "a simulated chamber moves the air around a simulated part only: --chamber sim: is for twin:";
+                let why = "--chamber sim: works with twin: only: it moves the air around a simulated part";
                 Err(Usage(why.to_owned()).into())
             }
             Some(spec) => Ok(Some(spec.clone())),
@@ -163,9 +166,9 @@ fn limits(args: &ChamberArgs) -> Result<()> {
     }
 }
 
-/// The chamber first: no hour is begun with one that does not answer.
+/// Makes the measurement ready. The chamber comes first: no hour begins with a chamber that does not answer.
 fn ready(args: &ChamberArgs, chamber: Option<ChamberSpec>, setup: Setup, plan: PlanFile, files: Files) -> Result<Job> {
-    // from here on Ctrl-C is a wish: what was started must be stopped
+    // from here on Ctrl-C only asks for an end, since the chamber must be stopped
     interrupt::listen();
     let is_simulated = args.device.device.is_simulated();
     let mut mover =
@@ -184,7 +187,7 @@ fn ready(args: &ChamberArgs, chamber: Option<ChamberSpec>, setup: Setup, plan: P
     prepare(acquisition, (mover, lead), plan, files, options).map_err(worded)
 }
 
-/// How to begin anew.
+/// Adds how to begin anew.
 fn worded(error: Error) -> Error {
     match error.downcast::<UnusableSteps>() {
         Ok(unusable) => Usage(format!("{unusable}; take another -o, or --restart to begin anew")).into(),
@@ -192,10 +195,10 @@ fn worded(error: Error) -> Error {
     }
 }
 
-/// Shows how far it is.
+/// Shows the progress.
 struct Looking {
     meter: Meter,
-    /// A picture in place of a page.
+    /// The form of the picture, where one replaces the page.
     kind: Option<Kind>,
 }
 

@@ -9,7 +9,7 @@ use zerorate_view::PlusMinus;
 use zerorate_view::duration::Seconds;
 use zerorate_view::report::{ChamberPage, Fact, chamber_page};
 
-/// The result for people; `file` is where the calibration went.
+/// Formats the result for people; `file` holds the calibration.
 pub fn text(report: &Report, file: Option<&Path>) -> String {
     let mut text = format!(
         "Calibration {} of {}, {}\n{} samples in {}, {} lost, part between {:.1} and {:.1} °C\n",
@@ -32,7 +32,7 @@ pub fn text(report: &Report, file: Option<&Path>) -> String {
     }
 }
 
-/// The same as a page.
+/// Formats the result as a page.
 pub fn page(found: &Found) -> Result<String> {
     let Found { report, calibration, record, outcomes } = found;
     let title = format!("{} in a chamber: {}", calibration.part, report.plan);
@@ -41,13 +41,13 @@ pub fn page(found: &Found) -> Result<String> {
     chamber_page(ChamberPage { title: &title, calibration, record, outcomes, warnings: &warnings, facts })
 }
 
-/// Uncertainty of the curve, rms over the temperatures seen, °/h at 95 %.
+/// Uncertainty of the curve: the rms over the temperatures seen, °/h at 95 %.
 fn u_dph(axis: &AxisReport) -> f64 {
     let squares: f64 = axis.curve.iter().filter_map(|point| point.u_dps).map(|u_dps| u_dps * u_dps).sum();
     3600.0 * Uncertainty::FACTOR * (squares / f64::from(POINTS)).sqrt()
 }
 
-/// How far the curve is from the twin's, rms over the temperatures seen, °/h.
+/// Distance of the curve from the twin's true curve: the rms over the temperatures seen, °/h.
 fn off_dph(axis: &AxisReport) -> Option<f64> {
     let truth = &axis.truth.as_ref()?.curve;
     let off = axis.curve.iter().zip(truth).map(|(one, other)| one.correction_dps - other.correction_dps);

@@ -1,4 +1,4 @@
-//! The axes beside a data sheet.
+//! The comparison of the axes with a data sheet.
 
 use crate::exit::Usage;
 use crate::output::Outputs;
@@ -15,7 +15,7 @@ use zerorate_record::limits;
 use zerorate_view::plot::number;
 use zerorate_view::report::Table;
 
-/// A line of a data sheet beside an axis.
+/// A line of a data sheet, compared with an axis.
 pub struct Comparison<'a> {
     pub kind: Kind,
     pub axis: &'a str,
@@ -35,7 +35,7 @@ pub fn read(path: &Path, outputs: &mut Outputs) -> Result<DataSheet> {
     DataSheet::parse(&text).map_err(|error| Usage(format!("{}: {error}", path.display())).into())
 }
 
-/// Every line beside every axis that it is of, line by line.
+/// Compares every line with every axis of its kind, line by line.
 pub fn compare<'a>(sheet: &'a DataSheet, axes: &'a [Record]) -> Vec<Comparison<'a>> {
     let of_kind = |kind: Kind| {
         let lines = match kind {
@@ -54,7 +54,7 @@ fn beside<'a>(kind: Kind, line: &'a Line, axis: &'a Record) -> Comparison<'a> {
 }
 
 impl Comparison<'_> {
-    /// What is compared.
+    /// Names the figure that is compared.
     pub fn figure(&self) -> &'static str {
         match (self.line.figure, self.kind) {
             (Figure::NoiseDensity, _) => "noise density, one-sided",
@@ -84,7 +84,7 @@ impl Comparison<'_> {
         }
     }
 
-    /// How many times what is stated.
+    /// The measured value divided by the stated one.
     pub fn ratio(&self) -> Option<f64> {
         self.measured.filter(|measured| measured.lo > 0.0).map(|measured| measured.value / self.line.value)
     }
@@ -98,7 +98,7 @@ impl Comparison<'_> {
         }
     }
 
-    /// The same with the ratio, where it is one that says something.
+    /// The verdict, with the ratio where it is meaningful.
     pub fn judged(&self) -> String {
         match self.ratio().filter(|_| matches!(self.verdict, Verdict::Better | Verdict::Worse)) {
             Some(ratio) => format!("{}, {ratio:.2} times", self.verdict()),

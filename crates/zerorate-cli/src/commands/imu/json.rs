@@ -13,9 +13,9 @@ use zerorate_logs::imu::Kind;
 pub struct Report<'a> {
     rate_hz: f64,
     samples: u64,
-    /// Of a bag.
+    /// The topic, if the log is a bag.
     topic: Option<&'a str>,
-    /// Of the log; those of an axis are with it.
+    /// Warnings about the whole log. Each axis carries its own.
     warnings: &'a [String],
     motion: Vec<Motion>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -33,7 +33,7 @@ struct Sheet<'a> {
 struct OfAxis<'a> {
     name: &'a str,
     kind: Option<&'static str>,
-    /// Beside each line of the data sheet.
+    /// The comparison with each line of the data sheet.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     data_sheet: Vec<ComparisonRow<'a>>,
     #[serde(flatten)]

@@ -1,4 +1,4 @@
-//! `zerorate imu`: the log of an IMU at rest becomes the noise that a filter takes.
+//! `zerorate imu`: turns the log of an IMU at rest into the noise file of a filter.
 
 mod datasheet;
 mod json;
@@ -20,47 +20,46 @@ use zerorate_logs::imu::{Choice, Combine, Format, ImuOptions, ImuWarning, Said};
 use zerorate_logs::{AnalysisOptions, ColumnOptions, Decimal, LogWarning, Names, Record, Setting, TimeUnit, Unit};
 use zerorate_view::report::Fact;
 
-/// Fits noise models to all axes of an IMU's log, taken at rest, and writes the file for the filter that will use
-/// them.
+/// Turn the log of an IMU at rest into the noise file of a filter, such as imu.yaml
 ///
-/// Reads the log once: a sensor_msgs/Imu topic of a bag, or the columns whose names and units say what they are, in
-/// any form that `zerorate allan` reads. Gravity is no error: a mean does not matter. Each number in the file says in
-/// a comment which coefficient of which axis it is; where the random walk K is not identified, it is the upper end of
-/// its 95 % interval. Which number goes where, and why: docs/imu.md.
+/// The command reads a sensor_msgs/Imu topic of a bag, or the columns whose names and units say what they are, in any
+/// form that `zerorate allan` reads. It fits a noise model to each axis. Gravity does no harm, since means do not
+/// matter. A comment beside each number in the file names the axis and the coefficient. Where the random walk K is not
+/// identified, the file has the upper end of its 95 % interval. docs/imu.md explains which number goes where.
 ///
-/// Where a model is rejected (exit code 3), or a record is too short for one, there is no file.
+/// Where a model is rejected (exit code 3), or a record is too short for one, no file is written.
 #[derive(Args, Debug)]
 pub struct ImuArgs {
-    /// The log; - is what is piped in.
+    /// The log; - reads from stdin.
     #[arg(value_name = "LOG")]
     pub log: PathBuf,
 
-    /// The file to be written.
+    /// The file to write.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
-    /// Who reads that file.
+    /// The program that will read the file.
     #[arg(long, value_enum, default_value = "kalibr", ignore_case = true)]
     format: Format,
 
-    /// What stands for all axes of a kind, where the reader takes one number.
+    /// How to combine the axes of a kind where the reader takes one number.
     #[arg(long, value_enum, default_value = "worst")]
     combine: Combine,
 
-    /// Multiply all noise by F, for what a record at rest does not show: vibration, temperature, scale errors. Filters
-    /// are often tuned with 5 to 20.
+    /// Multiply all noise by F, to allow for errors that a record at rest does not show: vibration, temperature,
+    /// scale. Filters are often tuned with 5 to 20.
     #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = positive)]
     inflate: f64,
 
-    /// The topic of a bag or of a PX4 log, where it has several IMUs.
+    /// The topic, where a bag or a PX4 log has several IMUs.
     #[arg(long, value_name = "TOPIC")]
     topic: Option<String>,
 
-    /// The columns, by name or number counted from 0, as in gx,gy,gz,ax,ay,az [default: all that are axes].
+    /// The columns, by name or by number from 0, as in gx,gy,gz,ax,ay,az [default: all axes].
     #[arg(long, value_name = "LIST")]
     column: Option<String>,
 
-    /// Samples per second [default: as the log's stamps or its time column tell].
+    /// Samples per second [default: from the stamps or the time column of the log].
     #[arg(long, value_name = "HZ", value_parser = positive)]
     rate: Option<f64>,
 
@@ -68,23 +67,24 @@ pub struct ImuArgs {
     #[arg(long, value_name = "NAME|INDEX", conflicts_with = "rate")]
     time_column: Option<String>,
 
-    /// The unit of the time column [default: the one that its name or type states].
+    /// The unit of the time column [default: as its name or type states].
     #[arg(long, value_enum, requires = "time_column")]
     time_unit: Option<TimeUnit>,
 
-    /// What stands before the decimals in a text file [default: a point, or a comma where it can be nothing else].
+    /// The decimal mark of a text file [default: a point, or a comma where it cannot be anything else].
     #[arg(long, value_enum, value_name = "MARK")]
     decimal: Option<Decimal>,
 
-    /// Broken lines of a text file that are skipped and counted, as a share of all [default: 0.01].
+    /// The share of broken lines in a text file that are skipped and counted [default: 0.01].
     #[arg(long, value_name = "SHARE", value_parser = share)]
     max_bad: Option<f64>,
 
-    /// The unit of the gyroscope's columns: dps, rad/s, deg/h … [default: the one that their names state].
+    /// The unit of the gyroscope's columns: dps, mdps, deg/min, deg/h, rad/s, mrad/s or urad/s [default: the one that
+    /// their names state].
     #[arg(long, value_name = "UNIT")]
     gyro_unit: Option<Unit>,
 
-    /// The unit of the accelerometer's columns: m/s², g, mg or µg [default: the one that their names state].
+    /// The unit of the accelerometer's columns: m/s², g, mg or ug [default: the one that their names state].
     #[arg(long, value_name = "UNIT")]
     accel_unit: Option<Unit>,
 
@@ -92,22 +92,22 @@ pub struct ImuArgs {
     #[arg(long)]
     force_unit: bool,
 
-    /// What a step of 1 in the gyroscope's columns is, in its unit.
+    /// The size of a step of 1 in the gyroscope's columns, in their unit.
     #[arg(long, value_name = "X", value_parser = positive, requires = "gyro_unit")]
     gyro_scale: Option<f64>,
 
-    /// What a step of 1 in the accelerometer's columns is, in its unit.
+    /// The size of a step of 1 in the accelerometer's columns, in their unit.
     #[arg(long, value_name = "X", value_parser = positive, requires = "accel_unit")]
     accel_scale: Option<f64>,
 
     #[command(flatten)]
     temperature: TemperatureArgs,
 
-    /// Write one self-contained HTML page: coefficients by axis, and for each kind its curves, spectra and records.
+    /// Write one self-contained HTML page with coefficients by axis, curves, spectra and records.
     #[arg(long, value_name = "PAGE")]
     report: Option<PathBuf>,
 
-    /// Compare with the noise that a data sheet states: a TOML file as in docs/formats/datasheet.md.
+    /// Compare with the noise of a data sheet, given as a TOML file (docs/formats/datasheet.md).
     #[arg(long, value_name = "TOML")]
     datasheet: Option<PathBuf>,
 
@@ -155,7 +155,7 @@ impl ImuArgs {
     }
 }
 
-/// What the options are called here: a unit and a scale are of a kind, and plain numbers have no axes.
+/// Returns the option of a setting. Unit and scale belong to a kind of sensor, and plain numbers have no axes.
 fn option(setting: Setting) -> &'static str {
     match setting {
         Setting::Unit => "--gyro-unit or --accel-unit",
@@ -203,7 +203,7 @@ fn at_most(lines: usize, warnings: &[String]) -> Vec<String> {
     shown.iter().cloned().chain([more]).collect()
 }
 
-/// What the page says of the log as a whole.
+/// The head of the page, about the log as a whole.
 fn head(
     args: &ImuArgs,
     axes: &[Record],
@@ -230,7 +230,7 @@ fn head(
     }
 }
 
-/// Writes the file, if its numbers are results or were asked for nonetheless.
+/// Writes the file, if its numbers are results or the user asked for them nevertheless.
 fn deliver(args: &ImuArgs, axes: &[Record], topic: Option<String>, file: Option<Staged>) -> Result<()> {
     let doubts = Record::doubts(axes);
     if let Some(code) = doubts.code() {

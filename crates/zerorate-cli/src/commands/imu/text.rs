@@ -8,7 +8,7 @@ use zerorate_logs::Record;
 use zerorate_logs::imu::Kind;
 use zerorate_view::report::Table;
 
-/// For each kind a table with a row for each axis.
+/// Formats a table for each kind of sensor, with a row for each axis.
 pub fn table(axes: &[Record]) -> Result<String> {
     let mut text = String::new();
     if let Some(record) = axes.first() {
@@ -26,13 +26,13 @@ pub fn table(axes: &[Record]) -> Result<String> {
     Ok(text)
 }
 
-/// The axes beside a data sheet: a row for each line and axis.
+/// Formats the comparison with a data sheet, a row for each line and axis.
 pub fn comparison(table: &Table) -> String {
     let rows: Vec<Vec<String>> = std::iter::once(&table.head).chain(&table.rows).cloned().collect();
     format!("\n{}\n{}", table.title, aligned(&rows))
 }
 
-/// N, B and K side by side, what else a model has below.
+/// Formats N, B and K side by side, and the other terms of a model below.
 fn of_group(kind: Kind, axes: &[&Record]) -> Result<String> {
     let mut rows = vec![vec![kind.name().to_owned()]];
     for record in axes {
@@ -61,7 +61,7 @@ fn of_group(kind: Kind, axes: &[&Record]) -> Result<String> {
     Ok(aligned(&rows))
 }
 
-/// What a model has beside N, B and K, a row each.
+/// The terms of a model beside N, B and K, a row each.
 fn further(record: &Record, others: &[Named<'_>], fit: &Fit) -> Vec<Vec<String>> {
     let coefficient = |named: &Named<'_>| {
         let value = value(named.in_unit(0), named.coefficient.identified);
@@ -86,7 +86,7 @@ fn value(Estimate { value, lo, hi }: Estimate, is_identified: bool) -> String {
     }
 }
 
-/// Four significant digits.
+/// Formats four significant digits.
 fn significant(value: f64) -> String {
     match value.abs().log10().floor() {
         k if (-3.0..=4.0).contains(&k) => format!("{value:.*}", (3.0 - k).max(0.0) as usize),
@@ -95,7 +95,7 @@ fn significant(value: f64) -> String {
     }
 }
 
-/// Columns of one width; a row with two cells has its second across the rest.
+/// Aligns the columns. The second cell of a row with two cells spans the rest.
 fn aligned(rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
         let cells = rows.iter().filter(|row| row.len() > 2 || column == 0).filter_map(|row| row.get(column));

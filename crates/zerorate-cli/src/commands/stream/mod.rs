@@ -1,4 +1,4 @@
-//! `zerorate stream`: the corrected rate, live.
+//! `zerorate stream`: prints the corrected rate live.
 
 mod track;
 
@@ -21,16 +21,19 @@ use zerorate_jobs::stream::{Learned, Listener, StreamOptions, StreamRow, stream}
 use zerorate_jobs::{Acquisition, JobWarning};
 use zerorate_view::duration::Seconds;
 
-/// Prints the corrected rate as it comes: columns t_s, rate_dps, temp_c, lost, calibration, flags. A part with several
-/// axes has a column NAME_dps for each.
+/// Print the corrected rate live, as CSV or JSON lines
 ///
-/// t_s counts from the first sample; lost counts the samples lost since the row before; calibration names the
-/// calibration that was applied. flags is empty, or says which readings are not to be believed and were left out:
-/// impossible (a bit error: one that a part of 300 Hz cannot have made between its neighbours), out-of-range,
-/// impossible-temperature or frozen, joined by +; a row without any good reading has no rate. Judging takes two
-/// samples more. A part that is frozen ends the stream with exit code 3. Ends after --duration, at the end of a
-/// replay, on Ctrl-C, or when the reader of its output goes away. On the twin give --duration, or --realtime for rows
-/// at the speed of a real part.
+/// The columns are t_s, rate_dps, temp_c, lost, calibration and flags. A part with several axes has a column NAME_dps
+/// for each axis. t_s counts from the first sample. lost counts the samples lost since the row before. calibration
+/// names the calibration that was applied.
+///
+/// flags is empty, or names the readings that were left out: impossible, out-of-range, impossible-temperature or
+/// frozen, joined by +. A reading is impossible (a bit error) if a part of 300 Hz cannot have made it between its
+/// neighbours. A row without any good reading has no rate. This check delays each row by two samples.
+///
+/// The stream ends after --duration, at the end of a replay, on Ctrl-C, or when the reader of its output leaves. A
+/// frozen sensor ends it with exit code 3. On the twin give --duration, or --realtime for rows at the speed of a real
+/// sensor.
 #[derive(Args, Debug)]
 pub struct StreamArgs {
     #[command(flatten)]
@@ -43,7 +46,7 @@ pub struct StreamArgs {
     #[arg(long, value_name = "FILE")]
     cal: PathBuf,
 
-    /// Serial number of the part; a calibration of another serial number is an error.
+    /// The serial number of the sensor. A calibration with another serial number is an error.
     #[arg(long, value_name = "SN", value_parser = one_line)]
     serial: Option<String>,
 
@@ -51,12 +54,13 @@ pub struct StreamArgs {
     #[arg(long, value_enum, default_value = "csv")]
     format: RowFormat,
 
-    /// Rows per second. Each row is the mean of all samples in its share of time, without overlap; an incomplete
-    /// share at the end gives no row [default: 10 on a terminal, a row for each sample elsewhere].
+    /// Rows per second [default: 10 on a terminal, a row for each sample elsewhere].
+    ///
+    /// Each row is the mean of all samples in its interval, without overlap. An incomplete last interval gives no row.
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
 
-    /// How long to go on: 10s, 10m, 1h30m, or seconds [default: until Ctrl-C or the end].
+    /// Time to stream: 10s, 10m, 1h30m, or seconds [default: until Ctrl-C or the end].
     #[arg(long, value_name = "TIME")]
     duration: Option<Seconds>,
 
@@ -67,7 +71,7 @@ pub struct StreamArgs {
 /// Rows per second that a person can follow.
 const READABLE_HZ: f64 = 10.0;
 
-/// Forms of a row.
+/// The forms of a row.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum RowFormat {
     Csv,
@@ -93,7 +97,7 @@ pub fn run(args: &StreamArgs) -> Result<()> {
     stream(acquisition, &calibration, options, tracking, &mut rows)
 }
 
-/// A serial number that is given must be that of the calibration, and that of the recording where one is read.
+/// Checks that the serial number matches the calibration, and the recording where one is read.
 fn check_serial(args: &StreamArgs, facts: &DeviceInfo, calibration: &Calibration) -> Result<()> {
     let (given, recorded) = (args.serial.as_deref(), facts.info.serial.as_deref());
     if let (Some(given), Some(recorded)) = (given, recorded) {
@@ -119,9 +123,9 @@ fn period_ns(rate_hz: f64) -> Result<u64> {
 struct RowPrinter {
     out: BufWriter<Stdout>,
     format: RowFormat,
-    /// Columns of the rates.
+    /// The columns of the rates.
     rates: Vec<String>,
-    /// Columns of what is tracked, bias and uncertainty of each axis.
+    /// Columns of the tracked bias and its uncertainty, for each axis.
     biases: Vec<String>,
     id: String,
     flush_each: bool,

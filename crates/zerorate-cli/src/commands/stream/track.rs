@@ -1,4 +1,4 @@
-//! `stream --track`: the bias that is learned whenever the part rests, in options and words.
+//! `stream --track`: options and messages of learning the bias whenever the sensor rests.
 
 use crate::exit::Usage;
 use crate::output::{Outputs, say, warn};
@@ -14,19 +14,21 @@ use zerorate_jobs::stream::{Learned, TrackOptions, Tracking, UnusableState};
 /// Options of tracking.
 #[derive(Args, Debug)]
 pub struct TrackArgs {
-    /// Learn the bias whenever the part rests, and correct with it: the rows have the columns bias_dps, u_bias_dps
-    /// (NAME_ before each, of several axes) and phase as well. phase is moving, quiet, rest or doubtful, which is as
-    /// quiet as rest but may be a slow turn.
+    /// Learn the bias whenever the sensor rests, and correct with it.
+    ///
+    /// The rows gain the columns bias_dps, u_bias_dps (with NAME_ before them for several axes) and phase. phase is
+    /// moving, quiet, rest or doubtful. A doubtful phase is as quiet as rest but may be a slow turn.
     #[arg(long)]
     track: bool,
 
-    /// What was learned is kept in this file: written every minute and at the end, taken up at the start. It is made
-    /// where there is none.
+    /// Keep what was learned in this file: read at the start, written every minute and at the end. It is created if it
+    /// does not exist.
     #[arg(long, value_name = "FILE", requires = "track")]
     state: Option<PathBuf>,
 
-    /// Component of the Earth's rotation on the axis at rest, °/s, where the calibration has taken it out as well: at
-    /// most 0.0042 [default: that of the calibration].
+    /// The Earth's rotation on the axis at rest, °/s, at most 0.0042 [default: as in the calibration].
+    ///
+    /// Give it only if the calibration was made with --earth-dps.
     #[arg(long, value_name = "DPS", requires = "track", allow_negative_numbers = true)]
     earth_dps: Option<f64>,
 
@@ -34,13 +36,13 @@ pub struct TrackArgs {
     #[arg(long, value_name = "DPS", requires = "track", default_value_t = TrackerConfig::LEAST_TURN_DPS)]
     least_turn_dps: f64,
 
-    /// How far the bias changes from one power-up to the next (1 σ): every start counts as one.
+    /// The change of the bias from one power-up to the next (1 σ). Every start counts as a power-up.
     #[arg(long, value_name = "DPS", requires = "track", default_value_t = TrackerConfig::POWER_UP_DPS)]
     power_up_dps: f64,
 }
 
 impl TrackArgs {
-    /// Begins to track, if that is asked for.
+    /// Begins to track, if the user asked for it.
     pub fn begin(
         &self,
         facts: &DeviceInfo,
@@ -68,14 +70,13 @@ impl TrackArgs {
         let name = self.state.as_ref().map(|path| path.display().to_string()).unwrap_or_default();
         match error.downcast() {
             Ok(UnusableState(why)) => why.context(format!(
-                "{name} is no state that can be taken up; delete it to begin from the calibration, or name another \
-                 --state"
+                "{name} is not a usable state; delete it to begin from the calibration, or name another --state"
             )),
             Err(error) => error,
         }
     }
 
-    /// The Earth's rotation that a part at rest shows beyond its calibrated bias.
+    /// The Earth's rotation that a sensor at rest shows beyond its calibrated bias.
     fn earth(&self, calibration: &Calibration) -> Result<f64> {
         let taken_out = calibration.run.and_then(|run| run.earth_dps);
         match (self.earth_dps, taken_out) {
@@ -83,8 +84,8 @@ impl TrackArgs {
                 Err(Usage(format!("--earth-dps is {dps}; the Earth turns by 0.0042 °/s at most (F-16)")).into())
             }
             (Some(dps), None) if dps != 0.0 => Err(Usage(
-                "--earth-dps: the calibration was made without it, so that its PBC holds the Earth's rotation \
-                 already; leave it out, or calibrate with --earth-dps"
+                "--earth-dps: the calibration was made without it, so its PBC already includes the Earth's rotation. \
+                 Leave it out, or calibrate with --earth-dps"
                     .to_owned(),
             )
             .into()),
@@ -93,7 +94,7 @@ impl TrackArgs {
     }
 }
 
-/// Says what was learned of an axis.
+/// Says what was learned about an axis.
 pub fn say_learned(learned: &Learned<'_>) {
     let Learned { name, counts: Counts { learned_s, rolled_back, .. }, tracked } = learned;
     let change = tracked.map_or(String::new(), |tracked| {
@@ -103,7 +104,7 @@ pub fn say_learned(learned: &Learned<'_>) {
     say(format_args!("tracked {name}: {learned_s} s of rest learned from{change}"));
     if *rolled_back > 0 {
         say(format_args!(
-            "tracked {name}: {rolled_back} times a turn began within a rest; what it taught was dropped"
+            "tracked {name}: {rolled_back} times a turn began during a rest, and its samples were dropped"
         ));
     }
 }

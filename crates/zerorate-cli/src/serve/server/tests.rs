@@ -33,7 +33,7 @@ impl Served {
             let (frames, _) = broadcast::channel(BEHIND);
             while let Ok(Visit::Watch(begin)) = asked.recv() {
                 let watched = frames.subscribe();
-                // whoever comes again is not behind any more
+                // a viewer that connects again has caught up
                 let waiting = if counted.fetch_add(1, Ordering::Relaxed) == 0 { frames_waiting } else { 0 };
                 (0..waiting).for_each(|_| drop(frames.send(Bytes::from_static(b"frame"))));
                 let _ = begin.send(Begun { snapshot: Bytes::from_static(b"snapshot"), frames: watched });

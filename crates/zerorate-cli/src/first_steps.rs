@@ -1,0 +1,77 @@
+//! From arguments to a command: the first steps where there are none, and clap's errors with our advice.
+
+use crate::cli::Cli;
+use crate::output::say;
+use clap::Parser;
+use clap::error::{ContextKind, ContextValue, Error};
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+/// The text that the program prints without arguments.
+const LINES: [&str; 5] = [
+    "zerorate measures the noise of any gyroscope, and finds and removes the bias of an ADIS16130. First steps:",
+    "  zerorate allan log.csv --fit                   the noise of a log that you have",
+    "  zerorate calibrate -o unit.toml                no hardware: calibrate a simulated sensor in seconds",
+    "  zerorate probe --device bridge:/dev/ttyACM0    check that a sensor responds and delivers samples",
+    "  zerorate help                                  all commands; `zerorate help COMMAND` explains one",
+];
+
+/// The exit code of a command line that cannot be carried out.
+const USAGE: u8 = 2;
+
+/// Parses the command line and puts its limits in force. Without arguments it prints the first steps and returns the
+/// exit code.
+pub fn parse(args: &[OsString]) -> Result<Cli, ExitCode> {
+    if args.len() < 2 {
+        LINES.iter().for_each(say);
+        return Err(ExitCode::from(USAGE));
+    }
+    let cli = Cli::try_parse_from(args).unwrap_or_else(|error| advised(error).exit());
+    cli.set_limits();
+    Ok(cli)
+}
+
+/// The error, with a tip where a number has a decimal comma.
+fn advised(mut error: Error) -> Error {
+    let point = match error.get(ContextKind::InvalidValue) {
+        Some(ContextValue::String(given)) => with_point(given),
+        _ => None,
+    };
+    if let Some(point) = point {
+        let tip = format!("use a decimal point: {point}");
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+    }
+    error
+}
+
+/// `100,5` and `1,5h` with a point; none of what is not one number with a comma in it.
+fn with_point(text: &str) -> Option<String> {
+    let (whole, rest) = text.split_once(',')?;
+    let digits = whole.strip_prefix(['-', '+']).unwrap_or(whole);
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let decimals = rest.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+    (is_number(digits) && is_number(decimals)).then(|| format!("{whole}.{rest}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_decimal_comma_is_told_from_a_list() {
+        for (given, point) in [("100,5", "100.5"), ("-0,004", "-0.004"), ("1,5h", "1.5h")] {
+            assert_eq!(with_point(given).as_deref(), Some(point));
+        }
+        for other in ["gx,gy", "1,2,3", "1,", ",5", "100.5", "", "1,5 h 3"] {
+            assert_eq!(with_point(other), None, "{other}");
+        }
+    }
+
+    #[test]
+    fn every_first_step_is_a_command() {
+        for line in &LINES[1..4] {
+            let command = line.trim().split("  ").next().unwrap_or_default();
+            Cli::try_parse_from(command.split(' ')).unwrap_or_else(|why| panic!("{command}: {why}"));
+        }
+    }
+}
