@@ -12,7 +12,6 @@ use std::path::{Path, PathBuf};
 use zerorate::{Calibration, Say};
 use zerorate_jobs::JobWarning;
 use zerorate_jobs::correct::Job;
-use zerorate_record::delimited::is_table;
 use zerorate_record::{CaptureInfo, Format, limits};
 
 /// Correct a recorded file with a calibration
