@@ -66,7 +66,7 @@ enum Task {
     Book(book::BookArgs),
     /// Make the distribution in target/dist: programs, packages, wheels, libraries, firmware, pictures, licences
     Dist(dist::DistArgs),
-    /// Make the file that a Pico, or a board with TinyUF2, takes from an image of the bridge
+    /// Convert an image of the bridge to the file for a Pico, or for a board with TinyUF2
     Uf2(uf2::Uf2Args),
     /// Write the licences of the software in the page, for `cargo xtask web --site`
     #[command(hide = true)]

@@ -16,8 +16,8 @@ use std::process::{Command, Stdio};
 pub const HELP: &str = "\
   --site DIR  Write the static site there: page, service worker, book and licences
   --check     Test the page in Chromium
-  --pictures  Make the pictures of the page anew, in docs/pictures/page
-  --small     As small as what is handed out, which takes minutes longer";
+  --pictures  Write the pictures of the page again, in docs/pictures/page
+  --small     As small as the distributed page, which takes minutes longer";
 
 const TARGET: &str = "wasm32-unknown-unknown";
 /// The file with the licences of the modules.
@@ -74,7 +74,7 @@ pub fn run(mut arguments: Arguments) -> Result<()> {
 
 /// Builds the page for distribution.
 pub fn build_small() -> Result<()> {
-    ensure!(build("web-dist")?, "the program is handed out with the page inside of it: install what is named above");
+    ensure!(build("web-dist")?, "the distributed program contains the page: install the tools named above");
     Ok(())
 }
 
@@ -131,7 +131,7 @@ fn installed() -> Result<bool> {
     if npm(&["ci", "--silent", "--no-audit", "--no-fund"]).status().context("running npm")?.success() {
         return Ok(true);
     }
-    eprintln!("SKIPPED: the page: npm cannot install what web/package-lock.json names; is there a network?");
+    eprintln!("SKIPPED: the page: npm cannot install the packages of web/package-lock.json; check the network");
     Ok(false)
 }
 
