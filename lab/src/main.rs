@@ -110,7 +110,7 @@ enum Task {
     /// tries what lies in target/dist, and needs root. Neither is a step of `ci`: they take an hour. The files that go
     /// into packages lie in packaging/, and xtask/tests/packaging.rs holds them together.
     Dist(dist::DistArgs),
-    /// Make the file that a Pico, or a board with TinyUF2, takes from an image of the bridge
+    /// Convert an image of the bridge to the file for a Pico, or for a board with TinyUF2
     Uf2(uf2::Uf2Args),
     /// Write the licences of the software in the page, for `cargo xtask web --site`
     #[command(hide = true)]

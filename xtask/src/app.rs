@@ -16,7 +16,7 @@ pub fn program() -> Result<PathBuf> {
 /// Cargo's target folder, in which this very program lies: as `debug/xtask`, or as `lab/release/lab`.
 pub fn target_folder() -> Result<PathBuf> {
     let program = std::env::current_exe()?;
-    let of_workspace = program.ancestors().nth(2).context("this program lies outside of a target folder")?;
+    let of_workspace = program.ancestors().nth(2).context("this program is not in a target folder")?;
     let folder = if of_workspace.ends_with("lab") { of_workspace.parent() } else { None };
     Ok(folder.unwrap_or(of_workspace).to_owned())
 }

@@ -28,14 +28,14 @@ impl Arguments {
             return Ok(Some(value));
         }
         let value = self.0.get(at).filter(|value| !value.starts_with('-'));
-        value.with_context(|| format!("{name} takes a value"))?;
+        value.with_context(|| format!("{name} needs a value"))?;
         Ok(Some(self.0.remove(at)))
     }
 
     /// The words that are left. An option among them is unknown.
     pub fn words(self) -> Result<Vec<String>> {
         if let Some(option) = self.0.iter().find(|word| word.starts_with('-')) {
-            bail!("unknown option {option}: --help names those that there are");
+            bail!("unknown option {option}: --help lists the options");
         }
         Ok(self.0)
     }
@@ -43,7 +43,7 @@ impl Arguments {
     /// Refuses all arguments that are left.
     pub fn end(self) -> Result<()> {
         let words = self.words()?;
-        ensure!(words.is_empty(), "unknown argument {}: --help names those that there are", words.join(" "));
+        ensure!(words.is_empty(), "unknown argument {}: --help lists the arguments", words.join(" "));
         Ok(())
     }
 }

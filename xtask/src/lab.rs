@@ -9,21 +9,21 @@ use std::process::Command;
 
 /// The tasks, each with a description. A test of the lab compares this table with its command line.
 pub const TASKS: [(&str, &str); 15] = [
-    ("coverage", "Calibrate many units of the twin and hold the stated uncertainties against their truth"),
-    ("methods", "Calibrate many units by every method, hold all against their truth, and write a page of it"),
-    ("coverage-allan", "Simulate records at rest and hold the fitted noise coefficients against their truth"),
+    ("coverage", "Calibrate many units of the twin and compare the stated uncertainties with their truth"),
+    ("methods", "Calibrate many units by every method, compare all with their truth, and write the page"),
+    ("coverage-allan", "Simulate records at rest and compare the fitted noise coefficients with their truth"),
     ("bench-peers", "Time the Allan deviation beside its peers, which it installs, and print ratios"),
     ("bench-serve", "Serve the twin to 20 pages and 4 clients of libiio while it is recorded, and print the cost"),
-    ("bench-web", "Time the core in WebAssembly beside the program, and the page until it shows something"),
+    ("bench-web", "Time the core in WebAssembly beside the program, and the page's first picture"),
     ("firmware", "Run driver, twin and correction on an emulated Cortex-M4F; count instructions and bytes"),
     ("bridge", "Read the twin through a bridge's firmware in an emulator: socket, serial port, bad cables"),
     ("c", "Check the C interface: library, and C against Rust on the host and on an emulated Cortex-M4F"),
     ("iiod", "Read the libiio server with libiio's own clients, and with pyadi-iio"),
     ("rig", "Boot a stock Linux kernel in QEMU with the twin as hardware, and read it there"),
     ("trust", "Break part, files and program at random moments; look for results that are wrong and silent"),
-    ("book", "Make docs/ a book; run its commands, follow its links"),
-    ("dist", "Make what is handed out, into target/dist: programs, packages, wheels, libraries, firmware"),
-    ("uf2", "Make the file that a Pico, or a board with TinyUF2, takes from an image of the bridge"),
+    ("book", "Render docs/ as a book, run its commands and follow its links"),
+    ("dist", "Make the distribution in target/dist: programs, packages, wheels, libraries, firmware"),
+    ("uf2", "Convert an image of the bridge to the file for a Pico, or for a board with TinyUF2"),
 ];
 
 /// `cargo ACTION` on a package of the lab, built into the folder `lab` of the target folder.

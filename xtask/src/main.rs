@@ -45,7 +45,7 @@ const TASKS: [Task; 8] = [
     Task {
         name: "ci",
         usage: "[--rest] [--list] [STEP…]",
-        about: "Run everything that a change must pass: test, check, and all steps that take longer or install more",
+        about: "Run everything that a change must pass: test, check, and all longer steps",
         help: ci::help,
         run: ci::run,
     },
@@ -59,7 +59,7 @@ const TASKS: [Task; 8] = [
     Task {
         name: "web",
         usage: "[--site DIR] [--check] [--pictures] [--small]",
-        about: "Build the page: the core as WebAssembly, its bindings, its bundle; into the program, and as a site",
+        about: "Build the page (core as WebAssembly, bindings, bundle) for the program, and as a site",
         help: || web::HELP.to_owned(),
         run: web::run,
     },
@@ -80,7 +80,7 @@ const TASKS: [Task; 8] = [
     Task {
         name: "build-time",
         usage: "",
-        about: "Measure how long the two commands of the README take from nothing; print sizes",
+        about: "Time the two commands of the README from an empty target folder, and print sizes",
         help: || build_time::HELP.to_owned(),
         run: build_time::run,
     },

@@ -16,8 +16,8 @@ use std::process::{Command, Stdio};
 pub const HELP: &str = "\
 \x20 --site DIR  Write the static site there: page, service worker, book and licences
   --check     Test the page in Chromium
-  --pictures  Make the pictures of the page anew, in docs/pictures/page
-  --small     As small as what is handed out, which takes minutes longer
+  --pictures  Write the pictures of the page again, in docs/pictures/page
+  --small     As small as the distributed page, which takes minutes longer
 
 Builds the core as WebAssembly (the target wasm32-unknown-unknown through rustup; clang, because zstd is written in C),
 its bindings by lab/web, whose wasm-bindgen must have exactly the version that crates/zerorate-web has, and the bundle
@@ -82,7 +82,7 @@ pub fn run(mut arguments: Arguments) -> Result<()> {
 
 /// Builds the page for distribution.
 pub fn build_small() -> Result<()> {
-    ensure!(build("web-dist")?, "the program is handed out with the page inside of it: install what is named above");
+    ensure!(build("web-dist")?, "the distributed program contains the page: install the tools named above");
     Ok(())
 }
 
@@ -139,7 +139,7 @@ fn installed() -> Result<bool> {
     if npm(&["ci", "--silent", "--no-audit", "--no-fund"]).status().context("running npm")?.success() {
         return Ok(true);
     }
-    eprintln!("SKIPPED: the page: npm cannot install what web/package-lock.json names; is there a network?");
+    eprintln!("SKIPPED: the page: npm cannot install the packages of web/package-lock.json; check the network");
     Ok(false)
 }
 

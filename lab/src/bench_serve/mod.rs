@@ -63,11 +63,7 @@ pub fn run(args: &BenchServeArgs) -> Result<()> {
     recorded.check(&program, DEVICE, folder.path())?;
     // F-31: within 2 % at any clock
     let expected = recorded.span_s * PAIRS_HZ;
-    ensure!(
-        (recorded.rows as f64 / expected - 1.0).abs() < 0.03,
-        "{} samples do not match the time",
-        recorded.rows
-    );
+    ensure!((recorded.rows as f64 / expected - 1.0).abs() < 0.03, "{} samples do not match the time", recorded.rows);
     check_clients(&seen.clients, &program, &capture)
 }
 
