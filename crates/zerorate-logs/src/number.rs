@@ -233,10 +233,10 @@ mod tests {
         );
         assert!(read(&["1,5", "1.5"]).0[1].as_ref().unwrap_err().contains("decimal comma"));
         for cell in ["1.2345,6", "1234.567,5", "1,23.5", "1.234,5,6", ",123.5"] {
-            assert!(read(&[cell]).0[0].as_ref().unwrap_err().contains("no number"), "{cell}");
+            assert!(read(&[cell]).0[0].as_ref().unwrap_err().contains("not a number"), "{cell}");
         }
         assert!(read(&["1,234.5", "1.234,5"]).0[1].is_err() && read(&["1.234,5", "1,234.5"]).0[1].is_err());
-        assert!(read(&["1,2,3"]).0[0].as_ref().unwrap_err().contains("no number"));
+        assert!(read(&["1,2,3"]).0[0].as_ref().unwrap_err().contains("not a number"));
     }
 
     #[test]

@@ -254,7 +254,7 @@ mod tests {
         let first = "ets Jun  8 2016 00:22:57, rst:0x1 (POWERON_RESET)".to_owned();
         let how = "12 rows come too late and are sorted (the first: row 3456)".to_owned();
         let beat = crate::clock::Beat { rate_hz: 200.0, gaps: Vec::new(), jitter: 0.15 };
-        let held = (0..4000).map(|at| f64::from((at / 2) * 7919 % 10_007)).collect();
+        let held = (0..4000).map(|at| f64::from((at / 2) * (at / 2) % 1999 * 52_561)).collect();
         let resampled = crate::resampled::doubt(&crate::series::Series::Numbers(held)).expect("each is there twice");
         let all = [
             LogWarning::Miscounted { path: "run_0".to_owned(), topic: topic(), stated: 12_000, found: 11_950 },

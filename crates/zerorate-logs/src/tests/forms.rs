@@ -278,7 +278,7 @@ fn bags_without_an_imu_name_their_topics() {
     let mcap = mcap_of_type("sensor_msgs/msg/Joy", None, &["/b", "/a"], "cdr", |_| vec![0, 1, 0, 0]);
     for (bag, topics) in [
         (mcap, "it has /a (sensor_msgs/msg/Joy), /b (sensor_msgs/msg/Joy)"),
-        (of_joysticks(ROSBAG, b"sensor_msgs/Imu"), "it has /imu (sensor_msgs/Joy)"),
+        (of_joysticks(ROSBAG, b"sensor_msgs/Imu"), "it has /chat (std_msgs/String), /imu (sensor_msgs/Joy)"),
         (
             of_joysticks(&sqlite_bag(), b"sensor_msgs/msg/Imu"),
             "it has /chat (std_msgs/msg/String), /imu (sensor_msgs/msg/Joy)",

@@ -51,5 +51,5 @@ fn what_other_software_wrote_again_is_said_to_be_unchecked() {
     batches.iter().for_each(|batch| writer.write(batch).unwrap());
     writer.close().unwrap();
     let (found, said) = read(&again);
-    assert!(found == slow(50) && said.unwrap().contains("written again by other software"));
+    assert!(found == slow(50) && said.unwrap().contains("rewritten by other software"));
 }
