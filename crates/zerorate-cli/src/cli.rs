@@ -73,7 +73,7 @@ impl Cli {
             Command::Imu(args) => imu::run(args),
             Command::Serve(args) => serve::run(args),
             Command::Twin(args) => twin::run(args),
-            Command::Help(args) => help::run(args),
+            Command::Help(args) => help::run(args, Self::command()),
             Command::Completions { shell } => man::completions(*shell, &mut Self::command()),
             Command::Man => man::man(Self::command()),
         }

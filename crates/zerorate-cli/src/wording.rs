@@ -1,10 +1,9 @@
 //! Settings, warnings and errors in the words of the command line.
 
-use crate::exit::Usage;
 use std::path::Path;
 use zerorate::Setting;
 use zerorate_jobs::output::could_be_forced;
-use zerorate_jobs::{CodedWarning, JobWarning};
+use zerorate_jobs::{CodedWarning, InvalidOptions, JobWarning};
 use zerorate_record::{CaptureError, Format};
 
 /// Formats a warning for scripts: `code: text`.
@@ -20,7 +19,7 @@ pub fn text(error: &anyhow::Error) -> String {
 /// The form of the file that a command with `--format` writes.
 pub fn form(asked: Option<Format>, path: &Path) -> anyhow::Result<Format> {
     Format::choose(asked, path).map_err(|error| match error {
-        CaptureError::UnknownEnding { .. } => Usage(format!("{error}, or give --format")).into(),
+        CaptureError::UnknownEnding { .. } => InvalidOptions(format!("{error}, or give --format")).into(),
         other => other.into(),
     })
 }

@@ -1,9 +1,8 @@
 //! `zerorate help`: the help of a command, or a topic that several commands share.
 
-use crate::cli::Cli;
 use crate::output::print;
 use anyhow::Result;
-use clap::{Args, CommandFactory};
+use clap::Args;
 
 /// Print the help of a command, or on a topic: device
 #[derive(Args, Debug)]
@@ -13,12 +12,13 @@ pub struct HelpArgs {
     about: Option<String>,
 }
 
-pub fn run(args: &HelpArgs) -> Result<()> {
+/// `root` is the command `zerorate`.
+pub fn run(args: &HelpArgs, root: clap::Command) -> Result<()> {
     match args.about.as_deref() {
         Some("device") => print(DEVICE),
         // clap prints it and ends the process; it also finds the command that a typo meant
         about => {
-            drop(Cli::command().get_matches_from(["zerorate"].into_iter().chain(about).chain(["--help"])));
+            drop(root.get_matches_from(["zerorate"].into_iter().chain(about).chain(["--help"])));
             Ok(())
         }
     }
