@@ -76,8 +76,8 @@ impl SpiAddress {
                     Some(changed) => part = changed,
                     None => {
                         return Err(format!(
-                            "`{option}` is not an option; there are rdy=CHIP:LINE, hz=SCLK, mclk=HZ, {PART_OPTIONS}, as \
-                             in {SPI_EXAMPLE}"
+                            "`{option}` is not an option; there are rdy=CHIP:LINE, hz=SCLK, mclk=HZ, {PART_OPTIONS}, \
+                             as in {SPI_EXAMPLE}"
                         ));
                     }
                 },

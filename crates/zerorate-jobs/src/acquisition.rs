@@ -148,8 +148,8 @@ impl Acquisition {
         Ok(true)
     }
 
-    /// Gives the next reading of each axis with its faults, two samples late, and the rest at the end. Empty behind the
-    /// last.
+    /// Gives the next reading of each axis with its faults, two samples late, and the rest at the end. Empty behind
+    /// the last.
     #[inline]
     pub fn next_judged(&mut self, judged: &mut Vec<Judged>) -> Result<bool> {
         judged.clear();

@@ -275,8 +275,8 @@ pub struct Beat {
 const NO_ERROR: f64 = 0.01;
 
 impl Beat {
-    /// The text of a warning, if the jitter is large. The samples are taken as evenly spaced. If they were really taken
-    /// when the timestamps say, each is w(t + δ) in place of w(t), with δ of rms j intervals τ₀:
+    /// The text of a warning, if the jitter is large. The samples are taken as evenly spaced. If they were really
+    /// taken when the timestamps say, each is w(t + δ) in place of w(t), with δ of rms j intervals τ₀:
     ///
     /// * White noise has no memory, so nothing changes.
     /// * A random walk differs by a variance of K²·E|δ| ≤ K²·j·τ₀, independent from sample to sample. The mean of m

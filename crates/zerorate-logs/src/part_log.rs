@@ -40,8 +40,8 @@ impl PartLog {
     /// column nor rate is given, the time is the only other column whose name states a unit of time, as in `t_ns`.
     ///
     /// # Errors
-    /// The file cannot be read, it lacks an axis, the temperature, a unit or the time, or the part cannot have made its
-    /// values.
+    /// The file cannot be read, it lacks an axis, the temperature, a unit or the time, or the part cannot have made
+    /// its values.
     pub fn open(path: &Path, input: Input, part: &Part, args: &ColumnOptions) -> Result<Self> {
         let layout = Layout::of_part(part)
             .map_err(|what| LogError::Ask(format!("no capture can have the part {}: {what}", part.name)))?;

@@ -383,11 +383,11 @@ class Calibration:
         Parameters
         ----------
         rate_dps
-            Uncorrected rate, °/s: a number or an array of any shape. With several axes, the last dimension of the array
-            is the axes, in the order of ``axes``.
+            Uncorrected rate, °/s: a number or an array of any shape. With several axes, the last dimension of the
+            array is the axes, in the order of ``axes``.
         temp_c
-            Temperature of the part, °C, read with the rate: a number or an array that broadcasts against the rate. With
-            several axes, it broadcasts against the other dimensions.
+            Temperature of the part, °C, read with the rate: a number or an array that broadcasts against the rate.
+            With several axes, it broadcasts against the other dimensions.
 
         Returns
         -------
@@ -467,7 +467,8 @@ class Corrector:
         Parameters
         ----------
         rate_dps
-            Rates, °/s: one for each time, or an array of times by axes if there are several. NaN marks an invalid rate.
+            Rates, °/s: one for each time, or an array of times by axes if there are several. NaN marks an invalid
+            rate.
         temp_c
             The temperature read at each time, °C; NaN where none was.
 

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 class Capture:
     """A capture as columns of equal length, one row per rate sample.
 
-    For a part with several axes, `rate_code`, `flags`, `good` and `rate_dps` are tables with a column for each axis, in
-    the order of `axes`.
+    For a part with several axes, `rate_code`, `flags`, `good` and `rate_dps` are tables with a column for each axis,
+    in the order of `axes`.
     """
 
     t_ns: NDArray[np.uint64]

@@ -125,8 +125,8 @@ class Fit:
     """
 
     n: Coefficient
-    """Angle random walk N; for a rate in °/s, N times 60 is in °/√h. The white noise has the one-sided density √2·N, in
-    unit/√Hz."""
+    """Angle random walk N; for a rate in °/s, N times 60 is in °/√h. The white noise has the one-sided density √2·N,
+    in unit/√Hz."""
     b: Coefficient
     """Bias instability B; for a rate in °/s, B times 3600 is in °/h. The floor of the curve is 0.664 B."""
     k: Coefficient

@@ -76,8 +76,8 @@ def _lengths(taus: Any, points: int, rate: float) -> Floats:
 def tau_reduction(ms: Any, rate: float, n_per_decade: int) -> tuple[NDArray[np.int64], Floats]:
     """Thins a list of lengths, as of ``taus="all"``, to about `n_per_decade` in a decade.
 
-    A length stays if the next one in the list lies in the next interval of the logarithmic grid; the last one is always
-    removed.
+    A length stays if the next one in the list lies in the next interval of the logarithmic grid; the last one is
+    always removed.
 
     Returns
     -------
