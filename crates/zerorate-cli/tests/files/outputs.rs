@@ -310,11 +310,12 @@ fn a_recording_that_replaces_another_leaves_its_hard_links() {
 fn nor_is_a_state_a_recording_of_a_server_or_what_is_kept_beside_the_output() {
     let bench = bench();
     bench.write("token", "0123456789abcdef\n");
+    fs::hard_link(bench.path("unit.toml"), bench.path("unit.arrows")).unwrap();
     let serve = "serve --listen 127.0.0.1:0 --no-iio --cal unit.toml --token-file token -o";
     let stream = "stream --device replay:rest.csv --cal unit.toml --track --state";
     for line in [
         #[cfg(feature = "serve")]
-        format!("{serve} unit.toml"),
+        format!("{serve} unit.arrows"),
         #[cfg(feature = "serve")]
         format!("{serve} token"),
         format!("{stream} unit.toml"),
