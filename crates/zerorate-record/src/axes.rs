@@ -188,9 +188,9 @@ fn metadata_of_axes_are_checked() {
     assert!(error("zerorate.axes", Some("x,y,w")).contains("`zerorate.axis.w.unit` is missing"));
     assert!(error("zerorate.axes", None).contains("`zerorate.axes` is missing"));
     assert!(error("zerorate.axes", Some("x,y,x")).contains("two columns would be called"));
-    assert!(error("zerorate.axis.x.width_bits", Some("0")).contains("no scale"));
+    assert!(error("zerorate.axis.x.width_bits", Some("0")).contains("do not make a scale"));
     assert!(error("zerorate.axis.x.signed", Some("yes")).contains("zerorate.axis.x.signed = yes"));
-    assert!(error("zerorate.temp.lsb_per_unit", Some("-1")).contains("no scale"));
+    assert!(error("zerorate.temp.lsb_per_unit", Some("-1")).contains("do not make a scale"));
     assert!(error("zerorate.part", Some("ADIS16130")).contains("`zerorate.width_bits` is missing"));
 }
 
