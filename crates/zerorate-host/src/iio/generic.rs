@@ -486,7 +486,7 @@ mod tests {
             }
             find(folder.path(), None, None).map(drop).expect_err("nothing to read").to_string()
         };
-        assert!(fails("rates", &[]).contains("no gyroscope"));
+        assert!(fails("rates", &[]).contains("not a gyroscope"));
         assert!(fails("scale", &[]).contains("in_anglvel_x states no scale"));
         assert!(fails("", &[("in_anglvel_scale", "0")]).contains("nothing can be converted"));
         let busy = folder(&[BUFFER, &[("buffer/enable", "1")]].concat());
