@@ -67,18 +67,18 @@
 #define ZERORATE_WARNING_OTHER 128
 
 /**
- * What was given for the Earth's rotation was subtracted; any other constant rotation is inside PBC.
+ * The given Earth rotation was subtracted; any other constant rotation is inside PBC.
  */
 #define ZERORATE_WARNING_EARTH_SUBTRACTED 256
 
 /**
- * BTC is next to nothing: a wide hysteresis or a long lag would look the same.
+ * BTC is close to zero: a wide hysteresis or a long lag would look the same.
  */
 #define ZERORATE_WARNING_FLAT 512
 
 /**
- * Always set: steps, lag, curvature, hysteresis and slow motion between the averages were not looked for, since that
- * takes a record of every second, which does not fit into the memory of a controller. `zerorate recalibrate` looks at
+ * Always set. Steps, lag, curvature, hysteresis and slow motion between the averages were not looked for. That takes
+ * a record of every second, which does not fit into the memory of a controller. `zerorate recalibrate` looks at
  * recorded samples.
  */
 #define ZERORATE_WARNING_HOUR_UNCHECKED 1024
@@ -254,8 +254,8 @@
 #define ZERORATE_REMEDY_OTHER_EDGE 36
 
 /**
- * What a function returns: ZERORATE_OK, a positive number that says something harmless, or a negative one that says
- * what failed. The numbers keep their meaning in all versions.
+ * The result of a function: ZERORATE_OK, a positive number for a harmless state, or a negative number for a failure.
+ * The numbers keep their meaning in all versions.
  */
 typedef int32_t zerorate_status;
 
@@ -374,7 +374,7 @@ typedef struct zerorate_validity {
    */
   double temp_max_c;
   /**
-   * How far a temperature may leave the span unremarked, deg C: 0.5.
+   * How far a temperature may leave the span without a mark, deg C: 0.5.
    */
   double margin_c;
 } zerorate_validity;
@@ -392,7 +392,7 @@ typedef struct zerorate_corrected {
    */
   double temp_c;
   /**
-   * 1 = that lies outside the span where the correction holds.
+   * 1 = that temperature lies outside the span where the correction holds.
    */
   uint8_t extrapolated;
 } zerorate_corrected;
@@ -418,8 +418,8 @@ typedef struct zerorate_settings {
    */
   uint8_t bits;
   /**
-   * 1 = CS rises between all bytes, as the note prescribes, and `transfer` is called once per byte; 0 = it stays
-   * low for a whole command, which is faster and works too (F-22).
+   * 1 = CS rises between all bytes, as the note prescribes, and `transfer` is called once per byte. With 0 CS
+   * stays low for a whole command, which is faster and works too (F-22).
    */
   uint8_t per_byte_framing;
   /**
@@ -459,7 +459,7 @@ typedef struct zerorate_bus {
    */
   void *context;
   /**
-   * Sends `length` bytes and puts what comes back in their place, with CS low from the first bit to the last. SPI
+   * Sends `length` bytes and replaces them by the received ones, with CS low from the first bit to the last. SPI
    * mode 3, most significant bit first, at most 10 MHz (F-20, F-21). Returns 0, or anything else for an error. Must
    * not be null.
    */
@@ -646,7 +646,7 @@ typedef struct zerorate_outcome {
    */
   uint64_t lost;
   /**
-   * What there is to know beside the numbers: a sum of ZERORATE_WARNING_...
+   * Warnings about the numbers: a sum of ZERORATE_WARNING_...
    */
   uint32_t warnings;
 } zerorate_outcome;
@@ -743,7 +743,7 @@ typedef struct zerorate_tracker {
 } zerorate_tracker;
 
 /**
- * How well the calibration knew what it states, as `uncertainty` in its file.
+ * The uncertainty of the calibration, as `uncertainty` in its file.
  */
 typedef struct zerorate_tracker_prior {
   /**
@@ -791,7 +791,7 @@ typedef struct zerorate_tracker_state {
  */
 typedef struct zerorate_tracked {
   /**
-   * What it is beyond what the correction takes out, deg/s: subtract it from corrected rates.
+   * The bias beyond the correction, deg/s: subtract it from corrected rates.
    */
   double change_dps;
   /**
@@ -830,7 +830,7 @@ typedef struct zerorate_tracked {
 #define ZERORATE_NOTHING 1
 
 /**
- * A pointer is null that must not be.
+ * A pointer that must not be null is null.
  */
 #define ZERORATE_E_NULL -1
 
@@ -840,7 +840,7 @@ typedef struct zerorate_tracked {
 #define ZERORATE_E_STATE -2
 
 /**
- * An argument is out of range; its documentation says which there are.
+ * An argument is out of range; its documentation has the range.
  */
 #define ZERORATE_E_ARGUMENT -3
 
@@ -901,7 +901,7 @@ typedef struct zerorate_tracked {
 #define ZERORATE_E_OUT_OF_RANGE -24
 
 /**
- * There is no reading yet, on a healthy link: the part has not been initialised, or its first conversion has not
+ * The link is healthy, but no reading exists yet. The part has not been initialised, or its first conversion has not
  * ended. Initialise it, wait for RDY and read again.
  */
 #define ZERORATE_E_NO_READING -25
@@ -927,7 +927,7 @@ typedef struct zerorate_tracked {
 #define ZERORATE_E_TABLE_STEEP -33
 
 /**
- * The temperature lies beyond the table: the row at its end is not that of the temperature.
+ * The temperature lies beyond the table, whose last row does not fit it.
  */
 #define ZERORATE_E_TABLE_OUTSIDE -34
 
@@ -1050,8 +1050,8 @@ double zerorate_correct(const struct zerorate_correction *correction, double rat
 float zerorate_correct_f32(const struct zerorate_correction_f32 *correction, float rate_dps, float temp_c);
 
 /**
- * The corrected rate code of a rate code and the temperature code taken with it, all of 24 bits; rounded to nearest,
- * held to 0 ... 2^24 - 1. The rate code itself where `correction` is null.
+ * The corrected rate code of a rate code and the temperature code taken with it, all of 24 bits. It is rounded to
+ * nearest and held to 0 ... 2^24 - 1. Returns the rate code itself where `correction` is null.
  *
  * Required: `correction` is null or points to one.
  */
@@ -1060,7 +1060,7 @@ uint32_t zerorate_correct_integer(const struct zerorate_correction_integer *corr
                                   uint32_t temp_code);
 
 /**
- * The same by a curve. Farther than 148 deg C from T3, the temperature counts as that at the end of this reach.
+ * The same by a curve. A temperature farther than 148 deg C from T3 counts as 148 deg C away.
  *
  * Required: `curve` is null or points to one.
  */
@@ -1076,9 +1076,9 @@ zerorate_status zerorate_corrector_begin(struct zerorate_corrector *corrector,
                                          const struct zerorate_validity *valid);
 
 /**
- * Corrects the next rate, deg/s, with the temperature that was read with it, deg C; NaN where none was, then with the
- * last one. Returns ZERORATE_NOTHING and writes nothing before the first temperature, and where the rate is NaN: one
- * that is not to be believed.
+ * Corrects the next rate, deg/s, with the temperature that was read with it, deg C. Where none was read, pass NaN:
+ * the last one is used. Returns ZERORATE_NOTHING and writes nothing before the first temperature, and where the rate
+ * is NaN, which marks a reading that must not be used.
  *
  * Required: Each pointer is null or points to memory of its type.
  */
@@ -1185,15 +1185,15 @@ zerorate_status zerorate_procedure_begin(struct zerorate_procedure *procedure, c
 zerorate_status zerorate_procedure_next(struct zerorate_procedure *procedure);
 
 /**
- * What to do about the refusal that ended the measurement: a ZERORATE_REMEDY_..., the best first. 0 where there is no
- * remedy of this index, counted from 0, or no refusal.
+ * The remedies for the refusal that ended the measurement: a ZERORATE_REMEDY_..., the best first. Returns 0 if
+ * nothing was refused, or if no remedy has this index, counted from 0.
  *
  * Required: `procedure` is null or points to one that nothing else uses meanwhile.
  */
 uint8_t zerorate_procedure_remedy(struct zerorate_procedure *procedure, size_t index);
 
 /**
- * The part was initialised, at a time of the clock that the samples have too.
+ * Tells that the part was initialised, at a time of the samples' clock.
  *
  * Required: `procedure` is null or points to one that nothing else uses meanwhile.
  */
@@ -1208,7 +1208,7 @@ zerorate_status zerorate_procedure_initialised(struct zerorate_procedure *proced
 zerorate_status zerorate_procedure_sample(struct zerorate_procedure *procedure, const struct zerorate_sample *sample);
 
 /**
- * Time went by without a sample.
+ * Tells that time passed without a sample.
  *
  * Required: `procedure` is null or points to one that nothing else uses meanwhile.
  */
@@ -1255,8 +1255,8 @@ zerorate_status zerorate_self_test_plan_default(struct zerorate_self_test_plan *
  * ZERORATE_E_MISSING: a function is null, nothing was done. ZERORATE_E_TIMEOUT: RDY was silent, or no new rate came.
  * Else the errors of zerorate_gyro_read, and ZERORATE_E_PIN.
  *
- * Required: Each pointer is null or points to memory of its type; nothing else uses the gyroscope meanwhile; what `pin` points
- * to may be called as its documentation says.
+ * Required: Each pointer is null or points to memory of its type. Nothing else uses the gyroscope meanwhile. The
+ * function in `pin` may be called as its documentation says.
  */
 zerorate_status zerorate_gyro_self_test(struct zerorate_gyro *gyro,
                                         const struct zerorate_self_test_pin *pin,
@@ -1269,8 +1269,8 @@ zerorate_status zerorate_gyro_self_test(struct zerorate_gyro *gyro,
 const char *zerorate_text(zerorate_status status);
 
 /**
- * Lays the table of a correction out in `memory`, which has room for so many rows, from +`span_c` down to -`span_c`
- * in steps of `step_c`, deg C: 2 * span / step + 1 rows.
+ * Lays the table of a correction out in `memory`, which has `room` rows. The table goes from +`span_c` down to
+ * -`span_c` in steps of `step_c`, deg C, and has 2 * span / step + 1 rows.
  *
  * Required: Each pointer is null or points to memory of its type, `memory` to `room` numbers of it.
  */
@@ -1285,8 +1285,8 @@ zerorate_status zerorate_table_lay_out(struct zerorate_table *table,
  * The row nearest to the temperature of a code of 24 bits, in millionths of a deg/s: corrected rate = rate + PBC +
  * row.
  *
- * ZERORATE_E_TABLE_OUTSIDE more than half a step beyond the table. Then, too, the row is written: the first or last
- * one, which is wrong there by BTC times the distance to it. ZERORATE_E_ARGUMENT where there is no table.
+ * Returns ZERORATE_E_TABLE_OUTSIDE more than half a step beyond the table. It then still writes the first or last
+ * row, which is wrong there by BTC times the distance to it. Returns ZERORATE_E_ARGUMENT without a table.
  *
  * Required: Each pointer is null or points to memory of its type, `table` to one that was laid out and whose rows are still
  * there.
@@ -1332,7 +1332,7 @@ zerorate_status zerorate_tracker_bias(struct zerorate_tracker *tracker,
                                       struct zerorate_tracked *tracked);
 
 /**
- * What is to be kept while the power is off.
+ * The state to keep while the power is off.
  *
  * Required: Each pointer is null or points to memory of its type.
  */

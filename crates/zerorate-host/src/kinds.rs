@@ -119,7 +119,8 @@ fn meant(text: &str) -> Option<String> {
         return Some(format!("iio:{name}"));
     }
     let (host, port) = text.rsplit_once(':')?;
-    let is_host = !host.is_empty() && KINDS.iter().all(|kind| kind.name != host);
+    // `usb:1` is a kind that there is not; a host has a dot or is this one
+    let is_host = host == "localhost" || host.contains('.');
     (is_host && is_number(port)).then(|| format!("tcp:{text}"))
 }
 

@@ -32,6 +32,7 @@ pub fn options(text: &str) -> ColumnOptions {
             "--rate" => options.rate = number(),
             "--unit" => options.unit = Some(value.parse().unwrap()),
             "--scale" => options.scale = number(),
+            "--force-unit" => options.force_unit = value == "true",
             "--topic" => options.topic = Some(value.to_owned()),
             "--max-bad" => options.max_bad = number(),
             "--decimal" => options.decimal = Some(if value == "comma" { Decimal::Comma } else { Decimal::Point }),
@@ -277,7 +278,10 @@ fn units_are_declared_or_said_to_be_unknown() {
     assert_eq!(scale("gz", "--unit mdps --scale 8.75"), Some(8.75e-3));
     assert_eq!(scale("gz", "--unit deg/h"), Some(1.0 / 3600.0));
     assert_eq!(scale("gz_rad_s", ""), Some(1f64.to_degrees()));
-    assert_eq!(scale("gz_rad_s", "--unit dps"), Some(1.0));
+    assert_eq!(scale("gz_rad_s", "--unit rad/s"), Some(1f64.to_degrees()));
+    assert_eq!(scale("gz_rad_s", "--unit dps --force-unit true"), Some(1.0));
+    let error = folder.read("gz_rad_s\n1\n2\n3\n".to_owned(), "--rate 1 --unit dps").expect_err("another unit");
+    assert!(error.to_string().contains("`gz_rad_s` states rad/s, and unit says dps, 1.745e-2 times"), "{error}");
 }
 
 #[test]

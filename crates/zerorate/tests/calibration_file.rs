@@ -171,7 +171,7 @@ fn a_curve_is_schema_3() {
 #[test]
 fn mistakes_are_named_with_their_line() {
     let with = |from: &str, to: &str| error(&BY_HAND.replace(from, to));
-    assert!(matches!(with("schema = 1", "schema = 4"), FileError::Newer { line: 1, schema: 4 }));
+    assert!(matches!(with("schema = 1", "schema = 5"), FileError::Newer { line: 1, schema: 5 }));
     assert!(matches!(with("ADIS16130", "ADIS16136"), FileError::Value { line: 2, name: "part", .. }));
     assert!(matches!(with("-0.25", "nan"), FileError::Value { line: 4, name: "pbc_dps", .. }));
     assert!(matches!(with("-0.04", "40"), FileError::Value { line: 5, name: "btc_dps_per_c", .. }));
@@ -271,4 +271,20 @@ fn a_tracker_begins_with_the_uncertainty_of_the_curve() {
     assert!(Calibration::parse(&damaged).unwrap_err().to_string().contains("covariance"));
     let early = text.replace("schema = 3", "schema = 1");
     assert!(Calibration::parse(&early).unwrap_err().to_string().contains("schema 3"));
+}
+
+/// Who measured, where and in what surroundings needs schema 4, and nothing else changes.
+#[test]
+fn notes_make_a_file_schema_4() {
+    let notes = Notes { operator: Some("Ada".into()), host: Some("pi4".into()), ..Notes::default() };
+    let noted = Calibration { notes, ..measured() };
+    let text = noted.to_toml();
+    assert!(
+        text.contains("schema = 4") && text.contains("operator = \"Ada\"") && text.contains("host = \"pi4\""),
+        "{text}"
+    );
+    assert_eq!(Calibration::parse(&text).unwrap().0, noted);
+    assert_eq!(noted.id(), measured().id());
+    let early = text.replace("schema = 4", "schema = 1");
+    assert!(Calibration::parse(&early).unwrap_err().to_string().contains("belongs to schema 4"), "{early}");
 }

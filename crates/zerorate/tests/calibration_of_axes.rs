@@ -141,7 +141,7 @@ fn by_hand_scales_may_be_missing() {
 #[test]
 fn every_mistake_is_named_with_its_line_and_axis() {
     for (from, to, line, axis, said) in [
-        ("schema = 2", "schema = 4", 1, None, "newer"),
+        ("schema = 2", "schema = 5", 1, None, "newer"),
         ("t3_c = 31.25", "t3_c = 31.25\nbtc3_dps_per_c3 = 1", 21, Some("y"), "btc3_dps_per_c3 belongs to schema 3"),
         ("schema = 2", "schema = 1", 8, Some("x"), "axis belongs to schema 2"),
         ("\"ADIS16405\"", "\"a b\"", 2, None, "up to 40 letters"),

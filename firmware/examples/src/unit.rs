@@ -5,6 +5,7 @@
 // serial       an example: export your own unit's
 // calibration  fc793a7ef88b
 // measured     not stated, method not stated
+// with         not stated
 // valid for    25.0 to 31.6 deg C, seen while measuring
 //
 // Formula (Analog Devices AN-1042):

@@ -62,12 +62,7 @@ pub(super) fn remarks(fit: &Fit, chosen: &Selection, rate: &[f64], rate_hz: f64,
             AllanWarning::DriftOrWalk { has_drift: own.drift.is_some(), worse }
         });
     }
-    let halves = steadiness::halves(rate, rate_hz, &fit.model);
-    if let Some(steadiness::Difference { tau_s, ratio }) =
-        halves.filter(|halves| libm::log(halves.ratio).abs() > CHANGE)
-    {
-        warnings.push(AllanWarning::Unsteady { tau_s, ratio });
-    }
+    warnings.extend(unsteady(fit, rate, rate_hz));
     let coefficients =
         [(Noise::AngleRandomWalk, fit.n), (Noise::BiasInstability, fit.b), (Noise::RateRandomWalk, fit.k)];
     let missing = coefficients.into_iter().filter_map(|(noise, c)| Some((noise, c.needed_s?)));
@@ -77,6 +72,12 @@ pub(super) fn remarks(fit: &Fit, chosen: &Selection, rate: &[f64], rate_hz: f64,
         needed_s,
     }));
     warnings
+}
+
+/// Halves of the record that differ.
+fn unsteady(fit: &Fit, rate: &[f64], rate_hz: f64) -> Option<AllanWarning> {
+    let steadiness::Difference { tau_s, ratio } = steadiness::halves(rate, rate_hz, &fit.model)?;
+    (libm::log(ratio).abs() > CHANGE).then_some(AllanWarning::Unsteady { tau_s, ratio })
 }
 
 /// Share of the records whose curve is reported as off though chance explains it.

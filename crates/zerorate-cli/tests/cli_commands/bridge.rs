@@ -179,7 +179,7 @@ fn a_calibration_finds_the_truth() {
     let spec = Spec::from_seed(3);
     let twin = Twin::new(spec.clone());
     let device = bridge(spec, Cable::default());
-    let found = calibrate(&["--device", &device, "--json"]).ended_with(0).json();
+    let found = calibrate(&["--device", &device, "--json", "--no-save"]).ended_with(0).json();
     let number = |key: &str| found[key].as_f64().expect("a number");
     twin.advance_ns(202_000_000_000);
     let (pbc, limit) = (twin.truth().pbc_dps(number("t3_c")), 4.0 * number("u_pbc_dps"));

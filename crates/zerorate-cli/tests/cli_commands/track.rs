@@ -119,7 +119,7 @@ fn a_state_that_cannot_be_written_ends_no_stream() {
         }
         let (rows, code, said) = stream.end();
         assert!((rows + read).abs_diff(ROWS) <= 1, "{rows} rows: {said}");
-        assert_eq!(said.matches("warning: not-kept: what was learned cannot be written").count(), 1, "{said}");
+        assert_eq!(said.matches("warning: not-kept: the state cannot be written").count(), 1, "{said}");
         assert_eq!(said.contains("what was learned is in"), comes_back, "{said}");
         assert_eq!(code, Some(if comes_back { 0 } else { 1 }), "{said}");
         assert!(said.contains("s of rest learned from"), "{said}");

@@ -566,5 +566,5 @@ fn what_is_missing_of_an_axis_is_named() {
     assert!(said.contains("axis z: btc_dps_per_c does not fit"), "{said}");
     bench.write("same.toml", super::AXES.replace("\"y\"", "\"X\""));
     let said = bench.zerorate("export same.toml --format rust").fails(1);
-    assert!(said.contains("axes x and X have the same name"), "{said}");
+    assert!(said.contains("axes x and X both become X"), "{said}");
 }

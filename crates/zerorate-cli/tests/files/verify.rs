@@ -210,5 +210,8 @@ fn a_foreign_log_is_neither_damaged_nor_a_calibration() {
     assert!(said.code == Some(1) && said.stdout.contains("log.csv: NOT A CAPTURE"), "{said:?}");
     assert!(said.stdout.contains("no check lines, so it cannot be verified"), "{said:?}");
     let said = bench.zerorate("correct unit.arrows --cal log.csv -o done.csv");
-    assert!(said.code == Some(1) && said.stderr.contains("log.csv is a CSV, not a calibration"), "{said:?}");
+    assert!(
+        said.code == Some(1) && said.stderr.contains("log.csv is not a calibration file: give the TOML file"),
+        "{said:?}"
+    );
 }

@@ -170,7 +170,8 @@ mod tests {
 
     #[test]
     fn keys_that_make_no_sense_are_named() {
-        for (keys, why) in [("lag=3", "keys are lag_s"), ("lag_s=x", "not a number"), ("overshoot=2", "from 0 to 0.5")] {
+        for (keys, why) in [("lag=3", "keys are lag_s"), ("lag_s=x", "not a number"), ("overshoot=2", "from 0 to 0.5")]
+        {
             let error = SimulatedChamber::parse(keys).expect_err("no such key");
             assert!(error.contains(why) && error.starts_with(&format!("`{keys}`")), "{error}");
         }

@@ -1,7 +1,7 @@
 //! The pictures, as a reader of their XML sees them.
 
 use super::*;
-use roxmltree::Document;
+use roxmltree::{Document, Node};
 use zerorate_allan::Envelope;
 
 /// Five decades of averaging time, the deviations of white noise.
@@ -24,7 +24,9 @@ pub(super) fn fitted() -> Curve {
 
 fn texts(svg: &str) -> Vec<String> {
     let xml = Document::parse(svg).expect("well-formed XML");
-    let texts = xml.descendants().filter(|node| node.has_tag_name("text"));
+    // a halo is the same text once more
+    let is_halo = |node: &Node<'_, '_>| node.attribute("aria-hidden").is_some();
+    let texts = xml.descendants().filter(|node| node.has_tag_name("text") && !is_halo(node));
     texts.filter_map(|node| node.text()).map(|text| text.trim().to_owned()).collect()
 }
 

@@ -392,9 +392,9 @@ mod tests {
         });
         let html = calibration_page(&calibration, "unit.toml").unwrap();
         for expected in [
-            "0.00100</td><td class=\"number\">-0.25200 … -0.24800",
-            "0.000200</td><td class=\"number\">-0.040400 … -0.039600",
-            "3.0000e-5</td><td class=\"number\">+4.4000e-4 … +5.6000e-4",
+            "-0.25200 … -0.24800</td><td class=\"number\">0.00100",
+            "-0.040400 … -0.039600</td><td class=\"number\">0.000200",
+            "+4.4000e-4 … +5.6000e-4</td><td class=\"number\">3.0000e-5",
             "The band is its 95 % interval",
             "by definition",
         ] {
