@@ -140,8 +140,9 @@ impl Bench {
     /// The same plan through the bridge and in process: they differ by no more than their uncertainties.
     fn calibrate(&self) -> Result<(Value, Value)> {
         let emulator = self.emulator(Line::Socket)?;
-        let calibrate =
-            |device: &str| self.json(&[&["calibrate", "--json", "--device", device], PLAN.as_slice()].concat());
+        let calibrate = |device: &str| {
+            self.json(&[&["calibrate", "--no-save", "--json", "--device", device], PLAN.as_slice()].concat())
+        };
         let (there, here) = (calibrate(&emulator.device())?, calibrate(&format!("twin:seed={}", self.seed))?);
         let number = |of: &Value, key: &str| of[key].as_f64().with_context(|| format!("no {key} in {of}"));
         let shift_c = number(&there, "t3_c")? - number(&here, "t3_c")?;

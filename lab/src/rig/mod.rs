@@ -126,7 +126,7 @@ fn as_csv(program: &Path, files: &Path, capture: &str) -> Result<()> {
 fn calibrate_in_process(program: &Path, keys: &str) -> Result<serde_json::Value> {
     let mut command = Command::new(program);
     command
-        .args(["calibrate", "--json", "--device"])
+        .args(["calibrate", "--no-save", "--json", "--device"])
         .arg(format!("twin:{keys},mclk_hz={SLOW_HZ}"))
         .args(PLAN.split(' '));
     let output = command.output()?;
