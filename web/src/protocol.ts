@@ -5,32 +5,32 @@
  */
 export type AllanPoint = { 
 /**
- * s.
+ * Averaging time, s.
  */
 tau_s: number, 
 /**
- * °/s.
+ * The deviation, °/s.
  */
 dev_dps: number, 
 /**
- * One sigma, lower, °/s.
+ * Lower end of the one-sigma interval, °/s.
  */
 lo_dps: number, 
 /**
- * One sigma, upper, °/s.
+ * Upper end of the one-sigma interval, °/s.
  */
 hi_dps: number, 
 /**
- * What the model expects, °/s.
+ * The deviation of the model, °/s.
  */
 model_dps: number | null, };
 
 /**
- * What comes back for a request.
+ * The answer to a request.
  */
 export type Answer = { 
 /**
- * That of the request.
+ * The `id` of the request.
  */
 id: number, } & ({ "ok": Reply } | { "error": string });
 
@@ -39,7 +39,7 @@ id: number, } & ({ "ok": Reply } | { "error": string });
  */
 export type AxisAbout = { 
 /**
- * What it is called.
+ * The name.
  */
 name: string, 
 /**
@@ -47,7 +47,7 @@ name: string,
  */
 range_dps: number | null, 
 /**
- * −3 dB, Hz.
+ * Bandwidth (−3 dB), Hz.
  */
 bandwidth_hz: number | null, 
 /**
@@ -56,41 +56,41 @@ bandwidth_hz: number | null,
 resonance_hz: number | null, };
 
 /**
- * What an axis is of.
+ * The quantity of an axis.
  */
 export type AxisKind = "gyroscope" | "accelerometer";
 
 /**
- * The newest numbers of an axis: means over the last second, with the standard uncertainty that their digits warrant.
+ * The newest numbers of an axis: means over the last second, with standard uncertainties.
  */
 export type AxisNow = { 
 /**
- * °/s.
+ * Raw rate, °/s.
  */
 rate_dps: number | null, 
 /**
- * Of that mean, by its noise, °/s.
+ * Standard uncertainty of the raw rate by its noise, °/s.
  */
 u_rate_dps: number | null, 
 /**
- * °/s; null where no calibration is applied.
+ * Corrected rate, °/s; null if no calibration is applied.
  */
 corrected_dps: number | null, 
 /**
- * Of that mean with the calibration's, °/s.
+ * Standard uncertainty of the corrected rate, including the calibration's, °/s.
  */
 u_corrected_dps: number | null, 
 /**
- * The temperature is outside of the calibration's.
+ * Whether the temperature is outside the range of the calibration.
  */
 extrapolated: boolean, 
 /**
- * Integral of the corrected rate (of the raw one where none is applied) since it was zero, °: by `zero-angle`, or
- * when another calibration was applied.
+ * Integral of the corrected rate since it was set to zero, °. Without a calibration, the raw rate is integrated.
+ * `zero-angle` sets it to zero, and so does a change of the calibration.
  */
 angle_deg: number, 
 /**
- * Its standard uncertainty by noise and calibration, °.
+ * Standard uncertainty of the angle by noise and calibration, °.
  */
 u_angle_deg: number | null, 
 /**
@@ -99,35 +99,35 @@ u_angle_deg: number | null,
 rest: Rest, };
 
 /**
- * What a calibration found of an axis.
+ * The result of a calibration for an axis.
  */
 export type AxisResult = { 
 /**
- * What it is called.
+ * The name of the axis.
  */
 name: string, 
 /**
- * °/s.
+ * PBC, °/s.
  */
 pbc_dps: number, 
 /**
- * Standard uncertainty, °/s.
+ * Standard uncertainty of PBC, °/s.
  */
 u_pbc_dps: number, 
 /**
- * °/s/°C.
+ * BTC, °/s/°C.
  */
 btc_dps_per_c: number, 
 /**
- * Standard uncertainty, °/s/°C.
+ * Standard uncertainty of BTC, °/s/°C.
  */
 u_btc_dps_per_c: number, 
 /**
- * °C.
+ * T3, °C.
  */
 t3_c: number, 
 /**
- * Over the temperatures seen.
+ * The correction over the temperatures that occurred.
  */
 curve: Array<CurvePoint>, 
 /**
@@ -135,36 +135,36 @@ curve: Array<CurvePoint>,
  */
 before_dps: number | null, 
 /**
- * The same corrected, °/s.
+ * The same mean, corrected, °/s.
  */
 after_dps: number | null, };
 
 /**
- * A guided calibration: a method and what differs from its defaults.
+ * A guided calibration: its method, and the settings that differ from the defaults.
  */
 export type CalibrateCommand = { 
 /**
- * How.
+ * The method.
  */
 method: MethodName, 
 /**
- * Steps 4 and 6, s.
+ * Duration of steps 4 and 6, s.
  */
 average_s?: number, 
 /**
- * Step 5, s.
+ * Duration of step 5, s.
  */
 warmup_s?: number, 
 /**
- * Step 7, s.
+ * Duration of step 7, s.
  */
 settle_s?: number, 
 /**
- * Step 8, s.
+ * Duration of step 8, s.
  */
 offset_s?: number, 
 /**
- * Where the part is, if its axis is vertical, °, north of the equator positive.
+ * Latitude of the part if its axis is vertical, °, north positive.
  */
 latitude_deg?: number, 
 /**
@@ -172,7 +172,7 @@ latitude_deg?: number,
  */
 serial?: string, 
 /**
- * Of the method `chamber`: the name of a plan that comes with the software, or a plan itself
+ * For the method `chamber`: the name of a plan that comes with the software, or the text of a plan
  * (docs/formats/plan.md).
  */
 plan?: string, };
@@ -182,7 +182,7 @@ plan?: string, };
  */
 export type Calibrating = { "is": "idle" } | { "is": "running" } & Running | { "is": "done" } & CalibrationResult | { "is": "refused", 
 /**
- * By which method.
+ * The method.
  */
 method: MethodName, 
 /**
@@ -190,7 +190,7 @@ method: MethodName,
  */
 text: string, } | { "is": "aborted", 
 /**
- * By which method.
+ * The method.
  */
 method: MethodName, 
 /**
@@ -203,35 +203,35 @@ text: string, };
  */
 export type CalibrationEntry = { 
 /**
- * By its content.
+ * The id, made from the content.
  */
 id: string, 
 /**
- * Of which part.
+ * Serial number of the part, if it is stated.
  */
 serial: string | null, 
 /**
- * When, if that is stated.
+ * The date of the measurement, if it is stated.
  */
 created: string | null, 
 /**
- * By which method, if that is stated.
+ * The method, if it is stated.
  */
 method: string | null, 
 /**
- * Of the first axis, °/s.
+ * PBC of the first axis, °/s.
  */
 pbc_dps: number, 
 /**
- * Of the first axis, °/s/°C.
+ * BTC of the first axis, °/s/°C.
  */
 btc_dps_per_c: number, 
 /**
- * Of the first axis, °C.
+ * T3 of the first axis, °C.
  */
 t3_c: number, 
 /**
- * Where it holds, °C.
+ * The range of temperatures in which it holds, °C.
  */
 range_c: [number, number] | null, 
 /**
@@ -239,28 +239,28 @@ range_c: [number, number] | null,
  */
 applied: boolean, 
 /**
- * Its file, which the page of a static site keeps.
+ * The text of its file, which the page of a static site keeps.
  */
 toml: string, };
 
 /**
- * What a calibration came to.
+ * The result of a calibration.
  */
 export type CalibrationResult = { 
 /**
- * By which method.
+ * The method.
  */
 method: MethodName, 
 /**
- * As it stands on file.
+ * The calibration as it is on file.
  */
 entry: CalibrationEntry, 
 /**
- * Of each axis.
+ * The results of each axis.
  */
 axes: Array<AxisResult>, 
 /**
- * What there is to say.
+ * Warnings about the result.
  */
 warnings: Array<string>, };
 
@@ -269,11 +269,11 @@ warnings: Array<string>, };
  */
 export type CheckResult = { 
 /**
- * What was tried.
+ * The subject of the check.
  */
 what: string, 
 /**
- * Whether it is well.
+ * Whether the check passed.
  */
 ok: boolean, 
 /**
@@ -290,11 +290,11 @@ export type Coefficient = {
  */
 symbol: string, 
 /**
- * Its name.
+ * The name in words.
  */
 name: string, 
 /**
- * In `unit`.
+ * The value, in `unit`.
  */
 value: number, 
 /**
@@ -306,28 +306,29 @@ lo: number,
  */
 hi: number, 
 /**
- * Of it.
+ * Unit of the value.
  */
 unit: string, 
 /**
- * Whether to believe it.
+ * Whether the value is identified.
  */
 identified: boolean, 
 /**
- * In how many seconds it will be, if the noise is what it seems; null where that cannot be said, or is now.
+ * Seconds until it is identified, if the noise is what it seems. Null if that is unknown, or if it is identified
+ * already.
  */
 identified_in_s: number | null, };
 
 /**
- * What is added to a rate at a temperature.
+ * The correction at a temperature.
  */
 export type CurvePoint = { 
 /**
- * °C.
+ * Temperature, °C.
  */
 temp_c: number, 
 /**
- * °/s.
+ * The correction that is added to the rate, °/s.
  */
 correction_dps: number, 
 /**
@@ -335,20 +336,20 @@ correction_dps: number,
  */
 u_dps: number | null, 
 /**
- * What a perfect measurement would find, °/s: of the twin.
+ * The result of a perfect measurement, °/s; only the twin knows it.
  */
 truth_dps: number | null, };
 
 /**
- * What is being read.
+ * The device that is being read.
  */
 export type Device = { 
 /**
- * As `zerorate --device` names it.
+ * The name, as `zerorate --device` takes it.
  */
 name: string, 
 /**
- * How it is with it.
+ * The state.
  */
 state: DeviceState, 
 /**
@@ -356,15 +357,15 @@ state: DeviceState,
  */
 simulated: boolean, 
 /**
- * How many times as fast as the clock; 0: as fast as it goes.
+ * The speed in multiples of real time; 0: as fast as possible.
  */
 speed: number, 
 /**
- * What kind of gyroscope it is.
+ * The kind of gyroscope.
  */
 part: string, 
 /**
- * Its axes.
+ * The axes.
  */
 axes: Array<AxisAbout>, 
 /**
@@ -372,23 +373,23 @@ axes: Array<AxisAbout>,
  */
 bins_s: Array<number>, 
 /**
- * Bins that are kept of each level.
+ * Number of bins that are kept of each level.
  */
 bins_kept: number, 
 /**
- * How often it should convert, Hz, if that is known.
+ * Nominal conversion rate, Hz, if it is known.
  */
 nominal_hz: number | null, 
 /**
- * Its registers when it was opened; empty where there are none to read.
+ * The registers at the time of opening; empty if there are none to read.
  */
 registers: Array<Register>, 
 /**
- * What the check of the connection found.
+ * The results of the connection check.
  */
 checks: Array<CheckResult>, 
 /**
- * What a guided calibration takes where a command leaves it open.
+ * The durations of a guided calibration, if a command gives none.
  */
 durations: Durations, 
 /**
@@ -397,11 +398,11 @@ durations: Durations,
 software: string, };
 
 /**
- * How it is with a device.
+ * The state of a device.
  */
 export type DeviceState = { "is": "opening" } | { "is": "reading" } | { "is": "ended" } | { "is": "failed", 
 /**
- * In words.
+ * Why, and what to do about it.
  */
 why: string, };
 
@@ -410,7 +411,7 @@ why: string, };
  */
 export type Download = { 
 /**
- * What it is called.
+ * The name of the file.
  */
 name: string, 
 /**
@@ -418,12 +419,12 @@ name: string,
  */
 media_type: string, 
 /**
- * What stands in it.
+ * The text of the file.
  */
 text: string, };
 
 /**
- * Of the steps of application note AN-1042, s.
+ * Durations of the steps of application note AN-1042, s.
  */
 export type Durations = { average_s: number, warmup_s: number, settle_s: number, offset_s: number, };
 
@@ -432,40 +433,40 @@ export type Durations = { average_s: number, warmup_s: number, settle_s: number,
  */
 export type Field = { 
 /**
- * As the data sheet calls them.
+ * The name in the data sheet.
  */
 name: string, 
 /**
- * What stands in them.
+ * The value.
  */
 value: number, 
 /**
- * In plain words.
+ * The meaning in plain words.
  */
 meaning: string, 
 /**
- * Not what it should be.
+ * Whether the value is not as expected.
  */
 wrong: boolean, };
 
 /**
- * What is new since the frame before; in a snapshot, all there is. What is absent is as it was.
+ * Everything that changed since the last frame; a snapshot has everything. A field that is absent did not change.
  */
 export type Frame = { 
 /**
- * Counts the frames of a session.
+ * The number of the frame in its session.
  */
 seq: number, 
 /**
- * Everything that was shown before is void: of a new session, or of a page that just came.
+ * Everything that was shown before is void: the session is new, or the page just opened.
  */
 snapshot: boolean, 
 /**
- * Bins that are complete, whose numbers follow in the payload.
+ * Complete bins, whose numbers follow in the payload.
  */
 strips: Array<Strip>, 
 /**
- * What is being read.
+ * The device.
  */
 device?: Device, 
 /**
@@ -473,15 +474,15 @@ device?: Device,
  */
 now?: Now, 
 /**
- * What was read and lost.
+ * The counts of samples.
  */
 ledger?: SampleCounts, 
 /**
- * What there is to say, the newest last; at most 100.
+ * The notices, the newest last; at most 100.
  */
 notices?: Array<Notice>, 
 /**
- * Of each axis.
+ * The statistics of each axis.
  */
 statistics?: Array<Statistics>, 
 /**
@@ -489,20 +490,20 @@ statistics?: Array<Statistics>,
  */
 calibration?: Calibrating, 
 /**
- * What is on file, the newest last.
+ * The calibrations on file, the newest last.
  */
 calibrations?: Array<CalibrationEntry>, };
 
 /**
- * What is in a log.
+ * The content of a log.
  */
 export type LogAbout = { 
 /**
- * What kind of file it is: `Parquet`, `text, packed by gzip`.
+ * The format of the file: `Parquet`, `text, packed by gzip`.
  */
 form: string, 
 /**
- * Samples of a column, those that are missing included.
+ * Number of samples of a column, including missing ones.
  */
 samples: number, 
 /**
@@ -510,7 +511,7 @@ samples: number,
  */
 rate_hz: number, 
 /**
- * How long it is, s.
+ * Duration, s.
  */
 duration_s: number, 
 /**
@@ -518,16 +519,16 @@ duration_s: number,
  */
 topic: string | null, 
 /**
- * What will be analysed, gyroscopes first.
+ * The columns that will be analysed, gyroscopes first.
  */
 columns: Array<LogColumn>, 
 /**
- * What there is to say of it.
+ * Warnings about the log.
  */
 warnings: Array<string>, };
 
 /**
- * What was found in a column.
+ * The results of a column.
  */
 export type LogAxis = { 
 /**
@@ -539,7 +540,7 @@ column: LogColumn,
  */
 points: Array<LogPoint>, 
 /**
- * N, B, K and what else the noise model has.
+ * The coefficients of the noise model: N, B, K and others.
  */
 coefficients: Array<LogCoefficient>, 
 /**
@@ -547,15 +548,15 @@ coefficients: Array<LogCoefficient>,
  */
 terms: Array<string>, 
 /**
- * By how much the model may be off, as a share; none: there is no model.
+ * The possible error of the model, as a share; none: without a model.
  */
 model_error: number | null, 
 /**
- * Why the coefficients are no result, if they are none.
+ * Why the coefficients are not a valid result, if so.
  */
 doubt: string | null, 
 /**
- * What there is to say: `code: text`.
+ * Warnings: `code: text`.
  */
 warnings: Array<string>, };
 
@@ -564,23 +565,23 @@ warnings: Array<string>, };
  */
 export type LogCoefficient = { 
 /**
- * `N`, `B`, `K`, `Q` or `R`, as IEEE Std 952 has them.
+ * `N`, `B`, `K`, `Q` or `R`, as IEEE Std 952 names them.
  */
 symbol: string, 
 /**
- * Its name.
+ * The name in words.
  */
 name: string, 
 /**
- * In each of its units, the usual one first.
+ * The value in each unit, the usual one first.
  */
 values: Array<LogValue>, 
 /**
- * Whether to believe it; if not, only `hi` says something.
+ * Whether the value is identified; if not, only `hi` means something.
  */
 identified: boolean, 
 /**
- * What is to be said of one that is not identified.
+ * A remark on a coefficient that is not identified.
  */
 remark: string, };
 
@@ -589,19 +590,19 @@ remark: string, };
  */
 export type LogColumn = { 
 /**
- * What it is called, or its number.
+ * The name, or the number of a column without one.
  */
 name: string, 
 /**
- * None: neither, and no file for a filter can have it.
+ * The quantity; none: neither of them, and no file for a filter can take the column.
  */
 kind: AxisKind | null, 
 /**
- * The unit of its results; none: its own, which nobody stated.
+ * The unit of the results; none: the unit of the column, which nobody stated.
  */
 unit: string | null, 
 /**
- * Samples that are missing.
+ * Number of missing samples.
  */
 missing: number, };
 
@@ -610,15 +611,15 @@ missing: number, };
  */
 export type LogPicture = { 
 /**
- * What it is called as a file: `gyroscope-allan.svg`.
+ * The name of its file: `gyroscope-allan.svg`.
  */
 name: string, 
 /**
- * What it shows.
+ * The title.
  */
 title: string, 
 /**
- * SVG.
+ * The picture as SVG.
  */
 svg: string, };
 
@@ -627,7 +628,7 @@ svg: string, };
  */
 export type LogPoint = { 
 /**
- * s.
+ * Averaging time, s.
  */
 tau_s: number, 
 /**
@@ -635,15 +636,15 @@ tau_s: number,
  */
 dev: number, 
 /**
- * One sigma, lower.
+ * Lower end of the one-sigma interval.
  */
 lo: number, 
 /**
- * One sigma, upper.
+ * Upper end of the one-sigma interval.
  */
 hi: number, 
 /**
- * What the model expects.
+ * The deviation of the model.
  */
 model: number | null, };
 
@@ -653,11 +654,11 @@ model: number | null, };
 export type LogSetting = "columns" | "topic" | "rate_hz" | "time_column" | "time_unit" | "gyro_unit" | "gyro_scale" | "accel_unit" | "accel_scale" | "decimal";
 
 /**
- * What a log may not say of itself, as the user says; what is left out is as the log says.
+ * The user's statements about a log. The rest is taken from the log itself.
  */
 export type LogSettings = { 
 /**
- * The columns, by name or by number counted from 0; none: all that are axes.
+ * The columns, by name or by number counted from 0; none: all axes.
  */
 columns?: Array<string>, 
 /**
@@ -677,40 +678,40 @@ time_column?: string,
  */
 time_unit?: string, 
 /**
- * Of gyroscopes: `dps`, `rad/s` …
+ * Unit of gyroscopes: `dps`, `rad/s` …
  */
 gyro_unit?: string, 
 /**
- * What a step of 1 is, in that unit.
+ * The value of one step, in that unit.
  */
 gyro_scale?: number, 
 /**
- * Of accelerometers: `m/s²`, `g`, `mg` …
+ * Unit of accelerometers: `m/s²`, `g`, `mg` …
  */
 accel_unit?: string, 
 /**
- * What a step of 1 is, in that unit.
+ * The value of one step, in that unit.
  */
 accel_scale?: number, 
 /**
- * What stands before the decimals: `point` or `comma`.
+ * The decimal mark: `point` or `comma`.
  */
 decimal?: string, };
 
 /**
- * What all axes come to, after the last.
+ * The summary of all axes, after the last one.
  */
 export type LogSummary = { 
 /**
- * The curves of each kind, spectra and records.
+ * The pictures of each kind of axis: curves, spectra and records.
  */
 pictures: Array<LogPicture>, 
 /**
- * What there is to say of several axes at once.
+ * Warnings about several axes at once.
  */
 warnings: Array<string>, 
 /**
- * Why no file for a filter can be had, if so.
+ * Why no file for a filter can be made, if so.
  */
 no_noise_file: string | null, };
 
@@ -719,7 +720,7 @@ no_noise_file: string | null, };
  */
 export type LogValue = { 
 /**
- * The number.
+ * The value.
  */
 value: number, 
 /**
@@ -731,12 +732,12 @@ lo: number,
  */
 hi: number, 
 /**
- * Of all three.
+ * Unit of all three.
  */
 unit: string, };
 
 /**
- * What a look into a log gives.
+ * The result of a look into a log.
  */
 export type Looked = { "is": "log" } & LogAbout | { "is": "question", 
 /**
@@ -744,38 +745,38 @@ export type Looked = { "is": "log" } & LogAbout | { "is": "question",
  */
 text: string, 
 /**
- * A table to choose from: the head, then a row each.
+ * A table to choose from: the head, then the rows.
  */
 choices: Array<string>, 
 /**
- * Any of these answers it.
+ * The settings, any of which answers the question.
  */
 settings: Array<LogSetting>, } | { "is": "refused", 
 /**
- * In words.
+ * What is wrong, and what to do.
  */
 text: string, };
 
 /**
- * What can be in a spectrum.
+ * The kinds of features in a spectrum.
  */
 export type MarkKind = "bandwidth" | "nyquist" | "resonance" | "line";
 
 /**
- * Ways to calibrate.
+ * The methods of calibration.
  */
 export type MethodName = "an1042" | "warmup" | "cycle" | "chamber";
 
 /**
- * A file for the filter that takes the noise.
+ * A request for the file with the noise parameters of a filter.
  */
 export type NoiseFileCommand = { 
 /**
- * Who reads it: `kalibr`, `openvins`, `vins`, `orbslam3`, `kf-gins` or `ros`.
+ * The filter: `kalibr`, `openvins`, `vins`, `orbslam3`, `kf-gins` or `ros`.
  */
 format: string, 
 /**
- * What stands for all axes of a kind where the reader takes one number: `worst` or `mean`.
+ * The value of all axes of a kind, if the filter takes one number: `worst` or `mean`.
  */
 combine: string, 
 /**
@@ -788,11 +789,11 @@ inflate: number,
 accept_rejected: boolean, };
 
 /**
- * Something to know.
+ * A notice.
  */
 export type Notice = { 
 /**
- * Its code, which `zerorate explain` knows; empty where it has none.
+ * The code, which `zerorate explain` knows; empty for a notice without one.
  */
 code: string, 
 /**
@@ -800,11 +801,11 @@ code: string,
  */
 text: string, 
 /**
- * When first, s since the first sample.
+ * The first time, s since the first sample.
  */
 at_s: number, 
 /**
- * How often it happened, or began to be so.
+ * The number of times that it happened or began.
  */
 count: number, };
 
@@ -813,7 +814,7 @@ count: number, };
  */
 export type Now = { 
 /**
- * Since the first sample, s.
+ * Time since the first sample, s.
  */
 t_s: number, 
 /**
@@ -821,7 +822,7 @@ t_s: number,
  */
 temp_c: number | null, 
 /**
- * Of each axis.
+ * The numbers of each axis.
  */
 axes: Array<AxisNow>, };
 
@@ -830,50 +831,50 @@ axes: Array<AxisNow>, };
  */
 export type OverTemperature = { 
 /**
- * From cold to warm.
+ * The points, from cold to warm.
  */
 points: Array<TemperaturePoint>, 
 /**
- * The straight line through them; none: there are too few.
+ * The straight line through them; none: there are too few points.
  */
 line: TemperatureLine | null, };
 
 /**
- * A register and what it says.
+ * A register and its content.
  */
 export type Register = { 
 /**
- * As the data sheet calls it.
+ * The name in the data sheet.
  */
 name: string, 
 /**
- * Where.
+ * The address.
  */
 address: number, 
 /**
- * What stands in it.
+ * The content.
  */
 value: number, 
 /**
- * How wide it is.
+ * The width, bits.
  */
 bits: number, 
 /**
- * Its fields.
+ * The fields.
  */
 fields: Array<Field>, };
 
 /**
- * What a request gives.
+ * The reply to a request that was done.
  */
 export type Reply = Record<symbol, never> | Download | CalibrationEntry;
 
 /**
- * What the page asks for; `id` comes back with the answer.
+ * A request of the page. The answer has the same `id`.
  */
 export type Request = { 
 /**
- * Chosen by the page.
+ * The number of the request, chosen by the page.
  */
 id: number, } & ({ "do": "calibrate" } & CalibrateCommand | { "do": "abort-calibration" } | { "do": "finish-calibration" } | { "do": "dismiss-calibration" } | { "do": "apply", 
 /**
@@ -881,7 +882,7 @@ id: number, } & ({ "do": "calibrate" } & CalibrateCommand | { "do": "abort-calib
  */
 calibration: string | null, } | { "do": "add-calibration", 
 /**
- * What stands in the file.
+ * The text of the file.
  */
 toml: string, } | { "do": "remove-calibration", 
 /**
@@ -893,7 +894,7 @@ calibration: string, } | { "do": "download",
  */
 calibration: string, 
 /**
- * In which form.
+ * The form of the file.
  */
 form: Form, } | { "do": "restart" } | { "do": "zero-angle" } | { "do": "speed", 
 /**
@@ -906,11 +907,11 @@ factor: number, } | { "do": "reopen" });
  */
 export type Rest = { 
 /**
- * The verdict; `unjudged` before there is enough, or where the part's noise is not known.
+ * The verdict; `unjudged` if there are too few readings, or if the noise of the part is unknown.
  */
 verdict: RestVerdict, 
 /**
- * In words, with the numbers.
+ * The verdict in words, with its numbers.
  */
 text: string, };
 
@@ -920,11 +921,11 @@ text: string, };
 export type RestVerdict = "at-rest" | "moving" | "noisy" | "step" | "unjudged";
 
 /**
- * A calibration under way.
+ * A running calibration.
  */
 export type Running = { 
 /**
- * By which method.
+ * The method.
  */
 method: MethodName, 
 /**
@@ -932,48 +933,48 @@ method: MethodName,
  */
 steps: Array<Step>, 
 /**
- * Since it began, s.
+ * Time since the start, s.
  */
 elapsed_s: number, 
 /**
- * Until it ends, s.
+ * Time until the end, s.
  */
 left_s: number, 
 /**
- * What to do now.
+ * The advice of what to do now.
  */
 advice: string, 
 /**
- * What would be refused if the step ended here.
+ * Refusals that would follow if the step ended now.
  */
 threats: Array<string>, 
 /**
- * Temperature at the beginning and now, and the lowest and highest in between, °C.
+ * Temperature at the start and now, and the lowest and highest in between, °C.
  */
 temps_c: [number, number, number, number] | null, 
 /**
- * By `warmup` and `cycle`: standard uncertainty of the correction by now, °/s.
+ * Standard uncertainty of the correction so far, °/s; only `warmup` and `cycle` have it.
  */
 u_dps: number | null, 
 /**
- * Whether `finish-calibration` may be asked for.
+ * Whether `finish-calibration` is possible now.
  */
 can_finish: boolean, };
 
 /**
- * What was read and lost since the beginning.
+ * The counts of samples since the start.
  */
 export type SampleCounts = { 
 /**
- * Samples that came here.
+ * Samples that arrived here.
  */
 samples: number, 
 /**
- * Lost in front of the device's thread, as its samples count them.
+ * Samples that were lost before the thread of the device, as the samples themselves count them.
  */
 lost: number, 
 /**
- * Read, but not shown: this page's session was too slow for them. A recording has them.
+ * Samples that were read but not shown, because the session of this page was too slow. A recording has them.
  */
 missed: number, 
 /**
@@ -985,36 +986,36 @@ impossible: number,
  */
 out_of_range: number, 
 /**
- * Samples a second.
+ * Rate of samples, Hz.
  */
 rate_hz: number, 
 /**
- * Edges of data ready a second.
+ * Rate of edges of data ready, Hz.
  */
 rdy_hz: number, 
 /**
- * Since when the part has stopped, s since the first sample.
+ * The time since which the part has stopped, s since the first sample.
  */
 frozen_since_s: number | null, 
 /**
- * How long it takes, s, from the first sample.
+ * Duration since the first sample, s.
  */
 duration_s: number, };
 
 /**
- * Something in the spectrum.
+ * A feature of the spectrum.
  */
 export type SpectrumMark = { 
 /**
- * Hz.
+ * Frequency, Hz.
  */
 hz: number, 
 /**
- * What.
+ * The kind of feature.
  */
 kind: MarkKind, 
 /**
- * In words.
+ * The feature in words.
  */
 text: string, };
 
@@ -1023,20 +1024,20 @@ text: string, };
  */
 export type SpectrumPoint = { 
 /**
- * Hz.
+ * Frequency, Hz.
  */
 hz: number, 
 /**
- * One-sided, °/s/√Hz.
+ * One-sided density, °/s/√Hz.
  */
 density_dps_per_rt_hz: number, };
 
 /**
- * What is known of the noise of an axis by now.
+ * The noise of an axis, as far as it is known.
  */
 export type Statistics = { 
 /**
- * Over how much time, s.
+ * Length of the record, s.
  */
 duration_s: number, 
 /**
@@ -1044,7 +1045,7 @@ duration_s: number,
  */
 allan: Array<AllanPoint>, 
 /**
- * Its coefficients; none before there is enough.
+ * The coefficients; empty before there are enough samples.
  */
 coefficients: Array<Coefficient>, 
 /**
@@ -1052,7 +1053,7 @@ coefficients: Array<Coefficient>,
  */
 spectrum: Array<SpectrumPoint>, 
 /**
- * What is to be seen in it.
+ * Features of the spectrum.
  */
 marks: Array<SpectrumMark>, 
 /**
@@ -1060,7 +1061,7 @@ marks: Array<SpectrumMark>,
  */
 temperature: OverTemperature, 
 /**
- * What is in there beside noise.
+ * A remark if the deviations contain more than noise.
  */
 caution: string | null, };
 
@@ -1069,41 +1070,41 @@ caution: string | null, };
  */
 export type Step = { 
 /**
- * What it is called.
+ * The name.
  */
 name: string, 
 /**
- * From its beginning, s.
+ * Start of the step, s.
  */
 from_s: number, 
 /**
- * To its end, s.
+ * End of the step, s.
  */
 to_s: number, };
 
 /**
- * Bins in a row of one axis at one level. In the payload: rate_min_dps, rate_max_dps, corrected_min_dps,
- * corrected_max_dps, temp_min_c, temp_max_c, each `count` numbers (f32, little endian). NaN where nothing is known.
+ * Consecutive bins of one axis at one level. In the payload: rate_min_dps, rate_max_dps, corrected_min_dps,
+ * corrected_max_dps, temp_min_c, temp_max_c, each `count` numbers (f32, little endian). NaN means unknown.
  */
 export type Strip = { 
 /**
- * Which axis, from 0.
+ * The number of the axis, from 0.
  */
 axis: number, 
 /**
- * Which level, from 0.
+ * The number of the level, from 0.
  */
 level: number, 
 /**
- * Number of the first bin: it begins at `first` times the level's `bin_s`, since the first sample.
+ * Number of the first bin. It begins at `first` times the level's `bin_s`, since the first sample.
  */
 first: number, 
 /**
- * How many.
+ * The number of bins.
  */
 count: number, 
 /**
- * Where its numbers begin in the payload, in numbers.
+ * Start of its numbers in the payload, counted in numbers.
  */
 at: number, };
 
@@ -1112,11 +1113,11 @@ at: number, };
  */
 export type TemperatureLine = { 
 /**
- * Minus BTC, °/s/°C.
+ * The slope, which is minus BTC, °/s/°C.
  */
 slope_dps_per_c: number, 
 /**
- * Standard uncertainty of that by white noise alone, °/s/°C.
+ * Standard uncertainty of the slope by white noise alone, °/s/°C.
  */
 u_dps_per_c: number, };
 
@@ -1125,19 +1126,19 @@ u_dps_per_c: number, };
  */
 export type TemperaturePoint = { 
 /**
- * Mean, °C.
+ * Mean temperature, °C.
  */
 temp_c: number, 
 /**
- * Mean, °/s.
+ * Mean rate, °/s.
  */
 rate_dps: number, 
 /**
- * Standard uncertainty of that by white noise, °/s.
+ * Standard uncertainty of the mean rate by white noise, °/s.
  */
 u_dps: number, 
 /**
- * Seconds in it.
+ * Time at this temperature, s.
  */
 seconds: number, };
 

@@ -283,7 +283,7 @@ impl Rows {
         let cuts_numbers = is_cut && data().flatten().any(|cell| is_rest_of_number(cell) || *cell == "-0");
         let are_pairs = |row: &Vec<&str>| {
             row.iter().enumerate().all(|(at, cell)| match at % 2 {
-                0 => integer(&cell) && !is_rest_of_number(cell),
+                0 => integer(cell) && !is_rest_of_number(cell),
                 _ => !cell.is_empty() && cell.bytes().all(|byte| byte.is_ascii_digit()),
             })
         };
