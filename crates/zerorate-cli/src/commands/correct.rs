@@ -73,7 +73,7 @@ pub fn run(args: &CorrectArgs) -> Result<()> {
 pub(super) fn load(path: &Path, outputs: &mut Outputs) -> Result<Calibration> {
     let name = path.display();
     let text = outputs.try_text(path, limits::TEXT)?.map_err(|error| match error.kind() {
-        ErrorKind::InvalidData | ErrorKind::FileTooLarge => other_file(path),
+        ErrorKind::InvalidData => other_file(path),
         _ => Error::from(error).context(format!("cannot read {name}")),
     })?;
     let (calibration, warnings) = Calibration::parse(&text).map_err(|error| match text.contains("correction") {

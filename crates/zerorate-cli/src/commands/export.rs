@@ -113,7 +113,7 @@ impl ExportArgs {
         ensure!(self.sensor.is_none() || autopilot, Usage("--sensor is for --format px4 and ardupilot".to_owned()));
         ensure!(self.device_id.is_none() || px4, Usage("--device-id is for --format px4".to_owned()));
         let lacks_id = self.device_id.is_none() && px4;
-        let give = "--format px4 needs --device-id ID, by which PX4 finds a gyroscope: the device_id in the topic \
+        let give = "--format px4: give --device-id ID, by which PX4 finds a gyroscope: the device_id in the topic \
                     sensor_gyro (`listener sensor_gyro` in its console)";
         ensure!(!lacks_id, Usage(give.to_owned()));
         let table = self.step_c.is_some() || self.span_c.is_some();

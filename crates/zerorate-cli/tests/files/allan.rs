@@ -169,7 +169,7 @@ fn what_is_wrong_is_named() {
         ("near.csv", 2, "choose with --column one of: 0 `gy_dps`, 1 `gz_dps`. Also give --rate"),
         ("near.csv --column gz --rate 100", 2, "has no column `gz` (did you mean `gz_dps`?)"),
         ("one.csv --rate 100,5", 2, "tip: use a decimal point: 100.5"),
-        ("one.csv --rate 100 --skip 1,5h", 2, "tip: use a decimal point: 1.5h"),
+        ("one.csv --rate 100 --confidence 0,95", 2, "tip: use a decimal point: 0.95"),
         ("log.csv --rate 100 --column z", 2, "no column `z`"),
         ("log.csv --rate 100 --column 2", 2, "no column `2`"),
         ("one.csv --rate 100", 1, "1 samples are too few"),

@@ -310,11 +310,12 @@ fn a_recording_that_replaces_another_leaves_its_hard_links() {
 fn nor_is_a_state_a_recording_of_a_server_or_what_is_kept_beside_the_output() {
     let bench = bench();
     bench.write("token", "0123456789abcdef\n");
+    fs::hard_link(bench.path("unit.toml"), bench.path("unit.arrows")).unwrap();
     let serve = "serve --listen 127.0.0.1:0 --no-iio --cal unit.toml --token-file token -o";
     let stream = "stream --device replay:rest.csv --cal unit.toml --track --state";
     for line in [
         #[cfg(feature = "serve")]
-        format!("{serve} unit.toml"),
+        format!("{serve} unit.arrows"),
         #[cfg(feature = "serve")]
         format!("{serve} token"),
         format!("{stream} unit.toml"),
@@ -324,7 +325,11 @@ fn nor_is_a_state_a_recording_of_a_server_or_what_is_kept_beside_the_output() {
     }
     fs::rename(bench.path("plan.toml"), bench.path("out.toml.chamber")).unwrap();
     refused(&bench, "chamber out.toml.chamber --device twin:seed=1 -o out.toml", "same file as the input");
-    refused(&bench, "chamber f57 --device twin:seed=1 -o new.toml --log new.toml.chamber", "same file as");
+    refused(
+        &bench,
+        "chamber f57 --device twin:seed=1 -o new.toml --log new.toml.chamber",
+        "has no ending of a capture",
+    );
     if cfg!(feature = "serve") {
         let said = bench.zerorate(&format!("{serve} log.csv")).fails(2);
         assert!(said.contains("exists") && !said.contains("--force"), "{said}");

@@ -116,7 +116,7 @@ impl ChamberArgs {
                 Err(Usage("a recording already states what the chamber did; leave --chamber out".to_owned()).into())
             }
             Some(ChamberSpec::Simulated(_)) if !is_simulated => {
-                let why = "--chamber sim: works with twin: only: it moves the air around a simulated part";
+                let why = "--chamber sim: is for twin: only, since it moves the air around a simulated part";
                 Err(Usage(why.to_owned()).into())
             }
             Some(spec) => Ok(Some(spec.clone())),
