@@ -325,7 +325,11 @@ fn nor_is_a_state_a_recording_of_a_server_or_what_is_kept_beside_the_output() {
     }
     fs::rename(bench.path("plan.toml"), bench.path("out.toml.chamber")).unwrap();
     refused(&bench, "chamber out.toml.chamber --device twin:seed=1 -o out.toml", "same file as the input");
-    refused(&bench, "chamber f57 --device twin:seed=1 -o new.toml --log new.toml.chamber", "same file as");
+    refused(
+        &bench,
+        "chamber f57 --device twin:seed=1 -o new.toml --log new.toml.chamber",
+        "has no ending of a capture",
+    );
     if cfg!(feature = "serve") {
         let said = bench.zerorate(&format!("{serve} log.csv")).fails(2);
         assert!(said.contains("exists") && !said.contains("--force"), "{said}");
