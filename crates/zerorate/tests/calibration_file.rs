@@ -285,6 +285,8 @@ fn notes_make_a_file_schema_4() {
     );
     assert_eq!(Calibration::parse(&text).unwrap().0, noted);
     assert_eq!(noted.id(), measured().id());
-    let early = text.replace("schema = 4", "schema = 1");
-    assert!(Calibration::parse(&early).unwrap_err().to_string().contains("belongs to schema 4"), "{early}");
+    let early = text.lines().filter(|line| !line.starts_with("checksum") && !line.starts_with("line_checks"));
+    let early = early.collect::<Vec<_>>().join("\n").replace("schema = 4", "schema = 1");
+    let error = Calibration::parse(&early).unwrap_err().to_string();
+    assert!(error.contains("belongs to schema 4"), "{error}");
 }

@@ -51,7 +51,7 @@ fn codes_times_and_losses() {
     let log = log.unwrap();
     let (code, text) = (log.warnings()[0].code(), log.warnings()[0].to_string());
     assert_eq!(code, "rows-incomplete");
-    assert!(text.contains("1 rows of 3 lack the value of an axis; they count as lost"), "{text}");
+    assert!(text.contains("1 of 3 rows lack the value of an axis; they count as lost"), "{text}");
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn values_become_codes() {
     assert_eq!(codes, [[1, 1, 1, 0], [-30, -2, 2, 1]]);
     let rounded = log("t_s,x_dps,y,z,temp\n0,0.07,0,0,0\n1,0.049,0,0,0\n");
     let said = &rounded.warnings()[0].coded();
-    assert!(said.contains("column x_dps") && said.contains("2.000e-2 °/s at most (0.40 codes)"), "{said}");
+    assert!(said.contains("column x_dps") && said.contains("by up to 2.0e-2 °/s (0.40 codes)"), "{said}");
     assert_eq!(rounded.map(|row| row.codes()[0]).collect::<Vec<_>>(), [1, 1]);
 }
 
