@@ -73,7 +73,7 @@ rows!(match SessionWarning {
     },
     Self::NotApplied(ref why) => Row {
         code: "not-applied",
-        text: format_args!("calibration removed: {why}"),
+        text: format_args!("calibration no longer applied: {why}"),
         says: Says::Warning,
         by: &["serve"],
         seen: "The device was opened again, and the calibration does not belong to this part.",

@@ -137,7 +137,7 @@ fn a_guided_calibration_finds_what_the_twin_hides() {
     let begin = json!({ "id": 1, "do": "calibrate", "method": "warmup", "settle_s": 600.0, "serial": "A 7" });
     assert_eq!(session.ask(&begin.to_string()), Handled::Host { id: 1, command: HostCommand::Reopen });
     let again = session.ask(&begin.to_string());
-    assert!(matches!(again, Handled::Answer(text) if text.contains("under way")));
+    assert!(matches!(again, Handled::Answer(text) if text.contains("a calibration is running")));
     let mut session = session.reopened(about());
     session.state(DeviceState::Reading);
     let mut device = Device::open(keys);
