@@ -89,7 +89,7 @@ export class PageFrame {
       ended: "ended",
       failed: "cannot be read",
     }[state]);
-    mark(this.#state, "data-state", state);
+    mark(this.#state, "data-state", state === "reading" && device?.simulated ? "simulated" : state);
     this.#speed.element.hidden = device?.simulated !== true;
     if (device)
       this.#speed.set(SPEEDS.some(([factor]) => Number(factor) === device.speed) ? String(device.speed) : null);
