@@ -76,8 +76,8 @@ pub trait Source {
         Ok(None)
     }
 
-    /// Measures the change of the rate under self-test (F-11). `gpio` is the line of its pins, if this host has one. To
-    /// be called before the first sample. Errors call settings by `names`.
+    /// Measures the change of the rate under self-test (F-11). `gpio` is the line of its pins, if this host has one.
+    /// To be called before the first sample. Errors call settings by `names`.
     fn self_test(&mut self, gpio: &str, names: Names) -> Result<SelfTest> {
         let _ = gpio;
         let option = names(Setting::SelfTest);
