@@ -105,7 +105,7 @@ function coefficients(axis: AxisResult): HTMLElement {
     { class: "tiles" },
     tile("PBC, offset, ± 95 %", digits.both(axis.pbc_dps * scale, digits.half(axis.u_pbc_dps * scale)), unitText),
     tile(
-      "BTC, over temperature",
+      "BTC, over temperature, ± 95 %",
       digits.both(axis.btc_dps_per_c * scale, digits.half(axis.u_btc_dps_per_c * scale)),
       `${unitText}/°C`,
     ),

@@ -29,8 +29,7 @@ pub struct Report {
     pub calibration_id: String,
     /// Whether the part was the software twin.
     pub simulated: bool,
-    /// The file that holds the calibration.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// The file that holds the calibration; null where none was asked for.
     pub file: Option<PathBuf>,
     pub capture_sha256: Option<String>,
     /// Warnings about all axes.

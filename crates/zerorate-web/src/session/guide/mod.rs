@@ -203,7 +203,7 @@ fn label(setting: Setting) -> &'static str {
         Setting::WarmUp => "the warm-up",
         Setting::Settle => "settling",
         Setting::Offset => "the offset average",
-        Setting::Earth => "the Earth's rotation",
+        Setting::Earth => "latitude",
         other => other.name(),
     }
 }
