@@ -51,7 +51,7 @@ def test_the_report_has_the_keys_of_the_command_line(unit: tuple[zerorate.Calibr
     command = [sys.executable, "-m", "zerorate", "recalibrate", str(folder / "unit.arrows"), "--json", "--max-u-btc=1"]
     command += ["--average=10s", "--warmup=1m", "--settle=1m", "--offset=20s"]
     report = json.loads(subprocess.run(command, capture_output=True, check=True, text=True).stdout)
-    different = {"device", "warnings", "curve"}
+    different = {"device", "file", "warnings", "curve"}
     for key in report.keys() - different:
         assert getattr(found, key) == report[key], key
     assert found.curve == [zerorate.CurvePoint(**point) for point in report["curve"]]
