@@ -71,7 +71,7 @@ impl Files {
     }
 
     /// Writes the calibration, where a file is to hold it.
-    fn fill(mut self, calibration: &Calibration) -> Result<()> {
+    pub(crate) fn fill(mut self, calibration: &Calibration) -> Result<()> {
         let file = match (self.calibration, &self.kept.output) {
             (None, Some(path)) => Some(self.outputs.derived(path)?),
             (claimed, _) => claimed,

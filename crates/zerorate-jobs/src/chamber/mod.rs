@@ -184,11 +184,8 @@ impl Job {
         let log_failed = driven.log_failed.take();
         let found = Found::new(driven, info, &plan, options, resumed.is_some(), watch.names())?;
         let filled = files.page.map_or(Ok(()), |file| watch.page(&found, file));
-        let filled = filled.and_then(|()| {
-            let text = found.calibration.to_toml();
-            Ok(files.of_calibration.calibration.map_or(Ok(()), |file| file.fill(text.as_bytes()))?)
-        });
-        let wanted: Vec<PathBuf> = files.of_calibration.kept.output.into_iter().collect();
+        let wanted: Vec<PathBuf> = files.of_calibration.kept.output.iter().cloned().collect();
+        let filled = filled.and_then(|()| files.of_calibration.fill(&found.calibration));
         let kept = log_failed.map_or(filled, Err);
         let kept = kept.map_err(|why| Undelivered::rescue(why, &wanted, &found.calibration));
         if kept.is_ok() {
