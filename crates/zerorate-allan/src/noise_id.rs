@@ -13,6 +13,9 @@ use core::ops::Range;
 
 /// Averages of τ that the lag-1 autocorrelation needs.
 const FOR_LAG1: u64 = 30;
+/// Averages of τ from which the lag-1 autocorrelation mistakes white noise for phase noise in 1 record of 100; with 40
+/// it is 1 of 10.
+const FOR_CERTAIN: u64 = 128;
 /// Averages of τ beyond which more would not make the answer more certain (r1 to 0.004). Then only some blocks of the
 /// record are looked at, evenly spaced.
 const ENOUGH: u64 = 1 << 16;
@@ -47,9 +50,9 @@ pub fn noise_types(input: &Input<'_>, stat: Stat, m: &[u64]) -> Vec<i32> {
 pub(crate) struct Identified {
     /// The answer of [`noise_types`].
     pub alpha: i32,
-    /// The exponent for the degrees of freedom. With fewer than 30 averages, B1 mistakes white noise for phase noise
-    /// too often (10 averages: 28 % of the records). So it may not be above the last answer of the autocorrelation,
-    /// because the exponent that dominates only falls with τ.
+    /// The exponent for the degrees of freedom. Few averages mistake white noise for phase noise too often (10, by B1:
+    /// 28 % of the records), and phase noise has as many degrees of freedom as samples. So the exponent may not be
+    /// above the last answer from 128 averages or more, because the one that dominates falls with τ.
     pub cautious: i32,
 }
 
@@ -66,17 +69,17 @@ pub(crate) fn identify(input: &Input<'_>, stat: Stat, m: &[u64]) -> Vec<Identifi
     let decimated = decimate(input, &lengths, averages);
     let found: Vec<Option<i32>> = decimated.iter().map(|series| series.identify(row, averages(series.m))).collect();
     let phase_noise = resolve_phase_noise(input, &decimated, &found);
-    let (mut last, mut certain) = (WHITE, WHITE);
+    let (mut last, mut certain) = (WHITE, None);
     let all = found.iter().zip(phase_noise).zip(&lengths).map(|((&found, phase_noise), &m)| {
         last = match phase_noise.or(found) {
             Some(alpha) => alpha,
             None if averages(m) < row.fewest_averages => last.min(row.carried_alpha),
             None => last,
         };
-        if averages(m) >= FOR_LAG1 {
-            certain = last;
+        if averages(m) >= FOR_CERTAIN || (certain.is_none() && averages(m) >= FOR_LAG1) {
+            certain = Some(last);
         }
-        Identified { alpha: last, cautious: last.min(certain) }
+        Identified { alpha: last, cautious: last.min(certain.unwrap_or(WHITE)) }
     });
     all.skip(leads.len()).collect()
 }
@@ -361,6 +364,17 @@ mod tests {
         }
         assert_eq!(noise_types(&Input::Rate(&[1.0, 2.0]), Stat::Totdev, &[0, 1]), vec![0; 2]);
         assert_eq!(noise_types(&Input::Rate(&[1.0, 2.0]), Stat::Totdev, &[]), vec![0; 0]);
+    }
+
+    /// A white record of 41 averages is taken for phase noise one time of ten; its degrees of freedom never.
+    #[test]
+    fn few_averages_do_not_make_degrees_of_freedom() {
+        let white = white(200 * 5_000);
+        let lengths = [32, 122];
+        let at_41: Vec<Identified> =
+            white.chunks(5_000).filter_map(|part| identify(&Input::Rate(part), Stat::Oadev, &lengths).pop()).collect();
+        assert!(at_41.iter().any(|found| found.alpha > 0));
+        assert!(at_41.iter().filter(|found| found.cautious > 0).count() <= 4);
     }
 
     /// A single long averaging time has no shorter one to follow, so the longest that can be identified stands in.
