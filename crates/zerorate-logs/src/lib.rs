@@ -366,7 +366,10 @@ impl ColumnOptions {
             return Ok(());
         };
         let differs = match unit.quantity() == stated.quantity() {
-            true => format!(", {:.3e} times as large", unit.in_results() / stated.in_results()),
+            true => {
+                let factor = unit.in_results() / stated.in_results();
+                format!(", {factor:.*} times as large", (2.0 - factor.log10().floor()).max(0.0) as usize)
+            }
             false => String::new(),
         };
         let [given, force] = [setting, Setting::ForceUnit].map(|of| self.names.of(of));

@@ -199,7 +199,12 @@ fn give_unit(options: &ImuOptions, kind: Kind, mut column: Column, warnings: &mu
         column.warnings.retain(|warning| !matches!(warning, LogWarning::UnitUnknown { .. }));
         column.scale = unit.map_or(1.0, Unit::in_results) * scale.unwrap_or(1.0);
     }
-    warnings.append(&mut column.warnings);
+    // several axes say the same of their log
+    for warning in column.warnings.drain(..) {
+        if !warnings.contains(&warning) {
+            warnings.push(warning);
+        }
+    }
     column.quantity = Some(kind.quantity());
     column
 }
