@@ -3,6 +3,9 @@
 //! Commands stand in fences, never indented. Every ```sh block whose first word is `zerorate` is run, line by line,
 //! from the first chapter to the last, in one folder. A line ends with 0, or as it says: `# refused (exit 3)`. A block
 //! that needs a part, the reader's files or hours is marked ```sh,untried, which the book shows.
+//!
+//! A ```text or ```yaml block after such commands shows what they print or write. Each of its lines must occur there,
+//! in this order; `…` stands for lines that the chapter leaves out.
 
 use anyhow::{Context, Result, bail, ensure};
 use std::fs;
@@ -13,11 +16,16 @@ use std::time::Instant;
 /// More than any command takes on a busy machine, s.
 const LONGEST_S: &str = "300";
 
-/// A line of a chapter, and how it must end.
+/// As much of what was printed as a person reads.
+const MOST_LINES: usize = 60;
+
+/// What a chapter says, in its order.
 #[derive(Debug, PartialEq)]
-struct Line {
-    command: String,
-    exit: i32,
+enum Step {
+    /// A command, and how it must end.
+    Run { command: String, exit: i32 },
+    /// Lines that the commands since the last `Shown` print, or write to a file.
+    Shown(Vec<String>),
 }
 
 /// Runs all commands, with `program` as `zerorate`.
@@ -29,48 +37,82 @@ pub fn run(program: &Path) -> Result<()> {
         if let Some(line) = indented(&text) {
             bail!("{}: `{line}`: neither run nor marked: fence it as sh, or sh,untried", chapter.display());
         }
-        let lines = lines(&text);
-        if lines.is_empty() {
-            continue;
-        }
         let start = Instant::now();
-        for line in &lines {
-            try_line(line, &program, folder.path()).with_context(|| chapter.display().to_string())?;
+        let ran = try_chapter(&steps(&text), &program, folder.path()).with_context(|| chapter.display().to_string())?;
+        if ran > 0 {
+            println!("{}: {ran} commands in {:.1} s", chapter.display(), start.elapsed().as_secs_f64());
         }
-        count += lines.len();
-        println!("{}: {} commands in {:.1} s", chapter.display(), lines.len(), start.elapsed().as_secs_f64());
+        count += ran;
     }
     ensure!(count > 0, "no command was found in docs/");
     println!("{count} commands of the book do what it says");
     Ok(())
 }
 
-fn try_line(line: &Line, program: &Path, folder: &Path) -> Result<()> {
+/// Runs the commands of a chapter, and compares what it shows. Returns how many there were.
+fn try_chapter(steps: &[Step], program: &Path, folder: &Path) -> Result<usize> {
+    let (mut ran, mut printed, mut is_shown) = (0, String::new(), false);
+    for step in steps {
+        match step {
+            Step::Run { command, exit } => {
+                if std::mem::take(&mut is_shown) {
+                    printed.clear();
+                }
+                printed += &output(command, *exit, program, folder)?;
+                ran += 1;
+            }
+            Step::Shown(lines) => {
+                compare(lines, &printed)?;
+                is_shown = true;
+            }
+        }
+    }
+    Ok(ran)
+}
+
+/// Runs a command; returns what it printed and the text files that it names.
+fn output(command: &str, exit: i32, program: &Path, folder: &Path) -> Result<String> {
     let path = std::env::var("PATH").unwrap_or_default();
     let beside = program.parent().context("a program in a folder")?;
     // a command that waits for somebody must not wait for ever
     let mut shell = Command::new("timeout");
-    shell.args([LONGEST_S, "sh", "-c", &line.command]).current_dir(folder);
+    shell.args([LONGEST_S, "sh", "-c", command]).current_dir(folder);
     let output = shell.env("PATH", format!("{}:{path}", beside.display())).output()?;
-    if output.status.code() != Some(line.exit) {
-        bail!(
-            "`{}` ended with {}, not with {}:\n{}{}",
-            line.command,
-            output.status,
-            line.exit,
-            String::from_utf8_lossy(&output.stdout),
-            String::from_utf8_lossy(&output.stderr)
-        );
+    let printed = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
+    let status = output.status;
+    ensure!(status.code() == Some(exit), "`{command}` ended with {status}, not with {exit}:\n{printed}");
+    let written = command.split_whitespace().filter_map(|word| fs::read_to_string(folder.join(word)).ok());
+    Ok(written.fold(printed, |all, file| all + &file))
+}
+
+/// Finds each line in what was printed, in this order.
+fn compare(lines: &[String], printed: &str) -> Result<()> {
+    let mut rest = printed.lines();
+    for line in lines.iter().filter(|line| !line.is_empty() && *line != "…") {
+        let is_there = rest.any(|one| one.trim_end() == line);
+        let most = printed.lines().take(MOST_LINES).collect::<Vec<_>>().join("\n");
+        ensure!(is_there, "the chapter shows `{line}`, which is not here, or not in this order:\n{most}");
     }
     Ok(())
 }
 
-/// The lines of a chapter that have to be run.
-fn lines(text: &str) -> Vec<Line> {
-    let blocks = text.split("\n```sh\n").skip(1).filter_map(|rest| rest.split_once("\n```")).map(|(block, _)| block);
-    let ours = blocks.filter(|block| block.starts_with("zerorate"));
-    let whole = ours.map(|block| block.replace("\\\n", " "));
-    whole.flat_map(|block| block.lines().filter_map(line).collect::<Vec<_>>()).collect()
+/// The commands of a chapter that have to be run, and what it shows of them.
+fn steps(text: &str) -> Vec<Step> {
+    let (mut steps, mut is_ours) = (Vec::new(), false);
+    for block in text.split("```").skip(1).step_by(2) {
+        let (kind, body) = block.split_once('\n').unwrap_or((block, ""));
+        match kind {
+            "sh" => {
+                is_ours = body.starts_with("zerorate");
+                if is_ours {
+                    steps.extend(body.replace("\\\n", " ").lines().filter_map(command));
+                }
+            }
+            "text" | "yaml" if is_ours => steps.push(Step::Shown(body.lines().map(str::to_owned).collect())),
+            _ => is_ours = false,
+        }
+    }
+    steps
 }
 
 /// Finds a command of ours in a block that only its indent makes.
@@ -79,11 +121,11 @@ fn indented(text: &str) -> Option<&str> {
     outside.flat_map(str::lines).find(|line| line.starts_with("    zerorate "))
 }
 
-fn line(text: &str) -> Option<Line> {
+fn command(text: &str) -> Option<Step> {
     let command = text.trim();
     let exit = command.split_once("(exit ").and_then(|(_, rest)| rest.split(')').next()?.parse().ok()).unwrap_or(0);
     let is_command = !command.is_empty() && !command.starts_with('#');
-    is_command.then(|| Line { command: command.to_owned(), exit })
+    is_command.then(|| Step::Run { command: command.to_owned(), exit })
 }
 
 /// The chapters in `docs`, in their order.
@@ -97,16 +139,31 @@ fn chapters(docs: &Path) -> Result<Vec<PathBuf>> {
 mod tests {
     use super::*;
 
+    fn run(command: &str, exit: i32) -> Step {
+        Step::Run { command: command.to_owned(), exit }
+    }
+
     #[test]
     fn what_is_marked_and_what_is_no_command_of_ours_is_left() {
-        let text = "a\n```sh\nzerorate probe\nzerorate x \\\n  --y   # no (exit 3)\n# a word\n```\n\
+        let text = "a\n```sh\nzerorate probe\nzerorate x \\\n  --y   # no (exit 3)\n# a word\n```\nso\n\n\
+            ```text\n1\n…\n```\n\
             b\n```sh,untried\nzerorate serve\n\
-            ```\n```sh\ncargo xtask test\n```\n";
-        let expected = [("zerorate probe", 0), ("zerorate x    --y   # no (exit 3)", 3)];
-        let expected: Vec<Line> =
-            expected.iter().map(|(command, exit)| Line { command: (*command).to_owned(), exit: *exit }).collect();
-        assert_eq!(lines(text), expected);
+            ```\n```sh\ncargo xtask test\n```\n```text\n2\n```\n";
+        let shown = Step::Shown(vec!["1".to_owned(), "…".to_owned()]);
+        assert_eq!(steps(text), [run("zerorate probe", 0), run("zerorate x    --y   # no (exit 3)", 3), shown]);
         assert_eq!(indented(text), None);
         assert_eq!(indented("a\n\n    zerorate probe\n\nb\n"), Some("    zerorate probe"));
+    }
+
+    #[test]
+    fn shown_lines_are_there_in_their_order() {
+        let shown = |lines: &[&str]| {
+            let lines: Vec<String> = lines.iter().map(|&line| line.to_owned()).collect();
+            compare(&lines, "a\nb  \nc\n")
+        };
+        assert!(shown(&["a", "…", "", "c"]).is_ok());
+        assert!(shown(&["b", "c"]).is_ok());
+        assert!(shown(&["c", "a"]).is_err());
+        assert!(shown(&["d"]).is_err());
     }
 }
