@@ -1,5 +1,6 @@
 //! A number with its interval, with the digits that the interval warrants.
 
+use crate::plot::{number, superscript};
 use core::fmt;
 
 /// `value` ± `half`, in the same unit: with two significant digits of `half`, `+0.2578 ± 0.0053`. Of a value without a
@@ -30,9 +31,74 @@ impl fmt::Display for PlusMinus {
     }
 }
 
+/// A value with limits that need not lie evenly about it, in the same unit: `0.5591 [0.5543, 0.5639]`. Two significant
+/// digits of half the interval are shown. A value whose limits are itself has three digits and no interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// The value.
+    pub value: f64,
+    /// Lower limit.
+    pub lo: f64,
+    /// Upper limit.
+    pub hi: f64,
+}
+
+impl Interval {
+    /// The value as text.
+    #[must_use]
+    pub fn value(&self) -> String {
+        self.written(self.value)
+    }
+
+    /// Both limits as text, where there is an interval.
+    #[must_use]
+    pub fn limits(&self) -> Option<[String; 2]> {
+        self.has_width().then(|| [self.written(self.lo), self.written(self.hi)])
+    }
+
+    fn has_width(&self) -> bool {
+        let width = self.hi - self.lo;
+        width.is_finite() && width > 0.0
+    }
+
+    /// Writes one of the numbers; all three share decimals and power of ten.
+    fn written(&self, number_of_three: f64) -> String {
+        let largest = self.value.abs().max(self.hi.abs());
+        if !self.has_width() {
+            return number(number_of_three);
+        }
+        let half = (self.hi - self.lo) / 2.0;
+        match largest.log10().floor() as i32 {
+            -4..=5 => format!("{number_of_three:.*}", decimals(half)),
+            k => {
+                let scale = 10f64.powi(k);
+                format!("{:.*}·10{}", decimals(half / scale), number_of_three / scale, superscript(k))
+            }
+        }
+    }
+}
+
+impl fmt::Display for Interval {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.value())?;
+        self.limits().map_or(Ok(()), |[lo, hi]| write!(f, " [{lo}, {hi}]"))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn limits_have_the_digits_of_the_value() {
+        let text = |value, lo, hi| Interval { value, lo, hi }.to_string();
+        assert_eq!(text(0.559_11, 0.554_3, 0.563_9), "0.5591 [0.5543, 0.5639]");
+        assert_eq!(text(38.193, 0.0, 115.26), "38 [0, 115]");
+        assert_eq!(text(1.768_2e-5, 1.7e-5, 1.85e-5), "1.768·10⁻⁵ [1.700·10⁻⁵, 1.850·10⁻⁵]");
+        assert_eq!(text(51.346, 51.346, 51.346), "51.3");
+        assert_eq!(text(0.0, 0.0, 0.0), "0");
+        assert_eq!(text(1.5, 1.0, f64::INFINITY), "1.50");
+    }
 
     #[test]
     fn two_digits_of_the_interval_are_shown() {

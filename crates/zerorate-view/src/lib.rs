@@ -9,5 +9,5 @@ pub mod report;
 mod session_warning;
 
 pub use duration::Seconds;
-pub use interval::PlusMinus;
+pub use interval::{Interval, PlusMinus};
 pub use session_warning::SessionWarning;

@@ -147,7 +147,8 @@ fn power(digit: i32, k: i32, plain: bool) -> String {
     }
 }
 
-fn superscript(k: i32) -> String {
+/// Writes an exponent.
+pub fn superscript(k: i32) -> String {
     let raised = |c: char| match c {
         '-' => '⁻',
         '1' => '¹',

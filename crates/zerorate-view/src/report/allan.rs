@@ -92,10 +92,8 @@ pub struct Coefficient {
 pub struct CoefficientValue {
     /// The value.
     pub value: String,
-    /// Lower end of its interval.
-    pub lo: String,
-    /// Upper end of its interval.
-    pub hi: String,
+    /// Lower and upper end of its interval, where it has one.
+    pub limits: Option<[String; 2]>,
     /// The unit.
     pub unit: String,
 }
@@ -159,8 +157,11 @@ mod tests {
     fn page() -> AllanPage {
         let row =
             AllanRow { tau_s: 0.01, dev: 0.0937, lo: 0.09, hi: 0.1, edf: 1e6, n: 360_000, noise: "white".into() };
-        let value =
-            CoefficientValue { value: "0.557".into(), lo: "0.55".into(), hi: "0.56".into(), unit: "°/√h".into() };
+        let value = CoefficientValue {
+            value: "0.557".into(),
+            limits: Some(["0.55".into(), "0.56".into()]),
+            unit: "°/√h".into(),
+        };
         let record = Record {
             name: "<img src=x onerror=alert(1)>.csv".into(),
             facts: vec![Fact::new("samples", "360000")],

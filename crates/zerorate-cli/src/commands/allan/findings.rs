@@ -27,6 +27,9 @@ const BY_WEIGHT: [&str; 17] = [
     "not-identified",
 ];
 
+/// No line about several axes is longer.
+const MOST_CHARS: usize = 100;
+
 /// One kind of finding, with the axes that have it.
 struct Finding {
     weight: usize,
@@ -92,17 +95,28 @@ impl Finding {
 
     fn line(&self, axes: usize) -> String {
         let Self { meaning, of_one, .. } = self;
-        let named = |(name, details): &(String, Vec<String>)| match details.is_empty() {
-            true => name.clone(),
-            false => format!("{name} ({})", details.join("; ")),
-        };
         let is_of_log = self.axes.len() == axes && self.key == self.meaning;
         match of_one {
             Some(text) if self.axes.len() == 1 => text.clone(),
             // a finding that all axes share concerns the log
             None if is_of_log => meaning.clone(),
-            _ => format!("{meaning}: {}", self.axes.iter().map(named).collect::<Vec<_>>().join(", ")),
+            _ => self.with_axes(),
         }
+    }
+
+    /// Names the axes, with as much about them as a line has room for.
+    fn with_axes(&self) -> String {
+        let Self { meaning, axes, .. } = self;
+        let named = |(name, details): &(String, Vec<String>)| match details.is_empty() {
+            true => name.clone(),
+            false => format!("{name} ({})", details.join("; ")),
+        };
+        let whole = axes.iter().map(named).collect::<Vec<_>>().join(", ");
+        let first = axes.first().map(named).unwrap_or_default();
+        let one = format!("{first} and {} more", axes.len().saturating_sub(1));
+        let lines = [whole, one].map(|axes| format!("{meaning}: {axes}"));
+        let short = lines.into_iter().find(|line| line.chars().count() <= MOST_CHARS);
+        short.unwrap_or_else(|| format!("{meaning}: {} columns", axes.len()))
     }
 }
 
@@ -115,34 +129,33 @@ fn condensed_words(warning: &AllanWarning, unit: &str) -> (String, String) {
     match *warning {
         AllanWarning::Rejected { error, most } => (
             format!("off by {:.0} %", error * 100.0),
-            format!("off by more than {:.0} %, no coefficient is a result; look for motion", most * 100.0),
+            format!("off by more than {:.0} %, so not a result; look for motion", most * 100.0),
         ),
         AllanWarning::ShortRecord { samples, needed } => (
             format!("{samples} samples"),
-            format!("too few to see the sensor's band, N may be off by a quarter; record {needed} samples or more"),
+            format!("too few samples, N may be off by a quarter; record {needed} or more"),
         ),
         AllanWarning::Leakage { frequency_hz, share } => said(
             format!("{frequency_hz:.3} Hz, up to {:.0} %", share * 100.0),
-            "a line so strong that what it leaks may be taken for noise; record without it",
+            "a strong line leaks into the fitted noise; record without it",
         ),
         AllanWarning::OffCurve { tau_s, ratio, octaves } => said(
             format!("{octaves} octaves, {ratio:.2} times at {}", span(tau_s)),
-            "the measured deviation is not the model's; do not use the model there",
+            "the curve leaves the model; do not use the model there",
         ),
         AllanWarning::FollowsTemperature { explained, span_c, .. } => said(
             format!("{:.0} % of the slow variance, over {span_c:.1} °C", explained * 100.0),
-            "the rate follows the temperature, and K and B describe that; --detrend temp, --skip 45m, or record later",
+            "temperature drives slow variance (--detrend temp, --skip 45m)",
         ),
-        AllanWarning::ManySteps { most } => (
-            String::new(),
-            format!("the level jumps more than {most} times; K, B and Gauss–Markov terms describe that"),
-        ),
+        AllanWarning::ManySteps { most } => {
+            (String::new(), format!("more than {most} jumps of level, which K and B describe; look for knocks"))
+        }
         AllanWarning::Step { at_s, size } => said(
             format!("{} {unit} at {at_s:.1} s", number(size)),
             "the level jumps and stays; taken out, look for a knock",
         ),
         AllanWarning::Glitches { glitches, samples, .. } => {
-            said(format!("{glitches}, {samples} samples"), "no noise (knocks, bit errors); replaced by straight lines")
+            said(format!("{glitches}, {samples} samples"), "knocks or bit errors; replaced by straight lines")
         }
         ref other => words_of_terms(other, unit),
     }
@@ -153,32 +166,30 @@ fn words_of_terms(warning: &AllanWarning, unit: &str) -> (String, String) {
     match *warning {
         AllanWarning::WarmUp { size, tau_s } => said(
             format!("{} {unit} in {}", number(size), span(tau_s)),
-            "it hides K; let the part settle, or cut the beginning",
+            "it hides K; let the sensor settle, or cut the beginning",
         ),
         AllanWarning::Drift { over_record, .. } => said(
             format!("{} {unit} in all", number(over_record)),
-            "temperature or warm-up rather than noise, and it hides K; let the part settle",
+            "temperature or warm-up, which hides K; let the sensor settle",
         ),
         AllanWarning::Unsteady { tau_s, ratio } => {
             let noisier = if ratio > 1.0 { "first" } else { "second" };
             let detail = format!("{noisier} half {:.2} times, at {}", ratio.max(1.0 / ratio), span(tau_s));
             said(detail, "the halves differ; this record does not predict another")
         }
-        AllanWarning::Gaps { missing, samples } => said(
-            format!("{missing} of {samples}"),
-            "missing samples; allowed for if the losses do not depend on the rate",
-        ),
+        AllanWarning::Gaps { missing, samples } => {
+            said(format!("{missing} of {samples}"), "missing samples; allowed for if losses do not depend on the rate")
+        }
         AllanWarning::Lines { count, frequency_hz, rms } => said(
             format!("{count}, strongest {frequency_hz:.3} Hz, {} {unit} rms", number(rms)),
-            "disturbances or resonances, left out of N, B and K but part of the curve",
+            "disturbances or resonances, left out of N, B and K",
         ),
-        AllanWarning::MemoryOrFlicker { .. } => said(
-            String::new(),
-            "Gauss–Markov terms and B explain the record about as well; do not extrapolate beyond a quarter of it",
-        ),
+        AllanWarning::MemoryOrFlicker { .. } => {
+            said(String::new(), "Gauss–Markov terms or B; do not extrapolate beyond a quarter")
+        }
         AllanWarning::DriftOrWalk { has_drift, .. } => said(
             if has_drift { "a drift was taken" } else { "a random walk was taken" }.to_owned(),
-            "one record cannot tell drift, warm-up and random walk apart; record again",
+            "a record cannot tell drift from random walk; record again",
         ),
         AllanWarning::NotIdentified { noise, needed_s, .. } => {
             let letter = noise.name().rsplit(' ').next().unwrap_or_default();
@@ -189,5 +200,41 @@ fn words_of_terms(warning: &AllanWarning, unit: &str) -> (String, String) {
             said(detail, "cannot be told from zero in so short a record")
         }
         ref other => (String::new(), other.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zerorate_allan::Noise;
+
+    /// Room for the number of columns, where nothing else fits.
+    const ROOM: usize = ": 12 columns".len();
+
+    #[test]
+    fn a_finding_leaves_room_for_its_axes() {
+        let noise = Noise::AngleRandomWalk;
+        let all = [
+            AllanWarning::Rejected { error: 0.23, most: 0.1 },
+            AllanWarning::ShortRecord { samples: 1234, needed: 20_000 },
+            AllanWarning::Leakage { frequency_hz: 123.456, share: 0.12 },
+            AllanWarning::OffCurve { tau_s: 123.456, ratio: 1.23, octaves: 3 },
+            AllanWarning::FollowsTemperature { explained: 0.93, slope: 1.2e-3, span_c: 12.3 },
+            AllanWarning::ManySteps { most: 40 },
+            AllanWarning::Step { at_s: 12345.6, size: -1.234e-3 },
+            AllanWarning::Glitches { glitches: 123, samples: 1234, ratio: 1.2 },
+            AllanWarning::WarmUp { size: -1.234e-3, tau_s: 1234.0 },
+            AllanWarning::Drift { r: -1.2e-6, over_record: -1.2e-3 },
+            AllanWarning::Unsteady { tau_s: 123.4, ratio: 0.8 },
+            AllanWarning::Gaps { missing: 12345, samples: 12_345_678 },
+            AllanWarning::Lines { count: 12, frequency_hz: 123.4, rms: 1.2e-3 },
+            AllanWarning::MemoryOrFlicker { markovs: 2, others: 1, worse: 1.2 },
+            AllanWarning::DriftOrWalk { has_drift: true, worse: 1.2 },
+            AllanWarning::NotIdentified { noise, record_s: 1e4, needed_s: 6e5 },
+        ];
+        for warning in all {
+            let line = format!("{}: {}", warning.code(), condensed_words(&warning, "°/s").1);
+            assert!(line.chars().count() + ROOM <= MOST_CHARS, "{line}");
+        }
     }
 }

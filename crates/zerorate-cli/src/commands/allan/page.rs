@@ -8,6 +8,7 @@ use crate::output::Staged;
 use anyhow::Result;
 use zerorate_allan::{Estimate, Fit, Line, Term};
 use zerorate_logs::Record;
+use zerorate_view::Interval;
 use zerorate_view::plot::number;
 use zerorate_view::report::{self, AllanPage, AllanRow, Coefficient, CoefficientValue, Fact, Table, allan_page};
 
@@ -61,7 +62,7 @@ fn by_axis(group: &Group<'_>) -> Table {
             let title = if index == 0 { format!("{letter}, {}", some.name) } else { String::new() };
             let cell = |(named, model): (&Option<&units::Named<'_>>, &Option<&Fit>)| match named {
                 Some(named) if model.is_some_and(|fit| !fit.is_rejected) => {
-                    value(&named.in_unit(index), named.coefficient.identified)
+                    units::stated(named.in_unit(index), named.coefficient.identified)
                 }
                 _ => NONE.to_owned(),
             };
@@ -119,7 +120,7 @@ fn gauss_markov(group: &Group<'_>) -> Vec<Vec<String>> {
     };
     let scaled = |estimate: &Estimate, factor: f64| {
         let &Estimate { value, lo, hi } = estimate;
-        self::value(&Estimate { value: value * factor, lo: lo * factor, hi: hi * factor }, true)
+        units::stated(Estimate { value: value * factor, lo: lo * factor, hi: hi * factor }, true)
     };
     let cell = |said: Option<String>| said.unwrap_or_else(|| NONE.to_owned());
     let rows = (0..all.iter().map(Vec::len).max().unwrap_or(0)).flat_map(|index| {
@@ -128,13 +129,6 @@ fn gauss_markov(group: &Group<'_>) -> Vec<Vec<String>> {
         [row("Gauss–Markov σ".to_owned(), sigma, &unit), row("its correlation time".to_owned(), tau, "s")]
     });
     rows.collect()
-}
-
-fn value(Estimate { value, lo, hi }: &Estimate, is_identified: bool) -> String {
-    match is_identified {
-        true => format!("{} [{}, {}]", number(*value), number(*lo), number(*hi)),
-        false => format!("< {}", number(*hi)),
-    }
 }
 
 /// The table of spectral lines by frequency. Lines that lie side by side share a row, which sums up those of each
@@ -203,10 +197,9 @@ fn section(record: &Record) -> report::Record {
 }
 
 fn coefficient(row: units::TermRow) -> Coefficient {
-    let value = |(Estimate { value, lo, hi }, unit): (Estimate, String)| CoefficientValue {
-        value: number(value),
-        lo: number(lo),
-        hi: number(hi),
+    let value = |(interval, unit): (Interval, String)| CoefficientValue {
+        value: interval.value(),
+        limits: interval.limits(),
         unit,
     };
     Coefficient { name: row.name, values: row.values.into_iter().map(value).collect(), remark: row.remark }

@@ -4,7 +4,7 @@ use super::advice::advice;
 use super::units::{self, TermRow, noise};
 use anyhow::Result;
 use std::fmt::Write;
-use zerorate_allan::{Estimate, Point};
+use zerorate_allan::Point;
 use zerorate_logs::Record;
 
 /// Averages in the record from which the exponent of its noise can be told: the exponent is found to about 2/√averages
@@ -58,9 +58,9 @@ pub fn coefficients_text(record: &Record) -> Result<String> {
     }
     for row in units::term_rows(record) {
         let TermRow { name, values, remark } = row;
-        for (index, (Estimate { value, lo, hi }, unit)) in values.iter().enumerate() {
+        for (index, (interval, unit)) in values.iter().enumerate() {
             let (title, remark) = if index == 0 { (&*name, &*remark) } else { ("", "") };
-            let line = format!("  {title:22} {value:>11.4e}  [{lo:.3e}, {hi:.3e}] {unit}  {remark}");
+            let line = format!("  {title:22} {interval} {unit}  {remark}");
             writeln!(text, "{}", line.trim_end())?;
         }
         if values.is_empty() {

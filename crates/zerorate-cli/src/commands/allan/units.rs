@@ -4,6 +4,7 @@ use zerorate_allan::{Estimate, Fit, Line, Term};
 use zerorate_logs::Record;
 pub use zerorate_logs::imu::{B, Named, span};
 use zerorate_logs::{Quantity, imu};
+use zerorate_view::Interval;
 use zerorate_view::plot::number;
 
 /// The coefficients of a record. N, B and K, which every fit has, come first.
@@ -29,7 +30,7 @@ pub fn misfit(fit: &Fit) -> String {
 /// The row of a coefficient or another term in a table: value, limits and unit, in each unit.
 pub struct TermRow {
     pub name: String,
-    pub values: Vec<(Estimate, String)>,
+    pub values: Vec<(Interval, String)>,
     pub remark: String,
 }
 
@@ -38,7 +39,9 @@ pub fn term_rows(record: &Record) -> Vec<TermRow> {
     let Some(fit) = record.model() else { return Vec::new() };
     let coefficient = |named: Named<'_>| TermRow {
         name: format!("{}  {}", named.letter, named.name),
-        values: (0..named.units.len()).map(|index| (named.in_unit(index), named.units[index].0.clone())).collect(),
+        values: (0..named.units.len())
+            .map(|index| (interval_of(named.in_unit(index)), named.units[index].0.clone()))
+            .collect(),
         remark: if fit.is_rejected { "model rejected".to_owned() } else { named.remark() },
     };
     coefficients(record)
@@ -53,7 +56,7 @@ fn of_term(record: &Record, term: &Term) -> TermRow {
     let in_rate = |estimate: &Estimate| {
         let scaled = |(unit, factor): &(String, f64)| {
             let &Estimate { value, lo, hi } = estimate;
-            (Estimate { value: value * factor, lo: lo * factor, hi: hi * factor }, unit.clone())
+            (Interval { value: value * factor, lo: lo * factor, hi: hi * factor }, unit.clone())
         };
         scaled(&rate[0])
     };
@@ -61,7 +64,7 @@ fn of_term(record: &Record, term: &Term) -> TermRow {
     match term {
         Term::GaussMarkov { sigma, tau_s } => TermRow {
             name: "Gauss–Markov σ, T".to_owned(),
-            values: vec![in_rate(sigma), (*tau_s, "s".to_owned())],
+            values: vec![in_rate(sigma), (interval_of(*tau_s), "s".to_owned())],
             remark: String::new(),
         },
         Term::BandShape { cosines, pole } => TermRow {
@@ -82,6 +85,19 @@ fn of_term(record: &Record, term: &Term) -> TermRow {
             values: vec![in_rate(size)],
             remark: format!("with a time constant of {}", span(*tau_s)),
         },
+    }
+}
+
+/// An estimate, to be shown.
+fn interval_of(Estimate { value, lo, hi }: Estimate) -> Interval {
+    Interval { value, lo, hi }
+}
+
+/// An estimate with its interval, or its upper limit where it is not identified.
+pub fn stated(estimate: Estimate, is_identified: bool) -> String {
+    match is_identified {
+        true => interval_of(estimate).to_string(),
+        false => format!("< {}", number(estimate.hi)),
     }
 }
 

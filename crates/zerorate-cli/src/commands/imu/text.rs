@@ -1,11 +1,12 @@
 //! The result as text.
 
-use crate::commands::allan::units::{B, Named, coefficients, is_without_misfit, span};
+use crate::commands::allan::units::{B, Named, coefficients, is_without_misfit, span, stated};
 use anyhow::Result;
 use std::fmt::Write;
-use zerorate_allan::{Estimate, Fit, Term};
+use zerorate_allan::{Fit, Term};
 use zerorate_logs::Record;
 use zerorate_logs::imu::Kind;
+use zerorate_view::plot::number;
 use zerorate_view::report::Table;
 
 /// Formats a table for each kind of sensor, with a row for each axis.
@@ -46,7 +47,7 @@ fn of_group(kind: Kind, axes: &[&Record]) -> Result<String> {
         let is_rejected = record.model().is_some_and(|fit| fit.is_rejected);
         row.extend(columns.iter().map(|named| match is_rejected {
             true => "–".to_owned(),
-            false => value(named.in_unit(0), named.coefficient.identified),
+            false => stated(named.in_unit(0), named.coefficient.identified),
         }));
         row.extend(record.model().map(|fit| match is_without_misfit(fit) {
             true => "none found".to_owned(),
@@ -64,35 +65,19 @@ fn of_group(kind: Kind, axes: &[&Record]) -> Result<String> {
 /// The terms of a model beside N, B and K, a row each.
 fn further(record: &Record, others: &[Named<'_>], fit: &Fit) -> Vec<Vec<String>> {
     let coefficient = |named: &Named<'_>| {
-        let value = value(named.in_unit(0), named.coefficient.identified);
+        let value = stated(named.in_unit(0), named.coefficient.identified);
         format!("{} {value} {}", named.letter, named.units[0].0)
     };
     let (unit, factor) = &B.of(record.quantity)[0];
     let memory = |term: &Term| match term {
         Term::GaussMarkov { sigma, tau_s } => {
-            let (sigma, tau_s) = (significant(sigma.value * factor), significant(tau_s.value));
+            let (sigma, tau_s) = (number(sigma.value * factor), number(tau_s.value));
             Some(format!("Gauss–Markov σ {sigma} {unit}, T {tau_s} s"))
         }
         _ => None,
     };
     let all = others.iter().map(coefficient).chain(fit.terms.iter().filter_map(memory));
     all.map(|text| vec![String::new(), text]).collect()
-}
-
-fn value(Estimate { value, lo, hi }: Estimate, is_identified: bool) -> String {
-    match is_identified {
-        true => format!("{} [{}, {}]", significant(value), significant(lo), significant(hi)),
-        false => format!("< {}", significant(hi)),
-    }
-}
-
-/// Formats four significant digits.
-fn significant(value: f64) -> String {
-    match value.abs().log10().floor() {
-        k if (-3.0..=4.0).contains(&k) => format!("{value:.*}", (3.0 - k).max(0.0) as usize),
-        _ if value == 0.0 => "0".to_owned(),
-        _ => format!("{value:.3e}"),
-    }
 }
 
 /// Aligns the columns. The second cell of a row with two cells spans the rest.
