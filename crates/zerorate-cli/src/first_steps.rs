@@ -26,9 +26,27 @@ pub fn parse(args: &[OsString]) -> Result<Cli, ExitCode> {
         LINES.iter().for_each(say);
         return Err(ExitCode::from(USAGE));
     }
-    let cli = Cli::try_parse_from(args).unwrap_or_else(|error| advised(error).exit());
+    let cli = Cli::try_parse_from(args).map_err(|error| printed(&advised(error)))?;
     cli.set_limits();
     Ok(cli)
+}
+
+/// Prints an error of clap's, or the help that was asked for.
+fn printed(error: &Error) -> ExitCode {
+    let text = error.render().to_string();
+    match text.starts_with("error:") {
+        true => brief(&text).for_each(say),
+        // nobody is left to be told that this cannot be printed
+        false => drop(error.print()),
+    }
+    ExitCode::from(error.exit_code() as u8)
+}
+
+/// An error without empty lines, and without a pointer to the help where it has the usage.
+fn brief(error: &str) -> impl Iterator<Item = &str> {
+    let has_usage = error.contains("\nUsage:");
+    let lines = error.lines().filter(|line| !line.trim().is_empty());
+    lines.filter(move |line| !(has_usage && line.starts_with("For more information")))
 }
 
 /// The error, with a tip where a number has a decimal comma.
@@ -64,6 +82,22 @@ mod tests {
         }
         for other in ["gx,gy", "1,2,3", "1,", ",5", "100.5", "", "1,5 h 3"] {
             assert_eq!(with_point(other), None, "{other}");
+        }
+    }
+
+    #[test]
+    fn errors_of_the_command_line_are_short() {
+        let wrong = [
+            "zerorate calibrat",
+            "zerorate calibrate --devise twin:",
+            "zerorate calibrate --method warm",
+            "zerorate calibrate --max-u-btc 0,01",
+            "zerorate stream --rate 10",
+        ];
+        for command in wrong {
+            let error = Cli::try_parse_from(command.split(' ')).expect_err(command);
+            let text = advised(error).render().to_string();
+            assert!((1..=4).contains(&brief(&text).count()), "{command}: {text}");
         }
     }
 

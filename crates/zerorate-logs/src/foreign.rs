@@ -168,6 +168,7 @@ fn what_is_no_log_says_what_to_do() {
         (b"\xA3\x95\x80\x80\x59FMT", "it is an ArduPilot DataFlash log, which is not read yet"),
         (b"FMT, 128, 89, FMT, BBnNZ, Type,Length\n", "`mavlogdump.py --format csv --types IMU FILE > imu.csv`"),
         (b"[{\"t\":0}]", "it is JSON"),
+        (b"# A zerorate calibration (docs", "`zerorate report` shows it"),
         (b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1....", "save the sheet as CSV"),
         (b"\x80\x05\x95....", "a pickle of Python"),
     ] {

@@ -167,6 +167,7 @@ const FOREIGN: &[(&[u8], &str)] = &[
     (b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", "it is a workbook of Excel; save the sheet as CSV"),
     (b"\xA3\x95", DATAFLASH),
     (b"FMT, 128, ", DATAFLASH),
+    (b"# A zerorate ", "it is a calibration; `zerorate report` shows it"),
     (b"{\"", JSON),
     (b"[{", JSON),
     (b"\x80\x04\x95", PICKLE),

@@ -281,7 +281,7 @@ fn units_are_declared_or_said_to_be_unknown() {
     assert_eq!(scale("gz_rad_s", "--unit rad/s"), Some(1f64.to_degrees()));
     assert_eq!(scale("gz_rad_s", "--unit dps --force-unit true"), Some(1.0));
     let error = folder.read("gz_rad_s\n1\n2\n3\n", "--rate 1 --unit dps").expect_err("another unit");
-    assert!(error.to_string().contains("`gz_rad_s` states rad/s, and unit says dps, 1.745e-2 times"), "{error}");
+    assert!(error.to_string().contains("`gz_rad_s` states rad/s, and unit says dps, 0.0175 times"), "{error}");
 }
 
 #[test]

@@ -74,6 +74,7 @@ pub(super) fn load(path: &Path, outputs: &mut Outputs) -> Result<Calibration> {
     let name = path.display();
     let text = outputs.try_text(path, limits::TEXT)?.map_err(|error| match error.kind() {
         ErrorKind::InvalidData => other_file(path),
+        ErrorKind::FileTooLarge => anyhow!("{}; {error}", other_file(path)),
         _ => Error::from(error).context(format!("cannot read {name}")),
     })?;
     let (calibration, warnings) = Calibration::parse(&text).map_err(|error| match text.contains("correction") {

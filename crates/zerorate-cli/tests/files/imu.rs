@@ -250,12 +250,16 @@ fn findings_are_a_line_for_each_kind() {
     let run = bench.zerorate(&format!("{LINE} -o imu.yaml")).ended_with(0);
     let lines: Vec<&str> = run.stderr.lines().collect();
     assert!(lines[0].starts_with("warning: motion: several axes have a glitch together at 50.0 s"), "{lines:?}");
-    assert!(lines[1].starts_with("warning: glitches: ") && lines[1].contains("ax [m/s^2] (1, "), "{lines:?}");
+    assert!(
+        lines[1].starts_with("warning: glitches: ") && lines[1].ends_with(" (1, 8 samples) and 2 more"),
+        "{lines:?}"
+    );
+    let most = "warning: ".len() + 100;
+    assert!(lines[..lines.len() - 1].iter().all(|line| line.chars().count() <= most), "{lines:?}");
     let codes: Vec<&str> = lines.iter().filter_map(|line| line.strip_prefix("warning: ")?.split(':').next()).collect();
     let unique: std::collections::BTreeSet<&str> = codes.iter().copied().collect();
     assert_eq!(codes.len(), unique.len(), "{codes:?}");
     assert!(codes.contains(&"not-identified") && lines.len() < 8, "{lines:?}");
-    assert!(lines[1].contains("), ay [m/s^2] (1, ") && lines[2].matches("az [m/s^2]").count() == 1, "{lines:?}");
     assert_eq!(
         lines[lines.len() - 1],
         "wrote imu.yaml for Kalibr (imu.yaml): of the axes of a kind the worst was taken (--combine worst)"
@@ -583,7 +587,7 @@ fn units_that_contradict_each_other_are_refused() {
     bench.write("gyro.csv", format!("t_s,gz_dps\n{rows}"));
     for line in ["imu gyro.csv --gyro-unit rad/s", "allan gyro.csv --column gz_dps --unit rad/s"] {
         let said = bench.zerorate(line).fails(2);
-        for part in ["`gz_dps` states dps", "says rad/s, 5.730e1 times as large", "give --force-unit"] {
+        for part in ["`gz_dps` states dps", "says rad/s, 57.3 times as large", "give --force-unit"] {
             assert!(said.contains(part), "{part} in {said}");
         }
         bench.zerorate(&format!("{line} --force-unit")).ok();

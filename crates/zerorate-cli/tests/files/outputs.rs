@@ -335,3 +335,14 @@ fn nor_is_a_state_a_recording_of_a_server_or_what_is_kept_beside_the_output() {
         assert!(said.contains("exists") && !said.contains("--force"), "{said}");
     }
 }
+
+/// A name that promises another form than what is written.
+#[test]
+fn a_name_of_another_form_is_refused() {
+    let bench = Bench::new();
+    let said = bench.zerorate("calibrate -o unit.csv").fails(2);
+    assert!(said.contains("a calibration is TOML") && !bench.path("unit.csv").exists(), "{said}");
+    bench.zerorate("calibrate -o unit.toml").ended_with(0);
+    let said = bench.zerorate("report unit.toml -o unit.pdf").fails(2);
+    assert!(said.contains("zerorate writes no PDF") && !bench.path("unit.pdf").exists(), "{said}");
+}

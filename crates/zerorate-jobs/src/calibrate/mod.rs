@@ -58,6 +58,11 @@ impl Files {
     /// An [`OutputError`](crate::output::OutputError): why one of them is refused, or cannot be written.
     pub fn claim(mut outputs: Outputs, kept: Kept) -> Result<Self> {
         let calibration = kept.output.as_deref().map(|path| outputs.derived(path)).transpose()?;
+        let is_for_samples = |path: &&PathBuf| path.extension().is_some() && Format::choose(None, path).is_ok();
+        if let Some(path) = kept.output.as_ref().filter(is_for_samples) {
+            let why = format!("{}: a calibration is TOML; end its name in .toml", path.display());
+            return Err(InvalidOptions(why).into());
+        }
         Ok(Self { outputs, calibration, kept })
     }
 

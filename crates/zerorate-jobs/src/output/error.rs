@@ -52,6 +52,10 @@ pub enum OutputError {
     #[error("`-` is not a file, and stdout is for what the command prints; give the file a name")]
     Dash,
 
+    /// Nothing here writes that format.
+    #[error("{}: zerorate writes no PDF; name a page .html, and print it from a browser", path.display())]
+    Pdf { path: PathBuf },
+
     /// A file that must be read again later needs a place that can be read.
     #[error("{} is not a file: name a file, or one that does not exist yet", path.display())]
     NotAFile { path: PathBuf },

@@ -113,6 +113,9 @@ impl Outputs {
     /// # Errors
     /// Why it is refused ([`OutputError::is_refusal`]), or why it cannot be written.
     pub fn derived(&mut self, path: &Path) -> Result<Staged, OutputError> {
+        if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("pdf")) {
+            return Err(OutputError::Pdf { path: path.to_owned() });
+        }
         let place = self.claim(path)?;
         if place.exists() {
             refuse_capture(path)?;

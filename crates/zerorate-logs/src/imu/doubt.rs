@@ -19,6 +19,11 @@ impl Doubt {
         fit.is_rejected.then_some(Self::Rejected(fit.model_error))
     }
 
+    /// Whether another one is about the same thing, by whatever number.
+    fn is_as(&self, other: &Self) -> bool {
+        self == other || matches!((self, other), (Self::Rejected(_), Self::Rejected(_)))
+    }
+
     /// The code of a refusal for it.
     #[must_use]
     pub const fn code(&self) -> &'static str {
@@ -41,39 +46,59 @@ impl fmt::Display for Doubt {
     }
 }
 
-/// The doubts about several axes.
+/// The doubts about several axes, each kind with the axes that have it.
 #[derive(Clone, Debug, Default)]
-pub struct Doubts(Vec<(Doubt, Vec<String>)>);
+pub struct Doubts(Vec<Vec<(String, Doubt)>>);
 
 impl Doubts {
     /// About axes by name.
     pub fn about<'a>(axes: impl IntoIterator<Item = (&'a str, Option<Doubt>)>) -> Self {
-        let mut all: Vec<(Doubt, Vec<String>)> = Vec::new();
-        for (name, doubt) in axes.into_iter().filter_map(|(name, doubt)| Some((name, doubt?))) {
-            match all.iter_mut().find(|(same, _)| same.to_string() == doubt.to_string()) {
-                Some((_, names)) => names.push(name.to_owned()),
-                None => all.push((doubt, vec![name.to_owned()])),
+        let mut all: Vec<Vec<(String, Doubt)>> = Vec::new();
+        for (name, doubt) in axes.into_iter().filter_map(|(name, doubt)| Some((name.to_owned(), doubt?))) {
+            match all.iter_mut().find(|kind| kind[0].1.is_as(&doubt)) {
+                Some(kind) => kind.push((name, doubt)),
+                None => all.push(vec![(name, doubt)]),
             }
         }
         Self(all)
     }
 
+    fn each(&self) -> impl Iterator<Item = &Doubt> {
+        self.0.iter().flatten().map(|(_, doubt)| doubt)
+    }
+
     /// The code of a refusal for them; none: there is no doubt.
     #[must_use]
     pub fn code(&self) -> Option<&'static str> {
-        self.0.first().map(|(doubt, _)| doubt.code())
+        self.each().next().map(Doubt::code)
     }
 
     /// Whether a file with the numbers may be written. With `accept_rejected`, only a missing model forbids it.
     #[must_use]
     pub fn allow(&self, accept_rejected: bool) -> bool {
-        self.0.iter().all(|(doubt, _)| accept_rejected && matches!(doubt, Doubt::Rejected(_)))
+        self.each().all(|doubt| accept_rejected && matches!(doubt, Doubt::Rejected(_)))
     }
 
     /// Each reason with the axes that have it.
     #[must_use]
     pub fn texts(&self) -> Vec<String> {
-        self.0.iter().map(|(why, names)| format!("{}: {why}", names.join(", "))).collect()
+        self.0.iter().map(|kind| of_kind(kind)).collect()
+    }
+}
+
+/// A doubt about one or more axes.
+fn of_kind(kind: &[(String, Doubt)]) -> String {
+    let axes = |named: fn(&(String, Doubt)) -> String| kind.iter().map(named).collect::<Vec<_>>().join(", ");
+    match kind {
+        [(_, Doubt::Rejected(_)), _, ..] => {
+            let axes = axes(|(name, doubt)| match doubt {
+                Doubt::Rejected(error) => format!("{name} by {:.0} %", error * 100.0),
+                Doubt::NoModel(_) => name.clone(),
+            });
+            format!("the noise model is off ({axes}), so none of its coefficients is a result")
+        }
+        [(_, why), ..] => format!("{}: {why}", axes(|(name, _)| name.clone())),
+        [] => String::new(),
     }
 }
 

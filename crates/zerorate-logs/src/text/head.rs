@@ -131,11 +131,10 @@ impl Head {
         if args.decimal == Some(Decimal::Comma) && first.contains(',') {
             return Err(CaptureError::damaged(path, "as a text file", CLASH).into());
         }
-        let remedy = match is_text {
-            true => "is it a log?".to_owned(),
+        let what = match is_text {
+            true => format!("none of its first {some} lines holds a number (`{}`): is it a log?", shortened(first)),
             false => format!("it is not UTF-8 text; raw numbers need their type ({})", args.names.of(Setting::Raw)),
         };
-        let what = format!("none of its first {some} lines holds a number (`{}`): {remedy}", shortened(first));
         Err(CaptureError::damaged(path, "as a text file", what).into())
     }
 

@@ -246,7 +246,8 @@ impl Picture<'_> {
     fn lines(&self) -> Group {
         let mut group = canvas::clipped(&self.area);
         for (curve, (colour, _)) in self.curves.iter().zip(styles()) {
-            group = group.add(self.scales.band(&curve.points, colour)).add(self.scales.band(&curve.model, INK));
+            let model = self.scales.band(&curve.model, self.model_style(colour).0);
+            group = group.add(self.scales.band(&curve.points, colour)).add(model);
         }
         if let [only] = &self.curves[..] {
             for law in &only.laws {
@@ -254,18 +255,25 @@ impl Picture<'_> {
                 group = group.add(line.set("stroke-dasharray", "7 4"));
             }
         }
-        for curve in &self.curves {
-            group = group.add(stroke(canvas::path(self.scales.model(curve)), INK, 1.6));
+        for (curve, (colour, _)) in self.curves.iter().zip(styles()) {
+            let (colour, dash) = self.model_style(colour);
+            let model = stroke(canvas::path(self.scales.model(curve)), colour, 1.6);
+            group = group.add(model.set("stroke-dasharray", dash));
         }
         // this group is not clipped, so that a dot on the frame stays whole
         let mut group = Group::new().add(group);
         for (curve, (colour, dash)) in self.curves.iter().zip(styles()) {
             group = group.add(self.scales.line(curve, colour, dash));
             if let Some(Minimum { tau_s, dev }) = curve.minimum {
-                group = group.add(self.scales.ring(tau_s, dev));
+                group = group.add(self.scales.ring(tau_s, dev, self.model_style(colour).0));
             }
         }
         group
+    }
+
+    /// Colour and dash of a model: its curve's colour where there are several curves.
+    fn model_style(&self, of_curve: &'static str) -> (&'static str, &'static str) {
+        if self.curves.len() > 1 { (of_curve, "7 3") } else { (INK, "none") }
     }
 
     fn lettering(&self) -> Group {

@@ -2,7 +2,7 @@
 
 use super::allan::{Curve, Point, PowerLaw};
 use super::axes::Axis;
-use super::canvas::{self, path, px, stroke};
+use super::canvas::{path, px, stroke};
 use svg::node::element::{Circle, Group, Path};
 
 /// Curves of at least this many points are lines without dots.
@@ -65,8 +65,8 @@ impl Scales {
     }
 
     /// The ring around the minimum.
-    pub fn ring(&self, tau_s: f64, dev: f64) -> Circle {
-        circle(self.at(tau_s, dev), 7.0).set("fill", "none").set("stroke", canvas::INK).set("stroke-width", 1.6)
+    pub fn ring(&self, tau_s: f64, dev: f64, colour: &str) -> Circle {
+        circle(self.at(tau_s, dev), 7.0).set("fill", "none").set("stroke", colour).set("stroke-width", 1.6)
     }
 }
 

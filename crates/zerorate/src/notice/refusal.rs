@@ -87,7 +87,7 @@ rows_with_remedies!(match Refusal {
     Self::Span { t1_c, t2_c, u_btc_dps_per_c, wanted_dps_per_c } => Row {
         code: "small-span",
         text: format_args!(
-            "the temperature hardly changed (T1 = {t1_c:.3} °C, T2 = {t2_c:.3} °C, {:.3} °C apart). u(BTC) would be \
+            "the temperature hardly changed ({t1_c:.3} to {t2_c:.3} °C, by {:.3} °C), so u(BTC) would be \
              {u_btc_dps_per_c:.4} °/s/°C, above the limit of {wanted_dps_per_c}",
             t2_c - t1_c
         ),

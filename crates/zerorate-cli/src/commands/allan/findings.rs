@@ -115,7 +115,9 @@ impl Finding {
         let first = axes.first().map(named).unwrap_or_default();
         let one = format!("{first} and {} more", axes.len().saturating_sub(1));
         let lines = [whole, one].map(|axes| format!("{meaning}: {axes}"));
-        let short = lines.into_iter().find(|line| line.chars().count() <= MOST_CHARS);
+        let has_details = axes.iter().any(|(_, details)| !details.is_empty());
+        let fits = |line: &String| !has_details || line.chars().count() <= MOST_CHARS;
+        let short = lines.into_iter().find(fits);
         short.unwrap_or_else(|| format!("{meaning}: {} columns", axes.len()))
     }
 }

@@ -235,7 +235,7 @@ fn subtitle(records: &[Record]) -> String {
         _ => text += ", the model rejected",
     }
     if records.len() > 1 && first.analysis.stat.is_allan() && models().next().is_some() {
-        text += "; black: models, 95 % bands, minima";
+        text += "; dashed: models with their 95 % bands";
     }
     text
 }
