@@ -162,7 +162,7 @@ def test_a_rejected_model_is_no_file_unless_accepted() -> None:
     found = zerorate.imu({"gx_dps": growing}, rate_hz=RATE_HZ, glitches="keep", steps="keep")
     fit = found.axes[0].fit
     assert fit is not None and fit.rejected and "rejected" in repr(found)
-    with pytest.raises(zerorate.Refused, match="off by .* %, so none of its coefficients is a result"):
+    with pytest.raises(zerorate.Refused, match="so none of its coefficients is a result"):
         found.to_yaml()
     with pytest.warns(UserWarning, match="made all the same"):
         assert "NOT A RESULT" in found.to_yaml(accept_rejected=True)
