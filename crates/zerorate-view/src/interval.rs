@@ -57,22 +57,21 @@ impl Interval {
     }
 
     fn has_width(&self) -> bool {
-        let width = self.hi - self.lo;
-        width.is_finite() && width > 0.0
+        self.lo < self.hi
     }
 
     /// Writes one of the numbers; all three share decimals and power of ten.
-    fn written(&self, number_of_three: f64) -> String {
+    fn written(&self, one: f64) -> String {
         let largest = self.value.abs().max(self.hi.abs());
-        if !self.has_width() {
-            return number(number_of_three);
-        }
         let half = (self.hi - self.lo) / 2.0;
+        if !self.has_width() || half.is_infinite() {
+            return number(one);
+        }
         match largest.log10().floor() as i32 {
-            -4..=5 => format!("{number_of_three:.*}", decimals(half)),
+            -4..=5 => format!("{one:.*}", decimals(half)),
             k => {
                 let scale = 10f64.powi(k);
-                format!("{:.*}·10{}", decimals(half / scale), number_of_three / scale, superscript(k))
+                format!("{:.*}·10{}", decimals(half / scale), one / scale, superscript(k))
             }
         }
     }
@@ -97,7 +96,7 @@ mod tests {
         assert_eq!(text(1.768_2e-5, 1.7e-5, 1.85e-5), "1.768·10⁻⁵ [1.700·10⁻⁵, 1.850·10⁻⁵]");
         assert_eq!(text(51.346, 51.346, 51.346), "51.3");
         assert_eq!(text(0.0, 0.0, 0.0), "0");
-        assert_eq!(text(1.5, 1.0, f64::INFINITY), "1.50");
+        assert_eq!(text(1.5, 1.0, f64::INFINITY), "1.50 [1.00, inf]");
     }
 
     #[test]
