@@ -38,7 +38,8 @@ pub fn run(program: &Path) -> Result<()> {
             bail!("{}: `{line}`: neither run nor marked: fence it as sh, or sh,untried", chapter.display());
         }
         let start = Instant::now();
-        let ran = try_chapter(&steps(&text), &program, folder.path()).with_context(|| chapter.display().to_string())?;
+        let ran =
+            try_chapter(&steps(&text), &program, folder.path()).with_context(|| chapter.display().to_string())?;
         if ran > 0 {
             println!("{}: {ran} commands in {:.1} s", chapter.display(), start.elapsed().as_secs_f64());
         }
