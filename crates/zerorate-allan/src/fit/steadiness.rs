@@ -1,22 +1,47 @@
 //! Steadiness: whether the record is the same from one part to the next.
 
 use super::model::Model;
-use crate::{Deviation, Input, Stat, deviations};
+use crate::{Deviation, Input, Stat, chi2_quantile, deviations};
 use alloc::vec::Vec;
 
 /// Parts that are compared.
 const BLOCKS: usize = 8;
 /// The longest average is this share of a block.
 const LONGEST_IN_BLOCK: usize = 16;
+/// An averaging time whose variance is within this share of white noise alone shows how steady the white noise is.
+const WHITE: f64 = 0.1;
 /// Standard deviations by which the halves of a record must differ at one averaging time.
 const DIFFERENT: f64 = 5.0;
 
-/// The variance of ln σ²(τ) between an eighth of the record and the next, over the share that chance explains. The
-/// likelihood takes the noise for steady and does not cover it.
+/// The variance of ln σ²(τ) between an eighth of the record and the next. The likelihood takes the noise for steady
+/// and does not cover it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Scatter {
-    /// By averaging time, in samples: octaves up to a sixteenth of an eighth.
-    by_length: Vec<(u64, f64)>,
+    /// Octaves up to a sixteenth of an eighth.
+    by_length: Vec<OfLength>,
+}
+
+/// The scatter at one averaging time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct OfLength {
+    /// The averaging time, in samples.
+    m: u64,
+    variance: f64,
+    /// The variance that chance explains.
+    chance: f64,
+}
+
+impl OfLength {
+    /// The variance over the share that chance explains.
+    fn extra(&self) -> f64 {
+        (self.variance - self.chance).max(0.0)
+    }
+
+    /// The same where chance alone is this large in less than 1 of 100 steady records, otherwise 0.
+    fn significant(&self) -> f64 {
+        let freedom = (BLOCKS - 1) as f64;
+        if self.variance / self.chance * freedom > chi2_quantile(0.99, freedom) { self.extra() } else { 0.0 }
+    }
 }
 
 impl Scatter {
@@ -25,35 +50,36 @@ impl Scatter {
         let lengths: Vec<u64> = core::iter::successors(Some(1u64), |m| Some(2 * m))
             .take_while(|m| *m as usize <= len / LONGEST_IN_BLOCK)
             .collect();
-        let blocks: Vec<Vec<f64>> =
-            rate.chunks_exact(len.max(1)).map(|block| logs(block, rate_hz, &lengths)).collect();
-        let extra = |(i, &m): (usize, &u64)| {
-            let values: Vec<f64> = blocks.iter().filter_map(|block| block.get(i).copied()).collect();
-            if values.len() < 2 {
-                return (m, 0.0);
-            }
-            let mean = values.iter().sum::<f64>() / values.len() as f64;
-            let variance = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (values.len() - 1) as f64;
-            (m, (variance - 2.0 / model.freedom(m, len as u64)).max(0.0))
+        let blocks: Vec<Vec<Deviation>> =
+            rate.chunks_exact(len.max(1)).map(|block| measured(block, rate_hz, &lengths)).collect();
+        let of = |&m: &u64| {
+            let all = || blocks.iter().flatten().filter(move |found| found.m == m);
+            let count = all().count() as f64;
+            let log = |found: &Deviation| 2.0 * libm::log(found.dev);
+            let mean = all().map(log).sum::<f64>() / count;
+            let squares = all().map(|found| libm::pow(log(found) - mean, 2.0)).sum::<f64>();
+            let terms = all().map(|found| found.n as f64).sum::<f64>() / count;
+            let freedom = model.freedom(m, len as u64) * terms / (len as u64 + 1 - 2 * m) as f64;
+            (count >= 2.0).then(|| OfLength { m, variance: squares / (count - 1.0), chance: 2.0 / freedom })
         };
-        Self { by_length: lengths.iter().enumerate().map(extra).collect() }
+        Self { by_length: lengths.iter().filter_map(of).collect() }
     }
 
     /// Mean of three octaves around an averaging time. The last of them hold beyond.
     pub(super) fn near(&self, m: u64) -> f64 {
-        let at = self.by_length.partition_point(|(length, _)| *length < m).min(self.by_length.len().max(1) - 1);
+        let at = self.by_length.partition_point(|of| of.m < m).min(self.by_length.len().max(1) - 1);
         let near = &self.by_length[at.saturating_sub(1)..(at + 2).min(self.by_length.len())];
-        near.iter().map(|(_, extra)| extra).sum::<f64>() / near.len().max(1) as f64
+        near.iter().map(OfLength::extra).sum::<f64>() / near.len().max(1) as f64
     }
 
-    /// The variance of ln N in the mean of the record, around the averaging time at which white noise is most of the
-    /// curve.
+    /// The variance of ln N in the mean of the record, from the shortest averaging time at which the curve is white
+    /// noise, or else from the one at which it is most nearly so.
     pub(super) fn variance_of_ln_n(&self, rate_hz: f64, n2: f64, model: &Model) -> f64 {
-        let white = |m: u64| n2 * rate_hz / m as f64 / model.allan_variance(m);
-        let lengths = self.by_length.iter().map(|(m, _)| *m);
-        let middle = lengths.max_by(|&a, &b| white(a).total_cmp(&white(b)));
+        let off_white = |of: &OfLength| libm::fabs(libm::log(n2 * rate_hz / of.m as f64 / model.allan_variance(of.m)));
+        let nearest = || self.by_length.iter().min_by(|a, b| off_white(a).total_cmp(&off_white(b)));
+        let white = self.by_length.iter().find(|of| off_white(of) < WHITE).or_else(nearest);
         // ln σ² is 2 ln N
-        middle.map_or(0.0, |m| self.near(m)) / 4.0 / BLOCKS as f64
+        white.map_or(0.0, OfLength::significant) / 4.0 / BLOCKS as f64
     }
 }
 
@@ -81,8 +107,8 @@ pub(super) fn halves(rate: &[f64], rate_hz: f64, model: &Model) -> Option<Differ
     Some(Difference { tau_s: a.m as f64 / rate_hz, ratio: a.dev / b.dev })
 }
 
-/// ln σ² at each length that can be computed.
-fn logs(rate: &[f64], rate_hz: f64, lengths: &[u64]) -> Vec<f64> {
+/// The deviation at each length that can be computed.
+fn measured(rate: &[f64], rate_hz: f64, lengths: &[u64]) -> Vec<Deviation> {
     let found = deviations(&Input::Rate(rate), rate_hz, Stat::Oadev, lengths);
-    found.into_iter().flatten().filter(|found| found.dev > 0.0).map(|found| 2.0 * libm::log(found.dev)).collect()
+    found.into_iter().flatten().filter(|found| found.dev > 0.0).collect()
 }
