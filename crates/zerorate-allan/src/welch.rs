@@ -1,6 +1,5 @@
 //! The density of a spectrum as drawn: Welch's estimate, averaged evenly in the logarithm of frequency.
 
-use super::{Fit, Term};
 use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
@@ -81,37 +80,6 @@ fn averaged(power: &[f64], step_hz: f64) -> Vec<Density> {
         from = to;
     }
     all
-}
-
-impl Fit {
-    /// The density that the model has at a frequency of a record sampled `rate_hz` times per second: two-sided,
-    /// unit²/Hz, without lines, ramp and warm-up.
-    #[must_use]
-    pub fn density(&self, frequency_hz: f64, rate_hz: f64) -> f64 {
-        let omega = 2.0 * PI * frequency_hz;
-        let half = PI * frequency_hz / rate_hz;
-        let sinc = half / libm::sin(half);
-        let square = |x: f64| x * x;
-        let of_term = |term: &Term| match term {
-            Term::GaussMarkov { sigma, tau_s } => {
-                2.0 * square(sigma.value) * tau_s.value / (1.0 + square(omega * tau_s.value))
-            }
-            _ => 0.0,
-        };
-        let shape = |term: &Term| match term {
-            Term::BandShape { cosines, pole } => {
-                let cosine = |(j, a): (usize, &f64)| a * (libm::cos(2.0 * (j + 1) as f64 * half) - 1.0);
-                let low_pass = |p: f64| square(1.0 - p) / (1.0 + p * p - 2.0 * p * libm::cos(2.0 * half));
-                libm::exp(cosines.iter().enumerate().map(cosine).sum()) * pole.map_or(1.0, low_pass)
-            }
-            _ => 1.0,
-        };
-        square(self.n.value) * self.terms.iter().map(shape).product::<f64>()
-            + self.q.as_ref().map_or(0.0, |q| square(2.0 * q.value * rate_hz * libm::sin(half)))
-            + square(self.b.value) / omega
-            + square(self.k.value * sinc / omega)
-            + self.terms.iter().map(of_term).sum::<f64>()
-    }
 }
 
 #[cfg(test)]

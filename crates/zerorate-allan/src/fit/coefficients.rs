@@ -35,7 +35,8 @@ impl Coefficients<'_> {
         let identified = lo > 0.0 && !self.is_rejected;
         let needed_s = (lo <= 0.0 && !self.is_rejected).then(|| {
             let taken = value.max(hi / 2.0);
-            record_length::needed_s(&self.chosen.found, self.samples, self.rate_hz, place, taken * taken)
+            let band = (self.rate_hz, self.chosen.problem.table.top_hz);
+            record_length::needed_s(&self.chosen.found, self.samples, band, place, taken * taken)
         });
         Coefficient { value, lo: lo.min(value), hi: hi.max(value), identified, needed_s }
     }

@@ -1,6 +1,7 @@
 //! The share of each noise in the expected power of a bin.
 
 use super::bins::Bin;
+use super::{Fit, Term};
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
@@ -19,6 +20,8 @@ const FLICKER: [f64; 20] = [
 #[derive(Clone, Debug)]
 pub(super) struct Table {
     pub(super) rate_hz: f64,
+    /// The upper end of the white noise's shape, Hz.
+    pub(super) top_hz: f64,
     /// Length of the record, s.
     pub(super) span_s: f64,
     pub(super) rows: Vec<BinRow>,
@@ -43,10 +46,31 @@ pub(super) struct BinRow {
 }
 
 impl Table {
+    /// A table whose shape ends at half the rate.
     pub(super) fn new(bins: impl Iterator<Item = Bin>, low: &[f64], samples: usize, rate_hz: f64) -> Self {
         let span_s = samples as f64 / rate_hz;
         let rows = bins.map(|bin| BinRow::new(bin, span_s, rate_hz)).collect();
-        Self { rate_hz, span_s, rows, low: low[..low.len().min(LOW)].to_vec() }
+        Self { rate_hz, top_hz: rate_hz / 2.0, span_s, rows, low: low[..low.len().min(LOW)].to_vec() }
+    }
+
+    /// The same rows with a shape that ends at `top_hz`. It is level above.
+    pub(super) fn with_top(mut self, top_hz: f64) -> Self {
+        self.top_hz = top_hz;
+        for row in &mut self.rows {
+            row.cosines = cosines(shape_angle(row.f_hz, self.rate_hz, top_hz));
+        }
+        self
+    }
+
+    /// The rows up to `top_hz`, where their shape ends.
+    pub(super) fn below(&self, top_hz: f64) -> Self {
+        let rows = self.rows.iter().filter(|row| is_below(row.to_hz, top_hz)).cloned().collect();
+        Self { rows, low: self.low.clone(), ..*self }.with_top(top_hz)
+    }
+
+    /// Whether part of the spectrum is left out at its upper end.
+    pub(super) fn is_cut(&self) -> bool {
+        !is_below(self.rate_hz / 2.0, self.top_hz)
     }
 
     /// All rows of several records, from the lowest frequency on. The phase of drifts is not used.
@@ -55,7 +79,8 @@ impl Table {
         rows.sort_by(|a, b| a.f_hz.total_cmp(&b.f_hz));
         let span_s = tables.iter().map(|table| table.span_s).fold(0.0, f64::max);
         let rate_hz = tables.iter().map(|table| table.rate_hz).sum::<f64>() / tables.len().max(1) as f64;
-        Self { rate_hz, span_s, rows, low: Vec::new() }
+        let top_hz = tables.iter().map(|table| table.top_hz).fold(rate_hz / 2.0, f64::min);
+        Self { rate_hz, top_hz, span_s, rows, low: Vec::new() }
     }
 
     /// Takes a drift of this size out of the first coefficients.
@@ -73,6 +98,23 @@ impl Table {
     pub(super) fn singles(&self) -> usize {
         self.rows.iter().take_while(|row| row.bin.is_single() && row.bin.first <= self.low.len()).count()
     }
+}
+
+/// Whether a bin that ends at `to_hz` is below `top_hz`. The last bin may end a little above half the rate.
+pub(super) fn is_below(to_hz: f64, top_hz: f64) -> bool {
+    to_hz <= 1.0001 * top_hz
+}
+
+/// The angle of the shape's cosines θ, with sin²(θ/2) = sin²(πf·dt)/sin²(π`top_hz`·dt): 2πf·dt where the shape ends at
+/// half the rate, and π from `top_hz` on.
+pub(super) fn shape_angle(f_hz: f64, rate_hz: f64, top_hz: f64) -> f64 {
+    let ratio = libm::sin(PI * f_hz / rate_hz) / libm::sin(PI * top_hz / rate_hz);
+    2.0 * libm::asin(if f_hz < top_hz { ratio.min(1.0) } else { 1.0 })
+}
+
+/// cos jθ − 1.
+fn cosines(angle: f64) -> [f64; MOST_COSINES] {
+    core::array::from_fn(|j| libm::cos((j + 1) as f64 * angle) - 1.0)
 }
 
 impl BinRow {
@@ -96,7 +138,7 @@ impl BinRow {
             walk: walk / (4.0 * PI * PI) * sampled * sampled,
             flicker: flicker / (2.0 * PI),
             quantisation: 4.0 * sin * sin * rate_hz * rate_hz,
-            cosines: core::array::from_fn(|j| libm::cos((j + 1) as f64 * 2.0 * half_angle) - 1.0),
+            cosines: cosines(2.0 * half_angle),
         }
     }
 
@@ -176,6 +218,38 @@ impl Drift {
                 difference * difference * mean / 2.0
             }
         }
+    }
+}
+
+impl Fit {
+    /// The density that the model has at a frequency of a record sampled `rate_hz` times per second: two-sided,
+    /// unit²/Hz, without lines, ramp and warm-up. It holds up to `max_freq_hz`.
+    #[must_use]
+    pub fn density(&self, frequency_hz: f64, rate_hz: f64) -> f64 {
+        let omega = 2.0 * PI * frequency_hz;
+        let half = PI * frequency_hz / rate_hz;
+        let sinc = half / libm::sin(half);
+        let square = |x: f64| x * x;
+        let of_term = |term: &Term| match term {
+            Term::GaussMarkov { sigma, tau_s } => {
+                2.0 * square(sigma.value) * tau_s.value / (1.0 + square(omega * tau_s.value))
+            }
+            _ => 0.0,
+        };
+        let shape = |term: &Term| match term {
+            Term::BandShape { cosines, pole } => {
+                let angle = shape_angle(frequency_hz, rate_hz, self.max_freq_hz);
+                let cosine = |(j, a): (usize, &f64)| a * (libm::cos((j + 1) as f64 * angle) - 1.0);
+                let low_pass = |p: f64| square(1.0 - p) / (1.0 + p * p - 2.0 * p * libm::cos(angle));
+                libm::exp(cosines.iter().enumerate().map(cosine).sum()) * pole.map_or(1.0, low_pass)
+            }
+            _ => 1.0,
+        };
+        square(self.n.value) * self.terms.iter().map(shape).product::<f64>()
+            + self.q.as_ref().map_or(0.0, |q| square(2.0 * q.value * rate_hz * libm::sin(half)))
+            + square(self.b.value) / omega
+            + square(self.k.value * sinc / omega)
+            + self.terms.iter().map(of_term).sum::<f64>()
     }
 }
 

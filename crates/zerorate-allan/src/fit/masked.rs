@@ -1,7 +1,7 @@
 //! The masked part of the spectrum, which was left out of the fit because it is in a line.
 
 use super::bins::Bin;
-use super::density::{BinRow, Table};
+use super::density::{BinRow, Table, is_below};
 use super::lines::{Line, Narrow};
 use super::scoring::{ModelForm, N2, Problem};
 use super::select::Selection;
@@ -98,11 +98,13 @@ impl Masked {
 
     pub(super) fn of(spectrum: &Spectrum, chosen: &Selection, rate_hz: f64) -> Self {
         let kept = |bin: &Bin| chosen.problem.table.rows.iter().any(|row| row.bin.first == bin.first);
-        let masked: Vec<Bin> = spectrum.bins.iter().filter(|bin| !kept(bin)).copied().collect();
-        let table = Table::new(masked.iter().copied(), &[], spectrum.samples, rate_hz);
+        let top_hz = chosen.problem.table.top_hz;
+        let hz = rate_hz / (2.0 * spectrum.samples as f64);
+        let is_masked = |bin: &&Bin| is_below((bin.end as f64 - 0.5) * hz, top_hz) && !kept(bin);
+        let masked: Vec<Bin> = spectrum.bins.iter().filter(is_masked).copied().collect();
+        let table = Table::new(masked.iter().copied(), &[], spectrum.samples, rate_hz).with_top(top_hz);
         let own = &chosen.found;
         let smooth = Problem::new(table, 0.0).density(&ModelForm { drift: None, ..own.form }, &own.at);
-        let hz = rate_hz / (2.0 * spectrum.samples as f64);
         let mut found = Self { sines: Vec::new(), lines: Vec::new(), runs: Vec::new(), tail_at_zero: 0.0 };
         let mut runs: Vec<Vec<(f64, Bin)>> = Vec::new();
         for (bin, smooth) in masked.iter().zip(smooth) {

@@ -8,6 +8,7 @@
 //!
 //! `docs/noise-models.md` describes the terms, which of them cannot be told apart, and the measured errors.
 
+mod band;
 mod bins;
 mod coefficients;
 mod density;
@@ -40,6 +41,7 @@ use core::fmt;
 use density::{Drift, Table};
 pub use lines::Line;
 use masked::Masked;
+use model::Measured;
 pub use model::Model;
 pub use motion::{Motion, MotionKind, motion};
 pub use pool::{Apart, Differs, Pool, PoolError, PoolRecord, Spread, fit_pool};
@@ -63,12 +65,14 @@ pub struct FitOptions {
     pub cut_glitches: bool,
     /// Take jumps of the level out. One of 0.05 °/s in an hour otherwise makes five times the random walk.
     pub remove_steps: bool,
+    /// The upper end of the model, Hz. Where it is none, the data choose it.
+    pub max_freq_hz: Option<f64>,
 }
 
 impl Default for FitOptions {
     /// Unit of the input, without glitches and steps.
     fn default() -> Self {
-        Self { scale: 1.0, cut_glitches: true, remove_steps: true }
+        Self { scale: 1.0, cut_glitches: true, remove_steps: true, max_freq_hz: None }
     }
 }
 
@@ -93,8 +97,8 @@ pub enum Term {
         /// Correlation time, s.
         tau_s: Estimate,
     },
-    /// The shape of white noise that is not white. Its density is N²·exp Σ a_j (cos 2πjf·dt − 1), and with a pole p
-    /// that times (1 − p)²/(1 + p² − 2p cos 2πf·dt).
+    /// The shape of white noise that is not white. Its density is N²·exp Σ a_j (cos jθ − 1) with sin(θ/2) = sin(πf·dt)
+    /// over sin(πf_max·dt), and with a pole p that times (1 − p)²/(1 + p² − 2p cos θ).
     BandShape {
         /// a_1, a_2 …
         cosines: Vec<f64>,
@@ -153,6 +157,9 @@ pub struct Fit {
     pub p_value: f64,
     /// The model is wrong by more than [`MOST_ERROR`]: nothing is identified.
     pub is_rejected: bool,
+    /// The frequency up to which the model holds, Hz. Above it the sensor's filter shapes the noise, and the Allan
+    /// variance is that of the measured spectrum.
+    pub max_freq_hz: f64,
     /// Shortest and longest averaging time that the model covers, s.
     pub span_s: (f64, f64),
     /// The glitches and steps that were taken out before.
@@ -307,7 +314,7 @@ pub fn fit(input: &Input<'_>, rate_hz: f64, options: &FitOptions) -> Result<Fit,
         cleaned.glitches = firsts.len() as u64;
         cleaned.glitches_s = firsts.into_iter().map(|first| first as f64 / rate_hz).collect();
     }
-    let found = without_steps(&mut rate, rate_hz, options.remove_steps, &mut cleaned)?;
+    let found = without_steps(&mut rate, rate_hz, options, &mut cleaned)?;
     warnings.extend(cleaned.steps.iter().map(|step| AllanWarning::Step { at_s: step.at_s, size: step.size }));
     if !cleaned.put_back.is_empty() {
         warnings.push(AllanWarning::ManySteps { most: MOST_STEPS });
@@ -324,11 +331,11 @@ pub fn fit(input: &Input<'_>, rate_hz: f64, options: &FitOptions) -> Result<Fit,
 fn without_steps(
     rate: &mut Vec<f64>,
     rate_hz: f64,
-    remove: bool,
+    options: &FitOptions,
     cleaned: &mut Cleaned,
 ) -> Result<(Spectrum, Selection), FitError> {
-    let first = selected(rate, rate_hz)?;
-    if !remove {
+    let first = selected(rate, rate_hz, options.max_freq_hz)?;
+    if !options.remove_steps {
         return Ok(first);
     }
     let (mut whole, mut now, mut steps) = (None, first.clone(), Vec::new());
@@ -341,16 +348,22 @@ fn without_steps(
         whole.get_or_insert_with(|| rate.clone());
         rate[step.index..].iter_mut().for_each(|value| *value -= step.size);
         steps.push(Step { at_s: step.index as f64 / rate_hz, size: step.size });
-        now = selected(rate, rate_hz)?;
+        now = selected(rate, rate_hz, options.max_freq_hz)?;
     }
     steps.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
     cleaned.steps = steps;
     Ok(now)
 }
 
-fn selected(rate: &[f64], rate_hz: f64) -> Result<(Spectrum, Selection), FitError> {
+fn selected(rate: &[f64], rate_hz: f64, max_freq_hz: Option<f64>) -> Result<(Spectrum, Selection), FitError> {
     let (spectrum, table) = fitted(rate, rate_hz)?;
-    let selection = select::select(table).ok_or(FitError::NotFinite)?;
+    let up_to = |top_hz: f64| select::select(table.below(top_hz)).ok_or(FitError::NotFinite);
+    let selection = match max_freq_hz {
+        Some(max_freq_hz) => up_to(max_freq_hz.min(rate_hz / 2.0))?,
+        None => Some(up_to(rate_hz / 2.0)?)
+            .filter(Selection::has_plain_form)
+            .map_or_else(|| up_to(band::top_hz(&table)), Ok)?,
+    };
     Ok((spectrum, selection))
 }
 
@@ -380,14 +393,17 @@ fn described(
     let tail_at_zero = masked.tail_at_zero;
     let all = masked.with_narrow(&spectrum.narrow);
     let sines = all.iter().flat_map(|whole| whole.sines.iter().copied()).collect();
-    let lines: Vec<Line> = all.iter().map(|whole| whole.line).collect();
-    let model = Model::new(&chosen.found, sines, rate_hz, raw.record_s)?;
+    let top_hz = chosen.problem.table.top_hz;
+    let lines: Vec<Line> = all.iter().map(|whole| whole.line).filter(|line| line.frequency_hz < top_hz).collect();
+    let above = spectrum.above(top_hz, rate_hz);
+    let measured = Measured { rate_hz, record_s: raw.record_s, top_hz, above, sines };
+    let model = Model::new(&chosen.found, &measured)?;
     let is_rejected = chosen.problem.error > MOST_ERROR;
     let coefficients = Coefficients { samples: spectrum.samples, chosen: &chosen, rate_hz, is_rejected };
     let own = &chosen.found;
     let scatter = Scatter::of(rate, rate_hz, &model);
     let widening = libm::sqrt(scatter.variance_of_ln_n(rate_hz, own.at[N2], &model));
-    let doubt = Doubt::of((&chosen.problem, own), &model, Some(&scatter), (rate_hz, raw.record_s))?;
+    let doubt = Doubt::of((&chosen.problem, own), &model, &measured, Some(&scatter))?;
     let (chi2, freedom) = select::chi2(&chosen.problem, own);
     let fit = Fit {
         n: coefficients.n(widening, tail_at_zero),
@@ -400,6 +416,7 @@ fn described(
         model_error: chosen.problem.error,
         p_value: chi2_above(chi2, freedom),
         is_rejected,
+        max_freq_hz: top_hz,
         span_s: (1.0 / rate_hz, raw.record_s / 2.0),
         cleaned: Cleaned::default(),
         warnings: Vec::new(),

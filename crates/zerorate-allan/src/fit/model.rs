@@ -1,6 +1,6 @@
 //! The Allan variance of a fitted model, and the variance of its overlapping estimate.
 
-use super::density::Drift;
+use super::density::{Drift, shape_angle};
 use super::prediction::{Doubt, Variances};
 use super::scoring::{B2, Found, K2, N2, Q2, shape};
 use super::transform::autocovariance;
@@ -11,8 +11,10 @@ use alloc::vec::Vec;
 use core::f64::consts::PI;
 use realfft::FftError;
 
-/// Lags of the autocovariance of the short noise (white, with its band shape, and quantisation).
+/// Lags of the autocovariance of the short noise (white, with its band shape, and quantisation): this many where the
+/// model reaches half the rate, and more where it ends lower, up to the most.
 const LAGS: usize = 256;
+const MOST_LAGS: usize = 16_384;
 /// Up to this many samples the covariance of two estimates is summed lag by lag from the autocovariance itself.
 const LONGEST_EXACT: u64 = 64;
 /// Lags per averaging time beyond, and the averaging times that they reach.
@@ -35,32 +37,78 @@ pub struct Model {
     doubt: Doubt,
 }
 
-impl Model {
-    pub(super) fn new(found: &Found, sines: Vec<(f64, f64)>, rate_hz: f64, record_s: f64) -> Result<Self, FftError> {
-        let form = &found.form;
-        let density = |i: usize| {
-            let angle = PI * i as f64 / LAGS as f64;
-            let sin = libm::sin(angle / 2.0);
-            found.at[N2] * shape(form, &found.at, angle) + found.at[Q2] * 4.0 * sin * sin * rate_hz * rate_hz
+/// The record of a model, and the part of its spectrum that is taken as measured.
+#[derive(Clone, Debug)]
+pub(super) struct Measured {
+    pub(super) rate_hz: f64,
+    pub(super) record_s: f64,
+    /// The upper end of the model, Hz.
+    pub(super) top_hz: f64,
+    /// Frequency and density of the bins above it.
+    pub(super) above: Vec<(f64, f64)>,
+    /// Variance and frequency of each sine.
+    pub(super) sines: Vec<(f64, f64)>,
+}
+
+impl Measured {
+    /// The density above the upper end, linear between the bins.
+    fn density(&self, f_hz: f64) -> Option<f64> {
+        let next = self.above.partition_point(|(middle_hz, _)| *middle_hz < f_hz);
+        let (_, level) = *self.above.get(next).or(self.above.last()).filter(|_| f_hz > self.top_hz)?;
+        let (Some((from_hz, from)), Some((to_hz, to))) = (self.above.get(next.wrapping_sub(1)), self.above.get(next))
+        else {
+            return Some(level);
         };
-        let densities: Vec<f64> = (0..=LAGS).map(density).collect();
-        let mut short = autocovariance(&densities, rate_hz)?;
-        short.truncate(LAGS);
+        Some(from + (to - from) * (f_hz - from_hz) / (to_hz - from_hz))
+    }
+
+    fn lags(&self) -> usize {
+        let octaves = libm::ceil(libm::log2(self.rate_hz / 2.0 / self.top_hz) - 1e-3);
+        ((LAGS as f64 * libm::exp2(octaves)) as usize).clamp(LAGS, MOST_LAGS)
+    }
+}
+
+impl Model {
+    pub(super) fn new(found: &Found, measured: &Measured) -> Result<Self, FftError> {
+        let form = &found.form;
+        let &Measured { rate_hz, record_s, top_hz, .. } = measured;
         let markov = |index| {
             let place = form.markov(index);
             (found.at[place], libm::exp(found.at[place + 1]))
         };
-        Ok(Self {
+        let mut model = Self {
             rate_hz,
             record_s,
-            short,
+            short: Vec::new(),
             b2: found.at[B2],
             k2: found.at[K2],
             markovs: (0..form.markovs).map(markov).collect(),
             drift: form.drift.map(|drift| (drift, found.drift)),
-            sines,
+            sines: measured.sines.clone(),
             doubt: Doubt::default(),
-        })
+        };
+        let lags = measured.lags();
+        let density = |i: usize| {
+            let f_hz = rate_hz / 2.0 * i as f64 / lags as f64;
+            if let Some(power) = measured.density(f_hz) {
+                return power - model.slow_density(f_hz);
+            }
+            let sin = libm::sin(PI * f_hz / rate_hz);
+            let white = found.at[N2] * shape(form, &found.at, shape_angle(f_hz, rate_hz, top_hz));
+            white + found.at[Q2] * 4.0 * sin * sin * rate_hz * rate_hz
+        };
+        let densities: Vec<f64> = (0..=lags).map(density).collect();
+        model.short = autocovariance(&densities, rate_hz)?;
+        model.short.truncate(lags);
+        Ok(model)
+    }
+
+    /// The density of flicker, random walk and Gauss–Markov terms.
+    fn slow_density(&self, f_hz: f64) -> f64 {
+        let omega = 2.0 * PI * f_hz;
+        let sampled = 2.0 * self.rate_hz * libm::sin(PI * f_hz / self.rate_hz);
+        let markov = |&(variance, t): &(f64, f64)| 2.0 * variance * t / (1.0 + omega * t * omega * t);
+        self.b2 / omega + self.k2 / (sampled * sampled) + self.markovs.iter().map(markov).sum::<f64>()
     }
 
     pub(super) fn with(self, doubt: Doubt) -> Self {

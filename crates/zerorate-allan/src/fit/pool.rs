@@ -6,7 +6,7 @@
 
 use super::coefficients::Coefficients;
 use super::density::Table;
-use super::model::Model;
+use super::model::{Measured, Model};
 use super::prediction::Doubt;
 use super::remarks::{Raw, remarks};
 use super::scoring::{B2, N2, Problem};
@@ -157,16 +157,17 @@ const SLOW_LIMIT: f64 = 18.5;
 /// [`PoolError`] where fewer than two records are alike, or rates differ.
 pub fn fit_pool(records: &[PoolRecord<'_>]) -> Result<Pool, PoolError> {
     same_rates(records)?;
-    let tables = records.iter().map(table).collect::<Result<Vec<Table>, FitError>>()?;
+    let top_hz = records.iter().map(|record| record.fit.max_freq_hz).fold(f64::INFINITY, f64::min);
+    let parts = records.iter().map(|record| parts(record, top_hz)).collect::<Result<Vec<Parts>, FitError>>()?;
     let mut apart = unlike(records);
     let mut used: Vec<usize> = (0..records.len()).filter(|i| apart.iter().all(|apart| apart.record != *i)).collect();
     let chosen = loop {
         if used.len() < 2 {
             return Err(PoolError::NothingInCommon);
         }
-        let of_these: Vec<&Table> = used.iter().map(|&i| &tables[i]).collect();
+        let of_these: Vec<&Table> = used.iter().map(|&i| &parts[i].table).collect();
         let chosen = select(Table::pooled(&of_these)).ok_or(FitError::NotFinite)?;
-        let gains = used.iter().map(|&i| (i, slow_gain(&tables[i], &chosen, records[i].fit)));
+        let gains = used.iter().map(|&i| (i, slow_gain(&parts[i].table, &chosen, records[i].fit)));
         let Some((record, gain)) = gains.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, gain)| *gain > SLOW_LIMIT)
         else {
             break chosen;
@@ -181,7 +182,9 @@ pub fn fit_pool(records: &[PoolRecord<'_>]) -> Result<Pool, PoolError> {
     apart.sort_by_key(|apart| apart.record);
     let alike: Vec<&PoolRecord<'_>> = used.iter().map(|&i| &records[i]).collect();
     let spread: Vec<Spread> = spreads(&alike);
-    Ok(Pool { fit: common(&alike, &chosen, &spread)?, used, spread, apart })
+    let mut above: Vec<(f64, f64)> = used.iter().flat_map(|&i| parts[i].above.iter().copied()).collect();
+    above.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(Pool { fit: common(&alike, &chosen, &spread, above)?, used, spread, apart })
 }
 
 fn same_rates(records: &[PoolRecord<'_>]) -> Result<(), PoolError> {
@@ -200,12 +203,18 @@ impl PoolRecord<'_> {
     }
 }
 
-fn table(record: &PoolRecord<'_>) -> Result<Table, FitError> {
-    let (_, mut table) = fitted(record.cleaned(), record.rate_hz)?;
+/// The spectrum of a record: what is fitted, and frequency and density of the bins above.
+struct Parts {
+    table: Table,
+    above: Vec<(f64, f64)>,
+}
+
+fn parts(record: &PoolRecord<'_>, top_hz: f64) -> Result<Parts, FitError> {
+    let (spectrum, mut table) = fitted(record.cleaned(), record.rate_hz)?;
     if let Some((drift, size)) = record.fit.model.drift {
         table.remove(drift, size);
     }
-    Ok(table)
+    Ok(Parts { table: table.below(top_hz), above: spectrum.above(top_hz, record.rate_hz) })
 }
 
 /// Records that do not belong to this type, by their own models.
@@ -260,9 +269,14 @@ fn spreads(records: &[&PoolRecord<'_>]) -> Vec<Spread> {
 }
 
 /// The model with its intervals, which hold for the mean of units that differ.
-fn common(records: &[&PoolRecord<'_>], chosen: &Selection, spread: &[Spread]) -> Result<Fit, FitError> {
+fn common(
+    records: &[&PoolRecord<'_>],
+    chosen: &Selection,
+    spread: &[Spread],
+    above: Vec<(f64, f64)>,
+) -> Result<Fit, FitError> {
     let found = &chosen.found;
-    let rate_hz = chosen.problem.table.rate_hz;
+    let Table { rate_hz, top_hz, .. } = chosen.problem.table;
     let samples = records.iter().map(|record| record.cleaned().len()).max().unwrap_or(0);
     let record_s = samples as f64 / rate_hz;
     let is_rejected = chosen.problem.error > MOST_ERROR;
@@ -272,8 +286,9 @@ fn common(records: &[&PoolRecord<'_>], chosen: &Selection, spread: &[Spread]) ->
         own.map_or(0.0, |spread| spread.relative / libm::sqrt(spread.records as f64))
     };
     let (chi2, freedom) = chi2(&chosen.problem, found);
-    let model = Model::new(found, Vec::new(), rate_hz, record_s)?;
-    let doubt = Doubt::of((&chosen.problem, found), &model, None, (rate_hz, record_s))?;
+    let measured = Measured { rate_hz, record_s, top_hz, above, sines: Vec::new() };
+    let model = Model::new(found, &measured)?;
+    let doubt = Doubt::of((&chosen.problem, found), &model, &measured, None)?;
     let fit = Fit {
         n: wider(coefficients.n(0.0, 0.0), of_mean(Noise::AngleRandomWalk)),
         b: wider(coefficients.of(B2), of_mean(Noise::BiasInstability)),
@@ -285,6 +300,7 @@ fn common(records: &[&PoolRecord<'_>], chosen: &Selection, spread: &[Spread]) ->
         model_error: chosen.problem.error,
         p_value: chi2_above(chi2, freedom),
         is_rejected,
+        max_freq_hz: top_hz,
         span_s: (1.0 / rate_hz, record_s / 2.0),
         cleaned: Cleaned::default(),
         warnings: Vec::new(),

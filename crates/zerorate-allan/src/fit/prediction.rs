@@ -1,6 +1,6 @@
 //! The uncertainty of a model of one record about another record.
 
-use super::model::Model;
+use super::model::{Measured, Model};
 use super::scoring::{Found, Problem, Q2};
 use super::steadiness::Scatter;
 use crate::linear::Square;
@@ -32,11 +32,11 @@ impl Doubt {
     pub(super) fn of(
         (problem, found): (&Problem, &Found),
         model: &Model,
+        measured: &Measured,
         scatter: Option<&Scatter>,
-        (rate_hz, record_s): (f64, f64),
     ) -> Result<Self, FftError> {
-        let lengths = super::super::octaves((record_s * rate_hz) as usize);
-        let own = own_variance(problem, found, model, &lengths, (rate_hz, record_s))?;
+        let lengths = super::super::octaves((measured.record_s * measured.rate_hz) as usize);
+        let own = own_variance(problem, found, model, &lengths, measured)?;
         let with_scatter = |(m, own)| (m, Variances { own, scatter: scatter.map_or(0.0, |scatter| scatter.near(m)) });
         Ok(Self { by_length: lengths.into_iter().zip(own).map(with_scatter).collect() })
     }
@@ -55,7 +55,7 @@ fn own_variance(
     found: &Found,
     model: &Model,
     lengths: &[u64],
-    (rate_hz, record_s): (f64, f64),
+    measured: &Measured,
 ) -> Result<Vec<f64>, FftError> {
     let curvature = problem.information(found);
     let may_move = |i: usize| i < Q2 || (i > Q2 || found.form.quantised) && problem.is_free(found, i);
@@ -64,9 +64,8 @@ fn own_variance(
     let slope = |&i: &usize| {
         let mut beside = found.clone();
         beside.at[i] += SMALL * deviation(i);
-        let (here, beside) =
-            (Model::new(found, Vec::new(), rate_hz, record_s)?, Model::new(&beside, Vec::new(), rate_hz, record_s)?);
-        let by_length = |&m: &u64| (beside.allan_variance(m) - here.allan_variance(m)) / model.allan_variance(m);
+        let beside = Model::new(&beside, measured)?;
+        let by_length = |&m: &u64| (beside.allan_variance(m) - model.allan_variance(m)) / model.allan_variance(m);
         Ok(lengths.iter().map(by_length).map(|change| change / SMALL).collect::<Vec<f64>>())
     };
     let slopes = free.iter().map(slope).collect::<Result<Vec<Vec<f64>>, FftError>>()?;

@@ -91,7 +91,7 @@ impl<'a> Profile<'a> {
         let curvature = self.problem.information(&self.best);
         let own = curvature.at(self.place, self.place).max(f64::MIN_POSITIVE);
         let conditional = libm::sqrt(2.0 / own);
-        let variance = self.marginal_variance(&curvature, &self.best);
+        let variance = marginal_variance(self.problem, &self.best, self.place, &curvature);
         variance.map_or(conditional, libm::sqrt).clamp(conditional, 10.0 * conditional)
     }
 
@@ -144,20 +144,20 @@ impl<'a> Profile<'a> {
         };
         (0..CELLS).map(slice).sum::<f64>() * width
     }
+}
 
-    /// The variance of the parameter where the curvature of D is this and the other free parameters can move. None
-    /// where that cannot be told.
-    fn marginal_variance(&self, curvature: &Square, found: &Found) -> Option<f64> {
-        let free = |i: &usize| curvature.at(*i, *i) > 0.0 && (*i == self.place || self.problem.is_free(found, *i));
-        let free: Vec<usize> = (0..curvature.n).filter(free).collect();
-        let scale = |i: usize| 1.0 / libm::sqrt(curvature.at(i, i));
-        let cell = |a: usize, b: usize| {
-            let (i, j) = (free[a], free[b]);
-            curvature.at(i, j) * scale(i) * scale(j) + if a == b { 1e-9 } else { 0.0 }
-        };
-        let at = free.iter().position(|&i| i == self.place)?;
-        let factor = Square::from_fn(free.len(), cell).cholesky()?;
-        let unit = (0..free.len()).map(|i| if i == at { 1.0 } else { 0.0 });
-        Some(2.0 * factor.solve(unit)[at] * scale(self.place) * scale(self.place))
-    }
+/// The variance of a parameter where the curvature of D is this and the other free parameters can move. None where
+/// that cannot be told.
+pub(super) fn marginal_variance(problem: &Problem, found: &Found, place: usize, curvature: &Square) -> Option<f64> {
+    let free = |i: &usize| curvature.at(*i, *i) > 0.0 && (*i == place || problem.is_free(found, *i));
+    let free: Vec<usize> = (0..curvature.n).filter(free).collect();
+    let scale = |i: usize| 1.0 / libm::sqrt(curvature.at(i, i));
+    let cell = |a: usize, b: usize| {
+        let (i, j) = (free[a], free[b]);
+        curvature.at(i, j) * scale(i) * scale(j) + if a == b { 1e-9 } else { 0.0 }
+    };
+    let at = free.iter().position(|&i| i == place)?;
+    let factor = Square::from_fn(free.len(), cell).cholesky()?;
+    let unit = (0..free.len()).map(|i| if i == at { 1.0 } else { 0.0 });
+    Some(2.0 * factor.solve(unit)[at] * scale(place) * scale(place))
 }

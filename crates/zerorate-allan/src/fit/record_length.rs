@@ -14,14 +14,14 @@ const ENOUGH: f64 = 7.849;
 ///
 /// `value` is the assumed size of the parameter at `place`. The length is interpolated between two doublings, linear
 /// in logarithms.
-pub(super) fn needed_s(found: &Found, samples: usize, rate_hz: f64, place: usize, value: f64) -> f64 {
+pub(super) fn needed_s(found: &Found, samples: usize, (rate_hz, top_hz): (f64, f64), place: usize, value: f64) -> f64 {
     let length_s = samples as f64 / rate_hz;
     let mut at = found.at.clone();
     at[place] = value;
     let form = ModelForm { drift: None, ..found.form };
     let gain = |doublings: i32| {
         let longer = samples.saturating_mul(1 << doublings);
-        evidence(form, &at, longer, rate_hz, place)
+        evidence(form, &at, Table::new(empty_bins(longer).into_iter(), &[], longer, rate_hz).below(top_hz), place)
     };
     let mut before = gain(0);
     for doublings in 1..=DOUBLINGS {
@@ -37,8 +37,7 @@ pub(super) fn needed_s(found: &Found, samples: usize, rate_hz: f64, place: usize
 }
 
 /// The fall of the deviance through the coefficient when every power has its expected value.
-fn evidence(form: ModelForm, at: &[f64], samples: usize, rate_hz: f64, place: usize) -> f64 {
-    let table = Table::new(empty_bins(samples).into_iter(), &[], samples, rate_hz);
+fn evidence(form: ModelForm, at: &[f64], table: Table, place: usize) -> f64 {
     let mut problem = Problem::new(table, 0.0);
     let expected = problem.density(&form, at);
     problem.set_powers(&expected);

@@ -94,11 +94,6 @@ impl Problem {
         Self { table, nu, error, least_white }
     }
 
-    /// ln Σν, the price of a parameter of the shape.
-    pub(super) fn price(&self) -> f64 {
-        libm::log(self.table.rows.iter().map(|row| row.bin.freedom).sum())
-    }
-
     fn bounds(&self, form: &ModelForm, place: usize) -> (f64, f64) {
         match place {
             N2 => (self.least_white, f64::INFINITY),
@@ -405,7 +400,7 @@ fn one_pole(a: f64, cosine: f64) -> (f64, f64) {
     (square / under, 2.0 * (cosine + 1.0 - a) / under - 2.0 / (1.0 - a))
 }
 
-/// The shape of the white noise over its level at frequency 0, at the angle 2πf·dt.
+/// The shape of the white noise over its level at frequency 0, at the angle of its cosines.
 pub(super) fn shape(form: &ModelForm, at: &[f64], angle: f64) -> f64 {
     let term = |j: usize| at[SHAPE + j] * (libm::cos((j + 1) as f64 * angle) - 1.0);
     let low_pass = if form.pole { one_pole(at[SHAPE + form.cosines], libm::cos(angle) - 1.0).0 } else { 1.0 };

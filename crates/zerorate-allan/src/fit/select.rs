@@ -6,8 +6,8 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 /// The prices: a term must lower −2 ln L by this much. A Gauss–Markov term costs the 1 % point of χ² with two degrees
-/// of freedom, a ramp the 0.1 % point with one, a warm-up the 0.1 % point with two. A cosine of the shape costs ln of
-/// all degrees of freedom. docs/reference/allan.md states how often each is taken where it is absent.
+/// of freedom, a ramp the 0.1 % point with one, a warm-up the 0.1 % point with two, a cosine of the shape the 1.4 %
+/// point with one. docs/reference/allan.md states how often each is taken where it is absent.
 const MARKOV_PRICE: f64 = 9.21;
 /// Added to the price of a term that leaves no flicker, or none that is identified. A few such terms look like
 /// flicker, and where both fit the rule says flicker.
@@ -16,6 +16,7 @@ const INSTEAD_OF_FLICKER: f64 = 9.0;
 const IDENTIFIED: f64 = 3.84;
 const RAMP_PRICE: f64 = 10.8;
 const WARM_UP_PRICE: f64 = 13.8;
+const SHAPE_PRICE: f64 = 6.0;
 const MOST_MARKOVS: usize = 2;
 /// Starts of T, logarithmic from this many samples to this share of the record: the deviance has several minima.
 const STARTS: u32 = 18;
@@ -28,10 +29,14 @@ const WARM_UPS: [f64; 5] = [0.03, 0.06, 0.12, 0.25, 0.5];
 /// Steps of a first look and of a descent, with the gain at which they end.
 const LOOK: (usize, f64) = (8, 1e-2);
 pub(super) const DESCENT: (usize, f64) = (60, 1e-5);
-/// The model error shows where bins hold many coefficients: above this share of the rate.
-const ERROR_ABOVE: f64 = 1.0 / 128.0;
+/// The model error shows where bins hold many coefficients: above this share of the upper end.
+const ERROR_ABOVE: f64 = 1.0 / 64.0;
+/// Neighbouring bins over which the model may be wrong together.
+const RUNS: [usize; 5] = [1, 2, 4, 8, 16];
 /// Standard deviations of the scatter beyond which the model is in error.
 const ERROR_LIMIT: f64 = 3.0;
+/// Added to the limit, because χ² of few bins is skew.
+const SKEW: f64 = 2.0;
 /// A Gauss–Markov term within this factor of a bound is dropped.
 const AT_BOUND: f64 = 1.1;
 
@@ -44,18 +49,28 @@ pub(super) struct Selection {
     pub(super) runner_up: Option<(ModelForm, f64)>,
 }
 
+impl Selection {
+    /// Whether the model holds without cosines, which follow any filter for a while: white noise, with a pole or
+    /// quantisation.
+    pub(super) fn has_plain_form(&self) -> bool {
+        self.found.form.cosines == 0 && self.problem.error == 0.0
+    }
+}
+
 /// A model and its price.
 #[derive(Clone, Debug)]
-struct Priced {
-    found: Found,
-    price: f64,
+pub(super) struct Priced {
+    pub(super) found: Found,
+    pub(super) price: f64,
 }
 
 /// Selects the terms; none where no model has a finite likelihood.
 pub(super) fn select(table: Table) -> Option<Selection> {
     let ideal = Problem::new(table, 0.0);
     let families = families(&ideal);
-    let error = families.iter().map(|best| model_error(&ideal, &best.found)).fold(f64::INFINITY, f64::min);
+    let others = families.iter().flat_map(|best| other_shapes(&ideal, &best.found));
+    let all: Vec<Found> = others.chain(families.iter().map(|best| best.found.clone())).collect();
+    let error = all.iter().map(|found| model_error(&ideal, found)).fold(f64::INFINITY, f64::min);
     let (problem, families) = match error > 0.0 && error.is_finite() {
         true => {
             let problem = Problem::new(ideal.table, error);
@@ -68,21 +83,25 @@ pub(super) fn select(table: Table) -> Option<Selection> {
     let mut all: Vec<Priced> = families.iter().cloned().chain(further).collect();
     all.retain(|candidate| is_sound(&problem, &candidate.found));
     all.sort_by(|a, b| a.price.total_cmp(&b.price));
-    let best = all.first()?.clone();
+    let mut best = all.first()?.clone();
     let slow = |form: &ModelForm| (form.markovs, form.drift.is_some());
     let other = all.iter().find(|other| slow(&other.found.form) != slow(&best.found.form));
     let runner_up = other.map(|other| (other.found.form, other.price - best.price));
+    if best.found.form.cosines > 0 {
+        // a shape as plain as the data allow pulls N, and its interval does not know
+        best.found = with_cosine(&problem, &best.found);
+    }
     best.price.is_finite().then_some(Selection { problem, found: best.found, runner_up })
 }
 
-fn priced(problem: &Problem, found: Found) -> Priced {
+pub(super) fn priced(problem: &Problem, found: Found) -> Priced {
     let form = &found.form;
     let drift = match form.drift {
         None => 0.0,
         Some(Drift::Ramp) => RAMP_PRICE,
         Some(Drift::WarmUp { .. }) => WARM_UP_PRICE,
     };
-    let shape = problem.price() * (form.shape() + usize::from(form.quantised)) as f64;
+    let shape = SHAPE_PRICE * (form.shape() + usize::from(form.quantised)) as f64;
     let instead = if form.markovs > 0 && !has_flicker(problem, &found) { INSTEAD_OF_FLICKER } else { 0.0 };
     let price = found.deviance + shape + MARKOV_PRICE * form.markovs as f64 + instead + drift;
     Priced { found, price }
@@ -119,15 +138,13 @@ fn family(problem: &Problem, markovs: usize, fewer: &[Found]) -> (Option<Priced>
     let mut all: Vec<Found> = Vec::new();
     let mut best: Option<Priced> = None;
     let mut worse = 0;
-    for cosines in 0..=MOST_COSINES {
+    for (index, cosines) in (fewest_cosines(problem)..=MOST_CHOSEN).enumerate() {
         let mut tried: Vec<Found> = all.last().map(|before| with_cosine(problem, before)).into_iter().collect();
-        match (markovs, fewer.get(cosines)) {
-            (0, _) => tried.push(problem.descend(
-                ModelForm { cosines, ..ModelForm::PLAIN },
-                &start(problem, cosines),
-                None,
-                DESCENT,
-            )),
+        match (markovs, fewer.get(index)) {
+            (0, _) => {
+                let form = ModelForm { cosines, ..ModelForm::PLAIN };
+                tried.push(problem.descend(form, &start(problem, cosines), None, DESCENT));
+            }
             (_, Some(fewer)) => tried.extend(with_markov(problem, fewer)),
             (_, None) => break,
         }
@@ -145,8 +162,16 @@ fn family(problem: &Problem, markovs: usize, fewer: &[Found]) -> (Option<Priced>
     (best, all)
 }
 
+/// The most cosines that are chosen; the result has one more.
+pub(super) const MOST_CHOSEN: usize = MOST_COSINES - 1;
+
+/// Below half the rate something bends the spectrum at the upper end.
+pub(super) fn fewest_cosines(problem: &Problem) -> usize {
+    usize::from(problem.table.is_cut())
+}
+
 /// Start values: the median of the upper band is white, the first coefficients are flicker and random walk.
-fn start(problem: &Problem, cosines: usize) -> Vec<f64> {
+pub(super) fn start(problem: &Problem, cosines: usize) -> Vec<f64> {
     let rows = &problem.table.rows;
     let mut upper: Vec<f64> = rows.iter().filter(|row| is_upper(problem, row.f_hz)).map(|row| row.bin.power).collect();
     upper.sort_unstable_by(f64::total_cmp);
@@ -161,17 +186,17 @@ fn start(problem: &Problem, cosines: usize) -> Vec<f64> {
 }
 
 pub(super) fn is_upper(problem: &Problem, f_hz: f64) -> bool {
-    f_hz > ERROR_ABOVE * problem.table.rate_hz
+    f_hz > ERROR_ABOVE * problem.table.top_hz
 }
 
-fn with_cosine(problem: &Problem, before: &Found) -> Found {
+pub(super) fn with_cosine(problem: &Problem, before: &Found) -> Found {
     let mut at = before.at.clone();
     at.insert(SHAPE + before.form.cosines, 0.0);
     problem.descend(ModelForm { cosines: before.form.cosines + 1, ..before.form }, &at, None, DESCENT)
 }
 
 /// Adds a Gauss–Markov term: from every start a short way, and from the best to the end.
-fn with_markov(problem: &Problem, fewer: &Found) -> Vec<Found> {
+pub(super) fn with_markov(problem: &Problem, fewer: &Found) -> Vec<Found> {
     let table = &problem.table;
     let (first, last) = (FIRST_START / table.rate_hz, LAST_START * table.span_s);
     if last <= first {
@@ -215,7 +240,7 @@ const MANY_COSINES: usize = 2;
 
 fn other_shapes(problem: &Problem, found: &Found) -> Vec<Found> {
     let mut all = Vec::new();
-    if found.form.cosines == 0 {
+    if found.form.cosines == 0 || problem.table.is_cut() {
         return all;
     }
     let mut at = found.at.clone();
@@ -236,25 +261,33 @@ fn other_shapes(problem: &Problem, found: &Found) -> Vec<Found> {
     all
 }
 
-fn is_sound(problem: &Problem, found: &Found) -> bool {
+pub(super) fn is_sound(problem: &Problem, found: &Found) -> bool {
     let table = &problem.table;
     let (shortest, longest) = (AT_BOUND * SHORTEST / table.rate_hz, LONGEST * table.span_s / AT_BOUND);
     let tau_s = |index| libm::exp(found.at[found.form.markov(index) + 1]);
     (0..found.form.markovs).all(|index| tau_s(index) > shortest && tau_s(index) < longest)
 }
 
-/// The relative error of the model that makes the bins scatter as they should; 0 if they do.
+/// The relative error of the model that makes the bins scatter as they should; 0 if they do. An error that runs of
+/// neighbouring bins share counts as the error that as many bins would have on their own.
 pub(super) fn model_error(problem: &Problem, found: &Found) -> f64 {
     let rows = problem.table.rows.iter().zip(&found.density).filter(|(row, _)| is_upper(problem, row.f_hz));
-    let pulls: Vec<(f64, f64)> = rows
-        .map(|(row, density)| {
-            let off = row.bin.power / density - 1.0;
-            (off * off, row.bin.freedom)
-        })
-        .collect();
-    let freedom = pulls.len() as f64 - found.form.shape() as f64 - 1.0;
+    let off: Vec<(f64, f64)> = rows.map(|(row, density)| (row.bin.power / density - 1.0, row.bin.freedom)).collect();
+    let of_run = |&run: &usize| libm::sqrt(run as f64) * error_of_runs(&off, run, found.form.shape());
+    RUNS.iter().map(of_run).fold(0.0, f64::max)
+}
+
+/// The error of the means over `run` bins, each off by a share and with its degrees of freedom.
+fn error_of_runs(off: &[(f64, f64)], run: usize, fitted: usize) -> f64 {
+    let mean = |bins: &[(f64, f64)]| {
+        let nu: f64 = bins.iter().map(|(_, nu)| nu).sum();
+        let off = bins.iter().map(|(off, nu)| off * nu).sum::<f64>() / nu;
+        (off * off, nu)
+    };
+    let pulls: Vec<(f64, f64)> = off.chunks_exact(run).map(mean).collect();
+    let freedom = pulls.len() as f64 - fitted as f64 - 1.0;
     let scatter = |error: f64| pulls.iter().map(|(square, nu)| square / (2.0 / nu + error * error)).sum::<f64>();
-    if freedom < 1.0 || scatter(0.0) - freedom < ERROR_LIMIT * libm::sqrt(2.0 * freedom) {
+    if freedom < 1.0 || scatter(0.0) - freedom < ERROR_LIMIT * libm::sqrt(2.0 * freedom) + SKEW {
         return 0.0;
     }
     let (mut low, mut high) = (0.0, 1.0);

@@ -1,7 +1,7 @@
 //! From a record to its bins: one transform of a complete record, two bands of one with gaps.
 
 use super::bins::{Bin, Response, bins, empty_bins};
-use super::density::LOW;
+use super::density::{LOW, is_below};
 use super::lines::{Narrow, take_out_narrow};
 use super::transform::{cosine_transform, smooth_length};
 use alloc::vec::Vec;
@@ -37,6 +37,13 @@ impl Spectrum {
             false => Self::whole(&rate[..smooth_length(rate.len())], rate_hz),
             true => Self::with_gaps(rate, rate_hz),
         }
+    }
+
+    /// Frequency and density of the bins above `top_hz`.
+    pub(super) fn above(&self, top_hz: f64, rate_hz: f64) -> Vec<(f64, f64)> {
+        let hz = rate_hz / (2.0 * self.samples as f64);
+        let above = self.bins.iter().filter(|bin| !is_below((bin.end as f64 - 0.5) * hz, top_hz));
+        above.map(|bin| (bin.middle() * hz, (bin.power - bin.response.offset) / bin.response.white)).collect()
     }
 
     fn whole(rate: &[f64], rate_hz: f64) -> Result<Self, FftError> {

@@ -55,8 +55,12 @@ pub(super) fn largest(
         return Ok(found.map(|step| Candidate { index: step.index * slot, ..step }));
     }
     let n = smooth_length(rate.len());
-    let rows = chosen.problem.table.rows.iter();
-    let density = at_coefficients(rows.map(|row| row.bin.middle()), &chosen.found.density, n - 1);
+    let table = &chosen.problem.table;
+    let fitted = table.rows.iter().map(|row| row.f_hz).zip(chosen.found.density.iter().copied());
+    let hz = rate_hz / (2 * n) as f64;
+    let known: Vec<(f64, f64)> = fitted.chain(spectrum.above(table.top_hz, rate_hz)).collect();
+    let densities: Vec<f64> = known.iter().map(|(_, density)| *density).collect();
+    let density = at_coefficients(known.iter().map(|(f_hz, _)| f_hz / hz), &densities, n - 1);
     scan(&rate[..n], &density.iter().map(|density| density * rate_hz).collect::<Vec<f64>>(), &left_out)
 }
 

@@ -159,7 +159,7 @@ impl AllanArgs {
         let deviations = Options { stat: self.stat, taus, confidence: self.confidence, scale: 1.0 };
         let draws = !self.plot.is_empty() || self.report.is_some();
         let remove_steps = self.steps == Steps::Remove;
-        let fit = FitOptions { scale: 1.0, cut_glitches: !self.keep_glitches, remove_steps };
+        let fit = FitOptions { scale: 1.0, cut_glitches: !self.keep_glitches, remove_steps, max_freq_hz: None };
         let analysis = AnalysisOptions {
             is_phase: self.data == Data::Phase,
             closes_gaps: self.ignore_gaps,

@@ -1,0 +1,146 @@
+//! The frequency up to which the model describes the noise. Above it the sensor's filter shapes the noise.
+//!
+//! N is the level at frequency 0 of noise that a filter shapes from some frequency on. Fitted to the lowest part of
+//! the spectrum, N is right and uncertain. With each step up it is surer, until a shape of few terms no longer follows
+//! the filter. The steps that agree with all lower ones are fair, and the surest of them is taken (Lepski 1991).
+
+use super::MOST_ERROR;
+use super::density::Table;
+use super::profile::marginal_variance;
+use super::scoring::{Found, ModelForm, N2, Problem, SHAPE};
+use super::select::{
+    DESCENT, MOST_CHOSEN, Priced, fewest_cosines, is_sound, model_error, priced, start, with_cosine, with_markov,
+};
+use alloc::vec::Vec;
+
+/// The upper ends that are tried: half the rate and this many steps of half an octave below it, each with at least
+/// this many coefficients.
+const STEPS_DOWN: u32 = 14;
+const FEWEST_COEFFICIENTS: f64 = 1500.0;
+/// At a quarter of the upper end at least this share of the power is white, or its plateau is not seen.
+const PLATEAU: f64 = 0.7;
+/// Standard deviations by which two upper ends may differ in ln N. At 3 a record without a filter loses half an octave
+/// in 3 of 100 cases, at 3.5 in none.
+const AGREE: f64 = 3.5;
+/// The variance of the difference is at least this share of the lower one's.
+const LEAST_DIFFERENCE: f64 = 0.04;
+
+/// A fit up to one frequency.
+struct Look {
+    top_hz: f64,
+    /// ln N and its variance.
+    ln_n: f64,
+    variance: f64,
+    error: f64,
+    /// Whether the plateau is seen, the model holds, and N is that of all lower ends that are fair.
+    is_fair: bool,
+    /// The parameters without the shape.
+    slow: Vec<f64>,
+}
+
+/// The upper end of the model, Hz. A Gauss–Markov term looks like a filter from below, so the scan has one where it
+/// earns its price at the end that it leads to.
+pub(super) fn top_hz(table: &Table) -> f64 {
+    let tops = tops(table);
+    let &[lowest, .., full] = &tops[..] else { return table.top_hz };
+    let middle = tops[tops.len() / 2];
+    let with = |top_hz: f64| {
+        let problem = Problem::new(table.below(top_hz), 0.0);
+        let plain = best(&problem, &[plain_start(&problem)], 0, 2)?;
+        let found = with_markov(&problem, &plain.found);
+        found.into_iter().min_by(|a, b| a.deviance.total_cmp(&b.deviance)).map(|found| without_shape(&found))
+    };
+    let starts = [middle, full].into_iter().filter_map(with).collect();
+    let one = scan(table, &tops, 1, starts).filter(|look| has_memory(table, look));
+    let plain = || Vec::from([plain_start(&Problem::new(table.below(lowest), 0.0))]);
+    let look = one.or_else(|| scan(table, &tops, 0, plain()));
+    look.map_or(full, |look| look.top_hz)
+}
+
+/// The ends that are tried, ascending; none where the record is too short for any.
+fn tops(table: &Table) -> Vec<f64> {
+    let tops = (0..=STEPS_DOWN).rev().map(|step| table.rate_hz / 2.0 * libm::exp2(-f64::from(step) / 2.0));
+    tops.filter(|top_hz| 2.0 * top_hz * table.span_s > FEWEST_COEFFICIENTS).collect()
+}
+
+/// Fits up to each end, from the lowest on, each from the result before.
+fn scan(table: &Table, tops: &[f64], markovs: usize, mut starts: Vec<Vec<f64>>) -> Option<Look> {
+    let mut looks: Vec<Look> = Vec::new();
+    for &top_hz in tops {
+        let look = look(table, top_hz, markovs, &starts, &looks)?;
+        starts = Vec::from([look.slow.clone()]);
+        looks.push(look);
+    }
+    let surest = looks.iter().filter(|look| look.is_fair).min_by(|a, b| a.variance.total_cmp(&b.variance));
+    let holds = || looks.iter().rev().find(|look| look.error < MOST_ERROR);
+    let top_hz = surest.or_else(holds).or(looks.last())?.top_hz;
+    looks.into_iter().find(|look| look.top_hz == top_hz)
+}
+
+fn look(table: &Table, top_hz: f64, markovs: usize, starts: &[Vec<f64>], lower: &[Look]) -> Option<Look> {
+    let mut problem = Problem::new(table.below(top_hz), 0.0);
+    let mut found = best(&problem, starts, markovs, MOST_CHOSEN)?.found;
+    let error = model_error(&problem, &found);
+    if error > 0.0 {
+        problem = Problem::new(problem.table, error);
+        found = best(&problem, &[without_shape(&found)], markovs, MOST_CHOSEN)?.found;
+    }
+    let slow = without_shape(&found);
+    if found.form.shape() > 0 {
+        found = with_cosine(&problem, &found);
+    }
+    let n2 = found.at[N2];
+    let variance = marginal_variance(&problem, &found, N2, &problem.information(&found))? / (4.0 * n2 * n2);
+    let ln_n = libm::log(n2) / 2.0;
+    let agrees = |other: &Look| {
+        let apart = (other.variance - variance).max(LEAST_DIFFERENCE * other.variance);
+        libm::fabs(ln_n - other.ln_n) < AGREE * libm::sqrt(apart)
+    };
+    let is_fair =
+        sees_plateau(&problem, &found) && error < MOST_ERROR && lower.iter().filter(|other| other.is_fair).all(agrees);
+    Some(Look { top_hz, ln_n, variance, error, is_fair, slow })
+}
+
+fn sees_plateau(problem: &Problem, found: &Found) -> bool {
+    let rows = &problem.table.rows;
+    let at = rows.partition_point(|row| row.f_hz < problem.table.top_hz / 4.0).min(rows.len().max(1) - 1);
+    let white = problem.local(found).slopes[N2][at] * found.at[N2];
+    white > PLATEAU * (found.density[at] - rows[at].bin.response.offset)
+}
+
+/// The order of the shape that is worth its price, up to `most`, from the best of several starts without a shape.
+fn best(problem: &Problem, starts: &[Vec<f64>], markovs: usize, most: usize) -> Option<Priced> {
+    let from = |slow: &Vec<f64>| {
+        let cosines = fewest_cosines(problem);
+        let form = ModelForm { cosines, markovs, ..ModelForm::PLAIN };
+        let mut at = slow.clone();
+        at.splice(SHAPE..SHAPE, core::iter::repeat_n(0.0, cosines));
+        let mut best = priced(problem, problem.descend(form, &at, None, DESCENT));
+        let (mut last, mut worse) = (best.found.clone(), 0);
+        while worse < 2 && last.form.cosines < most {
+            last = with_cosine(problem, &last);
+            let next = priced(problem, last.clone());
+            if next.price < best.price { (best, worse) = (next, 0) } else { worse += 1 }
+        }
+        best
+    };
+    starts.iter().map(from).min_by(|a, b| a.price.total_cmp(&b.price))
+}
+
+/// Whether a Gauss–Markov term earns its price up to the end of its scan.
+fn has_memory(table: &Table, look: &Look) -> bool {
+    let problem = Problem::new(table.below(look.top_hz), look.error);
+    let one = best(&problem, &[look.slow.clone()], 1, MOST_CHOSEN);
+    let none = best(&problem, &[plain_start(&problem), look.slow[..SHAPE].to_vec()], 0, MOST_CHOSEN);
+    matches!((one, none), (Some(one), Some(none)) if one.price < none.price && is_sound(&problem, &one.found))
+}
+
+fn plain_start(problem: &Problem) -> Vec<f64> {
+    start(problem, 0)
+}
+
+fn without_shape(found: &Found) -> Vec<f64> {
+    let mut at = found.at.clone();
+    at.drain(SHAPE..SHAPE + found.form.shape());
+    at
+}
