@@ -63,7 +63,8 @@ impl Times {
 
 /// The deviation with its limits at each averaging time, the times that could not be computed, and the noise model.
 ///
-/// ``cleaning`` says whether glitches and steps are taken out before the fit; None makes no fit. ``settling`` holds
+/// ``asked`` says whether glitches and steps are taken out before the fit, and up to which frequency the model holds,
+/// Hz; None makes no fit. ``settling`` holds
 /// the temperature and the treatment of it and of the beginning. Messages call the record ``name``.
 ///
 /// Other threads run meanwhile. Raises ValueError for arguments with which nothing can be computed.
@@ -80,7 +81,7 @@ pub fn analyse<'py>(
     taus: Times,
     confidence: f64,
     scale: f64,
-    cleaning: Option<(bool, bool)>,
+    asked: Option<(bool, bool, Option<f64>)>,
     settling: Option<Settling<'py>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let gaps: Vec<Gap> = gaps.into_iter().map(|(at, missing)| Gap { at, missing }).collect();
@@ -90,13 +91,14 @@ pub fn analyse<'py>(
     let input = rest.as_ref().map_or(whole, |rest| settling::input(rest, phase));
     let settled = settled.unwrap_or_default();
     let options = Options { stat: stat.parse().map_err(refused)?, taus: taus.taus()?, confidence, scale };
-    let cleaning = cleaning.map(|(cut_glitches, remove_steps)| FitOptions {
+    let asked = asked.map(|(cut_glitches, remove_steps, max_freq_hz)| FitOptions {
+        scale: 1.0,
         cut_glitches,
         remove_steps,
-        ..FitOptions::default()
+        max_freq_hz,
     });
     let found = py.detach(|| {
-        let analysed = Analysed::new(input, rate_hz, scale, cleaning, &settled);
+        let analysed = Analysed::new(input, rate_hz, scale, asked, &settled);
         Ok((analysed.deviations(&options)?, analysed.into_fit(), settling::frozen(input, rate_hz, name)))
     });
     let (analysis, fit, frozen) = found.map_err(|error: AnalysisError| refused(error))?;
@@ -162,6 +164,7 @@ fn fit_dict<'py>(py: Python<'py>, fit: &Fit) -> PyResult<Bound<'py, PyDict>> {
     }
     result.set_item("model_error", fit.model_error)?;
     result.set_item("p_value", fit.p_value)?;
+    result.set_item("max_freq_hz", fit.max_freq_hz)?;
     result.set_item("rejected", fit.is_rejected)?;
     result.set_item("terms", fit.terms.iter().map(|term| term_dict(py, term)).collect::<PyResult<Vec<_>>>()?)?;
     result.set_item("warnings", fit.warnings.iter().map(settling::text).collect::<Vec<_>>())?;

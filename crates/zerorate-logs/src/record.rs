@@ -223,6 +223,12 @@ impl Record {
         self.fit.as_ref()?.as_ref().ok()
     }
 
+    /// The frequency up to which its model holds, Hz, if the sensor's filter shapes the noise above.
+    pub fn max_freq_hz(&self) -> Option<f64> {
+        let max_freq_hz = self.model()?.max_freq_hz;
+        (max_freq_hz < 0.499 * self.analysis.rate_hz).then_some(max_freq_hz)
+    }
+
     /// The lines in its spectrum.
     pub fn lines(&self) -> impl Iterator<Item = &Line> {
         self.model().into_iter().flat_map(Fit::lines)

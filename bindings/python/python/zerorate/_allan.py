@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         fit: bool
         glitches: Literal["cut", "keep"]
         steps: Literal["remove", "keep"]
+        max_freq_hz: float | None
         temp_c: ArrayLike | str | None
         detrend: Literal[1, 2, 3] | None
         skip: Seconds | None
@@ -79,6 +80,7 @@ def allan(
     fit: bool = True,
     glitches: Literal["cut", "keep"] = "cut",
     steps: Literal["remove", "keep"] = "remove",
+    max_freq_hz: float | None = None,
     temp_c: ArrayLike | str | None = None,
     detrend: Literal[1, 2, 3] | None = None,
     skip: Seconds | None = None,
@@ -131,6 +133,8 @@ def allan(
         ``cut``: before the fit, samples that cannot be noise are replaced. ``keep`` them.
     steps
         ``remove``: before the fit, up to three jumps of the level are taken out. ``keep`` them.
+    max_freq_hz
+        The frequency up to which the noise model holds, Hz. Unless given, the data choose it: `Fit.max_freq_hz`.
     temp_c
         The temperature of each sample, °C, NaN where it was not read; for a log or table, the name of its column. A
         `Capture` has it. In a log or table, a column named ``temp_code``, ``temp_c``, ``temp`` or ``temperature`` is
@@ -170,7 +174,7 @@ def allan(
     >>> bool(0.098 < result.fit.n.value < 0.102)
     True
     """
-    options = AnalysisOptions.of(stat, taus, data, confidence, fit, glitches, steps)
+    options = AnalysisOptions.of(stat, taus, data, confidence, fit, glitches, steps, max_freq_hz)
     options = replace(options, settling=Settling.of(temp_c, detrend, skip, options.is_phase))
     if isinstance(rate, Capture):
         axes = _chosen({name: at for at, name in enumerate(rate.axes)}, column)

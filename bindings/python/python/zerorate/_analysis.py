@@ -53,15 +53,24 @@ class AnalysisOptions:
     taus: Taus
     is_phase: bool
     confidence: float
-    cleaning: tuple[bool, bool] | None
+    asked_fit: tuple[bool, bool, float | None] | None
     settling: Settling | None = None
 
     @classmethod
     def of(
-        cls, stat: str, taus: Taus, data: str, confidence: float, fit: bool, glitches: str, steps: str
+        cls,
+        stat: str,
+        taus: Taus,
+        data: str,
+        confidence: float,
+        fit: bool,
+        glitches: str,
+        steps: str,
+        max_freq_hz: float | None,
     ) -> AnalysisOptions:
         """The options that the arguments of `allan` give."""
-        return cls(stat, taus, _is_phase(data), confidence, _cleaning(glitches, steps) if fit else None)
+        asked_fit = (*_cleaning(glitches, steps), _max_freq(max_freq_hz)) if fit else None
+        return cls(stat, taus, _is_phase(data), confidence, asked_fit)
 
     def read(self, source: _records.Source, column: _log.Column | None, given: _zerorate._Options) -> list[Allan]:
         """Analyses columns of a log or table."""
@@ -117,7 +126,7 @@ class AnalysisOptions:
             taus if isinstance(taus, str) else np.asarray(taus, dtype=np.float64).reshape(-1).tolist(),
             float(self.confidence),
             1.0 if scale is None else float(scale),
-            self.cleaning,
+            self.asked_fit,
             None if self.settling is None else self.settling.asked(name, temperature),
         )
         model, cleaned, core = (found.pop(key, None) for key in ("fit", "cleaned", "core"))
@@ -151,6 +160,12 @@ def _cleaning(glitches: str, steps: str) -> tuple[bool, bool]:
     if steps not in ("remove", "keep"):
         raise ValueError(f"steps={steps!r}: give 'remove' or 'keep'")
     return glitches == "cut", steps == "remove"
+
+
+def _max_freq(max_freq_hz: float | None) -> float | None:
+    if max_freq_hz is not None and not 0 < max_freq_hz < float("inf"):
+        raise ValueError(f"max_freq_hz={max_freq_hz!r}: give a frequency above zero, Hz")
+    return max_freq_hz
 
 
 def _is_phase(data: str) -> bool:

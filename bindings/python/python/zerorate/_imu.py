@@ -130,6 +130,7 @@ def imu(
     confidence: float = 0.683,
     glitches: Literal["cut", "keep"] = "cut",
     steps: Literal["remove", "keep"] = "remove",
+    max_freq_hz: float | None = None,
 ) -> Imu:
     """Deviations and noise models of all axes of an IMU at rest, and the noise file for a filter.
 
@@ -163,7 +164,7 @@ def imu(
         The column with the time of each row, and its unit; otherwise the only column whose name states a unit of time.
     decimal, max_bad
         See `read_log`.
-    stat, taus, confidence, glitches, steps
+    stat, taus, confidence, glitches, steps, max_freq_hz
         See `allan`.
 
     Returns
@@ -194,7 +195,7 @@ def imu(
             "an array does not say which column is which axis: give columns=, such as "
             "['gx', 'gy', 'gz', 'ax', 'ay', 'az'], or a dictionary {'gyro': …, 'accel': …}"
         )
-    options = AnalysisOptions.of(stat, taus, "rate", confidence, True, glitches, steps)
+    options = AnalysisOptions.of(stat, taus, "rate", confidence, True, glitches, steps, max_freq_hz)
     if isinstance(log, Capture):
         return _of_capture(log, options, log.rate_hz if rate_hz is None else rate_hz)
     if isinstance(log, _log.Log):

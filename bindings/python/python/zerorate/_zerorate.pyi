@@ -145,7 +145,7 @@ def analyse(
     taus: str | list[float],
     confidence: float,
     scale: float,
-    cleaning: tuple[bool, bool] | None,
+    asked: tuple[bool, bool, float | None] | None,
     settling: _Settling | None,
 ) -> dict[str, Any]: ...
 def deviations(

@@ -130,7 +130,7 @@ fn best(problem: &Problem, starts: &[Vec<f64>], markovs: usize, most: usize) -> 
 /// Whether a Gauss–Markov term earns its price up to the end of its scan.
 fn has_memory(table: &Table, look: &Look) -> bool {
     let problem = Problem::new(table.below(look.top_hz), look.error);
-    let one = best(&problem, &[look.slow.clone()], 1, MOST_CHOSEN);
+    let one = best(&problem, core::slice::from_ref(&look.slow), 1, MOST_CHOSEN);
     let none = best(&problem, &[plain_start(&problem), look.slow[..SHAPE].to_vec()], 0, MOST_CHOSEN);
     matches!((one, none), (Some(one), Some(none)) if one.price < none.price && is_sound(&problem, &one.found))
 }

@@ -65,7 +65,7 @@ pub struct FitOptions {
     pub cut_glitches: bool,
     /// Take jumps of the level out. One of 0.05 °/s in an hour otherwise makes five times the random walk.
     pub remove_steps: bool,
-    /// The upper end of the model, Hz. Where it is none, the data choose it.
+    /// The frequency up to which the model holds, Hz. Where it is none, the data choose it.
     pub max_freq_hz: Option<f64>,
 }
 
@@ -245,6 +245,13 @@ pub enum FitError {
         /// Samples from the first to the last.
         samples: u64,
     },
+    /// The upper end that was asked for leaves too little of the spectrum.
+    MaxFreq {
+        /// The upper end, Hz.
+        max_freq_hz: f64,
+        /// The lowest one of this record, Hz.
+        least_hz: f64,
+    },
     /// All samples are the same, or so many of them that parts of the spectrum are empty.
     Constant,
     /// Numbers beyond the range of f64.
@@ -262,6 +269,11 @@ impl fmt::Display for FitError {
                 f,
                 "only {present} of {samples} samples are present, and a noise model needs a quarter of them: record \
                  without the losses"
+            ),
+            Self::MaxFreq { max_freq_hz, least_hz } => write!(
+                f,
+                "{max_freq_hz} Hz leave too little of the spectrum for a noise model; give {least_hz:.2e} Hz or more, \
+                 or record longer"
             ),
             Self::Constant => write!(
                 f,
@@ -357,6 +369,10 @@ fn without_steps(
 
 fn selected(rate: &[f64], rate_hz: f64, max_freq_hz: Option<f64>) -> Result<(Spectrum, Selection), FitError> {
     let (spectrum, table) = fitted(rate, rate_hz)?;
+    let least_hz = FEWEST_SAMPLES as f64 / (2.0 * table.span_s);
+    if let Some(max_freq_hz) = max_freq_hz.filter(|max_freq_hz| *max_freq_hz < least_hz) {
+        return Err(FitError::MaxFreq { max_freq_hz, least_hz });
+    }
     let up_to = |top_hz: f64| select::select(table.below(top_hz)).ok_or(FitError::NotFinite);
     let selection = match max_freq_hz {
         Some(max_freq_hz) => up_to(max_freq_hz.min(rate_hz / 2.0))?,

@@ -27,7 +27,7 @@ pub fn message(record: &Record) -> LogAxis {
         column: about(&record.column, record.quantity, record.analysis.missing),
         points: points(record),
         coefficients: coefficients(record).iter().map(coefficient).collect(),
-        terms: model.iter().flat_map(|fit| &fit.terms).filter_map(|one| term(record.quantity, one)).collect(),
+        terms: terms(record),
         model_error: model.map(|fit| fit.model_error),
         doubt: record.believed().err().map(|doubt| doubt.to_string()),
         warnings: record.notes.iter().map(ToString::to_string).chain(of_noise).collect(),
@@ -53,7 +53,16 @@ pub fn coefficients(record: &Record) -> Vec<Named<'_>> {
     record.model().map_or_else(Vec::new, |fit| imu::coefficients(fit, record.quantity))
 }
 
-/// The terms of a model beside its coefficients, in words.
+/// The terms of a model beside its coefficients, and how far up it holds, in words.
+fn terms(record: &Record) -> Vec<String> {
+    let terms = record.model().into_iter().flat_map(|fit| &fit.terms);
+    let holds = |hz: f64| {
+        format!("The noise model holds below {} Hz; above it the sensor's filter shapes the noise.", number(hz))
+    };
+    terms.filter_map(|one| term(record.quantity, one)).chain(record.max_freq_hz().map(holds)).collect()
+}
+
+/// A term in words.
 fn term(quantity: Option<Quantity>, term: &Term) -> Option<String> {
     let (unit, factor) = B.of(quantity).swap_remove(0);
     let size = |value: f64| format!("{} {unit}", number(value * factor));

@@ -118,6 +118,8 @@ struct Fit {
     /// ε: the relative error of the model.
     model_error: Option<f64>,
     p_value: Option<f64>,
+    /// The frequency up to which the model holds, Hz.
+    max_freq_hz: Option<f64>,
     /// Whether the error is too large: nothing is identified.
     rejected: bool,
     terms: Vec<Term>,
@@ -207,6 +209,7 @@ fn fit(record: &Record) -> Fit {
         coefficients: letters(record),
         model_error: model.map(|fit| fit.model_error),
         p_value: model.map(|fit| fit.p_value),
+        max_freq_hz: model.map(|fit| fit.max_freq_hz),
         rejected: model.is_some_and(|fit| fit.is_rejected),
         terms: model.iter().flat_map(|fit| &fit.terms).map(term).collect(),
     }

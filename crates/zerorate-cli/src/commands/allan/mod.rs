@@ -90,6 +90,12 @@ pub struct AllanArgs {
     #[arg(long, value_enum, default_value = "remove")]
     steps: Steps,
 
+    /// The frequency up to which the noise model holds, Hz [default: the data choose].
+    ///
+    /// Above it the sensor's filter shapes the noise, and the Allan deviation is that of the measured spectrum.
+    #[arg(long, value_parser = frequency, value_name = "HZ")]
+    max_freq: Option<f64>,
+
     #[command(flatten)]
     temperature: TemperatureArgs,
 
@@ -159,7 +165,8 @@ impl AllanArgs {
         let deviations = Options { stat: self.stat, taus, confidence: self.confidence, scale: 1.0 };
         let draws = !self.plot.is_empty() || self.report.is_some();
         let remove_steps = self.steps == Steps::Remove;
-        let fit = FitOptions { scale: 1.0, cut_glitches: !self.keep_glitches, remove_steps, max_freq_hz: None };
+        let fit =
+            FitOptions { scale: 1.0, cut_glitches: !self.keep_glitches, remove_steps, max_freq_hz: self.max_freq };
         let analysis = AnalysisOptions {
             is_phase: self.data == Data::Phase,
             closes_gaps: self.ignore_gaps,
@@ -302,6 +309,11 @@ fn print_records(args: &AllanArgs, records: &[Record]) -> Result<()> {
             if args.fit { print_lines(&table::coefficients_text(record)?) } else { Ok(()) }
         }),
     }
+}
+
+fn frequency(text: &str) -> Result<f64, String> {
+    let above_zero = |value: &f64| *value > 0.0 && value.is_finite();
+    text.parse().ok().filter(above_zero).ok_or_else(|| "must be a frequency above 0, in Hz".to_owned())
 }
 
 fn probability(text: &str) -> Result<f64, String> {

@@ -171,6 +171,7 @@ const BESIDE: f64 = 0.01;
 fn section(record: &Record) -> report::Record {
     let analysis = &record.analysis;
     let model = record.model().map(|fit| Fact::new("noise model", units::misfit(fit)));
+    let holds = record.max_freq_hz().map(|hz| Fact::new("it holds below", format!("{} Hz", number(hz))));
     let facts = [
         Fact::new("samples", analysis.samples.to_string()),
         Fact::new("missing", analysis.missing.to_string()),
@@ -187,7 +188,7 @@ fn section(record: &Record) -> report::Record {
     report::Record {
         name: record.label(),
         unit: deviation_unit(record).unwrap_or_default().to_owned(),
-        facts: facts.into_iter().chain(model).collect(),
+        facts: facts.into_iter().chain(model).chain(holds).collect(),
         warnings: temperature::warnings(record),
         advice: advice(record),
         coefficients: units::term_rows(record).into_iter().map(coefficient).collect(),

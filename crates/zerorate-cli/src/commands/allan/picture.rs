@@ -178,7 +178,8 @@ fn spectrum(record: &Record, label: String, unit: &str) -> Option<Spectrum> {
     let rate_hz = record.analysis.rate_hz;
     let model = |fit: &Fit| {
         let of_model = |hz: f64| (hz, amplitude(fit.density(hz, rate_hz)));
-        look.spectrum.iter().step_by(3).map(|one| of_model(one.frequency_hz)).collect()
+        let holds = look.spectrum.iter().filter(|one| one.frequency_hz <= fit.max_freq_hz);
+        holds.step_by(3).map(|one| of_model(one.frequency_hz)).collect()
     };
     let tone = |&Line { frequency_hz, rms, .. }: &Line| {
         let label = format!("{} Hz, {} {unit} rms", number(frequency_hz), number(rms));

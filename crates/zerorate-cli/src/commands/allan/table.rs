@@ -71,6 +71,9 @@ pub fn coefficients_text(record: &Record) -> Result<String> {
         let with_that = if units::is_without_misfit(fit) { "" } else { " with that" };
         writeln!(text, "\nNoise model: {} (p = {:.2}{with_that}).", units::misfit(fit), fit.p_value)?;
     }
+    if let Some(holds) = units::holds_below(record) {
+        writeln!(text, "{holds}")?;
+    }
     text.push('\n');
     advice(record).iter().try_for_each(|advice| writeln!(text, "{advice}"))?;
     Ok(text)

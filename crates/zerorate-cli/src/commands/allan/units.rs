@@ -27,6 +27,12 @@ pub fn misfit(fit: &Fit) -> String {
     }
 }
 
+/// How far up the model holds, where a filter shapes the noise above.
+pub fn holds_below(record: &Record) -> Option<String> {
+    let max_freq_hz = record.max_freq_hz()?;
+    Some(format!("It holds below {} Hz; above it the sensor's filter shapes the noise.", number(max_freq_hz)))
+}
+
 /// The row of a coefficient or another term in a table: value, limits and unit, in each unit.
 pub struct TermRow {
     pub name: String,
