@@ -29,6 +29,7 @@ mod kernels;
 mod lag1;
 #[doc(hidden)]
 pub mod linear;
+mod misfit;
 mod mtie;
 mod noise_id;
 mod phase_points;
@@ -54,13 +55,15 @@ pub use edf::{edf, finite_difference_edf};
 pub use envelope::Envelope;
 #[cfg(feature = "std")]
 pub use fit::{
-    Apart, Cleaned, Differs, Estimate, Expected, FEWEST_SAMPLES, Fit, FitError, FitOptions, Line, MOST_ERROR, Model,
-    Motion, MotionKind, Pool, PoolError, PoolRecord, Spread, Step, Term, fit, fit_pool, motion,
+    Apart, Cleaned, Covering, Differs, Estimate, Expected, FEWEST_SAMPLES, Fit, FitError, FitOptions, Line,
+    MOST_ERROR, Model, Motion, MotionKind, PREDICTS, Pool, PoolError, PoolRecord, Spread, Step, Term, fit, fit_pool,
+    motion,
 };
 pub use input::{Gap, Input};
 pub use interval::interval;
 pub use kernel::{Difference, Reason};
 pub use kernels::{Deviation, deviations};
+pub use misfit::{Cause, Misfit};
 pub use mtie::mtie;
 pub use noise_id::noise_types;
 pub use rows::{Explanation, Says};

@@ -51,7 +51,7 @@ pub enum AllanWarning {
     /// The measured curve differs from the model's.
     OffCurve { tau_s: f64, ratio: f64, octaves: usize },
     /// The model is off by more than the limit.
-    Rejected { error: f64, most: f64 },
+    Rejected { error: f64, most: f64, misfit: crate::Misfit },
     /// The slow rate follows the temperature: `explained` is the share of its variance, `slope` its change per °C.
     FollowsTemperature { explained: f64, slope: f64, span_c: f64 },
     /// The record is too short to tell a coefficient from zero.
@@ -262,19 +262,16 @@ rows!(match AllanWarning {
         remedy: "Do not use the model at these averaging times. Look at the plot for slow motion or a strong \
             disturbance.",
     },
-    Self::Rejected { error, most } => Row {
+    Self::Rejected { error, most: _, misfit } => Row {
         code: "model-rejected",
-        text: format_args!(
-            "the noise model is off by {:.0} % (limit {:.0} %); look at the plot for motion",
-            error * 100.0,
-            most * 100.0
-        ),
+        text: format_args!("off by {:.0} %: {misfit}", error * 100.0),
         says: Says::Either,
         by: &["allan", "imu"],
         seen: "The noise model is off by more than the limit at which it is rejected.",
         matters: "No coefficient is identified: none of them is a result, so none is written for a filter.",
-        remedy: "Look at the spectrum and the plot for motion, several disturbances, or codes that hardly change. \
-            `imu --accept-rejected` writes all the same, and says so in the file.",
+        remedy: "The text names the frequencies and the likely cause. Where the power comes and goes, record at rest. \
+            Below a steady resonance the model may still hold: `allan --max-freq HZ`. Where most samples repeat the \
+            one before, read with a finer step. `imu --accept-rejected` writes all the same, and says so in the file.",
         command: "zerorate allan log.csv --fit --report log.html",
     },
     Self::FollowsTemperature { explained, slope, span_c } => Row {
@@ -360,6 +357,9 @@ mod tests {
     /// The command line and the Python package name their options at the end of this one.
     const OPTIONS: [(&str, &str); 1] = [("follows-temperature", " (--detrend temp, --skip 45m)")];
 
+    const OFF: crate::Misfit =
+        crate::Misfit { from_hz: 12.345, to_hz: 23.456, ratio: 1.234, cause: crate::Cause::Resonance };
+
     /// One of each, in the order of the rows, with numbers as long as they typically are.
     const TYPICAL: [AllanWarning; 21] = [
         QuantisationLimited { q: 1.234e-6, below_s: 12.345 },
@@ -380,7 +380,7 @@ mod tests {
         ShortRecord { samples: 1234, needed: 2000 },
         Leakage { frequency_hz: 123.456, share: 0.12 },
         OffCurve { tau_s: 123.456, ratio: 1.23, octaves: 3 },
-        Rejected { error: 0.23, most: 0.1 },
+        Rejected { error: 0.23, most: 0.1, misfit: OFF },
         FollowsTemperature { explained: 0.93, slope: 1.234e-3, span_c: 12.3 },
         NotIdentified { noise: Noise::AngleRandomWalk, record_s: 12345.0, needed_s: 612_345.0 },
     ];

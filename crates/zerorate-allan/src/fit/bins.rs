@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 /// Bins per octave, and at least this many up to half the rate: lines and a filter's edge need narrow bins there.
 const PER_OCTAVE: f64 = 12.0;
-const LINEAR: usize = 160;
+pub(super) const LINEAR: usize = 160;
 
 /// Adjacent coefficients of the DCT-II. The mean of their c²·dt estimates the two-sided density at f = k/(2T).
 #[derive(Clone, Copy, Debug)]
@@ -21,24 +21,30 @@ pub(super) struct Bin {
     pub(super) response: Response,
 }
 
-/// The response of a bin. Its expected power is `offset` + `slow`·(S − W) + `white`·W where the noise has the density
-/// S, of which W is white.
+/// The response of a bin: its expected power is `offset` + `gain`·S where the noise has the density S.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Response {
     pub(super) offset: f64,
-    pub(super) slow: f64,
-    pub(super) white: f64,
+    pub(super) gain: f64,
 }
 
 impl Response {
     /// The response of a complete record.
-    pub(super) const WHOLE: Self = Self { offset: 0.0, slow: 1.0, white: 1.0 };
+    pub(super) const WHOLE: Self = Self { offset: 0.0, gain: 1.0 };
 }
+
+/// A density that is measured is at least this share of the power. What gaps and folding add is subtracted.
+const LEAST_DENSITY: f64 = 1e-3;
 
 impl Bin {
     /// Whether it is one coefficient, in which the phase of a drift shows.
     pub(super) fn is_single(&self) -> bool {
         self.end - self.first == 1
+    }
+
+    /// The density that it measures.
+    pub(super) fn density(&self) -> f64 {
+        ((self.power - self.response.offset) / self.response.gain).max(LEAST_DENSITY * self.power)
     }
 
     /// Its middle, in coefficients.
@@ -47,21 +53,16 @@ impl Bin {
     }
 }
 
-/// Bins of the powers of the coefficients 1, 2 …
-pub(super) fn bins(power: &[f64]) -> Vec<Bin> {
-    let mut bins = empty_bins(power.len() + 1);
-    for bin in &mut bins {
-        bin.power = power[bin.first - 1..bin.end - 1].iter().sum::<f64>() / bin.freedom;
-    }
-    bins
+/// The bins of a record of `samples` samples, without power.
+pub(super) fn all_edges(samples: usize) -> Vec<Bin> {
+    edges(1, samples, samples.saturating_sub(1) / LINEAR)
 }
 
-/// The bins of a record of `samples` samples, without power.
-pub(super) fn empty_bins(samples: usize) -> Vec<Bin> {
-    let widest = (samples.saturating_sub(1) / LINEAR).max(1);
+/// Bins of the coefficients from `first` to before `end`, at most `widest` wide, without power.
+pub(super) fn edges(first: usize, end: usize, widest: usize) -> Vec<Bin> {
     let growth = libm::exp2(1.0 / PER_OCTAVE) - 1.0;
-    let next = |first: usize| (first + ((first as f64 * growth) as usize).min(widest).max(1)).min(samples);
-    let firsts = core::iter::successors(Some(1), |&first| Some(next(first))).take_while(|&first| first < samples);
+    let next = |first: usize| (first + ((first as f64 * growth) as usize).min(widest).max(1)).min(end);
+    let firsts = core::iter::successors(Some(first), |&first| Some(next(first))).take_while(|&first| first < end);
     let bin = |first: usize| {
         let end = next(first);
         Bin { first, end, freedom: (end - first) as f64, power: 0.0, response: Response::WHOLE }
@@ -91,16 +92,15 @@ pub(super) fn at_coefficients(middles: impl Iterator<Item = f64>, values: &[f64]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use alloc::vec;
 
     #[test]
     fn every_coefficient_is_in_one_bin() {
-        for n in [2, 17, 1000, 359_999] {
-            let found = bins(&vec![2.0; n]);
-            assert_eq!((found[0].first, found[found.len() - 1].end), (1, n + 1));
+        for n in [3, 18, 1001, 360_000] {
+            let found = all_edges(n);
+            assert_eq!((found[0].first, found[found.len() - 1].end), (1, n));
             assert!(found.windows(2).all(|pair| pair[0].end == pair[1].first));
-            assert!(found.iter().all(|bin| bin.power == 2.0 && bin.freedom == (bin.end - bin.first) as f64));
+            assert!(found.iter().all(|bin| bin.freedom == (bin.end - bin.first) as f64));
         }
-        assert!(bins(&vec![1.0; 359_999]).iter().take(17).all(Bin::is_single));
+        assert!(all_edges(360_000).iter().take(17).all(Bin::is_single));
     }
 }

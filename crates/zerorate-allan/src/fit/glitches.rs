@@ -1,9 +1,11 @@
 //! Glitches: single samples, and a few in a row, that noise does not explain.
 
 use super::lines::median;
-use super::spectrum::fill_gaps;
+use super::spectrum::averages::fill_gaps;
 use crate::chi2::normal_quantile;
-use alloc::vec;
+use crate::kernels::threads;
+use alloc::borrow::Cow;
+use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 
 /// Widths of the glitches that are looked for, in samples.
@@ -18,9 +20,20 @@ pub(super) const MOST: f64 = 0.01;
 const CLIP: f64 = 4.0;
 const CLIPPED: f64 = 0.99946;
 const ITERATIONS: usize = 20;
+/// Windows without gaps, with few missing samples, with more; and the fewest windows that have a scale of their own.
+/// Fewer have that of samples that are not correlated.
+const CLASSES: usize = 3;
+const FEWEST_IN_CLASS: usize = 100;
+/// The variance of such a window is at most this many times that of a sample.
+const NOT_CORRELATED: f64 = 1.5;
+/// A longer record is scaled by parts of it, about this many windows.
+const SCALED_BY: usize = 1 << 18;
 /// The start of the scale is a median over this many samples.
 const MEDIAN_OF: usize = 1 << 16;
 const SIGMA_PER_MAD: f64 = 1.4826;
+
+/// Windows that are looked at together.
+const PIECE: usize = 1 << 14;
 
 /// Samples that are glitches, or so near to one that their averages hold it, ascending. None where they would be too
 /// many.
@@ -30,56 +43,122 @@ const SIGMA_PER_MAD: f64 = 1.4826;
 /// narrowest width comes first, and finds are replaced before the next look. Otherwise one sample would take eight
 /// with it, and hide the one beside it.
 ///
-/// Missing samples are closed up for this: lines in their place would scatter less than noise does.
+/// Missing samples are closed up for this: lines in their place would scatter less than noise does. Where the noise
+/// has a memory, the samples beside a gap differ by more, so windows with gaps have scales of their own.
 pub(super) fn glitches(rate: &[f64]) -> Option<Vec<usize>> {
-    let there: Vec<usize> = (0..rate.len()).filter(|&i| !rate[i].is_nan()).collect();
-    let mut values: Vec<f64> = there.iter().map(|&i| rate[i]).collect();
-    let limit = -normal_quantile(ALARM / (2 * there.len() * WIDTHS.len()) as f64);
-    let mut bad = vec![false; there.len()];
-    let is_bad = |bad: &[bool]| bad.iter().filter(|bad| **bad).count();
-    for width in WIDTHS.into_iter().filter(|width| 3 * *width < there.len()) {
+    let has_gaps = rate.iter().any(|value| value.is_nan());
+    let there: Vec<usize> = if has_gaps { present(rate) } else { Vec::new() };
+    let mut values: Cow<'_, [f64]> =
+        if has_gaps { there.iter().map(|&i| rate[i]).collect() } else { Cow::Borrowed(rate) };
+    let count = values.len();
+    let limit = -normal_quantile(ALARM / (2 * count * WIDTHS.len()) as f64);
+    let mut bad: BTreeSet<usize> = BTreeSet::new();
+    for width in WIDTHS.into_iter().filter(|width| 3 * *width < count) {
         for _ in 0..LOOKS {
-            let before = is_bad(&bad);
-            flag(&sums(&values), width, limit, &mut bad);
-            let now = is_bad(&bad);
-            if now as f64 > MOST * there.len() as f64 {
+            let before = bad.len();
+            let found = Windows { values: &values, there: &there, width }.beyond(limit);
+            found.into_iter().for_each(|i| bad.extend(i + width..i + 2 * width));
+            if bad.len() as f64 > MOST * count as f64 {
                 return None;
             }
-            if now == before {
+            if bad.len() == before {
                 break;
             }
-            values.iter_mut().zip(&bad).filter(|(_, bad)| **bad).for_each(|(value, _)| *value = f64::NAN);
-            fill_gaps(&mut values);
+            let values = values.to_mut();
+            bad.iter().for_each(|&i| values[i] = f64::NAN);
+            fill_gaps(values);
         }
     }
-    Some(there.iter().zip(&bad).filter(|(_, bad)| **bad).map(|(i, _)| *i).collect())
+    Some(bad.into_iter().map(|i| if has_gaps { there[i] } else { i }).collect())
 }
 
-/// Running sums about the mean.
-fn sums(values: &[f64]) -> Vec<f64> {
+fn present(rate: &[f64]) -> Vec<usize> {
+    (0..rate.len()).filter(|&i| !rate[i].is_nan()).collect()
+}
+
+/// All windows of three widths.
+struct Windows<'a> {
+    values: &'a [f64],
+    /// The places of the values in a record with gaps, otherwise empty.
+    there: &'a [usize],
+    width: usize,
+}
+
+impl Windows<'_> {
+    fn len(&self) -> usize {
+        self.values.len() + 1 - 3 * self.width
+    }
+
+    /// The mean in the middle less the mean of both sides, for each window from `first` to before `end`.
+    fn differences(&self, first: usize, end: usize) -> Vec<f64> {
+        let (w, width) = (self.width, self.width as f64);
+        let part = &self.values[first..end - 1 + 3 * w];
+        let level = part[0];
+        let mut sums = Vec::with_capacity(part.len() + 1);
+        let mut sum = 0.0;
+        sums.push(sum);
+        for value in part {
+            sum += value - level;
+            sums.push(sum);
+        }
+        let [s0, s1, s2, s3] = [0, 1, 2, 3].map(|side| &sums[side * w..]);
+        let sides = s0.iter().zip(s1).zip(s2.iter().zip(s3));
+        sides.map(|((s0, s1), (s2, s3))| ((s2 - s1) - ((s1 - s0) + (s3 - s2)) / 2.0) / width).collect()
+    }
+
+    /// By how many missing samples a window is wider.
+    fn class(&self, window: usize) -> usize {
+        if self.there.is_empty() {
+            return 0;
+        }
+        let last = window + 3 * self.width - 1;
+        let missing = self.there[last] - self.there[window] - (last - window);
+        missing.div_ceil(self.width).min(CLASSES - 1)
+    }
+
+    /// The standard deviation of the windows of each class.
+    fn scales(&self) -> [f64; CLASSES] {
+        let pieces = self.len().div_ceil(PIECE);
+        let every = self.len().div_ceil(SCALED_BY);
+        let mut of_class: [Vec<f64>; CLASSES] = Default::default();
+        for piece in (0..pieces).step_by(every) {
+            let first = piece * PIECE;
+            let found = self.differences(first, (first + PIECE).min(self.len()));
+            (first..).zip(found).for_each(|(window, d)| of_class[self.class(window)].push(d));
+        }
+        core::array::from_fn(|class| match of_class[class].len() {
+            0 => 0.0,
+            1..FEWEST_IN_CLASS if class > 0 => libm::sqrt(NOT_CORRELATED) * scale(&about_mean(self.values)),
+            _ => scale(&of_class[class]),
+        })
+    }
+
+    /// The windows that stand out of their class by more than `limit`, and of their neighbours.
+    fn beyond(&self, limit: f64) -> Vec<usize> {
+        let scales = self.scales();
+        let reach = 2 * self.width;
+        let pieces = threads::map(self.len().div_ceil(PIECE), |piece| {
+            let inside = piece * PIECE..((piece + 1) * PIECE).min(self.len());
+            let (first, end) = (inside.start.saturating_sub(reach), (inside.end + reach).min(self.len()));
+            let found = self.differences(first, end);
+            let least = limit * scales.iter().copied().filter(|scale| *scale > 0.0).fold(f64::INFINITY, f64::min);
+            let size = |i: usize| libm::fabs(found[i - first]) / (limit * scales[self.class(i)]);
+            let stands_out = |i: &usize| {
+                if libm::fabs(found[i - first]) <= least {
+                    return false;
+                }
+                let own = size(*i);
+                own > 1.0 && (i.saturating_sub(reach).max(first)..(i + reach + 1).min(end)).all(|j| size(j) <= own)
+            };
+            inside.filter(stands_out).collect::<Vec<usize>>()
+        });
+        pieces.into_iter().flatten().collect()
+    }
+}
+
+fn about_mean(values: &[f64]) -> Vec<f64> {
     let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
-    let mut sum = 0.0;
-    let next = values.iter().map(|value| {
-        sum += value - mean;
-        sum
-    });
-    core::iter::once(0.0).chain(next).collect()
-}
-
-/// Marks the samples that stand out at one width.
-fn flag(sums: &[f64], width: usize, limit: f64, bad: &mut [bool]) {
-    let w = width as f64;
-    let d: Vec<f64> = sums
-        .windows(3 * width + 1)
-        .map(|s| ((s[2 * width] - s[width]) - ((s[width] - s[0]) + (s[3 * width] - s[2 * width])) / 2.0) / w)
-        .collect();
-    let alarm = limit * scale(&d);
-    for i in (0..d.len()).filter(|&i| libm::fabs(d[i]) > alarm) {
-        let near = &d[i.saturating_sub(2 * width)..(i + 2 * width + 1).min(d.len())];
-        if near.iter().all(|other| libm::fabs(*other) <= libm::fabs(d[i])) {
-            bad[i + width..i + 2 * width].fill(true);
-        }
-    }
+    values.iter().map(|value| value - mean).collect()
 }
 
 /// The standard deviation of the samples that are not flagged. (A median alone is off by up to half a step for coarse

@@ -4,6 +4,7 @@ use super::bins::{Bin, at_coefficients};
 use crate::chi2_quantile;
 use alloc::vec;
 use alloc::vec::Vec;
+use core::ops::Range;
 
 /// A disturbance or a resonance. It does not enter the fit, and its power is kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,8 +29,6 @@ const NARROW_MARGIN: f64 = 1.1;
 /// Coefficients that leave before the first of such a group, and after it.
 const BEFORE: usize = 2;
 const AFTER: usize = 6;
-/// The median of χ² with one degree of freedom.
-const MEDIAN_OF_ONE: f64 = 0.4549;
 
 /// The bins that a line is in, and the base line that they stand out of. The second base line leaves out the bins that
 /// stand out of the first.
@@ -50,11 +49,19 @@ pub(super) struct Narrow {
 }
 
 /// Takes narrow lines out of the bins of `power` (coefficients 1, 2 …, `hz` apart). A bin with less than a quarter
-/// left leaves with them. So a coefficient is in a bin or in a line, and never in both.
-pub(super) fn take_out_narrow(power: &[f64], bins: &mut Vec<Bin>, hz: f64) -> Vec<Narrow> {
+/// left leaves with them. So a coefficient is in a bin or in a line, and never in both. `freedom` is that of the mean
+/// over some neighbouring coefficients.
+pub(super) fn take_out_narrow(
+    power: &[f64],
+    bins: &mut Vec<Bin>,
+    hz: f64,
+    freedom: impl Fn(usize) -> f64,
+) -> Vec<Narrow> {
+    let (Some(first), Some(last)) = (bins.first(), bins.last()) else { return Vec::new() };
+    let searched = first.first.max(FIRST).min(last.end) - 1..last.end - 1;
     let (mask, base) = broad(bins);
-    let base = base_of_coefficients(power, bins, &base, &mask);
-    let mut flag = narrow(power, &base);
+    let base = base_of_coefficients(power, bins, &base, &mask, freedom(1));
+    let mut flag = narrow(power, &base, searched, freedom(GROUP));
     bins.retain_mut(|bin| without(bin, power, &mut flag));
     stretches(&flag).into_iter().map(|run| narrow_line(run, power, &base, hz)).collect()
 }
@@ -82,7 +89,7 @@ fn narrow_line((from, to): (usize, usize), power: &[f64], base: &[f64], hz: f64)
 /// Running median over an octave to either side of the bins that are not masked. At the ends the slope is taken off.
 fn base_line(bins: &[Bin], mask: &[bool]) -> Vec<f64> {
     let mut expected = Cached::new(|freedom| chi2_quantile(0.5, freedom) / freedom);
-    let y: Vec<f64> = bins.iter().map(|bin| libm::log(bin.power / expected.of(bin.freedom))).collect();
+    let y: Vec<f64> = bins.iter().map(|bin| libm::log(bin.density() / expected.of(bin.freedom))).collect();
     let x: Vec<f64> = bins.iter().map(|bin| libm::log2(bin.middle())).collect();
     (0..bins.len()).map(|j| libm::exp(level(&x, &y, mask, j))).collect()
 }
@@ -120,7 +127,8 @@ pub(super) fn median(mut values: Vec<f64>) -> f64 {
 fn above(bins: &[Bin], base: &[f64]) -> Vec<bool> {
     let alarm = ALARM / bins.len() as f64;
     let mut limit = Cached::new(|freedom| MARGIN * chi2_quantile(1.0 - alarm, freedom) / freedom);
-    let ratio: Vec<f64> = bins.iter().zip(base).map(|(bin, base)| bin.power / base).collect();
+    let expected = |bin: &Bin, base: f64| bin.response.offset + bin.response.gain * base;
+    let ratio: Vec<f64> = bins.iter().zip(base).map(|(bin, base)| bin.power / expected(bin, *base)).collect();
     let peak: Vec<bool> =
         bins.iter().zip(&ratio).map(|(bin, ratio)| bin.first >= FIRST && *ratio > limit.of(bin.freedom)).collect();
     let shoulder =
@@ -134,26 +142,28 @@ fn above(bins: &[Bin], base: &[f64]) -> Vec<bool> {
 }
 
 /// The base line at every coefficient. Within a broad line it is the line's own level.
-fn base_of_coefficients(power: &[f64], bins: &[Bin], base: &[f64], mask: &[bool]) -> Vec<f64> {
+fn base_of_coefficients(power: &[f64], bins: &[Bin], base: &[f64], mask: &[bool], freedom: f64) -> Vec<f64> {
     let mut at = at_coefficients(bins.iter().map(Bin::middle), base, power.len());
+    let usual = chi2_quantile(0.5, freedom) / freedom;
     for (bin, _) in bins.iter().zip(mask).filter(|(bin, masked)| **masked && bin.freedom >= 32.0) {
         let inside = bin.first - 1..bin.end - 1;
         let ratios = power[inside.clone()].iter().zip(&at[inside.clone()]).map(|(p, b)| p / b).collect();
-        let raise = (median(ratios) / MEDIAN_OF_ONE).max(1.0);
+        let raise = (median(ratios) / usual).max(1.0);
         at[inside].iter_mut().for_each(|base| *base *= raise);
     }
     at
 }
 
-/// Coefficients that are part of a narrow line.
-fn narrow(power: &[f64], base: &[f64]) -> Vec<bool> {
-    let n = power.len();
-    let limit = NARROW_MARGIN * chi2_quantile(1.0 - ALARM * GROUP as f64 / (n + 1) as f64, GROUP as f64);
-    let ratio: Vec<f64> = power.iter().zip(base).map(|(p, b)| p / b).collect();
-    let mut flag = vec![false; n];
-    for (i, group) in ratio.windows(GROUP).enumerate().skip(FIRST - 1) {
+/// Coefficients that are part of a narrow line. The mean over a group of them has `freedom` degrees of freedom.
+fn narrow(power: &[f64], base: &[f64], searched: Range<usize>, freedom: f64) -> Vec<bool> {
+    let group = GROUP as f64;
+    let chance = ALARM * group / (power.len() + 1) as f64;
+    let limit = NARROW_MARGIN * group * chi2_quantile(1.0 - chance, freedom) / freedom;
+    let mut flag = vec![false; power.len()];
+    let ratio: Vec<f64> = power[searched.clone()].iter().zip(&base[searched.clone()]).map(|(p, b)| p / b).collect();
+    for (i, group) in (searched.start..).zip(ratio.windows(GROUP)) {
         if group.iter().sum::<f64>() > limit {
-            flag[i.saturating_sub(BEFORE).max(FIRST - 1)..(i + AFTER).min(n)].fill(true);
+            flag[i.saturating_sub(BEFORE).max(searched.start)..(i + AFTER).min(searched.end)].fill(true);
         }
     }
     flag

@@ -11,11 +11,14 @@
 mod band;
 mod bins;
 mod coefficients;
+mod covering;
+mod curve;
 mod density;
 mod departure;
 mod glitches;
 mod lines;
 mod masked;
+mod misfit;
 mod model;
 mod motion;
 mod pool;
@@ -31,16 +34,21 @@ mod steadiness;
 mod steps;
 #[cfg(test)]
 mod tests;
+mod thinning;
 mod transform;
 
 use super::chi2::{chi2_above, chi2_quantile};
-use super::{AllanWarning, Analysis, Coefficient, Input, Point, Stat};
+use super::{AllanWarning, Analysis, Coefficient, Deviation, Input, Misfit, Point, Stat};
+use alloc::borrow::Cow;
 use alloc::vec::Vec;
 use coefficients::Coefficients;
 use core::fmt;
+pub use covering::Covering;
+use curve::Curves;
 use density::{Drift, Table};
 pub use lines::Line;
 use masked::Masked;
+use misfit::OffCurve;
 use model::Measured;
 pub use model::Model;
 pub use motion::{Motion, MotionKind, motion};
@@ -48,7 +56,7 @@ pub use pool::{Apart, Differs, Pool, PoolError, PoolRecord, Spread, fit_pool};
 use prediction::Doubt;
 use realfft::FftError;
 use remarks::{Raw, remarks};
-use samples::{check, cut_glitches, enough};
+use samples::{check, cut_glitches, enough, rates};
 use scoring::{B2, N2, Q2};
 use select::Selection;
 use spectrum::Spectrum;
@@ -151,12 +159,17 @@ pub struct Fit {
     /// The Allan variance that the terms predict.
     pub model: Model,
     /// ε: the spectrum scatters about the model as if the model were wrong by this share. 0 where chance explains all
-    /// of it.
+    /// of it. Where the curve is off the model by more than chance, it is that share if it is larger.
     pub model_error: f64,
     /// Probability of a scatter larger than the measured one, ε included.
     pub p_value: f64,
     /// The model is wrong by more than [`MOST_ERROR`]: nothing is identified.
     pub is_rejected: bool,
+    /// Where and why, if it is rejected.
+    pub misfit: Option<Misfit>,
+    /// The measured overlapping Allan deviations of averages of 1, 2, 4 … samples, without what was taken out. Empty
+    /// for a pool.
+    pub curve: Vec<Deviation>,
     /// The frequency up to which the model holds, Hz. Above it the sensor's filter shapes the noise, and the Allan
     /// variance is that of the measured spectrum.
     pub max_freq_hz: f64,
@@ -171,7 +184,7 @@ pub struct Fit {
 /// The prediction of a model for one averaging time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Expected {
-    /// The fitted deviation.
+    /// The fitted deviation; in a record with gaps that of averages over the samples that are there.
     pub dev: f64,
     /// Lower end of the band in which the model expects 95 % of the measured deviations.
     pub lo: f64,
@@ -196,16 +209,19 @@ impl Fit {
             Stat::Oadev => self.model.band(point, analysis.samples),
             _ => self.model.band_of(point.m, point.edf),
         };
-        Some(Expected { dev: self.deviation(point.m), lo, hi })
+        Some(Expected { dev: libm::sqrt(self.model.measured_variance(point.m)), lo, hi })
     }
 
-    /// The prediction of the model for the overlapping Allan deviation of averages of `m` samples in *another* record
+    /// The band in which 95 % of the overlapping Allan deviations of averages of `m` samples lie in *another* record
     /// of `samples` samples of this sensor at rest. It is wider than the band of its own record by the uncertainty of
-    /// the fit, and by the difference from one eighth of the record to the next. docs/reference/allan.md states how
-    /// often it holds. The model of a pool does not know how steady its records are, nor how far another unit is from
-    /// them.
+    /// the fit, and by the difference from one eighth of the record to the next. None for averages of more than
+    /// 1/[`PREDICTS`] of the record: nothing is known about their steadiness. docs/reference/allan.md states how often
+    /// it holds. The model of a pool does not know how steady its records are, nor how far another unit is from them.
     #[must_use]
-    pub fn predicted(&self, m: u64, samples: u64) -> Expected {
+    pub fn predicted(&self, m: u64, samples: u64) -> Option<Expected> {
+        if m as f64 > self.model.samples() / PREDICTS {
+            return None;
+        }
         let (dev, edf) = (self.deviation(m), self.model.freedom(m, samples));
         let doubt = self.model.doubt(m);
         // of ln σ: chance and the fit's own error are independent, and the unsteadiness of the record is added
@@ -214,10 +230,12 @@ impl Fit {
             let known = libm::sqrt(chance * chance + TWO_SIDED_95 * TWO_SIDED_95 * doubt.own);
             (known + TWO_SIDED_95 * libm::sqrt(doubt.scatter)) / 2.0
         };
-        Expected { dev, lo: dev * libm::exp(-limit(0.025)), hi: dev * libm::exp(limit(0.975)) }
+        Some(Expected { dev, lo: dev * libm::exp(-limit(0.025)), hi: dev * libm::exp(limit(0.975)) })
     }
 }
 
+/// The model of a record predicts averages up to the record's length over this.
+pub const PREDICTS: f64 = 128.0;
 /// A model whose error is larger is rejected.
 pub const MOST_ERROR: f64 = 0.1;
 /// The normal quantile at 97.5 %.
@@ -314,7 +332,7 @@ impl From<FftError> for FitError {
 /// [`FitError`] for too few samples, samples that do not change, and numbers beyond the range of f64.
 pub fn fit(input: &Input<'_>, rate_hz: f64, options: &FitOptions) -> Result<Fit, FitError> {
     enough(input.len() - input.missing(), input.len())?;
-    let mut rate = input.rates(rate_hz, options.scale);
+    let mut rate = rates(input, rate_hz, options.scale);
     let present = rate.iter().filter(|value| !value.is_nan()).count();
     enough(present as u64, rate.len() as u64)?;
     check(&rate)?;
@@ -333,7 +351,7 @@ pub fn fit(input: &Input<'_>, rate_hz: f64, options: &FitOptions) -> Result<Fit,
     }
     let mut fit = described(&rate, rate_hz, found, raw, warnings)?;
     if cleaned.glitches > 0 || !cleaned.steps.is_empty() {
-        cleaned.rate = Some(rate);
+        cleaned.rate = Some(rate.into_owned());
     }
     fit.cleaned = cleaned;
     Ok(fit)
@@ -341,7 +359,7 @@ pub fn fit(input: &Input<'_>, rate_hz: f64, options: &FitOptions) -> Result<Fit,
 
 /// The model without the steps that do not belong to its noise. Where there are too many of them, all are put back.
 fn without_steps(
-    rate: &mut Vec<f64>,
+    rate: &mut Cow<'_, [f64]>,
     rate_hz: f64,
     options: &FitOptions,
     cleaned: &mut Cleaned,
@@ -354,11 +372,11 @@ fn without_steps(
     while let Some(step) = steps::largest(rate, rate_hz, &now)?.filter(|step| libm::fabs(step.score) > STEP_LIMIT) {
         if steps.len() == MOST_STEPS {
             cleaned.put_back = steps;
-            *rate = whole.unwrap_or_default();
+            *rate = whole.unwrap_or_else(|| rate.clone());
             return Ok(first);
         }
         whole.get_or_insert_with(|| rate.clone());
-        rate[step.index..].iter_mut().for_each(|value| *value -= step.size);
+        rate.to_mut()[step.index..].iter_mut().for_each(|value| *value -= step.size);
         steps.push(Step { at_s: step.index as f64 / rate_hz, size: step.size });
         now = selected(rate, rate_hz, options.max_freq_hz)?;
     }
@@ -413,11 +431,19 @@ fn described(
     let lines: Vec<Line> = all.iter().map(|whole| whole.line).filter(|line| line.frequency_hz < top_hz).collect();
     let above = spectrum.above(top_hz, rate_hz);
     let measured = Measured { rate_hz, record_s: raw.record_s, top_hz, above, sines };
-    let model = Model::new(&chosen.found, &measured)?;
-    let is_rejected = chosen.problem.error > MOST_ERROR;
-    let coefficients = Coefficients { samples: spectrum.samples, chosen: &chosen, rate_hz, is_rejected };
+    let model = Model::new(&chosen.found, &measured)?.with_gaps_of(rate);
     let own = &chosen.found;
-    let scatter = Scatter::of(rate, rate_hz, &model);
+    let curves = Curves::of(rate, rate_hz);
+    let curve = curves.whole();
+    // longer averages rest on slow noise alone: there it is a remark
+    let is_short = |found: &&Deviation| found.m as f64 <= rate.len() as f64 / PREDICTS;
+    let short: Vec<Deviation> = curve.iter().filter(is_short).copied().collect();
+    let off_short = OffCurve::of(&short, &curves, &model);
+    let off_curve = OffCurve::of(&curve, &curves, &model).or(off_short);
+    let is_rejected = chosen.problem.error > MOST_ERROR || off_short.is_some();
+    let misfit = is_rejected.then(|| Misfit::of((&chosen.problem, own), off_short, (&curves, &model)));
+    let coefficients = Coefficients { samples: spectrum.samples, chosen: &chosen, rate_hz, is_rejected };
+    let scatter = Scatter::of(&curves, &model);
     let widening = libm::sqrt(scatter.variance_of_ln_n(rate_hz, own.at[N2], &model));
     let doubt = Doubt::of((&chosen.problem, own), &model, &measured, Some(&scatter))?;
     let (chi2, freedom) = select::chi2(&chosen.problem, own);
@@ -429,9 +455,11 @@ fn described(
         r: (own.form.drift == Some(Drift::Ramp)).then(|| coefficients.ramp()),
         terms: coefficients.terms(&lines),
         model: model.with(doubt),
-        model_error: chosen.problem.error,
+        model_error: off_short.map_or(0.0, OffCurve::error).max(chosen.problem.error),
         p_value: chi2_above(chi2, freedom),
         is_rejected,
+        misfit,
+        curve,
         max_freq_hz: top_hz,
         span_s: (1.0 / rate_hz, raw.record_s / 2.0),
         cleaned: Cleaned::default(),
@@ -440,6 +468,6 @@ fn described(
     let hz = rate_hz / (2.0 * spectrum.samples as f64);
     let leakage = masked::leakage(&all, &chosen.problem.table.rows, hz).filter(|(_, share)| *share > MOST_LEAKAGE);
     warnings.extend(leakage.map(|(line, share)| AllanWarning::Leakage { frequency_hz: line.frequency_hz, share }));
-    warnings.extend(remarks(&fit, &chosen, rate, rate_hz, raw));
+    warnings.extend(remarks(&fit, &chosen, &curves, off_curve, raw));
     Ok(Fit { warnings, ..fit })
 }

@@ -3,6 +3,7 @@
 use super::density::{Drift, shape_angle};
 use super::prediction::{Doubt, Variances};
 use super::scoring::{B2, Found, K2, N2, Q2, shape};
+use super::thinning::Thinning;
 use super::transform::autocovariance;
 use crate::FLOOR_PER_B;
 use crate::{Point, chi2_quantile, interval};
@@ -34,6 +35,7 @@ pub struct Model {
     pub(super) drift: Option<(Drift, f64)>,
     /// Variance and frequency of each.
     sines: Vec<(f64, f64)>,
+    thinning: Thinning,
     doubt: Doubt,
 }
 
@@ -85,6 +87,7 @@ impl Model {
             markovs: (0..form.markovs).map(markov).collect(),
             drift: form.drift.map(|drift| (drift, found.drift)),
             sines: measured.sines.clone(),
+            thinning: Thinning::default(),
             doubt: Doubt::default(),
         };
         let lags = measured.lags();
@@ -113,6 +116,22 @@ impl Model {
 
     pub(super) fn with(self, doubt: Doubt) -> Self {
         Self { doubt, ..self }
+    }
+
+    /// The model of a record with the gaps of this one.
+    pub(super) fn with_gaps_of(self, rate: &[f64]) -> Self {
+        Self { thinning: Thinning::of(rate, &self.short), ..self }
+    }
+
+    /// The Allan variance that the curve of the record has: where samples are missing, averages of them scatter more.
+    pub fn measured_variance(&self, m: u64) -> f64 {
+        let more = self.thinning.at(m) - 1.0;
+        self.allan_variance(m) + if more > 0.0 { more * self.short_variance(m) } else { 0.0 }
+    }
+
+    /// The length of the record, in samples.
+    pub(super) fn samples(&self) -> f64 {
+        self.record_s * self.rate_hz
     }
 
     /// The uncertainty about another record.
@@ -152,12 +171,20 @@ impl Model {
         2.0 * (of_mean(m) - of_mean(2.0 * m)) + self.sines.iter().map(sine).sum::<f64>()
     }
 
+    /// Degrees of freedom of a measured overlapping deviation of `n` terms. They fall with the terms that gaps leave,
+    /// and with the noise of averages over fewer samples: the deviation allows for its power, but not for its chance.
+    pub(super) fn measured_freedom(&self, m: u64, n: u64, samples: u64) -> f64 {
+        let terms = (samples + 1).saturating_sub(2 * m).max(1);
+        let whole = self.measured_variance(m);
+        let share = whole / (whole + self.thinning.added(m) * self.short_variance(m));
+        (self.freedom(m, samples) * n as f64 / terms as f64 * share * share).max(1.0)
+    }
+
     /// The limits within which the model expects 95 % of the overlapping Allan deviations of a record of `samples`
-    /// samples. Where gaps left fewer terms, the degrees of freedom fall in proportion.
+    /// samples.
     pub(super) fn band(&self, point: &Point, samples: u64) -> (f64, f64) {
-        let variance = self.allan_variance(point.m);
-        let terms = (samples + 1).saturating_sub(2 * point.m).max(1);
-        let edf = (self.freedom(point.m, samples) * point.n as f64 / terms as f64).max(1.0);
+        let variance = self.measured_variance(point.m);
+        let edf = self.measured_freedom(point.m, point.n, samples);
         let limit = |p: f64| libm::sqrt(variance * chi2_quantile(p, edf) / edf);
         (limit(0.025), limit(0.975))
     }
@@ -221,7 +248,7 @@ impl Model {
 
     /// Limits of another deviation than the overlapping one, by its own degrees of freedom.
     pub(super) fn band_of(&self, m: u64, edf: f64) -> (f64, f64) {
-        let dev = libm::sqrt(self.allan_variance(m));
+        let dev = libm::sqrt(self.measured_variance(m));
         let (lo, hi) = interval(dev, edf, 0.95);
         (dev * dev / hi, dev * dev / lo)
     }

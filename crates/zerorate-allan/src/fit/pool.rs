@@ -5,6 +5,7 @@
 //! several calibrations of one sensor: mgmwm).
 
 use super::coefficients::Coefficients;
+use super::curve::Curves;
 use super::density::Table;
 use super::model::{Measured, Model};
 use super::prediction::Doubt;
@@ -13,7 +14,7 @@ use super::scoring::{B2, N2, Problem};
 use super::select::{DESCENT, Selection, chi2, is_upper, select};
 use super::{Cleaned, Fit, FitError, MOST_ERROR, TWO_SIDED_95, fitted, lines::median};
 use crate::chi2::chi2_above;
-use crate::{Coefficient, Noise};
+use crate::{Coefficient, Misfit, Noise};
 use alloc::vec::Vec;
 use core::fmt;
 
@@ -289,6 +290,8 @@ fn common(
     let measured = Measured { rate_hz, record_s, top_hz, above, sines: Vec::new() };
     let model = Model::new(found, &measured)?;
     let doubt = Doubt::of((&chosen.problem, found), &model, &measured, None)?;
+    let of_no_record = Curves::of(&[], rate_hz);
+    let misfit = is_rejected.then(|| Misfit::of((&chosen.problem, found), None, (&of_no_record, &model)));
     let fit = Fit {
         n: wider(coefficients.n(0.0, 0.0), of_mean(Noise::AngleRandomWalk)),
         b: wider(coefficients.of(B2), of_mean(Noise::BiasInstability)),
@@ -300,12 +303,14 @@ fn common(
         model_error: chosen.problem.error,
         p_value: chi2_above(chi2, freedom),
         is_rejected,
+        misfit,
+        curve: Vec::new(),
         max_freq_hz: top_hz,
         span_s: (1.0 / rate_hz, record_s / 2.0),
         cleaned: Cleaned::default(),
         warnings: Vec::new(),
     };
-    let warnings = remarks(&fit, chosen, &[], rate_hz, Raw { record_s, missing: 0 });
+    let warnings = remarks(&fit, chosen, &of_no_record, None, Raw { record_s, missing: 0 });
     Ok(Fit { warnings, ..fit })
 }
 

@@ -1,6 +1,6 @@
 //! The length of a record in which a coefficient is identified.
 
-use super::bins::empty_bins;
+use super::bins::all_edges;
 use super::density::Table;
 use super::scoring::{Found, ModelForm, Problem};
 use super::select::DESCENT;
@@ -21,7 +21,7 @@ pub(super) fn needed_s(found: &Found, samples: usize, (rate_hz, top_hz): (f64, f
     let form = ModelForm { drift: None, ..found.form };
     let gain = |doublings: i32| {
         let longer = samples.saturating_mul(1 << doublings);
-        evidence(form, &at, Table::new(empty_bins(longer).into_iter(), &[], longer, rate_hz).below(top_hz), place)
+        evidence(form, &at, Table::new(all_edges(longer).into_iter(), &[], longer, rate_hz).below(top_hz), place)
     };
     let mut before = gain(0);
     for doublings in 1..=DOUBLINGS {

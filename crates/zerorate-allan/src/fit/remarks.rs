@@ -1,9 +1,11 @@
 //! The warnings about a record and its model.
 
+use super::curve::Curves;
 use super::lines::Line;
+use super::misfit::OffCurve;
 use super::select::Selection;
 use super::{Fit, MOST_ERROR, Term, steadiness};
-use crate::{AllanWarning, Deviation, Input, Noise, Stat, chi2_quantile, deviations, octaves};
+use crate::{AllanWarning, Noise};
 use alloc::vec::Vec;
 
 /// The raw record, for the warnings.
@@ -23,19 +25,25 @@ const CHANGE: f64 = 0.05;
 /// ADIS16405's axes. 1000 samples show it in 93 to 100 records, 300 in 41 to 85.
 const BAND_IS_SEEN: u64 = 2000;
 
-pub(super) fn remarks(fit: &Fit, chosen: &Selection, rate: &[f64], rate_hz: f64, raw: Raw) -> Vec<AllanWarning> {
+pub(super) fn remarks(
+    fit: &Fit,
+    chosen: &Selection,
+    curves: &Curves<'_>,
+    off_curve: Option<OffCurve>,
+    raw: Raw,
+) -> Vec<AllanWarning> {
     let mut warnings = Vec::new();
-    if fit.is_rejected {
-        warnings.push(AllanWarning::Rejected { error: fit.model_error, most: MOST_ERROR });
+    if let Some(misfit) = fit.misfit {
+        warnings.push(AllanWarning::Rejected { error: fit.model_error, most: MOST_ERROR, misfit });
     }
-    let samples = (rate.len() - raw.missing.min(rate.len())) as u64;
+    let samples = (curves.samples() - raw.missing.min(curves.samples())) as u64;
     if samples > 0 && samples < BAND_IS_SEEN {
         warnings.push(AllanWarning::ShortRecord { samples, needed: BAND_IS_SEEN });
     }
-    let off = off_curve(rate, rate_hz, fit).filter(|_| !fit.is_rejected);
-    warnings.extend(off);
+    let off = |off: OffCurve| AllanWarning::OffCurve { tau_s: off.tau_s, ratio: off.ratio, octaves: off.octaves };
+    warnings.extend(off_curve.map(off));
     if raw.missing > 0 {
-        warnings.push(AllanWarning::Gaps { missing: raw.missing as u64, samples: rate.len() as u64 });
+        warnings.push(AllanWarning::Gaps { missing: raw.missing as u64, samples: curves.samples() as u64 });
     }
     let lines = fit.terms.iter().filter_map(|term| if let Term::Line(line) = term { Some(line) } else { None });
     if let Some(strongest) = lines.clone().max_by(|a, b| a.rms.total_cmp(&b.rms)) {
@@ -62,7 +70,7 @@ pub(super) fn remarks(fit: &Fit, chosen: &Selection, rate: &[f64], rate_hz: f64,
             AllanWarning::DriftOrWalk { has_drift: own.drift.is_some(), worse }
         });
     }
-    warnings.extend(unsteady(fit, rate, rate_hz));
+    warnings.extend(unsteady(fit, curves));
     let coefficients =
         [(Noise::AngleRandomWalk, fit.n), (Noise::BiasInstability, fit.b), (Noise::RateRandomWalk, fit.k)];
     let missing = coefficients.into_iter().filter_map(|(noise, c)| Some((noise, c.needed_s?)));
@@ -75,30 +83,7 @@ pub(super) fn remarks(fit: &Fit, chosen: &Selection, rate: &[f64], rate_hz: f64,
 }
 
 /// Halves of the record that differ.
-fn unsteady(fit: &Fit, rate: &[f64], rate_hz: f64) -> Option<AllanWarning> {
-    let steadiness::Difference { tau_s, ratio } = steadiness::halves(rate, rate_hz, &fit.model)?;
+fn unsteady(fit: &Fit, curves: &Curves<'_>) -> Option<AllanWarning> {
+    let steadiness::Difference { tau_s, ratio } = steadiness::halves(curves, &fit.model)?;
     (libm::log(ratio).abs() > CHANGE).then_some(AllanWarning::Unsteady { tau_s, ratio })
-}
-
-/// Share of the records whose curve is reported as off though chance explains it.
-const OFF_BY_CHANCE: f64 = 1e-3;
-
-/// Where the measured curve is off the model's by more than [`MOST_ERROR`] and chance. The likelihood does not check
-/// this: it leaves out lines, and the model error covers the fast noise only.
-fn off_curve(rate: &[f64], rate_hz: f64, fit: &Fit) -> Option<AllanWarning> {
-    let lengths = octaves(rate.len());
-    let tail = OFF_BY_CHANCE / lengths.len().max(1) as f64 / 2.0;
-    let ratio = |found: &Deviation| libm::fabs(libm::log(found.dev / fit.deviation(found.m)));
-    let is_off = |found: &Deviation| {
-        let edf = fit.model.freedom(found.m, rate.len() as u64);
-        let limit = |p: f64| libm::log(chi2_quantile(p, edf) / edf) / 2.0;
-        let log = libm::log(found.dev / fit.deviation(found.m));
-        ratio(found) > libm::log1p(MOST_ERROR) && (log < limit(tail) || log > limit(1.0 - tail))
-    };
-    let measured = deviations(&Input::Rate(rate), rate_hz, Stat::Oadev, &lengths);
-    let off: Vec<Deviation> =
-        measured.into_iter().flatten().filter(|found| found.dev > 0.0 && is_off(found)).collect();
-    let worst = off.iter().max_by(|a, b| ratio(a).total_cmp(&ratio(b)))?;
-    let tau_s = worst.m as f64 / rate_hz;
-    Some(AllanWarning::OffCurve { tau_s, ratio: worst.dev / fit.deviation(worst.m), octaves: off.len() })
 }

@@ -2,6 +2,7 @@
 
 use super::{FEWEST_SAMPLES, FitError, glitches, spectrum};
 use crate::{AllanWarning, Input, kernels};
+use alloc::borrow::Cow;
 use alloc::vec::Vec;
 
 /// Part of the samples that must be there.
@@ -19,6 +20,14 @@ impl Input<'_> {
                 kernels::expanded(codes, gaps).into_iter().map(|code| code * scale).collect()
             }
         }
+    }
+}
+
+/// The same without a copy where the rate is in the unit of the result.
+pub(super) fn rates<'a>(input: &Input<'a>, rate_hz: f64, scale: f64) -> Cow<'a, [f64]> {
+    match *input {
+        Input::Rate(rate) if scale == 1.0 => Cow::Borrowed(rate),
+        _ => Cow::Owned(input.rates(rate_hz, scale)),
     }
 }
 
@@ -46,7 +55,7 @@ pub(super) fn check(rate: &[f64]) -> Result<(), FitError> {
 }
 
 /// Cuts the glitches, and returns the first sample of each.
-pub(super) fn cut_glitches(rate: &mut [f64], warnings: &mut Vec<AllanWarning>) -> Vec<usize> {
+pub(super) fn cut_glitches(rate: &mut Cow<'_, [f64]>, warnings: &mut Vec<AllanWarning>) -> Vec<usize> {
     let power = |rate: &[f64]| {
         let pairs = rate.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| !step.is_nan());
         let (sum, count) = pairs.fold((0.0, 0u64), |(sum, count), step| (sum + step * step, count + 1));
@@ -60,9 +69,10 @@ pub(super) fn cut_glitches(rate: &mut [f64], warnings: &mut Vec<AllanWarning>) -
         return found;
     }
     let before = power(rate);
+    let rate = rate.to_mut();
     let missing: Vec<usize> = (0..rate.len()).filter(|&i| rate[i].is_nan()).collect();
     found.iter().for_each(|&i| rate[i] = f64::NAN);
-    spectrum::fill_gaps(rate);
+    spectrum::averages::fill_gaps(rate);
     missing.into_iter().for_each(|i| rate[i] = f64::NAN);
     let ratio = libm::sqrt(before / power(rate).max(f64::MIN_POSITIVE));
     // neighbouring samples are one glitch

@@ -204,9 +204,9 @@ impl Problem {
             (0..form.cosines).for_each(|j| exponent += at[SHAPE + j] * row.cosines[j]);
             let pole = if form.pole { at[SHAPE + form.cosines] } else { 0.0 };
             let (low_pass, low_pass_slope) = if form.pole { one_pole(pole, row.cosines[0]) } else { (1.0, 0.0) };
-            let shape = libm::exp(exponent) * low_pass * response.white;
+            let shape = libm::exp(exponent) * low_pass * response.gain;
             let white = at[N2] * shape;
-            let (b, k, q) = (row.flicker * response.slow, row.walk * response.slow, row.quantisation * response.white);
+            let (b, k, q) = (row.flicker * response.gain, row.walk * response.gain, row.quantisation * response.gain);
             let mut sum = response.offset + white + at[B2] * b + at[K2] * k + at[Q2] * q;
             (slopes[N2][i], slopes[B2][i], slopes[K2][i], slopes[Q2][i]) = (shape, b, k, q);
             (0..form.cosines).for_each(|j| slopes[SHAPE + j][i] = white * row.cosines[j]);
@@ -216,8 +216,8 @@ impl Problem {
             for index in 0..form.markovs {
                 let place = form.markov(index);
                 let (g, slope) = row.gauss_markov(libm::exp(at[place + 1]));
-                (slopes[place][i], slopes[place + 1][i]) = (g * response.slow, at[place] * slope * response.slow);
-                sum += at[place] * g * response.slow;
+                (slopes[place][i], slopes[place + 1][i]) = (g * response.gain, at[place] * slope * response.gain);
+                sum += at[place] * g * response.gain;
             }
             density[i] = sum;
         }

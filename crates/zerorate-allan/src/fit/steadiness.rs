@@ -1,13 +1,10 @@
 //! Steadiness: whether the record is the same from one part to the next.
 
+use super::curve::{BLOCKS, Curves};
 use super::model::Model;
-use crate::{Deviation, Input, Stat, chi2_quantile, deviations};
+use crate::{Deviation, chi2_quantile};
 use alloc::vec::Vec;
 
-/// Parts that are compared.
-const BLOCKS: usize = 8;
-/// The longest average is this share of a block.
-const LONGEST_IN_BLOCK: usize = 16;
 /// An averaging time whose variance is within this share of white noise alone shows how steady the white noise is.
 const WHITE: f64 = 0.1;
 /// Standard deviations by which the halves of a record must differ at one averaging time.
@@ -45,24 +42,19 @@ impl OfLength {
 }
 
 impl Scatter {
-    pub(super) fn of(rate: &[f64], rate_hz: f64, model: &Model) -> Self {
-        let len = rate.len() / BLOCKS;
-        let lengths: Vec<u64> = core::iter::successors(Some(1u64), |m| Some(2 * m))
-            .take_while(|m| *m as usize <= len / LONGEST_IN_BLOCK)
-            .collect();
-        let blocks: Vec<Vec<Deviation>> =
-            rate.chunks_exact(len.max(1)).map(|block| measured(block, rate_hz, &lengths)).collect();
+    pub(super) fn of(curves: &Curves<'_>, model: &Model) -> Self {
+        let samples = (curves.samples() / BLOCKS) as u64;
         let of = |&m: &u64| {
-            let all = || blocks.iter().flatten().filter(move |found| found.m == m);
+            let all = || curves.blocks.iter().flatten().filter(move |found| found.m == m);
             let count = all().count() as f64;
             let log = |found: &Deviation| 2.0 * libm::log(found.dev);
             let mean = all().map(log).sum::<f64>() / count;
             let squares = all().map(|found| libm::pow(log(found) - mean, 2.0)).sum::<f64>();
             let terms = all().map(|found| found.n as f64).sum::<f64>() / count;
-            let freedom = model.freedom(m, len as u64) * terms / (len as u64 + 1 - 2 * m) as f64;
+            let freedom = model.measured_freedom(m, terms as u64, samples);
             (count >= 2.0).then(|| OfLength { m, variance: squares / (count - 1.0), chance: 2.0 / freedom })
         };
-        Self { by_length: lengths.iter().filter_map(of).collect() }
+        Self { by_length: curves.lengths.iter().filter_map(of).collect() }
     }
 
     /// Mean of three octaves around an averaging time. The last of them hold beyond.
@@ -92,23 +84,17 @@ pub(super) struct Difference {
 }
 
 /// The averaging time at which the halves of a record differ most, if they do.
-pub(super) fn halves(rate: &[f64], rate_hz: f64, model: &Model) -> Option<Difference> {
-    let (first, second) = rate.split_at(rate.len() / 2);
-    let lengths = super::super::octaves(first.len());
-    let of = |half| deviations(&Input::Rate(half), rate_hz, Stat::Oadev, &lengths);
-    let pairs = of(first).into_iter().zip(of(second)).filter_map(|(a, b)| Some((a.ok()?, b.ok()?)));
-    let pairs = pairs.filter(|(a, b)| a.dev > 0.0 && b.dev > 0.0);
+pub(super) fn halves(curves: &Curves<'_>, model: &Model) -> Option<Difference> {
+    let samples = curves.samples() as u64 / 2;
+    let second = curves.of_parts(BLOCKS / 2..BLOCKS);
+    let same = |a: &Deviation| second.iter().find(|b| b.m == a.m).copied();
+    let pairs = curves.of_parts(0..BLOCKS / 2).into_iter().filter_map(|a| Some((a, same(&a)?)));
     let score = |(a, b): &(Deviation, Deviation)| {
-        let spread = libm::sqrt(4.0 / model.freedom(a.m, first.len() as u64));
+        let freedom = |found: &Deviation| model.measured_freedom(found.m, found.n, samples);
+        let spread = libm::sqrt(2.0 / freedom(a) + 2.0 / freedom(b));
         libm::fabs(2.0 * libm::log(a.dev / b.dev)) / spread
     };
     let worst = pairs.max_by(|a, b| score(a).total_cmp(&score(b))).filter(|pair| score(pair) > DIFFERENT)?;
     let (a, b) = worst;
-    Some(Difference { tau_s: a.m as f64 / rate_hz, ratio: a.dev / b.dev })
-}
-
-/// The deviation at each length that can be computed.
-fn measured(rate: &[f64], rate_hz: f64, lengths: &[u64]) -> Vec<Deviation> {
-    let found = deviations(&Input::Rate(rate), rate_hz, Stat::Oadev, lengths);
-    found.into_iter().flatten().filter(|found| found.dev > 0.0).collect()
+    Some(Difference { tau_s: a.m as f64 / curves.rate_hz, ratio: a.dev / b.dev })
 }

@@ -3,9 +3,10 @@
 use super::bins::at_coefficients;
 use super::density::Table;
 use super::masked::loud;
-use super::scoring::{Problem, SHAPE};
+use super::scoring::{N2, Problem, SHAPE};
 use super::select::Selection;
-use super::spectrum::{Averages, Spectrum, slot_length};
+use super::spectrum::Spectrum;
+use super::spectrum::averages::{averages, fill_gaps, slot_length, white_in};
 use super::transform::{cosine_transform, series, smooth_length};
 use alloc::vec::Vec;
 use core::f64::consts::PI;
@@ -34,6 +35,10 @@ pub(super) struct Candidate {
 /// Steps are not looked for this near to the ends.
 const MARGIN: usize = 10;
 
+/// The share of averages that may be missing, and the fewest averages in which steps are looked for.
+const MOST_MISSING: f64 = 0.02;
+const FEWEST_SLOTS: usize = 64;
+
 /// The score of a step at every time, under the noise of the model with its flicker and random walk. It is a
 /// generalised least squares estimate of the step's size, by one transform. With c_k, d_k = 2 sin(πk/2n) and the
 /// density S_k per sample, a unit step at t has the coefficients −√(2/n) sin(πkt/n)/d_k. Loud lines do not count.
@@ -45,35 +50,64 @@ pub(super) fn largest(
     let left_out = loud(spectrum, chosen, rate_hz);
     let level =
         |i: usize| chosen.found.form.drift.map_or(0.0, |drift| chosen.found.drift * drift.at(i as f64 / rate_hz));
-    let rate: Vec<f64> = rate.iter().enumerate().map(|(i, value)| value - level(i)).collect();
-    if rate.iter().any(|value| value.is_nan()) {
-        let slot = slot_length(rate.len());
-        let slots = smooth_length(rate.len() / slot);
-        let averages = Averages::of(&rate[..slots * slot], slot);
-        let density = density_of_averages(chosen, slots, rate_hz / slot as f64, averages.white);
-        let found = scan(&averages.means, &density, &left_out)?;
-        return Ok(found.map(|step| Candidate { index: step.index * slot, ..step }));
+    if spectrum.has_levels {
+        let (slot, mut means, counts) = slots_without_gaps(rate);
+        let slots = means.len();
+        means.iter_mut().enumerate().for_each(|(i, mean)| *mean -= level(i * slot + slot / 2));
+        fill_gaps(&mut means);
+        let density = density_of_averages(chosen, slots, rate_hz / slot as f64, white_in(&counts, slot));
+        let found = scan(&means, &density, &left_out)?;
+        return Ok(found.map(|step| Candidate { index: moment(rate, step.index * slot, slot), ..step }));
     }
     let n = smooth_length(rate.len());
+    let rate: Vec<f64> = rate[..n].iter().enumerate().map(|(i, value)| value - level(i)).collect();
     let table = &chosen.problem.table;
     let fitted = table.rows.iter().map(|row| row.f_hz).zip(chosen.found.density.iter().copied());
     let hz = rate_hz / (2 * n) as f64;
-    let known: Vec<(f64, f64)> = fitted.chain(spectrum.above(table.top_hz, rate_hz)).collect();
+    // what a filter takes off the noise it takes off a step, so that less noise there proves nothing
+    let above = spectrum.above(table.top_hz, rate_hz).into_iter();
+    let above = above.map(|(f_hz, density)| (f_hz, density.max(chosen.found.at[N2])));
+    let known: Vec<(f64, f64)> = fitted.chain(above).collect();
     let densities: Vec<f64> = known.iter().map(|(_, density)| *density).collect();
     let density = at_coefficients(known.iter().map(|(f_hz, _)| f_hz / hz), &densities, n - 1);
-    scan(&rate[..n], &density.iter().map(|density| density * rate_hz).collect::<Vec<f64>>(), &left_out)
+    scan(&rate, &density.iter().map(|density| density * rate_hz).collect::<Vec<f64>>(), &left_out)
+}
+
+/// Averages so long that hardly one is missing: lines across long gaps look like steps.
+fn slots_without_gaps(rate: &[f64]) -> (usize, Vec<f64>, Vec<usize>) {
+    let mut slot = slot_length(rate.len());
+    loop {
+        let slots = smooth_length(rate.len() / slot);
+        let (means, counts) = averages(&rate[..slots * slot], slot);
+        let missing = counts.iter().filter(|count| **count == 0).count();
+        if missing as f64 <= MOST_MISSING * slots as f64 || slots < 2 * FEWEST_SLOTS {
+            return (slot, means, counts);
+        }
+        slot *= 2;
+    }
+}
+
+/// The moment of a step near a sample: there the sum of the samples less their mean is the farthest from 0.
+fn moment(rate: &[f64], near: usize, slot: usize) -> usize {
+    let from = near.saturating_sub(slot);
+    let around = &rate[from..(near + slot).min(rate.len())];
+    let there = || around.iter().zip(from..).filter(|(value, _)| !value.is_nan());
+    let mean = there().map(|(value, _)| value).sum::<f64>() / there().count().max(1) as f64;
+    let mut sum = 0.0;
+    let sums = there().map(|(value, i)| {
+        sum += value - mean;
+        (libm::fabs(sum), i + 1)
+    });
+    sums.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(near, |(_, i)| i)
 }
 
 fn density_of_averages(chosen: &Selection, slots: usize, slot_rate_hz: f64, white: f64) -> Vec<f64> {
-    let bins = super::bins::empty_bins(slots).into_iter().map(|mut bin| {
-        bin.response.white = white;
-        bin
-    });
-    let table = Table::new(bins, &[], slots, slot_rate_hz);
+    let table = Table::new(super::bins::all_edges(slots).into_iter(), &[], slots, slot_rate_hz);
     let middles: Vec<f64> = table.rows.iter().map(|row| row.bin.middle()).collect();
     let mut form = chosen.found.form;
     let mut at = chosen.found.at.clone();
     at.drain(SHAPE..SHAPE + form.shape());
+    at[N2] *= white;
     (form.cosines, form.pole, form.drift) = (0, false, None);
     let density = Problem::new(table, 0.0).density(&form, &at);
     at_coefficients(middles.into_iter(), &density, slots - 1).into_iter().map(|s| s * slot_rate_hz).collect()

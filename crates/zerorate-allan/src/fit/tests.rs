@@ -5,6 +5,8 @@ use core::f64::consts::PI;
 use std::string::ToString;
 use std::vec;
 
+mod covering;
+mod filters;
 mod lines;
 mod motion;
 mod pool;
@@ -263,7 +265,7 @@ fn white_noise_with_bursts_of_losses_is_what_the_bins_expect() {
         }
         let spectrum = Spectrum::of(&rate, RATE_HZ).unwrap();
         for bin in spectrum.bins.iter().filter(|bin| bin.end < 1000) {
-            ratios += bin.freedom * bin.power / (0.01 * bin.response.white);
+            ratios += bin.freedom * bin.power / (bin.response.offset + 0.01 * bin.response.gain);
             freedom += bin.freedom;
         }
     }
@@ -405,18 +407,18 @@ fn another_record_is_predicted() {
     let fit = of(&HOUR.noise(200_000, 35));
     let inside = |rate: &[f64]| {
         let found = deviations(&Input::Rate(rate), RATE_HZ, Stat::Oadev, &octaves(rate.len()));
-        let holds = |point: &Deviation| {
-            let expected = fit.predicted(point.m, rate.len() as u64);
-            expected.lo < point.dev && point.dev < expected.hi
+        let holds = |point: Deviation| {
+            let expected = fit.predicted(point.m, rate.len() as u64)?;
+            Some(expected.lo < point.dev && point.dev < expected.hi)
         };
-        found.into_iter().flatten().map(|point| holds(&point)).collect::<Vec<bool>>()
+        found.into_iter().flatten().filter_map(holds).collect::<Vec<bool>>()
     };
     let same = inside(&HOUR.noise(200_000, 36));
-    assert!(same.len() == 17 && same.iter().filter(|holds| **holds).count() >= 16, "{same:?}");
+    assert!(same.len() == 11 && same.iter().filter(|holds| **holds).count() >= 10, "{same:?}");
     let louder = inside(&Truth { n: 1.03 * HOUR.n, ..HOUR }.noise(200_000, 37));
     assert!(louder[..6].iter().all(|holds| !holds), "{louder:?}");
     // half as long a record knows an octave half as well
-    let width = |samples| fit.predicted(4096, samples).hi / fit.predicted(4096, samples).lo;
+    let width = |samples| fit.predicted(1024, samples).map_or(0.0, |band| band.hi / band.lo);
     assert!(width(100_000) > width(200_000));
 }
 

@@ -11,7 +11,7 @@ mod lanes;
 mod sweep;
 #[cfg(test)]
 mod tests;
-mod threads;
+pub(super) mod threads;
 
 #[cfg(feature = "std")]
 pub(super) use gaps::expanded;

@@ -17,14 +17,14 @@ pub fn join<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
 
 /// The results of `f(0)`, `f(1)` … in this order.
 #[cfg(all(feature = "std", not(target_family = "wasm")))]
-pub(super) fn map<R: Send>(pieces: usize, f: impl Fn(usize) -> R + Sync + Send) -> Vec<R> {
+pub fn map<R: Send>(pieces: usize, f: impl Fn(usize) -> R + Sync + Send) -> Vec<R> {
     use rayon::prelude::*;
     (0..pieces).into_par_iter().map(f).collect()
 }
 
 /// The results of `f(0)`, `f(1)` … in this order.
 #[cfg(any(not(feature = "std"), target_family = "wasm"))]
-pub(super) fn map<R>(pieces: usize, f: impl Fn(usize) -> R) -> Vec<R> {
+pub fn map<R>(pieces: usize, f: impl Fn(usize) -> R) -> Vec<R> {
     (0..pieces).map(f).collect()
 }
 

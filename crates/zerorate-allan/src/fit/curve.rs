@@ -1,0 +1,82 @@
+//! The measured curve that a model is checked with, of the record and of its parts.
+
+use super::spectrum::averages::averages;
+use crate::{Deviation, Input, Stat, deviations, octaves};
+use alloc::vec::Vec;
+use core::ops::Range;
+
+/// Parts of a record that are compared.
+pub(super) const BLOCKS: usize = 8;
+/// The longest average is this share of a block.
+const LONGEST_IN_BLOCK: usize = 16;
+/// A longer record, without gaps, is thinned for averages of at least `THINNED` samples: these then begin at every
+/// `STEP`-th sample, which costs their deviations no freedom.
+const LONG: usize = 1 << 20;
+const THINNED: u64 = 256;
+const STEP: usize = 16;
+
+/// The curves of the parts of a record.
+pub(super) struct Curves<'a> {
+    pub(super) rate: &'a [f64],
+    pub(super) rate_hz: f64,
+    /// Samples of a part.
+    block: usize,
+    /// The octaves up to a sixteenth of a part.
+    pub(super) lengths: Vec<u64>,
+    pub(super) blocks: Vec<Vec<Deviation>>,
+}
+
+impl<'a> Curves<'a> {
+    pub(super) fn of(rate: &'a [f64], rate_hz: f64) -> Self {
+        let block = rate.len() / BLOCKS;
+        let lengths: Vec<u64> = core::iter::successors(Some(1u64), |m| Some(2 * m))
+            .take_while(|m| *m as usize <= block / LONGEST_IN_BLOCK)
+            .collect();
+        let blocks = rate.chunks_exact(block.max(1)).map(|block| curve(block, rate_hz, &lengths)).collect();
+        Self { rate, rate_hz, block, lengths, blocks }
+    }
+
+    /// The curve of some parts together. For short averages the gaps between the parts do not matter.
+    pub(super) fn of_parts(&self, parts: Range<usize>) -> Vec<Deviation> {
+        let part = &self.rate[parts.start * self.block..(parts.end * self.block).min(self.rate.len())];
+        let longer: Vec<u64> =
+            octaves(part.len()).into_iter().filter(|m| self.lengths.last().is_none_or(|last| m > last)).collect();
+        let blocks = self.blocks.get(parts).unwrap_or_default();
+        let joined = |&m: &u64| {
+            let of_blocks = blocks.iter().flatten().filter(|found| found.m == m);
+            let sum =
+                |(sum, n): (f64, u64), found: &Deviation| (sum + found.dev * found.dev * found.n as f64, n + found.n);
+            let (sum, n) = of_blocks.fold((0.0, 0), sum);
+            (n > 0).then(|| Deviation { m, n, dev: libm::sqrt(sum / n as f64) })
+        };
+        let long = curve(part, self.rate_hz, &longer);
+        self.lengths.iter().filter_map(joined).chain(long).collect()
+    }
+
+    /// The curve of the record.
+    pub(super) fn whole(&self) -> Vec<Deviation> {
+        self.of_parts(0..BLOCKS)
+    }
+
+    /// Samples of the record.
+    pub(super) fn samples(&self) -> usize {
+        self.rate.len()
+    }
+}
+
+/// The overlapping Allan deviation at each length, powers of two, at which there is one above zero.
+fn curve(rate: &[f64], rate_hz: f64, lengths: &[u64]) -> Vec<Deviation> {
+    let of = |rate: &[f64], rate_hz: f64, lengths: &[u64]| -> Vec<Deviation> {
+        let found = deviations(&Input::Rate(rate), rate_hz, Stat::Oadev, lengths);
+        found.into_iter().flatten().filter(|found| found.dev > 0.0).collect()
+    };
+    if rate.len() <= LONG || rate.iter().any(|value| value.is_nan()) {
+        return of(rate, rate_hz, lengths);
+    }
+    let (long, short): (Vec<u64>, Vec<u64>) = lengths.iter().partition(|m| **m >= THINNED);
+    let step = STEP as u64;
+    let long: Vec<u64> = long.iter().map(|m| m / step).collect();
+    let thinned = of(&averages(rate, STEP).0, rate_hz / STEP as f64, &long);
+    let in_samples = |found: Deviation| Deviation { m: found.m * step, n: found.n * step, ..found };
+    of(rate, rate_hz, &short).into_iter().chain(thinned.into_iter().map(in_samples)).collect()
+}

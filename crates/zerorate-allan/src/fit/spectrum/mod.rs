@@ -1,0 +1,200 @@
+//! From a record to its bins.
+//!
+//! A complete record is one cosine transform. A longer one, and one with gaps, goes through levels: its samples, means
+//! of some of them, means of more of them. Segments of a level give the upper part of its band, and the next level
+//! gives the rest. The last level is one cosine transform, which is exact for white noise and a random walk.
+
+pub(super) mod averages;
+mod levels;
+mod segments;
+
+use super::bins::{Bin, LINEAR, all_edges, edges};
+use super::density::{LOW, is_below};
+use super::lines::{Narrow, take_out_narrow};
+use super::transform::{cosine_transform, smooth_length};
+use alloc::vec::Vec;
+use averages::fill_gaps;
+use levels::{Known, Level};
+use realfft::FftError;
+
+/// A record's cosine spectrum.
+#[derive(Clone, Debug)]
+pub(super) struct Spectrum {
+    pub(super) bins: Vec<Bin>,
+    /// The first coefficients times √dt.
+    pub(super) low: Vec<f64>,
+    /// The lines that left the bins.
+    pub(super) narrow: Vec<Narrow>,
+    /// Samples that entered, lost ones included.
+    pub(super) samples: usize,
+    /// Whether it is not one transform.
+    pub(super) has_levels: bool,
+}
+
+/// Most values of one transform.
+const LONGEST: usize = 1 << 20;
+/// The last level has this share of its values, or fewer values than this.
+const NEARLY_COMPLETE: f64 = 0.97;
+const FEW: usize = 256;
+/// Segments are used from this share of their length on, and from this coefficient on. Below, they hear the jumps at
+/// their ends.
+const USED_FROM: usize = 128;
+const FIRST: usize = 4;
+/// Values in a mean of the next level, at most.
+const NEXT: usize = 16;
+
+impl Spectrum {
+    /// The spectrum of a rate; NaN is a missing sample.
+    pub(super) fn of(rate: &[f64], rate_hz: f64) -> Result<Self, FftError> {
+        let is_complete = !rate.iter().any(|value| value.is_nan());
+        if !is_complete || rate.len() > LONGEST {
+            return Self::of_levels(rate, rate_hz);
+        }
+        let samples = smooth_length(rate.len());
+        let Part { bins, low, narrow, .. } = Part::transform(&rate[..samples], rate_hz, all_edges(samples))?;
+        Ok(Self { bins, low, narrow, samples, has_levels: false })
+    }
+
+    fn of_levels(rate: &[f64], rate_hz: f64) -> Result<Self, FftError> {
+        let (mut parts, mut known) = (Vec::new(), Known::default());
+        let (mut level, mut end_hz) = (Level::first(rate, rate_hz), rate_hz / 2.0);
+        loop {
+            let is_last = level.step > 1 && level.is_last();
+            let mut part = if is_last { level.transformed(end_hz)? } else { level.segmented(end_hz)? };
+            part.respond(&level, &known);
+            known.add_below(part.bins.iter().map(|bin| (bin.middle() * part.hz, bin.density())), &part.narrow);
+            end_hz = part.lowest_hz();
+            parts.push(part);
+            if is_last {
+                return Ok(Self::joined(parts, rate_hz));
+            }
+            level = Level::of(rate, rate_hz, level.step * level.next())?;
+        }
+    }
+
+    /// The parts of all levels, the fastest first, in the coefficients of the last.
+    fn joined(parts: Vec<Part>, rate_hz: f64) -> Self {
+        let hz = parts.last().map_or(rate_hz, |part| part.hz);
+        let low = parts.last().map_or_else(Vec::new, |part| part.low.clone());
+        let parts: Vec<Part> = parts.into_iter().rev().map(|part| part.in_units_of(hz)).collect();
+        Self {
+            bins: parts.iter().flat_map(|part| part.bins.iter().copied()).collect(),
+            low,
+            narrow: parts.into_iter().flat_map(|part| part.narrow).collect(),
+            samples: libm::round(rate_hz / (2.0 * hz)) as usize,
+            has_levels: true,
+        }
+    }
+
+    /// Frequency and density of the bins above `top_hz`.
+    pub(super) fn above(&self, top_hz: f64, rate_hz: f64) -> Vec<(f64, f64)> {
+        let hz = rate_hz / (2.0 * self.samples as f64);
+        let above = self.bins.iter().filter(|bin| !is_below((bin.end as f64 - 0.5) * hz, top_hz));
+        above.map(|bin| (bin.middle() * hz, bin.density())).collect()
+    }
+}
+
+/// The bins of a level, `hz` apart.
+struct Part {
+    hz: f64,
+    bins: Vec<Bin>,
+    low: Vec<f64>,
+    narrow: Vec<Narrow>,
+}
+
+impl Part {
+    /// One transform of all values.
+    fn transform(values: &[f64], rate_hz: f64, edges: Vec<Bin>) -> Result<Self, FftError> {
+        let coefficients = cosine_transform(&centred(values))?;
+        let power: Vec<f64> = coefficients.iter().map(|c| c * c / rate_hz).collect();
+        let hz = rate_hz / (2.0 * values.len() as f64);
+        let low = coefficients.iter().take(LOW).map(|c| c / libm::sqrt(rate_hz)).collect();
+        let mut bins = with_power(edges, &power);
+        let narrow = take_out_narrow(&power, &mut bins, hz, |width| width as f64);
+        Ok(Self { hz, bins, low, narrow })
+    }
+
+    /// The lowest frequency of its bins.
+    fn lowest_hz(&self) -> f64 {
+        self.bins.first().map_or(0.0, |bin| (bin.first as f64 - 0.5) * self.hz)
+    }
+
+    /// Sets the way from the density of the samples to that of the level.
+    fn respond(&mut self, level: &Level<'_>, known: &Known) {
+        let scattered = level.scattered(known);
+        for bin in &mut self.bins {
+            let f_hz = bin.middle() * self.hz;
+            bin.response.gain = level.gain(f_hz);
+            bin.response.offset += level.folded(f_hz, known) + scattered;
+        }
+    }
+
+    /// The same in coefficients that are `hz` apart.
+    fn in_units_of(mut self, hz: f64) -> Self {
+        let scale = self.hz / hz;
+        let edge = |k: usize| libm::round((k as f64 - 0.5) * scale + 0.5) as usize;
+        self.bins.iter_mut().for_each(|bin| (bin.first, bin.end) = (edge(bin.first), edge(bin.end)));
+        self.narrow.iter_mut().for_each(|narrow| narrow.run = (edge(narrow.run.0), edge(narrow.run.1)));
+        Self { hz, ..self }
+    }
+}
+
+impl Level<'_> {
+    /// Whether one transform gives all that is left.
+    fn is_last(&self) -> bool {
+        let values = self.values.len();
+        values < FEW || values <= LONGEST && self.present > NEARLY_COMPLETE
+    }
+
+    /// Values in a mean of the next level: its band reaches well above the frequency from which segments are used.
+    fn next(&self) -> usize {
+        (segments::length(self.values.len()) / (USED_FROM / FIRST)).clamp(2, NEXT)
+    }
+
+    /// The bins below `end_hz` from one transform. Where values are missing, it takes the line between the neighbours.
+    fn transformed(&self, end_hz: f64) -> Result<Part, FftError> {
+        let mut values = self.values[..smooth_length(self.values.len())].to_vec();
+        fill_gaps(&mut values);
+        let hz = self.rate_hz() / (2.0 * values.len() as f64);
+        let end = (libm::floor(end_hz / hz + 0.5) as usize).min(values.len());
+        let mut part = Part::transform(&values, self.rate_hz(), edges(1, end, usize::MAX))?;
+        part.bins.iter_mut().for_each(|bin| bin.freedom *= self.present);
+        Ok(part)
+    }
+
+    /// The bins below `end_hz` from segments, as far down as these reach.
+    fn segmented(&self, end_hz: f64) -> Result<Part, FftError> {
+        let length = segments::length(self.values.len());
+        let has_gaps = self.values.iter().any(|value| value.is_nan());
+        let power = if has_gaps { segments::masked } else { segments::complete }(&self.values, length)?;
+        let hz = self.rate_hz() / length as f64;
+        let end = (libm::floor(end_hz / hz + 0.5) as usize).min(length / 2);
+        let widest = if self.step == 1 { length / 2 / LINEAR } else { usize::MAX };
+        let density = |power: &[f64]| -> Vec<f64> { power[1..].iter().map(|power| power / self.rate_hz()).collect() };
+        let (raw, fair) = (density(&power.raw), density(&power.fair));
+        let mut bins = with_power(edges((length / USED_FROM).max(FIRST), end, widest), &raw);
+        let freedom = |width: usize| segments::freedom(width) * power.count * self.present;
+        bins.iter_mut().for_each(|bin| bin.freedom = freedom(bin.end - bin.first));
+        let narrow = take_out_narrow(&raw, &mut bins, hz, freedom);
+        let is_line = |k: &usize| narrow.iter().any(|narrow| (narrow.run.0..narrow.run.1).contains(k));
+        for bin in bins.iter_mut().filter(|_| has_gaps) {
+            let kept: Vec<usize> = (bin.first..bin.end).filter(|k| !is_line(k)).collect();
+            let added: f64 = kept.iter().map(|k| raw[k - 1] - fair[k - 1]).sum();
+            bin.response.offset = added / kept.len().max(1) as f64;
+        }
+        Ok(Part { hz, bins, low: Vec::new(), narrow })
+    }
+}
+
+fn with_power(mut bins: Vec<Bin>, power: &[f64]) -> Vec<Bin> {
+    for bin in &mut bins {
+        let inside = &power[bin.first - 1..bin.end - 1];
+        bin.power = inside.iter().sum::<f64>() / inside.len() as f64;
+    }
+    bins
+}
+
+fn centred(values: &[f64]) -> Vec<f64> {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    values.iter().map(|value| value - mean).collect()
+}

@@ -1,0 +1,136 @@
+//! Noise behind filters, with gaps, and long records.
+
+use super::*;
+
+/// White noise whose density at frequency 0 is that of N = 0.1 after a filter of gain 1 there.
+const N: f64 = 0.1;
+
+fn white(n: usize, seed: u64) -> Vec<f64> {
+    let mut draw = normal(seed);
+    (0..n).map(|_| N * RATE_HZ.sqrt() * draw()).collect()
+}
+
+fn moving_average(x: &[f64], weights: &[f64]) -> Vec<f64> {
+    let total: f64 = weights.iter().sum();
+    x.windows(weights.len()).map(|x| x.iter().zip(weights).map(|(x, w)| x * w / total).sum()).collect()
+}
+
+/// A Butterworth low-pass of the second order by the bilinear transform.
+fn low_pass(x: &[f64], hz: f64) -> Vec<f64> {
+    let k = (PI * hz / RATE_HZ).tan();
+    let norm = 1.0 / (1.0 + 2f64.sqrt() * k + k * k);
+    let (gain, a1, a2) = (k * k * norm, 2.0 * (k * k - 1.0) * norm, (1.0 - 2f64.sqrt() * k + k * k) * norm);
+    let (mut x1, mut x2, mut y1, mut y2) = (0.0, 0.0, 0.0, 0.0);
+    let mut next = |x: f64| {
+        let y = gain * (x + 2.0 * x1 + x2) - a1 * y1 - a2 * y2;
+        (x2, x1, y2, y1) = (x1, x, y1, y);
+        y
+    };
+    x.iter().map(|x| next(*x)).collect()
+}
+
+fn is_inside(fit: &Fit) -> bool {
+    fit.n.lo <= N && N <= fit.n.hi
+}
+
+fn has_line(fit: &Fit) -> bool {
+    fit.terms.iter().any(|term| matches!(term, Term::Line(_)))
+}
+
+#[test]
+fn white_noise_behind_a_filter_is_not_rejected() {
+    let (mut inside, mut all) = (0, 0);
+    for seed in 600..604 {
+        let x = white(300_000, seed);
+        let filtered = [
+            moving_average(&x, &[1.0; 2]),
+            moving_average(&x, &[1.0; 8]),
+            low_pass(&x, 2.5),
+            low_pass(&x, 10.0),
+            low_pass(&x, 25.0),
+        ];
+        for (filter, x) in filtered.iter().enumerate() {
+            let fit = of(x);
+            let told = (filter, seed, fit.n, fit.max_freq_hz, fit.model_error, codes(&fit));
+            assert!(!fit.is_rejected && near(fit.n.value, N, 0.03) && !has_line(&fit), "{told:?}");
+            assert!(!codes(&fit).contains(&"off-curve"), "{told:?}");
+            (inside, all) = (inside + usize::from(is_inside(&fit)), all + 1);
+        }
+    }
+    assert!(inside * 10 >= all * 9, "{inside} of {all}");
+}
+
+/// A quarter of the samples of noise with a memory of three samples, lost one by one and in bursts.
+#[test]
+fn gaps_of_any_length_leave_n_alone() {
+    let mut inside = 0;
+    for (case, burst) in [0, 5, 50, 500, 3000, 0, 5, 50, 500, 3000].into_iter().enumerate() {
+        let mut x = moving_average(&white(270_003, 700 + case as u64), &[1.0, 1.6, 0.7, 0.1]);
+        lose_a_quarter(&mut x, burst, case as u64);
+        let fit = of(&x);
+        let told = (burst, case, fit.n, fit.max_freq_hz, codes(&fit));
+        assert!(!fit.is_rejected && near(fit.n.value, N, 0.02) && !has_line(&fit), "{told:?}");
+        assert!(["off-curve", "step", "many-steps"].iter().all(|code| !codes(&fit).contains(code)), "{told:?}");
+        inside += usize::from(is_inside(&fit));
+    }
+    assert!(inside >= 9, "{inside} of 10");
+}
+
+/// Bursts of up to twice this length; 0 loses samples one by one.
+fn lose_a_quarter(x: &mut [f64], burst: usize, seed: u64) {
+    let mut draw = uniform(seed);
+    let mut lost = 0;
+    while lost < x.len() / 4 {
+        let first = (draw() * x.len() as f64) as usize;
+        let end = (first + 1 + (draw() * 2.0 * burst as f64) as usize).min(x.len());
+        lost += x[first..end].iter().filter(|value| !value.is_nan()).count();
+        x[first..end].fill(f64::NAN);
+    }
+}
+
+/// Longer than one transform: every bin has the density, and random walk does not leak into the segments.
+#[test]
+fn a_long_record_has_the_same_spectrum() {
+    let truth = Truth { n: 0.01, k: 2e-3, ..Truth::default() };
+    let rate = truth.noise(1_200_000, 800);
+    let spectrum = Spectrum::of(&rate, RATE_HZ).unwrap();
+    assert!(spectrum.has_levels);
+    let hz = RATE_HZ / (2 * spectrum.samples) as f64;
+    for octave in 4..19 {
+        let inside = |bin: &&bins::Bin| bin.first >= 1 << octave && bin.first < 2 << octave;
+        let (mut ratios, mut freedom) = (0.0, 0.0);
+        for bin in spectrum.bins.iter().filter(inside) {
+            let expected = bin.response.offset + bin.response.gain * truth.density(bin.middle() * hz);
+            ratios += bin.freedom * bin.power / expected;
+            freedom += bin.freedom;
+        }
+        let ratio = ratios / freedom;
+        assert!((ratio - 1.0).abs() < 4.0 * (2.0 / freedom).sqrt() + 2e-3, "octave {octave}: {ratio} of {freedom}");
+    }
+    let (long, part) = (of(&rate), of(&rate[..1_000_000]));
+    assert!(near(long.n.value, part.n.value, 2e-3) && near(long.n.value, 0.01, 4e-3), "{:?} {:?}", long.n, part.n);
+    assert!(near(long.k.value, part.k.value, 0.05) && near(long.k.value, 2e-3, 0.1), "{:?} {:?}", long.k, part.k);
+}
+
+#[test]
+fn the_interval_of_white_noise_is_that_of_its_samples() {
+    for seed in 820..830 {
+        let fit = of(&white(100_000, seed));
+        let half = (fit.n.hi / fit.n.lo).ln() / 2.0;
+        // 1.96/√(2·10⁵) = 0.44 %
+        assert!(half > 0.0042 && half < 0.01, "{seed}: {half}");
+    }
+}
+
+#[test]
+fn the_upper_end_can_be_given() {
+    let x = low_pass(&white(200_000, 840), 10.0);
+    let upto = |max_freq_hz| fit(&Input::Rate(&x), RATE_HZ, &FitOptions { max_freq_hz, ..FitOptions::default() });
+    let low = upto(Some(2.0)).unwrap();
+    assert!(low.max_freq_hz == 2.0 && is_inside(&low), "{:?}", low.n);
+    let above = upto(Some(1e3)).unwrap();
+    assert_eq!(above.max_freq_hz, RATE_HZ / 2.0);
+    let refused = upto(Some(0.01)).unwrap_err();
+    assert_eq!(refused, FitError::MaxFreq { max_freq_hz: 0.01, least_hz: 256.0 / 4000.0 });
+    assert!(refused.to_string().contains("give 6.40e-2 Hz or more"), "{refused}");
+}

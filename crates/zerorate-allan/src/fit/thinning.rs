@@ -1,0 +1,117 @@
+//! Gaps in a measured curve: where bursts are missing, averages over the rest scatter more.
+//!
+//! The deviations allow for samples that are missing one by one, whatever the noise: a few of the samples of an
+//! average tell what the others add. Bursts are not like that. Where neighbouring samples are correlated, an average
+//! over a few bursts of them is worse than the deviations assume.
+
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// An average counts if this share of its samples is there.
+const COUNTS: f64 = 0.5;
+/// Lags over which samples are correlated, and the longest average. Longer ones have the factor of this one.
+const LAGS: usize = 128;
+const LONGEST: usize = 4096;
+/// Samples that are looked at for each length, and the fewest and the most pairs of averages.
+const LOOKED_AT: usize = 1 << 16;
+const LOOKS: (usize, usize) = (8, 512);
+
+/// What gaps do to the Allan variance of the short noise.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Thinning {
+    /// The factor on it for averages of 1, 2, 4 … samples; empty without gaps.
+    factors: Vec<f64>,
+    /// The share of the samples that is missing.
+    missing: f64,
+}
+
+impl Thinning {
+    /// The factors of a record, from the autocovariance of its short noise.
+    pub(super) fn of(rate: &[f64], covariance: &[f64]) -> Self {
+        let is_there: Vec<bool> = rate.iter().map(|value| !value.is_nan()).collect();
+        if is_there.iter().all(|is_there| *is_there) {
+            return Self::default();
+        }
+        let lengths = (0..).map(|octave| 1 << octave).take_while(|m| 2 * m <= rate.len().min(2 * LONGEST));
+        let missing = is_there.iter().filter(|is_there| !**is_there).count() as f64 / is_there.len() as f64;
+        Self { factors: lengths.map(|m| factor(&is_there, m, covariance)).collect(), missing }
+    }
+
+    /// What averages of `m` samples have beyond it, which the deviations subtract.
+    pub(super) fn added(&self, m: u64) -> f64 {
+        let present = (1.0 - self.missing).max(COUNTS);
+        if m > 1 { 1.0 / present - 1.0 } else { 0.0 }
+    }
+
+    /// The factor for averages of `m` samples.
+    pub(super) fn at(&self, m: u64) -> f64 {
+        let octave = libm::log2(m as f64);
+        let before = (octave as usize).min(self.factors.len().saturating_sub(1));
+        let Some(a) = self.factors.get(before) else { return 1.0 };
+        let b = self.factors.get(before + 1).unwrap_or(a);
+        a + (b - a) * (octave - before as f64).clamp(0.0, 1.0)
+    }
+}
+
+fn factor(is_there: &[bool], m: usize, covariance: &[f64]) -> f64 {
+    let starts = is_there.len() - 2 * m + 1;
+    let looks = (LOOKED_AT / m).clamp(LOOKS.0, LOOKS.1);
+    let squares = (0..starts).step_by(starts.div_ceil(looks));
+    let squares = squares.filter_map(|start| square(&is_there[start..start + 2 * m], covariance));
+    let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), square| (sum + square, count + 1.0));
+    let whole = square(&vec![true; 2 * m], covariance).unwrap_or(0.0);
+    if count > 0.0 && whole > 0.0 { (sum / count / whole).max(1.0) } else { 1.0 }
+}
+
+/// The expected square of a difference of two averages, as the deviations correct it; none where it does not enter.
+fn square(is_there: &[bool], covariance: &[f64]) -> Option<f64> {
+    let m = is_there.len() / 2;
+    let halves = [&is_there[..m], &is_there[m..]];
+    let weights = halves.map(|half| {
+        let count = half.iter().filter(|is_there| **is_there).count() as f64;
+        half.iter().map(|is_there| f64::from(u8::from(*is_there)) / count).collect::<Vec<f64>>()
+    });
+    let mut added = 0.0;
+    for (half, weights) in halves.iter().zip(&weights) {
+        let count = half.iter().filter(|is_there| **is_there).count();
+        if (count as f64) < COUNTS * m as f64 || count < m.min(2) {
+            return None;
+        }
+        if count > 1 {
+            let count = count as f64;
+            let within = count / (count - 1.0) * (covariance[0] - variance(weights, covariance));
+            added += within * (1.0 / count - 1.0 / m as f64);
+        }
+    }
+    let difference: Vec<f64> = weights[0].iter().map(|weight| -weight).chain(weights[1].iter().copied()).collect();
+    Some(variance(&difference, covariance) - added)
+}
+
+/// The variance of a weighted sum of samples.
+fn variance(weights: &[f64], covariance: &[f64]) -> f64 {
+    let lags = covariance.iter().take(LAGS.min(weights.len())).enumerate();
+    let term = |(lag, c): (usize, &f64)| {
+        let twice = if lag == 0 { 1.0 } else { 2.0 };
+        twice * c * weights.iter().zip(&weights[lag..]).map(|(a, b)| a * b).sum::<f64>()
+    };
+    lags.map(term).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By hand: neighbours have the correlation ½, and averages of 8 samples with one run of 4 the variance
+    /// (4 + 2·3/2)/16 = 7/16. The corrections are exact for white noise.
+    #[test]
+    fn bursts_of_correlated_samples_scatter_more() {
+        let every_second: Vec<f64> = (0..10_000).map(|i| if i % 2 == 0 { 1.0 } else { f64::NAN }).collect();
+        let white = Thinning::of(&every_second, &[1.0]);
+        assert!([2, 8, 32, 128, 1024].iter().all(|m| (white.at(*m) - 1.0).abs() < 1e-9), "{white:?}");
+        let half: Vec<bool> = [true, true, true, true, false, false, false, false].repeat(2);
+        let within = 4.0 / 3.0 * (1.0 - 7.0 / 16.0);
+        let by_hand = 2.0 * (7.0 / 16.0 - within * (1.0 / 4.0 - 1.0 / 8.0));
+        assert!((square(&half, &[1.0, 0.5]).unwrap() - by_hand).abs() < 1e-12);
+        assert_eq!(Thinning::of(&[1.0; 100], &[1.0]).at(16), 1.0);
+    }
+}
