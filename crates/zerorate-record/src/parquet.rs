@@ -94,10 +94,67 @@ fn encoding(properties: WriterPropertiesBuilder, name: &str, data_type: &DataTyp
     }
 }
 
-/// Reads any Parquet file, batch by batch.
-pub struct ParquetReader {
+/// Batches that may wait for the checks.
+#[cfg(not(target_family = "wasm"))]
+const AHEAD: usize = 4;
+
+/// The batches of a file. A thread decodes them ahead of the checks, which take as long. A browser has one thread.
+struct Batches {
+    #[cfg(not(target_family = "wasm"))]
+    decoded: std::sync::mpsc::Receiver<Result<Option<RecordBatch>, CaptureError>>,
+    #[cfg(target_family = "wasm")]
+    decode: Decode,
+}
+
+/// Decodes batch by batch.
+struct Decode {
     path: PathBuf,
     reader: ParquetRecordBatchReader,
+}
+
+impl Decode {
+    fn next(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
+        let batch = guarded(&self.path, || Ok(self.reader.next()))?;
+        batch.transpose().map_err(|error| CaptureError::arrow("read", &self.path, error))
+    }
+}
+
+impl Batches {
+    #[cfg(not(target_family = "wasm"))]
+    fn of(mut decode: Decode) -> Self {
+        let (done, decoded) = std::sync::mpsc::sync_channel(AHEAD);
+        std::thread::spawn(move || {
+            loop {
+                let next = decode.next();
+                let is_last = !matches!(next, Ok(Some(_)));
+                // nobody waits where the reader was given up
+                if done.send(next).is_err() || is_last {
+                    return;
+                }
+            }
+        });
+        Self { decoded }
+    }
+
+    #[cfg(not(target_family = "wasm"))]
+    fn next(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
+        self.decoded.recv().unwrap_or(Ok(None))
+    }
+
+    #[cfg(target_family = "wasm")]
+    fn of(decode: Decode) -> Self {
+        Self { decode }
+    }
+
+    #[cfg(target_family = "wasm")]
+    fn next(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
+        self.decode.next()
+    }
+}
+
+/// Reads any Parquet file, batch by batch.
+pub struct ParquetReader {
+    batches: Batches,
     /// The checks of the batches that follow.
     checks: Option<IntoIter<String>>,
     stated: Stated,
@@ -119,7 +176,8 @@ impl ParquetReader {
         };
         let reader = guarded(path, || builder.with_batch_size(BLOCK).build())?;
         let stated = Stated { end, ..Stated::new(schema) };
-        Ok(Self { path: path.to_owned(), reader, checks, stated })
+        let batches = Batches::of(Decode { path: path.to_owned(), reader });
+        Ok(Self { batches, checks, stated })
     }
 }
 
@@ -182,9 +240,9 @@ impl BatchSource for ParquetReader {
     }
 
     fn read_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
-        let batch = guarded(&self.path, || Ok(self.reader.next()))?;
+        let batch = self.batches.next()?;
         self.stated.check = self.checks.as_mut().and_then(Iterator::next);
-        batch.transpose().map_err(|error| CaptureError::arrow("read", &self.path, error))
+        Ok(batch)
     }
 
     fn may_be_stripped(&self) -> bool {
