@@ -123,14 +123,21 @@ pub fn analyse<'py>(
     Ok(result)
 }
 
-/// The model at each averaging time and the band around it; nothing for statistics that the model does not cover.
+/// The model at each averaging time, and its bands for this record and for another (NaN where it does not predict);
+/// nothing for statistics that the model does not cover.
 fn expected(result: &Bound<'_, PyDict>, analysis: &Analysis, fit: &Fit) -> PyResult<()> {
     let py = result.py();
     let points: Option<Vec<Expected>> = analysis.points.iter().map(|point| fit.expected(analysis, point)).collect();
     let Some(points) = points else { return Ok(()) };
     result.set_item("model", PyArray1::from_iter(py, points.iter().map(|point| point.dev)))?;
     result.set_item("model_lo", PyArray1::from_iter(py, points.iter().map(|point| point.lo)))?;
-    result.set_item("model_hi", PyArray1::from_iter(py, points.iter().map(|point| point.hi)))
+    result.set_item("model_hi", PyArray1::from_iter(py, points.iter().map(|point| point.hi)))?;
+    let is_covered = analysis.stat == Stat::Oadev;
+    let predicted: Vec<Option<Expected>> =
+        analysis.points.iter().map(|point| fit.predicted(point.m, analysis.samples).filter(|_| is_covered)).collect();
+    let limits = |of: fn(Expected) -> f64| predicted.iter().map(move |band| band.map_or(f64::NAN, of));
+    result.set_item("predicted_lo", PyArray1::from_iter(py, limits(|band| band.lo)))?;
+    result.set_item("predicted_hi", PyArray1::from_iter(py, limits(|band| band.hi)))
 }
 
 fn columns(result: &Bound<'_, PyDict>, analysis: &Analysis) -> PyResult<()> {
@@ -164,7 +171,7 @@ fn fit_dict<'py>(py: Python<'py>, fit: &Fit) -> PyResult<Bound<'py, PyDict>> {
     }
     result.set_item("model_error", fit.model_error)?;
     result.set_item("p_value", fit.p_value)?;
-    result.set_item("max_freq_hz", fit.max_freq_hz)?;
+    result.set_item("f_max_hz", fit.max_freq_hz)?;
     result.set_item("rejected", fit.is_rejected)?;
     result.set_item("terms", fit.terms.iter().map(|term| term_dict(py, term)).collect::<PyResult<Vec<_>>>()?)?;
     result.set_item("warnings", fit.warnings.iter().map(settling::text).collect::<Vec<_>>())?;

@@ -7,7 +7,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use zerorate_jobs::output::Outputs;
-use zerorate_logs::imu::{Axis, Choice, Combine, Doubt, Doubts, Format, ImuWarning, Kind, NoNoiseFile};
+use zerorate_logs::imu::{Axis, Choice, Combine, Doubt, Doubts, Format, ImuWarning, Kind, NoNoiseFile, Rule};
 use zerorate_logs::{Names, TimeUnit, Unit};
 
 /// Name, unit and model of an axis.
@@ -18,12 +18,15 @@ type Modelled<'py> = (String, String, PyRef<'py, Model>);
 /// Raises ValueError for an unknown format, and for a number of axes that it cannot take. Raises Refused if the
 /// numbers are not a valid result, unless ``accept_rejected`` is given.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "the keywords of Imu.to_yaml")]
 pub fn imu_file(
     format: &str,
     axes: Vec<Modelled<'_>>,
     log: String,
     topic: Option<String>,
     combine: &str,
+    horizon_s: Option<f64>,
+    as_fitted: bool,
     inflate: f64,
     accept_rejected: bool,
 ) -> PyResult<(String, Vec<String>)> {
@@ -31,7 +34,8 @@ pub fn imu_file(
     let combine = named("combine", combine, [Combine::Worst, Combine::Mean], Combine::name)?;
     let doubts = Doubts::about(axes.iter().map(|(name, _, model)| (name.as_str(), Doubt::about(&model.fit))));
     let axes: Vec<Axis<'_>> = axes.iter().map(axis).collect::<PyResult<_>>()?;
-    let choice = Choice { log, topic, combine, inflate, names: Names(argument) };
+    let rule = if as_fitted { Rule::AsFitted } else { Rule::Covers(horizon_s) };
+    let choice = Choice { log, topic, combine, rule, inflate, names: Names(argument) };
     Ok((format.file(choice, &axes, &doubts, accept_rejected).map_err(no_file)?, doubts.texts()))
 }
 

@@ -52,8 +52,8 @@ pub struct Options {
     max_bad: Option<f64>,
 }
 
-/// Unit and scale, as the caller gives them.
-type UnitAndScale = (Option<String>, Option<f64>);
+/// Columns, unit and scale of a kind of axis, as the caller gives them.
+type OfKind = (Vec<String>, Option<String>, Option<f64>);
 
 /// The axes, the topic, and the warnings.
 type Found<'py> = (Vec<Bound<'py, PyDict>>, Option<String>, Vec<String>);
@@ -71,9 +71,13 @@ pub fn argument(setting: Setting) -> &'static str {
         Setting::Decimal => "decimal=",
         Setting::Raw => "raw=",
         Setting::MaxBad => "max_bad=",
+        Setting::Gyro => "gyro=",
+        Setting::Accel => "accel=",
         Setting::GyroUnit => "gyro_unit=",
         Setting::AccelUnit => "accel_unit=",
         Setting::ForceUnit => "give force_unit=True",
+        Setting::Horizon => "horizon_s=",
+        Setting::AsFitted => "as_fitted=True",
         Setting::Skip => "skip=",
         Setting::Detrend => "detrend=",
         other => other.name(),
@@ -157,17 +161,20 @@ pub fn read_imu<'py>(
     py: Python<'py>,
     source: Source<'py>,
     names: Option<Vec<String>>,
-    gyro: UnitAndScale,
-    accel: UnitAndScale,
+    gyro: OfKind,
+    accel: OfKind,
     options: Options,
 ) -> PyResult<Found<'py>> {
-    let said =
-        |(unit, scale): &UnitAndScale| Ok::<_, PyErr>(Said { unit: parsed(unit, "unit")?, scale: positive(*scale)? });
-    let (gyro, accel) = (said(&gyro)?, said(&accel)?);
+    let said = |(columns, unit, scale): OfKind| {
+        Ok::<_, PyErr>(Said { columns, unit: parsed(&unit, "unit")?, scale: positive(scale)? })
+    };
+    let (gyro, accel) = (said(gyro)?, said(accel)?);
+    let (gyro_unit, accel_unit) = (gyro.unit, accel.unit);
     let options = ImuOptions { columns: names, gyro, accel, log: options.checked()? };
     let (path, axes) = match opened(source)? {
         Opened::Table(path, table) => {
-            let wanted = options.columns.as_deref().map_or(Wanted::All, Wanted::Listed);
+            let listed = options.listed();
+            let wanted = listed.as_deref().map_or(Wanted::All, Wanted::Listed);
             let read = || Axes::of(&path, zerorate_logs::read_table(&path, &table, wanted, &options.log)?, &options);
             (path.clone(), py.detach(read))
         }
@@ -175,8 +182,8 @@ pub fn read_imu<'py>(
     };
     let Axes { columns, topic, warnings } = axes.map_err(|error| exception(&error.into()))?;
     let of_kind = |column: &Column| match column.quantity {
-        Some(Quantity::Acceleration) => accel.unit,
-        _ => gyro.unit,
+        Some(Quantity::Acceleration) => accel_unit,
+        _ => gyro_unit,
     };
     let columns = columns.into_iter().map(|column| {
         let given = of_kind(&column);

@@ -106,8 +106,8 @@ def read(text: str) -> dict[str, Any]:
 @pytest.mark.parametrize("name", FORMATS)
 def test_every_filter_gets_its_numbers(found: zerorate.Imu, name: Any) -> None:
     key, known = FORMATS[name]
-    assert read(found.to_yaml(format=name))[key] == pytest.approx(known, rel=0.03, abs=1e-12)
-    twice = read(found.to_yaml(format=name, inflate=2.0))[key]
+    assert read(found.to_yaml(format=name, as_fitted=True))[key] == pytest.approx(known, rel=0.03, abs=1e-12)
+    twice = read(found.to_yaml(format=name, as_fitted=True, inflate=2.0))[key]
     factor = 4 if name == "ros" else 2
     assert twice == pytest.approx(factor * np.array(known), rel=0.06, abs=1e-12)
 
@@ -148,11 +148,24 @@ def test_what_makes_no_file_says_why(found: zerorate.Imu) -> None:
     with pytest.raises(ValueError, match="another process"):
         pickle.loads(pickle.dumps(found)).to_yaml()
     one = zerorate.allan(rest()[:, 0], rate_hz=RATE_HZ, unit="rad/s")
-    assert read(one.to_yaml())["gyroscope_noise_density"] == pytest.approx(1e-4, rel=0.03)
+    assert read(one.to_yaml(as_fitted=True))["gyroscope_noise_density"] == pytest.approx(1e-4, rel=0.03)
     with pytest.raises(ValueError, match="V, which is of no axis"):
         zerorate.allan(rest()[:, 0], rate_hz=RATE_HZ, unit="V").to_yaml()
     with pytest.raises(zerorate.Refused, match="fit=True"):
         zerorate.allan(rest()[:, 0], rate_hz=RATE_HZ, unit="°/s", fit=False).to_yaml()
+
+
+def test_columns_without_names_are_axes_by_number() -> None:
+    found = zerorate.imu(
+        rest(), rate_hz=RATE_HZ, gyro=[0, 1, 2], accel=[3, 4, 5], gyro_unit="rad/s", accel_unit="m/s²"
+    )
+    assert [axis.kind for axis in found.axes.values()] == ["gyroscope"] * 3 + ["accelerometer"] * 3
+    first = found.axes[0].fit
+    assert first is not None and first.n.value == pytest.approx(N_GYRO[0], rel=0.03)
+    with pytest.raises(ValueError, match=r"gyro=\[0, 1, 2\]"):
+        zerorate.imu(rest(), rate_hz=RATE_HZ)
+    with pytest.raises(ValueError, match="not both"):
+        zerorate.imu(rest(), rate_hz=RATE_HZ, gyro=[0], column=[0])
 
 
 def test_a_rejected_model_is_no_file_unless_accepted() -> None:

@@ -49,11 +49,11 @@ def test_a_capture_that_follows_its_temperature_is_as_on_the_command_line(folder
     warned = zerorate.allan(folder / "a.arrows")
     assert warned.fit is not None and codes(warned.fit.warnings)[0] == "follows-temperature"
     assert 'detrend=1, skip="45m"' in warned.fit.warnings[0] and warned.detrended is None
-    same(warned, run(folder, "allan", "a.arrows", "--json"))
+    same(warned, run(folder, "allan", "a.arrows", "--fit", "--json"))
 
     # K of the part is 1e-4 (M-04)
     detrended = zerorate.allan(folder / "a.arrows", detrend=1)
-    report = run(folder, "allan", "a.arrows", "--json", "--detrend", "temp")
+    report = run(folder, "allan", "a.arrows", "--fit", "--json", "--detrend", "temp")
     assert detrended.fit is not None and "follows-temperature" not in codes(detrended.fit.warnings)
     assert detrended.fit.k.lo <= 1e-4 <= detrended.fit.k.hi and warned.fit.k.lo > 1e-4
     same(detrended, report)
@@ -68,7 +68,7 @@ def test_a_capture_that_follows_its_temperature_is_as_on_the_command_line(folder
     skipped = zerorate.allan(folder / "a.arrows", skip="30m")
     assert skipped.skipped_s == pytest.approx(1800.0, abs=0.01)
     assert skipped.samples / warned.samples == pytest.approx(0.25, rel=1e-3)
-    same(skipped, run(folder, "allan", "a.arrows", "--json", "--skip", "30m"))
+    same(skipped, run(folder, "allan", "a.arrows", "--fit", "--json", "--skip", "30m"))
 
 
 def test_what_was_read_is_what_is_on_disk(folder: Path) -> None:

@@ -1,8 +1,8 @@
 //! Logs by other people's writers: 20 samples at 200 Hz, the thirteenth missing, z = 0.25·n (`fixtures/make.py`).
 
 use super::tests::{
-    Folder, HDF5, HDF5_LATEST, MAT, MAT_73, MAT_PACKED, NPZ, NPZ_PACKED, ROSBAG, ROSBAG_BZ2, ROSBAG_LZ4, ULOG,
-    numbers, options, there,
+    DATAFLASH, Folder, HDF5, HDF5_LATEST, MAT, MAT_73, MAT_PACKED, NPZ, NPZ_PACKED, ROSBAG, ROSBAG_BZ2, ROSBAG_LZ4,
+    ULOG, numbers, options, there,
 };
 use super::*;
 use std::path::PathBuf;
@@ -161,11 +161,33 @@ fn logs_of_px4() {
 }
 
 #[test]
+fn logs_of_ardupilot() {
+    let folder = Folder::new();
+    let column = folder.read(DATAFLASH, "--column IMU[0].GyrZ").unwrap();
+    is_z(&column, "IMU[0].GyrZ");
+    assert_eq!(column.scale, 1f64.to_degrees());
+    assert_eq!(numbers(&folder.read(DATAFLASH, "--topic IMU[1] --column GyrZ").unwrap())[2], -0.5);
+    let of_topic = read_all(Path::new("log"), DATAFLASH.to_vec().into(), Wanted::All, &options("--topic IMU[1]"));
+    let names: Vec<String> = of_topic.unwrap().into_iter().map(|column| column.name).collect();
+    assert_eq!((names.len(), &*names[3]), (6, "IMU[1].AccX"));
+    let said = read_all(Path::new("log"), DATAFLASH.to_vec().into(), Wanted::All, &options("")).unwrap_err();
+    let said = said.to_string();
+    assert!(said.contains("several IMUs") && said.contains("IMU[0]") && !said.contains("BARO"), "{said}");
+    assert!(folder.fails(DATAFLASH, "--column IMU[0].Nothing").contains("one of: IMU[0].GyrX"));
+    // bytes of something else between two messages, and an end inside one
+    let at = DATAFLASH.len() / 2;
+    let torn = [&DATAFLASH[..at], &[0xA3, 0x95, 7, 0xA3], &DATAFLASH[at..DATAFLASH.len() - 9]].concat();
+    let torn = folder.read(torn, "--column IMU[0].GyrZ").unwrap();
+    assert!(torn.warnings[0].to_string().contains("are no messages, and are skipped"), "{:?}", torn.warnings);
+    assert!(torn.series.len() - torn.missing() as usize >= 17, "{}", torn.series.len());
+}
+
+#[test]
 fn what_is_no_log_says_what_to_do() {
     let folder = Folder::new();
     for (start, said) in [
         (&b"{\"t\":0,\"gz\":1}\n"[..], "in Python `pandas.read_json('FILE').to_csv('log.csv')`"),
-        (b"\xA3\x95\x80\x80\x59FMT", "it is an ArduPilot DataFlash log, which is not read yet"),
+        (b"\xA3\x95\x80\x80\x59FMT", "a log of ArduPilot without messages IMU, GYR or ACC"),
         (b"FMT, 128, 89, FMT, BBnNZ, Type,Length\n", "`mavlogdump.py --format csv --types IMU FILE > imu.csv`"),
         (b"[{\"t\":0}]", "it is JSON"),
         (b"# A zerorate calibration (docs", "`zerorate report` shows it"),

@@ -12,6 +12,7 @@ mod arrow_file;
 mod checks;
 mod choice;
 mod clock;
+mod dataflash;
 #[cfg(all(test, feature = "full"))]
 mod foreign;
 #[cfg(test)]
@@ -310,6 +311,7 @@ fn reader(form: LogForm) -> Option<fn(Log<'_>, &ColumnQuery<'_>) -> Result<Found
     match form {
         LogForm::ArrowFile => Some(read_arrow_file),
         LogForm::ULog => Some(ulog::read),
+        LogForm::DataFlash => Some(dataflash::read),
         #[cfg(feature = "hdf5")]
         LogForm::Hdf5 => Some(hdf5::read),
         #[cfg(feature = "matlab")]

@@ -40,6 +40,8 @@ pub enum LogForm {
     RosBag,
     /// A log of PX4.
     ULog,
+    /// A log of ArduPilot.
+    DataFlash,
     /// A MATLAB file of version 5 to 7.2.
     Mat,
     /// HDF5, which MATLAB from version 7.3 on writes behind a head of its own.
@@ -99,6 +101,7 @@ impl LogForm {
             Self::Mcap => "MCAP",
             Self::RosBag => "bag of ROS 1",
             Self::ULog => "log of PX4 (ULog)",
+            Self::DataFlash => "log of ArduPilot (DataFlash)",
             Self::Mat => "MATLAB 5 to 7.2",
             Self::Hdf5 => "HDF5, as MATLAB 7.3 writes it",
             Self::Sqlite => "SQLite bag of ROS 2",
@@ -149,6 +152,7 @@ impl Log<'_> {
             None if starts(b"\x89MCAP0\r\n") => Ok(LogForm::Mcap),
             None if starts(ROS_BAG) => Ok(LogForm::RosBag),
             None if starts(b"ULog\x01\x12\x35") => Ok(LogForm::ULog),
+            None if starts(&ARDUPILOT) => Ok(LogForm::DataFlash),
             None if starts(b"MATLAB 5.0 MAT") => Ok(LogForm::Mat),
             None if starts(b"\x89HDF\r\n\x1A\n") || starts(b"MATLAB 7.3 MAT") => Ok(LogForm::Hdf5),
             None if starts(b"SQLite format 3\0") => Ok(LogForm::Sqlite),
@@ -156,6 +160,9 @@ impl Log<'_> {
         }
     }
 }
+
+/// The start of every message of ArduPilot's logs.
+pub const ARDUPILOT: [u8; 2] = [0xA3, 0x95];
 
 /// The start of a bag of ROS 1.
 pub const ROS_BAG: &[u8] = b"#ROSBAG V2.0\n";
@@ -165,7 +172,6 @@ const FOREIGN: &[(&[u8], &str)] = &[
     (b"#ROSBAG V1", "it is a bag of ROS 1 in its old version 1; convert it with `rosbag fix FILE NEW.bag`"),
     (b"7z\xBC\xAF\x27\x1C", "it is a 7z archive; unpack it and name a file in it"),
     (b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1", "it is a workbook of Excel; save the sheet as CSV"),
-    (b"\xA3\x95", DATAFLASH),
     (b"FMT, 128, ", DATAFLASH),
     (b"# A zerorate ", "it is a calibration; `zerorate report` shows it"),
     (b"{\"", JSON),
@@ -174,7 +180,7 @@ const FOREIGN: &[(&[u8], &str)] = &[
     (b"\x80\x05\x95", PICKLE),
 ];
 
-const DATAFLASH: &str = "it is an ArduPilot DataFlash log, which is not read yet; convert it with pymavlink: \
+const DATAFLASH: &str = "it is a log of ArduPilot as text; name the .bin file, or convert it with pymavlink: \
                          `mavlogdump.py --format csv --types IMU FILE > imu.csv`";
 
 const JSON: &str = "it is JSON; convert it to a table: in Python `pandas.read_json('FILE').to_csv('log.csv')`, with \

@@ -7,7 +7,7 @@ use crate::{Column, LogError, LogWarning, Quantity, Settling, SettlingError, sto
 use std::path::{Path, PathBuf};
 use zerorate_allan::{
     self as allan, AllanWarning, Analysed, Analysis, AnalysisError, Averaging, Density, Detrended, Envelope, Expected,
-    Fit, FitError, FitOptions, Input, Line, Options, Point, Settled, Taus, interval,
+    Fit, FitError, FitOptions, Input, Line, Options, Point, Settled, Stat, Taus, interval,
 };
 
 /// A column of a log and what was found in it.
@@ -276,6 +276,13 @@ impl Record {
     /// The value of the model at a point, if a model exists and describes this statistic.
     pub fn expected(&self, point: &Point) -> Option<Expected> {
         self.model()?.expected(&self.analysis, point)
+    }
+
+    /// The band in which another record of this sensor lies at a point, of the same length; none beyond what the model
+    /// predicts.
+    pub fn predicted(&self, point: &Point) -> Option<Expected> {
+        let model = self.model().filter(|_| self.analysis.stat == Stat::Oadev)?;
+        model.predicted(point.m, self.analysis.samples)
     }
 
     /// Averaging time and deviation of the minimum: from the fit, or from the points where the fit describes another

@@ -14,12 +14,24 @@ pub struct Scenario {
     pub b: f64,
     pub k: f64,
     pub q: f64,
-    /// Time constant of a first-order low-pass on the white noise, s.
-    pub low_pass_s: f64,
+    /// The filter of the sensor, which the white noise goes through.
+    pub filter: Filter,
     /// σ and T of a Gauss–Markov process.
     pub gauss_markov: Option<(f64, f64)>,
     pub beside: Beside,
     pub bounds: Bounds,
+}
+
+/// A filter whose gain at frequency 0 is 1.
+#[derive(Clone, Copy)]
+pub enum Filter {
+    None,
+    /// A low-pass of the first order with this time constant, s.
+    LowPass(f64),
+    /// A Butterworth low-pass of the second order at this frequency, Hz, by the bilinear transform.
+    Butterworth(f64),
+    /// The mean of so many samples.
+    Mean(usize),
 }
 
 /// A disturbance that is not noise.
@@ -85,7 +97,7 @@ const HOUR: Scenario = Scenario {
     b: floor(6.25),
     k: 2e-4,
     q: 0.0,
-    low_pass_s: 0.0,
+    filter: Filter::None,
     gauss_markov: None,
     beside: Beside::Nothing,
     bounds: OTHER,
@@ -102,6 +114,8 @@ pub fn scenarios() -> Vec<Scenario> {
         bounds: Bounds { steps: (least, 100.0), ..OTHER },
         ..HOUR
     };
+    // a shape has one cosine more than the data ask for, so that N is less certain than it could be
+    let behind = |name, filter| Scenario { name, filter, bounds: WIDENED, ..HOUR };
     let with = |name, beside| Scenario { name, beside, ..HOUR };
     let memory = |name, sigma, tau_s, least| Scenario {
         name,
@@ -118,7 +132,11 @@ pub fn scenarios() -> Vec<Scenario> {
         Scenario { name: "10 minutes", length_s: 600.0, ..HOUR },
         Scenario { name: "long", length_s: 21_600.0, ..HOUR },
         Scenario { name: "quantised", q: 2e-4, ..HOUR },
-        Scenario { name: "behind a low-pass", low_pass_s: 0.03, ..HOUR },
+        behind("behind a low-pass", Filter::LowPass(0.03)),
+        behind("behind a Butterworth of 2.5 Hz", Filter::Butterworth(2.5)),
+        behind("behind a Butterworth of 10 Hz", Filter::Butterworth(10.0)),
+        behind("behind a mean of 2", Filter::Mean(2)),
+        behind("behind a mean of 8", Filter::Mean(8)),
         memory("Gauss–Markov of 0.5 s", 0.02, 0.5, 99.0),
         memory("Gauss–Markov of 5 s", 0.01, 5.0, 99.0),
         memory("Gauss–Markov of 50 s", 0.01, 50.0, 90.0),
@@ -133,6 +151,8 @@ pub fn scenarios() -> Vec<Scenario> {
         jump("step of 0.05", 0.05, 99.0),
         Scenario { bounds: WIDENED, ..with("40 % lost", Beside::Loss(0.4)) },
         Scenario { bounds: WIDENED, ..with("lost in bursts", Beside::Bursts(7.0, 60)) },
+        Scenario { bounds: WIDENED, ..with("lost in short bursts", Beside::Bursts(0.1, 20_000)) },
+        Scenario { bounds: WIDENED, ..with("lost in long bursts", Beside::Bursts(60.0, 30)) },
         with("coarse codes", Beside::Coarse(1.2)),
         Scenario { bounds: NOT_SILENT, k: 0.0, ..with("warm-up", Beside::WarmUp(0.05, 600.0)) },
     ]

@@ -1,6 +1,6 @@
 //! Records whose truth is known.
 
-use super::scenario::{Beside, Scenario};
+use super::scenario::{Beside, Filter, Scenario};
 use rand::rngs::SmallRng;
 use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
@@ -23,9 +23,7 @@ const OUTLIER: f64 = 50.0;
 pub fn record(scenario: &Scenario, fft: &Arc<dyn Fft<f64>>, rng: &mut SmallRng) -> Vec<f64> {
     let len = (scenario.length_s * RATE_HZ) as usize;
     let mut rate: Vec<f64> = (0..len).map(|_| normal(rng) * scenario.n * RATE_HZ.sqrt()).collect();
-    if scenario.low_pass_s > 0.0 {
-        low_pass(&mut rate, (-1.0 / (RATE_HZ * scenario.low_pass_s)).exp());
-    }
+    filtered(&mut rate, scenario.filter);
     if scenario.k > 0.0 {
         let mut walk = 0.0;
         for rate in &mut rate {
@@ -58,6 +56,30 @@ pub fn record(scenario: &Scenario, fft: &Arc<dyn Fft<f64>>, rng: &mut SmallRng) 
 
 fn normal(rng: &mut SmallRng) -> f64 {
     rng.sample(StandardNormal)
+}
+
+fn filtered(rate: &mut Vec<f64>, filter: Filter) {
+    match filter {
+        Filter::None => {}
+        Filter::LowPass(tau_s) => low_pass(rate, (-1.0 / (RATE_HZ * tau_s)).exp()),
+        Filter::Butterworth(hz) => butterworth(rate, (PI * hz / RATE_HZ).tan()),
+        Filter::Mean(samples) => {
+            let mean = |rates: &[f64]| rates.iter().sum::<f64>() / samples as f64;
+            *rate = rate.windows(samples).map(mean).collect();
+        }
+    }
+}
+
+/// `k` is the tangent of half the angle of its frequency.
+fn butterworth(rate: &mut [f64], k: f64) {
+    let norm = 1.0 / (1.0 + 2f64.sqrt() * k + k * k);
+    let (gain, a1, a2) = (k * k * norm, 2.0 * (k * k - 1.0) * norm, (1.0 - 2f64.sqrt() * k + k * k) * norm);
+    let (mut x1, mut x2, mut y1, mut y2) = (0.0, 0.0, 0.0, 0.0);
+    for rate in rate {
+        let y = gain * (*rate + 2.0 * x1 + x2) - a1 * y1 - a2 * y2;
+        (x2, x1, y2, y1) = (x1, *rate, y1, y);
+        *rate = y;
+    }
 }
 
 fn low_pass(rate: &mut [f64], keep: f64) {

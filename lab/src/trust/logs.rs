@@ -108,7 +108,7 @@ fn analysed(bench: &Bench, log: &str) -> Result<Run> {
         Some("parquet" | "npz" | "h5" | "gz" | "bz2" | "xz" | "lz4" | "zst") => &["--time-column", "t_ns"],
         _ => &[],
     };
-    bench.run(&[&["allan", log, "--column", "all", "--json"], time].concat())
+    bench.run(&[&["allan", log, "--column", "all", "--fit", "--json"], time].concat())
 }
 
 /// A log may be read as it was, be refused, or be read with a warning.

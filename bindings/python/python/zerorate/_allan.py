@@ -134,7 +134,7 @@ def allan(
     steps
         ``remove``: before the fit, up to three jumps of the level are taken out. ``keep`` them.
     max_freq_hz
-        The frequency up to which the noise model holds, Hz. Unless given, the data choose it: `Fit.max_freq_hz`.
+        The frequency up to which the noise model holds, Hz. Unless given, the data choose it: `Fit.f_max_hz`.
     temp_c
         The temperature of each sample, °C, NaN where it was not read; for a log or table, the name of its column. A
         `Capture` has it. In a log or table, a column named ``temp_code``, ``temp_c``, ``temp`` or ``temperature`` is

@@ -25,6 +25,8 @@ def file(
     log: str,
     format: str,
     combine: str,
+    horizon_s: float | None,
+    as_fitted: bool,
     inflate: float,
     topic: str | None,
     force: bool,
@@ -41,7 +43,13 @@ def file(
         if axis._core is None:
             raise _no_model(axis)
         modelled.append((axis.name, axis.unit, axis._core))
-    text, doubts = _zerorate.imu_file(format, modelled, log, topic, combine, float(inflate), accept_rejected)
+    if horizon_s is not None and as_fitted:
+        raise ValueError("give horizon_s or as_fitted=True, not both")
+    if horizon_s is not None and not 1 < horizon_s < float("inf"):
+        raise ValueError(f"horizon_s={horizon_s!r}: give more than 1 s")
+    text, doubts = _zerorate.imu_file(
+        format, modelled, log, topic, combine, horizon_s, as_fitted, float(inflate), accept_rejected
+    )
     if doubts:
         warnings.warn("; ".join(doubts) + "; made all the same (accept_rejected=True)", stacklevel=3)
     if path is not None:

@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+
 from . import _filters, _log, _plot, _records, _zerorate
 from ._capture import Capture
 from ._result import Allan, AllanAxes
@@ -52,6 +54,8 @@ class Imu:
         *,
         format: _filters.Format = "kalibr",
         combine: _filters.Combine = "worst",
+        horizon_s: float | None = None,
+        as_fitted: bool = False,
         inflate: float = 1.0,
         topic: str | None = None,
         force: bool = False,
@@ -68,6 +72,11 @@ class Imu:
             where, and why: docs/imu.md.
         combine
             The value for all axes of a kind, if the filter takes one number: the ``worst``, or their ``mean``.
+        horizon_s
+            The longest time over which the filter is to trust its own uncertainty, s: N and K cover the measured curve
+            from 1 s to it, with the least excess. Unless given, a third of the record and at most 1000 s.
+        as_fitted
+            Give N and K as they were fitted.
         inflate
             Factor on all noise, for effects that a record at rest does not show.
         topic
@@ -92,7 +101,9 @@ class Imu:
             If the file exists.
         """
         axes, topic = list(self.axes.values()), self.topic if topic is None else topic
-        return _filters.file(axes, path, self.log, format, combine, inflate, topic, force, accept_rejected)
+        return _filters.file(
+            axes, path, self.log, format, combine, horizon_s, as_fitted, inflate, topic, force, accept_rejected
+        )
 
     def to_frame(self, library: _log.Library = "pandas") -> Any:
         """A DataFrame with a row for each axis and averaging time, like `AllanAxes.to_frame`."""
@@ -114,6 +125,8 @@ def imu(
     *,
     column: Sequence[str | int] | None = None,
     columns: Sequence[str] | None = None,
+    gyro: Sequence[str | int] | None = None,
+    accel: Sequence[str | int] | None = None,
     rate_hz: float | None = None,
     topic: str | None = None,
     gyro_unit: str | None = None,
@@ -148,6 +161,8 @@ def imu(
         The axes, by name or by number counted from 0; otherwise all columns that are axes.
     columns
         Names for the axes of an array: ``["gx", "gy", "gz", "ax", "ay", "az"]``.
+    gyro, accel
+        The columns of each kind, by name or by number counted from 0, where their names do not say so: ``[0, 1, 2]``.
     rate_hz
         Samples per second. Otherwise it comes from a DatetimeIndex, `time_column`, or the log, which also tell where
         samples are missing.
@@ -187,14 +202,19 @@ def imu(
     >>> found = imu({"gyro": 1e-3 * rest}, rate_hz=100.0, gyro_unit="rad/s")
     >>> list(found.axes), found.axes["gyro_x"].fit.n.unit
     (['gyro_x', 'gyro_y', 'gyro_z'], 'rad/s·√s')
-    >>> print(found.to_yaml().splitlines()[3].split()[0])
+    >>> print(found.to_yaml().splitlines()[4].split()[0])
     gyroscope_noise_density:
     """
+    of_kinds = [[str(name) for name in of_kind or ()] for of_kind in (gyro, accel)]
+    if column is not None and any(of_kinds):
+        raise ValueError("give column, or gyro and accel, not both")
     if _records.is_array(log) and columns is None:
-        raise ValueError(
-            "an array does not say which column is which axis: give columns=, such as "
-            "['gx', 'gy', 'gz', 'ax', 'ay', 'az'], or a dictionary {'gyro': …, 'accel': …}"
-        )
+        if not any(of_kinds):
+            raise ValueError(
+                "an array does not say which column is which axis: give gyro=[0, 1, 2], accel=[3, 4, 5], or columns=, "
+                "such as ['gx', 'gy', 'gz', 'ax', 'ay', 'az'], or a dictionary {'gyro': …, 'accel': …}"
+            )
+        columns = [f"column_{index}" for index in range(np.atleast_2d(np.asarray(log)).shape[1])]
     options = AnalysisOptions.of(stat, taus, "rate", confidence, True, glitches, steps, max_freq_hz)
     if isinstance(log, Capture):
         return _of_capture(log, options, log.rate_hz if rate_hz is None else rate_hz)
@@ -214,8 +234,8 @@ def imu(
     found, of_bag, said = _zerorate.read_imu(
         source,
         None if column is None else [str(name) for name in _log.listed(column)],
-        (gyro_unit, _number(gyro_scale)),
-        (accel_unit, _number(accel_scale)),
+        (of_kinds[0], gyro_unit, _number(gyro_scale)),
+        (of_kinds[1], accel_unit, _number(accel_scale)),
         _log.with_time(source, given),
     )
     for text in said:

@@ -51,7 +51,7 @@ class GaussMarkov:
 @dataclass(frozen=True)
 class BandShape:
     """White noise after a filter. Its density is N² exp Σ a_j (cos jθ − 1), sin(θ/2) = sin(πf/rate)/sin(πf_max/rate)
-    with f_max = `Fit.max_freq_hz`. With a pole p it is that times (1 − p)²/(1 + p² − 2p cos θ)."""
+    with f_max = `Fit.f_max_hz`. With a pole p it is that times (1 − p)²/(1 + p² − 2p cos θ)."""
 
     cosines: list[float]
     """a_1, a_2 …"""
@@ -139,9 +139,9 @@ class Fit:
     """The spectrum scatters about the model as if the model were off by this share: 0.016 is 1.6 %."""
     p_value: float
     """Probability of more scatter than was seen, `model_error` included."""
-    max_freq_hz: float
-    """The frequency up to which the model holds, Hz. Above it the sensor's filter shapes the noise, and `Allan.model` is
-    that of the measured spectrum."""
+    f_max_hz: float
+    """The frequency up to which the model holds, Hz. Above it the sensor's filter shapes the noise, and `Allan.model`
+    is that of the measured spectrum."""
     rejected: bool
     """Whether the model is off by more than 10 %, so that nothing is identified."""
     terms: list[Term] = field(default_factory=list)
@@ -157,7 +157,7 @@ def fitted(found: _zerorate._Fit, unit: str) -> Fit:
     coefficients = {
         name: None if values[name] is None else Coefficient(**values[name], unit=units[name]) for name in units
     }
-    others = {name: values[name] for name in ("model_error", "p_value", "max_freq_hz", "rejected", "warnings")}
+    others = {name: values[name] for name in ("model_error", "p_value", "f_max_hz", "rejected", "warnings")}
     return Fit(**coefficients, **others, terms=[_term(**term) for term in values["terms"]])  # type: ignore[arg-type]
 
 

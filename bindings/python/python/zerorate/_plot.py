@@ -67,7 +67,7 @@ def _draw(axes: Sequence[Allan], ax: Axes) -> None:
     drawn, labels = ax.get_legend_handles_labels()
     # curves come before their models
     order = sorted(range(len(drawn)), key=lambda at: not isinstance(drawn[at], tuple))
-    title = None if len(axes) == 1 else "points: measured, lines: models with 95 % bands"
+    title = None if len(axes) == 1 else "points: measured, lines: models, and 95 % of other records"
     ax.legend(
         [drawn[at] for at in order], [labels[at] for at in order], fontsize="small", title=title,
         title_fontsize="small", framealpha=0.85, loc=_free_corner(axes),
@@ -95,13 +95,13 @@ def _curve(ax: Axes, axis: Allan, is_alone: bool) -> None:
         axis.tau_s, axis.dev, yerr=errors, fmt="o", markersize=3.5, capsize=2, linewidth=1, label=label
     )
     colour = drawn.lines[0].get_color()
-    if axis.model is None or axis.model_lo is None or axis.model_hi is None or axis.fit is None:
+    if axis.model is None or axis.predicted_lo is None or axis.predicted_hi is None or axis.fit is None:
         return
     name = "model, REJECTED" if axis.fit.rejected else "model"
-    label = f"{name} and its 95 % band" if is_alone else ""
+    label = f"{name}, and 95 % of other records" if is_alone else ""
     ax.plot(axis.tau_s, axis.model, color=colour, linewidth=1.2, label=label or None)
     alpha = 0.15 if is_alone else 0.08
-    ax.fill_between(axis.tau_s, axis.model_lo, axis.model_hi, color=colour, alpha=alpha, linewidth=0)
+    ax.fill_between(axis.tau_s, axis.predicted_lo, axis.predicted_hi, color=colour, alpha=alpha, linewidth=0)
     if is_alone and not axis.fit.rejected:
         _coefficients(ax, axis, axis.fit)
 

@@ -67,8 +67,13 @@ class Allan:
     model: NDArray[np.float64] | None = field(default=None, repr=False)
     """The model's deviations; None without a model, and for statistics that it does not cover."""
     model_lo: NDArray[np.float64] | None = field(default=None, repr=False)
-    """Lower end of the band in which the model expects 95 % of the deviations."""
+    """Lower end of the band in which the model expects 95 % of the deviations of this record."""
     model_hi: NDArray[np.float64] | None = field(default=None, repr=False)
+    """Upper end of that band."""
+    predicted_lo: NDArray[np.float64] | None = field(default=None, repr=False)
+    """Lower end of the band in which the model expects 95 % of the deviations of another record of this sensor, as
+    long as this one. NaN above 1/128 of the record, and for statistics other than ``oadev``."""
+    predicted_hi: NDArray[np.float64] | None = field(default=None, repr=False)
     """Upper end of that band."""
     cleaned: Cleaned | None = field(default=None, repr=False)
     """What was taken out before the fit; None without a model."""
@@ -108,7 +113,7 @@ class Allan:
             If the library is not installed.
         """
         names = ["tau_s", "m", "dev", "lo", "hi", "edf", "alpha", "n"]
-        names += ["model", "model_lo", "model_hi"] if self.model is not None else []
+        names += list(_MODEL) if self.model is not None else []
         return _frame.frame({name: getattr(self, name) for name in names}, library)
 
     def plot(self, ax: Picture | None = None) -> Picture:
@@ -130,6 +135,8 @@ class Allan:
         path: str | os.PathLike[str] | None = None,
         *,
         format: _filters.Format = "kalibr",
+        horizon_s: float | None = None,
+        as_fitted: bool = False,
         inflate: float = 1.0,
         topic: str | None = None,
         force: bool = False,
@@ -142,7 +149,9 @@ class Allan:
         ValueError
             If nothing stated the unit, because the assumed °/s could be rad/s.
         """
-        return _filters.file([self], path, self.name, format, "worst", inflate, topic, force, accept_rejected)
+        return _filters.file(
+            [self], path, self.name, format, "worst", horizon_s, as_fitted, inflate, topic, force, accept_rejected
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,7 +198,8 @@ class AllanAxes(Mapping[str, Allan]):
         return _plot.curves(list(self.axes.values()), ax)
 
 
-_COLUMNS = ("tau_s", "m", "dev", "lo", "hi", "edf", "alpha", "n", "model", "model_lo", "model_hi")
+_MODEL = ("model", "model_lo", "model_hi", "predicted_lo", "predicted_hi")
+_COLUMNS = ("tau_s", "m", "dev", "lo", "hi", "edf", "alpha", "n", *_MODEL)
 
 
 def _long(axes: Mapping[str, Allan]) -> dict[str, Any]:

@@ -162,8 +162,8 @@ def temperatures() -> list[str]: ...
 def read_imu(
     source: _Source,
     names: list[str] | None,
-    gyro: tuple[str | None, float | None],
-    accel: tuple[str | None, float | None],
+    gyro: tuple[list[str], str | None, float | None],
+    accel: tuple[list[str], str | None, float | None],
     options: _Options,
 ) -> tuple[list[_Column], str | None, list[str]]: ...
 def imu_file(
@@ -172,6 +172,8 @@ def imu_file(
     log: str,
     topic: str | None,
     combine: str,
+    horizon_s: float | None,
+    as_fitted: bool,
     inflate: float,
     accept_rejected: bool,
 ) -> tuple[str, list[str]]: ...

@@ -28,17 +28,17 @@ fn log() -> String {
 }
 
 /// Bench with the log, and the options that it takes.
-fn bench() -> Bench {
+pub fn bench() -> Bench {
     let bench = Bench::new();
     bench.write("imu.csv", log());
     bench
 }
 
 /// The time is in the column whose name says so.
-const LINE: &str = "imu imu.csv";
+pub const LINE: &str = "imu imu.csv";
 
 /// Scalars of a YAML file by their path; numbers of a list by their place.
-fn scalars(yaml: &str) -> BTreeMap<String, String> {
+pub fn scalars(yaml: &str) -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     // the key or the place of each open collection; a mapping waits for a key or for its value
     let mut open: Vec<(bool, Option<String>, usize)> = Vec::new();
@@ -104,7 +104,7 @@ fn every_filter_gets_its_numbers() {
         ),
     ];
     for (format, numbers) in expected {
-        bench.zerorate(&format!("{LINE} --format {format} -o {format}.yaml")).ok();
+        bench.zerorate(&format!("{LINE} --as-fitted --format {format} -o {format}.yaml")).ok();
         let yaml = std::fs::read_to_string(bench.path(&format!("{format}.yaml"))).unwrap();
         let found = scalars(&yaml);
         for (key, expected) in numbers {
@@ -125,7 +125,8 @@ fn every_filter_gets_its_numbers() {
 #[test]
 fn a_random_walk_that_is_not_told_is_an_upper_limit() {
     let bench = bench();
-    let report: Value = serde_json::from_str(&bench.zerorate(&format!("{LINE} --json -o imu.yaml")).ok()).unwrap();
+    let report: Value =
+        serde_json::from_str(&bench.zerorate(&format!("{LINE} --as-fitted --json -o imu.yaml")).ok()).unwrap();
     let axes = report["axes"].as_array().unwrap();
     let kinds: Vec<_> =
         axes.iter().map(|axis| (axis["name"].as_str().unwrap(), axis["kind"].as_str().unwrap())).collect();
@@ -150,7 +151,7 @@ fn a_random_walk_that_is_not_told_is_an_upper_limit() {
         let value: f64 = found[key].parse().unwrap();
         assert!(value > 1e-7 && (value / expected - 1.0).abs() < 1e-5, "{key}: {value}, not {expected}");
     }
-    bench.zerorate(&format!("{LINE} --combine mean --inflate 10 -o mean.yaml")).ok();
+    bench.zerorate(&format!("{LINE} --as-fitted --combine mean --inflate 10 -o mean.yaml")).ok();
     let mean = scalars(&std::fs::read_to_string(bench.path("mean.yaml")).unwrap());
     let value: f64 = mean["gyroscope_noise_density"].parse().unwrap();
     assert!((value / 10.0 / n(0) - 1.0).abs() < 0.02, "the mean of 0.10, 0.12 and 0.08, ten times: {value}");
@@ -183,7 +184,8 @@ fn units_are_asked_for_and_never_guessed() {
     assert!(run.stderr.contains("is not a unit for gyroscopes"));
     let broken = std::fs::read_to_string(bench.path("imu.csv")).unwrap().replacen("\n50.00,", "\nreset\n50.00,", 1);
     bench.write("imu.csv", broken);
-    let run = bench.zerorate(&format!("{LINE} --gyro-unit dps --accel-unit m/s^2 -o units.yaml")).ended_with(0);
+    let run =
+        bench.zerorate(&format!("{LINE} --gyro-unit dps --accel-unit m/s^2 --as-fitted -o units.yaml")).ended_with(0);
     assert!(run.stderr.contains("skipped") && !run.stderr.contains("not stated"), "{}", run.stderr);
     let found = scalars(&std::fs::read_to_string(bench.path("units.yaml")).unwrap());
     let value: f64 = found["gyroscope_noise_density"].parse().unwrap();

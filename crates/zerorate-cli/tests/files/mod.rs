@@ -5,6 +5,7 @@ mod analysis;
 mod autopilot;
 mod axes;
 mod correct;
+mod covering;
 mod durable;
 mod export;
 mod failing;

@@ -7,7 +7,7 @@ use std::path::Path;
 /// Facts about the axes that a log may not state itself.
 #[derive(Clone, Debug, Default)]
 pub struct ImuOptions {
-    /// The columns, by name or number; none: all that are axes.
+    /// The columns, by name or number; none: all that are axes, or those that a kind has.
     pub columns: Option<Vec<String>>,
     /// Facts about the gyroscope.
     pub gyro: Said,
@@ -17,9 +17,11 @@ pub struct ImuOptions {
     pub log: ColumnOptions,
 }
 
-/// The unit and scale of a kind of axis, as the user states them.
-#[derive(Clone, Copy, Debug, Default)]
+/// The columns, unit and scale of a kind of axis, as the user states them.
+#[derive(Clone, Debug, Default)]
 pub struct Said {
+    /// Its columns, by name or number, whatever they are called.
+    pub columns: Vec<String>,
     /// Their unit.
     pub unit: Option<Unit>,
     /// The size of a step of 1, in that unit.
@@ -45,7 +47,8 @@ impl Axes {
     /// # Errors
     /// As for [`crate::read_parts`], and where no column is an axis, or the unit of an axis is not known.
     pub fn read(path: &Path, parts: impl Into<Parts>, options: &ImuOptions) -> crate::Result<Self> {
-        let wanted = options.columns.as_deref().map_or(Wanted::All, Wanted::Listed);
+        let listed = options.listed();
+        let wanted = listed.as_deref().map_or(Wanted::All, Wanted::Listed);
         let (columns, no_rate) = crate::parts::read_without_rate(path, parts, wanted, &options.log)?;
         match (no_rate, Self::of(path, columns, options)) {
             (None, axes) => axes,
@@ -62,7 +65,10 @@ impl Axes {
     /// The kinds of axis that the log has nothing of, or, where these chose columns, the columns.
     pub fn absent(&self, options: &ImuOptions) -> impl Iterator<Item = ImuWarning> {
         let has = |kind: &Kind| self.columns.iter().any(|column| column.quantity == Some(kind.quantity()));
-        let chosen_by = options.columns.is_some().then(|| options.log.names.of(Setting::Column));
+        let chosen_by = match options.columns {
+            Some(_) => Some(options.log.names.of(Setting::Column)),
+            None => options.listed().map(|_| options.log.names.of(Setting::Gyro)),
+        };
         let absent: Vec<Kind> = Kind::ALL.into_iter().filter(|kind| !has(kind)).collect();
         absent.into_iter().map(move |kind| ImuWarning::KindAbsent(kind, chosen_by))
     }
@@ -79,22 +85,28 @@ impl Axes {
     /// No column is an axis, or the unit of an axis is not known.
     pub fn of(path: &Path, columns: Vec<Column>, options: &ImuOptions) -> crate::Result<Self> {
         let (mut axes, mut left_out, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
-        for column in columns {
+        let said = options.kinds();
+        for (index, column) in columns.into_iter().enumerate() {
             let is_meant = options.columns.is_some() || !Kind::is_beside(&column.name);
-            match Kind::of_column(&column).filter(|_| is_meant) {
+            let kind = match said.get(index) {
+                Some(kind) => Some(options.agreed(path, *kind, &column)?),
+                None => Kind::of_column(&column).filter(|_| is_meant),
+            };
+            match kind {
                 Some(kind) => axes.push((kind, column)),
                 None => left_out.push(column.name),
             }
         }
         if axes.is_empty() {
-            return Err(no_axes(path, &left_out));
+            return Err(no_axes(path, &left_out, options));
         }
         let topic = axes.first().and_then(|(_, column)| topic_of(&column.name));
-        if options.columns.is_none() && topic.is_some() {
+        let is_open = options.listed().is_none();
+        if is_open && topic.is_some() {
             warnings.extend(without_blanks(path, &mut axes));
         }
         check_units(options, path, &axes)?;
-        if options.columns.is_none() {
+        if is_open {
             let column = options.log.names.of(Setting::Column);
             warnings.extend(Kind::ALL.into_iter().filter_map(|kind| too_many(path, kind, &axes, column)));
         }
@@ -123,10 +135,38 @@ fn without_blanks(path: &Path, axes: &mut Vec<(Kind, Column)>) -> Option<LogWarn
 }
 
 impl ImuOptions {
-    fn said(&self, kind: Kind) -> Said {
+    fn said(&self, kind: Kind) -> &Said {
         match kind {
-            Kind::Gyroscope => self.gyro,
-            Kind::Accelerometer => self.accel,
+            Kind::Gyroscope => &self.gyro,
+            Kind::Accelerometer => &self.accel,
+        }
+    }
+
+    /// The columns that are asked for: gyroscopes first.
+    #[must_use]
+    pub fn listed(&self) -> Option<Vec<String>> {
+        let of_kinds = || Kind::ALL.into_iter().flat_map(|kind| self.said(kind).columns.clone()).collect::<Vec<_>>();
+        self.columns.clone().or_else(|| Some(of_kinds()).filter(|columns| !columns.is_empty()))
+    }
+
+    /// The kind of each of these columns, where the user states it.
+    fn kinds(&self) -> Vec<Kind> {
+        let of_kind = |kind: Kind| std::iter::repeat_n(kind, self.said(kind).columns.len());
+        if self.columns.is_some() { Vec::new() } else { Kind::ALL.into_iter().flat_map(of_kind).collect() }
+    }
+
+    /// The kind that the user states, unless the column states another.
+    fn agreed(&self, path: &Path, kind: Kind, column: &Column) -> crate::Result<Kind> {
+        match column.quantity.filter(|quantity| *quantity != kind.quantity()) {
+            None => Ok(kind),
+            Some(quantity) => Err(LogError::Ask(format!(
+                "{}: column {} is in {}, which is no unit of {}; leave it out of {}",
+                path.display(),
+                column.name,
+                quantity.unit(),
+                kind.plural(),
+                self.log.names.of(kind.setting())
+            ))),
         }
     }
 
@@ -138,6 +178,14 @@ impl ImuOptions {
 }
 
 impl Kind {
+    /// The option that gives the columns of such axes.
+    fn setting(self) -> Setting {
+        match self {
+            Self::Gyroscope => Setting::Gyro,
+            Self::Accelerometer => Setting::Accel,
+        }
+    }
+
     /// The option that gives the unit of such axes.
     fn unit_setting(self) -> Setting {
         match self {
@@ -151,7 +199,7 @@ impl Kind {
 fn check_units(options: &ImuOptions, path: &Path, axes: &[(Kind, Column)]) -> crate::Result<()> {
     let mut unknown = Vec::new();
     for kind in Kind::ALL {
-        let Said { unit, scale } = options.said(kind);
+        let &Said { unit, scale, .. } = options.said(kind);
         for (_, column) in axes.iter().filter(|(of, _)| *of == kind) {
             unit.map_or(Ok(()), |unit| options.log.agrees(path, &column.name, unit, kind.unit_setting()))?;
         }
@@ -194,7 +242,7 @@ fn too_many(path: &Path, kind: Kind, axes: &[(Kind, Column)], column: &'static s
 
 /// The unit that was given, where the log states none.
 fn give_unit(options: &ImuOptions, kind: Kind, mut column: Column, warnings: &mut Vec<LogWarning>) -> Column {
-    let Said { unit, scale } = options.said(kind);
+    let &Said { unit, scale, .. } = options.said(kind);
     if unit.is_some() || scale.is_some() {
         column.warnings.retain(|warning| !matches!(warning, LogWarning::UnitUnknown { .. }));
         column.scale = unit.map_or(1.0, Unit::in_results) * scale.unwrap_or(1.0);
@@ -209,11 +257,12 @@ fn give_unit(options: &ImuOptions, kind: Kind, mut column: Column, warnings: &mu
     column
 }
 
-fn no_axes(path: &Path, found: &[String]) -> LogError {
+fn no_axes(path: &Path, found: &[String], options: &ImuOptions) -> LogError {
+    let [gyro, accel] = [Setting::Gyro, Setting::Accel].map(|setting| options.log.names.of(setting));
     let found = if found.is_empty() { "no numbers at all".to_owned() } else { found.join(", ") };
     LogError::Ask(format!(
         "{} has no column whose name or unit says that it is an axis of an IMU (such as gyro_x, wx, `ax [m/s^2]`); it \
-         has: {found}. Rename the columns that are axes",
+         has: {found}. Say which are axes with {gyro} and {accel}, by name or by number from 0",
         path.display(),
     ))
 }

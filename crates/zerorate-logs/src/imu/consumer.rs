@@ -179,13 +179,18 @@ fn kf_gins(file: &mut Text, numbers: &Numbers) {
     let Memory { tau_s, from } = memory;
     file.line("imunoise:");
     // 1 rad/√s is 60·180/π °/√h
-    file.list("  arw", gyroscope, |axis| axis.n.value.to_degrees() * 60.0, "°/√h: N of each axis");
-    file.list("  vrw", accelerometer, |axis| axis.n.value * 60.0, "m/s/√h: N of each axis");
-    file.list("  gbstd", gyroscope, |axis| axis.sigma.to_degrees() * 3600.0, &format!("°/h: σ, {from}"));
+    file.list("  arw", gyroscope, |axis| axis.fitted_n.value.to_degrees() * 60.0, "°/√h: N of each axis");
+    file.list("  vrw", accelerometer, |axis| axis.fitted_n.value * 60.0, "m/s/√h: N of each axis");
+    file.list(
+        "  gbstd",
+        gyroscope,
+        |axis| axis.sigma.to_degrees() * 3600.0,
+        "°/h: σ of a process of that time that peaks as high as the model without N",
+    );
     file.list("  abstd", accelerometer, |axis| axis.sigma * MILLI_GAL, "mGal: the same");
     file.line("  gsstd: [300.0, 300.0, 300.0]   # ppm: KF-GINS's example; no scale can be told at rest");
     file.line("  asstd: [300.0, 300.0, 300.0]   # ppm: the same");
-    file.plain("  corrtime", tau_s / 3600.0, "h");
+    file.plain("  corrtime", tau_s / 3600.0, &format!("h, {from}"));
 }
 
 fn ros(file: &mut Text, numbers: &Numbers) {
@@ -194,7 +199,7 @@ fn ros(file: &mut Text, numbers: &Numbers) {
     file.head(numbers, Format::Ros, why);
     let Numbers { gyroscope, accelerometer, rate_hz, .. } = numbers;
     file.line("orientation_covariance: [-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]   # no orientation is given");
-    let variance = |axis: &AxisNumbers| axis.n.value * axis.n.value * rate_hz;
+    let variance = |axis: &AxisNumbers| axis.fitted_n.value * axis.fitted_n.value * rate_hz;
     file.covariance("angular_velocity_covariance", gyroscope, variance, "rad²/s²");
     file.covariance("linear_acceleration_covariance", accelerometer, variance, "m²/s⁴");
     file.line(&format!("# the rate: {rate_hz:.6} Hz; at another the numbers are others"));
@@ -213,11 +218,12 @@ impl Text {
     /// Writes what the file is, how its numbers were chosen, and what supports them.
     fn head(&mut self, numbers: &Numbers, format: Format, meaning: &str) {
         let (reader, is_by_axis) = (format.reader(), format.is_by_axis());
-        let Choice { log, combine, inflate, names, .. } = &numbers.choice;
+        let Choice { log, combine, rule, inflate, names, .. } = &numbers.choice;
         self.line(&format!("# Noise of an IMU for {reader}, by {} from {}.", zerorate::SOFTWARE, plain::line(log)));
         self.line(&format!("# {meaning}."));
         if !is_by_axis {
             self.line(&format!("# Of the axes of a kind {}.", combine.words(*names)));
+            self.line(&format!("# {}.", rule.words(*names)));
         }
         if *inflate != 1.0 {
             self.line(&format!("# All noise is multiplied by {inflate}, for what a record at rest does not show."));

@@ -15,5 +15,5 @@ pub use consumer::Format;
 pub use doubt::{Doubt, Doubts};
 pub use kind::Kind;
 pub use noise_file::NoNoiseFile;
-pub use numbers::{Axis, Choice, Combine};
+pub use numbers::{Axis, Choice, Combine, Rule};
 pub use warning::{ImuWarning, Moment};

@@ -2,7 +2,7 @@
 
 use super::{Doubts, Kind};
 use crate::{Names, Setting};
-use zerorate_allan::{Coefficient, FLOOR_PER_B, Fit, Term};
+use zerorate_allan::{Coefficient, Covering, FLOOR_PER_B, Fit, Term};
 
 /// The rule that makes one value of several axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,6 +12,16 @@ pub enum Combine {
     Worst,
     /// Their mean.
     Mean,
+}
+
+/// The rule that makes N and K of a model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rule {
+    /// They cover the measured curve from 1 s to a horizon, s; unless given, that is a third of the record and at most
+    /// 1000 s.
+    Covers(Option<f64>),
+    /// They are those of the model.
+    AsFitted,
 }
 
 /// An axis with its noise model.
@@ -36,6 +46,8 @@ pub struct Choice {
     pub topic: Option<String>,
     /// The rule that makes one value of all axes of a kind.
     pub combine: Combine,
+    /// The rule that makes N and K of a model.
+    pub rule: Rule,
     /// Factor on all noise, 1 unless it was asked for.
     pub inflate: f64,
     /// The names of the options in the file.
@@ -89,6 +101,8 @@ impl Chosen {
 pub struct AxisNumbers {
     /// White noise.
     pub n: Chosen,
+    /// White noise as it was fitted, for a reader that has no random walk to cover the curve with.
+    pub fitted_n: Chosen,
     /// Random walk.
     pub k: Chosen,
     /// Standard deviation of the Gauss–Markov process that stands for the wander of its bias.
@@ -99,7 +113,7 @@ pub struct AxisNumbers {
 pub struct Memory {
     /// The time.
     pub tau_s: f64,
-    /// The axis or axes that it and the σ come from.
+    /// Its source.
     pub from: String,
 }
 
@@ -119,12 +133,26 @@ impl Axis<'_> {
         }
     }
 
-    fn n(&self) -> Chosen {
-        self.chosen("N", &self.fit.n)
-    }
-
-    fn k(&self) -> Chosen {
-        self.chosen("K", &self.fit.k)
+    /// N and K by a rule.
+    fn n_and_k(&self, rule: Rule) -> (Chosen, Chosen) {
+        let (n, k) = (self.chosen("N", &self.fit.n), self.chosen("K", &self.fit.k));
+        let covering = match rule {
+            Rule::Covers(horizon_s) => self.fit.covering(horizon_s),
+            Rule::AsFitted => None,
+        };
+        let Some(Covering { n: n_covers, k: k_covers, horizon_s, .. }) = covering else { return (n, k) };
+        let axis = self.name;
+        let covers = |letter: &str, value: f64, fitted: &Coefficient| {
+            let fitted = match fitted.identified {
+                true => format!("fitted: {:.3e}", fitted.value * self.si()),
+                false => format!("fitted: below {:.3e}", fitted.hi * self.si()),
+            };
+            let from = format!("{letter} of {axis}, covers the curve up to {horizon_s:.0} s; {fitted}");
+            Chosen { value: value * self.si(), from }
+        };
+        // where N alone covers the curve, nothing but the fit speaks of K
+        let k = if k_covers > 0.0 { covers("K", k_covers, &self.fit.k) } else { k };
+        (covers("N", n_covers, &self.fit.n), k)
     }
 
     /// A coefficient, or its upper limit where it is not identified: too small a number makes a filter trust its
@@ -138,13 +166,14 @@ impl Axis<'_> {
         Chosen { value: value * self.si(), from }
     }
 
-    /// Standard deviation and correlation time of its largest Gauss–Markov term.
-    fn memory(&self) -> Option<(f64, f64)> {
+    /// Correlation time of its largest Gauss–Markov term, s.
+    fn memory_s(&self) -> Option<f64> {
         let of_term = |term: &Term| match term {
-            Term::GaussMarkov { sigma, tau_s } => Some((sigma.value * self.si(), tau_s.value)),
+            Term::GaussMarkov { sigma, tau_s } => Some((sigma.value, tau_s.value)),
             _ => None,
         };
-        self.fit.terms.iter().filter_map(of_term).max_by(|a, b| a.0.total_cmp(&b.0))
+        let largest = self.fit.terms.iter().filter_map(of_term).max_by(|a, b| a.0.total_cmp(&b.0));
+        largest.map(|(_, tau_s)| tau_s)
     }
 
     /// σ of a process whose Allan deviation has its peak where and as high as the model's without N.
@@ -178,21 +207,19 @@ impl Numbers {
 
 impl Memory {
     /// The correlation time of the Gauss–Markov terms, their geometric mean. Without one, of a process whose Allan
-    /// deviation peaks at the longest averaging time that all models speak of.
+    /// deviation peaks at the longest averaging time that all models speak of. Gyroscopes set it, if there are any:
+    /// those of accelerometers are often another.
     fn of(axes: &[Axis<'_>]) -> Self {
-        let times: Vec<f64> = axes.iter().filter_map(|axis| Some(axis.memory()?.1)).collect();
+        let kind = axes.iter().map(|axis| axis.kind).find(|kind| *kind == Kind::Gyroscope);
+        let of_kind = || axes.iter().filter(|axis| kind.is_none_or(|kind| axis.kind == kind));
+        let times: Vec<f64> = of_kind().filter_map(Axis::memory_s).collect();
+        let whose = if kind.is_some() { "the gyroscopes" } else { "the accelerometers" };
         if !times.is_empty() {
             let mean = times.iter().map(|time| time.ln()).sum::<f64>() / times.len() as f64;
-            let from = "of the Gauss–Markov term of the axis, or else of a process that peaks as high as its model \
-                        does without N"
-                .to_owned();
-            return Self { tau_s: mean.exp(), from };
+            return Self { tau_s: mean.exp(), from: format!("of the Gauss–Markov terms of {whose}") };
         }
-        let longest = axes.iter().map(|axis| axis.fit.span_s.1).fold(f64::INFINITY, f64::min);
-        let from = format!(
-            "no Gauss–Markov term was found: of a process whose Allan deviation peaks at {longest:.0} s, the longest \
-             that the models speak of, as high as they are without N"
-        );
+        let longest = of_kind().map(|axis| axis.fit.span_s.1).fold(f64::INFINITY, f64::min);
+        let from = format!("{whose} have no Gauss–Markov term: its Allan deviation peaks at {longest:.0} s");
         Self { tau_s: longest / PEAK_AT, from }
     }
 }
@@ -200,15 +227,30 @@ impl Memory {
 impl Sensor {
     fn new<'a>(choice: &Choice, axes: impl Iterator<Item = &'a Axis<'a>>, tau_s: f64) -> Option<Self> {
         let inflate = choice.inflate;
-        let of = |axis: &Axis<'_>| AxisNumbers {
-            n: axis.n().times(inflate),
-            k: axis.k().times(inflate),
-            sigma: inflate * axis.memory().map_or_else(|| axis.sigma_at(tau_s), |(sigma, _)| sigma),
+        let of = |axis: &Axis<'_>| {
+            let (n, k) = axis.n_and_k(choice.rule);
+            let fitted_n = axis.chosen("N", &axis.fit.n).times(inflate);
+            AxisNumbers { n: n.times(inflate), fitted_n, k: k.times(inflate), sigma: inflate * axis.sigma_at(tau_s) }
         };
         let axes: Vec<AxisNumbers> = axes.map(of).collect();
         let n = choice.combine.choose(axes.iter().map(|axis| &axis.n))?;
         let k = choice.combine.choose(axes.iter().map(|axis| &axis.k))?;
         Some(Self { n, k, axes })
+    }
+}
+
+impl Rule {
+    /// The description of the rule, for the file.
+    #[must_use]
+    pub fn words(self, names: Names) -> String {
+        match self {
+            Self::Covers(_) => format!(
+                "N²/τ + K²τ/3 covers the measured Allan variance ({}); {} gives N and K as they were fitted",
+                names.of(Setting::Horizon),
+                names.of(Setting::AsFitted)
+            ),
+            Self::AsFitted => format!("N and K are as they were fitted ({})", names.of(Setting::AsFitted)),
+        }
     }
 }
 

@@ -26,6 +26,7 @@ pub const ROSBAG: &[u8] = include_bytes!("../../fixtures/imu_none.bag");
 pub const ROSBAG_BZ2: &[u8] = include_bytes!("../../fixtures/imu_bz2.bag");
 pub const ROSBAG_LZ4: &[u8] = include_bytes!("../../fixtures/imu_lz4.bag");
 pub const ULOG: &[u8] = include_bytes!("../../fixtures/imu.ulg");
+pub const DATAFLASH: &[u8] = include_bytes!("../../fixtures/imu.bin");
 
 #[test]
 fn packed_files_are_known_by_their_content() {

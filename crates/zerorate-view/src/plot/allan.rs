@@ -14,8 +14,10 @@ pub struct Curve {
     pub label: String,
     /// The deviations by averaging time. The picture leaves out values without a logarithm.
     pub points: Vec<Point>,
-    /// The fitted deviations with the band in which the model expects the measured ones; empty without a fit.
+    /// The fitted deviations with the band in which the model expects those of this record; empty without a fit.
     pub model: Vec<Point>,
+    /// The band in which the model expects the deviations of another record.
+    pub predicted: Vec<Point>,
     /// The fitted noise, one line for each coefficient; empty without a fit.
     pub laws: Vec<PowerLaw>,
     /// The minimum, where averaging helps most.
@@ -173,10 +175,10 @@ pub fn drawable(curve: &Curve) -> Curve {
         points.sort_by(|a, b| a.tau_s.total_cmp(&b.tau_s));
         points
     };
-    let (points, model) = (sorted(&curve.points), sorted(&curve.model));
+    let [points, model, predicted] = [&curve.points, &curve.model, &curve.predicted].map(|points| sorted(points));
     let laws = curve.laws.iter().filter(|law| known(1.0, law.at_1s) && law.slope.is_finite()).cloned().collect();
     let minimum = curve.minimum.filter(|lowest| known(lowest.tau_s, lowest.dev));
-    Curve { label: curve.label.clone(), points, model, laws, minimum, remarks: curve.remarks.clone() }
+    Curve { label: curve.label.clone(), points, model, predicted, laws, minimum, remarks: curve.remarks.clone() }
 }
 
 /// The ranges of averaging times and deviations to show; a decade around 1 if there are none.
@@ -246,10 +248,11 @@ impl Picture<'_> {
     fn lines(&self) -> Group {
         let mut group = canvas::clipped(&self.area);
         for (curve, (colour, _)) in self.curves.iter().zip(styles()) {
-            let model = self.scales.band(&curve.model, self.model_style(colour).0);
+            let model = self.scales.band(&curve.predicted, self.model_style(colour).0);
             group = group.add(self.scales.band(&curve.points, colour)).add(model);
         }
         if let [only] = &self.curves[..] {
+            group = group.add(self.scales.edges(&only.model, INK));
             for law in &only.laws {
                 let line = stroke(canvas::path(self.scales.law(law)), law.colour(), 1.4);
                 group = group.add(line.set("stroke-dasharray", "7 4"));

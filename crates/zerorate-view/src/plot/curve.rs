@@ -54,6 +54,14 @@ impl Scales {
         Path::new().set("d", path(upper.chain(lower)).close()).set("fill", colour).set("fill-opacity", 0.18)
     }
 
+    /// The limits of some points, as dotted lines.
+    pub fn edges(&self, points: &[Point], colour: &str) -> Group {
+        let [lower, upper] = [|point: &Point| point.lo, |point: &Point| point.hi]
+            .map(|limit| path(points.iter().map(|point| self.at(point.tau_s, limit(point)))));
+        let dotted = |track| stroke(track, colour, 0.8).set("stroke-dasharray", "1 3");
+        Group::new().add(dotted(lower)).add(dotted(upper))
+    }
+
     /// The line through the deviations, with a dot at each unless there are many. `dash` tells curves apart when all
     /// colours are used.
     pub fn line(&self, curve: &Curve, colour: &str, dash: &str) -> Group {

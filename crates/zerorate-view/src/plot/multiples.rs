@@ -62,7 +62,8 @@ pub fn allan_multiples(curves: &[Curve], options: &Options) -> String {
 }
 
 fn panel(curve: &Curve, colour: &str, scales: &Scales, area: Area, marks: &[Mark]) -> Group {
-    let mut inside = clipped(&area).add(scales.band(&curve.points, colour)).add(scales.band(&curve.model, INK));
+    let mut inside = clipped(&area).add(scales.band(&curve.points, colour)).add(scales.band(&curve.predicted, INK));
+    inside = inside.add(scales.edges(&curve.model, INK));
     for mark in marks {
         let x = scales.x.at(mark.tau_s);
         let rule = line((x, area.top), (x, area.bottom));

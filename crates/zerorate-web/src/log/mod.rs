@@ -23,7 +23,7 @@ mod reader {
     use std::path::{Path, PathBuf};
     use std::vec::IntoIter;
     use zerorate_allan::{FitOptions, Options, Taus};
-    use zerorate_logs::imu::{Axes, Choice, ImuOptions, ImuWarning, NoNoiseFile};
+    use zerorate_logs::imu::{Axes, Choice, ImuOptions, ImuWarning, NoNoiseFile, Rule};
     use zerorate_logs::{AnalysisOptions, Column, LogError, LogWarning, Record, Wanted};
     use zerorate_record::Input;
 
@@ -104,7 +104,8 @@ mod reader {
             let (format, combine) = (format(&command.format)?, combine(&command.combine)?);
             let (axes, doubts) = (Record::axes(&self.analysed), Record::doubts(&self.analysed));
             let (log, topic) = (self.path.display().to_string(), self.topic.clone());
-            let choice = Choice { log, topic, combine, inflate: command.inflate, names: LABELS };
+            let (inflate, rule) = (command.inflate, Rule::Covers(None));
+            let choice = Choice { log, topic, combine, rule, inflate, names: LABELS };
             Ok(Download {
                 name: format!("imu-{}.yaml", format.name()),
                 media_type: "application/yaml".to_owned(),

@@ -43,7 +43,10 @@ fn curves(path: &Path, heading: &str, unit: &str, axes: &[Record]) -> String {
     let curves: Vec<Curve> = axes.iter().map(curve).collect();
     let options = plot::Options {
         title: Some(format!("{heading} in {}", path.display())),
-        subtitle: Some("one-sigma intervals (black: the model and its 95 % band, B drawn at 0.664 B)".to_owned()),
+        subtitle: Some(
+            "one-sigma intervals (black: model, grey: 95 % of other records, dotted: of this; B is drawn at 0.664 B)"
+                .to_owned(),
+        ),
         unit: unit.to_owned(),
         ..plot::Options::default()
     };
@@ -56,6 +59,10 @@ fn curve(axis: &Record) -> Curve {
         let Expected { dev, lo, hi } = axis.expected(point)?;
         Some(plot::Point { tau_s: point.tau_s, dev, lo, hi })
     });
+    let predicted = axis.analysis.points.iter().filter_map(|point| {
+        let Expected { dev, lo, hi } = axis.predicted(point)?;
+        Some(plot::Point { tau_s: point.tau_s, dev, lo, hi })
+    });
     let believed = if axis.believed().is_ok() { coefficients(axis) } else { Vec::new() };
     Curve {
         label: axis.column.clone(),
@@ -63,6 +70,7 @@ fn curve(axis: &Record) -> Curve {
             .map(|point| plot::Point { tau_s: point.tau_s, dev: point.dev, lo: point.lo, hi: point.hi })
             .collect(),
         model: expected.collect(),
+        predicted: predicted.collect(),
         laws: believed.iter().map(law).collect(),
         minimum: None,
         remarks: Vec::new(),
@@ -84,7 +92,8 @@ fn spectrum(axis: &Record, unit: &str) -> Option<Spectrum> {
     let (Look { spectrum: all, .. }, rate_hz) = (axis.look.as_ref()?, axis.analysis.rate_hz);
     let model = |fit: &Fit| {
         let of_model = |hz: f64| (hz, amplitude(fit.density(hz, rate_hz)));
-        all.iter().step_by(3).map(|one| of_model(one.frequency_hz)).collect()
+        let holds = all.iter().filter(|one| one.frequency_hz <= fit.max_freq_hz);
+        holds.step_by(3).map(|one| of_model(one.frequency_hz)).collect()
     };
     let tone = |&Line { frequency_hz, rms, .. }: &Line| {
         let label = format!("{} Hz, {} {unit} rms", number(frequency_hz), number(rms));

@@ -55,8 +55,9 @@ pub fn options(said: &LogSettings) -> Result<ImuOptions, LogError> {
         names: LABELS,
         ..ColumnOptions::default()
     };
-    let gyro = Said { unit: unit(&said.gyro_unit)?, scale: above_zero("gyroscope scale", said.gyro_scale)? };
-    let accel = Said { unit: unit(&said.accel_unit)?, scale: above_zero("accelerometer scale", said.accel_scale)? };
+    let kind = |unit, scale| Said { columns: Vec::new(), unit, scale };
+    let gyro = kind(unit(&said.gyro_unit)?, above_zero("gyroscope scale", said.gyro_scale)?);
+    let accel = kind(unit(&said.accel_unit)?, above_zero("accelerometer scale", said.accel_scale)?);
     Ok(ImuOptions { columns: said.columns.clone(), gyro, accel, log })
 }
 

@@ -2,7 +2,7 @@
 
 use super::units::{deviation_unit, span};
 use super::{picture, temperature};
-use zerorate_allan::{AllanWarning, LONGEST_RECORD_S};
+use zerorate_allan::{AllanWarning, LONGEST_RECORD_S, Misfit};
 use zerorate_logs::{LogWarning, Record};
 use zerorate_view::plot::number;
 
@@ -129,8 +129,8 @@ fn said(detail: String, meaning: &str) -> (String, String) {
 /// The numbers of one axis, and their meaning on any axis.
 fn condensed_words(warning: &AllanWarning, unit: &str) -> (String, String) {
     match *warning {
-        AllanWarning::Rejected { error, most } => (
-            format!("off by {:.0} %", error * 100.0),
+        AllanWarning::Rejected { error, most, misfit: Misfit { from_hz, to_hz, .. } } => (
+            format!("off by {:.0} %, {from_hz:.3} to {to_hz:.3} Hz", error * 100.0),
             format!("off by more than {:.0} %, so not a result; look for motion", most * 100.0),
         ),
         AllanWarning::ShortRecord { samples, needed } => (
@@ -208,7 +208,7 @@ fn words_of_terms(warning: &AllanWarning, unit: &str) -> (String, String) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zerorate_allan::Noise;
+    use zerorate_allan::{Cause, Noise};
 
     /// Room for the number of columns, where nothing else fits.
     const ROOM: usize = ": 12 columns".len();
@@ -216,8 +216,9 @@ mod tests {
     #[test]
     fn a_finding_leaves_room_for_its_axes() {
         let noise = Noise::AngleRandomWalk;
+        let misfit = Misfit { from_hz: 12.345, to_hz: 23.456, ratio: 1.23, cause: Cause::Resonance };
         let all = [
-            AllanWarning::Rejected { error: 0.23, most: 0.1 },
+            AllanWarning::Rejected { error: 0.23, most: 0.1, misfit },
             AllanWarning::ShortRecord { samples: 1234, needed: 20_000 },
             AllanWarning::Leakage { frequency_hz: 123.456, share: 0.12 },
             AllanWarning::OffCurve { tau_s: 123.456, ratio: 1.23, octaves: 3 },

@@ -5,7 +5,7 @@ use crate::exit::{Refused, Usage};
 use crate::output::Staged;
 use anyhow::Result;
 use zerorate_logs::Record;
-use zerorate_logs::imu::{Choice, Combine, Doubts, Format};
+use zerorate_logs::imu::{Choice, Combine, Doubts, Format, Rule};
 use zerorate_logs::{Names, Quantity};
 
 /// Writes the gyroscope's part of the file. Of several logs it takes the worst values.
@@ -24,7 +24,7 @@ pub fn write(file: Staged, records: &[Record]) -> Result<()> {
     }
     let log = records.iter().map(|record| record.file.display().to_string()).collect::<Vec<_>>().join(", ");
     let names = Names(flag);
-    let choice = Choice { log, topic: None, combine: Combine::Worst, inflate: 1.0, names };
+    let choice = Choice { log, topic: None, combine: Combine::Worst, rule: Rule::Covers(None), inflate: 1.0, names };
     let text = Format::Kalibr.file(choice, &Record::axes(records), &Doubts::default(), false)?;
     Ok(file.fill(text.as_bytes())?)
 }

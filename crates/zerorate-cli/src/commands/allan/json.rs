@@ -80,7 +80,8 @@ pub struct Report<'a> {
     confidence: f64,
     points: Vec<PointRow>,
     unavailable: Vec<Missing>,
-    fit: Fit,
+    /// None without --fit.
+    fit: Option<Fit>,
     fit_error: Option<String>,
     cleaned: Cleaned,
     advice: Vec<String>,
@@ -105,10 +106,13 @@ struct PointRow {
     edf: f64,
     alpha: i32,
     n: u64,
-    /// The fitted deviation, and the band in which the model expects 95 % of the measured ones.
+    /// The fitted deviation, and the band in which the model expects 95 % of the deviations of this record.
     model: Option<f64>,
     model_lo: Option<f64>,
     model_hi: Option<f64>,
+    /// The band for another record of this sensor, up to 1/128 of the record.
+    predicted_lo: Option<f64>,
+    predicted_hi: Option<f64>,
 }
 
 #[derive(Serialize)]
@@ -119,7 +123,7 @@ struct Fit {
     model_error: Option<f64>,
     p_value: Option<f64>,
     /// The frequency up to which the model holds, Hz.
-    max_freq_hz: Option<f64>,
+    f_max_hz: Option<f64>,
     /// Whether the error is too large: nothing is identified.
     rejected: bool,
     terms: Vec<Term>,
@@ -177,7 +181,9 @@ impl<'a> Report<'a> {
             let &Point { tau_s, m, dev, lo, hi, edf, alpha, n } = point;
             let model = record.expected(point);
             let [model, model_lo, model_hi] = [model.map(|m| m.dev), model.map(|m| m.lo), model.map(|m| m.hi)];
-            PointRow { tau_s, m, dev, lo, hi, edf, alpha, n, model, model_lo, model_hi }
+            let predicted = record.predicted(point);
+            let [predicted_lo, predicted_hi] = [predicted.map(|m| m.lo), predicted.map(|m| m.hi)];
+            PointRow { tau_s, m, dev, lo, hi, edf, alpha, n, model, model_lo, model_hi, predicted_lo, predicted_hi }
         };
         let missing =
             |Unavailable { tau_s, reason }: &Unavailable| Missing { tau_s: *tau_s, reason: reason.to_string() };
@@ -192,7 +198,7 @@ impl<'a> Report<'a> {
             confidence: record.confidence,
             points: analysis.points.iter().map(row).collect(),
             unavailable: analysis.unavailable.iter().map(missing).collect(),
-            fit: fit(record),
+            fit: record.fit.is_some().then(|| fit(record)),
             fit_error: record.fit.as_ref().and_then(|fit| fit.as_ref().err()).map(ToString::to_string),
             cleaned: record.model().map(|fit| cleaned(&fit.cleaned)).unwrap_or_default(),
             advice: advice(record),
@@ -209,7 +215,7 @@ fn fit(record: &Record) -> Fit {
         coefficients: letters(record),
         model_error: model.map(|fit| fit.model_error),
         p_value: model.map(|fit| fit.p_value),
-        max_freq_hz: model.map(|fit| fit.max_freq_hz),
+        f_max_hz: model.map(|fit| fit.max_freq_hz),
         rejected: model.is_some_and(|fit| fit.is_rejected),
         terms: model.iter().flat_map(|fit| &fit.terms).map(term).collect(),
     }

@@ -124,8 +124,8 @@ pub struct AllanArgs {
     #[arg(long, conflicts_with = "json")]
     csv: bool,
 
-    /// Print the result as one JSON object, with the noise model. The object says so if the model is rejected, and
-    /// with --fit or --pool the exit code is then 3.
+    /// Print the result as one JSON object. With --fit or --pool it has the noise model, and says so if the model is
+    /// rejected: exit code 3.
     #[arg(long)]
     json: bool,
 }
@@ -157,7 +157,7 @@ enum Steps {
 impl AllanArgs {
     /// Whether an option shows or uses noise coefficients.
     fn wants_fit(&self) -> bool {
-        self.fit || self.pool || self.json || !self.plot.is_empty() || self.report.is_some() || self.imu_yaml.is_some()
+        self.fit || self.pool || !self.plot.is_empty() || self.report.is_some() || self.imu_yaml.is_some()
     }
 
     fn options(&self) -> AllanOptions {

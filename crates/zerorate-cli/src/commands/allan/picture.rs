@@ -142,7 +142,9 @@ impl<'a> Group<'a> {
         let memory = if has_memory { "; GM: Gauss–Markov σ and time" } else { "" };
         let options = plot::Options {
             title: Some(format!("{heading}: {}", first.map(Record::title).unwrap_or_default())),
-            subtitle: Some(format!("{interval}; black: the model and its 95 % band; B is drawn at 0.664 B{memory}")),
+            subtitle: Some(format!(
+                "{interval}; black: model, grey: 95 % of other records, dotted: of this; B is drawn at 0.664 B{memory}"
+            )),
             quantity: "deviation".to_owned(),
             unit: first.and_then(deviation_unit).unwrap_or_default().to_owned(),
             marks: marks(self.records),
@@ -235,8 +237,11 @@ fn subtitle(records: &[Record]) -> String {
         count if records.len() > 1 => text += &format!(", {count} of the models rejected"),
         _ => text += ", the model rejected",
     }
-    if records.len() > 1 && first.analysis.stat.is_allan() && models().next().is_some() {
-        text += "; dashed: models with their 95 % bands";
+    if first.analysis.stat.is_allan() && models().next().is_some() {
+        text += match records {
+            [_] => "; grey: other records, dotted: this one",
+            _ => "; dashed: models, with 95 % of other records",
+        };
     }
     text
 }
@@ -260,8 +265,12 @@ fn curve(record: &Record) -> Curve {
         let Expected { dev, lo, hi } = record.model()?.expected(record.drawn(), point)?;
         Some(plot::Point { tau_s: point.tau_s, dev, lo, hi })
     });
-    let (points, model) = (points.collect(), expected.collect());
-    Curve { label: record.label(), points, model, laws, minimum, remarks: Vec::new() }
+    let predicted = record.drawn().points.iter().filter_map(|point| {
+        let Expected { dev, lo, hi } = record.predicted(point)?;
+        Some(plot::Point { tau_s: point.tau_s, dev, lo, hi })
+    });
+    let (points, model, predicted) = (points.collect(), expected.collect(), predicted.collect());
+    Curve { label: record.label(), points, model, predicted, laws, minimum, remarks: Vec::new() }
 }
 
 /// The coefficients that have a line in the picture: Allan deviations only, and values above zero.

@@ -74,6 +74,9 @@ pub fn coefficients_text(record: &Record) -> Result<String> {
     if let Some(holds) = units::holds_below(record) {
         writeln!(text, "{holds}")?;
     }
+    if let Some(predicts) = units::predicts(record) {
+        writeln!(text, "{predicts}")?;
+    }
     text.push('\n');
     advice(record).iter().try_for_each(|advice| writeln!(text, "{advice}"))?;
     Ok(text)

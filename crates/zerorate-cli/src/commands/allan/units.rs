@@ -33,6 +33,21 @@ pub fn holds_below(record: &Record) -> Option<String> {
     Some(format!("It holds below {} Hz; above it the sensor's filter shapes the noise.", number(max_freq_hz)))
 }
 
+/// How near another record of the sensor is expected, and up to which averages.
+pub fn predicts(record: &Record) -> Option<String> {
+    record.believed().ok()?;
+    let points = record.analysis.points.iter();
+    let bands: Vec<_> = points.filter_map(|point| Some((point.tau_s, record.predicted(point)?))).collect();
+    let (longest_s, _) = bands.last()?;
+    let widest = bands.iter().map(|(_, band)| (band.hi / band.dev).max(band.dev / band.lo)).fold(1.0, f64::max);
+    Some(format!(
+        "Another record of this sensor at rest is expected within {:.0} % of the model (95 %), for averages up to {}. \
+         Longer ones are not predicted.",
+        (widest - 1.0) * 100.0,
+        span(*longest_s)
+    ))
+}
+
 /// The row of a coefficient or another term in a table: value, limits and unit, in each unit.
 pub struct TermRow {
     pub name: String,

@@ -16,7 +16,7 @@ use datasheet::Comparison;
 use std::path::PathBuf;
 use zerorate_allan::{DataSheet, FitOptions};
 use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
-use zerorate_logs::imu::{Choice, Combine, Format, ImuOptions, ImuWarning, Said};
+use zerorate_logs::imu::{Choice, Combine, Format, ImuOptions, ImuWarning, Rule, Said};
 use zerorate_logs::{AnalysisOptions, ColumnOptions, Decimal, LogWarning, Names, Record, Setting, TimeUnit, Unit};
 use zerorate_view::report::Fact;
 
@@ -46,6 +46,18 @@ pub struct ImuArgs {
     #[arg(long, value_enum, default_value = "worst")]
     combine: Combine,
 
+    /// The longest time over which the filter is to trust its own uncertainty, s [default: a third of the record, at
+    /// most 1000 s].
+    ///
+    /// Filters know white noise N and a random walk K only. N and K are chosen so that N²/τ + K²τ/3 covers the
+    /// measured Allan variance from 1 s to the horizon, with the least excess.
+    #[arg(long, value_name = "S", value_parser = horizon)]
+    horizon: Option<f64>,
+
+    /// Write N and K as they were fitted.
+    #[arg(long, conflicts_with = "horizon")]
+    as_fitted: bool,
+
     /// Multiply all noise by F, to allow for errors that a record at rest does not show: vibration, temperature,
     /// scale. Filters are often tuned with 5 to 20.
     #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = positive)]
@@ -58,6 +70,14 @@ pub struct ImuArgs {
     /// The columns, by name or by number from 0, as in gx,gy,gz,ax,ay,az [default: all axes].
     #[arg(long, value_name = "LIST")]
     column: Option<String>,
+
+    /// The columns of the gyroscope, by name or by number from 0, as in 0,1,2: for columns whose names do not say so.
+    #[arg(long, value_name = "LIST", conflicts_with = "column")]
+    gyro: Option<String>,
+
+    /// The columns of the accelerometer, likewise.
+    #[arg(long, value_name = "LIST", conflicts_with = "column")]
+    accel: Option<String>,
 
     /// Samples per second [default: from the stamps or the time column of the log].
     #[arg(long, value_name = "HZ", value_parser = positive)]
@@ -139,8 +159,8 @@ impl ImuArgs {
         };
         let axes = ImuOptions {
             columns: self.column.as_deref().and_then(listed),
-            gyro: Said { unit: self.gyro_unit, scale: self.gyro_scale },
-            accel: Said { unit: self.accel_unit, scale: self.accel_scale },
+            gyro: Said { columns: names(&self.gyro), unit: self.gyro_unit, scale: self.gyro_scale },
+            accel: Said { columns: names(&self.accel), unit: self.accel_unit, scale: self.accel_scale },
             log,
         };
         let analysis = AnalysisOptions {
@@ -153,6 +173,15 @@ impl ImuArgs {
         let format = self.output.is_some().then_some(self.format);
         ImuNoiseOptions { axes, temperature: self.temperature.temp_column.clone(), analysis, format }
     }
+}
+
+fn names(list: &Option<String>) -> Vec<String> {
+    list.as_deref().and_then(listed).unwrap_or_default()
+}
+
+fn horizon(text: &str) -> Result<f64, String> {
+    let is_long = |value: &f64| *value > 1.0 && value.is_finite();
+    text.parse().ok().filter(is_long).ok_or_else(|| "must be more than 1, in seconds".to_owned())
 }
 
 /// Returns the option of a setting. Unit and scale belong to a kind of sensor, and plain numbers have no axes.
@@ -242,7 +271,8 @@ fn deliver(args: &ImuArgs, axes: &[Record], topic: Option<String>, file: Option<
     }
     let Some(file) = file else { return Ok(()) };
     let ImuArgs { combine, inflate, .. } = *args;
-    let choice = Choice { log: args.log.display().to_string(), topic, combine, inflate, names: Names(option) };
+    let rule = if args.as_fitted { Rule::AsFitted } else { Rule::Covers(args.horizon) };
+    let choice = Choice { log: args.log.display().to_string(), topic, combine, rule, inflate, names: Names(option) };
     file.fill(args.format.file(choice, &Record::axes(axes), &doubts, args.accept_rejected)?.as_bytes())?;
     if let Some(path) = &args.output {
         let chosen = match args.format.is_by_axis() {

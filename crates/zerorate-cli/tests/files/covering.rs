@@ -1,0 +1,44 @@
+//! What the user says of the axes of an IMU, and which N and K the file of a filter has.
+
+use super::imu::{LINE, bench, scalars};
+
+/// As the model has N and K, the file has them only if it was asked to: otherwise both cover the curve, from 1 s on.
+#[test]
+fn n_and_k_cover_the_curve_unless_it_is_otherwise_asked() {
+    let bench = bench();
+    let numbers = |options: &str| {
+        bench.zerorate(&format!("{LINE} {options}-o imu.yaml --force")).ok();
+        let yaml = std::fs::read_to_string(bench.path("imu.yaml")).unwrap();
+        let found = scalars(&yaml);
+        let of = |key: &str| found[key].parse::<f64>().unwrap();
+        (of("gyroscope_noise_density"), of("gyroscope_random_walk"), yaml)
+    };
+    let (n_fitted, k_limit, fitted) = numbers("--as-fitted ");
+    let (n, k, yaml) = numbers("");
+    assert!(n >= n_fitted && n <= 2.0 * n_fitted && k > 0.0 && k < 10.0 * k_limit, "{n} {n_fitted} {k} {k_limit}");
+    assert!(yaml.contains("covers the curve up to") && yaml.contains("--as-fitted gives N and K"), "{yaml}");
+    assert!(fitted.contains("N and K are as they were fitted (--as-fitted)"), "{fitted}");
+    let (.., yaml) = numbers("--horizon 20 ");
+    assert!(yaml.contains("covers the curve up to 20 s; fitted: "), "{yaml}");
+    bench.zerorate(&format!("{LINE} --horizon 0.5")).fails(2);
+    bench.zerorate(&format!("{LINE} --horizon 20 --as-fitted")).fails(2);
+}
+
+/// Columns whose names say nothing are axes by number.
+#[test]
+fn columns_without_names_are_axes_by_number() {
+    let bench = bench();
+    let log = std::fs::read_to_string(bench.path("imu.csv")).unwrap();
+    let (_, rows) = log.split_once('\n').unwrap();
+    bench.write("plain.csv", format!("t_s,c1,c2,c3,c4,c5,c6,c7,c8\n{rows}"));
+    let units = "--gyro-unit dps --accel-unit m/s^2";
+    let said = bench.zerorate(&format!("imu plain.csv {units}")).fails(2);
+    assert!(said.contains("Say which are axes with --gyro and --accel"), "{said}");
+    let run = bench.zerorate(&format!("imu plain.csv --gyro 1,2,c3 --accel 4,5,6 {units} --json"));
+    let report: serde_json::Value = serde_json::from_str(&run.ok()).unwrap();
+    let kinds: Vec<_> = report["axes"].as_array().unwrap().iter().map(|axis| axis["kind"].as_str().unwrap()).collect();
+    assert_eq!(kinds, [["gyroscope"; 3], ["accelerometer"; 3]].concat());
+    let wrong = bench.zerorate("imu imu.csv --gyro 4").fails(2);
+    assert!(wrong.contains("is in m/s², which is no unit of gyroscopes"), "{wrong}");
+    bench.zerorate("imu imu.csv --gyro 1 --column 2").fails(2);
+}

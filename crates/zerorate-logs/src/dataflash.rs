@@ -1,0 +1,335 @@
+//! Logs of ArduPilot in DataFlash form (`.bin`): FMT messages that name the fields of other messages, and these
+//! messages. The letters of the types are in
+//! <https://ardupilot.org/dev/docs/code-overview-adding-a-new-log-message.html>.
+
+use super::clock::Times;
+use super::open::{ARDUPILOT, Log};
+use super::series::SeriesBuilder;
+use super::topics::{Survey, several};
+use super::{Clock, ColumnQuery, Found, FoundColumn, LogError, Result, Setting, Wanted};
+use crate::warning::LogWarning;
+use std::collections::BTreeMap;
+use std::io::{self, BufReader, Read};
+use std::path::Path;
+use zerorate_record::{CaptureError, Input, Quantity, TimeUnit, Unit};
+
+/// The form of FMT, which describes itself first.
+const FMT: u8 = 128;
+/// Bytes of a message before its fields.
+const HEAD: usize = 3;
+/// Bytes of the fields of FMT.
+const FMT_BODY: usize = 86;
+/// Bytes that a read asks the system for.
+const BUFFER: usize = 1 << 18;
+/// Messages between two looks at how much room is left.
+const PIECE: u64 = 1024;
+
+/// Reads fields of one kind of message, of one instance of the sensor.
+pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
+    let Log { path, input, room, .. } = log;
+    let mut topics = Topics::default();
+    let mut messages = Messages::new(path, input);
+    messages.all(|id, form, body| {
+        topics.take(id, form, body);
+        true
+    })?;
+    let chosen = topics.choose(path, asked)?;
+    let mut times = Times::new();
+    times.unit = Some(chosen.time.1);
+    let mut values: Vec<_> = chosen.fields.iter().map(|_| SeriesBuilder::sharing(room, chosen.fields.len())).collect();
+    let (mut row, mut full) = (0u64, None);
+    let mut again = Messages::new(path, messages.rewound()?);
+    again.all(|id, form, body| {
+        if id != chosen.id || form.instance(body) != chosen.instance {
+            return true;
+        }
+        let Some(time) = chosen.time.0.number(body) else { return true };
+        times.push_integer(time as i64);
+        for (values, field) in values.iter_mut().zip(&chosen.fields) {
+            // a value that is not finite is a missing sample
+            let number = field.number(body).filter(|number| number.is_finite()).unwrap_or(f64::NAN);
+            values.push_number(number);
+        }
+        row += 1;
+        if row.is_multiple_of(PIECE) {
+            full = values.first().and_then(|values| values.check_room(PIECE).err());
+        }
+        full.is_none()
+    })?;
+    full.map_or(Ok(()), |why| Err(CaptureError::no_room(path, why)))?;
+    let lost = (again.skipped > 0).then(|| {
+        let (path, bytes, places) = (path.display(), again.skipped, again.places);
+        format!("{path}: {bytes} bytes in {places} places are no messages, and are skipped")
+    });
+    let columns = chosen.fields.iter().zip(values).map(|(field, values)| FoundColumn {
+        stated: stated(&field.name),
+        ..FoundColumn::new(format!("{}.{}", chosen.topic, field.name), values)
+    });
+    let clock = Clock::Column(format!("{}.{}", chosen.topic, chosen.time.0.name), times);
+    Ok(Found { columns: columns.collect(), clock, warnings: LogWarning::torn(lost) })
+}
+
+/// The quantity of a field: rad/s and m/s² in all versions.
+fn stated(field: &str) -> Option<(Quantity, f64)> {
+    let unit = match field {
+        "GyrX" | "GyrY" | "GyrZ" => Unit::RadPerS,
+        "AccX" | "AccY" | "AccZ" => Unit::MPerS2,
+        "T" | "Temp" => return Some((Quantity::Temperature, 1.0)),
+        _ => return None,
+    };
+    Some((unit.quantity(), unit.in_results()))
+}
+
+/// Whether a field is an axis.
+fn is_axis(field: &Field) -> bool {
+    stated(&field.name).is_some_and(|(quantity, _)| quantity != Quantity::Temperature)
+}
+
+/// The messages of a log.
+struct Messages<'a> {
+    path: &'a Path,
+    file: BufReader<Input>,
+    forms: BTreeMap<u8, Form>,
+    /// Bytes that are no messages, and in how many places.
+    skipped: u64,
+    places: u64,
+}
+
+impl<'a> Messages<'a> {
+    fn new(path: &'a Path, input: Input) -> Self {
+        let file = BufReader::with_capacity(BUFFER, input);
+        Self { path, file, forms: BTreeMap::new(), skipped: 0, places: 0 }
+    }
+
+    /// Calls `take` with each message but FMT until it says no. What is no message is skipped up to the next one.
+    fn all(&mut self, mut take: impl FnMut(u8, &Form, &[u8]) -> bool) -> Result<(), CaptureError> {
+        let (mut head, mut body) = ([0; HEAD], [0; u8::MAX as usize]);
+        let mut is_lost = false;
+        let mut goes_on = self.fill(&mut head)?;
+        while goes_on {
+            let id = head[2];
+            let length = if id == FMT { Some(FMT_BODY) } else { self.forms.get(&id).map(|form| form.length) };
+            let Some(length) = length.filter(|_| head[..2] == ARDUPILOT) else {
+                self.places += u64::from(!is_lost);
+                self.skipped += 1;
+                is_lost = true;
+                head.rotate_left(1);
+                goes_on = self.fill(&mut head[2..])?;
+                continue;
+            };
+            is_lost = false;
+            let body = &mut body[..length];
+            if !self.fill(body)? {
+                break;
+            }
+            match self.forms.get(&id).filter(|_| id != FMT) {
+                Some(form) if !take(id, form, body) => break,
+                Some(_) => {}
+                None => self.forms.extend(Form::parse(body)),
+            }
+            goes_on = self.fill(&mut head)?;
+        }
+        Ok(())
+    }
+
+    /// Whether the file has as many bytes as are to be filled.
+    fn fill(&mut self, bytes: &mut [u8]) -> Result<bool, CaptureError> {
+        match self.file.read_exact(bytes) {
+            Ok(()) => Ok(true),
+            Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Ok(false),
+            Err(error) => Err(CaptureError::io("read", self.path, error)),
+        }
+    }
+
+    /// The input, from its start.
+    fn rewound(&self) -> Result<Input, CaptureError> {
+        let failed = |error| CaptureError::io("read", self.path, error);
+        let mut input = self.file.get_ref().try_clone().map_err(failed)?;
+        io::Seek::rewind(&mut input).map_err(failed)?;
+        Ok(input)
+    }
+}
+
+/// The form of a message.
+#[derive(Clone, Debug)]
+struct Form {
+    name: String,
+    /// Bytes of its fields.
+    length: usize,
+    fields: Vec<Field>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Field {
+    name: String,
+    /// The letter of its type.
+    kind: u8,
+    at: usize,
+}
+
+impl Form {
+    /// From the fields of FMT: number, length, name, letters, labels. None where they do not fit together.
+    fn parse(body: &[u8]) -> Option<(u8, Self)> {
+        let text = |range: std::ops::Range<usize>| {
+            let bytes = body.get(range)?;
+            let end = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
+            std::str::from_utf8(&bytes[..end]).ok()
+        };
+        let (id, length) = (*body.first()?, usize::from(*body.get(1)?).checked_sub(HEAD)?);
+        let (name, letters, labels) = (text(2..6)?, text(6..22)?, text(22..86)?);
+        let (mut fields, mut at) = (Vec::new(), 0);
+        for (kind, label) in letters.bytes().zip(labels.split(',')) {
+            fields.push(Field { name: label.to_owned(), kind, at });
+            at += size(kind)?;
+        }
+        (at <= length && id != FMT && !name.is_empty()).then(|| (id, Self { name: name.to_owned(), length, fields }))
+    }
+
+    fn field(&self, name: &str) -> Option<&Field> {
+        self.fields.iter().find(|field| field.name == name)
+    }
+
+    /// The number of the sensor, where a message states it.
+    fn instance(&self, body: &[u8]) -> Option<u8> {
+        let field = self.field("I").filter(|field| size(field.kind) == Some(1))?;
+        body.get(field.at).copied()
+    }
+
+    /// The time at which the sensor was read or, where that is not logged, at which the message was made.
+    fn time(&self) -> Option<(Field, TimeUnit)> {
+        let units = [("SampleUS", TimeUnit::Us), ("TimeUS", TimeUnit::Us), ("TimeMS", TimeUnit::Ms)];
+        units.into_iter().find_map(|(name, unit)| Some((self.field(name)?.clone(), unit)))
+    }
+}
+
+/// Bytes of a type.
+fn size(kind: u8) -> Option<usize> {
+    Some(match kind {
+        b'b' | b'B' | b'M' => 1,
+        b'h' | b'H' | b'c' | b'C' | b'g' => 2,
+        b'i' | b'I' | b'e' | b'E' | b'L' | b'f' | b'n' => 4,
+        b'q' | b'Q' | b'd' => 8,
+        b'N' => 16,
+        b'a' | b'Z' => 64,
+        _ => return None,
+    })
+}
+
+impl Field {
+    /// Its number; none for text. The letters c, C, e and E stand for hundredths.
+    fn number(&self, body: &[u8]) -> Option<f64> {
+        let rest = body.get(self.at..)?;
+        let integer = |bytes: usize, signed: bool| {
+            let mut wide = [0; 8];
+            wide[..bytes].copy_from_slice(rest.get(..bytes)?);
+            let (bits, unused) = (u64::from_le_bytes(wide), 64 - 8 * bytes as u32);
+            Some(if signed { ((bits << unused) as i64 >> unused) as f64 } else { bits as f64 })
+        };
+        match self.kind {
+            b'f' => Some(f32::from_le_bytes(*rest.first_chunk()?).into()),
+            b'd' => Some(f64::from_le_bytes(*rest.first_chunk()?)),
+            b'b' => integer(1, true),
+            b'B' | b'M' => integer(1, false),
+            b'h' => integer(2, true),
+            b'H' => integer(2, false),
+            b'i' | b'L' => integer(4, true),
+            b'I' => integer(4, false),
+            b'q' => integer(8, true),
+            b'Q' => integer(8, false),
+            b'c' => integer(2, true).map(|hundredths| hundredths / 100.0),
+            b'C' => integer(2, false).map(|hundredths| hundredths / 100.0),
+            b'e' => integer(4, true).map(|hundredths| hundredths / 100.0),
+            b'E' => integer(4, false).map(|hundredths| hundredths / 100.0),
+            _ => None,
+        }
+    }
+}
+
+/// The kinds of messages with an IMU, by topic: the name, and the number of the sensor in brackets.
+#[derive(Default)]
+struct Topics(BTreeMap<String, Topic>);
+
+#[derive(Clone)]
+struct Topic {
+    id: u8,
+    instance: Option<u8>,
+    form: Form,
+    messages: u64,
+    /// Times of the first and the last, ns.
+    span_ns: [i64; 2],
+}
+
+/// The fields that were chosen.
+struct Chosen {
+    topic: String,
+    id: u8,
+    instance: Option<u8>,
+    time: (Field, TimeUnit),
+    fields: Vec<Field>,
+}
+
+impl Topics {
+    fn take(&mut self, id: u8, form: &Form, body: &[u8]) {
+        let Some((field, unit)) = form.time().filter(|_| form.fields.iter().any(is_axis)) else { return };
+        let Some(time) = field.number(body) else { return };
+        let (instance, time_ns) = (form.instance(body), (time * 1e9 / unit.per_s()) as i64);
+        let name = instance.map_or_else(|| form.name.clone(), |instance| format!("{}[{instance}]", form.name));
+        let new = || Topic { id, instance, form: form.clone(), messages: 0, span_ns: [time_ns; 2] };
+        let topic = self.0.entry(name).or_insert_with(new);
+        topic.messages += 1;
+        topic.span_ns[1] = time_ns;
+    }
+
+    fn choose(&self, path: &Path, asked: &ColumnQuery<'_>) -> Result<Chosen> {
+        let wanted: Option<Vec<&str>> = match asked.wanted {
+            Wanted::One(Some(name)) => Some(vec![name]),
+            Wanted::Listed(names) => Some(names.iter().map(String::as_str).collect()),
+            Wanted::Described(columns) => Some(columns.iter().map(|column| column.name.as_str()).collect()),
+            Wanted::One(None) | Wanted::All => None,
+        };
+        let of_name = |name: &&str| self.0.iter().find(|(topic, _)| name.starts_with(&format!("{topic}.")));
+        let named = wanted.as_ref().and_then(|names| names.iter().find_map(of_name));
+        let by_option = asked.args.topic.as_ref().and_then(|topic| self.0.get_key_value(topic));
+        let only = self.0.iter().next().filter(|_| self.0.len() == 1 && asked.args.topic.is_none());
+        let Some((name, topic)) = by_option.or(named).or(only) else {
+            return Err(if self.0.is_empty() { without_imu(path) } else { several(path, asked, &self.survey()) });
+        };
+        let axes = || topic.form.fields.iter().filter(|field| is_axis(field));
+        let fields = match &wanted {
+            None if matches!(asked.wanted, Wanted::One(_)) => return Err(unknown(path, asked, None, name, topic)),
+            None => axes().cloned().collect(),
+            Some(names) => names
+                .iter()
+                .map(|wanted| {
+                    let field =
+                        wanted.strip_prefix(name.as_str()).and_then(|rest| rest.strip_prefix('.')).unwrap_or(wanted);
+                    let found = topic.form.field(field).filter(|field| field.number(&[0; u8::MAX as usize]).is_some());
+                    found.cloned().ok_or_else(|| unknown(path, asked, Some(wanted), name, topic))
+                })
+                .collect::<Result<Vec<Field>>>()?,
+        };
+        let time = topic.form.time().ok_or_else(|| without_imu(path))?;
+        Ok(Chosen { topic: name.clone(), id: topic.id, instance: topic.instance, time, fields })
+    }
+
+    fn survey(&self) -> Survey {
+        let mut survey = Survey::default();
+        for (name, topic) in &self.0 {
+            survey.counted(name, &topic.form.name, topic.messages, topic.span_ns);
+        }
+        survey
+    }
+}
+
+fn unknown(path: &Path, asked: &ColumnQuery<'_>, wanted: Option<&str>, name: &str, topic: &Topic) -> LogError {
+    let why = wanted.map_or_else(|| "has several columns".to_owned(), |wanted| format!("has no column `{wanted}`"));
+    let all = topic.form.fields.iter().filter(|field| stated(&field.name).is_some());
+    let all: Vec<String> = all.map(|field| format!("{name}.{}", field.name)).collect();
+    let option = asked.args.names.of(Setting::Column);
+    LogError::Ask(format!("{} {why}; choose with {option} one of: {}", path.display(), all.join(", ")))
+}
+
+fn without_imu(path: &Path) -> LogError {
+    let why = "it is a log of ArduPilot without messages IMU, GYR or ACC; set LOG_BITMASK so that it logs them";
+    CaptureError::not_a_log(path, why.to_owned()).into()
+}
