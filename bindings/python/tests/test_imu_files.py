@@ -40,7 +40,10 @@ def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
     np.savetxt(folder / "imu.csv", rows, delimiter=",", header=header, comments="", fmt="%.7f")
     for name in FORMATS:
         subprocess.run(
-            [PROGRAM, "imu", "imu.csv", "--format", name, "-o", f"{name}.yaml"], cwd=folder, check=True, timeout=120
+            [PROGRAM, "imu", "imu.csv", "--as-fitted", "--format", name, "-o", f"{name}.yaml"],
+            cwd=folder,
+            check=True,
+            timeout=120,
         )
     return folder
 

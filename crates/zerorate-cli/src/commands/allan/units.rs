@@ -41,8 +41,8 @@ pub fn predicts(record: &Record) -> Option<String> {
     let (longest_s, _) = bands.last()?;
     let widest = bands.iter().map(|(_, band)| (band.hi / band.dev).max(band.dev / band.lo)).fold(1.0, f64::max);
     Some(format!(
-        "Another record of this sensor at rest is expected within {:.0} % of the model (95 %), for averages up to {}. \
-         Longer ones are not predicted.",
+        "95 % of other records of this sensor lie within {:.0} % of the model, for averages up to {}; longer ones are \
+         not predicted.",
         (widest - 1.0) * 100.0,
         span(*longest_s)
     ))
