@@ -57,7 +57,7 @@ use prediction::Doubt;
 use realfft::FftError;
 use remarks::{Raw, remarks};
 use samples::{check, cut_glitches, enough, rates};
-use scoring::{B2, N2, Q2};
+use scoring::{B2, N2, Q2, SHAPE_PRICE};
 use select::Selection;
 use spectrum::Spectrum;
 use steadiness::Scatter;
@@ -391,10 +391,13 @@ fn selected(rate: &[f64], rate_hz: f64, max_freq_hz: Option<f64>) -> Result<(Spe
     if let Some(max_freq_hz) = max_freq_hz.filter(|max_freq_hz| *max_freq_hz < least_hz) {
         return Err(FitError::MaxFreq { max_freq_hz, least_hz });
     }
-    let up_to = |top_hz: f64| select::select(table.below(top_hz)).ok_or(FitError::NotFinite);
+    let priced = |top_hz: f64, price: f64| select::select(table.below(top_hz), price).ok_or(FitError::NotFinite);
+    let up_to = |top_hz: f64| priced(top_hz, SHAPE_PRICE);
+    // the usual record has no filter: a false one costs a sixth of N's certainty
+    let plain_price = libm::log(spectrum.samples as f64);
     let selection = match max_freq_hz {
         Some(max_freq_hz) => up_to(max_freq_hz.min(rate_hz / 2.0))?,
-        None => Some(up_to(rate_hz / 2.0)?)
+        None => Some(priced(rate_hz / 2.0, plain_price)?)
             .filter(Selection::has_plain_form)
             .map_or_else(|| up_to(band::top_hz(&table)), Ok)?,
     };

@@ -10,7 +10,7 @@ use super::density::Table;
 use super::model::{Measured, Model};
 use super::prediction::Doubt;
 use super::remarks::{Raw, remarks};
-use super::scoring::{B2, N2, Problem};
+use super::scoring::{B2, N2, Problem, SHAPE_PRICE};
 use super::select::{DESCENT, Selection, chi2, is_upper, select};
 use super::{Cleaned, Fit, FitError, MOST_ERROR, TWO_SIDED_95, fitted, lines::median};
 use crate::chi2::chi2_above;
@@ -167,7 +167,7 @@ pub fn fit_pool(records: &[PoolRecord<'_>]) -> Result<Pool, PoolError> {
             return Err(PoolError::NothingInCommon);
         }
         let of_these: Vec<&Table> = used.iter().map(|&i| &parts[i].table).collect();
-        let chosen = select(Table::pooled(&of_these)).ok_or(FitError::NotFinite)?;
+        let chosen = select(Table::pooled(&of_these), SHAPE_PRICE).ok_or(FitError::NotFinite)?;
         let gains = used.iter().map(|&i| (i, slow_gain(&parts[i].table, &chosen, records[i].fit)));
         let Some((record, gain)) = gains.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, gain)| *gain > SLOW_LIMIT)
         else {

@@ -62,6 +62,9 @@ impl ModelForm {
 pub(super) const SHORTEST: f64 = 20.0;
 /// A Gauss–Markov term longer than this, in records, is a random walk.
 pub(super) const LONGEST: f64 = 0.25;
+/// What a cosine of the shape costs in −2 ln L, unless it is otherwise said: the 1.4 % point of χ² with one degree of
+/// freedom.
+pub(super) const SHAPE_PRICE: f64 = 6.0;
 /// Largest cosine of the shape.
 const STEEPEST: f64 = 6.0;
 /// A pole nearer to the unit circle is a Gauss–Markov term.
@@ -81,6 +84,8 @@ pub(super) struct Problem {
     pub(super) nu: Vec<f64>,
     /// Relative error of the model, ε.
     pub(super) error: f64,
+    /// The price of a cosine.
+    pub(super) shape_price: f64,
     least_white: f64,
 }
 
@@ -91,7 +96,12 @@ impl Problem {
         let mut powers: Vec<f64> = table.rows.iter().map(|row| row.bin.power).collect();
         powers.sort_unstable_by(f64::total_cmp);
         let least_white = LEAST_WHITE * powers.get(powers.len() / 2).copied().unwrap_or(1.0);
-        Self { table, nu, error, least_white }
+        Self { table, nu, error, shape_price: SHAPE_PRICE, least_white }
+    }
+
+    /// With another price of a cosine.
+    pub(super) fn priced_at(self, shape_price: f64) -> Self {
+        Self { shape_price, ..self }
     }
 
     fn bounds(&self, form: &ModelForm, place: usize) -> (f64, f64) {

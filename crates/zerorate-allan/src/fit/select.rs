@@ -6,8 +6,8 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 /// The prices: a term must lower −2 ln L by this much. A Gauss–Markov term costs the 1 % point of χ² with two degrees
-/// of freedom, a ramp the 0.1 % point with one, a warm-up the 0.1 % point with two, a cosine of the shape the 1.4 %
-/// point with one. docs/reference/allan.md states how often each is taken where it is absent.
+/// of freedom, a ramp the 0.1 % point with one, a warm-up the 0.1 % point with two. docs/reference/allan.md states how
+/// often each is taken where it is absent.
 const MARKOV_PRICE: f64 = 9.21;
 /// Added to the price of a term that leaves no flicker, or none that is identified. A few such terms look like
 /// flicker, and where both fit the rule says flicker.
@@ -16,7 +16,6 @@ const INSTEAD_OF_FLICKER: f64 = 9.0;
 const IDENTIFIED: f64 = 3.84;
 const RAMP_PRICE: f64 = 10.8;
 const WARM_UP_PRICE: f64 = 13.8;
-const SHAPE_PRICE: f64 = 6.0;
 const MOST_MARKOVS: usize = 2;
 /// Starts of T, logarithmic from this many samples to this share of the record: the deviance has several minima.
 const STARTS: u32 = 18;
@@ -64,16 +63,16 @@ pub(super) struct Priced {
     pub(super) price: f64,
 }
 
-/// Selects the terms; none where no model has a finite likelihood.
-pub(super) fn select(table: Table) -> Option<Selection> {
-    let ideal = Problem::new(table, 0.0);
+/// Selects the terms; none where no model has a finite likelihood. A cosine has this price.
+pub(super) fn select(table: Table, shape_price: f64) -> Option<Selection> {
+    let ideal = Problem::new(table, 0.0).priced_at(shape_price);
     let families = families(&ideal);
     let others = families.iter().flat_map(|best| other_shapes(&ideal, &best.found));
     let all: Vec<Found> = others.chain(families.iter().map(|best| best.found.clone())).collect();
     let error = all.iter().map(|found| model_error(&ideal, found)).fold(f64::INFINITY, f64::min);
     let (problem, families) = match error > 0.0 && error.is_finite() {
         true => {
-            let problem = Problem::new(ideal.table, error);
+            let problem = Problem::new(ideal.table, error).priced_at(shape_price);
             let families = self::families(&problem);
             (problem, families)
         }
@@ -101,7 +100,7 @@ pub(super) fn priced(problem: &Problem, found: Found) -> Priced {
         Some(Drift::Ramp) => RAMP_PRICE,
         Some(Drift::WarmUp { .. }) => WARM_UP_PRICE,
     };
-    let shape = SHAPE_PRICE * (form.shape() + usize::from(form.quantised)) as f64;
+    let shape = problem.shape_price * (form.shape() + usize::from(form.quantised)) as f64;
     let instead = if form.markovs > 0 && !has_flicker(problem, &found) { INSTEAD_OF_FLICKER } else { 0.0 };
     let price = found.deviance + shape + MARKOV_PRICE * form.markovs as f64 + instead + drift;
     Priced { found, price }
