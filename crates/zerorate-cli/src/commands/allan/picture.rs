@@ -239,7 +239,7 @@ fn subtitle(records: &[Record]) -> String {
     }
     if first.analysis.stat.is_allan() && models().next().is_some() {
         text += match records {
-            [_] => "; grey: other records, dotted: this one",
+            [_] => "; grey: other records",
             _ => "; dashed: models, with 95 % of other records",
         };
     }
