@@ -28,7 +28,7 @@ const WANDER: usize = 512;
 pub(super) struct Power {
     /// The mean squares, over the share of the power that gaps leave where it is.
     pub(super) raw: Vec<f64>,
-    /// The share of the noise of a sample: what gaps add to the density.
+    /// The same without what gaps add: unbiased, whatever the colour of the noise.
     pub(super) fair: Vec<f64>,
     /// Segments.
     pub(super) count: f64,

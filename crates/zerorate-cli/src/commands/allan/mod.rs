@@ -28,8 +28,8 @@ use zerorate_logs::{AnalysisOptions, Record};
 /// Compute the Allan deviation of a log at rest, and fit a noise model
 ///
 /// The log is a capture or the log of any other gyroscope. Supported are captures, Parquet, Arrow, NumPy (npy, npz),
-/// MATLAB, HDF5, bags of ROS 1 and 2 (files and folders), PX4 logs and text of any dialect. With --raw the command
-/// reads plain binary numbers. Files may be compressed, and - reads from stdin. Missing samples (lost in a capture,
+/// MATLAB, HDF5, bags of ROS 1 and 2 (files and folders), logs of PX4 and ArduPilot, and text of any dialect. With
+/// --raw the command reads plain binary numbers. Files may be compressed, and - reads from stdin. Missing samples (lost in a capture,
 /// empty cells, NaN, jumps of the time column) are gaps: an average counts if at least half of its samples are there.
 ///
 /// The table has a row for each averaging time tau_s. m is the number of samples in an average. The deviation has the
