@@ -29,8 +29,9 @@ use zerorate_logs::{AnalysisOptions, Record};
 ///
 /// The log is a capture or the log of any other gyroscope. Supported are captures, Parquet, Arrow, NumPy (npy, npz),
 /// MATLAB, HDF5, bags of ROS 1 and 2 (files and folders), logs of PX4 and ArduPilot, and text of any dialect. With
-/// --raw the command reads plain binary numbers. Files may be compressed, and - reads from stdin. Missing samples (lost in a capture,
-/// empty cells, NaN, jumps of the time column) are gaps: an average counts if at least half of its samples are there.
+/// --raw the command reads plain binary numbers. Files may be compressed, and - reads from stdin. Missing samples
+/// (lost in a capture, empty cells, NaN, jumps of the time column) are gaps: an average counts if at least half of
+/// its samples are there.
 ///
 /// The table has a row for each averaging time tau_s. m is the number of samples in an average. The deviation has the
 /// limits of its confidence interval, and edf states the degrees of freedom behind them. noise names the noise that
