@@ -9,6 +9,25 @@ use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+/// The tables and keys of the file of a part (`docs/formats/part.md`). [`crate::DataSheet`] reads the figures of its
+/// sensors, and the core the rest.
+pub const PART_KEYS: [&str; 14] = [
+    "schema",
+    "name",
+    "maker",
+    "source",
+    "alternates",
+    "axis",
+    "rate",
+    "temperature",
+    "noise",
+    "bias",
+    "self_heating",
+    "resonance",
+    "gyroscope",
+    "accelerometer",
+];
+
 /// Characters of a line that an error shows.
 const SHOWN: usize = 80;
 
@@ -126,6 +145,21 @@ impl<'d> Entry<'d> {
         match table.and_then(|table| table.iter().find(|(name, _)| name.get_ref() == key)) {
             Some((name, value)) => Self { key, value: Some(value), byte: Some(name.span().start), ..self },
             None => Self { key, value: None, ..self },
+        }
+    }
+
+    /// Checks that this table has no other keys.
+    ///
+    /// # Errors
+    /// It has one; the error names it.
+    pub fn only(self, keys: &[&str]) -> Result<(), EntryError> {
+        let table = self.value.and_then(|value| value.get_ref().as_table());
+        match table.and_then(|table| table.iter().find(|(name, _)| !keys.contains(&&**name.get_ref()))) {
+            None => Ok(()),
+            Some((name, _)) => {
+                let what = format!("{} is unknown; use {}", name.get_ref(), keys.join(", "));
+                Err(self.document.error(name.span().start, None, what))
+            }
         }
     }
 

@@ -11,6 +11,7 @@ use crate::commands::{
     help::{self, HelpArgs},
     imu::{self, ImuArgs},
     man,
+    parts::{self, PartsArgs},
     probe::{self, ProbeArgs},
     repair::{self, RepairArgs},
     report::{self, ReportArgs},
@@ -67,6 +68,7 @@ impl Cli {
             Command::Verify(args) => verify::run(args),
             Command::Repair(args) => repair::run(args),
             Command::Explain(args) => explain::run(args),
+            Command::Parts(args) => parts::run(args),
             Command::Export(args) => export::run(args),
             Command::Report(args) => report::run(args),
             Command::Allan(args) => allan::run(args),
@@ -125,6 +127,7 @@ pub enum Command {
     #[command(after_help = twin::keys_help())]
     Twin(TwinArgs),
     Explain(ExplainArgs),
+    Parts(PartsArgs),
     Help(HelpArgs),
     /// Print the completion script of a shell.
     ///
@@ -144,7 +147,7 @@ pub const GROUPS: [(&str, &[&str]); 6] = [
     ("Use a calibration", &["stream", "correct", "export", "report"]),
     ("Analyse a log", &["allan", "imu"]),
     ("Record and check files", &["capture", "verify", "repair"]),
-    ("Other", &["explain", "help", "completions", "man"]),
+    ("Other", &["explain", "parts", "help", "completions", "man"]),
 ];
 
 /// The help of the program, with its commands in groups.

@@ -1,18 +1,20 @@
 //! The option that names the part.
 
+use crate::catalogue;
 use crate::exit::Usage;
 use crate::output::Outputs;
 use anyhow::Result;
 use clap::Args;
-use std::path::PathBuf;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
 use zerorate::Part;
-use zerorate_record::{CaptureInfo, limits};
+use zerorate_record::CaptureInfo;
 
 /// The part that is measured.
 #[derive(Args, Clone, Debug, Default)]
 pub struct PartArgs {
-    /// The properties of the part: adis16130, or the file of another part (docs/formats/part.md) [default: as a
-    /// recording states, or adis16130].
+    /// The properties of the part: a name of `zerorate parts`, or a file (docs/formats/part.md) [default: as a
+    /// recording states, or adis16130]. With a full scale other than the first: icm20948:500.
     #[arg(long = "part", value_name = "PART")]
     part: Option<PathBuf>,
 }
@@ -26,19 +28,41 @@ impl PartArgs {
         }
     }
 
-    /// The part that was named, from its file unless it is built in.
+    /// The part that was named, from the catalogue or from its file.
     pub fn named(&self, outputs: &mut Outputs) -> Result<Option<Part>> {
-        let Some(path) = &self.part else { return Ok(None) };
-        let known = Part::ADIS16130;
-        if path.to_str().is_some_and(|name| name.eq_ignore_ascii_case(&known.name)) {
-            return Ok(Some(known));
-        }
-        let wrong = |why: String| Usage(format!("--part {}: {why}", path.display()));
-        let text = outputs.try_text(path, limits::TEXT)?.map_err(|error| {
-            wrong(format!(
-                "cannot read it ({error}); give adis16130, or the file of another part (docs/formats/part.md)"
-            ))
+        let Some(named) = &self.part else { return Ok(None) };
+        let wrong = |why: String| Usage(format!("--part {}: {why}", named.display()));
+        let (named, range_dps) = split(named);
+        let text = catalogue::text(&named, outputs)?.map_err(|error| match error.kind() {
+            ErrorKind::NotFound => wrong(catalogue::unknown(&named.display().to_string()).0),
+            _ => wrong(format!("cannot read it: {error}")),
         })?;
-        Ok(Some(Part::parse(&text).map_err(|error| wrong(error.to_string()))?))
+        Ok(Some(Part::parse_at(&text, range_dps).map_err(|error| wrong(error.to_string()))?))
+    }
+}
+
+/// `icm20948:500` is a part and its full scale in °/s.
+fn split(named: &Path) -> (PathBuf, Option<f64>) {
+    let of_text = |text: &str| {
+        let (name, range) = text.rsplit_once(':')?;
+        Some((PathBuf::from(name), Some(range.parse().ok()?)))
+    };
+    named.to_str().and_then(of_text).unwrap_or_else(|| (named.to_owned(), None))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_scale_stands_behind_a_colon() {
+        for (text, name, range_dps) in [
+            ("icm20948:500", "icm20948", Some(500.0)),
+            ("icm20948", "icm20948", None),
+            ("a/part.toml:62.5", "a/part.toml", Some(62.5)),
+            ("C:\\part.toml", "C:\\part.toml", None),
+        ] {
+            assert_eq!(split(Path::new(text)), (PathBuf::from(name), range_dps), "{text}");
+        }
     }
 }

@@ -2,12 +2,13 @@
 
 use super::unit::{Of, Unit};
 use super::{DataSheet, Figure, Line};
-use crate::entry::{Bounds, Document, Entry, EntryError};
+use crate::entry::{Bounds, Document, Entry, EntryError, PART_KEYS};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 /// The newest version of the file format that is read.
 const SCHEMA: u32 = 1;
@@ -32,6 +33,7 @@ impl DataSheet {
     pub fn parse(text: &str) -> Result<Self, DataSheetError> {
         let document = Document::parse(text)?;
         let (root, file) = (document.root(), document.fields::<File>()?);
+        root.only(&PART_KEYS)?;
         root.at("schema").require(file.schema == SCHEMA, || {
             format!("schema {} is unknown; this software reads {SCHEMA}", file.schema)
         })?;
@@ -61,8 +63,8 @@ impl fmt::Display for DataSheetError {
 
 impl core::error::Error for DataSheetError {}
 
+/// What a data sheet needs of the file of a part.
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 struct File {
     schema: u32,
     name: String,
@@ -87,6 +89,17 @@ struct Accelerometer {
     velocity_random_walk: Option<Stated>,
     bias_instability: Option<Stated>,
     acceleration_random_walk: Option<Stated>,
+    // its scale, for people
+    #[serde(rename = "lsb_per_g")]
+    _lsb_per_g: Option<IgnoredAny>,
+    #[serde(rename = "width_bits")]
+    _width_bits: Option<IgnoredAny>,
+    #[serde(rename = "range_g")]
+    _range_g: Option<IgnoredAny>,
+    #[serde(rename = "full_scales")]
+    _full_scales: Option<IgnoredAny>,
+    #[serde(rename = "bandwidth_hz")]
+    _bandwidth_hz: Option<IgnoredAny>,
 }
 
 /// The statements of a data sheet about one figure.
@@ -134,7 +147,7 @@ impl Accelerometer {
     ];
 
     fn lines(self, root: Entry<'_>) -> Result<Vec<Line>, EntryError> {
-        let Self { noise_density, velocity_random_walk, bias_instability, acceleration_random_walk } = self;
+        let Self { noise_density, velocity_random_walk, bias_instability, acceleration_random_walk, .. } = self;
         let stated = [noise_density, velocity_random_walk, bias_instability, acceleration_random_walk];
         lines(root.at("accelerometer"), Of::Length, &Self::ROWS, stated)
     }
@@ -245,6 +258,7 @@ mod tests {
             ("\"mg\"", "\"µg/√Hz\"", "accelerometer.bias_instability: its unit is \"µg/√Hz\"; use µg, mg"),
             ("\"m/s/√hr\"", "\"furlong\"", "velocity_random_walk: its unit is \"furlong\""),
             ("noise_density", "noise_densty", "noise_densty"),
+            ("[accelerometer]", "[accelerometre]", "accelerometre is unknown; use"),
             ("typical = 0.05", "typical = 0", "line 6: gyroscope.noise_density: 0 is not a noise"),
             ("typical = 0.05, ", "", "gyroscope.noise_density has no value; give it typical or maximum"),
             ("means = \"B\"", "means = \"b\"", "means"),

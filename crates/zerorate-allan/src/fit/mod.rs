@@ -206,7 +206,7 @@ impl Fit {
     pub fn expected(&self, analysis: &Analysis, point: &Point) -> Option<Expected> {
         let (lo, hi) = match analysis.stat {
             stat if !stat.is_allan() => return None,
-            Stat::Oadev => self.model.band(point, analysis.samples),
+            Stat::Oadev => self.model.band(point.m, point.n, analysis.samples),
             _ => self.model.band_of(point.m, point.edf),
         };
         Some(Expected { dev: libm::sqrt(self.model.measured_variance(point.m)), lo, hi })

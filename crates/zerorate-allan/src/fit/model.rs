@@ -6,7 +6,7 @@ use super::scoring::{B2, Found, K2, N2, Q2, shape};
 use super::thinning::Thinning;
 use super::transform::autocovariance;
 use crate::FLOOR_PER_B;
-use crate::{Point, chi2_quantile, interval};
+use crate::{chi2_quantile, interval};
 use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
@@ -180,11 +180,11 @@ impl Model {
         (self.freedom(m, samples) * n as f64 / terms as f64 * share * share).max(1.0)
     }
 
-    /// The limits within which the model expects 95 % of the overlapping Allan deviations of a record of `samples`
-    /// samples.
-    pub(super) fn band(&self, point: &Point, samples: u64) -> (f64, f64) {
-        let variance = self.measured_variance(point.m);
-        let edf = self.measured_freedom(point.m, point.n, samples);
+    /// The limits within which the model expects 95 % of the overlapping Allan deviations of `n` terms of a record of
+    /// `samples` samples.
+    pub(super) fn band(&self, m: u64, n: u64, samples: u64) -> (f64, f64) {
+        let variance = self.measured_variance(m);
+        let edf = self.measured_freedom(m, n, samples);
         let limit = |p: f64| libm::sqrt(variance * chi2_quantile(p, edf) / edf);
         (limit(0.025), limit(0.975))
     }

@@ -11,6 +11,7 @@ pub mod export;
 pub mod help;
 pub mod imu;
 pub mod man;
+pub mod parts;
 pub mod probe;
 pub mod repair;
 pub mod report;

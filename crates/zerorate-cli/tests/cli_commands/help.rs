@@ -2,7 +2,7 @@
 
 use super::zerorate;
 
-const COMMANDS: [&str; 19] = [
+const COMMANDS: [&str; 20] = [
     "probe",
     "capture",
     "calibrate",
@@ -19,6 +19,7 @@ const COMMANDS: [&str; 19] = [
     "serve",
     "twin",
     "explain",
+    "parts",
     "help",
     "completions",
     "man",

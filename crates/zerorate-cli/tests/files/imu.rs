@@ -230,7 +230,7 @@ fn axes_beside_a_data_sheet() {
     let said = bench.zerorate(&format!("{LINE} --datasheet sheet.toml -o imu.yaml")).fails(2);
     assert!(said.contains("sheet.toml: not the file of a data sheet") && said.contains("use °/√h"), "{said}");
     let said = bench.zerorate(&format!("{LINE} --datasheet none.toml -o imu.yaml")).fails(1);
-    assert!(said.contains("cannot read none.toml") && !bench.path("imu.yaml").exists(), "{said}");
+    assert!(said.contains("neither a file nor a known part") && !bench.path("imu.yaml").exists(), "{said}");
 }
 
 /// What several axes have in common is one line, below the table, and the important first; `--json` has all of it.

@@ -117,7 +117,8 @@ fn a_server_ends_while_clients_are_there() {
 /// The part is pulled out: what was read comes whole, then an error.
 #[test]
 fn a_device_that_goes_is_said_to_be_gone() {
-    let served = Served::of("twin:seed=9,fault=unplug,fault_at_s=30");
+    // the twin does not wait for a client: a slow host connects within the first 100 s of its time
+    let served = Served::of("twin:seed=9,fault=unplug,fault_at_s=120");
     let mut client = Raw::connect(&served);
     client.open(ALL);
     let mut bytes = Vec::new();
@@ -125,7 +126,7 @@ fn a_device_that_goes_is_said_to_be_gone() {
         bytes.extend(more);
     }
     // F-31: 5692.6 a second
-    assert!((100_000..172_000).contains(&(bytes.len() / SAMPLE)), "{}", bytes.len() / SAMPLE);
+    assert!((100_000..684_000).contains(&(bytes.len() / SAMPLE)), "{}", bytes.len() / SAMPLE);
     assert_eq!(client.number("READBUF iio:device0 3200"), -19);
     assert_eq!(Raw::connect(&served).number("OPEN iio:device0 256 00000001"), -19);
 }

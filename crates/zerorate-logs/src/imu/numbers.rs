@@ -245,7 +245,7 @@ impl Rule {
     pub fn words(self, names: Names) -> String {
         match self {
             Self::Covers(_) => format!(
-                "N²/τ + K²τ/3 covers the measured Allan variance ({}); {} gives N and K as they were fitted",
+                "N²/τ + K²τ/3 covers the Allan variance ({}); {} gives N and K as they were fitted",
                 names.of(Setting::Horizon),
                 names.of(Setting::AsFitted)
             ),

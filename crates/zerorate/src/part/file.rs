@@ -7,7 +7,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
 use serde::Deserialize;
-use zerorate_allan::entry::{Bounds, Document, Entry, EntryError};
+use zerorate_allan::entry::{Bounds, Document, Entry, EntryError, PART_KEYS};
 
 /// Version of the file form, and the newest that is read.
 const SCHEMA: u32 = 1;
@@ -30,21 +30,32 @@ impl Part {
     /// # Errors
     /// The text does not describe a part: the error says where, and what is wrong.
     pub fn parse(text: &str) -> Result<Self, PartError> {
+        Self::parse_at(text, None)
+    }
+
+    /// Reads the file of a part that is set to a full scale of `range_dps`, °/s, instead of its default one.
+    ///
+    /// # Errors
+    /// As [`Part::parse`]; or the file has no such full scale, and the error names those that it has.
+    pub fn parse_at(text: &str, range_dps: Option<f64>) -> Result<Self, PartError> {
         let document = Document::parse(text)?;
         let (root, file) = (document.root(), document.fields::<File>()?);
+        root.only(&PART_KEYS)?;
         root.at("schema").require(file.schema == SCHEMA, || {
             format!("schema {} is unknown; this software reads {SCHEMA}", file.schema)
         })?;
         let (list, count) = (root.at("axis"), file.axis.len());
         list.require(count > 0, || "it has no [[axis]]; give each axis a name".into())?;
         list.require(count <= MAX_AXES, || format!("it has {count} axes; give at most {MAX_AXES}"))?;
-        let axes = (0..count).map(|index| file.named(root, index)).collect::<Result<Vec<NamedAxis>, _>>()?;
+        let axes = (0..count).map(|index| file.named(root, index, range_dps));
+        let axes = axes.collect::<Result<Vec<NamedAxis>, _>>()?;
         for (index, one) in axes.iter().enumerate() {
             let alone = axes[..index].iter().all(|other| other.name != one.name);
             list.item(index).at("name").require(alone, || format!("two axes are called {:?}", one.name))?;
         }
-        let temp_column = file.temperature.column.clone().map(Cow::Owned);
-        let operating_c = file.temperature.operating_c(root.at("temperature"))?;
+        let (temperature, at_temperature) = file.temperature(root)?;
+        let temp_column = temperature.column.clone().map(Cow::Owned);
+        let operating_c = temperature.operating_c(at_temperature)?;
         let name = Cow::Owned(word("name", root.at("name"), &file.name)?);
         Ok(Self { name, axes: Cow::Owned(axes), temp_column, operating_c })
     }
@@ -68,13 +79,15 @@ impl fmt::Display for PartError {
 
 impl core::error::Error for PartError {}
 
+/// What a [`Part`] needs of the file.
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 struct File {
     schema: u32,
     name: String,
+    #[serde(default)]
+    alternates: bool,
     rate: Rate,
-    temperature: Temperature,
+    temperature: Option<Temperature>,
     noise: Option<Noise>,
     bias: Option<Bias>,
     self_heating: Option<Heating>,
@@ -96,12 +109,22 @@ struct AxisForm {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Rate {
-    lsb_per_dps: Number,
-    zero_code: i64,
-    width_bits: u8,
+    lsb_per_dps: Option<Number>,
+    zero_code: Option<i64>,
+    width_bits: Option<u8>,
     signed: Option<bool>,
     range_dps: Option<Number>,
+    #[serde(default)]
+    full_scales: Vec<FullScale>,
     bandwidth_hz: Option<Number>,
+}
+
+/// A range other than the default one.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FullScale {
+    range_dps: Number,
+    lsb_per_dps: Number,
 }
 
 #[derive(Deserialize)]
@@ -202,25 +225,32 @@ impl Number {
 }
 
 impl File {
-    fn named(&self, root: Entry<'_>, index: usize) -> Result<NamedAxis, EntryError> {
+    fn temperature<'e>(&self, root: Entry<'e>) -> Result<(&Temperature, Entry<'e>), EntryError> {
+        let at = root.at("temperature");
+        let missing = || at.error("it has no [temperature]; a bias is calibrated over the sensor's own");
+        Ok((self.temperature.as_ref().ok_or_else(missing)?, at))
+    }
+
+    fn named(&self, root: Entry<'_>, index: usize, range_dps: Option<f64>) -> Result<NamedAxis, EntryError> {
         let (form, own) = (&self.axis[index], root.at("axis").item(index));
         // a table of the axis replaces the whole table of the part
         let table = |key, is_own| if is_own { own.at(key) } else { root.at(key) };
         let (rate, at_rate) = (form.rate.as_ref().unwrap_or(&self.rate), table("rate", form.rate.is_some()));
         let (noise, at_noise) = (form.noise.as_ref().or(self.noise.as_ref()), table("noise", form.noise.is_some()));
         let (bias, at_bias) = (form.bias.as_ref().or(self.bias.as_ref()), table("bias", form.bias.is_some()));
-        let (temperature, at_temperature) = (&self.temperature, root.at("temperature"));
+        let (temperature, at_temperature) = self.temperature(root)?;
+        let (rate_scale, range_dps) = rate.at(at_rate, range_dps)?;
         let axis = Axis {
-            rate: rate.scale(at_rate)?,
+            rate: rate_scale,
             temp: temperature.scale(at_temperature)?,
             temp_noise_c: positive(at_temperature.at("noise_c"), &temperature.noise_c)?,
-            range_dps: positive(at_rate.at("range_dps"), &rate.range_dps)?,
+            range_dps,
             bandwidth_hz: positive(at_rate.at("bandwidth_hz"), &rate.bandwidth_hz)?,
             noise: noise.map(|noise| noise.typical(at_noise)).transpose()?,
             bias: bias.map(|bias| bias.typical(at_bias)).transpose()?.unwrap_or_default(),
             self_heating: self.self_heating.as_ref().map(|it| it.typical(root.at("self_heating"))).transpose()?,
             resonance: self.resonance.as_ref().map(|it| it.tone(root.at("resonance"))).transpose()?,
-            alternates: false,
+            alternates: self.alternates,
         };
         let column = form.column.clone().map(Cow::Owned);
         let name = Cow::Owned(word("an axis", own.at("name"), &form.name)?);
@@ -229,10 +259,33 @@ impl File {
 }
 
 impl Rate {
-    fn scale(&self, table: Entry<'_>) -> Result<Scale, EntryError> {
-        let &Self { zero_code, width_bits, signed, .. } = self;
-        let lsb_per_unit = self.lsb_per_dps.positive(table.at("lsb_per_dps"))?;
-        Scale::checked(lsb_per_unit, 0.0, zero_code, width_bits, signed).map_err(|why| table.error(why))
+    /// The scale and the range, at a full scale or at the default one.
+    fn at(&self, table: Entry<'_>, range_dps: Option<f64>) -> Result<(Scale, Option<f64>), EntryError> {
+        let (Some(lsb_per_dps), Some(zero_code), Some(width_bits)) =
+            (&self.lsb_per_dps, self.zero_code, self.width_bits)
+        else {
+            let needs = "lsb_per_dps, zero_code and width_bits";
+            return Err(table.error(format!("[rate] lacks {needs}; a calibration is made of codes")));
+        };
+        let default_dps = positive(table.at("range_dps"), &self.range_dps)?;
+        let (per_dps, range_dps) = match range_dps.filter(|dps| Some(*dps) != default_dps) {
+            None => (lsb_per_dps.positive(table.at("lsb_per_dps"))?, default_dps),
+            Some(dps) => (self.full_scale(table, dps)?, Some(dps)),
+        };
+        let scale = Scale::checked(per_dps, 0.0, zero_code, width_bits, self.signed);
+        Ok((scale.map_err(|why| table.error(why))?, range_dps))
+    }
+
+    /// Codes per °/s at a full scale.
+    fn full_scale(&self, table: Entry<'_>, range_dps: f64) -> Result<f64, EntryError> {
+        let entry = table.at("full_scales");
+        let found = self.full_scales.iter().find(|full_scale| full_scale.range_dps.value == range_dps);
+        let known = || {
+            let ranges = self.range_dps.iter().chain(self.full_scales.iter().map(|full_scale| &full_scale.range_dps));
+            ranges.map(|range| format!("{}", range.value)).collect::<Vec<_>>().join(", ")
+        };
+        let wrong = || entry.error(format!("it has no full scale of {range_dps} °/s; it has: {}", known()));
+        found.ok_or_else(wrong)?.lsb_per_dps.positive(entry)
     }
 }
 
@@ -368,6 +421,7 @@ mod tests {
     const ADIS16130: &str = r#"
         schema = 1
         name = "ADIS16130"
+        alternates = true
         axis = [{ name = "rate" }]
         [rate]
         lsb_per_dps = 23488
@@ -406,7 +460,7 @@ mod tests {
     fn the_built_in_part_can_be_written_as_a_file() {
         let part = Part::parse(ADIS16130).unwrap();
         let NamedAxis { axis, sources, .. } = &part.axes[0];
-        assert_eq!(*axis, Axis { alternates: false, ..Axis::ADIS16130 });
+        assert_eq!(*axis, Axis::ADIS16130);
         assert_eq!(*sources, Part::ADIS16130.axes[0].sources);
         assert_eq!(part.operating_c, Part::ADIS16130.operating_c);
     }
@@ -416,24 +470,41 @@ mod tests {
         for (from, to, said) in [
             ("schema = 1", "schema = 2", "schema 2 is unknown"),
             ("name = \"ADIS16130\"", "name = \"a\\nb\"", "use up to 40 letters"),
-            ("lsb_per_dps = 23488", "lsb_per_dps = 0", "line 6: lsb_per_dps is 0; it must be above zero"),
+            ("lsb_per_dps = 23488", "lsb_per_dps = 0", "line 7: lsb_per_dps is 0; it must be above zero"),
             (
                 "{ name = \"rate\" }",
                 "{ name = \"z\", bias = { supply_dps_per_mv = 0 } }",
-                "line 4, axis z: supply_dps_per_mv is 0",
+                "line 5, axis z: supply_dps_per_mv is 0",
             ),
             ("[{ name = \"rate\" }]", "[]", "no [[axis]]"),
             ("[{ name = \"rate\" }]", "[{ name = \"x\" }, { name = \"x\" }]", "two axes are called \"x\""),
             ("range_dps = 250", "range_dsp = 250", "range_dsp"),
+            ("[bias]", "[bais]", "line 23: bais is unknown; use schema, name"),
             ("u = 0.01", "u = -1", "u not negative"),
             ("width_bits = 24", "width_bits = 64", "width_bits is 64"),
             ("noise_c = 0.05", "noise_c = -1", "noise_c is -1; it must be above zero"),
             ("[-40, 85]", "[85, -40]", "operating_c is [85, -40]; give the coldest and the warmest"),
             ("[-40, 85]", "[nan, 85]", "operating_c is [NaN, 85]"),
+            ("lsb_per_dps = 23488", "", "[rate] lacks lsb_per_dps, zero_code and width_bits"),
         ] {
             let error = Part::parse(&ADIS16130.replace(from, to)).unwrap_err().to_string();
             assert!(error.contains(said), "{to}: {error}");
         }
+    }
+
+    #[test]
+    fn a_part_is_set_to_one_of_its_full_scales() {
+        let text = ADIS16130
+            .replace("range_dps = 250", "range_dps = 250\nfull_scales = [{ range_dps = 500, lsb_per_dps = 11744 }]");
+        let at = |range_dps| Part::parse_at(&text, range_dps).map(|part| part.axes[0].axis);
+        for (range_dps, expected) in [(None, (23_488.0, 250.0)), (Some(250.0), (23_488.0, 250.0))] {
+            let axis = at(range_dps).unwrap();
+            assert_eq!((axis.rate.lsb_per_unit, axis.range_dps.unwrap()), expected);
+        }
+        let axis = at(Some(500.0)).unwrap();
+        assert_eq!((axis.rate.lsb_per_unit, axis.range_dps), (11_744.0, Some(500.0)));
+        let error = at(Some(2000.0)).unwrap_err().to_string();
+        assert!(error.contains("no full scale of 2000 °/s; it has: 250, 500"), "{error}");
     }
 
     #[test]

@@ -62,12 +62,32 @@ fn the_numbers_cover_the_curve() {
     let fit = of(&Truth { b: 3.0 * HOUR.b, ..HOUR }.noise(360_000, 920));
     let found = fit.covering(Some(300.0)).unwrap();
     let claimed = |tau_s: f64| found.n * found.n / tau_s + found.k * found.k * tau_s / 3.0;
-    for point in &fit.curve {
-        let tau_s = point.m as f64 / RATE_HZ;
+    for m in fit.curve.iter().map(|point| point.m) {
+        let (tau_s, dev) = (m as f64 / RATE_HZ, fit.deviation(m));
         if (1.0..=300.0).contains(&tau_s) {
-            assert!(claimed(tau_s) >= point.dev * point.dev * (1.0 - 1e-9), "{tau_s}");
+            assert!(claimed(tau_s) >= dev * dev * (1.0 - 1e-9), "{tau_s}");
         }
     }
     assert!(found.n >= fit.n.value && found.n <= 2.0 * fit.n.value && found.excess < 3.0, "{found:?}");
     assert!(fit.covering(Some(1e-3)).is_none());
+}
+
+/// A short record's curve scatters by a third at its long end.
+#[test]
+fn chance_is_not_covered() {
+    for seed in 930..940 {
+        let fit = of(&Truth { b: 0.0, k: 0.0, ..HOUR }.noise(20_000, seed));
+        let found = fit.covering(None).unwrap();
+        assert!(found.n < 1.1 * HOUR.n, "{seed}: {} of {}", found.n, HOUR.n);
+    }
+}
+
+#[test]
+fn what_the_model_does_not_know_is_covered() {
+    let mut fit = of(&HOUR.noise(360_000, 940));
+    let off = fit.curve.iter().position(|point| point.m == 4096).unwrap();
+    fit.curve[off].dev *= 2.0;
+    let (tau_s, dev) = (4096.0 / RATE_HZ, fit.curve[off].dev);
+    let found = fit.covering(None).unwrap();
+    assert!(found.n * found.n / tau_s + found.k * found.k * tau_s / 3.0 >= dev * dev * (1.0 - 1e-9));
 }

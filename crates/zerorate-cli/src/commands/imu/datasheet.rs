@@ -1,8 +1,9 @@
 //! The comparison of the axes with a data sheet.
 
+use crate::catalogue;
 use crate::exit::Usage;
 use crate::output::Outputs;
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use serde::Serialize;
 use std::io::ErrorKind;
 use std::path::Path;
@@ -11,7 +12,6 @@ use zerorate_allan::Estimate;
 use zerorate_allan::datasheet::{Figure, Line, Verdict};
 use zerorate_logs::Record;
 use zerorate_logs::imu::Kind;
-use zerorate_record::limits;
 use zerorate_view::plot::number;
 use zerorate_view::report::Table;
 
@@ -24,11 +24,14 @@ pub struct Comparison<'a> {
     pub verdict: Verdict,
 }
 
-/// Reads the file at `path`.
+/// Reads a part of the catalogue, or the file at `path`.
 pub fn read(path: &Path, outputs: &mut Outputs) -> Result<DataSheet> {
-    let text = outputs.try_text(path, limits::TEXT)?.map_err(|error| match error.kind() {
+    let text = catalogue::text(path, outputs)?.map_err(|error| match error.kind() {
         ErrorKind::InvalidData | ErrorKind::FileTooLarge => {
             Usage(format!("{}: not the file of a data sheet: {error}", path.display())).into()
+        }
+        ErrorKind::NotFound => {
+            anyhow!("cannot read the data sheet: {}", catalogue::unknown(&path.display().to_string()).0)
         }
         _ => anyhow::Error::from(error).context(format!("cannot read {}", path.display())),
     })?;

@@ -50,7 +50,7 @@ pub struct ImuArgs {
     /// most 1000 s].
     ///
     /// Filters know white noise N and a random walk K only. N and K are chosen so that N²/τ + K²τ/3 covers the
-    /// measured Allan variance from 1 s to the horizon, with the least excess.
+    /// Allan variance from 1 s to the horizon, with the least excess.
     #[arg(long, value_name = "S", value_parser = horizon)]
     horizon: Option<f64>,
 
@@ -127,8 +127,9 @@ pub struct ImuArgs {
     #[arg(long, value_name = "PAGE")]
     report: Option<PathBuf>,
 
-    /// Compare with the noise of a data sheet, given as a TOML file (docs/formats/datasheet.md).
-    #[arg(long, value_name = "TOML")]
+    /// Compare with the noise of a data sheet: a name of `zerorate parts`, or a TOML file
+    /// (docs/formats/datasheet.md).
+    #[arg(long, value_name = "PART")]
     datasheet: Option<PathBuf>,
 
     /// Print the result as one JSON object.
