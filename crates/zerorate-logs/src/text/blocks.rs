@@ -1,6 +1,6 @@
 //! A text in blocks of whole lines.
 
-use memchr::memrchr;
+use memchr::{memchr, memrchr};
 use std::borrow::Cow;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
@@ -60,12 +60,19 @@ pub struct Blocks<'a> {
     ended: bool,
     /// Buffers of used blocks: new memory costs as much as reading into it.
     spare: Vec<Vec<u8>>,
+    /// The delimiter with which a stamp is put before the line that it is of, where stamps have lines of their own.
+    stamps: Option<u8>,
 }
 
 impl<'a> Blocks<'a> {
     /// Blocks of `input`, which `path` names in messages.
     pub fn new(path: &'a Path, input: Input) -> Self {
-        Self { path, input, rest: Vec::new(), ended: false, spare: Vec::new() }
+        Self { path, input, rest: Vec::new(), ended: false, spare: Vec::new(), stamps: None }
+    }
+
+    /// Blocks in which each line without this delimiter is put before the next line.
+    pub fn with_stamps(self, stamps: Option<u8>) -> Self {
+        Self { stamps, ..self }
     }
 
     /// Takes blocks back.
@@ -87,11 +94,13 @@ impl<'a> Blocks<'a> {
             filled += self.fill(&mut buffer[before..])?;
             self.ended = filled < buffer.len();
             if self.ended {
+                self.join(&mut buffer[..filled]);
                 return Ok((filled > 0).then_some(Block { buffer, end: filled, is_last: true }));
             }
-            if let Some(end) = memrchr(b'\n', &buffer[before..]).map(|at| before + at + 1) {
+            if let Some(end) = self.end(&buffer, before) {
                 self.rest.clear();
                 self.rest.extend_from_slice(&buffer[end..]);
+                self.join(&mut buffer[..end]);
                 return Ok(Some(Block { buffer, end, is_last: false }));
             }
             if filled > MAX_LINE {
@@ -99,6 +108,27 @@ impl<'a> Blocks<'a> {
                 return Err(CaptureError::damaged(self.path, "as a text file", what));
             }
             buffer.resize(filled + BLOCK, 0);
+        }
+    }
+
+    /// The end of the whole lines, behind `before`; a stamp stays with the line that follows.
+    fn end(&self, buffer: &[u8], before: usize) -> Option<usize> {
+        let end = before + memrchr(b'\n', &buffer[before..])? + 1;
+        let Some(stamps) = self.stamps else { return Some(end) };
+        let start = memrchr(b'\n', &buffer[..end - 1]).map_or(0, |at| at + 1);
+        let end = if is_stamp(&buffer[start..end], stamps) { start } else { end };
+        (end > 0).then_some(end)
+    }
+
+    /// Puts stamps before the lines that they are of.
+    fn join(&self, lines: &mut [u8]) {
+        let Some(stamps) = self.stamps else { return };
+        let mut start = 0;
+        while let Some(end) = memchr(b'\n', &lines[start..]).map(|at| start + at) {
+            if is_stamp(&lines[start..end], stamps) {
+                lines[end] = stamps;
+            }
+            start = end + 1;
         }
     }
 
@@ -126,4 +156,10 @@ impl<'a> Blocks<'a> {
         }
         Ok(blocks)
     }
+}
+
+/// Whether a line is a single number or date.
+fn is_stamp(line: &[u8], delimiter: u8) -> bool {
+    let line = line.trim_ascii();
+    line.first().is_some_and(|first| matches!(first, b'0'..=b'9' | b'-' | b'+' | b'.')) && !line.contains(&delimiter)
 }

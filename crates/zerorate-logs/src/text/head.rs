@@ -2,6 +2,7 @@
 
 use super::super::number::{Number, Numerals};
 use super::super::{ColumnOptions, Decimal, LogError, Result, Setting};
+use super::sentence;
 use std::path::Path;
 use zerorate_record::delimited::Delimiter;
 use zerorate_record::{CaptureError, TimeUnit, Unit};
@@ -27,6 +28,10 @@ pub struct Head {
     pub lines: u64,
     /// The number of these lines that are neither header nor comment, and the first of them.
     pub skipped: Option<(usize, String)>,
+    /// The sentence that is read, such as `$VNYMR`, in a log of sentences.
+    pub sentence: Option<String>,
+    /// The delimiter of the lines between stamps, where stamps have lines of their own.
+    pub stamps: Option<u8>,
     /// The decimal mark, as far as these lines tell.
     pub decimal: Option<Decimal>,
     /// Commas seem to cut numbers as well as rows, for a cell begins like the decimals of a number: `05`.
@@ -70,7 +75,10 @@ impl Head {
         let lines = text.lines().zip(1..).map(|(line, number)| (number, line.trim_ascii()));
         let lines = lines.map(|(number, line)| (number, line.strip_prefix('\u{FEFF}').unwrap_or(line)));
         let lines: Vec<Numbered<'_>> = lines.filter(|(_, line)| !line.is_empty()).take(LINES).collect();
-        let (comments, lines): (Vec<_>, Vec<_>) = lines.into_iter().partition(|(_, line)| is_comment(line));
+        let sentence = sentence::most(lines.iter().map(|(_, line)| *line));
+        let lines = lines.into_iter().filter(|(_, line)| !sentence::is_other(line, sentence.as_deref()));
+        let lines = lines.map(|(number, line)| (number, sentence::without_sum(line)));
+        let (comments, lines): (Vec<_>, Vec<_>) = lines.partition(|(_, line)| is_comment(line));
         let Some(first) = lines.first() else {
             return Err(CaptureError::damaged(path, "as a text file", "it holds no line of data").into());
         };
@@ -89,6 +97,8 @@ impl Head {
             numeric: rows.numeric,
             lines: start.saturating_sub(1),
             skipped: None,
+            sentence,
+            stamps: None,
             decimal: rows.decimal,
             cuts_numbers: rows.cuts_numbers,
             index: false,
@@ -122,6 +132,8 @@ impl Head {
                 numeric,
                 lines,
                 skipped: None,
+                sentence: None,
+                stamps: None,
                 decimal,
                 cuts_numbers,
                 index,
@@ -200,6 +212,18 @@ impl Head {
     pub fn has_clash(&self) -> bool {
         self.cuts_numbers && self.names.len() > 1
     }
+}
+
+/// The delimiter of the other lines, if every second line is a single number or date: the stamp of the line below it.
+pub fn stamps(text: &str) -> Option<u8> {
+    let lines = text.lines().map(str::trim_ascii).filter(|line| !line.is_empty() && !is_comment(line)).take(LINES);
+    let shapes: Vec<Shape> = lines.filter_map(|line| Shape::of(line, None)).collect();
+    let is_stamp = |shape: &Shape| shape.width == 1;
+    let delimiter = shapes.iter().find(|shape| !is_stamp(shape))?.delimiter;
+    let pairs = shapes.windows(2).filter(|pair| is_stamp(&pair[0]) != is_stamp(&pair[1])).count();
+    let of_one = shapes.iter().all(|shape| is_stamp(shape) || shape.delimiter == delimiter);
+    let alternate = shapes.len() >= 6 && pairs * 10 >= (shapes.len() - 1) * 9 && of_one;
+    alternate.then(|| delimiter.byte().unwrap_or(b' '))
 }
 
 /// Why a file cannot be read whose commas cut the numbers as well as the rows.

@@ -3,6 +3,7 @@
 mod blocks;
 mod head;
 mod rows;
+mod sentence;
 mod survey;
 #[cfg(test)]
 mod tests;
@@ -36,7 +37,7 @@ pub fn read(path: &Path, mut input: Input, room: Room, asked: &ColumnQuery<'_>) 
     let left_out = columns.left_out(asked.wanted, time);
     let cut = rows::cut(path, &head, &values, time);
     let mut reading = TextColumns::new(&cut, room, &head);
-    let mut blocks = Blocks::new(path, input);
+    let mut blocks = Blocks::new(path, input).with_stamps(head.stamps);
     let at_once = AT_ONCE * rayon::current_num_threads();
     let mut several = blocks.several(at_once)?;
     let columns = reading.columns.len();
@@ -66,8 +67,14 @@ pub fn read(path: &Path, mut input: Input, room: Room, asked: &ColumnQuery<'_>) 
 fn head(path: &Path, input: &mut Input, asked: &ColumnQuery<'_>) -> Result<Head> {
     let failed = |error| CaptureError::io("read", path, error);
     let clone = |input: &Input| input.try_clone().map_err(failed);
-    let start = Blocks::new(path, clone(input)?).next()?;
+    let mut start = Blocks::new(path, clone(input)?).next()?;
+    let stamps = start.as_ref().and_then(|block| head::stamps(&block.legible()));
+    if stamps.is_some() {
+        input.rewind().map_err(failed)?;
+        start = Blocks::new(path, clone(input)?).with_stamps(stamps).next()?;
+    }
     let mut head = Head::read(path, &start.as_ref().map(Block::legible).unwrap_or_default(), asked.args)?;
+    head.stamps = stamps;
     // a caller that asks for a second column, or for a time, knows that there are two
     let one = match asked.wanted {
         Wanted::One(name) => name.is_none_or(|name| name == "0") && asked.args.time_column.is_none(),

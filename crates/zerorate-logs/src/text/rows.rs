@@ -4,6 +4,7 @@ use super::super::number::{Number, Numerals};
 use super::super::{MAX_BAD, wrong};
 use super::blocks::Block;
 use super::head::{Head, is_comment};
+use super::sentence;
 use memchr::{memchr, memchr_iter};
 use std::borrow::Cow;
 use std::mem::take;
@@ -27,6 +28,8 @@ pub struct Cut<'a> {
     pub names: Vec<String>,
     /// Lines at the start that are none of the data.
     pub head: u64,
+    /// The sentence that is read, as in [`Head`].
+    pub sentence: Option<String>,
 }
 
 /// The content of a block of lines.
@@ -129,12 +132,13 @@ impl<'t> Reading<'_, 't> {
     fn line(&mut self, line: &'t str, is_first: bool, ended: bool) {
         self.piece.lines += 1;
         let line = line.trim_ascii();
-        if line.is_empty() || is_comment(line) || is_first && self.piece.lines <= self.cut.head {
+        let is_head = is_first && self.piece.lines <= self.cut.head;
+        if is_head || line.is_empty() || is_comment(line) || sentence::is_other(line, self.cut.sentence.as_deref()) {
             return;
         }
         self.piece.rows += 1;
         let number = self.piece.lines;
-        let wrong = match self.row(line, number) {
+        let wrong = match sentence::checked(line).and_then(|line| self.row(line, number)) {
             Ok(()) => return,
             Err(wrong) => (number, wrong),
         };
@@ -334,5 +338,6 @@ pub fn cut<'a>(path: &'a Path, head: &Head, chosen: &[usize], time: Option<usize
         time: time.map(|_| chosen.len()),
         names: chosen.iter().chain(&time).map(|index| head.names[*index].clone()).collect(),
         head: head.lines,
+        sentence: head.sentence.clone(),
     }
 }

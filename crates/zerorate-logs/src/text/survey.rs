@@ -6,6 +6,7 @@ use super::super::number::Numerals;
 use super::super::{Decimal, LogError, Result, Setting};
 use super::blocks::Blocks;
 use super::head::{Head, Open, is_comment};
+use super::sentence;
 use std::path::Path;
 use zerorate_record::delimited::Delimiter;
 use zerorate_record::{CaptureError, Input};
@@ -87,14 +88,15 @@ impl Survey {
             shows_decimals: false,
             uneven: false,
         };
-        let mut blocks = Blocks::new(path, input);
+        let mut blocks = Blocks::new(path, input).with_stamps(head.stamps);
         let mut line_number = 0;
         while let Some(block) = blocks.next()? {
             for line in block.text().lines() {
                 line_number += 1;
                 let line = line.trim_ascii();
-                if line_number > head.lines && !line.is_empty() && !is_comment(line) {
-                    survey.take(line, head);
+                let is_other = is_comment(line) || sentence::is_other(line, head.sentence.as_deref());
+                if line_number > head.lines && !line.is_empty() && !is_other {
+                    survey.take(sentence::without_sum(line), head);
                 }
             }
         }

@@ -221,3 +221,50 @@ fn a_text_in_many_blocks() {
         fails(&format!("{}1,5\n{}2.5\n", "7;\n".repeat(2000), "8\n".repeat(3000)), "--column 0 --rate 1").len() > 10
     );
 }
+
+/// The example of VectorNav's manual (VN-100 User Manual, 5.3.9) and sentences of a receiver in between.
+#[test]
+fn sentences_are_checked_and_lose_their_checksum() {
+    let imu = "$VNYMR,-034.378,-040.667,+046.804,+01.0673,-00.2482,+03.0143,-06.293,-05.317,-05.655,+00.001117,\
+               +00.000241,-00.001017";
+    let good = format!("{imu}*{:02X}\n", sum(&imu[1..]));
+    let receiver = "$GPGGA,092750.000,5321.6802,N,00630.3372,W,1,8,1.03,61.7,M,55.2,M,,*76\n";
+    let text = format!("{}{receiver}", good.repeat(3)).repeat(40);
+    let column = read(&text, "--column 12 --rate 40 --unit rad/s");
+    assert_eq!((column.series.len(), numbers(&column)[0]), (120, -0.001_017));
+    assert!(column.warnings.is_empty(), "{:?}", column.warnings);
+    // a bit that a cable flips is a sample that is lost
+    let flipped = text.replacen("-00.001017", "-00.001016", 1);
+    let column = read(&flipped, "--column 12 --rate 40 --unit rad/s");
+    assert_eq!((column.series.len(), there(&column)[0]), (120, None));
+    let said = format!("{:?}", column.warnings);
+    assert!(said.contains("its checksum is") && said.contains("1 of 120 lines is broken"), "{said}");
+}
+
+/// CRC-16 of VectorNav: the check value of the algorithm for `123456789` is 31C3.
+#[test]
+fn a_sentence_may_have_a_crc() {
+    let text = "$123456789*31C3\n".to_owned() + &format!("$x,1.5*{:02X}\n", sum("x,1.5")).repeat(9);
+    assert_eq!(read(&text, "--column 1 --rate 10").series.len(), 9);
+    assert_eq!(super::sentence::checked("$123456789*31C3"), Ok("$123456789"));
+    assert!(super::sentence::checked("$123456789*31C4").is_err());
+}
+
+fn sum(body: &str) -> u8 {
+    body.bytes().fold(0, |sum, byte| sum ^ byte)
+}
+
+/// Loggers of ROS nodes and of some phones print the time on a line of its own. Blocks end between such pairs too.
+#[test]
+fn a_stamp_may_have_a_line_of_its_own() {
+    for (cut, head) in [(",", ""), (" ", ""), (", ", "# gyro log\n\n"), ("\t", "gyro log\n")] {
+        let row = |at: u32| format!("{:.2}\r\n0.{}{cut}{at}{cut}-0.5\r\n", 100.0 + f64::from(at) * 0.01, at % 7);
+        let text = head.to_owned() + &(0..2000).map(row).collect::<String>();
+        let column = read(&text, "--column 2 --time-column 0 --time-unit s");
+        assert_eq!(numbers(&column), (0..2000).map(f64::from).collect::<Vec<_>>(), "{cut:?}");
+        assert!((column.rate_hz - 100.0).abs() < 1e-6, "{cut:?}");
+    }
+    // a column of numbers with a stray pair is no such log
+    let text = "1.5\n".repeat(60) + "1.5,2\n" + &"1.5\n".repeat(60);
+    assert_eq!(read(&text, "--rate 10").series.len(), 121);
+}

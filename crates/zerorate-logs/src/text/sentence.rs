@@ -1,0 +1,47 @@
+//! Sentences of a serial line: `$VNYMR,+073.2,…,+00.000043*68`. The exclusive or of the bytes between `$` and `*`
+//! follows in two hexadecimal digits (NMEA 0183), or their CRC-16 in four (VectorNav).
+
+use crc::{CRC_16_XMODEM, Crc};
+use std::collections::BTreeMap;
+
+/// The sum that `*` announces at the end of a sentence, and the bytes that it covers.
+fn parts(line: &str) -> Option<(&str, &str)> {
+    let (body, sum) = line.strip_prefix('$')?.rsplit_once('*')?;
+    let is_sum = matches!(sum.len(), 2 | 4) && sum.bytes().all(|byte| byte.is_ascii_hexdigit());
+    is_sum.then_some((body, sum))
+}
+
+/// A line without the sum of a sentence.
+pub fn without_sum(line: &str) -> &str {
+    parts(line).map_or(line, |(body, _)| &line[..=body.len()])
+}
+
+/// The same, if the sum is right or the line has none.
+pub fn checked(line: &str) -> Result<&str, String> {
+    let Some((body, stated)) = parts(line) else { return Ok(line) };
+    let found = match stated.len() {
+        2 => format!("{:02X}", body.bytes().fold(0, |sum, byte| sum ^ byte)),
+        _ => format!("{:04X}", Crc::<u16>::new(&CRC_16_XMODEM).checksum(body.as_bytes())),
+    };
+    match found.eq_ignore_ascii_case(stated) {
+        true => Ok(&line[..=body.len()]),
+        false => Err(format!("its checksum is {found}, and it states {stated}")),
+    }
+}
+
+/// The first cell of a sentence, such as `$VNYMR`.
+fn tag(line: &str) -> Option<&str> {
+    line.starts_with('$').then(|| line.split(',').next().unwrap_or(line))
+}
+
+/// The most frequent sentence of these lines. A receiver sends several, and one is the log.
+pub fn most<'a>(lines: impl Iterator<Item = &'a str>) -> Option<String> {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    lines.filter_map(tag).for_each(|tag| *counts.entry(tag).or_default() += 1);
+    counts.into_iter().max_by_key(|(_, count)| *count).map(|(tag, _)| tag.to_owned())
+}
+
+/// Whether a line is a sentence of another kind than the one that is read.
+pub fn is_other(line: &str, read: Option<&str>) -> bool {
+    read.is_some() && tag(line).is_some_and(|tag| Some(tag) != read)
+}
