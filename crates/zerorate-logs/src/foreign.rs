@@ -40,6 +40,25 @@ fn bags_of_ros_1() {
     assert!(folder.fails(b"#ROSBAG V1.2\nxxxxxx", "").contains("rosbag fix"));
 }
 
+/// An IMU inside of another message, behind texts and lists of changing length.
+#[test]
+fn bags_with_nested_imus() {
+    let folder = Folder::new();
+    let bags = [
+        &include_bytes!("../fixtures/nested.bag")[..],
+        include_bytes!("../fixtures/nested.mcap"),
+        include_bytes!("../fixtures/nested.db3"),
+    ];
+    for bag in bags {
+        is_z(&folder.read(bag, "--column z").unwrap(), "/bundle.state.imu.angular_velocity.z");
+        let column = folder.read(bag, "--column /bundle.state.imu.linear_acceleration.z --rate 7").unwrap();
+        assert_eq!(column.series, Series::Numbers(vec![9.81; 19]));
+        let said = folder.fails(bag, "--topic /bundle --column z");
+        assert!(said.contains("/bundle.state.imu") && said.contains("19"), "{said}");
+        cut(bag, "--column z");
+    }
+}
+
 #[test]
 fn bags_of_several_files() {
     let path = Path::new("bag_of_two");

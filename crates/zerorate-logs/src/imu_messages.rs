@@ -2,12 +2,13 @@
 //! columns.
 
 use super::clock::Times;
+use super::nested::{self, Place};
 use super::parts::miscounted;
 use super::series::SeriesBuilder;
 use super::topics::{Survey, Topic, several};
 use super::{Clock, ColumnOptions, ColumnQuery, Found, FoundColumn, LogError, Names, Result, Setting, Wanted, wrong};
 use crate::warning::LogWarning;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 #[cfg(not(feature = "zstd"))]
 use zerorate_record::NotBuiltIn;
@@ -60,11 +61,35 @@ pub fn is_imu(type_name: &str) -> bool {
     matches!(type_name, "sensor_msgs/msg/Imu" | "sensor_msgs/Imu")
 }
 
-/// The wanted quantities of a topic.
+/// An IMU of a bag: all messages of a topic, or a field of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Source {
+    /// The topic of the messages.
+    pub topic: String,
+    /// Their field, where the topic is of another type.
+    place: Option<Place>,
+}
+
+/// The IMUs of a bag by name: `/imu`, or `/bundle.imu` for a field of another message.
+pub type Sources = BTreeMap<String, Source>;
+
+/// The IMUs of a topic, by the name of its type and the text that defines it.
+pub fn sources(topic: &str, kind: &str, definition: &str) -> Sources {
+    let source = |place| Source { topic: topic.to_owned(), place };
+    if is_imu(kind) {
+        return [(topic.to_owned(), source(None))].into();
+    }
+    let of_fields = nested::places(kind, definition).into_iter();
+    of_fields.map(|place| (format!("{topic}.{}", place.path), source(Some(place)))).collect()
+}
+
+/// The wanted quantities of an IMU.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantities {
-    /// The topic with the IMU.
-    pub topic: String,
+    /// The IMU's name.
+    name: String,
+    /// Where it is.
+    pub source: Source,
     /// Names, and where they stand in a message.
     all: Vec<(&'static str, usize)>,
 }
@@ -73,7 +98,7 @@ impl Quantities {
     /// Chooses the quantities that are wanted, all of one topic. Where it is open which, `survey` says what there is.
     pub fn choose(
         path: &Path,
-        topics: &BTreeSet<String>,
+        topics: &Sources,
         asked: &ColumnQuery<'_>,
         survey: impl FnOnce() -> Survey,
     ) -> Result<Self> {
@@ -84,34 +109,37 @@ impl Quantities {
             Wanted::All => QUANTITIES.iter().map(|(name, _)| Some(*name)).collect(),
         };
         let only = match &asked.args.topic {
-            Some(topic) => topics.get(topic).map(String::as_str),
-            None => topics.first().filter(|_| topics.len() == 1).map(String::as_str),
+            Some(topic) => topics.get_key_value(topic),
+            None => topics.first_key_value().filter(|_| topics.len() == 1),
         };
+        let only = only.map(|(name, _)| name.as_str());
         let chosen = names.iter().map(|name| Self::choose_one(topics, only, *name).ok_or(*name));
         let chosen: Vec<Self> = match chosen.collect() {
             Ok(chosen) => chosen,
             Err(_) if only.is_none() => return Err(several(path, asked, &survey())),
             Err(wanted) => return Err(unknown(path, only.unwrap_or_default(), wanted, asked.args.names)),
         };
-        let topic = chosen.first().map(|first| first.topic.clone()).unwrap_or_default();
-        if let Some(other) = chosen.iter().find(|one| one.topic != topic) {
+        let Some(Self { name, source, .. }) = chosen.first().cloned() else {
+            return Err(several(path, asked, &survey()));
+        };
+        if let Some(other) = chosen.iter().find(|one| one.name != name) {
             let why =
-                format!("the columns are of two topics, `{topic}` and `{}`, which keep different time", other.topic);
+                format!("the columns are of two topics, `{name}` and `{}`, which keep different time", other.name);
             return Err(LogError::Ask(format!("{}: {why}; read one at a time", path.display())));
         }
-        Ok(Self { topic, all: chosen.into_iter().flat_map(|one| one.all).collect() })
+        Ok(Self { name, source, all: chosen.into_iter().flat_map(|one| one.all).collect() })
     }
 
     /// Finds a quantity, with or without its topic; x, y and z mean angular_velocity.
-    fn choose_one(topics: &BTreeSet<String>, only: Option<&str>, wanted: Option<&str>) -> Option<Self> {
+    fn choose_one(topics: &Sources, only: Option<&str>, wanted: Option<&str>) -> Option<Self> {
         let wanted = wanted?;
         let of_topic = topics
-            .iter()
+            .keys()
             .find_map(|topic| Some((topic.as_str(), wanted.strip_prefix(topic.as_str())?.strip_prefix('.')?)));
-        let (topic, quantity) = of_topic.or_else(|| Some((only?, wanted)))?;
+        let (name, quantity) = of_topic.or_else(|| Some((only?, wanted)))?;
         let long = if quantity.len() == 1 { format!("angular_velocity.{quantity}") } else { quantity.to_owned() };
         let (quantity, position) = QUANTITIES.into_iter().find(|(name, _)| *name == long)?;
-        Some(Self { topic: topic.to_owned(), all: vec![(quantity, position)] })
+        Some(Self { name: name.to_owned(), source: topics.get(name)?.clone(), all: vec![(quantity, position)] })
     }
 }
 
@@ -155,9 +183,15 @@ impl Survey {
         self.0.entry(name.to_owned()).or_insert_with(|| Topic { kind: kind.to_owned(), ..Topic::default() });
     }
 
-    /// A message of a topic; one that makes no sense is counted.
-    pub fn message(&mut self, name: &str, kind: &str, encoding: Option<Encoding>, message: &[u8]) {
-        let head = encoding.and_then(|encoding| Head::of(encoding, message));
+    /// A message with an IMU; one that makes no sense is counted.
+    pub fn message(
+        &mut self,
+        (name, source): (&str, &Source),
+        kind: &str,
+        encoding: Option<Encoding>,
+        message: &[u8],
+    ) {
+        let head = encoding.and_then(|encoding| Head::of(encoding, source, message));
         self.topic(name, kind);
         let Some(topic) = self.0.get_mut(name) else { return };
         topic.messages += 1;
@@ -189,7 +223,7 @@ impl<'a> Collector<'a> {
     /// Adds a message.
     pub fn push(&mut self, encoding: Encoding, message: &[u8]) -> Result<(), CaptureError> {
         let number = self.messages;
-        let at = |what: String| wrong(self.path, format_args!("topic {}, message {number}", self.wanted.topic), what);
+        let at = |what: String| wrong(self.path, format_args!("topic {}, message {number}", self.wanted.name), what);
         let room = self.values.first().map_or(Ok(()), |first| first.check_room(1));
         room.map_err(|why| CaptureError::no_room(self.path, why))?;
         let unpacked;
@@ -199,7 +233,7 @@ impl<'a> Collector<'a> {
         } else {
             message
         };
-        let Imu { stamp_ns, numbers } = decode(encoding, message)
+        let Imu { stamp_ns, numbers } = decode(encoding, &self.wanted.source, message)
             .ok_or_else(|| at(format!("its {} bytes are not a sensor_msgs/Imu in {encoding:?}", message.len())))?;
         if let Some(times) = &mut self.times {
             times.push_integer(stamp_ns);
@@ -218,15 +252,15 @@ impl<'a> Collector<'a> {
     pub fn finish(self, torn: Option<String>, stated: Option<u64>) -> Found {
         let Self { path, wanted, values, times, messages } = self;
         let miscounted = match (&torn, stated) {
-            (None, Some(stated)) if stated != messages => Some(miscounted(path, &wanted.topic, stated, messages)),
+            (None, Some(stated)) if stated != messages => Some(miscounted(path, &wanted.name, stated, messages)),
             _ => None,
         };
         let clock = times.map_or(Clock::Silent, |mut times| {
             times.unit = Some(TimeUnit::Ns);
-            Clock::Column(format!("{}.header.stamp", wanted.topic), times)
+            Clock::Column(format!("{}.header.stamp", wanted.name), times)
         });
         let column = |((quantity, _), values): ((&str, usize), SeriesBuilder)| FoundColumn {
-            name: format!("{}.{quantity}", wanted.topic),
+            name: format!("{}.{quantity}", wanted.name),
             values,
             // REP-103 of ROS
             stated: Some(match quantity.starts_with("angular") {
@@ -264,7 +298,7 @@ pub struct Head {
 
 impl Head {
     /// None of what is no such message.
-    pub fn of(encoding: Encoding, message: &[u8]) -> Option<Self> {
+    fn of(encoding: Encoding, source: &Source, message: &[u8]) -> Option<Self> {
         let unpacked;
         let message = if message.starts_with(&ZSTD) {
             unpacked = unpacked_message(message).ok()?;
@@ -272,7 +306,7 @@ impl Head {
         } else {
             message
         };
-        let body = Body::of(encoding, message)?;
+        let body = Body::of(encoding, message)?.at(source)?;
         let (frame, _) = body.frame()?;
         // CDR counts the zero at the end
         let frame = String::from_utf8_lossy(frame.strip_suffix(&[0]).unwrap_or(frame)).into_owned();
@@ -281,25 +315,47 @@ impl Head {
 }
 
 /// The bytes after the mark of the encoding.
-struct Body<'a> {
+pub struct Body<'a> {
     bytes: &'a [u8],
     encoding: Encoding,
     big_endian: bool,
+    /// The first byte of the IMU's stamp.
+    start: usize,
 }
 
 impl<'a> Body<'a> {
     fn of(encoding: Encoding, message: &'a [u8]) -> Option<Self> {
         let (big_endian, bytes) = match encoding {
-            Encoding::Ros1 => (false, message.get(4..)?),
+            Encoding::Ros1 => (false, message),
             Encoding::Cdr => match message.get(..4)? {
                 [0, endian @ (0 | 1), ..] => (*endian == 0, &message[4..]),
                 _ => return None,
             },
         };
-        Some(Self { bytes, encoding, big_endian })
+        Some(Self { bytes, encoding, big_endian, start: 0 })
     }
 
-    fn u32_at(&self, at: usize) -> Option<u32> {
+    /// The same, from the stamp of an IMU on. A header of ROS 1 begins with a number of its own.
+    fn at(self, source: &Source) -> Option<Self> {
+        let start = source.place.as_ref().map_or(Some(0), |place| place.start(&self))?;
+        let start = match self.encoding {
+            Encoding::Ros1 => start.checked_add(4)?,
+            Encoding::Cdr => self.aligned(start, 4),
+        };
+        Some(Self { start, ..self })
+    }
+
+    /// The first byte from `at` on where a number of this size may stand.
+    pub fn aligned(&self, at: usize, size: usize) -> usize {
+        if self.encoding == Encoding::Cdr { at.next_multiple_of(size) } else { at }
+    }
+
+    /// Whether a byte is in the body, or its end.
+    pub fn holds(&self, at: usize) -> bool {
+        at <= self.bytes.len()
+    }
+
+    pub fn u32_at(&self, at: usize) -> Option<u32> {
         let bytes = *self.bytes.get(at..)?.first_chunk()?;
         Some(if self.big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
     }
@@ -310,22 +366,22 @@ impl<'a> Body<'a> {
     }
 
     fn stamp_ns(&self) -> Option<i64> {
-        let (sec, nanosec) = (self.u32_at(0)? as i32, self.u32_at(4)?);
+        let (sec, nanosec) = (self.u32_at(self.start)? as i32, self.u32_at(self.start + 4)?);
         Some(i64::from(sec) * 1_000_000_000 + i64::from(nanosec))
     }
 
     /// The name of the frame, and where the numbers begin.
     fn frame(&self) -> Option<(&'a [u8], usize)> {
-        let end = (self.u32_at(8)? as usize).checked_add(12)?;
-        let frame = self.bytes.get(12..end)?;
-        Some((frame, if self.encoding == Encoding::Cdr { end.next_multiple_of(8) } else { end }))
+        let begin = self.start + 12;
+        let end = (self.u32_at(self.start + 8)? as usize).checked_add(begin)?;
+        Some((self.bytes.get(begin..end)?, self.aligned(end, 8)))
     }
 }
 
 /// `std_msgs/Header header; Quaternion orientation; float64[9]; Vector3 angular_velocity; float64[9]; Vector3
 /// linear_acceleration; float64[9]`.
-fn decode(encoding: Encoding, message: &[u8]) -> Option<Imu> {
-    let body = Body::of(encoding, message)?;
+fn decode(encoding: Encoding, source: &Source, message: &[u8]) -> Option<Imu> {
+    let body = Body::of(encoding, message)?.at(source)?;
     let (_, start) = body.frame()?;
     let mut numbers = [0.0; NUMBERS];
     for (number, at) in numbers.iter_mut().zip((start..).step_by(8)) {

@@ -33,6 +33,8 @@ mod mat;
 mod mcap_bag;
 #[cfg(all(test, not(feature = "full")))]
 mod missing;
+#[cfg(any(feature = "mcap", feature = "ros", feature = "sqlite"))]
+mod nested;
 #[cfg(feature = "numpy")]
 mod npy;
 #[cfg(feature = "npz")]

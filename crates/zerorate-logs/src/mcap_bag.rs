@@ -1,10 +1,11 @@
 //! ROS bags in MCAP.
 
-use super::imu_messages::{Collector, Encoding, Quantities, is_imu, without_imu};
+use super::imu_messages::{Collector, Encoding, Quantities, Sources, sources, without_imu};
 use super::open::Log;
 use super::topics::Survey;
 use super::{ColumnQuery, Found, Result, tabular};
 use mcap::Channel;
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Seek;
 use std::path::Path;
@@ -29,8 +30,8 @@ fn read_messages(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     if topics.is_empty() {
         return Err(without_imu(path, &others));
     }
-    let wanted = Quantities::choose(path, &topics, asked, || survey(&mut file, log.room))?;
-    let topic = wanted.topic.clone();
+    let wanted = Quantities::choose(path, &topics, asked, || survey(&mut file, log.room, &topics))?;
+    let topic = wanted.source.topic.clone();
     let stated = mcap_messages::stated(&mut file, log.room).get(&topic).copied();
     file.rewind().map_err(|error| CaptureError::io("read", path, error))?;
     let mut collector = Collector::new(path, wanted, log.room, asked.args);
@@ -53,22 +54,24 @@ fn read_messages(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     Ok(collector.finish(cut, stated))
 }
 
-/// The topics with an IMU, and the types of the other topics. A channel stands anywhere before its first message, so
-/// the file is read for them.
-fn topics(path: &Path, file: &mut Input, room: Room) -> Result<(BTreeSet<String>, BTreeMap<String, String>)> {
-    let (mut topics, mut others) = (BTreeSet::new(), BTreeMap::new());
+/// The IMUs, and the types of the other topics. A channel stands anywhere before its first message, so the file is
+/// read for them.
+fn topics(path: &Path, file: &mut Input, room: Room) -> Result<(Sources, BTreeMap<String, String>)> {
+    let (mut imus, mut others, mut seen) = (Sources::new(), BTreeMap::new(), BTreeSet::new());
     let mut first = true;
     for message in Messages::new(file, room) {
         match message {
-            Ok(message) => {
-                let topic = &message.channel.topic;
-                let kind = message.channel.schema.as_ref().map_or("no type", |schema| &schema.name);
-                if is_imu(kind) && !topics.contains(topic) {
-                    topics.insert(topic.clone());
-                } else if !is_imu(kind) && !others.contains_key(topic) {
+            Ok(message) if seen.insert(message.channel.topic.clone()) => {
+                let (topic, schema) = (&message.channel.topic, message.channel.schema.as_ref());
+                let kind = schema.map_or("no type", |schema| &schema.name);
+                let definition = schema.map_or(Cow::default(), |schema| String::from_utf8_lossy(&schema.data));
+                let of_topic = sources(topic, kind, &definition);
+                if of_topic.is_empty() {
                     others.insert(topic.clone(), kind.to_owned());
                 }
+                imus.extend(of_topic);
             }
+            Ok(_) => {}
             Err(error) if first => {
                 return Err(CaptureError::damaged(path, "as an MCAP file", error.to_string()).into());
             }
@@ -77,19 +80,21 @@ fn topics(path: &Path, file: &mut Input, room: Room) -> Result<(BTreeSet<String>
         }
         first = false;
     }
-    Ok((topics, others))
+    Ok((imus, others))
 }
 
-/// The topics with an IMU, as far as the file is whole.
-fn survey(file: &mut Input, room: Room) -> Survey {
+/// The IMUs, as far as the file is whole.
+fn survey(file: &mut Input, room: Room, imus: &Sources) -> Survey {
     let mut survey = Survey::default();
     if file.rewind().is_err() {
         return survey;
     }
     for message in Messages::new(file, room).flatten() {
-        let Some(schema) = message.channel.schema.as_ref().filter(|schema| is_imu(&schema.name)) else { continue };
+        let kind = message.channel.schema.as_ref().map_or("no type", |schema| &schema.name);
         let encoding = Encoding::of(&message.channel.message_encoding);
-        survey.message(&message.channel.topic, &schema.name, encoding, &message.data);
+        for (name, source) in imus.iter().filter(|(_, source)| source.topic == message.channel.topic) {
+            survey.message((name, source), kind, encoding, &message.data);
+        }
     }
     survey
 }

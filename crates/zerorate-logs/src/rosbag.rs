@@ -1,11 +1,11 @@
 //! Bags of ROS 1, version 2.0 (<https://wiki.ros.org/Bags/Format/2.0>): records with a head of named fields, most of
 //! them in chunks that may be packed. No library reads them without mapping the file into memory.
 
-use super::imu_messages::{Collector, Encoding, Quantities, is_imu, without_imu};
+use super::imu_messages::{Collector, Encoding, Quantities, Sources, sources, without_imu};
 use super::open::{Log, ROS_BAG};
 use super::topics::Survey;
 use super::{ColumnQuery, Found, Result};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 use zerorate_record::catch_panic::catch_panic;
@@ -18,9 +18,6 @@ const BUFFER: usize = 1 << 18;
 /// The longest head of a record: a connection names a topic and a type.
 const MAX_HEAD: u32 = 1 << 16;
 
-/// The type of the message in ROS 1.
-const IMU: &str = "sensor_msgs/Imu";
-
 const MESSAGE: u8 = 2;
 const CHUNK: u8 = 5;
 const CHUNK_INFO: u8 = 6;
@@ -31,18 +28,18 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let (path, room) = (log.path, log.room);
     let mut file = BufReader::with_capacity(BUFFER, log.input);
     let (topics, others) = topics(path, &mut file, room)?;
-    if topics.is_empty() {
+    let imus: Sources = topics.values().flat_map(|topic| topic.imus.clone()).collect();
+    if imus.is_empty() {
         return Err(without_imu(path, &others));
     }
-    let names: BTreeSet<String> = topics.values().cloned().collect();
     let seen = || survey(&mut Records { path, file: &mut file, room, bytes: 0 }, &topics);
-    let wanted = Quantities::choose(path, &names, asked, seen)?;
-    let topic = wanted.topic.clone();
+    let wanted = Quantities::choose(path, &imus, asked, seen)?;
+    let topic = wanted.source.topic.clone();
     let mut collector = Collector::new(path, wanted, room, asked.args);
     let mut records = Records { path, file: &mut file, room, bytes: 0 };
     let mut stated = None;
     let torn = records.each(false, |record| {
-        let is_wanted = |conn: u32| topics.get(&conn) == Some(&topic);
+        let is_wanted = |conn: u32| topics.get(&conn).is_some_and(|one| one.name == topic);
         match record.op() {
             Some(MESSAGE) if record.number(b"conn").is_some_and(is_wanted) => {
                 collector.push(Encoding::Ros1, &record.data)?;
@@ -62,6 +59,13 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     Ok(collector.finish(torn, stated))
 }
 
+/// A topic with an IMU.
+struct Topic {
+    name: String,
+    kind: String,
+    imus: Sources,
+}
+
 /// The topics with an IMU by the number of their connection, and the types of the other topics. A bag that was closed
 /// lists its connections behind its chunks. In a bag that was not closed, they stand in the chunks.
 fn topics(path: &Path, file: &mut BufReader<Input>, room: Room) -> Result<Topics> {
@@ -69,8 +73,8 @@ fn topics(path: &Path, file: &mut BufReader<Input>, room: Room) -> Result<Topics
     for skip_chunks in [true, false] {
         let torn = Records { path, file, room, bytes: 0 }.each(skip_chunks, |record| {
             match record.connection() {
-                Some((at, topic, kind)) if is_imu(&kind) => drop(connections.insert(at, topic)),
-                Some((_, topic, kind)) => drop(others.insert(topic, kind)),
+                Some((at, topic)) if !topic.imus.is_empty() => drop(connections.insert(at, topic)),
+                Some((_, topic)) => drop(others.insert(topic.name, topic.kind)),
                 None => {}
             }
             Ok(())
@@ -83,16 +87,19 @@ fn topics(path: &Path, file: &mut BufReader<Input>, room: Room) -> Result<Topics
 }
 
 /// Topics by the number of their connection, and types by the name of their topic.
-type Topics = (BTreeMap<u32, String>, BTreeMap<String, String>);
+type Topics = (BTreeMap<u32, Topic>, BTreeMap<String, String>);
 
 /// The topics with an IMU, as far as the file is whole.
-fn survey(records: &mut Records<'_>, topics: &BTreeMap<u32, String>) -> Survey {
+fn survey(records: &mut Records<'_>, topics: &BTreeMap<u32, Topic>) -> Survey {
     let mut survey = Survey::default();
-    topics.values().for_each(|topic| survey.topic(topic, IMU));
+    topics.values().for_each(|topic| topic.imus.keys().for_each(|name| survey.topic(name, &topic.kind)));
     let seen = records.each(false, |record| {
         let topic = record.number(b"conn").and_then(|conn| topics.get(&conn));
-        if let Some(topic) = topic.filter(|_| record.op() == Some(MESSAGE)) {
-            survey.message(topic, IMU, Some(Encoding::Ros1), &record.data);
+        let topic = topic.filter(|_| record.op() == Some(MESSAGE));
+        for (topic, (name, source)) in
+            topic.into_iter().flat_map(|topic| topic.imus.iter().map(move |imu| (topic, imu)))
+        {
+            survey.message((name, source), &topic.kind, Some(Encoding::Ros1), &record.data);
         }
         Ok(())
     });
@@ -121,11 +128,14 @@ impl Record {
         self.data.as_chunks::<4>().0.as_chunks::<2>().0.iter().map(move |[conn, count]| (number(conn), number(count)))
     }
 
-    /// Number, topic and type of a connection.
-    fn connection(&self) -> Option<(u32, String, String)> {
+    /// Number and topic of a connection.
+    fn connection(&self) -> Option<(u32, Topic)> {
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         let conn = self.number(b"conn").filter(|_| self.op() == Some(CONNECTION))?;
-        Some((conn, text(field(&self.head, b"topic")?), text(field(&self.data, b"type")?)))
+        let (name, kind) = (text(field(&self.head, b"topic")?), text(field(&self.data, b"type")?));
+        let definition = text(field(&self.data, b"message_definition").unwrap_or_default());
+        let imus = sources(&name, &kind, &definition);
+        Some((conn, Topic { name, kind, imus }))
     }
 }
 

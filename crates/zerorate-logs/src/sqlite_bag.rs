@@ -1,13 +1,12 @@
 //! ROS bags in SQLite, as ROS 2 made them before Iron.
 
-use super::imu_messages::{Collector, Encoding, Quantities, is_imu, without_imu};
+use super::imu_messages::{Collector, Encoding, Quantities, Sources, sources, without_imu};
 use super::open::Log;
 use super::topics::Survey;
 use super::{ColumnQuery, Found, Result};
 use rusqlite::config::DbConfig;
 use rusqlite::limits::Limit;
 use rusqlite::{Connection, OpenFlags, types::ValueRef};
-use std::collections::BTreeSet;
 use zerorate_record::CaptureError;
 
 /// Reads quantities of the IMU messages.
@@ -19,13 +18,13 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     };
     let bag = open(log, failed)?;
     let (topics, others): (Vec<Topic>, Vec<Topic>) =
-        topics_of(&bag).map_err(failed)?.into_iter().partition(|topic| is_imu(&topic.kind));
+        topics_of(&bag).map_err(failed)?.into_iter().partition(|topic| !topic.imus.is_empty());
     if topics.is_empty() {
         return Err(without_imu(path, &others.into_iter().map(|topic| (topic.name, topic.kind)).collect()));
     }
-    let names: BTreeSet<String> = topics.iter().map(|topic| topic.name.clone()).collect();
-    let wanted = Quantities::choose(path, &names, asked, || survey(&bag, &topics))?;
-    let ids = topics.iter().filter(|topic| topic.name == wanted.topic);
+    let imus: Sources = topics.iter().flat_map(|topic| topic.imus.clone()).collect();
+    let wanted = Quantities::choose(path, &imus, asked, || survey(&bag, &topics))?;
+    let ids = topics.iter().filter(|topic| topic.name == wanted.source.topic);
     let mut collector = Collector::new(path, wanted.clone(), room, asked.args);
     for Topic { id, name: topic, format, .. } in ids {
         let encoding = Encoding::of(format).ok_or_else(|| {
@@ -74,26 +73,35 @@ struct Topic {
     name: String,
     kind: String,
     format: String,
+    imus: Sources,
 }
 
 fn topics_of(bag: &Connection) -> rusqlite::Result<Vec<Topic>> {
     let mut query = bag.prepare("SELECT id, name, type, serialization_format FROM topics")?;
     let topics = query.query_map([], |row| {
-        Ok(Topic { id: row.get(0)?, name: row.get(1)?, kind: row.get(2)?, format: row.get(3)? })
+        let (name, kind): (String, String) = (row.get(1)?, row.get(2)?);
+        let imus = sources(&name, &kind, &definition(bag, &kind));
+        Ok(Topic { id: row.get(0)?, name, kind, format: row.get(3)?, imus })
     })?;
     topics.collect()
+}
+
+/// The text that defines a type. Bags have it since Iron.
+fn definition(bag: &Connection, kind: &str) -> String {
+    let query = "SELECT encoded_message_definition FROM message_definitions WHERE topic_type = ?1";
+    bag.query_row(query, [kind], |row| row.get(0)).unwrap_or_default()
 }
 
 /// The topics with an IMU, as far as they can be read.
 fn survey(bag: &Connection, topics: &[Topic]) -> Survey {
     let mut survey = Survey::default();
-    for Topic { id, name, kind, format } in topics {
-        survey.topic(name, kind);
+    for Topic { id, kind, format, imus, .. } in topics {
+        imus.keys().for_each(|name| survey.topic(name, kind));
         let Ok(mut query) = bag.prepare("SELECT data FROM messages WHERE topic_id = ?1") else { continue };
         let Ok(mut rows) = query.query([id]) else { continue };
         while let Ok(Some(row)) = rows.next() {
             if let Ok(ValueRef::Blob(message)) = row.get_ref(0) {
-                survey.message(name, kind, Encoding::of(format), message);
+                imus.iter().for_each(|imu| survey.message((imu.0, imu.1), kind, Encoding::of(format), message));
             }
         }
     }

@@ -132,7 +132,7 @@ struct FullScale {
 struct Temperature {
     lsb_per_c: Number,
     zero_code: i64,
-    zero_c: f64,
+    zero_c: Number,
     width_bits: u8,
     signed: Option<bool>,
     noise_c: Option<Number>,
@@ -291,8 +291,9 @@ impl Rate {
 
 impl Temperature {
     fn scale(&self, table: Entry<'_>) -> Result<Scale, EntryError> {
-        let &Self { zero_code, zero_c, width_bits, signed, .. } = self;
+        let &Self { zero_code, width_bits, signed, .. } = self;
         let lsb_per_unit = self.lsb_per_c.positive(table.at("lsb_per_c"))?;
+        let (zero_c, _) = self.zero_c.known(table.at("zero_c"))?;
         Scale::checked(lsb_per_unit, zero_c, zero_code, width_bits, signed).map_err(|why| table.error(why))
     }
 

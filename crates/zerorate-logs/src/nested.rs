@@ -1,0 +1,234 @@
+//! Where a `sensor_msgs/Imu` stands inside a message of another type, by the definition of that type in the bag.
+//!
+//! A definition is the text of the message's own file, and behind `===` and `MSG: name` the texts of those that it
+//! uses.
+
+use super::imu_messages::{Body, is_imu};
+use std::collections::BTreeMap;
+
+/// Messages in messages, fields, and IMUs of one message, up to which a definition is followed.
+const DEPTH: usize = 16;
+const FIELDS: usize = 10_000;
+const IMUS: usize = 64;
+
+/// An IMU inside a message of another type.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// The names of the fields that lead to it: `state.imu`.
+    pub path: String,
+    before: Vec<Field>,
+}
+
+/// What stands before the IMU, as far as its length matters.
+#[derive(Clone, Debug, PartialEq)]
+enum Field {
+    /// Numbers of a size in bytes.
+    Numbers {
+        size: usize,
+        count: usize,
+    },
+    Text,
+    /// A known number of elements, each of these fields.
+    Array(usize, Vec<Field>),
+    /// Elements behind their number.
+    Sequence(Vec<Field>),
+}
+
+/// The IMUs that a definition shows; none of what makes no sense. An IMU in an array is not one of them.
+pub fn places(kind: &str, definition: &str) -> Vec<Place> {
+    let mut definitions = Definitions { by_name: BTreeMap::new(), fields: 0 };
+    for (at, part) in definition.split("\n===").enumerate() {
+        let (name, text) = match part.split_once("MSG: ") {
+            Some((_, rest)) if at > 0 => rest.split_once('\n').unwrap_or((rest, "")),
+            _ => (kind, part),
+        };
+        definitions.by_name.insert(short(name.trim()), text);
+    }
+    let mut found = Vec::new();
+    let whole = definitions.follow(&short(kind), "", &mut Vec::new(), &mut found, DEPTH);
+    if whole.is_some() { found } else { Vec::new() }
+}
+
+/// `package/Type` of both `package/Type` and `package/msg/Type`.
+fn short(name: &str) -> String {
+    name.replace("/msg/", "/")
+}
+
+struct Definitions<'a> {
+    by_name: BTreeMap<String, &'a str>,
+    /// Fields that were read.
+    fields: usize,
+}
+
+impl Definitions<'_> {
+    /// Adds the fields of a type behind `before`, and the IMUs among them to `found`.
+    fn follow(
+        &mut self,
+        kind: &str,
+        path: &str,
+        before: &mut Vec<Field>,
+        found: &mut Vec<Place>,
+        depth: usize,
+    ) -> Option<()> {
+        let (text, depth) = (*self.by_name.get(kind)?, depth.checked_sub(1)?);
+        let package = kind.split('/').next().unwrap_or_default().to_owned();
+        for (field, name) in text.lines().filter_map(declaration) {
+            self.fields += 1;
+            (self.fields < FIELDS && found.len() < IMUS).then_some(())?;
+            let (element, many) = split_array(field)?;
+            let path = if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") };
+            let Some(plain) = plain(element) else {
+                let kind = self.resolve(element, &package)?;
+                match many {
+                    Many::One => {
+                        if is_imu(&kind) {
+                            found.push(Place { path: path.clone(), before: before.clone() });
+                        }
+                        self.follow(&kind, &path, before, found, depth)?;
+                    }
+                    many => {
+                        let mut inside = Vec::new();
+                        self.follow(&kind, &path, &mut inside, &mut Vec::new(), depth)?;
+                        before.push(many.of(inside));
+                    }
+                }
+                continue;
+            };
+            before.push(match many {
+                Many::One => plain,
+                many => many.of(vec![plain]),
+            });
+        }
+        Some(())
+    }
+
+    /// The full name of a type: `Header` is of `std_msgs`, and others of the package that names them.
+    fn resolve(&self, name: &str, package: &str) -> Option<String> {
+        let name = short(name);
+        let candidates = [name.clone(), format!("{package}/{name}"), format!("std_msgs/{name}")];
+        candidates.into_iter().find(|name| self.by_name.contains_key(name))
+    }
+}
+
+/// Type and name of a field; none of constants, comments and empty lines.
+fn declaration(line: &str) -> Option<(&str, &str)> {
+    let line = line.split('#').next()?.trim();
+    let (kind, rest) = line.split_once(char::is_whitespace)?;
+    let name = rest.split_whitespace().next()?;
+    let is_constant = rest.contains('=') && !kind.contains('=');
+    (!is_constant).then_some((kind, name))
+}
+
+/// How many elements a field has.
+enum Many {
+    One,
+    Known(usize),
+    Stated,
+}
+
+impl Many {
+    fn of(self, element: Vec<Field>) -> Field {
+        match self {
+            Self::One => Field::Array(1, element),
+            Self::Known(count) => Field::Array(count, element),
+            Self::Stated => Field::Sequence(element),
+        }
+    }
+}
+
+/// `float64[9]`, `float64[]` and `float64[<=9]`.
+fn split_array(kind: &str) -> Option<(&str, Many)> {
+    let Some((element, count)) = kind.strip_suffix(']').and_then(|kind| kind.rsplit_once('[')) else {
+        return Some((kind, Many::One));
+    };
+    match count {
+        "" => Some((element, Many::Stated)),
+        _ if count.starts_with("<=") => Some((element, Many::Stated)),
+        _ => Some((element, Many::Known(count.parse().ok()?))),
+    }
+}
+
+/// A type of the language itself.
+fn plain(kind: &str) -> Option<Field> {
+    let size = match kind {
+        "bool" | "byte" | "char" | "int8" | "uint8" => 1,
+        "int16" | "uint16" => 2,
+        "int32" | "uint32" | "float32" => 4,
+        "int64" | "uint64" | "float64" => 8,
+        // of ROS 1: two numbers
+        "time" | "duration" => return Some(Field::Numbers { size: 4, count: 2 }),
+        _ if kind == "string" || kind.starts_with("string<=") => return Some(Field::Text),
+        _ => return None,
+    };
+    Some(Field::Numbers { size, count: 1 })
+}
+
+impl Place {
+    /// The byte of the body at which the IMU begins.
+    pub fn start(&self, body: &Body<'_>) -> Option<usize> {
+        skip(&self.before, body, 0)
+    }
+}
+
+/// The first byte behind these fields.
+fn skip(fields: &[Field], body: &Body<'_>, mut at: usize) -> Option<usize> {
+    for field in fields {
+        at = match field {
+            Field::Numbers { size, count } => body.aligned(at, *size).checked_add(size * count)?,
+            Field::Text => {
+                let at = body.aligned(at, 4);
+                (at + 4).checked_add(body.u32_at(at)? as usize)?
+            }
+            Field::Array(count, element) => repeat(element, *count, body, at)?,
+            Field::Sequence(element) => {
+                let at = body.aligned(at, 4);
+                repeat(element, body.u32_at(at)? as usize, body, at + 4)?
+            }
+        };
+        body.holds(at).then_some(())?;
+    }
+    Some(at)
+}
+
+fn repeat(element: &[Field], count: usize, body: &Body<'_>, mut at: usize) -> Option<usize> {
+    if let ([Field::Numbers { size, count: each }], 1..) = (element, count) {
+        return body.aligned(at, *size).checked_add(size.checked_mul(*each)?.checked_mul(count)?);
+    }
+    for _ in 0..count {
+        let next = skip(element, body, at)?;
+        // an element of no bytes would be repeated for ever
+        (next > at).then_some(())?;
+        at = next;
+    }
+    Some(at)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const IMU: &str = "Header header\nfloat64[9] orientation_covariance\n===\nMSG: std_msgs/Header\nuint32 seq\ntime \
+                       stamp\nstring frame_id\n";
+
+    #[test]
+    fn an_imu_is_found_by_the_definition() {
+        let text = format!(
+            "# a bundle\nstring NAME=front\nuint8 kind\nHeader header\nsensor_msgs/Imu imu  # the first\nPart[] \
+             parts\nState state\n====\nMSG: my/Part\nfloat32 x\n====\nMSG: my/State\nfloat32[3] v\nsensor_msgs/Imu \
+             imu\n====\nMSG: sensor_msgs/Imu\n{IMU}"
+        );
+        let found = places("my/Bundle", &text);
+        assert_eq!(found.iter().map(|place| place.path.as_str()).collect::<Vec<_>>(), ["imu", "state.imu"]);
+        let numbers = |size, count| Field::Numbers { size, count };
+        assert_eq!(found[0].before, [numbers(1, 1), numbers(4, 1), numbers(4, 2), Field::Text]);
+    }
+
+    #[test]
+    fn what_makes_no_sense_has_no_imu() {
+        for text in ["sensor_msgs/Imu imu\n", "Loop loop\n", "wstring a\nsensor_msgs/Imu imu\n", ""] {
+            let text = format!("{text}===\nMSG: my/Loop\nLoop loop\n");
+            assert_eq!(places("my/Bundle", &text), [], "{text}");
+        }
+        assert_eq!(places("my/Loop", "Loop loop\n"), []);
+    }
+}
