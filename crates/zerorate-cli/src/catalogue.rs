@@ -13,7 +13,9 @@ macro_rules! files {
 
 /// Name and text of each file.
 pub const FILES: &[(&str, &str)] = files! {
-    "adis16130"
+    "adis16130" "adis16405" "adis16488" "adis164952" "bmi055" "bmi088" "bmi160" "bmi270" "bno055"
+    "icm20602" "icm20689" "icm20948" "icm42688p" "iim42652" "ism330dhcx" "itg3200" "l3gd20h"
+    "lsm6ds3" "lsm6dso" "lsm6dsox" "lsm9ds1" "mpu6050" "mpu9250" "mti1"
 };
 
 /// The text of a part's file: of the catalogue, or from the path.
@@ -63,14 +65,38 @@ mod tests {
     #[test]
     fn every_part_is_whole() {
         for (file, text) in FILES {
-            let sheet = DataSheet::parse(text).unwrap_or_else(|why| panic!("{file}: {why}"));
-            assert_eq!(key(&sheet.name), *file);
-            assert!(sheet.source.is_some(), "{file} has no source");
-            match Part::parse(text) {
-                Ok(part) => assert!(part.axes.iter().all(|axis| axis.axis.range_dps.is_some()), "{file}"),
-                // it gives values and not codes
-                Err(why) => assert!(!text.contains("lsb_per_dps"), "{file}: {why}"),
+            let read: toml::Table = toml::from_str(text).unwrap_or_else(|why| panic!("{file}: {why}"));
+            let of = |name: &str| read.get(name).and_then(toml::Value::as_str).unwrap_or_default();
+            assert_eq!(key(of("name")), *file);
+            assert!(!of("source").is_empty() && !of("maker").is_empty(), "{file}");
+            let (part, sheet) = (Part::parse(text), DataSheet::parse(text));
+            if let Err(why) = &sheet {
+                assert!(part.is_ok() && why.to_string().contains("states nothing"), "{file}: {why}");
             }
+            match part {
+                Ok(part) => assert!(part.axes.iter().all(|axis| axis.axis.range_dps.is_some()), "{file}"),
+                // it gives values instead of codes, or the scale of its temperature is unknown
+                Err(why) => assert!(why.to_string().contains("it has no [temperature]"), "{file}: {why}"),
+            }
+        }
+    }
+
+    /// Codes of 16 bits reach the full scale, and hardly farther: a scale of another range would show.
+    #[test]
+    fn every_full_scale_fits_its_codes() {
+        for (file, text) in FILES {
+            let Ok(part) = Part::parse(text) else { continue };
+            let read: toml::Table = toml::from_str(text).unwrap();
+            let others = read["rate"].get("full_scales").and_then(toml::Value::as_array).into_iter().flatten();
+            let others =
+                others.map(|one| one["range_dps"].as_float().or(one["range_dps"].as_integer().map(|n| n as f64)));
+            for range_dps in [None].into_iter().chain(others) {
+                let axis = Part::parse_at(text, range_dps).unwrap_or_else(|why| panic!("{file}: {why}")).axes[0].axis;
+                let codes = 2f64.powi(i32::from(axis.rate.width_bits) - 1);
+                let used = axis.range_dps.unwrap() * axis.rate.lsb_per_unit / codes;
+                assert!((0.15..1.01).contains(&used), "{file}, {:?}: {used}", axis.range_dps);
+            }
+            assert_eq!(part.axes.len(), read["axis"].as_array().unwrap().len());
         }
     }
 

@@ -69,19 +69,21 @@ pub fn run(args: &PartsArgs) -> Result<()> {
 
 fn list(texts: &[&str]) -> Result<String> {
     let mut list = format!(
-        "{:<15} {:<16} {:<18} {:<19} {:<19} {}\n",
-        "part", "maker", "range", "gyroscope noise", "accelerometer noise", "gives"
+        "{:<15} {:<18} {:<20} {:<16} {:<19} {}\n",
+        "part", "maker", "range", "gyroscope noise", "accelerometer noise", "--part"
     );
     for text in texts {
         let row: Row = toml::from_str(text).context("a file of the catalogue")?;
-        let sheet = DataSheet::parse(text)?;
-        let gives = if Part::parse(text).is_ok() { "codes" } else { "values" };
-        let (gyroscope, accelerometer) = (noise(&sheet.gyroscope), noise(&sheet.accelerometer));
+        let sheet = DataSheet::parse(text).ok();
+        let is_part = if Part::parse(text).is_ok() { "yes" } else { "no" };
+        let (gyroscope, accelerometer) =
+            sheet.map_or_else(Default::default, |sheet| (noise(&sheet.gyroscope), noise(&sheet.accelerometer)));
         let range = row.rate.range();
         let (name, maker) = (row.name, row.maker);
-        writeln!(list, "{name:<15} {maker:<16} {range:<18} {gyroscope:<19} {accelerometer:<19} {gives}")?;
+        writeln!(list, "{name:<15} {maker:<18} {range:<20} {gyroscope:<16} {accelerometer:<19} {is_part}")?;
     }
-    list += "\n`zerorate parts NAME` prints a part, with the sources of its numbers. Codes are what --part needs.\n";
+    list += "\n`zerorate parts NAME` prints a part, with the sources of its numbers. --datasheet takes all that have noise;\n\
+             --part needs the scales of codes and of the temperature.\n";
     Ok(list)
 }
 
@@ -105,5 +107,5 @@ fn value(number: &Value) -> Option<f64> {
 fn noise(lines: &[Line]) -> String {
     let of = |figure: Figure| lines.iter().find(move |line| line.figure == figure);
     let line = of(Figure::NoiseDensity).or_else(|| of(Figure::RandomWalk));
-    line.map_or_else(|| "-".to_owned(), |line| format!("{} {}", line.value, line.unit))
+    line.map_or_else(String::new, |line| format!("{} {}", line.value, line.unit))
 }

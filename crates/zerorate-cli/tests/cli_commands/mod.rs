@@ -7,6 +7,7 @@ mod chamber;
 mod chamber_faults;
 mod faults;
 mod help;
+mod parts;
 mod reading;
 mod track;
 

@@ -220,7 +220,7 @@ fn axes_beside_a_data_sheet() {
         (Some("maximum"), Some("p. 3"), Some("worse"))
     );
     assert!((line["measured"].as_f64().unwrap() / (2f64.sqrt() * n(5) / 9.806_65e-3) - 1.0).abs() < 0.02, "{line}");
-    let whole = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/formats/adis16405.toml");
+    let whole = "adis16405";
     let run = bench.zerorate(&format!("{LINE} --datasheet {whole}")).ok();
     assert!(run.contains("Beside the data sheet of ADIS16405") && run.contains("typical 0.05 °/s/√Hz"), "{run}");
     bench.write(
