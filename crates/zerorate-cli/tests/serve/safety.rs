@@ -162,9 +162,15 @@ fn no_more_may_connect_than_there_is_room_for() {
     let served = Served::start(&bench, "--device replay:short.arrows");
     let pages: Vec<_> = (0..48).map(|_| served.watch()).collect();
     assert!(served.watch_with(&[]).is_err(), "too many viewers");
-    let others: Vec<TcpStream> = (0..60).map(|_| served.connect()).collect();
     let begun = Instant::now();
-    assert_eq!(code(&served.get("/home.json")), 503);
+    // who asks nothing is hung up on: on a slow machine before the last of these has come
+    let others = loop {
+        let others: Vec<TcpStream> = (0..60).map(|_| served.connect()).collect();
+        if code(&served.get("/home.json")) == 503 {
+            break others;
+        }
+        assert!(begun.elapsed() < LONG, "room for all");
+    };
     drop((pages, others));
     while served.watch_with(&[]).is_err() {
         assert!(begun.elapsed() < LONG, "there is room again");
