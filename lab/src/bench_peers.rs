@@ -204,8 +204,8 @@ fn time_fit(python: &Path, path: &str, seconds: f64, samples: u64) -> Result<()>
     let times = fit / seconds;
     let columns = peak(python, &line)? / (samples as f64 * 8.0);
     println!(
-        "  with --fit: {fit:.2} s, {times:.1} times the deviations alone (goal {MOST_TIMES}{}); peak memory {columns:.2} \
-         times the column (goal {MOST_COLUMNS}{})",
+        "  with --fit: {fit:.2} s, {times:.1} times the deviations alone (goal {MOST_TIMES}{}); \
+         peak memory {columns:.2} times the column (goal {MOST_COLUMNS}{})",
         missed(times <= MOST_TIMES),
         missed(columns <= MOST_COLUMNS)
     );

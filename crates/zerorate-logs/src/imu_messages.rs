@@ -2,6 +2,7 @@
 //! columns.
 
 use super::clock::Times;
+use super::message::{Body, Encoding, is_imu};
 use super::nested::{self, Place};
 use super::parts::miscounted;
 use super::series::SeriesBuilder;
@@ -36,31 +37,6 @@ const ZSTD: [u8; 4] = [0x28, 0xB5, 0x2F, 0xFD];
 #[cfg(feature = "zstd")]
 const MAX_MESSAGE: usize = 1 << 16;
 
-/// The encoding of a message.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Encoding {
-    /// Common Data Representation of OMG, as in ROS 2: numbers aligned to their size.
-    Cdr,
-    /// ROS 1: little endian, no alignment.
-    Ros1,
-}
-
-impl Encoding {
-    /// Looks an encoding up by its name in a bag.
-    pub fn of(name: &str) -> Option<Self> {
-        match name {
-            "cdr" => Some(Self::Cdr),
-            "ros1" => Some(Self::Ros1),
-            _ => None,
-        }
-    }
-}
-
-/// Whether a message type is the one.
-pub fn is_imu(type_name: &str) -> bool {
-    matches!(type_name, "sensor_msgs/msg/Imu" | "sensor_msgs/Imu")
-}
-
 /// An IMU of a bag: all messages of a topic, or a field of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
@@ -68,6 +44,15 @@ pub struct Source {
     pub topic: String,
     /// Their field, where the topic is of another type.
     place: Option<Place>,
+}
+
+impl Source {
+    /// The body of a message, from this IMU on.
+    fn body<'a>(&self, encoding: Encoding, message: &'a [u8]) -> Option<Body<'a>> {
+        let body = Body::of(encoding, message)?;
+        let start = self.place.as_ref().map_or(Some(0), |place| place.start(&body))?;
+        body.at(start)
+    }
 }
 
 /// The IMUs of a bag by name: `/imu`, or `/bundle.imu` for a field of another message.
@@ -306,7 +291,7 @@ impl Head {
         } else {
             message
         };
-        let body = Body::of(encoding, message)?.at(source)?;
+        let body = source.body(encoding, message)?;
         let (frame, _) = body.frame()?;
         // CDR counts the zero at the end
         let frame = String::from_utf8_lossy(frame.strip_suffix(&[0]).unwrap_or(frame)).into_owned();
@@ -314,74 +299,10 @@ impl Head {
     }
 }
 
-/// The bytes after the mark of the encoding.
-pub struct Body<'a> {
-    bytes: &'a [u8],
-    encoding: Encoding,
-    big_endian: bool,
-    /// The first byte of the IMU's stamp.
-    start: usize,
-}
-
-impl<'a> Body<'a> {
-    fn of(encoding: Encoding, message: &'a [u8]) -> Option<Self> {
-        let (big_endian, bytes) = match encoding {
-            Encoding::Ros1 => (false, message),
-            Encoding::Cdr => match message.get(..4)? {
-                [0, endian @ (0 | 1), ..] => (*endian == 0, &message[4..]),
-                _ => return None,
-            },
-        };
-        Some(Self { bytes, encoding, big_endian, start: 0 })
-    }
-
-    /// The same, from the stamp of an IMU on. A header of ROS 1 begins with a number of its own.
-    fn at(self, source: &Source) -> Option<Self> {
-        let start = source.place.as_ref().map_or(Some(0), |place| place.start(&self))?;
-        let start = match self.encoding {
-            Encoding::Ros1 => start.checked_add(4)?,
-            Encoding::Cdr => self.aligned(start, 4),
-        };
-        Some(Self { start, ..self })
-    }
-
-    /// The first byte from `at` on where a number of this size may stand.
-    pub fn aligned(&self, at: usize, size: usize) -> usize {
-        if self.encoding == Encoding::Cdr { at.next_multiple_of(size) } else { at }
-    }
-
-    /// Whether a byte is in the body, or its end.
-    pub fn holds(&self, at: usize) -> bool {
-        at <= self.bytes.len()
-    }
-
-    pub fn u32_at(&self, at: usize) -> Option<u32> {
-        let bytes = *self.bytes.get(at..)?.first_chunk()?;
-        Some(if self.big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
-    }
-
-    fn f64_at(&self, at: usize) -> Option<f64> {
-        let bytes = *self.bytes.get(at..)?.first_chunk()?;
-        Some(if self.big_endian { f64::from_be_bytes(bytes) } else { f64::from_le_bytes(bytes) })
-    }
-
-    fn stamp_ns(&self) -> Option<i64> {
-        let (sec, nanosec) = (self.u32_at(self.start)? as i32, self.u32_at(self.start + 4)?);
-        Some(i64::from(sec) * 1_000_000_000 + i64::from(nanosec))
-    }
-
-    /// The name of the frame, and where the numbers begin.
-    fn frame(&self) -> Option<(&'a [u8], usize)> {
-        let begin = self.start + 12;
-        let end = (self.u32_at(self.start + 8)? as usize).checked_add(begin)?;
-        Some((self.bytes.get(begin..end)?, self.aligned(end, 8)))
-    }
-}
-
 /// `std_msgs/Header header; Quaternion orientation; float64[9]; Vector3 angular_velocity; float64[9]; Vector3
 /// linear_acceleration; float64[9]`.
 fn decode(encoding: Encoding, source: &Source, message: &[u8]) -> Option<Imu> {
-    let body = Body::of(encoding, message)?.at(source)?;
+    let body = source.body(encoding, message)?;
     let (_, start) = body.frame()?;
     let mut numbers = [0.0; NUMBERS];
     for (number, at) in numbers.iter_mut().zip((start..).step_by(8)) {

@@ -31,6 +31,8 @@ mod lzf;
 mod mat;
 #[cfg(feature = "mcap")]
 mod mcap_bag;
+#[cfg(any(feature = "mcap", feature = "ros", feature = "sqlite"))]
+mod message;
 #[cfg(all(test, not(feature = "full")))]
 mod missing;
 #[cfg(any(feature = "mcap", feature = "ros", feature = "sqlite"))]

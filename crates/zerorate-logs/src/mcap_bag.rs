@@ -1,6 +1,7 @@
 //! ROS bags in MCAP.
 
-use super::imu_messages::{Collector, Encoding, Quantities, Sources, sources, without_imu};
+use super::imu_messages::{Collector, Quantities, Sources, sources, without_imu};
+use super::message::Encoding;
 use super::open::Log;
 use super::topics::Survey;
 use super::{ColumnQuery, Found, Result, tabular};

@@ -3,7 +3,7 @@
 //! A definition is the text of the message's own file, and behind `===` and `MSG: name` the texts of those that it
 //! uses.
 
-use super::imu_messages::{Body, is_imu};
+use super::message::{Body, is_imu};
 use std::collections::BTreeMap;
 
 /// Messages in messages, fields, and IMUs of one message, up to which a definition is followed.

@@ -1,7 +1,8 @@
 //! Bags of ROS 1, version 2.0 (<https://wiki.ros.org/Bags/Format/2.0>): records with a head of named fields, most of
 //! them in chunks that may be packed. No library reads them without mapping the file into memory.
 
-use super::imu_messages::{Collector, Encoding, Quantities, Sources, sources, without_imu};
+use super::imu_messages::{Collector, Quantities, Sources, sources, without_imu};
+use super::message::Encoding;
 use super::open::{Log, ROS_BAG};
 use super::topics::Survey;
 use super::{ColumnQuery, Found, Result};

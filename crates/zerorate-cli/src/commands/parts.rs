@@ -82,8 +82,8 @@ fn list(texts: &[&str]) -> Result<String> {
         let (name, maker) = (row.name, row.maker);
         writeln!(list, "{name:<15} {maker:<18} {range:<20} {gyroscope:<16} {accelerometer:<19} {is_part}")?;
     }
-    list += "\n`zerorate parts NAME` prints a part, with the sources of its numbers. --datasheet takes all that have noise;\n\
-             --part needs the scales of codes and of the temperature.\n";
+    list += "\n`zerorate parts NAME` prints a part, with the sources of its numbers.\n\
+             --datasheet takes all that have noise; --part needs the scales of codes and of the temperature.\n";
     Ok(list)
 }
 

@@ -26,8 +26,8 @@ fn a_name_is_found_as_people_write_it() {
     }
     zerorate(&["parts", "20948"]).ended_with(2).saying(&["did you mean icm20948?", "`zerorate parts` lists"]);
     zerorate(&["parts", "nobody"]).ended_with(2).saying(&["nobody is neither a file nor a known part: `zerorate"]);
-    let wrong = ["capture", "--device", "twin:", "--part", "icm20948:300", "-o", "never.parquet"];
+    let wrong = ["capture", "--device", "twin:", "--part", "icm20948:300", "-o", "never.csv"];
     zerorate(&wrong).ended_with(2).saying(&["no full scale of 300 °/s; it has: 250, 500, 1000, 2000"]);
-    let other = ["capture", "--device", "twin:", "--part", "20948", "-o", "never.parquet"];
+    let other = ["capture", "--device", "twin:", "--part", "20948", "-o", "never.csv"];
     zerorate(&other).ended_with(2).saying(&["--part 20948: ", "did you mean icm20948?"]);
 }

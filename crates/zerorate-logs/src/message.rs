@@ -1,0 +1,91 @@
+//! The bytes of a message of ROS that has a `sensor_msgs/Imu`.
+
+/// The encoding of a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// Common Data Representation of OMG, as in ROS 2: numbers aligned to their size.
+    Cdr,
+    /// ROS 1: little endian, no alignment.
+    Ros1,
+}
+
+impl Encoding {
+    /// Looks an encoding up by its name in a bag.
+    pub fn of(name: &str) -> Option<Self> {
+        match name {
+            "cdr" => Some(Self::Cdr),
+            "ros1" => Some(Self::Ros1),
+            _ => None,
+        }
+    }
+}
+
+/// Whether a message type is the one.
+pub fn is_imu(type_name: &str) -> bool {
+    matches!(type_name, "sensor_msgs/msg/Imu" | "sensor_msgs/Imu")
+}
+
+/// The bytes after the mark of the encoding.
+pub struct Body<'a> {
+    bytes: &'a [u8],
+    encoding: Encoding,
+    big_endian: bool,
+    /// The first byte of the IMU's stamp.
+    start: usize,
+}
+
+impl<'a> Body<'a> {
+    /// None where the mark is none.
+    pub fn of(encoding: Encoding, message: &'a [u8]) -> Option<Self> {
+        let (big_endian, bytes) = match encoding {
+            Encoding::Ros1 => (false, message),
+            Encoding::Cdr => match message.get(..4)? {
+                [0, endian @ (0 | 1), ..] => (*endian == 0, &message[4..]),
+                _ => return None,
+            },
+        };
+        Some(Self { bytes, encoding, big_endian, start: 0 })
+    }
+
+    /// The same, for an IMU that begins at this byte. A header of ROS 1 begins with a number of its own.
+    pub fn at(self, start: usize) -> Option<Self> {
+        let start = match self.encoding {
+            Encoding::Ros1 => start.checked_add(4)?,
+            Encoding::Cdr => self.aligned(start, 4),
+        };
+        Some(Self { start, ..self })
+    }
+
+    /// The first byte from `at` on where a number of this size may stand.
+    pub fn aligned(&self, at: usize, size: usize) -> usize {
+        if self.encoding == Encoding::Cdr { at.next_multiple_of(size) } else { at }
+    }
+
+    /// Whether a byte is in the body, or its end.
+    pub fn holds(&self, at: usize) -> bool {
+        at <= self.bytes.len()
+    }
+
+    pub fn u32_at(&self, at: usize) -> Option<u32> {
+        let bytes = *self.bytes.get(at..)?.first_chunk()?;
+        Some(if self.big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
+    }
+
+    pub fn f64_at(&self, at: usize) -> Option<f64> {
+        let bytes = *self.bytes.get(at..)?.first_chunk()?;
+        Some(if self.big_endian { f64::from_be_bytes(bytes) } else { f64::from_le_bytes(bytes) })
+    }
+
+    /// Of the IMU, ns since the epoch.
+    pub fn stamp_ns(&self) -> Option<i64> {
+        let (sec, nanosec) = (self.u32_at(self.start)? as i32, self.u32_at(self.start + 4)?);
+        Some(i64::from(sec) * 1_000_000_000 + i64::from(nanosec))
+    }
+
+    /// The name of the frame, and where the numbers begin.
+    pub fn frame(&self) -> Option<(&'a [u8], usize)> {
+        let begin = self.start + 12;
+        let end = (self.u32_at(self.start + 8)? as usize).checked_add(begin)?;
+        Some((self.bytes.get(begin..end)?, self.aligned(end, 8)))
+    }
+}
