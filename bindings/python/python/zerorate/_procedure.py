@@ -63,6 +63,8 @@ class Calibrated:
     """Standard uncertainty of BTC, °/s/°C."""
     u_t3_c: float
     """Standard uncertainty of T3, °C."""
+    cov_pbc_btc_dps2_per_c: float
+    """Covariance of PBC and BTC, (°/s)²/°C."""
     coverage: float
     """Probability of the stated intervals."""
     coverage_factor: float
@@ -85,8 +87,14 @@ class Calibrated:
     """Highest temperature, °C."""
     method: str
     """``an1042``, ``warmup`` or ``cycle``."""
+    part: str
+    """The type of the sensor."""
+    serial: str | None
+    """Serial number, as given."""
     device: str
     """Where the samples came from."""
+    created: str | None
+    """When the samples were recorded, RFC 3339; ``SIMULATED`` for a twin."""
     simulated: bool
     """Whether the part was the software twin."""
     calibration_id: str

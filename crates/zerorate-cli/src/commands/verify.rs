@@ -11,11 +11,14 @@ use zerorate::Calibration;
 use zerorate_host::files;
 use zerorate_record::delimited::is_table;
 use zerorate_record::table::{self, Opened};
-use zerorate_record::{CaptureError, Checked, Input};
+use zerorate_record::{CaptureError, CaptureInfo, Checked, Input};
 use zerorate_view::duration::Seconds;
 
 /// Largest size of a calibration file: bounds the memory where a file is something else.
 const CALIBRATION_BYTES: u64 = 1 << 20;
+
+/// The form of a file that is neither a capture nor a calibration.
+const OTHER: &str = "other";
 
 /// Check captures and calibration files for damage
 ///
@@ -46,8 +49,12 @@ struct Report {
 struct Verdict {
     file: String,
     whole: bool,
+    /// `OTHER` if it is neither a capture nor a calibration; empty if it cannot be read.
     form: &'static str,
     schema: Option<u32>,
+    /// What a capture states of its part.
+    #[serde(flatten)]
+    stated: Option<Stated>,
     /// Whether checks in the file cover its whole content.
     checked: bool,
     rows: u64,
@@ -57,14 +64,29 @@ struct Verdict {
     samples_sha256: Option<String>,
     /// Whether its end is missing.
     torn: bool,
-    /// Whether it is neither a capture nor a calibration.
-    #[serde(skip)]
-    is_other: bool,
     /// What is wrong, and where.
     damage: Option<String>,
     /// The remedy for a damaged file.
     remedy: Option<String>,
     notes: Vec<String>,
+}
+
+/// What a capture states of its part.
+#[derive(Serialize)]
+struct Stated {
+    part: String,
+    serial: Option<String>,
+    device: String,
+    simulated: bool,
+    /// When it was recorded, RFC 3339; empty if simulated.
+    created: String,
+}
+
+impl Stated {
+    fn of(info: &CaptureInfo) -> Self {
+        let CaptureInfo { serial, device, created, .. } = info.clone();
+        Self { part: info.part().name.to_string(), serial, device, simulated: info.is_simulated(), created }
+    }
 }
 
 pub fn run(args: &VerifyArgs) -> Result<()> {
@@ -97,8 +119,8 @@ fn verdict(path: &Path) -> Verdict {
             ),
             _ => None,
         };
-        let is_other = matches!(error, CaptureError::NotACapture { .. });
-        Verdict { damage: Some(reason(error)), remedy, is_other, ..Verdict::default() }
+        let form = if matches!(error, CaptureError::NotACapture { .. }) { OTHER } else { "" };
+        Verdict { damage: Some(reason(error)), remedy, form, ..Verdict::default() }
     });
     Verdict { whole: !verdict.torn && verdict.damage.is_none(), file, ..verdict }
 }
@@ -132,6 +154,7 @@ fn capture(path: &Path, source: Box<dyn table::BatchSource>) -> Result<Verdict, 
     Ok(Verdict {
         form,
         schema: Some(table.info().schema),
+        stated: Some(Stated::of(table.info())),
         checked: table.is_checked() && damage.is_none(),
         rows: found.rows,
         lost: found.lost,
@@ -172,7 +195,7 @@ fn calibration(path: &Path, file: Input) -> Result<Verdict, CaptureError> {
 impl Verdict {
     fn to_text(&self) -> String {
         let state = match (&self.damage, self.torn) {
-            (Some(_), _) if self.is_other => "NOT A CAPTURE",
+            (Some(_), _) if self.form == OTHER => "NOT A CAPTURE",
             (Some(_), _) => "DAMAGED",
             (None, true) => "TORN",
             (None, false) if self.checked => "whole",

@@ -7,7 +7,7 @@ use std::fs;
 /// A capture of 20 000 samples in each form.
 fn bench() -> Bench {
     let bench = Bench::new();
-    bench.zerorate("capture --device twin:seed=3 --samples 20000 -o unit.arrows").ok();
+    bench.zerorate("capture --device twin:seed=3 --samples 20000 --serial SN1 -o unit.arrows").ok();
     for form in FORMS.iter().filter(|form| **form != "arrows") {
         bench.zerorate(&format!("capture --device replay:unit.arrows --samples 20000 -o unit.{form}")).ok();
     }
@@ -32,6 +32,8 @@ fn whole_files_in_every_form_have_one_hash() {
             (&verdict["rows"], &verdict["schema"], &verdict["torn"]),
             (&20_000.into(), &2.into(), &false.into())
         );
+        assert_eq!((&verdict["part"], &verdict["serial"]), (&"ADIS16130".into(), &"SN1".into()), "{verdict}");
+        assert_eq!(verdict["simulated"], true, "{verdict}");
         hashes.push(verdict["samples_sha256"].as_str().unwrap().to_owned());
     }
     assert!(hashes.iter().all(|hash| hash.len() == 64 && *hash == hashes[0]), "{hashes:?}");

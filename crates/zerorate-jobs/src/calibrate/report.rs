@@ -25,7 +25,11 @@ pub struct Report {
     pub temp_min_c: f64,
     pub temp_max_c: f64,
     pub method: Option<String>,
+    pub part: String,
+    pub serial: Option<String>,
     pub device: Option<String>,
+    /// When the samples were recorded, RFC 3339; `SIMULATED` if they were not measured.
+    pub created: Option<String>,
     pub calibration_id: String,
     /// Whether the part was the software twin.
     pub simulated: bool,
@@ -70,6 +74,7 @@ pub struct Numbers {
     pub u_pbc_dps: f64,
     pub u_btc_dps_per_c: f64,
     pub u_t3_c: f64,
+    pub cov_pbc_btc_dps2_per_c: f64,
     /// Where the uncertainties come from; empty for a curve.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub budget: Vec<Contribution>,
@@ -176,6 +181,7 @@ impl Numbers {
             u_pbc_dps: outcome.uncertainty.u_pbc_dps,
             u_btc_dps_per_c: outcome.uncertainty.u_btc_dps_per_c,
             u_t3_c: outcome.uncertainty.u_t3_c,
+            cov_pbc_btc_dps2_per_c: outcome.uncertainty.cov_pbc_btc,
             budget: axis.budget(),
             impossible_readings: outcome.impossible_readings,
             truth: truth.map(|truth| TruthReport::new(truth, t3_c, (low_c, high_c))),
@@ -230,6 +236,9 @@ impl Report {
             temp_min_c: span.map_or(f64::NAN, |span| span.temp_min_c),
             temp_max_c: span.map_or(f64::NAN, |span| span.temp_max_c),
             method: calibration.method.clone(),
+            part: calibration.part.clone(),
+            serial: calibration.serial.clone(),
+            created: calibration.created.clone(),
             device: calibration.device.clone(),
             calibration_id: calibration.id(),
             simulated: calibration.is_simulated(),

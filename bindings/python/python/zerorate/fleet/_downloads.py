@@ -1,0 +1,59 @@
+"""Folders for downloads, which a killed process leaves behind and the next start removes."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from contextlib import contextmanager
+from typing import Iterator
+
+try:
+    import fcntl
+except ImportError:  # Windows has no such lock: what is left there stays.
+    fcntl = None  # type: ignore[assignment]
+
+PREFIX = "zerorate-fleet-"
+LOCK = ".lock"
+
+
+@contextmanager
+def folder() -> Iterator[str]:
+    """A new folder, which is removed at the end. The lock in it lasts as long as this process."""
+    path = tempfile.mkdtemp(prefix=PREFIX)
+    try:
+        with open(os.path.join(path, LOCK), "w") as lock:
+            _try_lock(lock.fileno())
+            yield path
+    finally:
+        shutil.rmtree(path, ignore_errors=True)
+
+
+def remove_left() -> int:
+    """Removes the folders of processes that have died, and returns their number."""
+    if fcntl is None:
+        return 0
+    root = tempfile.gettempdir()
+    left = [os.path.join(root, name) for name in os.listdir(root) if name.startswith(PREFIX)]
+    return sum(_remove_if_left(path) for path in left)
+
+
+def _remove_if_left(path: str) -> bool:
+    try:
+        with open(os.path.join(path, LOCK)) as lock:
+            is_left = _try_lock(lock.fileno())
+    except OSError:  # of another user, gone by now, or not locked yet
+        return False
+    if is_left:
+        shutil.rmtree(path, ignore_errors=True)
+    return is_left
+
+
+def _try_lock(descriptor: int) -> bool:
+    if fcntl is None:
+        return True
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True

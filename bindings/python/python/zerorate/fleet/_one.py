@@ -1,0 +1,210 @@
+"""One file becomes one row."""
+
+from __future__ import annotations
+
+import json
+import socket
+import time
+from dataclasses import dataclass
+from typing import Any, Optional
+
+from . import _downloads, _program, _row, _store
+from ._program import Answer
+from ._recipe import DEFAULT, Options, Recipe
+
+# Commands that a signal ended are tried so often: the kernel ends a program for want of memory that others took.
+TRIES = 3
+
+# Memory that an analysis takes: 40 bytes a row and a constant, measured by `cargo xtask bench-fleet`.
+BASE_BYTES = 64 << 20
+BYTES_PER_BYTE = {".parquet": 11, ".arrows": 2, ".arrow": 2, ".feather": 2, ".mcap": 2, ".npy": 5, ".csv": 6, ".txt": 6}
+BYTES_PER_UNKNOWN_BYTE = 12
+
+# What a capture states of itself, besides its samples.
+STATED = ["part", "serial", "created", "simulated", "capture_sha256"]
+
+
+@dataclass(frozen=True)
+class Task:
+    """What a worker is sent: no connection, no key, no secret."""
+
+    file: _store.File
+    out: str
+    recipe: Recipe
+    digest: str
+    max_memory: int
+    """Limit of a command, bytes."""
+
+    @property
+    def key(self) -> str:
+        """The name of the row."""
+        return self.file.key(self.digest)
+
+
+def needed_memory(file: _store.File) -> int:
+    """An estimate from above of the memory that one file takes, bytes."""
+    name = file.url.rsplit("/", 1)[-1].lower()
+    ending = f".{name.rsplit('.', 1)[-1]}"
+    return BASE_BYTES + file.size * BYTES_PER_BYTE.get(ending, BYTES_PER_UNKNOWN_BYTE)
+
+
+def one(url: str, out: str, recipe: Recipe = DEFAULT, *, max_memory: Optional[int] = None) -> dict[str, Any]:
+    """Analyses one file, writes its row below `out` and returns it; a row that is there is returned as it is.
+
+    This is what a job of Slurm, Snakemake, Ray or Spark runs, and ``zerorate fleet one``. `max_memory` (bytes) limits
+    each command; without it, the file's size decides. Raises OSError or `_store.Unreachable` where the file cannot be
+    fetched or the row cannot be written.
+    """
+    _downloads.remove_left()
+    try:
+        file = _store.stat(url)
+    except FileNotFoundError as error:
+        raise _store.Unreachable(f"{url}: there is no such file") from error
+    work(Task(file, out, recipe, recipe.digest(), max_memory or needed_memory(file)))
+    row: dict[str, Any] = json.loads(_store.read(_store.row_url(out, _store.stat(url).key(recipe.digest()))))
+    return row
+
+
+def work(task: Task) -> str:
+    """Does a task, unless its row is there; returns the state of the row."""
+    url = _store.row_url(task.out, task.key)
+    if _store.exists(url):
+        return str(json.loads(_store.read(url))["state"])
+    began = time.time()
+    with _downloads.folder() as folder:
+        path = _store.fetch(task.file, folder)
+        now = _store.stat(task.file.url)
+        if now != task.file:
+            raise Replaced(now)
+        row = _analysed(path, task)
+    row["seconds"] = time.time() - began
+    put(task, row)
+    return str(row["state"])
+
+
+class NotEnoughMemory(Exception):
+    """The limit of this run is too small for the file; the text says what to give."""
+
+
+class Replaced(Exception):
+    """The file changed between the listing and the analysis. The argument is the file as it is now."""
+
+    @property
+    def file(self) -> _store.File:
+        """The file as it is now."""
+        found = self.args[0]
+        assert isinstance(found, _store.File)
+        return found
+
+
+def put(task: Task, row: dict[str, Any]) -> None:
+    """Writes the row of a task."""
+    stated = {"key": task.key, "url": task.file.url, "version": task.file.version, "bytes": task.file.size}
+    made = {"recipe": task.digest, "program": _program.version(), "host": socket.gethostname(), "ended": time.time()}
+    complete = {**dict.fromkeys(_row.SCHEMA.names), "warnings": [], "axes": [], **stated, **made, **row}
+    _store.put(_store.row_url(task.out, task.key), json.dumps(complete, sort_keys=True).encode())
+
+
+def _analysed(path: str, task: Task) -> dict[str, Any]:
+    """The commands of the recipe, until one of them finds that the file cannot be used."""
+    row: dict[str, Any] = {"state": "ok", "code": "", "error": "", "warnings": [], "axes": []}
+    if task.recipe.recalibrate is not None:
+        _calibrated(row, path, task)
+    for command, options in (("allan", task.recipe.allan), ("imu", task.recipe.imu)):
+        if options is not None and row["state"] in ("ok", "refused"):
+            _analysis(row, command, options, path, task)
+    return row
+
+
+def _asked(arguments: list[str], task: Task) -> Answer:
+    """The answer to a command; one that a signal ended is asked again."""
+    for _ in range(TRIES):
+        answer = _program.ask(arguments, task.max_memory, task.recipe.timeout_s)
+        if answer.state != "killed":
+            break
+    if answer.code == "memory":
+        raise NotEnoughMemory(f"{answer.error} (--max-memory)")
+    return answer
+
+
+def _calibrated(row: dict[str, Any], path: str, task: Task) -> None:
+    """Fills in the calibration of a capture. A log of other software has none, and goes on to the analysis."""
+    answer = _asked(["recalibrate", path, *(task.recipe.recalibrate or ())], task)
+    if answer.state in ("refused", "failed"):
+        verdict = _verdict(path, task)
+        if verdict.get("form") == "other" and (task.recipe.allan, task.recipe.imu) != (None, None):
+            return
+        _take(row, {**verdict, "capture_sha256": verdict.get("samples_sha256")}, STATED)
+        answer = _diagnosed(answer, verdict)
+    found = answer.found or {}
+    _take(row, found, _row.SCHEMA.names)
+    row["axes"] = [_only(axis, _row.AXIS_NAMES) for axis in found.get("axes", [])]
+    _judge(row, answer)
+
+
+def _verdict(path: str, task: Task) -> dict[str, Any]:
+    files = (_asked(["verify", path], task).found or {}).get("files", [{}])
+    verdict: dict[str, Any] = files[0]
+    return verdict
+
+
+def _diagnosed(answer: Answer, verdict: dict[str, Any]) -> Answer:
+    """What failed because the file is damaged says so."""
+    if answer.state != "failed" or verdict.get("form") == "other" or not verdict.get("damage"):
+        return answer
+    return Answer(None, "failed", "damaged", str(verdict["damage"]))
+
+
+def _analysis(row: dict[str, Any], command: str, options: Options, path: str, task: Task) -> None:
+    """Fills in the noise of one axis, or of all axes of an IMU."""
+    answer = _asked([command, path, *(["--fit"] if command == "allan" else []), *(options or ())], task)
+    if answer.state == "failed":
+        answer = _diagnosed(answer, _verdict(path, task))
+    found = answer.found or {}
+    row["samples"] = row.get("samples") or found.get("samples")
+    row["warnings"] = [*row["warnings"], *found.get("warnings", [])]
+    several = found.get("axes", [])
+    if len(several) > 1:
+        row["axes"] = _merged(row["axes"], [_of_axis(axis) for axis in several])
+    else:
+        row.update(_noise(several[0] if several else found))
+    for axis in several:
+        row["warnings"] += [f"{axis['name']}: {warning}" for warning in axis.get("warnings", [])]
+    _judge(row, answer)
+
+
+def _of_axis(axis: dict[str, Any]) -> dict[str, Any]:
+    return {**_only(axis, ["name", "kind", "unit"]), **_noise(axis)}
+
+
+def _merged(calibrated: list[dict[str, Any]], measured: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The axes of both lists. The noise of axis ``x`` of a capture is that of its column ``x_code``."""
+    by_name = {axis["name"]: axis for axis in calibrated}
+    for axis in measured:
+        name = axis["name"][: -len("_code")] if axis["name"].endswith("_code") else axis["name"]
+        by_name[name] = {**by_name.get(name, {}), **axis, "name": name}
+    return list(by_name.values())
+
+
+def _noise(record: dict[str, Any]) -> dict[str, Any]:
+    """N, B and K of a record, with their intervals; none where the record was not fitted."""
+    fit = record.get("fit") or {}
+    found: dict[str, Any] = {"model_error": fit.get("model_error")}
+    for name in "nbk":
+        coefficient = fit.get(name) or {}
+        found.update({name: coefficient.get("value"), f"{name}_lo": coefficient.get("lo"), f"{name}_hi": coefficient.get("hi")})
+    return found
+
+
+def _judge(row: dict[str, Any], answer: Answer) -> None:
+    """The first command that fails gives the row its state."""
+    if row["state"] == "ok" and answer.state != "ok":
+        row.update(state=answer.state, code=answer.code, error=answer.error)
+
+
+def _take(row: dict[str, Any], found: dict[str, Any], names: list[str]) -> None:
+    row.update(_only(found, [name for name in names if name not in ("axes", "version")]))
+
+
+def _only(found: dict[str, Any], names: list[str]) -> dict[str, Any]:
+    return {name: found[name] for name in names if found.get(name) is not None}

@@ -1,0 +1,76 @@
+"""Pictures of a population, as SVG."""
+
+from __future__ import annotations
+
+import io
+from typing import Any, Optional, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ._population import OUTLIER, Numbers, robust_z
+
+COLOUR, MARKED, LIMIT = "#3366aa", "#cc3311", "#ee7733"
+
+
+def distribution(values: Numbers, label: str, limits: Sequence[float]) -> str:
+    """A histogram, with the data sheet's typical value or range."""
+    figure, ax = _figure()
+    bins = int(np.clip(np.ceil(2 * np.cbrt(len(values))), 5, 60))  # Rice's rule
+    ax.hist(values, bins=bins, color=COLOUR)
+    if len(limits) == 2:
+        ax.axvspan(*limits, color=LIMIT, alpha=0.15, label="data sheet, typical ± 2 σ", zorder=0)
+    elif limits:
+        ax.axvline(limits[0], color=LIMIT, label="data sheet, typical")
+    if limits:
+        ax.legend(loc="upper right")
+    ax.set(xlabel=label, ylabel="captures")
+    return _svg(figure)
+
+
+def over_order(rows: list[dict[str, Any]], values: Numbers, days: Optional[Numbers], unit: str) -> str:
+    """The values over time; where the captures have no date, over the serial numbers in their order."""
+    figure, ax = _figure()
+    order = np.argsort(days) if days is not None else np.array(_by_serial(rows))
+    x = days[order] if days is not None else np.arange(len(order), dtype=np.float64)
+    is_far = np.abs(robust_z(values[order])) > OUTLIER
+    ax.plot(x[~is_far], values[order][~is_far], ".", color=COLOUR)
+    ax.plot(x[is_far], values[order][is_far], "o", color=MARKED, label="outliers")
+    if is_far.any():
+        ax.legend(loc="upper right")
+    ax.set(xlabel="days since the first capture" if days is not None else "place in the order of serial numbers", ylabel=unit)
+    return _svg(figure)
+
+
+def _by_serial(rows: list[dict[str, Any]]) -> list[int]:
+    """The order of serial numbers; numbers in them count as numbers."""
+
+    def key(index: int) -> tuple[str, int]:
+        serial = str(rows[index]["serial"] or "")
+        digits = "".join(letter for letter in serial if letter.isdigit())
+        return serial.rstrip("0123456789"), int(digits or 0)
+
+    return sorted(range(len(rows)), key=key)
+
+
+def by_group(groups: dict[str, Numbers], unit: str) -> str:
+    """A box for each group: quartiles, median, and whiskers to the last value within 1.5 quartile distances."""
+    figure, ax = _figure()
+    ax.boxplot(list(groups.values()), orientation="horizontal")
+    ax.set_yticks(range(1, len(groups) + 1), [f"{name} ({len(values)})" for name, values in groups.items()])
+    ax.set(xlabel=unit)
+    return _svg(figure)
+
+
+def _figure() -> tuple[Figure, Axes]:
+    figure = Figure(figsize=(5.6, 3.2), layout="constrained")
+    ax = figure.add_subplot()
+    ax.spines[["top", "right"]].set_visible(False)
+    return figure, ax
+
+
+def _svg(figure: Figure) -> str:
+    text = io.StringIO()
+    figure.savefig(text, format="svg", metadata={"Date": None})
+    return text.getvalue()[text.getvalue().index("<svg") :]

@@ -1,0 +1,93 @@
+"""What many calibrations say together. Pure functions of numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+Numbers = NDArray[np.float64]
+
+# Iglewicz and Hoaglin, How to Detect and Handle Outliers, 1993: a robust z above 3.5 is an outlier.
+OUTLIER = 3.5
+# Of a normal distribution, the standard deviation is this many times the median absolute deviation.
+SIGMA_PER_MAD = 1.4826
+
+
+def robust_z(values: Numbers) -> Numbers:
+    """(x − median) / (1.4826 · MAD), by which one outlier does not hide another. Zero where more than half are equal."""
+    deviation = values - np.median(values)
+    scale = SIGMA_PER_MAD * np.median(np.abs(deviation))
+    return np.zeros_like(values) if scale == 0 else deviation / scale
+
+
+@dataclass(frozen=True)
+class Trend:
+    """A straight line through values over an order."""
+
+    slope: float
+    u_slope: float
+    """Standard uncertainty of the slope."""
+
+    @property
+    def is_seen(self) -> bool:
+        """Whether the slope is larger than its 95 % interval."""
+        return abs(self.slope) > 1.96 * self.u_slope
+
+
+def trend(x: Numbers, y: Numbers) -> Trend | None:
+    """The least-squares line of y over x; None for fewer than eight points, or where all x are one."""
+    spread = float(np.sum((x - x.mean()) ** 2)) if len(x) else 0.0
+    if len(x) < 8 or spread == 0:
+        return None
+    slope = float(np.sum((x - x.mean()) * (y - y.mean())) / spread)
+    rest = y - y.mean() - slope * (x - x.mean())
+    return Trend(slope, float(np.sqrt(np.sum(rest**2) / (len(x) - 2) / spread)))
+
+
+@dataclass(frozen=True)
+class Disagreement:
+    """Two calibrations of one unit that differ by more than their uncertainty."""
+
+    serial: str
+    urls: tuple[str, str]
+    temp_c: float
+    difference_dps: float
+    """Second correction minus first, at `temp_c`, °/s."""
+    limit_dps: float
+    """95 % of differences are below it, if the unit did not change, °/s."""
+
+
+def disagreements(rows: Sequence[dict[str, Any]]) -> list[Disagreement]:
+    """Pairs of calibrations of one serial number whose corrections disagree where their temperatures meet.
+
+    The correction at T is c = PBC + (T − T3) · BTC, and its variance u²(PBC) + d² u²(BTC) + 2 d cov(PBC, BTC) with
+    d = T − T3 (JCGM 100:2008, 5.2.2). T is the middle of the temperatures that both have seen; where they have none in
+    common, the middle between the two.
+    """
+    by_unit: dict[tuple[str, str], list[dict[str, Any]]] = {}
+    for row in rows:
+        if row["state"] == "ok" and row["serial"] and row["pbc_dps"] is not None:
+            by_unit.setdefault((row["part"], row["serial"]), []).append(row)
+    pairs = (pair for unit in by_unit.values() for pair in combinations(unit, 2))
+    compared = (_compare(*pair) for pair in pairs if pair[0]["capture_sha256"] != pair[1]["capture_sha256"])
+    return [found for found in compared if abs(found.difference_dps) > found.limit_dps]
+
+
+def _compare(first: dict[str, Any], second: dict[str, Any]) -> Disagreement:
+    low = max(first["temp_min_c"], second["temp_min_c"])
+    high = min(first["temp_max_c"], second["temp_max_c"])
+    temp_c = (low + high) / 2
+    values, variances = zip(_correction(first, temp_c), _correction(second, temp_c))
+    limit = 1.96 * float(np.sqrt(sum(variances)))
+    return Disagreement(first["serial"], (first["url"], second["url"]), temp_c, values[1] - values[0], limit)
+
+
+def _correction(row: dict[str, Any], temp_c: float) -> tuple[float, float]:
+    """The correction at a temperature and its variance."""
+    d = temp_c - row["t3_c"]
+    variance = row["u_pbc_dps"] ** 2 + (d * row["u_btc_dps_per_c"]) ** 2 + 2 * d * (row["cov_pbc_btc_dps2_per_c"] or 0.0)
+    return row["pbc_dps"] + d * row["btc_dps_per_c"], max(variance, 0.0)

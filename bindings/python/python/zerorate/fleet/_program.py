@@ -1,0 +1,146 @@
+"""The native program in a process of its own, so that its death is a row of the table and not the death of a worker."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, Optional
+
+from .. import _zerorate
+
+# Loads the extension alone: the package would load NumPy as well, which takes longer than a small file.
+LAUNCH = """
+import sys, importlib.util
+spec = importlib.util.spec_from_file_location("zerorate._zerorate", sys.argv[1])
+module = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(module)
+sys.exit(module.main(["zerorate", *sys.argv[2:]]))
+"""
+
+# The environment variable with another program to run: a native `zerorate` starts 30 ms sooner.
+VARIABLE = "ZERORATE_PROGRAM"
+
+# Smallest limit that the program accepts.
+LEAST_MEMORY = 256 << 20
+
+
+class Stopped(Exception):
+    """The run ends; what was under way has no row."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a command answered."""
+
+    found: Optional[dict[str, Any]]
+    """The object that it printed."""
+    state: str
+    """``ok``, ``refused``, ``failed`` or ``killed``."""
+    code: str = ""
+    error: str = ""
+
+
+_running: set[subprocess.Popen[str]] = set()
+_stopping = threading.Event()
+
+
+def stop() -> None:
+    """Ends all commands of this process, and lets none begin until `resume`."""
+    _stopping.set()
+    for process in list(_running):
+        process.kill()
+
+
+def resume() -> None:
+    """Commands may begin again."""
+    _stopping.clear()
+
+
+@lru_cache(maxsize=None)
+def version() -> str:
+    """What the program says of its version."""
+    done = subprocess.run([*_command(), "--version"], capture_output=True, text=True, check=True)
+    return done.stdout.strip()
+
+
+@lru_cache(maxsize=None)
+def asked_for_part(name: str) -> Optional[dict[str, Any]]:
+    """The data sheet of a part of the catalogue; None for another part."""
+    done = subprocess.run([*_command(), "parts", name, "--json"], capture_output=True, text=True)
+    parts = (_object(done.stdout) or {}).get("parts", [])
+    return parts[0] if done.returncode == 0 and parts else None
+
+
+def ask(arguments: list[str], max_memory: int, timeout_s: float) -> Answer:
+    """Runs a command with ``--json``. Raises `Stopped` where the run was stopped meanwhile."""
+    if _stopping.is_set():
+        raise Stopped
+    limited = [*arguments, "--json", "--max-memory", f"{max(max_memory, LEAST_MEMORY) >> 20}M"]
+    # In a session of its own: a Ctrl-C must not reach it, for its "interrupted" would be read as a failure of the file.
+    process = subprocess.Popen(
+        [*_command(), *limited],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        encoding="utf-8",
+        errors="replace",
+        start_new_session=True,
+    )
+    _running.add(process)
+    try:
+        stdout, stderr = process.communicate(timeout=timeout_s)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.communicate()
+        return Answer(None, "failed", "timeout", f"`{arguments[0]}` took longer than {timeout_s:g} s")
+    except BaseException:
+        process.kill()
+        raise
+    finally:
+        _running.discard(process)
+    if _stopping.is_set():
+        raise Stopped
+    return _answer(arguments[0], process.returncode, stdout, stderr)
+
+
+def _answer(command: str, code: int, stdout: str, stderr: str) -> Answer:
+    if code < 0:
+        name = signal.Signals(-code).name
+        return Answer(None, "killed", name, f"`{command}` was ended by {name}, and said: {stderr.strip()[-200:] or 'nothing'}")
+    found = _object(stdout)
+    if code == 0 and found is not None:
+        return Answer(found, "ok")
+    lines = stderr.splitlines()
+    said = next((line for line in lines if line.startswith(("error: ", "refused: "))), stderr.strip()[-300:])
+    named = next((line.split()[1] for line in lines if line.startswith("code: ") and len(line.split()) > 1), "")
+    state = "refused" if code == 3 else "failed"
+    reason = said.split(": ", 1)[-1] if said.startswith(("error: ", "refused: ")) else said
+    return Answer(found, state, named or _code(reason, code), reason or f"`{command}` ended with {code} and said nothing")
+
+
+def _code(reason: str, code: int) -> str:
+    return "memory" if "of max_memory" in reason else {2: "usage"}.get(code, f"exit-{code}")
+
+
+def _object(text: str) -> Optional[dict[str, Any]]:
+    try:
+        found = json.loads(text)
+    except ValueError:
+        return None
+    return found if isinstance(found, dict) else None
+
+
+@lru_cache(maxsize=None)
+def _command() -> tuple[str, ...]:
+    other = os.environ.get(VARIABLE)
+    own = (other,) if other else (sys.executable, "-I", "-S", "-c", LAUNCH, str(_zerorate.__file__))
+    # Where a worker is killed, the kernel ends its command as well.
+    guard = shutil.which("setpriv") if sys.platform == "linux" else None
+    return (guard, "--pdeathsig", "KILL", "--", *own) if guard else own

@@ -1,0 +1,206 @@
+"""``zerorate fleet report``: one page about a population of sensors."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections import Counter
+from dataclasses import dataclass
+from datetime import datetime
+from importlib.resources import files
+from typing import Any, Optional
+
+import jinja2
+import numpy as np
+import pyarrow.parquet as pq
+
+from . import _population, _program, _store
+from ._population import Numbers
+from ._table import TABLE
+
+# So many rows of a list are shown; the page says how many more there are.
+MOST_LISTED = 50
+MOST_GROUPS = 12
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A column of the table, as a reader knows it."""
+
+    column: str
+    name: str
+    unit: str
+    scale: float = 1.0
+
+
+QUANTITIES = [
+    Quantity("pbc_dps", "Bias correction PBC", "°/s"),
+    Quantity("btc_dps_per_c", "Temperature coefficient BTC", "°/s/°C"),
+    Quantity("n", "Angle random walk N", "°/√h", 60.0),
+    Quantity("b", "Bias instability B", "°/h", 3600.0),
+    Quantity("k", "Rate random walk K", "°/s/√s"),
+]
+
+
+@dataclass(frozen=True)
+class Outlier:
+    """A row far from the others."""
+
+    serial: str
+    url: str
+    quantity: str
+    value: str
+    z: str
+
+
+def write(table: str, output: str, *, group: Optional[str] = None, force: bool = False) -> None:
+    """Writes the page about a table, or about the table in a folder. Raises ValueError and OSError."""
+    if os.path.exists(output) and not force:
+        raise ValueError(f"{output} exists; give another name, or --force")
+    rows = _rows(table)
+    if group is not None and group not in rows[0]:
+        raise ValueError(f"the table has no column {group}; it has {', '.join(rows[0])}")
+    page = _page(rows, table, group)
+    with open(output, "w", encoding="utf-8") as file:
+        file.write(page)
+
+
+def _rows(table: str) -> list[dict[str, Any]]:
+    """The newest row of each file."""
+    url = table if table.endswith(".parquet") else f"{table.rstrip('/')}/{TABLE}"
+    try:
+        found = pq.read_table(io.BytesIO(_store.read(url))).to_pylist()
+    except FileNotFoundError as error:
+        raise ValueError(f"there is no {url}; `zerorate fleet table` makes it") from error
+    newest: dict[str, dict[str, Any]] = {}
+    for row in sorted(found, key=lambda row: row["ended"]):
+        newest[row["url"]] = row
+    if not newest:
+        raise ValueError(f"{url} has no rows")
+    return list(newest.values())
+
+
+def _page(rows: list[dict[str, Any]], table: str, group: Optional[str]) -> str:
+    good = [row for row in rows if row["state"] == "ok"]
+    states = Counter((row["state"], row["code"] or "") for row in rows)
+    pairs = _population.disagreements(good)
+    text = files(__package__).joinpath("report.html.jinja").read_text(encoding="utf-8")
+    template = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined).from_string(text)
+    outliers = _outliers(good)
+    return template.render(
+        table=table,
+        rows=len(rows),
+        units=len({(row["part"], row["serial"]) for row in rows if row["serial"]}),
+        nameless=sum(1 for row in rows if not row["serial"]),
+        simulated=sum(1 for row in rows if row["simulated"]),
+        programs=sorted({row["program"] for row in rows}),
+        states=[(state, code, count) for (state, code), count in states.most_common()],
+        warnings=Counter(_codes(good)).most_common(MOST_LISTED),
+        good=len(good),
+        outliers=outliers[:MOST_LISTED],
+        more_outliers=max(len(outliers) - MOST_LISTED, 0),
+        disagreements=pairs[:MOST_LISTED],
+        more_disagreements=max(len(pairs) - MOST_LISTED, 0),
+        pictures=[found for found in (_pictures(good, quantity, group) for quantity in QUANTITIES) if found],
+        group=group,
+    )
+
+
+def _codes(rows: list[dict[str, Any]]) -> list[str]:
+    """The codes of the warnings, each once for a row."""
+    return [code for row in rows for code in {warning.split(":")[0] for warning in row["warnings"] or []}]
+
+
+def _values(rows: list[dict[str, Any]], quantity: Quantity) -> tuple[list[dict[str, Any]], Numbers]:
+    """The rows that have a quantity, and its values. A noise that cannot be told from zero is not a value."""
+    lowest = f"{quantity.column}_lo"
+    having = [row for row in rows if row[quantity.column] is not None and row.get(lowest, 1.0) > 0]
+    return having, np.array([row[quantity.column] * quantity.scale for row in having], dtype=np.float64)
+
+
+def _outliers(rows: list[dict[str, Any]]) -> list[Outlier]:
+    """The rows with a robust z above 3.5 in any quantity, the farthest first. Parts are not compared with others."""
+    found: list[tuple[float, Outlier]] = []
+    for part in sorted({row["part"] or "" for row in rows}):
+        of_part = [row for row in rows if (row["part"] or "") == part]
+        for quantity in QUANTITIES:
+            having, values = _values(of_part, quantity)
+            z = _population.robust_z(values) if len(values) >= 5 else np.zeros(len(values))
+            for row, value, distance in zip(having, values, z):
+                if abs(distance) > _population.OUTLIER:
+                    text = f"{value:.4g} {quantity.unit}"
+                    outlier = Outlier(row["serial"] or "?", row["url"], quantity.name, text, f"{distance:+.1f}")
+                    found.append((abs(distance), outlier))
+    return [outlier for _, outlier in sorted(found, key=lambda pair: -pair[0])]
+
+
+def _limits(part: Optional[str]) -> dict[str, tuple[float, ...]]:
+    """Typical values of the data sheet, in the units of the pictures: one value, or both ends of a range."""
+    answer = _program.asked_for_part(part) if part else None
+    if answer is None:
+        return {}
+    limits: dict[str, tuple[float, ...]] = {}
+    bias = answer.get("bias", {})
+    for column, name in (("pbc_dps", "initial_dps"), ("btc_dps_per_c", "tempco_dps_per_c")):
+        if name in bias:
+            # A correction is minus the bias that it removes; two standard deviations hold 95 %.
+            value, u = -float(bias[name]["value"]), float(bias[name].get("u", 0.0))
+            limits[column] = (value - 2 * u, value + 2 * u)
+    noise = answer.get("noise", {})
+    if "white_dps_per_rt_hz" in noise:  # N² is half of a one-sided density
+        limits["n"] = (60.0 * float(noise["white_dps_per_rt_hz"]["value"]) / float(np.sqrt(2)),)
+    if "flicker_floor_dps" in noise:  # the floor of the Allan deviation is 0.664 B, IEEE Std 952-1997, C.1.3
+        limits["b"] = (3600.0 * float(noise["flicker_floor_dps"]["value"]) / 0.664,)
+    return limits
+
+
+def _pictures(rows: list[dict[str, Any]], quantity: Quantity, group: Optional[str]) -> Optional[dict[str, str]]:
+    """The pictures of a quantity as SVG, with a sentence for each trend that is seen."""
+    from . import _pictures as pictures
+
+    having, values = _values(rows, quantity)
+    if not len(values):
+        return None
+    parts = {row["part"] for row in having}
+    limits = _limits(parts.pop()).get(quantity.column, ()) if len(parts) == 1 else ()
+    days = _days(having)
+    found = {
+        "name": quantity.name,
+        "unit": quantity.unit,
+        "summary": _summary(values),
+        "distribution": pictures.distribution(values, f"{quantity.name}, {quantity.unit}", limits),
+        "order": pictures.over_order(having, values, days, quantity.unit),
+        "drift": _drift(days, values, quantity.unit),
+    }
+    if group:
+        found["groups"] = pictures.by_group(_grouped(having, values, group), quantity.unit)
+    return found
+
+
+def _summary(values: Numbers) -> str:
+    low, middle, high = np.percentile(values, [2.5, 50, 97.5])
+    return f"{len(values)} values; median {middle:.4g}, 95 % between {low:.4g} and {high:.4g}"
+
+
+def _days(rows: list[dict[str, Any]]) -> Optional[Numbers]:
+    """Days since the first capture; None where a capture has no date, as that of a simulated sensor."""
+    try:
+        times = [datetime.fromisoformat(row["created"].replace("Z", "+00:00")).timestamp() for row in rows]
+    except (AttributeError, ValueError):
+        return None
+    return (np.array(times) - min(times)) / 86_400.0
+
+
+def _drift(days: Optional[Numbers], values: Numbers, unit: str) -> str:
+    found = _population.trend(days, values) if days is not None else None
+    if found is None:
+        return ""
+    text = f"{found.slope:+.3g} ± {1.96 * found.u_slope:.2g} {unit} a day"
+    return f"Drift over time: {text}." if found.is_seen else f"No drift over time is seen ({text})."
+
+
+def _grouped(rows: list[dict[str, Any]], values: Numbers, group: str) -> dict[str, Numbers]:
+    """The values of each group, the largest groups first."""
+    names = [str(row[group]) for row in rows]
+    common = [name for name, _ in Counter(names).most_common(MOST_GROUPS)]
+    return {name: values[[index for index, own in enumerate(names) if own == name]] for name in common}

@@ -1,0 +1,263 @@
+"""All files of a source, on an engine that may lose workers, schedulers or itself.
+
+A task writes its own row. So the engine keeps no result, a task that runs twice leaves one row, and a new start does
+what has no row. The driver only sends tasks, and learns how they ended.
+"""
+
+from __future__ import annotations
+
+import concurrent.futures as futures
+import os
+import time
+from collections import deque
+from concurrent.futures import Executor, Future
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from typing import Callable, Iterable, Iterator, Optional, Union
+
+from . import _downloads, _one, _program, _store, _table
+from ._one import NotEnoughMemory, Replaced, Task
+from ._progress import Progress
+from ._recipe import DEFAULT, Recipe
+
+# A task that fails by an exception (a full disk, a store that does not answer) is tried so often.
+TRIES = 3
+# A task whose worker died so often, while nothing else ran, has killed it.
+DEATHS = 2
+# A lost engine is looked for so long, and found so often without a task done in between.
+PATIENCE_S = 120.0
+LOSSES = 5
+
+Engine = Union[Executor, Callable[[], Executor]]
+
+
+@dataclass
+class Ended:
+    """How a run ended."""
+
+    states: dict[str, int] = field(default_factory=dict)
+    """Rows by state. ``there`` counts the files that had a row before."""
+    undone: dict[str, str] = field(default_factory=dict)
+    """Files without a row, each with the reason. Another run does them."""
+    seconds: float = 0.0
+
+    def count(self, state: str, more: int = 1) -> None:
+        """Counts rows."""
+        self.states[state] = self.states.get(state, 0) + more
+
+
+class EngineLost(Exception):
+    """The engine does not come back. What has a row stays done."""
+
+
+def run(
+    source: str,
+    out: str,
+    recipe: Recipe = DEFAULT,
+    executor: Optional[Engine] = None,
+    *,
+    workers: Optional[int] = None,
+    max_memory: Optional[int] = None,
+    again: Iterable[str] = (),
+    show_progress: bool = False,
+) -> Ended:
+    """Analyses every file of `source` that has no row below `out` yet.
+
+    `source` and `out` are a folder, a glob or a bucket (``s3://…``, any address of fsspec). `executor` is an Executor,
+    or a function that makes one, for an engine that breaks with its workers. Without it, threads of this process each
+    start the native program. `workers` is how many tasks run at once, and `max_memory` (bytes) what all of them may
+    take together [default: half of the machine's]. `again` names states (``failed``, ``killed``, ``refused``) whose rows
+    are made anew.
+    """
+    began = time.monotonic()
+    _downloads.remove_left()
+    _program.resume()
+    workers = workers or getattr(executor, "workers", None) or os.cpu_count() or 1
+    budget = max_memory or getattr(executor, "memory_bytes", None) or _half_of_memory()
+    tasks, ended = _tasks(source, out, recipe, set(again))
+    with Progress(len(tasks), show_progress) as progress:
+        driver = _Driver(executor, workers, budget, ended, progress)
+        try:
+            driver.work_through(tasks)
+        except BaseException:
+            _program.stop()
+            raise
+    ended.seconds = time.monotonic() - began
+    return ended
+
+
+def _tasks(source: str, out: str, recipe: Recipe, again: set[str]) -> tuple[list[Task], Ended]:
+    """The files without a row, and the count of the others. Rows that are made anew are removed."""
+    digest, ended = recipe.digest(), Ended()
+    files = [file for file in _store.find(source) if not file.url.startswith(_store.inside(out))]
+    tasks = [Task(file, out, recipe, digest, _one.needed_memory(file)) for file in files]
+    there = _table.keys(out)
+    if again:
+        anew = _table.keys_in_state(out, again) & {task.key for task in tasks}
+        _table.forget(out, anew)
+        there -= anew
+    todo = [task for task in tasks if task.key not in there]
+    if len(todo) < len(tasks):
+        ended.count("there", len(tasks) - len(todo))
+    return todo, ended
+
+
+def _half_of_memory() -> int:
+    try:
+        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") // 2
+    except (AttributeError, ValueError, OSError):
+        return 4 << 30
+
+
+class _WorkerDied(Exception):
+    """The engine broke with a worker: each task that was under way may be the reason."""
+
+
+class _Lost(Exception):
+    """The engine is gone, and no task is to blame."""
+
+
+class _Driver:
+    """Sends tasks to an engine, and follows them."""
+
+    def __init__(
+        self, engine: Optional[Engine], workers: int, budget: int, ended: Ended, progress: Progress
+    ) -> None:
+        self.engine = engine
+        self.workers = workers
+        self.budget = budget
+        self.ended = ended
+        self.progress = progress
+        self.tries: dict[str, int] = {}
+        self.suspects: list[Task] = []
+        self.losses = 0
+
+    def work_through(self, tasks: list[Task]) -> None:
+        """Does all tasks; those during which a worker died come last, one at a time."""
+        todo = [self._limited(task) for task in tasks]
+        while todo:
+            todo = self._round(todo)
+        for suspect in self.suspects:
+            self._alone(suspect)
+
+    def _limited(self, task: Task) -> Task:
+        """A task with its share of the memory. Threads of this process wait for a task that needs more."""
+        share = self.budget // self.workers
+        needs = min(task.max_memory, self.budget) if self.engine is None else 0
+        return replace(task, max_memory=max(share, needs))
+
+    def _round(self, todo: list[Task]) -> list[Task]:
+        """Works through tasks until the engine breaks; returns what is to be done on a new one."""
+        waiting = deque(todo)
+        pending: dict[Future[str], Task] = {}
+        try:
+            with self._pool() as pool:
+                while waiting or pending:
+                    self._send(pool, waiting, pending)
+                    for future in futures.wait(pending, return_when=futures.FIRST_COMPLETED).done:
+                        task = pending[future]
+                        waiting.extend(self._settle(task, future))
+                        del pending[future]
+        except _WorkerDied:
+            self.suspects += pending.values()
+        except _Lost:
+            self._count_loss()
+            waiting.extend(pending.values())
+        finally:
+            for future in pending:
+                future.cancel()
+        return list(waiting)
+
+    def _send(self, pool: Executor, waiting: deque[Task], pending: dict[Future[str], Task]) -> None:
+        # An engine of its own has a queue, which must not run dry; threads here take their next task at once.
+        most = self.workers if self.engine is None else max(4 * self.workers, 16)
+        while waiting and len(pending) < most:
+            taken = sum(task.max_memory for task in pending.values())
+            if self.engine is None and pending and taken + waiting[0].max_memory > self.budget:
+                return
+            try:
+                future = pool.submit(_one.work, waiting[0])
+            except futures.BrokenExecutor as error:
+                raise _WorkerDied from error
+            except Exception as error:
+                raise _Lost from error
+            pending[future] = waiting.popleft()
+
+    def _settle(self, task: Task, future: Future[str]) -> list[Task]:
+        """Counts a task that has ended; returns what is to be done again."""
+        try:
+            self._done(future.result())
+        except futures.CancelledError as error:
+            raise _Lost from error
+        except futures.BrokenExecutor as error:
+            raise _WorkerDied from error
+        except Replaced as error:
+            return self._again(task, replace(task, file=error.file), "it changes while it is read")
+        except NotEnoughMemory as error:
+            self._undone(task, str(error))
+        except Exception as error:
+            if type(error).__name__ == "KilledWorker":  # Dask's own, which is not imported for its name
+                self.suspects.append(task)
+                return []
+            return self._again(task, task, f"{type(error).__name__}: {error}")
+        return []
+
+    def _done(self, state: str) -> None:
+        self.losses = 0
+        self.ended.count(state)
+        self.progress.advance()
+
+    def _again(self, failed: Task, next_try: Task, why: str) -> list[Task]:
+        url = failed.file.url
+        self.tries[url] = self.tries.get(url, 0) + 1
+        if self.tries[url] < TRIES:
+            return [next_try]
+        self._undone(failed, why)
+        return []
+
+    def _undone(self, task: Task, why: str) -> None:
+        self.ended.undone[task.file.url] = why
+        self.progress.advance()
+
+    def _alone(self, task: Task) -> None:
+        """Does one task while nothing else runs, so that the death of the worker is its own."""
+        deaths, todo = 0, [task]
+        while todo and deaths < DEATHS:
+            self.suspects = []
+            todo = self._round(todo)
+            if self.suspects:
+                deaths, todo = deaths + 1, [task]
+        if todo:
+            reason = f"the worker died {deaths} times while it did nothing but this file"
+            _one.put(task, {"state": "killed", "code": "worker-died", "error": reason})
+            self._done("killed")
+
+    def _count_loss(self) -> None:
+        self.losses += 1
+        if self.losses > LOSSES:
+            raise EngineLost("the engine was lost again and again with no task done; look at its log, and start again")
+
+    @contextmanager
+    def _pool(self) -> Iterator[Executor]:
+        """An executor that is closed at the end, and does not wait for what is under way."""
+        if isinstance(self.engine, Executor):
+            yield self.engine
+            return
+        pool = self._made()
+        try:
+            yield pool
+        finally:
+            pool.shutdown(wait=False)
+
+    def _made(self) -> Executor:
+        if self.engine is None:
+            return futures.ThreadPoolExecutor(self.workers, "zerorate-fleet")
+        assert not isinstance(self.engine, Executor)
+        until = time.monotonic() + PATIENCE_S
+        while True:
+            try:
+                return self.engine()
+            except Exception as error:
+                if time.monotonic() > until:
+                    raise EngineLost(f"the engine cannot be reached: {error}") from error
+                time.sleep(1.0)

@@ -1,0 +1,177 @@
+"""Files and rows in a folder or an object store, by fsspec."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import uuid
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, Iterator
+
+import fsspec
+
+ROWS = "rows"
+
+
+class Unreachable(Exception):
+    """A store that cannot be read or written; the text says which, and why."""
+
+
+@lru_cache(maxsize=8)
+def _filesystem(protocol: str) -> Any:
+    # A cached listing would hide the rows that other workers write.
+    return fsspec.filesystem(protocol, use_listings_cache=False, skip_instance_cache=True)
+
+
+def opened(url: str) -> tuple[Any, str]:
+    """The file system of an address, and the path there. Keys and endpoints come from the environment, never from us."""
+    protocol, separator, _ = url.partition("://")
+    try:
+        filesystem = _filesystem(protocol if separator else "file")
+    except (ImportError, ValueError) as error:
+        raise Unreachable(f"{url}: {error}") from error
+    return filesystem, str(filesystem._strip_protocol(url)).rstrip("/") or "/"
+
+
+def is_local(filesystem: Any) -> bool:
+    """Whether the files are on this machine."""
+    protocol = filesystem.protocol
+    return "file" in ((protocol,) if isinstance(protocol, str) else protocol)
+
+
+@dataclass(frozen=True)
+class File:
+    """A file of the fleet, in one of its contents."""
+
+    url: str
+    version: str
+    """ETag of an object; size and time of a file."""
+    size: int
+
+    def key(self, digest: str) -> str:
+        """The name of its row for a recipe."""
+        return hashlib.sha256(f"{self.url}|{self.version}|{digest}".encode()).hexdigest()[:24]
+
+
+def find(source: str) -> list[File]:
+    """All files of a folder, a glob or a bucket, sorted by address."""
+    filesystem, path = opened(source)
+    pattern = path if any(letter in path for letter in "*?[") else f"{path}/**"
+    try:
+        single = {path: filesystem.info(path)} if filesystem.isfile(path) else {}
+        found = single or filesystem.glob(pattern, detail=True)
+    except Exception as error:
+        raise Unreachable(f"{source} cannot be listed: {error}") from error
+    infos = (info for info in found.values() if info["type"] == "file")
+    return sorted((_file(filesystem, info) for info in infos), key=lambda file: file.url)
+
+
+def inside(url: str) -> str:
+    """How the addresses of the files in a folder begin."""
+    filesystem, path = opened(url)
+    return f"{path if is_local(filesystem) else filesystem.unstrip_protocol(path)}/"
+
+
+def remove_path(out: str, path: str) -> None:
+    """Removes a file of the file system of `out`."""
+    opened(out)[0].rm_file(path)
+
+
+def stat(url: str) -> File:
+    """A file as it is now."""
+    filesystem, path = opened(url)
+    return _file(filesystem, filesystem.info(path))
+
+
+def _file(filesystem: Any, info: dict[str, Any]) -> File:
+    etag = next((info[name] for name in ("ETag", "etag", "md5Hash", "content_md5") if info.get(name)), None)
+    version = str(etag).strip('"') if etag else f"{info['size']}-{_modified(info)}"
+    url = info["name"] if is_local(filesystem) else filesystem.unstrip_protocol(info["name"])
+    return File(url, version, int(info["size"]))
+
+
+def _modified(info: dict[str, Any]) -> str:
+    found = next((info[name] for name in ("mtime", "LastModified", "updated", "last_modified", "created") if info.get(name)), "")
+    return str(found)
+
+
+def fetch(file: File, folder: str) -> str:
+    """The path of a local copy in `folder`; of a local file, its own."""
+    filesystem, path = opened(file.url)
+    if is_local(filesystem):
+        return path
+    local = os.path.join(folder, os.path.basename(path))
+    filesystem.get_file(path, local)
+    return local
+
+
+def put(url: str, data: bytes) -> None:
+    """Writes a file whole or not at all."""
+    filesystem, path = opened(url)
+    if not is_local(filesystem):
+        filesystem.pipe_file(path, data)
+        return
+    os.makedirs(os.path.dirname(path), exist_ok=True)
+    part = f"{path}.{uuid.uuid4().hex}.part"
+    try:
+        with open(part, "wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(part, path)
+    except BaseException:
+        if os.path.exists(part):
+            os.remove(part)
+        raise
+
+
+def row_url(out: str, key: str) -> str:
+    """Where the row of this key is. One folder of 256 holds it, so that a million rows list in parts."""
+    return f"{out.rstrip('/')}/{ROWS}/{key[:2]}/{key}.json"
+
+
+def exists(url: str) -> bool:
+    """Whether there is such a file."""
+    filesystem, path = opened(url)
+    return bool(filesystem.exists(path))
+
+
+def read(url: str) -> bytes:
+    """The content of a file."""
+    filesystem, path = opened(url)
+    return _bytes(filesystem, path)
+
+
+def row_paths(out: str) -> list[str]:
+    """The paths of all rows in their file system. A file of another ending is a row that was never finished."""
+    return _found(out, ROWS, ".json")
+
+
+def part_paths(out: str, folder: str) -> list[str]:
+    """The paths of the Parquet files in a folder below."""
+    return _found(out, folder, ".parquet")
+
+
+def _found(out: str, folder: str, ending: str) -> list[str]:
+    filesystem, path = opened(out)
+    try:
+        found = filesystem.find(f"{path}/{folder}")
+    except FileNotFoundError:
+        return []
+    except Exception as error:
+        raise Unreachable(f"{out} cannot be listed: {error}") from error
+    return sorted(name for name in found if name.endswith(ending))
+
+
+def contents(out: str, paths: list[str], together: int = 1000) -> Iterator[dict[str, bytes]]:
+    """The contents of files, so many at a time."""
+    filesystem, _ = opened(out)
+    for first in range(0, len(paths), together):
+        some = paths[first : first + together]
+        yield {path: _bytes(filesystem, path) for path in some} if is_local(filesystem) else filesystem.cat(some)
+
+
+def _bytes(filesystem: Any, path: str) -> bytes:
+    data: bytes = filesystem.cat_file(path)
+    return data

@@ -1,0 +1,116 @@
+"""Captures of simulated sensors, and programs that die on some of them."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import socket
+import stat
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Callable, Iterator
+
+import pytest
+
+from zerorate.fleet import Recipe
+from zerorate.fleet._program import _command, version
+
+PLAN = ("--average", "2s", "--warmup", "60s", "--settle", "20s", "--offset", "5s")
+RECIPE = Recipe(recalibrate=PLAN)
+UNITS = 8
+
+
+@pytest.fixture(scope="session")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Captures of eight units, recorded once."""
+    folder = tmp_path_factory.mktemp("recorded")
+    for seed in range(1, UNITS + 1):
+        twin = ["--device", f"twin:seed={seed}", "--divider", "20", "--serial", f"SN{seed}"]
+        files = ["--log", str(folder / f"unit{seed}.arrows"), "-o", str(folder / f"unit{seed}.toml")]
+        command = [sys.executable, "-m", "zerorate", "calibrate", *twin, *PLAN, *files]
+        subprocess.run(command, check=True, capture_output=True, timeout=60)
+    return folder
+
+
+@pytest.fixture()
+def captures(recorded: Path, tmp_path: Path) -> Path:
+    """A folder with these captures."""
+    folder = tmp_path / "captures"
+    folder.mkdir()
+    for path in recorded.glob("*.arrows"):
+        shutil.copy(path, folder)
+    return folder
+
+
+Wrap = Callable[[str], None]
+
+
+@pytest.fixture()
+def wrapped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Wrap]:
+    """Puts lines of shell before the program: ``$*`` are its arguments."""
+
+    def wrap(lines: str) -> None:
+        program = " ".join(f"'{word}'" for word in _own())
+        script = tmp_path / "wrapped"
+        script.write_text(f'#!/bin/sh\n{lines}\nexec {program} "$@"\n')
+        script.chmod(script.stat().st_mode | stat.S_IXUSR)
+        monkeypatch.setenv("ZERORATE_PROGRAM", str(script))
+        _forget()
+
+    yield wrap
+    monkeypatch.undo()
+    _forget()
+
+
+def _own() -> list[str]:
+    words = list(_command())
+    return words[words.index("--") + 1 :] if "--" in words else words
+
+
+def _forget() -> None:
+    _command.cache_clear()
+    version.cache_clear()
+
+
+@pytest.fixture(scope="session")
+def bucket(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """The address of an empty bucket on an S3 server of this machine (moto)."""
+    port = free_port()
+    command = [sys.executable, "-m", "moto.server", "-H", "127.0.0.1", "-p", str(port)]
+    server = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    settings = {
+        "AWS_ENDPOINT_URL": f"http://127.0.0.1:{port}",
+        "AWS_ACCESS_KEY_ID": "test",
+        "AWS_SECRET_ACCESS_KEY": "test",
+        "AWS_DEFAULT_REGION": "us-east-1",
+        "NO_PROXY": "127.0.0.1",
+    }
+    os.environ.update(settings)
+    wait_for(lambda: is_open(port), "the S3 server")
+    import boto3
+
+    boto3.client("s3").create_bucket(Bucket="fleet")
+    yield "s3://fleet"
+    server.kill()
+    for name in settings:
+        os.environ.pop(name, None)
+
+
+def free_port() -> int:
+    with socket.socket() as server:
+        server.bind(("127.0.0.1", 0))
+        return int(server.getsockname()[1])
+
+
+def is_open(port: int) -> bool:
+    with socket.socket() as client:
+        return client.connect_ex(("127.0.0.1", port)) == 0
+
+
+def wait_for(holds: Callable[[], bool], what: str, timeout_s: float = 60.0) -> None:
+    until = time.monotonic() + timeout_s
+    while not holds():
+        assert time.monotonic() < until, f"{what} did not come in {timeout_s:g} s"
+        time.sleep(0.05)

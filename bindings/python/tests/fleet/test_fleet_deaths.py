@@ -1,0 +1,245 @@
+"""Nothing is lost when a worker, a scheduler, the driver or the disk dies. The deaths are real."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import suppress
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any, Callable, Iterator
+
+import loky
+import pytest
+from conftest import RECIPE, UNITS, Wrap, free_port, is_open, wait_for
+
+from zerorate import fleet
+from zerorate.fleet import _downloads, _store
+
+SLOW = "case \"$*\" in *--version*) ;; *) sleep 0.3;; esac"
+DRIVER = "import sys; from zerorate import fleet; from zerorate.fleet import Recipe\n"
+
+
+def spawned() -> Executor:
+    return ProcessPoolExecutor(2, mp_context=get_context("spawn"))
+
+
+def by_loky() -> Executor:
+    pool: Executor = loky.ProcessPoolExecutor(2)
+    return pool
+
+
+ENGINES: list[Callable[[], Executor]] = [spawned, by_loky]
+
+
+def in_thread(work: Callable[[], Any]) -> Callable[[], Any]:
+    """Begins `work` in a thread; the result is a function that waits for its end."""
+    done: list[Any] = []
+    thread = threading.Thread(target=lambda: done.append(work()))
+    thread.start()
+
+    def wait() -> Any:
+        thread.join(120)
+        return done[0]
+
+    return wait
+
+
+def rows(out: Path) -> int:
+    return len(_store.row_paths(str(out)))
+
+
+def children(process: int) -> list[int]:
+    found = subprocess.run(["pgrep", "-P", str(process)], capture_output=True, text=True).stdout
+    return [int(line) for line in found.split()]
+
+
+def kill_a_worker(name: str) -> None:
+    """Kills one of the processes whose command line has `name`, below this one."""
+    for child in children(os.getpid()):
+        try:
+            line = Path(f"/proc/{child}/cmdline").read_text()
+        except OSError:
+            continue
+        if name in line and "resource_tracker" not in line:
+            os.kill(child, signal.SIGKILL)
+            return
+    raise AssertionError(f"no process of {name}")
+
+
+@pytest.mark.parametrize(("engine", "name"), [(spawned, "spawn_main"), (by_loky, "loky")])
+def test_killed_workers_cost_nothing(
+    engine: Callable[[], Executor], name: str, captures: Path, tmp_path: Path, wrapped: Wrap
+) -> None:
+    wrapped(SLOW)
+    out = tmp_path / "out"
+    wait = in_thread(lambda: fleet.run(str(captures), str(out), RECIPE, engine, workers=2))
+    for count in (1, 3):
+        wait_for(lambda: rows(out) >= count, f"row {count}")
+        kill_a_worker(name)
+    ended = wait()
+    assert (ended.states, ended.undone) == ({"ok": UNITS}, {})
+    assert fleet.table(str(out)).states == {"ok": UNITS}
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_file_that_kills_its_worker_gets_a_row(
+    engine: Callable[[], Executor], captures: Path, tmp_path: Path, wrapped: Wrap
+) -> None:
+    wrapped('case "$*" in *unit5*) kill -KILL $PPID; sleep 5;; esac')
+    ended = fleet.run(str(captures), str(tmp_path / "out"), RECIPE, engine, workers=2)
+    assert ended.states == {"ok": UNITS - 1, "killed": 1}
+    (reason,) = fleet.table(str(tmp_path / "out")).reasons
+    assert reason[:3] == ("killed", "worker-died", 1) and reason[3].endswith("unit5.arrows")
+
+
+def start_driver(source: str, out: str) -> subprocess.Popen[bytes]:
+    program = f"{DRIVER}fleet.run({source!r}, {out!r}, Recipe(recalibrate={RECIPE.recalibrate!r}), workers=2)"
+    return subprocess.Popen([sys.executable, "-c", program], stderr=subprocess.DEVNULL)
+
+
+@pytest.mark.skipif(shutil.which("setpriv") is None, reason="setpriv of util-linux ends commands whose worker died")
+def test_a_killed_driver_leaves_no_command_and_no_half_row(captures: Path, tmp_path: Path, wrapped: Wrap) -> None:
+    wrapped(SLOW)
+    out = tmp_path / "out"
+    driver = start_driver(str(captures), str(out))
+    wait_for(lambda: rows(out) >= 2, "two rows")
+    commands = children(driver.pid)
+    driver.kill()
+    driver.wait()
+    wait_for(lambda: not any(Path(f"/proc/{command}/cmdline").exists() for command in commands), "the end of commands", 10)
+    there = rows(out)
+    ended = fleet.run(str(captures), str(out), RECIPE)
+    assert ended.states == {"there": there, "ok": UNITS - there}
+
+
+def test_ctrl_c_leaves_no_row_of_what_was_under_way(captures: Path, tmp_path: Path, wrapped: Wrap) -> None:
+    wrapped(SLOW)
+    out = tmp_path / "out"
+    driver = start_driver(str(captures), str(out))
+    wait_for(lambda: rows(out) >= 1, "a row")
+    driver.send_signal(signal.SIGINT)
+    assert driver.wait(timeout=10) != 0
+    assert set(fleet.table(str(out)).states) == {"ok"}
+    assert fleet.run(str(captures), str(out), RECIPE).undone == {}
+    assert fleet.table(str(out)).states == {"ok": UNITS}
+
+
+def test_downloads_of_the_dead_are_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    holder = "import time; from zerorate.fleet import _downloads as d\nwith d.folder() as f:\n  print(f, flush=True); time.sleep(60)"
+    environment = {**os.environ, "TMPDIR": str(tmp_path)}
+    process = subprocess.Popen([sys.executable, "-c", holder], stdout=subprocess.PIPE, text=True, env=environment)
+    assert process.stdout is not None
+    folder = process.stdout.readline().strip()
+    assert _downloads.remove_left() == 0 and os.path.isdir(folder)
+    process.kill()
+    process.wait()
+    assert _downloads.remove_left() == 1 and not os.path.exists(folder)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists() or os.geteuid() != 0, reason="needs root, to mount a small disk")
+def test_a_full_disk_leaves_files_undone(captures: Path, tmp_path: Path) -> None:
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(disk)], capture_output=True)
+    if mounted.returncode:
+        pytest.skip(f"no small disk here: {mounted.stderr.decode().strip()}")
+    try:
+        filler = disk / "filler"
+        filler.write_bytes(b"\0" * 44_000)
+        ended = fleet.run(str(captures), str(disk / "out"), RECIPE)
+        assert ended.undone and all("No space left" in why for why in ended.undone.values())
+        assert not list((disk / "out").rglob("*.part"))
+        filler.unlink()
+        ended = fleet.run(str(captures), str(disk / "out"), RECIPE)
+        assert not ended.undone and sum(ended.states.values()) == UNITS
+    finally:
+        subprocess.run(["umount", "-l", str(disk)], check=True)
+
+
+class Cluster:
+    """A scheduler and workers of Dask, each a process."""
+
+    def __init__(self, folder: Path) -> None:
+        self.port = free_port()
+        self.address = f"tcp://127.0.0.1:{self.port}"
+        self.folder = folder
+        self.processes: list[subprocess.Popen[bytes]] = []
+
+    def start(self) -> Any:
+        """Begins a scheduler with two workers; returns the engine."""
+        self.begin("scheduler", "--host", "127.0.0.1", "--port", str(self.port), "--no-show")
+        wait_for(lambda: is_open(self.port), "the scheduler")
+        self.begin("worker", self.address, "--nworkers", "2", "--nthreads", "1", "--death-timeout", "60")
+        until = time.monotonic() + 60
+        while True:
+            try:
+                engine = fleet.dask_cluster(self.address)
+                if engine.workers == 2:
+                    return engine
+                engine.close()
+            except (ValueError, OSError) as error:
+                assert time.monotonic() < until, f"no worker came: {error}"
+            time.sleep(0.5)
+
+    def begin(self, what: str, *words: str) -> None:
+        command = [sys.executable, "-m", f"distributed.cli.dask_{what}", *words, "--no-dashboard"]
+        quiet = subprocess.DEVNULL
+        self.processes.append(
+            subprocess.Popen(command, stdout=quiet, stderr=quiet, cwd=self.folder, start_new_session=True)
+        )
+
+    def kill_scheduler(self) -> None:
+        self.processes[0].kill()
+        self.processes[0].wait()
+
+    def end(self) -> None:
+        for process in self.processes:
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+
+
+@pytest.fixture()
+def dask(tmp_path: Path) -> Iterator[Cluster]:
+    cluster = Cluster(tmp_path)
+    yield cluster
+    cluster.end()
+
+
+def test_a_lost_scheduler_and_a_replaced_object(dask: Cluster, bucket: str, captures: Path) -> None:
+    """On an object store. The scheduler is killed in the middle and begun anew, with other workers."""
+    import fsspec
+
+    store = fsspec.filesystem("s3", use_listings_cache=False)
+    for path in captures.iterdir():
+        store.put_file(str(path), f"fleet/night/{path.name}")
+    out = f"{bucket}/rows"
+    engine = dask.start()
+    wait = in_thread(lambda: fleet.run(f"{bucket}/night", out, RECIPE, engine))
+    wait_for(lambda: len(_store.row_paths(out)) >= 1, "a row")
+    dask.kill_scheduler()
+    dask.start().close()
+    ended = wait()
+    engine.close()
+    assert not ended.undone and sum(ended.states.values()) == UNITS
+    assert fleet.table(out).states == {"ok": UNITS}
+    store.put_file(str(captures / "unit1.arrows"), "fleet/night/unit2.arrows")
+    assert fleet.run(f"{bucket}/night", out, RECIPE).states == {"there": UNITS - 1, "ok": 1}
+
+
+def test_workers_of_dask_that_are_killed(dask: Cluster, captures: Path, tmp_path: Path, wrapped: Wrap) -> None:
+    """One file kills its worker each time; the others are done."""
+    wrapped('case "$*" in *unit5*) kill -KILL $PPID; sleep 5;; esac')
+    engine = dask.start()
+    ended = fleet.run(str(captures), str(tmp_path / "out"), RECIPE, engine)
+    engine.close()
+    assert (ended.states, ended.undone) == ({"ok": UNITS - 1, "killed": 1}, {})

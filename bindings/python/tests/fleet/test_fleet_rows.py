@@ -1,0 +1,174 @@
+"""What the row of a file says, and the table of all."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+from conftest import PLAN, RECIPE, UNITS, Wrap
+
+import zerorate
+from zerorate import fleet
+
+
+def run(*arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "zerorate", "fleet", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120)
+
+
+def rows_of(out: Path) -> dict[str, dict[str, Any]]:
+    """The rows of a table by the names of their files."""
+    fleet.table(str(out))
+    return {os.path.basename(row["url"]): row for row in pq.read_table(out / "rows.parquet").to_pylist()}
+
+
+def test_a_row_is_what_the_program_says_of_the_file(captures: Path, recorded: Path, tmp_path: Path) -> None:
+    ended = fleet.run(str(captures), str(tmp_path / "out"), RECIPE)
+    assert (ended.states, ended.undone) == ({"ok": UNITS}, {})
+    for name, row in rows_of(tmp_path / "out").items():
+        calibration = zerorate.Calibration.load(recorded / name.replace("arrows", "toml"))
+        assert row["serial"] == calibration.serial and row["part"] == "ADIS16130" and row["simulated"]
+        correction = calibration.axes[0].correction
+        assert (row["pbc_dps"], row["btc_dps_per_c"]) == (correction.pbc_dps, correction.btc_dps_per_c)
+        fit = zerorate.allan(captures / name, fit=True).fit
+        assert fit is not None
+        assert (row["n"], row["b"], row["k_hi"]) == (fit.n.value, fit.b.value, fit.k.hi)
+        assert any(warning.startswith("earth-included: ") for warning in row["warnings"])
+
+
+def test_a_second_start_changes_nothing(captures: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    fleet.run(str(captures), str(out), RECIPE)
+    before = {path: path.stat().st_mtime_ns for path in out.rglob("*.json")}
+    assert fleet.run(str(captures), str(out), RECIPE).states == {"there": UNITS}
+    assert {path: path.stat().st_mtime_ns for path in out.rglob("*.json")} == before
+
+
+def test_another_recipe_or_content_is_another_row(captures: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    fleet.run(str(captures), str(out), RECIPE)
+    assert fleet.run(str(captures), str(out), fleet.Recipe(recalibrate=None)).states == {"ok": UNITS}
+    shutil.copy(captures / "unit1.arrows", captures / "unit2.arrows")
+    assert fleet.run(str(captures), str(out), RECIPE).states == {"ok": 1, "there": UNITS - 1}
+    assert fleet.table(str(out)).rows == 2 * UNITS + 1
+
+
+def test_bad_files_are_rows_with_their_reason(captures: Path, tmp_path: Path) -> None:
+    whole = (captures / "unit1.arrows").read_bytes()
+    (captures / "flipped.arrows").write_bytes(whole[:400_000] + bytes([whole[400_000] ^ 4]) + whole[400_001:])
+    (captures / "torn.arrows").write_bytes(whole[: len(whole) // 2])
+    (captures / "foreign.arrows").write_bytes(b"\x00" * 5000)
+    (captures / "empty.arrows").write_bytes(b"")
+    out = tmp_path / "out"
+    ended = fleet.run(str(captures), str(out), RECIPE)
+    assert ended.states == {"ok": UNITS, "failed": 4} and not ended.undone
+    rows = rows_of(out)
+    assert rows["flipped.arrows"]["code"] == "damaged" and "its check differs" in rows["flipped.arrows"]["error"]
+    assert rows["torn.arrows"]["serial"] == "SN1" and "recording ends" in rows["torn.arrows"]["error"]
+    for name in ("foreign.arrows", "empty.arrows"):
+        assert rows[name]["state"] == "failed" and rows[name]["error"]
+
+
+def test_a_refusal_keeps_the_serial_number(tmp_path: Path) -> None:
+    twin = ["--device", "twin:motion=sway,sway_dps=5", "--divider", "20", "--serial", "SHAKY"]
+    log = ["--log", str(tmp_path / "shaky.arrows"), "--no-save"]
+    subprocess.run([sys.executable, "-m", "zerorate", "calibrate", *twin, *PLAN, *log], capture_output=True, timeout=60)
+    row = fleet.one(str(tmp_path / "shaky.arrows"), str(tmp_path / "out"), RECIPE)
+    assert (row["state"], row["serial"], row["pbc_dps"]) == ("refused", "SHAKY", None)
+    assert row["code"] and row["error"]
+
+
+def test_logs_and_their_axes(tmp_path: Path) -> None:
+    random = np.random.default_rng(1)
+    columns = np.column_stack([np.arange(20_000) / 100, random.normal(0, 0.1, (20_000, 3))])
+    log = tmp_path / "log.csv"
+    np.savetxt(log, columns, fmt="%.6f", delimiter=",", header="t_s,gx_dps,gy_dps,gz_dps", comments="")
+    row = fleet.one(str(log), str(tmp_path / "out"), fleet.Recipe(allan=None, imu=()))
+    assert row["state"] == "ok" and row["method"] is None
+    assert [axis["name"] for axis in row["axes"]] == ["gx_dps", "gy_dps", "gz_dps"]
+    for axis in row["axes"]:
+        assert axis["n_lo"] < 0.1 / np.sqrt(100) * 1.02 and axis["n_hi"] > 0.1 / np.sqrt(100) * 0.98
+    several = fleet.one(str(log), str(tmp_path / "out"))
+    assert several["state"] == "failed" and "--column" in several["error"]
+
+
+def test_a_program_that_dies_or_hangs(captures: Path, tmp_path: Path, wrapped: Wrap) -> None:
+    wrapped('case "$*" in *unit1*) kill -SEGV $$;; *unit2*) exec sleep 60;; esac')
+    quick = fleet.Recipe(recalibrate=PLAN, timeout_s=5)
+    ended = fleet.run(str(captures), str(tmp_path / "out"), quick)
+    assert ended.states == {"ok": UNITS - 2, "killed": 1, "failed": 1}
+    rows = rows_of(tmp_path / "out")
+    assert rows["unit1.arrows"]["code"] == "SIGSEGV" and "said: nothing" in rows["unit1.arrows"]["error"]
+    assert rows["unit2.arrows"]["code"] == "timeout"
+
+
+def test_states_are_made_anew_where_asked(captures: Path, tmp_path: Path, wrapped: Wrap) -> None:
+    flag = tmp_path / "mended"
+    wrapped(f'[ -e {flag} ] || case "$*" in *unit1*) kill -SEGV $$;; esac')
+    out = str(tmp_path / "out")
+    assert fleet.run(str(captures), out, RECIPE).states["killed"] == 1
+    flag.touch()
+    assert fleet.run(str(captures), out, RECIPE).states == {"there": UNITS}
+    assert fleet.run(str(captures), out, RECIPE, again=["killed"]).states == {"ok": 1, "there": UNITS - 1}
+    assert fleet.table(out).states == {"ok": UNITS}
+
+
+def test_too_little_memory_leaves_no_row(captures: Path, tmp_path: Path, wrapped: Wrap) -> None:
+    wrapped('case "$*" in *unit1*) echo "error: it takes more than the 256 MiB of max_memory: give more" >&2; exit 1;; esac')
+    ended = fleet.run(str(captures), str(tmp_path / "out"), RECIPE)
+    assert ended.states == {"ok": UNITS - 1} and "--max-memory" in ended.undone[str(captures / "unit1.arrows")]
+
+
+def test_packed_rows_are_the_same_table(captures: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    fleet.run(str(captures), str(out), RECIPE)
+    loose = rows_of(out)
+    fleet.table(str(out), pack_from=1)
+    assert not list(out.rglob("*.json")) and len(list(out.glob("parts/*.parquet"))) == 1
+    assert rows_of(out) == loose
+    assert fleet.run(str(captures), str(out), RECIPE).states == {"there": UNITS}
+    assert fleet.run(str(captures), str(out), RECIPE, again=["ok"]).states == {"ok": UNITS}
+    assert fleet.table(str(out)).rows == UNITS
+
+
+def test_the_command_line(captures: Path, tmp_path: Path) -> None:
+    out, recipe = str(tmp_path / "out"), tmp_path / "recipe.toml"
+    recipe.write_text(f"[recalibrate]\noptions = {json.dumps(PLAN)}\n[allan]\n")
+    done = run("run", str(captures), out, "--recipe", str(recipe))
+    assert done.returncode == 0 and f"{UNITS} ok" in done.stdout, done.stderr
+    table = run("table", out)
+    assert table.returncode == 0 and f"{UNITS} rows" in table.stdout
+    assert json.loads(run("table", out, "--json").stdout)["states"] == {"ok": UNITS}
+    one = run("one", str(captures / "unit3.arrows"), out, "--recipe", str(recipe))
+    assert one.returncode == 0 and json.loads(one.stdout)["serial"] == "SN3"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        (["run", "nowhere", "out"], 1, "the source has no file"),
+        (["run", "s4://bucket/x", "out"], 1, "s4"),
+        (["one", "nowhere.arrows", "out"], 1, "there is no such file"),
+        (["table", "nowhere"], 1, "has no rows; `zerorate fleet run SOURCE nowhere`"),
+        (["run", ".", "out", "--recipe", "recipe.toml"], 1, "a recipe has no `alan`; it has recalibrate, allan, imu"),
+        (["run", ".", "out", "--max-memory", "much"], 2, "give one such as 500M or 8G"),
+        (["run", ".", "out", "--workers", "0"], 2, "above 0"),
+        (["rnu"], 2, "invalid choice"),
+    ],
+)
+def test_what_is_wrong_is_named(
+    arguments: list[str], code: int, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "recipe.toml").write_text("[alan]\n")
+    done = run(*arguments)
+    assert (done.returncode, "Traceback" in done.stderr) == (code, False), done.stderr
+    assert said in done.stderr
