@@ -113,9 +113,9 @@ const REST: [Step; 33] = [
         .about("Driver and zerorate-allan would be accepted by crates.io; nothing is uploaded"),
     // the longest first, so that none is left alone at the end
     Step::new("python", "xtask python")
-        .about("The wheel: its tests, type checkers, notebook, and allantools' own tests")
+        .about("The wheel: its tests with real servers and deaths, type checkers, notebook, and allantools' own tests")
         .at(Pace::Beside)
-        .installing("what bindings/python/requirements-test.txt names, below target/"),
+        .installing("what requirements-test.txt names, below target/; pango1.0-tools postgresql procps"),
     Step::new("web", "xtask web --site target/site --check")
         .about("The page and its static site, both tested in Chromium")
         .at(Pace::Beside)

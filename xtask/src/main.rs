@@ -27,7 +27,7 @@ struct Task {
     run: fn(Arguments) -> Result<()>,
 }
 
-const TASKS: [Task; 8] = [
+const TASKS: [Task; 9] = [
     Task {
         name: "test",
         usage: "",
@@ -69,6 +69,13 @@ const TASKS: [Task; 8] = [
         about: "Build the Python wheel and test it: its tests, types, notebook, and allantools' own tests",
         help: python::help,
         run: python::run,
+    },
+    Task {
+        name: "bench-fleet",
+        usage: "[--captures N]",
+        about: "Time captures through zerorate.fleet beside a plain loop of the program, and print ratios",
+        help: || python::BENCH_HELP.to_owned(),
+        run: python::bench_fleet,
     },
     Task {
         name: "deny",

@@ -7,7 +7,9 @@ use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use xtask::app;
 use xtask::arguments::Arguments;
+use xtask::tools::{self, Tool};
 use xtask::venv::{self, done};
 
 /// A part, given the interpreter of the environment.
@@ -19,6 +21,13 @@ const PACKAGE: &str = "bindings/python";
 const REQUIREMENTS: &str = "bindings/python/requirements-test.txt";
 const WHEELS: &str = "target/wheels-test";
 
+/// What the tests of certificates, of the line and of the fleet need beside Python.
+const TOOLS: [Tool; 3] = [
+    Tool { program: "pango-view", package: "pango1.0-tools" },
+    Tool { program: "psql", package: "postgresql" },
+    Tool { program: "pgrep", package: "procps" },
+];
+
 /// The release whose tests the functions of `zerorate.allantools_compat` pass.
 const ALLANTOOLS: &str = "2024.6";
 
@@ -29,6 +38,22 @@ allantools' own tests against our functions. Where python3 or the package regist
 
 pub fn help() -> String {
     format!("{}\n\n{ABOUT}", parts())
+}
+
+/// What `cargo xtask bench-fleet --help` prints.
+pub const BENCH_HELP: &str = "\
+Times 200 captures through zerorate.fleet, by threads and by Dask, beside a plain loop of the same commands, and prints
+ratios, the cost of a file, and the memory of an hour. --captures N takes another number.";
+
+/// Runs the benchmark of the fleet with the wheel and the program.
+pub fn bench_fleet(mut arguments: Arguments) -> Result<()> {
+    let captures = arguments.value("--captures")?.unwrap_or_else(|| "200".to_owned());
+    arguments.end()?;
+    let python = environment()?.map_err(anyhow::Error::msg)?;
+    install_wheel(&python)?;
+    let program = fs::canonicalize(app::program()?)?;
+    let mut bench = Command::new(&python);
+    done(bench.arg("benches/fleet.py").arg(program).args(["--captures", &captures]).current_dir(PACKAGE))
 }
 
 /// The names of the parts, for help and errors.
@@ -49,6 +74,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
             return Ok(());
         }
     };
+    tools::available(&TOOLS, "the tests of certificate, line and fleet")?;
     install_wheel(&python)?;
     for (name, part) in PARTS {
         if only.is_empty() || only.iter().any(|only| only == name) {

@@ -23,7 +23,9 @@ def test_the_stub_is_the_extension() -> None:
 
 
 def test_the_package_and_its_tests_type_check() -> None:
-    check("mypy", "python/zerorate", "tests")
+    check("mypy", "python/zerorate", "benches", *map(str, (PACKAGE / "tests").glob("*.py")))
+    for folder in ("certificate", "fleet", "line"):  # each has a module `conftest`
+        check("mypy", f"tests/{folder}")
 
 
 def test_every_statistic_of_the_core_is_offered_and_documented() -> None:

@@ -4,23 +4,16 @@ from __future__ import annotations
 
 import os
 import shutil
-import socket
 import stat
 import subprocess
 import sys
-import time
 from pathlib import Path
-from typing import Callable, Iterator
+from typing import Iterator
 
 import pytest
+from fleet_helpers import PLAN, UNITS, Wrap, free_port, is_open, wait_for
 
-from zerorate.fleet import Recipe
 from zerorate.fleet._program import _command, version
-
-PLAN = ("--average", "2s", "--warmup", "60s", "--settle", "20s", "--offset", "5s")
-RECIPE = Recipe(recalibrate=PLAN)
-UNITS = 8
-
 
 @pytest.fixture(scope="session")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -42,9 +35,6 @@ def captures(recorded: Path, tmp_path: Path) -> Path:
     for path in recorded.glob("*.arrows"):
         shutil.copy(path, folder)
     return folder
-
-
-Wrap = Callable[[str], None]
 
 
 @pytest.fixture()
@@ -96,21 +86,3 @@ def bucket(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     server.kill()
     for name in settings:
         os.environ.pop(name, None)
-
-
-def free_port() -> int:
-    with socket.socket() as server:
-        server.bind(("127.0.0.1", 0))
-        return int(server.getsockname()[1])
-
-
-def is_open(port: int) -> bool:
-    with socket.socket() as client:
-        return client.connect_ex(("127.0.0.1", port)) == 0
-
-
-def wait_for(holds: Callable[[], bool], what: str, timeout_s: float = 60.0) -> None:
-    until = time.monotonic() + timeout_s
-    while not holds():
-        assert time.monotonic() < until, f"{what} did not come in {timeout_s:g} s"
-        time.sleep(0.05)

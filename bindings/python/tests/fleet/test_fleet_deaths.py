@@ -18,7 +18,7 @@ from typing import Any, Callable, Iterator
 
 import loky
 import pytest
-from conftest import RECIPE, UNITS, Wrap, free_port, is_open, wait_for
+from fleet_helpers import RECIPE, UNITS, Wrap, free_port, is_open, wait_for
 
 from zerorate import fleet
 from zerorate.fleet import _downloads, _store

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from conftest import PLAN, RECIPE, UNITS, Wrap
+from fleet_helpers import PLAN, RECIPE, UNITS, Wrap
 
 import zerorate
 from zerorate import fleet

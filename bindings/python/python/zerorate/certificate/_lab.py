@@ -1,0 +1,205 @@
+"""The laboratory's part of a certificate: what no measurement knows. It is read from ``lab.toml``."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ._quantity import CONDITION_UNITS, Quantity
+from ._table import Problems, Table
+
+if TYPE_CHECKING:
+    from datetime import date
+
+EXAMPLE = Path(__file__).with_name("lab.toml")
+"""A commented file to start from."""
+
+MAX_NUMBER = 80
+MAX_NAME = 240
+"""Characters of a certificate's number and of a laboratory's name, which stand above each page."""
+
+PLACES = {
+    "laboratory": "In the laboratory",
+    "customer": "At the customer's",
+    "laboratoryBranch": "In a branch of the laboratory",
+    "customerBranch": "In a branch of the customer",
+    "other": "Elsewhere",
+}
+"""Places of performance as DCC 3.3.0 names them, and in words."""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A laboratory or a customer."""
+
+    name: str
+    street: str
+    postcode: str
+    city: str
+    country: str
+    """ISO 3166-1, two letters."""
+    email: str | None = None
+    phone: str | None = None
+
+
+@dataclass(frozen=True)
+class Person:
+    """A person who is responsible for the certificate."""
+
+    name: str
+    role: str
+
+
+@dataclass(frozen=True)
+class Equipment:
+    """An instrument that was used, and its number in the laboratory's inventory."""
+
+    name: str
+    id: str
+
+
+@dataclass(frozen=True)
+class Item:
+    """What the laboratory knows about the item."""
+
+    manufacturer: str
+    condition: str
+    serial: str | None = None
+    """None where the calibration has it."""
+
+
+@dataclass(frozen=True)
+class Replaced:
+    """A certificate that this one replaces (ISO/IEC 17025:2017, 7.8.8)."""
+
+    number: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Lab:
+    """What the laboratory states. `Lab.load` reads it from a file."""
+
+    number: str
+    """Number of the certificate, unique in the laboratory."""
+    laboratory: Contact
+    customer: Contact
+    persons: list[Person]
+    """The first one authorises the certificate."""
+    item: Item
+    place: str
+    """Where the calibration was performed: a key of ``PLACES``."""
+    issued: date
+    deviations: str
+    """Additions to the method, deviations and exclusions from it."""
+    place_address: str | None = None
+    received: date | None = None
+    remarks: str | None = None
+    customer_data: str | None = None
+    """What the customer stated and the laboratory did not check."""
+    equipment: list[Equipment] = field(default_factory=list)
+    conditions: list[Quantity] = field(default_factory=list)
+    replaces: Replaced | None = None
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Lab:
+        """Reads ``lab.toml``.
+
+        Raises
+        ------
+        ValueError
+            If keys are missing, unknown or wrong; the text names all of them.
+        OSError
+            If the file cannot be read.
+        """
+        try:
+            root = Table.load(path)
+            lab = _lab(root)
+            root.raise_problems()
+        except Problems as problems:
+            raise ValueError(f"{os.fspath(path)}: {problems}") from None
+        return lab
+
+
+def _lab(root: Table) -> Lab:
+    dates, place, replaces = root.table("dates"), root.choice("place", list(PLACES)), root.table_or_none("replaces")
+    lab = Lab(
+        number=root.text("number", limit=MAX_NUMBER),
+        laboratory=_contact(root.table("laboratory")),
+        customer=_contact(root.table("customer")),
+        persons=_persons(root),
+        item=_item(root.table("item")),
+        place=place,
+        place_address=_place_address(root, place),
+        issued=dates.day("issued"),
+        received=dates.day_or_none("received"),
+        deviations=root.text("deviations"),
+        remarks=root.text_or_none("remarks"),
+        customer_data=root.text_or_none("customer_data"),
+        equipment=[_equipment(row) for row in root.tables("equipment")],
+        conditions=[_condition(row) for row in root.tables("conditions")],
+        replaces=None if replaces is None else _replaced(replaces),
+    )
+    dates.finish()
+    root.finish()
+    return lab
+
+
+def _place_address(root: Table, place: str) -> str | None:
+    """Where the work was done; the two addresses of the file need not be repeated."""
+    address = root.text_or_none("place_address")
+    if address is None and place in ("laboratoryBranch", "customerBranch", "other"):
+        root.missing("place_address")
+    return address
+
+
+def _contact(table: Table) -> Contact:
+    contact = Contact(
+        name=table.text("name", limit=MAX_NAME),
+        street=table.text("street"),
+        postcode=table.text("postcode"),
+        city=table.text("city"),
+        country=table.text("country", pattern="[A-Z]{2}", rule="must be a code of two capital letters, such as DE"),
+        email=table.text_or_none("email"),
+        phone=table.text_or_none("phone"),
+    )
+    table.finish()
+    return contact
+
+
+def _persons(root: Table) -> list[Person]:
+    rows = root.tables("persons")
+    if not rows:
+        root.missing("persons")
+    persons = []
+    for row in rows:
+        persons.append(Person(row.text("name"), row.text("role")))
+        row.finish()
+    return persons
+
+
+def _item(table: Table) -> Item:
+    item = Item(table.text("manufacturer"), table.text("condition"), table.text_or_none("serial"))
+    table.finish()
+    return item
+
+
+def _equipment(row: Table) -> Equipment:
+    equipment = Equipment(row.text("name"), row.text("id"))
+    row.finish()
+    return equipment
+
+
+def _condition(row: Table) -> Quantity:
+    name, value = row.text("name"), row.number("value")
+    unit = row.choice("unit", list(CONDITION_UNITS))
+    row.finish()
+    return Quantity(name, value, CONDITION_UNITS.get(unit, CONDITION_UNITS["1"]))
+
+
+def _replaced(table: Table) -> Replaced:
+    replaced = Replaced(table.text("number"), table.text("reason"))
+    table.finish()
+    return replaced

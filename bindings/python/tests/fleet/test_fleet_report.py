@@ -1,0 +1,106 @@
+"""What a population says: against numbers worked out by hand, and rows whose faults are known."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from zerorate import fleet
+from zerorate.fleet import _population
+from zerorate.fleet._row import SCHEMA
+
+
+def row(index: int, **other: Any) -> dict[str, Any]:
+    """A calibration of unit ``index``; PBC is drawn from the index alone."""
+    pbc_dps = float(np.random.default_rng(index).normal(0.0, 0.5))
+    found: dict[str, Any] = dict.fromkeys(SCHEMA.names)
+    found.update(key=f"k{index}", url=f"u{index}.arrows", serial=f"SN{index}", part="ADIS16130", state="ok", code="")
+    found.update(capture_sha256=f"c{index}", program="zerorate", ended=index, warnings=["earth-included: …"], simulated=False)
+    found.update(pbc_dps=pbc_dps, u_pbc_dps=0.01, btc_dps_per_c=-0.04, u_btc_dps_per_c=0.001, t3_c=30.0)
+    found.update(cov_pbc_btc_dps2_per_c=0.0, temp_min_c=25.0, temp_max_c=35.0, method="an1042", axes=[])
+    return {**found, **other}
+
+
+def write(folder: Path, rows: list[dict[str, Any]]) -> None:
+    pq.write_table(pa.Table.from_pylist(rows, schema=SCHEMA), folder / "rows.parquet")
+
+
+def page_of(folder: Path, **options: Any) -> str:
+    fleet.report(str(folder), str(folder / "page.html"), **options)
+    return (folder / "page.html").read_text(encoding="utf-8")
+
+
+def test_robust_z_by_hand() -> None:
+    # median 3, deviations 2 1 0 1 97, MAD 1
+    z = _population.robust_z(np.array([1.0, 2.0, 3.0, 4.0, 100.0]))
+    assert z == pytest.approx(np.array([-2, -1, 0, 1, 97]) / 1.4826)
+    assert not _population.robust_z(np.array([1.0, 1.0, 1.0, 2.0])).any()
+
+
+def test_a_trend_by_hand() -> None:
+    x = np.arange(8.0)
+    found = _population.trend(x, 2.0 * x + np.array([1, -1, 1, -1, -1, 1, -1, 1]))
+    assert found is not None and found.is_seen
+    # the residuals are orthogonal to x, so that slope and sum of squares are exact: u² = 8 / 6 / 42
+    assert (found.slope, found.u_slope) == pytest.approx((2.0, np.sqrt(8 / 6 / 42)))
+    assert _population.trend(x[:7], x[:7]) is None
+
+
+def test_repeats_that_disagree_are_named() -> None:
+    first = row(1)
+    # at 30 °C both have u = 0.01, so that 95 % of differences are below 1.96 · √2 · 0.01 = 0.0277
+    for difference, disagree in ((0.0277, False), (0.0278, True)):
+        second = row(2, serial="SN1", pbc_dps=first["pbc_dps"] + difference)
+        found = _population.disagreements([first, second])
+        assert [pair.serial for pair in found] == (["SN1"] if disagree else [])
+    same_samples = {**second, "capture_sha256": first["capture_sha256"]}
+    assert not _population.disagreements([first, same_samples])
+
+
+def test_the_uncertainty_grows_away_from_t3() -> None:
+    first = row(1)
+    # both at 50 °C, 20 °C from T3: u² = 0.01² + (20 · 0.001)², and 1.96 √(2 u²) = 0.0620
+    far = {"temp_min_c": 49.0, "temp_max_c": 51.0}
+    near_limit = {**row(2), "serial": "SN1", **far, "pbc_dps": first["pbc_dps"] + 0.0619}
+    assert not _population.disagreements([{**first, **far}, near_limit])
+    assert _population.disagreements([{**first, **far}, {**near_limit, "pbc_dps": first["pbc_dps"] + 0.0621}])
+
+
+def test_the_page_shows_outliers_repeats_and_states(tmp_path: Path) -> None:
+    rows = [row(index) for index in range(1, 61)]
+    rows[6]["pbc_dps"] = 9.0
+    rows += [row(101, serial="SN20", pbc_dps=rows[19]["pbc_dps"] + 0.1), row(102, state="refused", code="noisy")]
+    rows.append({**row(3, pbc_dps=7.0), "ended": -1})  # an older row of the same file
+    write(tmp_path, rows)
+    page = page_of(tmp_path, group="method")
+    for text in ("SN7", "9 °/s", "SN20", "noisy", "an1042 (", "data sheet", "62 captures of 61 sensors"):
+        assert text in page, text
+    assert "SIMULATED" not in page and "<svg" in page
+    assert 'src="' not in page and 'href="http' not in page  # it needs no network
+
+
+def test_a_simulated_population_says_so(tmp_path: Path) -> None:
+    write(tmp_path, [row(1, simulated=True), row(2, serial="<script>")])
+    page = page_of(tmp_path)
+    assert "SIMULATED: 1 of 2" in page and "<script>" not in page
+
+
+def test_what_is_wrong_is_named(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="`zerorate fleet table` makes it"):
+        page_of(tmp_path)
+    write(tmp_path, [row(1)])
+    with pytest.raises(ValueError, match="no column colour; it has key, url"):
+        page_of(tmp_path, group="colour")
+    page_of(tmp_path)
+    with pytest.raises(ValueError, match="--force"):
+        page_of(tmp_path)
+    command = [sys.executable, "-m", "zerorate", "fleet", "report", str(tmp_path), "-o", str(tmp_path / "none" / "x.html")]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 1 and done.stderr.startswith("error: ") and "Traceback" not in done.stderr
