@@ -55,7 +55,12 @@ fn every_page_that_the_code_cites_is_in_the_project() {
 
 /// Files made by programs: the C header from the Rust sources, the examples' unit by `zerorate export`, and
 /// calibrations that `zerorate calibrate` wrote. In the catalogue, a source is one string.
-const LONG: [&str; 3] = ["bindings/c/include/zerorate.h", "crates/zerorate-cli/tests/golden", "parts"];
+const LONG: [&str; 4] = [
+    "bindings/c/include/zerorate.h",
+    "bindings/python/tests/certificate/cycle.toml",
+    "crates/zerorate-cli/tests/golden",
+    "parts",
+];
 
 #[test]
 fn lines_stay_below_120_characters() {

@@ -90,7 +90,10 @@ def compare(program: str, source: Path, workers: int, engine: Any) -> None:
     plain, ours = (min(times) for times in zip(*pairs))
     name = "Dask" if engine else "threads"
     each_ms = 1e3 * (ours - plain) * workers / len(list(source.iterdir()))
-    print(f"{name}, {workers} workers: {ours:.2f} s, the loop {plain:.2f} s, ratio {ours / plain:.3f}; {each_ms:+.1f} ms a file")
+    ratio = ours / plain
+    print(
+        f"{name}, {workers} workers: {ours:.2f} s, the loop {plain:.2f} s, ratio {ratio:.3f}; {each_ms:+.1f} ms a file"
+    )
 
 
 def overhead(source: Path, name: str, make: Optional[Callable[..., Any]]) -> None:

@@ -16,6 +16,9 @@ const LINES: [&str; 5] = [
     "  zerorate help                                  all commands; `zerorate help COMMAND` explains one",
 ];
 
+/// The commands that only the Python package has.
+const OF_PYTHON: [&str; 3] = ["fleet", "line", "certificate"];
+
 /// The exit code of a command line that cannot be carried out.
 const USAGE: u8 = 2;
 
@@ -49,16 +52,20 @@ fn brief(error: &str) -> impl Iterator<Item = &str> {
     lines.filter(move |line| !(has_usage && line.starts_with("For more information")))
 }
 
-/// The error, with a tip where a number has a decimal comma.
+/// The error, with a tip where a number has a decimal comma, or a command is one of the Python package.
 fn advised(mut error: Error) -> Error {
-    let point = match error.get(ContextKind::InvalidValue) {
-        Some(ContextValue::String(given)) => with_point(given),
+    let given = |kind| match error.get(kind) {
+        Some(ContextValue::String(given)) => Some(given.as_str()),
         _ => None,
     };
-    if let Some(point) = point {
-        let tip = format!("use a decimal point: {point}");
-        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
-    }
+    let point = given(ContextKind::InvalidValue).and_then(with_point);
+    let of_python = given(ContextKind::InvalidSubcommand).filter(|command| OF_PYTHON.contains(command));
+    let tip = match (point, of_python) {
+        (Some(point), _) => format!("use a decimal point: {point}"),
+        (None, Some(command)) => format!("`{command}` is in the Python package: pip install 'zerorate[{command}]'"),
+        (None, None) => return error,
+    };
+    error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
     error
 }
 

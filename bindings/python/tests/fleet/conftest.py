@@ -7,13 +7,14 @@ import shutil
 import stat
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Iterator
 
 import pytest
 from fleet_helpers import PLAN, UNITS, Wrap, free_port, is_open, wait_for
 
 from zerorate.fleet._program import _command, version
+
 
 @pytest.fixture(scope="session")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:

@@ -10,11 +10,12 @@ import sys
 import tempfile
 import threading
 import time
+from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import suppress
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any, Callable, Iterator
+from typing import Any, Callable
 
 import loky
 import pytest
@@ -23,7 +24,7 @@ from fleet_helpers import RECIPE, UNITS, Wrap, free_port, is_open, wait_for
 from zerorate import fleet
 from zerorate.fleet import _downloads, _store
 
-SLOW = "case \"$*\" in *--version*) ;; *) sleep 0.3;; esac"
+SLOW = 'case "$*" in *--version*) ;; *) sleep 0.3;; esac'
 DRIVER = "import sys; from zerorate import fleet; from zerorate.fleet import Recipe\n"
 
 
@@ -114,7 +115,8 @@ def test_a_killed_driver_leaves_no_command_and_no_half_row(captures: Path, tmp_p
     commands = children(driver.pid)
     driver.kill()
     driver.wait()
-    wait_for(lambda: not any(Path(f"/proc/{command}/cmdline").exists() for command in commands), "the end of commands", 10)
+    files = [Path(f"/proc/{command}/cmdline") for command in commands]
+    wait_for(lambda: not any(file.exists() for file in files), "the end of the commands", 10)
     there = rows(out)
     ended = fleet.run(str(captures), str(out), RECIPE)
     assert ended.states == {"there": there, "ok": UNITS - there}
@@ -134,7 +136,8 @@ def test_ctrl_c_leaves_no_row_of_what_was_under_way(captures: Path, tmp_path: Pa
 
 def test_downloads_of_the_dead_are_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    holder = "import time; from zerorate.fleet import _downloads as d\nwith d.folder() as f:\n  print(f, flush=True); time.sleep(60)"
+    holder = "import time; from zerorate.fleet._downloads import folder\nwith folder() as path:\n  "
+    holder += "print(path, flush=True); time.sleep(60)"
     environment = {**os.environ, "TMPDIR": str(tmp_path)}
     process = subprocess.Popen([sys.executable, "-c", holder], stdout=subprocess.PIPE, text=True, env=environment)
     assert process.stdout is not None

@@ -22,7 +22,9 @@ def row(index: int, **other: Any) -> dict[str, Any]:
     pbc_dps = float(np.random.default_rng(index).normal(0.0, 0.5))
     found: dict[str, Any] = dict.fromkeys(SCHEMA.names)
     found.update(key=f"k{index}", url=f"u{index}.arrows", serial=f"SN{index}", part="ADIS16130", state="ok", code="")
-    found.update(capture_sha256=f"c{index}", program="zerorate", ended=index, warnings=["earth-included: …"], simulated=False)
+    found.update(
+        capture_sha256=f"c{index}", program="zerorate", ended=index, warnings=["earth-included: …"], simulated=False
+    )
     found.update(pbc_dps=pbc_dps, u_pbc_dps=0.01, btc_dps_per_c=-0.04, u_btc_dps_per_c=0.001, t3_c=30.0)
     found.update(cov_pbc_btc_dps2_per_c=0.0, temp_min_c=25.0, temp_max_c=35.0, method="an1042", axes=[])
     return {**found, **other}
@@ -101,6 +103,7 @@ def test_what_is_wrong_is_named(tmp_path: Path) -> None:
     page_of(tmp_path)
     with pytest.raises(ValueError, match="--force"):
         page_of(tmp_path)
-    command = [sys.executable, "-m", "zerorate", "fleet", "report", str(tmp_path), "-o", str(tmp_path / "none" / "x.html")]
+    output = str(tmp_path / "none" / "x.html")
+    command = [sys.executable, "-m", "zerorate", "fleet", "report", str(tmp_path), "-o", output]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 1 and done.stderr.startswith("error: ") and "Traceback" not in done.stderr

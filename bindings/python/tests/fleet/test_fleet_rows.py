@@ -80,7 +80,9 @@ def test_bad_files_are_rows_with_their_reason(captures: Path, tmp_path: Path) ->
 def test_a_refusal_keeps_the_serial_number(tmp_path: Path) -> None:
     twin = ["--device", "twin:motion=sway,sway_dps=5", "--divider", "20", "--serial", "SHAKY"]
     log = ["--log", str(tmp_path / "shaky.arrows"), "--no-save"]
-    subprocess.run([sys.executable, "-m", "zerorate", "calibrate", *twin, *PLAN, *log], capture_output=True, timeout=60)
+    subprocess.run(
+        [sys.executable, "-m", "zerorate", "calibrate", *twin, *PLAN, *log], capture_output=True, timeout=60
+    )
     row = fleet.one(str(tmp_path / "shaky.arrows"), str(tmp_path / "out"), RECIPE)
     assert (row["state"], row["serial"], row["pbc_dps"]) == ("refused", "SHAKY", None)
     assert row["code"] and row["error"]
@@ -122,7 +124,8 @@ def test_states_are_made_anew_where_asked(captures: Path, tmp_path: Path, wrappe
 
 
 def test_too_little_memory_leaves_no_row(captures: Path, tmp_path: Path, wrapped: Wrap) -> None:
-    wrapped('case "$*" in *unit1*) echo "error: it takes more than the 256 MiB of max_memory: give more" >&2; exit 1;; esac')
+    said = "error: it takes more than the 256 MiB of max_memory: give more"
+    wrapped(f'case "$*" in *unit1*) echo "{said}" >&2; exit 1;; esac')
     ended = fleet.run(str(captures), str(tmp_path / "out"), RECIPE)
     assert ended.states == {"ok": UNITS - 1} and "--max-memory" in ended.undone[str(captures / "unit1.arrows")]
 
@@ -172,3 +175,17 @@ def test_what_is_wrong_is_named(
     done = run(*arguments)
     assert (done.returncode, "Traceback" in done.stderr) == (code, False), done.stderr
     assert said in done.stderr
+
+
+@pytest.mark.skipif(shutil.which("xargs") is None, reason="xargs starts the jobs")
+def test_jobs_of_a_scheduler(captures: Path, tmp_path: Path) -> None:
+    """Each file twice, four at once, as a careless scheduler would start them."""
+    recipe = tmp_path / "recipe.toml"
+    recipe.write_text(f"[recalibrate]\noptions = {json.dumps(PLAN)}\n[allan]\n")
+    job = [sys.executable, "-m", "zerorate", "fleet", "one", "{}", str(tmp_path / "out"), "--recipe", str(recipe)]
+    files = "".join(f"{path}\n" for path in [*captures.iterdir()] * 2)
+    done = subprocess.run(
+        ["xargs", "-P", "4", "-I", "{}", *job], input=files, capture_output=True, text=True, timeout=120
+    )
+    assert done.returncode == 0, done.stderr
+    assert fleet.table(str(tmp_path / "out")).states == {"ok": UNITS}

@@ -106,7 +106,8 @@ fn twin_lists_every_key_of_the_contract() {
 
 #[test]
 fn typos_are_usage_errors_with_a_suggestion() {
-    let cases: [(&[&str], &str); 21] = [
+    let cases: [(&[&str], &str); 22] = [
+        (&["fleet", "run", "a", "b"], "`fleet` is in the Python package"),
         (&["calibrat"], "'calibrate'"),
         (&["calibrate", "--warmpup", "3"], "'--warmup'"),
         (&["calibrate", "--device", "twin:sed=7"], "`seed`"),

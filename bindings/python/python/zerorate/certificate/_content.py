@@ -45,7 +45,8 @@ class Content:
         try:
             return cls._of(_load(calibration_path), lab)
         except UnicodeDecodeError:
-            raise ValueError(f"{os.fspath(calibration_path)}: this is not text in UTF-8, so not a calibration") from None
+            name = os.fspath(calibration_path)
+            raise ValueError(f"{name}: this is not text in UTF-8, so not a calibration") from None
         except ValueError as error:
             raise ValueError(f"{os.fspath(calibration_path)}: {error}") from None
 

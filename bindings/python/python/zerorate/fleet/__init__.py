@@ -19,4 +19,16 @@ from ._run import Ended, EngineLost, run
 from ._store import Unreachable
 from ._table import Counts, table
 
-__all__ = ["Counts", "Ended", "EngineLost", "Recipe", "Unreachable", "dask_cluster", "load", "one", "report", "run", "table"]
+__all__ = [
+    "Counts",
+    "Ended",
+    "EngineLost",
+    "Recipe",
+    "Unreachable",
+    "dask_cluster",
+    "load",
+    "one",
+    "report",
+    "run",
+    "table",
+]

@@ -61,7 +61,7 @@ def _parser() -> argparse.ArgumentParser:
     report = commands.add_parser("report", help="write a page about the population")
     report.add_argument("table", help="rows.parquet, or the folder that has it")
     report.add_argument("-o", "--output", required=True, metavar="FILE", help="the page, .html")
-    report.add_argument("--group", metavar="COLUMN", help="compare groups: a column of the table, such as host or method")
+    report.add_argument("--group", metavar="COLUMN", help="compare groups: a column such as host or method")
     report.add_argument("--force", action="store_true", help="overwrite the page")
     report.set_defaults(run=_write_report)
     return parser
@@ -74,16 +74,17 @@ def _add_run(commands: Any) -> None:
     _add_recipe(run)
     run.add_argument("--workers", type=_count, metavar="N", help="tasks at once [default: one for each core]")
     run.add_argument("--dask", metavar="ADDRESS", help="a Dask scheduler, tcp://…, or `local` for processes here")
-    run.add_argument("--again", action="append", default=[], choices=["failed", "killed", "refused", "ok"],
-                     help="make the rows of this state anew; may be repeated")  # fmt: skip
+    states = ["failed", "killed", "refused", "ok"]
+    again = "make the rows of this state anew; may be repeated"
+    run.add_argument("--again", action="append", default=[], choices=states, help=again)
     run.set_defaults(run=_run_all)
 
 
 def _add_recipe(command: argparse.ArgumentParser) -> None:
-    command.add_argument("--recipe", metavar="FILE",
-                         help="a TOML file that says what is done [default: recalibrate, and allan --fit]")  # fmt: skip
-    command.add_argument("--max-memory", type=_size, metavar="SIZE",
-                         help="memory that all tasks may take together, such as 8G [default: half of the machine's]")  # fmt: skip
+    recipe = "a TOML file that says what is done [default: recalibrate, and allan --fit]"
+    command.add_argument("--recipe", metavar="FILE", help=recipe)
+    memory = "memory that all tasks may take together, such as 8G [default: half of the machine's]"
+    command.add_argument("--max-memory", type=_size, metavar="SIZE", help=memory)
 
 
 def _count(text: str) -> int:
@@ -106,8 +107,16 @@ def _recipe(args: argparse.Namespace) -> Recipe:
 def _run_all(args: argparse.Namespace) -> int:
     engine: Optional[Dask] = dask_cluster(args.dask, args.workers) if args.dask else None
     try:
-        ended = _run.run(args.source, args.out, _recipe(args), engine, workers=args.workers, max_memory=args.max_memory,
-                         again=args.again, show_progress=True)  # fmt: skip
+        ended = _run.run(
+            args.source,
+            args.out,
+            _recipe(args),
+            engine,
+            workers=args.workers,
+            max_memory=args.max_memory,
+            again=args.again,
+            show_progress=True,
+        )
     finally:
         if engine:
             engine.close()
@@ -147,7 +156,8 @@ def _write_table(args: argparse.Namespace) -> int:
         return FAILED
     if args.json:
         reasons = [dict(zip(("state", "code", "count", "url", "error"), reason)) for reason in counts.reasons]
-        print(json.dumps({"rows": counts.rows, "states": counts.states, "reasons": reasons}, ensure_ascii=False, indent=1))
+        found = {"rows": counts.rows, "states": counts.states, "reasons": reasons}
+        print(json.dumps(found, ensure_ascii=False, indent=1))
         return DONE
     print(f"{args.out.rstrip('/')}/{_table.TABLE}: {counts.rows} rows")
     for state, count in counts.states.items():

@@ -17,7 +17,16 @@ TRIES = 3
 
 # Memory that an analysis takes: 40 bytes a row and a constant, measured by `cargo xtask bench-fleet`.
 BASE_BYTES = 64 << 20
-BYTES_PER_BYTE = {".parquet": 11, ".arrows": 2, ".arrow": 2, ".feather": 2, ".mcap": 2, ".npy": 5, ".csv": 6, ".txt": 6}
+BYTES_PER_BYTE = {
+    ".parquet": 11,
+    ".arrows": 2,
+    ".arrow": 2,
+    ".feather": 2,
+    ".mcap": 2,
+    ".npy": 5,
+    ".csv": 6,
+    ".txt": 6,
+}
 BYTES_PER_UNKNOWN_BYTE = 12
 
 # What a capture states of itself, besides its samples.
@@ -192,7 +201,9 @@ def _noise(record: dict[str, Any]) -> dict[str, Any]:
     found: dict[str, Any] = {"model_error": fit.get("model_error")}
     for name in "nbk":
         coefficient = fit.get(name) or {}
-        found.update({name: coefficient.get("value"), f"{name}_lo": coefficient.get("lo"), f"{name}_hi": coefficient.get("hi")})
+        found.update(
+            {name: coefficient.get("value"), f"{name}_lo": coefficient.get("lo"), f"{name}_hi": coefficient.get("hi")}
+        )
     return found
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import io
-from typing import Any, Optional, Sequence
+from collections.abc import Sequence
+from typing import Any, Optional
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -39,7 +40,8 @@ def over_order(rows: list[dict[str, Any]], values: Numbers, days: Optional[Numbe
     ax.plot(x[is_far], values[order][is_far], "o", color=MARKED, label="outliers")
     if is_far.any():
         ax.legend(loc="upper right")
-    ax.set(xlabel="days since the first capture" if days is not None else "place in the order of serial numbers", ylabel=unit)
+    ax.set_xlabel("days since the first capture" if days is not None else "place in the order of serial numbers")
+    ax.set_ylabel(unit)
     return _svg(figure)
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ SIGMA_PER_MAD = 1.4826
 
 
 def robust_z(values: Numbers) -> Numbers:
-    """(x − median) / (1.4826 · MAD), by which one outlier does not hide another. Zero where more than half are equal."""
+    """(x − median) / (1.4826 · MAD): no outlier hides another. Zero where more than half are equal."""
     deviation = values - np.median(values)
     scale = SIGMA_PER_MAD * np.median(np.abs(deviation))
     return np.zeros_like(values) if scale == 0 else deviation / scale
@@ -89,5 +90,6 @@ def _compare(first: dict[str, Any], second: dict[str, Any]) -> Disagreement:
 def _correction(row: dict[str, Any], temp_c: float) -> tuple[float, float]:
     """The correction at a temperature and its variance."""
     d = temp_c - row["t3_c"]
-    variance = row["u_pbc_dps"] ** 2 + (d * row["u_btc_dps_per_c"]) ** 2 + 2 * d * (row["cov_pbc_btc_dps2_per_c"] or 0.0)
+    covariance = row["cov_pbc_btc_dps2_per_c"] or 0.0
+    variance = row["u_pbc_dps"] ** 2 + (d * row["u_btc_dps_per_c"]) ** 2 + 2 * d * covariance
     return row["pbc_dps"] + d * row["btc_dps_per_c"], max(variance, 0.0)

@@ -1,4 +1,4 @@
-"""The native program in a process of its own, so that its death is a row of the table and not the death of a worker."""
+"""The native program in a process of its own. Its death is a row of the table, and not the death of a worker."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import subprocess
 import sys
 import threading
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 from typing import Any, Optional
 
 from .. import _zerorate
@@ -63,14 +63,14 @@ def resume() -> None:
     _stopping.clear()
 
 
-@lru_cache(maxsize=None)
+@cache
 def version() -> str:
     """What the program says of its version."""
     done = subprocess.run([*_command(), "--version"], capture_output=True, text=True, check=True)
     return done.stdout.strip()
 
 
-@lru_cache(maxsize=None)
+@cache
 def asked_for_part(name: str) -> Optional[dict[str, Any]]:
     """The data sheet of a part of the catalogue; None for another part."""
     done = subprocess.run([*_command(), "parts", name, "--json"], capture_output=True, text=True)
@@ -83,7 +83,7 @@ def ask(arguments: list[str], max_memory: int, timeout_s: float) -> Answer:
     if _stopping.is_set():
         raise Stopped
     limited = [*arguments, "--json", "--max-memory", f"{max(max_memory, LEAST_MEMORY) >> 20}M"]
-    # In a session of its own: a Ctrl-C must not reach it, for its "interrupted" would be read as a failure of the file.
+    # In a session of its own, because a Ctrl-C must not reach it: a command that was interrupted looks like a failure.
     process = subprocess.Popen(
         [*_command(), *limited],
         stdin=subprocess.DEVNULL,
@@ -113,7 +113,8 @@ def ask(arguments: list[str], max_memory: int, timeout_s: float) -> Answer:
 def _answer(command: str, code: int, stdout: str, stderr: str) -> Answer:
     if code < 0:
         name = signal.Signals(-code).name
-        return Answer(None, "killed", name, f"`{command}` was ended by {name}, and said: {stderr.strip()[-200:] or 'nothing'}")
+        said = stderr.strip()[-200:] or "nothing"
+        return Answer(None, "killed", name, f"`{command}` was ended by {name}, and said: {said}")
     found = _object(stdout)
     if code == 0 and found is not None:
         return Answer(found, "ok")
@@ -122,7 +123,8 @@ def _answer(command: str, code: int, stdout: str, stderr: str) -> Answer:
     named = next((line.split()[1] for line in lines if line.startswith("code: ") and len(line.split()) > 1), "")
     state = "refused" if code == 3 else "failed"
     reason = said.split(": ", 1)[-1] if said.startswith(("error: ", "refused: ")) else said
-    return Answer(found, state, named or _code(reason, code), reason or f"`{command}` ended with {code} and said nothing")
+    reason = reason or f"`{command}` ended with {code} and said nothing"
+    return Answer(found, state, named or _code(reason, code), reason)
 
 
 def _code(reason: str, code: int) -> str:
@@ -137,7 +139,7 @@ def _object(text: str) -> Optional[dict[str, Any]]:
     return found if isinstance(found, dict) else None
 
 
-@lru_cache(maxsize=None)
+@cache
 def _command() -> tuple[str, ...]:
     other = os.environ.get(VARIABLE)
     own = (other,) if other else (sys.executable, "-I", "-S", "-c", LAUNCH, str(_zerorate.__file__))

@@ -22,7 +22,12 @@ class Progress:
         self.is_shown = is_shown
         self.done = 0
         self.began = self.said = time.monotonic()
-        columns = (BarColumn(), MofNCompleteColumn(), TextColumn("files, {task.fields[rate]:.1f}/s"), TimeRemainingColumn())
+        columns = (
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("files, {task.fields[rate]:.1f}/s"),
+            TimeRemainingColumn(),
+        )
         self.bar = Bar(*columns, console=Console(stderr=True)) if is_shown and sys.stderr.isatty() else None
         self.task = self.bar.add_task("", total=total, rate=0.0) if self.bar else None
 

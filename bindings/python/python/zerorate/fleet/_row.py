@@ -33,7 +33,9 @@ SCHEMA = pa.schema(
 """The columns of ``rows.parquet``.
 
 ``state`` is ``ok``, ``refused`` (the measurement must not become a calibration), ``failed`` (the file cannot be used)
-or ``killed`` (the file killed its command or its worker every time). ``code`` and ``error`` give the reason. ``version`` is what tells
-one content of the address from another: the object's ETag, or a file's size and time. ``created`` is the time that
-the capture states. Where a part has several axes, their numbers stand in ``axes``, and the columns are empty.
+or ``killed`` (the file killed its command or its worker every time). ``code`` and ``error`` give the reason.
+
+``version`` tells one content of the address from another: the object's ETag, or a file's size and time. ``created`` is
+the time that the capture states. Where a part has several axes, their numbers stand in ``axes``, and the columns are
+empty.
 """

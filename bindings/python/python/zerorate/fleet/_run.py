@@ -10,10 +10,11 @@ import concurrent.futures as futures
 import os
 import time
 from collections import deque
+from collections.abc import Iterable, Iterator
 from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from typing import Callable, Iterable, Iterator, Optional, Union
+from typing import Callable, Optional, Union
 
 from . import _downloads, _one, _program, _store, _table
 from ._one import NotEnoughMemory, Replaced, Task
@@ -66,8 +67,7 @@ def run(
     `source` and `out` are a folder, a glob or a bucket (``s3://…``, any address of fsspec). `executor` is an Executor,
     or a function that makes one, for an engine that breaks with its workers. Without it, threads of this process each
     start the native program. `workers` is how many tasks run at once, and `max_memory` (bytes) what all of them may
-    take together [default: half of the machine's]. `again` names states (``failed``, ``killed``, ``refused``) whose rows
-    are made anew.
+    take together [default: half of the machine's]. `again` names states, such as ``failed``, whose rows are made anew.
     """
     began = time.monotonic()
     _downloads.remove_left()
@@ -120,9 +120,7 @@ class _Lost(Exception):
 class _Driver:
     """Sends tasks to an engine, and follows them."""
 
-    def __init__(
-        self, engine: Optional[Engine], workers: int, budget: int, ended: Ended, progress: Progress
-    ) -> None:
+    def __init__(self, engine: Optional[Engine], workers: int, budget: int, ended: Ended, progress: Progress) -> None:
         self.engine = engine
         self.workers = workers
         self.budget = budget

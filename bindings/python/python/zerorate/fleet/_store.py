@@ -5,9 +5,10 @@ from __future__ import annotations
 import hashlib
 import os
 import uuid
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Iterator
+from typing import Any
 
 import fsspec
 
@@ -25,7 +26,7 @@ def _filesystem(protocol: str) -> Any:
 
 
 def opened(url: str) -> tuple[Any, str]:
-    """The file system of an address, and the path there. Keys and endpoints come from the environment, never from us."""
+    """The file system of an address, and the path there. Keys and endpoints come from the environment."""
     protocol, separator, _ = url.partition("://")
     try:
         filesystem = _filesystem(protocol if separator else "file")
@@ -92,8 +93,8 @@ def _file(filesystem: Any, info: dict[str, Any]) -> File:
 
 
 def _modified(info: dict[str, Any]) -> str:
-    found = next((info[name] for name in ("mtime", "LastModified", "updated", "last_modified", "created") if info.get(name)), "")
-    return str(found)
+    names = ("mtime", "LastModified", "updated", "last_modified", "created")
+    return str(next((info[name] for name in names if info.get(name)), ""))
 
 
 def fetch(file: File, folder: str) -> str:

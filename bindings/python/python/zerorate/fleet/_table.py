@@ -57,8 +57,8 @@ def read(out: str) -> pa.Table:
 def keys(out: str) -> set[str]:
     """The keys of all rows."""
     loose = {path.rsplit("/", 1)[-1][: -len(".json")] for path in _store.row_paths(out)}
-    packed = (pq.read_table(io.BytesIO(data), columns=["key"]).column("key").to_pylist() for data in _part_contents(out))
-    return loose.union(*packed)
+    packed = (pq.read_table(io.BytesIO(data), columns=["key"]).column("key") for data in _part_contents(out))
+    return loose.union(*(column.to_pylist() for column in packed))
 
 
 def keys_in_state(out: str, states: set[str]) -> set[str]:
@@ -76,7 +76,7 @@ def forget(out: str, unwanted: set[str]) -> None:
 
 
 def _pack(out: str) -> None:
-    """Puts rows into parts, and removes their own files once the part is written. Killed in between, nothing is lost."""
+    """Puts rows into parts, and removes their own files once the part is written."""
     paths = _store.row_paths(out)
     first_part = len(_store.part_paths(out, PARTS))
     for number, first in enumerate(range(0, len(paths), ROWS_IN_PART), first_part):
