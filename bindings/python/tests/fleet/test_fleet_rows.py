@@ -44,6 +44,11 @@ def test_a_row_is_what_the_program_says_of_the_file(captures: Path, recorded: Pa
         assert any(warning.startswith("earth-included: ") for warning in row["warnings"])
 
 
+def test_what_stands_beside_captures_is_left_out(recorded: Path, tmp_path: Path) -> None:
+    ended = fleet.run(str(recorded), str(tmp_path / "out"), RECIPE)
+    assert (ended.states, ended.left_out) == ({"ok": UNITS}, UNITS)  # a calibration beside each capture
+
+
 def test_a_second_start_changes_nothing(captures: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     fleet.run(str(captures), str(out), RECIPE)

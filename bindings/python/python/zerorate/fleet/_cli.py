@@ -126,7 +126,8 @@ def _run_all(args: argparse.Namespace) -> int:
 def _say_ended(ended: Ended, out: str) -> int:
     there = ended.states.pop("there", 0)
     rows = ", ".join(f"{count} {state}" for state, count in sorted(ended.states.items())) or "nothing to do"
-    print(f"{rows} in {ended.seconds:.1f} s; {there} had a row before")
+    left_out = f"; {ended.left_out} are not logs by their names" if ended.left_out else ""
+    print(f"{rows} in {ended.seconds:.1f} s; {there} had a row before{left_out}")
     for url, why in list(ended.undone.items())[:20]:
         print(f"error: {url} has no row: {why}", file=sys.stderr)
     if ended.undone:

@@ -29,6 +29,9 @@ DEATHS = 2
 PATIENCE_S = 120.0
 LOSSES = 5
 
+# What stands beside captures: calibrations, recipes, reports, pictures.
+NOT_LOGS = (".toml", ".json", ".yaml", ".yml", ".html", ".svg", ".png", ".pdf", ".md", ".part")
+
 Engine = Union[Executor, Callable[[], Executor]]
 
 
@@ -40,6 +43,8 @@ class Ended:
     """Rows by state. ``there`` counts the files that had a row before."""
     undone: dict[str, str] = field(default_factory=dict)
     """Files without a row, each with the reason. Another run does them."""
+    left_out: int = 0
+    """Files that are not logs by their names: calibrations, reports, pictures, hidden files."""
     seconds: float = 0.0
 
     def count(self, state: str, more: int = 1) -> None:
@@ -89,7 +94,9 @@ def run(
 def _tasks(source: str, out: str, recipe: Recipe, again: set[str]) -> tuple[list[Task], Ended]:
     """The files without a row, and the count of the others. Rows that are made anew are removed."""
     digest, ended = recipe.digest(), Ended()
-    files = [file for file in _store.find(source) if not file.url.startswith(_store.inside(out))]
+    found = [file for file in _store.find(source) if not file.url.startswith(_store.inside(out))]
+    files = [file for file in found if _may_be_log(file.url)]
+    ended.left_out = len(found) - len(files)
     tasks = [Task(file, out, recipe, digest, _one.needed_memory(file)) for file in files]
     there = _table.keys(out)
     if again:
@@ -100,6 +107,11 @@ def _tasks(source: str, out: str, recipe: Recipe, again: set[str]) -> tuple[list
     if len(todo) < len(tasks):
         ended.count("there", len(tasks) - len(todo))
     return todo, ended
+
+
+def _may_be_log(url: str) -> bool:
+    name = url.rsplit("/", 1)[-1].lower()
+    return not name.startswith(".") and not name.endswith(NOT_LOGS)
 
 
 def _half_of_memory() -> int:
