@@ -13,11 +13,9 @@ class Dask:
     """Makes executors of a Dask cluster. After the scheduler was lost, the next call connects anew."""
 
     def __init__(self, address: str, workers: Optional[int] = None) -> None:
-        distributed: Any = importlib.import_module("distributed")
-
         self.cluster: Any = None
         if address == LOCAL:
-            self.cluster = distributed.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None)
+            self.cluster = _distributed().LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None)
             address = str(self.cluster.scheduler_address)
         self.address = address
         self.client: Any = None
@@ -28,10 +26,9 @@ class Dask:
         self.memory_bytes = self.workers * min(int(node["memory_limit"]) // int(node["nthreads"]) for node in nodes)
 
     def _connect(self) -> Any:
-        distributed: Any = importlib.import_module("distributed")
         if self.client is not None:
             self.client.close(timeout=1)
-        self.client = distributed.Client(self.address, timeout=10)
+        self.client = _distributed().Client(self.address, timeout=10)
         return self.client
 
     def __call__(self) -> Executor:
@@ -45,6 +42,13 @@ class Dask:
             self.client.close(timeout=1)
         if self.cluster is not None:
             self.cluster.close()
+
+
+def _distributed() -> Any:
+    try:
+        return importlib.import_module("distributed")
+    except ModuleNotFoundError as error:
+        raise ImportError(f"Dask needs {error.name}: pip install 'zerorate[dask]'") from error
 
 
 def dask_cluster(address: str = LOCAL, workers: Optional[int] = None) -> Dask:

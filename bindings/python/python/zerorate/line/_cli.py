@@ -119,6 +119,12 @@ def add_writing(commands: Commands) -> None:
     made.add_argument("--capture", metavar="FILE", type=Path, help=text)
     limits_option(made)
 
+    about = "Enter the certificate of a calibration"
+    made = command(commands, "certify", about, "zerorate line certify certificate.xml --pdf certificate.pdf")
+    made.add_argument("dcc", metavar="CERTIFICATE.XML", type=Path, help="the XML that `zerorate certificate` wrote")
+    made.add_argument("--pdf", metavar="FILE", type=Path, help="the PDF of the same certificate")
+    made.add_argument("--reason", metavar="TEXT", help="why it replaces another certificate, if it does")
+
 
 def add_reading(commands: Commands) -> None:
     """The commands that show the record."""

@@ -48,6 +48,14 @@ def run_add(given: argparse.Namespace) -> int:
     return 0
 
 
+def run_certify(given: argparse.Namespace) -> int:
+    """``certify``: enters a certificate."""
+    with reading(given) as record:
+        record.certify(given.dcc, pdf=given.pdf, reason=given.reason)
+    print(f"{given.dcc} is entered")
+    return 0
+
+
 def run_history(given: argparse.Namespace) -> int:
     """``history``: all that was measured of a unit."""
     with reading(given) as record:

@@ -100,8 +100,7 @@ def results(connection: sa.Connection, serial: str | None = None, part: str | No
     newest = {axis_key(row): row["result_id"] for row in rows if row["result_id"] is not None}
     verdicts, certificates = all_verdicts(connection), all_certificates(connection)
     return [
-        one_result(row, newest.get(axis_key(row)), verdicts.get(row["result_id"], []), certificates)
-        for row in rows
+        one_result(row, newest.get(axis_key(row)), verdicts.get(row["result_id"], []), certificates) for row in rows
     ]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import getpass
+import hashlib
 import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
@@ -12,6 +13,7 @@ from types import TracebackType
 
 from . import _chain, _entering, _reading
 from ._chain import Verification
+from ._certificates import read_bytes, read_certificate
 from ._checks import Checked, check_files
 from ._entering import Added
 from ._errors import LineError
@@ -139,6 +141,26 @@ class Record:
             return _entering.enter_certificate(
                 connection, {**values, "replaces": replaces, "reason": reason}, self._who
             )
+
+    def certify(
+        self, dcc: str | os.PathLike[str], *, pdf: str | os.PathLike[str] | None = None, reason: str | None = None
+    ) -> int:
+        """Enters the certificate whose XML `dcc` is, for the calibration that it states; returns its id.
+
+        Parameters
+        ----------
+        dcc, pdf
+            The files that ``zerorate certificate`` wrote.
+        reason
+            Why it replaces another certificate, if it does.
+        """
+        found = read_certificate(Path(dcc))
+        ids = [one.result for one in self.results() if one.calibration_id == found.calibration_id]
+        if not ids or ids[0] is None:
+            raise LineError(f"the record has no calibration {found.calibration_id}: `zerorate line add` enters it")
+        pdf_sha256 = None if pdf is None else hashlib.sha256(read_bytes(Path(pdf))).hexdigest()
+        hashes = {"dcc_sha256": found.sha256, "pdf_sha256": pdf_sha256}
+        return self.add_certificate(found.number, ids[0], replaces=found.replaces, reason=reason, **hashes)
 
     def history(self, serial: str, part: str | None = None) -> list[Result]:
         """All that was measured of a unit, from the first to the last; empty if the record does not know the unit."""

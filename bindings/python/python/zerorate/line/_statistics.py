@@ -124,9 +124,7 @@ def capability(
     )
 
 
-def indices(
-    mean: float, sigma: float, lower: float | None, upper: float | None
-) -> tuple[float | None, float | None]:
+def indices(mean: float, sigma: float, lower: float | None, upper: float | None) -> tuple[float | None, float | None]:
     """Cp and Cpk of a mean and a standard deviation; None where they are not defined."""
     if sigma == 0 or (lower is None and upper is None):
         return None, None
