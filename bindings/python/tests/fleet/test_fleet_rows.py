@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from fleet_helpers import PLAN, RECIPE, UNITS, Wrap
 
 import zerorate
 from zerorate import fleet
+from zerorate.fleet._program import version
 
 
 def run(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -133,6 +135,20 @@ def test_too_little_memory_leaves_no_row(captures: Path, tmp_path: Path, wrapped
     wrapped(f'case "$*" in *unit1*) echo "{said}" >&2; exit 1;; esac')
     ended = fleet.run(str(captures), str(tmp_path / "out"), RECIPE)
     assert ended.states == {"ok": UNITS - 1} and "--max-memory" in ended.undone[str(captures / "unit1.arrows")]
+
+
+def test_a_worker_of_another_version_makes_no_row(captures: Path, tmp_path: Path, wrapped: Wrap) -> None:
+    flag = tmp_path / "asked"
+    wrapped(f'case "$*" in *--version*) [ -e {flag} ] && echo "zerorate 9" && exit; touch {flag};; esac')
+
+    def other_host() -> ThreadPoolExecutor:
+        version.cache_clear()
+        return ThreadPoolExecutor(1)
+
+    ended = fleet.run(str(captures), str(tmp_path / "out"), RECIPE, other_host, workers=1)
+    assert not ended.states and all(
+        "has zerorate 9, and this run has zerorate" in why for why in ended.undone.values()
+    )
 
 
 def test_packed_rows_are_the_same_table(captures: Path, tmp_path: Path) -> None:

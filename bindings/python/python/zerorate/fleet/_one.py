@@ -43,6 +43,8 @@ class Task:
     digest: str
     max_memory: int
     """Limit of a command, bytes."""
+    program: str
+    """The version that the run expects of every worker."""
 
     @property
     def key(self) -> str:
@@ -69,7 +71,7 @@ def one(url: str, out: str, recipe: Recipe = DEFAULT, *, max_memory: Optional[in
         file = _store.stat(url)
     except FileNotFoundError as error:
         raise _store.Unreachable(f"{url}: there is no such file") from error
-    work(Task(file, out, recipe, recipe.digest(), max_memory or needed_memory(file)))
+    work(Task(file, out, recipe, recipe.digest(), max_memory or needed_memory(file), _program.version()))
     row: dict[str, Any] = json.loads(_store.read(_store.row_url(out, _store.stat(url).key(recipe.digest()))))
     return row
 
@@ -79,6 +81,8 @@ def work(task: Task) -> str:
     url = _store.row_url(task.out, task.key)
     if _store.exists(url):
         return str(json.loads(_store.read(url))["state"])
+    if _program.version() != task.program:
+        raise OtherProgram(f"{socket.gethostname()} has {_program.version()}, and this run has {task.program}")
     began = time.time()
     with _downloads.folder() as folder:
         path = _store.fetch(task.file, folder)
@@ -89,6 +93,10 @@ def work(task: Task) -> str:
     row["seconds"] = time.time() - began
     put(task, row)
     return str(row["state"])
+
+
+class OtherProgram(Exception):
+    """A worker has another version of the program than the run."""
 
 
 class NotEnoughMemory(Exception):

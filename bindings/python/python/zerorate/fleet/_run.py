@@ -93,11 +93,11 @@ def run(
 
 def _tasks(source: str, out: str, recipe: Recipe, again: set[str]) -> tuple[list[Task], Ended]:
     """The files without a row, and the count of the others. Rows that are made anew are removed."""
-    digest, ended = recipe.digest(), Ended()
+    digest, program, ended = recipe.digest(), _program.version(), Ended()
     found = [file for file in _store.find(source) if not file.url.startswith(_store.inside(out))]
     files = [file for file in found if _may_be_log(file.url)]
     ended.left_out = len(found) - len(files)
-    tasks = [Task(file, out, recipe, digest, _one.needed_memory(file)) for file in files]
+    tasks = [Task(file, out, recipe, digest, _one.needed_memory(file), program) for file in files]
     there = _table.keys(out)
     if again:
         anew = _table.keys_in_state(out, again) & {task.key for task in tasks}
