@@ -18,6 +18,7 @@ from fleet_helpers import PLAN, RECIPE, UNITS, Wrap
 
 import zerorate
 from zerorate import fleet
+from zerorate.fleet import _store
 from zerorate.fleet._program import version
 
 
@@ -149,6 +150,23 @@ def test_a_worker_of_another_version_makes_no_row(captures: Path, tmp_path: Path
     assert not ended.states and all(
         "has zerorate 9, and this run has zerorate" in why for why in ended.undone.values()
     )
+
+
+def test_a_file_that_is_replaced_while_it_is_read(
+    captures: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fetch, out = _store.fetch, tmp_path / "out"
+
+    def replaced(file: _store.File, folder: str) -> str:
+        path = fetch(file, folder)
+        if path.endswith("unit1.arrows") and Path(path).read_bytes() != (captures / "unit2.arrows").read_bytes():
+            shutil.copy(captures / "unit2.arrows", path)
+        return path
+
+    monkeypatch.setattr(_store, "fetch", replaced)
+    assert fleet.run(str(captures), str(out), RECIPE).states == {"ok": UNITS}
+    assert rows_of(out)["unit1.arrows"]["serial"] == "SN2"
+    assert fleet.run(str(captures), str(out), RECIPE).states == {"there": UNITS}
 
 
 def test_packed_rows_are_the_same_table(captures: Path, tmp_path: Path) -> None:

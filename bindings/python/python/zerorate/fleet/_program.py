@@ -94,6 +94,8 @@ def ask(arguments: list[str], max_memory: int, timeout_s: float) -> Answer:
         start_new_session=True,
     )
     _running.add(process)
+    if _stopping.is_set():  # since the question above
+        process.kill()
     try:
         stdout, stderr = process.communicate(timeout=timeout_s)
     except subprocess.TimeoutExpired:

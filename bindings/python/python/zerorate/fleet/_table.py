@@ -20,7 +20,7 @@ TABLE = "rows.parquet"
 PARTS = "parts"
 # So many rows in files of their own are packed: a million of them take a thousand requests to list.
 PACK_FROM = 10_000
-ROWS_IN_PART = 100_000
+ROWS_IN_PART = 20_000
 
 
 @dataclass
