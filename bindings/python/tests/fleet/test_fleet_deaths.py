@@ -148,24 +148,40 @@ def test_downloads_of_the_dead_are_removed(tmp_path: Path, monkeypatch: pytest.M
     assert _downloads.remove_left() == 1 and not os.path.exists(folder)
 
 
-@pytest.mark.skipif(not Path("/dev/full").exists() or os.geteuid() != 0, reason="needs root, to mount a small disk")
-def test_a_full_disk_leaves_files_undone(captures: Path, tmp_path: Path) -> None:
+@pytest.fixture()
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A disk of 64 KiB."""
     disk = tmp_path / "disk"
     disk.mkdir()
     mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(disk)], capture_output=True)
     if mounted.returncode:
-        pytest.skip(f"no small disk here: {mounted.stderr.decode().strip()}")
-    try:
-        filler = disk / "filler"
-        filler.write_bytes(b"\0" * 44_000)
-        ended = fleet.run(str(captures), str(disk / "out"), RECIPE)
-        assert ended.undone and all("No space left" in why for why in ended.undone.values())
-        assert not list((disk / "out").rglob("*.part"))
-        filler.unlink()
-        ended = fleet.run(str(captures), str(disk / "out"), RECIPE)
-        assert not ended.undone and sum(ended.states.values()) == UNITS
-    finally:
-        subprocess.run(["umount", "-l", str(disk)], check=True)
+        pytest.skip(f"only root can mount a small disk: {mounted.stderr.decode().strip()}")
+    yield disk
+    subprocess.run(["umount", "-l", str(disk)], check=True)
+
+
+def test_a_full_disk_leaves_files_undone(captures: Path, small_disk: Path) -> None:
+    filler = small_disk / "filler"
+    filler.write_bytes(b"\0" * 44_000)
+    ended = fleet.run(str(captures), str(small_disk / "out"), RECIPE)
+    assert ended.undone and all("No space left" in why for why in ended.undone.values())
+    assert not list((small_disk / "out").rglob("*.part"))
+    filler.unlink()
+    ended = fleet.run(str(captures), str(small_disk / "out"), RECIPE)
+    assert not ended.undone and sum(ended.states.values()) == UNITS
+
+
+def test_no_room_for_downloads(
+    captures: Path, small_disk: Path, tmp_path: Path, bucket: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import fsspec
+
+    fsspec.filesystem("s3").put_file(str(captures / "unit1.arrows"), "fleet/large/unit1.arrows")
+    monkeypatch.setattr(tempfile, "tempdir", str(small_disk))
+    ended = fleet.run(f"{bucket}/large", str(tmp_path / "out"), RECIPE)
+    assert not ended.states and ["No space left" in why for why in ended.undone.values()] == [True]
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    assert fleet.run(f"{bucket}/large", str(tmp_path / "out"), RECIPE).states == {"ok": 1}
 
 
 class Cluster:
