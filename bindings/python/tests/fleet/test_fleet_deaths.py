@@ -24,7 +24,9 @@ from fleet_helpers import RECIPE, UNITS, Wrap, free_port, is_open, wait_for
 from zerorate import fleet
 from zerorate.fleet import _downloads, _store
 
-SLOW = 'case "$*" in *--version*) ;; *) sleep 0.3;; esac'
+# The commands on the first file run; the others wait until the file `go` is beside the captures, 60 s at most.
+HELD = """case "$*" in *--version*|*unit1*) ;; *) for i in $(seq 600); do
+[ -e "$(dirname "$2")/../go" ] && break; sleep 0.1; done;; esac"""
 DRIVER = "import sys; from zerorate import fleet; from zerorate.fleet import Recipe\n"
 
 
@@ -62,29 +64,30 @@ def children(process: int) -> list[int]:
     return [int(line) for line in found.split()]
 
 
-def kill_a_worker(name: str) -> None:
-    """Kills one of the processes whose command line has `name`, below this one."""
+def kill_a_worker(name: str) -> bool:
+    """Kills a process below this one whose command line has `name`, if it runs a command; false if there is none."""
     for child in children(os.getpid()):
         try:
             line = Path(f"/proc/{child}/cmdline").read_text()
         except OSError:
             continue
-        if name in line and "resource_tracker" not in line:
+        if name in line and "resource_tracker" not in line and children(child):
             os.kill(child, signal.SIGKILL)
-            return
-    raise AssertionError(f"no process of {name}")
+            return True
+    return False
 
 
 @pytest.mark.parametrize(("engine", "name"), [(spawned, "spawn_main"), (by_loky, "loky")])
 def test_killed_workers_cost_nothing(
     engine: Callable[[], Executor], name: str, captures: Path, tmp_path: Path, wrapped: Wrap
 ) -> None:
-    wrapped(SLOW)
+    wrapped(HELD)
     out = tmp_path / "out"
     wait = in_thread(lambda: fleet.run(str(captures), str(out), RECIPE, engine, workers=2))
-    for count in (1, 3):
-        wait_for(lambda: rows(out) >= count, f"row {count}")
-        kill_a_worker(name)
+    wait_for(lambda: rows(out) == 1, "the first row")
+    for _ in range(2):
+        wait_for(lambda: kill_a_worker(name), "a worker")
+    (tmp_path / "go").touch()
     ended = wait()
     assert (ended.states, ended.undone) == ({"ok": UNITS}, {})
     assert fleet.table(str(out)).states == {"ok": UNITS}
@@ -108,28 +111,29 @@ def start_driver(source: str, out: str) -> subprocess.Popen[bytes]:
 
 @pytest.mark.skipif(shutil.which("setpriv") is None, reason="setpriv of util-linux ends commands whose worker died")
 def test_a_killed_driver_leaves_no_command_and_no_half_row(captures: Path, tmp_path: Path, wrapped: Wrap) -> None:
-    wrapped(SLOW)
+    wrapped(HELD)
     out = tmp_path / "out"
     driver = start_driver(str(captures), str(out))
-    wait_for(lambda: rows(out) >= 2, "two rows")
+    wait_for(lambda: rows(out) == 1 and len(children(driver.pid)) == 2, "a row, and two commands under way")
     commands = children(driver.pid)
     driver.kill()
     driver.wait()
     files = [Path(f"/proc/{command}/cmdline") for command in commands]
     wait_for(lambda: not any(file.exists() for file in files), "the end of the commands", 10)
-    there = rows(out)
+    (tmp_path / "go").touch()
     ended = fleet.run(str(captures), str(out), RECIPE)
-    assert ended.states == {"there": there, "ok": UNITS - there}
+    assert ended.states == {"there": 1, "ok": UNITS - 1}
 
 
 def test_ctrl_c_leaves_no_row_of_what_was_under_way(captures: Path, tmp_path: Path, wrapped: Wrap) -> None:
-    wrapped(SLOW)
+    wrapped(HELD)
     out = tmp_path / "out"
     driver = start_driver(str(captures), str(out))
-    wait_for(lambda: rows(out) >= 1, "a row")
+    wait_for(lambda: rows(out) == 1 and len(children(driver.pid)) == 2, "a row, and two commands under way")
     driver.send_signal(signal.SIGINT)
-    assert driver.wait(timeout=10) != 0
-    assert set(fleet.table(str(out)).states) == {"ok"}
+    assert driver.wait(timeout=30) != 0
+    assert fleet.table(str(out)).states == {"ok": 1}
+    (tmp_path / "go").touch()
     assert fleet.run(str(captures), str(out), RECIPE).undone == {}
     assert fleet.table(str(out)).states == {"ok": UNITS}
 

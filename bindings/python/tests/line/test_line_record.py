@@ -166,9 +166,7 @@ def run_id(toml: Path) -> str:
     return zerorate.Calibration.load(toml).id
 
 
-def test_a_capture_of_other_samples_is_refused(
-    record: Record, calibration: tuple[Path, Path], tmp_path: Path
-) -> None:
+def test_a_capture_of_other_samples_is_refused(record: Record, calibration: tuple[Path, Path], tmp_path: Path) -> None:
     _, other = calibrate(tmp_path, 8, "SN8")
     with pytest.raises(LineError, match="holds other samples"):
         record.add_calibration(calibration[0], capture=other)

@@ -161,8 +161,9 @@ def start(folder: Path, limits: Path) -> subprocess.Popen[str]:
     assert running.stdin is not None and running.stdout is not None
     running.stdin.write("SN7\n")
     running.stdin.flush()
-    while "calibrating" not in running.stdout.readline():
-        pass
+    for line in running.stdout:
+        if "calibrating" in line:
+            break
     return running
 
 
@@ -170,7 +171,7 @@ def start(folder: Path, limits: Path) -> subprocess.Popen[str]:
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_station_that_ends_leaves_no_program_and_no_record(number: int, tmp_path: Path, limits: Path) -> None:
     running = start(tmp_path, limits)
-    (child,) = children(running.pid)
+    child = only_child(running.pid)
     time.sleep(1)
     running.send_signal(number)
     _, error = running.communicate(timeout=20)
@@ -185,7 +186,7 @@ def test_a_station_that_ends_leaves_no_program_and_no_record(number: int, tmp_pa
 @pytest.mark.skipif(os.name == "nt", reason="signals")
 def test_a_killed_station_leaves_the_unit_untested_and_the_record_whole(tmp_path: Path, limits: Path) -> None:
     running = start(tmp_path, limits)
-    (child,) = children(running.pid)
+    child = only_child(running.pid)
     running.kill()
     running.communicate(timeout=20)
     os.kill(child, signal.SIGKILL)
@@ -204,12 +205,22 @@ def test_a_serial_number_may_look_like_an_option(tmp_path: Path, limits: Path) -
 @pytest.mark.skipif(os.name == "nt", reason="signals")
 def test_a_killed_calibration_is_a_killed_run(tmp_path: Path, limits: Path) -> None:
     running = start(tmp_path, limits)
-    (child,) = children(running.pid)
+    child = only_child(running.pid)
     os.kill(child, signal.SIGKILL)
     output, _ = running.communicate(timeout=20)
     assert running.returncode == 1 and "ended by signal 9" in output
     with record_of(tmp_path) as record:
         assert [one.state for one in record.history("SN7")] == ["killed"]
+
+
+def only_child(pid: int) -> int:
+    """The process that a process starts, once it is there."""
+    until = time.monotonic() + 60
+    while not (found := children(pid)):
+        assert time.monotonic() < until, "the station starts no program"
+        time.sleep(0.05)
+    (child,) = found
+    return child
 
 
 def children(pid: int) -> list[int]:
