@@ -24,9 +24,13 @@ from fleet_helpers import RECIPE, UNITS, Wrap, free_port, is_open, wait_for
 from zerorate import fleet
 from zerorate.fleet import _downloads, _store
 
-# The commands on the first file run; the others wait until the file `go` is beside the captures, 60 s at most.
-HELD = """case "$*" in *--version*|*unit1*) ;; *) for i in $(seq 600); do
-[ -e "$(dirname "$2")/../go" ] && break; sleep 0.1; done;; esac"""
+
+def held_until(go: Path) -> str:
+    """The commands on the first file run; the others wait for the file `go`, 60 s at most."""
+    wait = f"for i in $(seq 600); do [ -e '{go}' ] && break; sleep 0.1; done"
+    return f'case "$*" in *--version*|*unit1*) ;; *) {wait};; esac'
+
+
 DRIVER = "import sys; from zerorate import fleet; from zerorate.fleet import Recipe\n"
 
 
@@ -81,7 +85,7 @@ def kill_a_worker(name: str) -> bool:
 def test_killed_workers_cost_nothing(
     engine: Callable[[], Executor], name: str, captures: Path, tmp_path: Path, wrapped: Wrap
 ) -> None:
-    wrapped(HELD)
+    wrapped(held_until(tmp_path / "go"))
     out = tmp_path / "out"
     wait = in_thread(lambda: fleet.run(str(captures), str(out), RECIPE, engine, workers=2))
     wait_for(lambda: rows(out) == 1, "the first row")
@@ -104,6 +108,21 @@ def test_a_file_that_kills_its_worker_gets_a_row(
     assert reason[:3] == ("killed", "worker-died", 1) and reason[3].endswith("unit5.arrows")
 
 
+def die() -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def stillborn() -> Executor:
+    return ProcessPoolExecutor(2, mp_context=get_context("spawn"), initializer=die)
+
+
+@pytest.mark.parametrize("engine", [stillborn, stillborn()])
+def test_an_engine_that_never_works_blames_no_file(engine: Any, captures: Path, tmp_path: Path) -> None:
+    with pytest.raises(fleet.EngineLost):
+        fleet.run(str(captures), str(tmp_path / "out"), RECIPE, engine, workers=2)
+    assert rows(tmp_path / "out") == 0
+
+
 def start_driver(source: str, out: str) -> subprocess.Popen[bytes]:
     program = f"{DRIVER}fleet.run({source!r}, {out!r}, Recipe(recalibrate={RECIPE.recalibrate!r}), workers=2)"
     return subprocess.Popen([sys.executable, "-c", program], stderr=subprocess.DEVNULL)
@@ -111,7 +130,7 @@ def start_driver(source: str, out: str) -> subprocess.Popen[bytes]:
 
 @pytest.mark.skipif(shutil.which("setpriv") is None, reason="setpriv of util-linux ends commands whose worker died")
 def test_a_killed_driver_leaves_no_command_and_no_half_row(captures: Path, tmp_path: Path, wrapped: Wrap) -> None:
-    wrapped(HELD)
+    wrapped(held_until(tmp_path / "go"))
     out = tmp_path / "out"
     driver = start_driver(str(captures), str(out))
     wait_for(lambda: rows(out) == 1 and len(children(driver.pid)) == 2, "a row, and two commands under way")
@@ -126,7 +145,7 @@ def test_a_killed_driver_leaves_no_command_and_no_half_row(captures: Path, tmp_p
 
 
 def test_ctrl_c_leaves_no_row_of_what_was_under_way(captures: Path, tmp_path: Path, wrapped: Wrap) -> None:
-    wrapped(HELD)
+    wrapped(held_until(tmp_path / "go"))
     out = tmp_path / "out"
     driver = start_driver(str(captures), str(out))
     wait_for(lambda: rows(out) == 1 and len(children(driver.pid)) == 2, "a row, and two commands under way")
@@ -238,9 +257,13 @@ def dask(tmp_path: Path) -> Iterator[Cluster]:
     cluster.end()
 
 
-def test_a_lost_scheduler_and_a_replaced_object(dask: Cluster, bucket: str, captures: Path) -> None:
+def test_a_lost_scheduler_and_a_replaced_object(
+    dask: Cluster, bucket: str, captures: Path, tmp_path: Path, wrapped: Wrap
+) -> None:
     """On an object store. The scheduler is killed in the middle and begun anew, with other workers."""
     import fsspec
+
+    wrapped(held_until(tmp_path / "go"))
 
     store = fsspec.filesystem("s3", use_listings_cache=False)
     for path in captures.iterdir():
@@ -248,8 +271,9 @@ def test_a_lost_scheduler_and_a_replaced_object(dask: Cluster, bucket: str, capt
     out = f"{bucket}/rows"
     engine = dask.start()
     wait = in_thread(lambda: fleet.run(f"{bucket}/night", out, RECIPE, engine))
-    wait_for(lambda: len(_store.row_paths(out)) >= 1, "a row")
+    wait_for(lambda: len(_store.row_paths(out)) == 1, "the first row")
     dask.kill_scheduler()
+    (tmp_path / "go").touch()
     dask.start().close()
     ended = wait()
     engine.close()

@@ -99,6 +99,10 @@ class OtherProgram(Exception):
     """A worker has another version of the program than the run."""
 
 
+def nothing() -> None:
+    """What a worker is asked to do, to see that it lives."""
+
+
 class NotEnoughMemory(Exception):
     """The limit of this run is too small for the file; the text says what to give."""
 

@@ -168,7 +168,11 @@ class _Driver:
                         task = pending[future]
                         waiting.extend(self._settle(task, future))
                         del pending[future]
-        except _WorkerDied:
+        except _WorkerDied as error:
+            if isinstance(self.engine, Executor):
+                raise EngineLost("the executor broke with a worker; give a function that makes one") from error
+            if not pending:
+                self._count_loss()
             self.suspects += pending.values()
         except _Lost:
             self._count_loss()
@@ -238,9 +242,19 @@ class _Driver:
             if self.suspects:
                 deaths, todo = deaths + 1, [task]
         if todo:
+            self._probe()
             reason = f"the worker died {deaths} times while it did nothing but this file"
             _one.put(task, {"state": "killed", "code": "worker-died", "error": reason})
             self._done("killed")
+
+    def _probe(self) -> None:
+        """Has the engine do nothing: one that cannot do even that killed its workers itself."""
+        try:
+            with self._pool() as pool:
+                pool.submit(_one.nothing).result()
+        except Exception as error:
+            why = 'the workers die before they begin; does a script of yours lack `if __name__ == "__main__":`?'
+            raise EngineLost(why) from error
 
     def _count_loss(self) -> None:
         self.losses += 1
