@@ -79,7 +79,7 @@ const TASKS: [Task; 9] = [
     },
     Task {
         name: "deny",
-        usage: "",
+        usage: "[--advisories DIR]",
         about: "Check the dependencies: advisories, licences, sources",
         help: || deny::HELP.to_owned(),
         run: deny::run,
