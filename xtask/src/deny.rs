@@ -1,13 +1,12 @@
 //! `cargo xtask deny`: the dependencies against `deny.toml`: known holes, abandoned crates, licences, sources.
 
 use anyhow::{Context, Result, ensure};
-use std::path::{Path, PathBuf};
 use std::process::Command;
 use xtask::arguments::Arguments;
+use xtask::tools;
 use xtask::venv::done;
 
 const VERSION: &str = "0.20.2";
-const TOOLS: &str = "target/tools";
 
 /// What `--help` prints.
 pub const HELP: &str = "\
@@ -26,7 +25,7 @@ const PROJECTS: [&str; 4] = ["Cargo.toml", "firmware/Cargo.toml", "bindings/c/Ca
 pub fn run(mut arguments: Arguments) -> Result<()> {
     let handed_in = arguments.value("--advisories")?.map(database).transpose()?;
     arguments.end()?;
-    let program = program()?;
+    let program = tools::of_cargo("cargo-deny", VERSION)?;
     let deny = || {
         let mut deny = Command::new(&program);
         deny.arg("deny").envs(handed_in.iter().flatten().cloned());
@@ -68,16 +67,4 @@ fn database(directory: String) -> Result<[(&'static str, String); 3]> {
         ("GIT_CONFIG_KEY_0", format!("url.file://{}.insteadOf", directory.display())),
         ("GIT_CONFIG_VALUE_0", DATABASE.to_owned()),
     ])
-}
-
-/// cargo-deny in this version: the one below `target/`, which is built once.
-fn program() -> Result<PathBuf> {
-    let program = std::path::absolute(Path::new(TOOLS).join("bin/cargo-deny"))?;
-    if !program.exists() {
-        println!("cargo-deny {VERSION} is built, once");
-        let install =
-            ["install", "cargo-deny", "--version", VERSION, "--locked", "--quiet", "--debug", "--root", TOOLS];
-        done(Command::new("cargo").args(install))?;
-    }
-    Ok(program)
 }
