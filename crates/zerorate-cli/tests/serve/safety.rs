@@ -8,6 +8,8 @@ use std::net::TcpStream;
 use std::thread;
 use std::time::{Duration, Instant};
 use tungstenite::Message;
+use tungstenite::protocol::CloseFrame;
+use tungstenite::protocol::frame::coding::CloseCode;
 
 fn code(answer: &str) -> u16 {
     let status = answer.strip_prefix("HTTP/1.1 ").and_then(|rest| rest.get(..3));
@@ -31,6 +33,7 @@ fn only_its_own_page_under_its_own_name_gets_in() {
         assert_eq!(code(&served.ask(&get, "origin: http://evil.example\r\n", "")), 403, "{path}");
         assert_eq!(code(&served.ask(&get, "sec-fetch-site: cross-site\r\n", "")), 403, "{path}");
     }
+    assert_eq!(code(&served.get("http://evil.example/metrics")), 421, "the request line goes before the header");
     assert_eq!(code(&served.ask("POST /token", "origin: http://evil.example\r\n", "x")), 403);
     assert_eq!(code(&served.raw(b"GET / HTTP/1.1\r\nconnection: close\r\n\r\n")), 421);
     // cross-site WebSocket
@@ -81,9 +84,9 @@ fn no_path_leads_to_a_file() {
         "/..%5csecret.txt",
         "/README.md",
         "/%00",
-        "http://localhost/etc/passwd",
     ];
-    for path in paths {
+    let absolute = format!("http://localhost:{}/etc/passwd", served.port);
+    for path in paths.into_iter().chain([&*absolute]) {
         let answer = served.get(path);
         assert!(!answer.contains("root:") && !answer.contains("hidden"), "{path}\n{answer}");
         assert!([400, 404].contains(&code(&answer)), "{path}\n{answer}");
