@@ -20,8 +20,12 @@ pub struct Server {
 impl Server {
     /// Starts it at free ports with these arguments; its further messages go to stderr.
     pub fn start(program: &Path, arguments: &[&str]) -> Result<Self> {
-        let mut command = Command::new(program);
-        command.args(["serve", "--listen", "127.0.0.1:0", "--iio", "127.0.0.1:0"]).args(arguments);
+        Self::start_with(&mut Command::new(program), "127.0.0.1:0", arguments)
+    }
+
+    /// The same, started by this command and with libiio served at `iio`.
+    pub fn start_with(command: &mut Command, iio: &str, arguments: &[&str]) -> Result<Self> {
+        command.args(["serve", "--listen", "127.0.0.1:0", "--iio", iio]).args(arguments);
         let child = command.stderr(Stdio::piped()).spawn().context("cannot start the program")?;
         let mut server = Self { child, page: String::new(), iio_uri: String::new() };
         let mut lines = BufReader::new(server.child.stderr.take().context("no stderr")?).lines().map_while(Result::ok);
@@ -40,6 +44,11 @@ impl Server {
         let (_, behind_name) = stat.rsplit_once(')').context("/proc/PID/stat")?;
         let ticks = behind_name.split_whitespace().skip(11).take(2).map(str::parse::<f64>);
         Ok(ticks.sum::<Result<f64, _>>()? / TICKS_PER_S)
+    }
+
+    /// The number of its open files and connections.
+    pub fn descriptors(&self) -> Result<usize> {
+        Ok(fs::read_dir(format!("/proc/{}/fd", self.child.id()))?.count())
     }
 
     /// Its peak memory, MB.
