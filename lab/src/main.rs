@@ -14,6 +14,7 @@ mod c;
 mod coverage;
 mod coverage_allan;
 mod dist;
+mod endurance;
 mod firmware;
 mod iiod;
 mod methods;
@@ -106,6 +107,13 @@ enum Task {
     /// name; a part whose checkout or tool is missing says so and is skipped. PyArrow and MCAP's library, which judge
     /// the files, go into an environment below target/.
     Attacks(attacks::AttacksArgs),
+    /// Serve the twin for long while visitors come and go; set the clock by an hour; fill the disk and free it
+    ///
+    /// 20 pages and 4 clients of libiio come and go while the twin is served and recorded, faster than real time. The
+    /// task fails where memory or descriptors grow, or a sample is not recorded as the twin gives it. Then libfaketime
+    /// sets the computer's clock of a server by an hour, forward and back, and a disk in memory (root) fills and is
+    /// freed. What is missing here is skipped with a message.
+    Endurance(endurance::EnduranceArgs),
     /// Make docs/ a book; run its commands, follow its links
     ///
     /// Renders docs/ with mdBook's library, by lab/book, and follows every link. `--check` also runs the commands of
@@ -140,6 +148,7 @@ fn main() -> ExitCode {
         Task::Rig(args) => rig::run(&args),
         Task::Trust(args) => trust::run(&args),
         Task::Attacks(args) => attacks::run(&args),
+        Task::Endurance(args) => endurance::run(&args),
         Task::Book(args) => book::run(&args),
         Task::Dist(args) => dist::run(&args),
         Task::Uf2(args) => uf2::run(&args),
