@@ -28,7 +28,7 @@ pub struct EnduranceArgs {
     /// How much faster than the clock the sensor's time goes; where the machine cannot, as fast as it can
     #[arg(long, default_value_t = 4.0)]
     speed: f64,
-    /// Run as a step of the test: four minutes of the sensor's time
+    /// Run as a step of the test: three minutes of the sensor's time
     #[arg(long, conflicts_with_all = ["hours", "program"])]
     check: bool,
     /// The program, instead of building it
@@ -37,7 +37,7 @@ pub struct EnduranceArgs {
 }
 
 /// Length of the run as a step of the test, h.
-const CHECK_HOURS: f64 = 4.0 / 60.0;
+const CHECK_HOURS: f64 = 3.0 / 60.0;
 
 /// Runs the parts, one after another.
 pub fn run(args: &EnduranceArgs) -> Result<()> {
