@@ -4,6 +4,7 @@
 //! `pub fn run(args: &NameArgs)`, and give it a variant in [`Task`].
 
 mod app;
+mod attacks;
 mod bench_peers;
 mod bench_serve;
 mod bench_web;
@@ -13,6 +14,7 @@ mod c;
 mod coverage;
 mod coverage_allan;
 mod dist;
+mod endurance;
 mod firmware;
 mod iiod;
 mod methods;
@@ -104,6 +106,20 @@ enum Task {
     /// `--update` writes docs/reference/reliability.md. Power cuts need root and loop devices; the task says where
     /// these are missing.
     Trust(trust::TrustArgs),
+    /// Turn other projects' attacks and test files on the program: HTTP, WebSocket, libiio, MCAP, Arrow, Parquet
+    ///
+    /// Each case is read right, or refused with a reason; a crash, a hang, other numbers or a second answer fail the
+    /// task. Nothing of these projects is carried along. `--data DIR` is a folder with checkouts, each under its own
+    /// name; a part whose checkout or tool is missing says so and is skipped. PyArrow and MCAP's library, which judge
+    /// the files, go into an environment below target/.
+    Attacks(attacks::AttacksArgs),
+    /// Serve the twin for long while visitors come and go; set the clock by an hour; fill the disk and free it
+    ///
+    /// 20 pages and 4 clients of libiio come and go while the twin is served and recorded, faster than real time. The
+    /// task fails where memory or descriptors grow, or a sample is not recorded as the twin gives it. Then libfaketime
+    /// sets the computer's clock of a server by an hour, forward and back, and a disk in memory (root) fills and is
+    /// freed. What is missing here is skipped with a message.
+    Endurance(endurance::EnduranceArgs),
     /// Make docs/ a book; run its commands, follow its links
     ///
     /// Renders docs/ with mdBook's library, by lab/book, and follows every link. `--check` also runs the commands of
@@ -138,6 +154,8 @@ fn main() -> ExitCode {
         Task::Iiod => iiod::run(),
         Task::Rig(args) => rig::run(&args),
         Task::Trust(args) => trust::run(&args),
+        Task::Attacks(args) => attacks::run(&args),
+        Task::Endurance(args) => endurance::run(&args),
         Task::Book(args) => book::run(&args),
         Task::Dist(args) => dist::run(&args),
         Task::Uf2(args) => uf2::run(&args),

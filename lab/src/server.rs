@@ -20,8 +20,12 @@ pub struct Server {
 impl Server {
     /// Starts it at free ports with these arguments; its further messages go to stderr.
     pub fn start(program: &Path, arguments: &[&str]) -> Result<Self> {
-        let mut command = Command::new(program);
-        command.args(["serve", "--listen", "127.0.0.1:0", "--iio", "127.0.0.1:0"]).args(arguments);
+        Self::start_with(&mut Command::new(program), "127.0.0.1:0", arguments)
+    }
+
+    /// The same, started by this command and with libiio served at `iio`.
+    pub fn start_with(command: &mut Command, iio: &str, arguments: &[&str]) -> Result<Self> {
+        command.args(["serve", "--listen", "127.0.0.1:0", "--iio", iio]).args(arguments);
         let child = command.stderr(Stdio::piped()).spawn().context("cannot start the program")?;
         let mut server = Self { child, page: String::new(), iio_uri: String::new() };
         let mut lines = BufReader::new(server.child.stderr.take().context("no stderr")?).lines().map_while(Result::ok);
@@ -42,11 +46,19 @@ impl Server {
         Ok(ticks.sum::<Result<f64, _>>()? / TICKS_PER_S)
     }
 
+    /// Its number.
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// The number of its open files and connections.
+    pub fn descriptors(&self) -> Result<usize> {
+        descriptors(self.child.id())
+    }
+
     /// Its peak memory, MB.
     pub fn peak_mb(&self) -> Result<f64> {
-        let status = fs::read_to_string(format!("/proc/{}/status", self.child.id()))?;
-        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).context("/proc/PID/status")?;
-        Ok(line.trim().trim_end_matches(" kB").parse::<f64>()? / 1024.0)
+        memory_mb(self.child.id(), "VmHWM:")
     }
 
     /// Ends it as Ctrl-C does.
@@ -64,4 +76,20 @@ impl Drop for Server {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
+}
+
+/// The memory of a process now, MB.
+pub fn resident_mb(id: u32) -> Result<f64> {
+    memory_mb(id, "VmRSS:")
+}
+
+/// The number of open files and connections of a process.
+pub fn descriptors(id: u32) -> Result<usize> {
+    Ok(fs::read_dir(format!("/proc/{id}/fd"))?.count())
+}
+
+fn memory_mb(id: u32, field: &str) -> Result<f64> {
+    let status = fs::read_to_string(format!("/proc/{id}/status"))?;
+    let line = status.lines().find_map(|line| line.strip_prefix(field)).context("/proc/PID/status")?;
+    Ok(line.trim().trim_end_matches(" kB").parse::<f64>()? / 1024.0)
 }

@@ -13,7 +13,7 @@ use anyhow::{Result, ensure};
 use xtask::arguments::Arguments;
 
 /// What neither `test` nor `check` runs.
-const REST: [Step; 33] = [
+const REST: [Step; 35] = [
     Step::new("doc", "doc --workspace --no-deps --all-features")
         .about("The documentation builds without a warning")
         .with_env("RUSTDOCFLAGS", "-Dwarnings"),
@@ -146,6 +146,14 @@ const REST: [Step; 33] = [
         .about("The libiio server, read by libiio's own clients and by pyadi-iio")
         .at(Pace::Beside)
         .installing("libiio-utils python3-libiio, what lab/iiod-requirements.txt names, below target/"),
+    Step::new("endurance", "xtask endurance --check")
+        .about("Memory and descriptors stay while visitors come and go; the clock is set, a disk fills and is freed")
+        .at(Pace::Beside)
+        .installing("libiio-utils faketime"),
+    Step::new("attacks", "xtask attacks http websocket libiio")
+        .about("Smuggled requests, Autobahn's cases and libiio's test programs, turned on the server")
+        .at(Pace::Beside)
+        .installing("libiio-utils, Autobahn's test suite below target/ where Python 2.7 is"),
     Step::new("c", "xtask c")
         .about("The C library, and C against Rust on the host and on an emulated Cortex-M4F")
         .at(Pace::Beside)

@@ -1,51 +1,70 @@
 //! `cargo xtask deny`: the dependencies against `deny.toml`: known holes, abandoned crates, licences, sources.
 
-use anyhow::Result;
-use std::path::{Path, PathBuf};
+use anyhow::{Context, Result, ensure};
 use std::process::Command;
 use xtask::arguments::Arguments;
+use xtask::tools;
 use xtask::venv::done;
 
 const VERSION: &str = "0.20.2";
-const TOOLS: &str = "target/tools";
 
 /// What `--help` prints.
 pub const HELP: &str = "\
 Builds cargo-deny once, below target/, and holds every lock file against deny.toml. Where the database of advisories
-cannot be fetched, it says so, and checks licences and sources only.";
+cannot be fetched, it says so, and checks licences and sources only.
+
+  --advisories DIR  Take the advisories from DIR, a clone of https://github.com/RustSec/advisory-db, and print their date";
+
+/// Where deny.toml has the advisories from, since cargo-deny does so by default.
+const DATABASE: &str = "https://github.com/RustSec/advisory-db";
 
 /// Each project has a lock file of its own.
 const PROJECTS: [&str; 4] = ["Cargo.toml", "firmware/Cargo.toml", "bindings/c/Cargo.toml", "lab/Cargo.toml"];
 
 /// Runs all checks that need no network, and the advisories if their database is available.
-pub fn run(arguments: Arguments) -> Result<()> {
+pub fn run(mut arguments: Arguments) -> Result<()> {
+    let handed_in = arguments.value("--advisories")?.map(database).transpose()?;
     arguments.end()?;
-    let program = program()?;
-    let advisories = Command::new(&program).args(["deny", "fetch", "db"]).status()?.success();
+    let program = tools::of_cargo("cargo-deny", VERSION)?;
+    let deny = || {
+        let mut deny = Command::new(&program);
+        deny.arg("deny").envs(handed_in.iter().flatten().cloned());
+        deny
+    };
+    let advisories = deny().args(["--config", "deny.toml", "fetch", "db"]).status()?.success();
+    ensure!(advisories || handed_in.is_none(), "the advisories that were handed in cannot be read");
     if !advisories {
         eprintln!(
-            "SKIPPED: advisories: their database cannot be fetched; licences and sources are checked all the same"
+            "SKIPPED: advisories: their database cannot be fetched (--advisories DIR takes a clone); licences and \
+             sources are checked all the same"
         );
     }
     let wanted = ["licenses", "bans", "sources", "advisories"];
     for manifest in PROJECTS {
         println!("{manifest}:");
-        let mut check = Command::new(&program);
-        check.args(["deny", "--manifest-path", manifest, "--workspace", "--config", "deny.toml"]);
+        let mut check = deny();
+        check.args(["--manifest-path", manifest, "--workspace", "--config", "deny.toml"]);
         check.args(["check", "--hide-inclusion-graph"]);
         done(check.args(&wanted[..if advisories { 4 } else { 3 }]))?;
     }
     Ok(())
 }
 
-/// cargo-deny in this version: the one below `target/`, which is built once.
-fn program() -> Result<PathBuf> {
-    let program = std::path::absolute(Path::new(TOOLS).join("bin/cargo-deny"))?;
-    if !program.exists() {
-        println!("cargo-deny {VERSION} is built, once");
-        let install =
-            ["install", "cargo-deny", "--version", VERSION, "--locked", "--quiet", "--debug", "--root", TOOLS];
-        done(Command::new("cargo").args(install))?;
-    }
-    Ok(program)
+/// The environment in which git fetches the advisories from this clone.
+fn database(directory: String) -> Result<[(&'static str, String); 3]> {
+    let directory = std::fs::canonicalize(&directory).with_context(|| format!("--advisories {directory}"))?;
+    let mut newest = Command::new("git");
+    newest.arg("-C").arg(&directory).args(["log", "-1", "--format=%cs", "--", "crates/*/RUSTSEC-*.md"]);
+    let newest = newest.output().context("git")?;
+    ensure!(
+        newest.status.success() && !newest.stdout.is_empty(),
+        "--advisories {}: this is not a clone of {DATABASE}",
+        directory.display()
+    );
+    println!("advisories up to {}", String::from_utf8_lossy(&newest.stdout).trim());
+    Ok([
+        ("GIT_CONFIG_COUNT", "1".to_owned()),
+        ("GIT_CONFIG_KEY_0", format!("url.file://{}.insteadOf", directory.display())),
+        ("GIT_CONFIG_VALUE_0", DATABASE.to_owned()),
+    ])
 }

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 /// The tasks, each with a description. A test of the lab compares this table with its command line.
-pub const TASKS: [(&str, &str); 16] = [
+pub const TASKS: [(&str, &str); 18] = [
     ("coverage", "Calibrate many units of the twin and compare the stated uncertainties with their truth"),
     ("methods", "Calibrate many units by every method, compare all with their truth, and write the page"),
     ("tracking", "Track many units of the twin for a day in four worlds, and print the table of docs/tracking.md"),
@@ -22,6 +22,8 @@ pub const TASKS: [(&str, &str); 16] = [
     ("iiod", "Read the libiio server with libiio's own clients, and with pyadi-iio"),
     ("rig", "Boot a stock Linux kernel in QEMU with the twin as hardware, and read it there"),
     ("trust", "Break part, files and program at random moments; look for results that are wrong and silent"),
+    ("attacks", "Turn other projects' attacks and test files on the program: HTTP, WebSocket, libiio, logs"),
+    ("endurance", "Serve for long while visitors come and go; set the clock by an hour; fill the disk and free it"),
     ("book", "Render docs/ as a book, run its commands and follow its links"),
     ("dist", "Make the distribution in target/dist: programs, packages, wheels, libraries, firmware"),
     ("uf2", "Convert an image of the bridge to the file for a Pico, or for a board with TinyUF2"),

@@ -8,6 +8,7 @@ mod check;
 mod ci;
 mod codegen;
 mod deny;
+mod mutants;
 mod python;
 mod steps;
 mod test;
@@ -27,7 +28,7 @@ struct Task {
     run: fn(Arguments) -> Result<()>,
 }
 
-const TASKS: [Task; 9] = [
+const TASKS: [Task; 10] = [
     Task {
         name: "test",
         usage: "",
@@ -79,10 +80,17 @@ const TASKS: [Task; 9] = [
     },
     Task {
         name: "deny",
-        usage: "",
+        usage: "[--advisories DIR]",
         about: "Check the dependencies: advisories, licences, sources",
         help: || deny::HELP.to_owned(),
         run: deny::run,
+    },
+    Task {
+        name: "mutants",
+        usage: "[--share N] [CRATE…]",
+        about: "Make the code wrong at one place at a time, and count the mutants that no test kills",
+        help: mutants::help,
+        run: mutants::run,
     },
     Task {
         name: "build-time",

@@ -2,7 +2,7 @@
 
 use crate::venv::done;
 use anyhow::Result;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// A program, and the Debian package that has it.
@@ -61,4 +61,16 @@ fn runs(program: &str) -> bool {
 /// Whether we may install missing packages.
 pub fn is_root() -> bool {
     Command::new("id").arg("-u").output().is_ok_and(|output| output.stdout == b"0\n")
+}
+
+/// A subcommand of cargo in this version: the one below `target/`, which is built once.
+pub fn of_cargo(name: &str, version: &str) -> Result<PathBuf> {
+    let tools = Path::new("target/tools").join(format!("{name}-{version}"));
+    let program = std::path::absolute(tools.join("bin").join(name))?;
+    if !program.exists() {
+        println!("{name} {version} is built, once");
+        let install = ["install", name, "--version", version, "--locked", "--quiet", "--debug", "--root"];
+        done(Command::new("cargo").args(install).arg(&tools))?;
+    }
+    Ok(program)
 }

@@ -3,27 +3,10 @@
 use crate::facts;
 use crate::registers::{Channel, Registers};
 use crate::registers::{IOP_RDYFN, MODE_CLAMP, MODE_CONTINUOUS, MODE_MD, MODE_SINGLE};
+use crate::tally::{Conversion, LastRead, LostUnread, Reading, Tally};
 
 /// Never.
 pub(crate) const NEVER: u64 = u64::MAX;
-
-/// Samples that the host never saw, per channel, since the start.
-#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
-pub struct LostUnread {
-    /// Losses of the rate channel.
-    pub rate: ChannelLosses,
-    /// Losses of the temperature channel.
-    pub temp: ChannelLosses,
-}
-
-/// Samples of one channel that the host never saw.
-#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
-pub struct ChannelLosses {
-    /// Samples that were overwritten before anybody read them (F-33).
-    pub overwritten: u64,
-    /// New samples that were dropped because the register was being read at the moment of the update (F-33).
-    pub lost_new: u64,
-}
 
 /// A data register with the state of its content.
 #[derive(Copy, Clone)]
@@ -31,16 +14,14 @@ struct Data {
     code: u32,
     negative: bool,
     out_of_range: bool,
-    lost: ChannelLosses,
+    conversion: Option<Conversion>,
+    tally: Tally,
 }
 
 impl Data {
-    const RESET: Self = Self {
-        code: facts::ZERO_CODE,
-        negative: false,
-        out_of_range: false,
-        lost: ChannelLosses { overwritten: 0, lost_new: 0 },
-    };
+    fn reset(tally: Tally) -> Self {
+        Self { code: facts::ZERO_CODE, negative: false, out_of_range: false, conversion: None, tally }
+    }
 }
 
 /// The converter.
@@ -113,7 +94,7 @@ impl Adc {
     pub(crate) fn new(mclk_hz: f64) -> Self {
         Self {
             mclk_hz,
-            data: [Data::RESET; 2],
+            data: [Data::reset(Tally::default()); 2],
             unread: 0,
             reading: None,
             plan: Plan::of(&Registers::RESET, mclk_hz, false),
@@ -123,9 +104,9 @@ impl Adc {
         }
     }
 
-    /// Sets the reset values. The counts of losses stay.
+    /// Sets the reset values. What is counted stays.
     pub(crate) fn reset(&mut self) {
-        self.data = self.data.map(|data| Data { lost: data.lost, ..Data::RESET });
+        self.data = self.data.map(|data| Data::reset(data.tally));
         self.unread = 0;
         self.reading = None;
         self.plan = Plan::of(&Registers::RESET, self.mclk_hz, false);
@@ -184,11 +165,13 @@ impl Adc {
     #[inline]
     fn store(&mut self, channel: Channel, unlimited: i64) {
         let data = &mut self.data[channel as usize];
+        data.tally.conversions += 1;
         if self.reading == Some(channel) {
-            data.lost.lost_new += 1;
+            data.tally.losses.lost_new += 1;
             return;
         }
-        data.lost.overwritten += u64::from(self.unread & channel.bit() != 0);
+        data.tally.losses.overwritten += u64::from(self.unread & channel.bit() != 0);
+        data.conversion = Some(Conversion { number: data.tally.conversions, t_ns: self.next_update_ps / 1000 });
         self.unread |= channel.bit();
         if self.frozen {
             return;
@@ -229,7 +212,10 @@ impl Adc {
     pub(crate) fn begin_read(&mut self, channel: Channel) -> u32 {
         self.reading = Some(channel);
         self.unread &= !channel.bit();
-        self.data[channel as usize].code
+        let data = &mut self.data[channel as usize];
+        let Data { code, conversion, out_of_range, .. } = *data;
+        data.tally.last_read = Some(Reading { code, conversion, out_of_range });
+        code
     }
 
     /// The last byte of a read is out.
@@ -255,8 +241,13 @@ impl Adc {
     }
 
     pub(crate) fn lost_unread(&self) -> LostUnread {
-        let [rate, temp] = self.data.map(|data| data.lost);
+        let [rate, temp] = self.data.map(|data| data.tally.losses);
         LostUnread { rate, temp }
+    }
+
+    pub(crate) fn last_read(&self) -> LastRead {
+        let [rate, temp] = self.data.map(|data| data.tally.last_read);
+        LastRead { rate, temp }
     }
 }
 

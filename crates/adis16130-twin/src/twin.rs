@@ -1,11 +1,12 @@
 //! The twin and its handles.
 
-use crate::adc::{LostUnread, NEVER};
+use crate::adc::NEVER;
 use crate::fault::Fault;
 use crate::part::Part;
 use crate::pins::{SelfTestPin, SyncPin, TwinDelay, TwinRdy};
 use crate::spec::{Motion, Spec};
 use crate::spi::TwinSpi;
+use crate::tally::{LastRead, LostUnread};
 use crate::truth::Truth;
 use alloc::rc::Rc;
 use alloc::vec::Vec;
@@ -123,6 +124,11 @@ impl Twin {
     /// How many samples the host never saw.
     pub fn lost_unread(&self) -> LostUnread {
         self.part.borrow().chip.adc.lost_unread()
+    }
+
+    /// What the last reads of the data registers gave, and which conversions that was.
+    pub fn last_read(&self) -> LastRead {
+        self.part.borrow().chip.adc.last_read()
     }
 
     /// The specification of the part.

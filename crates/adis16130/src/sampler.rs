@@ -3,7 +3,7 @@
 use crate::config::{Channels, Config};
 use crate::quotient::quotient;
 use crate::sample::Edge;
-use crate::timeline::{Comb, Timeline};
+use crate::timeline::{Comb, Pattern, Timeline};
 
 /// How a [`Sampler`] reads.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
@@ -20,7 +20,9 @@ pub struct SamplerConfig {
     #[cfg_attr(feature = "serde", serde(default = "undivided"))]
     pub divided: u16,
     /// Read the status of the rate channel with every sample. It can only be left out with both channels, RDYFN = 1
-    /// and no counter in the line. Even then it is read where an edge is not believable.
+    /// and no counter in the line. Even then it is read where an edge is not believable. Leave it on where the line
+    /// may lose edges, or where other calls read the data registers between samples: then an edge of the right time
+    /// may bring the sample before again.
     pub read_status: bool,
 }
 
@@ -194,6 +196,9 @@ struct Taken {
 ///   each missed pair is a loss.
 /// * MCLK is within 6 % of the nominal one (the part: 2 %), and changes slowly. The period is learned from the first
 ///   edges on, to some 10⁻⁶ after a second.
+/// * The kind of the first edge is guessed. With RDYFN = 0, or where rate and temperature take different times, a host
+///   that was late from the start may count one loss too many or too few in all. Until the period is learned, so may a
+///   host that stops for some periods while MCLK is more than 1 % off.
 /// * After a gap of more than 4096 periods the phase starts anew, and the gap is divided by the period that was
 ///   learned. A gap above 19.5 h counts as 19.5 h, and 2³¹ periods without a sample (4.4 days with F-30) as no more
 ///   than that.
@@ -260,7 +265,12 @@ impl Rules {
         let steady = pairs && divider == 1 && !counts_edges;
         let conversions = (u32::from(divider) * u32::from(divided)).saturating_add(pairs.into());
         let conversions_per_period = if both { 2 } else { 1 };
-        let mut comb = Comb::new(config.conversion_cycles(), mclk_hz, steady);
+        let pattern = match (pairs, steady) {
+            (_, true) => Pattern::Steady,
+            (true, false) => Pattern::Mixed,
+            (false, false) => Pattern::Each,
+        };
+        let mut comb = Comb::new(config.conversion_cycles(), mclk_hz, pattern);
         if counts_edges {
             comb = comb.divided(conversions, u32::from(divider) * u32::from(conversions_per_period));
         }
@@ -270,7 +280,7 @@ impl Rules {
             read_status: sampling.read_status || !pairs || counts_edges,
             reads_rate: !matches!(config.channels(), Channels::Temp),
             steady,
-            early_ns: u32::try_from(comb.nominal_eighths_ns(4 * u32::from(divider) + 3)).unwrap_or(u32::MAX),
+            early_ns: u32::try_from(comb.unread_ns(divider.into())).unwrap_or(u32::MAX),
             conversions,
             conversions_per_period,
             counts_edges,
@@ -367,7 +377,8 @@ impl Sampler {
         self.until_temp = if due.temp { self.rules.every_temp } else { self.until_temp }.saturating_sub(1);
         let first = self.taken.is_none();
         self.taken = Some(Taken { t_ns: due.edge.t_ns as u32, seq: due.edge.seq, first });
-        let (lost, goes_by) = if first { (0, ticks) } else { self.rules.lost_in(ticks) };
+        let (lost, goes_by) =
+            if first { (0, ticks.saturating_add(self.timeline.anchor().into())) } else { self.rules.lost_in(ticks) };
         self.timeline.count_from(goes_by);
         lost
     }
@@ -381,7 +392,8 @@ impl Sampler {
     }
 
     /// Notes that the part has been initialised anew, so that its conversions have another phase. The samples that the
-    /// gap cost are counted at the next sample, to within one.
+    /// gap cost are counted at the next sample, to within one. Forget the edges from before: one that is handed over
+    /// later makes it two.
     pub fn restarted(&mut self) {
         self.timeline.restart();
         self.heard_ns = None;

@@ -40,21 +40,21 @@ pub fn allan(logs: &[PathBuf], options: &AllanOptions) -> Result<Vec<Record>> {
     };
     let mut records = Vec::new();
     for log in logs {
-        let columns = zerorate_logs::read_parts(log, files::log(log)?, wanted, &options.log)?;
-        records.extend(analysed(log, columns, &options.log, options.temperature.as_deref(), &options.analysis)?);
+        let (columns, found) = zerorate_logs::read_with_temperature(log, files::log(log)?, wanted, &options.log)?;
+        let named = options.temperature.as_deref();
+        let temperature = temperature::required(log, named, found, &options.analysis.settling, &options.log)?;
+        records.extend(analysed(log, columns, temperature, &options.analysis)?);
     }
     Ok(records)
 }
 
-/// Analyses columns of a log that were read.
+/// Analyses columns of a log that were read, with its temperature.
 pub(crate) fn analysed(
     log: &Path,
     columns: Vec<Column>,
-    of_log: &ColumnOptions,
-    temperature: Option<&str>,
+    temperature: Option<Column>,
     options: &AnalysisOptions,
 ) -> Result<Vec<Record>> {
-    let temperature = temperature::required(log, temperature, &options.settling, of_log)?;
     // the integral of a rate does not follow it
     let temperature = temperature.as_ref().filter(|_| !options.is_phase);
     columns.into_iter().map(|column| Record::of(column, log, options, temperature).map_err(failed)).collect()

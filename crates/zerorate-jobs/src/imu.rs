@@ -1,6 +1,6 @@
 //! The noise of an IMU.
 
-use crate::{InvalidOptions, allan};
+use crate::{InvalidOptions, allan, temperature};
 use anyhow::Result;
 use std::path::Path;
 use zerorate_host::files;
@@ -45,6 +45,8 @@ pub fn imu(log: &Path, options: &ImuNoiseOptions) -> Result<ImuNoise> {
     };
     options.format.map_or(Ok(()), |format| format.check(kinds)).map_err(not_taken)?;
     let Axes { columns, topic, warnings: notes } = axes;
-    let axes = allan::analysed(log, columns, &options.axes.log, options.temperature.as_deref(), &options.analysis)?;
+    let (named, settling) = (options.temperature.as_deref(), &options.analysis.settling);
+    let temperature = temperature::required(log, named, None, settling, &options.axes.log)?;
+    let axes = allan::analysed(log, columns, temperature, &options.analysis)?;
     Ok(ImuNoise { axes, topic, notes, absent })
 }

@@ -18,17 +18,18 @@ pub fn of_log(path: &Path, name: Option<&str>, options: &ColumnOptions) -> Optio
     })
 }
 
-/// The same temperature, or an error where `settling` needs it and the log has none.
+/// The same temperature, which may have been `found` by its usual name; an error where `settling` needs it and the log has none.
 ///
 /// # Errors
 /// The log has no temperature, but one was named, or a polynomial over it is to be taken out.
 pub fn required(
     path: &Path,
     name: Option<&str>,
+    found: Option<Column>,
     settling: &Settling,
     options: &ColumnOptions,
 ) -> Result<Option<Column>, InvalidOptions> {
-    let column = of_log(path, name, options);
+    let column = found.filter(|_| name.is_none()).or_else(|| of_log(path, name, options));
     let [by_name, detrend] = [Setting::TempColumn, Setting::Detrend].map(|setting| settling.names.of(setting));
     let file = path.display();
     match (&column, name) {

@@ -253,6 +253,7 @@ impl<'a> Collector<'a> {
                 false => (Quantity::Acceleration, Unit::MPerS2.in_results()),
             }),
             warnings: Vec::new(),
+            is_beside: false,
         };
         let columns = wanted.all.into_iter().zip(values).map(column).collect();
         Found { columns, clock, warnings: LogWarning::torn(torn).into_iter().chain(miscounted).collect() }

@@ -75,7 +75,7 @@ mod wide;
 pub use choice::{Described, Wanted};
 pub use open::kind;
 pub use part_log::PartLog;
-pub use parts::{Parts, read_parts};
+pub use parts::{Parts, read_parts, read_with_temperature};
 pub use raw::RawType;
 pub use record::{AnalysisOptions, Look, Record, RecordError};
 pub use row_reader::RowReader;
@@ -271,7 +271,7 @@ pub fn read(path: &Path, input: Input, args: &ColumnOptions) -> Result<Column> {
 /// Reads the `wanted` columns in one pass over the file and ignores `args.column`. All have one rate. The first
 /// carries the warnings about the file as a whole.
 pub fn read_all(path: &Path, input: Input, wanted: Wanted<'_>, args: &ColumnOptions) -> Result<Vec<Column>> {
-    find(path, input, wanted, args)?.finish(path, args)
+    find(path, input, &ColumnQuery::of(wanted, args))?.finish(path, args)
 }
 
 /// Reads columns of a table in memory; `path` is what messages call them.
@@ -280,18 +280,17 @@ pub fn read_all(path: &Path, input: Input, wanted: Wanted<'_>, args: &ColumnOpti
 /// The same errors as for a file.
 pub fn read_table(path: &Path, table: &RecordBatch, wanted: Wanted<'_>, args: &ColumnOptions) -> Result<Vec<Column>> {
     let room = Room::of(table.get_array_memory_size() as u64);
-    let mut columns = tabular::TableColumns::start(path, &table.schema(), room, &ColumnQuery { wanted, args })?;
+    let mut columns = tabular::TableColumns::start(path, &table.schema(), room, &ColumnQuery::of(wanted, args))?;
     columns.take(table, None)?;
     columns.finish(Vec::new())?.finish(path, args)
 }
 
 /// The columns as they stand in the file.
-fn find(path: &Path, input: Input, wanted: Wanted<'_>, args: &ColumnOptions) -> Result<Found> {
+fn find(path: &Path, input: Input, asked: &ColumnQuery<'_>) -> Result<Found> {
     let log = open::open(path, input)?;
-    let asked = ColumnQuery { wanted, args };
-    match args.raw {
-        Some(raw) => raw::read(log, raw, args.names),
-        None => found(log, &asked),
+    match asked.args.raw {
+        Some(raw) => raw::read(log, raw, asked.args.names),
+        None => found(log, asked),
     }
 }
 
@@ -299,6 +298,14 @@ fn find(path: &Path, input: Input, wanted: Wanted<'_>, args: &ColumnOptions) -> 
 struct ColumnQuery<'a> {
     wanted: Wanted<'a>,
     args: &'a ColumnOptions,
+    /// Whether the temperature of a capture is to be read in the same pass. It comes last.
+    with_temperature: bool,
+}
+
+impl<'a> ColumnQuery<'a> {
+    fn of(wanted: Wanted<'a>, args: &'a ColumnOptions) -> Self {
+        Self { wanted, args, with_temperature: false }
+    }
 }
 
 fn found(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
@@ -363,6 +370,8 @@ struct FoundColumn {
     /// Its quantity, and a step in the unit of its results, where the form defines them.
     stated: Option<(Quantity, f64)>,
     warnings: Vec<LogWarning>,
+    /// Whether it was not wanted, and is the temperature beside those that were.
+    is_beside: bool,
 }
 
 impl ColumnOptions {
@@ -389,7 +398,7 @@ impl ColumnOptions {
 
 impl FoundColumn {
     fn new(name: String, values: SeriesBuilder) -> Self {
-        Self { name, values, stated: None, warnings: Vec::new() }
+        Self { name, values, stated: None, warnings: Vec::new(), is_beside: false }
     }
 }
 
@@ -470,7 +479,7 @@ impl Found {
 
 impl FoundColumn {
     fn finish(self, path: &Path, rate_hz: f64, lost: &[Gap], args: &ColumnOptions) -> Result<Column> {
-        let Self { name, values, stated, mut warnings } = self;
+        let Self { name, values, stated, mut warnings, .. } = self;
         let (series, gaps) = values.finish(lost).map_err(|missing| too_many(path, missing, args.names))?;
         let stated = stated.or_else(|| Quantity::of_column(&name));
         if let Some(unit) = args.unit {

@@ -3,7 +3,7 @@
 
 use super::choice::Described;
 use super::clock::Beat;
-use super::{Clock, ColumnOptions, Found, FoundColumn, Gap, LogError, Result, Wanted, find};
+use super::{Clock, ColumnOptions, ColumnQuery, Found, FoundColumn, Gap, LogError, Result, Wanted, find};
 use crate::warning::LogWarning;
 use std::path::Path;
 use zerorate::{MAX_AXES, Part, Scale};
@@ -46,7 +46,7 @@ impl PartLog {
         let layout = Layout::of_part(part)
             .map_err(|what| LogError::Ask(format!("no capture can have the part {}: {what}", part.name)))?;
         let described = described(part);
-        let mut found = find(path, input, Wanted::Described(&described), args)?;
+        let mut found = find(path, input, &ColumnQuery::of(Wanted::Described(&described), args))?;
         found.mend(path, args)?;
         let Found { mut columns, clock, mut warnings } = found;
         let temp = columns.pop().filter(|_| columns.len() == part.axes.len());

@@ -1,6 +1,6 @@
 //! A log that lies in several files, one behind the other: a bag of ROS 2 that was split.
 
-use super::{Clock, Column, ColumnOptions, Found, LogError, Result, Wanted, find};
+use super::{Clock, Column, ColumnOptions, ColumnQuery, Found, LogError, Result, Wanted, find};
 use crate::warning::LogWarning;
 use std::path::{Path, PathBuf};
 use zerorate_record::Input;
@@ -38,10 +38,30 @@ pub(crate) fn read_without_rate(
     wanted: Wanted<'_>,
     args: &ColumnOptions,
 ) -> Result<(Vec<Column>, Option<LogError>)> {
-    let Parts { files, messages } = parts.into();
+    found(path, parts.into(), &ColumnQuery::of(wanted, args))?.finish_without_rate(path, args)
+}
+
+/// Reads the columns that are wanted, and where the log is a capture, its temperature in the same pass.
+pub fn read_with_temperature(
+    path: &Path,
+    parts: impl Into<Parts>,
+    wanted: Wanted<'_>,
+    args: &ColumnOptions,
+) -> Result<(Vec<Column>, Option<Column>)> {
+    // a unit and a scale are for the columns that are wanted
+    let with_temperature = args.unit.is_none() && args.scale.is_none();
+    let found = found(path, parts.into(), &ColumnQuery { wanted, args, with_temperature })?;
+    let is_there = found.columns.last().is_some_and(|column| column.is_beside);
+    let mut columns = found.finish(path, args)?;
+    let temperature = if is_there { columns.pop() } else { None };
+    Ok((columns, temperature))
+}
+
+fn found(path: &Path, parts: Parts, asked: &ColumnQuery<'_>) -> Result<Found> {
+    let Parts { files, messages } = parts;
     let mut all: Option<Found> = None;
     for (part, input) in files {
-        let found = find(&part, input, wanted, args)?;
+        let found = find(&part, input, asked)?;
         match &mut all {
             None => all = Some(found),
             Some(all) => all.append(&part, found)?,
@@ -49,7 +69,7 @@ pub(crate) fn read_without_rate(
     }
     let mut all = all.ok_or_else(|| LogError::Ask(format!("{} has no file with a log", path.display())))?;
     all.hold_against(path, &messages);
-    all.finish_without_rate(path, args)
+    Ok(all)
 }
 
 impl Found {

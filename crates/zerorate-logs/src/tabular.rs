@@ -2,7 +2,7 @@
 
 use super::choice::{Choice, Columns};
 use super::clock::Times;
-use super::judged::{self, Judging};
+use super::judged::{self, Believed, Judging, Readings};
 use super::series::{SeriesBuilder, join, missing_in};
 use super::{Clock, ColumnQuery, Found, FoundColumn, Gap, Result, wrong};
 use crate::warning::LogWarning;
@@ -25,9 +25,7 @@ pub fn read(path: &Path, mut source: Box<dyn BatchSource>, room: Room, asked: &C
     let mut reading = TableColumns::start(path, &schema, room, asked)?;
     if is_capture(schema.metadata()) {
         let mut capture = Checked::new(path, source)?;
-        while let Some((batch, rows)) = capture.next_rows()? {
-            reading.take(&batch, Some(&rows))?;
-        }
+        let reading = judged_beside(&mut capture, reading)?;
         return reading.finish(capture.warnings());
     }
     while let Some(batch) = source.next_batch()? {
@@ -36,12 +34,54 @@ pub fn read(path: &Path, mut source: Box<dyn BatchSource>, room: Room, asked: &C
     reading.finish(source.stated().warning.clone())
 }
 
+/// Batches that may wait to be judged.
+#[cfg(not(target_family = "wasm"))]
+const AHEAD: usize = 4;
+
+/// Judges the rows of a capture on a thread of its own while this one checks them, which takes as long.
+#[cfg(not(target_family = "wasm"))]
+fn judged_beside<'a>(
+    capture: &mut Checked,
+    mut reading: TableColumns<'a>,
+) -> std::result::Result<TableColumns<'a>, CaptureError> {
+    std::thread::scope(|scope| {
+        let (checked, to_judge) = std::sync::mpsc::sync_channel(AHEAD);
+        let judging = scope.spawn(move || {
+            for (batch, rows) in to_judge {
+                reading.take(&batch, Some(&rows))?;
+            }
+            Ok(reading)
+        });
+        while let Some(next) = capture.next_rows()? {
+            // where judging has failed, it says why
+            if checked.send(next).is_err() {
+                break;
+            }
+        }
+        drop(checked);
+        judging.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    })
+}
+
+/// A browser has one thread.
+#[cfg(target_family = "wasm")]
+fn judged_beside<'a>(
+    capture: &mut Checked,
+    mut reading: TableColumns<'a>,
+) -> std::result::Result<TableColumns<'a>, CaptureError> {
+    while let Some((batch, rows)) = capture.next_rows()? {
+        reading.take(&batch, Some(&rows))?;
+    }
+    Ok(reading)
+}
+
 /// Columns being read, with their time.
 pub struct TableColumns<'a> {
     path: &'a Path,
     /// The columns to be read: the numbers, and behind them the time.
     pub columns: Vec<usize>,
     values: Vec<TableColumn>,
+    judges: Vec<Judging>,
     time: Option<(String, Times)>,
     capture: Option<Capture>,
 }
@@ -51,7 +91,9 @@ struct TableColumn {
     name: String,
     values: SeriesBuilder,
     stated: Option<(Quantity, f64)>,
-    judging: Option<Judging>,
+    /// If they are readings of a capture.
+    readings: Option<Readings>,
+    is_beside: bool,
 }
 
 impl<'a> TableColumns<'a> {
@@ -63,16 +105,21 @@ impl<'a> TableColumns<'a> {
         let default = info.as_ref().map_or_else(Vec::new, |info| rates(&info.layout, &names));
         let numeric = schema.fields().iter().map(|field| field.data_type().is_numeric()).collect();
         let all = Columns { path, names: names.clone(), numeric, settings: asked.args.names };
-        let Choice { values, time } = all.choose(asked.wanted, asked.args, &default)?;
+        let Choice { mut values, time } = all.choose(asked.wanted, asked.args, &default)?;
+        let temperature = names.iter().position(|name| *name == "temp_code");
+        let beside = temperature.filter(|at| asked.with_temperature && info.is_some() && !values.contains(at));
+        let wanted = values.len();
+        values.extend(beside);
         // with a time column it is a table as any other
         let info = info.filter(|_| time.is_none());
+        let mut judges = Vec::new();
         let column = |index: &usize| {
             let name = names[*index].to_owned();
-            let mut series = SeriesBuilder::sharing(room, values.len());
+            let mut series = SeriesBuilder::sharing(room, wanted);
             series.reserve(0, schema.field(*index).data_type().is_integer());
             let stated = info.as_ref().and_then(|info| of_code(&info.layout, &name));
-            let judging = info.as_ref().and_then(|info| Judging::of_column(&name, info));
-            TableColumn { name, values: series, stated, judging }
+            let readings = info.as_ref().and_then(|info| Readings::of_column(&name, info, &mut judges));
+            TableColumn { name, values: series, stated, readings, is_beside: beside == Some(*index) }
         };
         let time_column = time.map(|time| {
             let mut times = Times::new();
@@ -83,6 +130,7 @@ impl<'a> TableColumns<'a> {
             path,
             values: values.iter().map(column).collect(),
             columns: values.iter().copied().chain(time).collect(),
+            judges,
             time: time_column,
             capture: info.map(|_| Capture::default()),
         })
@@ -121,30 +169,41 @@ impl<'a> TableColumns<'a> {
         if let (Some(capture), Some(rows)) = (&mut self.capture, rows) {
             capture.count(rows);
         }
-        self.values.iter_mut().zip(columns).try_for_each(|(column, values)| column.append(self.path, values, rows))
+        let believed: Vec<Believed> = match rows {
+            Some(rows) => self.judges.iter_mut().map(|judge| judge.take(rows)).collect(),
+            None => Vec::new(),
+        };
+        self.values
+            .iter_mut()
+            .zip(columns)
+            .try_for_each(|(column, values)| column.append(self.path, values, &believed))
     }
 
     /// All rows were read.
     pub fn finish(self, warnings: impl IntoIterator<Item = CaptureWarning>) -> Result<Found> {
-        let Self { path, values, time, capture, .. } = self;
+        let Self { path, values, mut judges, time, capture, .. } = self;
         let clock = match (time, capture) {
             (Some((name, times)), _) => Clock::Column(name, times),
             (None, Some(capture)) => capture.clock(),
             (None, None) => Clock::Silent,
         };
-        let columns = values.into_iter().map(|column| column.finish(path)).collect::<Result<_>>()?;
+        let believed: Vec<Believed> = judges.iter_mut().map(Judging::finish).collect();
+        let columns =
+            values.into_iter().map(|column| column.finish(path, &judges, &believed)).collect::<Result<_>>()?;
         Ok(Found { columns, clock, warnings: warnings.into_iter().map(LogWarning::Capture).collect() })
     }
 }
 
 impl TableColumn {
-    fn append(&mut self, path: &Path, values: &ArrayRef, rows: Option<&Rows>) -> Result<(), CaptureError> {
-        match (&mut self.judging, rows) {
-            (Some(judging), Some(rows)) => {
-                let judged = judging.take(values, rows).map_err(|error| judged::failed(path, &error))?;
+    /// Adds values; of readings, those that every judge found.
+    fn append(&mut self, path: &Path, values: &ArrayRef, believed: &[Believed]) -> Result<(), CaptureError> {
+        let found = self.readings.as_mut().and_then(|readings| Some((believed.get(readings.judge)?, readings)));
+        match found {
+            Some((believed, readings)) => {
+                let judged = readings.take(values, believed).map_err(|error| judged::failed(path, &error))?;
                 self.append_values(path, &judged)
             }
-            _ => self.append_values(path, values),
+            None => self.append_values(path, values),
         }
     }
 
@@ -154,15 +213,15 @@ impl TableColumn {
             .map_err(|(row, what)| wrong(path, format_args!("column {}, row {}", self.name, first + row as u64), what))
     }
 
-    fn finish(mut self, path: &Path) -> Result<FoundColumn> {
+    fn finish(mut self, path: &Path, judges: &[Judging], believed: &[Believed]) -> Result<FoundColumn> {
         let mut warnings = Vec::new();
-        if let Some(mut judging) = self.judging.take() {
-            let last = judging.finish().map_err(|error| judged::failed(path, &error))?;
+        if let Some(mut readings) = self.readings.take() {
+            let last = readings.finish(&believed[readings.judge]).map_err(|error| judged::failed(path, &error))?;
             last.map_or(Ok(()), |last| self.append_values(path, &last))?;
-            warnings = judging.found(path)?;
+            warnings = judges[readings.judge].found(path)?;
         }
-        let Self { name, values, stated, .. } = self;
-        Ok(FoundColumn { name, values, stated, warnings })
+        let Self { name, values, stated, is_beside, .. } = self;
+        Ok(FoundColumn { name, values, stated, warnings, is_beside })
     }
 }
 

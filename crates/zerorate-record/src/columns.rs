@@ -1,7 +1,7 @@
 //! The columns of a capture in memory: samples to record batches, and back.
 
 use super::CaptureError;
-use super::layout::Layout;
+use super::layout::{CodedAxis, Layout};
 use super::row::Row;
 use super::succession::Mark;
 use crate::cells::integers;
@@ -12,7 +12,7 @@ use arrow_buffer::ScalarBuffer;
 use arrow_schema::{ArrowError, DataType, Field};
 use std::path::Path;
 use std::sync::Arc;
-use zerorate::{MAX_AXES, Scale};
+use zerorate::{MAX_AXES, Reading, Scale};
 
 /// Rows in a batch at most: a bound on memory.
 pub const MAX_ROWS: usize = 8192;
@@ -235,6 +235,18 @@ impl Rows {
     /// All rows, in order.
     pub fn iter(&self) -> impl Iterator<Item = Row> {
         (0..self.len()).map(|i| self.row(i))
+    }
+
+    /// The readings of one axis, in order, without the detour over whole rows; none where the layout has no such axis.
+    pub fn readings<'a>(&'a self, layout: &'a Layout, axis: usize) -> impl Iterator<Item = Reading> + use<'a> {
+        let column = layout.axes().get(axis).zip(self.codes.get(axis));
+        let readings = move |(axis, codes): (&'a CodedAxis, &'a Codes)| {
+            self.marks().enumerate().map(move |(i, mark)| {
+                let status = self.status.is_valid(i).then(|| self.status.value(i));
+                layout.reading_of(axis, codes.value(i), self.temp_code.get(i), status, mark)
+            })
+        };
+        column.map(readings).into_iter().flatten()
     }
 
     /// The raw columns as they were.

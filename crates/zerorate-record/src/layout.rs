@@ -2,6 +2,7 @@
 
 use super::CaptureError;
 use super::row::Row;
+use super::succession::Mark;
 use crate::unit::{Quantity, Unit};
 use adis16130::{ChannelStatus, Width};
 use arrow_schema::{DataType, Field, Metadata};
@@ -216,24 +217,38 @@ impl Layout {
         let scan = Scan::new(row.t_ns, row.edge_seq, &rates[..self.axes.len().min(row.codes().len())]);
         // there is room for the axes of any row, so there is a scan
         let scan = scan.unwrap_or_else(|| Scan::from(&NO_READING)).with_lost(row.lost);
-        let outside = (0..self.axes.len()).filter(|axis| self.is_out_of_range(row, *axis));
+        let axes = self.axes.iter().zip(row.codes()).enumerate();
+        let outside = axes.filter(|(_, (axis, code))| self.is_out_of_range(axis, **code, row.status));
         let temp = row.temp_code.map(|code| self.core_code(&self.temp, code));
-        outside.fold(scan.with_temp(temp), Scan::with_out_of_range)
+        outside.fold(scan.with_temp(temp), |scan, (axis, _)| scan.with_out_of_range(axis))
     }
 
     /// The reading of one axis; none where the layout has no such axis.
     #[must_use]
     #[inline]
     pub fn reading(&self, row: &Row, axis: usize) -> Option<Reading> {
-        let (coded, code) = (self.axes.get(axis)?, *row.codes().get(axis)?);
-        Some(Reading {
-            t_ns: row.t_ns,
-            seq: row.edge_seq,
-            rate: self.core_code(&coded.scale, code),
-            temp: row.temp_code.map(|code| self.core_code(&self.temp, code)),
-            out_of_range: self.is_out_of_range(row, axis),
-            lost: row.lost,
-        })
+        let (axis, code) = (self.axes.get(axis)?, *row.codes().get(axis)?);
+        Some(self.reading_of(axis, code, row.temp_code, row.status, row.mark()))
+    }
+
+    /// The reading of these cells of a row.
+    #[inline]
+    pub(super) fn reading_of(
+        &self,
+        axis: &CodedAxis,
+        code: i64,
+        temp_code: Option<i64>,
+        status: Option<u32>,
+        mark: Mark,
+    ) -> Reading {
+        Reading {
+            t_ns: mark.t_ns,
+            seq: mark.edge_seq,
+            rate: self.core_code(&axis.scale, code),
+            temp: temp_code.map(|code| self.core_code(&self.temp, code)),
+            out_of_range: self.is_out_of_range(axis, code, status),
+            lost: mark.lost,
+        }
     }
 
     #[inline]
@@ -244,13 +259,10 @@ impl Layout {
     /// Whether a reading is out of range, by a code at the end of the scale or by the status of an ADIS16130 (OVR,
     /// F-35).
     #[inline]
-    fn is_out_of_range(&self, row: &Row, axis: usize) -> bool {
-        let at_end = |(coded, code): (&CodedAxis, &i64)| {
-            let (first, last) = coded.scale.codes();
-            *code <= first || *code >= last
-        };
+    fn is_out_of_range(&self, axis: &CodedAxis, code: i64, status: Option<u32>) -> bool {
+        let (first, last) = axis.scale.codes();
         let told = |status: u32| self.is_adis16130() && ChannelStatus::new(status as u8).out_of_range();
-        self.axes.get(axis).zip(row.codes().get(axis)).is_some_and(at_end) || row.status.is_some_and(told)
+        code <= first || code >= last || status.is_some_and(told)
     }
 
     /// Whether the row can stand in a capture of this layout; if not, what is wrong with it.

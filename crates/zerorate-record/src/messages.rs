@@ -98,6 +98,10 @@ impl MessageBytes {
     /// The schema that this message carries.
     pub fn schema(&self) -> Result<SchemaRef, String> {
         let schema = self.message()?.header_as_schema().ok_or("it does not start with an Arrow schema")?;
+        // the library would take the bytes of each number the wrong way round
+        if schema.endianness() != ipc::Endianness::Little {
+            return Err("its numbers are big-endian: write it again on a little-endian machine".to_owned());
+        }
         // what a wrong length takes for its body is the message behind it
         if self.bytes.len() > self.metadata.end {
             return Err(format!("its Arrow schema states a body of {} bytes", self.bytes.len() - self.metadata.end));
@@ -208,5 +212,36 @@ fn check_rows(batch: ipc::RecordBatch<'_>, bytes: u64) -> Result<(), String> {
 impl From<MessageBytes> for Vec<u8> {
     fn from(message: MessageBytes) -> Self {
         message.bytes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A stream that has only a schema without fields.
+    fn schema(endianness: ipc::Endianness) -> Result<SchemaRef, String> {
+        let mut builder = FlatBufferBuilder::new();
+        let fields = Some(builder.create_vector::<flatbuffers::ForwardsUOffset<ipc::Field<'_>>>(&[]));
+        let args = ipc::SchemaArgs { endianness, fields, ..ipc::SchemaArgs::default() };
+        let header = Some(ipc::Schema::create(&mut builder, &args).as_union_value());
+        let header_type = ipc::MessageHeader::Schema;
+        let args = MessageArgs { version: ipc::MetadataVersion::V5, header_type, header, ..MessageArgs::default() };
+        let root = ipc::Message::create(&mut builder, &args);
+        builder.finish(root, None);
+        let message = builder.finished_data();
+        let bytes = [&CONTINUATION[..], &(message.len() as u32).to_le_bytes(), message].concat();
+        match Messages::new(&bytes[..]).next_message().unwrap() {
+            Message::Whole(bytes) => bytes.schema(),
+            _ => panic!("a message"),
+        }
+    }
+
+    /// A file of Arrow's Java on a big-endian machine was read with other numbers (arrow-testing, 1.0.0-bigendian).
+    #[test]
+    fn numbers_of_the_other_byte_order_are_refused() {
+        assert!(schema(ipc::Endianness::Little).is_ok());
+        let why = schema(ipc::Endianness::Big).unwrap_err();
+        assert!(why.contains("big-endian"), "{why}");
     }
 }

@@ -1,8 +1,8 @@
 //! `cargo xtask bench-serve`: runs `zerorate serve` in real time with pages, clients of libiio and a recording at
 //! once. The recording must lose nothing.
 
-mod page;
-mod samples;
+pub mod page;
+pub mod samples;
 
 use crate::app;
 use crate::server::Server;
@@ -93,7 +93,7 @@ struct Seen {
 fn look_on(args: &BenchServeArgs, server: &Server, clients: usize) -> Result<Seen> {
     let (over, shown_ms) = (AtomicBool::new(false), AtomicU64::new(0));
     thread::scope(|scope| -> Result<Seen> {
-        let watch = || scope.spawn(|| page::watch(&server.page, &over, &shown_ms));
+        let watch = || scope.spawn(|| page::watch(&server.page, &|| over.load(Ordering::Relaxed), &shown_ms));
         let pages: Vec<_> = (0..args.watchers).map(|_| watch()).collect();
         let readers = (0..clients).map(|_| Client::start(&server.iio_uri)).collect::<Result<Vec<_>>>();
         let (begun, cpu_s, time) = (Instant::now(), server.cpu_s(), Duration::from_secs(args.seconds));

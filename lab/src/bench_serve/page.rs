@@ -4,7 +4,7 @@ use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 /// Longer than any frame takes on a busy machine.
@@ -14,6 +14,8 @@ const COLUMNS: u64 = 6;
 
 /// First byte of a binary frame, with FIN.
 const FRAME: u8 = 0x82;
+/// First byte of a request or an answer, with FIN.
+const TEXT: u8 = 0x81;
 /// First byte of a ping, with FIN. A connected page answers it.
 const PING: u8 = 0x89;
 /// The answer: an empty pong with FIN, masked as every message of a page.
@@ -28,11 +30,11 @@ pub struct Frames {
     pub snapshots: u64,
 }
 
-/// Takes frames until it is `over`. Notes in `shown_ms` how much of the part's time they show.
-pub fn watch(address: &str, over: &AtomicBool, shown_ms: &AtomicU64) -> Result<Frames> {
+/// Takes frames until it is over, two at least. Notes in `shown_ms` how much of the part's time they show.
+pub fn watch(address: &str, is_over: &dyn Fn() -> bool, shown_ms: &AtomicU64) -> Result<Frames> {
     let mut stream = BufReader::new(connect(address)?);
     let (mut frames, mut last) = (Frames::default(), None);
-    while !over.load(Ordering::Relaxed) {
+    while frames.count < 2 || !is_over() {
         let frame = match message(&mut stream)? {
             (FRAME, frame) => frame,
             (PING, _) => {
@@ -53,8 +55,30 @@ pub fn watch(address: &str, over: &AtomicBool, shown_ms: &AtomicU64) -> Result<F
         frames.bytes += frame.len() as u64;
         frames.snapshots += u64::from(is_snapshot);
     }
-    ensure!(frames.count > 1, "a page got {} frames", frames.count);
     Ok(frames)
+}
+
+/// The answer to a request of a page, a JSON object of less than 126 bytes.
+pub fn ask(address: &str, request: &str) -> Result<Value> {
+    let mut stream = BufReader::new(connect(address)?);
+    let length = u8::try_from(request.len()).ok().filter(|length| *length < 126).context("a long request")?;
+    let masked = [&[TEXT, 0x80 | length, 0, 0, 0, 0], request.as_bytes()].concat();
+    stream.get_mut().write_all(&masked)?;
+    loop {
+        if let (TEXT, answer) = message(&mut stream)? {
+            let answer: Value = serde_json::from_slice(&answer)?;
+            ensure!(answer["error"].is_null(), "{request} was refused: {answer}");
+            return Ok(answer);
+        }
+    }
+}
+
+/// Whether a page that comes now is shown a notice with this code.
+pub fn notice(address: &str, code: &str) -> Result<bool> {
+    let mut stream = BufReader::new(connect(address)?);
+    let header = header(&message(&mut stream)?.1)?;
+    let notices = header["notices"].as_array().context("no notices")?;
+    Ok(notices.iter().any(|notice| notice["code"] == code))
 }
 
 fn connect(address: &str) -> Result<TcpStream> {

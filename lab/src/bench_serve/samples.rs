@@ -87,6 +87,25 @@ impl Client {
     }
 }
 
+/// Checks that the times of a client's samples rise, and that it is told of ever more that it missed. Returns how many
+/// it got, and how many it missed.
+pub fn in_order(bytes: &[u8]) -> Result<(u64, u64)> {
+    let (mut count, mut missed, mut last_ns) = (0, 0, None);
+    for sample in bytes.chunks_exact(SAMPLE) {
+        let [stated, t_ns] = wide(sample)?;
+        ensure!(last_ns.is_none_or(|last| t_ns > last), "{t_ns} ns follows {last_ns:?}");
+        ensure!(stated >= missed, "{stated} missing at {t_ns} ns, and {missed} before");
+        (count, missed, last_ns) = (count + 1, stated, Some(t_ns));
+    }
+    Ok((count, missed))
+}
+
+/// The count of missing samples and the time in a sample.
+fn wide(sample: &[u8]) -> Result<[u64; 2]> {
+    let at = |at: usize| sample[at..].first_chunk().map(|bytes| u64::from_le_bytes(*bytes)).context("8 bytes");
+    Ok([at(8)?, at(16)?])
+}
+
 /// Checks that a client's samples are rows in their order, and that they count the missing rows between them. Returns
 /// how many it got, and how many it was too slow for.
 pub fn check_client(bytes: &[u8], rows: &[(u64, u32)]) -> Result<(u64, u64)> {
@@ -95,8 +114,7 @@ pub fn check_client(bytes: &[u8], rows: &[(u64, u32)]) -> Result<(u64, u64)> {
     // it may have ended in the middle of a sample
     for sample in bytes.chunks_exact(SAMPLE) {
         let code = u32::from_le_bytes(*sample.first_chunk().context("a code")?);
-        let wide = |at: usize| sample[at..].first_chunk().map(|bytes| u64::from_le_bytes(*bytes)).context("8 bytes");
-        let (stated, t_ns) = (wide(8)?, wide(16)?);
+        let [stated, t_ns] = wide(sample)?;
         let found = rows.binary_search_by_key(&t_ns, |row| row.0);
         let row = found.map_err(|_| anyhow!("a client got a sample of {t_ns} ns, which was never recorded"))?;
         ensure!(rows[row].1 == code, "a client got {code} at {t_ns} ns in place of {}", rows[row].1);
@@ -129,5 +147,9 @@ mod tests {
         assert!(check_client(&sample((1000, 5), 0), &rows).is_err(), "another code");
         assert!(check_client(&sample((1001, 8_388_608), 0), &rows).is_err(), "another time");
         assert!(check_client(&[0; 23], &rows).is_err(), "not one sample");
+        assert_eq!(in_order(&bytes(&[(2, 0), (3, 0), (6, 2)])).unwrap(), (3, 2));
+        for wrong in [[(3, 0), (3, 0)], [(3, 0), (2, 0)], [(2, 5), (3, 0)]] {
+            assert!(in_order(&bytes(&wrong)).is_err(), "{wrong:?}");
+        }
     }
 }

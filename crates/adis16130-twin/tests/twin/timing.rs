@@ -187,6 +187,35 @@ fn a_register_that_is_being_read_loses_the_new_sample() {
 }
 
 #[test]
+fn a_reading_is_known_by_its_conversion() {
+    let mut host = Host::started(swaying());
+    let number = |host: &Host| host.twin.last_read().rate.unwrap().conversion.map(|conversion| conversion.number);
+    assert_eq!(host.twin.last_read().rate, None, "nothing was read");
+    host.code24(0x08);
+    assert_eq!(number(&host), None, "nothing was converted");
+    let (edge, code, _) = host.pair();
+    let reading = host.twin.last_read().rate.unwrap();
+    assert_eq!((reading.code, number(&host)), (code, Some(1)));
+    assert_eq!(edge.t_ns - reading.conversion.unwrap().t_ns, 87_833, "the temperature comes between");
+    host.code24(0x08);
+    assert_eq!(number(&host), Some(1), "the same again");
+    host.pair();
+    host.edge();
+    host.send(&[0x48]);
+    host.twin.advance_ns(100_000); // the next rate update falls in here, and is dropped
+    host.send(&[0x00; 3]);
+    assert_eq!(number(&host), Some(3));
+    host.pair();
+    assert_eq!(number(&host), Some(5), "the fourth is counted");
+    host.spi_reset();
+    host.code16(0x08);
+    assert_eq!(number(&host), None);
+    host.send(&INIT);
+    host.pair();
+    assert!(number(&host) > Some(5), "the count goes on");
+}
+
+#[test]
 fn an_update_of_the_other_channel_is_no_loss() {
     let mut host = Host::started(quiet());
     host.edge();

@@ -5,11 +5,13 @@ use crate::quotient::quotient;
 
 /// How the edges follow each other.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
-enum Pattern {
+pub(crate) enum Pattern {
     /// They announce one kind of update, rate or temperature, as long as the host is prompt.
     Steady,
-    /// They may announce any update.
+    /// They may announce any update, and begin with a temperature after an initialisation.
     Mixed,
+    /// They announce each update, and begin with a rate.
+    Each,
     /// They come from a counter that divides RDY. They are so far apart that each has a phase of its own, and each is
     /// a tick.
     Divided,
@@ -24,8 +26,8 @@ pub(crate) struct Comb {
     /// Time from a tick to the temperature update after it, as a fraction of the period in 2⁻¹⁶; 0 = there is none.
     temp_fraction: i64,
     /// How early an edge may come and still belong to its tick: an eighth of the time from the temperature update to
-    /// it. This is more than MCLK, off by 2 %, shifts an edge in a period. It is half a period where edges have a
-    /// phase of their own.
+    /// it, or a sixteenth of the period if that is more and lies behind the middle of that time. This is more than
+    /// MCLK, off by 2 %, shifts an edge in a period. It is half a period where edges have a phase of their own.
     pub(super) margin: i64,
     pattern: Pattern,
 }
@@ -35,14 +37,13 @@ const LONGEST_PERIOD: u64 = 1 << (36 + FRACTION_BITS);
 
 impl Comb {
     /// The first argument has the conversion times of rate and temperature in MCLK cycles, 0 for a disabled channel.
-    /// `steady` = edges announce one kind of update.
-    pub(crate) fn new((rate_cycles, temp_cycles): (u32, u32), mclk_hz: u32, steady: bool) -> Self {
-        let pattern = if steady { Pattern::Steady } else { Pattern::Mixed };
+    pub(crate) fn new((rate_cycles, temp_cycles): (u32, u32), mclk_hz: u32, pattern: Pattern) -> Self {
         let cycles = u64::from((rate_cycles + temp_cycles).max(1));
         let period = quotient((cycles * 1_000_000_000) << FRACTION_BITS, mclk_hz.max(1_000).into()) as i64;
         let temp_fraction = quotient(u64::from(temp_cycles) << FRACTION_BITS, cycles) as i64;
         let mut comb = Self { period, temp_fraction, margin: 0, pattern };
-        comb.margin = (period - comb.share_of_temp(period)) >> 3;
+        let from_temp = period - comb.share_of_temp(period);
+        comb.margin = (from_temp >> 3).max((period >> 4).min(from_temp >> 1));
         comb
     }
 
@@ -53,9 +54,23 @@ impl Comb {
         Self { period, temp_fraction: 0, margin: period >> 1, pattern: Pattern::Divided }
     }
 
-    /// This many eighths of the nominal period, in whole ns.
-    pub(crate) const fn nominal_eighths_ns(&self, eighths: u32) -> u64 {
-        (self.period >> (FRACTION_BITS + 3)) as u64 * eighths as u64
+    /// The time in which this many edges come while nothing is read, and 3/4 of the shorter conversion, in whole ns.
+    /// After a read of both they take a conversion more.
+    pub(crate) fn unread_ns(&self, edges: u32) -> u64 {
+        let (period, temp) = (self.period >> FRACTION_BITS, self.share_of_temp(self.period) >> FRACTION_BITS);
+        let shorter = temp.min(period - temp);
+        let odd = if edges % 2 == 1 { period - shorter } else { 0 };
+        (i64::from(edges / 2) * period + odd + 3 * (shorter >> 2)) as u64
+    }
+
+    /// Whether the first edge after an initialisation announces a rate.
+    pub(super) const fn begins_with_rate(&self) -> bool {
+        matches!(self.pattern, Pattern::Each)
+    }
+
+    /// Whether there are edges that announce a temperature alone.
+    pub(super) const fn announces_temps(&self) -> bool {
+        self.begins_with_rate() && self.temp_fraction > 0
     }
 
     pub(super) const fn is_divided(&self) -> bool {
@@ -90,7 +105,7 @@ impl Comb {
     /// where edges announce both kinds of update, a conversion.
     pub(super) fn nearest_gap(&self, (period, temp): (i64, i64), gap: i64) -> (i64, i64) {
         let mut nearest = (period, self.period);
-        if matches!(self.pattern, Pattern::Mixed) {
+        if matches!(self.pattern, Pattern::Mixed | Pattern::Each) {
             let nominal_temp = self.share_of_temp(self.period);
             for conversion in [(temp, nominal_temp), (period - temp, self.period - nominal_temp)] {
                 if (gap - conversion.0).abs() < (gap - nearest.0).abs() {
@@ -101,6 +116,13 @@ impl Comb {
         nearest
     }
 
+    /// How far from a gap between neighbouring edges another one may be: 3/8 of a period. Where edges announce one
+    /// kind of update, a change of the kind is not such a gap. So it is 3/4 of what a change adds or takes away.
+    pub(super) fn nearness(&self, (period, temp): (i64, i64)) -> i64 {
+        let shift = if matches!(self.pattern, Pattern::Steady) { temp.min(period - temp) } else { period >> 1 };
+        3 * (shift >> 2)
+    }
+
     /// Whether this sum of 256 absolute errors shows that the edges do not lie on the comb.
     ///
     /// Edges that lie anywhere are off by T/4 on average, or by T/8 if the nearest of two teeth is taken. The limits
@@ -109,7 +131,7 @@ impl Comb {
     /// 0.14·T.
     pub(super) fn is_missed(&self, error_of_256: i64) -> bool {
         match self.pattern {
-            Pattern::Mixed => 9 * error_of_256 > self.period << 8,
+            Pattern::Mixed | Pattern::Each => 9 * error_of_256 > self.period << 8,
             Pattern::Steady | Pattern::Divided => 3 * error_of_256 > self.period << 7,
         }
     }

@@ -19,11 +19,11 @@ pub(super) struct Gaps {
 const OFFSET_BITS: u32 = 20;
 
 impl Gaps {
-    /// Adds a gap if it lies within 3/8 of a period of a gap between neighbouring edges, and if the gap before did,
-    /// too. After a longer gap the first timestamp may be late.
+    /// Adds a gap if it lies near a gap between neighbouring edges, and if the gap before did, too. After a longer gap
+    /// the first timestamp may be late.
     pub(super) fn push(&mut self, comb: &Comb, learned: (i64, i64), gap: i64) {
         let (nearest, nominal) = comb.nearest_gap(learned, gap);
-        let far = (gap - nearest).abs() > 3 * (learned.0 >> 3);
+        let far = (gap - nearest).abs() > comb.nearness(learned);
         if !core::mem::replace(&mut self.far, far) && !far {
             self.count += 1;
             self.nominal += nominal;

@@ -51,8 +51,8 @@ mod tests;
 
 use crate::quotient::quotient;
 use crate::sample::Edge;
-pub(crate) use comb::Comb;
 use comb::Tooth;
+pub(crate) use comb::{Comb, Pattern};
 use lock::{Gaps, Grip, Lock};
 
 /// Times are kept in units of 2⁻¹⁶ ns, so that a period is good to 10⁻⁹ without floating point.
@@ -71,6 +71,17 @@ const LOOP_GEAR: u32 = 5;
 /// ω_n = 0.63 Hz (F-31). Below, the loop would follow MCLK too slowly when the part warms. Above, it would pass more
 /// jitter.
 const TOP_GEAR: u32 = 10;
+
+/// How the phase is known, that is which edges announce rates.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+enum Phase {
+    /// By an assumption.
+    Assumed,
+    /// So, and the samples count from the higher of two possible numbers.
+    AnchoredHigh,
+    /// From more than an assumption.
+    Known,
+}
 
 /// Learns phase and period of the rate updates from the edges, and numbers them.
 ///
@@ -94,8 +105,7 @@ pub(crate) struct Timeline {
     gaps: Gaps,
     lock: Lock,
     grip: Grip,
-    /// The phase is known from more than an assumption.
-    aligned: bool,
+    phase: Phase,
     /// The conversions have been started anew since the edge before.
     restarted: bool,
 }
@@ -114,7 +124,7 @@ impl Timeline {
             gaps: Gaps::default(),
             lock: Lock::default(),
             grip: Grip::Firm,
-            aligned: false,
+            phase: Phase::Assumed,
             restarted: false,
             comb,
         }
@@ -127,7 +137,8 @@ impl Timeline {
     /// the two possible numbers.
     pub(crate) fn advance(&mut self, edge: Edge) -> Option<i32> {
         let Some(last) = self.last.replace(edge) else {
-            self.assume_temp_edge();
+            self.assume_first_edge();
+            self.restarted = false;
             return Some(self.number());
         };
         let edges = edge.seq.wrapping_sub(last.seq);
@@ -147,12 +158,12 @@ impl Timeline {
     /// Whether the two possible numbers differ: the edges have changed from one kind of update to the other, and it is
     /// unknown which is which.
     pub(crate) fn is_ambiguous(&self) -> bool {
-        self.tooth.on_rate && !self.aligned
+        self.tooth.on_rate && self.phase != Phase::Known
     }
 
     /// Whether it is known which edges announce rate updates.
     pub(crate) fn is_aligned(&self) -> bool {
-        self.aligned
+        self.phase == Phase::Known
     }
 
     fn number(&self) -> i32 {
@@ -165,20 +176,36 @@ impl Timeline {
     }
 
     /// States that the edge just taken announced a rate update, not a temperature update. Only the first call counts:
-    /// from then on the phase is tracked. Returns whether its number is thereby known to be the higher of two.
+    /// from then on the phase is tracked. Returns whether there is one tick more than was counted: its number is the
+    /// higher of two, or that of the anchor was the lower.
     pub(crate) fn align(&mut self) -> bool {
-        let was_ambiguous = self.is_ambiguous();
-        if !self.aligned {
-            self.aligned = true;
-            self.since_tick = 0;
-            self.tooth.on_rate = true;
+        if self.phase == Phase::Known {
+            return false;
         }
-        was_ambiguous
+        let one_more = self.is_ambiguous() || self.phase == Phase::AnchoredHigh;
+        self.phase = Phase::Known;
+        self.since_tick = 0;
+        self.tooth.on_rate = true;
+        one_more
     }
 
-    /// States that the edge just taken counts as the first one.
+    /// States that the samples count from the edge just taken. Of the two possible numbers that is the higher one, so
+    /// that each loss is real. Returns whether there are two.
+    pub(crate) fn anchor(&mut self) -> bool {
+        let is_ambiguous = self.is_ambiguous();
+        if is_ambiguous {
+            self.phase = Phase::AnchoredHigh;
+        }
+        is_ambiguous
+    }
+
+    /// States that the edge just taken, without a new rate, counts as the first one. An edge that may announce a
+    /// temperature alone does not.
     pub(crate) fn begin(&mut self) {
-        self.assume_temp_edge();
+        if self.comb.announces_temps() {
+            return;
+        }
+        self.assume_first_edge();
         self.ticks = 0;
     }
 
@@ -287,15 +314,16 @@ impl Timeline {
         self.restarted = false;
         self.gear = self.gear.min(LOOP_GEAR);
         self.edges_in_gear = 0;
-        self.assume_temp_edge();
+        self.assume_first_edge();
     }
 
-    /// Sets the phase where it is unknown: the edge is taken for a temperature update, as the first one after an
-    /// initialisation is, until [`align`](Self::align).
-    fn assume_temp_edge(&mut self) {
-        self.since_tick = self.temp;
-        self.tooth.on_rate = false;
-        self.aligned = false;
+    /// Sets the phase where it is unknown: the edge is taken for the first one after an initialisation. Where that is
+    /// a temperature update, this holds until [`align`](Self::align).
+    fn assume_first_edge(&mut self) {
+        let on_rate = self.comb.begins_with_rate();
+        self.since_tick = if on_rate { 0 } else { self.temp };
+        self.tooth.on_rate = on_rate;
+        self.phase = if on_rate { Phase::Known } else { Phase::Assumed };
     }
 
     /// Moves the temperature tooth along with the period, which changes little by little.

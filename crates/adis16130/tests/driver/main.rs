@@ -12,6 +12,7 @@ mod dropped;
 mod errors;
 mod features;
 mod in_range;
+mod kinds;
 mod no_reading;
 mod part;
 mod registers;

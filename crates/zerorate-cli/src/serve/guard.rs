@@ -4,7 +4,7 @@
 use crate::exit::Usage;
 use anyhow::{Result, anyhow};
 use axum::http::uri::Authority;
-use axum::http::{HeaderMap, HeaderName, Method, StatusCode, header};
+use axum::http::{HeaderMap, HeaderName, Method, StatusCode, Uri, header};
 use std::fmt;
 use std::net::{IpAddr, SocketAddr};
 use std::path::Path;
@@ -92,13 +92,17 @@ impl Guard {
     }
 
     /// Checks what holds for every request: our own name, our own page, a known method and no body.
-    pub fn check(&self, method: &Method, path: &str, headers: &HeaderMap) -> Result<(), Refusal> {
+    pub fn check(&self, method: &Method, uri: &Uri, headers: &HeaderMap) -> Result<(), Refusal> {
         let host = self.own_name(headers)?;
+        // a request line with a host goes before the header (RFC 9112, 3.2.2)
+        if uri.authority().is_some_and(|named| !named.as_str().eq_ignore_ascii_case(host)) {
+            return Err(NOT_OUR_NAME);
+        }
         from_own_page(method, host, headers)?;
         match *method {
             Method::GET | Method::HEAD if has_body(headers) => Err(NO_BODY),
             Method::GET | Method::HEAD => Ok(()),
-            Method::POST if path == "/token" => Ok(()),
+            Method::POST if uri.path() == "/token" => Ok(()),
             _ => Err(NO_SUCH_METHOD),
         }
     }
@@ -179,7 +183,7 @@ mod tests {
     }
 
     fn get(guard: &Guard, all: &[(&'static str, &'static str)]) -> Option<StatusCode> {
-        guard.check(&Method::GET, "/ws", &headers(all)).err().map(|(status, _)| status)
+        guard.check(&Method::GET, &Uri::from_static("/ws"), &headers(all)).err().map(|(status, _)| status)
     }
 
     #[test]
@@ -197,6 +201,19 @@ mod tests {
         let open = guard("0.0.0.0:8130", &[]);
         assert_eq!(get(&open, &[("host", "192.168.1.5:8130")]), None);
         assert!(get(&open, &[("host", "evil.example")]).is_some());
+    }
+
+    #[test]
+    fn a_request_line_names_no_other_host_than_the_header() {
+        let local = guard("127.0.0.1:8130", &[]);
+        let of = |uri: &'static str| {
+            let all = headers(&[("host", "localhost:8130")]);
+            local.check(&Method::GET, &Uri::from_static(uri), &all).err().map(|(status, _)| status.as_u16())
+        };
+        assert_eq!(of("http://LOCALHOST:8130/ws"), None);
+        for other in ["http://evil.example/ws", "http://127.0.0.1:8130/ws", "http://localhost/ws"] {
+            assert_eq!(of(other), Some(421), "{other}");
+        }
     }
 
     #[test]
@@ -221,7 +238,7 @@ mod tests {
         let local = guard("127.0.0.1:8130", &[]);
         let of = |method: &Method, path: &str, more: &[(&'static str, &'static str)]| {
             let all = headers(&[&[("host", "localhost")], more].concat());
-            local.check(method, path, &all).err().map(|(status, _)| status.as_u16())
+            local.check(method, &path.parse().unwrap(), &all).err().map(|(status, _)| status.as_u16())
         };
         assert_eq!(of(&Method::GET, "/", &[("content-length", "0")]), None);
         assert_eq!(of(&Method::GET, "/", &[("content-length", "1")]), Some(413));

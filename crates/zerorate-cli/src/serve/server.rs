@@ -187,7 +187,7 @@ async fn check(
     next: Next,
 ) -> Response {
     let taken = lock(&connection.requests).take(Instant::now());
-    let checked = server.guard.check(request.method(), request.uri().path(), request.headers());
+    let checked = server.guard.check(request.method(), request.uri(), request.headers());
     let mut response = match (taken, checked) {
         (Err(_), _) => refused((StatusCode::TOO_MANY_REQUESTS, "slower\n")),
         (_, Err(refusal)) => refused(refusal),

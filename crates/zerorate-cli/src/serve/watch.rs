@@ -9,6 +9,7 @@ use axum::extract::State;
 use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade, close_code};
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
+use std::error::Error;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tokio::sync::broadcast::error::RecvError;
@@ -78,6 +79,10 @@ impl Watch {
                     },
                     message = next(&mut self.socket, reads_at) => {
                         let Some(message) = message else { return };
+                        let message = match message {
+                            Ok(message) => message,
+                            Err(error) => return self.break_off(&error).await,
+                        };
                         is_alive = true;
                         if !self.heed(message).await {
                             return;
@@ -113,20 +118,38 @@ impl Watch {
                 }
             }
             Message::Binary(_) => {
-                let reason = "requests are text".into();
-                self.send(Message::Close(Some(CloseFrame { code: close_code::UNSUPPORTED, reason }))).await;
+                self.close(close_code::UNSUPPORTED, "requests are text").await;
                 false
             }
-            Message::Close(_) => false,
+            Message::Close(_) => {
+                // reading on sends the answer (RFC 6455, 5.5.1)
+                let _ = time::timeout(PATIENCE, self.socket.recv()).await;
+                false
+            }
             Message::Ping(_) | Message::Pong(_) => true,
         }
+    }
+
+    /// Tells the viewer why nothing more of it is read, where it is still there.
+    async fn break_off(&mut self, error: &axum::Error) {
+        let (code, reason) = match error.source().and_then(|source| source.downcast_ref()) {
+            Some(tungstenite::Error::Utf8(_)) => (close_code::INVALID, "a text is not UTF-8"),
+            Some(tungstenite::Error::Capacity(_)) => (close_code::SIZE, "a message is too large"),
+            Some(tungstenite::Error::Protocol(_)) => (close_code::PROTOCOL, "a frame breaks RFC 6455"),
+            _ => return,
+        };
+        self.close(code, reason).await;
+    }
+
+    async fn close(&mut self, code: u16, reason: &'static str) {
+        self.send(Message::Close(Some(CloseFrame { code, reason: reason.into() }))).await;
     }
 }
 
 /// Reads the next message, not before `at`.
-async fn next(socket: &mut WebSocket, at: time::Instant) -> Option<Message> {
+async fn next(socket: &mut WebSocket, at: time::Instant) -> Option<Result<Message, axum::Error>> {
     time::sleep_until(at).await;
-    socket.recv().await?.ok()
+    socket.recv().await
 }
 
 /// The whole state of the session, once.

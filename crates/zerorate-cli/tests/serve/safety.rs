@@ -1,6 +1,6 @@
 //! The protection of the server: each rule of docs/serve.md is tested with a request that breaks it.
 
-use super::{LONG, Served};
+use super::{LONG, Served, Watch};
 use crate::harness::Bench;
 use serde_json::json;
 use std::io::{Read, Write};
@@ -8,6 +8,8 @@ use std::net::TcpStream;
 use std::thread;
 use std::time::{Duration, Instant};
 use tungstenite::Message;
+use tungstenite::protocol::CloseFrame;
+use tungstenite::protocol::frame::coding::CloseCode;
 
 fn code(answer: &str) -> u16 {
     let status = answer.strip_prefix("HTTP/1.1 ").and_then(|rest| rest.get(..3));
@@ -31,6 +33,7 @@ fn only_its_own_page_under_its_own_name_gets_in() {
         assert_eq!(code(&served.ask(&get, "origin: http://evil.example\r\n", "")), 403, "{path}");
         assert_eq!(code(&served.ask(&get, "sec-fetch-site: cross-site\r\n", "")), 403, "{path}");
     }
+    assert_eq!(code(&served.get("http://evil.example/metrics")), 421, "the request line goes before the header");
     assert_eq!(code(&served.ask("POST /token", "origin: http://evil.example\r\n", "x")), 403);
     assert_eq!(code(&served.raw(b"GET / HTTP/1.1\r\nconnection: close\r\n\r\n")), 421);
     // cross-site WebSocket
@@ -81,9 +84,9 @@ fn no_path_leads_to_a_file() {
         "/..%5csecret.txt",
         "/README.md",
         "/%00",
-        "http://localhost/etc/passwd",
     ];
-    for path in paths {
+    let absolute = format!("http://localhost:{}/etc/passwd", served.port);
+    for path in paths.into_iter().chain([&*absolute]) {
         let answer = served.get(path);
         assert!(!answer.contains("root:") && !answer.contains("hidden"), "{path}\n{answer}");
         assert!([400, 404].contains(&code(&answer)), "{path}\n{answer}");
@@ -119,6 +122,40 @@ fn what_is_too_large_is_refused() {
         assert!(begun.elapsed() < LONG, "it goes on");
     }
     served.watch().frame();
+}
+
+/// The code of the close frame that ends a connection, where one came.
+fn close_code(page: &mut Watch) -> Option<u16> {
+    let begun = Instant::now();
+    loop {
+        assert!(begun.elapsed() < LONG, "it goes on");
+        match page.socket.read() {
+            Ok(Message::Close(frame)) => return frame.map(|frame| frame.code.into()),
+            Ok(_) => {}
+            Err(_) => return None,
+        }
+    }
+}
+
+#[test]
+fn a_page_is_told_how_its_connection_ends() {
+    let served = Served::start(&Bench::new(), "");
+    let mut leaving = served.watch();
+    let frame = CloseFrame { code: CloseCode::Normal, reason: "done".into() };
+    leaving.socket.close(Some(frame)).expect("it is sent");
+    assert_eq!(close_code(&mut leaving), Some(1000), "the answer to a close frame");
+    // first byte of a frame with FIN, masked length, mask, content
+    let broken: [(&[u8], u16); 4] = [
+        (&[0x82, 0x81, 0, 0, 0, 0, 7], 1003),
+        (&[0x81, 0x81, 0, 0, 0, 0, 0xff], 1007),
+        (&[0xc1, 0x81, 0, 0, 0, 0, b'x'], 1002),
+        (&[0x81, 0xff, 0, 0, 0, 0, 0x7f, 0, 0, 0, 0, 0, 0, 0], 1009),
+    ];
+    for (bytes, code) in broken {
+        let mut page = served.watch();
+        page.socket.get_mut().write_all(bytes).expect("it is sent");
+        assert_eq!(close_code(&mut page), Some(code), "{bytes:x?}");
+    }
 }
 
 /// Each bound is a least time, which no slow machine makes shorter.

@@ -1,0 +1,58 @@
+//! The conversions of a channel, and what the host has seen of them.
+
+/// Samples that the host never saw, per channel, since the start.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+pub struct LostUnread {
+    /// Losses of the rate channel.
+    pub rate: ChannelLosses,
+    /// Losses of the temperature channel.
+    pub temp: ChannelLosses,
+}
+
+/// Samples of one channel that the host never saw.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+pub struct ChannelLosses {
+    /// Samples that were overwritten before anybody read them (F-33).
+    pub overwritten: u64,
+    /// New samples that were dropped because the register was being read at the moment of the update (F-33).
+    pub lost_new: u64,
+}
+
+/// The last readings of the data registers; `None` = the host has not read that one.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+pub struct LastRead {
+    /// The rate.
+    pub rate: Option<Reading>,
+    /// The temperature.
+    pub temp: Option<Reading>,
+}
+
+/// What a read of a data register gave, whatever became of it on the wires.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct Reading {
+    /// The content of the register in 24 bits.
+    pub code: u32,
+    /// The conversion that the register announced last; `None` = none since the reset. With
+    /// [`Fault::Frozen`](crate::Fault::Frozen) the code is older than that.
+    pub conversion: Option<Conversion>,
+    /// The code has left the range (F-35).
+    pub out_of_range: bool,
+}
+
+/// A conversion of one channel.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct Conversion {
+    /// Its number among all of the channel since the start, from 1 on. A conversion that the register did not take
+    /// up counts as well.
+    pub number: u64,
+    /// Simulated time of its end, in ns from the start.
+    pub t_ns: u64,
+}
+
+/// What is counted for a channel, and outlasts a reset.
+#[derive(Copy, Clone, Default)]
+pub(crate) struct Tally {
+    pub(crate) conversions: u64,
+    pub(crate) losses: ChannelLosses,
+    pub(crate) last_read: Option<Reading>,
+}

@@ -1,0 +1,103 @@
+//! The sampler where edges announce rates and temperatures, and it must find out which. The machine in `tests/machine`
+//! found each of these.
+
+use adis16130::{Config, ConversionTime, Edge, MCLK_HZ, Sampler, SamplerConfig};
+
+/// A sampler, and the period of the rate.
+struct Bench {
+    sampler: Sampler,
+    period_ns: f64,
+    seq: u32,
+}
+
+impl Bench {
+    /// With F-30's conversion of the rate, and one of the temperature that takes this many cycles. The clock is fast
+    /// by so many millionths.
+    fn new(sampling: SamplerConfig, config: Config, temp_cycles: u32, ppm: f64) -> Self {
+        let period_ns = f64::from(527 + temp_cycles) / 6e6 * 1e9 / (1.0 + ppm * 1e-6);
+        Self { sampler: Sampler::new(sampling, &config, MCLK_HZ), period_ns, seq: 0 }
+    }
+
+    /// The edge at this time, in periods, after others that were not seen.
+    fn edge(&mut self, periods: f64, missed: u32) -> Edge {
+        self.seq += 1 + missed;
+        Edge { t_ns: 1_000_000_000 + (periods * self.period_ns) as u64, seq: self.seq }
+    }
+
+    /// The losses at an edge with a new rate.
+    fn lost(&mut self, periods: f64, missed: u32) -> u32 {
+        let edge = self.edge(periods, missed);
+        let due = self.sampler.edge(edge).expect("due");
+        self.sampler.taken(&due)
+    }
+
+    /// An edge without one.
+    fn stale(&mut self, periods: f64) {
+        let edge = self.edge(periods, 0);
+        self.sampler.edge(edge).expect("due");
+        self.sampler.stale();
+    }
+}
+
+#[test]
+fn a_change_of_the_kind_is_no_measure_of_the_period() {
+    // The temperature takes 0.628 of the period, so a change looks nearly like a gap of one.
+    let config = Config::new().with_temp_conversion(ConversionTime::new(0x85));
+    let mut bench = Bench::new(SamplerConfig::new(), config, 889, 0.0);
+    let temps = (1..5).map(|k| (f64::from(k) + 0.154, 0));
+    let rates = (5..19).map(|k| (f64::from(k) + 0.526, u32::from(k == 5)));
+    let end = [(22.154, 6), (23.526, 0), (24.526, 0), (25.526, 0), (26.526, 0)];
+    let edges: Vec<_> = temps.chain(rates).chain(end).collect();
+    let lost: Vec<u32> = edges.into_iter().map(|(periods, missed)| bench.lost(periods, missed)).collect();
+    // readings 1 to 25, of which 5, two before the late one, and one at each change are missing
+    assert_eq!(lost.iter().sum::<u32>(), 4, "{lost:?}");
+}
+
+#[test]
+fn a_clock_that_is_fast_hides_no_change_of_the_kind() {
+    // 0.815 of the period: the edges of the rate lie close behind those of the temperature.
+    let config = Config::new().with_temp_conversion(ConversionTime::new(33));
+    let mut bench = Bench::new(SamplerConfig::new(), config, 2_319, 11_531.0);
+    let temps = (1..8).map(|k| (f64::from(k), 0));
+    let rates = (9..16).map(|k| (f64::from(k) + 0.185, u32::from(k == 9)));
+    let edges: Vec<_> = temps.chain(rates).collect();
+    let lost: Vec<u32> = edges.into_iter().map(|(periods, missed)| bench.lost(periods, missed)).collect();
+    assert_eq!(lost.iter().sum::<u32>(), 2, "{lost:?}");
+}
+
+#[test]
+fn without_rdyfn_the_first_loss_counts() {
+    let mut bench = Bench::new(SamplerConfig::new(), Config::new().with_rdyfn(false), 527, 0.0);
+    assert_eq!(bench.lost(1.0, 0), 0);
+    bench.stale(1.5);
+    assert_eq!(bench.lost(2.0, 0), 0);
+    [2.5, 3.0, 3.5].into_iter().for_each(|periods| bench.stale(periods)); // the part dropped one at 3.0 (F-33)
+    assert_eq!(bench.lost(4.0, 0), 1);
+}
+
+#[test]
+fn a_restart_before_the_first_edge_is_over_with_it() {
+    let mut bench = Bench::new(SamplerConfig::new(), Config::new().with_rdyfn(false), 527, 0.0);
+    bench.sampler.restarted();
+    assert_eq!(bench.lost(1.0, 0), 0);
+    // the edge of a temperature, seven conversions later
+    assert_eq!(bench.lost(4.5, 6), 2);
+}
+
+#[test]
+fn what_was_missed_before_the_first_sample_is_no_loss() {
+    let mut bench = Bench::new(SamplerConfig::new(), Config::new(), 527, 0.0);
+    bench.stale(1.0);
+    let lost = [1.5, 2.5, 3.5, 4.5, 5.5].map(|periods| bench.lost(periods, 0));
+    assert_eq!(lost, [0; 5]);
+}
+
+#[test]
+fn an_edge_of_the_longer_conversion_is_not_believed() {
+    // After a read of both, the next edge comes a period later. This one came before that read, which was late.
+    let config = Config::new().with_temp_conversion(ConversionTime::new(0xBB));
+    let mut bench = Bench::new(SamplerConfig::new().with_read_status(false), config, 7_801, 0.0);
+    assert_eq!(bench.lost(1.0, 0), 0);
+    let edge = bench.edge(1.937, 0);
+    assert!(bench.sampler.edge(edge).is_some_and(|due| due.status));
+}

@@ -1,0 +1,127 @@
+//! The twin's bus, in which something happens in the middle of a call.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use adis16130_twin::{Fault, Twin, TwinSpi};
+use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiDevice};
+
+/// What happens on the bus once.
+#[derive(Copy, Clone, Debug)]
+pub enum Trouble {
+    /// The bus fails, or never answers an async call, which is then dropped.
+    Cut,
+    /// A fault sets in.
+    Fault(Fault),
+}
+
+/// The trouble that waits, with the bytes until then, and the one that has struck. Bus and bench share it.
+#[derive(Clone, Default)]
+pub struct Ahead(Rc<RefCell<Troubles>>);
+
+#[derive(Default)]
+struct Troubles {
+    ahead: Option<(u8, Trouble)>,
+    struck: Option<Trouble>,
+}
+
+impl Ahead {
+    pub fn set(&self, bytes: u8, trouble: Trouble) {
+        self.0.borrow_mut().ahead = Some((bytes, trouble));
+    }
+
+    pub fn clear(&self) {
+        self.0.borrow_mut().ahead = None;
+    }
+
+    /// The trouble that has struck since the last call.
+    pub fn take_struck(&self) -> Option<Trouble> {
+        self.0.borrow_mut().struck.take()
+    }
+
+    /// The trouble of a transfer of this many bytes, and the bytes before it.
+    fn strike(&self, length: usize) -> Option<(usize, Trouble)> {
+        let Troubles { ahead, struck } = &mut *self.0.borrow_mut();
+        let (bytes, trouble) = (*ahead)?;
+        let before = usize::from(bytes);
+        if before < length {
+            *ahead = None;
+            *struck = Some(trouble);
+            return Some((before, trouble));
+        }
+        *ahead = Some((bytes - length as u8, trouble));
+        None
+    }
+}
+
+pub struct Bus {
+    spi: TwinSpi,
+    twin: Twin,
+    ahead: Ahead,
+}
+
+/// The bus failed.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct Cut;
+
+impl Error for Cut {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Other
+    }
+}
+
+impl ErrorType for Bus {
+    type Error = Cut;
+}
+
+impl Bus {
+    pub fn new(twin: &Twin, ahead: &Ahead) -> Self {
+        Self { spi: twin.spi(), twin: twin.clone(), ahead: ahead.clone() }
+    }
+
+    /// Carries out one operation, as far as it goes. The frame of a reset stays whole: only the trouble before it
+    /// counts.
+    fn carry_out(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Cut> {
+        let [operation] = operations else { panic!("one operation per transaction: {operations:?}") };
+        let (length, splits) = match operation {
+            Operation::Write(bytes) => (bytes.len(), false),
+            Operation::TransferInPlace(bytes) => (bytes.len(), true),
+            other => panic!("{other:?}"),
+        };
+        let Some((before, trouble)) = self.ahead.strike(length) else {
+            return self.transact(operations);
+        };
+        let before = if splits { before } else { 0 };
+        if let Operation::TransferInPlace(bytes) = operation {
+            self.transact(&mut [Operation::TransferInPlace(&mut bytes[..before])])?;
+        }
+        let Trouble::Fault(fault) = trouble else { return Err(Cut) };
+        self.twin.set_fault(fault);
+        match operation {
+            Operation::TransferInPlace(bytes) => {
+                self.transact(&mut [Operation::TransferInPlace(&mut bytes[before..])])
+            }
+            _ => self.transact(operations),
+        }
+    }
+
+    fn transact(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Cut> {
+        SpiDevice::transaction(&mut self.spi, operations).map_err(|never| match never {})
+    }
+}
+
+impl SpiDevice for Bus {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Cut> {
+        self.carry_out(operations)
+    }
+}
+
+#[cfg(feature = "async")]
+impl embedded_hal_async::spi::SpiDevice for Bus {
+    async fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Cut> {
+        match self.carry_out(operations) {
+            Err(Cut) => std::future::pending().await,
+            done => done,
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! The rule of `lost`: the conversions that the twin made, less the samples that were handed out.
+//!
+//! The documentation of `Sampler` promises that each reported loss is real, and that each loss is reported within five
+//! samples. A host that reads late gets a newer conversion than its edge announced, so these five are samples that
+//! were read at once. The driver cannot know more than this:
+//!
+//! * A gap that is longer than the learned period carries is counted by the clock, to within one at either end.
+//! * A restart stops the conversions. What it cost is counted by the clock, to within one after such a gap.
+//! * Before the period is learned, a gap over which the clock moves an edge past its margin is one sample.
+//! * A reading beside the sampler's changes the kind of the edges, which is one sample.
+//! * With RDYFN = 0, or with conversions of two lengths, a wrong guess at the kind of the first edge is one sample.
+//! * A first sample that was read late counts from its edge, or from its reading. An edge whose data is gone looks as
+//!   if it had been late, so what is missing between the first two samples need not be reported.
+//!
+//! From then on the sum of all losses stays within two of what it was.
+
+use adis16130_twin::Conversion;
+
+/// Samples after which a loss must have been reported.
+const REPORTED_WITHIN: u32 = 5;
+
+/// A gap of this many periods is counted exactly, from the first edge on: 4/α periods in gear 1. From conversion to
+/// conversion that may be one less.
+const REACH_AT_FIRST: f64 = 8.0 - 1.0;
+
+/// The same once this many samples have been taken without a gap: 4/α periods in gear 5.
+const REACH: f64 = 128.0 - 1.0;
+const SAMPLES_TO_LEARN: u32 = 300;
+
+/// How early an edge may come, in periods: the margin of the comb with F-30.
+const MARGIN: f64 = 1.0 / 16.0;
+
+/// Periods over which the phase follows the clock: twice 1/α in gear 1.
+const LAG: f64 = 4.0;
+
+/// Of the sums, in samples.
+const ROUNDING: f64 = 1e-6;
+
+/// A sample of the driver beside the truth.
+#[derive(Copy, Clone, Debug)]
+pub struct Handed {
+    pub lost: u32,
+    /// Time of its edge on the twin's clock, in ns.
+    pub edge_ns: u64,
+    /// The conversion that the twin gave for it.
+    pub conversion: Conversion,
+}
+
+/// The balance between reported and true losses, in samples.
+#[derive(Clone, Debug, Default)]
+pub struct Ledger {
+    last: Option<Handed>,
+    /// Reported less true losses.
+    balance: f64,
+    /// What the balance may be once all losses have been reported. Before, it may be lower.
+    lowest: f64,
+    highest: f64,
+    /// Samples in a row that were read at once, with nothing lost.
+    calm: u32,
+    samples: u64,
+    /// Samples since a gap that was counted by the clock.
+    learned: u32,
+    /// The largest error of the learned period since the last sample.
+    clock_off: f64,
+    restarted: bool,
+    read_beside: bool,
+}
+
+impl Ledger {
+    /// Begins with a sampler. `knows_edges` = it finds out which edges announce
+    /// rates.
+    pub fn new(knows_edges: bool) -> Self {
+        let mut ledger = Self::default();
+        ledger.doubt(if knows_edges { 0.0 } else { 1.0 });
+        ledger
+    }
+
+    /// The part was initialised anew, and the sampler knows.
+    pub fn restarted(&mut self) {
+        self.restarted = true;
+    }
+
+    /// Another call has read, or may have.
+    pub fn read_beside(&mut self) {
+        self.read_beside = true;
+    }
+
+    /// Notes the true period and the sampler's, before each edge.
+    pub fn period(&mut self, period_ns: f64, learned_ns: f64) {
+        self.clock_off = self.clock_off.max((period_ns / learned_ns - 1.0).abs());
+    }
+
+    /// Enters a sample. `period_ns` is the true period.
+    pub fn enter(&mut self, handed: Handed, period_ns: f64) -> Result<(), String> {
+        let at_once = handed.conversion.t_ns <= handed.edge_ns;
+        let restarted = std::mem::take(&mut self.restarted);
+        let missing = match self.last.replace(handed) {
+            None => self.begin(&handed, period_ns),
+            Some(last) => self.missing(&last, &handed, restarted, period_ns),
+        };
+        if self.samples == 1 {
+            self.lowest -= missing.max(0.0);
+        }
+        self.balance += f64::from(handed.lost) - missing;
+        self.calm = if at_once && missing == 0.0 && handed.lost == 0 { self.calm + 1 } else { 0 };
+        self.samples += 1;
+        self.learned += 1;
+        self.judge()
+    }
+
+    fn begin(&mut self, handed: &Handed, period_ns: f64) -> f64 {
+        let late_ns = handed.conversion.t_ns.saturating_sub(handed.edge_ns);
+        if late_ns > 0 {
+            self.doubt(2.0 + 1.02 * late_ns as f64 / period_ns);
+        }
+        0.0
+    }
+
+    /// Samples missing between two.
+    fn missing(&mut self, last: &Handed, handed: &Handed, restarted: bool, period_ns: f64) -> f64 {
+        let periods = (handed.conversion.t_ns - last.conversion.t_ns) as f64 / period_ns;
+        let reach = if self.learned > SAMPLES_TO_LEARN { REACH } else { REACH_AT_FIRST };
+        let clock_off = std::mem::take(&mut self.clock_off);
+        if restarted || periods > reach {
+            self.doubt(if restarted { 3.0 } else { 2.0 } + periods * clock_off);
+            self.learned = 0;
+        } else if std::mem::take(&mut self.read_beside) || (periods + LAG) * clock_off > MARGIN {
+            self.doubt(1.0);
+        }
+        if restarted { periods - 1.0 } else { (handed.conversion.number - last.conversion.number - 1) as f64 }
+    }
+
+    fn doubt(&mut self, samples: f64) {
+        self.lowest -= samples;
+        self.highest += samples;
+    }
+
+    fn judge(&mut self) -> Result<(), String> {
+        let (balance, lowest, highest) = (self.balance, self.lowest, self.highest);
+        let verdict =
+            |what| Err(format!("{what}: reported less true losses are {balance}, not {lowest} to {highest}"));
+        if balance > highest + ROUNDING {
+            return verdict("a loss was reported that did not happen");
+        }
+        if self.calm >= REPORTED_WITHIN {
+            if balance < lowest - ROUNDING {
+                return verdict("a loss was not reported");
+            }
+            self.lowest = lowest.max(balance - 2.0);
+            self.highest = highest.min(balance + 2.0);
+        }
+        Ok(())
+    }
+}

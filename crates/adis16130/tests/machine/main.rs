@@ -1,0 +1,55 @@
+//! The driver as a state machine: any order of calls, faults and time, judged by the twin.
+//!
+//! No step panics. A sample never has a conversion that a sample before had, and no reading is one that was never
+//! measured. `lost` is exact by the rule in `ledger.rs`. Behind a call cut short nothing is sent until a reset. A part
+//! that was mended starts.
+//!
+//! `DRIVER_STEPS` is the number of steps, `DRIVER_SEED` the seed they are drawn from.
+
+mod bench;
+mod bus;
+mod gyro;
+mod judge;
+mod ledger;
+mod step;
+
+use std::cell::Cell;
+use std::env;
+
+use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
+
+use bench::Bench;
+use step::Plan;
+
+#[test]
+fn any_order_of_calls_faults_and_time() {
+    let number = |name, default: u64| env::var(name).map_or(default, |text| text.parse().expect(name));
+    let (wanted, seed) = (number("DRIVER_STEPS", 10_000), number("DRIVER_SEED", 1));
+    let steps = Cell::new(0);
+    let mut round = 0;
+    while steps.get() < wanted {
+        let result = runner(seed, round).run(&step::plan(), |plan| run(&plan, &steps));
+        result.unwrap_or_else(|failure| panic!("DRIVER_SEED={seed}: {failure}"));
+        round += 1;
+    }
+    println!("{} steps in {} runs, seed {seed}", steps.get(), round * u64::from(CASES));
+}
+
+/// Runs drawn from one seed, of up to 200 steps each.
+const CASES: u32 = 20;
+
+fn runner(seed: u64, round: u64) -> TestRunner {
+    let config = Config { cases: CASES, failure_persistence: None, max_shrink_iters: 20_000, ..Config::default() };
+    let bytes = [seed, round, 0, 0].map(u64::to_le_bytes).concat();
+    TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, &bytes))
+}
+
+fn run(plan: &Plan, steps: &Cell<u64>) -> Result<(), TestCaseError> {
+    let mut bench = Bench::new(plan);
+    for (index, step) in plan.steps.iter().enumerate() {
+        steps.set(steps.get() + 1);
+        let verdict = bench.carry_out(step);
+        verdict.map_err(|rule| TestCaseError::fail(format!("step {index}, {step:?}: {rule}")))?;
+    }
+    Ok(())
+}

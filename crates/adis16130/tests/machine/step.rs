@@ -1,0 +1,247 @@
+//! The steps of the machine, and how they are drawn. Shrinking leaves steps out, and makes numbers small.
+
+use std::fmt;
+
+use adis16130::{Channels, Config, ConversionTime, Framing, RdyEdge, SamplerConfig, Width};
+use adis16130_twin::{Fault, RdyOutput};
+use proptest::collection::vec;
+use proptest::prelude::*;
+
+use crate::bus::Trouble;
+use crate::gyro::Form;
+
+/// A call, a fault, or time that passes.
+#[derive(Clone, Debug)]
+pub enum Step {
+    /// Waits for an edge, is late by this time, and takes the sample.
+    Sample {
+        late_ns: u32,
+    },
+    /// Takes this many samples at once.
+    Samples(u16),
+    /// Hands the newest edge over again.
+    SameEdge,
+    /// Hands over an edge that the part did not make.
+    Glitch,
+    Pass {
+        ns: u64,
+    },
+    Wait {
+        us: u16,
+    },
+    Read(Read),
+    Start(Start),
+    /// Mends everything and initialises the part, as a host does after an error.
+    Recover,
+    /// Another configuration, with a sampler for it.
+    Configure(Config, SamplerConfig),
+    SelfTest,
+    Write(Written, u8),
+    /// Bytes of the host's own.
+    Raw(Vec<u8>),
+    /// The driver gives the bus back, and another one takes it.
+    Release,
+    Fault(Fault),
+    Power(bool),
+    Replug,
+    Sync(bool),
+    /// Happens after so many bytes of the next call.
+    Ahead(u8, Trouble),
+}
+
+/// Calls that read.
+#[derive(Copy, Clone, Debug)]
+pub enum Read {
+    Rate,
+    Temp,
+    Both,
+    RateInRange,
+    InRange,
+    RateStatus,
+    TempStatus,
+    AdcStatus,
+    Revision,
+    All,
+    Raw,
+    Verify,
+    Diagnose,
+}
+
+/// Calls that start the part.
+#[derive(Copy, Clone, Debug)]
+pub enum Start {
+    Restart,
+    /// The sampler does not learn of it.
+    RestartInSecret,
+    Reset,
+    Init,
+    InitVerified,
+    InitChecksummed,
+}
+
+/// Registers that a host may write.
+#[derive(Copy, Clone, Debug)]
+pub enum Written {
+    Mode,
+    Iop,
+    RateConv,
+    TempCs,
+}
+
+/// A unit, its wires, and what happens.
+#[derive(Clone)]
+pub struct Plan {
+    pub form: Form,
+    pub seed: u64,
+    pub rotation_dps: f64,
+    pub clock_ppm: i32,
+    pub sclk_hz: f64,
+    pub bit_error_rate: f64,
+    pub rdy: RdyOutput,
+    pub config: Config,
+    pub sampling: SamplerConfig,
+    /// What the host's clock and its count of edges begin with.
+    pub t_ns: u64,
+    pub seq: u32,
+    pub steps: Vec<Step>,
+}
+
+/// A step a line, since a failure prints all of them.
+impl fmt::Debug for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { form, seed, rotation_dps, clock_ppm, sclk_hz, bit_error_rate, rdy, .. } = self;
+        writeln!(
+            f,
+            "{form:?}, seed {seed}, {rotation_dps} °/s, {clock_ppm} ppm, {sclk_hz} Hz, {bit_error_rate} of bits"
+        )?;
+        writeln!(f, "{rdy:?}, t_ns {}, seq {}", self.t_ns, self.seq)?;
+        writeln!(f, "{:?}", self.config)?;
+        writeln!(f, "{:?}", self.sampling)?;
+        (0..).zip(&self.steps).try_for_each(|(index, step): (usize, _)| writeln!(f, "{index:4} {step:?}"))
+    }
+}
+
+pub fn plan() -> impl Strategy<Value = Plan> {
+    let rotation = prop_oneof![6 => Just(0.0), 1 => Just(330.0), 1 => Just(400.0), 1 => Just(-400.0)];
+    let sclk = prop_oneof![4 => Just(4.0e6), 2 => Just(1.0e7), 1 => Just(1.1e6), 1 => Just(2.0e5)];
+    let rdy = prop_oneof![4 => Just(RdyOutput::Level), 1 => Just(RdyOutput::Inverted), 1 => Just(RdyOutput::Pulse)];
+    let unit = (form(), any::<u64>(), rotation, -20_000..=20_000, sclk, prop_oneof![Just(1e-2), Just(1e-4)], rdy);
+    let clock = prop_oneof![Just((0, 0)), Just((u64::MAX - 1_000_000, u32::MAX - 9)), any::<(u64, u32)>()];
+    let steps = vec(step(), 1..=200);
+    (unit, config(), sampling(), clock, steps).prop_map(|(unit, config, sampling, (t_ns, seq), steps)| {
+        let (form, seed, rotation_dps, clock_ppm, sclk_hz, bit_error_rate, rdy) = unit;
+        Plan { form, seed, rotation_dps, clock_ppm, sclk_hz, bit_error_rate, rdy, config, sampling, t_ns, seq, steps }
+    })
+}
+
+fn form() -> BoxedStrategy<Form> {
+    #[cfg(feature = "async")]
+    return prop_oneof![Just(Form::Blocking), Just(Form::Async)].boxed();
+    #[cfg(not(feature = "async"))]
+    Just(Form::Blocking).boxed()
+}
+
+fn config() -> impl Strategy<Value = Config> {
+    let channels = prop_oneof![8 => Just(Channels::Both), 3 => Just(Channels::Rate), 1 => Just(Channels::Temp)];
+    let conversion = || prop_oneof![6 => Just(ConversionTime::new(5)), 1 => any::<u8>().prop_map(ConversionTime::new)];
+    let flags = (any::<bool>(), prop::bool::weighted(0.8), any::<bool>(), any::<bool>(), any::<bool>(), any::<bool>());
+    (channels, conversion(), conversion(), flags).prop_map(|(channels, rate, temp, flags)| {
+        let (narrow, rdyfn, clamp, command, rising, sync) = flags;
+        Config::new()
+            .with_channels(channels)
+            .with_rate_conversion(rate)
+            .with_temp_conversion(temp)
+            .with_width(if narrow { Width::Bits16 } else { Width::Bits24 })
+            .with_rdyfn(rdyfn)
+            .with_clamp(clamp)
+            .with_framing(if command { Framing::Command } else { Framing::PerByte })
+            .with_rdy_edge(if rising { RdyEdge::Rising } else { RdyEdge::Falling })
+            .with_sync(sync)
+    })
+}
+
+fn sampling() -> impl Strategy<Value = SamplerConfig> {
+    let every_temp = prop_oneof![4 => Just(1), 2 => Just(4), 1 => Just(0), 1 => any::<u16>()];
+    let divider = prop_oneof![6 => Just(1), 1 => 0..8_u16];
+    (every_temp, divider, prop::bool::weighted(0.6)).prop_map(|(every_temp, divider, read_status)| {
+        SamplerConfig::new().with_every_temp(every_temp).with_divider(divider).with_read_status(read_status)
+    })
+}
+
+fn step() -> impl Strategy<Value = Step> {
+    let samples = prop_oneof![
+        20 => late_ns().prop_map(|late_ns| Step::Sample { late_ns }),
+        8 => (1..40_u16).prop_map(Step::Samples),
+        1 => (40..1_000_u16).prop_map(Step::Samples),
+        1 => Just(Step::SameEdge),
+    ];
+    let time = prop_oneof![
+        8 => (0..2_000_000_u64).prop_map(|ns| Step::Pass { ns }),
+        1 => (0..3_000_000_000_u64).prop_map(|ns| Step::Pass { ns }),
+        3 => (0..3_000_u16).prop_map(|us| Step::Wait { us }),
+    ];
+    let calls = prop_oneof![
+        12 => read().prop_map(Step::Read),
+        3 => start().prop_map(Step::Start),
+        2 => (config(), sampling()).prop_map(|(config, sampling)| Step::Configure(config, sampling)),
+        1 => Just(Step::SelfTest),
+        1 => (written(), any::<u8>()).prop_map(|(written, value)| Step::Write(written, value)),
+    ];
+    let strange = prop_oneof![
+        2 => Just(Step::Glitch),
+        1 => vec(any::<u8>(), 1..6).prop_map(Step::Raw),
+        1 => Just(Step::Release),
+        2 => any::<bool>().prop_map(Step::Sync),
+    ];
+    let faults = prop_oneof![
+        8 => fault().prop_map(Step::Fault),
+        2 => any::<bool>().prop_map(Step::Power),
+        1 => Just(Step::Replug),
+        4 => (0..40_u8, trouble()).prop_map(|(bytes, trouble)| Step::Ahead(bytes, trouble)),
+    ];
+    prop_oneof![60 => samples, 12 => time, 14 => calls, 1 => strange, 4 => faults, 4 => Just(Step::Recover)]
+}
+
+/// At once, late by less than a conversion, by several periods, or by milliseconds.
+fn late_ns() -> impl Strategy<Value = u32> {
+    prop_oneof![10 => Just(0), 4 => 0..90_000_u32, 4 => 0..2_000_000_u32, 1 => 0..50_000_000_u32]
+}
+
+fn trouble() -> impl Strategy<Value = Trouble> {
+    prop_oneof![Just(Trouble::Cut), fault().prop_map(Trouble::Fault)]
+}
+
+fn fault() -> impl Strategy<Value = Fault> {
+    use Fault::*;
+    prop::sample::select(&[None, SdoLow, SdoHigh, Frozen, RdyLost, RdyStutter, BitErrors, Brownout, Unplug][..])
+}
+
+fn read() -> impl Strategy<Value = Read> {
+    use Read::*;
+    let all = [
+        Rate,
+        Temp,
+        Both,
+        RateInRange,
+        InRange,
+        RateStatus,
+        TempStatus,
+        AdcStatus,
+        Revision,
+        All,
+        Raw,
+        Verify,
+        Diagnose,
+    ];
+    prop::sample::select(all.to_vec())
+}
+
+fn start() -> impl Strategy<Value = Start> {
+    use Start::*;
+    let weighed = [Restart, Restart, Restart, RestartInSecret, Reset, Init, InitVerified, InitChecksummed];
+    prop::sample::select(weighed.to_vec())
+}
+
+fn written() -> impl Strategy<Value = Written> {
+    prop::sample::select(&[Written::Mode, Written::Iop, Written::RateConv, Written::TempCs][..])
+}

@@ -1,0 +1,27 @@
+//! Prints the columns of numbers of a log as JSON: `{"columns": [[NAME, [NUMBERS]], …]}`. A missing number is `null`.
+//! A log that cannot be read gives `{"refused": REASON}`.
+//!
+//! ```text
+//! cargo run --release -p zerorate-logs --features full --example columns -- log.parquet
+//! ```
+
+use serde_json::{Value, json};
+use std::fs::File;
+use std::path::Path;
+use zerorate_logs::{ColumnOptions, LogError, Wanted, read_all};
+use zerorate_record::CaptureError;
+
+fn main() {
+    let path = std::env::args().nth(1).expect("the name of a log");
+    let found = columns(Path::new(&path)).unwrap_or_else(|why| json!({"refused": why.to_string()}));
+    println!("{found}");
+}
+
+fn columns(path: &Path) -> Result<Value, LogError> {
+    let file = File::open(path).map_err(|error| CaptureError::io("read", path, error))?;
+    // the rate changes no number
+    let options = ColumnOptions { rate: Some(1.0), ..ColumnOptions::default() };
+    let columns = read_all(path, file.into(), Wanted::All, &options)?;
+    let pair = columns.iter().map(|column| Ok((&*column.name, column.points(path)?)));
+    Ok(json!({"columns": pair.collect::<Result<Vec<_>, LogError>>()?}))
+}

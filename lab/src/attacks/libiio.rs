@@ -1,0 +1,120 @@
+//! libiio's own programs, turned on the server for its clients.
+
+use super::tally::{Outcome, Tally};
+use crate::server::Server;
+use crate::tools::{self, Tool};
+use anyhow::{Context, Result};
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+const TOOLS: [Tool; 2] = [
+    Tool { program: "iio_stresstest", package: "libiio-utils" },
+    Tool { program: "iio_info", package: "libiio-utils" },
+];
+/// `iio_stresstest` of libiio 0.24 forgets the port after its first connection.
+const ADDRESS: &str = "127.0.0.1:30431";
+const URI: &str = "ip:127.0.0.1";
+const DEVICE: &str = "iio:device0";
+/// How long the stress lasts, s. Then it is interrupted and prints what it did.
+const STRESS: &str = "10";
+/// More threads than the server has connections for.
+const CROWD: &str = "200";
+
+/// Runs the programs. `None` where they are missing or their port is taken, which is said.
+pub fn run(program: &Path) -> Result<Option<Tally>> {
+    if !tools::available(&TOOLS, "libiio's test programs")? {
+        return Ok(None);
+    }
+    if std::net::TcpListener::bind(ADDRESS).is_err() {
+        println!("SKIPPED: Libiio: {ADDRESS} is taken, and iio_stresstest knows no other port");
+        return Ok(None);
+    }
+    let server = Server::start_with(&mut Command::new(program), ADDRESS, &["--device", "twin:seed=4"])?;
+    let before = server.descriptors()?;
+    let mut tally = Tally::default();
+    tally.note("iio_stresstest, 4 threads", stress("4", true)?);
+    tally.note(format!("iio_stresstest, {CROWD} threads"), stress(CROWD, false)?);
+    for (name, arguments) in REFUSED {
+        tally.note(name, refused(name, arguments)?);
+    }
+    tally.note("iio_genxml", described_again()?);
+    tally.note("descriptors afterwards", settled(&server, before)?);
+    server.end()?;
+    Ok(Some(tally))
+}
+
+/// What a gyroscope without outputs, registers and triggers must refuse.
+const REFUSED: [(&str, &[&str]); 5] = [
+    ("iio_writedev", &["-u", URI, "-b", "256", "-s", "256", DEVICE]),
+    ("iio_reg", &["-u", URI, DEVICE, "0"]),
+    ("iio_readdev", &["-u", URI, "-t", "none", "-s", "256", DEVICE]),
+    ("iio_readdev", &["-u", URI, "-b", "16777217", "-s", "16777217", DEVICE]),
+    ("iio_attr", &["-u", URI, "-c", DEVICE, "anglvel_z", "raw", "1"]),
+];
+
+/// A program of libiio with a bound on time. Then it is interrupted, and killed if that does not help.
+fn tool(seconds: &str, name: &str, arguments: &[&str]) -> Result<Output> {
+    let mut command = Command::new("timeout");
+    command.args(["--signal=INT", "--kill-after=10", seconds, name]).args(arguments).stdin(Stdio::null());
+    command.output().context("timeout")
+}
+
+/// Contexts and buffers that come and go for a while. Alone they must get samples without an error. A crowd is mostly
+/// turned away, and must only leave the server alive.
+fn stress(threads: &str, alone: bool) -> Result<Outcome> {
+    let output = tool(STRESS, "iio_stresstest", &["-u", URI, "-b", "256", "-t", threads, "-T", "5", DEVICE])?;
+    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    let total = text.lines().rfind(|line| line.starts_with("total:")).unwrap_or("it had to be killed");
+    let refills = total.rsplit("refills :").next().and_then(|rest| rest.split_whitespace().next());
+    let refills: u64 = refills.and_then(|count| count.parse().ok()).unwrap_or(0);
+    println!("iio_stresstest, {threads} threads, {STRESS} s: {total}");
+    let failed = text.lines().find(|line| line.to_ascii_lowercase().contains("fail"));
+    Ok(match (alone, failed) {
+        (true, Some(line)) => Outcome::Wrong(line.to_owned()),
+        (true, None) if refills == 0 => Outcome::Wrong(total.to_owned()),
+        _ => answers()?,
+    })
+}
+
+/// Whether the server still describes itself.
+fn answers() -> Result<Outcome> {
+    let output = tool("60", "iio_info", &["-u", URI])?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    let is_there = output.status.success() && text.contains("adis16130") && !text.contains("ERROR");
+    Ok(if is_there { Outcome::Right } else { Outcome::Wrong(format!("the server does not answer: {text}")) })
+}
+
+/// A request that must fail at once, with a reason.
+fn refused(name: &str, arguments: &[&str]) -> Result<Outcome> {
+    let output = tool("60", name, arguments)?;
+    let said = String::from_utf8_lossy(&output.stderr).into_owned() + &String::from_utf8_lossy(&output.stdout);
+    let reason = said.trim().lines().next().unwrap_or_default().chars().take(100).collect::<String>();
+    let is_alive = matches!(answers()?, Outcome::Right);
+    // iio_readdev ends with 0 whatever happens
+    let has_nothing = output.status.code() != Some(124) && (!output.status.success() || output.stdout.is_empty());
+    Ok(match is_alive && has_nothing && !reason.is_empty() {
+        true => Outcome::Refused(reason),
+        false => Outcome::Wrong(format!("{arguments:?}, {}: {reason}", output.status)),
+    })
+}
+
+/// libiio writes its description of the device, and makes a context from it again.
+fn described_again() -> Result<Outcome> {
+    let output = tool("60", "iio_genxml", &["-u", URI])?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    let is_same = output.status.success() && text.contains("re-creation from generated XML succeeded");
+    Ok(if is_same { Outcome::Right } else { Outcome::Wrong(text.into_owned()) })
+}
+
+/// The server has closed what its clients left.
+fn settled(server: &Server, before: usize) -> Result<Outcome> {
+    /// The server drops a client that stops in the middle of a line after 10 s.
+    const PATIENCE_S: u32 = 60;
+    for _ in 0..PATIENCE_S {
+        if server.descriptors()? <= before {
+            return Ok(Outcome::Right);
+        }
+        std::thread::sleep(std::time::Duration::from_secs(1));
+    }
+    Ok(Outcome::Wrong(format!("{} descriptors, and {before} before", server.descriptors()?)))
+}

@@ -1,0 +1,88 @@
+//! `cargo xtask attacks`: what other projects attack or try their own readers and servers with, turned on the program.
+//! Nothing of theirs is carried along: it is installed, or read from checkouts.
+
+mod apache;
+mod cases;
+mod http;
+mod libiio;
+mod mcap;
+mod reader;
+mod tally;
+mod websocket;
+
+use crate::app;
+use anyhow::{Result, ensure};
+use std::path::{Path, PathBuf};
+use tally::Tally;
+
+/// Command line of `cargo xtask attacks`.
+#[derive(clap::Args)]
+pub struct AttacksArgs {
+    /// The parts [default: all]
+    #[arg(value_enum)]
+    parts: Vec<Part>,
+    /// The folder with the checkouts
+    #[arg(long, value_name = "DIR")]
+    data: Option<PathBuf>,
+    /// The program to attack, instead of building it
+    #[arg(long, value_name = "FILE")]
+    program: Option<PathBuf>,
+    /// Print each case with its outcome
+    #[arg(long)]
+    list: bool,
+}
+
+/// Whose cases.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Part {
+    /// Requests that two servers may read in two ways; of PortSwigger's http-request-smuggler and RFC 9112
+    Http,
+    /// Autobahn's test suite; installed by Python 2.7
+    Websocket,
+    /// libiio's test programs; of Debian's libiio-utils
+    Libiio,
+    /// Conformance files of MCAP; `git clone https://github.com/foxglove/mcap`
+    Mcap,
+    /// Files of Arrow that crashed readers, and whole ones; `git clone https://github.com/apache/arrow-testing`
+    Arrow,
+    /// The same of Parquet; `git clone https://github.com/apache/parquet-testing`
+    Parquet,
+}
+
+const ALL: [Part; 6] = [Part::Http, Part::Websocket, Part::Libiio, Part::Mcap, Part::Arrow, Part::Parquet];
+
+impl Part {
+    /// Runs its cases. `None` where a tool or the data is missing, which is said.
+    fn run(self, program: &Path, data: Option<&Path>) -> Result<Option<Tally>> {
+        let checkout = |name: &str| {
+            let folder = data.map(|data| data.join(name)).filter(|folder| folder.is_dir());
+            if folder.is_none() {
+                println!("SKIPPED: {self:?}: --data DIR has no checkout {name} (--help says of what)");
+            }
+            folder
+        };
+        match self {
+            Self::Http => http::run(program).map(Some),
+            Self::Websocket => websocket::run(program),
+            Self::Libiio => libiio::run(program),
+            Self::Mcap => checkout("mcap").map_or(Ok(None), |folder| mcap::run(program, &folder)),
+            Self::Arrow => checkout("arrow-testing").map_or(Ok(None), |folder| apache::arrow(program, &folder)),
+            Self::Parquet => checkout("parquet-testing").map_or(Ok(None), |folder| apache::parquet(program, &folder)),
+        }
+    }
+}
+
+/// Runs the parts, and fails where an outcome is wrong.
+pub fn run(args: &AttacksArgs) -> Result<()> {
+    let program = std::path::absolute(args.program.clone().map_or_else(app::program, Ok)?)?;
+    let parts = if args.parts.is_empty() { &ALL[..] } else { &args.parts };
+    let mut wrong = 0;
+    for part in parts {
+        if let Some(tally) = part.run(&program, args.data.as_deref())? {
+            tally.print(&format!("{part:?}"), args.list);
+            wrong += tally.wrong();
+        }
+    }
+    ensure!(wrong == 0, "{wrong} outcomes are wrong");
+    Ok(())
+}

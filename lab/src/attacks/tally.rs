@@ -1,0 +1,59 @@
+//! The outcomes of the cases of a part.
+
+/// What became of a case.
+#[derive(Debug)]
+pub enum Outcome {
+    /// Read or answered as it must be.
+    Right,
+    /// Refused, with this reason.
+    Refused(String),
+    /// Neither: a crash, a hang, other numbers, or an answer where there must be none.
+    Wrong(String),
+}
+
+/// The cases of a part with their outcomes.
+#[derive(Debug, Default)]
+pub struct Tally(Vec<(String, Outcome)>);
+
+impl Tally {
+    pub fn note(&mut self, case: impl Into<String>, outcome: Outcome) {
+        self.0.push((case.into(), outcome));
+    }
+
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    pub fn wrong(&self) -> usize {
+        self.count(|outcome| matches!(outcome, Outcome::Wrong(_)))
+    }
+
+    fn count(&self, is: impl Fn(&Outcome) -> bool) -> usize {
+        self.0.iter().filter(|(_, outcome)| is(outcome)).count()
+    }
+
+    /// Prints the numbers, all that is wrong, and on demand everything.
+    pub fn print(&self, part: &str, all: bool) {
+        for (case, outcome) in &self.0 {
+            match outcome {
+                Outcome::Wrong(why) => println!("WRONG    {part}: {case}: {why}"),
+                Outcome::Refused(why) if all => println!("refused  {part}: {case}: {why}"),
+                Outcome::Right if all => println!("right    {part}: {case}"),
+                _ => {}
+            }
+        }
+        let right = self.count(|outcome| matches!(outcome, Outcome::Right));
+        let refused = self.count(|outcome| matches!(outcome, Outcome::Refused(_)));
+        println!(
+            "{part:10} {:4} cases: {right} right, {refused} refused with a reason, {} wrong",
+            self.len(),
+            self.wrong()
+        );
+    }
+}
+
+impl Extend<(String, Outcome)> for Tally {
+    fn extend<T: IntoIterator<Item = (String, Outcome)>>(&mut self, cases: T) {
+        self.0.extend(cases);
+    }
+}

@@ -1,0 +1,73 @@
+//! Memory and descriptors of a process over time.
+
+use crate::server::{descriptors, resident_mb};
+use anyhow::{Result, ensure};
+
+/// Growth from the second quarter of a run to its last that counts as none, MB. Buffers of visitors that come and go
+/// make up as much.
+const FLAT_MB: f64 = 4.0;
+
+/// Readings at even distances.
+#[derive(Debug, Default)]
+pub struct Gauge {
+    resident_mb: Vec<f64>,
+    descriptors: Vec<usize>,
+}
+
+impl Gauge {
+    pub fn read(&mut self, process: u32) -> Result<()> {
+        self.resident_mb.push(resident_mb(process)?);
+        self.descriptors.push(descriptors(process)?);
+        Ok(())
+    }
+
+    pub fn most_descriptors(&self) -> usize {
+        self.descriptors.iter().copied().max().unwrap_or(0)
+    }
+
+    /// Medians of the second and the last quarter, MB. The first quarter fills buffers.
+    fn quarters_mb(&self) -> [f64; 2] {
+        let quarter = self.resident_mb.len() / 4;
+        let median = |readings: &[f64]| {
+            let mut sorted = readings.to_vec();
+            sorted.sort_by(f64::total_cmp);
+            sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
+        };
+        [median(&self.resident_mb[quarter..2 * quarter]), median(&self.resident_mb[3 * quarter..])]
+    }
+
+    /// The memory in words.
+    pub fn memory(&self) -> String {
+        let ([early, late], count) = (self.quarters_mb(), self.resident_mb.len());
+        let most = self.resident_mb.iter().copied().fold(0.0, f64::max);
+        format!(
+            "{early:.1} MB in the second quarter, {late:.1} MB in the last, {most:.1} MB at most, {count} readings"
+        )
+    }
+
+    /// Fails where the memory grows by more than what is `kept_mb` on purpose.
+    pub fn check(&self, kept_mb: f64) -> Result<()> {
+        let [early, late] = self.quarters_mb();
+        let bound = FLAT_MB + kept_mb;
+        ensure!(late - early <= bound, "the memory grows from {early:.1} to {late:.1} MB, by more than {bound:.1} MB");
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_leak_is_found_and_a_warm_up_is_none() {
+        let gauge = |mb: &dyn Fn(f64) -> f64| Gauge {
+            resident_mb: (0..400).map(|second| mb(f64::from(second))).collect(),
+            descriptors: vec![],
+        };
+        assert!(gauge(&|second| 30.0 + second * 0.03).check(0.0).is_err());
+        assert!(gauge(&|second| 30.0 + second * 0.03).check(3.0).is_ok());
+        assert!(gauge(&|second| 30.0 + (second * 0.5).min(20.0)).check(0.0).is_ok());
+        assert!(gauge(&|second| 30.0 + (second % 7.0)).check(0.0).is_ok());
+        assert!(Gauge::default().check(0.0).is_err(), "nothing was read");
+    }
+}

@@ -1,0 +1,102 @@
+//! `cargo xtask endurance`: a long time of `zerorate serve` with a recorder, pages and clients of libiio that come and
+//! go, and of the tracker; then a clock that is set by an hour, and a disk that fills and is freed.
+
+mod clock;
+mod disk;
+mod gauge;
+mod load;
+mod tracker;
+
+use crate::app;
+use crate::bench_serve::page;
+use crate::bench_serve::samples::Recorded;
+use crate::server::Server;
+use anyhow::{Result, ensure};
+use gauge::Gauge;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// The unit that all parts read.
+const DEVICE: &str = "twin:seed=1";
+
+/// Command line of `cargo xtask endurance`.
+#[derive(clap::Args)]
+pub struct EnduranceArgs {
+    /// Length of the run in the sensor's time, h
+    #[arg(long, default_value_t = 24.0)]
+    hours: f64,
+    /// How much faster than the clock the sensor's time goes; where the machine cannot, as fast as it can
+    #[arg(long, default_value_t = 4.0)]
+    speed: f64,
+    /// Run as a step of the test: three minutes of the sensor's time
+    #[arg(long, conflicts_with_all = ["hours", "program"])]
+    check: bool,
+    /// The program, instead of building it
+    #[arg(long, value_name = "FILE")]
+    program: Option<PathBuf>,
+}
+
+/// Length of the run as a step of the test, h.
+const CHECK_HOURS: f64 = 3.0 / 60.0;
+
+/// Runs the parts, one after another.
+pub fn run(args: &EnduranceArgs) -> Result<()> {
+    let program = std::path::absolute(args.program.clone().map_or_else(app::program, Ok)?)?;
+    let hours = if args.check { CHECK_HOURS } else { args.hours };
+    long(&program, hours, args.speed)?;
+    tracker::run(&program, hours)?;
+    clock::run(&program)?;
+    disk::run(&program)
+}
+
+/// The long run: memory and descriptors stay, and every sample is recorded.
+fn long(program: &Path, hours: f64, speed: f64) -> Result<()> {
+    let folder = tempfile::tempdir()?;
+    let capture = folder.path().join("served.arrows");
+    let server = Server::start(program, &["--device", DEVICE, "-o", &capture.display().to_string()])?;
+    let idle = server.descriptors()?;
+    page::ask(&server.page, &format!(r#"{{"id":1,"do":"speed","factor":{speed}}}"#))?;
+    let begun = Instant::now();
+    let mut gauge = Gauge::default();
+    let visits = load::run(&server, hours, &mut gauge)?;
+    let wall = begun.elapsed();
+    let left = settled(&server, idle)?;
+    server.end()?;
+    let recorded = Recorded::of(program, &capture)?;
+    let Recorded { rows, lost, span_s, .. } = recorded;
+    println!("long run      {:.2} h of the sensor in {:.0} s", span_s / 3600.0, wall.as_secs_f64());
+    println!("recorded      {rows} samples, {lost} lost");
+    println!("visits        {visits}");
+    println!("memory        {}", gauge.memory());
+    println!("descriptors   {idle} before, {} at most, {left} afterwards", gauge.most_descriptors());
+    recorded.check(program, DEVICE, folder.path())?;
+    println!("compared      every sample is the one that the twin gives alone");
+    gauge.check(kept_mb(hours))
+}
+
+/// What the page's Allan deviation keeps by its nature between the middles of the second and the last quarter: the
+/// means of 0.1 s, and as much again while it computes. It keeps 2¹⁹ means, which is 14.6 h, and then merges them.
+fn kept_mb(hours: f64) -> f64 {
+    const MB_PER_H: f64 = 3.0;
+    const FULL_H: f64 = 14.6;
+    let at = |share: f64| (share * hours).min(FULL_H);
+    MB_PER_H * (at(7.0 / 8.0) - at(3.0 / 8.0))
+}
+
+/// The descriptors that the server may open for itself once it serves. Visitors come and go by the hundred.
+const OWN: usize = 8;
+
+/// The descriptors once all visitors have left.
+fn settled(server: &Server, before: usize) -> Result<usize> {
+    /// Longer than the server waits for anybody.
+    const PATIENCE: Duration = Duration::from_secs(120);
+    let begun = Instant::now();
+    loop {
+        let left = server.descriptors()?;
+        if left <= before + OWN {
+            return Ok(left);
+        }
+        ensure!(begun.elapsed() < PATIENCE, "{left} descriptors are open, and {before} were before the visitors came");
+        std::thread::sleep(Duration::from_millis(200));
+    }
+}

@@ -1,0 +1,66 @@
+//! The tracker of the bias over the same time, as fast as it goes.
+
+use super::DEVICE;
+use super::gauge::Gauge;
+use crate::venv::done;
+use anyhow::{Context, Result, ensure};
+use std::fs::{self, File};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+/// Less is over before the memory is read often enough.
+const LEAST_HOURS: f64 = 0.5;
+const STEP: Duration = Duration::from_millis(50);
+/// Rows a second, and seconds in an hour.
+const RATE_HZ: f64 = 1.0;
+const HOUR_S: f64 = 3600.0;
+
+/// Its memory stays, and its rows are all there, in order.
+pub fn run(program: &Path, hours: f64) -> Result<()> {
+    let hours = hours.max(LEAST_HOURS);
+    let folder = tempfile::tempdir()?;
+    let (unit, rows) = (folder.path().join("unit.toml"), folder.path().join("rows.csv"));
+    let mut calibrate = Command::new(program);
+    calibrate.args(["calibrate", "--device", DEVICE, "-o"]).arg(&unit);
+    done(calibrate.stdout(Stdio::null()).stderr(Stdio::null()))?;
+    let mut stream = Command::new(program);
+    stream.args(["stream", "--device", DEVICE, "--track", "--rate", &RATE_HZ.to_string(), "--cal"]).arg(&unit);
+    stream.args(["--duration", &(hours * HOUR_S).to_string()]).stdout(File::create(&rows)?).stderr(Stdio::null());
+    let (mut child, mut gauge) = (stream.spawn()?, Gauge::default());
+    let status = loop {
+        if let Some(status) = child.try_wait()? {
+            break status;
+        }
+        // a process that has just ended has no memory any more
+        let _ = gauge.read(child.id());
+        sleep(STEP);
+    };
+    ensure!(status.success(), "the tracker ended with {status}");
+    let count = in_order(&fs::read_to_string(&rows)?)?;
+    let expected = hours * HOUR_S * RATE_HZ;
+    ensure!((count as f64 - expected).abs() <= 1.0, "{count} rows in place of {expected}");
+    println!("tracker       {hours:.2} h of the sensor, {count} rows in order; {}", gauge.memory());
+    gauge.check(0.0)
+}
+
+/// The number of rows, whose times rise.
+fn in_order(text: &str) -> Result<usize> {
+    let times = text.lines().filter(|line| line.starts_with(|first: char| first.is_ascii_digit()));
+    let times = times.map(|line| line.split(',').next().unwrap_or_default().parse::<f64>().context("a time"));
+    let times = times.collect::<Result<Vec<_>>>()?;
+    ensure!(times.is_sorted_by(|earlier, later| earlier < later), "the times of the rows do not rise");
+    Ok(times.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_counted_in_order() {
+        assert_eq!(in_order("t_s,rate\n0.5,1\n1.5,1\n").unwrap(), 2);
+        assert!(in_order("0.5,1\n0.5,1\n").is_err());
+    }
+}
