@@ -18,9 +18,11 @@ mod endurance;
 mod firmware;
 mod iiod;
 mod methods;
+mod residuals;
 mod rig;
 mod seeds;
 mod server;
+mod tracking;
 mod trial;
 mod trust;
 mod uf2;
@@ -46,6 +48,10 @@ enum Task {
     /// The whole table takes about half an hour on two cores. It is written with its pictures, also with fewer
     /// `--seeds`. `--quick` runs the methods on a few units.
     Methods(methods::MethodsArgs),
+    /// Track many units of the twin for a day in four worlds, and print the table of docs/tracking.md
+    ///
+    /// It takes some minutes on two cores. The worlds differ by the share of the moving time in slow turns.
+    Tracking(tracking::TrackingArgs),
     /// Simulate records at rest and compare the fitted noise coefficients with their truth
     CoverageAllan(coverage_allan::CoverageAllanArgs),
     /// Time the Allan deviation beside its peers, which it installs, and print ratios
@@ -137,6 +143,7 @@ fn main() -> ExitCode {
     let done = match Cli::parse().task {
         Task::Coverage(args) => coverage::run(&args),
         Task::Methods(args) => methods::run(&args),
+        Task::Tracking(args) => tracking::run(&args),
         Task::CoverageAllan(args) => coverage_allan::run(&args),
         Task::BenchPeers(args) => bench_peers::run(&args),
         Task::BenchServe(args) => bench_serve::run(&args),

@@ -739,7 +739,7 @@ typedef struct zerorate_tracker {
   /**
    * Private.
    */
-  uint64_t opaque[288];
+  uint64_t opaque[304];
 } zerorate_tracker;
 
 /**
@@ -771,15 +771,19 @@ typedef struct zerorate_tracker_state {
   /**
    * Offset, slope, curvature, flicker.
    */
-  double state[6];
+  float state[6];
   /**
    * Lower triangle of their covariance, row by row.
    */
-  double covariance[21];
+  float covariance[21];
   /**
    * T - T3 when something was learned last, deg C.
    */
-  double at_c;
+  float at_c;
+  /**
+   * Rests and turns among the quiet stretches, and one of each.
+   */
+  float odds[2];
   /**
    * Seconds that were learned from, that were doubtful, and how often a turn began within a rest.
    */

@@ -4,14 +4,14 @@ use crate::boundary::{self, Object};
 use crate::correction::Correction;
 use crate::status::{self, Status, ZERORATE_E_ARGUMENT};
 use zerorate::Axis;
-use zerorate::track::{COVARIANCES, Counts, Filter, Phase, Prior, STATES, Saved, TrackerConfig};
+use zerorate::track::{COVARIANCES, Counts, Filter, Odds, Phase, Prior, STATES, Saved, TrackerConfig};
 
 /// A bias that is learned whenever the part rests. The memory is the caller's, the contents are private; begin it with
 /// zerorate_tracker_begin or zerorate_tracker_resume. It needs no tear-down.
 #[repr(C)]
 pub struct Tracker {
     /// Private.
-    pub opaque: [u64; 288],
+    pub opaque: [u64; 304],
 }
 
 impl Object for Tracker {
@@ -38,11 +38,13 @@ pub struct TrackerPrior {
 #[derive(Clone, Copy)]
 pub struct TrackerState {
     /// Offset, slope, curvature, flicker.
-    pub state: [f64; 6],
+    pub state: [f32; 6],
     /// Lower triangle of their covariance, row by row.
-    pub covariance: [f64; 21],
+    pub covariance: [f32; 21],
     /// T - T3 when something was learned last, deg C.
-    pub at_c: f64,
+    pub at_c: f32,
+    /// Rests and turns among the quiet stretches, and one of each.
+    pub odds: [f32; 2],
     /// Seconds that were learned from, that were doubtful, and how often a turn began within a rest.
     pub counts: [u32; 3],
 }
@@ -114,10 +116,12 @@ pub unsafe extern "C" fn zerorate_tracker_resume(
         // SAFETY: by the contract.
         let config = config(correction, unsafe { boundary::input(prior) }?);
         // SAFETY: by the contract.
-        let &TrackerState { state, covariance, at_c, counts } = unsafe { boundary::input(state) }?;
+        let &TrackerState { state, covariance, at_c, odds: [rests, turns], counts } =
+            unsafe { boundary::input(state) }?;
         let [learned_s, doubtful_s, rolled_back] = counts;
         let filter = Filter { state, covariance, at_c };
-        let saved = Saved { filter, counts: Counts { learned_s, doubtful_s, rolled_back } };
+        let counts = Counts { learned_s, doubtful_s, rolled_back };
+        let saved = Saved { filter, odds: Odds { rests, turns }, counts };
         let resumed = zerorate::track::Tracker::resume(config, &saved, off_s).map_err(|_| ZERORATE_E_ARGUMENT)?;
         // SAFETY: by the contract.
         unsafe { boundary::set_up(tracker, resumed) }
@@ -165,9 +169,10 @@ pub unsafe extern "C" fn zerorate_tracker_bias(tracker: *mut Tracker, temp_c: f6
 pub unsafe extern "C" fn zerorate_tracker_save(tracker: *mut Tracker, state: *mut TrackerState) -> Status {
     // SAFETY: by the contract.
     status::of(unsafe { boundary::state(tracker) }.and_then(|tracker| {
-        let Saved { filter: Filter { state: numbers, covariance, at_c }, counts } = tracker.save();
+        let Saved { filter: Filter { state: numbers, covariance, at_c }, odds, counts } = tracker.save();
+        let odds = [odds.rests, odds.turns];
         let counts = [counts.learned_s, counts.doubtful_s, counts.rolled_back];
         // SAFETY: by the contract.
-        unsafe { boundary::output(state, TrackerState { state: numbers, covariance, at_c, counts }) }
+        unsafe { boundary::output(state, TrackerState { state: numbers, covariance, at_c, odds, counts }) }
     }))
 }

@@ -4,7 +4,7 @@
 mod world;
 
 use adis16130_twin::Spec;
-use world::{Day, Random, SELDOM, Unit, day};
+use world::{Day, HALF, OFTEN, Random, SELDOM, Unit, day};
 use zerorate::track::{BLOCK_S, Filter, Phase, Prior, Saved, Tracker, TrackerConfig, Unsound};
 use zerorate::{Axis, Correction};
 
@@ -43,23 +43,23 @@ fn a_tracked_bias_is_three_times_better() {
     assert_eq!(mean(|day| day.moving_learned_s), 0.0);
 }
 
-/// Slow turns fill a quarter of the moving time: one takes 60 s on average, 21 other motions 1055 s in all.
-const OFTEN: f64 = 1055.0 / (3.0 * 60.0);
-
-/// docs/tracking.md describes a world in which slow turns are five times as frequent as rests: most of the gain is
-/// lost, and the intervals do not hold. If you mend that, change the page as well.
+/// Units that walk least or that met the worst turns, with slow turns in a quarter and in half of the moving time. The
+/// calibration alone leaves little, and no rest tells a turn from a change of the bias.
 #[test]
-fn frequent_slow_turns_undo_most_of_it() {
-    let days: Vec<Day> = (1..=6).map(|seed| day(&Spec::from_seed(seed), 24.0, OFTEN)).collect();
-    let mean = |of: fn(&Day) -> f64| days.iter().map(of).sum::<f64>() / days.len() as f64;
-    let share = mean(|day| day.turning_s) / mean(|day| 86_400.0 - day.rest_s);
-    assert!((0.23..0.27).contains(&share), "{share}");
-    let [alone, tracked] = [|day: &Day| day.static_dps.powi(2), |day: &Day| day.tracked_dps.powi(2)].map(mean);
-    let ratio = (alone / tracked).sqrt();
-    assert!((0.9..1.5).contains(&ratio), "{ratio}");
-    assert!((0.6..0.85).contains(&mean(|day| day.covered)), "{}", mean(|day| day.covered));
-    assert!(mean(|day| day.turning_learned_s) < 0.08 * mean(|day| day.turning_s));
-    assert_eq!(mean(|day| day.moving_learned_s), 0.0);
+fn where_slow_turns_are_frequent_no_unit_gets_worse() {
+    for (often, share, seeds) in [(OFTEN, 0.25, [1, 2, 24, 146]), (HALF, 0.5, [11, 22, 25, 79])] {
+        let days: Vec<Day> = seeds.map(|seed| day(&Spec::from_seed(seed), 24.0, often)).into();
+        let mean = |of: fn(&Day) -> f64| days.iter().map(of).sum::<f64>() / days.len() as f64;
+        let turning = mean(|day| day.turning_s) / mean(|day| 86_400.0 - day.rest_s);
+        assert!((turning / share - 1.0).abs() < 0.1, "{turning}");
+        for (seed, day) in seeds.iter().zip(&days) {
+            assert!(day.tracked_dps < 1.02 * day.static_dps, "seed {seed}, {share}: {day:?}");
+            assert!(day.covered > 0.85, "seed {seed}, {share}: {day:?}");
+        }
+        assert!(mean(|day| day.covered) > 0.93, "{share}: {}", mean(|day| day.covered));
+        assert!(mean(|day| day.turning_learned_s) < 0.08 * mean(|day| day.turning_s));
+        assert_eq!(mean(|day| day.moving_learned_s), 0.0);
+    }
 }
 
 /// 20 hours at rest: how often noise is taken for motion, stated in docs/tracking.md.
@@ -145,7 +145,7 @@ fn what_is_missing_is_no_rest() {
     let known = tracker.tracked(33.0).u_dps;
     tracker.wait(3600.0);
     let walked = (known * known + 3600.0 * 1e-8).sqrt(); // M-04
-    assert!((tracker.tracked(33.0).u_dps / walked - 1.0).abs() < 1e-9);
+    assert!((tracker.tracked(33.0).u_dps / walked - 1.0).abs() < 1e-5);
 }
 
 /// A state is taken up with its age and the change by a power-up, and an impossible one is refused.
@@ -158,14 +158,14 @@ fn a_state_outlives_a_power_down() {
     let (old, new) = (before.tracked(33.0), after.tracked(33.0));
     assert!((old.change_dps - new.change_dps).abs() < 1e-12);
     let aged = (old.u_dps.powi(2) + 86_400.0 * 1e-8 + TrackerConfig::POWER_UP_DPS.powi(2)).sqrt(); // M-04
-    assert!((new.u_dps / aged - 1.0).abs() < 1e-6, "{new:?} {aged}");
+    assert!((new.u_dps / aged - 1.0).abs() < 1e-5, "{new:?} {aged}");
     let spoilt = |change: fn(&mut Filter)| {
         let mut saved: Saved = saved;
         change(&mut saved.filter);
         Tracker::resume(config, &saved, 0.0).err()
     };
     assert_eq!(spoilt(|_| {}), None);
-    assert_eq!(spoilt(|filter| filter.state[0] = f64::NAN), Some(Unsound));
+    assert_eq!(spoilt(|filter| filter.state[0] = f32::NAN), Some(Unsound));
     assert_eq!(spoilt(|filter| filter.covariance[0] = -1e-9), Some(Unsound));
     assert_eq!(spoilt(|filter| filter.covariance[1] = 1.0), Some(Unsound));
     assert_eq!(Tracker::resume(config, &saved, -1.0).err(), Some(Unsound));
@@ -185,4 +185,29 @@ fn a_bias_that_is_hardly_known_is_learned_by_several_rests() {
     let tracked = tracker.tracked(33.0);
     assert!((tracked.change_dps - 0.06).abs() < 2.0 * tracked.u_dps, "{tracked:?} {us_dps:?}");
     assert!(us_dps[0] > 0.02 && us_dps[5] < 0.008, "{us_dps:?}");
+}
+
+/// Two days at rest while the temperature swings by 20 °C: the covariance stays possible in f32, and the bias is found
+/// at every temperature.
+#[test]
+fn a_long_rest_keeps_the_covariance_possible() {
+    let (mut tracker, mut random) = (tracker(), Random::new(9));
+    let beyond_dps = |d_c: f64| 0.003 + 0.0005 * d_c + 0.00002 * d_c * d_c;
+    for block in 0..1_728_000 {
+        let d_c = 20.0 * (f64::from(block) * BLOCK_S / 7200.0).sin();
+        let bias_dps = CORRECTION.apply(0.0, 33.0 + d_c).mul_add(-1.0, beyond_dps(d_c));
+        let noise_dps = NOISE_DPS / (2.0 * BLOCK_S).sqrt() * random.normal();
+        tracker.push(Some(bias_dps + noise_dps), Some(33.0 + d_c), true);
+        if block % 36_000 == 35_999 {
+            let saved = tracker.save();
+            let config = TrackerConfig::of(&Axis::ADIS16130, CORRECTION, PRIOR);
+            assert!(Tracker::resume(config, &saved, 0.0).is_ok(), "{saved:?}");
+        }
+    }
+    for d_c in [-20.0, -10.0, 0.0, 10.0, 20.0] {
+        let tracked = tracker.tracked(33.0 + d_c);
+        assert!((tracked.change_dps - beyond_dps(d_c)).abs() < 3.0 * tracked.u_dps, "{d_c}: {tracked:?}");
+        assert!((0.001..0.02).contains(&tracked.u_dps), "{d_c}: {tracked:?}");
+    }
+    assert!(tracker.counts().learned_s > 160_000, "{:?}", tracker.counts());
 }

@@ -90,7 +90,7 @@ fn alone() -> Result<Vec<Figure>> {
     Ok(vec![
         bytes("flash, driver with sampler, `opt-level = \"z\"`", small.flash, Some(4096)),
         bytes("flash, driver with sampler, `opt-level = 3`", fast.flash, None),
-        bytes("flash, tracker with f64 in software, `opt-level = \"z\"`", tracker.flash, None),
+        bytes("flash, tracker, `opt-level = \"z\"`", tracker.flash, None),
         bytes("RAM, static variables", small.ram.max(fast.ram).max(tracker.ram), Some(0)),
     ])
 }

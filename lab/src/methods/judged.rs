@@ -1,6 +1,7 @@
 //! One method on one recording, and many of these together.
 
 use super::unit::{Recording, TEMPS};
+use crate::residuals::{DPH_PER_DPS, rms};
 use std::time::Instant;
 use zerorate::thermal::{self, BiasCurve, TERMS};
 use zerorate::{Correction, Uncertainty};
@@ -56,9 +57,6 @@ impl Judged {
         Some(std::array::from_fn(|k| self.errors_dps[k].abs() <= Uncertainty::FACTOR * u_dps[k]))
     }
 }
-
-/// From °/s to °/h.
-pub const DPH_PER_DPS: f64 = 3600.0;
 
 /// All units of a kind by one method.
 #[derive(Clone, Debug)]
@@ -144,11 +142,6 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 fn percent<T>(count: usize, all: &[T]) -> f64 {
     100.0 * count as f64 / all.len().max(1) as f64
-}
-
-pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value * value, count + 1.0));
-    (sum / f64::max(count, 1.0)).sqrt()
 }
 
 #[cfg(test)]

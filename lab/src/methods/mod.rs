@@ -13,10 +13,10 @@ mod page;
 mod picture;
 mod px4;
 mod table;
-mod track;
 mod unit;
 
 use crate::seeds;
+use crate::tracking;
 use campaign::Units;
 use std::ops::RangeInclusive;
 use unit::Kind;
@@ -61,7 +61,7 @@ pub fn run(args: &MethodsArgs) -> anyhow::Result<()> {
         lengths: side_units.by_length(&page::LENGTHS_MIN.map(|minutes| 60.0 * minutes))?,
         walks: side_units.by_walk(&page::WALKS)?,
         bounds_dph: page::WALKS.into_iter().map(|factor| campaign::bound_dph(1, factor)).collect::<Result<_, _>>()?,
-        tracking: track::days(&side, args.threads)?,
+        tracking: tracking::days(&side, args.threads, tracking::SELDOM)?,
         curved_bound_dph: campaign::bound_dph(2, 1.0)?,
         checked: (*seeds.start()..=*seeds.end())
             .take(CHECKED as usize)

@@ -5,8 +5,8 @@ use super::campaign::{AN1042, CHAMBER, CYCLE, METHODS, WARMUP};
 use super::judged::Summary;
 use super::picture;
 use super::table::{self, Goal};
-use super::track::Tracking;
 use super::unit::Kind;
+use crate::tracking::Tracking;
 use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::ops::RangeInclusive;
@@ -133,7 +133,7 @@ fn goals(results: &Results) -> Vec<Goal> {
 }
 
 fn tracked(tracking: &Tracking) -> [Goal; 2] {
-    let Tracking { static_dph, tracked_dph, worse, units, .. } = tracking;
+    let Tracking { static_dph, tracked_dph, ratios, .. } = tracking;
     [
         Goal {
             what: "a day with 5 % of rest: residual of the calibration alone over residual of track".to_owned(),
@@ -144,8 +144,8 @@ fn tracked(tracking: &Tracking) -> [Goal; 2] {
         Goal {
             what: "units that track makes worse".to_owned(),
             goal: "none".to_owned(),
-            measured: format!("{worse} of {units}"),
-            is_met: *worse == 0,
+            measured: format!("{} of {}", tracking.worse(), ratios.len()),
+            is_met: tracking.worse() == 0,
         },
     ]
 }

@@ -1,6 +1,6 @@
 //! The state of a tracker as a TOML file, with the check lines of a calibration; specified in `docs/tracking.md`.
 
-use super::{COVARIANCES, Counts, Filter, Prior, STATES, Saved, TrackerConfig};
+use super::{COVARIANCES, Counts, Filter, Odds, Prior, STATES, Saved, TrackerConfig};
 use crate::calibration::{CalibratedAxis, Calibration, CurveRecord};
 use crate::check_lines::{self, Damage};
 use crate::noise::NoiseModel;
@@ -14,7 +14,7 @@ use zerorate_allan::entry::{Document, EntryError};
 
 const HEADER: &str =
     "# What zerorate stream --track has learned (docs/tracking.md). To begin anew, delete this file.\n";
-const SCHEMA: u32 = 1;
+const SCHEMA: u32 = 2;
 
 /// The tracked biases of a part, for the next time that it is switched on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,12 +36,21 @@ pub struct TrackFile {
 #[serde(deny_unknown_fields)]
 struct AxisForm {
     name: String,
-    state: [f64; STATES],
-    covariance: [f64; COVARIANCES],
-    at_c: f64,
+    state: [f32; STATES],
+    covariance: [f32; COVARIANCES],
+    at_c: f32,
+    /// Schema 1 has neither of the two.
+    #[serde(default = "one")]
+    rests: f32,
+    #[serde(default = "one")]
+    turns: f32,
     learned_s: u32,
     doubtful_s: u32,
     rolled_back: u32,
+}
+
+fn one() -> f32 {
+    1.0
 }
 
 /// The reason why a text cannot be taken up as a state. Lines count from 1.
@@ -96,11 +105,13 @@ impl TrackFile {
         saved: Option<String>,
         axes: impl IntoIterator<Item = (&'a str, Saved)>,
     ) -> Self {
-        let form = |(name, Saved { filter, counts }): (&str, Saved)| AxisForm {
+        let form = |(name, Saved { filter, odds, counts }): (&str, Saved)| AxisForm {
             name: name.to_string(),
             state: filter.state,
             covariance: filter.covariance,
             at_c: filter.at_c,
+            rests: odds.rests,
+            turns: odds.turns,
             learned_s: counts.learned_s,
             doubtful_s: counts.doubtful_s,
             rolled_back: counts.rolled_back,
@@ -154,9 +165,9 @@ impl TrackFile {
         }
         let form = self.axis.iter().find(|form| form.name == axis);
         let form = form.ok_or_else(|| TrackFileError::NoAxis { axis: axis.to_string() })?;
-        let AxisForm { state, covariance, at_c, learned_s, doubtful_s, rolled_back, .. } = *form;
+        let AxisForm { state, covariance, at_c, rests, turns, learned_s, doubtful_s, rolled_back, .. } = *form;
         let filter = Filter { state, covariance, at_c };
-        Ok(Saved { filter, counts: Counts { learned_s, doubtful_s, rolled_back } })
+        Ok(Saved { filter, odds: Odds { rests, turns }, counts: Counts { learned_s, doubtful_s, rolled_back } })
     }
 }
 

@@ -1,10 +1,11 @@
 //! The bias as six numbers and their covariance, in a Kalman filter on fixed memory.
 //!
 //! The calibration leaves b(T) = offset + slope · d + curvature · d² + flicker, with d = T − T3. The offset walks with
-//! K, the flicker is three first-order processes, slope and curvature stay. Time and temperature are arguments.
+//! K, the flicker is three first-order processes, slope and curvature stay. Time and temperature are arguments. All
+//! numbers are f32, which a Cortex-M4F computes in hardware. `tests/track_on_twin.rs` holds the covariance over days.
 
 use core::f64::consts::PI;
-use libm::{exp, log, sqrt};
+use libm::{exp, expf, log, sqrtf};
 
 use crate::noise::{FLICKER_CUTOFF_HZ, NoiseModel};
 
@@ -12,6 +13,8 @@ use crate::noise::{FLICKER_CUTOFF_HZ, NoiseModel};
 pub const STATES: usize = 6;
 /// Number of different elements of a symmetric matrix of that size.
 pub const COVARIANCES: usize = STATES * (STATES + 1) / 2;
+/// Number of flicker processes.
+const FLICKERS: usize = 3;
 
 const OFFSET: usize = 0;
 const SLOPE: usize = 1;
@@ -23,48 +26,74 @@ const FLICKER_TOP_HZ: f64 = 0.04;
 /// Variance of a mean over τ by the flicker above that, in units of B²/π: at most this over τ. The integral of
 /// sinc²(τf)/f from there on is 0.96 for 4 s, 0.38 for 8 s, 0.15 for 12 s, 0.05 for 16 s.
 const FLICKER_ABOVE_S: f64 = 4.0;
+/// Share by which rounding lets a product of two deviations exceed that of the variances.
+const ROUNDING: f32 = 1e-4;
+/// Longest time that passes at once, s: 32 years. Beyond it nothing is known anyway.
+const LONGEST_S: f64 = 1e9;
 
 /// The processes that drive the bias.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Drift {
-    walk_dps2_per_s: f64,
-    flicker_dps2: f64,
-    flicker_per_s: [f64; STATES - FLICKER],
-    fast_flicker_dps2_s: f64,
-    white_dps2_s: f64,
+    walk_dps2_per_s: f32,
+    flicker_dps2: f32,
+    flicker_per_s: [f32; FLICKERS],
+    fast_flicker_dps2_s: f32,
+    white_dps2_s: f32,
     /// Temperature coefficient with which the play of the hysteresis is crossed, °/s/°C.
-    tempco_dps_per_c: f64,
+    tempco_dps_per_c: f32,
     /// Distance from one branch of the hysteresis to the other, °/s.
-    play_dps: f64,
+    play_dps: f32,
 }
 
 impl Drift {
     /// Three processes with corners evenly spread over the logarithm of the frequency, as `noise.rs` has 34 of them.
     pub(super) fn new(noise: &NoiseModel, tempco_dps_per_c: f64, hysteresis_dps: f64) -> Self {
         let density = noise.bias_instability_dps * noise.bias_instability_dps / PI;
-        let cell = log(FLICKER_TOP_HZ / FLICKER_CUTOFF_HZ) / (STATES - FLICKER) as f64;
+        let cell = log(FLICKER_TOP_HZ / FLICKER_CUTOFF_HZ) / FLICKERS as f64;
         Self {
-            walk_dps2_per_s: noise.rate_random_walk_dps_per_rt_s * noise.rate_random_walk_dps_per_rt_s,
-            flicker_dps2: density * cell,
-            flicker_per_s: core::array::from_fn(|k| 2.0 * PI * FLICKER_CUTOFF_HZ * exp((k as f64 + 0.5) * cell)),
-            fast_flicker_dps2_s: FLICKER_ABOVE_S * density,
-            white_dps2_s: noise.white_dps_per_rt_hz * noise.white_dps_per_rt_hz / 2.0,
-            tempco_dps_per_c: tempco_dps_per_c.abs(),
-            play_dps: 2.0 * hysteresis_dps,
+            walk_dps2_per_s: square(noise.rate_random_walk_dps_per_rt_s),
+            flicker_dps2: (density * cell) as f32,
+            flicker_per_s: core::array::from_fn(|k| {
+                (2.0 * PI * FLICKER_CUTOFF_HZ * exp((k as f64 + 0.5) * cell)) as f32
+            }),
+            fast_flicker_dps2_s: (FLICKER_ABOVE_S * density) as f32,
+            white_dps2_s: square(noise.white_dps_per_rt_hz) / 2.0,
+            tempco_dps_per_c: tempco_dps_per_c.abs() as f32,
+            play_dps: (2.0 * hysteresis_dps) as f32,
         }
     }
 
     /// Variance of a mean over this many seconds beside the bias that the filter follows, (°/s)².
-    pub(super) fn of_mean(&self, length_s: f64) -> f64 {
+    pub(super) fn of_mean(&self, length_s: f32) -> f32 {
         (self.white_dps2_s + self.fast_flicker_dps2_s) / length_s
     }
 
     /// Variance by the hysteresis after a change of the temperature. The bias may have stayed where it was, until the
     /// play is crossed.
-    fn of_play(&self, change_c: f64) -> f64 {
+    pub(super) fn of_play(&self, change_c: f32) -> f32 {
         let stayed = (self.tempco_dps_per_c * change_c.abs()).min(self.play_dps);
         0.5 * stayed * stayed
     }
+
+    /// Variance by which the offset walks, (°/s)².
+    pub(super) fn of_walk(&self, seconds: f32) -> f32 {
+        self.walk_dps2_per_s * seconds
+    }
+
+    /// What so much time does to any bias.
+    pub(super) fn over(&self, seconds: f64) -> Passing {
+        let seconds = seconds.clamp(0.0, LONGEST_S) as f32;
+        let decays = self.flicker_per_s.map(|rate| expf(-rate * seconds));
+        Passing { walk_dps2: self.of_walk(seconds), decays, flicker_dps2: self.flicker_dps2 }
+    }
+}
+
+/// The effect of time that passes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Passing {
+    walk_dps2: f32,
+    decays: [f32; FLICKERS],
+    flicker_dps2: f32,
 }
 
 /// The knowledge before any tracking, as standard deviations and one covariance.
@@ -85,76 +114,77 @@ pub struct Prior {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Filter {
     /// Offset (°/s), slope (°/s/°C), curvature (°/s/°C²) and flicker (°/s).
-    pub state: [f64; STATES],
+    pub state: [f32; STATES],
     /// Lower triangle of their covariance, row by row.
-    pub covariance: [f64; COVARIANCES],
+    pub covariance: [f32; COVARIANCES],
     /// T − T3 at the last mean that was taken in, °C.
-    pub at_c: f64,
+    pub at_c: f32,
 }
 
 /// A mean at rest against what the filter expected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Innovation {
     /// The mean less its expected value, °/s.
-    pub(super) dps: f64,
+    pub(super) dps: f32,
     /// Variance of that difference for a part at rest.
-    pub(super) dps2: f64,
+    pub(super) dps2: f32,
 }
 
 impl Filter {
     pub(super) fn new(prior: &Prior, drift: &Drift) -> Self {
         let mut filter = Self { state: [0.0; STATES], covariance: [0.0; COVARIANCES], at_c: 0.0 };
-        *filter.variance(OFFSET) = prior.u_pbc_dps * prior.u_pbc_dps;
-        *filter.variance(SLOPE) = prior.u_btc_dps_per_c * prior.u_btc_dps_per_c;
-        *filter.variance(CURVATURE) = prior.u_curvature_dps_per_c2 * prior.u_curvature_dps_per_c2;
-        filter.covariance[place(SLOPE, OFFSET)] = prior.cov_pbc_btc_dps2_per_c;
+        *filter.variance(OFFSET) = square(prior.u_pbc_dps);
+        *filter.variance(SLOPE) = square(prior.u_btc_dps_per_c);
+        *filter.variance(CURVATURE) = square(prior.u_curvature_dps_per_c2);
+        filter.covariance[place(SLOPE, OFFSET)] = prior.cov_pbc_btc_dps2_per_c as f32;
         for part in FLICKER..STATES {
             *filter.variance(part) = drift.flicker_dps2;
         }
         filter
     }
 
-    fn variance(&mut self, of: usize) -> &mut f64 {
+    fn variance(&mut self, of: usize) -> &mut f32 {
         &mut self.covariance[place(of, of)]
     }
 
     /// Lets time pass.
-    pub(super) fn wait(&mut self, seconds: f64, drift: &Drift) {
-        *self.variance(OFFSET) += drift.walk_dps2_per_s * seconds;
-        for (part, rate) in (FLICKER..STATES).zip(drift.flicker_per_s) {
-            let decay = exp(-rate * seconds);
-            self.state[part] *= decay;
+    pub(super) fn wait(&mut self, passing: &Passing) {
+        *self.variance(OFFSET) += passing.walk_dps2;
+        for (part, decay) in (FLICKER..STATES).zip(passing.decays) {
+            if let Some(state) = self.state.get_mut(part) {
+                *state *= decay;
+            }
             for other in 0..STATES {
                 // its own variance is scaled once here and once below
                 self.covariance[place(part, other)] *= decay;
             }
             let variance = self.variance(part);
-            *variance = *variance * decay + drift.flicker_dps2 * (1.0 - decay * decay);
+            *variance = *variance * decay + passing.flicker_dps2 * (1.0 - decay * decay);
         }
     }
 
     /// Widens the offset by this much, °/s (1 σ), as after a power-up.
     pub(super) fn jolt(&mut self, u_dps: f64) {
-        *self.variance(OFFSET) += u_dps * u_dps;
+        *self.variance(OFFSET) += square(u_dps);
     }
 
     /// The slow bias beyond the calibration at T − T3, °/s, and its variance, (°/s)².
-    pub(super) fn change(&self, d_c: f64, drift: &Drift) -> (f64, f64) {
+    pub(super) fn change(&self, d_c: f32, drift: &Drift) -> (f32, f32) {
         self.sum(&shape(d_c, 0.0), d_c, drift)
     }
 
     /// Compares a mean at rest with its expected value.
-    pub(super) fn innovation(&self, mean_dps: f64, length_s: f64, d_c: f64, drift: &Drift) -> Innovation {
+    pub(super) fn innovation(&self, mean_dps: f32, length_s: f32, d_c: f32, drift: &Drift) -> Innovation {
         let (expected_dps, dps2) = self.sum(&shape(d_c, 1.0), d_c, drift);
         Innovation { dps: mean_dps - expected_dps, dps2: dps2 + drift.of_mean(length_s) }
     }
 
-    fn sum(&self, shape: &[f64; STATES], d_c: f64, drift: &Drift) -> (f64, f64) {
+    fn sum(&self, shape: &[f32; STATES], d_c: f32, drift: &Drift) -> (f32, f32) {
         (dot(&self.state, shape), dot(shape, &self.times(shape)).max(0.0) + drift.of_play(d_c - self.at_c))
     }
 
     /// Takes in a mean at rest, °/s beyond the calibration, at T − T3.
-    pub(super) fn learn(&mut self, mean_dps: f64, length_s: f64, d_c: f64, drift: &Drift) {
+    pub(super) fn learn(&mut self, mean_dps: f32, length_s: f32, d_c: f32, drift: &Drift) {
         *self.variance(OFFSET) += drift.of_play(d_c - self.at_c);
         self.at_c = d_c;
         let Innovation { dps, dps2 } = self.innovation(mean_dps, length_s, d_c, drift);
@@ -168,10 +198,12 @@ impl Filter {
     }
 
     /// Mean and covariance of the mixture of both filters, with the probability `p` for this one.
-    pub(super) fn mixed(&self, p: f64, other: &Self) -> Self {
-        let apart: [f64; STATES] = core::array::from_fn(|row| self.state[row] - other.state[row]);
+    pub(super) fn mixed(&self, p: f32, other: &Self) -> Self {
+        let mut apart = self.state;
+        apart.iter_mut().zip(&other.state).for_each(|(apart, other)| *apart -= other);
         let mut mixed = if p < 0.5 { *other } else { *self };
-        mixed.state = core::array::from_fn(|row| other.state[row] + p * apart[row]);
+        mixed.state = other.state;
+        mixed.state.iter_mut().zip(&apart).for_each(|(state, apart)| *state += p * apart);
         for (row, gap) in apart.iter().enumerate() {
             for (column, across) in apart.iter().enumerate().take(row + 1) {
                 let at = place(row, column);
@@ -182,9 +214,9 @@ impl Filter {
         mixed
     }
 
-    fn times(&self, vector: &[f64; STATES]) -> [f64; STATES] {
+    fn times(&self, vector: &[f32; STATES]) -> [f32; STATES] {
         core::array::from_fn(|row| {
-            (0..STATES).map(|column| self.covariance[place(row, column)] * vector[column]).sum::<f64>()
+            (0..STATES).map(|column| self.covariance[place(row, column)] * vector[column]).sum::<f32>()
         })
     }
 
@@ -194,30 +226,34 @@ impl Filter {
         let squares = |row: usize, column: usize| {
             let (a, b) = (self.covariance[place(row, row)], self.covariance[place(column, column)]);
             let both = self.covariance[place(row, column)];
-            a >= 0.0 && both * both <= a * b * (1.0 + 1e-9)
+            a >= 0.0 && both * both <= a * b * (1.0 + ROUNDING)
         };
         finite && (0..STATES).all(|row| (0..=row).all(|column| squares(row, column)))
     }
 }
 
 /// Factor of each state in the bias at T − T3, with this factor of the flicker.
-fn shape(d_c: f64, flicker: f64) -> [f64; STATES] {
+fn shape(d_c: f32, flicker: f32) -> [f32; STATES] {
     let mut shape = [flicker; STATES];
     (shape[OFFSET], shape[SLOPE], shape[CURVATURE]) = (1.0, d_c, d_c * d_c);
     shape
 }
 
 /// Index of a covariance. The remainder changes nothing, and spares an index check that could panic.
-const fn place(row: usize, column: usize) -> usize {
+pub(super) const fn place(row: usize, column: usize) -> usize {
     let (row, column) = if row < column { (column, row) } else { (row, column) };
     (row * (row + 1) / 2 + column) % COVARIANCES
 }
 
-fn dot(a: &[f64; STATES], b: &[f64; STATES]) -> f64 {
+fn dot(a: &[f32; STATES], b: &[f32; STATES]) -> f32 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Standard deviation of a variance.
-pub(super) fn sd(variance: f64) -> f64 {
-    sqrt(variance.max(0.0))
+pub(super) fn sd(variance: f32) -> f32 {
+    sqrtf(variance.max(0.0))
+}
+
+fn square(x: f64) -> f32 {
+    (x * x) as f32
 }

@@ -1,33 +1,74 @@
 //! The probability that the level of a quiet stretch is the bias, and not a slow turn.
 //!
-//! A turn that is slower than a possible change of the bias cannot be told from that change. So nothing is decided.
-//! With the probability of a turn the bias stays as uncertain as it was before, and the uncertainty says so.
+//! A turn that is slower than a possible change of the bias cannot be told from that change. So nothing is decided:
+//! `belief.rs` keeps both possibilities. How frequent turns are is learned from the stretches so far.
 
 use super::filter::{Innovation, sd};
-use libm::exp;
+use libm::expf;
 
-/// Rates of quiet turns, in units of the least turn to be told. Quiet turns are assumed to be as frequent as rests,
-/// and all these rates to be equally likely in both directions. Faster turns are told beyond doubt.
-const TURNS: [f64; 6] = [0.7, 1.0, 1.4, 2.0, 2.8, 4.0];
+/// Number of rates of quiet turns.
+const TURNS: usize = 9;
+/// Slowest of these rates, in units of the least turn to be told.
+const SLOWEST: f32 = 0.7;
+/// Each rate over the one before. All are equally likely, in both directions.
+const RATIO: f32 = core::f32::consts::SQRT_2;
+/// Standard deviation of a rate about the listed one, so that the rates between two are as likely.
+const SPREAD: f32 = 0.17;
 /// Standard deviations beyond which a bias does not explain a level. Noise exceeds them once in 16 000.
-const MOST: f64 = 4.0;
+const MOST: f32 = 4.0;
 
-/// The probability that a part was at rest, from its quiet mean and the slowest turn to be told, °/s.
-///
-/// p = g(ν)/(g(ν) + mean of g(ν − ω)) over the turns ω, with g the normal density of variance S and ν the innovation
-/// (Bayes, even odds).
-pub(super) fn rest_probability(seen: &Innovation, least_turn_dps: f64) -> f64 {
-    let sd_dps = sd(seen.dps2);
-    let deviations = seen.dps.abs() / sd_dps;
-    if deviations.is_nan() || deviations > MOST {
-        return 0.0;
-    }
-    let density = |turn_dps: f64| {
-        let deviations = (seen.dps - turn_dps) / sd_dps;
-        exp(-0.5 * deviations * deviations)
+/// Densities of a level for a part at rest and for one that turns, from its quiet mean and the slowest turn to be
+/// told, °/s. Both lack the factor 1/√2π.
+pub(super) fn densities(seen: &Innovation, least_turn_dps: f32) -> (f32, f32) {
+    let normal = |x_dps: f32, dps2: f32| expf(-0.5 * x_dps * x_dps / dps2) / sd(dps2);
+    let rest = if seen.dps.abs() > MOST * sd(seen.dps2) { 0.0 } else { normal(seen.dps, seen.dps2) };
+    let rates = core::iter::successors(Some(SLOWEST * least_turn_dps), |rate_dps| Some(RATIO * rate_dps));
+    let fastest_dps = rates.clone().nth(TURNS - 1).unwrap_or(least_turn_dps);
+    // a faster turn is told beyond doubt, and says nothing about the bias
+    let level_dps = seen.dps.max(-fastest_dps).min(fastest_dps);
+    let both = |rate_dps: f32| {
+        let dps2 = seen.dps2 + SPREAD * SPREAD * rate_dps * rate_dps;
+        normal(level_dps - rate_dps, dps2) + normal(level_dps + rate_dps, dps2)
     };
-    let both = |turn: f64| density(turn * least_turn_dps) + density(-turn * least_turn_dps);
-    let turning = TURNS.into_iter().map(both).sum::<f64>() / (2.0 * TURNS.len() as f64);
-    let resting = density(0.0);
-    resting / (resting + turning)
+    (rest, rates.take(TURNS).map(both).sum::<f32>() / (2 * TURNS) as f32)
+}
+
+/// How many quiet stretches were rests and turns. A stretch counts by its probabilities.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Odds {
+    /// Rests so far, and one.
+    pub rests: f32,
+    /// Turns so far, and one.
+    pub turns: f32,
+}
+
+/// Number of stretches beyond which old ones are forgotten.
+const REMEMBERED: f32 = 100.0;
+/// Share of turns up to which every change of the bias is believed.
+const FEW: f32 = 0.6;
+
+impl Odds {
+    /// Nothing seen yet: even odds.
+    pub const EVEN: Self = Self { rests: 1.0, turns: 1.0 };
+
+    /// Share of the stretches that were rests.
+    pub(super) fn rests(&self) -> f32 {
+        self.rests / (self.rests + self.turns)
+    }
+
+    /// Excess of turns: 0 while they are few, 1 if all stretches are turns.
+    pub(super) fn excess(&self) -> f32 {
+        ((1.0 - self.rests() - FEW) / (1.0 - FEW)).max(0.0)
+    }
+
+    /// Counts a stretch that was a rest with this probability.
+    pub(super) fn count(&mut self, rest: f32) {
+        let forget = (REMEMBERED / (self.rests + self.turns + 1.0)).min(1.0);
+        (self.rests, self.turns) = ((self.rests + rest) * forget, (self.turns + 1.0 - rest) * forget);
+    }
+
+    /// Whether the counts are possible.
+    pub(super) fn is_sound(&self) -> bool {
+        [self.rests, self.turns].iter().all(|count| *count > 0.0 && *count < 2.0 * REMEMBERED)
+    }
 }

@@ -1,9 +1,10 @@
 //! Tracking of the bias: it is learned at rest and predicted in between, on fixed memory.
 //!
 //! A [`Tracker`] takes means over [`BLOCK_S`] of one axis. It tells rest from the rate alone (`rest.rs`), and follows
-//! the bias that the calibration leaves with a Kalman filter (`filter.rs`). It believes a level by the probability
-//! that it is not a slow turn (`level.rs`). `docs/tracking.md` derives the limits and states what was measured. The
-//! tracker uses neither a clock nor allocation.
+//! the bias that the calibration leaves with a Kalman filter (`filter.rs`). A level may also be a slow turn
+//! (`level.rs`), so it keeps a few hypotheses (`belief.rs`), and answers with all of them (`estimate.rs`).
+//! `docs/tracking.md` derives the limits and states what was measured. The tracker uses neither a clock nor
+//! allocation.
 //!
 //! ```
 //! use zerorate::track::{Phase, Prior, Tracker, TrackerConfig};
@@ -21,6 +22,8 @@
 //! assert!((0.001..0.004).contains(&tracked.change_dps), "{tracked:?}");
 //! ```
 
+mod belief;
+mod estimate;
 #[cfg(feature = "file")]
 mod file;
 mod filter;
@@ -30,21 +33,19 @@ mod rest;
 #[cfg(feature = "file")]
 pub use file::{TrackFile, TrackFileError};
 pub use filter::{COVARIANCES, Filter, Prior, STATES};
+pub use level::Odds;
 pub use rest::BLOCK_S;
 
-use crate::correction::Correction;
+use crate::correction::{Correction, CorrectionF32};
 use crate::noise::NoiseModel;
 use crate::part::Axis;
-use filter::{Drift, Innovation, sd};
-use rest::{QUAD_S, Quiet, Seen};
+use belief::Belief;
+use estimate::Estimate;
+use filter::Drift;
+use rest::{MOST_LATE, Quiet, Seen};
 
 /// Number of quads in a mean that is learned from: 16 s.
 const QUADS_PER_MEAN: u32 = 4;
-/// Number of states that are kept to go back to, each 32 s older than the one before. They reach as far back as the
-/// longest test of means.
-const KEPT: usize = 4;
-/// Number of means between two kept states.
-const MEANS_PER_KEPT: u32 = 2;
 /// Blocks per second.
 const BLOCKS_PER_S: u32 = 10;
 
@@ -129,8 +130,10 @@ pub struct Counts {
 /// The state that outlives a power-down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Saved {
-    /// Bias and covariance.
+    /// Bias and covariance, of all hypotheses together.
     pub filter: Filter,
+    /// Rests and turns among the quiet stretches.
+    pub odds: Odds,
     /// Counts so far.
     pub counts: Counts,
 }
@@ -139,98 +142,26 @@ pub struct Saved {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unsound;
 
-/// A mean that is being made.
-#[derive(Clone, Copy, Debug, Default)]
-struct Sum {
-    rate_dps: f64,
-    d_c: f64,
-    quads: u32,
-}
-
-/// A quiet stretch so far. The filter holds what it would teach if it were rest, and this holds the knowledge before
-/// it.
-#[derive(Clone, Copy, Debug)]
-struct Stretch {
-    before: Filter,
-    /// Sum over its seconds of the means less their expected values.
-    innovation_dps_s: f64,
-    seconds: u32,
-    /// Probability that it was rest.
-    probability: f64,
-    /// States to go back to, oldest first, each with its seconds and the seconds since.
-    kept: [Kept; KEPT],
-    kept_count: usize,
-    means: u32,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Kept {
-    filter: Filter,
-    innovation_dps_s: f64,
-    seconds: u32,
-    age_s: u32,
-}
-
 /// Tracks the bias of one axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Tracker {
     config: TrackerConfig,
+    correction: CorrectionF32,
+    least_turn_dps: f32,
     drift: Drift,
-    filter: Filter,
+    belief: Belief,
+    estimate: Estimate,
+    /// Seconds that the belief has not let pass yet.
+    due_s: u32,
     quiet: Quiet,
-    stretch: Stretch,
-    sum: Sum,
-    /// The newest quad waits for one more: a motion that ends a rest may have begun in it.
-    newest: Option<(f64, f64)>,
-    temp_c: Option<f64>,
+    /// Quads of the stretch that were taken in, and those that are sure.
+    taken: u32,
+    sure: u32,
+    temp_c: Option<f32>,
     blocks: u32,
     phase: Phase,
     moves: bool,
     counts: Counts,
-}
-
-impl Stretch {
-    fn after(filter: &Filter) -> Self {
-        let none = Kept { filter: *filter, innovation_dps_s: 0.0, seconds: 0, age_s: 0 };
-        Self {
-            before: *filter,
-            innovation_dps_s: 0.0,
-            seconds: 0,
-            probability: 1.0,
-            kept: [none; KEPT],
-            kept_count: 0,
-            means: 0,
-        }
-    }
-
-    /// Keeps the state before every second mean.
-    fn keep(&mut self, filter: &Filter) {
-        if self.means.is_multiple_of(MEANS_PER_KEPT) {
-            if self.kept_count == KEPT {
-                self.kept.rotate_left(1);
-                self.kept_count -= 1;
-            }
-            let (innovation_dps_s, seconds) = (self.innovation_dps_s, self.seconds);
-            if let Some(place) = self.kept.get_mut(self.kept_count) {
-                *place = Kept { filter: *filter, innovation_dps_s, seconds, age_s: 0 };
-                self.kept_count += 1;
-            }
-        }
-        self.means = self.means.wrapping_add(1);
-    }
-
-    fn second(&mut self, drift: &Drift) {
-        self.before.wait(1.0, drift);
-        self.kept.iter_mut().for_each(|kept| kept.age_s = kept.age_s.saturating_add(1));
-    }
-
-    /// Judges the probability of rest by the whole stretch.
-    fn judge(&mut self, d_c: f64, least_turn_dps: f64, drift: &Drift) {
-        let length_s = f64::from(self.seconds);
-        let expected = self.before.innovation(0.0, length_s, d_c, drift);
-        let seen = Innovation { dps: self.innovation_dps_s / length_s, ..expected };
-        self.probability = if self.seconds == 0 { 1.0 } else { level::rest_probability(&seen, least_turn_dps) };
-    }
 }
 
 impl Tracker {
@@ -239,14 +170,18 @@ impl Tracker {
     pub fn new(config: TrackerConfig) -> Self {
         let tempco_dps_per_c = config.correction.btc_dps_per_c;
         let drift = Drift::new(&config.noise, tempco_dps_per_c, config.hysteresis_dps);
-        let filter = Filter::new(&config.prior, &drift);
+        let belief = Belief::new(&Filter::new(&config.prior, &drift), Odds::EVEN);
+        let least_turn_dps = config.least_turn_dps as f32;
         Self {
+            correction: config.correction.to_f32(),
+            least_turn_dps,
             drift,
-            filter,
+            estimate: Estimate::new(&belief.known(), belief.odds.excess(), least_turn_dps),
+            belief,
+            due_s: 0,
             quiet: Quiet::new(&config.noise),
-            stretch: Stretch::after(&filter),
-            sum: Sum::default(),
-            newest: None,
+            taken: 0,
+            sure: 0,
             temp_c: None,
             blocks: 0,
             phase: Phase::Moving,
@@ -261,26 +196,29 @@ impl Tracker {
     /// # Errors
     /// The state is impossible.
     pub fn resume(config: TrackerConfig, saved: &Saved, off_s: f64) -> Result<Self, Unsound> {
-        if !(saved.filter.is_sound() && off_s >= 0.0 && off_s.is_finite()) {
+        if !(saved.filter.is_sound() && saved.odds.is_sound() && off_s >= 0.0 && off_s.is_finite()) {
             return Err(Unsound);
         }
-        let new = Self { filter: saved.filter, counts: saved.counts, ..Self::new(config) };
+        let belief = Belief::new(&saved.filter, saved.odds);
+        let new = Self { belief, counts: saved.counts, ..Self::new(config) };
         Ok(new.aged(off_s))
     }
 
     /// Ages the tracker for a part that was switched on anew, this many seconds after the calibration.
     #[must_use]
     pub fn aged(mut self, since_s: f64) -> Self {
-        self.filter.wait(since_s.max(0.0), &self.drift);
-        self.filter.jolt(self.config.power_up_dps);
-        self.stretch = Stretch::after(&self.filter);
+        self.belief.wait(since_s, &self.drift);
+        self.belief.jolt(self.config.power_up_dps);
+        self.prepare();
         self
     }
 
     /// Returns the state to keep for [`Tracker::resume`].
     #[must_use]
     pub fn save(&self) -> Saved {
-        Saved { filter: self.known(), counts: self.counts() }
+        let mut filter = self.belief.known();
+        filter.wait(&self.drift.over(f64::from(self.due_s)));
+        Saved { filter, odds: self.belief.odds, counts: self.counts() }
     }
 
     /// Takes in the mean rate, °/s, and the mean temperature, °C, of the next [`BLOCK_S`]. They are none if they are
@@ -290,22 +228,19 @@ impl Tracker {
         self.blocks += 1;
         if self.blocks == BLOCKS_PER_S {
             self.blocks = 0;
-            self.filter.wait(1.0, &self.drift);
-            self.stretch.second(&self.drift);
+            self.due_s = self.due_s.saturating_add(1);
         }
-        self.temp_c = temp_c.or(self.temp_c);
-        let temp_c = self.temp_c.unwrap_or(f64::NAN);
-        let rate_dps = rate_dps.map(|rate| self.config.correction.apply(rate, temp_c) - self.config.earth_dps);
-        let seen = self.quiet.push(rate_dps, temp_c - self.config.correction.t3_c);
-        self.moves = matches!(seen, Seen::Moving | Seen::Step);
+        self.temp_c = temp_c.map(|temp_c| temp_c as f32).or(self.temp_c);
+        let temp_c = self.temp_c.unwrap_or(f32::NAN);
+        let earth_dps = self.config.earth_dps as f32;
+        let rate_dps = rate_dps.map(|rate| self.correction.apply(rate as f32, temp_c) - earth_dps);
+        let seen = self.quiet.push(rate_dps, temp_c - self.correction.t3_c);
+        self.moves = matches!(seen, Seen::Moving | Seen::Step(_));
         match seen {
-            Seen::Quad(rate_dps, d_c) if still => self.quad((rate_dps, d_c)),
-            Seen::Step if still => self.go_back(),
+            Seen::Quad if still => self.quad(),
+            Seen::Step(late) if still => self.step(late),
             Seen::Open if still => {}
-            _ => {
-                self.quiet.begin_anew();
-                self.end();
-            }
+            _ => self.end(),
         }
         self.phase
     }
@@ -318,21 +253,18 @@ impl Tracker {
 
     /// Lets time pass without a reading.
     pub fn wait(&mut self, seconds: f64) {
-        self.quiet.begin_anew();
         self.end();
-        self.filter.wait(seconds.max(0.0), &self.drift);
-        self.stretch = Stretch::after(&self.filter);
+        self.pass();
+        self.belief.wait(seconds, &self.drift);
+        self.prepare();
     }
 
     /// Estimates the bias at a temperature, °C.
     #[must_use]
     pub fn tracked(&self, temp_c: f64) -> Tracked {
-        let (d_c, p) = (temp_c - self.config.correction.t3_c, self.stretch.probability);
-        let (rest_dps, rest_dps2) = self.filter.change(d_c, &self.drift);
-        let (turn_dps, turn_dps2) = self.stretch.before.change(d_c, &self.drift);
-        let apart_dps = rest_dps - turn_dps;
-        let dps2 = p * rest_dps2 + (1.0 - p) * turn_dps2 + p * (1.0 - p) * apart_dps * apart_dps;
-        Tracked { change_dps: turn_dps + p * apart_dps, u_dps: sd(dps2), phase: self.phase }
+        let d_c = temp_c as f32 - self.correction.t3_c;
+        let (change_dps, u_dps) = self.estimate.at(d_c, self.due_s as f32, &self.drift);
+        Tracked { change_dps: f64::from(change_dps), u_dps: f64::from(u_dps), phase: self.phase }
     }
 
     /// Corrects a rate, °/s, by the calibration and the tracked bias.
@@ -345,69 +277,86 @@ impl Tracker {
     #[must_use]
     pub fn counts(&self) -> Counts {
         let mut counts = self.counts;
-        let of = if self.stretch.probability < 0.5 { &mut counts.doubtful_s } else { &mut counts.learned_s };
-        *of = of.saturating_add(self.stretch.seconds);
+        let of = if self.is_doubtful() { &mut counts.doubtful_s } else { &mut counts.learned_s };
+        *of = of.saturating_add(self.belief.seconds() as u32);
         counts
     }
 
-    fn known(&self) -> Filter {
-        self.filter.mixed(self.stretch.probability, &self.stretch.before)
+    fn is_doubtful(&self) -> bool {
+        self.belief.rest().is_some_and(|rest| rest < 0.5)
     }
 
-    fn quad(&mut self, quad: (f64, f64)) {
+    fn quad(&mut self) {
         if self.phase == Phase::Moving {
             self.phase = Phase::Quiet;
         }
-        if let Some((rate_dps, d_c)) = self.newest.replace(quad) {
-            let Sum { rate_dps: rates_dps, d_c: sum_c, quads } = self.sum;
-            self.sum = Sum { rate_dps: rates_dps + rate_dps, d_c: sum_c + d_c, quads: quads + 1 };
+        let quads = self.quiet.quads();
+        // the newest quad waits for one more: a motion that ends a rest may have begun in it
+        if quads > self.taken + QUADS_PER_MEAN {
+            self.take_until(quads - 1);
+            self.judge();
         }
-        if self.sum.quads == QUADS_PER_MEAN {
-            self.take();
+        if quads > self.sure + QUADS_PER_MEAN + MOST_LATE - 2 {
+            let mean = self.quiet.mean(quads - self.sure - QUADS_PER_MEAN, QUADS_PER_MEAN);
+            self.sure += QUADS_PER_MEAN;
+            self.belief.make_sure(&mean, &self.drift);
         }
     }
 
-    /// Takes a mean in as if it were one at rest, and judges the stretch anew.
-    fn take(&mut self) {
-        let Sum { rate_dps, d_c, quads } = core::mem::take(&mut self.sum);
-        let (count, seconds) = (f64::from(quads), quads * QUAD_S);
-        let (mean_dps, d_c, length_s) = (rate_dps / count, d_c / count, f64::from(seconds));
-        let expected = self.stretch.before.innovation(mean_dps, length_s, d_c, &self.drift);
-        self.stretch.keep(&self.filter);
-        self.stretch.innovation_dps_s += expected.dps * length_s;
-        self.stretch.seconds += seconds;
-        self.filter.learn(mean_dps, length_s, d_c, &self.drift);
-        self.stretch.judge(d_c, self.config.least_turn_dps, &self.drift);
-        self.phase = if self.stretch.probability < 0.5 { Phase::Doubtful } else { Phase::Rest };
+    /// Takes in the quads until this one of the stretch, in means of up to 16 s.
+    fn take_until(&mut self, end: u32) {
+        self.pass();
+        while self.taken < end {
+            let quads = QUADS_PER_MEAN.min(end - self.taken);
+            let mean = self.quiet.mean(self.quiet.quads() - self.taken - quads, quads);
+            self.taken += quads;
+            self.belief.take(&mean, &self.drift);
+        }
+    }
+
+    fn judge(&mut self) {
+        self.belief.judge(self.least_turn_dps, &self.drift);
+        self.phase = if self.is_doubtful() { Phase::Doubtful } else { Phase::Rest };
+        self.prepare();
+    }
+
+    /// Lets the time pass that is due.
+    fn pass(&mut self) {
+        self.belief.wait(f64::from(core::mem::take(&mut self.due_s)), &self.drift);
+    }
+
+    fn prepare(&mut self) {
+        self.estimate = Estimate::new(&self.belief.known(), self.belief.odds.excess(), self.least_turn_dps);
     }
 
     /// Ends the stretch after a motion. All of it counts, except for the last quad.
     fn end(&mut self) {
-        if self.sum.quads > 0 {
-            self.take();
-        }
-        self.close(Phase::Moving);
+        self.close(self.quiet.quads().saturating_sub(1), Phase::Moving);
+        self.quiet.begin_anew();
     }
 
-    /// Handles a step within a stretch: a turn has begun or ended. The learning since its earliest beginning is
-    /// dropped.
-    fn go_back(&mut self) {
-        if self.stretch.kept_count > 0 {
-            let Kept { filter, innovation_dps_s, seconds, age_s } = self.stretch.kept[0];
-            self.filter = filter;
-            self.filter.wait(f64::from(age_s), &self.drift);
-            (self.stretch.innovation_dps_s, self.stretch.seconds) = (innovation_dps_s, seconds);
-            self.stretch.judge(self.filter.at_c, self.config.least_turn_dps, &self.drift);
+    /// Handles a step within a stretch: a turn has begun or ended in its last quads, which are dropped.
+    fn step(&mut self, late: u32) {
+        let end = self.quiet.quads().saturating_sub(late);
+        if end < self.taken {
+            self.pass();
+            self.belief.go_back();
+            self.taken = self.sure;
             self.counts.rolled_back = self.counts.rolled_back.saturating_add(1);
         }
-        self.close(Phase::Quiet);
+        self.close(end, Phase::Quiet);
+        self.quiet.begin_stretch();
     }
 
-    /// Closes the stretch. Its learning counts by the probability that it was rest.
-    fn close(&mut self, phase: Phase) {
-        self.counts = self.counts();
-        self.filter = self.known();
-        self.stretch = Stretch::after(&self.filter);
-        (self.sum, self.newest, self.phase) = (Sum::default(), None, phase);
+    /// Closes the stretch after this quad. Its learning counts by the probability that it was rest.
+    fn close(&mut self, end: u32, phase: Phase) {
+        if self.quiet.quads() > 0 {
+            self.take_until(end);
+            self.belief.judge(self.least_turn_dps, &self.drift);
+            self.counts = self.counts();
+            self.belief.close(&self.drift);
+            self.prepare();
+        }
+        (self.taken, self.sure, self.phase) = (0, 0, phase);
     }
 }

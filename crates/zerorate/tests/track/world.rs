@@ -69,6 +69,10 @@ const BETWEEN_S: (f64, f64) = (300.0, 1980.0);
 
 /// Frequency of a slow turn against 21 motions of other kinds. Such turns fill a twentieth of the moving time.
 pub const SELDOM: f64 = 1.0;
+/// They fill a quarter of it: one takes 60 s on average, the 21 other motions 1055 s in all.
+pub const OFTEN: f64 = 1055.0 / (3.0 * 60.0);
+/// They fill half of it.
+pub const HALF: f64 = 1055.0 / 60.0;
 
 /// The motion of a robot or a vehicle.
 pub struct Platform {

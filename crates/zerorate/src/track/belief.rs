@@ -1,0 +1,238 @@
+//! Several hypotheses about the bias, each with its probability: which of the quiet stretches so far were rests, and
+//! which were turns.
+//!
+//! A stretch splits each hypothesis in two: it was rest and taught the bias, or it was a turn and taught nothing. When
+//! the stretch is over, the closest hypotheses become one until few are left. A wrong belief therefore does not
+//! outlive the rests that contradict it.
+
+use super::filter::{Drift, Filter, Innovation};
+use super::level::{self, Odds};
+use libm::{expf, logf};
+
+/// Number of hypotheses between two stretches.
+const KEPT: usize = 4;
+/// Probability below which a hypothesis is dropped.
+const LEAST: f32 = 1e-4;
+/// Information that may be lost where two hypotheses become one, although there is room for both.
+const SAME: f32 = 1e-3;
+/// Power of the probabilities after each stretch. It lets old evidence fade, because the turns of a platform need not
+/// be independent of each other.
+const FADING: f32 = 0.97;
+
+/// A mean over some quads at rest.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Mean {
+    pub(super) rate_dps: f32,
+    pub(super) d_c: f32,
+    pub(super) length_s: f32,
+}
+
+/// What a stretch teaches if it is rest.
+#[derive(Clone, Copy, Debug)]
+struct Lesson {
+    filter: Filter,
+    /// Sum over its seconds of the means less their expected values.
+    innovation_dps_s: f32,
+}
+
+impl Lesson {
+    fn none(filter: &Filter) -> Self {
+        Self { filter: *filter, innovation_dps_s: 0.0 }
+    }
+
+    fn take(&mut self, mean: &Mean, before: &Filter, drift: &Drift) {
+        let &Mean { rate_dps, d_c, length_s } = mean;
+        self.innovation_dps_s += before.innovation(rate_dps, length_s, d_c, drift).dps * length_s;
+        self.filter.learn(rate_dps, length_s, d_c, drift);
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Hypothesis {
+    /// Probability before the stretch, zero if it is not used.
+    weight: f32,
+    before: Filter,
+    /// The lesson without the newest quads, in which a turn may have begun.
+    sure: Lesson,
+    now: Lesson,
+    /// Probabilities with the stretch: it is rest, or it is a turn.
+    rest: f32,
+    turn: f32,
+}
+
+impl Hypothesis {
+    fn new(weight: f32, filter: &Filter) -> Self {
+        let lesson = Lesson::none(filter);
+        Self { weight, before: *filter, sure: lesson, now: lesson, rest: 0.0, turn: weight }
+    }
+}
+
+/// A filter with its probability.
+type Candidate = (f32, Filter);
+
+/// The hypotheses, and the stretch that they look at.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Belief {
+    hypotheses: [Hypothesis; KEPT],
+    pub(super) odds: Odds,
+    seconds: f32,
+    sure_s: f32,
+    d_c: f32,
+}
+
+impl Belief {
+    pub(super) fn new(filter: &Filter, odds: Odds) -> Self {
+        let mut hypotheses = [Hypothesis::new(0.0, filter); KEPT];
+        hypotheses[0] = Hypothesis::new(1.0, filter);
+        Self { hypotheses, odds, seconds: 0.0, sure_s: 0.0, d_c: filter.at_c }
+    }
+
+    fn used(&mut self) -> impl Iterator<Item = &mut Hypothesis> {
+        self.hypotheses.iter_mut().filter(|hypothesis| hypothesis.weight > 0.0)
+    }
+
+    /// Lets time pass.
+    pub(super) fn wait(&mut self, seconds: f64, drift: &Drift) {
+        let passing = drift.over(seconds);
+        for Hypothesis { before, sure, now, .. } in self.used() {
+            for filter in [before, &mut sure.filter, &mut now.filter] {
+                filter.wait(&passing);
+            }
+        }
+    }
+
+    /// Widens the offset of all hypotheses.
+    pub(super) fn jolt(&mut self, u_dps: f64) {
+        for Hypothesis { before, sure, now, .. } in self.used() {
+            for filter in [before, &mut sure.filter, &mut now.filter] {
+                filter.jolt(u_dps);
+            }
+        }
+    }
+
+    /// Takes in the next mean of the stretch.
+    pub(super) fn take(&mut self, mean: &Mean, drift: &Drift) {
+        self.used().for_each(|it| it.now.take(mean, &it.before, drift));
+        self.seconds += mean.length_s;
+        self.d_c = mean.d_c;
+    }
+
+    /// Takes in a mean that has become old enough to be sure of.
+    pub(super) fn make_sure(&mut self, mean: &Mean, drift: &Drift) {
+        self.used().for_each(|it| it.sure.take(mean, &it.before, drift));
+        self.sure_s += mean.length_s;
+    }
+
+    /// Drops what is not sure.
+    pub(super) fn go_back(&mut self) {
+        self.used().for_each(|it| it.now = it.sure);
+        self.seconds = self.sure_s;
+    }
+
+    /// Judges all hypotheses by the level of the whole stretch.
+    pub(super) fn judge(&mut self, least_turn_dps: f32, drift: &Drift) {
+        let (length_s, d_c, rests) = (self.seconds, self.d_c, self.odds.rests());
+        let mut sum = 0.0;
+        for it in self.used().filter(|_| length_s > 0.0) {
+            let expected = it.before.innovation(0.0, length_s, d_c, drift);
+            let seen = Innovation { dps: it.now.innovation_dps_s / length_s, ..expected };
+            let (rest, turn) = level::densities(&seen, least_turn_dps);
+            (it.rest, it.turn) = (it.weight * rests * rest, it.weight * (1.0 - rests) * turn);
+            sum += it.rest + it.turn;
+        }
+        for it in self.used() {
+            (it.rest, it.turn) = if sum > 0.0 { (it.rest / sum, it.turn / sum) } else { (0.0, it.weight) };
+        }
+    }
+
+    /// Probability that the stretch is rest. None without a mean of it.
+    pub(super) fn rest(&self) -> Option<f32> {
+        (self.seconds > 0.0).then(|| self.hypotheses.iter().map(|it| it.rest).sum())
+    }
+
+    /// Seconds of the stretch.
+    pub(super) fn seconds(&self) -> f32 {
+        self.seconds
+    }
+
+    /// All hypotheses as one.
+    pub(super) fn known(&self) -> Filter {
+        let (_, known) = self.candidates().into_iter().fold((0.0, self.hypotheses[0].before), united);
+        known
+    }
+
+    /// Ends the stretch.
+    pub(super) fn close(&mut self, drift: &Drift) {
+        if let Some(rest) = self.rest() {
+            self.odds.count(rest);
+            let mut candidates = self.candidates().map(|(weight, filter)| (faded(weight), filter));
+            let sum: f32 = candidates.iter().map(|(weight, _)| weight).sum();
+            candidates.iter_mut().for_each(|(weight, _)| *weight /= sum);
+            reduce(&mut candidates, self.d_c, drift);
+            let mut left = candidates.iter().filter(|(weight, _)| *weight > 0.0);
+            let unused = self.hypotheses[0].before;
+            self.hypotheses = core::array::from_fn(|_| match left.next() {
+                Some((weight, filter)) => Hypothesis::new(*weight, filter),
+                None => Hypothesis::new(0.0, &unused),
+            });
+        }
+        (self.seconds, self.sure_s) = (0.0, 0.0);
+    }
+
+    fn candidates(&self) -> [Candidate; 2 * KEPT] {
+        core::array::from_fn(|at| {
+            let it = &self.hypotheses[at % KEPT];
+            if at < KEPT { (it.turn, it.before) } else { (it.rest, it.now.filter) }
+        })
+    }
+}
+
+fn faded(weight: f32) -> f32 {
+    if weight > LEAST { expf(FADING * logf(weight)) } else { 0.0 }
+}
+
+/// Two hypotheses as one, with their mean and covariance.
+fn united((weight, filter): Candidate, (more, other): Candidate) -> Candidate {
+    let sum = weight + more;
+    if more > 0.0 { (sum, filter.mixed(weight / sum, &other)) } else { (weight, filter) }
+}
+
+/// Unites the closest hypotheses until there is room for all.
+fn reduce(candidates: &mut [Candidate; 2 * KEPT], d_c: f32, drift: &Drift) {
+    // each turn has one candidate less
+    for _ in 0..candidates.len() {
+        let used = candidates.iter().filter(|(weight, _)| *weight > 0.0).count();
+        let Some((first, second, loss)) = closest(candidates, d_c, drift) else { return };
+        if used <= KEPT && loss > SAME {
+            return;
+        }
+        let [Some(one), Some(other)] = [first, second].map(|at| candidates.get(at).copied()) else { return };
+        if let Some(place) = candidates.get_mut(first) {
+            *place = united(one, other);
+        }
+        if let Some((weight, _)) = candidates.get_mut(second) {
+            *weight = 0.0;
+        }
+    }
+}
+
+/// The pair whose union loses the least information about the bias (Runnalls 2007, in one dimension), and the loss.
+fn closest(candidates: &[Candidate; 2 * KEPT], d_c: f32, drift: &Drift) -> Option<(usize, usize, f32)> {
+    let levels = candidates.map(|(weight, filter)| {
+        let (dps, dps2) = filter.change(d_c, drift);
+        (weight, dps, dps2, logf(dps2))
+    });
+    let used = || levels.iter().enumerate().filter(|(_, (weight, ..))| *weight > 0.0);
+    let mut best = None;
+    for (first, (a, a_dps, a_dps2, a_log)) in used() {
+        for (second, (b, b_dps, b_dps2, b_log)) in used().skip_while(|(second, _)| *second <= first) {
+            let (sum, apart_dps) = (a + b, a_dps - b_dps);
+            let dps2 = (a * a_dps2 + b * b_dps2 + a * b / sum * apart_dps * apart_dps) / sum;
+            let loss = 0.5 * (sum * logf(dps2) - a * a_log - b * b_log);
+            if best.is_none_or(|(_, _, least)| loss < least) {
+                best = Some((first, second, loss));
+            }
+        }
+    }
+    best
+}

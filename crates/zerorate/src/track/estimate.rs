@@ -1,0 +1,57 @@
+//! The answer to the question for the bias, prepared so that asking costs little.
+
+use super::filter::{Drift, Filter, place, sd};
+
+/// Offset, slope and curvature.
+const SHOWN: usize = 3;
+/// Change of the bias that is believed by half if all stretches are turns, in units of the least turn.
+const DOUBTED: f32 = 1.75;
+
+/// The bias that the calibration leaves, of all hypotheses together.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Estimate {
+    state: [f32; SHOWN],
+    /// Rows of the covariance. Below the diagonal they are doubled, above it they are zero.
+    covariance: [[f32; SHOWN]; SHOWN],
+    at_c: f32,
+    doubted_dps2: f32,
+}
+
+impl Estimate {
+    /// Prepares the answer. `excess` is the excess of turns among the quiet stretches.
+    pub(super) fn new(known: &Filter, excess: f32, least_turn_dps: f32) -> Self {
+        let [offset, slope, curvature, ..] = known.state;
+        let of = |row, column| known.covariance[place(row, column)];
+        let doubted_dps = DOUBTED * least_turn_dps * excess;
+        Self {
+            state: [offset, slope, curvature],
+            covariance: [
+                [of(0, 0), 0.0, 0.0],
+                [2.0 * of(1, 0), of(1, 1), 0.0],
+                [2.0 * of(2, 0), 2.0 * of(2, 1), of(2, 2)],
+            ],
+            at_c: known.at_c,
+            doubted_dps2: doubted_dps * doubted_dps,
+        }
+    }
+
+    /// Bias beyond the calibration at T − T3 and its standard uncertainty, °/s, so many seconds later.
+    ///
+    /// A change m is believed by m²/(m² + τ²), and wholly while turns are few. What is not believed adds to the
+    /// uncertainty.
+    pub(super) fn at(&self, d_c: f32, seconds: f32, drift: &Drift) -> (f32, f32) {
+        let polynomial = |[a, b, c]: &[f32; SHOWN]| a + d_c * (b + d_c * c);
+        let change_dps = polynomial(&self.state);
+        let known_dps2 = polynomial(&[
+            polynomial(&self.covariance[0]),
+            polynomial(&self.covariance[1]),
+            polynomial(&self.covariance[2]),
+        ]);
+        let dps2 = known_dps2.max(0.0) + drift.of_walk(seconds) + drift.of_play(d_c - self.at_c);
+        let change_dps2 = change_dps * change_dps;
+        let doubted =
+            if self.doubted_dps2 > 0.0 { self.doubted_dps2 / (change_dps2 + self.doubted_dps2) } else { 0.0 };
+        let left_dps = doubted * change_dps;
+        (change_dps - left_dps, sd(dps2 + left_dps * left_dps))
+    }
+}

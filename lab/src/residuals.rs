@@ -1,0 +1,9 @@
+//! The root mean square of residuals, and the unit in which the pages state it.
+
+/// From °/s to °/h.
+pub const DPH_PER_DPS: f64 = 3600.0;
+
+pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value * value, count + 1.0));
+    (sum / f64::max(count, 1.0)).sqrt()
+}

@@ -1,0 +1,140 @@
+//! `cargo xtask tracking`: `stream --track` over the days of many units, calibrated by AN-1042, against their truth.
+//! The motion is the same as in the core's tests. It prints the table of docs/tracking.md.
+
+#[path = "../../crates/zerorate/tests/track/world.rs"]
+mod world;
+
+use crate::residuals::{DPH_PER_DPS, rms};
+use crate::seeds::{self, for_each_seed};
+use adis16130_twin::Spec;
+use std::ops::RangeInclusive;
+pub use world::SELDOM;
+use world::{Day, HALF, OFTEN};
+
+const HOURS: f64 = 24.0;
+
+/// Worlds by the share of the moving time that slow turns fill, and their frequency.
+const WORLDS: [(&str, f64); 4] = [("none", 0.0), ("5 %", SELDOM), ("25 %", OFTEN), ("50 %", HALF)];
+
+/// Command line of `cargo xtask tracking`.
+#[derive(clap::Args)]
+pub struct TrackingArgs {
+    /// Units by their seeds, both ends included
+    #[arg(long, default_value = "1..200", value_parser = seeds::parse, value_name = "A..B")]
+    seeds: RangeInclusive<u64>,
+    /// Units at once
+    #[arg(long, default_value_t = std::thread::available_parallelism().map_or(1, usize::from))]
+    threads: usize,
+}
+
+/// Tracks each unit for a day in each world and prints the table.
+pub fn run(args: &TrackingArgs) -> anyhow::Result<()> {
+    println!("{}", heading());
+    for (share, slow_turns) in WORLDS {
+        println!("{}", days(&args.seeds, args.threads, slow_turns)?.row(share));
+    }
+    Ok(())
+}
+
+/// Results of tracking over the days of many units.
+#[derive(Clone, Debug)]
+pub struct Tracking {
+    /// Residual of the calibration alone, rms over units and time, °/h.
+    pub static_dph: f64,
+    /// Residual with tracking.
+    pub tracked_dph: f64,
+    /// Residual without tracking over residual with it, unit by unit, ascending.
+    pub ratios: Vec<f64>,
+    /// Share of the time that the bias was inside the stated 95 % interval, %.
+    pub inside: f64,
+    /// Share of the units whose bias was inside it at the end, %.
+    pub inside_at_end: f64,
+    /// Share of the time at rest that was learned from, %.
+    pub learned: f64,
+    /// Share of the time of slow turns that was taken for rest, %. None without slow turns.
+    pub turns_learned: Option<f64>,
+    /// Other motion that was taken for rest, s in the mean of all units.
+    pub motion_learned_s: f64,
+}
+
+/// Units with everything drawn from their seeds, in a world with so many slow turns.
+pub fn days(seeds: &RangeInclusive<u64>, threads: usize, slow_turns: f64) -> anyhow::Result<Tracking> {
+    let days = for_each_seed(seeds, threads, |seed| Ok(world::day(&Spec::from_seed(seed), HOURS, slow_turns)))?;
+    Ok(Tracking::of(&days))
+}
+
+impl Tracking {
+    fn of(days: &[Day]) -> Self {
+        let mean = |of: fn(&Day) -> f64| days.iter().map(of).sum::<f64>() / days.len().max(1) as f64;
+        let mut ratios: Vec<f64> = days.iter().map(|day| day.static_dps / day.tracked_dps).collect();
+        ratios.sort_by(f64::total_cmp);
+        let turning_s = mean(|day| day.turning_s);
+        Self {
+            static_dph: DPH_PER_DPS * rms(days.iter().map(|day| day.static_dps)),
+            tracked_dph: DPH_PER_DPS * rms(days.iter().map(|day| day.tracked_dps)),
+            ratios,
+            inside: 100.0 * mean(|day| day.covered),
+            inside_at_end: 100.0 * mean(|day| f64::from(u8::from(day.covered_at_end))),
+            learned: 100.0 * mean(|day| day.learned_s) / mean(|day| day.rest_s),
+            turns_learned: (turning_s > 0.0).then(|| 100.0 * mean(|day| day.turning_learned_s) / turning_s),
+            motion_learned_s: mean(|day| day.moving_learned_s),
+        }
+    }
+
+    /// Residual without tracking over residual with it.
+    pub fn ratio(&self) -> f64 {
+        self.static_dph / self.tracked_dph
+    }
+
+    /// Units that tracking made worse.
+    pub fn worse(&self) -> usize {
+        self.ratios.iter().filter(|ratio| **ratio < 1.0).count()
+    }
+
+    fn row(&self, share: &str) -> String {
+        let Self { static_dph, tracked_dph, ratios, inside, inside_at_end, learned, .. } = self;
+        let least = ratios.first().copied().unwrap_or(f64::NAN);
+        let median = ratios.get(ratios.len() / 2).copied().unwrap_or(f64::NAN);
+        let turns = self.turns_learned.map_or("none".to_owned(), |share| format!("{share:.1} %"));
+        format!(
+            "| {share} | {static_dph:.1} | {tracked_dph:.1} | {:.2} | {least:.3} | {median:.2} | {} of {} | \
+             {inside:.1} % | {inside_at_end:.1} % | {learned:.0} % | {turns} | {:.1} s |",
+            self.ratio(),
+            self.worse(),
+            ratios.len(),
+            self.motion_learned_s
+        )
+    }
+}
+
+fn heading() -> String {
+    let names = [
+        "slow turns",
+        "calibration alone, °/h",
+        "tracked, °/h",
+        "ratio",
+        "least ratio of a unit",
+        "median",
+        "worse units",
+        "inside ±1.96 u",
+        "at the end",
+        "rest learned",
+        "turns learned",
+        "other motion learned",
+    ];
+    format!("| {} |\n|{}", names.join(" | "), "---|".repeat(names.len()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn days_are_taken_together() {
+        let day = |static_dps, tracked_dps, covered| Day { static_dps, tracked_dps, covered, ..Day::default() };
+        let all = Tracking::of(&[day(0.03, 0.01, 1.0), day(0.01, 0.02, 0.5)]);
+        assert!((all.ratio() - 2f64.sqrt()).abs() < 1e-9, "{all:?}");
+        assert_eq!((all.inside, all.worse(), all.ratios.as_slice()), (75.0, 1, [0.5, 3.0].as_slice()));
+        assert_eq!(all.row("5 %").matches('|').count(), heading().lines().next().unwrap_or("").matches('|').count());
+    }
+}
