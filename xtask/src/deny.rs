@@ -13,7 +13,8 @@ pub const HELP: &str = "\
 Builds cargo-deny once, below target/, and holds every lock file against deny.toml. Where the database of advisories
 cannot be fetched, it says so, and checks licences and sources only.
 
-  --advisories DIR  Take the advisories from DIR, a clone of https://github.com/RustSec/advisory-db, and print their date";
+  --advisories DIR  Take the advisories from DIR, a clone of https://github.com/RustSec/advisory-db, and print
+                    their date";
 
 /// Where deny.toml has the advisories from, since cargo-deny does so by default.
 const DATABASE: &str = "https://github.com/RustSec/advisory-db";

@@ -13,11 +13,10 @@ const VERSION: &str = "27.1.0";
 pub fn help() -> String {
     let row = |tried: &Tried| format!("  {:16} one of {}\n", tried.name, tried.share);
     format!(
-        "Builds cargo-mutants once, below target/. It changes one place of a crate at a time, and runs the crate's tests: \
-         a mutant that passes them survives. The crates have 15,000 mutants, which take days, so that every Nth is \
+        "Builds cargo-mutants once, below target/. It changes one place of a crate at a time, and runs the tests: a \
+         mutant that passes them survives. The crates have 15,000 mutants, which take days, so that every Nth is \
          tried:\n\n{}\n\
-         Mutants that change nothing a user could see are listed with their reasons in .cargo/mutants.toml. The task \
-         prints survivors and fails if more than a tenth survive.\n\n  \
+         The task prints survivors, and fails if more than a tenth survive.\n\n  \
          --share N  Try every Nth mutant instead",
         TRIED.iter().map(row).collect::<String>()
     )
