@@ -5,6 +5,7 @@ use super::*;
 use adis16130::Width;
 use arrow_array::{ArrayRef, DurationNanosecondArray, Float64Array, Int32Array, Int64Array, NullArray};
 use std::fs::{self, File};
+use std::path::PathBuf;
 use std::sync::Arc;
 use tempfile::TempDir;
 use zerorate_record::{CaptureWriter, Converter, Format, Row};
@@ -152,6 +153,29 @@ fn columns_of_captures() {
         let columns = same(&content, &["temp_code", "rate_code", "status"], "");
         assert_eq!(columns[1], all(&content, Wanted::All, "").unwrap().remove(0), "the rates");
     }
+}
+
+/// One pass gives what two passes give, and never a column that was asked for as the one beside it.
+#[test]
+fn the_temperature_of_a_capture_comes_with_its_rate() {
+    for format in [Format::Arrows, Format::Parquet, Format::Csv] {
+        let content = capture(format);
+        let together = |wanted, said: &str| {
+            let parts = vec![(PathBuf::from("log"), Input::from(content.clone()))];
+            read_with_temperature(Path::new("log"), parts, wanted, &options(said)).unwrap()
+        };
+        let (columns, temperature) = together(Wanted::One(None), "");
+        assert_eq!(columns, all(&content, Wanted::One(None), "").unwrap());
+        let alone = all(&content, Wanted::One(Some("temp_code")), "").unwrap();
+        let temperature = temperature.unwrap();
+        assert_eq!((&temperature.series, &temperature.gaps), (&alone[0].series, &alone[0].gaps));
+        let (asked, beside) = together(Wanted::One(Some("temp_code")), "");
+        assert_eq!((asked[0].name.as_str(), asked.len(), beside), ("temp_code", 1, None));
+    }
+    let parts = vec![(PathBuf::from("log"), Input::from(b"temp_c,x\n1,2\n3,4\n".to_vec()))];
+    let (_, beside) =
+        read_with_temperature(Path::new("log"), parts, Wanted::One(Some("x")), &options("--rate 1")).unwrap();
+    assert_eq!(beside, None, "of no capture");
 }
 
 #[test]
