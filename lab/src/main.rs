@@ -18,6 +18,7 @@ mod endurance;
 mod firmware;
 mod iiod;
 mod methods;
+mod proofs;
 mod residuals;
 mod rig;
 mod seeds;
@@ -120,6 +121,12 @@ enum Task {
     /// sets the computer's clock of a server by an hour, forward and back, and a disk in memory (root) fills and is
     /// freed. What is missing here is skipped with a message.
     Endurance(endurance::EnduranceArgs),
+    /// Look for undefined behaviour and data races: Miri, AddressSanitizer, UBSan, ThreadSanitizer, valgrind
+    ///
+    /// The first, second and third need nightly Rust, `miri` and `tsan` with its components miri and rust-src. `asan`
+    /// needs clang, `valgrind` the wheel's environment of `cargo xtask python`. A part whose tools are missing says so
+    /// and passes. All parts take most of an hour on one core.
+    Proofs(proofs::ProofsArgs),
     /// Make docs/ a book; run its commands, follow its links
     ///
     /// Renders docs/ with mdBook's library, by lab/book, and follows every link. `--check` also runs the commands of
@@ -156,6 +163,7 @@ fn main() -> ExitCode {
         Task::Trust(args) => trust::run(&args),
         Task::Attacks(args) => attacks::run(&args),
         Task::Endurance(args) => endurance::run(&args),
+        Task::Proofs(args) => proofs::run(&args),
         Task::Book(args) => book::run(&args),
         Task::Dist(args) => dist::run(&args),
         Task::Uf2(args) => uf2::run(&args),

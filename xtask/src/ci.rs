@@ -13,7 +13,7 @@ use anyhow::{Result, ensure};
 use xtask::arguments::Arguments;
 
 /// What neither `test` nor `check` runs.
-const REST: [Step; 35] = [
+const REST: [Step; 36] = [
     Step::new("doc", "doc --workspace --no-deps --all-features")
         .about("The documentation builds without a warning")
         .with_env("RUSTDOCFLAGS", "-Dwarnings"),
@@ -127,6 +127,10 @@ const REST: [Step; 35] = [
     Step::new("trust", "xtask trust --quick")
         .about("No result is wrong and silent where sensor, cable, disk, files or program break")
         .at(Pace::Beside),
+    Step::new("proofs", "xtask proofs --check")
+        .about("The C interface in Miri, and called at random under AddressSanitizer, where nightly Rust is installed")
+        .at(Pace::Beside)
+        .installing("clang"),
     Step::new("serve", "xtask bench-serve --check")
         .about("20 pages and 4 libiio clients watch a minute of the twin, and the recording loses nothing")
         .at(Pace::Beside)

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 /// The tasks, each with a description. A test of the lab compares this table with its command line.
-pub const TASKS: [(&str, &str); 18] = [
+pub const TASKS: [(&str, &str); 19] = [
     ("coverage", "Calibrate many units of the twin and compare the stated uncertainties with their truth"),
     ("methods", "Calibrate many units by every method, compare all with their truth, and write the page"),
     ("tracking", "Track many units of the twin for a day in four worlds, and print the table of docs/tracking.md"),
@@ -24,6 +24,7 @@ pub const TASKS: [(&str, &str); 18] = [
     ("trust", "Break part, files and program at random moments; look for results that are wrong and silent"),
     ("attacks", "Turn other projects' attacks and test files on the program: HTTP, WebSocket, libiio, logs"),
     ("endurance", "Serve for long while visitors come and go; set the clock by an hour; fill the disk and free it"),
+    ("proofs", "Look for undefined behaviour and data races: Miri, the sanitizers, valgrind"),
     ("book", "Render docs/ as a book, run its commands and follow its links"),
     ("dist", "Make the distribution in target/dist: programs, packages, wheels, libraries, firmware"),
     ("uf2", "Convert an image of the bridge to the file for a Pico, or for a board with TinyUF2"),

@@ -8,3 +8,4 @@ pub mod targets;
 pub mod tools;
 pub mod venv;
 pub mod web;
+pub mod wheel;

@@ -6,6 +6,7 @@
 mod build_time;
 mod check;
 mod ci;
+mod code_coverage;
 mod codegen;
 mod deny;
 mod mutants;
@@ -28,7 +29,7 @@ struct Task {
     run: fn(Arguments) -> Result<()>,
 }
 
-const TASKS: [Task; 10] = [
+const TASKS: [Task; 11] = [
     Task {
         name: "test",
         usage: "",
@@ -91,6 +92,13 @@ const TASKS: [Task; 10] = [
         about: "Make the code wrong at one place at a time, and count the mutants that no test kills",
         help: mutants::help,
         run: mutants::run,
+    },
+    Task {
+        name: "code-coverage",
+        usage: "[--missed CRATE]",
+        about: "Count the lines of each crate that a test reaches",
+        help: || code_coverage::HELP.to_owned(),
+        run: code_coverage::run,
     },
     Task {
         name: "build-time",

@@ -5,12 +5,13 @@
 
 use anyhow::{Context, Result, ensure};
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::path::Path;
+use std::process::Command;
 use xtask::app;
 use xtask::arguments::Arguments;
 use xtask::tools::{self, Tool};
-use xtask::venv::{self, done};
+use xtask::venv::done;
+use xtask::wheel;
 
 /// A part, given the interpreter of the environment.
 type Part = fn(&Path) -> Result<()>;
@@ -18,8 +19,6 @@ type Part = fn(&Path) -> Result<()>;
 const PARTS: [(&str, Part); 3] = [("tests", tests), ("notebook", notebook), ("allantools", allantools)];
 
 const PACKAGE: &str = "bindings/python";
-const REQUIREMENTS: &str = "bindings/python/requirements-test.txt";
-const WHEELS: &str = "target/wheels-test";
 
 /// What the tests of certificates, of the line and of the fleet need beside Python.
 const TOOLS: [Tool; 3] = [
@@ -49,8 +48,8 @@ ratios, the cost of a file, and the memory of an hour. --captures N takes anothe
 pub fn bench_fleet(mut arguments: Arguments) -> Result<()> {
     let captures = arguments.value("--captures")?.unwrap_or_else(|| "200".to_owned());
     arguments.end()?;
-    let python = environment()?.map_err(anyhow::Error::msg)?;
-    install_wheel(&python)?;
+    let python = wheel::environment()?.map_err(anyhow::Error::msg)?;
+    wheel::install(&python)?;
     let program = fs::canonicalize(app::program()?)?;
     let mut bench = Command::new(&python);
     done(bench.arg("benches/fleet.py").arg(program).args(["--captures", &captures]).current_dir(PACKAGE))
@@ -67,7 +66,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
     for part in &only {
         ensure!(PARTS.iter().any(|(name, _)| name == part), "unknown part {part}; {}", parts());
     }
-    let python = match environment()? {
+    let python = match wheel::environment()? {
         Ok(python) => python,
         Err(why) => {
             println!("SKIPPED: the Python package was not tested: {why}");
@@ -75,7 +74,7 @@ pub fn run(arguments: Arguments) -> Result<()> {
         }
     };
     tools::available(&TOOLS, "the tests of certificate, line and fleet")?;
-    install_wheel(&python)?;
+    wheel::install(&python)?;
     for (name, part) in PARTS {
         if only.is_empty() || only.iter().any(|only| only == name) {
             println!("--- {name}");
@@ -83,37 +82,6 @@ pub fn run(arguments: Arguments) -> Result<()> {
         }
     }
     Ok(())
-}
-
-/// The interpreter with the tests' packages, or the reason outside our control why there is none.
-fn environment() -> Result<Result<PathBuf, &'static str>> {
-    let has_venv = Command::new("python3").args(["-m", "venv", "--help"]).stdout(Stdio::null()).status();
-    if !has_venv.is_ok_and(|status| status.success()) {
-        return Ok(Err("python3 with venv is missing (apt install python3-venv)"));
-    }
-    match venv::python("wheel", Path::new(REQUIREMENTS)) {
-        Ok(python) => Ok(Ok(fs::canonicalize("target")?.join(python.strip_prefix("target")?))),
-        Err(_) if !reaches_registry() => Ok(Err("pip reaches no package registry")),
-        Err(error) => Err(error),
-    }
-}
-
-fn reaches_registry() -> bool {
-    let mut probe = Command::new("target/venv-wheel/bin/python");
-    probe.args(["-m", "pip", "download", "--quiet", "--no-deps", "--dest", "target/probe", "pip"]);
-    probe.status().is_ok_and(|status| status.success())
-}
-
-fn install_wheel(python: &Path) -> Result<()> {
-    if Path::new(WHEELS).is_dir() {
-        fs::remove_dir_all(WHEELS).context("clearing the old wheel")?;
-    }
-    let mut build = Command::new(python);
-    build.args(["-m", "maturin", "build", "--quiet", "--release", "--out", WHEELS]);
-    done(build.args(["--manifest-path", "bindings/python/Cargo.toml", "--interpreter"]).arg(python))?;
-    let wheel = fs::read_dir(WHEELS)?.next().context("maturin built no wheel")??.path();
-    let mut install = Command::new(python);
-    done(install.args(["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps"]).arg(wheel))
 }
 
 /// Our tests, with the type checkers in them.

@@ -40,6 +40,8 @@ pub enum AllanWarning {
     WarmUp { size: f64, tau_s: f64 },
     /// Another number of Gauss–Markov terms fits about as well.
     MemoryOrFlicker { markovs: usize, others: usize, worse: f64 },
+    /// A Gauss–Markov term may be white noise behind a low-pass, which then has this N, unit·√s.
+    MemoryOrFilter { tau_s: f64, n: f64 },
     /// A drift and a random walk fit about as well.
     DriftOrWalk { has_drift: bool, worse: f64 },
     /// The halves of the record differ.
@@ -199,6 +201,16 @@ rows!(match AllanWarning {
             another B, explains the record about as well.",
         matters: "This record cannot tell them apart. Both give the same curve within it.",
         remedy: "Do not extrapolate beyond a quarter of the record's length.",
+    },
+    Self::MemoryOrFilter { tau_s, n } => Row {
+        code: "memory-or-filter",
+        text: format_args!("the Gauss–Markov term of {tau_s:.3} s may be a low-pass; N is then {n:.3e}"),
+        says: Says::Warning,
+        by: &["allan", "imu"],
+        seen: "A Gauss–Markov term has nearly all of the power, up to high frequencies.",
+        matters: "White noise behind a low-pass of the first order has the same spectrum. Then N is not the small one \
+            of the model, but the one that the text names.",
+        remedy: "If the sensor has such a low-pass, take the N of the text, or record a few thousand time constants.",
     },
     Self::DriftOrWalk { has_drift, worse } => Row {
         code: "drift-or-walk",
@@ -361,7 +373,7 @@ mod tests {
         crate::Misfit { from_hz: 12.345, to_hz: 23.456, ratio: 1.234, cause: crate::Cause::Resonance };
 
     /// One of each, in the order of the rows, with numbers as long as they typically are.
-    const TYPICAL: [AllanWarning; 21] = [
+    const TYPICAL: [AllanWarning; 22] = [
         QuantisationLimited { q: 1.234e-6, below_s: 12.345 },
         Periodic { tau_s: 12.345, ratio: 12.34, frequency_hz: 123.456 },
         Misfit { chi2: 1234.0, freedom: 17 },
@@ -375,6 +387,7 @@ mod tests {
         Lines { count: 12, frequency_hz: 123.456, rms: 1.234e-3 },
         WarmUp { size: -1.234e-3, tau_s: 1234.0 },
         MemoryOrFlicker { markovs: 2, others: 1, worse: 1.2 },
+        MemoryOrFilter { tau_s: 12.345, n: 1.234e-3 },
         DriftOrWalk { has_drift: true, worse: 1.2 },
         Unsteady { tau_s: 123.456, ratio: 0.81 },
         ShortRecord { samples: 1234, needed: 2000 },

@@ -126,3 +126,23 @@ impl Checkup {
 
 /// Averaging time for the white noise, s: long against the filter (F-03, F-04), short against flicker and drift.
 const WHITE_TAU_S: f64 = 0.05;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Reading;
+
+    #[test]
+    fn a_sample_rate_is_off_beyond_the_limit() {
+        let mut tally = Tally::default();
+        for seq in 0..1_001 {
+            let t_ns = u64::from(seq) * 1_000_000;
+            tally.count(&Reading { t_ns, seq, rate: 0, temp: None, out_of_range: false, lost: 0 });
+        }
+        let is_off = |nominal_hz: f64| {
+            let warnings = Checkup::default().warnings(&tally, Some(nominal_hz), &Limits::default());
+            warnings.iter().any(|warning| matches!(warning, Warning::RateOff { .. }))
+        };
+        assert_eq!([940.0, 960.0, 1_000.0, 1_040.0, 1_070.0].map(is_off), [true, false, false, false, true]);
+    }
+}

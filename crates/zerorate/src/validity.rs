@@ -32,3 +32,16 @@ impl Validity {
         (!inside).then_some(Warning::Extrapolated { low_c, high_c, temp_min_c, temp_max_c })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn either_end_may_leave_the_span() {
+        let validity = Validity { temp_min_c: 25.0, temp_max_c: 33.0, margin_c: 0.5 };
+        let warns = |low_c, high_c| validity.warning(low_c, high_c).is_some();
+        assert!(!warns(24.6, 33.4));
+        assert!(warns(24.4, 33.0) && warns(25.0, 33.6) && warns(40.0, 50.0));
+    }
+}

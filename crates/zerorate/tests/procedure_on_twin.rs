@@ -39,6 +39,16 @@ fn measure(spec: Spec, plan: Plan) -> Result<Measured, Refusal> {
 }
 
 fn measure_with(spec: Spec, plan: Plan, config: Config, sampling: SamplerConfig) -> Result<Measured, Refusal> {
+    measure_changed(spec, plan, (config, sampling), |_| ())
+}
+
+/// The same with readings that this changes.
+fn measure_changed(
+    spec: Spec,
+    plan: Plan,
+    (config, sampling): (Config, SamplerConfig),
+    mut change: impl FnMut(&mut Reading),
+) -> Result<Measured, Refusal> {
     let twin = Twin::new(spec);
     let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), config);
     let mut sampler = Sampler::new(sampling, &config, MCLK_HZ);
@@ -52,7 +62,9 @@ fn measure_with(spec: Spec, plan: Plan, config: Config, sampling: SamplerConfig)
             }
             Action::Read => {
                 let before = procedure.progress().state;
-                procedure.handle(Event::Reading(&read(&twin, &mut gyro, &mut sampler)))?;
+                let mut reading = read(&twin, &mut gyro, &mut sampler);
+                change(&mut reading);
+                procedure.handle(Event::Reading(&reading))?;
                 if before == State::Offset {
                     truth = twin.truth();
                 }
@@ -123,6 +135,21 @@ fn the_run_is_described() {
 }
 
 #[test]
+fn lost_samples_are_told() {
+    let mut number = 0;
+    let lose = |reading: &mut Reading| {
+        number += 1;
+        reading.lost += u32::from(number % 100_000 == 0);
+    };
+    let sampling = (Config::default(), SamplerConfig::default());
+    let outcome = measure_changed(quick(2), SHORT, sampling, lose).unwrap().outcome;
+    let lost = outcome.lost_samples;
+    assert!(lost > 3 && lost == outcome.samples / 100_000, "{lost} of {}", outcome.samples);
+    let told = |warning: &Warning| matches!(*warning, Warning::Lost { lost: told, .. } if told == lost);
+    assert!(outcome.warnings.iter().any(told), "{:?}", outcome.warnings);
+}
+
+#[test]
 fn the_earth_is_subtracted_only_when_it_is_given() {
     let without = measure(quick(3), SHORT).unwrap().outcome;
     let with = measure(quick(3), Plan { earth_dps: Some(0.003), ..SHORT }).unwrap().outcome;
@@ -165,6 +192,7 @@ fn the_wrong_edge_is_refused_within_half_a_minute() {
         assert!((30.0..31.0).contains(&procedure.progress().elapsed_s), "{:?}", procedure.progress());
         let refusal = refusal.expect("a refusal");
         assert!(matches!(refusal, Refusal::NoTemperature { wrong_edge: true, .. }), "{refusal}");
+        assert!(refusal.to_string().contains("two edges for each sample"), "{refusal}");
         assert_eq!(refusal.remedies(), [Remedy::OtherEdge]);
     }
 }
@@ -449,4 +477,12 @@ fn calibrated(axis: &Axis, plan: Plan) -> Outcome {
         procedure.handle(Event::Reading(&read(&twin, &mut gyro, &mut sampler))).expect("a part at rest");
     }
     procedure.finish().expect("a result")
+}
+
+#[test]
+fn a_forecast_ends_where_the_target_is_reached() {
+    let forecast = |target_dps| Axis::ADIS16130.forecast(target_dps, 3600.0).unwrap();
+    let (easy, hard) = (forecast(0.02), forecast(1e-6));
+    assert!((600.0..1800.0).contains(&easy.after_s) && easy.u_dps <= 0.02, "a settled part: {easy:?}");
+    assert!(hard.after_s == 3600.0 && hard.u_dps > 1e-6, "never: {hard:?}");
 }

@@ -2,12 +2,26 @@
 
 mod hours;
 
-use adis16130_twin::{Motion, Spec};
-use hours::{measure, worst_u};
-use zerorate::{Method, Warning};
+use adis16130_twin::{Motion, Spec, Truth};
+use hours::measure;
+use zerorate::{Method, Outcome, Warning};
 
 /// Beyond so many standard uncertainties a result is wrong: 1 of 16 000 if all is well.
 const WRONG_U: f64 = 4.0;
+
+/// Largest error of PBC, BTC and the correction over the temperatures seen, in standard uncertainties.
+fn worst_u(outcome: &Outcome, truth: &Truth) -> f64 {
+    let (correction, u) = (&outcome.correction, &outcome.uncertainty);
+    let pbc = (correction.pbc_dps - truth.pbc_dps(correction.t3_c)) / u.u_pbc_dps;
+    let btc = (correction.btc_dps_per_c - truth.btc_dps_per_c(correction.t3_c)) / u.u_btc_dps_per_c;
+    let at = |temp_c: f64| {
+        let error_dps = correction.at(temp_c) + truth.bias_dps(temp_c);
+        outcome.curve.map_or(0.0, |curve| error_dps / curve.u_dps(temp_c))
+    };
+    let span = outcome.curve.map_or((0.0, 0.0), |curve| curve.span_c);
+    let over = (0..9).map(|k| at(span.0 + (span.1 - span.0) * f64::from(k) / 8.0));
+    over.chain([pbc, btc]).map(f64::abs).fold(0.0, f64::max)
+}
 
 fn sway(seed: u64, sway_dps: f64, sway_hz: f64) -> Spec {
     Spec { motion: Motion::Sway, sway_dps, sway_hz, ..Spec::from_seed(seed) }

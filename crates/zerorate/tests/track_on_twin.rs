@@ -1,5 +1,6 @@
 //! The tracked bias against the twin's truth. `cargo xtask methods` does the same for hundreds of units.
 
+mod golden;
 #[path = "track/world.rs"]
 mod world;
 
@@ -148,6 +149,29 @@ fn what_is_missing_is_no_rest() {
     assert!((tracker.tracked(33.0).u_dps / walked - 1.0).abs() < 1e-5);
 }
 
+/// Rest, motion, rest at another level and at other temperatures, a gap, and a turn: what is known after each.
+#[test]
+fn what_is_learned_stays_as_it_is() {
+    let mut tracker = tracker();
+    let mut known = String::new();
+    for (seconds, level_dps, sway_dps, temp_c) in [
+        (200, 0.0, 0.0, 33.0),
+        (30, 0.0, 5.0, 33.0),
+        (100, 0.006, 0.0, 29.0),
+        (40, 0.05, 0.0, 30.0),
+        (5, 0.0, 5.0, 30.0),
+    ] {
+        for block in 0..seconds * 10 {
+            let noise_dps = f64::from(block * 7_919 % 101 - 50) * 8e-4;
+            let sway_dps = if block % 4 < 2 { sway_dps } else { -sway_dps };
+            tracker.push(Some(0.25 + level_dps + sway_dps + noise_dps), Some(temp_c), true);
+        }
+        known += &format!("{:?}\n{:?}\n", tracker.tracked(33.0), tracker.save());
+        tracker.wait(60.0);
+    }
+    golden::unchanged("track.txt", &known);
+}
+
 /// A state is taken up with its age and the change by a power-up, and an impossible one is refused.
 #[test]
 fn a_state_outlives_a_power_down() {
@@ -156,6 +180,7 @@ fn a_state_outlives_a_power_down() {
     let (saved, config) = (before.save(), TrackerConfig::of(&Axis::ADIS16130, CORRECTION, PRIOR));
     let after = Tracker::resume(config, &saved, 86_400.0).unwrap();
     let (old, new) = (before.tracked(33.0), after.tracked(33.0));
+    assert!(after.counts() == before.counts() && after.counts().learned_s > 150, "{:?}", after.counts());
     assert!((old.change_dps - new.change_dps).abs() < 1e-12);
     let aged = (old.u_dps.powi(2) + 86_400.0 * 1e-8 + TrackerConfig::POWER_UP_DPS.powi(2)).sqrt(); // M-04
     assert!((new.u_dps / aged - 1.0).abs() < 1e-5, "{new:?} {aged}");

@@ -53,13 +53,14 @@ struct Run {
 }
 
 /// Warnings that a coefficient may be off. A warning that something was found and taken out is not among them.
-const TELLING: [&str; 8] = [
+const TELLING: [&str; 9] = [
     "many-glitches",
     "many-steps",
     "warm-up",
     "drift",
     "unsteady",
     "memory-or-flicker",
+    "memory-or-filter",
     "drift-or-walk",
     "model-rejected",
 ];

@@ -14,7 +14,7 @@ pub struct Scenario {
     pub b: f64,
     pub k: f64,
     pub q: f64,
-    /// The filter of the sensor, which the white noise goes through.
+    /// The filter of the sensor, which all noise but quantisation goes through.
     pub filter: Filter,
     /// σ and T of a Gauss–Markov process.
     pub gauss_markov: Option<(f64, f64)>,
@@ -105,22 +105,17 @@ const HOUR: Scenario = Scenario {
 
 /// That hour, and others.
 pub fn scenarios() -> Vec<Scenario> {
+    [terms(), filtered(), disturbed()].concat()
+}
+
+/// The model's own terms, alone and together.
+fn terms() -> Vec<Scenario> {
     let goal = Bounds { rms: [0.13, 9.8, 38.0], identified: [99.0, 95.0], ..OTHER };
     let white = Scenario { b: 0.0, k: 0.0, ..HOUR };
-    let found = |found| Bounds { found, false_terms: 100.0, ..OTHER };
-    let jump = |name, size, least| Scenario {
-        name,
-        beside: Beside::Step(size),
-        bounds: Bounds { steps: (least, 100.0), ..OTHER },
-        ..HOUR
-    };
-    // a shape has one cosine more than the data ask for, so that N is less certain than it could be
-    let behind = |name, filter| Scenario { name, filter, bounds: WIDENED, ..HOUR };
-    let with = |name, beside| Scenario { name, beside, ..HOUR };
-    let memory = |name, sigma, tau_s, least| Scenario {
+    let memory = |name, sigma, tau_s, found| Scenario {
         name,
         gauss_markov: Some((sigma, tau_s)),
-        bounds: found(least),
+        bounds: Bounds { found, false_terms: 100.0, ..OTHER },
         ..white
     };
     vec![
@@ -130,18 +125,39 @@ pub fn scenarios() -> Vec<Scenario> {
         Scenario { name: "white alone", ..white },
         Scenario { name: "noisy MEMS", n: 3.0 / 60.0, b: floor(20.0), k: 1e-3, ..HOUR },
         Scenario { name: "10 minutes", length_s: 600.0, ..HOUR },
-        Scenario { name: "long", length_s: 21_600.0, ..HOUR },
+        Scenario { name: "six hours", length_s: 21_600.0, ..HOUR },
         Scenario { name: "quantised", q: 2e-4, ..HOUR },
+        memory("Gauss–Markov of 0.5 s", 0.02, 0.5, 99.0),
+        memory("Gauss–Markov of 5 s", 0.01, 5.0, 99.0),
+        memory("Gauss–Markov of 50 s", 0.01, 50.0, 90.0),
+    ]
+}
+
+/// The hour behind filters. A shape has one cosine more than the data ask for, so that N is less certain than it could
+/// be.
+fn filtered() -> Vec<Scenario> {
+    let behind = |name, filter| Scenario { name, filter, bounds: WIDENED, ..HOUR };
+    vec![
         behind("behind a low-pass", Filter::LowPass(0.03)),
+        behind("behind a slow low-pass", Filter::LowPass(0.5)),
         behind("behind a Butterworth of 2.5 Hz", Filter::Butterworth(2.5)),
         behind("behind a Butterworth of 10 Hz", Filter::Butterworth(10.0)),
         behind("behind a mean of 2", Filter::Mean(2)),
         behind("behind a mean of 8", Filter::Mean(8)),
-        memory("Gauss–Markov of 0.5 s", 0.02, 0.5, 99.0),
-        memory("Gauss–Markov of 5 s", 0.01, 5.0, 99.0),
-        memory("Gauss–Markov of 50 s", 0.01, 50.0, 90.0),
+    ]
+}
+
+/// The hour with something beside the noise, or with samples lost.
+fn disturbed() -> Vec<Scenario> {
+    let with = |name, beside| Scenario { name, beside, ..HOUR };
+    let widened = |name, beside| Scenario { bounds: WIDENED, ..with(name, beside) };
+    let jump = |name, size, least| Scenario {
+        bounds: Bounds { steps: (least, 100.0), ..OTHER },
+        ..with(name, Beside::Step(size))
+    };
+    vec![
         with("with a sine", Beside::Sine(0.02, 0.5)),
-        Scenario { bounds: WIDENED, ..with("with a resonance", Beside::Resonance(20.0, 1.0, 0.25)) },
+        widened("with a resonance", Beside::Resonance(20.0, 1.0, 0.25)),
         with("outliers 1e-6", Beside::Outliers(1e-6)),
         with("outliers 1e-5", Beside::Outliers(1e-5)),
         with("outliers 1e-4", Beside::Outliers(1e-4)),
@@ -149,10 +165,10 @@ pub fn scenarios() -> Vec<Scenario> {
         Scenario { bounds: Bounds { steps: (75.0, 100.0), ..NOT_SILENT }, ..jump("step of 0.02", 0.02, 75.0) },
         jump("step of 0.03", 0.03, 95.0),
         jump("step of 0.05", 0.05, 99.0),
-        Scenario { bounds: WIDENED, ..with("40 % lost", Beside::Loss(0.4)) },
-        Scenario { bounds: WIDENED, ..with("lost in bursts", Beside::Bursts(7.0, 60)) },
-        Scenario { bounds: WIDENED, ..with("lost in short bursts", Beside::Bursts(0.1, 20_000)) },
-        Scenario { bounds: WIDENED, ..with("lost in long bursts", Beside::Bursts(60.0, 30)) },
+        widened("40 % lost", Beside::Loss(0.4)),
+        widened("lost in bursts", Beside::Bursts(7.0, 60)),
+        widened("lost in short bursts", Beside::Bursts(0.1, 20_000)),
+        widened("lost in long bursts", Beside::Bursts(60.0, 30)),
         with("coarse codes", Beside::Coarse(1.2)),
         Scenario { bounds: NOT_SILENT, k: 0.0, ..with("warm-up", Beside::WarmUp(0.05, 600.0)) },
     ]

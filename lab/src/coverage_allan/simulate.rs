@@ -17,13 +17,15 @@ const SLOW_RATE_HZ: f64 = 10.0;
 const SPLIT_HZ: f64 = 0.5;
 /// Points of each synthesis: the slow one repeats after 52 429 s.
 pub const SYNTHESIS: usize = 1 << 19;
+/// Samples before the record, in which a filter forgets how it began.
+const LEAD: usize = 3000;
 /// Error of an outlier, °/s.
 const OUTLIER: f64 = 50.0;
 
 pub fn record(scenario: &Scenario, fft: &Arc<dyn Fft<f64>>, rng: &mut SmallRng) -> Vec<f64> {
     let len = (scenario.length_s * RATE_HZ) as usize;
-    let mut rate: Vec<f64> = (0..len).map(|_| normal(rng) * scenario.n * RATE_HZ.sqrt()).collect();
-    filtered(&mut rate, scenario.filter);
+    let lead = if let Filter::None = scenario.filter { 0 } else { LEAD };
+    let mut rate: Vec<f64> = (0..lead + len).map(|_| normal(rng) * scenario.n * RATE_HZ.sqrt()).collect();
     if scenario.k > 0.0 {
         let mut walk = 0.0;
         for rate in &mut rate {
@@ -39,6 +41,11 @@ pub fn record(scenario: &Scenario, fft: &Arc<dyn Fft<f64>>, rng: &mut SmallRng) 
             *rate += level;
         }
     }
+    if scenario.b > 0.0 {
+        add_flicker(&mut rate, scenario.b, fft, rng);
+    }
+    filtered(&mut rate, scenario.filter);
+    rate.drain(..rate.len() - len);
     if scenario.q > 0.0 {
         let mut before = normal(rng) * scenario.q;
         for rate in &mut rate {
@@ -46,9 +53,6 @@ pub fn record(scenario: &Scenario, fft: &Arc<dyn Fft<f64>>, rng: &mut SmallRng) 
             *rate += (angle - before) * RATE_HZ;
             before = angle;
         }
-    }
-    if scenario.b > 0.0 {
-        add_flicker(&mut rate, scenario.b, fft, rng);
     }
     disturb(&mut rate, scenario, rng);
     rate

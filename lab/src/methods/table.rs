@@ -35,14 +35,15 @@ pub fn intervals(methods: &[Vec<Summary>]) -> String {
             let Coverage { everywhere, ratio, .. } = summary.coverage?;
             let (mean, worst) = (summary.coverage?.mean(), summary.coverage?.worst());
             let orders = summary.orders?.map(|share| format!("{share:.0}")).join(" / ");
-            let shares = [mean, worst, everywhere].map(|share| format!("{share:.1}"));
-            let first = [method.name.to_owned(), kind.name().to_owned()];
-            Some(first.into_iter().chain(shares).chain([format!("{ratio:.2}"), orders]).collect())
+            let [mean, worst, everywhere] = [mean, worst, everywhere].map(|share| format!("{share:.1}"));
+            let names = [method.name, kind.name(), verdict(summary.coverage?.mean())].map(str::to_owned);
+            Some(names.into_iter().chain([mean, worst, everywhere, format!("{ratio:.2}"), orders]).collect())
         })
     });
     let heads = [
         "method",
         "units",
+        "the intervals are",
         "inside, % (mean of nine)",
         "farthest from 95",
         "all nine at once",
@@ -50,6 +51,15 @@ pub fn intervals(methods: &[Vec<Summary>]) -> String {
         "order 0 / 1 / 2 / 3, %",
     ];
     table(&heads, rows)
+}
+
+/// What intervals of 95 % are that hold this share of the units, %.
+const fn verdict(inside: f64) -> &'static str {
+    match inside {
+        ..93.5 => "too narrow",
+        93.5..=96.5 => "as stated",
+        _ => "too wide",
+    }
 }
 
 /// How long a fit takes on one core.

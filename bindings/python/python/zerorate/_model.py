@@ -50,8 +50,9 @@ class GaussMarkov:
 
 @dataclass(frozen=True)
 class BandShape:
-    """White noise after a filter. Its density is N² exp Σ a_j (cos jθ − 1), sin(θ/2) = sin(πf/rate)/sin(πf_max/rate)
-    with f_max = `Fit.f_max_hz`. With a pole p it is that times (1 − p)²/(1 + p² − 2p cos θ)."""
+    """What a filter does to all noise but quantisation. The density is multiplied by exp Σ a_j (cos jθ − 1), with
+    sin(θ/2) = sin(πf/rate)/sin(πf_max/rate) and f_max = `Fit.f_max_hz`. A pole p multiplies it by
+    (1 − p)²/(1 + p² − 2p cos θ)."""
 
     cosines: list[float]
     """a_1, a_2 …"""

@@ -71,13 +71,12 @@ def children(process: int) -> list[int]:
 def kill_a_worker(name: str) -> bool:
     """Kills a process below this one whose command line has `name`, if it runs a command; false if there is none."""
     for child in children(os.getpid()):
-        try:
+        # A worker may end between the list and the kill: loky ends all workers when one is lost.
+        with suppress(OSError):
             line = Path(f"/proc/{child}/cmdline").read_text()
-        except OSError:
-            continue
-        if name in line and "resource_tracker" not in line and children(child):
-            os.kill(child, signal.SIGKILL)
-            return True
+            if name in line and "resource_tracker" not in line and children(child):
+                os.kill(child, signal.SIGKILL)
+                return True
     return False
 
 

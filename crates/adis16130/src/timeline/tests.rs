@@ -121,6 +121,23 @@ fn natural_frequency_and_damping_are_those_of_the_gear() {
 }
 
 #[test]
+fn edges_of_both_kinds_teach_the_period_and_the_place_of_the_temperature() {
+    for (temp_cycles, fast) in [(527, 1.019), (2_319, 0.981)] {
+        let mut timeline = Timeline::new(Comb::new((527, temp_cycles), 6_000_000, Pattern::Each));
+        let [rate_ns, temp_ns] = [527, temp_cycles].map(|cycles| f64::from(cycles) / 6e-3 / fast);
+        let (mut t_ns, mut seq) = (1e9, 0);
+        for _ in 0..200 {
+            for gap_ns in [temp_ns, rate_ns] {
+                timeline.advance(Edge { t_ns: t_ns as u64, seq });
+                (t_ns, seq) = (t_ns + gap_ns, seq + 1);
+            }
+        }
+        assert_near(timeline.period_ns(), rate_ns + temp_ns, 1e-4, "the period");
+        assert_near(timeline.temp as f64 / f64::from(1 << FRACTION_BITS), temp_ns, 2e-3, "the place");
+    }
+}
+
+#[test]
 fn a_step_of_the_period_dies_down_as_claimed() {
     for gear in [6, 8, TOP_GEAR] {
         let mut bench = Bench::in_gear(gear);

@@ -261,7 +261,7 @@ fn a_counter_in_the_line_loses_nothing_once_the_bridge_knows_of_it() {
 
 #[test]
 fn the_self_test_pin_is_released_with_the_host() {
-    let (_, mut without) = station();
+    let mut without = Station::new(Wire(Part::new()), 1_000_000, "test 1");
     assert_eq!(refusal(&mut without, Ask::SelfTest { on: true }), Some(Refusal::NoSuchWire));
     let pin = std::rc::Rc::new(std::cell::Cell::new(false));
     let mut station = Station::new(Slow { wire: Wire(Part::new()), pin: Some(pin.clone()) }, 1_000_000, "test 1");
@@ -280,6 +280,21 @@ fn it_says_when_the_part_is_gone() {
     assert_eq!(now(station.edge(Edge { t_ns: 1, seq: 1 })), Some(Message::Ended));
     assert!(!station.is_sampling());
     assert_eq!(refusal(&mut station, START), Some(Refusal::Part));
+}
+
+#[test]
+fn a_temperature_out_of_range_is_no_reason_to_end() {
+    let (part, mut station) = station();
+    assert_eq!(refusal(&mut station, START), None);
+    let mut heard = |n, temp| {
+        part.borrow_mut().set(0x20, 0x08);
+        part.borrow_mut().set(0x08, 0x80_8809);
+        part.borrow_mut().set(0x0A, temp);
+        now(station.edge(Edge { t_ns: 175_667 * u64::from(n), seq: n }))
+    };
+    assert!(matches!(heard(1, 0x80_1EA6), Some(Message::Sample(_))));
+    assert_eq!(heard(2, 0xFF_FFFF), None);
+    assert!(matches!(heard(3, 0x80_1EA6), Some(Message::Sample(reading)) if reading.lost == 1));
 }
 
 #[test]
@@ -360,11 +375,17 @@ impl Bus for Slow {
     }
 }
 
-fn answer<'a>(station: &'a mut Station<Slow>, ask: Ask<'_>) -> Message<'a> {
+impl Bus for Wire {
+    fn set_sclk_hz(&mut self, hz: u32) -> u32 {
+        hz
+    }
+}
+
+fn answer<'a>(station: &'a mut Station<impl Bus>, ask: Ask<'_>) -> Message<'a> {
     now(station.request(&Request { tag: 3, ask }))
 }
 
-fn refusal(station: &mut Station<Slow>, ask: Ask<'_>) -> Option<Refusal> {
+fn refusal(station: &mut Station<impl Bus>, ask: Ask<'_>) -> Option<Refusal> {
     match answer(station, ask) {
         Message::Answer { tag: 3, answer: Answer::Refused(refusal) } => Some(refusal),
         _ => None,

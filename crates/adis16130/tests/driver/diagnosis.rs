@@ -53,6 +53,8 @@ fn verify_tells_stuck_lines_and_a_brown_out_apart() {
     assert!(matches!(gyro.verify(), Err(VerifyError::StuckHigh(seen)) if seen.iter().count() == 6));
     part.borrow_mut().line = Line::Low;
     assert!(matches!(gyro.verify(), Err(VerifyError::StuckLow(seen)) if seen.iter().count() == 6));
+    part.borrow_mut().line = Line::Flip(0x38, 0x04);
+    assert!(matches!(gyro.verify(), Err(VerifyError::Differs(seen)) if seen.iter().count() == 1));
     part.borrow_mut().line = Line::Good;
     brown_out(&part);
     assert!(matches!(gyro.verify(), Err(VerifyError::ConfigurationLost(seen)) if seen.iter().count() == 6));

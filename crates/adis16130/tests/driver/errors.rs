@@ -1,9 +1,10 @@
 //! The umbrella error takes each operation's.
 
 use adis16130::blocking::Adis16130;
+use adis16130::registers::Address;
 use adis16130::{
-    Config, Edge, Error, Fault, MCLK_HZ, RateCode, Sampler, SamplerConfig, SelfTestPlan, VerifyError, WaitBound,
-    WaitError,
+    BusError, Config, Edge, Error, Fault, InitError, MCLK_HZ, RateCode, ReadError, SampleError, Sampler,
+    SamplerConfig, SelfTestError, SelfTestPlan, VerifyError, WaitBound, WaitError,
 };
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{self, InputPin, OutputPin};
@@ -60,4 +61,34 @@ fn each_operation_widens_to_it() {
     );
     fn is_error<T: std::error::Error>() {}
     is_error::<Error<Unplugged, Refused, Refused>>();
+}
+
+#[test]
+fn an_error_around_another_says_what_that_one_says() {
+    let bus = || BusError::Transfer { register: Address::Mode, error: () };
+    let around: [Error<(), (), ()>; 7] = [
+        Error::Bus(bus()),
+        Error::Init(InitError::Bus(bus())),
+        Error::Verify(VerifyError::Bus(bus())),
+        Error::Read(ReadError::Bus(bus())),
+        Error::Sample(SampleError::Bus(bus())),
+        Error::SelfTest(SelfTestError::Read(ReadError::Bus(bus()))),
+        Error::Init(InitError::Verify(VerifyError::Bus(bus()))),
+    ];
+    assert!(around.iter().all(|error| error.to_string() == bus().to_string()), "{around:?}");
+    let wait = || WaitError::Pin(());
+    let around: [Error<(), (), ()>; 2] = [Error::Wait(wait()), Error::SelfTest(SelfTestError::Wait(wait()))];
+    assert!(around.iter().all(|error| error.to_string() == wait().to_string()), "{around:?}");
+    assert!(wait().to_string().contains("RDY pin cannot be read"));
+    assert!(SelfTestError::<(), (), ()>::Pin(()).to_string().contains("self-test pin cannot be set"));
+}
+
+#[test]
+fn each_fault_has_its_own_text() {
+    let seen = adis16130::Mismatch { register: Address::Mode, expected: 0x22, got: 0xFF };
+    let stuck = Fault::StuckHigh(seen).to_string();
+    assert!(stuck.contains("reads FFh instead of 22h") && stuck.contains("stuck at ones"), "{stuck}");
+    let differs = VerifyError::<()>::Differs(Default::default()).to_string();
+    let unexpected = Fault::Unexpected(seen).to_string();
+    assert!(unexpected.contains("lower the SPI clock") && differs.contains("lower the SPI clock"), "{unexpected}");
 }

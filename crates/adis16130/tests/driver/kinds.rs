@@ -1,7 +1,7 @@
 //! The sampler where edges announce rates and temperatures, and it must find out which. The machine in `tests/machine`
-//! found each of these.
+//! and mutants of the sampler found these.
 
-use adis16130::{Config, ConversionTime, Edge, MCLK_HZ, Sampler, SamplerConfig};
+use adis16130::{Channels, Config, ConversionTime, Edge, MCLK_HZ, Sampler, SamplerConfig};
 
 /// A sampler, and the period of the rate.
 struct Bench {
@@ -90,6 +90,11 @@ fn what_was_missed_before_the_first_sample_is_no_loss() {
     bench.stale(1.0);
     let lost = [1.5, 2.5, 3.5, 4.5, 5.5].map(|periods| bench.lost(periods, 0));
     assert_eq!(lost, [0; 5]);
+    let config = Config::new().with_channels(Channels::Rate).with_rdyfn(false);
+    let mut bench = Bench::new(SamplerConfig::new(), config, 0, 0.0);
+    assert_eq!(bench.lost(1.0, 0), 0);
+    bench.stale(2.0); // the reading before was late and took this conversion
+    assert_eq!([3.0, 4.0, 5.0].map(|periods| bench.lost(periods, 0)), [0; 3]);
 }
 
 #[test]

@@ -71,7 +71,7 @@ fn there_is_none_before_the_first_conversion() {
             part.borrow_mut().set(0x22, 0x40);
             assert_no_reading(&mut gyro, config.mode());
             let text = gyro.read_temp().unwrap_err().to_string();
-            assert!(text.contains("TEMPDATA (0Ah)") && text.contains("wait for RDY"), "{text}");
+            assert!(text.contains("TEMPDATA (0Ah)") && text.contains("first conversion has not ended"), "{text}");
             convert(&part, config, 0x81_2300, 0x7F_2300);
             let (rate, temp) = gyro.read_both().unwrap();
             assert_eq!((rate.code24(), temp.code24()), (0x81_2300, 0x7F_2300));

@@ -80,6 +80,12 @@ fn fields_share_no_bits() {
 }
 
 #[test]
+fn a_field_is_taken_out_of_its_register() {
+    let of_mode = |mask| Address::Mode.fields().iter().find(|field| field.mask == mask).unwrap().of(0b0101_1110);
+    assert_eq!([0xE0, 0x10, 0x02, 0x01].map(of_mode), [2, 1, 1, 0]);
+}
+
+#[test]
 fn every_writable_register_resets_to_the_value_of_part_md() {
     fn check<R: Writable>() {
         let (address, _, reset, _, writable) = TABLE.into_iter().find(|row| row.0 == R::ADDRESS as u8).unwrap();

@@ -33,6 +33,9 @@ const MARGIN: f64 = 1.0 / 16.0;
 /// Periods over which the phase follows the clock: twice 1/α in gear 1.
 const LAG: f64 = 4.0;
 
+/// The true period over the nominal one, or its inverse, with the master clock off by 6 %.
+const MOST_CLOCK: f64 = 1.0 / 0.94;
+
 /// Of the sums, in samples.
 const ROUNDING: f64 = 1e-6;
 
@@ -111,7 +114,7 @@ impl Ledger {
     fn begin(&mut self, handed: &Handed, period_ns: f64) -> f64 {
         let late_ns = handed.conversion.t_ns.saturating_sub(handed.edge_ns);
         if late_ns > 0 {
-            self.doubt(2.0 + 1.02 * late_ns as f64 / period_ns);
+            self.doubt(2.0 + MOST_CLOCK * late_ns as f64 / period_ns);
         }
         0.0
     }

@@ -125,7 +125,7 @@ pub fn plan() -> impl Strategy<Value = Plan> {
     let rotation = prop_oneof![6 => Just(0.0), 1 => Just(330.0), 1 => Just(400.0), 1 => Just(-400.0)];
     let sclk = prop_oneof![4 => Just(4.0e6), 2 => Just(1.0e7), 1 => Just(1.1e6), 1 => Just(2.0e5)];
     let rdy = prop_oneof![4 => Just(RdyOutput::Level), 1 => Just(RdyOutput::Inverted), 1 => Just(RdyOutput::Pulse)];
-    let unit = (form(), any::<u64>(), rotation, -20_000..=20_000, sclk, prop_oneof![Just(1e-2), Just(1e-4)], rdy);
+    let unit = (form(), any::<u64>(), rotation, -60_000..=60_000, sclk, prop_oneof![Just(1e-2), Just(1e-4)], rdy);
     let clock = prop_oneof![Just((0, 0)), Just((u64::MAX - 1_000_000, u32::MAX - 9)), any::<(u64, u32)>()];
     let steps = vec(step(), 1..=200);
     (unit, config(), sampling(), clock, steps).prop_map(|(unit, config, sampling, (t_ns, seq), steps)| {

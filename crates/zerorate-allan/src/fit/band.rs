@@ -2,14 +2,16 @@
 //!
 //! N is the level at frequency 0 of noise that a filter shapes from some frequency on. Fitted to the lowest part of
 //! the spectrum, N is right and uncertain. With each step up it is surer, until a shape of few terms no longer follows
-//! the filter. The steps that agree with all lower ones are fair, and the surest of them is taken (Lepski 1991).
+//! the filter. The steps that agree with all lower ones are fair, and the surest of them is taken (Lepski 1991). The
+//! lowest step may itself be off by chance, so that the longest chain of steps that agree counts.
 
 use super::MOST_ERROR;
 use super::density::Table;
 use super::profile::marginal_variance;
 use super::scoring::{Found, ModelForm, N2, Problem, SHAPE};
 use super::select::{
-    DESCENT, MOST_CHOSEN, Priced, fewest_cosines, is_sound, model_error, priced, start, with_cosine, with_markov,
+    DESCENT, MOST_CHOSEN, Priced, fewest_cosines, is_sound, model_error, plateau, priced, start, white, with_cosine,
+    with_markov, without_shape,
 };
 use alloc::vec::Vec;
 
@@ -17,7 +19,7 @@ use alloc::vec::Vec;
 /// this many coefficients.
 const STEPS_DOWN: u32 = 14;
 const FEWEST_COEFFICIENTS: f64 = 1500.0;
-/// At a quarter of the upper end at least this share of the power is white, or its plateau is not seen.
+/// Where the plateau is looked for, at least this share of the power is white, or it is not seen.
 const PLATEAU: f64 = 0.7;
 /// Standard deviations by which two upper ends may differ in ln N. At 3 a record without a filter loses half an octave
 /// in 3 of 100 cases, at 3.5 in none.
@@ -32,14 +34,15 @@ struct Look {
     ln_n: f64,
     variance: f64,
     error: f64,
-    /// Whether the plateau is seen, the model holds, and N is that of all lower ends that are fair.
+    /// Whether the shape has followed the filter and is held up to the end, the plateau is seen, the model holds, and
+    /// N is that of the ends that agree.
     is_fair: bool,
     /// The parameters without the shape.
     slow: Vec<f64>,
 }
 
 /// The upper end of the model, Hz. A Gauss–Markov term looks like a filter from below, so the scan has one where it
-/// earns its price at the end that it leads to.
+/// earns its price at the end that it leads to, and where the white noise beside it is seen there.
 pub(super) fn top_hz(table: &Table) -> f64 {
     let tops = tops(table);
     let &[lowest, .., full] = &tops[..] else { return table.top_hz };
@@ -51,7 +54,7 @@ pub(super) fn top_hz(table: &Table) -> f64 {
         found.into_iter().min_by(|a, b| a.deviance.total_cmp(&b.deviance)).map(|found| without_shape(&found))
     };
     let starts = [middle, full].into_iter().filter_map(with).collect();
-    let one = scan(table, &tops, 1, starts).filter(|look| has_memory(table, look));
+    let one = scan(table, &tops, 1, starts).filter(|look| look.is_fair && has_memory(table, look));
     let plain = || Vec::from([plain_start(&Problem::new(table.below(lowest), 0.0))]);
     let look = one.or_else(|| scan(table, &tops, 0, plain()));
     look.map_or(full, |look| look.top_hz)
@@ -67,17 +70,19 @@ fn tops(table: &Table) -> Vec<f64> {
 fn scan(table: &Table, tops: &[f64], markovs: usize, mut starts: Vec<Vec<f64>>) -> Option<Look> {
     let mut looks: Vec<Look> = Vec::new();
     for &top_hz in tops {
-        let look = look(table, top_hz, markovs, &starts, &looks)?;
+        let look = look(table, top_hz, markovs, &starts)?;
         starts = Vec::from([look.slow.clone()]);
         looks.push(look);
     }
+    let agreeing = agreeing(&looks);
+    looks.iter_mut().for_each(|look| look.is_fair = agreeing.contains(&look.top_hz));
     let surest = looks.iter().filter(|look| look.is_fair).min_by(|a, b| a.variance.total_cmp(&b.variance));
     let holds = || looks.iter().rev().find(|look| look.error < MOST_ERROR);
     let top_hz = surest.or_else(holds).or(looks.last())?.top_hz;
     looks.into_iter().find(|look| look.top_hz == top_hz)
 }
 
-fn look(table: &Table, top_hz: f64, markovs: usize, starts: &[Vec<f64>], lower: &[Look]) -> Option<Look> {
+fn look(table: &Table, top_hz: f64, markovs: usize, starts: &[Vec<f64>]) -> Option<Look> {
     let mut problem = Problem::new(table.below(top_hz), 0.0);
     let mut found = best(&problem, starts, markovs, MOST_CHOSEN)?.found;
     let error = model_error(&problem, &found);
@@ -86,26 +91,54 @@ fn look(table: &Table, top_hz: f64, markovs: usize, starts: &[Vec<f64>], lower: 
         found = best(&problem, &[without_shape(&found)], markovs, MOST_CHOSEN)?.found;
     }
     let slow = without_shape(&found);
+    let has_followed = has_followed(&found);
     if found.form.shape() > 0 {
         found = with_cosine(&problem, &found);
     }
     let n2 = found.at[N2];
     let variance = marginal_variance(&problem, &found, N2, &problem.information(&found))? / (4.0 * n2 * n2);
-    let ln_n = libm::log(n2) / 2.0;
-    let agrees = |other: &Look| {
-        let apart = (other.variance - variance).max(LEAST_DIFFERENCE * other.variance);
-        libm::fabs(ln_n - other.ln_n) < AGREE * libm::sqrt(apart)
+    let is_fair = has_followed && is_held(&problem) && sees_plateau(&problem, &found) && error < MOST_ERROR;
+    Some(Look { top_hz, ln_n: libm::log(n2) / 2.0, variance, error, is_fair, slow })
+}
+
+/// The longest chain of fair ends of which each agrees with all lower ones; of equals, the one that begins lowest.
+fn agreeing(looks: &[Look]) -> Vec<f64> {
+    let from = |first: usize| {
+        let mut chain: Vec<&Look> = Vec::new();
+        for look in looks[first..].iter().filter(|look| look.is_fair) {
+            if chain.iter().all(|lower| look.agrees(lower)) {
+                chain.push(look);
+            }
+        }
+        chain
     };
-    let is_fair =
-        sees_plateau(&problem, &found) && error < MOST_ERROR && lower.iter().filter(|other| other.is_fair).all(agrees);
-    Some(Look { top_hz, ln_n, variance, error, is_fair, slow })
+    let longest = (0..looks.len()).rev().map(from).max_by_key(Vec::len);
+    longest.unwrap_or_default().iter().map(|look| look.top_hz).collect()
+}
+
+impl Look {
+    fn agrees(&self, lower: &Self) -> bool {
+        let apart = (lower.variance - self.variance).max(LEAST_DIFFERENCE * lower.variance);
+        libm::fabs(self.ln_n - lower.ln_n) < AGREE * libm::sqrt(apart)
+    }
+}
+
+/// Whether the shape wanted no more cosines than it may have. One that wants more leaves a misfit, which a
+/// Gauss–Markov term would take.
+fn has_followed(found: &Found) -> bool {
+    found.form.cosines < MOST_CHOSEN
+}
+
+/// Whether bins hold the shape in at least half of its last octave. In what is masked there it could go anywhere.
+fn is_held(problem: &Problem) -> bool {
+    let top_hz = problem.table.top_hz;
+    let held_hz: f64 = problem.table.rows.iter().map(|row| row.width_above(top_hz / 2.0)).sum();
+    held_hz > top_hz / 4.0
 }
 
 fn sees_plateau(problem: &Problem, found: &Found) -> bool {
-    let rows = &problem.table.rows;
-    let at = rows.partition_point(|row| row.f_hz < problem.table.top_hz / 4.0).min(rows.len().max(1) - 1);
-    let white = problem.local(found).slopes[N2][at] * found.at[N2];
-    white > PLATEAU * (found.density[at] - rows[at].bin.response.offset)
+    let (rows, at) = (&problem.table.rows, plateau(problem));
+    white(&problem.local(found), found, at) > PLATEAU * (found.density[at] - rows[at].bin.response.offset)
 }
 
 /// The order of the shape that is worth its price, up to `most`, from the best of several starts without a shape.
@@ -132,15 +165,41 @@ fn has_memory(table: &Table, look: &Look) -> bool {
     let problem = Problem::new(table.below(look.top_hz), look.error);
     let one = best(&problem, core::slice::from_ref(&look.slow), 1, MOST_CHOSEN);
     let none = best(&problem, &[plain_start(&problem), look.slow[..SHAPE].to_vec()], 0, MOST_CHOSEN);
-    matches!((one, none), (Some(one), Some(none)) if one.price < none.price && is_sound(&problem, &one.found))
+    let (Some(one), Some(none)) = (one, none) else { return false };
+    has_followed(&none.found) && one.price < none.price && is_sound(&problem, &one.found)
 }
 
 fn plain_start(problem: &Problem) -> Vec<f64> {
     start(problem, 0)
 }
 
-fn without_shape(found: &Found) -> Vec<f64> {
-    let mut at = found.at.clone();
-    at.drain(SHAPE..SHAPE + found.form.shape());
-    at
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec;
+
+    /// Looks at steps of an octave from 1 Hz on, each with ln N and its standard deviation.
+    fn looks(all: &[(f64, f64)]) -> Vec<Look> {
+        let look = |(step, &(ln_n, sigma)): (i32, &(f64, f64))| Look {
+            top_hz: libm::exp2(f64::from(step)),
+            ln_n,
+            variance: sigma * sigma,
+            error: 0.0,
+            is_fair: true,
+            slow: Vec::new(),
+        };
+        (0..).zip(all).map(look).collect()
+    }
+
+    #[test]
+    fn a_low_end_that_is_off_by_chance_is_outvoted() {
+        let all = [(0.17, 0.03), (0.01, 0.025), (0.0, 0.02), (-0.01, 0.015), (0.0, 0.01)];
+        assert_eq!(agreeing(&looks(&all)), [2.0, 4.0, 8.0, 16.0]);
+    }
+
+    #[test]
+    fn ends_in_the_filter_are_not_fair() {
+        let all = [(0.01, 0.04), (-0.01, 0.03), (0.0, 0.02), (-0.2, 0.015), (-0.4, 0.01)];
+        assert_eq!(agreeing(&looks(&all)), [1.0, 2.0, 4.0]);
+    }
 }

@@ -142,6 +142,11 @@ impl BinRow {
         }
     }
 
+    /// The width of its part above a frequency, Hz.
+    pub(super) fn width_above(&self, f_hz: f64) -> f64 {
+        (self.to_hz - self.from_hz.max(f_hz)).max(0.0)
+    }
+
     /// A Gauss–Markov process of variance 1 and correlation time `tau_s`: its density and the slope by ln `tau_s`.
     /// Exact for one coefficient of its record, otherwise the mean over the bin.
     pub(super) fn gauss_markov(&self, tau_s: f64) -> (f64, f64) {
@@ -245,11 +250,12 @@ impl Fit {
             }
             _ => 1.0,
         };
-        square(self.n.value) * self.terms.iter().map(shape).product::<f64>()
-            + self.q.as_ref().map_or(0.0, |q| square(2.0 * q.value * rate_hz * libm::sin(half)))
+        let noise = square(self.n.value)
             + square(self.b.value) / omega
             + square(self.k.value * sinc / omega)
-            + self.terms.iter().map(of_term).sum::<f64>()
+            + self.terms.iter().map(of_term).sum::<f64>();
+        noise * self.terms.iter().map(shape).product::<f64>()
+            + self.q.as_ref().map_or(0.0, |q| square(2.0 * q.value * rate_hz * libm::sin(half)))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::density::{Drift, shape_angle};
 use super::prediction::{Doubt, Variances};
-use super::scoring::{B2, Found, K2, N2, Q2, shape};
+use super::scoring::{B2, Found, K2, N2, Q2, SHAPE, shape};
 use super::thinning::Thinning;
 use super::transform::autocovariance;
 use crate::FLOOR_PER_B;
@@ -12,10 +12,12 @@ use alloc::vec::Vec;
 use core::f64::consts::PI;
 use realfft::FftError;
 
-/// Lags of the autocovariance of the short noise (white, with its band shape, and quantisation): this many where the
-/// model reaches half the rate, and more where it ends lower, up to the most.
+/// Lags of the autocovariance of the short noise (white, quantisation, and what the band shape changes in the slow
+/// noise): this many where the model reaches half the rate, and more where it ends lower, up to the most.
 const LAGS: usize = 256;
 const MOST_LAGS: usize = 16_384;
+/// Time constants of a pole after which its noise is forgotten.
+const MEMORIES: f64 = 16.0;
 /// Up to this many samples the covariance of two estimates is summed lag by lag from the autocovariance itself.
 const LONGEST_EXACT: u64 = 64;
 /// Lags per averaging time beyond, and the averaging times that they reach.
@@ -64,8 +66,11 @@ impl Measured {
         Some(from + (to - from) * (f_hz - from_hz) / (to_hz - from_hz))
     }
 
-    fn lags(&self) -> usize {
-        let octaves = libm::ceil(libm::log2(self.rate_hz / 2.0 / self.top_hz) - 1e-3);
+    /// Lags of the shaped noise: until a shape that ends at `top_hz`, or the memory of its pole, is forgotten.
+    fn lags(&self, pole: Option<f64>) -> usize {
+        let fineness = self.rate_hz / 2.0 / self.top_hz;
+        let memory = pole.map_or(0.0, |pole| MEMORIES / LAGS as f64 / (1.0 - pole));
+        let octaves = libm::ceil(libm::log2(fineness.max(memory)) - 1e-3);
         ((LAGS as f64 * libm::exp2(octaves)) as usize).clamp(LAGS, MOST_LAGS)
     }
 }
@@ -90,15 +95,18 @@ impl Model {
             thinning: Thinning::default(),
             doubt: Doubt::default(),
         };
-        let lags = measured.lags();
+        let lags = measured.lags(form.pole.then(|| found.at[SHAPE + form.cosines]));
         let density = |i: usize| {
-            let f_hz = rate_hz / 2.0 * i as f64 / lags as f64;
+            // at 0 the slow noise has no density
+            let f_hz = rate_hz / 2.0 * (i as f64).max(1e-3) / lags as f64;
             if let Some(power) = measured.density(f_hz) {
                 return power - model.slow_density(f_hz);
             }
             let sin = libm::sin(PI * f_hz / rate_hz);
-            let white = found.at[N2] * shape(form, &found.at, shape_angle(f_hz, rate_hz, top_hz));
-            white + found.at[Q2] * 4.0 * sin * sin * rate_hz * rate_hz
+            let shape = shape(form, &found.at, shape_angle(f_hz, rate_hz, top_hz));
+            found.at[N2] * shape
+                + (shape - 1.0) * model.slow_density(f_hz)
+                + found.at[Q2] * 4.0 * sin * sin * rate_hz * rate_hz
         };
         let densities: Vec<f64> = (0..=lags).map(density).collect();
         model.short = autocovariance(&densities, rate_hz)?;
@@ -106,12 +114,17 @@ impl Model {
         Ok(model)
     }
 
-    /// The density of flicker, random walk and Gauss–Markov terms.
+    /// The density of flicker, random walk and Gauss–Markov terms in samples that are averages over their interval, as
+    /// [`allan_variance`](Self::allan_variance) takes them: Σ S(|f + k/T₀|) sinc²((f + k/T₀) T₀).
     fn slow_density(&self, f_hz: f64) -> f64 {
-        let omega = 2.0 * PI * f_hz;
-        let sampled = 2.0 * self.rate_hz * libm::sin(PI * f_hz / self.rate_hz);
-        let markov = |&(variance, t): &(f64, f64)| 2.0 * variance * t / (1.0 + omega * t * omega * t);
-        self.b2 / omega + self.k2 / (sampled * sampled) + self.markovs.iter().map(markov).sum::<f64>()
+        let u = f_hz / self.rate_hz;
+        let square = libm::pow(libm::sin(PI * u), 2.0);
+        let omega2 = 4.0 * self.rate_hz * self.rate_hz * square;
+        // Σ sinc⁴, with which all that falls as 1/f² folds
+        let folded = 1.0 - 2.0 / 3.0 * square;
+        let flicker = square / (2.0 * PI * PI * PI * self.rate_hz) * (inverse_cubes(u) + inverse_cubes(1.0 - u));
+        let markov = |&(variance, t): &(f64, f64)| 2.0 * variance * t / (1.0 + omega2 * t * t) * folded;
+        self.b2 * flicker + self.k2 / omega2 * folded + self.markovs.iter().map(markov).sum::<f64>()
     }
 
     pub(super) fn with(self, doubt: Doubt) -> Self {
@@ -254,6 +267,13 @@ impl Model {
     }
 }
 
+/// Σ (x + k)⁻³ from k = 0 on, the last terms by their integral.
+fn inverse_cubes(x: f64) -> f64 {
+    const TERMS: u32 = 8;
+    let rest = x + f64::from(TERMS) - 0.5;
+    (0..TERMS).map(|k| libm::pow(x + f64::from(k), -3.0)).sum::<f64>() + 0.5 / (rest * rest)
+}
+
 /// Adds variance·cos(i·angle) to the i-th cell, by recurrence.
 fn add_cosine(cells: &mut [f64], variance: f64, angle: f64) {
     let twice = 2.0 * libm::cos(angle);
@@ -261,5 +281,39 @@ fn add_cosine(cells: &mut [f64], variance: f64, angle: f64) {
     for cell in cells {
         *cell += now;
         (now, before) = (twice * now - before, now);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The Allan variance of single samples is 4/T₀ ∫ S sin²(πu) du from u = 0 to ½.
+    #[test]
+    fn the_density_of_slow_noise_has_its_allan_variance() {
+        let silent = Model {
+            rate_hz: 1.0,
+            record_s: 1e4,
+            short: vec![0.0],
+            b2: 0.0,
+            k2: 0.0,
+            markovs: Vec::new(),
+            drift: None,
+            sines: Vec::new(),
+            thinning: Thinning::default(),
+            doubt: Doubt::default(),
+        };
+        let flicker = Model { b2: 2.0, ..silent.clone() };
+        let walk = Model { k2: 3.0, ..silent.clone() };
+        let markov = Model { markovs: vec![(5.0, 40.0)], ..silent };
+        for model in [flicker, walk, markov] {
+            let steps = 20_000;
+            let part = |i: u32| {
+                let u = (f64::from(i) + 0.5) / f64::from(2 * steps);
+                4.0 * model.slow_density(u) * libm::pow(libm::sin(PI * u), 2.0) / f64::from(2 * steps)
+            };
+            let (sum, expected) = ((0..steps).map(part).sum::<f64>(), model.allan_variance(1));
+            assert!((sum / expected - 1.0).abs() < 2e-3, "{sum} {expected}");
+        }
     }
 }

@@ -3,7 +3,8 @@
 use super::curve::Curves;
 use super::lines::Line;
 use super::misfit::OffCurve;
-use super::select::Selection;
+use super::scoring::N2;
+use super::select::{Selection, low_pass};
 use super::{Fit, MOST_ERROR, Term, steadiness};
 use crate::{AllanWarning, Noise};
 use alloc::vec::Vec;
@@ -70,6 +71,7 @@ pub(super) fn remarks(
             AllanWarning::DriftOrWalk { has_drift: own.drift.is_some(), worse }
         });
     }
+    warnings.extend(memory_or_filter(chosen));
     warnings.extend(unsteady(fit, curves));
     let coefficients =
         [(Noise::AngleRandomWalk, fit.n), (Noise::BiasInstability, fit.b), (Noise::RateRandomWalk, fit.k)];
@@ -80,6 +82,14 @@ pub(super) fn remarks(
         needed_s,
     }));
     warnings
+}
+
+/// A Gauss–Markov term that may be white noise behind a low-pass.
+fn memory_or_filter(chosen: &Selection) -> Option<AllanWarning> {
+    let Selection { problem, found, .. } = chosen;
+    let place = found.form.markov(low_pass(problem, found)?);
+    let (variance, tau_s) = (found.at[place], libm::exp(found.at[place + 1]));
+    Some(AllanWarning::MemoryOrFilter { tau_s, n: libm::sqrt(found.at[N2] + 2.0 * variance * tau_s) })
 }
 
 /// Halves of the record that differ.

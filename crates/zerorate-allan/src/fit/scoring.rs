@@ -67,8 +67,8 @@ pub(super) const LONGEST: f64 = 0.25;
 pub(super) const SHAPE_PRICE: f64 = 6.0;
 /// Largest cosine of the shape.
 const STEEPEST: f64 = 6.0;
-/// A pole nearer to the unit circle is a Gauss–Markov term.
-const NEAREST_POLE: f64 = 0.95;
+/// The range of a pole. A slower low-pass is a Gauss–Markov term.
+pub(super) const POLES: (f64, f64) = (-0.95, 0.999);
 /// White noise never vanishes: it keeps this share of the median power.
 const LEAST_WHITE: f64 = 1e-6;
 /// The largest step of a cosine and of a ln T.
@@ -111,7 +111,7 @@ impl Problem {
             _ if form.signed == Some(place) => (f64::NEG_INFINITY, f64::INFINITY),
             _ if form.is_square(place) => (0.0, f64::INFINITY),
             _ if place < SHAPE + form.cosines => (-STEEPEST, STEEPEST),
-            _ if place < form.markov(0) => (-NEAREST_POLE, NEAREST_POLE),
+            _ if place < form.markov(0) => POLES,
             _ => (libm::log(SHORTEST / self.table.rate_hz), libm::log(LONGEST * self.table.span_s)),
         }
     }
@@ -215,21 +215,21 @@ impl Problem {
             let pole = if form.pole { at[SHAPE + form.cosines] } else { 0.0 };
             let (low_pass, low_pass_slope) = if form.pole { one_pole(pole, row.cosines[0]) } else { (1.0, 0.0) };
             let shape = libm::exp(exponent) * low_pass * response.gain;
-            let white = at[N2] * shape;
-            let (b, k, q) = (row.flicker * response.gain, row.walk * response.gain, row.quantisation * response.gain);
-            let mut sum = response.offset + white + at[B2] * b + at[K2] * k + at[Q2] * q;
+            let q = row.quantisation * response.gain;
+            let (b, k) = (row.flicker * shape, row.walk * shape);
+            let mut shaped = at[N2] * shape + at[B2] * b + at[K2] * k;
             (slopes[N2][i], slopes[B2][i], slopes[K2][i], slopes[Q2][i]) = (shape, b, k, q);
-            (0..form.cosines).for_each(|j| slopes[SHAPE + j][i] = white * row.cosines[j]);
-            if form.pole {
-                slopes[SHAPE + form.cosines][i] = white * low_pass_slope;
-            }
             for index in 0..form.markovs {
                 let place = form.markov(index);
                 let (g, slope) = row.gauss_markov(libm::exp(at[place + 1]));
-                (slopes[place][i], slopes[place + 1][i]) = (g * response.gain, at[place] * slope * response.gain);
-                sum += at[place] * g * response.gain;
+                (slopes[place][i], slopes[place + 1][i]) = (g * shape, at[place] * slope * shape);
+                shaped += at[place] * g * shape;
             }
-            density[i] = sum;
+            (0..form.cosines).for_each(|j| slopes[SHAPE + j][i] = shaped * row.cosines[j]);
+            if form.pole {
+                slopes[SHAPE + form.cosines][i] = shaped * low_pass_slope;
+            }
+            density[i] = response.offset + shaped + at[Q2] * q;
         }
         let (low, drift) = template.map_or((Vec::new(), 0.0), |template| self.without_drift(&density, template));
         let mut state = State { density, slopes, low, drift, deviance: 0.0 };
@@ -410,7 +410,7 @@ fn one_pole(a: f64, cosine: f64) -> (f64, f64) {
     (square / under, 2.0 * (cosine + 1.0 - a) / under - 2.0 / (1.0 - a))
 }
 
-/// The shape of the white noise over its level at frequency 0, at the angle of its cosines.
+/// The shape over its level at frequency 0, at the angle of its cosines.
 pub(super) fn shape(form: &ModelForm, at: &[f64], angle: f64) -> f64 {
     let term = |j: usize| at[SHAPE + j] * (libm::cos((j + 1) as f64 * angle) - 1.0);
     let low_pass = if form.pole { one_pole(at[SHAPE + form.cosines], libm::cos(angle) - 1.0).0 } else { 1.0 };

@@ -1,7 +1,7 @@
 //! Selection of the terms: N, B and K always, the others where they earn their price.
 
 use super::density::{Drift, MOST_COSINES, Table};
-use super::scoring::{B2, Found, K2, LONGEST, ModelForm, N2, Problem, Q2, SHAPE, SHORTEST};
+use super::scoring::{B2, Found, K2, LONGEST, Local, ModelForm, N2, POLES, Problem, Q2, SHAPE, SHORTEST};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -12,6 +12,9 @@ const MARKOV_PRICE: f64 = 9.21;
 /// Added to the price of a term that leaves no flicker, or none that is identified. A few such terms look like
 /// flicker, and where both fit the rule says flicker.
 const INSTEAD_OF_FLICKER: f64 = 9.0;
+/// Added to the price of a term that may be the sensor's low-pass. Cosines follow a filter at such a price; what they
+/// cannot follow costs them thousands.
+const INSTEAD_OF_LOW_PASS: f64 = 50.0;
 /// The 5 % point of χ² with one degree of freedom: the gain of a coefficient that is identified.
 const IDENTIFIED: f64 = 3.84;
 const RAMP_PRICE: f64 = 10.8;
@@ -52,7 +55,7 @@ impl Selection {
     /// Whether the model holds without cosines, which follow any filter for a while: white noise, with a pole or
     /// quantisation.
     pub(super) fn has_plain_form(&self) -> bool {
-        self.found.form.cosines == 0 && self.problem.error == 0.0
+        self.found.form.cosines == 0 && self.problem.error == 0.0 && low_pass(&self.problem, &self.found).is_none()
     }
 }
 
@@ -102,7 +105,8 @@ pub(super) fn priced(problem: &Problem, found: Found) -> Priced {
     };
     let shape = problem.shape_price * (form.shape() + usize::from(form.quantised)) as f64;
     let instead = if form.markovs > 0 && !has_flicker(problem, &found) { INSTEAD_OF_FLICKER } else { 0.0 };
-    let price = found.deviance + shape + MARKOV_PRICE * form.markovs as f64 + instead + drift;
+    let low_pass = if low_pass(problem, &found).is_some() { INSTEAD_OF_LOW_PASS } else { 0.0 };
+    let price = found.deviance + shape + MARKOV_PRICE * form.markovs as f64 + instead + low_pass + drift;
     Priced { found, price }
 }
 
@@ -238,33 +242,82 @@ fn variants(problem: &Problem, best: &Priced) -> Vec<Priced> {
 const MANY_COSINES: usize = 2;
 
 fn other_shapes(problem: &Problem, found: &Found) -> Vec<Found> {
-    let mut all = Vec::new();
-    if found.form.cosines == 0 || problem.table.is_cut() {
-        return all;
+    if problem.table.is_cut() {
+        return Vec::new();
     }
-    let mut at = found.at.clone();
-    let cosines: Vec<f64> = at.drain(SHAPE..SHAPE + found.form.cosines).collect();
-    let mut quantised = at.clone();
-    quantised[Q2] = at[N2] / (problem.table.rate_hz * problem.table.rate_hz);
-    let form = ModelForm { cosines: 0, quantised: true, ..found.form };
-    all.push(problem.descend(form, &quantised, None, DESCENT));
-    if cosines.len() > MANY_COSINES {
-        // the first cosine of a pole p is 2p
-        at.insert(SHAPE, (cosines[0] / 2.0).clamp(-0.9, 0.9));
-        let mut last = problem.descend(ModelForm { cosines: 0, pole: true, ..found.form }, &at, None, DESCENT);
-        for _ in 0..cosines.len() - 1 {
-            all.push(last.clone());
-            last = with_cosine(problem, &last);
-        }
-    }
-    all
+    let quantised = (found.form.cosines > 0).then(|| quantised(problem, found));
+    quantised.into_iter().chain(with_pole(problem, found)).collect()
 }
 
+fn quantised(problem: &Problem, found: &Found) -> Found {
+    let mut at = without_shape(found);
+    at[Q2] = at[N2] / (problem.table.rate_hz * problem.table.rate_hz);
+    problem.descend(ModelForm { cosines: 0, quantised: true, ..found.form }, &at, None, DESCENT)
+}
+
+/// A pole instead of many cosines, or instead of the Gauss–Markov term with the highest plateau, and beside it fewer
+/// cosines than before.
+fn with_pole(problem: &Problem, found: &Found) -> Vec<Found> {
+    let mut form = ModelForm { cosines: 0, pole: true, ..found.form };
+    let mut at = without_shape(found);
+    let memories = (0..form.markovs).map(|index| {
+        let (plateau, tau_s) = memory(found, index);
+        (index, plateau, libm::exp(-1.0 / (tau_s * problem.table.rate_hz)))
+    });
+    let loud = memories.filter(|&(_, plateau, pole)| plateau > found.at[N2] && pole < POLES.1);
+    let pole = if let Some((index, plateau, pole)) = loud.max_by(|a, b| a.1.total_cmp(&b.1)) {
+        at.drain(SHAPE + 2 * index..SHAPE + 2 * index + 2);
+        form.markovs -= 1;
+        at[N2] += plateau;
+        pole
+    } else if found.form.cosines > MANY_COSINES {
+        // the first cosine of a pole p is 2p
+        (found.at[SHAPE] / 2.0).clamp(-0.9, 0.9)
+    } else {
+        return Vec::new();
+    };
+    at.insert(SHAPE, pole);
+    let first = problem.descend(form, &at, None, DESCENT);
+    let most = found.form.cosines.max(2) - 1;
+    core::iter::successors(Some(first), |last| Some(with_cosine(problem, last))).take(most).collect()
+}
+
+/// Whether the record shows the time constants of the Gauss–Markov terms, and of the low-pass.
 pub(super) fn is_sound(problem: &Problem, found: &Found) -> bool {
     let table = &problem.table;
     let (shortest, longest) = (AT_BOUND * SHORTEST / table.rate_hz, LONGEST * table.span_s / AT_BOUND);
     let tau_s = |index| libm::exp(found.at[found.form.markov(index) + 1]);
+    let pole = SHAPE + found.form.cosines;
     (0..found.form.markovs).all(|index| tau_s(index) > shortest && tau_s(index) < longest)
+        && (!found.form.pole || problem.is_free(found, pole))
+}
+
+/// The Gauss–Markov term that may be white noise behind a low-pass of the first order: it has more power than the
+/// white noise beside it where the plateau of that is looked for, or all the way down beside a slow low-pass.
+pub(super) fn low_pass(problem: &Problem, found: &Found) -> Option<usize> {
+    let (local, row) = (problem.local(found), plateau(problem));
+    let power = |index| local.slopes[found.form.markov(index)][row] * found.at[found.form.markov(index)];
+    let is_slow = found.form.pole && found.at[SHAPE + found.form.cosines] > libm::exp(-1.0 / SHORTEST);
+    let is_loud = |index| is_slow && memory(found, index).0 > found.at[N2];
+    (0..found.form.markovs).find(|&index| power(index) > white(&local, found, row) || is_loud(index))
+}
+
+/// The plateau of a Gauss–Markov term below its corner, 2σ²T, and T.
+fn memory(found: &Found, index: usize) -> (f64, f64) {
+    let place = found.form.markov(index);
+    let tau_s = libm::exp(found.at[place + 1]);
+    (2.0 * found.at[place] * tau_s, tau_s)
+}
+
+/// The bin in which the plateau of the white noise is looked for: a quarter of the upper end.
+pub(super) fn plateau(problem: &Problem) -> usize {
+    let rows = &problem.table.rows;
+    rows.partition_point(|row| row.f_hz < problem.table.top_hz / 4.0).min(rows.len().max(1) - 1)
+}
+
+/// The white noise, with its shape, in a bin.
+pub(super) fn white(local: &Local, found: &Found, row: usize) -> f64 {
+    local.slopes[N2][row] * found.at[N2]
 }
 
 /// The relative error of the model that makes the bins scatter as they should; 0 if they do. An error that runs of
@@ -311,4 +364,11 @@ pub(super) fn chi2(problem: &Problem, found: &Found) -> (f64, f64) {
     let (mut sum, mut count) = (0.0, 0);
     chi2.for_each(|term| (sum, count) = (sum + term, count + 1));
     (sum, (f64::from(count) - found.form.shape() as f64 - 1.0).max(1.0))
+}
+
+/// The parameters without the shape.
+pub(super) fn without_shape(found: &Found) -> Vec<f64> {
+    let mut at = found.at.clone();
+    at.drain(SHAPE..SHAPE + found.form.shape());
+    at
 }

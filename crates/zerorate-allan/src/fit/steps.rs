@@ -65,9 +65,8 @@ pub(super) fn largest(
     let fitted = table.rows.iter().map(|row| row.f_hz).zip(chosen.found.density.iter().copied());
     let hz = rate_hz / (2 * n) as f64;
     // what a filter takes off the noise it takes off a step, so that less noise there proves nothing
-    let above = spectrum.above(table.top_hz, rate_hz).into_iter();
-    let above = above.map(|(f_hz, density)| (f_hz, density.max(chosen.found.at[N2])));
-    let known: Vec<(f64, f64)> = fitted.chain(above).collect();
+    let whole = fitted.chain(spectrum.above(table.top_hz, rate_hz));
+    let known: Vec<(f64, f64)> = whole.map(|(f_hz, density)| (f_hz, density.max(chosen.found.at[N2]))).collect();
     let densities: Vec<f64> = known.iter().map(|(_, density)| *density).collect();
     let density = at_coefficients(known.iter().map(|(f_hz, _)| f_hz / hz), &densities, n - 1);
     scan(&rate, &density.iter().map(|density| density * rate_hz).collect::<Vec<f64>>(), &left_out)

@@ -257,7 +257,7 @@ fn bursts_of_losses_leave_n() {
 /// strong. Where the model did not allow for that, B came out 10 % too large.
 #[test]
 fn white_noise_with_bursts_of_losses_is_what_the_bins_expect() {
-    let (mut ratios, mut freedom) = (0.0, 0.0);
+    let (mut ratios, mut freedom, mut coefficients) = (0.0, 0.0, 0.0);
     for seed in 50..58 {
         let mut rate = Truth { n: 0.1, ..Truth::default() }.noise(200_000, seed);
         for burst in 0..40 {
@@ -267,9 +267,12 @@ fn white_noise_with_bursts_of_losses_is_what_the_bins_expect() {
         for bin in spectrum.bins.iter().filter(|bin| bin.end < 1000) {
             ratios += bin.freedom * bin.power / (bin.response.offset + 0.01 * bin.response.gain);
             freedom += bin.freedom;
+            coefficients += (bin.end - bin.first) as f64;
         }
     }
     assert!(near(ratios / freedom, 1.0, 0.05), "{}", ratios / freedom);
+    // bins of tapered segments once counted up to 1.7 times, and B was surer than it is
+    assert!(freedom <= coefficients, "{freedom} degrees of freedom in {coefficients} coefficients");
 }
 
 /// One of a thousand samples: glitches side by side, each of which takes only its own sample.

@@ -68,8 +68,9 @@ pub const GROUPS: [Group; 6] = [
     Group {
         title: "Of noise",
         codes: "quantisation-limited periodic-disturbance misfit drift short-end-excluded glitches many-glitches \
-            many-steps gaps lines warm-up memory-or-flicker drift-or-walk unsteady short-record leakage off-curve \
-            model-rejected no-model no-common-model not-alike follows-temperature not-identified motion",
+            many-steps gaps lines warm-up memory-or-flicker memory-or-filter drift-or-walk unsteady short-record \
+            leakage off-curve model-rejected no-model no-common-model not-alike follows-temperature \
+            not-identified motion",
     },
     Group {
         title: "Of logs and recordings",

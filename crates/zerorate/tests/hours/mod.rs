@@ -40,17 +40,3 @@ pub fn measure(spec: &Spec, method: Method) -> Result<(Outcome, Truth), Refusal>
     }
     Ok((procedure.finish()?, means.truth()))
 }
-
-/// Largest error of PBC, BTC and the correction over the temperatures seen, in standard uncertainties.
-pub fn worst_u(outcome: &Outcome, truth: &Truth) -> f64 {
-    let (correction, u) = (&outcome.correction, &outcome.uncertainty);
-    let pbc = (correction.pbc_dps - truth.pbc_dps(correction.t3_c)) / u.u_pbc_dps;
-    let btc = (correction.btc_dps_per_c - truth.btc_dps_per_c(correction.t3_c)) / u.u_btc_dps_per_c;
-    let at = |temp_c: f64| {
-        let error_dps = correction.at(temp_c) + truth.bias_dps(temp_c);
-        outcome.curve.map_or(0.0, |curve| error_dps / curve.u_dps(temp_c))
-    };
-    let span = outcome.curve.map_or((0.0, 0.0), |curve| curve.span_c);
-    let over = (0..9).map(|k| at(span.0 + (span.1 - span.0) * f64::from(k) / 8.0));
-    over.chain([pbc, btc]).map(f64::abs).fold(0.0, f64::max)
-}

@@ -173,7 +173,8 @@ impl Level<'_> {
         let density = |power: &[f64]| -> Vec<f64> { power[1..].iter().map(|power| power / self.rate_hz()).collect() };
         let (raw, fair) = (density(&power.raw), density(&power.fair));
         let mut bins = with_power(edges((length / USED_FROM).max(FIRST), end, widest), &raw);
-        let freedom = |width: usize| segments::freedom(width) * power.count * self.present;
+        // the taper correlates frequencies, and the overlap segments: in each segment a frequency counts once
+        let freedom = |width: usize| width as f64 * power.count * self.present;
         bins.iter_mut().for_each(|bin| bin.freedom = freedom(bin.end - bin.first));
         let narrow = take_out_narrow(&raw, &mut bins, hz, freedom);
         let is_line = |k: &usize| narrow.iter().any(|narrow| (narrow.run.0..narrow.run.1).contains(k));

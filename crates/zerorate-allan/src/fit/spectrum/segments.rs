@@ -8,7 +8,7 @@
 use crate::kernels::threads;
 use alloc::vec;
 use alloc::vec::Vec;
-use core::f64::consts::{FRAC_1_PI, PI};
+use core::f64::consts::PI;
 use realfft::num_complex::Complex64;
 use realfft::{FftError, RealFftPlanner};
 
@@ -39,21 +39,6 @@ pub(super) fn length(values: usize) -> usize {
     let (shortest, longest) = LENGTHS;
     let most = (values / FEWEST).clamp(shortest, longest);
     1 << most.ilog2()
-}
-
-/// χ² degrees of freedom, in each segment, of the mean over `width` neighbouring frequencies. The taper correlates
-/// neighbours, and the overlap correlates segments.
-pub(super) fn freedom(width: usize) -> f64 {
-    let square = |x: f64| x * x;
-    let correlation = |lag: usize| match lag {
-        0 => 1.0 + 2.0 * square(FRAC_1_PI),
-        1 => 0.375,
-        _ if lag.is_multiple_of(2) => 2.0 * square(FRAC_1_PI / (square(lag as f64) - 1.0)),
-        _ => 0.0,
-    };
-    let width_f = width as f64;
-    let lags: f64 = (1..width).map(|lag| (width - lag) as f64 * correlation(lag)).sum();
-    2.0 * width_f * width_f / (width_f * correlation(0) + 2.0 * lags)
 }
 
 fn taper(length: usize) -> Vec<f64> {

@@ -7,7 +7,7 @@ use zerorate_logs::{LogWarning, Record};
 use zerorate_view::plot::number;
 
 /// Codes of findings, the most damaging first. Findings with other codes come before all: they concern the log.
-const BY_WEIGHT: [&str; 17] = [
+const BY_WEIGHT: [&str; 18] = [
     "model-rejected",
     "follows-temperature",
     "short-record",
@@ -21,6 +21,7 @@ const BY_WEIGHT: [&str; 17] = [
     "unsteady",
     "gaps",
     "lines",
+    "memory-or-filter",
     "memory-or-flicker",
     "drift-or-walk",
     "quantisation-limited",
@@ -189,6 +190,9 @@ fn words_of_terms(warning: &AllanWarning, unit: &str) -> (String, String) {
         AllanWarning::MemoryOrFlicker { .. } => {
             said(String::new(), "Gauss–Markov terms or B; do not extrapolate beyond a quarter")
         }
+        AllanWarning::MemoryOrFilter { tau_s, n } => {
+            said(format!("{}, N is then {}", span(tau_s), number(n)), "the Gauss–Markov term may be a low-pass")
+        }
         AllanWarning::DriftOrWalk { has_drift, .. } => said(
             if has_drift { "a drift was taken" } else { "a random walk was taken" }.to_owned(),
             "a record cannot tell drift from random walk; record again",
@@ -232,6 +236,7 @@ mod tests {
             AllanWarning::Gaps { missing: 12345, samples: 12_345_678 },
             AllanWarning::Lines { count: 12, frequency_hz: 123.4, rms: 1.2e-3 },
             AllanWarning::MemoryOrFlicker { markovs: 2, others: 1, worse: 1.2 },
+            AllanWarning::MemoryOrFilter { tau_s: 12.345, n: 1.234e-3 },
             AllanWarning::DriftOrWalk { has_drift: true, worse: 1.2 },
             AllanWarning::NotIdentified { noise, record_s: 1e4, needed_s: 6e5 },
         ];

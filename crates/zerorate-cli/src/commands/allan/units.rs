@@ -91,10 +91,7 @@ fn of_term(record: &Record, term: &Term) -> TermRow {
         Term::BandShape { cosines, pole } => TermRow {
             name: "band shape".to_owned(),
             values: Vec::new(),
-            remark: format!(
-                "of order {}: the white noise has a filter behind it",
-                cosines.len() + usize::from(pole.is_some())
-            ),
+            remark: format!("of order {}: a filter shapes the noise", cosines.len() + usize::from(pole.is_some())),
         },
         Term::Line(Line { frequency_hz, width_hz, rms }) => TermRow {
             name: "line, left out".to_owned(),

@@ -1,0 +1,222 @@
+//! Each export with objects of its own memory, for Miri: `cargo xtask proofs miri`.
+
+use crate::bus::{Bus, SelfTestPin};
+use crate::correction::*;
+use crate::corrector::*;
+use crate::gyro::*;
+use crate::procedure::*;
+use crate::self_test::*;
+use crate::status::*;
+use crate::table::*;
+use crate::tracker::*;
+use adis16130_twin::{Spec, Twin, TwinDelay, TwinRdy, TwinSpi};
+use core::ffi::{CStr, c_void};
+use core::ptr::{null, null_mut};
+use embedded_hal::delay::DelayNs;
+use embedded_hal::digital::{InputPin, OutputPin, PinState};
+use embedded_hal::spi::SpiDevice;
+use std::boxed::Box;
+
+/// The caller's side.
+struct Rig {
+    twin: Twin,
+    spi: TwinSpi,
+    rdy: TwinRdy,
+    delay: TwinDelay,
+    pin: adis16130_twin::SelfTestPin,
+}
+
+/// Memory as the caller owns it: what is written beside it, or used after it, ends Miri.
+fn memory<T>() -> Box<T> {
+    // SAFETY: the types of the interface are plain numbers and pointers, for which zeros are valid.
+    unsafe { Box::<T>::new_zeroed().assume_init() }
+}
+
+/// Calls an export, all of which are functions with a contract that this module keeps.
+macro_rules! call {
+    ($name:ident($($argument:expr),*)) => {{
+        // SAFETY: each pointer is null, or points to memory of its type that nothing else uses.
+        unsafe { $name($($argument),*) }
+    }};
+}
+
+fn rig(context: *mut c_void) -> &'static mut Rig {
+    // SAFETY: the context is a rig that outlives the call, and only one call is under way.
+    unsafe { &mut *context.cast() }
+}
+
+unsafe extern "C" fn transfer(context: *mut c_void, bytes: *mut u8, length: usize) -> i32 {
+    // SAFETY: by the contract of `Bus`.
+    let bytes = unsafe { core::slice::from_raw_parts_mut(bytes, length) };
+    rig(context).spi.transfer_in_place(bytes).map_or(-1, |()| 0)
+}
+
+unsafe extern "C" fn rdy(context: *mut c_void) -> i32 {
+    rig(context).rdy.is_high().map_or(-1, i32::from)
+}
+
+unsafe extern "C" fn delay_us(context: *mut c_void, us: u32) {
+    rig(context).delay.delay_us(us);
+}
+
+unsafe extern "C" fn set(context: *mut c_void, level: i32) -> i32 {
+    rig(context).pin.set_state(PinState::from(level != 0)).map_or(-1, |()| 0)
+}
+
+/// A twin behind C's pointer, and a gyroscope that is initialised on it.
+fn gyro() -> (*mut c_void, Box<Gyro>) {
+    let twin = Twin::new(Spec::parse_keys("seed=3").expect("keys"));
+    let (spi, rdy_pin, delay, pin) = (twin.spi(), twin.rdy(), twin.delay(), twin.self_test_pin());
+    let context = Box::into_raw(Box::new(Rig { twin, spi, rdy: rdy_pin, delay, pin })).cast();
+    let bus = Bus { context, transfer: Some(transfer), rdy: Some(rdy), delay_us: Some(delay_us) };
+    let (mut gyro, mut settings) = (memory::<Gyro>(), memory::<Settings>());
+    assert_eq!(call!(zerorate_gyro_initialise(&mut *gyro)), ZERORATE_E_STATE);
+    assert_eq!(call!(zerorate_settings_default(&mut *settings)), ZERORATE_OK);
+    assert_eq!(call!(zerorate_gyro_set_up(&mut *gyro, null(), &*settings)), ZERORATE_E_NULL);
+    assert_eq!(call!(zerorate_gyro_set_up(&mut *gyro, &bus, &*settings)), ZERORATE_OK);
+    assert_eq!(call!(zerorate_gyro_initialise(&mut *gyro)), ZERORATE_OK);
+    (context, gyro)
+}
+
+fn end(context: *mut c_void) {
+    // SAFETY: it came from `gyro`, and no gyroscope uses it any more.
+    drop(unsafe { Box::<Rig>::from_raw(context.cast()) });
+}
+
+fn correction() -> Correction {
+    Correction { pbc_dps: -0.25, btc_dps_per_c: -0.04, t3_c: 31.5, btc2_dps_per_c2: 0.0, btc3_dps_per_c3: 0.0 }
+}
+
+#[test]
+fn a_gyroscope_is_read() {
+    let (context, mut gyro) = gyro();
+    let (mut codes, mut sample) = (memory::<Codes>(), memory::<Sample>());
+    assert_eq!(call!(zerorate_gyro_wait_ready(&mut *gyro, 2000)), ZERORATE_OK);
+    assert_eq!(call!(zerorate_gyro_read(&mut *gyro, &mut *codes)), ZERORATE_OK);
+    assert_eq!(call!(zerorate_gyro_read(&mut *gyro, null_mut())), ZERORATE_E_NULL);
+    assert!(zerorate_rate_dps(codes.rate_code).abs() < 10.0 && zerorate_temp_c(codes.temp_code) > 10.0);
+    let edge = rig(context).twin.next_falling_edge(100_000_000).expect("an edge");
+    assert_eq!(call!(zerorate_gyro_sample(&mut *gyro, edge.t_ns, edge.seq, &mut *sample)), ZERORATE_OK);
+    assert_eq!(call!(zerorate_gyro_silent(&mut *gyro, edge.t_ns + 1)), ZERORATE_OK);
+    assert_eq!(call!(zerorate_gyro_diagnose(&mut *gyro)), ZERORATE_OK);
+    end(context);
+}
+
+#[test]
+fn the_self_test_is_measured() {
+    let (context, mut gyro) = gyro();
+    let pin = SelfTestPin { context, set: Some(set) };
+    let (mut plan, mut result) = (memory::<SelfTestPlan>(), memory::<SelfTest>());
+    assert_eq!(call!(zerorate_self_test_plan_default(&mut *plan)), ZERORATE_OK);
+    (plan.settle_us, plan.samples) = (1000, 16);
+    assert_eq!(call!(zerorate_gyro_self_test(&mut *gyro, &pin, &*plan, null_mut())), ZERORATE_E_NULL);
+    assert_eq!(call!(zerorate_gyro_self_test(&mut *gyro, &pin, &*plan, &mut *result)), ZERORATE_OK);
+    assert_eq!(result.n, 16);
+    end(context);
+}
+
+/// Warmer from one sample to the next, at rest. `jump`: the rate is not.
+fn calibrate(procedure: &mut Procedure, jump: bool) -> Status {
+    let mut plan = memory::<Plan>();
+    call!(zerorate_plan_default(&mut *plan));
+    (plan.average_s, plan.warmup_s, plan.settle_s) = (1.0, 0.0, 0.0);
+    (plan.offset_s, plan.final_temp_s, plan.max_u_btc_dps_per_c) = (1.0, 0.1, 1.0);
+    assert_eq!(call!(zerorate_procedure_begin(&mut *procedure, &*plan)), ZERORATE_OK);
+    assert_eq!(call!(zerorate_procedure_next(&mut *procedure)), ZERORATE_INITIALISE);
+    assert_eq!(call!(zerorate_procedure_initialised(&mut *procedure, 0)), ZERORATE_OK);
+    let mut sample = memory::<Sample>();
+    (sample.bits, sample.has_temp) = (24, 1);
+    for seq in 0..600 {
+        sample.seq = seq;
+        sample.t_ns = u64::from(seq) * 10_000_000;
+        sample.rate_code = 8_388_608 + (seq * 7919 % 4001) + if jump { seq % 64 * 5000 } else { 0 };
+        sample.temp_code = 8_388_608 + seq * 1000;
+        call!(zerorate_procedure_sample(&mut *procedure, &*sample));
+        match call!(zerorate_procedure_next(&mut *procedure)) {
+            ZERORATE_SAMPLE => {}
+            ended => return ended,
+        }
+    }
+    ZERORATE_SAMPLE
+}
+
+#[test]
+fn a_procedure_comes_to_its_end() {
+    let (mut procedure, mut outcome) = (memory::<Procedure>(), memory::<Outcome>());
+    let (mut elapsed_s, mut total_s) = (0.0, 0.0);
+    assert_eq!(calibrate(&mut procedure, false), ZERORATE_DONE);
+    assert_eq!(call!(zerorate_procedure_time(&mut *procedure, 1 << 40)), ZERORATE_OK);
+    assert_eq!(call!(zerorate_procedure_step(&mut *procedure)), 10);
+    assert_eq!(call!(zerorate_procedure_progress(&mut *procedure, &mut elapsed_s, &mut total_s)), ZERORATE_OK);
+    assert!(elapsed_s >= 3.1 && total_s >= 3.1);
+    assert_eq!(call!(zerorate_procedure_outcome(&mut *procedure, &mut *outcome)), ZERORATE_OK);
+    assert!(outcome.samples > 300 && outcome.temp_max_c > outcome.temp_min_c);
+    assert!(calibrate(&mut procedure, true) < 0, "refused");
+    assert_ne!(call!(zerorate_procedure_remedy(&mut *procedure, 0)), 0);
+    assert_eq!(call!(zerorate_procedure_remedy(&mut *procedure, usize::MAX)), 0);
+}
+
+#[test]
+fn a_correction_is_applied_in_each_form() {
+    let mut single = memory::<CorrectionF32>();
+    let mut integer = memory::<CorrectionInteger>();
+    let mut curve = memory::<CorrectionCurve>();
+    assert_eq!(call!(zerorate_correction_to_f32(&correction(), &mut *single)), ZERORATE_OK);
+    assert_eq!(call!(zerorate_correction_to_integer(&correction(), &mut *integer)), ZERORATE_OK);
+    assert_eq!(call!(zerorate_correction_to_curve(&correction(), &mut *curve)), ZERORATE_OK);
+    assert_eq!(call!(zerorate_correct(&correction(), 1.0, 31.5)), 0.75);
+    assert_eq!(call!(zerorate_correct_f32(&*single, 1.0, 31.5)), 0.75);
+    assert_eq!(call!(zerorate_correct_integer(null(), 5, 0)), 5);
+    for temp_code in [0, 8_480_212, 0xFF_FFFF, u32::MAX] {
+        let line = call!(zerorate_correct_integer(&*integer, 8_400_000, temp_code));
+        let curve = call!(zerorate_correct_curve(&*curve, 8_400_000, temp_code));
+        assert!(line.abs_diff(curve) < 4 || temp_code != 8_480_212);
+    }
+    let (mut corrector, mut corrected) = (memory::<Corrector>(), memory::<Corrected>());
+    assert_eq!(call!(zerorate_corrector_begin(&mut *corrector, &correction(), null())), ZERORATE_OK);
+    assert_eq!(call!(zerorate_corrector_take(&mut *corrector, 1.0, f64::NAN, &mut *corrected)), ZERORATE_NOTHING);
+    assert_eq!(call!(zerorate_corrector_take(&mut *corrector, 1.0, 31.5, &mut *corrected)), ZERORATE_OK);
+    assert_eq!(corrected.rate_dps, 0.75);
+}
+
+#[test]
+fn a_table_is_looked_up_up_to_both_ends() {
+    let (mut table, mut rows, mut row) = (memory::<Table>(), std::vec![0; 41], 0);
+    let rows_of = rows.as_mut_ptr();
+    assert_eq!(
+        call!(zerorate_table_lay_out(&mut *table, &correction(), 0.1, 2.0, rows_of, 40)),
+        ZERORATE_E_TABLE_ROOM
+    );
+    assert_eq!(call!(zerorate_table_lay_out(&mut *table, &correction(), 0.1, 2.0, rows_of, 41)), ZERORATE_OK);
+    assert_eq!(call!(zerorate_table_look_up(&*table, table.t3_code as u32, &mut row)), ZERORATE_OK);
+    assert_eq!(row, 0);
+    for (temp_code, end) in [(0, 80_000), (u32::MAX, -80_000)] {
+        assert_eq!(call!(zerorate_table_look_up(&*table, temp_code, &mut row)), ZERORATE_E_TABLE_OUTSIDE);
+        assert_eq!(row, end);
+    }
+}
+
+#[test]
+fn a_tracker_is_kept_and_resumed() {
+    let prior =
+        TrackerPrior { u_pbc_dps: 0.001, u_btc_dps_per_c: 0.001, cov_pbc_btc: 0.0, white_dps_per_rt_hz: 0.0125 };
+    let (mut tracker, mut saved) = (memory::<Tracker>(), memory::<TrackerState>());
+    let mut tracked = memory::<Tracked>();
+    assert_eq!(call!(zerorate_tracker_push(&mut *tracker, 0.0, 25.0)), ZERORATE_E_STATE);
+    assert_eq!(call!(zerorate_tracker_begin(&mut *tracker, &correction(), &prior, 100.0)), ZERORATE_OK);
+    for sample in 0..2000 {
+        let rate_dps = f64::from(sample * 7919 % 401 - 200) * 1e-3;
+        assert!(call!(zerorate_tracker_push(&mut *tracker, rate_dps, 25.0)) >= 0);
+    }
+    assert_eq!(call!(zerorate_tracker_bias(&mut *tracker, 25.0, &mut *tracked)), ZERORATE_OK);
+    assert_eq!(call!(zerorate_tracker_save(&mut *tracker, &mut *saved)), ZERORATE_OK);
+    assert_eq!(call!(zerorate_tracker_resume(&mut *tracker, &correction(), &prior, &*saved, 100.0)), ZERORATE_OK);
+}
+
+#[test]
+fn every_status_has_words() {
+    for status in -100..20 {
+        // SAFETY: the string lives for ever.
+        assert!(!unsafe { CStr::from_ptr(zerorate_text(status)) }.is_empty());
+    }
+}

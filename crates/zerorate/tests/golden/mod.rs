@@ -1,0 +1,17 @@
+//! Results that must stay as they are, bit for bit.
+//!
+//! A difference here is either a defect or a change of a result, which the CHANGELOG owes its users. In the latter
+//! case `ZERORATE_GOLDEN=write cargo test -p zerorate --all-features` makes the files anew.
+
+use std::fs;
+use std::path::Path;
+
+/// Compares with the file of this name, or writes it where the environment asks for that.
+#[track_caller]
+pub fn unchanged(name: &str, now: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/golden/{name}"));
+    if std::env::var_os("ZERORATE_GOLDEN").is_some_and(|value| value == "write") {
+        fs::write(&path, now).unwrap();
+    }
+    assert_eq!(now, fs::read_to_string(&path).unwrap(), "{name} has changed");
+}

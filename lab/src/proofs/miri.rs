@@ -1,0 +1,32 @@
+//! Miri on the C interface, whose Rust side has all `unsafe` code that takes pointers in, and on tests of the driver
+//! and the core below it.
+
+use super::nightly;
+use anyhow::Result;
+use xtask::venv::done;
+
+/// As the controllers that the code is for, it has 32 bits. (For x86-64, libm has assembly, which Miri does not run.)
+const TARGET: &str = "armv7-unknown-linux-gnueabihf";
+
+/// The tests of `--check`.
+const QUICK: [&str; 1] = ["--manifest-path bindings/c/Cargo.toml --package zerorate-c"];
+/// The rest: tests that take less than three minutes each. Driver and core have no `unsafe` code.
+const LONG: [&str; 2] = [
+    "--package adis16130 --features bridge --test driver -- asynch bridge codes diagnosis --skip a_counter_in --skip \
+     every_damaged",
+    "--package zerorate --lib -- chamber::plan chamber::file code_table correction::tests::table \
+     correction::tests::a_curve correction::tests::what",
+];
+
+/// Runs the tests; undefined behaviour ends one with an error.
+pub fn run(check: bool) -> Result<()> {
+    if !nightly::available("miri", "Miri") {
+        return Ok(());
+    }
+    for tests in QUICK.iter().chain(LONG.iter().filter(|_| !check)) {
+        let mut cargo = nightly::cargo("miri test --quiet", "miri");
+        cargo.args(["--target", TARGET]).args(tests.split(' '));
+        done(cargo.env("MIRIFLAGS", "-Zmiri-disable-isolation"))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,60 @@
+//! `cargo xtask proofs`: a search for undefined behaviour and data races, by tools that watch the tests.
+
+mod asan;
+mod miri;
+mod nightly;
+mod tsan;
+mod valgrind;
+
+use anyhow::{Context, Result};
+use std::time::Instant;
+
+/// Below the project's target folder, one folder for each part that builds in its own way.
+const WORK: &str = "target/proofs";
+
+/// Command line of `cargo xtask proofs`.
+#[derive(clap::Args)]
+pub struct ProofsArgs {
+    /// The parts [default: all]
+    #[arg(value_enum)]
+    parts: Vec<Part>,
+    /// Run as a step of the test: the quick half of `miri`, and five million calls of `asan`
+    #[arg(long, conflicts_with = "parts")]
+    check: bool,
+    /// The seed of the calls of `asan`
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
+
+/// A tool, and what it watches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Part {
+    /// Tests of driver, core and C interface in Miri, on a processor of 32 bits
+    Miri,
+    /// The C library with AddressSanitizer and its callers with UBSan: examples, and random calls of each function
+    Asan,
+    /// Tests of the hub, its queues and the libiio server with ThreadSanitizer
+    Tsan,
+    /// Tests of the Python package in valgrind
+    Valgrind,
+}
+
+const ALL: [Part; 4] = [Part::Miri, Part::Asan, Part::Tsan, Part::Valgrind];
+const QUICK: [Part; 2] = [Part::Miri, Part::Asan];
+
+/// Runs the parts. One whose tools are missing says so and passes.
+pub fn run(args: &ProofsArgs) -> Result<()> {
+    let all = if args.check { &QUICK[..] } else { &ALL };
+    for part in if args.parts.is_empty() { all } else { &args.parts } {
+        let start = Instant::now();
+        let done = match part {
+            Part::Miri => miri::run(args.check),
+            Part::Asan => asan::run(args.check, args.seed),
+            Part::Tsan => tsan::run(),
+            Part::Valgrind => valgrind::run(),
+        };
+        done.with_context(|| format!("{part:?}"))?;
+        println!("{part:?}: {:.0} s", start.elapsed().as_secs_f64());
+    }
+    Ok(())
+}

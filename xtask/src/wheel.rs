@@ -1,0 +1,42 @@
+//! The wheel of the Python package, in an environment of its own below `target/`.
+
+use crate::venv::{self, done};
+use anyhow::{Context, Result};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+const REQUIREMENTS: &str = "bindings/python/requirements-test.txt";
+const WHEELS: &str = "target/wheels-test";
+
+/// The interpreter with the tests' packages, or the reason outside our control why there is none.
+pub fn environment() -> Result<Result<PathBuf, &'static str>> {
+    let has_venv = Command::new("python3").args(["-m", "venv", "--help"]).stdout(Stdio::null()).status();
+    if !has_venv.is_ok_and(|status| status.success()) {
+        return Ok(Err("python3 with venv is missing (apt install python3-venv)"));
+    }
+    match venv::python("wheel", Path::new(REQUIREMENTS)) {
+        Ok(python) => Ok(Ok(fs::canonicalize("target")?.join(python.strip_prefix("target")?))),
+        Err(_) if !reaches_registry() => Ok(Err("pip reaches no package registry")),
+        Err(error) => Err(error),
+    }
+}
+
+fn reaches_registry() -> bool {
+    let mut probe = Command::new("target/venv-wheel/bin/python");
+    probe.args(["-m", "pip", "download", "--quiet", "--no-deps", "--dest", "target/probe", "pip"]);
+    probe.status().is_ok_and(|status| status.success())
+}
+
+/// Builds the wheel, and installs it into the environment.
+pub fn install(python: &Path) -> Result<()> {
+    if Path::new(WHEELS).is_dir() {
+        fs::remove_dir_all(WHEELS).context("clearing the old wheel")?;
+    }
+    let mut build = Command::new(python);
+    build.args(["-m", "maturin", "build", "--quiet", "--release", "--out", WHEELS]);
+    done(build.args(["--manifest-path", "bindings/python/Cargo.toml", "--interpreter"]).arg(python))?;
+    let wheel = fs::read_dir(WHEELS)?.next().context("maturin built no wheel")??.path();
+    let mut install = Command::new(python);
+    done(install.args(["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps"]).arg(wheel))
+}
