@@ -13,7 +13,7 @@ use anyhow::{Result, ensure};
 use xtask::arguments::Arguments;
 
 /// What neither `test` nor `check` runs.
-const REST: [Step; 36] = [
+const REST: [Step; 37] = [
     Step::new("doc", "doc --workspace --no-deps --all-features")
         .about("The documentation builds without a warning")
         .with_env("RUSTDOCFLAGS", "-Dwarnings"),
@@ -131,6 +131,10 @@ const REST: [Step; 36] = [
         .about("The C interface in Miri, and called at random under AddressSanitizer, where nightly Rust is installed")
         .at(Pace::Beside)
         .installing("clang"),
+    Step::new("mutants", "xtask mutants --share 60 adis16130")
+        .about("The tests of the driver fail where one of 18 lines is made wrong")
+        .at(Pace::Beside)
+        .installing("cargo-mutants, below target/tools"),
     Step::new("serve", "xtask bench-serve --check")
         .about("20 pages and 4 libiio clients watch a minute of the twin, and the recording loses nothing")
         .at(Pace::Beside)

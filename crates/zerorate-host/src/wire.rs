@@ -119,3 +119,51 @@ fn why_no_port(path: &str, error: serialport::Error) -> anyhow::Error {
     };
     anyhow::Error::new(error).context(remedy)
 }
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use serialport::TTYPort;
+    use std::io::{Read, Write};
+
+    const SOON: Duration = Duration::from_secs(5);
+
+    fn serial(path: &str) -> Result<Wire> {
+        Wire::open(&Port::Serial { path: path.to_owned(), baud: 115_200 })
+    }
+
+    #[test]
+    fn a_serial_port_carries_bytes_until_its_end_is_gone() {
+        let (mut far, near) = TTYPort::pair().expect("a pair of ports");
+        let mut wire = serial(&near.name().expect("a name")).expect("a port");
+        drop(near);
+        wire.write(b"TEMP?").expect("it is sent");
+        let mut asked = [0; 5];
+        far.read_exact(&mut asked).expect("it comes");
+        assert_eq!(&asked, b"TEMP?");
+
+        let mut received = VecDeque::new();
+        wire.read(Duration::from_millis(1), &mut received).expect("silence is no failure");
+        assert!(received.is_empty());
+        far.write_all(b"23.0").expect("it is sent");
+        while received.len() < 4 {
+            wire.read(SOON, &mut received).expect("it comes");
+        }
+        assert_eq!(received, *b"23.0");
+
+        drop(far);
+        assert!(wire.read(SOON, &mut received).is_err());
+        assert!(wire.write(b"TEMP?").is_err());
+    }
+
+    #[test]
+    fn a_port_that_cannot_be_opened_says_what_to_do() {
+        let why = |path| format!("{:#}", serial(path).err().expect("no port"));
+        assert!(why("/dev/no-such-port").contains("plug the bridge in"), "{}", why("/dev/no-such-port"));
+        assert!(why("/dev/null").contains("as a serial port"), "{}", why("/dev/null"));
+        let (_far, near) = TTYPort::pair().expect("a pair of ports");
+        let path = near.name().expect("a name");
+        let _taken = serial(&path).expect("a port");
+        assert!(why(&path).contains("fuser"), "{}", why(&path));
+    }
+}

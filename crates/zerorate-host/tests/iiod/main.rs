@@ -5,7 +5,11 @@ mod served;
 
 use served::{Raw, Served};
 use std::io::{Read, Write};
+use std::net::{Shutdown, TcpListener};
+use std::thread;
 use std::time::{Duration, Instant};
+use zerorate_host::iiod::Server;
+use zerorate_host::{Hub, Pace, Setup, Stop};
 
 /// All channels of an ADIS16130 with a calibration: rate, temperature, corrected rate, lost samples, time.
 const ALL: &str = "0000001f";
@@ -93,7 +97,7 @@ fn nonsense_harms_nobody_else() {
         let mut client = Raw::connect(&served);
         // the server may hang up before it has all of it
         let _ = client.stream.write_all(&noise);
-        let _ = client.stream.shutdown(std::net::Shutdown::Write);
+        let _ = client.stream.shutdown(Shutdown::Write);
         let mut answer = Vec::new();
         let _ = client.stream.read_to_end(&mut answer);
         let is_answer = |line: &&[u8]| line.is_empty() || line.starts_with(b"-");
@@ -131,21 +135,54 @@ fn a_device_that_goes_is_said_to_be_gone() {
     assert_eq!(Raw::connect(&served).number("OPEN iio:device0 256 00000001"), -19);
 }
 
+/// Nobody reads this part, so that no sample comes.
+#[test]
+fn who_waits_for_samples_is_told_after_its_time() {
+    let spec = "twin:seed=8".parse().expect("a device");
+    let hub = Hub::open(&spec, Setup::default(), &Stop::default()).expect("a hub");
+    hub.with(|source| source.initialise()).expect("a part");
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let (address, stop) = (listener.local_addr().expect("an address"), Stop::default());
+    thread::scope(|scope| {
+        scope.spawn(|| Server::new(&hub, None).expect("its own part").serve(&listener, &stop));
+        let mut client = Raw::at(address);
+        client.open("00000001");
+        assert_eq!(client.number("TIMEOUT 100"), 0);
+        let begun = Instant::now();
+        assert_eq!(client.number("READBUF iio:device0 64"), -110);
+        assert!(begun.elapsed() >= Duration::from_millis(100));
+        assert_eq!(client.number("CLOSE iio:device0"), 0, "it goes on");
+        stop.ask();
+    });
+}
+
+#[test]
+fn half_a_value_ends_with_its_client() {
+    let served = Served::writable();
+    let mut client = Raw::connect(&served);
+    client.ask("WRITE iio:device0 INPUT anglvel0 scale 100");
+    client.stream.shutdown(Shutdown::Write).expect("it hangs up");
+    let mut answer = Vec::new();
+    client.stream.read_to_end(&mut answer).expect("the server hangs up too");
+    assert!(answer.is_empty(), "{answer:?}");
+    let mut other = Raw::connect(&served);
+    other.ask("HELP");
+    assert_eq!(other.take(9), b"Commands:", "others are served");
+}
+
 /// A socket that takes no connections: the client that is there must not keep that from being said.
 #[cfg(target_os = "linux")]
 #[test]
 fn that_nobody_can_connect_any_more_is_said_at_once() {
-    use std::net::{TcpListener, UdpSocket};
+    use std::net::UdpSocket;
     use std::os::fd::OwnedFd;
-    use zerorate_host::iiod::Server;
-    use zerorate_host::{DeviceSpec, Hub, Pace, Setup, Stop};
-    let spec: DeviceSpec = "twin:seed=8".parse().expect("a device");
+    let spec = "twin:seed=8".parse().expect("a device");
     let hub = Hub::open(&spec, Setup::default(), &Stop::default()).expect("a hub");
     hub.with(|source| source.initialise()).expect("a part");
     hub.read(Pace::RealTime, Vec::new()).expect("a thread");
     let listener = TcpListener::from(OwnedFd::from(UdpSocket::bind("127.0.0.1:0").expect("a socket")));
     let (say, said) = std::sync::mpsc::channel();
-    std::thread::spawn(move || {
+    thread::spawn(move || {
         let served = Server::new(&hub, None).expect("its own part").serve(&listener, &Stop::default());
         say.send(served.is_err()).expect("somebody waits");
     });

@@ -168,7 +168,11 @@ pub struct Raw {
 
 impl Raw {
     pub fn connect(served: &Served) -> Self {
-        let stream = TcpStream::connect(served.address).expect("a connection");
+        Self::at(served.address)
+    }
+
+    pub fn at(address: SocketAddr) -> Self {
+        let stream = TcpStream::connect(address).expect("a connection");
         stream.set_read_timeout(Some(Duration::from_secs(60))).expect("a socket");
         let reader = BufReader::new(stream.try_clone().expect("a socket"));
         Self { stream, reader }
