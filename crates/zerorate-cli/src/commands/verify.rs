@@ -176,7 +176,7 @@ fn calibration(path: &Path, file: Input) -> Result<Verdict, CaptureError> {
     if read.is_err() || !(one || several) {
         let why = match is_table(&text) && !text.contains("zerorate.") {
             true => "it is a CSV of other software, which has no check lines, so it cannot be verified",
-            false => "and it is not a calibration file either",
+            false => "it is not a calibration file either",
         };
         return Err(CaptureError::not_a_capture(path, why));
     }

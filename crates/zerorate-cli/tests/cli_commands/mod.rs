@@ -9,6 +9,7 @@ mod faults;
 mod help;
 mod parts;
 mod reading;
+mod refused;
 mod track;
 
 use crate::harness::{Run, command};

@@ -94,7 +94,7 @@ pub struct AllanArgs {
     /// The frequency up to which the noise model holds, Hz [default: the data choose].
     ///
     /// Above it the sensor's filter shapes the noise, and the Allan deviation is that of the measured spectrum.
-    #[arg(long, value_parser = frequency, value_name = "HZ")]
+    #[arg(long, value_parser = frequency, value_name = "HZ", allow_negative_numbers = true)]
     max_freq: Option<f64>,
 
     #[command(flatten)]

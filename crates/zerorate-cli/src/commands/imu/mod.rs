@@ -51,7 +51,7 @@ pub struct ImuArgs {
     ///
     /// Filters know white noise N and a random walk K only. N and K are chosen so that N²/τ + K²τ/3 covers the
     /// Allan variance from 1 s to the horizon, with the least excess.
-    #[arg(long, value_name = "S", value_parser = horizon)]
+    #[arg(long, value_name = "S", value_parser = horizon, allow_negative_numbers = true)]
     horizon: Option<f64>,
 
     /// Write N and K as they were fitted.

@@ -1,0 +1,77 @@
+//! Requests that cannot be met. Each says what is wrong with which option, prints no data and leaves no file.
+
+use crate::harness::Bench;
+
+/// A folder with a calibration of a part without a serial number, a log and a plan of soak points.
+fn bench() -> Bench {
+    let bench = Bench::new();
+    let pair = "[correction]\npbc_dps = 0.1\nbtc_dps_per_c = 0.01\nt3_c = 25.0\n";
+    bench.write("unit.toml", format!("schema = 1\npart = \"ADIS16130\"\n{pair}"));
+    bench.write("log.csv", "t_s,gz_dps\n0.00,0.1\n0.01,0.2\n0.02,0.1\n0.03,0.3\n");
+    bench.write("plan.toml", "schema = 1\n[[step]]\nto_c = 15\n[[step]]\nto_c = 45\n");
+    bench.write("noise.bin", [0x5a; 100]);
+    bench
+}
+
+#[track_caller]
+fn refused(cases: &[(&str, i32, &str)]) {
+    let bench = bench();
+    let files = |bench: &Bench| std::fs::read_dir(bench.dir.path()).expect("the folder").count();
+    let before = files(&bench);
+    for (line, code, why) in cases {
+        let said = bench.zerorate(line).fails(*code);
+        assert!(said.contains(why), "{line}\nno {why:?} in:\n{said}");
+    }
+    assert_eq!(files(&bench), before, "a file is left");
+}
+
+#[test]
+fn of_an_analysis() {
+    refused(&[
+        ("allan log.csv --column gz_dps --fit --max-freq abc", 2, "must be a frequency above 0, in Hz"),
+        ("allan log.csv --column gz_dps --fit --max-freq -1", 2, "must be a frequency above 0, in Hz"),
+        ("allan log.csv --column gz_dps --data phase --detrend temp", 2, "--detrend works on a rate"),
+        ("allan log.csv --column gz_dps --detrend gx", 2, "must be temp, temp:2 or temp:3"),
+        ("imu log.csv --datasheet nosuch", 1, "`zerorate parts` lists those"),
+    ]);
+}
+
+#[test]
+fn of_a_calibrated_rate() {
+    let stream = "stream --cal unit.toml --device twin:seed=4";
+    refused(&[
+        (&format!("{stream} --serial A7"), 1, "a part without a serial number, not of part A7"),
+        (&format!("{stream} --track --least-turn-dps 0"), 2, "between 0.000001 and 100"),
+        (&format!("{stream} --track --power-up-dps 1000"), 2, "--power-up-dps is 1000"),
+    ]);
+}
+
+#[test]
+fn of_a_chamber() {
+    refused(&[
+        ("chamber plan.toml --device twin: --earth-dps 5", 2, "-0.00418 to 0.00418"),
+        ("chamber plan.toml --device twin: --chamber tcp:oven", 2, "set=espec|f4t|simserv"),
+        ("chamber plan.toml --device twin: --chamber oven", 2, "no such kind of chamber"),
+    ]);
+}
+
+#[cfg(feature = "serve")]
+#[test]
+fn of_a_server() {
+    refused(&[
+        ("serve --device twin: --listen 192.0.2.1:8080", 1, "this machine has another address"),
+        ("serve --device twin: --listen 127.0.0.1:0 --folder noise.bin", 1, "--folder noise.bin: "),
+    ]);
+}
+
+#[test]
+fn a_file_that_is_no_capture_is_told_from_a_damaged_one() {
+    let bench = bench();
+    let verdicts = bench.zerorate("verify noise.bin log.csv").ended_with(1).stdout;
+    assert!(
+        verdicts.contains("noise.bin: NOT A CAPTURE") && verdicts.contains("log.csv: NOT A CAPTURE"),
+        "{verdicts}"
+    );
+    assert!(verdicts.contains("it is not a calibration file either"), "{verdicts}");
+    assert!(verdicts.contains("a CSV of other software"), "{verdicts}");
+}
