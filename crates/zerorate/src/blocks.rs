@@ -219,3 +219,17 @@ impl Segment {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ledger::tests::{RISE_C_PER_S, rising};
+
+    #[test]
+    fn the_slope_is_the_change_of_temperature_over_the_time() {
+        let axis = Axis::ADIS16130;
+        let ledger: Blocks = rising(&axis, State::Offset);
+        let slope_c_per_s = ledger.segments[State::Offset as usize].temp_slope_c_per_s(&axis);
+        assert!((slope_c_per_s - RISE_C_PER_S).abs() < 1e-3, "{slope_c_per_s}");
+    }
+}

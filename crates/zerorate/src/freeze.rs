@@ -104,3 +104,24 @@ impl Freeze {
         Frozen { since_ns: self.rate.changed_ns, both: self.temp.same_readings() >= FROZEN_READINGS }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Time after which a part that reads one code 100 times a second is frozen.
+    fn frozen_after_s(temp: Option<i32>) -> u64 {
+        let mut freeze = Freeze::default();
+        let reading = |seq: u32| {
+            let t_ns = u64::from(seq) * 10_000_000;
+            Reading { t_ns, seq, rate: 5, temp, out_of_range: false, lost: 0 }
+        };
+        let first = (0..2000).find(|seq| freeze.watch(&reading(*seq)).is_some()).expect("frozen");
+        u64::from(first) / 100
+    }
+
+    #[test]
+    fn a_rate_alone_has_five_times_as_long_to_change() {
+        assert_eq!((frozen_after_s(Some(7)), frozen_after_s(None)), (2, 10));
+    }
+}

@@ -56,3 +56,28 @@ pub struct Summary {
     /// Lowest and highest block mean of the temperature, °C; the lowest is above the highest if there is none.
     pub(crate) temp_range_c: (f64, f64),
 }
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::health::Flags;
+    use crate::reading::Reading;
+
+    pub(crate) const RISE_C_PER_S: f64 = 0.5;
+
+    /// A step of 11 s that begins at 3 s, in which the temperature rises.
+    pub(crate) fn rising<L: Ledger>(axis: &Axis, state: State) -> L {
+        let (start_ns, end_ns) = (3_000_000_000, 14_000_000_000);
+        let mut ledger = L::new(axis);
+        ledger.open(state, start_ns, end_ns);
+        for seq in 0..1100_u32 {
+            let t_ns = start_ns + u64::from(seq) * 10_000_000;
+            let temp_c = 25.0 + 0.01 * RISE_C_PER_S * f64::from(seq);
+            let temp = Some((axis.temp.nearest_code(temp_c) - axis.temp.zero_code) as i32);
+            let reading = Reading { t_ns, seq, rate: 0, temp, out_of_range: false, lost: 0 };
+            ledger.push(state, t_ns, &Judged { reading, flags: Flags::default() });
+        }
+        ledger.close(state, end_ns);
+        ledger
+    }
+}

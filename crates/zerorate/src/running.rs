@@ -205,3 +205,17 @@ impl Ledger for Running {
         stationarity::judge_variances(&self.axis, totals.rates, |m| self.live.rung(m), slope)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ledger::tests::{RISE_C_PER_S, rising};
+
+    #[test]
+    fn the_slope_is_the_change_of_temperature_over_the_time() {
+        let axis = Axis::ADIS16130;
+        let ledger: Running = rising(&axis, State::Offset);
+        let slope_c_per_s = ledger.closed[State::Offset as usize].temp_slope_c_per_s(&axis, ledger.live.first_half);
+        assert!((slope_c_per_s - RISE_C_PER_S).abs() < 1e-3, "{slope_c_per_s}");
+    }
+}

@@ -128,3 +128,26 @@ impl Drift {
         self.c_per_s.abs() + 2.0 * self.u_c_per_s <= limit_c_per_s
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 40 s of another drift, then 100 s of 0.01 °C/s with an error of ±0.1 °C that alternates.
+    #[test]
+    fn a_drift_is_that_of_a_straight_line_with_the_uncertainty_of_its_scatter() {
+        let (mut record, n) = (Record::new(1), 100.0);
+        for k in 0..140_u32 {
+            let (at_s, error_c) = (f64::from(k), if k % 2 == 0 { 0.1 } else { -0.1 });
+            record.start_s.push(at_s);
+            record.temp_c.push(if k < 40 { 80.0 - at_s } else { 20.0 + 0.01 * at_s + error_c });
+        }
+        let drift = record.drift(40).expect("enough seconds");
+        let spread = n * (n * n - 1.0) / 12.0;
+        assert!((drift.c_per_s - 0.01).abs() < 1e-4, "{drift:?}");
+        assert!((drift.mean_c - (20.0 + 0.01 * 89.5)).abs() < 1e-9, "{drift:?}");
+        let expected = libm::sqrt(n / (n - 2.0) * 0.01 / spread);
+        assert!((drift.u_c_per_s / expected - 1.0).abs() < 1e-3, "{drift:?}, not {expected}");
+        assert_eq!(record.drift(131), None);
+    }
+}
