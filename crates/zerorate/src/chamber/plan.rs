@@ -274,6 +274,16 @@ mod tests {
     use super::*;
     use alloc::vec;
 
+    #[test]
+    fn a_timed_step_ramps_where_there_is_way_and_time_and_else_holds() {
+        let step = |c_per_min, hold_s| Some(Step { to_c: 50.0, c_per_min, end: StepEnd::Hold(hold_s) });
+        let to_half = |from: (f64, f64)| timed(from, (600.0, 50.0), 60.0);
+        assert_eq!(to_half((0.0, 20.0)), step(Some(3.0), 60.0));
+        assert_eq!(to_half((0.0, 50.0)), step(None, 660.0), "no way");
+        assert_eq!(to_half((700.0, 20.0)), step(None, 60.0), "no time");
+        assert_eq!(timed((600.0, 50.0), (600.0, 50.0), 0.0), None);
+    }
+
     fn plan() -> ChamberPlan {
         let soak = |to_c| Step { to_c, c_per_min: Some(2.0), end: StepEnd::Average(None) };
         ChamberPlan {
