@@ -131,8 +131,8 @@ const REST: [Step; 37] = [
         .about("The C interface in Miri, and called at random under AddressSanitizer, where nightly Rust is installed")
         .at(Pace::Beside)
         .installing("clang"),
-    Step::new("mutants", "xtask mutants --share 60 adis16130")
-        .about("The tests of the driver fail where one of 18 lines is made wrong")
+    Step::new("mutants", "xtask mutants --share 120 adis16130")
+        .about("The tests of the driver fail where one of nine lines is made wrong")
         .at(Pace::Beside)
         .installing("cargo-mutants, below target/tools"),
     Step::new("serve", "xtask bench-serve --check")
