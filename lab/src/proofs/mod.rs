@@ -33,7 +33,7 @@ enum Part {
     Miri,
     /// The C library with AddressSanitizer and its callers with UBSan: examples, and random calls of each function
     Asan,
-    /// Tests of the hub, its queues and the libiio server with ThreadSanitizer
+    /// Tests of the hub, its queues, the libiio server and the page's server with ThreadSanitizer
     Tsan,
     /// Tests of the Python package in valgrind
     Valgrind,

@@ -32,6 +32,7 @@ fn of_an_analysis() {
         ("allan log.csv --column gz_dps --fit --max-freq -1", 2, "must be a frequency above 0, in Hz"),
         ("allan log.csv --column gz_dps --data phase --detrend temp", 2, "--detrend works on a rate"),
         ("allan log.csv --column gz_dps --detrend gx", 2, "must be temp, temp:2 or temp:3"),
+        ("imu log.csv --horizon -1", 2, "must be more than 1, in seconds"),
         ("imu log.csv --datasheet nosuch", 1, "`zerorate parts` lists those"),
     ]);
 }

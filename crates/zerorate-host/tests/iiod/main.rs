@@ -142,18 +142,15 @@ fn who_waits_for_samples_is_told_after_its_time() {
     let hub = Hub::open(&spec, Setup::default(), &Stop::default()).expect("a hub");
     hub.with(|source| source.initialise()).expect("a part");
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
-    let (address, stop) = (listener.local_addr().expect("an address"), Stop::default());
-    thread::scope(|scope| {
-        scope.spawn(|| Server::new(&hub, None).expect("its own part").serve(&listener, &stop));
-        let mut client = Raw::at(address);
-        client.open("00000001");
-        assert_eq!(client.number("TIMEOUT 100"), 0);
-        let begun = Instant::now();
-        assert_eq!(client.number("READBUF iio:device0 64"), -110);
-        assert!(begun.elapsed() >= Duration::from_millis(100));
-        assert_eq!(client.number("CLOSE iio:device0"), 0, "it goes on");
-        stop.ask();
-    });
+    let address = listener.local_addr().expect("an address");
+    thread::spawn(move || Server::new(&hub, None).expect("its own part").serve(&listener, &Stop::default()));
+    let mut client = Raw::at(address);
+    client.open("00000001");
+    assert_eq!(client.number("TIMEOUT 100"), 0);
+    let begun = Instant::now();
+    assert_eq!(client.number("READBUF iio:device0 64"), -110);
+    assert!(begun.elapsed() >= Duration::from_millis(100));
+    assert_eq!(client.number("CLOSE iio:device0"), 0, "it goes on");
 }
 
 #[test]
