@@ -139,6 +139,7 @@ test("several axes: each has its own rate, by the switch", { skip: without.progr
   await becomes(page, "header .state", /ended/);
   await page.click('nav a[href="#bench"]');
   const choice = page.locator(".bench .axes label");
+  await choice.nth(2).waitFor();
   assert.equal(await choice.count(), 3);
   for (const [axis, expected] of truth.entries()) {
     await choice.nth(axis).locator("input").check();
