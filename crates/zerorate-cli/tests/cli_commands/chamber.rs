@@ -173,6 +173,40 @@ fn plans_and_chambers_that_make_no_sense_are_named() {
     assert!(said.contains("no plan none.toml; f57 and two-point come with the program"), "{said}");
 }
 
+#[test]
+fn a_csv_that_is_no_course_of_a_chamber_is_refused_with_its_line() {
+    let bench = bench();
+    bench.zerorate(&format!("capture {UNIT} --duration 20s -o u.arrows")).ok();
+    let cases: [(&[u8], &str); 7] = [
+        (b"", "did.csv: columns t_s and temp_c are needed; it has none"),
+        (b"time,temp\n0,25\n", "did.csv: columns t_s and temp_c are needed; it has time, temp"),
+        (b"t_s,temp_c\n0,25\n10,x\n", "did.csv: line 3: t_s and temp_c must be numbers"),
+        (b"t_s,temp_c\n0,25\n10\n", "did.csv: line 3: t_s and temp_c must be numbers"),
+        (b"t_s,temp_c\n0,25\n", "did.csv: it has fewer than two rows"),
+        (b"t_s,temp_c\n10,25\n0,25\n", "did.csv: row 2: its t_s is not after the one before"),
+        (b"t_s,temp_c\n0,\xff\n", "did.csv is not a plan: it is not text in UTF-8"),
+    ];
+    for (text, why) in cases {
+        bench.write("did.csv", text);
+        let said = bench.zerorate("chamber did.csv --device replay:u.arrows").fails(2);
+        assert!(said.contains(why), "{said}");
+    }
+}
+
+/// A run that fails leaves nothing under the names that were asked for, and goes on from its steps.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_log_that_outgrows_its_disk_costs_neither_the_result_nor_the_steps() {
+    let bench = bench();
+    let chamber = format!("chamber quick.toml {UNIT} --chamber sim:lag_s=15 -o u.toml --report u.html");
+    let line = format!("ulimit -f 200; trap '' XFSZ; exec {PROGRAM} {chamber} --log u.arrows");
+    let run = Run::of(Command::new("sh").args(["-c", &line]).current_dir(bench.dir.path())).ended_with(1);
+    run.saying(&["warning: log-failed: ", "not lost", "u.rescue-"]);
+    assert!(!bench.path("u.toml").exists() && !bench.path("u.html").exists());
+    bench.zerorate(&chamber).ended_with(0).saying(&["going on after step 1 of 2"]);
+    assert!(bench.path("u.toml").exists() && bench.path("u.html").exists());
+}
+
 /// A chamber at a socket: its air is a second on with each question, and it hangs up as often as it is told to.
 struct Socket {
     address: String,

@@ -183,10 +183,14 @@ impl Job {
         let (mut driven, mut steps) = drive.run()?;
         let log_failed = driven.log_failed.take();
         let found = Found::new(driven, info, &plan, options, resumed.is_some(), watch.names())?;
-        let filled = files.page.map_or(Ok(()), |file| watch.page(&found, file));
         let wanted: Vec<PathBuf> = files.of_calibration.kept.output.iter().cloned().collect();
-        let filled = filled.and_then(|()| files.of_calibration.fill(&found.calibration));
-        let kept = log_failed.map_or(filled, Err);
+        let kept = match log_failed {
+            Some(error) => Err(error),
+            None => files
+                .page
+                .map_or(Ok(()), |file| watch.page(&found, file))
+                .and_then(|()| files.of_calibration.fill(&found.calibration)),
+        };
         let kept = kept.map_err(|why| Undelivered::rescue(why, &wanted, &found.calibration));
         if kept.is_ok() {
             steps.forget();

@@ -2,7 +2,7 @@
 
 use crate::error::InvalidOptions;
 use crate::output::Outputs;
-use anyhow::{Context, Result};
+use anyhow::Result;
 use std::io::ErrorKind;
 use std::path::Path;
 use zerorate::chamber::{ChamberPlan, SHIPPED};
@@ -43,7 +43,7 @@ impl PlanFile {
             ))
             .into());
         }
-        let plan = if is_csv { course(&text)? } else { ChamberPlan::parse(&text).map_err(|error| error.to_string()) };
+        let plan = if is_csv { course(&text) } else { ChamberPlan::parse(&text).map_err(|error| error.to_string()) };
         let plan = plan.map_err(|why| InvalidOptions(format!("{shown}: {why}")))?;
         Ok(Self { plan, text, name: shown })
     }
@@ -54,44 +54,43 @@ fn shipped(name: &Path) -> Option<&'static str> {
 }
 
 fn read(name: &Path, outputs: &mut Outputs) -> Result<String> {
-    let names = SHIPPED.map(|(name, _)| name).join(" and ");
-    outputs.try_text(name, LARGEST)?.map_err(|error| match error.kind() {
-        ErrorKind::FileTooLarge => {
-            InvalidOptions(format!("{} is too large for a plan: {error}", name.display())).into()
+    outputs.try_text(name, LARGEST)?.map_err(|error| {
+        let shown = name.display();
+        match error.kind() {
+            ErrorKind::FileTooLarge => InvalidOptions(format!("{shown} is too large for a plan: {error}")).into(),
+            ErrorKind::InvalidData => InvalidOptions(format!("{shown} is not a plan: {error}")).into(),
+            ErrorKind::NotFound => {
+                let names = SHIPPED.map(|(name, _)| name).join(" and ");
+                anyhow::Error::from(error).context(format!("no plan {shown}; {names} come with the program"))
+            }
+            _ => anyhow::Error::from(error).context(format!("cannot read {shown}")),
         }
-        _ => anyhow::Error::from(error).context(format!("no plan {}; {names} come with the program", name.display())),
     })
 }
 
 /// Columns of a CSV of what a chamber did.
 const COLUMNS: [&str; 2] = ["t_s", "temp_c"];
 
-fn course(text: &str) -> Result<Result<ChamberPlan, String>> {
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
-    let head = reader.headers().context("reading the head of the CSV")?.clone();
+fn course(text: &str) -> Result<ChamberPlan, String> {
+    let mut reader = csv::ReaderBuilder::new();
+    let mut reader = reader.comment(Some(b'#')).trim(csv::Trim::All).flexible(true).from_reader(text.as_bytes());
+    let head = reader.headers().map_err(|error| error.to_string())?.clone();
     let Some([time, temp]) = find(&head) else {
-        let why = format!(
-            "columns {} are needed; it has {}",
-            COLUMNS.join(" and "),
-            head.iter().collect::<Vec<_>>().join(", ")
-        );
-        return Ok(Err(why));
+        let given = if head.is_empty() { "none".to_owned() } else { head.iter().collect::<Vec<_>>().join(", ") };
+        return Err(format!("columns {} are needed; it has {given}", COLUMNS.join(" and ")));
     };
     let mut course = Vec::new();
     for row in reader.records() {
-        let row = match row {
-            Ok(row) => row,
-            Err(error) => return Ok(Err(error.to_string())),
-        };
+        let row = row.map_err(|error| error.to_string())?;
         let line = row.position().map_or(0, csv::Position::line);
         let number =
             |column: usize| row.get(column).and_then(|text| text.parse::<f64>().ok()).filter(|one| one.is_finite());
         match (number(time), number(temp)) {
             (Some(at_s), Some(temp_c)) => course.push((at_s, temp_c)),
-            _ => return Ok(Err(format!("line {line}: t_s and temp_c must be numbers"))),
+            _ => return Err(format!("line {line}: t_s and temp_c must be numbers")),
         }
     }
-    Ok(ChamberPlan::of_course(&course).map_err(|error| error.to_string()))
+    ChamberPlan::of_course(&course).map_err(|error| error.to_string())
 }
 
 fn find(head: &csv::StringRecord) -> Option<[usize; 2]> {

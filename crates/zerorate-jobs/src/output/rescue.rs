@@ -28,5 +28,6 @@ fn write(folder: &Path, name: &Path, content: &[u8]) -> io::Result<PathBuf> {
     open.sync_all()?;
     let path = file.keep()?;
     sync_folder(folder)?;
-    Ok(path)
+    // without a `.` in its middle, which a name without a folder leaves
+    Ok(path.components().collect())
 }
