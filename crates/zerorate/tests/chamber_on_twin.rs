@@ -220,6 +220,20 @@ fn a_first_reading_counts_only_until_the_air_has_come_to_the_plan() {
     assert!(matches!(refusal, ChamberRefusal::Overshoot { step: 1, high_c: 65.0, .. }), "{refusal}");
 }
 
+/// Where the air comes from outside, it may go beyond that by as much as beyond the plan, in either direction.
+#[test]
+fn air_that_comes_from_outside_may_overshoot_there_too() {
+    for (first_c, within_c, beyond_c, low_c, high_c) in [(80.0, 84.9, 85.1, 20.0, 85.0), (0.0, -4.9, -5.1, -5.0, 65.0)]
+    {
+        let mut procedure = heated(true);
+        for air_c in [first_c, within_c, within_c, beyond_c] {
+            assert!(procedure.air(air_c).is_ok(), "{air_c} °C from {first_c} °C");
+        }
+        let refusal = procedure.air(beyond_c).expect_err("5 °C beyond the first reading");
+        assert_eq!(refusal, ChamberRefusal::Overshoot { step: 1, air_c: beyond_c, low_c, high_c });
+    }
+}
+
 /// A unit whose slow noise is small, so that a loop of 0.002 °/s (M-02) shows in two cycles.
 #[test]
 fn curve_and_loop_of_a_unit_are_found_within_their_uncertainty() {

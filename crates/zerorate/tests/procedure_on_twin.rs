@@ -413,9 +413,10 @@ fn fixed_memory_refuses_for_the_same_reasons() {
     let soaked = Spec { warmup_c: 0.0, ambient_c: -40.0, ..quick(6) };
     let frozen = Spec { fault: Fault::Frozen, fault_at_s: Some(15.0), ..quick(7) };
     let turning = Spec { rotation_dps: 30.0, ..quick(7) };
+    let spinning = Spec { rotation_dps: 400.0, ..quick(7) };
     let stuttering = Spec { fault: Fault::RdyStutter, ..quick(7) };
     let swaying = Spec { motion: Motion::Sway, ..quick(5) };
-    for spec in [shaken, soaked, frozen, turning, stuttering, swaying] {
+    for spec in [shaken, soaked, frozen, turning, spinning, stuttering, swaying] {
         let (full, fixed) = both(spec, SHORT);
         assert_eq!(full.unwrap_err(), fixed.unwrap_err());
     }

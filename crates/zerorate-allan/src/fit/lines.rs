@@ -219,3 +219,20 @@ impl<F: Fn(f64) -> f64> Cached<F> {
         self.last.1
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Coefficient `i` is at index `i - 1`, so that indices 9 to 12 are coefficients 10 to 13.
+    #[test]
+    fn a_narrow_line_has_its_power_at_its_coefficients() {
+        let mut power = vec![1.0; 20];
+        power[9..13].fill(5.0);
+        let narrow = narrow_line((9, 13), &power, &[1.0; 20], 0.5);
+        assert_eq!(narrow.run, (10, 14));
+        let variance = (4.0 * 4.0) * 2.0 * 0.5;
+        assert_eq!(narrow.line, Line { frequency_hz: 11.5 * 0.5, width_hz: 4.0 * 0.5, rms: libm::sqrt(variance) });
+        assert_eq!(narrow.sines, [10.0, 11.0, 12.0, 13.0].map(|coefficient| (variance / 4.0, coefficient * 0.5)));
+    }
+}

@@ -190,3 +190,23 @@ fn tail(line: &Line, reach_hz: f64, rate_hz: f64) -> f64 {
     let power = line.rms * line.rms * PI / 2.0 / libm::atan(x);
     power * half_hz / (PI * (line.frequency_hz * line.frequency_hz + half_hz * half_hz))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A resonance of known power and half width, of which the mask saw this many half widths to either side.
+    #[test]
+    fn the_tail_of_a_resonance_is_known_from_the_part_in_the_mask() {
+        let (power, half_hz, frequency_hz) = (3.0, 0.8, 40.0);
+        let tail_at_zero = power * half_hz / (PI * (frequency_hz * frequency_hz + half_hz * half_hz));
+        for x in [1.5, 3.0, 20.0] {
+            let seen = power * 2.0 / PI * libm::atan(x);
+            let half_of_it_hz = x * half_hz / (1.0 + libm::sqrt(1.0 + x * x));
+            let line = Line { frequency_hz, width_hz: 2.0 * half_of_it_hz, rms: libm::sqrt(seen) };
+            let found = tail(&line, x * half_hz, 200.0);
+            assert!((found / tail_at_zero - 1.0).abs() < 1e-9, "{x} half widths: {found}, not {tail_at_zero}");
+            assert_eq!(tail(&line, x * half_hz, 320.0), 0.0, "two octaves below half the rate");
+        }
+    }
+}
