@@ -10,7 +10,7 @@ use super::density::Table;
 use super::model::{Measured, Model};
 use super::prediction::Doubt;
 use super::remarks::{Raw, remarks};
-use super::scoring::{B2, N2, Problem, SHAPE_PRICE};
+use super::scoring::{B2, Found, N2, Problem, SHAPE_PRICE};
 use super::select::{DESCENT, Selection, chi2, is_upper, select};
 use super::{Cleaned, Fit, FitError, MOST_ERROR, TWO_SIDED_95, fitted, lines::median};
 use crate::chi2::chi2_above;
@@ -85,7 +85,7 @@ pub enum Differs {
     },
     /// Its slower noise differs: flicker, random walk, Gauss–Markov terms.
     Slow {
-        /// The gain in −2 ln L from slow terms of its own.
+        /// The gain in −2 ln L from slow terms of its own, over the median of all.
         gain: f64,
     },
 }
@@ -150,8 +150,8 @@ const SLOW_LIMIT: f64 = 18.5;
 /// Fits one model to several records. The same records in the same order give the same bits.
 ///
 /// It leaves out records whose own model is rejected, and records whose N is off the median by more than
-/// [`MOST_ERROR`]. As long as three are left, it also leaves out those whose slow noise the common model does not
-/// explain. Drifts are taken out of each record as its own model has them; lines and glitches were.
+/// [`MOST_ERROR`]. As long as three are left and the common model does not explain the slow noise of each, it also
+/// leaves out the one that is farthest from the median of all. Drifts are taken out of each record as its own model has them; lines and glitches were.
 ///
 /// # Errors
 ///
@@ -168,11 +168,9 @@ pub fn fit_pool(records: &[PoolRecord<'_>]) -> Result<Pool, PoolError> {
         }
         let of_these: Vec<&Table> = used.iter().map(|&i| &parts[i].table).collect();
         let chosen = select(Table::pooled(&of_these), SHAPE_PRICE).ok_or(FitError::NotFinite)?;
-        let gains = used.iter().map(|&i| (i, slow_gain(&parts[i].table, &chosen, records[i].fit)));
-        let Some((record, gain)) = gains.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, gain)| *gain > SLOW_LIMIT)
-        else {
-            break chosen;
-        };
+        let beside: Vec<Beside> =
+            used.iter().map(|&i| Beside::of(i, &parts[i].table, &chosen, records[i].fit)).collect();
+        let Some((record, gain)) = odd(&beside) else { break chosen };
         let is_left_out = used.len() > 2;
         apart.push(Apart { record, differs: Differs::Slow { gain }, is_left_out });
         if !is_left_out {
@@ -234,18 +232,55 @@ fn unlike(records: &[PoolRecord<'_>]) -> Vec<Apart> {
     records.iter().enumerate().filter_map(of).collect()
 }
 
-/// The gain in −2 ln L of the slow noise from terms of the record's own, both with its own N.
-fn slow_gain(table: &Table, chosen: &Selection, own: &Fit) -> f64 {
-    let problem = Problem::new(table.clone(), chosen.problem.error);
-    let mut at = chosen.found.at.clone();
-    at[N2] = own.n.value * own.n.value;
-    let form = chosen.found.form;
-    let deviance = |density: &[f64]| {
-        let rows = problem.table.rows.iter().zip(density).zip(&problem.nu);
-        let slow = rows.filter(|((row, _), _)| !is_upper(&problem, row.f_hz));
-        slow.map(|((row, s), nu)| nu * (libm::log(s / row.bin.power) + row.bin.power / s - 1.0)).sum::<f64>()
+/// A record and the common terms, with values of its own for them.
+struct Beside {
+    record: usize,
+    problem: Problem,
+    own: Found,
+    /// Expected power by the common values of the slow terms.
+    common: Vec<f64>,
+}
+
+impl Beside {
+    fn of(record: usize, table: &Table, chosen: &Selection, fit: &Fit) -> Self {
+        let problem = Problem::new(table.clone(), chosen.problem.error);
+        let (form, mut at) = (chosen.found.form, chosen.found.at.clone());
+        at[N2] = fit.n.value * fit.n.value;
+        let common = problem.density(&form, &at);
+        Self { record, own: problem.descend(form, &at, None, DESCENT), problem, common }
+    }
+
+    /// The gain in −2 ln L of the slow noise from its own values, over this expected power.
+    fn gain(&self, density: &[f64]) -> f64 {
+        let deviance = |density: &[f64]| {
+            let rows = self.problem.table.rows.iter().zip(density).zip(&self.problem.nu);
+            let slow = rows.filter(|((row, _), _)| !is_upper(&self.problem, row.f_hz));
+            slow.map(|((row, s), nu)| nu * (libm::log(s / row.bin.power) + row.bin.power / s - 1.0)).sum::<f64>()
+        };
+        deviance(density) - deviance(&self.own.density)
+    }
+
+    /// Expected power by the values of another record, with its own N.
+    fn by(&self, other: &Self) -> Vec<f64> {
+        let mut at = other.own.at.clone();
+        at[N2] = self.own.at[N2];
+        self.problem.density(&self.own.form, &at)
+    }
+}
+
+/// The record whose slow noise is farthest from the median of all, and its gain from values of its own; none where the
+/// common values explain each. The common values follow the loudest record, and the median does not.
+fn odd(all: &[Beside]) -> Option<(usize, f64)> {
+    if all.iter().all(|one| one.gain(&one.common) <= SLOW_LIMIT) {
+        return None;
+    }
+    let from_middle = |one: &Beside| {
+        let by_each: Vec<Vec<f64>> = all.iter().map(|other| one.by(other)).collect();
+        let middle = |row| libm::exp(median(by_each.iter().map(|density| libm::log(density[row])).collect()));
+        let middle: Vec<f64> = (0..one.common.len()).map(middle).collect();
+        (one.record, one.gain(&middle))
     };
-    deviance(&problem.density(&form, &at)) - deviance(&problem.descend(form, &at, None, DESCENT).density)
+    all.iter().map(from_middle).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 fn spreads(records: &[&PoolRecord<'_>]) -> Vec<Spread> {

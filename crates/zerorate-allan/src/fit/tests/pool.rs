@@ -56,6 +56,20 @@ fn a_pool_states_its_spread_and_names_who_does_not_fit() {
     assert!(pool.used == [0, 1] && pool.apart.len() == 1 && !pool.apart[0].is_left_out, "{:?}", pool.apart);
 }
 
+/// The sum of the likelihoods follows the loudest, which once stayed while three that agree were left out.
+#[test]
+fn one_that_drowns_the_others_is_the_exception_and_so_is_one_that_is_still() {
+    let quiet = |seed| Truth { n: 0.01, ..Truth::default() }.noise(100_000, seed);
+    let loud = |seed| Truth { n: 0.01, k: 0.02, ..Truth::default() }.noise(100_000, seed);
+    for (rates, exception) in
+        [([quiet(84), loud(85), quiet(86), quiet(87)], 1), ([loud(88), loud(89), quiet(90), loud(91)], 2)]
+    {
+        let pool = pool_of(&rates).unwrap();
+        let apart: Vec<(usize, bool)> = pool.apart.iter().map(|apart| (apart.record, apart.is_left_out)).collect();
+        assert_eq!(apart, [(exception, true)], "{:?}", pool.apart);
+    }
+}
+
 #[test]
 fn a_pool_is_of_records_of_one_setting() {
     let rate = HOUR.noise(20_000, 75);
