@@ -11,6 +11,7 @@ mod arrow_file;
 #[cfg(all(test, feature = "full"))]
 mod checks;
 mod choice;
+mod clipped;
 mod clock;
 mod dataflash;
 #[cfg(all(test, feature = "full"))]
@@ -498,6 +499,10 @@ impl FoundColumn {
         warnings.extend(resampled::doubt(&series).map(|how| {
             let (path, column) = place();
             LogWarning::Resampled { path, column, how }
+        }));
+        warnings.extend(clipped::doubt(&series).map(|how| {
+            let (path, column) = place();
+            LogWarning::Clipped { path, column, how }
         }));
         warnings.extend(declared.is_none().then(|| {
             let ((path, column), [unit, scale]) =

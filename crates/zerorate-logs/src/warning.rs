@@ -33,6 +33,10 @@ pub enum LogWarning {
     LinesBroken(String),
     /// The samples of a column are not all measured, as the text says.
     Resampled { path: String, column: String, how: String },
+    /// Samples of a column stand at a limit, as the text says.
+    Clipped { path: String, column: String, how: String },
+    /// The means of an IMU's axes are not those of a sensor at rest, as the text says.
+    Implausible { path: String, what: String },
     /// A column does not state its unit; `unit` and `scale` are the names of settings.
     UnitUnknown { path: String, column: String, unit: &'static str, scale: &'static str },
     /// These columns are not axes of an IMU.
@@ -154,6 +158,30 @@ rows!(match LogWarning {
             result is the noise of such a log. The angle random walk N of the sensor itself differs.",
         remedy: "Take the log as the sensor gave it, at its own rate.",
     },
+    Self::Clipped { ref path, ref column, ref how } => Row {
+        code: "clipped",
+        text: format_args!("{path}, {column}: {how}"),
+        says: Says::Warning,
+        by: &["allan", "imu"],
+        seen: "More than one in a thousand samples are exactly the largest value of a column, or the least. Noise has \
+            its fewest samples there.",
+        matters: "The sensor is at the limit of its range, or a number marks what is missing. N, B and K are those of \
+            such a log: clipped noise is too small, and marks are counted as noise.",
+        remedy: "Record in a larger range, or write nothing (or `nan`) where a sample is missing.",
+    },
+    Self::Implausible { ref path, ref what } => Row {
+        code: "implausible",
+        text: format_args!("{path}: {what}; a wrong unit or scale, or mixed columns?"),
+        says: Says::Warning,
+        by: &["imu"],
+        seen: "The three accelerometers of an IMU do not show gravity, which is 9.8 m/s², within 20 %. Or the mean of \
+            a gyroscope is above 50 °/s, where a bias is below 20.",
+        matters: "At rest these means are known, so that the unit or the scale is probably wrong. N, B and K are then \
+            wrong by the same factor: a log in g that is read as m/s² has a tenth of its noise.",
+        remedy: "Check `--gyro-unit`, `--accel-unit`, the scales, and which columns are which. Do nothing if the \
+            sensor was turning.",
+        command: "zerorate imu log.csv --accel-unit g",
+    },
     Self::UnitUnknown { ref path, ref column, unit, scale } => Row {
         code: "unit-unknown",
         text: format_args!("{path}: the unit of column {column} is not stated; give {unit} (dps, rad/s …) or {scale}"),
@@ -256,6 +284,8 @@ mod tests {
         let beat = crate::clock::Beat { rate_hz: 200.0, gaps: Vec::new(), jitter: 0.15 };
         let held = (0..4000).map(|at| f64::from((at / 2) * (at / 2) % 1999 * 52_561)).collect();
         let resampled = crate::resampled::doubt(&crate::series::Series::Numbers(held)).expect("each is there twice");
+        let marked = (0..4000).map(|at| if at % 20 == 0 { -9999.0 } else { f64::from(at) }).collect();
+        let clipped = crate::clipped::doubt(&crate::series::Series::Numbers(marked)).expect("many are the least");
         let all = [
             LogWarning::Miscounted { path: "run_0".to_owned(), topic: topic(), stated: 12_000, found: 11_950 },
             LogWarning::RowsIncomplete { path: path(), lacking: 12, rows: 720_000 },
@@ -266,6 +296,8 @@ mod tests {
             LogWarning::TimesJitter { path: path(), how: beat.jitter_text().expect("much jitter") },
             LogWarning::LinesSkipped { path: path(), lines: 4, first },
             LogWarning::Resampled { path: path(), column: column(), how: resampled },
+            LogWarning::Clipped { path: path(), column: column(), how: clipped },
+            LogWarning::Implausible { path: path(), what: "gravity is 1.003 m/s²".to_owned() },
             LogWarning::UnitUnknown { path: path(), column: "gz".to_owned(), unit: "--unit", scale: "--scale" },
             LogWarning::ColumnsLeftOut { path: path(), names: names() },
             LogWarning::BlanksLeftOut { path: path(), names: names() },

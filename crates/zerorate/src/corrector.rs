@@ -113,3 +113,22 @@ impl<C: AsRef<[Correction]>> Corrector<C> {
         self.config.validity?.warning(low_c, high_c)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_temperature_outside_the_span_is_flagged_and_warned_of_even_after_it_came_back() {
+        let validity = Some(Validity { temp_min_c: 20.0, temp_max_c: 30.0, margin_c: 1.0 });
+        let corrections = [Correction::line(1.0, 0.0, 25.0)];
+        let mut corrector = Corrector::new(CorrectorConfig { corrections, validity });
+        assert_eq!((corrector.correct(0, Some(2.0)), corrector.warning()), (None, None), "no temperature yet");
+        for (read_c, extrapolated) in [(19.5, false), (18.5, true), (25.0, false)] {
+            let corrected = corrector.take(Some(2.0), Some(read_c));
+            assert_eq!(corrected, Corrected { rate_dps: Some(3.0), temp_c: Some(read_c), extrapolated });
+        }
+        let (low_c, high_c, temp_min_c, temp_max_c) = (18.5, 25.0, 20.0, 30.0);
+        assert_eq!(corrector.warning(), Some(Warning::Extrapolated { low_c, high_c, temp_min_c, temp_max_c }));
+    }
+}

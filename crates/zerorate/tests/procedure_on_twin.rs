@@ -197,6 +197,26 @@ fn the_wrong_edge_is_refused_within_half_a_minute() {
     }
 }
 
+#[test]
+fn a_last_second_without_a_temperature_is_refused_when_it_is_over() {
+    let twin = Twin::new(quick(1));
+    let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), Config::default());
+    let mut sampler = Sampler::new(SamplerConfig::default(), &Config::default(), MCLK_HZ);
+    let mut procedure = Procedure::new(&Axis::ADIS16130, SHORT).expect("a plan that makes sense");
+    gyro.init().expect("initialisation");
+    procedure.handle(Event::Initialised { t_ns: twin.now_ns() }).expect("a beginning");
+    let last_s = SHORT.total_s() - SHORT.final_temp_s;
+    let refusal = loop {
+        let mut reading = read(&twin, &mut gyro, &mut sampler);
+        reading.temp = reading.temp.filter(|_| procedure.progress().elapsed_s < last_s - 0.5);
+        match procedure.handle(Event::Reading(&reading)) {
+            Ok(()) => assert_eq!(procedure.next(), Action::Read, "it is not done"),
+            Err(refusal) => break refusal,
+        }
+    };
+    assert!(matches!(refusal, Refusal::NoTemperature { window: State::FinalTemperature, .. }), "{refusal}");
+}
+
 /// The edges are right, and the host never reads the temperature.
 #[test]
 fn a_temperature_that_is_never_read_is_told_from_the_wrong_edge() {

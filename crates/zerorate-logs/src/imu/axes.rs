@@ -1,6 +1,6 @@
 //! The axes of an IMU in a log.
 
-use super::{ImuWarning, Kind};
+use super::{ImuWarning, Kind, plausible};
 use crate::{Column, ColumnOptions, LogError, LogWarning, Parts, Quantity, Setting, Unit, Wanted};
 use std::path::Path;
 
@@ -113,6 +113,7 @@ impl Axes {
         let give_unit = |(kind, column)| give_unit(options, kind, column, &mut warnings);
         let mut axes: Vec<Column> = axes.into_iter().map(give_unit).collect();
         axes.sort_by_key(|column| column.quantity != Some(Quantity::AngularRate));
+        warnings.extend(plausible::doubts(path, &axes));
         if !left_out.is_empty() {
             let (path, names) = (path.display().to_string(), left_out.join(", "));
             warnings.push(LogWarning::ColumnsLeftOut { path, names });

@@ -7,6 +7,7 @@ mod doubt;
 mod kind;
 mod noise_file;
 mod numbers;
+mod plausible;
 mod warning;
 
 pub use axes::{Axes, ImuOptions, Said};

@@ -1,0 +1,116 @@
+//! Samples that stand at their largest or least value as noise does not: a sensor at its limit, or a mark for what is
+//! missing.
+
+use super::series::Series;
+
+/// Samples at the limit from which it is said, and their least share of all.
+const ENOUGH: u64 = 50;
+const SAID: f64 = 1e-3;
+
+/// This many times as many are at the limit as at any of the next values. Noise has fewer at its limits than inside,
+/// and a sine in coarse codes has at most 2.4 times as many.
+const MORE: u64 = 3;
+
+/// The text about samples that are all the largest, or the least. None where that may be chance.
+pub fn doubt(series: &Series) -> Option<String> {
+    let (mut largest, mut least) = (Outermost::default(), Outermost::default());
+    let mut count = 0;
+    let mut push = |sample: f64| {
+        count += u64::from(sample.is_finite());
+        largest.push(sample);
+        least.push(-sample);
+    };
+    match series {
+        Series::Codes(codes) => codes.iter().for_each(|code| push(f64::from(*code))),
+        Series::Numbers(numbers) => numbers.iter().copied().for_each(push),
+    }
+    let side = |(value, at): (f64, u64), name| {
+        let percent = 100.0 * at as f64 / count as f64;
+        format!("{percent:.2} % of the samples are {value}, the {name}; a limit, or a mark?")
+    };
+    let limit = |side: &Outermost| side.limit().filter(|(_, at)| *at as f64 >= SAID * count as f64);
+    limit(&largest)
+        .map(|found| side(found, "largest"))
+        .or_else(|| limit(&least).map(|(value, at)| side((-value, at), "least")))
+}
+
+/// The largest values, and how often each was there.
+struct Outermost([(f64, u64); 4]);
+
+impl Default for Outermost {
+    fn default() -> Self {
+        Self([(f64::NEG_INFINITY, 0); 4])
+    }
+}
+
+impl Outermost {
+    #[inline]
+    fn push(&mut self, sample: f64) {
+        if sample >= self.0[3].0 && sample.is_finite() {
+            self.count(sample);
+        }
+    }
+
+    /// A value that left the four for larger ones never comes back.
+    fn count(&mut self, sample: f64) {
+        match self.0.iter().position(|(value, _)| *value <= sample) {
+            Some(at) if self.0[at].0 == sample => self.0[at].1 += 1,
+            Some(at) => {
+                self.0[at..].rotate_right(1);
+                self.0[at] = (sample, 1);
+            }
+            None => {}
+        }
+    }
+
+    /// The largest value and its count, if that is no chance.
+    fn limit(&self) -> Option<(f64, u64)> {
+        let [found, inside @ ..] = self.0;
+        let most = inside.iter().map(|(_, count)| *count).max().unwrap_or(0);
+        (found.1 >= ENOUGH && inside.iter().all(|(_, count)| *count > 0) && found.1 >= MORE * most).then_some(found)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_xoshiro::Xoshiro256PlusPlus;
+    use rand_xoshiro::rand_core::{Rng, SeedableRng};
+
+    /// The sum of twelve uniform numbers, less its mean: nearly Gaussian, with a standard deviation of 1.
+    fn noise(count: usize) -> Vec<f64> {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
+        let mut uniform = move || (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+        (0..count).map(|_| (0..12).map(|_| uniform()).sum::<f64>() - 6.0).collect()
+    }
+
+    fn said(samples: impl Iterator<Item = f64>) -> String {
+        doubt(&Series::Numbers(samples.collect())).unwrap_or_default()
+    }
+
+    #[test]
+    fn noise_in_codes_of_any_size_and_a_sine_are_as_they_are() {
+        for steps in [0.3, 1.0, 3.0, 100.0, 1e6] {
+            assert_eq!(said(noise(20_000).iter().map(|sample| (sample * steps).round())), "", "{steps}");
+        }
+        for steps in [5.4, 10.5, 200.49] {
+            assert_eq!(said((0..50_000).map(|i| (f64::from(i).sin() * steps).round())), "", "{steps}");
+        }
+        assert_eq!(said((0..50_000).map(|i| f64::from(i / 10_000))), "", "levels");
+        assert_eq!(said([f64::NAN; 5000].into_iter()), "");
+    }
+
+    #[test]
+    fn limits_and_marks_are_found() {
+        let clipped = |sample: f64| sample.clamp(-2.0, 2.5);
+        let below = said(noise(20_000).into_iter().map(|sample| sample.max(-2.0)));
+        assert!(
+            below.starts_with("2.") && below.ends_with(" % of the samples are -2, the least; a limit, or a mark?")
+        );
+        assert!(said(noise(20_000).into_iter().map(clipped)).contains("2.5, the largest"));
+        let marked = noise(20_000).into_iter().enumerate().map(|(i, s)| if i % 200 == 0 { -9999.0 } else { s });
+        assert_eq!(said(marked), "0.50 % of the samples are -9999, the least; a limit, or a mark?");
+        let codes = noise(20_000).iter().map(|sample| ((sample * 8.0).round() as i32).min(4)).collect();
+        assert!(doubt(&Series::Codes(codes)).is_some_and(|text| text.contains("4, the largest")));
+    }
+}
