@@ -210,3 +210,33 @@ pub(crate) fn say_all(remedies: &[Remedy], f: &mut fmt::Formatter<'_>, names: Na
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_remedy_names_the_setting_that_it_changes() {
+        use Setting::{AssumeLinear, Average, Divider, Earth, Edge, EveryTemp, MaxLost, MaxUBtc};
+        for (remedy, setting) in [
+            (Remedy::GiveEarth, Earth),
+            (Remedy::AssumeLinear, AssumeLinear),
+            (Remedy::SettleLonger, Setting::Settle),
+            (Remedy::LongerOffset, Setting::Offset),
+            (Remedy::SmallerDivider, Divider),
+            (Remedy::LargerDivider, Divider),
+            (Remedy::OtherRate, Divider),
+            (Remedy::LongerWarmUp, Setting::WarmUp),
+            (Remedy::AcceptMoreUBtc, MaxUBtc),
+            (Remedy::ReadTemperatureLess, EveryTemp),
+            (Remedy::ReadTemperatureMore, EveryTemp),
+            (Remedy::AllowMoreLoss, MaxLost),
+            (Remedy::GiveUpTarget, Setting::Target),
+            (Remedy::LongerAverage, Average),
+            (Remedy::OtherEdge, Edge),
+        ] {
+            assert_eq!(remedy.setting(), Some(setting), "{remedy:?}");
+        }
+        assert_eq!(Remedy::KeepStill.setting(), None);
+    }
+}

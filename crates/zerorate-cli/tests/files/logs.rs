@@ -1,6 +1,6 @@
 //! Logs that are wrong: the message names the file and the place, and says what to do.
 
-use super::Bench;
+use super::{Bench, imu};
 use crate::harness::Run;
 use std::fs::{self, File};
 use std::path::Path;
@@ -136,4 +136,28 @@ fn a_log_from_standard_input() {
     assert_eq!(said(&bench.path("log.csv"), "--column 1 --time-column 0")["rate_hz"], 100.0);
     let bag = Path::new(env!("CARGO_MANIFEST_DIR")).join("../zerorate-logs/fixtures/imu_lz4.bag");
     assert_eq!(said(&bag, "--column z")["rate_hz"], 200.0);
+}
+
+/// Gravity tells of a wrong unit of the accelerometers, and no gyroscope has a bias of hundreds of °/s.
+#[test]
+fn a_wrong_unit_mixed_columns_and_a_limit_are_warned_of() {
+    let bench = imu::bench();
+    let said = |name: &str, change: &dyn Fn(String) -> String| {
+        bench.write(name, change(fs::read_to_string(bench.path("imu.csv")).expect("the log")));
+        bench.zerorate(&format!("imu {name}")).ended_with(0).stderr
+    };
+    assert!(!said("as-it-is.csv", &|log| log).contains("implausible"));
+    let in_g = said("in-g.csv", &|log| log.replace("m/s^2", "g"));
+    assert!(in_g.contains("warning: implausible: in-g.csv: gravity is 96.2"), "{in_g}");
+    let mixed =
+        said("mixed.csv", &|log| log.replacen("gyro_z_dps", "x", 1).replacen("az [m/s^2]", "gyro_z [rad/s]", 1));
+    assert!(mixed.contains("implausible: mixed.csv: gyro_z [rad/s] is 562 °/s in the mean"), "{mixed}");
+    let marked = said("marked.csv", &|log| {
+        let lines = log.lines().enumerate().map(|(i, line)| match line.split_once(',') {
+            Some((t, _)) if i % 100 == 99 => format!("{t},-999,-999,-999,0,0,9.81,0,25\n"),
+            _ => format!("{line}\n"),
+        });
+        lines.collect()
+    });
+    assert!(marked.contains("clipped: marked.csv, gyro_x_dps: 1.00 % of the samples are -999, the least"), "{marked}");
 }

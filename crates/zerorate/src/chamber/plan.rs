@@ -309,6 +309,10 @@ mod tests {
         assert!((drift_c_per_min - 0.0184).abs() < 1e-4, "{drift_c_per_min}");
         let wide = ChamberPlan { drift_c_per_min: Some(0.3), ..plan };
         assert_eq!(wide.drift_c_per_s(154.0, &part), 0.3 / 60.0);
+        let mut steady = part;
+        steady.axes.to_mut()[0].axis.bias.tempco_dps_per_c = Some(0.0);
+        let default = ChamberPlan { drift_c_per_min: None, ..wide };
+        assert_eq!(default.drift_c_per_s(154.0, &steady), DRIFT_C_PER_MIN / 60.0, "no drift shows in its rate");
     }
 
     /// 300 s at 25 °C, 600 s of ramp, 900 s at 45 °C, every 10 s and with the errors of a sensor.

@@ -210,11 +210,12 @@ pub fn run(args: &ImuArgs) -> Result<()> {
         print_lines(&text::table(&axes)?)?;
         sheet.as_ref().map_or(Ok(()), |sheet| print_lines(&text::comparison(&datasheet::table(sheet, &compared))))?;
     }
-    let findings = motion::lines(&axes).into_iter().chain(findings::condensed(&axes));
-    let warnings: Vec<String> = findings.chain(of_log).collect();
-    warn(&at_most(LINES, &warnings));
+    let (doubts, remarks): (Vec<_>, Vec<_>) = of_log.into_iter().partition(|line| DOUBTS.contains(&code(line)));
+    let findings: Vec<String> = motion::lines(&axes).into_iter().chain(findings::condensed(&axes)).collect();
+    let with = |doubts: &[String]| [doubts, &findings, &remarks].concat();
+    warn(&at_most(LINES, &with(&first_of_each(&doubts))));
     if let Some(page) = page {
-        page::write(page, head(args, &axes, topic.as_deref(), sheet.as_ref(), &compared, warnings), &axes)?;
+        page::write(page, head(args, &axes, topic.as_deref(), sheet.as_ref(), &compared, with(&doubts)), &axes)?;
     }
     deliver(args, &axes, topic, file)
 }
@@ -222,13 +223,31 @@ pub fn run(args: &ImuArgs) -> Result<()> {
 /// Lines of warnings that a person reads.
 const LINES: usize = 8;
 
+/// Codes of warnings about the samples themselves, which may explain all others.
+const DOUBTS: [&str; 4] = ["implausible", "clipped", "resampled", "frozen"];
+
+fn code(line: &str) -> &str {
+    line.split_once(": ").map_or("", |(code, _)| code)
+}
+
+/// The first line of each code, with the number of the others.
+fn first_of_each(lines: &[String]) -> Vec<String> {
+    let same = |one: &&String, line: &str| code(one) == code(line);
+    let firsts = lines.iter().enumerate().filter(|(at, line)| !lines[..*at].iter().any(|one| same(&one, line)));
+    let counted = firsts.map(|(_, line)| match lines.iter().filter(|one| same(one, line)).count() {
+        1 => line.clone(),
+        count => format!("{line} (+ {} more)", count - 1),
+    });
+    counted.collect()
+}
+
 /// The first of these lines, with one that names the codes of the rest.
 fn at_most(lines: usize, warnings: &[String]) -> Vec<String> {
     if warnings.len() <= lines {
         return warnings.to_vec();
     }
     let (shown, rest) = warnings.split_at(lines - 1);
-    let codes: Vec<&str> = rest.iter().filter_map(|warning| Some(warning.split_once(": ")?.0)).collect();
+    let codes: Vec<&str> = rest.iter().map(|warning| code(warning)).collect();
     let more = format!("{} more: {}; --json or --report has them", rest.len(), codes.join(", "));
     shown.iter().cloned().chain([more]).collect()
 }
