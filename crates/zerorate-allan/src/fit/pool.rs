@@ -151,7 +151,8 @@ const SLOW_LIMIT: f64 = 18.5;
 ///
 /// It leaves out records whose own model is rejected, and records whose N is off the median by more than
 /// [`MOST_ERROR`]. As long as three are left and the common model does not explain the slow noise of each, it also
-/// leaves out the one that is farthest from the median of all. Drifts are taken out of each record as its own model has them; lines and glitches were.
+/// leaves out the one that is farthest from the median of all. Drifts are taken out of each record as its own model
+/// has them; lines and glitches were.
 ///
 /// # Errors
 ///

@@ -1,7 +1,7 @@
 //! Results that must stay as they are, bit for bit: made by the program as it was before its core knew of other parts.
 //!
 //! A difference here is either a defect or a change of a result, which the CHANGELOG owes its users. In the latter
-//! case `ZERORATE_GOLDEN=write cargo test -p zerorate-cli --all-features --test cli files::golden` makes the files anew.
+//! case `ZERORATE_GOLDEN=write cargo test -p zerorate-cli --all-features --test cli golden` makes the files anew.
 
 use super::{Bench, FORMS};
 use sha2::{Digest, Sha256};
