@@ -64,6 +64,17 @@ fn send(signal: &str, child: &Child) {
     assert!(sent.success());
 }
 
+/// Waits until the program catches SIGTERM, or has ended. Where it reads files, it catches signals a moment after its
+/// child has begun.
+fn wait_until_it_listens(child: &Child) {
+    const SIGTERM: u64 = 1 << 14;
+    wait_until("SIGTERM is caught", || {
+        let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
+        let field = |name| status.lines().find_map(|line| line.strip_prefix(name)).unwrap().trim();
+        u64::from_str_radix(field("SigCgt:"), 16).unwrap() & SIGTERM != 0 || field("State:").starts_with('Z')
+    });
+}
+
 /// The run failed with 1, printed the calibration, and kept it in this file too.
 #[track_caller]
 fn rescued(bench: &Bench, run: &Run, folder: &Path) {
@@ -263,6 +274,7 @@ fn an_interrupted_correction_leaves_nothing() {
     bench.zerorate("capture --duration 100s -o rest.arrows").ok();
     let child = start(&bench, "correct rest.arrows --cal unit.toml -o done.csv");
     wait_until("an unfinished file", || names(bench.dir.path()).iter().any(|name| name.starts_with("done.csv")));
+    wait_until_it_listens(&child);
     send("TERM", &child);
     let run = ended(child);
     let left = ["rest.arrows", "tmp", "unit.toml"];
@@ -297,6 +309,7 @@ fn a_signal_ends_a_run_that_waits() {
     wait_until("unfinished files", || {
         names(bench.dir.path()).iter().filter(|name| name.ends_with(".part")).count() == 2
     });
+    wait_until_it_listens(&child);
     send("TERM", &child);
     assert_eq!(ended(child).code, Some(143));
     assert_eq!(names(bench.dir.path()), ["never.csv", "tmp"]);
