@@ -81,7 +81,8 @@ fn rescued(bench: &Bench, run: &Run, folder: &Path) {
     let said = &run.stderr;
     assert_eq!(run.code, Some(1), "{said}");
     let kept = only(folder, "unit.rescue-");
-    assert!(said.contains("not lost") && said.contains(&*kept.file_name().unwrap().to_string_lossy()), "{said}");
+    let place = kept.file_name().unwrap().to_string_lossy();
+    assert!(said.contains("not lost") && said.contains(&*place) && !said.contains("/./"), "{said}");
     assert_eq!(fs::read_to_string(&kept).unwrap(), run.stdout, "{said}");
     let export = bench.zerorate(&format!("export {} --format csv", kept.display()));
     assert_eq!(export.stderr, "", "it is whole, with its checksum");
