@@ -5,11 +5,11 @@ use std::path::Path;
 
 /// Gravity, m/s². It differs by 0.3 % over the Earth.
 const GRAVITY_M_S2: f64 = 9.8;
-/// The share by which the accelerometers may be off it: scales are off by 3 %, and the MPU-6050 may be off by 0.8 m/s².
+/// The share by which the accelerometers may be off it: scales by 3 %, and an axis of the MPU-6050 by 0.8 m/s².
 const WITHIN: f64 = 0.2;
 /// Below this, gravity has been subtracted, m/s².
 const SUBTRACTED_M_S2: f64 = 0.3;
-/// No gyroscope has such a bias, °/s: the data sheet of the MPU-6050 allows 20 (zero-rate output), and most allow less.
+/// No gyroscope has such a bias, °/s: the data sheet of the MPU-6050 allows 20, and most allow less.
 const NO_BIAS_DPS: f64 = 50.0;
 
 /// The warnings about the axes of an IMU in the log at `path`.
