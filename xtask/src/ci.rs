@@ -13,7 +13,7 @@ use anyhow::{Result, ensure};
 use xtask::arguments::Arguments;
 
 /// What neither `test` nor `check` runs.
-const REST: [Step; 37] = [
+const REST: [Step; 38] = [
     Step::new("doc", "doc --workspace --no-deps --all-features")
         .about("The documentation builds without a warning")
         .with_env("RUSTDOCFLAGS", "-Dwarnings"),
@@ -135,6 +135,10 @@ const REST: [Step; 37] = [
         .about("The tests of the driver fail where one of nine lines is made wrong")
         .at(Pace::Beside)
         .installing("cargo-mutants, below target/tools"),
+    Step::new("coverage", "xtask code-coverage --at-least 97 adis16130")
+        .about("The tests of the driver reach its lines")
+        .at(Pace::Beside)
+        .installing("cargo-llvm-cov, below target/tools"),
     Step::new("serve", "xtask bench-serve --check")
         .about("20 pages and 4 libiio clients watch a minute of the twin, and the recording loses nothing")
         .at(Pace::Beside)

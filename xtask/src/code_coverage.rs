@@ -1,6 +1,6 @@
 //! `cargo xtask code-coverage`: which lines of each crate does a test reach? cargo-llvm-cov counts.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -12,9 +12,12 @@ use xtask::venv::done;
 /// What `--help` prints.
 pub const HELP: &str = "\
 Runs the tests of crates/ with a counter in each line, and prints by crate the share of lines that a test reaches. The
-lines of tests do not count. It needs the component llvm-tools (rustup component add llvm-tools).
+lines of tests do not count. Without the component llvm-tools it prints SKIPPED and passes.
 
-  --missed CRATE  List the lines that the last run did not reach, instead of running";
+All crates take some 40 minutes on two cores. With the names of crates, their own tests alone run.
+
+  --at-least SHARE  Fail if less of a crate is reached, in percent
+  --missed CRATE    List the lines that the last run did not reach, instead of running";
 
 const VERSION: &str = "0.9.1";
 /// What the last run found, by LCOV's format.
@@ -23,20 +26,44 @@ const REPORT: &str = "target/coverage.lcov";
 /// Runs the tests and prints a row for each crate, or lists lines.
 pub fn run(mut arguments: Arguments) -> Result<()> {
     let missed = arguments.value("--missed")?;
-    arguments.end()?;
-    if missed.is_none() {
-        let program = tools::of_cargo("cargo-llvm-cov", VERSION)?;
-        // a program that a test kills may leave half a profile
-        let tests = ["llvm-cov", "test", "--all-features", "--no-fail-fast", "--failure-mode", "all", "--lcov"];
-        done(Command::new(program).args(tests).args(["--output-path", REPORT]))?;
+    let least = arguments.value("--at-least")?.map(|share| share.parse::<f64>()).transpose().context("--at-least")?;
+    let names = arguments.words()?;
+    if let Some(name) = missed {
+        read()?.iter().filter(|file| file.of == name).for_each(File::print_missed);
+        return Ok(());
     }
+    if !has_llvm_tools() {
+        eprintln!("SKIPPED: lines that tests reach: rustup component add llvm-tools");
+        return Ok(());
+    }
+    count(&names)?;
+    let files = read()?.into_iter().filter(|file| names.is_empty() || names.contains(&file.of));
+    let shares = shares(files.collect());
+    println!("| crate | lines | reached |\n|---|---|---|");
+    shares.iter().for_each(|(name, lines, share)| println!("| {name} | {lines} | {share:.1} % |"));
+    match least.and_then(|least| shares.iter().find(|(_, _, share)| *share < least)) {
+        Some((name, _, share)) => bail!("tests reach {share:.1} % of {name}; --missed {name} lists the other lines"),
+        None => Ok(()),
+    }
+}
+
+fn has_llvm_tools() -> bool {
+    let list = Command::new("rustup").args(["component", "list", "--installed"]).output();
+    list.is_ok_and(|list| String::from_utf8_lossy(&list.stdout).contains("llvm-tools"))
+}
+
+/// Runs the tests of these crates, or of all.
+fn count(names: &[String]) -> Result<()> {
+    let program = tools::of_cargo("cargo-llvm-cov", VERSION)?;
+    // a program that a test kills may leave half a profile
+    let tests = ["llvm-cov", "test", "--all-features", "--no-fail-fast", "--failure-mode", "all", "--lcov"];
+    let packages = names.iter().flat_map(|name| ["--package", name]);
+    done(Command::new(program).args(tests).args(["--output-path", REPORT]).args(packages))
+}
+
+fn read() -> Result<Vec<File>> {
     let report = fs::read_to_string(REPORT).with_context(|| format!("{REPORT}; run the task without --missed"))?;
-    let files = files(&report);
-    match missed {
-        Some(name) => files.iter().filter(|file| file.of == name).for_each(File::print_missed),
-        None => print_crates(&files),
-    }
-    Ok(())
+    Ok(files(&report))
 }
 
 /// The lines of a file that count.
@@ -72,17 +99,16 @@ fn is_test(path: &str) -> bool {
     path.split('/').any(|part| matches!(part, "tests" | "tests.rs"))
 }
 
-fn print_crates(files: &[File]) {
-    let mut crates: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
+/// Each crate, its lines, and the share of them that tests reach, in percent.
+fn shares(files: Vec<File>) -> Vec<(String, usize, f64)> {
+    let mut crates: BTreeMap<String, (usize, usize)> = BTreeMap::new();
     for file in files {
-        let (all, reached) = crates.entry(&file.of).or_default();
+        let (all, reached) = crates.entry(file.of).or_default();
         *all += file.lines.len();
         *reached += file.lines.values().filter(|is_reached| **is_reached).count();
     }
-    println!("| crate | lines | reached |\n|---|---|---|");
-    for (name, (all, reached)) in crates {
-        println!("| {name} | {all} | {:.1} % |", 100.0 * reached as f64 / all.max(1) as f64);
-    }
+    let share = |all: usize, reached: usize| 100.0 * reached as f64 / all.max(1) as f64;
+    crates.into_iter().map(|(name, (all, reached))| (name, all, share(all, reached))).collect()
 }
 
 impl File {

@@ -95,7 +95,7 @@ const TASKS: [Task; 11] = [
     },
     Task {
         name: "code-coverage",
-        usage: "[--missed CRATE]",
+        usage: "[--at-least SHARE] [--missed CRATE] [CRATE…]",
         about: "Count the lines of each crate that a test reaches",
         help: || code_coverage::HELP.to_owned(),
         run: code_coverage::run,
