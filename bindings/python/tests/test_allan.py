@@ -92,6 +92,21 @@ def test_a_memory_is_a_gauss_markov_term() -> None:
     assert term.sigma.lo < 1.0 < term.sigma.hi and term.tau_s.lo < 5.0 < term.tau_s.hi
 
 
+def test_a_filter_of_the_second_order_has_its_corner() -> None:
+    k = np.tan(np.pi * 2.0 / 100.0)  # Butterworth, 2 Hz
+    norm = 1 / (1 + np.sqrt(2) * k + k * k)
+    rate, x1, x2, y1, y2 = np.empty(200_000), 0.0, 0.0, 0.0, 0.0
+    for i, draw in enumerate(np.random.default_rng(4).normal(size=len(rate))):
+        old = 2 * (k * k - 1) * y1 + (1 - np.sqrt(2) * k + k * k) * y2
+        rate[i] = norm * (k * k * (draw + 2 * x1 + x2) - old)
+        x1, x2, y1, y2 = draw, x1, rate[i], y1
+    fit = zerorate.allan(rate, rate_hz=100.0).fit
+    assert fit is not None and fit.n.lo < 0.1 < fit.n.hi
+    [shape] = [term for term in fit.terms if isinstance(term, zerorate.BandShape)]
+    assert shape.pole is None and shape.corner is not None
+    assert abs(shape.corner[0] / 2.0 - 1) < 0.1 and abs(shape.corner[1]) < 0.2
+
+
 def test_a_record_too_short_for_coefficients_says_so() -> None:
     result = zerorate.allan(white(5), rate_hz=1.0)
     assert result.fit is None

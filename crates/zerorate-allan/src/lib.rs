@@ -55,7 +55,7 @@ pub use edf::{edf, finite_difference_edf};
 pub use envelope::Envelope;
 #[cfg(feature = "std")]
 pub use fit::{
-    Apart, Cleaned, Covering, Differs, Estimate, Expected, FEWEST_SAMPLES, Fit, FitError, FitOptions, Line,
+    Apart, Cleaned, Corner, Covering, Differs, Estimate, Expected, FEWEST_SAMPLES, Fit, FitError, FitOptions, Line,
     MOST_ERROR, Model, Motion, MotionKind, PREDICTS, Pool, PoolError, PoolRecord, Spread, Step, Term, fit, fit_pool,
     motion,
 };

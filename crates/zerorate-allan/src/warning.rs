@@ -40,7 +40,7 @@ pub enum AllanWarning {
     WarmUp { size: f64, tau_s: f64 },
     /// Another number of Gauss–Markov terms fits about as well.
     MemoryOrFlicker { markovs: usize, others: usize, worse: f64 },
-    /// A Gauss–Markov term may be white noise behind a low-pass, which then has this N, unit·√s.
+    /// A memory may be white noise behind a low-pass, which then has this N, unit·√s.
     MemoryOrFilter { tau_s: f64, n: f64 },
     /// A drift and a random walk fit about as well.
     DriftOrWalk { has_drift: bool, worse: f64 },
@@ -204,12 +204,12 @@ rows!(match AllanWarning {
     },
     Self::MemoryOrFilter { tau_s, n } => Row {
         code: "memory-or-filter",
-        text: format_args!("the Gauss–Markov term of {tau_s:.3} s may be a low-pass; N is then {n:.3e}"),
+        text: format_args!("a memory of {tau_s:.3} s may be a low-pass of white noise; N is then {n:.3e}"),
         says: Says::Warning,
         by: &["allan", "imu"],
-        seen: "A Gauss–Markov term has nearly all of the power, up to high frequencies.",
-        matters: "White noise behind a low-pass of the first order has the same spectrum. Then N is not the small one \
-            of the model, but the one that the text names.",
+        seen: "A Gauss–Markov term explains nearly all of the power, up to high frequencies.",
+        matters: "White noise behind a low-pass of the first order has the same spectrum. N then is the one that the \
+            text names, not the one of the model.",
         remedy: "If the sensor has such a low-pass, take the N of the text, or record a few thousand time constants.",
     },
     Self::DriftOrWalk { has_drift, worse } => Row {

@@ -140,6 +140,7 @@ fn filtered() -> Vec<Scenario> {
     vec![
         behind("behind a low-pass", Filter::LowPass(0.03)),
         behind("behind a slow low-pass", Filter::LowPass(0.5)),
+        behind("behind a Butterworth of 0.3 Hz", Filter::Butterworth(0.3)),
         behind("behind a Butterworth of 2.5 Hz", Filter::Butterworth(2.5)),
         behind("behind a Butterworth of 10 Hz", Filter::Butterworth(10.0)),
         behind("behind a mean of 2", Filter::Mean(2)),

@@ -52,12 +52,15 @@ class GaussMarkov:
 class BandShape:
     """What a filter does to all noise but quantisation. The density is multiplied by exp Σ a_j (cos jθ − 1), with
     sin(θ/2) = sin(πf/rate)/sin(πf_max/rate) and f_max = `Fit.f_max_hz`. A pole p multiplies it by
-    (1 − p)²/(1 + p² − 2p cos θ)."""
+    (1 − p)²/(1 + p² − 2p cos θ), and a corner f_c with the damping c by 1/(1 + cx + x²), where
+    x = (sin(πf/rate)/sin(πf_c/rate))²."""
 
     cosines: list[float]
     """a_1, a_2 …"""
     pole: float | None
     """p, the pole of a first-order low-pass."""
+    corner: tuple[float, float] | None
+    """f_c in Hz and c of a second-order low-pass: c is 0 for a Butterworth one and 2 for two equal poles."""
 
 
 @dataclass(frozen=True)

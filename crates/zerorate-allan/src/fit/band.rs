@@ -10,8 +10,8 @@ use super::density::Table;
 use super::profile::marginal_variance;
 use super::scoring::{Found, ModelForm, N2, Problem, SHAPE};
 use super::select::{
-    DESCENT, MOST_CHOSEN, Priced, fewest_cosines, is_sound, model_error, plateau, priced, start, white, with_cosine,
-    with_markov, without_shape,
+    DESCENT, MOST_CHOSEN, Priced, fewest_cosines, is_sound, model_error, plateau, priced, start, white, with_corner,
+    with_cosine, with_markov, without_shape,
 };
 use alloc::vec::Vec;
 
@@ -157,7 +157,10 @@ fn best(problem: &Problem, starts: &[Vec<f64>], markovs: usize, most: usize) -> 
         }
         best
     };
-    starts.iter().map(from).min_by(|a, b| a.price.total_cmp(&b.price))
+    let of_cosines = starts.iter().map(from).min_by(|a, b| a.price.total_cmp(&b.price))?;
+    let corners = with_corner(problem, &of_cosines.found).into_iter().map(|found| priced(problem, found));
+    let sound = corners.filter(|corner| is_sound(problem, &corner.found));
+    sound.chain([of_cosines]).min_by(|a, b| a.price.total_cmp(&b.price))
 }
 
 /// Whether a Gauss–Markov term earns its price up to the end of its scan.

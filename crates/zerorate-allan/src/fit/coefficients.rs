@@ -4,9 +4,9 @@ use super::density::Drift;
 use super::lines::Line;
 use super::profile::Profile;
 use super::record_length;
-use super::scoring::{K2, LONGEST, N2, SHAPE, SHORTEST};
+use super::scoring::{K2, LONGEST, N2, SHAPE, SHORTEST, corner_hz};
 use super::select::Selection;
-use super::{Estimate, Term};
+use super::{Corner, Estimate, Term};
 use crate::Coefficient;
 use alloc::vec::Vec;
 
@@ -86,8 +86,14 @@ impl Coefficients<'_> {
         };
         let mut terms: Vec<Term> = (0..found.form.markovs).map(markov).collect();
         if found.form.shape() > 0 {
-            let (cosines, pole) = found.at[SHAPE..SHAPE + found.form.shape()].split_at(found.form.cosines);
-            terms.push(Term::BandShape { cosines: cosines.to_vec(), pole: pole.first().copied() });
+            let (cosines, low_pass) = found.at[SHAPE..SHAPE + found.form.shape()].split_at(found.form.cosines);
+            let (pole, corner) = match *low_pass {
+                [u, damping] => {
+                    (None, Some(Corner { frequency_hz: corner_hz(u, self.rate_hz, table.top_hz), damping }))
+                }
+                _ => (low_pass.first().copied(), None),
+            };
+            terms.push(Term::BandShape { cosines: cosines.to_vec(), pole, corner });
         }
         if let Some(Drift::WarmUp { tau_s }) = found.form.drift {
             terms.push(Term::WarmUp { size: self.drift(), tau_s });

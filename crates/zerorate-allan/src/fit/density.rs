@@ -1,7 +1,7 @@
 //! The share of each noise in the expected power of a bin.
 
 use super::bins::Bin;
-use super::{Fit, Term};
+use super::{Corner, Fit, Term};
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
@@ -242,11 +242,17 @@ impl Fit {
             _ => 0.0,
         };
         let shape = |term: &Term| match term {
-            Term::BandShape { cosines, pole } => {
+            Term::BandShape { cosines, pole, corner } => {
                 let angle = shape_angle(frequency_hz, rate_hz, self.max_freq_hz);
                 let cosine = |(j, a): (usize, &f64)| a * (libm::cos((j + 1) as f64 * angle) - 1.0);
                 let low_pass = |p: f64| square(1.0 - p) / (1.0 + p * p - 2.0 * p * libm::cos(angle));
-                libm::exp(cosines.iter().enumerate().map(cosine).sum()) * pole.map_or(1.0, low_pass)
+                let second_order = |corner: Corner| {
+                    let x = square(libm::sin(half) / libm::sin(PI * corner.frequency_hz / rate_hz));
+                    1.0 / (1.0 + corner.damping * x + x * x)
+                };
+                libm::exp(cosines.iter().enumerate().map(cosine).sum())
+                    * pole.map_or(1.0, low_pass)
+                    * corner.map_or(1.0, second_order)
             }
             _ => 1.0,
         };

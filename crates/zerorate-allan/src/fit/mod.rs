@@ -113,6 +113,8 @@ pub enum Term {
         cosines: Vec<f64>,
         /// p, the pole of a low-pass of the first order.
         pole: Option<f64>,
+        /// A low-pass of the second order in its place.
+        corner: Option<Corner>,
     },
     /// A disturbance or resonance, which was left out.
     Line(Line),
@@ -123,6 +125,15 @@ pub enum Term {
         /// Time constant, one of a few that are tried, s.
         tau_s: f64,
     },
+}
+
+/// A low-pass of the second order: 1/(1 + cx + x²) with x = (sin πf·dt/sin πf_c·dt)².
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Corner {
+    /// f_c, Hz.
+    pub frequency_hz: f64,
+    /// c: 0 of a Butterworth low-pass, 2 of two equal poles, and below zero of a resonance.
+    pub damping: f64,
 }
 
 /// The glitches and steps that were taken out of the record before the fit.
@@ -398,9 +409,10 @@ fn selected(rate: &[f64], rate_hz: f64, max_freq_hz: Option<f64>) -> Result<(Spe
     let plain_price = libm::log(spectrum.samples as f64);
     let selection = match max_freq_hz {
         Some(max_freq_hz) => up_to(max_freq_hz.min(rate_hz / 2.0))?,
-        None => Some(priced(rate_hz / 2.0, plain_price)?)
-            .filter(Selection::has_plain_form)
-            .map_or_else(|| up_to(band::top_hz(&table)), Ok)?,
+        None => match priced(rate_hz / 2.0, plain_price)? {
+            plain if plain.has_plain_form() => plain,
+            whole => up_to(band::top_hz(&table))?.beside(&whole),
+        },
     };
     Ok((spectrum, selection))
 }

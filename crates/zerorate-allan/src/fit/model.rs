@@ -2,7 +2,7 @@
 
 use super::density::{Drift, shape_angle};
 use super::prediction::{Doubt, Variances};
-use super::scoring::{B2, Found, K2, N2, Q2, SHAPE, shape};
+use super::scoring::{B2, Found, K2, N2, Q2, low_pass_memory, shape};
 use super::thinning::Thinning;
 use super::transform::autocovariance;
 use crate::FLOOR_PER_B;
@@ -16,7 +16,7 @@ use realfft::FftError;
 /// noise): this many where the model reaches half the rate, and more where it ends lower, up to the most.
 const LAGS: usize = 256;
 const MOST_LAGS: usize = 16_384;
-/// Time constants of a pole after which its noise is forgotten.
+/// Time constants of a low-pass after which its noise is forgotten.
 const MEMORIES: f64 = 16.0;
 /// Up to this many samples the covariance of two estimates is summed lag by lag from the autocovariance itself.
 const LONGEST_EXACT: u64 = 64;
@@ -66,11 +66,11 @@ impl Measured {
         Some(from + (to - from) * (f_hz - from_hz) / (to_hz - from_hz))
     }
 
-    /// Lags of the shaped noise: until a shape that ends at `top_hz`, or the memory of its pole, is forgotten.
-    fn lags(&self, pole: Option<f64>) -> usize {
+    /// Lags of the shaped noise: until a shape that ends at `top_hz`, or the memory of its low-pass in samples, is
+    /// forgotten.
+    fn lags(&self, memory: f64) -> usize {
         let fineness = self.rate_hz / 2.0 / self.top_hz;
-        let memory = pole.map_or(0.0, |pole| MEMORIES / LAGS as f64 / (1.0 - pole));
-        let octaves = libm::ceil(libm::log2(fineness.max(memory)) - 1e-3);
+        let octaves = libm::ceil(libm::log2(fineness.max(MEMORIES / LAGS as f64 * memory)) - 1e-3);
         ((LAGS as f64 * libm::exp2(octaves)) as usize).clamp(LAGS, MOST_LAGS)
     }
 }
@@ -95,7 +95,7 @@ impl Model {
             thinning: Thinning::default(),
             doubt: Doubt::default(),
         };
-        let lags = measured.lags(form.pole.then(|| found.at[SHAPE + form.cosines]));
+        let lags = measured.lags(low_pass_memory(form, &found.at, rate_hz, top_hz));
         let density = |i: usize| {
             // at 0 the slow noise has no density
             let f_hz = rate_hz / 2.0 * (i as f64).max(1e-3) / lags as f64;

@@ -3,8 +3,7 @@
 use super::curve::Curves;
 use super::lines::Line;
 use super::misfit::OffCurve;
-use super::scoring::N2;
-use super::select::{Selection, low_pass};
+use super::select::{LowPass, Selection};
 use super::{Fit, MOST_ERROR, Term, steadiness};
 use crate::{AllanWarning, Noise};
 use alloc::vec::Vec;
@@ -71,7 +70,9 @@ pub(super) fn remarks(
             AllanWarning::DriftOrWalk { has_drift: own.drift.is_some(), worse }
         });
     }
-    warnings.extend(memory_or_filter(chosen));
+    let of_whole = chosen.of_whole.filter(|other| other.n < fit.n.lo || other.n > fit.n.hi);
+    let low_pass = chosen.low_pass().or(of_whole);
+    warnings.extend(low_pass.map(|LowPass { tau_s, n }| AllanWarning::MemoryOrFilter { tau_s, n }));
     warnings.extend(unsteady(fit, curves));
     let coefficients =
         [(Noise::AngleRandomWalk, fit.n), (Noise::BiasInstability, fit.b), (Noise::RateRandomWalk, fit.k)];
@@ -82,14 +83,6 @@ pub(super) fn remarks(
         needed_s,
     }));
     warnings
-}
-
-/// A Gauss–Markov term that may be white noise behind a low-pass.
-fn memory_or_filter(chosen: &Selection) -> Option<AllanWarning> {
-    let Selection { problem, found, .. } = chosen;
-    let place = found.form.markov(low_pass(problem, found)?);
-    let (variance, tau_s) = (found.at[place], libm::exp(found.at[place + 1]));
-    Some(AllanWarning::MemoryOrFilter { tau_s, n: libm::sqrt(found.at[N2] + 2.0 * variance * tau_s) })
 }
 
 /// Halves of the record that differ.

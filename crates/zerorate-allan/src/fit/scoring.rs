@@ -8,14 +8,16 @@ use super::density::{Drift, Table};
 use crate::linear::Square;
 use alloc::vec;
 use alloc::vec::Vec;
+use core::f64::consts::PI;
 
 /// The terms that a model has beside N, B and K.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ModelForm {
     /// Cosines of the band shape.
     pub(super) cosines: usize,
-    /// A pole of the band shape: a low-pass of the first order, which cosines follow only slowly.
-    pub(super) pole: bool,
+    /// Order of a low-pass in the band shape, which cosines follow only slowly: 0, 1 (a pole) or 2 (a corner and its
+    /// damping).
+    pub(super) poles: usize,
     /// Gauss–Markov terms.
     pub(super) markovs: usize,
     /// Quantisation of the angle.
@@ -36,11 +38,11 @@ pub(super) const SHAPE: usize = 4;
 
 impl ModelForm {
     pub(super) const PLAIN: Self =
-        Self { cosines: 0, pole: false, markovs: 0, quantised: false, drift: None, signed: None };
+        Self { cosines: 0, poles: 0, markovs: 0, quantised: false, drift: None, signed: None };
 
-    /// Parameters of the band shape: the cosines, then the pole.
+    /// Parameters of the band shape: the cosines, then the low-pass.
     pub(super) fn shape(&self) -> usize {
-        self.cosines + usize::from(self.pole)
+        self.cosines + self.poles
     }
 
     pub(super) fn len(&self) -> usize {
@@ -69,6 +71,10 @@ pub(super) const SHAPE_PRICE: f64 = 6.0;
 const STEEPEST: f64 = 6.0;
 /// The range of a pole. A slower low-pass is a Gauss–Markov term.
 pub(super) const POLES: (f64, f64) = (-0.95, 0.999);
+/// The range of a corner, ln sin²(θ/2), and of its damping. A sharper resonance would follow the first notch of a
+/// comb, and two poles far apart could bend a Gauss–Markov term into white noise.
+const CORNERS: (f64, f64) = (-25.0, 0.0);
+const DAMPINGS: (f64, f64) = (-1.0, 3.0);
 /// White noise never vanishes: it keeps this share of the median power.
 const LEAST_WHITE: f64 = 1e-6;
 /// The largest step of a cosine and of a ln T.
@@ -111,7 +117,9 @@ impl Problem {
             _ if form.signed == Some(place) => (f64::NEG_INFINITY, f64::INFINITY),
             _ if form.is_square(place) => (0.0, f64::INFINITY),
             _ if place < SHAPE + form.cosines => (-STEEPEST, STEEPEST),
-            _ if place < form.markov(0) => POLES,
+            _ if place < form.markov(0) && form.poles == 1 => POLES,
+            _ if place == SHAPE + form.cosines => CORNERS,
+            _ if place < form.markov(0) => DAMPINGS,
             _ => (libm::log(SHORTEST / self.table.rate_hz), libm::log(LONGEST * self.table.span_s)),
         }
     }
@@ -212,8 +220,7 @@ impl Problem {
             let response = row.bin.response;
             let mut exponent = 0.0;
             (0..form.cosines).for_each(|j| exponent += at[SHAPE + j] * row.cosines[j]);
-            let pole = if form.pole { at[SHAPE + form.cosines] } else { 0.0 };
-            let (low_pass, low_pass_slope) = if form.pole { one_pole(pole, row.cosines[0]) } else { (1.0, 0.0) };
+            let (low_pass, low_pass_slopes) = low_pass(form, at, row.cosines[0]);
             let shape = libm::exp(exponent) * low_pass * response.gain;
             let q = row.quantisation * response.gain;
             let (b, k) = (row.flicker * shape, row.walk * shape);
@@ -226,9 +233,7 @@ impl Problem {
                 shaped += at[place] * g * shape;
             }
             (0..form.cosines).for_each(|j| slopes[SHAPE + j][i] = shaped * row.cosines[j]);
-            if form.pole {
-                slopes[SHAPE + form.cosines][i] = shaped * low_pass_slope;
-            }
+            (0..form.poles).for_each(|j| slopes[SHAPE + form.cosines + j][i] = shaped * low_pass_slopes[j]);
             density[i] = response.offset + shaped + at[Q2] * q;
         }
         let (low, drift) = template.map_or((Vec::new(), 0.0), |template| self.without_drift(&density, template));
@@ -403,6 +408,27 @@ fn solve_free(h: &Square, g: &[f64], fixed: &[Option<f64>]) -> Vec<f64> {
     x
 }
 
+/// The low-pass of a shape at cos θ − 1 over its level at frequency 0, and the slopes of its logarithm.
+fn low_pass(form: &ModelForm, at: &[f64], cosine: f64) -> (f64, [f64; 2]) {
+    let first = SHAPE + form.cosines;
+    match form.poles {
+        0 => (1.0, [0.0; 2]),
+        1 => {
+            let (level, slope) = one_pole(at[first], cosine);
+            (level, [slope, 0.0])
+        }
+        _ => two_poles(at[first], at[first + 1], cosine),
+    }
+}
+
+/// Density of a low-pass of the second order over its level at frequency 0, 1/(1 + cx + x²) with x = sin²(θ/2)/e^u,
+/// and the slopes of its logarithm. Its damping c is 0 for Butterworth's and 2 for two equal poles.
+fn two_poles(u: f64, c: f64, cosine: f64) -> (f64, [f64; 2]) {
+    let x = -cosine / 2.0 / libm::exp(u);
+    let under = 1.0 + c * x + x * x;
+    (1.0 / under, [(c * x + 2.0 * x * x) / under, -x / under])
+}
+
 /// Density of a low-pass with the pole `a` over its level at frequency 0, (1 − a)²/(1 + a² − 2a cos), and the slope of
 /// its logarithm by `a`. `cosine` is cos − 1.
 fn one_pole(a: f64, cosine: f64) -> (f64, f64) {
@@ -410,9 +436,48 @@ fn one_pole(a: f64, cosine: f64) -> (f64, f64) {
     (square / under, 2.0 * (cosine + 1.0 - a) / under - 2.0 / (1.0 - a))
 }
 
+/// The longest time constant of the low-pass of a shape, in samples.
+pub(super) fn low_pass_memory(form: &ModelForm, at: &[f64], rate_hz: f64, top_hz: f64) -> f64 {
+    match at[SHAPE + form.cosines..][..form.poles] {
+        [pole] => 1.0 / (1.0 - pole),
+        [u, c] => {
+            let inverse_of_q = libm::sqrt(2.0 + c);
+            let period = rate_hz / (2.0 * PI * corner_hz(u, rate_hz, top_hz));
+            period * inverse_of_q.max(2.0 / inverse_of_q)
+        }
+        _ => 0.0,
+    }
+}
+
+/// The corner of a low-pass of the second order, ln sin²(θ/2), in Hz.
+pub(super) fn corner_hz(u: f64, rate_hz: f64, top_hz: f64) -> f64 {
+    libm::asin(libm::exp(u / 2.0) * libm::sin(PI * top_hz / rate_hz)) * rate_hz / PI
+}
+
 /// The shape over its level at frequency 0, at the angle of its cosines.
 pub(super) fn shape(form: &ModelForm, at: &[f64], angle: f64) -> f64 {
     let term = |j: usize| at[SHAPE + j] * (libm::cos((j + 1) as f64 * angle) - 1.0);
-    let low_pass = if form.pole { one_pole(at[SHAPE + form.cosines], libm::cos(angle) - 1.0).0 } else { 1.0 };
-    libm::exp((0..form.cosines).map(term).sum()) * low_pass
+    libm::exp((0..form.cosines).map(term).sum()) * low_pass(form, at, libm::cos(angle) - 1.0).0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slopes_of_a_low_pass_are_its_derivatives() {
+        for (poles, low_pass) in [(1, [0.7, 0.0]), (2, [-3.0, -0.4]), (2, [-1.0, 1.5])] {
+            let form = ModelForm { poles, ..ModelForm::PLAIN };
+            let log_at = |offset: [f64; 2]| {
+                let at = [1.0, 0.0, 0.0, 0.0, low_pass[0] + offset[0], low_pass[1] + offset[1]];
+                let (level, slopes) = super::low_pass(&form, &at, -0.3);
+                (libm::log(level), slopes)
+            };
+            let (_, slopes) = log_at([0.0, 0.0]);
+            for (place, [u, c]) in [[1e-5, 0.0], [0.0, 1e-5]].into_iter().enumerate().take(poles) {
+                let slope = (log_at([u, c]).0 - log_at([-u, -c]).0) / 2e-5;
+                assert!((slope - slopes[place]).abs() < 1e-6, "{poles} {place}: {slope} {slopes:?}");
+            }
+        }
+    }
 }

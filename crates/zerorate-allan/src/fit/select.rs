@@ -49,13 +49,37 @@ pub(super) struct Selection {
     pub(super) found: Found,
     /// The next best choice of slow terms and how much worse it is, where it differs.
     pub(super) runner_up: Option<(ModelForm, f64)>,
+    /// What a model up to half the rate takes for a low-pass, where this one ends below.
+    pub(super) of_whole: Option<LowPass>,
+}
+
+/// White noise behind a low-pass of the first order, which looks like a Gauss–Markov term.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LowPass {
+    pub(super) tau_s: f64,
+    pub(super) n: f64,
 }
 
 impl Selection {
     /// Whether the model holds without cosines, which follow any filter for a while: white noise, with a pole or
     /// quantisation.
     pub(super) fn has_plain_form(&self) -> bool {
-        self.found.form.cosines == 0 && self.problem.error == 0.0 && low_pass(&self.problem, &self.found).is_none()
+        self.has_few_terms() && self.low_pass().is_none()
+    }
+
+    fn has_few_terms(&self) -> bool {
+        self.found.form.cosines == 0 && self.found.form.poles < 2 && self.problem.error == 0.0
+    }
+
+    /// The low-pass that a Gauss–Markov term may be.
+    pub(super) fn low_pass(&self) -> Option<LowPass> {
+        let (plateau, tau_s) = memory(&self.found, low_pass(&self.problem, &self.found)?);
+        Some(LowPass { tau_s, n: libm::sqrt(self.found.at[N2] + plateau) })
+    }
+
+    /// This model up to a lower end, beside `whole`.
+    pub(super) fn beside(self, whole: &Self) -> Self {
+        Self { of_whole: whole.low_pass().filter(|_| whole.has_few_terms()), ..self }
     }
 }
 
@@ -93,7 +117,7 @@ pub(super) fn select(table: Table, shape_price: f64) -> Option<Selection> {
         // a shape as plain as the data allow pulls N, and its interval does not know
         best.found = with_cosine(&problem, &best.found);
     }
-    best.price.is_finite().then_some(Selection { problem, found: best.found, runner_up })
+    best.price.is_finite().then_some(Selection { problem, found: best.found, runner_up, of_whole: None })
 }
 
 pub(super) fn priced(problem: &Problem, found: Found) -> Priced {
@@ -243,10 +267,10 @@ const MANY_COSINES: usize = 2;
 
 fn other_shapes(problem: &Problem, found: &Found) -> Vec<Found> {
     if problem.table.is_cut() {
-        return Vec::new();
+        return with_corner(problem, found);
     }
     let quantised = (found.form.cosines > 0).then(|| quantised(problem, found));
-    quantised.into_iter().chain(with_pole(problem, found)).collect()
+    quantised.into_iter().chain(with_pole(problem, found)).chain(with_corner(problem, found)).collect()
 }
 
 fn quantised(problem: &Problem, found: &Found) -> Found {
@@ -258,7 +282,7 @@ fn quantised(problem: &Problem, found: &Found) -> Found {
 /// A pole instead of many cosines, or instead of the Gauss–Markov term with the highest plateau, and beside it fewer
 /// cosines than before.
 fn with_pole(problem: &Problem, found: &Found) -> Vec<Found> {
-    let mut form = ModelForm { cosines: 0, pole: true, ..found.form };
+    let mut form = ModelForm { cosines: 0, poles: 1, ..found.form };
     let mut at = without_shape(found);
     let memories = (0..form.markovs).map(|index| {
         let (plateau, tau_s) = memory(found, index);
@@ -282,14 +306,33 @@ fn with_pole(problem: &Problem, found: &Found) -> Vec<Found> {
     core::iter::successors(Some(first), |last| Some(with_cosine(problem, last))).take(most).collect()
 }
 
+/// A low-pass of the second order in place of cosines, and beside it fewer of them than before. Its corner is sought
+/// from where they fall to one half.
+pub(super) fn with_corner(problem: &Problem, found: &Found) -> Vec<Found> {
+    if found.form.cosines < 2 {
+        return Vec::new();
+    }
+    let (local, rows) = (problem.local(found), &problem.table.rows);
+    let is_down = |row: &usize| local.slopes[N2][*row] < 0.5 * rows[*row].bin.response.gain;
+    let down = (0..rows.len()).find(is_down).unwrap_or(rows.len() - 1);
+    let mut at = without_shape(found);
+    at.splice(SHAPE..SHAPE, [libm::log(-rows[down].cosines[0] / 2.0), 0.0]);
+    let first = problem.descend(ModelForm { cosines: 0, poles: 2, ..found.form }, &at, None, DESCENT);
+    let more = core::iter::successors(Some(first), |last| Some(with_cosine(problem, last)));
+    more.take(found.form.cosines.min(MOST_BESIDE_A_CORNER + 1)).collect()
+}
+
+/// Cosines that are tried beside a low-pass of the second order.
+const MOST_BESIDE_A_CORNER: usize = 3;
+
 /// Whether the record shows the time constants of the Gauss–Markov terms, and of the low-pass.
 pub(super) fn is_sound(problem: &Problem, found: &Found) -> bool {
     let table = &problem.table;
     let (shortest, longest) = (AT_BOUND * SHORTEST / table.rate_hz, LONGEST * table.span_s / AT_BOUND);
     let tau_s = |index| libm::exp(found.at[found.form.markov(index) + 1]);
-    let pole = SHAPE + found.form.cosines;
+    let low_pass = SHAPE + found.form.cosines;
     (0..found.form.markovs).all(|index| tau_s(index) > shortest && tau_s(index) < longest)
-        && (!found.form.pole || problem.is_free(found, pole))
+        && (0..found.form.poles).all(|j| problem.is_free(found, low_pass + j))
 }
 
 /// The Gauss–Markov term that may be white noise behind a low-pass of the first order: it has more power than the
@@ -297,7 +340,7 @@ pub(super) fn is_sound(problem: &Problem, found: &Found) -> bool {
 pub(super) fn low_pass(problem: &Problem, found: &Found) -> Option<usize> {
     let (local, row) = (problem.local(found), plateau(problem));
     let power = |index| local.slopes[found.form.markov(index)][row] * found.at[found.form.markov(index)];
-    let is_slow = found.form.pole && found.at[SHAPE + found.form.cosines] > libm::exp(-1.0 / SHORTEST);
+    let is_slow = found.form.poles == 1 && found.at[SHAPE + found.form.cosines] > libm::exp(-1.0 / SHORTEST);
     let is_loud = |index| is_slow && memory(found, index).0 > found.at[N2];
     (0..found.form.markovs).find(|&index| power(index) > white(&local, found, row) || is_loud(index))
 }

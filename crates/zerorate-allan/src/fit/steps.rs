@@ -107,7 +107,7 @@ fn density_of_averages(chosen: &Selection, slots: usize, slot_rate_hz: f64, whit
     let mut at = chosen.found.at.clone();
     at.drain(SHAPE..SHAPE + form.shape());
     at[N2] *= white;
-    (form.cosines, form.pole, form.drift) = (0, false, None);
+    (form.cosines, form.poles, form.drift) = (0, 0, None);
     let density = Problem::new(table, 0.0).density(&form, &at);
     at_coefficients(middles.into_iter(), &density, slots - 1).into_iter().map(|s| s * slot_rate_hz).collect()
 }

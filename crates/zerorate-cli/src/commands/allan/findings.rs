@@ -191,7 +191,7 @@ fn words_of_terms(warning: &AllanWarning, unit: &str) -> (String, String) {
             said(String::new(), "Gauss–Markov terms or B; do not extrapolate beyond a quarter")
         }
         AllanWarning::MemoryOrFilter { tau_s, n } => {
-            said(format!("{}, N is then {}", span(tau_s), number(n)), "the Gauss–Markov term may be a low-pass")
+            said(format!("{}, N is then {}", span(tau_s), number(n)), "a memory may be a low-pass of white noise")
         }
         AllanWarning::DriftOrWalk { has_drift, .. } => said(
             if has_drift { "a drift was taken" } else { "a random walk was taken" }.to_owned(),

@@ -133,9 +133,16 @@ struct Fit {
 #[serde(tag = "kind", rename_all = "kebab-case")]
 enum Term {
     GaussMarkov { sigma: Estimate, tau_s: Estimate },
-    BandShape { cosines: Vec<f64>, pole: Option<f64> },
+    BandShape { cosines: Vec<f64>, pole: Option<f64>, corner: Option<Corner> },
     Line { frequency_hz: f64, width_hz: f64, rms: f64 },
     WarmUp { size: Estimate, tau_s: f64 },
+}
+
+/// A low-pass of the second order.
+#[derive(Serialize)]
+struct Corner {
+    frequency_hz: f64,
+    damping: f64,
 }
 
 #[derive(Serialize)]
@@ -244,7 +251,10 @@ fn term(term: &allan::Term) -> Term {
         allan::Term::GaussMarkov { sigma, tau_s } => {
             Term::GaussMarkov { sigma: estimate(sigma), tau_s: estimate(tau_s) }
         }
-        allan::Term::BandShape { cosines, pole } => Term::BandShape { cosines: cosines.clone(), pole: *pole },
+        allan::Term::BandShape { cosines, pole, corner } => {
+            let corner = corner.map(|allan::Corner { frequency_hz, damping }| Corner { frequency_hz, damping });
+            Term::BandShape { cosines: cosines.clone(), pole: *pole, corner }
+        }
         allan::Term::WarmUp { size, tau_s } => Term::WarmUp { size: estimate(size), tau_s: *tau_s },
         &allan::Term::Line(allan::Line { frequency_hz, width_hz, rms }) => Term::Line { frequency_hz, width_hz, rms },
     }

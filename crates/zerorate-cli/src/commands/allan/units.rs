@@ -88,10 +88,16 @@ fn of_term(record: &Record, term: &Term) -> TermRow {
             values: vec![in_rate(sigma), (interval_of(*tau_s), "s".to_owned())],
             remark: String::new(),
         },
-        Term::BandShape { cosines, pole } => TermRow {
+        Term::BandShape { cosines, pole, corner } => TermRow {
             name: "band shape".to_owned(),
             values: Vec::new(),
-            remark: format!("of order {}: a filter shapes the noise", cosines.len() + usize::from(pole.is_some())),
+            remark: match corner {
+                Some(corner) => format!("a low-pass of the second order at {:.3} Hz", corner.frequency_hz),
+                None => {
+                    let order = cosines.len() + usize::from(pole.is_some());
+                    format!("of order {order}: a filter shapes the noise")
+                }
+            },
         },
         Term::Line(Line { frequency_hz, width_hz, rms }) => TermRow {
             name: "line, left out".to_owned(),
