@@ -43,6 +43,8 @@ pub struct Advice {
 
 /// Averaging is done where the deviation is within this factor of the deviation of the longest average.
 const FLAT_WITHIN: f64 = 1.05;
+/// Behind a filter the deviation is below this share of the white noise's own, N/√τ.
+const FILTERED_BELOW: f64 = 0.9;
 /// Steps per octave of the search for the minimum.
 const STEPS_PER_OCTAVE: f64 = 32.0;
 
@@ -77,11 +79,19 @@ fn least(fit: &Fit) -> f64 {
     taus(fit).min_by(|&a, &b| deviation(fit, a).total_cmp(&deviation(fit, b))).unwrap_or(fit.span_s.1)
 }
 
-/// Averaging times from the shortest to the longest.
+/// Averaging times from the shortest that tells how far from the bias it is, to the longest. Behind a filter, and
+/// within a memory, averages differ little from their neighbours, and are as far from the bias as longer ones: there
+/// the curve rises before it falls.
 fn taus(fit: &Fit) -> impl Iterator<Item = f64> {
     let (first, last) = fit.span_s;
     let steps = (libm::log2(last / first) * STEPS_PER_OCTAVE) as u32;
-    (0..=steps).map(move |step| first * libm::exp2(f64::from(step) / STEPS_PER_OCTAVE))
+    let tau_s = move |step: u32| first * libm::exp2(f64::from(step) / STEPS_PER_OCTAVE);
+    let tells = |step: &u32| {
+        let (tau_s, dev) = (tau_s(*step), deviation(fit, tau_s(*step)));
+        let rises = deviation(fit, 2.0 * tau_s) > FLAT_WITHIN * dev;
+        !rises && dev > FILTERED_BELOW * fit.n.value / libm::sqrt(tau_s)
+    };
+    ((0..=steps).find(tells).unwrap_or(0)..=steps).map(tau_s)
 }
 
 /// The fitted deviation. The shortest averaging time is one sample.

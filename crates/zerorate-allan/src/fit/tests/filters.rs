@@ -224,6 +224,22 @@ fn a_slow_low_pass_of_the_second_order_leaves_n() {
     assert!(inside >= 4, "{inside} of 6");
 }
 
+/// One sample behind a filter, or within a memory, was said to be enough, since the next one differs so little.
+#[test]
+fn a_filter_does_not_shorten_the_average_for_the_bias() {
+    let averaging_s = |rate: &[f64]| match advice(&of(rate)).unwrap().averaging {
+        Averaging::Minimum { tau_s, .. } | Averaging::Flat { tau_s, .. } | Averaging::Falling { tau_s, .. } => tau_s,
+    };
+    for hz in [0.3, 2.5] {
+        let rate = HOUR.noise(360_000, 3300);
+        let [bare_s, filtered_s] = [averaging_s(&rate), averaging_s(&low_pass(&rate, hz)[6000..])];
+        assert!(bare_s > 10.0 && filtered_s > bare_s / 3.0, "{hz} Hz: {filtered_s} s instead of {bare_s} s");
+    }
+    let memory = Truth { n: 1e-6, sigma: 0.01, tau_s: 10.0, ..Truth::default() };
+    let memory_s = averaging_s(&memory.noise(360_000, 3300));
+    assert!(memory_s > 100.0, "a memory of 10 s: {memory_s} s");
+}
+
 /// A filter of all noise does not explain these records, a memory does.
 #[test]
 fn slow_noise_that_joins_behind_a_slow_low_pass_is_said() {
