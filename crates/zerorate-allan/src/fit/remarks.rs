@@ -70,9 +70,7 @@ pub(super) fn remarks(
             AllanWarning::DriftOrWalk { has_drift: own.drift.is_some(), worse }
         });
     }
-    let of_whole = chosen.of_whole.filter(|other| other.n < fit.n.lo || other.n > fit.n.hi);
-    let low_pass = chosen.low_pass().or(of_whole);
-    warnings.extend(low_pass.map(|LowPass { tau_s, n }| AllanWarning::MemoryOrFilter { tau_s, n }));
+    warnings.extend(memory_or_filter(fit, chosen));
     warnings.extend(unsteady(fit, curves));
     let coefficients =
         [(Noise::AngleRandomWalk, fit.n), (Noise::BiasInstability, fit.b), (Noise::RateRandomWalk, fit.k)];
@@ -83,6 +81,14 @@ pub(super) fn remarks(
         needed_s,
     }));
     warnings
+}
+
+/// A Gauss–Markov term that may be white noise behind a low-pass: of this model, or of one of the whole spectrum with
+/// another N.
+fn memory_or_filter(fit: &Fit, chosen: &Selection) -> Option<AllanWarning> {
+    let of_whole = || chosen.of_whole.filter(|other| other.n < fit.n.lo || other.n > fit.n.hi);
+    let LowPass { tau_s, n } = chosen.low_pass().or_else(of_whole)?;
+    Some(AllanWarning::MemoryOrFilter { tau_s, n })
 }
 
 /// Halves of the record that differ.
