@@ -80,18 +80,24 @@ fn least(fit: &Fit) -> f64 {
 }
 
 /// Averaging times from the shortest that tells how far from the bias it is, to the longest. Behind a filter, and
-/// within a memory, averages differ little from their neighbours, and are as far from the bias as longer ones: there
-/// the curve rises before it falls.
+/// within a memory, averages differ little from their neighbours, and are as far from the bias as longer ones: the
+/// curve rises, and falls again.
 fn taus(fit: &Fit) -> impl Iterator<Item = f64> {
     let (first, last) = fit.span_s;
-    let steps = (libm::log2(last / first) * STEPS_PER_OCTAVE) as u32;
+    let octaves = libm::log2(last / first);
+    let steps = (octaves * STEPS_PER_OCTAVE) as u32;
     let tau_s = move |step: u32| first * libm::exp2(f64::from(step) / STEPS_PER_OCTAVE);
-    let tells = |step: &u32| {
-        let (tau_s, dev) = (tau_s(*step), deviation(fit, tau_s(*step)));
-        let rises = deviation(fit, 2.0 * tau_s) > FLAT_WITHIN * dev;
-        !rises && dev > FILTERED_BELOW * fit.n.value / libm::sqrt(tau_s)
+    let is_filtered = |step: u32| {
+        let tau_s = tau_s(step);
+        deviation(fit, tau_s) < FILTERED_BELOW * fit.n.value / libm::sqrt(tau_s)
     };
-    ((0..=steps).find(tells).unwrap_or(0)..=steps).map(tau_s)
+    // over the next octave
+    let change = |step: u32| deviation(fit, 2.0 * tau_s(step)) / deviation(fit, tau_s(step));
+    let before_the_last = ((octaves - 1.0).max(0.0) * STEPS_PER_OCTAVE) as u32;
+    let last_fall = (0..before_the_last).rev().find(|step| change(*step) * FLAT_WITHIN < 1.0).unwrap_or(0);
+    let last_rise = (0..last_fall).rev().find(|step| change(*step) > FLAT_WITHIN);
+    let from = last_rise.map_or(0, |step| step + 1);
+    ((from..steps).find(|step| !is_filtered(*step)).unwrap_or(from)..=steps).map(tau_s)
 }
 
 /// The fitted deviation. The shortest averaging time is one sample.

@@ -235,9 +235,11 @@ fn a_filter_does_not_shorten_the_average_for_the_bias() {
         let [bare_s, filtered_s] = [averaging_s(&rate), averaging_s(&low_pass(&rate, hz)[6000..])];
         assert!(bare_s > 10.0 && filtered_s > bare_s / 3.0, "{hz} Hz: {filtered_s} s instead of {bare_s} s");
     }
-    let memory = Truth { n: 1e-6, sigma: 0.01, tau_s: 10.0, ..Truth::default() };
-    let memory_s = averaging_s(&memory.noise(360_000, 3300));
-    assert!(memory_s > 100.0, "a memory of 10 s: {memory_s} s");
+    for n in [1e-6, 1e-4, 1e-3] {
+        let memory = Truth { n, sigma: 0.01, tau_s: 10.0, ..Truth::default() };
+        let memory_s = averaging_s(&memory.noise(360_000, 3300));
+        assert!(memory_s > 100.0, "a memory of 10 s beside N = {n}: {memory_s} s");
+    }
 }
 
 /// A filter of all noise does not explain these records, a memory does.
