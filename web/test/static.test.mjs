@@ -197,7 +197,7 @@ test("a chamber by hand: a plan that is dropped and refused, and the profile of 
   assert.match(await page.textContent(".run .steps [data-state=now] .time"), /min.* left|until it is settled/);
   assert.ok(await page.isHidden(".run .watch"));
   assert.deepEqual(await bars(page), []);
-  await finishCalibration(page, 6 * PATIENCE);
+  await finishCalibration(page, 12 * PATIENCE);
   await becomes(page, ".result h1", /^Chamber: done$/);
   assert.deepEqual(faults, []);
   await context.close();
