@@ -81,7 +81,7 @@ fn least(fit: &Fit) -> f64 {
 
 /// Averaging times from the shortest that tells how far from the bias it is, to the longest. Behind a filter, and
 /// within a memory, averages differ little from their neighbours, and are as far from the bias as longer ones: the
-/// curve rises, and falls again.
+/// curve rises, and falls again. So it does over a warm-up, whose end is no better to average over than its beginning.
 fn taus(fit: &Fit) -> impl Iterator<Item = f64> {
     let (first, last) = fit.span_s;
     let octaves = libm::log2(last / first);
@@ -95,7 +95,8 @@ fn taus(fit: &Fit) -> impl Iterator<Item = f64> {
     let change = |step: u32| deviation(fit, 2.0 * tau_s(step)) / deviation(fit, tau_s(step));
     let before_the_last = ((octaves - 1.0).max(0.0) * STEPS_PER_OCTAVE) as u32;
     let last_fall = (0..before_the_last).rev().find(|step| change(*step) * FLAT_WITHIN < 1.0).unwrap_or(0);
-    let last_rise = (0..last_fall).rev().find(|step| change(*step) > FLAT_WITHIN);
+    let warms_up = fit.terms.iter().any(|term| matches!(term, Term::WarmUp { .. }));
+    let last_rise = (0..last_fall).rev().find(|step| !warms_up && change(*step) > FLAT_WITHIN);
     let from = last_rise.map_or(0, |step| step + 1);
     ((from..steps).find(|step| !is_filtered(*step)).unwrap_or(from)..=steps).map(tau_s)
 }

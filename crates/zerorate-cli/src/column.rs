@@ -41,8 +41,8 @@ pub struct ColumnArgs {
     #[arg(long, requires = "unit")]
     force_unit: bool,
 
-    /// The size of a step of 1 in the column, in the unit of --unit [default: 1]. Without --unit it is in °/s
-    /// [default: for the codes of a capture, the scale of the part].
+    /// The size of a step of 1 in the column, in its unit, or else in °/s [default: 1; for the codes of a capture, the
+    /// scale of the part].
     #[arg(long, value_name = "X", value_parser = positive)]
     scale: Option<f64>,
 

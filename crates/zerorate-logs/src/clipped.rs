@@ -72,13 +72,13 @@ impl Outermost {
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
     use rand_xoshiro::Xoshiro256PlusPlus;
     use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
     /// The sum of twelve uniform numbers, less its mean: nearly Gaussian, with a standard deviation of 1.
-    fn noise(count: usize) -> Vec<f64> {
+    pub fn noise(count: usize) -> Vec<f64> {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
         let mut uniform = move || (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
         (0..count).map(|_| (0..12).map(|_| uniform()).sum::<f64>() - 6.0).collect()

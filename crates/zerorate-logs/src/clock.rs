@@ -27,8 +27,20 @@ const MAX_LEAP: u64 = 100;
 /// The speed at which the even clock follows the timestamps: it forgets an offset within some ten samples.
 const FOLLOW: f64 = 0.1;
 
+/// A clock that counts in steps has intervals of one step and of two.
+const LONGEST_STEP: f64 = 2.5;
+
+/// Spans of rows that differ from the usual one by no more than this, in intervals, have no gap.
+const NEAR: f64 = 1.75;
+
 /// Rows on each side of a place that tell whether samples are missing there: their median has a fifth of the jitter.
 const AROUND: usize = 32;
+
+/// Single losses in this many blocks of rows tell a clock that counts in steps from a sensor that loses samples: the
+/// steps come evenly, with so many of them in a block on average.
+const FEWEST_BLOCKS: usize = 8;
+const IN_A_BLOCK: usize = 8;
+const EVEN_BLOCKS: f64 = 0.9;
 
 /// A row that comes less than this later than expected, in intervals, has no gap before it.
 const LEAP: f64 = 0.25;
@@ -129,12 +141,12 @@ impl Times {
             interval.ok_or_else(|| format!("a time column of fewer than two rows tells no rate; give {rate}"))?;
         let rows = self.since_first.len();
         let mut tracking = Tracking { interval, even: 0.0, steps: 0, squares: 0.0, gaps: Vec::new() };
-        for (row, time) in self.since_first.iter().enumerate().skip(1) {
-            tracking.step(row, *time);
-        }
+        self.since_first.iter().enumerate().skip(1).for_each(|(row, time)| tracking.step(row, *time));
         let jitter = (tracking.squares / (rows - 1) as f64).sqrt();
         let is_clear = jitter <= CLEAR_JITTER;
+        let is_coarse = is_clear && is_even(&tracking.gaps, rows);
         let (jitter, gaps, steps) = match is_clear {
+            true if is_coarse => self.in_steps(interval, &tracking.gaps),
             true => (jitter, tracking.gaps, tracking.steps),
             false => self.among_late_rows(),
         };
@@ -161,7 +173,21 @@ impl Times {
             true => steps as f64 * unit.per_s() / self.since_first[rows - 1],
             false => unit.per_s() / self.slope(&gaps),
         };
-        Ok(Beat { rate_hz, gaps, jitter })
+        Ok(Beat { rate_hz, gaps, jitter, as_losses: is_coarse.then_some(unit.per_s() / interval) })
+    }
+
+    /// Jitter, gaps and steps of a clock that counts in steps a little shorter than the interval. A double step is no
+    /// gap.
+    fn in_steps(&self, step: f64, double: &[Gap]) -> (f64, Vec<Gap>, u64) {
+        let short = self.intervals().filter(|interval| *interval <= LONGEST_STEP * step);
+        let (sum, count) = short.fold((0.0, 0u32), |(sum, n), dt| (sum + dt, n + 1));
+        let steps_per_sample = sum / f64::from(count) / step;
+        let samples = |missing: u64| (((missing + 1) as f64 / steps_per_sample).round() as u64).max(1) - 1;
+        let long = double.iter().filter(|gap| gap.missing > 1);
+        let gaps = long.map(|gap| Gap { missing: samples(gap.missing), ..*gap }).filter(|gap| gap.missing > 0);
+        let gaps: Vec<Gap> = gaps.collect();
+        let steps = (self.since_first.len() as u64 - 1).saturating_add(missing_in(&gaps));
+        (1.0 / steps_per_sample / 12f64.sqrt(), gaps, steps)
     }
 
     /// The usual interval: the mean of those near the median, which is exact for a clock that rounds, too.
@@ -184,7 +210,11 @@ impl Times {
         let times = &self.since_first;
         let span = AROUND.min(times.len() / 2).max(1);
         let mut over: Vec<f64> = times.windows(span + 1).map(|rows| (rows[span] - rows[0]) / span as f64).collect();
-        let interval = median(&mut over);
+        let middle = median(&mut over);
+        // of a clock that counts in steps the mean is exact, and the median not
+        let near = over.iter().filter(|over| (*over - middle).abs() * span as f64 <= NEAR * middle);
+        let (sum, count) = near.fold((0.0, 0u32), |(sum, n), over| (sum + over, n + 1));
+        let interval = sum / f64::from(count);
         // how late each row is, in intervals
         let late: Vec<f64> = times.iter().enumerate().map(|(row, time)| time / interval - row as f64).collect();
         let mut buffer = Vec::with_capacity(AROUND);
@@ -255,6 +285,24 @@ impl Times {
     }
 }
 
+/// Whether gaps of one sample come as evenly as the longer steps of a clock that counts in steps a little shorter than
+/// the interval. Losses that come by chance differ by several from block to block.
+fn is_even(gaps: &[Gap], rows: usize) -> bool {
+    let singles: Vec<usize> = gaps.iter().filter(|gap| gap.missing == 1).map(|gap| gap.at).collect();
+    let block = (rows * IN_A_BLOCK).div_ceil(singles.len().max(1));
+    if rows / block < FEWEST_BLOCKS {
+        return false;
+    }
+    let mut counts = vec![0i64; rows / block];
+    for at in singles {
+        if let Some(count) = counts.get_mut(at / block) {
+            *count += 1;
+        }
+    }
+    let even = counts.windows(2).filter(|pair| (pair[1] - pair[0]).abs() <= 1).count();
+    even as f64 >= EVEN_BLOCKS * (counts.len() - 1) as f64
+}
+
 fn median(numbers: &mut [f64]) -> f64 {
     let middle = numbers.len() / 2;
     if numbers.is_empty() { 0.0 } else { *numbers.select_nth_unstable_by(middle, f64::total_cmp).1 }
@@ -269,6 +317,8 @@ pub struct Beat {
     pub gaps: Vec<Gap>,
     /// Root mean square of what is between the timestamps and an even clock, in intervals.
     pub jitter: f64,
+    /// The rate, if the longer steps of a clock that counts in steps are single losses instead.
+    pub as_losses: Option<f64>,
 }
 
 /// A relative error of a deviation that nobody notices.
@@ -288,11 +338,11 @@ impl Beat {
         let error = |m: f64| 1.5 * jitter / (m * m) + 0.89 * jitter * jitter / m;
         let enough = (0..30).map(|power| f64::from(1u32 << power)).find(|m| error(*m) < NO_ERROR);
         (jitter > SAID_JITTER).then(|| {
-            format!(
-                "stamps are off an even clock by {:.0} % of an interval; judge from {:.4} s on",
-                100.0 * jitter,
-                enough.unwrap_or_default() / rate_hz
-            )
+            let off = match self.as_losses {
+                Some(hz) => format!("count in steps (or even losses at {hz:.0} Hz)"),
+                None => format!("are off an even clock by {:.0} % of an interval", 100.0 * jitter),
+            };
+            format!("stamps {off}; judge from {:.4} s on", enough.unwrap_or_default() / rate_hz)
         })
     }
 }
@@ -387,6 +437,25 @@ mod tests {
             assert!(found.gaps.is_empty(), "{rate} Hz: {:?}", found.gaps);
             assert!((found.rate_hz / rate - 1.0).abs() < 1e-3, "{}", found.rate_hz);
         }
+    }
+
+    /// Rates of gyroscopes in whole milliseconds, with half a second missing once: less than one step in a sample, and
+    /// between one and one and a half.
+    #[test]
+    fn coarse_stamps_are_no_losses() {
+        for rate in [667.0, 833.0, 952.0, 990.0, 1666.0] {
+            let there = (0..60_000).filter(|i| !(30_000..30_500).contains(i));
+            let found = beat(there.map(|i| (f64::from(i) / rate * 1e3).floor() * 1e-3)).unwrap();
+            assert!((found.rate_hz / rate - 1.0).abs() < 1e-4, "{rate} Hz: {}", found.rate_hz);
+            assert!(missing_in(&found.gaps).abs_diff(500) < 3, "{rate} Hz: {:?}", found.gaps);
+        }
+        let text = beat((0..60_000).map(|i| (f64::from(i) * 1.2).floor())).unwrap().jitter_text().unwrap();
+        assert!(text.contains("count in steps (or even losses at 1 Hz)"), "{text}");
+        // as many losses by chance
+        let mut late = normal(60_000);
+        let there = (0..60_000).filter(|_| late.next().is_some_and(|z| z < 1.0));
+        let found = beat(there.map(|i| f64::from(i) * 1e-3)).unwrap();
+        assert!((found.rate_hz - 1000.0).abs() < 1e-3 && found.as_losses.is_none(), "{}", found.rate_hz);
     }
 
     /// A crystal that drifts by 200 ppm is followed.

@@ -13,6 +13,7 @@ mod checks;
 mod choice;
 mod clipped;
 mod clock;
+mod coarse;
 mod dataflash;
 #[cfg(all(test, feature = "full"))]
 mod foreign;
@@ -123,8 +124,8 @@ pub struct ColumnOptions {
     /// The unit of the column; none: the one that its name states, as in gyro_z_dps or `gz [rad/s]`.
     pub unit: Option<Unit>,
 
-    /// The size of a step of 1 in the column. It is in the unit of the column, or else in °/s, or in m/s² for a stated
-    /// acceleration. None: 1, or the scale of the part for the codes of a capture.
+    /// The size of a step of 1 in the column, in its unit: the one that is given, or else the one that its name or the
+    /// log states, or else °/s. None: 1, or the scale of the part for the codes of a capture.
     pub scale: Option<f64>,
 
     /// Takes the unit that is given where the name of a column states another; without it that is an error.
@@ -490,8 +491,13 @@ impl FoundColumn {
         let declared = match args.scale {
             None => given.or(stated),
             Some(scale) => {
-                let quantity = stated.map_or(Quantity::AngularRate, |(quantity, _)| quantity);
-                let (quantity, per_unit) = given.unwrap_or((quantity, 1.0));
+                // what a capture states of its codes is a scale, and no unit
+                let of_file = stated.map(|(quantity, per_unit)| match &series {
+                    Series::Codes(_) => (quantity, 1.0),
+                    Series::Numbers(_) => (quantity, per_unit),
+                });
+                let unit = given.or_else(|| Quantity::of_column(&name)).or(of_file);
+                let (quantity, per_unit) = unit.unwrap_or((Quantity::AngularRate, 1.0));
                 Some((quantity, scale * per_unit))
             }
         };
@@ -503,6 +509,10 @@ impl FoundColumn {
         warnings.extend(clipped::doubt(&series).map(|how| {
             let (path, column) = place();
             LogWarning::Clipped { path, column, how }
+        }));
+        warnings.extend(coarse::doubt(&series).map(|how| {
+            let (path, column) = place();
+            LogWarning::CoarseCodes { path, column, how }
         }));
         warnings.extend(declared.is_none().then(|| {
             let ((path, column), [unit, scale]) =

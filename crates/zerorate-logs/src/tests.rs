@@ -276,6 +276,9 @@ fn units_are_declared_or_said_to_be_unknown() {
     assert_eq!(scale("gz", ""), None);
     assert_eq!(scale("gz", "--scale 0.05"), Some(0.05));
     assert_eq!(scale("gz", "--unit mdps --scale 8.75"), Some(8.75e-3));
+    assert_eq!(scale("gz_mdps", "--scale 8.75"), Some(8.75e-3));
+    assert_eq!(scale("gz_rad_s", "--scale 2"), Some(2.0 * 1f64.to_degrees()));
+    assert_eq!(scale("gz_rad_s", "--scale 2 --unit dps --force-unit true"), Some(2.0));
     assert_eq!(scale("gz", "--unit deg/h"), Some(1.0 / 3600.0));
     assert_eq!(scale("gz_rad_s", ""), Some(1f64.to_degrees()));
     assert_eq!(scale("gz_rad_s", "--unit rad/s"), Some(1f64.to_degrees()));

@@ -35,6 +35,8 @@ pub enum LogWarning {
     Resampled { path: String, column: String, how: String },
     /// Samples of a column stand at a limit, as the text says.
     Clipped { path: String, column: String, how: String },
+    /// The steps of a column are larger than its noise, as the text says.
+    CoarseCodes { path: String, column: String, how: String },
     /// The means of an IMU's axes are not those of a sensor at rest, as the text says.
     Implausible { path: String, what: String },
     /// A column does not state its unit; `unit` and `scale` are the names of settings.
@@ -169,6 +171,18 @@ rows!(match LogWarning {
             such a log: clipped noise is too small, and marks are counted as noise.",
         remedy: "Record in a larger range, or write nothing (or `nan`) where a sample is missing.",
     },
+    Self::CoarseCodes { ref path, ref column, ref how } => Row {
+        code: "coarse-codes",
+        text: format_args!("{path}, {column}: {how}"),
+        says: Says::Warning,
+        by: &["allan", "imu"],
+        seen: "Within 32 samples a column scatters by less than 0.58 of its steps. The noise before rounding is then \
+            below half a step.",
+        matters: "Rounding of more noise than that is white and small. Of less, it is neither: N, B and K may be many \
+            times too large or too small, and so may their limits.",
+        remedy: "Record in a smaller range, or with finer codes. Look at longer averages only if the level moves over \
+            several steps meanwhile.",
+    },
     Self::Implausible { ref path, ref what } => Row {
         code: "implausible",
         text: format_args!("{path}: {what}; a wrong unit or scale, or mixed columns?"),
@@ -281,11 +295,13 @@ mod tests {
         let [topic, names] = [|| "/imu".to_owned(), || "mag_x, mag_y, mag_z, temp_c".to_owned()];
         let first = "ets Jun  8 2016 00:22:57, rst:0x1 (POWERON_RESET)".to_owned();
         let how = "12 rows come too late and are sorted (the first: row 3456)".to_owned();
-        let beat = crate::clock::Beat { rate_hz: 200.0, gaps: Vec::new(), jitter: 0.15 };
+        let beat = crate::clock::Beat { rate_hz: 200.0, gaps: Vec::new(), jitter: 0.15, as_losses: None };
         let held = (0..4000).map(|at| f64::from((at / 2) * (at / 2) % 1999 * 52_561)).collect();
         let resampled = crate::resampled::doubt(&crate::series::Series::Numbers(held)).expect("each is there twice");
         let marked = (0..4000).map(|at| if at % 20 == 0 { -9999.0 } else { f64::from(at) }).collect();
         let clipped = crate::clipped::doubt(&crate::series::Series::Numbers(marked)).expect("many are the least");
+        let rounded = (0..4000).map(|at| i32::from(at % 40 == 0)).collect();
+        let coarse = crate::coarse::doubt(&crate::series::Series::Codes(rounded)).expect("hardly one is another");
         let all = [
             LogWarning::Miscounted { path: "run_0".to_owned(), topic: topic(), stated: 12_000, found: 11_950 },
             LogWarning::RowsIncomplete { path: path(), lacking: 12, rows: 720_000 },
@@ -297,6 +313,7 @@ mod tests {
             LogWarning::LinesSkipped { path: path(), lines: 4, first },
             LogWarning::Resampled { path: path(), column: column(), how: resampled },
             LogWarning::Clipped { path: path(), column: column(), how: clipped },
+            LogWarning::CoarseCodes { path: path(), column: column(), how: coarse },
             LogWarning::Implausible { path: path(), what: "gravity is 1.003 m/s²".to_owned() },
             LogWarning::UnitUnknown { path: path(), column: "gz".to_owned(), unit: "--unit", scale: "--scale" },
             LogWarning::ColumnsLeftOut { path: path(), names: names() },

@@ -50,6 +50,8 @@ pub enum Beside {
     Loss(f64),
     /// Longest burst of missing samples, s, and number of bursts.
     Bursts(f64, u32),
+    /// Seconds that are missing at once, at a random time.
+    Gap(f64),
     /// Step of a code, in standard deviations of a sample.
     Coarse(f64),
     /// Size, °/s, and time constant, s.
@@ -170,6 +172,7 @@ fn disturbed() -> Vec<Scenario> {
         widened("lost in bursts", Beside::Bursts(7.0, 60)),
         widened("lost in short bursts", Beside::Bursts(0.1, 20_000)),
         widened("lost in long bursts", Beside::Bursts(60.0, 30)),
+        widened("lost at once", Beside::Gap(100.0)),
         with("coarse codes", Beside::Coarse(1.2)),
         Scenario { bounds: NOT_SILENT, k: 0.0, ..with("warm-up", Beside::WarmUp(0.05, 600.0)) },
     ]

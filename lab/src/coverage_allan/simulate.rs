@@ -132,6 +132,11 @@ fn disturb(rate: &mut [f64], scenario: &Scenario, rng: &mut SmallRng) {
                 rate[from..(from + length).min(len)].fill(f64::NAN);
             }
         }
+        Beside::Gap(length_s) => {
+            let length = (length_s * RATE_HZ) as usize;
+            let from = rng.next_u64() as usize % (len - length);
+            rate[from..from + length].fill(f64::NAN);
+        }
         Beside::Coarse(steps) => {
             let step = steps * scenario.n * RATE_HZ.sqrt();
             rate.iter_mut().for_each(|rate| *rate = (*rate / step).round() * step);

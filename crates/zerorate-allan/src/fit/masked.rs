@@ -125,8 +125,14 @@ impl Masked {
     }
 }
 
+/// The largest leakage of lines into the rows of the fit, and into those of slow noise, as shares of their power, that
+/// need no warning.
+const MOST_LEAKAGE: f64 = 0.02;
+const MOST_SLOW_LEAKAGE: f64 = 0.1;
+
 /// The strongest of the lines that may leak into the rows of the fit, and the largest share of these rows' power that
-/// the leakage can have, on average.
+/// the leakage can have, on average: of all rows, or of those up to half its frequency, on which B and K rest. None
+/// where it is small.
 pub(super) fn leakage(lines: &[Whole], rows: &[BinRow], hz: f64) -> Option<(Line, f64)> {
     let strongest = lines.iter().filter(|whole| whole.leaks);
     let strongest = strongest.max_by(|a, b| a.line.rms.total_cmp(&b.line.rms))?;
@@ -135,8 +141,17 @@ pub(super) fn leakage(lines: &[Whole], rows: &[BinRow], hz: f64) -> Option<(Line
         let leaks = |whole: &Whole| whole.line.rms * whole.line.rms * leak(whole.run, (bin.first, bin.end));
         (lines.iter().filter(|whole| whole.leaks).map(leaks).sum::<f64>() / variance).min(1.0)
     };
-    let freedom: f64 = rows.iter().map(|row| row.bin.freedom).sum();
-    Some((strongest.line, rows.iter().map(|row| row.bin.freedom * share(&row.bin)).sum::<f64>() / freedom))
+    let mean = |rows: &mut dyn Iterator<Item = &BinRow>| {
+        let add =
+            |(sum, all): (f64, f64), row: &BinRow| (sum + row.bin.freedom * share(&row.bin), all + row.bin.freedom);
+        let (sum, all) = rows.fold((0.0, 0.0), add);
+        if all > 0.0 { sum / all } else { 0.0 }
+    };
+    let slow_hz = strongest.line.frequency_hz / 2.0;
+    let (whole, slow) =
+        (mean(&mut rows.iter()), mean(&mut rows.iter().take_while(|row| row.bin.end as f64 * hz < slow_hz)));
+    let most = if slow > MOST_SLOW_LEAKAGE { whole.max(slow) } else { whole };
+    (most > MOST_LEAKAGE).then_some((strongest.line, most))
 }
 
 /// The largest share of its power that a sine in the middle of a run has in another run. If the sine is zero at the

@@ -429,9 +429,6 @@ fn fitted(rate: &[f64], rate_hz: f64) -> Result<(Spectrum, Table), FitError> {
     Ok((spectrum, table))
 }
 
-/// The largest leakage of lines into the rest of the spectrum, as a share of its power, that needs no warning.
-const MOST_LEAKAGE: f64 = 0.02;
-
 fn described(
     rate: &[f64],
     rate_hz: f64,
@@ -482,7 +479,7 @@ fn described(
         warnings: Vec::new(),
     };
     let hz = rate_hz / (2.0 * spectrum.samples as f64);
-    let leakage = masked::leakage(&all, &chosen.problem.table.rows, hz).filter(|(_, share)| *share > MOST_LEAKAGE);
+    let leakage = masked::leakage(&all, &chosen.problem.table.rows, hz);
     warnings.extend(leakage.map(|(line, share)| AllanWarning::Leakage { frequency_hz: line.frequency_hz, share }));
     warnings.extend(remarks(&fit, &chosen, &curves, off_curve, raw));
     Ok(Fit { warnings, ..fit })

@@ -275,6 +275,24 @@ fn white_noise_with_bursts_of_losses_is_what_the_bins_expect() {
     assert!(freedom <= coefficients, "{freedom} degrees of freedom in {coefficients} coefficients");
 }
 
+/// A line across a gap from one value to one value has up to 1.7 times the slow power of the white noise that it
+/// replaces. It was taken for flicker.
+#[test]
+fn white_noise_with_one_gap_is_what_the_bins_expect() {
+    for gap in [0..5_000, 100_000..105_000, 170_000..176_000] {
+        let (mut ratios, mut freedom) = (0.0, 0.0);
+        for seed in 60..92 {
+            let mut rate = Truth { n: 0.1, ..Truth::default() }.noise(200_000, seed);
+            rate[gap.clone()].fill(f64::NAN);
+            for bin in Spectrum::of(&rate, RATE_HZ).unwrap().bins.iter().filter(|bin| bin.end < 20) {
+                ratios += bin.freedom * bin.power / (bin.response.offset + 0.01 * bin.response.gain);
+                freedom += bin.freedom;
+            }
+        }
+        assert!(near(ratios / freedom, 1.0, 0.15), "{gap:?}: {}", ratios / freedom);
+    }
+}
+
 /// One of a thousand samples: glitches side by side, each of which takes only its own sample.
 #[test]
 fn glitches_do_not_hide_each_other() {
@@ -433,6 +451,17 @@ fn advice_is_read_off_the_model() {
     let Averaging::Minimum { tau_s, .. } = advice.averaging else { panic!("{advice:?}") };
     assert!(near(tau_s, 3f64.sqrt() * 0.00884 / 1e-3, 0.35), "{tau_s}");
     assert!(advice.an1042.iter().all(Option::is_some));
+}
+
+/// The end of a warm-up is flat, but no better to average over than a short while.
+#[test]
+fn a_warm_up_does_not_lengthen_the_average_for_the_bias() {
+    let settling = |i: usize| -0.2 * (-(i as f64) / RATE_HZ / 216.0).exp();
+    let rate: Vec<f64> = HOUR.noise(360_000, 33).iter().enumerate().map(|(i, rate)| rate + settling(i)).collect();
+    let fit = of(&rate);
+    let Averaging::Minimum { tau_s, dev } = advice(&fit).unwrap().averaging else { panic!("no minimum") };
+    let least = fit.curve.iter().map(|point| point.dev).fold(f64::INFINITY, f64::min);
+    assert!(codes(&fit).contains(&"warm-up") && tau_s < 100.0 && dev < 1.1 * least, "{tau_s} s, {dev}, {least}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Averages over the samples that are present.
 
 use alloc::vec::Vec;
+use core::ops::Range;
 
 /// Samples of an average, and the fewest averages.
 const SLOT: usize = 64;
@@ -42,25 +43,48 @@ pub(in crate::fit) fn white_in(counts: &[usize], slot: usize) -> f64 {
     there.map(|&count| slot as f64 / count as f64).sum::<f64>() / counts.len().max(1) as f64
 }
 
-/// Straight lines where values are missing, level at the ends.
+/// Straight lines where values are missing, level at the ends. A line goes through the means of as many values on both
+/// sides as are missing: it has then about the slow power of the white noise, or of the random walk, that it replaces.
 pub(in crate::fit) fn fill_gaps(values: &mut [f64]) {
-    let mut last = None;
-    for i in 0..values.len() {
-        if values[i].is_nan() {
-            continue;
-        }
-        match last {
-            Some(before) if before + 1 < i => {
-                let (a, b): (f64, f64) = (values[before], values[i]);
-                let step = (b - a) / (i - before) as f64;
-                (before + 1..i).for_each(|j| values[j] = a + step * (j - before) as f64);
-            }
-            None => (0..i).for_each(|j| values[j] = values[i]),
-            _ => {}
-        }
-        last = Some(i);
+    let lines: Vec<(Range<usize>, Line)> = gaps(values).map(|gap| (gap.clone(), Line::across(values, &gap))).collect();
+    for (gap, line) in lines {
+        gap.for_each(|i| values[i] = line.at(i));
     }
-    if let Some(before) = last {
-        (before + 1..values.len()).for_each(|j| values[j] = values[before]);
+}
+
+fn gaps(values: &[f64]) -> impl Iterator<Item = Range<usize>> {
+    let mut end = 0;
+    core::iter::from_fn(move || {
+        let first = end + values[end..].iter().position(|value| value.is_nan())?;
+        end = first + values[first..].iter().take_while(|value| value.is_nan()).count();
+        Some(first..end)
+    })
+}
+
+/// A line through two points.
+struct Line {
+    from: (f64, f64),
+    to: (f64, f64),
+}
+
+impl Line {
+    fn across(values: &[f64], gap: &Range<usize>) -> Self {
+        let before = centre(values, gap.start.saturating_sub(gap.len())..gap.start);
+        let after = centre(values, gap.end..(gap.end + gap.len()).min(values.len()));
+        let (from, to) = (before.or(after), after.or(before));
+        Self { from: from.unwrap_or_default(), to: to.unwrap_or_default() }
     }
+
+    fn at(&self, i: usize) -> f64 {
+        let ((from, a), (to, b)) = (self.from, self.to);
+        if to > from { a + (b - a) * (i as f64 - from) / (to - from) } else { a }
+    }
+}
+
+/// The mean place and the mean of the values that are there.
+fn centre(values: &[f64], within: Range<usize>) -> Option<(f64, f64)> {
+    let there = || within.clone().filter(|&i| !values[i].is_nan());
+    let count = there().count() as f64;
+    let place = there().map(|i| i as f64).sum::<f64>() / count;
+    (count > 0.0).then(|| (place, there().map(|i| values[i]).sum::<f64>() / count))
 }

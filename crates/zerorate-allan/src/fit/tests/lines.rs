@@ -79,6 +79,17 @@ fn a_curve_that_the_model_does_not_follow_is_said() {
     }
 }
 
+/// A slow line hardly leaks into the whole spectrum, but into the slow noise beside it: B was 0 for one of 9 °/h.
+#[test]
+fn a_slow_line_that_hides_the_flicker_is_said() {
+    let says = |hz: f64, amplitude: f64| {
+        let sine = |i: usize| amplitude * (2.0 * PI * hz * i as f64 / RATE_HZ + 0.3).sin();
+        let rate: Vec<f64> = HOUR.noise(360_000, 26).iter().enumerate().map(|(i, rate)| rate + sine(i)).collect();
+        codes(&of(&rate)).contains(&"leakage")
+    };
+    assert!(says(0.01, 0.05) && !says(0.5, 0.02) && !says(0.01, 0.002));
+}
+
 /// Nobody records for nineteen years.
 #[test]
 fn a_length_that_nobody_records_is_no_advice() {
