@@ -1,5 +1,6 @@
 //! Ctrl-C, SIGTERM and SIGHUP. The first signal asks loops that listen to end cleanly; where nothing listens, it ends
 //! the program. A second signal ends the program at once, or after two seconds while a chamber is being switched off.
+//! Signals within half a second are one: programs such as `timeout` send two.
 //! Temporary files are removed in every case. A program that `nohup` started outlives its terminal.
 
 use crate::{last_word, output};
@@ -7,15 +8,19 @@ use anyhow::Context;
 use std::io;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use zerorate_host::Stop;
 
 static HANDLED: OnceLock<()> = OnceLock::new();
 static LISTENED_TO: AtomicBool = AtomicBool::new(false);
 static STOP: OnceLock<Stop> = OnceLock::new();
+static FIRST: OnceLock<Instant> = OnceLock::new();
 
 /// Exit code of a program that a signal ended: this plus the number of the signal, as in shells.
 const BY_SIGNAL: i32 = 128;
+
+/// Signals within this time after the first belong to it.
+const SAME: Duration = Duration::from_millis(500);
 
 /// After a second signal, work that must not be cut short has this much time.
 const GRACE: Duration = Duration::from_secs(2);
@@ -45,7 +50,7 @@ pub fn asked() -> bool {
 }
 
 fn heed(signal: i32) {
-    let again = asked();
+    let again = FIRST.get_or_init(Instant::now).elapsed() > SAME;
     stop().ask();
     if !LISTENED_TO.load(Ordering::Relaxed) || again {
         last_word::wait(GRACE);

@@ -4,7 +4,7 @@ use crate::judged::JudgedAxis;
 use crate::warning::JobWarning;
 use adis16130::SelfTest;
 use adis16130_twin::Truth;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use std::sync::Arc;
 use zerorate::calibration::Notes;
 use zerorate::health::{Frozen, Health, Judged};
@@ -74,12 +74,29 @@ impl Acquisition {
         self.hub.facts()
     }
 
-    /// The description of the capture. A given serial number or note replaces the value of the recording.
-    pub fn info(&self, serial: Option<&str>, notes: &Notes) -> CaptureInfo {
+    /// The description of the capture. A given note replaces that of the recording; a serial number must be the same.
+    ///
+    /// # Errors
+    /// The recording is of another part.
+    pub fn info(&self, serial: Option<&str>, notes: &Notes) -> Result<CaptureInfo> {
+        self.check_serial(serial)?;
         let mut info = self.facts().info.clone();
         info.serial = serial.map(str::to_owned).or(info.serial);
         info.notes = notes.clone().or(info.notes);
-        info
+        Ok(info)
+    }
+
+    /// Refuses a recording that states another serial number than the one that is given.
+    ///
+    /// # Errors
+    /// The recording is of another part.
+    pub fn check_serial(&self, serial: Option<&str>) -> Result<()> {
+        match (serial, self.facts().info.serial.as_deref()) {
+            (Some(given), Some(recorded)) if given != recorded => {
+                bail!("the recording is of part {recorded}, not of part {given}; leave the serial number out")
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Resets the part, initialises it, and reads everything back. Returns the revision, where there is one.

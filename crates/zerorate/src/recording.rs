@@ -111,7 +111,10 @@ pub(crate) fn outcome(seen: &Evidence<'_>, ledger: &Blocks) -> Result<Outcome, R
         span_c: high_c - low_c,
     };
     let hour = searched.findings(&seconds);
-    let suspects = Suspects { steps_s: steps_s(hour.as_ref()), sways_hz: sways_hz(&summary, hour.as_ref()) };
+    let suspects = Suspects {
+        steps_s: steps_s(hour.as_ref()),
+        sways_hz: sways_hz(summary.end_s - summary.start_s, hour.as_ref()),
+    };
     let first = curve(seen, white_density(&summary), &[], &summary, &seconds, &suspects)?;
     let mut curve = match own_noise(ledger, &first) {
         Some((white, terms)) => curve(seen, white, &terms, &summary, &seconds, &suspects)?,
@@ -208,8 +211,7 @@ const SWAY_RATIO: f64 = 1.15;
 
 /// Frequencies at which the platform may sway, Hz, in rising order: slow ones, which look like a bias that wanders,
 /// and those that stand out.
-fn sways_hz(summary: &Summary, hour: Option<&Findings>) -> Vec<f64> {
-    let length_s = summary.end_s - summary.start_s;
+pub(crate) fn sways_hz(length_s: f64, hour: Option<&Findings>) -> Vec<f64> {
     let turns = core::iter::successors(Some(SLOW_TURNS.0), |turns| Some(turns * SWAY_RATIO));
     let mut all: Vec<f64> = turns.take_while(|turns| *turns < SLOW_TURNS.1).map(|turns| turns / length_s).collect();
     for finding in hour.into_iter().flat_map(|hour| &hour.found) {
@@ -376,16 +378,15 @@ fn warnings(seen: &Evidence<'_>, summary: &Summary, curve: &BiasCurve, hour: Opt
         ),
         when(hour.is_some_and(|hour| hour.unexplained), Warning::Restless),
     ];
-    let steps = steps_taken(curve);
-    let sway = curve.sway.map(|sway| Warning::SwayTaken { hz: sway.hz, size_dps: sway.size_dps() });
-    of_run.into_iter().flatten().chain(steps).chain(sway).collect()
+    of_run.into_iter().flatten().chain(taken_out(curve)).collect()
 }
 
-/// The warnings about steps that were taken out of a curve.
-pub(crate) fn steps_taken(curve: &BiasCurve) -> impl Iterator<Item = Warning> {
+/// The warnings about steps and a sway that were taken out of a curve.
+pub(crate) fn taken_out(curve: &BiasCurve) -> impl Iterator<Item = Warning> {
     let taken =
         |step: thermal::Step| Warning::StepTaken { at_s: step.at_s, size_dps: step.size_dps, u_dps: step.u_dps };
-    curve.steps.into_iter().flatten().map(taken)
+    let sway = curve.sway.map(|sway| Warning::SwayTaken { hz: sway.hz, size_dps: sway.size_dps() });
+    curve.steps.into_iter().flatten().map(taken).chain(sway)
 }
 
 /// Shortest lag with a warning, s. A shorter one moves a bias by less than its uncertainty.

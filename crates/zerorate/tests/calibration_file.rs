@@ -169,6 +169,17 @@ fn a_curve_is_schema_3() {
 }
 
 #[test]
+fn no_uncertainty_is_below_zero() {
+    let unmarked = |line: &&str| !line.starts_with("checksum") && !line.starts_with("line_checks");
+    let text: Vec<String> = measured().to_toml().lines().filter(unmarked).map(str::to_owned).collect();
+    let u = text.iter().position(|line| line.starts_with("u_pbc_dps = ")).expect("an uncertainty");
+    let mut below = text.clone();
+    below[u] = "u_pbc_dps = -0.5".to_owned();
+    assert!(Calibration::parse(&text.join("\n")).is_ok());
+    assert!(error(&below.join("\n")).to_string().contains("u_pbc_dps"));
+}
+
+#[test]
 fn mistakes_are_named_with_their_line() {
     let with = |from: &str, to: &str| error(&BY_HAND.replace(from, to));
     assert!(matches!(with("schema = 1", "schema = 5"), FileError::Newer { line: 1, schema: 5 }));
@@ -269,6 +280,8 @@ fn a_tracker_begins_with_the_uncertainty_of_the_curve() {
     assert!((calibration.axes[0].u_correction_dps(32.5).unwrap() - (13.21e-6_f64).sqrt()).abs() < 1e-9);
     let damaged = text.replace("4e-6", "-4e-6");
     assert!(Calibration::parse(&damaged).unwrap_err().to_string().contains("covariance"));
+    let narrow = text.replace("coverage_factor = 1.96", "coverage_factor = -1.96");
+    assert!(Calibration::parse(&narrow).unwrap_err().to_string().contains("above 0"));
     let early = text.replace("schema = 3", "schema = 1");
     assert!(Calibration::parse(&early).unwrap_err().to_string().contains("schema 3"));
 }

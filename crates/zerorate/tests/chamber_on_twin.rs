@@ -295,6 +295,27 @@ fn a_step_of_the_supply_is_named_and_taken_out() {
     }
 }
 
+/// A sway was taken for the unit's own bias, and PBC was up to 12 standard uncertainties off.
+#[test]
+fn a_slow_sway_is_named_and_taken_out() {
+    for (seed, sway_dps, sway_hz) in
+        [(51, 0.049, 0.000_79), (52, 0.02, 0.000_6), (53, 0.03, 0.001_5), (54, 0.04, 0.002)]
+    {
+        let spec = Spec { motion: Motion::Sway, sway_dps, sway_hz, ..quick(seed) };
+        let mut bench = Bench::new(&spec);
+        let record = measured(&mut bench, &[soak(20.0), soak(60.0), soak(20.0)]).expect("slow enough");
+        let outcome = &record.outcomes(&PART, None, 3).expect("a curve")[0];
+        let (correction, truth) = (&outcome.curve.correction, bench.unit.truth());
+        let off = (correction.pbc_dps - truth.pbc_dps(correction.t3_c)) / outcome.curve.covariance[0][0].sqrt();
+        let codes: Vec<&str> = outcome.warnings().map(|warning| warning.code()).collect();
+        assert!(off.abs() < 4.0 && codes.contains(&"swaying"), "seed {seed}: PBC off by {off} u, {codes:?}");
+    }
+    let spec = Spec { motion: Motion::Sway, sway_dps: 0.2, sway_hz: 0.000_7, ..quick(55) };
+    let record = measured(&mut Bench::new(&spec), &[soak(20.0), soak(60.0), soak(20.0)]).expect("slow enough");
+    let refusal = record.outcomes(&PART, None, 3).expect_err("0.2 °/s");
+    assert!(matches!(refusal, ChamberRefusal::Swaying { .. }), "{refusal}");
+}
+
 #[test]
 fn no_step_is_found_where_none_is() {
     for seed in 31..41 {

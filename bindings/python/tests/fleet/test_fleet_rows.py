@@ -52,6 +52,17 @@ def test_what_stands_beside_captures_is_left_out(recorded: Path, tmp_path: Path)
     assert (ended.states, ended.left_out) == ({"ok": UNITS}, UNITS)  # a calibration beside each capture
 
 
+def test_links_are_followed(captures: Path, tmp_path: Path) -> None:
+    links = tmp_path / "links"
+    links.mkdir()
+    for path in captures.iterdir():
+        (links / path.name).symlink_to(path)
+    (links / "gone.arrows").symlink_to(tmp_path / "nowhere")
+    ended = fleet.run(str(links), str(tmp_path / "out"), RECIPE)
+    assert (ended.states["ok"], sum(ended.states.values())) == (UNITS, UNITS + 1)
+    assert rows_of(tmp_path / "out")["gone.arrows"]["state"] != "ok"
+
+
 def test_a_second_start_changes_nothing(captures: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     fleet.run(str(captures), str(out), RECIPE)

@@ -106,7 +106,7 @@ pub fn run(args: &CaptureArgs) -> Result<()> {
     let calibration = args.cal.as_deref().map(|cal| load(cal, &mut outputs)).transpose()?;
     let setup = args.device.setup(args.sampling, &mut outputs)?;
     let mut acquisition = args.device.open(setup)?;
-    let info = acquisition.info(args.serial.as_deref(), &args.notes.clone().into());
+    let info = acquisition.info(args.serial.as_deref(), &args.notes.clone().into())?;
     if let (Some(calibration), Some(path)) = (&calibration, &args.cal) {
         check_serial(args, &info, calibration, path)?;
     }

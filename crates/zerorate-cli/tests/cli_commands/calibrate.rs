@@ -56,6 +56,23 @@ fn a_recording_gives_the_same_file_byte_for_byte() {
     assert!(live.contains("serial = \"SN-42\"") && live.contains("supply_note = \"bench 3\""), "{live}");
 }
 
+/// The recording of one part became the calibration of another, without a word.
+#[test]
+fn a_recording_of_another_part_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [log, other, copy] = ["log.arrows", "other.toml", "copy.arrows"].map(|name| file(&folder, name));
+    zerorate(&["capture", "--samples", "100", "--serial", "SN9", "-o", path(&log)]).ended_with(0);
+    let device = format!("replay:{}", path(&log));
+    for line in [
+        &["recalibrate", path(&log), "--serial", "SN7", "-o", path(&other)][..],
+        &["calibrate", "--device", &device, "--serial", "SN7", "-o", path(&other)],
+        &["capture", "--device", &device, "--serial", "SN7", "-o", path(&copy)],
+    ] {
+        zerorate(line).ended_with(1).saying(&["the recording is of part SN9, not of part SN7"]);
+        assert!(!other.exists() && !copy.exists());
+    }
+}
+
 /// Three twins on one clock: each axis is found within its uncertainty, and the recording gives the same.
 #[test]
 fn a_part_with_three_axes_is_calibrated_in_one_go() {

@@ -168,7 +168,9 @@ fn stream_knows_the_part_of_a_recording() {
         let stream = |more: &[&str]| zerorate(&[&["stream", "--device", &replay, "--cal"], more].concat());
         let run = stream(&[&cal]).ended_with(code).saying(&[said]);
         assert!(!run.stderr.contains("unknown-serial"), "{}", run.stderr);
-        stream(&[&cal, "--serial", "C3"]).ended_with(1).saying(&[&format!("recorded from part {serial}"), "part C3"]);
+        stream(&[&cal, "--serial", "C3"])
+            .ended_with(1)
+            .saying(&[&format!("the recording is of part {serial}"), "part C3"]);
         stream(&[path(&nameless)]).ended_with(0).saying(&["unknown-serial", "zerorate calibrate"]);
     }
 }

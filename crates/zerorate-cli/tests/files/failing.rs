@@ -287,6 +287,21 @@ fn an_interrupted_correction_leaves_nothing() {
     }
 }
 
+/// `timeout` sends its signal to the program and to the group of it. A Parquet file without its end is lost.
+#[test]
+fn two_signals_at_once_are_one() {
+    let bench = Bench::new();
+    let child = start(&bench, "capture --realtime -o run.parquet");
+    wait_until("a file", || bench.path("run.parquet").exists());
+    wait_until_it_listens(&child);
+    std::thread::sleep(Duration::from_millis(500));
+    send("TERM", &child);
+    send("TERM", &child);
+    let run = ended(child);
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    bench.zerorate("probe --device replay:run.parquet --json").ok();
+}
+
 /// A capture of hours is started with `nohup` so that it goes on when its terminal is gone.
 #[test]
 fn nohup_is_heeded() {

@@ -136,7 +136,7 @@ impl Job {
         let saves = self.saves();
         let Self { mut acquisition, procedure, mut files } = self;
         target::marks_ns(procedure.plan()).for_each(|after_ns| acquisition.mark(after_ns));
-        let info = acquisition.info(files.kept.serial.as_deref(), &files.kept.notes);
+        let info = acquisition.info(files.kept.serial.as_deref(), &files.kept.notes)?;
         let names = watch.names();
         let log = files.log(acquisition.facts(), &info)?;
         let mut measured = Measurement::new(acquisition, procedure, log, watch).run()?;

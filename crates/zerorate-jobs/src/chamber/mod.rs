@@ -130,7 +130,7 @@ pub fn prepare(
         plan.plan.spares(part).map_err(|error| InvalidOptions(error.to_string()))?;
     }
     let Kept { serial, notes, .. } = &files.of_calibration.kept;
-    let info = acquisition.info(serial.as_deref(), notes);
+    let info = acquisition.info(serial.as_deref(), notes)?;
     let procedure = ChamberProcedure::new(part, plan.plan.clone(), options.max_lost);
     let mut procedure = procedure.map_err(|error| InvalidOptions(error.to_string()))?;
     let steps = FinishedSteps {

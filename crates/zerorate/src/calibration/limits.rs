@@ -190,6 +190,12 @@ fn plain(key: &str, value: &DeValue<'_>) -> Result<(), String> {
     if number.is_some_and(|number| number.is_nan() || number.abs() > LARGEST) {
         return Err(format!("`{key}` is not a number that a measurement can have"));
     }
+    if key.starts_with("u_") && number.is_some_and(|number| number < 0.0) {
+        return Err(format!("`{key}` is below 0, which no uncertainty is"));
+    }
+    if key == "coverage_factor" && number.is_some_and(|number| number <= 0.0) {
+        return Err(format!("`{key}` must be above 0"));
+    }
     let many = value.as_array().into_iter().flatten().map(Spanned::get_ref);
     if many.chain([value]).filter_map(DeValue::as_str).any(|text| text.contains(char::is_control)) {
         return Err(format!("`{key}` holds control characters; it must be one line of plain text"));

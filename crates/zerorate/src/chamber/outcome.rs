@@ -8,7 +8,7 @@ use crate::noise::Window;
 use crate::notice::Warning;
 use crate::part::{Axis, Part};
 use crate::plan::Plan;
-use crate::recording::{Searched, steps_s, steps_taken};
+use crate::recording::{Searched, steps_s, sways_hz, taken_out};
 use crate::thermal::{self, Assumed, BiasCurve, Block};
 use alloc::vec::Vec;
 
@@ -19,20 +19,20 @@ pub struct ChamberOutcome {
     pub curve: BiasCurve,
     /// The data of the curve, for pictures: means over some seconds each, with their residuals after the correction.
     pub residuals: Vec<Residual>,
-    /// Residual of each soak point after the correction and without the steps that were taken out, °/s.
+    /// Residual of each soak point after the correction and without what was taken out, °/s.
     pub soak_residuals_dps: Vec<f64>,
     /// The distance between warming and cooling. None if the part was not at the same temperature in both directions.
     pub branches: Option<Branches>,
 }
 
 impl ChamberOutcome {
-    /// The warnings of the result: the steps that were taken out.
+    /// The warnings of the result: what was taken out.
     pub fn warnings(&self) -> impl Iterator<Item = Warning> {
-        steps_taken(&self.curve)
+        taken_out(&self.curve)
     }
 }
 
-/// A corrected mean, without the steps that were taken out.
+/// A corrected mean, without the steps and the sway that were taken out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Residual {
     /// Middle of the mean, s from the start.
@@ -108,16 +108,21 @@ impl Record {
         let blocks = self.blocks(rates_dps, earth_dps);
         let last = &self.temp_c[self.len().saturating_sub(T3_S)..];
         let white_dps_per_rt_hz = white_density(rates_dps);
+        let (steps_s, sways_hz) = self.suspects(axis, rates_dps, white_dps_per_rt_hz);
         let assumed = Assumed {
             axis,
             white_dps_per_rt_hz,
             gauss_markov: &[],
-            steps_s: &self.suspects_s(axis, rates_dps, white_dps_per_rt_hz),
-            sways_hz: &[],
+            steps_s: &steps_s,
+            sways_hz: &sways_hz,
             max_order,
             t3_c: last.iter().sum::<f64>() / last.len() as f64,
         };
         let curve = thermal::fit(&blocks, &assumed).map_err(ChamberRefusal::NoCurve)?;
+        let limit_dps = axis.bias.largest_supply_step_dps();
+        if let Some(sway) = curve.sway.filter(|sway| sway.size_dps() > limit_dps) {
+            return Err(ChamberRefusal::Swaying { hz: sway.hz, size_dps: sway.size_dps(), limit_dps });
+        }
         let u_btc_dps_per_c = curve.u_btc_dps_per_c();
         let wanted_dps_per_c = Plan::default().max_u_btc_dps_per_c;
         if u_btc_dps_per_c > wanted_dps_per_c {
@@ -128,21 +133,23 @@ impl Record {
             let &Soak { start_s, end_s, temp_c, .. } = soak;
             let rate_dps = soak.rates_dps[index] - earth_dps;
             let block = Block { start_s, length_s: end_s - start_s, rate_dps, temp_c };
-            rate_dps + curve.correction.at(temp_c) - curve.stepped_dps(&block)
+            rate_dps + curve.correction.at(temp_c) - curve.disturbed_dps(&block)
         };
         let soak_residuals_dps = self.soaks.iter().map(left).collect();
         let branches = branches(&residuals, block_s(&blocks), &curve);
         Ok(ChamberOutcome { curve, residuals, soak_residuals_dps, branches })
     }
 
-    /// Times at which the level of a rate seems to have changed, s.
-    fn suspects_s(&self, axis: &Axis, rates_dps: &[f64], white_dps_per_rt_hz: f64) -> Vec<f64> {
+    /// Times at which the level of a rate seems to have changed, s, and frequencies at which the platform may sway,
+    /// Hz.
+    fn suspects(&self, axis: &Axis, rates_dps: &[f64], white_dps_per_rt_hz: f64) -> (Vec<f64>, Vec<f64>) {
         let second = |k: usize| Second { at_s: self.start_s[k], rate_dps: rates_dps[k], temp_c: self.temp_c[k] };
         let seconds: Vec<Second> = (0..self.len()).filter(|k| self.at_rest[*k]).map(second).collect();
         let times_s = seconds.first().zip(seconds.last()).map(|(first, last)| (first.at_s, last.at_s + 1.0));
-        let (Some(times_s), Some((low_c, high_c))) = (times_s, self.span_c()) else { return Vec::new() };
+        let (Some(times_s), Some((low_c, high_c))) = (times_s, self.span_c()) else { return Default::default() };
         let searched = Searched { axis, white_dps_per_rt_hz, times_s, span_c: high_c - low_c };
-        steps_s(searched.findings(&seconds).as_ref())
+        let found = searched.findings(&seconds);
+        (steps_s(found.as_ref()), sways_hz(times_s.1 - times_s.0, found.as_ref()))
     }
 
     /// Means over stretches of equal length without a gap, in which the part was at rest.
@@ -196,7 +203,7 @@ fn residuals(blocks: &[Block], curve: &BiasCurve) -> Vec<Residual> {
         Residual {
             at_s: block.start_s + block.length_s / 2.0,
             temp_c: block.temp_c,
-            residual_dps: block.rate_dps + curve.correction.at(block.temp_c) - curve.stepped_dps(block),
+            residual_dps: block.rate_dps + curve.correction.at(block.temp_c) - curve.disturbed_dps(block),
             warming: (c_per_s.abs() > STILL_C_PER_S).then_some(c_per_s > 0.0),
         }
     };

@@ -35,6 +35,8 @@ pub enum ChamberRefusal {
     Uncertain { u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
     /// The record does not give a curve.
     NoCurve(ThermalError),
+    /// The platform moves slowly, and far.
+    Swaying { hz: f64, size_dps: f64, limit_dps: f64 },
     /// The part was not at rest for too great a share of the time.
     Restless { share: f64, limit: f64 },
 }
@@ -176,6 +178,14 @@ rows!(match ChamberRefusal {
     Self::NoCurve(ThermalError::Degenerate) => Row {
         code: "no-curve",
         text: format_args!("no bias over temperature explains the rate. Check that the part was at rest"),
+    },
+    Self::Swaying { hz, size_dps, limit_dps } => Row {
+        code: "swaying",
+        text: format_args!(
+            "the part moves: the rate sways by ±{size_dps:.3} °/s once in {:.0} s, above the limit of {limit_dps} \
+             °/s. Fix it to a platform that stays still",
+            1.0 / hz
+        ),
     },
     Self::Restless { share, limit } => Row {
         code: "restless",

@@ -68,7 +68,7 @@ rows_with_remedies!(match Deviation {
         text: format_args!("the part sways with its platform by ±{size_dps:.4} °/s once in {:.0} s", 1.0 / hz),
         remedies: &[Remedy::FixToStillPlatform],
         says: Says::Either,
-        by: &["calibrate", "recalibrate"],
+        by: &["calibrate", "recalibrate", "chamber"],
         seen: "The rate sways slowly to and fro.",
         matters: "The platform moves: a building, a long bench, a person. A method that fits a curve takes the sway \
             out, and its uncertainty allows for the rest. With AN-1042 the brackets give the errors in PBC and BTC, \

@@ -133,9 +133,12 @@ impl BiasCurve {
         libm::sqrt(self.covariance[1][1] + self.btc_excess)
     }
 
-    /// Difference of the mean over a block from the level at the end by the steps that were taken out, °/s.
-    pub(crate) fn stepped_dps(&self, block: &Block) -> f64 {
-        self.steps.iter().flatten().map(|step| step.size_dps * (block.share_after(step.at_s) - 1.0)).sum()
+    /// Difference of the mean over a block from the level at the end by the steps and the sway that were taken out,
+    /// °/s.
+    pub(crate) fn disturbed_dps(&self, block: &Block) -> f64 {
+        let stepped = |step: &Step| step.size_dps * (block.share_after(step.at_s) - 1.0);
+        let swayed_dps = self.sway.map_or(0.0, |sway| sway.at(block.middle_s()));
+        self.steps.iter().flatten().map(stepped).sum::<f64>() + swayed_dps
     }
 }
 

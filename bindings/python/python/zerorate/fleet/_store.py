@@ -64,8 +64,19 @@ def find(source: str) -> list[File]:
         found = single or filesystem.glob(pattern, detail=True)
     except Exception as error:
         raise Unreachable(f"{source} cannot be listed: {error}") from error
-    infos = (info for info in found.values() if info["type"] == "file")
-    return sorted((_file(filesystem, info) for info in infos), key=lambda file: file.url)
+    infos = (_followed(filesystem, info) for info in found.values())
+    files = (_file(filesystem, info) for info in infos if info["type"] == "file")
+    return sorted(files, key=lambda file: file.url)
+
+
+def _followed(filesystem: Any, info: dict[str, Any]) -> dict[str, Any]:
+    """Where a link leads. A link that leads nowhere counts as a file, so that its row says so."""
+    if not info.get("islink"):
+        return info
+    try:
+        return dict(filesystem.info(info["name"]))
+    except FileNotFoundError:
+        return {**info, "type": "file"}
 
 
 def inside(url: str) -> str:

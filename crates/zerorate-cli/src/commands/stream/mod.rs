@@ -8,7 +8,7 @@ use crate::device::{DeviceArgs, SamplingArgs};
 use crate::exit::Usage;
 use crate::output::{Outputs, Stdout, say, warn};
 use crate::wording::coded;
-use anyhow::{Result, bail, ensure};
+use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use serde::Serializer;
 use serde_json::json;
@@ -89,6 +89,7 @@ pub fn run(args: &StreamArgs) -> Result<()> {
         say(format_args!("{READABLE_HZ} rows a second, at the speed of the clock; --rate HZ gives others"));
     }
     let acquisition = args.device.open_at(setup, on_terminal)?;
+    acquisition.check_serial(args.serial.as_deref())?;
     check_serial(args, acquisition.facts(), &calibration)?;
     acquisition.initialise()?;
     let tracking = args.tracking.begin(acquisition.facts(), &calibration, &mut outputs)?;
@@ -97,12 +98,9 @@ pub fn run(args: &StreamArgs) -> Result<()> {
     stream(acquisition, &calibration, options, tracking, &mut rows)
 }
 
-/// Checks that the serial number matches the calibration, and the recording where one is read.
+/// Checks that the serial number matches the calibration.
 fn check_serial(args: &StreamArgs, facts: &DeviceInfo, calibration: &Calibration) -> Result<()> {
     let (given, recorded) = (args.serial.as_deref(), facts.info.serial.as_deref());
-    if let (Some(given), Some(recorded)) = (given, recorded) {
-        ensure!(given == recorded, "{} was recorded from part {recorded}, not from part {given}", args.device.device);
-    }
     if let (Some(given), None) = (given, &calibration.serial) {
         bail!("{} is the calibration of a part without a serial number, not of part {given}", args.cal.display());
     }
