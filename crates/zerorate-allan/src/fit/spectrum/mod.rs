@@ -34,7 +34,7 @@ pub(super) struct Spectrum {
 /// Most values of one transform.
 const LONGEST: usize = 1 << 20;
 /// The last level has this share of its values, or fewer values than this.
-const NEARLY_COMPLETE: f64 = 0.97;
+const NEARLY_COMPLETE: f64 = 0.99;
 const FEW: usize = 256;
 /// Segments are used from this share of their length on, and from this coefficient on. Below, they hear the jumps at
 /// their ends.
