@@ -70,7 +70,7 @@ def find(source: str) -> list[File]:
 
 
 def _followed(filesystem: Any, info: dict[str, Any]) -> dict[str, Any]:
-    """Where a link leads. A link that leads nowhere counts as a file, so that its row says so."""
+    """Where a link leads. A link that leads nowhere counts as a file, so that it is not left out unsaid."""
     if not info.get("islink"):
         return info
     try:
