@@ -180,8 +180,7 @@ impl Times {
     /// gap.
     fn in_steps(&self, step: f64, double: &[Gap]) -> (f64, Vec<Gap>, u64) {
         let short = self.intervals().filter(|interval| *interval <= LONGEST_STEP * step);
-        let (sum, count) = short.fold((0.0, 0u32), |(sum, n), dt| (sum + dt, n + 1));
-        let steps_per_sample = sum / f64::from(count) / step;
+        let steps_per_sample = mean(short) / step;
         let samples = |missing: u64| (((missing + 1) as f64 / steps_per_sample).round() as u64).max(1) - 1;
         let long = double.iter().filter(|gap| gap.missing > 1);
         let gaps = long.map(|gap| Gap { missing: samples(gap.missing), ..*gap }).filter(|gap| gap.missing > 0);
@@ -196,8 +195,7 @@ impl Times {
         let middle = intervals.len().checked_sub(1)? / 2;
         let median = *intervals.select_nth_unstable_by(middle, f64::total_cmp).1;
         let near = |interval: &f64| (0.5 * median..=1.5 * median).contains(interval);
-        let (sum, count) = intervals.into_iter().filter(near).fold((0.0, 0u32), |(sum, n), dt| (sum + dt, n + 1));
-        Some(sum / f64::from(count))
+        Some(mean(intervals.into_iter().filter(near)))
     }
 
     fn intervals(&self) -> impl Iterator<Item = f64> {
@@ -212,9 +210,8 @@ impl Times {
         let mut over: Vec<f64> = times.windows(span + 1).map(|rows| (rows[span] - rows[0]) / span as f64).collect();
         let middle = median(&mut over);
         // of a clock that counts in steps the mean is exact, and the median not
-        let near = over.iter().filter(|over| (*over - middle).abs() * span as f64 <= NEAR * middle);
-        let (sum, count) = near.fold((0.0, 0u32), |(sum, n), over| (sum + over, n + 1));
-        let interval = sum / f64::from(count);
+        let is_near = |over: &f64| (over - middle).abs() * span as f64 <= NEAR * middle;
+        let interval = mean(over.into_iter().filter(is_near));
         // how late each row is, in intervals
         let late: Vec<f64> = times.iter().enumerate().map(|(row, time)| time / interval - row as f64).collect();
         let mut buffer = Vec::with_capacity(AROUND);
@@ -301,6 +298,11 @@ fn is_even(gaps: &[Gap], rows: usize) -> bool {
     }
     let even = counts.windows(2).filter(|pair| (pair[1] - pair[0]).abs() <= 1).count();
     even as f64 >= EVEN_BLOCKS * (counts.len() - 1) as f64
+}
+
+fn mean(numbers: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = numbers.fold((0.0, 0u32), |(sum, count), number| (sum + number, count + 1));
+    sum / f64::from(count)
 }
 
 fn median(numbers: &mut [f64]) -> f64 {

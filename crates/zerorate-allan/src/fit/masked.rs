@@ -141,15 +141,12 @@ pub(super) fn leakage(lines: &[Whole], rows: &[BinRow], hz: f64) -> Option<(Line
         let leaks = |whole: &Whole| whole.line.rms * whole.line.rms * leak(whole.run, (bin.first, bin.end));
         (lines.iter().filter(|whole| whole.leaks).map(leaks).sum::<f64>() / variance).min(1.0)
     };
-    let mean = |rows: &mut dyn Iterator<Item = &BinRow>| {
-        let add =
-            |(sum, all): (f64, f64), row: &BinRow| (sum + row.bin.freedom * share(&row.bin), all + row.bin.freedom);
-        let (sum, all) = rows.fold((0.0, 0.0), add);
-        if all > 0.0 { sum / all } else { 0.0 }
+    let mean_below = |f_hz: f64| {
+        let below = || rows.iter().take_while(move |row| row.bin.end as f64 * hz < f_hz);
+        let freedom: f64 = below().map(|row| row.bin.freedom).sum();
+        below().map(|row| row.bin.freedom * share(&row.bin)).sum::<f64>() / freedom
     };
-    let slow_hz = strongest.line.frequency_hz / 2.0;
-    let (whole, slow) =
-        (mean(&mut rows.iter()), mean(&mut rows.iter().take_while(|row| row.bin.end as f64 * hz < slow_hz)));
+    let (whole, slow) = (mean_below(f64::INFINITY), mean_below(strongest.line.frequency_hz / 2.0));
     let most = if slow > MOST_SLOW_LEAKAGE { whole.max(slow) } else { whole };
     (most > MOST_LEAKAGE).then_some((strongest.line, most))
 }
