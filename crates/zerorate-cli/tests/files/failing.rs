@@ -288,6 +288,7 @@ fn an_interrupted_correction_leaves_nothing() {
 }
 
 /// `timeout` sends its signal to the program and to the group of it. A Parquet file without its end is lost.
+#[cfg(feature = "parquet")]
 #[test]
 fn two_signals_at_once_are_one() {
     let bench = Bench::new();
