@@ -46,6 +46,7 @@ mod npz;
 mod number;
 mod open;
 mod order;
+mod pace;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod part_log;
@@ -453,13 +454,17 @@ impl Found {
     /// can find out what else it has to ask.
     fn finish_without_rate(mut self, path: &Path, args: &ColumnOptions) -> Result<(Vec<Column>, Option<LogError>)> {
         self.mend(path, args)?;
-        let beat = self.clock.beat(path, args)?.map(|(_, beat)| beat);
-        if let Some(how) = beat.as_ref().and_then(Beat::jitter_text) {
-            self.warnings.push(LogWarning::TimesJitter { path: path.display().to_string(), how });
+        let beat = self.clock.beat(path, args)?;
+        if let (Some((unit, beat)), Clock::Column(_, times)) = (&beat, &self.clock) {
+            let path = || path.display().to_string();
+            let jitter = beat.jitter_text().map(|how| LogWarning::TimesJitter { path: path(), how });
+            let pace = pace::doubt(times.since_first(), *unit);
+            self.warnings.extend(jitter);
+            self.warnings.extend(pace.map(|how| LogWarning::RateChanges { path: path(), how }));
         }
         let Self { columns, clock, warnings } = self;
         let (measured, lost) = match (beat, clock) {
-            (Some(Beat { rate_hz, gaps, .. }), _) => (Some(rate_hz), gaps),
+            (Some((_, Beat { rate_hz, gaps, .. })), _) => (Some(rate_hz), gaps),
             (None, Clock::Counted { rate_hz, gaps }) => (rate_hz, gaps),
             (None, _) => (None, Vec::new()),
         };

@@ -27,6 +27,8 @@ pub enum LogWarning {
     TimesMended { path: String, column: String, how: String },
     /// The stamps are off an even clock, as the text says.
     TimesJitter { path: String, how: String },
+    /// Rows come faster in one part of the log than in another, as the text says.
+    RateChanges { path: String, how: String },
     /// The lines above the data are not a header.
     LinesSkipped { path: String, lines: usize, first: String },
     /// Lines are broken, as the text says.
@@ -124,6 +126,17 @@ rows!(match LogWarning {
             The text says from which averaging time on that is less than 1 %.",
         remedy: "Let the sensor or its driver stamp the samples, not the program that writes them; or judge longer \
             averages only.",
+    },
+    Self::RateChanges { ref path, ref how } => Row {
+        code: "rate-changes",
+        text: format_args!("{path}: {how}"),
+        says: Says::Warning,
+        by: &["allan", "imu"],
+        seen: "In one part of a log the rows come faster than in another, by more than 2 %.",
+        matters: "The samples are taken as even, at one rate. Where the rows came faster or more slowly, all averaging \
+            times are wrong by as much, and samples may be counted as missing that never were.",
+        remedy: "Look for a setting that was changed, or a sensor whose clock warms up. Cut the log where the rate \
+            changes. `--rate` with the right rate helps if the sensor is even and its stamps are wrong.",
     },
     Self::LinesSkipped { ref path, lines, ref first } => Row {
         code: "lines-skipped",
@@ -302,6 +315,8 @@ mod tests {
         let clipped = crate::clipped::doubt(&crate::series::Series::Numbers(marked)).expect("many are the least");
         let rounded = (0..4000).map(|at| i32::from(at % 40 == 0)).collect();
         let coarse = crate::coarse::doubt(&crate::series::Series::Codes(rounded)).expect("hardly one is another");
+        let faster: Vec<f64> = (0..4000).map(|at| f64::from(at) * f64::from(at)).collect();
+        let pace = crate::pace::doubt(&faster, zerorate_record::TimeUnit::Us).expect("another rate in each part");
         let all = [
             LogWarning::Miscounted { path: "run_0".to_owned(), topic: topic(), stated: 12_000, found: 11_950 },
             LogWarning::RowsIncomplete { path: path(), lacking: 12, rows: 720_000 },
@@ -310,6 +325,7 @@ mod tests {
             LogWarning::Hung { path: path(), column: column(), same: 2000, len: 72_000, from_s: 15.0 },
             LogWarning::TimesMended { path: path(), column: "t_us".to_owned(), how },
             LogWarning::TimesJitter { path: path(), how: beat.jitter_text().expect("much jitter") },
+            LogWarning::RateChanges { path: path(), how: pace },
             LogWarning::LinesSkipped { path: path(), lines: 4, first },
             LogWarning::Resampled { path: path(), column: column(), how: resampled },
             LogWarning::Clipped { path: path(), column: column(), how: clipped },

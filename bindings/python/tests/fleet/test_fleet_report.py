@@ -88,6 +88,13 @@ def test_the_page_shows_outliers_repeats_and_states(tmp_path: Path) -> None:
     assert 'src="' not in page and 'href="http' not in page  # it needs no network
 
 
+def test_a_copy_of_a_recording_counts_once(tmp_path: Path) -> None:
+    write(tmp_path, [row(index) for index in range(1, 10)] + [row(50, capture_sha256="c9", pbc_dps=9.0)])
+    page = page_of(tmp_path)
+    assert "<td>u50.arrows</td><td>u9.arrows</td>" in page and "9 values" in page and "9 °/s" not in page
+    assert "about 9 captures" in page
+
+
 def test_a_simulated_population_says_so(tmp_path: Path) -> None:
     write(tmp_path, [row(1, simulated=True), row(2, serial="<script>")])
     page = page_of(tmp_path)

@@ -69,6 +69,9 @@ struct Verdict {
     /// The remedy for a damaged file.
     remedy: Option<String>,
     notes: Vec<String>,
+    /// Whether nothing is known about its content: it does not exist, or this program cannot read it.
+    #[serde(skip)]
+    unread: bool,
 }
 
 /// What a capture states of its part.
@@ -110,6 +113,7 @@ fn verdict(path: &Path) -> Verdict {
         Err(error) => Err(error),
     };
     let verdict = found.unwrap_or_else(|error| {
+        let mut unread = false;
         let remedy = match error {
             CaptureError::Damaged { .. } | CaptureError::Table { .. } => Some(remedy(path, 0)),
             CaptureError::NotACapture { .. } => Some(
@@ -117,10 +121,13 @@ fn verdict(path: &Path) -> Verdict {
                  take another copy"
                     .to_owned(),
             ),
-            _ => None,
+            _ => {
+                unread = true;
+                None
+            }
         };
         let form = if matches!(error, CaptureError::NotACapture { .. }) { OTHER } else { "" };
-        Verdict { damage: Some(reason(error)), remedy, form, ..Verdict::default() }
+        Verdict { damage: Some(reason(error)), remedy, form, unread, ..Verdict::default() }
     });
     Verdict { whole: !verdict.torn && verdict.damage.is_none(), file, ..verdict }
 }
@@ -196,6 +203,7 @@ impl Verdict {
     fn to_text(&self) -> String {
         let state = match (&self.damage, self.torn) {
             (Some(_), _) if self.form == OTHER => "NOT A CAPTURE",
+            (Some(_), _) if self.unread => "NOT READ",
             (Some(_), _) => "DAMAGED",
             (None, true) => "TORN",
             (None, false) if self.checked => "whole",

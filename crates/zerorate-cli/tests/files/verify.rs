@@ -58,7 +58,7 @@ fn torn_and_damaged_files_are_told_apart() {
     let run = bench.zerorate("verify unit.arrows torn.arrows flipped.arrows absent.arrows");
     assert!(run.stderr.contains("3 of 4 files not whole"), "{}", run.stderr);
     let text = run.stdout;
-    for state in ["unit.arrows: whole", "torn.arrows: TORN", "flipped.arrows: DAMAGED", "absent.arrows: DAMAGED"] {
+    for state in ["unit.arrows: whole", "torn.arrows: TORN", "flipped.arrows: DAMAGED", "absent.arrows: NOT READ"] {
         assert!(text.contains(state), "{state} in\n{text}");
     }
 }

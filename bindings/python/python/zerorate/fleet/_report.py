@@ -81,7 +81,7 @@ def _rows(table: str) -> list[dict[str, Any]]:
 
 
 def _page(rows: list[dict[str, Any]], table: str, group: Optional[str]) -> str:
-    good = [row for row in rows if row["state"] == "ok"]
+    good, copies = _apart([row for row in rows if row["state"] == "ok"])
     states = Counter((row["state"], row["code"] or "") for row in rows)
     pairs = _population.disagreements(good)
     text = files(__package__).joinpath("report.html.jinja").read_text(encoding="utf-8")
@@ -97,6 +97,8 @@ def _page(rows: list[dict[str, Any]], table: str, group: Optional[str]) -> str:
         states=[(state, code, count) for (state, code), count in states.most_common()],
         warnings=Counter(_codes(good)).most_common(MOST_LISTED),
         good=len(good),
+        copies=copies[:MOST_LISTED],
+        more_copies=max(len(copies) - MOST_LISTED, 0),
         outliers=outliers[:MOST_LISTED],
         more_outliers=max(len(outliers) - MOST_LISTED, 0),
         disagreements=pairs[:MOST_LISTED],
@@ -104,6 +106,19 @@ def _page(rows: list[dict[str, Any]], table: str, group: Optional[str]) -> str:
         pictures=[found for found in (_pictures(good, quantity, group) for quantity in QUANTITIES) if found],
         group=group,
     )
+
+
+def _apart(rows: list[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[tuple[str, str]]]:
+    """The rows without copies of a recording, and the files of each copy and of the row that stays."""
+    first: dict[str, dict[str, Any]] = {}
+    kept, copies = [], []
+    for row in rows:
+        samples = row["capture_sha256"] or row["url"]
+        if first.setdefault(samples, row) is row:
+            kept.append(row)
+        else:
+            copies.append((row["url"], first[samples]["url"]))
+    return kept, copies
 
 
 def _codes(rows: list[dict[str, Any]]) -> list[str]:
