@@ -133,8 +133,8 @@ rows!(match LogWarning {
         says: Says::Warning,
         by: &["allan", "imu"],
         seen: "In one part of a log the rows come faster than in another, by more than 2 %.",
-        matters: "The samples are taken as even, at one rate. Where the rows came faster or more slowly, all averaging \
-            times are wrong by as much, and samples may be counted as missing that never were.",
+        matters: "The samples are taken as even, at one rate. Where the rows came faster or more slowly, all \
+            averaging times are wrong by as much, and samples may be counted as missing that never were.",
         remedy: "Look for a setting that was changed, or a sensor whose clock warms up. Cut the log where the rate \
             changes. `--rate` with the right rate helps if the sensor is even and its stamps are wrong.",
     },

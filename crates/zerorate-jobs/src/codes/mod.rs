@@ -76,9 +76,9 @@ pub const GROUPS: [Group; 6] = [
         title: "Of logs and recordings",
         codes: "times-disordered times-uneven mostly-missing rows-incomplete beyond-codes torn-tail \
             messages-miscounted no-index bytes-behind-end not-checked edges-misplaced times-mended times-jitter \
-            rate-changes lines-skipped lines-broken resampled clipped coarse-codes implausible unit-unknown columns-left-out \
-            several-imus kind-absent off-codes log-failed no-checksum no-validity table-short before-temperature \
-            not-believed",
+            rate-changes lines-skipped lines-broken resampled clipped coarse-codes implausible unit-unknown \
+            columns-left-out several-imus kind-absent off-codes log-failed no-checksum no-validity table-short \
+            before-temperature not-believed",
     },
     Group {
         title: "Of the live page",
