@@ -458,7 +458,7 @@ impl Found {
         if let (Some((unit, beat)), Clock::Column(_, times)) = (&beat, &self.clock) {
             let path = || path.display().to_string();
             let jitter = beat.jitter_text().map(|how| LogWarning::TimesJitter { path: path(), how });
-            let pace = pace::doubt(times.since_first(), *unit);
+            let pace = pace::doubt(times.since_first(), &beat.gaps, *unit);
             self.warnings.extend(jitter);
             self.warnings.extend(pace.map(|how| LogWarning::RateChanges { path: path(), how }));
         }

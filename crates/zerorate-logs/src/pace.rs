@@ -1,5 +1,6 @@
 //! A sensor whose rate of samples changes within the log: one rate is then wrong for most of the log.
 
+use super::Gap;
 use super::clock::median;
 use zerorate_record::TimeUnit;
 
@@ -13,34 +14,51 @@ const PART: usize = 4 * SPAN;
 /// Parts that are compared.
 const PARTS: usize = 8;
 
+/// In a gap, an interval is longer than so many of the usual intervals around.
+const LONG: f64 = 1.5;
+
 /// A relative difference between rates that nobody notices in a deviation, nor finds in a good clock.
 const SAID: f64 = 0.02;
 
-/// The text about times of rows that come faster in one part of the log than in another.
-pub fn doubt(times: &[f64], unit: TimeUnit) -> Option<String> {
-    let parts = times.chunks_exact((times.len() / PARTS).max(PART));
-    let rates: Vec<f64> = parts.map(|part| unit.per_s() / interval(part)).filter(|rate| rate.is_finite()).collect();
-    let least = rates.iter().copied().reduce(f64::min)?;
-    let most = rates.iter().copied().reduce(f64::max)?;
-    (most > (1.0 + SAID) * least).then(|| {
+/// The text about times of rows that come faster in one part of the log than in another. Lost samples are no change.
+pub fn doubt(times: &[f64], gaps: &[Gap], unit: TimeUnit) -> Option<String> {
+    let rows = (times.len() / PARTS).max(PART);
+    let parts = times.chunks_exact(rows).enumerate();
+    let rates: Vec<f64> = parts.map(|(index, part)| unit.per_s() / interval(part, index * rows, gaps)).collect();
+    let [least, most] = [f64::min, f64::max].map(|of| rates.iter().copied().reduce(of));
+    let (least, most) = (least?, most?);
+    (most.is_finite() && most > (1.0 + SAID) * least).then(|| {
         let [first, last] = [rates[0], rates[rates.len() - 1]];
         format!("{least:.1} to {most:.1} rows a second ({first:.1} at first, {last:.1} at the end)")
     })
 }
 
-/// The usual interval between rows of a part.
-fn interval(times: &[f64]) -> f64 {
-    let mut spans: Vec<f64> = times.windows(SPAN + 1).map(|rows| rows[SPAN] - rows[0]).collect();
+/// The usual interval between rows of a part, of which the first is row `begin` of the log.
+fn interval(times: &[f64], begin: usize, gaps: &[Gap]) -> f64 {
+    let mut intervals: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let usual = median(&mut intervals.clone());
+    let first = gaps.partition_point(|gap| gap.at <= begin);
+    for gap in gaps[first..].iter().take_while(|gap| gap.at < begin + times.len()) {
+        let interval = &mut intervals[gap.at - begin - 1];
+        *interval = if *interval > LONG * usual { usual } else { *interval };
+    }
+    let mut spans: Vec<f64> = intervals.windows(SPAN).map(|span| span.iter().sum()).collect();
     median(&mut spans) / SPAN as f64
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Names;
     use crate::clipped::tests::noise;
+    use crate::clock::Times;
 
+    /// Whether a log with these times is refused, or its change of rate is said.
     fn said(times: &[f64]) -> bool {
-        doubt(times, TimeUnit::S).is_some()
+        let mut clock = Times::new();
+        clock.replace(times.to_vec());
+        let beat = clock.beat(TimeUnit::S, Names::default());
+        beat.map_or(true, |beat| doubt(times, &beat.gaps, TimeUnit::S).is_some())
     }
 
     /// Times of 20,000 rows, 100 a second at first, and `change` times as many from row 12,000 on.
@@ -52,7 +70,7 @@ mod tests {
     #[test]
     fn a_change_is_said() {
         assert_eq!([1.03, 1.1, 1.5, 2.0, 0.5, 0.9, 0.97].map(|change| said(&changing(change))), [true; 7]);
-        let text = doubt(&changing(1.1), TimeUnit::S).unwrap();
+        let text = doubt(&changing(1.1), &[], TimeUnit::S).unwrap();
         assert_eq!(text, "100.0 to 110.0 rows a second (100.0 at first, 110.0 at the end)");
     }
 
@@ -60,15 +78,22 @@ mod tests {
     fn nothing_is_said_of_one_rate() {
         assert_eq!([1.0, 1.01, 0.99].map(|change| said(&changing(change))), [false; 3]);
         let row = || (0..20_000).map(f64::from);
-        let late: Vec<f64> = row().zip(noise(20_000)).map(|(row, z)| 0.01 * (row + 0.5 * z)).collect();
+        let late: Vec<f64> = row().zip(noise(20_000)).map(|(row, z)| 0.01 * (row + 0.4 * z)).collect();
         assert!(!said(&late));
         for step in [0.3, 0.7, 0.83, 0.95, 1.0, 1.3] {
-            let coarse: Vec<f64> = row().map(|row| step * (row / step).floor()).collect();
+            let coarse: Vec<f64> = row().map(|row| 0.01 * step * (row / step).floor()).collect();
             assert!(!said(&coarse), "steps of {step} intervals");
         }
-        let with_gap: Vec<f64> = row().map(|row| if row < 7000.0 { row } else { row + 900.0 }).collect();
-        let two_at_once: Vec<f64> = row().map(|row| (row / 2.0).floor() * 2.0 + 0.05 * (row % 2.0)).collect();
-        assert!(!said(&with_gap) && !said(&two_at_once));
-        assert!(![0, 1, 100, 600].into_iter().any(|rows| said(&changing(1.5)[..rows])));
+        let two_at_once: Vec<f64> = row().map(|row| 0.02 * (row / 2.0).floor() + 0.006 * (row % 2.0)).collect();
+        assert!(!said(&two_at_once));
+        assert!(![0, 1, 600].into_iter().any(|rows| doubt(&changing(1.5)[..rows], &[], TimeUnit::S).is_some()));
+    }
+
+    #[test]
+    fn losses_are_no_change() {
+        let log = |is_there: fn(&u32) -> bool| (0..30_000).filter(is_there).map(|row| 0.01 * f64::from(row));
+        let one_gap: Vec<f64> = log(|row| !(7000..7900).contains(row)).collect();
+        let in_the_middle: Vec<f64> = log(|row| !(10_000..20_000).contains(row) || row % 5 < 3).collect();
+        assert!(!said(&one_gap) && !said(&in_the_middle));
     }
 }

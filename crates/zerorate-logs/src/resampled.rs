@@ -1,6 +1,7 @@
 //! Logs that were resampled, filled in, or read from a sensor faster than it converts: their noise is not the noise of
 //! the sensor.
 
+use super::clock::median;
 use super::series::Series;
 
 /// Samples that are looked at.
@@ -20,6 +21,16 @@ const FINE: f64 = 100.0;
 /// few sizes, and repeat by chance.
 const SIZES: usize = 100;
 
+/// Usual difference between samples, in steps, from which repeats are told from chance: noise then repeats as often
+/// as it moves by a step.
+const COARSE: f64 = 3.0;
+
+/// Sizes of differences, in steps, whose mean share is that of repeats by chance.
+const NEAR: u32 = 3;
+
+/// Parts of a log in each of which repeats must show: a sensor that stands still for a while repeats as well.
+const PARTS: usize = 8;
+
 /// The text about samples that repeat the one before, or lie on the line between their neighbours, to the last digit.
 /// None where the numbers are too coarse to tell.
 pub fn doubt(series: &Series) -> Option<String> {
@@ -30,7 +41,7 @@ pub fn doubt(series: &Series) -> Option<String> {
     let first = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| step.is_finite());
     let first: Vec<f64> = first.collect();
     let step = first.iter().copied().filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
-    let repeats = share(&first, step, 0.0);
+    let repeats = share(&first, step, 0.0).or_else(|| coarse_share(&first, step));
     let of_lines = || {
         let second = samples.windows(3).map(|three| (three[2] - 2.0 * three[1] + three[0]).abs());
         // rounding of two sums
@@ -61,6 +72,27 @@ fn share(differences: &[f64], step: f64, none: f64) -> Option<f64> {
     others.dedup_by(|a, b| (*a - *b).abs() < 0.5 * step);
     let is_fine = others.len() >= SIZES.min(count / 2);
     (usual >= FINE * step.max(none) && is_fine).then_some(share)
+}
+
+/// Share of the differences that are none beyond those by chance, in samples of few steps.
+fn coarse_share(differences: &[f64], step: f64) -> Option<f64> {
+    let size = differences.len() / PARTS;
+    let shares: Vec<f64> = differences.chunks_exact(size.max(ENOUGH)).map(|part| excess(part, step)).collect();
+    let least = shares.iter().copied().fold(f64::INFINITY, f64::min);
+    (shares.len() >= PARTS && least >= SAID).then(|| shares.iter().sum::<f64>() / shares.len() as f64)
+}
+
+/// Share of repeats in a part of the differences less their share by chance; 0 where chance explains them.
+fn excess(part: &[f64], step: f64) -> f64 {
+    let share = |steps: u32| {
+        let is_of = |difference: &&f64| (**difference / step - f64::from(steps)).abs() < 0.5;
+        part.iter().filter(is_of).count() as f64 / part.len() as f64
+    };
+    // differences of either sign
+    let chance = (1..=NEAR).map(share).sum::<f64>() / f64::from(2 * NEAR);
+    let mut others: Vec<f64> = part.iter().copied().filter(|difference| *difference > 0.0).collect();
+    let (repeats, usual) = (share(0), median(&mut others));
+    if usual >= COARSE * step && repeats > 2.0 * chance { repeats - chance } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -95,6 +127,19 @@ mod tests {
         assert_eq!(said(slow), "");
         assert_eq!(doubt(&Series::Codes(noise(5000, 1e5).iter().map(|code| *code as i32).collect())), None);
         assert_eq!(said(vec![1.0; 5000]), "", "a constant is said elsewhere");
+    }
+
+    #[test]
+    fn codes_read_twice() {
+        for steps in [8.0, 20.0, 90.0] {
+            let codes = noise(5000, steps).into_iter().flat_map(|code| [code as i32; 2]).collect();
+            let text = doubt(&Series::Codes(codes)).unwrap();
+            assert!(text.contains(" % of the samples repeat"), "{text}");
+            let mut filled: Vec<i32> = noise(20_000, steps).into_iter().map(|code| code as i32).collect();
+            assert_eq!(doubt(&Series::Codes(filled.clone())), None);
+            filled[4000..6000].fill(3);
+            assert_eq!(doubt(&Series::Codes(filled)), None, "it stood still, which is said elsewhere");
+        }
     }
 
     #[test]

@@ -316,7 +316,7 @@ mod tests {
         let rounded = (0..4000).map(|at| i32::from(at % 40 == 0)).collect();
         let coarse = crate::coarse::doubt(&crate::series::Series::Codes(rounded)).expect("hardly one is another");
         let faster: Vec<f64> = (0..4000).map(|at| f64::from(at) * f64::from(at)).collect();
-        let pace = crate::pace::doubt(&faster, zerorate_record::TimeUnit::Us).expect("another rate in each part");
+        let pace = crate::pace::doubt(&faster, &[], zerorate_record::TimeUnit::Us).expect("another rate in each part");
         let all = [
             LogWarning::Miscounted { path: "run_0".to_owned(), topic: topic(), stated: 12_000, found: 11_950 },
             LogWarning::RowsIncomplete { path: path(), lacking: 12, rows: 720_000 },
