@@ -132,6 +132,21 @@ mod tests {
     use super::*;
     use crate::Reading;
 
+    /// Independent codes of ±1000: their density is √(2 / rate) times their size.
+    #[test]
+    fn the_density_of_white_noise() {
+        let axis = Axis::ADIS16130;
+        let mut state = 7u32;
+        let mut code = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            if state >> 31 == 0 { 1000 } else { -1000 }
+        };
+        let checkup = Checkup { rate_codes: (0..100_000).map(|_| code()).collect(), ..Checkup::default() };
+        let expected = 1000.0 / axis.rate.lsb_per_unit * (2.0f64 / 1000.0).sqrt();
+        let found = checkup.white_dps_per_rt_hz(&axis, 1000.0).unwrap();
+        assert!((found / expected - 1.0).abs() < 0.1, "{found} instead of {expected}");
+    }
+
     #[test]
     fn a_sample_rate_is_off_beyond_the_limit() {
         let mut tally = Tally::default();
