@@ -124,10 +124,12 @@ mod tests {
         let corrections = [Correction::line(1.0, 0.0, 25.0)];
         let mut corrector = Corrector::new(CorrectorConfig { corrections, validity });
         assert_eq!((corrector.correct(0, Some(2.0)), corrector.warning()), (None, None), "no temperature yet");
+        assert_eq!(corrector.range_c(), None);
         for (read_c, extrapolated) in [(19.5, false), (18.5, true), (25.0, false)] {
             let corrected = corrector.take(Some(2.0), Some(read_c));
             assert_eq!(corrected, Corrected { rate_dps: Some(3.0), temp_c: Some(read_c), extrapolated });
         }
+        assert_eq!(corrector.range_c(), Some((18.5, 25.0)));
         let (low_c, high_c, temp_min_c, temp_max_c) = (18.5, 25.0, 20.0, 30.0);
         assert_eq!(corrector.warning(), Some(Warning::Extrapolated { low_c, high_c, temp_min_c, temp_max_c }));
     }
