@@ -31,6 +31,10 @@ impl RowReader {
                 input.rewind().map_err(failed)?;
                 Ok(Self::Log(Box::new(PartLog::open(path, input, part, args)?)))
             }
+            (Err(CaptureError::NotACapture { path, why }), None) => {
+                let why = format!("{why}; for a log of other software name its part, as docs/formats/part.md says");
+                Err(CaptureError::NotACapture { path, why }.into())
+            }
             (Err(error), _) => Err(error.into()),
         }
     }

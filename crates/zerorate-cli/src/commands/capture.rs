@@ -12,9 +12,9 @@ use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use zerorate::Calibration;
 use zerorate::health::{Health, Marks};
-use zerorate_jobs::{Acquisition, CodedWarning, Recorder};
+use zerorate::{Calibration, Validity};
+use zerorate_jobs::{Acquisition, CodedWarning, JobWarning, Recorder};
 use zerorate_record::believed;
 use zerorate_record::{CaptureInfo, Format, Row};
 use zerorate_view::duration::{self, Seconds};
@@ -112,11 +112,12 @@ pub fn run(args: &CaptureArgs) -> Result<()> {
     }
     acquisition.initialise()?;
     let file = outputs.recording(&args.output)?;
+    let validity = calibration.as_ref().and_then(|calibration| calibration.validity);
     let mut writer = Recorder::create(file, format, acquisition.facts(), &info, calibration)?;
     let recorded = record(args, &mut acquisition, |row| Ok(writer.push(row)?));
     let saved = writer.finish()?.samples;
     recorded.with_context(|| format!("{} ends after {saved} samples", args.output.display()))?;
-    summarise(args, &mut acquisition)?;
+    summarise(args, &mut acquisition, validity)?;
     refuse_frozen(args, &acquisition)
 }
 
@@ -149,8 +150,9 @@ fn record(args: &CaptureArgs, acquisition: &mut Acquisition, mut take: impl FnMu
     Ok(())
 }
 
-fn summarise(args: &CaptureArgs, acquisition: &mut Acquisition) -> Result<()> {
-    let warnings = acquisition.warnings().into_iter().map(coded).collect();
+fn summarise(args: &CaptureArgs, acquisition: &mut Acquisition, validity: Option<Validity>) -> Result<()> {
+    let beyond = validity.and_then(|validity| acquisition.beyond(&validity));
+    let warnings = acquisition.warnings().into_iter().chain(beyond.map(JobWarning::from)).map(coded).collect();
     let marks: Vec<&Marks> = acquisition.healths().map(Health::marks).collect();
     let sum = |count: fn(&Marks) -> u64| marks.iter().copied().map(count).sum();
     let tally = acquisition.tally();

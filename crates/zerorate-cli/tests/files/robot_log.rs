@@ -38,6 +38,17 @@ fn a_bag_is_a_capture() {
     assert!(usage.contains("--format mcap"), "{usage}");
 }
 
+#[test]
+fn a_temperature_beyond_the_calibration_is_said() {
+    let bench = Bench::new();
+    for (low_c, is_said) in [(20, false), (40, true)] {
+        let validity = format!("[validity]\ntemp_min_c = {low_c}.0\ntemp_max_c = 50.0\n");
+        bench.write("unit.toml", calibration(-0.25, -0.04, 45.0) + &validity);
+        let run = bench.zerorate("capture --samples 2000 --cal unit.toml -o unit.mcap --force");
+        assert_eq!((run.code, run.stderr.contains("extrapolated: ")), (Some(0), is_said), "{}", run.stderr);
+    }
+}
+
 /// The codes, and what robots read of them, have the same Allan deviation: rad/s in between.
 #[test]
 fn robots_read_the_same_rate() {

@@ -267,7 +267,7 @@ rows_with_remedies!(match Warning {
         text: format_args!("{low_c:.1} … {high_c:.1} °C leaves the {temp_min_c:.1} … {temp_max_c:.1} °C calibrated"),
         remedies: &[Remedy::WiderSpan],
         says: Says::Warning,
-        by: &["correct", "stream"],
+        by: &["correct", "stream", "capture"],
         seen: "The temperature left the range in which the calibration was measured.",
         matters: "The correction is extrapolated there: it goes on as a line or a curve, and nobody measured whether \
             the bias does.",
