@@ -257,7 +257,8 @@ rows!(match AllanWarning {
         ),
         says: Says::Warning,
         by: &["allan", "imu"],
-        seen: "A line is so strong that its leakage into the spectrum may be taken for noise.",
+        seen: "A line is so strong that its leakage into the spectrum may be taken for noise. It comes, goes or \
+            wanders: a sine that lasts as long as the record is taken out, and leaks nowhere.",
         matters: "N may be too large, and B and K more so. Steps that were found may not be real.",
         remedy: "Record without the disturbance.",
     },

@@ -160,6 +160,7 @@ fn disturbed() -> Vec<Scenario> {
     };
     vec![
         with("with a sine", Beside::Sine(0.02, 0.5)),
+        with("with a slow sine", Beside::Sine(0.1, 0.01)),
         widened("with a resonance", Beside::Resonance(20.0, 1.0, 0.25)),
         with("outliers 1e-6", Beside::Outliers(1e-6)),
         with("outliers 1e-5", Beside::Outliers(1e-5)),

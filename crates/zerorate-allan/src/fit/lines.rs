@@ -46,6 +46,8 @@ pub(super) struct Narrow {
     pub(super) run: (usize, usize),
     /// Variance and frequency of the line's sines in the model, a quarter of its power each.
     pub(super) sines: [(f64, f64); 4],
+    /// Whether it was a sine, and was taken out of the samples: then it leaks nowhere.
+    pub(super) is_gone: bool,
 }
 
 /// Takes narrow lines out of the bins of `power` (coefficients 1, 2 …, `hz` apart). A bin with less than a quarter
@@ -83,7 +85,7 @@ fn narrow_line((from, to): (usize, usize), power: &[f64], base: &[f64], hz: f64)
         (from + 1 + power.iter().take_while(below).count()) as f64 * hz
     };
     let sines = [0.125, 0.375, 0.625, 0.875].map(|part| (variance / 4.0, at(part)));
-    Narrow { line, run: (from + 1, to + 1), sines }
+    Narrow { line, run: (from + 1, to + 1), sines, is_gone: false }
 }
 
 /// Running median over an octave to either side of the bins that are not masked. At the ends the slope is taken off.

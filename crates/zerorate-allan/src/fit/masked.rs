@@ -33,7 +33,7 @@ const SEEN: f64 = 8.0;
 /// ends look like steps. Some lines are its tails, so all of them count. Each is the first coefficient and one past
 /// the last.
 pub(super) fn loud(spectrum: &Spectrum, chosen: &Selection, rate_hz: f64) -> Vec<(usize, usize)> {
-    let narrow = spectrum.narrow.iter().map(|narrow| {
+    let narrow = spectrum.narrow.iter().filter(|narrow| !narrow.is_gone).map(|narrow| {
         let ((first, end), half) = (narrow.run, (narrow.run.1 - narrow.run.0).div_ceil(2));
         (&narrow.line, (first.saturating_sub(half).max(1), end + half))
     });
@@ -54,7 +54,7 @@ pub(super) struct Whole {
     /// Variance and frequency of its sines in the model.
     pub(super) sines: Vec<(f64, f64)>,
     run: (usize, usize),
-    /// Whether it is narrow, and may be a sine.
+    /// Whether it is narrow, and may be a sine that is still in the samples.
     leaks: bool,
 }
 
@@ -79,7 +79,7 @@ impl Masked {
             line: narrow.line,
             sines: narrow.sines.to_vec(),
             run: narrow.run,
-            leaks: true,
+            leaks: !narrow.is_gone,
         });
         let broad = self.lines.into_iter().zip(self.sines).zip(self.runs);
         let broad = broad.map(|((line, sines), run)| Whole { line, sines, run, leaks: false });

@@ -29,6 +29,7 @@ mod remarks;
 mod samples;
 mod scoring;
 mod select;
+mod sines;
 mod spectrum;
 mod steadiness;
 mod steps;

@@ -48,6 +48,7 @@ pub(super) fn largest(
     (spectrum, chosen): &(Spectrum, Selection),
 ) -> Result<Option<Candidate>, FftError> {
     let left_out = loud(spectrum, chosen, rate_hz);
+    let rate = &*spectrum.without_sines(rate, rate_hz);
     let level =
         |i: usize| chosen.found.form.drift.map_or(0.0, |drift| chosen.found.drift * drift.at(i as f64 / rate_hz));
     if spectrum.has_levels {

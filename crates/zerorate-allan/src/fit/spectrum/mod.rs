@@ -6,12 +6,15 @@
 
 pub(super) mod averages;
 mod levels;
+mod search;
 mod segments;
 
 use super::bins::{Bin, LINEAR, all_edges, edges};
 use super::density::{LOW, is_below};
-use super::lines::{Narrow, take_out_narrow};
+use super::lines::{Line, Narrow, take_out_narrow};
+use super::sines::Sine;
 use super::transform::{cosine_transform, smooth_length};
+use alloc::borrow::Cow;
 use alloc::vec::Vec;
 use averages::fill_gaps;
 use levels::{Known, Level};
@@ -27,6 +30,8 @@ pub(super) struct Spectrum {
     pub(super) narrow: Vec<Narrow>,
     /// Samples that entered, lost ones included.
     pub(super) samples: usize,
+    /// The lines that were sines. They left the samples as well.
+    sines: Vec<Sine>,
     /// Whether it is not one transform.
     pub(super) has_levels: bool,
 }
@@ -40,19 +45,70 @@ const FEW: usize = 256;
 /// their ends.
 const USED_FROM: usize = 128;
 const FIRST: usize = 4;
+/// Rounds of the search for sines: a strong one hides weak ones.
+const ROUNDS: usize = 3;
+/// Degrees of freedom of a sine, the share of its bin's that must be left, and its coefficients on either side.
+const OF_A_SINE: f64 = 3.0;
+const LEAST_LEFT: f64 = 0.5;
+const BESIDE: usize = 4;
 /// Values in a mean of the next level, at most.
 const NEXT: usize = 16;
 
 impl Spectrum {
     /// The spectrum of a rate; NaN is a missing sample.
     pub(super) fn of(rate: &[f64], rate_hz: f64) -> Result<Self, FftError> {
+        let (mut spectrum, mut sines) = (Self::with_sines(rate, rate_hz)?, Vec::new());
+        let mut left = Cow::Borrowed(rate);
+        for _ in 0..ROUNDS {
+            let found = search::take_out_sines(&spectrum, &mut left, rate_hz)?;
+            if found.is_empty() {
+                break;
+            }
+            sines.extend(found);
+            spectrum = Self::with_sines(&left, rate_hz)?;
+        }
+        sines.iter().for_each(|sine| spectrum.stands_beside(sine, rate_hz));
+        Ok(Self { sines, ..spectrum })
+    }
+
+    /// The rate without the sines that were taken out of it.
+    pub(super) fn without_sines<'a>(&self, rate: &'a [f64], rate_hz: f64) -> Cow<'a, [f64]> {
+        let mut left = Cow::Borrowed(rate);
+        self.sines.iter().for_each(|sine| sine.take_out(left.to_mut(), rate_hz));
+        left
+    }
+
+    /// Notes a sine that was taken out of the samples as a line. With it went noise at its frequency.
+    fn stands_beside(&mut self, sine: &Sine, rate_hz: f64) {
+        let hz = rate_hz / (2.0 * self.samples as f64);
+        let k = libm::round(sine.hz / hz) as usize;
+        let run = (k.saturating_sub(BESIDE), k + BESIDE + 1);
+        let is_left = |narrow: &Narrow| !narrow.is_gone && narrow.run.0 < run.1 && run.0 < narrow.run.1;
+        let left: f64 = self.narrow.iter().filter(|one| is_left(one)).map(|one| one.line.rms * one.line.rms).sum();
+        self.narrow.retain(|narrow| !is_left(narrow));
+        let variance = sine.variance() + left;
+        let line = Line { frequency_hz: sine.hz, width_hz: 2.0 * hz, rms: libm::sqrt(variance) };
+        self.narrow.push(Narrow { line, run, sines: [(variance / 4.0, sine.hz); 4], is_gone: true });
+        self.bins.retain_mut(|bin| {
+            if !(bin.first..bin.end).contains(&k) {
+                return true;
+            }
+            let noise = bin.power - bin.response.offset;
+            let left = (bin.freedom - OF_A_SINE) / bin.freedom;
+            bin.power = bin.response.offset + noise / left;
+            bin.freedom -= OF_A_SINE;
+            left > LEAST_LEFT
+        });
+    }
+
+    fn with_sines(rate: &[f64], rate_hz: f64) -> Result<Self, FftError> {
         let is_complete = !rate.iter().any(|value| value.is_nan());
         if !is_complete || rate.len() > LONGEST {
             return Self::of_levels(rate, rate_hz);
         }
         let samples = smooth_length(rate.len());
         let Part { bins, low, narrow, .. } = Part::transform(&rate[..samples], rate_hz, all_edges(samples))?;
-        Ok(Self { bins, low, narrow, samples, has_levels: false })
+        Ok(Self { bins, low, narrow, samples, sines: Vec::new(), has_levels: false })
     }
 
     fn of_levels(rate: &[f64], rate_hz: f64) -> Result<Self, FftError> {
@@ -82,6 +138,7 @@ impl Spectrum {
             low,
             narrow: parts.into_iter().flat_map(|part| part.narrow).collect(),
             samples: libm::round(rate_hz / (2.0 * hz)) as usize,
+            sines: Vec::new(),
             has_levels: true,
         }
     }
