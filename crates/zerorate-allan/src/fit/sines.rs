@@ -5,6 +5,7 @@ use crate::linear::Cholesky;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 use realfft::num_complex::Complex64;
+use realfft::{FftError, RealFftPlanner};
 
 /// A sine, with its phase at the first sample.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +18,7 @@ pub(super) struct Sine {
 /// The sums in which the frequency is found.
 const PARTS: usize = 4096;
 /// Frequencies that are tried first, to each bin of a Fourier transform.
-const FINENESS: f64 = 8.0;
+const FINENESS: usize = 8;
 /// Then the interval shrinks by the golden ratio so many times.
 const SHRUNK: usize = 40;
 /// Shares of a sine and of a level below which the samples cannot tell one from the other.
@@ -28,10 +29,10 @@ const EXACT_EVERY: usize = 4096;
 impl Sine {
     /// The sine that explains most of a rate, at a frequency at most `reach_hz` from another; NaN is a missing sample.
     /// None where the samples cannot tell it from a level.
-    pub(super) fn near(rate: &[f64], rate_hz: f64, near_hz: f64, reach_hz: f64) -> Option<Self> {
+    pub(super) fn near(rate: &[f64], rate_hz: f64, near_hz: f64, reach_hz: f64) -> Result<Option<Self>, FftError> {
         let near = near_hz / rate_hz;
         let parts = Parts::of(rate, near);
-        let turns = near + parts.strongest(reach_hz / rate_hz);
+        let turns = near + parts.strongest(reach_hz / rate_hz)?;
         let (mut squares, mut products) = ([[0.0; 3]; 3], [0.0; 3]);
         for (chunk, start) in rate.chunks(EXACT_EVERY).zip((0..).step_by(EXACT_EVERY)) {
             for (value, (cos, sin)) in chunk.iter().zip(phases(turns, start)).filter(|(value, _)| !value.is_nan()) {
@@ -43,8 +44,8 @@ impl Sine {
             }
         }
         let rows = squares.iter().enumerate().map(|(i, row)| row[..=i].to_vec()).collect();
-        let solved = Cholesky::new(rows, LEAST_PIVOT)?.solve(products);
-        Some(Self { hz: turns * rate_hz, cosine: solved[1], sine: solved[2] })
+        let solved = Cholesky::new(rows, LEAST_PIVOT).map(|factors| factors.solve(products));
+        Ok(solved.map(|solved| Self { hz: turns * rate_hz, cosine: solved[1], sine: solved[2] }))
     }
 
     pub(super) fn variance(&self) -> f64 {
@@ -73,7 +74,6 @@ struct Parts {
     sums: Vec<Complex64>,
     /// Samples of a part.
     length: usize,
-    samples: usize,
 }
 
 impl Parts {
@@ -86,7 +86,7 @@ impl Parts {
             turned.map(|(value, (cos, sin))| Complex64::new(cos, -sin) * (value - mean)).sum()
         };
         let sums = rate.chunks(length).zip((0..).step_by(length)).map(sum).collect();
-        Self { sums, length, samples: rate.len() }
+        Self { sums, length }
     }
 
     /// The power of a frequency this far from the one that stands still, in turns per sample.
@@ -99,11 +99,22 @@ impl Parts {
     }
 
     /// The strongest frequency within reach of the one that stands still.
-    fn strongest(&self, reach: f64) -> f64 {
-        let step = 1.0 / (FINENESS * self.samples as f64);
-        let most = libm::ceil(reach / step) as i32;
-        let tried = (-most..=most).map(|k| f64::from(k) * step);
-        let best = tried.max_by(|a, b| self.power(*a).total_cmp(&self.power(*b))).unwrap_or(0.0);
+    fn strongest(&self, reach: f64) -> Result<f64, FftError> {
+        let len = (FINENESS * self.sums.len()).next_power_of_two();
+        let step = 1.0 / (len * self.length) as f64;
+        let fft = RealFftPlanner::<f64>::new().plan_fft_forward(len);
+        let transformed = |of: fn(&Complex64) -> f64| {
+            let mut values: Vec<f64> = self.sums.iter().map(of).collect();
+            values.resize(len, 0.0);
+            let mut transform = fft.make_output_vec();
+            fft.process(&mut values, &mut transform).map(|()| transform)
+        };
+        let (real, imaginary) = (transformed(|sum| sum.re)?, transformed(|sum| sum.im)?);
+        let of = |k: usize| [(real[k], imaginary[k], 1.0), (real[k].conj(), imaginary[k].conj(), -1.0)];
+        let most = ((reach / step) as usize + 1).min(len / 2);
+        let powers = (0..=most)
+            .flat_map(|k| of(k).map(|(re, im, sign)| ((re + Complex64::i() * im).norm_sqr(), sign * k as f64)));
+        let best = powers.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |(_, k)| k * step);
         let golden = (libm::sqrt(5.0) - 1.0) / 2.0;
         let (mut low, mut high) = (best - step, best + step);
         for _ in 0..SHRUNK {
@@ -114,7 +125,7 @@ impl Parts {
                 low = high - inner;
             }
         }
-        f64::midpoint(low, high)
+        Ok(f64::midpoint(low, high))
     }
 }
 
@@ -128,7 +139,8 @@ mod tests {
             let value = |i: usize| 7.0 + 0.3 * (2.0 * PI * hz * i as f64 / 100.0 + 1.0).sin();
             let mut rate: Vec<f64> = (0..samples).map(value).collect();
             rate[5000..6000].fill(f64::NAN);
-            let found = Sine::near(&rate, 100.0, hz + 60.0 / samples as f64, 150.0 / samples as f64).unwrap();
+            let found = Sine::near(&rate, 100.0, hz + 60.0 / samples as f64, 150.0 / samples as f64);
+            let found = found.unwrap().unwrap();
             assert!((found.hz / hz - 1.0).abs() < 1e-5 && (found.variance() / 0.045 - 1.0).abs() < 1e-4, "{found:?}");
             found.take_out(&mut rate, 100.0);
             let left = rate.iter().filter(|value| !value.is_nan()).map(|value| (value - 7.0).abs());

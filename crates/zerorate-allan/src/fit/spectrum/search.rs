@@ -33,7 +33,7 @@ pub(super) fn take_out_sines(
     lines.sort_by(|a, b| b.rms.total_cmp(&a.rms));
     let mut sines = Vec::new();
     for line in lines.into_iter().take(MOST_SINES) {
-        let found = Sine::near(rate, rate_hz, line.frequency_hz, line.width_hz / 2.0);
+        let found = Sine::near(rate, rate_hz, line.frequency_hz, line.width_hz / 2.0)?;
         if let Some(sine) = found.filter(|sine| sine.variance() > MOST_OF_IT * line.rms * line.rms) {
             sine.take_out(rate.to_mut(), rate_hz);
             sines.push(sine);
