@@ -419,7 +419,18 @@ impl Clock {
     /// The unit of the times, and what they tell.
     fn beat(&self, path: &Path, args: &ColumnOptions) -> Result<Option<(TimeUnit, Beat)>> {
         let Self::Column(name, times) = self else { return Ok(None) };
-        let unit = args.time_unit.or(times.unit).or_else(|| TimeUnit::of_column(name));
+        if let (Some(asked), Some(stated)) = (args.time_unit, times.unit)
+            && asked != stated
+        {
+            let setting = args.names.of(Setting::TimeUnit);
+            let why = format!("column {name} states by its type that it is in {}", stated.name());
+            return Err(LogError::Ask(format!(
+                "{}: {why}, not in {}; leave {setting} out",
+                path.display(),
+                asked.name()
+            )));
+        }
+        let unit = times.unit.or(args.time_unit).or_else(|| TimeUnit::of_column(name));
         let unit = unit.ok_or_else(|| no_time_unit(path, name, args.names))?;
         let beat = times.beat(unit, args.names).map_err(|why| unsteady(path, name, &why))?;
         Ok(Some((unit, beat)))

@@ -242,6 +242,9 @@ fn collect<'a>(mut parts: Parts<'a>, name: &str, depth: usize, found: &mut Vec<V
             split(&name, kind, bytes, (rows, columns), big_endian, found);
             Ok(())
         }
+        [rows, columns] if is_of_numbers && !parts.part("numbers")?.1.is_empty() => {
+            Err(format!("`{name}` states {rows} x {columns} numbers, and holds some"))
+        }
         _ => Ok(()),
     }
 }

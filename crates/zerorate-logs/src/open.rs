@@ -243,7 +243,7 @@ impl Packing {
             #[cfg(feature = "packed")]
             Self::Gzip => Ok(Box::new(flate2::read::MultiGzDecoder::new(packed))),
             #[cfg(feature = "packed")]
-            Self::Lz4 => Ok(Box::new(lz4_flex::frame::FrameDecoder::new(packed))),
+            Self::Lz4 => Ok(Box::new(Lz4Frames(lz4_flex::frame::FrameDecoder::new(packed)))),
             #[cfg(feature = "packed")]
             Self::Xz => Ok(Box::new(lzma_rust2::XzReader::new_mem_limit(packed, true, MAX_WINDOW_KB))),
             // its own limit is the same
@@ -251,6 +251,23 @@ impl Packing {
             Self::Zstd => Ok(Box::new(zstd::Decoder::with_buffer(packed)?)),
             #[cfg(not(all(feature = "packed", feature = "zstd")))]
             _ => Err(io::Error::new(io::ErrorKind::Unsupported, format!("no reader of it in {packed:?}"))),
+        }
+    }
+}
+
+/// All frames of a file. The decoder stops behind each.
+#[cfg(feature = "packed")]
+struct Lz4Frames(lz4_flex::frame::FrameDecoder<BufReader<Input>>);
+
+#[cfg(feature = "packed")]
+impl Read for Lz4Frames {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        loop {
+            let count = self.0.read(bytes)?;
+            let packed: &mut dyn io::BufRead = self.0.get_mut();
+            if count > 0 || bytes.is_empty() || packed.fill_buf()?.is_empty() {
+                return Ok(count);
+            }
         }
     }
 }

@@ -63,7 +63,7 @@ pub fn mend(times: &mut Times, columns: &mut [FoundColumn]) -> Result<Vec<String
     said.extend(restamp(&mut rows, interval));
     said.extend(unwrap(&mut rows, first, interval));
     said.extend(sort(&mut rows, first, interval)?);
-    said.extend(separate(&mut rows, columns, interval));
+    said.extend(separate(&mut rows, columns, interval)?);
     let start = rows.first().map_or(0.0, |first| first.time);
     times.replace(rows.iter().map(|row| row.time - start).collect());
     let order: Vec<usize> = rows.iter().map(|row| row.row).collect();
@@ -182,10 +182,10 @@ fn late(rows: &[TimedRow], row: usize, interval: f64) -> Option<(usize, usize)> 
 }
 
 /// Drops rows that are there twice, and gives the others that share a stamp times of their own.
-fn separate(rows: &mut Vec<TimedRow>, columns: &[FoundColumn], interval: f64) -> Vec<String> {
+fn separate(rows: &mut Vec<TimedRow>, columns: &[FoundColumn], interval: f64) -> Result<Vec<String>, String> {
     let shared = rows.windows(2).filter(|pair| pair[0].time == pair[1].time).count();
     if shared == 0 {
-        return Vec::new();
+        return Ok(Vec::new());
     }
     let values: Vec<Vec<f64>> = columns.iter().map(|column| column.values.rows_as_numbers()).collect();
     let same = |one: TimedRow, other: TimedRow| {
@@ -197,7 +197,8 @@ fn separate(rows: &mut Vec<TimedRow>, columns: &[FoundColumn], interval: f64) ->
     };
     let equal = rows.windows(2).filter(|pair| pair[0].time == pair[1].time && same(pair[0], pair[1])).count();
     let is_coarse = shared as f64 > COARSE * rows.len() as f64 && (equal as f64) < 0.9 * shared as f64;
-    let fine = if is_coarse { fine_interval(rows) } else { interval };
+    let fine = if is_coarse { fine_interval(rows) } else { Some(interval) };
+    let fine = fine.ok_or("its clock makes fewer than two whole steps, which tell no rate")?;
     let mut kept: Vec<TimedRow> = Vec::with_capacity(rows.len());
     let (mut dropped, mut wrong) = (Vec::new(), Vec::new());
     let mut start = 0;
@@ -229,7 +230,7 @@ fn separate(rows: &mut Vec<TimedRow>, columns: &[FoundColumn], interval: f64) ->
         start = end;
     }
     *rows = kept;
-    said_of(&dropped, &wrong, is_coarse)
+    Ok(said_of(&dropped, &wrong, is_coarse))
 }
 
 /// The texts about dropped rows, and about rows that got another time.
@@ -245,8 +246,9 @@ fn said_of(dropped: &[usize], wrong: &[usize], is_coarse: bool) -> Vec<String> {
 }
 
 /// The interval of the samples under a clock of coarse steps: the total time of the steps of usual length over the
-/// number of rows in them. The first and the last step do not count, because they may not be whole.
-fn fine_interval(rows: &[TimedRow]) -> f64 {
+/// number of rows in them. The first and the last step do not count, because they may not be whole. None if there is no
+/// other.
+fn fine_interval(rows: &[TimedRow]) -> Option<f64> {
     let starts: Vec<usize> =
         (0..rows.len()).filter(|at| *at == 0 || rows[*at].time > rows[at - 1].time).skip(1).collect();
     let steps = || starts.windows(2).map(|pair| (rows[pair[1]].time - rows[pair[0]].time, pair[1] - pair[0]));
@@ -255,10 +257,7 @@ fn fine_interval(rows: &[TimedRow]) -> f64 {
     let usual = lengths.get(lengths.len() / 2).copied().unwrap_or_default();
     let whole = steps().filter(|(time, _)| *time < 1.5 * usual);
     let (time, count) = whole.fold((0.0, 0), |(time, count), (more, rows)| (time + more, count + rows));
-    match count {
-        0 => rows.last().map_or(1.0, |last| last.time / rows.len() as f64),
-        count => time / count as f64,
-    }
+    (count > 0).then(|| time / count as f64)
 }
 
 #[cfg(test)]
@@ -382,6 +381,12 @@ mod tests {
         let gapped = steps(&times(of(24..1000).chain(of(1400..2130)).collect()));
         let longest = gapped.iter().copied().fold(0.0, f64::max);
         assert!((longest - 2.005).abs() < 1e-6 && gapped.iter().filter(|step| **step > 0.0051).count() == 1);
+    }
+
+    #[test]
+    fn a_clock_without_a_whole_step_tells_no_rate() {
+        let rows: Vec<(f64, f64)> = (0..4000).map(|row| (f64::from(row / 2000), f64::from(row))).collect();
+        assert!(mended(&rows).unwrap_err().contains("fewer than two whole steps"));
     }
 
     #[test]

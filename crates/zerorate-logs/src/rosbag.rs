@@ -272,6 +272,9 @@ impl Records<'_> {
 }
 
 fn in_chunk(mut chunk: &[u8], take: &mut impl FnMut(&Record) -> Result<(), CaptureError>) -> Result<(), Stop> {
+    if chunk.is_empty() {
+        return Ok(());
+    }
     let mut piece = || {
         let (length, rest) = chunk.split_first_chunk()?;
         let (bytes, rest) = rest.split_at_checked(u32::from_le_bytes(*length) as usize)?;
@@ -280,11 +283,32 @@ fn in_chunk(mut chunk: &[u8], take: &mut impl FnMut(&Record) -> Result<(), Captu
     };
     loop {
         let torn = || Stop::Torn("a chunk ends inside a record".to_owned());
-        let Some((head, _)) = piece() else { return Ok(()) };
+        let (head, _) = piece().ok_or_else(torn)?;
         let (data, is_last) = piece().ok_or_else(torn)?;
         take(&Record { head, data }).map_err(Stop::Failed)?;
         if is_last {
             return Ok(());
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_end_of_a_record_ends_a_chunk() {
+        let record = [&2u32.to_le_bytes()[..], b"ab", &1u32.to_le_bytes()[..], b"c"].concat();
+        let mut records = 0;
+        let mut read = |chunk: &[u8]| {
+            in_chunk(chunk, &mut |_| {
+                records += 1;
+                Ok(())
+            })
+        };
+        assert!(read(&[]).is_ok() && read(&[&record[..], &record].concat()).is_ok());
+        let damaged = [&record[..], &u32::MAX.to_le_bytes(), b"more"].concat();
+        assert!(matches!(read(&damaged), Err(Stop::Torn(_))) && matches!(read(&record[..7]), Err(Stop::Torn(_))));
+        assert_eq!(records, 3);
     }
 }

@@ -341,3 +341,13 @@ fn the_beginning_is_left_out() {
     numbers.skip(2);
     assert!(numbers.series.is_empty());
 }
+
+#[test]
+fn a_unit_that_a_type_states_is_not_overridden() {
+    let folder = Folder::new();
+    let rows: String = (0..20).map(|row| format!("2026-01-01T00:00:00.{:02}Z,{}\n", 5 * row, row % 3)).collect();
+    let log = format!("time,gz_dps\n{rows}");
+    assert!((folder.read(&log, "--column gz_dps --time-column time").unwrap().rate_hz - 20.0).abs() < 1e-6);
+    let why = folder.fails(&log, "--column gz_dps --time-column time --time-unit s");
+    assert!(why.contains("by its type") && why.contains("leave --time-unit out"), "{why}");
+}

@@ -257,7 +257,14 @@ impl Topics {
                         *at += size;
                     }
                     Some((None, size)) => *at += size,
-                    None => self.expand(kind, &format!("{name}."), at, depth, fields)?,
+                    None => {
+                        let before = *at;
+                        self.expand(kind, &format!("{name}."), at, depth, fields)?;
+                        // an array of what has no bytes may state any length
+                        if *at == before {
+                            return None;
+                        }
+                    }
                 }
                 if fields.len() > MAX_FIELDS || *at > usize::from(u16::MAX) {
                     return None;

@@ -193,6 +193,16 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::S => "s",
+            Self::Ms => "ms",
+            Self::Us => "us",
+            Self::Ns => "ns",
+        }
+    }
+
     /// How many of this unit make a second.
     pub fn per_s(self) -> f64 {
         match self {

@@ -1,7 +1,7 @@
 //! The forms that a feature adds.
 
 use super::*;
-use std::io::Cursor;
+use std::io::{Cursor, Write};
 
 /// `0.5 0.25 -1.5 2`, one to a line, as Python's gzip, lzma and zstandard pack it.
 pub const GZIP: &[u8] = b"\
@@ -43,6 +43,41 @@ fn packed_files_are_known_by_their_content() {
     let batch = vec![("x", Arc::new(Float64Array::from(vec![1.5, 2.5])) as ArrayRef)];
     let packed = zstd::encode_all(Cursor::new(parquet_of(&batch)), 1).unwrap();
     assert_eq!(numbers(&folder.read(packed, "--rate 10").unwrap()), [1.5, 2.5]);
+}
+
+#[test]
+fn lz4_of_several_frames_is_read_whole() {
+    let folder = Folder::new();
+    let packed = |text: &str| {
+        let mut encoder = lz4_flex::frame::FrameEncoder::new(Vec::new());
+        encoder.write_all(text.as_bytes()).unwrap();
+        encoder.finish().unwrap()
+    };
+    let frames = [packed("0.5\n0.25\n"), packed(""), packed("-1.5\n2\n")].concat();
+    assert_eq!(numbers(&folder.read(&frames, "--rate 10").unwrap()), [0.5, 0.25, -1.5, 2.0]);
+    assert!(folder.fails([&frames[..], b"and more"].concat(), "--rate 10").contains("cannot be unpacked"));
+}
+
+/// An array of a type without fields has no bytes, and may state any length.
+#[test]
+fn a_ulog_of_endless_arrays_is_refused() {
+    let message = |kind: u8, body: &[u8]| [&(body.len() as u16).to_le_bytes()[..], &[kind], body].concat();
+    let log = [
+        b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0".to_vec(),
+        message(b'F', b"e:"),
+        message(b'F', b"sensor_gyro:uint64_t timestamp;float x;e[3000000000] p;"),
+        message(b'A', b"\0\0\0sensor_gyro"),
+    ];
+    assert!(Folder::new().fails(log.concat(), "--column sensor_gyro.x").contains("sensor_gyro.x"));
+}
+
+#[test]
+fn a_matrix_that_states_no_rows_and_holds_numbers_is_an_error() {
+    let mut mat = MAT.to_vec();
+    assert_eq!(mat[160..168], [19, 0, 0, 0, 1, 0, 0, 0]);
+    mat[164] = 0;
+    let why = Folder::new().fails(mat, "--column gz");
+    assert!(why.contains("states 19 x 0 numbers, and holds some"), "{why}");
 }
 
 /// An NPY file of format 1.0, put together as NEP 1 describes.
