@@ -246,8 +246,8 @@ fn said_of(dropped: &[usize], wrong: &[usize], is_coarse: bool) -> Vec<String> {
 }
 
 /// The interval of the samples under a clock of coarse steps: the total time of the steps of usual length over the
-/// number of rows in them. The first and the last step do not count, because they may not be whole. None if there is no
-/// other.
+/// number of rows in them. The first and the last step do not count, because they may not be whole. None without
+/// others.
 fn fine_interval(rows: &[TimedRow]) -> Option<f64> {
     let starts: Vec<usize> =
         (0..rows.len()).filter(|at| *at == 0 || rows[*at].time > rows[at - 1].time).skip(1).collect();
