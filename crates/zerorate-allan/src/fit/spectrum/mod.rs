@@ -2,7 +2,8 @@
 //!
 //! A complete record is one cosine transform. A longer one, and one with gaps, goes through levels: its samples, means
 //! of some of them, means of more of them. Segments of a level give the upper part of its band, and the next level
-//! gives the rest. The last level is one cosine transform, which is exact for white noise and a random walk.
+//! gives the rest. The last level is one cosine transform, which is exact for white noise and a random walk. Sines leave
+//! the samples before (`search.rs`).
 
 pub(super) mod averages;
 mod levels;
@@ -101,6 +102,7 @@ impl Spectrum {
         });
     }
 
+    /// The spectrum of a rate with the sines that are in it.
     fn with_sines(rate: &[f64], rate_hz: f64) -> Result<Self, FftError> {
         let is_complete = !rate.iter().any(|value| value.is_nan());
         if !is_complete || rate.len() > LONGEST {
