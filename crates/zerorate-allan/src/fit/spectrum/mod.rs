@@ -2,8 +2,8 @@
 //!
 //! A complete record is one cosine transform. A longer one, and one with gaps, goes through levels: its samples, means
 //! of some of them, means of more of them. Segments of a level give the upper part of its band, and the next level
-//! gives the rest. The last level is one cosine transform, which is exact for white noise and a random walk. Sines leave
-//! the samples before (`search.rs`).
+//! gives the rest. The last level is one cosine transform, which is exact for white noise and a random walk. Sines are
+//! taken out of the samples before (`search.rs`).
 
 pub(super) mod averages;
 mod levels;
