@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use std::path::PathBuf;
-pub use xtask::app::{program, target_folder};
+pub use xtask::app::{WHOLE, program, target_folder};
 
 /// Options of a task that tries the program on a unit of the twin.
 #[derive(clap::Args)]

@@ -38,12 +38,12 @@ struct Line {
 
 /// Installs the peers, runs them one after the other, prints seconds and ratios.
 pub fn run(args: &BenchPeersArgs) -> Result<()> {
-    let python = venv::python("peers", Path::new("lab/peers/requirements.txt"))?;
+    let python = venv::python("peers", Path::new("lab/tools/peers/requirements.txt"))?;
     let peers = peers()?;
     let peers = || Command::new(&peers);
     let allantools = || {
         let mut command = Command::new(&python);
-        command.arg("lab/peers/peers.py");
+        command.arg("lab/tools/peers/peers.py");
         command
     };
     done(peers().args(["generate", DATA]).arg(args.samples.to_string()))?;
@@ -160,7 +160,7 @@ fn time_files(samples: u64, python: &Path) -> Result<()> {
     std::fs::create_dir_all(LOGS)?;
     let peers = || {
         let mut command = Command::new(python);
-        command.arg("lab/peers/files.py");
+        command.arg("lab/tools/peers/files.py");
         command
     };
     done(peers().args(["make", LOGS]).arg(samples.to_string()))?;
@@ -215,7 +215,7 @@ fn time_fit(python: &Path, path: &str, seconds: f64, samples: u64) -> Result<()>
 /// Peak memory of the program, bytes.
 fn peak(python: &Path, line: &[&str]) -> Result<f64> {
     let mut command = Command::new(python);
-    command.args(["lab/peers/files.py", "peak", PROGRAM]).args(line);
+    command.args(["lab/tools/peers/files.py", "peak", PROGRAM]).args(line);
     Ok(printed(&mut command)?.trim().parse()?)
 }
 

@@ -15,9 +15,8 @@ const CLIENTS: Tool = Tool { program: "iio_info", package: "libiio-utils" };
 const REQUIREMENTS: &str = "lab/iiod-requirements.txt";
 const PURPOSE: &str = "the libiio server with libiio's clients";
 
-/// The tests, with all available clients installed. The command is the one of the step `test-full`, so that nothing
-/// is compiled twice.
-const TESTS: &str = "test --workspace --all-features --quiet --test iiod";
+/// The tests that use the clients; the step `test` has built them.
+const TESTS: &str = "--quiet --test iiod";
 
 /// Installs the clients and runs the tests that use them. Without the clients it says so and passes.
 pub fn run() -> Result<()> {
@@ -25,7 +24,7 @@ pub fn run() -> Result<()> {
         return Ok(());
     }
     let mut tests = Command::new("cargo");
-    tests.args(TESTS.split(' ')).env("ZERORATE_IIO_CLIENTS", "required");
+    tests.arg("test").args(app::WHOLE.split(' ')).args(TESTS.split(' ')).env("ZERORATE_IIO_CLIENTS", "required");
     match adi() {
         Ok(python) => drop(tests.env("ZERORATE_ADI_PYTHON", python)),
         Err(why) => println!("SKIPPED: pyadi-iio: {why:#}"),

@@ -129,9 +129,9 @@ enum Task {
     Proofs(proofs::ProofsArgs),
     /// Make docs/ a book; run its commands, follow its links
     ///
-    /// Renders docs/ with mdBook's library, by lab/book, and follows every link. `--check` also runs the commands of
-    /// the chapters with the program, and opens three pages in Chromium (apt install chromium). Without Chromium,
-    /// where it cannot be installed, the task says that it skips these three and does all the rest.
+    /// Renders docs/ with mdBook's library, by lab/tools/book, and follows every link. `--check` also runs the
+    /// commands of the chapters with the program, and opens three pages in Chromium (apt install chromium). Without
+    /// Chromium, where it cannot be installed, the task says that it skips these three and does all the rest.
     Book(book::BookArgs),
     /// Make what is handed out, into target/dist: programs, packages, wheels, libraries, firmware, pictures, licences
     ///

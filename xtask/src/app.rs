@@ -1,22 +1,28 @@
-//! The program `zerorate`, for the tasks that run it.
+//! The build that the tests, the tasks and the wheel share: one profile, one set of features.
 
 use crate::venv::done;
 use anyhow::{Context, Result};
 use std::path::PathBuf;
 use std::process::Command;
 
-/// Builds the program with the tests of the workspace, as the step `test-full` of `cargo xtask ci` does, so that
-/// nothing is compiled twice.
+/// All packages but this one, with all that the program can have. Cargo compiles a library once for each set of
+/// features, so that whatever is built with these words is built once.
+pub const WHOLE: &str = "--release --workspace --exclude xtask --features zerorate-cli/full";
+
+/// Builds the program.
 pub fn program() -> Result<PathBuf> {
-    let arguments = "test --release --workspace --all-features --no-run --quiet --test cli";
-    done(Command::new("cargo").args(arguments.split(' ')))?;
-    Ok(target_folder()?.join("release/zerorate"))
+    built("zerorate")
 }
 
-/// Cargo's target folder, in which this very program lies: as `debug/xtask`, or as `lab/release/lab`.
+/// Builds a program of the workspace; returns its path.
+pub fn built(name: &str) -> Result<PathBuf> {
+    let mut cargo = Command::new("cargo");
+    done(cargo.args(["build", "--quiet", "--locked", "--bin", name]).args(WHOLE.split(' ')))?;
+    Ok(target_folder()?.join("release").join(name))
+}
+
+/// Cargo's target folder, in which this very program lies: as `debug/xtask`, or as `release/lab`.
 pub fn target_folder() -> Result<PathBuf> {
     let program = std::env::current_exe()?;
-    let of_workspace = program.ancestors().nth(2).context("this program is not in a target folder")?;
-    let folder = if of_workspace.ends_with("lab") { of_workspace.parent() } else { None };
-    Ok(folder.unwrap_or(of_workspace).to_owned())
+    Ok(program.ancestors().nth(2).context("this program is not in a target folder")?.to_owned())
 }

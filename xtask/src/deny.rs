@@ -20,7 +20,7 @@ cannot be fetched, it says so, and checks licences and sources only.
 const DATABASE: &str = "https://github.com/RustSec/advisory-db";
 
 /// Each project has a lock file of its own.
-const PROJECTS: [&str; 4] = ["Cargo.toml", "firmware/Cargo.toml", "bindings/c/Cargo.toml", "lab/Cargo.toml"];
+const PROJECTS: [&str; 4] = ["Cargo.toml", "firmware/Cargo.toml", "bindings/c/Cargo.toml", "lab/tools/Cargo.toml"];
 
 /// Runs all checks that need no network, and the advisories if their database is available.
 pub fn run(mut arguments: Arguments) -> Result<()> {

@@ -1,6 +1,6 @@
-//! The tasks in `lab/`, a workspace of its own: it is built when one of its tasks is called.
+//! The tasks in `lab/`, which is built when one of them is called, and the tools in `lab/tools`.
 
-use crate::app::target_folder;
+use crate::app::{built, target_folder};
 use crate::venv::done;
 use anyhow::Result;
 use std::ffi::OsStr;
@@ -30,28 +30,28 @@ pub const TASKS: [(&str, &str); 19] = [
     ("uf2", "Convert an image of the bridge to the file for a Pico, or for a board with TinyUF2"),
 ];
 
-/// `cargo ACTION` on a package of the lab, built into the folder `lab` of the target folder.
-pub fn cargo(action: &str, package: &str, profile: &str) -> Result<Command> {
-    let mut cargo = Command::new("cargo");
-    cargo.args([action, "--locked", "--manifest-path", "lab/Cargo.toml", "--package", package, "--profile", profile]);
-    cargo.arg("--target-dir").arg(folder()?);
-    Ok(cargo)
-}
-
-/// A task as a command, without its arguments. Campaigns run for minutes, so it is built for speed.
+/// A task as a command, without its arguments. The lab is built first.
 pub fn task(name: &str) -> Result<Command> {
-    let mut command = cargo("run", "lab", "release")?;
-    command.args(["--", name]);
+    let mut command = Command::new(built("lab")?);
+    command.arg(name);
     Ok(command)
 }
 
-/// Runs a program of the lab that takes seconds, and is therefore built without optimisation.
+/// `cargo ACTION` on a package of `lab/tools`, a workspace of its own with its own target folder.
+pub fn cargo(action: &str, package: &str, profile: &str) -> Result<Command> {
+    let mut cargo = Command::new("cargo");
+    cargo.args([action, "--locked", "--manifest-path", "lab/tools/Cargo.toml", "--package", package]);
+    cargo.args(["--profile", profile, "--target-dir"]).arg(folder()?);
+    Ok(cargo)
+}
+
+/// Runs a tool of `lab/tools`. It takes seconds, and is therefore built without optimisation.
 pub fn tool<T: AsRef<OsStr>>(package: &str, arguments: impl IntoIterator<Item = T>) -> Result<()> {
     let mut command = cargo("run", package, "dev")?;
     done(command.args(["--quiet", "--"]).args(arguments))
 }
 
-/// The target folder of the lab. It lies in the project's, so that one folder holds everything that was built.
+/// The target folder of `lab/tools`. It lies in the project's, so that one folder holds everything that was built.
 pub fn folder() -> Result<PathBuf> {
-    Ok(target_folder()?.join("lab"))
+    Ok(target_folder()?.join("tools"))
 }

@@ -10,6 +10,7 @@ mod code_coverage;
 mod codegen;
 mod deny;
 mod mutants;
+mod night;
 mod python;
 mod steps;
 mod test;
@@ -29,10 +30,10 @@ struct Task {
     run: fn(Arguments) -> Result<()>,
 }
 
-const TASKS: [Task; 11] = [
+const TASKS: [Task; 12] = [
     Task {
         name: "test",
-        usage: "",
+        usage: "[--full]",
         about: "Run the tests of the project; they need Rust and a C compiler",
         help: test::help,
         run: test::run,
@@ -46,21 +47,28 @@ const TASKS: [Task; 11] = [
     },
     Task {
         name: "ci",
-        usage: "[--rest] [--list] [STEP…]",
-        about: "Run everything that a change must pass: test, check, and all longer steps",
+        usage: "[--list] [STEP…]",
+        about: "Run the gate: everything that a change must pass",
         help: ci::help,
         run: ci::run,
     },
     Task {
+        name: "night",
+        usage: "[--seed N] [--list] [STEP…]",
+        about: "Run campaigns with fresh seeds, and what need not wait before each change",
+        help: night::help,
+        run: night::run,
+    },
+    Task {
         name: "codegen",
         usage: "[--check]",
-        about: "Write all generated files: C header, types of the page, docs/codes.md, drawings",
+        about: "Write all generated files: C header, the examples' unit, drawings",
         help: || codegen::HELP.to_owned(),
         run: codegen::run,
     },
     Task {
         name: "web",
-        usage: "[--site DIR] [--check] [--pictures] [--small]",
+        usage: "[--site DIR] [--check] [--live] [--pictures] [--small]",
         about: "Build the page (core as WebAssembly, bindings, bundle) for the program, and as a site",
         help: || web::HELP.to_owned(),
         run: web::run,
@@ -88,7 +96,7 @@ const TASKS: [Task; 11] = [
     },
     Task {
         name: "mutants",
-        usage: "[--share N] [CRATE…]",
+        usage: "[--share N] [--seed N] [CRATE…]",
         about: "Make the code wrong at one place at a time, and count the mutants that no test kills",
         help: mutants::help,
         run: mutants::run,

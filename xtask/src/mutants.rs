@@ -16,8 +16,8 @@ pub fn help() -> String {
         "Builds cargo-mutants once, below target/. It changes one place of a crate at a time, and runs the tests: a \
          mutant that passes them survives. The crates have 15,000 mutants, which take days, so that every Nth is \
          tried:\n\n{}\n\
-         The task prints survivors, and fails if more than a tenth survive.\n\n  \
-         --share N  Try every Nth mutant instead",
+         The task prints survivors. It fails if so many survive that more than a tenth of all must.\n\n  \
+         --share N  Try every Nth mutant instead\n  --seed N   Begin with another mutant",
         TRIED.iter().map(row).collect::<String>()
     )
 }
@@ -25,7 +25,7 @@ pub fn help() -> String {
 /// A crate, with what tests it.
 struct Tried {
     name: &'static str,
-    /// Every so manieth mutant is tried.
+    /// Tries every N-th mutant.
     share: u32,
     /// How cargo-mutants runs its tests.
     options: &'static str,
@@ -48,6 +48,7 @@ const TRIED: [Tried; 4] = [
 /// Tries a sample of each crate, or of those that are named.
 pub fn run(mut arguments: Arguments) -> Result<()> {
     let share = arguments.value("--share")?.map(|n| n.parse::<u32>()).transpose().context("--share")?;
+    let seed = arguments.value("--seed")?.map(|n| n.parse::<u64>()).transpose().context("--seed")?.unwrap_or(0);
     let names = arguments.words()?;
     if let Some(unknown) = names.iter().find(|name| TRIED.iter().all(|tried| tried.name != **name)) {
         bail!("no mutants are made of {unknown}; --help lists the crates");
@@ -56,15 +57,20 @@ pub fn run(mut arguments: Arguments) -> Result<()> {
     let mut weak = Vec::new();
     println!("crate, mutants, killed, survived, not compiled");
     for tried in TRIED.iter().filter(|tried| names.is_empty() || names.iter().any(|name| name == tried.name)) {
-        let found = tried.run(&program, share.unwrap_or(tried.share))?;
+        let found = tried.run(&program, share.unwrap_or(tried.share), seed)?;
         println!("{}, {}, {}, {}, {}", tried.name, found.all(), found.killed, found.survived.len(), found.unviable);
         found.survived.iter().for_each(|mutant| println!("  survived: {mutant}"));
-        if found.survived.len() * 9 > found.killed {
+        if found.chance_of_so_many() < UNLIKELY {
             weak.push(tried.name);
         }
     }
     if weak.is_empty() { Ok(()) } else { bail!("more than a tenth of the mutants survive in {}", weak.join(", ")) }
 }
+
+/// The share of all mutants of a crate that may survive.
+const MAY_SURVIVE: f64 = 0.1;
+/// A sample that is less likely than this, if a tenth of all mutants survive, shows that more do.
+const UNLIKELY: f64 = 0.01;
 
 /// What became of the mutants of a crate.
 struct Found {
@@ -74,12 +80,12 @@ struct Found {
 }
 
 impl Tried {
-    fn run(&self, program: &Path, share: u32) -> Result<Found> {
+    fn run(&self, program: &Path, share: u32, seed: u64) -> Result<Found> {
         let out = Path::new("target/mutants").join(self.name);
         fs::create_dir_all(&out)?;
         let mut mutants = Command::new(program);
         mutants.args(["mutants", "--package", self.name, "--all-features"]).args(self.options.split(' '));
-        mutants.args(["--shard", &format!("0/{share}"), "--sharding", "round-robin"]);
+        mutants.args(["--shard", &format!("{}/{share}", seed % u64::from(share)), "--sharding", "round-robin"]);
         // its exit code says no more than its report: 2 where some survive, 3 where some hang
         mutants.arg("--output").arg(&out).status().context("cargo-mutants")?;
         Found::read(&out.join("mutants.out"))
@@ -101,7 +107,35 @@ impl Found {
         })
     }
 
+    /// The probability of at least as many survivors, if [`MAY_SURVIVE`] of all mutants survive: the upper tail of
+    /// the binomial distribution.
+    fn chance_of_so_many(&self) -> f64 {
+        let (n, survived) = (self.killed + self.survived.len(), self.survived.len());
+        let odds = MAY_SURVIVE / (1.0 - MAY_SURVIVE);
+        let terms = std::iter::successors(Some((0, (1.0 - MAY_SURVIVE).powi(n as i32))), |&(k, term)| {
+            (k < n).then(|| (k + 1, term * odds * (n - k) as f64 / (k + 1) as f64))
+        });
+        terms.filter(|(k, _)| *k >= survived).map(|(_, term)| term).sum()
+    }
+
     fn all(&self) -> usize {
         self.killed + self.survived.len() + self.unviable
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Found;
+
+    fn of_nine(survived: usize) -> f64 {
+        Found { killed: 9 - survived, survived: vec![String::new(); survived], unviable: 0 }.chance_of_so_many()
+    }
+
+    #[test]
+    fn four_survivors_of_nine_are_too_many_for_a_tenth() {
+        assert!((of_nine(0) - 1.0).abs() < 1e-12);
+        // 1 − 0.9⁹
+        assert!((of_nine(1) - 0.612_579_511).abs() < 1e-9);
+        assert!(of_nine(3) > super::UNLIKELY && of_nine(4) < super::UNLIKELY);
     }
 }

@@ -23,6 +23,8 @@ pub struct Step {
     about: &'static str,
     /// What it installs where that is missing, besides Rust targets.
     installs: &'static str,
+    /// What `{seed}` in its arguments stands for.
+    seed: u64,
 }
 
 /// What a step does with the machine.
@@ -36,7 +38,7 @@ pub enum Pace {
 
 impl Step {
     pub const fn new(name: &'static str, args: &'static str) -> Self {
-        Self { name, env: None, args, pace: Pace::Alone, about: "", installs: "" }
+        Self { name, env: None, args, pace: Pace::Alone, about: "", installs: "", seed: 0 }
     }
 
     pub const fn at(mut self, pace: Pace) -> Self {
@@ -59,12 +61,23 @@ impl Step {
         self
     }
 
+    /// With this seed in place of `{seed}`.
+    pub const fn with_seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    fn arguments(&self) -> String {
+        self.args.replace("{seed}", &self.seed.to_string())
+    }
+
     /// The command, which is not started yet. A task of xtask is run by this very program: `cargo xtask` would wait
     /// for whatever is being built.
     pub fn command(&self) -> Result<Command> {
-        let (mut command, args) = match self.args.strip_prefix("xtask ") {
+        let args = self.arguments();
+        let (mut command, args) = match args.strip_prefix("xtask ") {
             Some(task) => (Command::new(env::current_exe()?), task),
-            None => (Command::new("cargo"), self.args),
+            None => (Command::new("cargo"), args.as_str()),
         };
         command.args(args.split(' ')).envs(self.env);
         Ok(command)
@@ -90,7 +103,7 @@ impl fmt::Display for Step {
         if let Some((key, value)) = self.env {
             write!(f, "{key}={value} ")?;
         }
-        write!(f, "cargo {}", self.args)
+        write!(f, "cargo {}", self.arguments())
     }
 }
 
@@ -117,28 +130,46 @@ pub fn list(steps: &[Step]) -> String {
 
 /// Runs the steps in order, those side by side that allow it, and stops at the first that fails.
 pub fn run(chosen: &[Step]) -> Result<()> {
+    run_with(chosen, AtFailure::Stop)
+}
+
+/// Runs all steps, and fails at the end if one failed.
+pub fn run_all(chosen: &[Step]) -> Result<()> {
+    run_with(chosen, AtFailure::GoOn)
+}
+
+/// What becomes of the later steps when one fails.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum AtFailure {
+    Stop,
+    GoOn,
+}
+
+fn run_with(chosen: &[Step], at_failure: AtFailure) -> Result<()> {
     targets::add_missing(chosen.iter().flat_map(Step::targets))?;
     let start = Instant::now();
-    let mut passed = Vec::new();
+    let (mut times, mut failed) = (Vec::new(), Vec::new());
     for group in chosen.chunk_by(|a, b| a.pace == Pace::Beside && b.pace == Pace::Beside) {
-        println!("\n=== {} of {}: {}", passed.len() + 1, chosen.len(), names(group));
+        println!("\n=== {} of {}: {}", times.len() + 1, chosen.len(), names(group));
         for step in group.iter().filter(|step| !step.installs.is_empty()) {
             println!("{} installs, where it is missing: {}", step.name, step.installs);
         }
         let ended = match group {
             [step] => vec![watched(step)?],
-            _ => side_by_side(group)?,
+            _ => side_by_side(group, at_failure)?,
         };
-        let failed: Vec<&Step> = ended.iter().filter(|ended| !ended.ok).map(|ended| ended.step).collect();
-        passed.extend(ended.iter().filter(|ended| ended.ok).map(|ended| (ended.step.name, ended.time)));
-        if let Some(step) = failed.first() {
-            show_times(&passed, start.elapsed());
-            let names: Vec<_> = failed.iter().map(|step| step.name).collect();
-            bail!("{} failed; to repeat it alone: {step}", names.join(", "));
+        failed.extend(ended.iter().filter(|ended| !ended.ok).map(|ended| *ended.step));
+        times.extend(ended.iter().map(|ended| (ended.step.name, ended.time)));
+        if at_failure == AtFailure::Stop && !failed.is_empty() {
+            break;
         }
     }
-    show_times(&passed, start.elapsed());
-    Ok(())
+    show_times(&times, start.elapsed());
+    if failed.is_empty() {
+        return Ok(());
+    }
+    let repeat: Vec<String> = failed.iter().map(|step| format!("  {}: {step}", step.name)).collect();
+    bail!("failed; to repeat a step alone:\n{}", repeat.join("\n"))
 }
 
 fn names(steps: &[Step]) -> String {
@@ -165,8 +196,8 @@ fn watched(step: &Step) -> Result<Ended<'_>> {
 }
 
 /// Runs steps in as many threads as there are cores; the output of each is shown when it ends. What is under way when
-/// one fails runs to its end, and nothing is begun.
-fn side_by_side(steps: &[Step]) -> Result<Vec<Ended<'_>>> {
+/// a failure stops the run goes on to its end, and nothing is begun.
+fn side_by_side(steps: &[Step], at_failure: AtFailure) -> Result<Vec<Ended<'_>>> {
     let waiting = Mutex::new(steps.iter());
     let ended = Mutex::new(Vec::new());
     let threads = thread::available_parallelism().map_or(1, usize::from).min(steps.len());
@@ -174,7 +205,8 @@ fn side_by_side(steps: &[Step]) -> Result<Vec<Ended<'_>>> {
         loop {
             let next = waiting.lock().expect("no thread panics").next();
             let failed = ended.lock().expect("no thread panics").iter().any(|ended: &Ended| !ended.ok);
-            let Some(step) = next.filter(|_| !failed) else { return Ok(()) };
+            let stops = failed && at_failure == AtFailure::Stop;
+            let Some(step) = next.filter(|_| !stops) else { return Ok(()) };
             let done = unwatched(step)?;
             ended.lock().expect("no thread panics").push(done);
         }
@@ -205,13 +237,20 @@ fn announce(ended: &Ended) {
     println!("=== {}: {verdict} in {}", ended.step.name, clock(ended.time));
 }
 
-/// Prints how long each step took, and all together.
-fn show_times(passed: &[(&str, Duration)], together: Duration) {
-    println!("\nPassed:");
-    for (name, time) in passed {
-        println!("  {name:24} {:>12}", clock(*time));
-    }
-    println!("  {:24} {:>12}", "from first to last", clock(together));
+/// Prints how long each step took, the five longest, and all together.
+fn show_times(times: &[(&str, Duration)], together: Duration) {
+    let show = |times: &[(&str, Duration)]| {
+        times.iter().for_each(|(name, time)| println!("  {name:24} {:>12}", clock(*time)));
+    };
+    println!("\nTimes:");
+    show(times);
+    let mut longest = times.to_vec();
+    longest.sort_by_key(|(_, time)| std::cmp::Reverse(*time));
+    longest.truncate(5);
+    println!("The longest:");
+    show(&longest);
+    let sum = times.iter().map(|(_, time)| *time).sum();
+    println!("Together: {} of steps in {}", clock(sum), clock(together));
 }
 
 /// `7 min 05 s`, or `5.3 s` below a minute.

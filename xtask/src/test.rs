@@ -6,31 +6,41 @@ use std::time::Instant;
 use xtask::arguments::Arguments;
 
 /// All crates, with their default features; documentation tests are among them. In the profile of the README's first
-/// command, which has built the dependencies by then: those of another profile take minutes.
-pub const STEP: Step = Step::new("test", "test --release").about("The tests of the project");
+/// command, which has built the dependencies by then.
+const STEP: Step = Step::new("test", "test --release").about("The tests of the crates with their default features");
+
+/// The same command for the gate.
+pub const WHOLE_STEP: Step =
+    Step::new("test", "xtask test --full").about("All tests of the workspace, with all features of the program");
+
+/// The build of [`xtask::app::WHOLE`], tested.
+const WHOLE: Step =
+    Step::new("test", "test --release --workspace --exclude xtask --features zerorate-cli/full --locked");
 
 /// What is not tested here.
-const BESIDE: &str = "`cargo xtask check` looks at format, lints, generated files and bare targets;\n`cargo xtask ci` \
-                      does all this and tests all features, C, Python, the page, firmware and rigs.";
+const BESIDE: &str = "`cargo xtask check` looks at format, lints, links and bare targets;\n`cargo xtask ci` does all \
+                      this and tests C, Python, the page, the bridge and the book.";
 
 pub fn help() -> String {
     format!(
-        "This is `{STEP}`. Cargo itself runs some of the tests: `cargo test --release -p CRATE NAME`.\n{BESIDE}\n\n\
+        "  --full  Test the whole workspace with all features of the program, as `cargo xtask ci` does\n\n\
+         This is `{STEP}`; with --full,\n`{WHOLE}`.\n\
+         Cargo itself runs some of the tests: `cargo test --release -p CRATE NAME`.\n{BESIDE}\n\n\
          Some tests compare with published reference data that this repository may not carry. They look in \
          ../shared/data,\nor where ZERORATE_REFERENCE_DATA points to. Where the data is missing, they print that they \
          were skipped."
     )
 }
 
-pub fn run(arguments: Arguments) -> Result<()> {
-    let words = arguments.words()?;
-    let words = words.join(" ");
+pub fn run(mut arguments: Arguments) -> Result<()> {
+    let step = if arguments.flag("--full") { WHOLE } else { STEP };
+    let words = arguments.words()?.join(" ");
     ensure!(
         words.is_empty(),
         "to run some tests: `cargo test --release {words}`; to run a step: `cargo xtask ci {words}`"
     );
     let start = Instant::now();
-    ensure!(STEP.command()?.status()?.success(), "a test failed; to repeat: {STEP}");
+    ensure!(step.command()?.status()?.success(), "a test failed; to repeat: {step}");
     println!("\nAll tests passed in {}. {BESIDE}", clock(start.elapsed()));
     Ok(())
 }

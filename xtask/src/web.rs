@@ -15,17 +15,18 @@ use std::process::{Command, Stdio};
 /// The text of `--help`.
 pub const HELP: &str = "\
 \x20 --site DIR  Write the static site there: page, service worker, book and licences
-  --check     Test the page in Chromium
+  --check     Test the page of the program in Chromium: the served bench, and the reader of logs
+  --live      Test the static page in Chromium: its twin, its bridge, and the site that --site has written
   --pictures  Write the pictures of the page again, in docs/pictures/page
   --small     As small as the distributed page, which takes minutes longer
 
 Builds the core as WebAssembly (the target wasm32-unknown-unknown through rustup; clang, because zstd is written in C),
-its bindings by lab/web, whose wasm-bindgen must have exactly the version that crates/zerorate-web has, and the bundle
-(Node.js 18 and npm, which takes what web/package-lock.json names). The page goes into crates/zerorate-cli/page/, from
-where the next `cargo build` takes it.
+its bindings by lab/tools/web, whose wasm-bindgen must have exactly the version that crates/zerorate-web has, and the
+bundle (Node.js 18 and npm, which takes what web/package-lock.json names). The page goes into
+crates/zerorate-cli/page/, from where the next `cargo build` takes it.
 
---check tests the page, and with --site the static site, in Chromium (apt install nodejs npm clang chromium). On
-Debian, root installs what is missing; elsewhere the task says what it skips.";
+The tests need Chromium (apt install nodejs npm clang chromium). On Debian, root installs what is missing; elsewhere
+the task says what it skips.";
 
 const TARGET: &str = "wasm32-unknown-unknown";
 /// The file with the licences of the modules.
@@ -63,7 +64,8 @@ const MODULES: [Module; 4] = [
 /// Builds the page, copies it to the program's folder, and runs the other requested parts.
 pub fn run(mut arguments: Arguments) -> Result<()> {
     let site = arguments.value("--site")?;
-    let [check, pictures, small] = ["--check", "--pictures", "--small"].map(|name| arguments.flag(name));
+    let [check, live, pictures, small] =
+        ["--check", "--live", "--pictures", "--small"].map(|name| arguments.flag(name));
     arguments.end()?;
     if !build(if small { "web-dist" } else { "web" })? {
         return Ok(());
@@ -73,6 +75,9 @@ pub fn run(mut arguments: Arguments) -> Result<()> {
     }
     if check {
         browse("test", "the tests of the page")?;
+    }
+    if live {
+        browse("test:live", "the tests of the static page")?;
     }
     if pictures {
         browse("pictures", "the pictures of the page")?;
@@ -99,6 +104,7 @@ fn build(profile: &str) -> Result<bool> {
     if !installed()? {
         return Ok(false);
     }
+    done(Command::new(app::built("codegen")?).arg("protocol"))?;
     done(&mut npm(&["run", "--silent", "check"]))?;
     done(&mut npm(&["run", "--silent", "build"]))?;
     embed()?;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 #[test]
 fn everything_that_is_handed_out_has_the_version_of_the_workspace() {
-    for manifest in ["bindings/c/Cargo.toml", "firmware/Cargo.toml", "lab/Cargo.toml"] {
+    for manifest in ["bindings/c/Cargo.toml", "firmware/Cargo.toml", "lab/tools/Cargo.toml"] {
         let text = read(manifest);
         let version = text.lines().find_map(|line| line.strip_prefix("version = ")).unwrap();
         assert_eq!(version.trim_matches('"'), env!("CARGO_PKG_VERSION"), "{manifest}");

@@ -20,5 +20,5 @@ fn locked(lock: &str, name: &str) -> Vec<String> {
 fn bindings_are_made_by_the_version_that_the_module_has() {
     let module = locked("Cargo.lock", "wasm-bindgen");
     assert_eq!(module.len(), 1);
-    assert_eq!(module, locked("lab/Cargo.lock", "wasm-bindgen-cli-support"));
+    assert_eq!(module, locked("lab/tools/Cargo.lock", "wasm-bindgen-cli-support"));
 }

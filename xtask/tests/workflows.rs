@@ -6,10 +6,9 @@ use std::process::Command;
 
 #[test]
 fn each_step_of_ci_is_in_one_job() {
-    let listed = Command::new(env!("CARGO_BIN_EXE_xtask")).args(["ci", "--rest", "--list"]).output().unwrap();
-    let listed = String::from_utf8(listed.stdout).unwrap();
+    let listed = printed(&["ci", "--list"]);
     let steps: BTreeSet<&str> = listed.lines().collect();
-    assert!(steps.contains("clippy") && !steps.contains("test"), "{listed}");
+    assert!(steps.contains("clippy") && steps.contains("test"), "{listed}");
     let workflow = workflow("ci.yml");
     let jobs = workflow.split(" steps: ").skip(1).map(|job| job.split("- name:").next().unwrap());
     let jobs = jobs.map(|job| job.split("\n    steps:").next().unwrap().trim_start_matches(">-"));
@@ -20,12 +19,25 @@ fn each_step_of_ci_is_in_one_job() {
 }
 
 #[test]
+fn the_night_runs_by_cron_and_shares_no_step_with_the_gate() {
+    let nightly = workflow("nightly.yml");
+    assert!(nightly.contains("- cron: ") && nightly.contains("- run: cargo xtask night "));
+    let (gate, night) = (printed(&["ci", "--list"]), printed(&["night", "--list"]));
+    assert!(night.lines().count() > 10, "{night}");
+    assert!(night.lines().all(|step| gate.lines().all(|other| other != step)), "{night}");
+}
+
+#[test]
 fn crates_that_are_published_are_those_that_are_tried() {
     let crates = "-p adis16130 -p zerorate-allan\n";
     assert!(workflow("release.yml").contains(&format!("cargo publish {crates}")));
-    let help = Command::new(env!("CARGO_BIN_EXE_xtask")).args(["ci", "--help"]).output().unwrap();
-    let help = String::from_utf8(help.stdout).unwrap();
+    let help = printed(&["night", "--help"]);
     assert!(help.contains(&format!("cargo publish --dry-run --allow-dirty {crates}")), "{help}");
+}
+
+fn printed(arguments: &[&str]) -> String {
+    let output = Command::new(env!("CARGO_BIN_EXE_xtask")).args(arguments).output().unwrap();
+    String::from_utf8(output.stdout).unwrap()
 }
 
 fn workflow(name: &str) -> String {

@@ -21,6 +21,8 @@ use crate::commands::{
     verify::{self, VerifyArgs},
 };
 use crate::memory;
+use crate::output::print;
+use crate::reference;
 use anyhow::Result;
 use clap::builder::Styles;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -77,7 +79,8 @@ impl Cli {
             Command::Twin(args) => twin::run(args),
             Command::Help(args) => help::run(args, Self::command()),
             Command::Completions { shell } => man::completions(*shell, &mut Self::command()),
-            Command::Man => man::man(Self::command()),
+            Command::Man { markdown: true } => print(&reference::page(Self::command(), &GROUPS)),
+            Command::Man { markdown: false } => man::man(Self::command()),
         }
     }
 
@@ -137,7 +140,11 @@ pub enum Command {
         shell: Shell,
     },
     /// Print the manual page of all commands (roff): zerorate man | man -l -
-    Man,
+    Man {
+        /// Print it in Markdown.
+        #[arg(long)]
+        markdown: bool,
+    },
 }
 
 /// The commands by purpose, as `zerorate --help` lists them.

@@ -26,7 +26,6 @@ mod memory;
 mod output;
 mod part;
 mod progress;
-#[cfg(all(test, feature = "serve"))]
 mod reference;
 #[cfg(feature = "serve")]
 mod serve;

@@ -1,27 +1,14 @@
-//! docs/reference/commands.md: all commands and options, from the definition of the command line.
+//! All commands and options in Markdown, from the definition of the command line, for the book.
 
-use crate::cli::{Cli, GROUPS};
 use crate::commands::help::DEVICE;
-use clap::{Arg, Command, CommandFactory};
-use std::path::Path;
-use std::{env, fs};
+use clap::{Arg, Command};
 
-const PREFACE: &str = "# Commands and options
-
-Generated from the program by `cargo xtask codegen`. `zerorate COMMAND --help` prints the same.
-
-Data goes to stdout, progress and messages to stderr. Exit code: 0 done, 1 failed, 2 usage, 3 the measurement was
-refused.
-";
-
-/// The page.
-fn page() -> String {
-    let mut cli = Cli::command();
+/// A section for each of `groups`, which names the commands of `cli` by purpose, and the addresses of devices.
+pub fn page(mut cli: Command, groups: &[(&str, &[&str])]) -> String {
     cli.build();
-    let mut page = String::from(PREFACE);
     let global: String = cli.get_arguments().filter(|arg| arg.is_global_set()).map(item).collect();
-    page += &format!("\nEvery command takes this option:\n\n{global}");
-    for (group, names) in GROUPS {
+    let mut page = format!("Every command takes this option:\n\n{global}");
+    for (group, names) in groups {
         page += &format!("\n## {group}\n");
         page.extend(names.iter().filter_map(|name| cli.find_subcommand(name)).map(section));
     }
@@ -73,14 +60,4 @@ fn plain(text: &str) -> String {
 
 fn block(text: &str) -> String {
     format!("```text\n{}\n```\n", text.trim_end())
-}
-
-#[test]
-fn the_page_is_that_of_the_program() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reference/commands.md");
-    if env::var_os("ZERORATE_UPDATE").is_some() {
-        fs::write(&path, page()).unwrap();
-    }
-    let found = fs::read_to_string(path).unwrap_or_default();
-    assert!(found == page(), "docs/reference/commands.md is an old one: cargo xtask codegen");
 }

@@ -10,12 +10,12 @@ pub use statistics::{
     AllanPoint, Coefficient, MarkKind, OverTemperature, SpectrumMark, SpectrumPoint, Statistics, TemperatureLine,
     TemperaturePoint,
 };
-#[cfg(test)]
+#[cfg(feature = "types")]
 use ts_rs::TS;
 
 /// A request of the page. The answer has the same `id`.
 #[derive(Clone, Debug, Deserialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct Request {
     /// The number of the request, chosen by the page.
     pub id: u32,
@@ -27,7 +27,7 @@ pub struct Request {
 /// A command of the page.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "do", rename_all = "kebab-case")]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub enum Command {
     /// Begin a guided calibration. Answer: nothing.
     Calibrate(CalibrateCommand),
@@ -57,7 +57,7 @@ pub enum Command {
         /// Its `id`.
         calibration: String,
         /// The form of the file.
-        #[cfg_attr(test, ts(type = "Form"))]
+        #[cfg_attr(feature = "types", ts(type = "Form"))]
         form: String,
     },
     /// Restart the statistics: Allan deviation, spectrum, bias over temperature. Answer: nothing.
@@ -75,38 +75,38 @@ pub enum Command {
 
 /// A guided calibration: its method, and the settings that differ from the defaults.
 #[derive(Clone, Debug, Deserialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct CalibrateCommand {
     /// The method.
     pub method: MethodName,
     /// Duration of steps 4 and 6, s.
-    #[cfg_attr(test, ts(optional))]
+    #[cfg_attr(feature = "types", ts(optional))]
     pub average_s: Option<f64>,
     /// Duration of step 5, s.
-    #[cfg_attr(test, ts(optional))]
+    #[cfg_attr(feature = "types", ts(optional))]
     pub warmup_s: Option<f64>,
     /// Duration of step 7, s.
-    #[cfg_attr(test, ts(optional))]
+    #[cfg_attr(feature = "types", ts(optional))]
     pub settle_s: Option<f64>,
     /// Duration of step 8, s.
-    #[cfg_attr(test, ts(optional))]
+    #[cfg_attr(feature = "types", ts(optional))]
     pub offset_s: Option<f64>,
     /// Latitude of the part if its axis is vertical, °, north positive.
-    #[cfg_attr(test, ts(optional))]
+    #[cfg_attr(feature = "types", ts(optional))]
     pub latitude_deg: Option<f64>,
     /// Serial number of the part.
-    #[cfg_attr(test, ts(optional))]
+    #[cfg_attr(feature = "types", ts(optional))]
     pub serial: Option<String>,
     /// For the method `chamber`: the name of a plan that comes with the software, or the text of a plan
     /// (docs/formats/plan.md).
-    #[cfg_attr(test, ts(optional))]
+    #[cfg_attr(feature = "types", ts(optional))]
     pub plan: Option<String>,
 }
 
 /// The methods of calibration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 #[expect(missing_docs, reason = "as on the command line")]
 pub enum MethodName {
     An1042,
@@ -117,7 +117,7 @@ pub enum MethodName {
 
 /// The answer to a request.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct Answer {
     /// The `id` of the request.
     pub id: u32,
@@ -129,7 +129,7 @@ pub struct Answer {
 /// The outcome of a request.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub enum Answered {
     /// It was done.
     Ok(Reply),
@@ -140,7 +140,7 @@ pub enum Answered {
 /// The reply to a request that was done.
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub enum Reply {
     /// Nothing more.
     Nothing {},
@@ -152,7 +152,7 @@ pub enum Reply {
 
 /// A file for the user.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct Download {
     /// The name of the file.
     pub name: String,
@@ -164,7 +164,7 @@ pub struct Download {
 
 /// Everything that changed since the last frame; a snapshot has everything. A field that is absent did not change.
 #[derive(Clone, Debug, Default, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct Frame {
     /// The number of the frame in its session.
     pub seq: u32,
@@ -174,45 +174,45 @@ pub struct Frame {
     pub strips: Vec<Strip>,
     /// The device.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(test, ts(optional))]
+    #[cfg_attr(feature = "types", ts(optional))]
     pub device: Option<Device>,
     /// The newest numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(test, ts(optional))]
+    #[cfg_attr(feature = "types", ts(optional))]
     pub now: Option<Now>,
     /// The counts of samples.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(test, ts(optional))]
+    #[cfg_attr(feature = "types", ts(optional))]
     pub ledger: Option<SampleCounts>,
     /// The notices, the newest last; at most 100.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(test, ts(optional))]
+    #[cfg_attr(feature = "types", ts(optional))]
     pub notices: Option<Vec<Notice>>,
     /// The statistics of each axis.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(test, ts(optional))]
+    #[cfg_attr(feature = "types", ts(optional))]
     pub statistics: Option<Vec<Statistics>>,
     /// The guided calibration.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(test, ts(optional))]
+    #[cfg_attr(feature = "types", ts(optional))]
     pub calibration: Option<Calibrating>,
     /// The calibrations on file, the newest last.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(test, ts(optional))]
+    #[cfg_attr(feature = "types", ts(optional))]
     pub calibrations: Option<Vec<CalibrationEntry>>,
 }
 
 /// Consecutive bins of one axis at one level. In the payload: rate_min_dps, rate_max_dps, corrected_min_dps,
 /// corrected_max_dps, temp_min_c, temp_max_c, each `count` numbers (f32, little endian). NaN means unknown.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct Strip {
     /// The number of the axis, from 0.
     pub axis: u32,
     /// The number of the level, from 0.
     pub level: u32,
     /// Number of the first bin. It begins at `first` times the level's `bin_s`, since the first sample.
-    #[cfg_attr(test, ts(type = "number"))]
+    #[cfg_attr(feature = "types", ts(type = "number"))]
     pub first: u64,
     /// The number of bins.
     pub count: u32,
@@ -222,7 +222,7 @@ pub struct Strip {
 
 /// The device that is being read.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct Device {
     /// The name, as `zerorate --device` takes it.
     pub name: String,
@@ -254,7 +254,7 @@ pub struct Device {
 
 /// Durations of the steps of application note AN-1042, s.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 #[expect(missing_docs, reason = "as in a command")]
 pub struct Durations {
     pub average_s: f64,
@@ -266,7 +266,7 @@ pub struct Durations {
 /// The state of a device.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "is", rename_all = "kebab-case")]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub enum DeviceState {
     /// It is being opened.
     Opening,
@@ -283,7 +283,7 @@ pub enum DeviceState {
 
 /// An axis of the part.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct AxisAbout {
     /// The name.
     pub name: String,
@@ -297,7 +297,7 @@ pub struct AxisAbout {
 
 /// A register and its content.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct Register {
     /// The name in the data sheet.
     pub name: String,
@@ -313,7 +313,7 @@ pub struct Register {
 
 /// Bits of a register.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct Field {
     /// The name in the data sheet.
     pub name: String,
@@ -327,7 +327,7 @@ pub struct Field {
 
 /// A check of the connection.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct CheckResult {
     /// The subject of the check.
     pub what: String,
@@ -339,7 +339,7 @@ pub struct CheckResult {
 
 /// The newest numbers.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct Now {
     /// Time since the first sample, s.
     pub t_s: f64,
@@ -351,7 +351,7 @@ pub struct Now {
 
 /// The newest numbers of an axis: means over the last second, with standard uncertainties.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct AxisNow {
     /// Raw rate, °/s.
     pub rate_dps: Option<f64>,
@@ -374,7 +374,7 @@ pub struct AxisNow {
 
 /// Whether the part is at rest, over the last 10 s.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct Rest {
     /// The verdict; `unjudged` if there are too few readings, or if the noise of the part is unknown.
     pub verdict: RestVerdict,
@@ -385,7 +385,7 @@ pub struct Rest {
 /// Verdicts on rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 #[expect(missing_docs, reason = "the text says it")]
 pub enum RestVerdict {
     AtRest,
@@ -397,22 +397,22 @@ pub enum RestVerdict {
 
 /// The counts of samples since the start.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct SampleCounts {
     /// Samples that arrived here.
-    #[cfg_attr(test, ts(type = "number"))]
+    #[cfg_attr(feature = "types", ts(type = "number"))]
     pub samples: u64,
     /// Samples that were lost before the thread of the device, as the samples themselves count them.
-    #[cfg_attr(test, ts(type = "number"))]
+    #[cfg_attr(feature = "types", ts(type = "number"))]
     pub lost: u64,
     /// Samples that were read but not shown, because the session of this page was too slow. A recording has them.
-    #[cfg_attr(test, ts(type = "number"))]
+    #[cfg_attr(feature = "types", ts(type = "number"))]
     pub missed: u64,
     /// Readings that are impossible for the part.
-    #[cfg_attr(test, ts(type = "number"))]
+    #[cfg_attr(feature = "types", ts(type = "number"))]
     pub impossible: u64,
     /// Readings out of range.
-    #[cfg_attr(test, ts(type = "number"))]
+    #[cfg_attr(feature = "types", ts(type = "number"))]
     pub out_of_range: u64,
     /// Rate of samples, Hz.
     pub rate_hz: f64,
@@ -426,7 +426,7 @@ pub struct SampleCounts {
 
 /// A notice.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct Notice {
     /// The code, which `zerorate explain` knows; empty for a notice without one.
     pub code: String,
@@ -436,57 +436,4 @@ pub struct Notice {
     pub at_s: f64,
     /// The number of times that it happened or began.
     pub count: u32,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{Answer, Frame, Request};
-    use std::path::Path;
-    use std::{env, fs};
-    use ts_rs::{Config, TS};
-    use zerorate_view::export::ExportForm;
-
-    /// `cargo xtask codegen` sets `ZERORATE_UPDATE`, which makes this test write the file.
-    #[test]
-    fn the_page_knows_these_types() {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../web/src/protocol.ts");
-        let folder = env::temp_dir().join(format!("zerorate-protocol-{}", std::process::id()));
-        let made = typescript(&folder);
-        fs::remove_dir_all(&folder).unwrap();
-        if env::var_os("ZERORATE_UPDATE").is_some() {
-            fs::write(&path, &made).unwrap();
-        }
-        let there = fs::read_to_string(&path).unwrap_or_default();
-        assert!(there == made, "{} is out of date; `cargo xtask codegen` writes it", path.display());
-    }
-
-    fn typescript(folder: &Path) -> String {
-        let config = Config::new().with_out_dir(folder);
-        Request::export_all(&config).unwrap();
-        Answer::export_all(&config).unwrap();
-        Frame::export_all(&config).unwrap();
-        crate::log::message::LogSettings::export_all(&config).unwrap();
-        crate::log::message::Looked::export_all(&config).unwrap();
-        crate::log::message::LogAxis::export_all(&config).unwrap();
-        crate::log::message::LogSummary::export_all(&config).unwrap();
-        crate::log::message::NoiseFileCommand::export_all(&config).unwrap();
-        let mut files: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-        files.sort();
-        let declared = files.iter().map(|file| {
-            let text = fs::read_to_string(file).unwrap();
-            let lines = text.lines().filter(|line| !line.starts_with("import ") && !line.starts_with("// This file"));
-            lines.collect::<Vec<_>>().join("\n").trim().to_owned() + "\n"
-        });
-        let head =
-            "// Made from message.rs and log/message.rs of crates/zerorate-web/src, which say more.\n\n".to_owned();
-        let exports = ExportForm::ALL.into_iter().filter(|form| !form.is_autopilot());
-        let exports = exports.map(|form| (form.row().name, form.row().label));
-        let forms: Vec<_> = [("toml", "TOML")].into_iter().chain(exports).chain([("report", "Report")]).collect();
-        let forms = serde_json::to_string(&forms).unwrap();
-        let forms = format!(
-            "\n/**\n * Forms of a download: name and label.\n */\nexport const FORMS = {forms} as const;\n\n\
-             export type Form = (typeof FORMS)[number][0];\n"
-        );
-        head + &declared.collect::<Vec<_>>().join("\n") + &forms
-    }
 }

@@ -1,7 +1,9 @@
 //! `codegen [--check]`: the files that are made of the sources and of `docs/facts.md`. `cargo xtask codegen` calls it.
+//! `codegen protocol` makes the types of the page, which `cargo xtask web` needs and git does not keep.
 
 mod drawings;
 mod header;
+mod protocol;
 mod spectrum;
 
 use anyhow::{Context, Result, bail, ensure};
@@ -14,7 +16,8 @@ fn main() -> Result<()> {
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         [] => write(),
         ["--check"] => check(),
-        _ => bail!("usage: codegen [--check]"),
+        ["protocol"] => Ok(fs::write("web/src/protocol.ts", protocol::text()?)?),
+        _ => bail!("usage: codegen [--check | protocol]"),
     }
 }
 

@@ -1,14 +1,17 @@
 //! `cargo xtask book`: `docs/` as a book, which loads nothing from elsewhere.
 //!
-//! `lab/book` renders it, a package of its own for the sake of mdBook's dependencies. Here are the commands of the
-//! chapters, which are run as a reader would.
+//! `lab/tools/book` renders it, a package of its own for the sake of mdBook's dependencies. Here are the commands of
+//! the chapters, which are run as a reader would.
 
 mod browser;
 mod commands;
 
 use crate::app;
+use crate::venv::printed;
 use anyhow::Result;
+use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use xtask::lab;
 
 /// Command line of `cargo xtask book`.
@@ -20,22 +23,25 @@ pub struct BookArgs {
     /// Open pages in Chromium, and run the commands of the chapters
     #[arg(long)]
     check: bool,
-    /// The program whose commands are run, instead of building it
-    #[arg(long, value_name = "FILE", requires = "check")]
+    /// The program whose commands are shown and run, instead of building it
+    #[arg(long, value_name = "FILE")]
     program: Option<PathBuf>,
 }
 
 pub fn run(args: &BookArgs) -> Result<()> {
-    make(&args.out)?;
+    let program = args.program.clone().map_or_else(app::program, Ok)?;
+    let program = std::path::absolute(program)?;
+    make(&args.out, &program)?;
     if args.check {
         browser::check(&args.out)?;
-        let program = args.program.clone().map_or_else(app::program, Ok)?;
-        commands::run(&std::path::absolute(program)?)?;
+        commands::run(&program)?;
     }
     Ok(())
 }
 
-/// Renders the book into `out`, and follows its links.
-fn make(out: &Path) -> Result<()> {
-    lab::tool("book", [Path::new("."), out])
+/// Renders the book into `out`, with all commands and options of `program`, and follows its links.
+fn make(out: &Path, program: &Path) -> Result<()> {
+    let commands = tempfile::NamedTempFile::new()?;
+    fs::write(&commands, printed(Command::new(program).args(["man", "--markdown"]))?)?;
+    lab::tool("book", [Path::new("."), out, commands.path()])
 }

@@ -1,7 +1,6 @@
 //! The computer's clock is set by an hour, forward and back, while the server records. libfaketime does that for one
 //! process, and leaves its monotonic clock alone.
 
-use super::DEVICE;
 use crate::bench_serve::page;
 use crate::bench_serve::samples::Recorded;
 use crate::server::Server;
@@ -21,7 +20,7 @@ const LASTS: Duration = Duration::from_secs(4);
 /// The sensor keeps the pace of the wall clock within this, on a busy machine in one direction.
 const AHEAD_S: f64 = 1.0;
 
-pub fn run(program: &Path) -> Result<()> {
+pub fn run(program: &Path, device: &str) -> Result<()> {
     let library = tools::available(&[TOOL], "a clock that is set by an hour")?.then(library).flatten();
     let Some(library) = library else {
         println!("SKIPPED: a clock that is set by an hour: libfaketime is not there");
@@ -34,7 +33,7 @@ pub fn run(program: &Path) -> Result<()> {
     command.env("LD_PRELOAD", library).env("FAKETIME_TIMESTAMP_FILE", &offset);
     command.env("FAKETIME_DONT_FAKE_MONOTONIC", "1").env("FAKETIME_CACHE_DURATION", "1");
     let output = capture.display().to_string();
-    let server = Server::start_with(&mut command, "127.0.0.1:0", &["--device", DEVICE, "-o", &output])?;
+    let server = Server::start_with(&mut command, "127.0.0.1:0", &["--device", device, "-o", &output])?;
     let (shown_ms, begun) = (AtomicU64::new(0), Instant::now());
     for step in STEPS {
         fs::write(&offset, format!("{step}\n"))?;
@@ -47,7 +46,7 @@ pub fn run(program: &Path) -> Result<()> {
     let recorded = Recorded::of(program, &capture)?;
     let shown_s = shown_ms.load(Ordering::Relaxed) as f64 * 1e-3;
     ensure!(recorded.span_s <= wall_s + AHEAD_S && shown_s > 0.0, "{} s of the sensor in {wall_s} s", recorded.span_s);
-    recorded.check(program, DEVICE, folder.path())?;
+    recorded.check(program, device, folder.path())?;
     let Recorded { rows, lost, span_s, .. } = recorded;
     println!(
         "clock         set by {STEPS:?} s: {rows} samples over {span_s:.1} s in {wall_s:.1} s, {lost} lost, the twin's"

@@ -1,7 +1,6 @@
 //! The disk of a recording fills, and is freed. The server says so, goes on, keeps what was recorded, and records
 //! again once the device is opened anew (docs/serve.md).
 
-use super::DEVICE;
 use crate::bench_serve::page;
 use crate::bench_serve::samples::Recorded;
 use crate::server::Server;
@@ -52,13 +51,13 @@ impl Drop for Disk {
     }
 }
 
-pub fn run(program: &Path) -> Result<()> {
+pub fn run(program: &Path, device: &str) -> Result<()> {
     let Some(disk) = Disk::new()? else {
         println!("SKIPPED: a disk that fills: needs root and tmpfs");
         return Ok(());
     };
     let [first, second] = ["served.arrows", "served-2.arrows"].map(|name| disk.file(name));
-    let server = Server::start(program, &["--device", DEVICE, "-o", &first.display().to_string()])?;
+    let server = Server::start(program, &["--device", device, "-o", &first.display().to_string()])?;
     page::ask(&server.page, FILL)?;
     wait_until(|| page::notice(&server.page, "not-recorded"))?;
     let seen = Instant::now();
@@ -70,7 +69,7 @@ pub fn run(program: &Path) -> Result<()> {
     fs::remove_file(&first)?;
     done(Command::new(program).arg("repair").arg(&torn).arg("-o").arg(&repaired).stdout(Stdio::null()))?;
     let before = Recorded::of(program, &repaired)?;
-    before.check(program, DEVICE, kept.path())?;
+    before.check(program, device, kept.path())?;
     page::ask(&server.page, AGAIN)?;
     wait_until(|| Ok(fs::metadata(&second).is_ok_and(|about| about.len() > 1 << 18)))?;
     let failed = server.end().is_err();

@@ -16,9 +16,6 @@ use gauge::Gauge;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// The unit that all parts read.
-const DEVICE: &str = "twin:seed=1";
-
 /// Command line of `cargo xtask endurance`.
 #[derive(clap::Args)]
 pub struct EnduranceArgs {
@@ -31,6 +28,9 @@ pub struct EnduranceArgs {
     /// Run as a step of the test: three minutes of the sensor's time
     #[arg(long, conflicts_with_all = ["hours", "program"])]
     check: bool,
+    /// The unit of the twin that all parts read
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
     /// The program, instead of building it
     #[arg(long, value_name = "FILE")]
     program: Option<PathBuf>,
@@ -43,17 +43,18 @@ const CHECK_HOURS: f64 = 3.0 / 60.0;
 pub fn run(args: &EnduranceArgs) -> Result<()> {
     let program = std::path::absolute(args.program.clone().map_or_else(app::program, Ok)?)?;
     let hours = if args.check { CHECK_HOURS } else { args.hours };
-    long(&program, hours, args.speed)?;
-    tracker::run(&program, hours)?;
-    clock::run(&program)?;
-    disk::run(&program)
+    let device = format!("twin:seed={}", args.seed);
+    long(&program, &device, hours, args.speed)?;
+    tracker::run(&program, &device, hours)?;
+    clock::run(&program, &device)?;
+    disk::run(&program, &device)
 }
 
 /// The long run: memory and descriptors stay, and every sample is recorded.
-fn long(program: &Path, hours: f64, speed: f64) -> Result<()> {
+fn long(program: &Path, device: &str, hours: f64, speed: f64) -> Result<()> {
     let folder = tempfile::tempdir()?;
     let capture = folder.path().join("served.arrows");
-    let server = Server::start(program, &["--device", DEVICE, "-o", &capture.display().to_string()])?;
+    let server = Server::start(program, &["--device", device, "-o", &capture.display().to_string()])?;
     let idle = server.descriptors()?;
     page::ask(&server.page, &format!(r#"{{"id":1,"do":"speed","factor":{speed}}}"#))?;
     let begun = Instant::now();
@@ -69,7 +70,7 @@ fn long(program: &Path, hours: f64, speed: f64) -> Result<()> {
     println!("visits        {visits}");
     println!("memory        {}", gauge.memory());
     println!("descriptors   {idle} before, {} at most, {left} afterwards", gauge.most_descriptors());
-    recorded.check(program, DEVICE, folder.path())?;
+    recorded.check(program, device, folder.path())?;
     println!("compared      every sample is the one that the twin gives alone");
     gauge.check(kept_mb(hours))
 }

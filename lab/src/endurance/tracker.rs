@@ -1,6 +1,5 @@
 //! The tracker of the bias over the same time, as fast as it goes.
 
-use super::DEVICE;
 use super::gauge::Gauge;
 use crate::venv::done;
 use anyhow::{Context, Result, ensure};
@@ -18,15 +17,15 @@ const RATE_HZ: f64 = 1.0;
 const HOUR_S: f64 = 3600.0;
 
 /// Its memory stays, and its rows are all there, in order.
-pub fn run(program: &Path, hours: f64) -> Result<()> {
+pub fn run(program: &Path, device: &str, hours: f64) -> Result<()> {
     let hours = hours.max(LEAST_HOURS);
     let folder = tempfile::tempdir()?;
     let (unit, rows) = (folder.path().join("unit.toml"), folder.path().join("rows.csv"));
     let mut calibrate = Command::new(program);
-    calibrate.args(["calibrate", "--device", DEVICE, "-o"]).arg(&unit);
+    calibrate.args(["calibrate", "--device", device, "-o"]).arg(&unit);
     done(calibrate.stdout(Stdio::null()).stderr(Stdio::null()))?;
     let mut stream = Command::new(program);
-    stream.args(["stream", "--device", DEVICE, "--track", "--rate", &RATE_HZ.to_string(), "--cal"]).arg(&unit);
+    stream.args(["stream", "--device", device, "--track", "--rate", &RATE_HZ.to_string(), "--cal"]).arg(&unit);
     stream.args(["--duration", &(hours * HOUR_S).to_string()]).stdout(File::create(&rows)?).stderr(Stdio::null());
     let (mut child, mut gauge) = (stream.spawn()?, Gauge::default());
     let status = loop {

@@ -28,7 +28,7 @@ use verdict::{Count, Verdict};
 /// Command line of `cargo xtask trust`.
 #[derive(clap::Args)]
 pub struct TrustArgs {
-    /// A few runs of each class, as in `cargo xtask ci`
+    /// A few runs of each class, as in `cargo xtask night`
     #[arg(long)]
     quick: bool,
     /// Only the classes whose names begin with this

@@ -1,14 +1,14 @@
 //! The messages between the page and its reader of logs: `docs/formats/page.md`. Part of `web/src/protocol.ts`.
 
 use serde::{Deserialize, Serialize};
-#[cfg(test)]
+#[cfg(feature = "types")]
 use ts_rs::TS;
 
 /// The user's statements about a log. The rest is taken from the log itself.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
-#[cfg_attr(test, derive(TS))]
-#[cfg_attr(test, ts(optional_fields))]
+#[cfg_attr(feature = "types", derive(TS))]
+#[cfg_attr(feature = "types", ts(optional_fields))]
 pub struct LogSettings {
     /// The columns, by name or by number counted from 0; none: all axes.
     pub columns: Option<Vec<String>>,
@@ -35,7 +35,7 @@ pub struct LogSettings {
 /// A field of [`LogSettings`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 #[expect(missing_docs, reason = "those of `LogSettings`")]
 pub enum LogSetting {
     Columns,
@@ -53,7 +53,7 @@ pub enum LogSetting {
 /// The result of a look into a log.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "is", rename_all = "kebab-case")]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub enum Looked {
     /// The log was read and can be analysed.
     Log(LogAbout),
@@ -75,12 +75,12 @@ pub enum Looked {
 
 /// The content of a log.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct LogAbout {
     /// The format of the file: `Parquet`, `text, packed by gzip`.
     pub form: String,
     /// Number of samples of a column, including missing ones.
-    #[cfg_attr(test, ts(type = "number"))]
+    #[cfg_attr(feature = "types", ts(type = "number"))]
     pub samples: u64,
     /// Samples per second, Hz.
     pub rate_hz: f64,
@@ -97,7 +97,7 @@ pub struct LogAbout {
 /// The quantity of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 #[expect(missing_docs, reason = "the names say it")]
 pub enum AxisKind {
     Gyroscope,
@@ -106,7 +106,7 @@ pub enum AxisKind {
 
 /// A column of a log.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct LogColumn {
     /// The name, or the number of a column without one.
     pub name: String,
@@ -115,13 +115,13 @@ pub struct LogColumn {
     /// The unit of the results; none: the unit of the column, which nobody stated.
     pub unit: Option<String>,
     /// Number of missing samples.
-    #[cfg_attr(test, ts(type = "number"))]
+    #[cfg_attr(feature = "types", ts(type = "number"))]
     pub missing: u64,
 }
 
 /// The results of a column.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct LogAxis {
     /// The column.
     pub column: LogColumn,
@@ -141,7 +141,7 @@ pub struct LogAxis {
 
 /// A point of an Allan deviation, in the unit of its column.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct LogPoint {
     /// Averaging time, s.
     pub tau_s: f64,
@@ -157,7 +157,7 @@ pub struct LogPoint {
 
 /// A coefficient of a noise model.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct LogCoefficient {
     /// `N`, `B`, `K`, `Q` or `R`, as IEEE Std 952 names them.
     pub symbol: String,
@@ -173,7 +173,7 @@ pub struct LogCoefficient {
 
 /// A number with its 95 % interval.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct LogValue {
     /// The value.
     pub value: f64,
@@ -187,7 +187,7 @@ pub struct LogValue {
 
 /// The summary of all axes, after the last one.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct LogSummary {
     /// The pictures of each kind of axis: curves, spectra and records.
     pub pictures: Vec<LogPicture>,
@@ -199,7 +199,7 @@ pub struct LogSummary {
 
 /// A picture.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct LogPicture {
     /// The name of its file: `gyroscope-allan.svg`.
     pub name: String,
@@ -211,7 +211,7 @@ pub struct LogPicture {
 
 /// A request for the file with the noise parameters of a filter.
 #[derive(Clone, Debug, Deserialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct NoiseFileCommand {
     /// The filter: `kalibr`, `openvins`, `vins`, `orbslam3`, `kf-gins` or `ros`.
     pub format: String,

@@ -2,13 +2,13 @@
 
 use super::MethodName;
 use serde::Serialize;
-#[cfg(test)]
+#[cfg(feature = "types")]
 use ts_rs::TS;
 
 /// The guided calibration.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "is", rename_all = "kebab-case")]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub enum Calibrating {
     /// There is none.
     Idle,
@@ -34,7 +34,7 @@ pub enum Calibrating {
 
 /// A running calibration.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct Running {
     /// The method.
     pub method: MethodName,
@@ -58,7 +58,7 @@ pub struct Running {
 
 /// A step of a procedure.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct Step {
     /// The name.
     pub name: String,
@@ -70,7 +70,7 @@ pub struct Step {
 
 /// The result of a calibration.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct CalibrationResult {
     /// The method.
     pub method: MethodName,
@@ -84,7 +84,7 @@ pub struct CalibrationResult {
 
 /// The result of a calibration for an axis.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct AxisResult {
     /// The name of the axis.
     pub name: String,
@@ -108,7 +108,7 @@ pub struct AxisResult {
 
 /// The correction at a temperature.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct CurvePoint {
     /// Temperature, °C.
     pub temp_c: f64,
@@ -122,7 +122,7 @@ pub struct CurvePoint {
 
 /// A calibration on file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct CalibrationEntry {
     /// The id, made from the content.
     pub id: String,

@@ -1,12 +1,12 @@
 //! Messages about the noise of an axis: Allan deviation, spectrum, and rate over temperature.
 
 use serde::Serialize;
-#[cfg(test)]
+#[cfg(feature = "types")]
 use ts_rs::TS;
 
 /// The noise of an axis, as far as it is known.
 #[derive(Clone, Debug, Default, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct Statistics {
     /// Length of the record, s.
     pub duration_s: f64,
@@ -26,7 +26,7 @@ pub struct Statistics {
 
 /// A point of the Allan deviation.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct AllanPoint {
     /// Averaging time, s.
     pub tau_s: f64,
@@ -42,7 +42,7 @@ pub struct AllanPoint {
 
 /// A noise coefficient.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct Coefficient {
     /// `N`, `B` or `K`.
     pub symbol: String,
@@ -65,7 +65,7 @@ pub struct Coefficient {
 
 /// A point of the spectrum.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct SpectrumPoint {
     /// Frequency, Hz.
     pub hz: f64,
@@ -75,7 +75,7 @@ pub struct SpectrumPoint {
 
 /// A feature of the spectrum.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct SpectrumMark {
     /// Frequency, Hz.
     pub hz: f64,
@@ -88,7 +88,7 @@ pub struct SpectrumMark {
 /// The kinds of features in a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 #[expect(missing_docs, reason = "the text says it")]
 pub enum MarkKind {
     Bandwidth,
@@ -99,7 +99,7 @@ pub enum MarkKind {
 
 /// The rate over temperature.
 #[derive(Clone, Debug, Default, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct OverTemperature {
     /// The points, from cold to warm.
     pub points: Vec<TemperaturePoint>,
@@ -109,7 +109,7 @@ pub struct OverTemperature {
 
 /// A straight line through the rate over temperature, weighted by the uncertainties of its points.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct TemperatureLine {
     /// The slope, which is minus BTC, °/s/°C.
     pub slope_dps_per_c: f64,
@@ -119,7 +119,7 @@ pub struct TemperatureLine {
 
 /// The rate at a temperature.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(TS))]
+#[cfg_attr(feature = "types", derive(TS))]
 pub struct TemperaturePoint {
     /// Mean temperature, °C.
     pub temp_c: f64,

@@ -4,8 +4,8 @@ import { spawnSync } from "node:child_process";
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { test } from "node:test";
-import { giveLog, LOGS } from "./logs.mjs";
-import { serveFolder, staticHome } from "./static.mjs";
+import { giveLog, LOGS } from "../logs.mjs";
+import { serveFolder, staticHome } from "../static.mjs";
 import {
   beginCalibration,
   downloads,
@@ -14,8 +14,8 @@ import {
   liveBench,
   PAGES,
   standsStill,
-} from "./suite.mjs";
-import { bars, becomes, firstTrace, open, PAGE, PATIENCE, PROGRAM, twinOf, without } from "./world.mjs";
+} from "../suite.mjs";
+import { bars, becomes, firstTrace, open, PAGE, PATIENCE, PROGRAM, twinOf, without } from "../world.mjs";
 
 const home = staticHome();
 

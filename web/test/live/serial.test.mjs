@@ -1,9 +1,9 @@
 // A bridge behind Web Serial: the firmware in QEMU, its bytes through a port that the test puts into the page.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { proxy, staticHome } from "./static.mjs";
-import { liveBench } from "./suite.mjs";
-import { becomes, BRIDGE, freePort, open, PATIENCE, start, without } from "./world.mjs";
+import { proxy, staticHome } from "../static.mjs";
+import { liveBench } from "../suite.mjs";
+import { becomes, BRIDGE, freePort, open, PATIENCE, start, without } from "../world.mjs";
 
 const home = staticHome();
 
@@ -27,7 +27,7 @@ test(
     const { page, context, faults } = await open(home.browser, `${home.site.url}#device`, {
       prepare: async (page, context) => {
         await context.addInitScript(`window.__serialProxy = "${home.site.url.replace("http", "ws")}serial";`);
-        await context.addInitScript({ path: new URL("fake-serial.js", import.meta.url).pathname });
+        await context.addInitScript({ path: new URL("../fake-serial.js", import.meta.url).pathname });
       },
     });
     await page.getByRole("button", { name: "Choose its port" }).click();

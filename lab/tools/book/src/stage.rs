@@ -10,8 +10,11 @@ use std::fs;
 use std::ops::Range;
 use std::path::{Component, Path, PathBuf};
 
+/// The chapter that ends with the commands of the program.
+const COMMANDS: &str = "docs/reference/commands.md";
+
 /// Copies everything that the book shows from the project at `root` into `staged`.
-pub fn fill(root: &Path, staged: &Path) -> Result<()> {
+pub fn fill(root: &Path, staged: &Path, commands: &str) -> Result<()> {
     let summary = fs::read_to_string(root.join("docs/SUMMARY.md"))?;
     let files = below(&root.join("docs"))?;
     let mut chapters: BTreeSet<PathBuf> = BTreeSet::new();
@@ -27,7 +30,11 @@ pub fn fill(root: &Path, staged: &Path) -> Result<()> {
         }
     }
     for chapter in &chapters {
-        let text = fs::read_to_string(root.join(chapter)).with_context(|| format!("chapter {}", chapter.display()))?;
+        let mut text =
+            fs::read_to_string(root.join(chapter)).with_context(|| format!("chapter {}", chapter.display()))?;
+        if chapter == Path::new(COMMANDS) {
+            text = format!("{text}\n{commands}");
+        }
         let to = staged.join(place(chapter));
         fs::create_dir_all(to.parent().context("a place in a folder")?)?;
         fs::write(to, relinked(&text, chapter, root, &chapters)?)?;

@@ -4,9 +4,9 @@ import { spawnSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { after, before, test } from "node:test";
-import { staticHome } from "./static.mjs";
-import { liveBench } from "./suite.mjs";
-import { becomes, open, PATIENCE, PROGRAM, twinOf, without } from "./world.mjs";
+import { staticHome } from "../static.mjs";
+import { liveBench } from "../suite.mjs";
+import { becomes, open, PATIENCE, PROGRAM, twinOf, without } from "../world.mjs";
 
 const home = staticHome();
 let folder;

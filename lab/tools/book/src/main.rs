@@ -1,4 +1,5 @@
-//! The book out of `docs/`: `book ROOT OUT`. `cargo xtask book` calls it.
+//! The book out of `docs/`: `book ROOT OUT COMMANDS`. `cargo xtask book` calls it. COMMANDS is a file with what the
+//! program says of its commands.
 //!
 //! It stages the chapters and lets mdBook render them. It takes the scripts out of the pages, so that a policy without
 //! inline code holds, and follows every link.
@@ -15,10 +16,12 @@ use std::path::{Path, PathBuf};
 
 fn main() -> Result<()> {
     let arguments: Vec<PathBuf> = std::env::args_os().skip(1).map(PathBuf::from).collect();
-    let [root, out] = arguments.as_slice() else { bail!("book ROOT OUT: the project, and a folder for the book") };
+    let [root, out, commands] = arguments.as_slice() else {
+        bail!("book ROOT OUT COMMANDS: the project, a folder for the book, and the commands in Markdown")
+    };
     let out = std::path::absolute(out)?;
     let staged = tempfile::tempdir()?;
-    stage::fill(root, staged.path())?;
+    stage::fill(root, staged.path(), &fs::read_to_string(commands)?)?;
     render(root, staged.path(), &out)?;
     let pages = policy::apply(&out)?;
     links::check(&out, &pages)?;

@@ -3,10 +3,10 @@ import assert from "node:assert/strict";
 import { closeSync, mkdtempSync, openSync, rmSync, writeSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { after, before, test } from "node:test";
-import { giveLog, logIsDone, npyHead } from "./logs.mjs";
-import { staticHome } from "./static.mjs";
-import { liveBench } from "./suite.mjs";
-import { open, PATIENCE } from "./world.mjs";
+import { giveLog, logIsDone, npyHead } from "../logs.mjs";
+import { staticHome } from "../static.mjs";
+import { liveBench } from "../suite.mjs";
+import { open, PATIENCE } from "../world.mjs";
 
 /** How long the heap is looked at, s. */
 const LOOK_S = 45;

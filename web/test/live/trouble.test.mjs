@@ -1,10 +1,10 @@
 // What goes wrong around the page: it says so, and goes on where it can.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { giveLog, LOGS } from "./logs.mjs";
-import { staticHome } from "./static.mjs";
-import { liveBench } from "./suite.mjs";
-import { becomes, open } from "./world.mjs";
+import { giveLog, LOGS } from "../logs.mjs";
+import { staticHome } from "../static.mjs";
+import { liveBench } from "../suite.mjs";
+import { becomes, open } from "../world.mjs";
 
 const home = staticHome();
 

@@ -1,9 +1,9 @@
 // Guided calibrations to their ends, good and bad.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { staticHome } from "./static.mjs";
-import { beginCalibration, finishCalibration } from "./suite.mjs";
-import { becomes, open, PATIENCE, twinOf } from "./world.mjs";
+import { staticHome } from "../static.mjs";
+import { beginCalibration, finishCalibration } from "../suite.mjs";
+import { becomes, open, PATIENCE, twinOf } from "../world.mjs";
 
 const home = staticHome();
 

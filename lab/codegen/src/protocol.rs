@@ -1,0 +1,45 @@
+//! The messages of the page as types of TypeScript.
+
+use anyhow::Result;
+use std::fs;
+use ts_rs::{Config, TS};
+use zerorate_view::export::ExportForm;
+use zerorate_web::log::message::{LogAxis, LogSettings, LogSummary, Looked, NoiseFileCommand};
+use zerorate_web::message::{Answer, Frame, Request};
+
+const HEAD: &str = "// Made from message.rs and log/message.rs of crates/zerorate-web/src, which say more.\n\n";
+
+/// The text of `web/src/protocol.ts`.
+pub fn text() -> Result<String> {
+    let folder = tempfile::tempdir()?;
+    let config = Config::new().with_out_dir(folder.path());
+    Request::export_all(&config)?;
+    Answer::export_all(&config)?;
+    Frame::export_all(&config)?;
+    LogSettings::export_all(&config)?;
+    Looked::export_all(&config)?;
+    LogAxis::export_all(&config)?;
+    LogSummary::export_all(&config)?;
+    NoiseFileCommand::export_all(&config)?;
+    let mut files: Vec<_> = fs::read_dir(folder.path())?.map(|entry| Ok(entry?.path())).collect::<Result<_>>()?;
+    files.sort();
+    let mut types = Vec::new();
+    for file in files {
+        let text = fs::read_to_string(file)?;
+        let lines = text.lines().filter(|line| !line.starts_with("import ") && !line.starts_with("// This file"));
+        types.push(lines.collect::<Vec<_>>().join("\n").trim().to_owned() + "\n");
+    }
+    Ok(HEAD.to_owned() + &types.join("\n") + &forms()?)
+}
+
+/// The forms of a download, from which the page makes its buttons.
+fn forms() -> Result<String> {
+    let exports = ExportForm::ALL.into_iter().filter(|form| !form.is_autopilot());
+    let exports = exports.map(|form| (form.row().name, form.row().label));
+    let forms: Vec<_> = [("toml", "TOML")].into_iter().chain(exports).chain([("report", "Report")]).collect();
+    let forms = serde_json::to_string(&forms)?;
+    Ok(format!(
+        "\n/**\n * Forms of a download: name and label.\n */\nexport const FORMS = {forms} as const;\n\n\
+         export type Form = (typeof FORMS)[number][0];\n"
+    ))
+}
