@@ -4,9 +4,10 @@ mod datasheet;
 mod json;
 mod text;
 
+use super::allan::findings::{self, code, first_of_each};
 use super::allan::temperature::TemperatureArgs;
 use super::allan::units::span;
-use super::allan::{findings, motion, page};
+use super::allan::{motion, page};
 use crate::column::{flag, listed, positive, share};
 use crate::exit::Refused;
 use crate::output::{Outputs, Staged, print_json, print_lines, say, warn};
@@ -225,21 +226,6 @@ const LINES: usize = 8;
 
 /// Codes of warnings about the samples themselves, which may explain all others.
 const DOUBTS: [&str; 4] = ["implausible", "clipped", "resampled", "frozen"];
-
-fn code(line: &str) -> &str {
-    line.split_once(": ").map_or("", |(code, _)| code)
-}
-
-/// The first line of each code, with the number of the others.
-fn first_of_each(lines: &[String]) -> Vec<String> {
-    let same = |one: &&String, line: &str| code(one) == code(line);
-    let firsts = lines.iter().enumerate().filter(|(at, line)| !lines[..*at].iter().any(|one| same(&one, line)));
-    let counted = firsts.map(|(_, line)| match lines.iter().filter(|one| same(one, line)).count() {
-        1 => line.clone(),
-        count => format!("{line} (+ {} more)", count - 1),
-    });
-    counted.collect()
-}
 
 /// The first of these lines, with one that names the codes of the rest.
 fn at_most(lines: usize, warnings: &[String]) -> Vec<String> {
