@@ -66,7 +66,6 @@ pub use kernels::{Deviation, deviations};
 pub use misfit::{Cause, Misfit};
 pub use mtie::mtie;
 pub use noise_id::noise_types;
-pub use rows::{Explanation, Says};
 pub use stat::{Stat, UnknownStat};
 pub use stream::{NotAdjacent, Stream};
 pub use taus::{Taus, TausError, longest};

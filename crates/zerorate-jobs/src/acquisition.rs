@@ -13,6 +13,7 @@ use zerorate_host::{
     Batch, Bus, DeviceInfo, DeviceSpec, Hub, Losses, LosslessReader, Pace, Setup, SourceWarning, Stop,
 };
 use zerorate_record::{CaptureInfo, CaptureWarning, Layout, Row, believed};
+use zerorate_view::SessionWarning;
 
 /// Hears what a device has to say while it is read.
 pub type Tell = Box<dyn FnMut(&SourceWarning)>;
@@ -292,5 +293,5 @@ pub fn aliasing(axis: &Axis, tally: &Tally) -> Option<Warning> {
 pub fn lost_on_the_way(losses: Losses) -> impl Iterator<Item = JobWarning> {
     let Losses { overflowed, damaged } = losses;
     let overflow = (overflowed > 0).then_some(JobWarning::Overflowed(overflowed));
-    overflow.into_iter().chain((damaged > 0).then_some(JobWarning::Damaged(damaged)))
+    overflow.into_iter().chain((damaged > 0).then(|| SessionWarning::Damaged(damaged).into()))
 }

@@ -13,6 +13,7 @@ use zerorate::{Calibration, Say};
 use zerorate_jobs::JobWarning;
 use zerorate_jobs::correct::Job;
 use zerorate_record::{CaptureInfo, Format, limits};
+use zerorate_view::SessionWarning;
 
 /// Correct a recorded file with a calibration
 ///
@@ -81,7 +82,7 @@ pub(super) fn load(path: &Path, outputs: &mut Outputs) -> Result<Calibration> {
         true => Error::from(error).context(name.to_string()),
         false => other_file(path),
     })?;
-    let of_file = |warning| coded(JobWarning::OfCalibration(name.to_string(), warning));
+    let of_file = |warning| coded(SessionWarning::OfCalibration { cal: name.to_string(), warning });
     warn(&warnings.into_iter().map(of_file).collect::<Vec<_>>());
     Ok(calibration)
 }

@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::Args;
 use serde::Serialize;
 use std::fmt::Write;
-use zerorate_jobs::codes::{self, Explanation, GROUPS};
+use zerorate_jobs::codes::{self, Explanation};
 
 /// Explain the code of a warning or refusal
 ///
@@ -23,50 +23,31 @@ pub struct ExplainArgs {
 }
 
 #[derive(Serialize)]
-struct Entry {
-    code: &'static str,
-    says: String,
-    by: &'static [&'static str],
-    seen: &'static str,
-    matters: &'static str,
-    remedy: &'static str,
-    #[serde(skip_serializing_if = "str::is_empty")]
-    command: &'static str,
-}
-
-#[derive(Serialize)]
 struct All {
-    codes: Vec<Entry>,
-}
-
-impl Entry {
-    fn new(one: &'static Explanation) -> Self {
-        let Explanation { code, says, by, seen, matters, remedy, command } = *one;
-        Self { code, says: says.to_string(), by, seen, matters, remedy, command }
-    }
+    codes: Vec<Explanation>,
 }
 
 pub fn run(args: &ExplainArgs) -> Result<()> {
     if args.code.is_empty() {
         return match args.json {
-            true => print_json(&All { codes: codes::all().map(Entry::new).collect() }),
+            true => print_json(&All { codes: codes::all().collect() }),
             false => print_lines(&list()?),
         };
     }
     let wanted = args.code.join(" ");
     let found = codes::explain(&wanted).ok_or_else(|| unknown(&wanted))?;
     match args.json {
-        true => print_json(&Entry::new(found)),
-        false => print_lines(&text(found)?),
+        true => print_json(&found),
+        false => print_lines(&text(&found)?),
     }
 }
 
 fn list() -> Result<String> {
     let mut text = String::new();
-    for group in GROUPS {
+    for group in codes::groups() {
         writeln!(text, "{}:", group.title)?;
-        for one in group.all() {
-            writeln!(text, "  {:24} {:19} {}", one.code, one.says.to_string(), one.seen)?;
+        for one in group.codes {
+            writeln!(text, "  {:24} {:19} {}", one.code, one.says, one.seen)?;
         }
     }
     Ok(text)
@@ -117,7 +98,7 @@ mod tests {
         let cli = Cli::command();
         let known: Vec<&str> = cli.get_subcommands().map(clap::Command::get_name).collect();
         for one in codes::all() {
-            assert!(one.by.iter().all(|name| known.contains(name)), "{}: {:?}", one.code, one.by);
+            assert!(one.by.iter().all(|name| known.contains(&&**name)), "{}: {:?}", one.code, one.by);
         }
     }
 }

@@ -1,13 +1,11 @@
-//! The check that a calibration belongs to the part. Every part has its own bias, and nothing in the samples shows
-//! that the calibration of another part was taken. Also the notes of a
-//! measurement.
+//! The check that a calibration belongs to the part. Also the notes of a measurement.
 
-use anyhow::{Result, bail};
+use anyhow::{Error, Result};
 use clap::Args;
 use std::path::Path;
 use zerorate::Calibration;
 use zerorate::calibration::Notes;
-use zerorate_jobs::JobWarning;
+use zerorate_view::SessionWarning;
 
 /// Parses a text that files and messages show as one line.
 pub fn one_line(text: &str) -> Result<String, String> {
@@ -57,21 +55,8 @@ impl Part<'_> {
     ///
     /// # Errors
     /// The calibration belongs to another part.
-    pub fn check(&self, calibration: &Calibration, path: &Path) -> Result<Option<JobWarning>> {
-        let (name, cal) = (self.name, path.display().to_string());
-        match (self.serial, calibration.serial.as_deref()) {
-            (Some(part), Some(calibrated)) if part == calibrated => Ok(None),
-            (Some(part), Some(calibrated)) => {
-                bail!(
-                    "{name} is part {part}, {cal} is the calibration of part {calibrated}: every part has its own \
-                     bias"
-                )
-            }
-            (None, Some(calibrated)) => {
-                let (calibrated, name, advice) = (calibrated.to_owned(), name.to_owned(), self.advice);
-                Ok(Some(JobWarning::UnknownSerial { cal, calibrated, name, advice }))
-            }
-            (_, None) => Ok(Some(JobWarning::NoSerial { cal })),
-        }
+    pub fn check(&self, calibration: &Calibration, path: &Path) -> Result<Option<SessionWarning>> {
+        let (cal, part) = (path.display().to_string(), (self.name, self.serial));
+        SessionWarning::of_serial((cal, calibration.serial.as_deref()), part, self.advice).map_err(Error::msg)
     }
 }

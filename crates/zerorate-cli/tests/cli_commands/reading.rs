@@ -171,7 +171,7 @@ fn stream_knows_the_part_of_a_recording() {
         stream(&[&cal, "--serial", "C3"])
             .ended_with(1)
             .saying(&[&format!("the recording is of part {serial}"), "part C3"]);
-        stream(&[path(&nameless)]).ended_with(0).saying(&["unknown-serial", "zerorate calibrate"]);
+        stream(&[path(&nameless)]).ended_with(0).saying(&["unknown-serial", "calibrate with one next time"]);
     }
 }
 

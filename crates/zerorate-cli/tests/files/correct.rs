@@ -114,7 +114,7 @@ fn the_calibration_of_another_part_is_refused() {
     assert!(doubtful.stderr.contains("unknown-serial") && doubtful.stderr.contains("zerorate calibrate"));
     doubtful.ok();
     let forced = bench.zerorate("correct rest.csv --cal b2.toml -o b2.arrows --force");
-    assert!(forced.stderr.contains("warning: rest.csv is part A1, b2.toml is the calibration of part B2"));
+    assert!(forced.stderr.contains("warning: rest.csv is part A1, b2.toml is for part B2"));
     forced.ok();
 }
 

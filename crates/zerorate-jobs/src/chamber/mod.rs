@@ -24,6 +24,7 @@ use zerorate::chamber::{ChamberOutcome, ChamberProcedure, ChamberProgress, Chamb
 use zerorate::{Calibration, Names, Part, Warning};
 use zerorate_host::Lead;
 use zerorate_record::CaptureInfo;
+use zerorate_view::SessionWarning;
 use zerorate_view::report::wide_loop;
 
 /// Looks on while a chamber is driven.
@@ -268,5 +269,5 @@ fn of_axes(outcomes: &[ChamberOutcome], part: &Part, names: Names) -> impl Itera
         outcome.warnings().map(coded).map(of_axis)
     });
     let wide = axes().filter_map(|(outcome, axis)| wide_loop(outcome, &axis.name));
-    own.chain(wide.map(move |text| JobWarning::WideLoop(text).coded(names)))
+    own.chain(wide.map(move |text| JobWarning::from(SessionWarning::WideLoop(text)).coded(names)))
 }

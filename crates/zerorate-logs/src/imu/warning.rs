@@ -2,7 +2,7 @@
 
 use super::Kind;
 use std::fmt;
-use zerorate_allan::{Fit, MotionKind, Says, motion, rows};
+use zerorate_allan::{Fit, MotionKind, motion, rows};
 
 /// A warning about several axes.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,26 +55,13 @@ rows!(match ImuWarning {
     Self::Motion(MotionKind::Jump, ref moments) => Row {
         code: "motion",
         text: format_args!("several axes jump together at {}; cut the log there", Named(moments)),
-        says: Says::Warning,
-        by: &["allan", "imu"],
-        seen: "Several axes jump, or have a glitch, at the same moment.",
-        matters: "The sensor moved or was knocked, or all axes of one sample broke. That is not noise of the sensor.",
-        remedy: "Record where nothing moves and nobody touches the sensor, or cut the log there.",
     },
     Self::Motion(MotionKind::Knock, ref moments) => Row {
         code: "motion",
         text: format_args!("several axes have a glitch together at {}; knocked?", Named(moments)),
     },
-    Self::KindAbsent(kind, None) => Row {
-        code: "kind-absent",
-        text: format_args!("the log has no {}; fill in its numbers", kind.name()),
-        says: Says::Warning,
-        by: &["imu"],
-        seen: "The log has no gyroscope, or no accelerometer.",
-        matters: "The file leaves the numbers of the missing kind to be filled in. A filter that reads the file as \
-            it is fails, rather than trusting a guess.",
-        remedy: "Fill them in from another log or from the data sheet, or name the columns.",
-    },
+    Self::KindAbsent(kind, None) =>
+        Row { code: "kind-absent", text: format_args!("the log has no {}; fill in its numbers", kind.name()) },
     Self::KindAbsent(kind, Some(setting)) =>
         Row { code: "kind-absent", text: format_args!("{setting} names no {}; fill in its numbers", kind.name()) },
 });
@@ -98,26 +85,6 @@ impl fmt::Display for Named<'_> {
         match self.0.len().saturating_sub(NAMED) {
             0 => Ok(()),
             more => write!(f, " + {more} more"),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_warning_is_one_short_line() {
-        let axes = || ["gx_dps", "gy_dps", "gz_dps"].map(str::to_owned).to_vec();
-        let moments = |kind| (0..7).map(|at| Moment { at_s: 300.0 + f64::from(at), axes: axes(), kind }).collect();
-        let all = [
-            ImuWarning::Motion(MotionKind::Jump, moments(MotionKind::Jump)),
-            ImuWarning::Motion(MotionKind::Knock, moments(MotionKind::Knock)),
-            ImuWarning::KindAbsent(Kind::Accelerometer, None),
-            ImuWarning::KindAbsent(Kind::Accelerometer, Some("--column")),
-        ];
-        for line in all.map(|warning| warning.coded()) {
-            assert!(line.chars().count() <= 100, "{line}");
         }
     }
 }

@@ -83,8 +83,11 @@ impl Shelf {
     /// belongs to another part.
     pub fn doubts(&self, id: &str, about: &About) -> Result<Vec<SessionWarning>, String> {
         let Kept { calibration, warnings } = self.known(id)?;
-        let of_file = |warning: &FileWarning| SessionWarning::OfCalibration { id: id.to_owned(), warning: *warning };
-        Ok(warnings.iter().map(of_file).chain(stranger(calibration, about)?).collect())
+        let cal = || format!("calibration {id}");
+        let of_file = |warning: &FileWarning| SessionWarning::OfCalibration { cal: cal(), warning: *warning };
+        let (calibrated, part) = (calibration.serial.as_deref(), (&*about.name, about.info.serial.as_deref()));
+        let of_serial = SessionWarning::of_serial((cal(), calibrated), part, "check its number")?;
+        Ok(warnings.iter().map(of_file).chain(of_serial).collect())
     }
 
     /// The calibration that is applied.
@@ -162,21 +165,6 @@ fn other_content(id: &str) -> String {
         "calibration {id} is on file with the same coefficients but other values, such as [validity]. Remove that \
          one, then add this one"
     )
-}
-
-/// Checks that a calibration belongs to the part. Every part has its own bias, and a wrong calibration shows in
-/// nothing.
-fn stranger(calibration: &Calibration, About { name, info, .. }: &About) -> Result<Option<SessionWarning>, String> {
-    match (info.serial.as_deref(), calibration.serial.as_deref()) {
-        (Some(part), Some(calibrated)) if part == calibrated => Ok(None),
-        (Some(part), Some(calibrated)) => Err(format!(
-            "{name} is part {part}, but the calibration is of part {calibrated}, and every part has its own bias"
-        )),
-        (None, Some(calibrated)) => {
-            Ok(Some(SessionWarning::UnknownSerial { calibrated: calibrated.to_owned(), name: name.clone() }))
-        }
-        (_, None) => Ok(Some(SessionWarning::NoSerial)),
-    }
 }
 
 /// A calibration as the page lists it.

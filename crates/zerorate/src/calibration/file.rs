@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 use core::fmt;
 use serde::Deserialize;
 use zerorate_allan::entry::{Document, EntryError};
-use zerorate_allan::{Says, rows};
+use zerorate_allan::rows;
 
 const HEADER: &str = "# A zerorate calibration (docs/formats/calibration.md). To use other numbers, edit a copy and \
     delete its two check lines.\n";
@@ -85,12 +85,6 @@ rows!(match FileWarning {
     Self::NoChecksum => Row {
         code: "no-checksum",
         text: format_args!("this calibration has no checksum, so changes go unseen; use the file as it was written"),
-        says: Says::Warning,
-        by: &["stream", "correct", "export", "report", "serve"],
-        seen: "A calibration file has no checksum: it was written by hand, or its check lines were taken out.",
-        matters: "Nothing shows whether its numbers are as they were measured.",
-        remedy: "Prefer the file that a command has written. If the file was written by hand, there is nothing to do.",
-        command: "zerorate verify unit.toml",
     },
 });
 

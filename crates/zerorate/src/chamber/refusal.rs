@@ -4,7 +4,7 @@ use super::procedure::ChamberState;
 use crate::notice::because_of;
 use crate::thermal::ThermalError;
 use core::fmt;
-use zerorate_allan::{Says, rows};
+use zerorate_allan::rows;
 
 /// A refusal of a measurement in a chamber. Steps count from 1. `Display` says what was seen and what to do.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,11 +64,6 @@ rows!(match ChamberRefusal {
     Self::Silent { step, for_s } => Row {
         code: "silent",
         text: format_args!("step {step}: no reading for {for_s:.0} s. Check cable and connectors"),
-        says: Says::Refusal,
-        by: &["chamber"],
-        seen: "No reading came for a long time.",
-        matters: "The part or its cable failed, perhaps from cold or heat.",
-        remedy: "Check cable and connectors. Finished steps are kept, and the same command continues after them.",
     },
     Self::Lost { lost, samples, limit } => Row {
         code: "lost-samples",
@@ -85,12 +80,6 @@ rows!(match ChamberRefusal {
              {drift_c_per_min:+.3} °C/min (limit {most_c_per_min:.3}): {}",
             Air(set_c, air_c)
         ),
-        says: Says::Refusal,
-        by: &["chamber"],
-        seen: "The part's temperature never came to rest near the set point.",
-        matters: "The soak point would be an average over a drift.",
-        remedy: "Close the door, check that the chamber reaches that temperature, and shield the part from its fan. \
-            Or allow more in the plan (drift_c_per_min, settle_timeout_s).",
     },
     Self::NotReached { step, set_c, air_c, after_s } => Row {
         code: "not-reached",
@@ -98,11 +87,6 @@ rows!(match ChamberRefusal {
             "step {step}: {after_s:.0} s after the chamber was set to {set_c:.1} °C its air is still at {air_c:.1} \
              °C. Close its door, and check that it is on and can reach the set point"
         ),
-        says: Says::Refusal,
-        by: &["chamber"],
-        seen: "The air of the chamber is still far from its set point.",
-        matters: "The plan cannot be carried out.",
-        remedy: "Close the door, and check that the chamber is on and can reach the set point.",
     },
     Self::Overshoot { step, air_c, low_c, high_c } => Row {
         code: "overshoot",
@@ -110,11 +94,6 @@ rows!(match ChamberRefusal {
             "step {step}: the air is at {air_c:.1} °C, beyond the {low_c:.1} to {high_c:.1} °C of the plan, which \
              may harm the part. Check the chamber's control, or allow more (overshoot_c in the plan)"
         ),
-        says: Says::Refusal,
-        by: &["chamber"],
-        seen: "The air went beyond every temperature of the plan.",
-        matters: "It may harm the part, so the chamber was sent to a safe temperature.",
-        remedy: "Check the chamber's control, or allow more in the plan (overshoot_c).",
     },
     Self::BeyondPart { step, air_c, low_c, high_c } => Row {
         code: "beyond-limits",
@@ -122,14 +101,6 @@ rows!(match ChamberRefusal {
             "step {step}: the air is at {air_c:.1} °C, and the part bears {low_c:.1} to {high_c:.1} °C only. Look at \
              the chamber now: its sensor or control has failed, or it was that hot or cold before"
         ),
-        says: Says::Either,
-        by: &["probe", "capture", "calibrate", "chamber", "stream"],
-        seen: "The air is colder or warmer than the part may be. For a simulated part, such a temperature was asked \
-            for.",
-        matters: "A real part may be harmed, so its chamber was sent to a safe temperature. Nobody knows what a real \
-            part would do where a simulated one goes on.",
-        remedy: "Look at the chamber: its sensor, its control, and what it did before. Keep a simulated part within \
-            the limits (operating_c in the file of a part).",
     },
     Self::Disturbed { step, times, why } => Row {
         code: "disturbed",
@@ -137,11 +108,6 @@ rows!(match ChamberRefusal {
             "{} of step {step} was disturbed {times} times. The last time {why}",
             ChamberState::Average
         ),
-        says: Says::Refusal,
-        by: &["chamber"],
-        seen: "Something disturbed the average of a soak point again and again.",
-        matters: "That soak point lacks a quiet average.",
-        remedy: "Keep the door closed, damp the fan, fix the part, and read without losses.",
     },
     Self::Span { span_c, least_c } => Row {
         code: "small-span",
@@ -156,12 +122,6 @@ rows!(match ChamberRefusal {
             "the standard uncertainty of BTC would be {u_btc_dps_per_c:.4} °/s/°C, above the limit of \
              {wanted_dps_per_c}. Plan for a wider span, or for more time"
         ),
-        says: Says::Refusal,
-        by: &["chamber"],
-        seen: "BTC would be more uncertain than was asked for.",
-        matters: "The result would not be what it was measured for.",
-        remedy: "Plan for a wider span, plan for more time, or accept more.",
-        command: "zerorate chamber f57 -o unit.toml",
     },
     Self::NoCurve(ThermalError::TooFew { blocks, needed }) => Row {
         code: "no-curve",
@@ -169,11 +129,6 @@ rows!(match ChamberRefusal {
             "the part was at rest for {blocks} means, and a bias over temperature needs at least {needed}. Fix the \
              part, or plan for longer"
         ),
-        says: Says::Refusal,
-        by: &["chamber"],
-        seen: "No bias over temperature explains the rate, or there was too little rest to find one.",
-        matters: "There is nothing to correct with.",
-        remedy: "Check that the part was at rest, or plan for longer.",
     },
     Self::NoCurve(ThermalError::Degenerate) => Row {
         code: "no-curve",

@@ -15,12 +15,11 @@ macro_rules! rows_with_remedies {
         $($variant:pat => Row {
             code: $code:tt,
             text: $text:expr,
-            remedies: $remedies:expr
-            $(, $part:ident: $value:expr)* $(,)?
+            remedies: $remedies:expr $(,)?
         },)+
     }) => {
         zerorate_allan::rows!(match $name {
-            $($variant => Row { code: $code, text: $text $(, $part: $value)* },)+
+            $($variant => Row { code: $code, text: $text },)+
         });
 
         #[allow(unused_variables, reason = "few remedies depend on a field of the variant")]

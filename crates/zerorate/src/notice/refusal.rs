@@ -5,7 +5,6 @@ use crate::drift_checks::{Deviation, Finding};
 use crate::remedy::{Names, Remedy, Say, Setting, say_all};
 use crate::states::State;
 use core::fmt;
-use zerorate_allan::Says;
 
 /// A refusal: the measurement must not become a calibration. `Display` says why, with the numbers, and what to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,11 +55,6 @@ rows_with_remedies!(match Refusal {
              more than the {limit_dps:.4} °/s of noise and temperature"
         ),
         remedies: &[Remedy::FixToStillPlatform],
-        says: Says::Refusal,
-        by: &["calibrate", "recalibrate"],
-        seen: "Means of the rate vary more than noise and temperature explain: the part moves.",
-        matters: "Motion would become bias.",
-        remedy: "Fix the part to a still platform, and stay away from it.",
     },
     Self::Turning { window, rate_dps, limit_dps } => Row {
         code: "turning",
@@ -69,12 +63,6 @@ rows_with_remedies!(match Refusal {
              that a bias can be"
         ),
         remedies: &[Remedy::KeepStill],
-        says: Says::Refusal,
-        by: &["calibrate", "recalibrate"],
-        seen: "The mean rate is larger than any bias of such a part.",
-        matters: "The part turns, or it is another part than you named.",
-        remedy: "Keep the platform still, and check the file of the part.",
-        command: "zerorate probe",
     },
     Self::Noisy { window, seen_dps_per_rt_hz, limit_dps_per_rt_hz } => Row {
         code: "noisy",
@@ -92,14 +80,6 @@ rows_with_remedies!(match Refusal {
             t2_c - t1_c
         ),
         remedies: &[Remedy::StartCold, Remedy::LongerWarmUp, Remedy::AcceptMoreUBtc],
-        says: Says::Refusal,
-        by: &["calibrate", "recalibrate", "chamber"],
-        seen: "The temperature hardly changed between the averages.",
-        matters: "BTC is a difference of rates divided by a difference of temperatures. If the latter is small, noise \
-            decides. The refusal gives u(BTC), the standard uncertainty of BTC.",
-        remedy: "Start with a part that was off for an hour, warm it longer, or accept more. In a chamber, check that \
-            it is on and that the part is in it.",
-        command: "zerorate calibrate --warmup 20m -o unit.toml",
     },
     Self::Curvature { u_btc_dps_per_c, u_curvature_dps_per_c, wanted_dps_per_c } => Row {
         code: "curvature-unseen",
@@ -137,13 +117,6 @@ rows_with_remedies!(match Refusal {
              {wanted_dps_per_c}"
         ),
         remedies: &[Remedy::LinearSupply, Remedy::KeepStill, Remedy::AcceptMoreUBtc],
-        says: Says::Refusal,
-        by: &["calibrate", "recalibrate"],
-        seen: "The rate wandered or stepped during the offset average (step 8). The refusal says which flicker floor \
-            would do the same.",
-        matters: "BTC would be more uncertain than was asked for.",
-        remedy: "Use a linear supply, keep the platform still, or accept more.",
-        command: "zerorate calibrate --max-u-btc 0.01 -o unit.toml",
     },
     Self::Lost { window, lost, samples, limit } => Row {
         code: "lost-samples",
@@ -161,13 +134,6 @@ rows_with_remedies!(match Refusal {
              wiring is wrong"
         ),
         remedies: &[Remedy::KeepStill, Remedy::CheckSupplyAndWiring],
-        says: Says::Either,
-        by: &["capture", "calibrate", "recalibrate", "stream", "correct"],
-        seen: "Readings are beyond the range of the part.",
-        matters: "The part turns faster than it can measure, its supply is wrong, or the line carries errors. Such \
-            readings are not measurements.",
-        remedy: "Keep the part still, and check supply and wiring.",
-        command: "zerorate probe",
     },
     Self::Frozen { at_s, for_s, both } => Row {
         code: "frozen",
@@ -177,13 +143,6 @@ rows_with_remedies!(match Refusal {
             if both { "readings are" } else { "rate is" }
         ),
         remedies: &[Remedy::ResetAndCheck],
-        says: Says::Either,
-        by: &["capture", "calibrate", "recalibrate", "chamber", "stream", "correct", "allan", "imu"],
-        seen: "The readings stopped changing. Noise changes every reading of a part that senses.",
-        matters: "From there on nothing was measured.",
-        remedy: "Reset the part, and check its data line and its supply (ADIS16130: SDO is pin 12, the supply pins \
-            are 11, 13 and 15). In a log, use the samples before that.",
-        command: "zerorate probe",
     },
     Self::BitErrors { window, count, samples, still_moves } => Row {
         code: "bit-errors",
@@ -196,12 +155,6 @@ rows_with_remedies!(match Refusal {
             true => &[Remedy::SlowerClock, Remedy::ShorterCable, Remedy::FixToStillPlatform],
             false => &[Remedy::SlowerClock, Remedy::ShorterCable],
         },
-        says: Says::Refusal,
-        by: &["calibrate", "recalibrate"],
-        seen: "Too many readings are impossible for the bandwidth of the part. Or some are, and the rest varies more \
-            than noise explains: by errors too small to tell from motion, or by motion as well.",
-        matters: "A line that breaks these readings breaks others by amounts that nothing shows.",
-        remedy: "Lower the SPI clock, or shorten or shield the cable.",
     },
     Self::Stuttering { window, lost, samples, silent_gaps, gaps } => Row {
         code: "data-ready-stutters",
@@ -211,24 +164,11 @@ rows_with_remedies!(match Refusal {
             lost + samples
         ),
         remedies: &[Remedy::CheckDataReady],
-        says: Says::Either,
-        by: &["probe", "capture", "calibrate", "recalibrate", "stream"],
-        seen: "Samples were lost, and in the gaps no edge of data ready came.",
-        matters: "The line was silent, or the host did not hear it. The part itself may be in order.",
-        remedy: "Check the wire of data ready (ADIS16130: RDY, pin 10), its level and its pull-up, and only then what \
-            else the host does.",
-        command: "zerorate probe",
     },
     Self::TooFew { window, samples, needed } => Row {
         code: "too-few-samples",
         text: format_args!("{window} has only {samples} samples, and at least {needed} are needed"),
         remedies: &[Remedy::CheckDataReady, Remedy::SmallerDivider, Remedy::LongerAverage],
-        says: Says::Refusal,
-        by: &["calibrate", "recalibrate"],
-        seen: "A window of the procedure holds too few samples.",
-        matters: "An average of so few samples is not a measurement.",
-        remedy: "Check the data-ready wire, use a smaller divider, or average longer.",
-        command: "zerorate probe",
     },
     Self::NoTemperature { window, wrong_edge } => Row {
         code: "no-temperature",
@@ -242,14 +182,6 @@ rows_with_remedies!(match Refusal {
              cover at least half of its span in each direction"
         ),
         remedies: &[Remedy::HeatAndCool],
-        says: Says::Refusal,
-        by: &["calibrate", "recalibrate"],
-        seen: "With `--method cycle`, the temperature did not cover half of its span while it rose, or while it fell.",
-        matters: "A cycle shows hysteresis and lag because the temperature goes in both directions. One direction \
-            shows neither.",
-        remedy: "Heat and cool the part while it is measured, by hand or in a chamber. Or use the method for a \
-            warming alone.",
-        command: "zerorate recalibrate unit.arrows --method warmup -o unit.toml",
     },
     Self::StepOrTemperature { finding, u_btc_dps_per_c, wanted_dps_per_c } => Row {
         code: { finding.deviation.code() },

@@ -1,0 +1,149 @@
+//! The meaning of every warning and refusal, as docs/codes.md states it.
+
+use serde::Serialize;
+
+/// The page of the book. It has a section for each code.
+const PAGE: &str = include_str!("../../../docs/codes.md");
+
+/// Codes that belong together, under a heading.
+#[derive(Clone, Debug)]
+pub struct Group {
+    /// The heading.
+    pub title: &'static str,
+    /// The sections below it, in the order of the page.
+    pub codes: Vec<Explanation>,
+}
+
+/// The meaning of a code, for any numbers of the case.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Explanation {
+    /// The code that a warning begins with, and that a refusal names.
+    pub code: &'static str,
+    /// The severity: `warning`, `refusal` or `warning or refusal`.
+    pub says: String,
+    /// The commands of `zerorate` that print it.
+    pub by: Vec<String>,
+    /// The observation.
+    pub seen: String,
+    /// Why it matters.
+    pub matters: String,
+    /// The remedy.
+    pub remedy: String,
+    /// An example of a command that helps or looks further; empty where there is none.
+    #[serde(skip_serializing_if = "str::is_empty")]
+    pub command: &'static str,
+}
+
+/// All sections of the page, below their headings.
+#[must_use]
+pub fn groups() -> Vec<Group> {
+    let groups = PAGE.split("\n## ").skip(1).filter_map(|group| group.split_once('\n'));
+    let sections = |text: &'static str| text.split("\n### ").skip(1).filter_map(Explanation::parse).collect();
+    groups.map(|(title, text)| Group { title, codes: sections(text) }).collect()
+}
+
+/// All sections, without headings.
+pub fn all() -> impl Iterator<Item = Explanation> {
+    groups().into_iter().flat_map(|group| group.codes)
+}
+
+/// The explanation of `code`. A whole line that begins with the code does as well: `aliased: 228 samples/s …`.
+#[must_use]
+pub fn explain(code: &str) -> Option<Explanation> {
+    let line = code.trim();
+    let line = line.strip_prefix("warning: ").or(line.strip_prefix("code: ")).unwrap_or(line);
+    let word = line.split([':', ' ']).next()?.to_lowercase().replace('_', "-");
+    all().find(|one| one.code == word)
+}
+
+/// The codes that are most like `word`, the nearest first; none where nothing is near.
+#[must_use]
+pub fn nearest(word: &str) -> Vec<&'static str> {
+    let word = word.trim().to_lowercase().replace('_', "-");
+    let mut near: Vec<(usize, &str)> = all().map(|one| (distance(&word, one.code), one.code)).collect();
+    near.retain(|&(distance, code)| distance <= code.len() / 3 || (word.len() > 2 && code.contains(&*word)));
+    near.sort_unstable();
+    near.into_iter().map(|(_, code)| code).take(3).collect()
+}
+
+impl Explanation {
+    /// Reads a section: the code; `*A warning of `a`, `b`.*` with the observation; why it matters; the remedy; and
+    /// in most sections a block with a command.
+    fn parse(section: &'static str) -> Option<Self> {
+        let mut paragraphs = section.trim_end().split("\n\n");
+        let code = paragraphs.next()?;
+        let first = one_line(paragraphs.next()?);
+        let (kind, seen) = first.strip_prefix("*A ")?.split_once(".* ")?;
+        let (says, by) = kind.split_once(" of ")?;
+        Some(Self {
+            code,
+            says: says.to_owned(),
+            by: by.split(", ").map(|name| name.trim_matches('`').to_owned()).collect(),
+            seen: seen.to_owned(),
+            matters: one_line(paragraphs.next()?.strip_prefix("**Why it matters.** ")?),
+            remedy: one_line(paragraphs.next()?.strip_prefix("**What to do.** ")?),
+            command: match paragraphs.next() {
+                Some(block) => block.strip_prefix("```sh,untried\n")?.strip_suffix("\n```")?,
+                None => "",
+            },
+        })
+    }
+}
+
+/// A paragraph without its line breaks.
+fn one_line(paragraph: &str) -> String {
+    paragraph.replace('\n', " ")
+}
+
+/// Letters to insert, to drop and to exchange, until one word is the other.
+fn distance(one: &str, other: &str) -> usize {
+    let mut row: Vec<usize> = (0..=other.len()).collect();
+    for (i, a) in one.bytes().enumerate() {
+        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
+        for (j, b) in other.bytes().enumerate() {
+            let changed = diagonal + usize::from(a != b);
+            diagonal = row[j + 1];
+            row[j + 1] = changed.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[other.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_section_of_the_page_is_understood() {
+        let codes: BTreeSet<&str> = all().map(|one| one.code).collect();
+        assert_eq!([all().count(), codes.len()], [PAGE.matches("\n### ").count(); 2], "{codes:?}");
+        for one in all() {
+            let is_word = one.code.bytes().all(|byte| byte.is_ascii_lowercase() || byte == b'-');
+            assert!(is_word && ["warning", "refusal", "warning or refusal"].contains(&&*one.says), "{one:?}");
+            for text in [&one.seen, &one.matters, &one.remedy] {
+                assert!(text.len() > 15 && text.ends_with(['.', ')']) && !text.contains("  "), "{one:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_code_is_found_as_it_is_read_in_a_terminal() {
+        for said in ["aliased", "warning: aliased: 228 rate samples", "Aliased:", "aliased: x", "code: aliased (`z`)"]
+        {
+            assert_eq!(explain(said).map(|one| one.code), Some("aliased"), "{said}");
+        }
+        assert_eq!(explain("lost_samples").map(|one| one.code), Some("lost-samples"));
+        assert_eq!([explain(""), explain("xyzzy")], [None, None]);
+    }
+
+    #[test]
+    fn a_typo_finds_what_was_meant() {
+        for (typo, meant) in [("aliasd", "aliased"), ("earth-inlcuded", "earth-included"), ("realtime", "realtime")] {
+            let near = nearest(typo);
+            assert!(near.first().is_some_and(|code| code.contains(meant)), "{typo}: {near:?}");
+        }
+        assert_eq!(nearest("qqqqqqqq"), [""; 0]);
+        assert_eq!((distance("", "abc"), distance("kitten", "sitting")), (3, 3));
+    }
+}
