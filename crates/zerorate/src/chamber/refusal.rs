@@ -1,7 +1,7 @@
 //! Refusals of a measurement in a chamber: the reasons why it ends without a result.
 
 use super::procedure::ChamberState;
-use crate::notice::because_of;
+use crate::notice::{Refusal, because_of};
 use crate::thermal::ThermalError;
 use core::fmt;
 use zerorate_allan::rows;
@@ -134,14 +134,8 @@ rows!(match ChamberRefusal {
         code: "no-curve",
         text: format_args!("no bias over temperature explains the rate. Check that the part was at rest"),
     },
-    Self::Swaying { hz, size_dps, limit_dps } => Row {
-        code: "swaying",
-        text: format_args!(
-            "the part moves: the rate sways by ±{size_dps:.3} °/s once in {:.0} s, above the limit of {limit_dps} \
-             °/s. Fix it to a platform that stays still",
-            1.0 / hz
-        ),
-    },
+    Self::Swaying { hz, size_dps, limit_dps } =>
+        Row { code: "swaying", text: format_args!("{}", Refusal::Swaying { hz, size_dps, limit_dps }) },
     Self::Restless { share, limit } => Row {
         code: "restless",
         text: format_args!(
