@@ -75,4 +75,5 @@ fn a_file_that_is_no_capture_is_told_from_a_damaged_one() {
     );
     assert!(verdicts.contains("it is not a calibration file either"), "{verdicts}");
     assert!(verdicts.contains("a CSV of other software"), "{verdicts}");
+    assert!(verdicts.contains("no check lines, so it cannot be verified"), "{verdicts}");
 }

@@ -13,22 +13,6 @@ fn points(json: &str) -> Vec<(u64, f64)> {
     points.iter().map(|point| (point["m"].as_u64().unwrap(), point["dev"].as_f64().unwrap())).collect()
 }
 
-/// The 1000-point suite of NIST SP 1065, section 12.4: a congruential generator.
-fn nbs14() -> Vec<f64> {
-    let next = |n: &u64| Some(16_807 * n % 2_147_483_647);
-    std::iter::successors(Some(1_234_567_890), next).map(|n| n as f64 / 2_147_483_647.0).take(1000).collect()
-}
-
-#[test]
-fn published_figures_of_nist() {
-    let bench = Bench::new();
-    let lines: String = nbs14().iter().map(|value| format!("{value}\n")).collect();
-    bench.write("nbs14.csv", lines);
-    let found = points(&bench.zerorate("allan nbs14.csv --rate 1 --json").ok());
-    assert_eq!(found.len(), 9);
-    assert!((found[0].1 / 2.922319e-1 - 1.0).abs() < 3e-7);
-}
-
 /// A real gyroscope, published with the R package avar: overlapping Allan variance at 18 averaging times.
 #[test]
 fn published_allan_variance_of_a_real_gyroscope() {
@@ -63,44 +47,6 @@ pub fn reference_data() -> Option<PathBuf> {
         return None;
     }
     Some(folder)
-}
-
-/// The same numbers in every form that is read.
-#[test]
-fn every_form_of_a_log_gives_the_same() {
-    let bench = Bench::new();
-    let codes: Vec<i16> = (0..500).map(|i: i32| ((i * i * 7919) % 10_007 - 5_000) as i16).collect();
-    let text = |separator: &str, header: &str| -> String {
-        let rows = codes.iter().enumerate().map(|(i, code)| format!("{i}{separator}{code}\n"));
-        format!("# a comment\n{header}{}", rows.collect::<String>())
-    };
-    bench.write("i16", codes.iter().flat_map(|code| code.to_le_bytes()).collect::<Vec<_>>());
-    bench.write("i32", codes.iter().flat_map(|code| i32::from(*code).to_le_bytes()).collect::<Vec<_>>());
-    bench.write("f32", codes.iter().flat_map(|code| f32::from(*code).to_le_bytes()).collect::<Vec<_>>());
-    bench.write("f64", codes.iter().flat_map(|code| f64::from(*code).to_le_bytes()).collect::<Vec<_>>());
-    bench.write("comma.csv", text(",", ""));
-    bench.write("named.csv", text(",", "\"t, s\",\"gyro z\"\r\n"));
-    bench.write("semicolon.csv", text("; ", "t;z\n"));
-    bench.write("tab.tsv", text("\t", "t\tz\n"));
-    bench.write("blanks.txt", text("   ", ""));
-    let whole = points(&bench.zerorate("allan i16 --raw i16 --rate 50 --scale 0.05 --json").ok());
-    let lines = [
-        "i32 --raw i32",
-        "f32 --raw f32",
-        "f64 --raw f64",
-        "comma.csv --column 1",
-        "named.csv --column 1",
-        "semicolon.csv --column z",
-        "tab.tsv --column z",
-        "blanks.txt --column 1",
-    ];
-    for line in lines {
-        let found = points(&bench.zerorate(&format!("allan {line} --rate 50 --scale 0.05 --json")).ok());
-        assert_eq!(found.len(), whole.len());
-        for ((m, dev), (_, expected)) in found.iter().zip(&whole) {
-            assert!((dev / expected - 1.0).abs() < 1e-9, "{line}: m = {m}");
-        }
-    }
 }
 
 /// A capture knows its rate and its scale; corrected, it is the same noise.

@@ -73,26 +73,6 @@ fn what_cannot_be_computed_is_listed() {
     assert_eq!(report["unavailable"][0]["tau_s"], 1e6);
 }
 
-/// The angle has the same deviation as the rate that it is the integral of.
-#[test]
-fn phase_is_the_integral_of_rate() {
-    let bench = Bench::new();
-    let rate: Vec<f64> = (0..500).map(|i: i32| f64::from((i * i * 7919) % 10_007 - 5_000)).collect();
-    let mut angle = 0.0;
-    let angles = rate.iter().flat_map(|rate| {
-        angle += rate / 50.0;
-        f64::to_le_bytes(angle)
-    });
-    bench.write("angle.f64", [0f64.to_le_bytes()].concat().into_iter().chain(angles).collect::<Vec<u8>>());
-    bench.write("rate.f64", rate.iter().flat_map(|rate| rate.to_le_bytes()).collect::<Vec<u8>>());
-    let of = |line: &str| json(&bench.zerorate(&format!("allan {line} --raw f64 --rate 50 --json")).ok());
-    let (phase, rate) = (of("angle.f64 --data phase"), of("rate.f64"));
-    for (a, b) in phase["points"].as_array().unwrap().iter().zip(rate["points"].as_array().unwrap()) {
-        assert!((a["dev"].as_f64().unwrap() / b["dev"].as_f64().unwrap() - 1.0).abs() < 1e-9, "{a} {b}");
-    }
-}
-
-/// `value` is always given, even where nothing can be fitted.
 /// Nothing was asked for, so nothing is fitted or taken out.
 #[test]
 fn without_fit_there_is_no_model() {
@@ -100,6 +80,7 @@ fn without_fit_there_is_no_model() {
     assert!(report["fit"].is_null() && report["points"][0]["model"].is_null(), "{report}");
 }
 
+/// `value` is always given, even where nothing can be fitted.
 #[test]
 fn a_record_too_short_for_a_fit() {
     let bench = Bench::new();
@@ -143,6 +124,15 @@ fn a_picture_may_be_a_png() {
 }
 
 #[test]
+fn what_no_option_takes_is_refused() {
+    let bench = bench();
+    for (option, said) in [("--plot plot.jpg", ".svg or .png"), ("--confidence 1", "below 1")] {
+        let refusal = bench.zerorate(&format!("allan {LOG} {option}")).fails(2);
+        assert!(refusal.contains(said), "{refusal}");
+    }
+}
+
+#[test]
 fn kalibr_reads_n_and_k_in_radians() {
     let bench = bench();
     bench.zerorate(&format!("allan other.f64 {LOG} --unit rad/s --imu-yaml imu.yaml")).ok();
@@ -157,18 +147,4 @@ fn kalibr_reads_n_and_k_in_radians() {
     let unknown = bench.zerorate(&format!("allan {LOG} --imu-yaml other.yaml"));
     assert!(unknown.stderr.contains("imu.yaml needs rad/s"), "{}", unknown.stderr);
     assert!(!bench.path("other.yaml").exists());
-}
-
-#[test]
-fn nothing_is_overwritten_by_accident() {
-    let bench = bench();
-    bench.write("plot.svg", "mine");
-    let refusal = bench.zerorate(&format!("allan {LOG} --plot plot.svg")).fails(2);
-    assert!(refusal.contains("--force"), "{refusal}");
-    bench.zerorate(&format!("allan {LOG} --plot plot.svg --force")).ok();
-    assert!(std::fs::read_to_string(bench.path("plot.svg")).unwrap().contains("<svg"));
-    let refusal = bench.zerorate(&format!("allan {LOG} --plot plot.jpg")).fails(2);
-    assert!(refusal.contains(".svg or .png"), "{refusal}");
-    let refusal = bench.zerorate(&format!("allan {LOG} --confidence 1")).fails(2);
-    assert!(refusal.contains("below 1"), "{refusal}");
 }

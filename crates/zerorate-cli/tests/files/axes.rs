@@ -111,6 +111,8 @@ fn another_part_is_calibrated_corrected_and_exported() {
         let sum: f64 = last.iter().map(|row| row[column].parse::<f64>().unwrap()).sum();
         assert!((sum / 6_000.0).abs() < 0.02, "{axis}: {}", sum / 6_000.0);
     }
+    let stream = "stream --device replay:imu.arrows --part part.toml --cal unit.toml --rate 1";
+    assert!(bench.zerorate(stream).ok().starts_with("t_s,x_dps,y_dps,z_dps,temp_c,"));
     let header = bench.zerorate("export unit.toml --format c").ok();
     assert!(header.contains("int32_t zerorate_z_correct_code(int32_t rate_code, int32_t temp_code)"), "{header}");
     bench.zerorate("report unit.toml -o unit.html").ok();

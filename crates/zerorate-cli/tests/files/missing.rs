@@ -1,4 +1,5 @@
-//! What is not built in: one sentence says which feature and which command add it, and no file is left behind.
+//! What is not built in: one sentence says which feature and which command add it, and no file is left behind. The
+//! forms that are only read are tested where they are read, in `zerorate-logs`.
 
 use super::{Bench, calibration};
 
@@ -13,62 +14,21 @@ fn says(bench: &Bench, line: &str, what: &str, feature: &str) {
     assert!(last.starts_with("error: ") && last.ends_with(&sentence), "{said}");
 }
 
-/// Reads a file in each way that a log or a capture is read.
-#[track_caller]
-fn reading_says(content: &[u8], what: &str, feature: &str) {
-    let bench = Bench::new();
-    bench.write("log", content);
-    says(&bench, "allan log --rate 10", what, feature);
-    says(&bench, "imu log", what, feature);
-}
-
-#[cfg(not(feature = "hdf5"))]
-#[test]
-fn hdf5() {
-    reading_says(include_bytes!("../../../zerorate-logs/fixtures/imu.h5"), "HDF5", "hdf5");
-}
-
-#[cfg(not(feature = "matlab"))]
-#[test]
-fn matlab() {
-    reading_says(include_bytes!("../../../zerorate-logs/fixtures/imu.mat"), "the reader of MATLAB files", "matlab");
-}
-
-#[cfg(not(feature = "npz"))]
-#[test]
-fn npz() {
-    reading_says(include_bytes!("../../../zerorate-logs/fixtures/imu.npz"), "the reader of .npz archives", "npz");
-}
-
-#[cfg(not(feature = "packed"))]
-#[test]
-fn packed() {
-    reading_says(include_bytes!("../../../zerorate-logs/fixtures/checked/log.csv.gz"), "gzip", "packed");
-}
-
-#[cfg(not(feature = "ros"))]
-#[test]
-fn ros() {
-    reading_says(include_bytes!("../../../zerorate-logs/fixtures/imu_none.bag"), "the reader of ROS 1 bags", "ros");
-}
-
 #[cfg(not(feature = "mcap"))]
 #[test]
 fn mcap() {
-    reading_says(include_bytes!("../../../zerorate-logs/fixtures/imu_zstd.mcap"), "MCAP", "mcap");
     recording_says("mcap", "MCAP");
 }
 
 #[cfg(not(feature = "parquet"))]
 #[test]
 fn parquet() {
-    let content = include_bytes!("../../../zerorate-logs/fixtures/checked/none.parquet");
-    reading_says(content, "Parquet", "parquet");
     recording_says("parquet", "Parquet");
     let bench = Bench::new();
-    bench.write("log.parquet", content);
-    says(&bench, "recalibrate log.parquet", "Parquet", "parquet");
-    says(&bench, "capture --device replay:log.parquet -o out.csv", "Parquet", "parquet");
+    bench.write("log", include_bytes!("../../../zerorate-logs/fixtures/checked/none.parquet"));
+    for line in ["allan log --rate 10", "imu log", "recalibrate log", "capture --device replay:log -o out.csv"] {
+        says(&bench, line, "Parquet", "parquet");
+    }
 }
 
 /// Before a sample is taken.

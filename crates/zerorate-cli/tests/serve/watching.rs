@@ -38,8 +38,6 @@ fn follow(page: &mut Watch, over: &AtomicBool) -> usize {
     frames
 }
 
-/// Twenty pages, of which one takes nothing: its connection fills up and is dropped, the others go on, and the
-/// recording has every sample.
 /// Files are read in a child, which a signal to the program alone must reach.
 #[test]
 fn a_recording_that_is_served_ends_when_the_program_is_asked_to() {
@@ -49,6 +47,8 @@ fn a_recording_that_is_served_ends_when_the_program_is_asked_to() {
     assert_eq!(served.interrupt().code(), Some(0));
 }
 
+/// Twenty pages, of which one takes nothing: its connection fills up and is dropped, the others go on, and the
+/// recording has every sample.
 #[test]
 fn nobody_who_looks_on_slows_the_recording() {
     let bench = Bench::new();
@@ -263,26 +263,4 @@ fn a_server_that_was_restarted_takes_its_port_again() {
     let mut again = again.expect("the program starts");
     assert!(wait_until(|| std::net::TcpStream::connect(("127.0.0.1", port)).is_ok()));
     again.kill().and_then(|()| again.wait()).expect("an end");
-}
-
-/// AN-1042 from a reset to its result, in simulated time as fast as it goes. With filter word 127 a unit gives 360
-/// samples a second (F-31), so that the hour is over soon.
-#[test]
-fn a_calibration_is_guided_to_its_end_and_kept() {
-    let bench = Bench::new();
-    let served = Served::start(&bench, "--device twin:seed=6,fw=127 --folder shelf");
-    let mut page = served.watch();
-    assert_eq!(page.ask(&json!({"id": 1, "do": "calibrate", "method": "an1042"}))["ok"], json!({}));
-    page.until(|frame| frame["calibration"]["is"] == "running");
-    assert!(page.ask(&json!({"id": 2, "do": "calibrate", "method": "warmup"}))["error"].is_string());
-    assert_eq!(page.ask(&json!({"id": 3, "do": "speed", "factor": 0}))["ok"], json!({}));
-    let ended = page.until(|frame| !frame["calibration"].is_null() && frame["calibration"]["is"] != "running");
-    let result = &ended["calibration"];
-    assert_eq!(result["is"], "done", "{result}");
-    let id = result["entry"]["id"].as_str().expect("an id");
-    let kept = bench.path(&format!("shelf/calibration-{id}.toml"));
-    assert!(wait_until(|| kept.exists()), "{}", kept.display());
-    // a page that comes now sees it, too
-    assert_eq!(served.watch().frame()["calibration"]["entry"]["id"], id);
-    bench.zerorate(&format!("export shelf/calibration-{id}.toml --format json")).ended_with(0);
 }

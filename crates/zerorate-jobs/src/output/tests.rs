@@ -91,3 +91,91 @@ fn force_is_advised_where_there_is_such_an_option() {
     assert!([&with, &without].iter().all(|error| error.to_string().ends_with("choose another name")));
     assert!(could_be_forced(&with.context("saving")) && !could_be_forced(&without));
 }
+
+/// By a path around, a hard link and a symbolic link, with or without force.
+#[cfg(unix)]
+#[test]
+fn a_file_is_known_by_any_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    fs::create_dir(path("sub")).unwrap();
+    fs::write(path("in"), "text").unwrap();
+    fs::hard_link(path("in"), path("hard")).unwrap();
+    std::os::unix::fs::symlink("in", path("link")).unwrap();
+    for name in ["in", "./in", "sub/../in", "hard", "link"] {
+        for force in [false, true] {
+            let mut outputs = Outputs::new(force).reading([&*path("in")]).unwrap();
+            assert!(matches!(outputs.derived(&path(name)), Err(OutputError::IsInput { .. })), "{name}");
+        }
+        let mut outputs = Outputs::new(true);
+        let _first = outputs.derived(&path("in")).unwrap();
+        assert!(matches!(outputs.derived(&path(name)), Err(OutputError::Twice { .. })), "{name}");
+    }
+}
+
+/// Whole, torn, damaged in its description, or without its end: it cannot be had again.
+#[test]
+fn nothing_but_a_recording_replaces_a_capture() {
+    let folder = tempfile::tempdir().unwrap();
+    let head = "# zerorate.capture_schema = 1\n# zerorate.width_bits = 24\n# zerorate.rate_conversion = 5\n\
+        # zerorate.temp_conversion = 5\nt_ns,edge_seq,rate_code,status,temp_code,lost\n";
+    let row = "1000,1,8623488,8,8402701,0\n";
+    for content in [
+        format!("{head}{row}"),
+        format!("{head}{row}2000,"),
+        head.replace("capture_schema", "kapture_schema") + row,
+        "PAR1 and no index of zerorate.".to_owned(),
+    ] {
+        let path = folder.path().join("other");
+        fs::write(&path, &content).unwrap();
+        for refused in [Outputs::new(true).derived(&path).map(drop), Outputs::new(true).slot(&path).map(drop)] {
+            assert!(matches!(refused, Err(OutputError::IsCapture { .. })), "{content}");
+        }
+        assert_eq!(fs::read_to_string(&path).unwrap(), content);
+        Outputs::new(true).recording(&path).unwrap();
+    }
+}
+
+/// An older copy under a hard link is a copy: a new recording does not reach through it.
+#[test]
+fn a_recording_that_replaces_another_leaves_its_hard_links() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    fs::write(path("run"), "older").unwrap();
+    fs::hard_link(path("run"), path("backup")).unwrap();
+    let recording = Outputs::new(true).recording(&path("run")).unwrap();
+    io::Write::write_all(&mut recording.file().unwrap(), b"newer").unwrap();
+    recording.finish().unwrap();
+    assert_eq!([path("backup"), path("run")].map(|path| fs::read_to_string(path).unwrap()), ["older", "newer"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_stays_a_link_and_leads_nowhere_new() {
+    use std::os::unix::fs::{lchown, symlink};
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let fill = |name: &str, force| Outputs::new(force).derived(&path(name))?.fill(b"new");
+    for (target, link) in
+        [("victim", "planted"), ("victim", "out.csv.part"), ("dated", "latest"), ("b", "a"), ("a", "b")]
+    {
+        symlink(target, path(link)).unwrap();
+    }
+    for force in [false, true] {
+        assert!(matches!(fill("planted", force), Err(OutputError::Dangling { .. })));
+    }
+    // where an unfinished file may once have had its name
+    fill("out.csv", false).unwrap();
+    assert!(!path("victim").exists());
+    // kept, and the file it leads to is replaced if that is wanted
+    fs::write(path("dated"), "older").unwrap();
+    assert!(matches!(fill("latest", false), Err(OutputError::Exists { .. })));
+    fill("latest", true).unwrap();
+    assert_eq!(fs::read_link(path("latest")).unwrap(), Path::new("dated"));
+    assert_eq!(fs::read_to_string(path("dated")).unwrap(), "new");
+    assert!(fill("a", true).is_err(), "round and round");
+    // in a folder that many may write to, somebody else's link leads to where they want; root alone can make one
+    if lchown(path("latest"), Some(4711), None).is_ok() {
+        assert!(matches!(fill("latest", true), Err(OutputError::ForeignLink { uid: 4711, .. })));
+    }
+}

@@ -1,0 +1,229 @@
+//! The noise of logs: columns, several records as one, and the axes of an IMU.
+
+use super::bench::{Folder, record, refusal};
+use std::path::{Path, PathBuf};
+use zerorate_allan::{Fit, FitOptions, Noise, Term};
+use zerorate_host::Sampling;
+use zerorate_jobs::InvalidOptions;
+use zerorate_jobs::allan::{AllanOptions, Columns, allan};
+use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
+use zerorate_jobs::pool::{NoPool, pool};
+use zerorate_logs::imu::{Choice, Combine, Format, ImuOptions, Kind, Rule, Said};
+use zerorate_logs::{AnalysisOptions, ColumnOptions, LogError, LogWarning, Names, RawType, Record, Setting, Settling};
+
+/// White noise of this standard deviation, by a congruential generator: sums of twelve uniform numbers.
+fn white(samples: usize, sd: f64, seed: u64) -> Vec<f64> {
+    let mut state = seed;
+    let mut uniform = move || {
+        state = 16_807 * state % 2_147_483_647;
+        state as f64 / 2_147_483_647.0 - 0.5
+    };
+    (0..samples).map(|_| (0..12).map(|_| uniform()).sum::<f64>() * sd).collect()
+}
+
+fn fitted() -> AnalysisOptions {
+    AnalysisOptions { fit: Some(FitOptions::default()), ..AnalysisOptions::default() }
+}
+
+fn options(log: ColumnOptions, analysis: AnalysisOptions) -> AllanOptions {
+    AllanOptions { columns: Columns::Single, log, temperature: None, analysis }
+}
+
+fn at(rate_hz: f64) -> ColumnOptions {
+    ColumnOptions { rate: Some(rate_hz), ..ColumnOptions::default() }
+}
+
+/// Zeros all over are not noise, in any log. A column that stops is warned of.
+#[test]
+fn a_constant_column_is_believed_by_nobody() {
+    let folder = Folder::new();
+    let analysed = |rate: &dyn Fn(u32) -> u32| {
+        let rows: String = (0..5000).map(|k| format!("{}\n", rate(k))).collect();
+        let log = folder.write("log.csv", format!("gz_dps\n{rows}"));
+        allan(&[log], &options(at(100.0), AnalysisOptions::default()))
+    };
+    let noise = |k: u32| k.wrapping_mul(2_654_435_761) >> 20;
+    let notes = |rate: &dyn Fn(u32) -> u32| {
+        let records = analysed(rate).unwrap();
+        records[0].notes.iter().map(LogWarning::coded).collect::<Vec<_>>().join("\n")
+    };
+    assert_eq!(refusal(&analysed(&|_| 7).err().unwrap()), Some("frozen"));
+    let said = notes(&|k| noise(k.min(3000)));
+    assert!(said.contains("the last 2000 of 5000 samples"), "{said}");
+    let said = notes(&|k| noise(if (1500..3500).contains(&k) { 1500 } else { k }));
+    assert!(said.contains("2000 of 5000 samples of column gz_dps are the same, from 15.0 s on"), "{said}");
+    assert!(!notes(&noise).contains("the same"));
+}
+
+/// A capture of a part that warms for 20 minutes, from power-on: K is 1e-4 (M-04).
+#[test]
+fn a_rate_that_follows_its_temperature_can_be_analysed() {
+    let folder = Folder::new();
+    let capture = folder.path("a.arrows");
+    record("twin:seed=4", Sampling { divider: Some(200), every_temp: None }, 2400.0, &capture);
+    let by = |settling: Settling| {
+        let analysis = AnalysisOptions { settling, ..fitted() };
+        allan(&[capture.clone()], &options(ColumnOptions::default(), analysis)).unwrap().remove(0)
+    };
+    let follows = |record: &Record| record.of_noise().any(|warning| warning.code() == "follows-temperature");
+    let whole = by(Settling::default());
+    assert!(follows(&whole) && whole.model().unwrap().k.lo > 1e-4, "what made the warning necessary");
+    let detrended = by(Settling { order: Some(1), ..Settling::default() });
+    let k = &detrended.model().unwrap().k;
+    assert!(!follows(&detrended) && k.lo <= 1e-4 && k.hi >= 1e-4, "{k:?}");
+    let taken = detrended.detrended.as_ref().unwrap();
+    assert!(taken.lost_dof == 1 && taken.explained > 0.95, "{}", taken.explained);
+    let skipped = by(Settling { skip_s: 1800.0, ..Settling::default() });
+    assert!((skipped.skipped_s - 1800.0).abs() < 0.01, "{}", skipped.skipped_s);
+    assert!((skipped.analysis.samples as f64 / whole.analysis.samples as f64 - 0.25).abs() < 1e-3);
+}
+
+/// Four records of white noise at 100 Hz: N is a tenth of the standard deviation.
+fn records(sizes: &[(f64, u64)]) -> Vec<Record> {
+    let folder = Folder::new();
+    let logs: Vec<PathBuf> = sizes
+        .iter()
+        .map(|(sd, seed)| {
+            let rate = white(60_000, *sd, *seed);
+            let bytes: Vec<u8> = rate.iter().flat_map(|rate| rate.to_le_bytes()).collect();
+            folder.write(&format!("{seed}.f64"), bytes)
+        })
+        .collect();
+    let log = ColumnOptions { raw: Some(RawType::F64), unit: "dps".parse().ok(), ..at(100.0) };
+    allan(&logs, &options(log, AnalysisOptions { keeps_rate: true, ..fitted() })).unwrap()
+}
+
+const ALIKE: [(f64, u64); 3] = [(0.098, 3), (0.1, 5), (0.102, 7)];
+const LOUD: (f64, u64) = (0.2, 9);
+
+/// Three units of one type and a louder one: one model, the spread, and the one that does not fit by name.
+#[test]
+fn a_pool_of_logs_is_one_model() {
+    let records = records(&[ALIKE[0], ALIKE[1], ALIKE[2], LOUD]);
+    let pool = pool(&records).unwrap();
+    let n = &pool.record.model().unwrap().n;
+    assert!(n.identified && (n.value / 0.01 - 1.0).abs() < 0.02, "{n:?}");
+    assert!((2e-4..8e-4).contains(&(n.hi - n.lo)), "the spread is in the interval: {n:?}");
+    let spread = pool.spread.iter().find(|spread| spread.noise == Noise::AngleRandomWalk).unwrap();
+    assert!((spread.relative / 0.017 - 1.0).abs() < 0.3, "{}", spread.relative);
+    assert_eq!((pool.used.len(), pool.apart.len()), (3, 1));
+    let apart = &pool.apart[0];
+    assert!(
+        apart.is_left_out && apart.record.contains("9.f64") && apart.why.contains("1.99 times the N"),
+        "{}",
+        apart.why
+    );
+}
+
+#[test]
+fn records_that_have_nothing_in_common_have_no_pool() {
+    let mut all = records(&[ALIKE[0], LOUD]);
+    let refused = pool(&all).err().unwrap();
+    assert_eq!(refused.code(), Some("no-common-model"), "{refused}");
+    let one = pool(&all[..1]).err().unwrap();
+    assert!(matches!(one, NoPool::Unfit(_)) && one.code().is_none(), "{one}");
+    let first = all[0].file.clone();
+    all[1].file = first;
+    assert!(matches!(pool(&all), Err(NoPool::Twice(_))));
+    all[1].file = "another".into();
+    all[1].quantity = None;
+    assert!(matches!(pool(&all), Err(NoPool::Mixed(..))));
+}
+
+const RATE_HZ: f64 = 100.0;
+/// Standard deviations of single samples: °/s and m/s².
+const SIGMAS: [f64; 6] = [0.10, 0.12, 0.08, 0.020, 0.025, 0.030];
+const HEAD: &str = "t_s,gx_dps,gy_dps,gz_dps,ax [m/s^2],ay [m/s^2],az [m/s^2],mag_x";
+
+/// White noise of each axis; the last stands on gravity.
+fn log(head: &str, rows: usize) -> String {
+    let axes: Vec<Vec<f64>> = (7..).zip(SIGMAS).map(|(seed, sigma)| white(rows, sigma, seed)).collect();
+    let row = |k: usize| {
+        let cells: Vec<String> = axes.iter().map(|axis| format!("{:.6}", axis[k])).collect();
+        let [x, y, z, ax, ay, az] = &cells[..] else { panic!("six") };
+        let az = az.parse::<f64>().unwrap() + 9.81;
+        format!("{:.2},{x},{y},{z},{ax},{ay},{az:.6},{}\n", k as f64 / RATE_HZ, k % 7)
+    };
+    format!("{head}\n") + &(0..rows).map(row).collect::<String>()
+}
+
+fn of(log: &Path, axes: ImuOptions, format: Option<Format>) -> anyhow::Result<ImuNoise> {
+    imu(log, &ImuNoiseOptions { axes, temperature: None, analysis: fitted(), format })
+}
+
+/// The numbers of the gyroscope in a file for Kalibr: N and K.
+fn for_kalibr(noise: &ImuNoise, rule: Rule, combine: Combine) -> (f64, f64, String) {
+    let names = Names(Setting::name);
+    let choice = Choice { log: "imu.csv".to_owned(), topic: None, combine, rule, inflate: 1.0, names };
+    let doubts = Record::doubts(&noise.axes);
+    let text = Format::Kalibr.file(choice, &Record::axes(&noise.axes), &doubts, false).unwrap();
+    let number = |key: &str| -> f64 {
+        let line = text.lines().find_map(|line| line.strip_prefix(key)).unwrap();
+        line.trim_start_matches(':').split_whitespace().next().unwrap().parse().unwrap()
+    };
+    (number("gyroscope_noise_density"), number("gyroscope_random_walk"), text)
+}
+
+/// N and K cover the curve from 1 s on. As they were fitted, a K that is not identified is its upper limit, and the
+/// worst axis decides.
+#[test]
+fn n_and_k_of_an_imu_cover_its_curves_or_are_as_fitted() {
+    let folder = Folder::new();
+    let file = folder.write("imu.csv", log(HEAD, 20_000));
+    let noise = of(&file, ImuOptions::default(), Some(Format::Kalibr)).unwrap();
+    let kinds: Vec<Kind> = Record::axes(&noise.axes).iter().map(|axis| axis.kind).collect();
+    assert_eq!(kinds, [[Kind::Gyroscope; 3], [Kind::Accelerometer; 3]].concat());
+    assert!(noise.absent.is_empty() && noise.topic.is_none());
+    let (n, k_limit, fitted) = for_kalibr(&noise, Rule::AsFitted, Combine::Worst);
+    assert!((n / (0.12 / RATE_HZ.sqrt()).to_radians() - 1.0).abs() < 0.02, "{fitted}");
+    let k = |fit: &Fit| if fit.k.identified { fit.k.value } else { fit.k.hi };
+    let largest = noise.axes[..3].iter().map(|axis| k(axis.model().unwrap())).fold(0.0, f64::max);
+    assert!((k_limit / largest.to_radians() - 1.0).abs() < 1e-5 && fitted.contains("upper 95 % limit of K of"));
+    let (covers_n, covers_k, covers) = for_kalibr(&noise, Rule::Covers(Some(20.0)), Combine::Worst);
+    assert!(covers_n >= n && covers_n <= 2.0 * n && covers_k > 0.0 && covers_k < 10.0 * k_limit, "{covers}");
+    assert!(covers.contains("covers the curve up to 20 s; fitted: "), "{covers}");
+    let (mean, ..) = for_kalibr(&noise, Rule::AsFitted, Combine::Mean);
+    assert!((mean / (0.10 / RATE_HZ.sqrt()).to_radians() - 1.0).abs() < 0.02, "{mean}");
+}
+
+/// 0.05 °/s with a correlation time of 1 s beside white noise.
+#[test]
+fn correlated_noise_of_an_axis_is_a_gauss_markov_term() {
+    let folder = Folder::new();
+    let (phi, mut correlated) = ((-1.0 / RATE_HZ).exp(), 0.0);
+    let pairs = white(20_000, 0.10, 7).into_iter().zip(white(20_000, 1.0, 9)).enumerate();
+    let rows = pairs.map(|(k, (white, normal))| {
+        correlated = phi * correlated + (1.0 - phi * phi).sqrt() * 0.05 * normal;
+        format!("{:.2},{:.6}\n", k as f64 / RATE_HZ, white + correlated)
+    });
+    let file = folder.write("imu.csv", format!("t_s,gz_dps\n{}", rows.collect::<String>()));
+    let noise = of(&file, ImuOptions::default(), None).unwrap();
+    let found = noise.axes[0].model().unwrap().terms.iter().find_map(|term| match term {
+        Term::GaussMarkov { sigma, tau_s } => Some((sigma.value, tau_s.value)),
+        _ => None,
+    });
+    let (sigma, tau_s) = found.unwrap();
+    assert!((0.04..0.06).contains(&sigma) && (0.6..1.6).contains(&tau_s), "{sigma} {tau_s}");
+    assert_eq!(noise.absent.len(), 1, "no accelerometer");
+}
+
+/// What a log does not say is asked for; what is no result is refused; what a filter cannot take is an invalid option.
+#[test]
+fn what_makes_no_file_says_why() {
+    let folder = Folder::new();
+    let file = |name: &str, content: String| folder.write(name, content);
+    let plain = file("plain.csv", log("t_s,wx,wy,wz,ax,ay,az,mag_x", 100));
+    let asked = of(&plain, ImuOptions::default(), None).err().unwrap();
+    assert!(matches!(asked.downcast_ref(), Some(LogError::Ask(_))) && asked.to_string().contains("state no unit"));
+    let [gyro, accel] = ["dps", "m/s²"].map(|unit| Said { unit: unit.parse().ok(), ..Said::default() });
+    of(&plain, ImuOptions { gyro, accel, ..ImuOptions::default() }, None).unwrap();
+    let short = file("short.csv", log(HEAD, 20));
+    let doubts = Record::doubts(&of(&short, ImuOptions::default(), None).unwrap().axes);
+    assert!(doubts.code() == Some("no-model") && doubts.to_string().contains("20 samples are too few"), "{doubts}");
+    let still =
+        file("still.csv", format!("t_s,gx_dps\n{}", (0..2000).map(|k| format!("{k},0.5\n")).collect::<String>()));
+    assert_eq!(refusal(&of(&still, ImuOptions::default(), None).err().unwrap()), Some("frozen"));
+    let two = ImuOptions { columns: Some(vec!["1".to_owned(), "2".to_owned()]), ..ImuOptions::default() };
+    let error = of(&short, two, Some(Format::KfGins)).err().unwrap();
+    assert!(error.is::<InvalidOptions>() && error.to_string().contains("KF-GINS takes three"), "{error}");
+}

@@ -1,0 +1,206 @@
+//! Devices, files and listeners of the tests.
+
+use anyhow::{Error, Result};
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+use zerorate::health::Flags;
+use zerorate::{Calibration, Names, Plan, Progress, Setting};
+use zerorate_host::{Cause, DeviceError, Pace, Sampling, Setup, Stop};
+use zerorate_jobs::calibrate::{Done, Files, Kept, Numbers, Watch, prepare};
+use zerorate_jobs::correct;
+use zerorate_jobs::output::Outputs;
+use zerorate_jobs::stream::{Learned, Listener, StreamOptions, StreamRow, stream};
+use zerorate_jobs::{Acquisition, CodedWarning, JobWarning, Refused};
+use zerorate_logs::LogError;
+use zerorate_record::{CaptureWriter, Format};
+
+/// A folder of its own, gone after the test.
+pub struct Folder(TempDir);
+
+impl Folder {
+    pub fn new() -> Self {
+        Self(TempDir::new().unwrap())
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+        fs::write(self.path(name), content).unwrap();
+        self.path(name)
+    }
+
+    pub fn text(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap()
+    }
+
+    pub fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.0.path()).unwrap();
+        let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+}
+
+pub fn replay(path: &Path) -> String {
+    format!("replay:{}", path.display())
+}
+
+pub fn open(device: &str) -> Acquisition {
+    sampled(device, Sampling::default())
+}
+
+pub fn sampled(device: &str, sampling: Sampling) -> Acquisition {
+    let setup = Setup { sampling, ..Setup::default() };
+    Acquisition::open(&device.parse().unwrap(), setup, Pace::Free, &Stop::default(), Box::new(|_| {})).unwrap()
+}
+
+/// A calibration in four minutes of part time. Its BTC is poor.
+pub fn short() -> Plan {
+    let (warmup_s, settle_s, max_u_btc_dps_per_c) = (60.0, 120.0, 0.2);
+    Plan { average_s: 2.0, warmup_s, settle_s, offset_s: 20.0, max_u_btc_dps_per_c, ..Plan::default() }
+}
+
+/// Looks on in silence.
+struct Quiet;
+
+impl Watch for Quiet {
+    fn see(&mut self, _: &Progress) -> bool {
+        true
+    }
+
+    fn warn(&mut self, _: JobWarning) {}
+
+    fn names(&self) -> Names {
+        Setting::name
+    }
+}
+
+/// Calibrates into files that may exist.
+pub fn keep(device: &str, plan: Plan, kept: Kept) -> Result<Done> {
+    let files = Files::claim(Outputs::new(true), kept)?;
+    let done = prepare(open(device), plan, files, Setting::name)?.run(&mut Quiet)?;
+    done.kept.as_ref().unwrap();
+    Ok(done)
+}
+
+pub fn calibrate(device: &str, plan: Plan) -> Result<Done> {
+    keep(device, plan, Kept::default())
+}
+
+/// The numbers of a part with one axis.
+pub fn only(done: &Done) -> &Numbers {
+    done.report.only.as_ref().unwrap()
+}
+
+/// Records for so long, s. Returns what was read.
+pub fn record(device: &str, sampling: Sampling, seconds: f64, path: &Path) -> Acquisition {
+    let mut acquisition = sampled(device, sampling);
+    acquisition.initialise().unwrap();
+    let format = Format::choose(None, path).unwrap();
+    let out = Box::new(File::create(path).unwrap());
+    let mut writer = CaptureWriter::create(path, out, format, &acquisition.facts().info).unwrap();
+    while let Some(row) = acquisition.next_row().unwrap() {
+        writer.push(&row).unwrap();
+        acquisition.look_at(&row);
+        if acquisition.tally().duration_s() >= seconds {
+            break;
+        }
+    }
+    writer.finish().unwrap();
+    acquisition
+}
+
+/// A correction by a line or a curve, with its last lines.
+pub fn calibration(schema: u32, coefficients: [f64; 3], more: &str) -> Calibration {
+    let [pbc, btc, t3] = coefficients;
+    let text = format!(
+        "schema = {schema}\npart = \"ADIS16130\"\n[correction]\npbc_dps = {pbc:?}\nbtc_dps_per_c = {btc:?}\n\
+         t3_c = {t3:?}\n{more}"
+    );
+    Calibration::parse(&text).unwrap().0
+}
+
+/// Corrects a capture into another file. Returns the warnings.
+pub fn corrected(capture: &Path, calibration: &Calibration, output: &Path) -> Result<Vec<JobWarning>> {
+    let mut outputs = Outputs::new(true);
+    let reader = outputs.capture(capture)?;
+    let part = reader.info().part();
+    let job = correct::Job::new(capture, reader, &part, calibration)?;
+    let (staged, format) = (outputs.derived(output)?, Format::choose(None, output)?);
+    let mut warnings = Vec::new();
+    job.run(staged, format, &Stop::default(), Setting::name, &mut |warning| warnings.push(warning))?;
+    Ok(warnings)
+}
+
+/// The cells of a CSV, without its head.
+pub fn cells(text: &str) -> Vec<Vec<&str>> {
+    text.lines().filter(|line| !line.starts_with('#')).skip(1).map(|line| line.split(',').collect()).collect()
+}
+
+/// The rows of a stream, and its warnings.
+#[derive(Default)]
+pub struct Streamed {
+    pub rows: Vec<StreamRow>,
+    pub warnings: Vec<JobWarning>,
+}
+
+impl Listener for Streamed {
+    fn row(&mut self, row: &StreamRow) -> Result<()> {
+        self.rows.push(row.clone());
+        Ok(())
+    }
+
+    fn end(&mut self) -> Result<()> {
+        Ok(())
+    }
+
+    fn warn(&mut self, warning: JobWarning) {
+        self.warnings.push(warning);
+    }
+
+    fn kept_again(&mut self, _: &Path) {}
+
+    fn learned(&mut self, _: &Learned<'_>) {}
+}
+
+impl Streamed {
+    /// Rows with such a reading.
+    pub fn with(&self, flags: Flags) -> usize {
+        self.rows.iter().filter(|row| row.flags.has(flags)).count()
+    }
+}
+
+/// Streams for so long, s, a row every so many s; each sample for 0.
+pub fn streamed(device: &str, calibration: &Calibration, seconds: f64, every_s: f64) -> (Streamed, Result<()>) {
+    let acquisition = open(device);
+    acquisition.initialise().unwrap();
+    let ns = |s: f64| Some((s * 1e9) as u64).filter(|ns| *ns > 0);
+    let options = StreamOptions { period_ns: ns(every_s), duration_ns: ns(seconds) };
+    let mut streamed = Streamed::default();
+    let ended = stream(acquisition, calibration, options, None, &mut streamed);
+    (streamed, ended)
+}
+
+pub fn codes(warnings: &[JobWarning]) -> Vec<&'static str> {
+    warnings.iter().map(JobWarning::code).collect()
+}
+
+pub fn has(warnings: &[CodedWarning], code: &str) -> bool {
+    warnings.iter().any(|warning| warning.to_string().starts_with(&format!("{code}: ")))
+}
+
+/// The code of a refusal; none where the run failed.
+pub fn refusal(error: &Error) -> Option<&'static str> {
+    let of_log = match error.downcast_ref() {
+        Some(LogError::Refused(code, _)) => Some(*code),
+        _ => None,
+    };
+    let of_device = match error.downcast_ref().map(DeviceError::cause) {
+        Some(Cause::Refused(code)) => Some(code),
+        _ => None,
+    };
+    error.downcast_ref().map(|refused: &Refused| refused.code).or(of_log).or(of_device)
+}
