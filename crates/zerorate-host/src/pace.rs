@@ -60,12 +60,36 @@ impl Speed {
     }
 }
 
+/// The time by which part time is held back.
+pub(crate) trait Clock {
+    /// Time since an arbitrary moment.
+    fn now(&self) -> Duration;
+
+    /// Lets so much time pass.
+    fn sleep(&self, time: Duration);
+}
+
+/// The clock of the computer.
+pub(crate) struct Monotonic(Instant);
+
+impl Clock for Monotonic {
+    fn now(&self) -> Duration {
+        self.0.elapsed()
+    }
+
+    fn sleep(&self, time: Duration) {
+        thread::sleep(time);
+    }
+}
+
 /// Keeps part time from running ahead of the wall clock; looks at the clock once per [`PACE`] of wall time.
-pub(crate) struct WallClock {
+pub(crate) struct WallClock<C = Monotonic> {
+    clock: C,
     speed: Speed,
     /// The speed since `started`.
     bits: u64,
-    started: Option<(Instant, u64)>,
+    /// Wall time and part time, ns.
+    started: Option<(Duration, u64)>,
     due_ns: u64,
 }
 
@@ -76,8 +100,14 @@ const LONGEST_SLEEP: Duration = Duration::from_millis(100);
 
 impl WallClock {
     pub fn new(speed: Speed) -> Self {
+        Self::by(Monotonic(Instant::now()), speed)
+    }
+}
+
+impl<C: Clock> WallClock<C> {
+    fn by(clock: C, speed: Speed) -> Self {
         let bits = speed.bits();
-        Self { speed, bits, started: None, due_ns: 0 }
+        Self { clock, speed, bits, started: None, due_ns: 0 }
     }
 
     /// Part time that passes in so much wall time, ns; none where nothing holds it.
@@ -103,14 +133,77 @@ impl WallClock {
             self.due_ns = u64::MAX;
             return;
         };
-        let (wall, part_ns) = *self.started.get_or_insert_with(|| (Instant::now(), t_ns));
-        let target = Duration::from_nanos((t_ns.saturating_sub(part_ns) as f64 / factor) as u64);
-        while let Some(early) = target.checked_sub(wall.elapsed()).filter(|early| !early.is_zero()) {
+        let (wall, part_ns) = *self.started.get_or_insert_with(|| (self.clock.now(), t_ns));
+        let target = wall + Duration::from_nanos((t_ns.saturating_sub(part_ns) as f64 / factor) as u64);
+        while let Some(early) = target.checked_sub(self.clock.now()).filter(|early| !early.is_zero()) {
             if is_over() || self.speed.bits() != bits {
                 break;
             }
-            thread::sleep(early.min(LONGEST_SLEEP));
+            self.clock.sleep(early.min(LONGEST_SLEEP));
         }
         self.due_ns = t_ns.saturating_add(step_ns);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    /// A clock that nothing but a sleep moves.
+    #[derive(Default)]
+    struct Slept(Cell<Duration>);
+
+    impl Clock for &Slept {
+        fn now(&self) -> Duration {
+            self.0.get()
+        }
+
+        fn sleep(&self, time: Duration) {
+            self.0.set(self.0.get() + time);
+        }
+    }
+
+    /// Ten seconds of samples, 1 ms apart, at quite different speeds one after the other.
+    #[test]
+    fn part_time_goes_as_fast_as_it_is_told() {
+        let (clock, speed) = (Slept::default(), Speed::default());
+        let mut wall = WallClock::by(&clock, speed.clone());
+        let mut t_ns = 0;
+        for (factor, takes_s) in [(1.0, 10.0), (50.0, 0.2), (0.0, 0.0), (0.001, 10_000.0), (2.5, 4.0)] {
+            speed.set(factor);
+            let begun = clock.0.get();
+            for _ in 0..=10_000 {
+                t_ns += 1_000_000;
+                wall.keep(t_ns, || false);
+            }
+            let took_s = (clock.0.get() - begun).as_secs_f64();
+            assert!((took_s - takes_s).abs() <= PACE.as_secs_f64(), "{factor}: {took_s} s");
+        }
+    }
+
+    #[test]
+    fn a_wish_to_end_or_another_speed_ends_a_wait() {
+        let (clock, speed) = (Slept::default(), Speed::default());
+        let mut wall = WallClock::by(&clock, speed.clone());
+        speed.set(0.001);
+        wall.keep(1, || false);
+        wall.keep(1_000_000_000, || clock.0.get() > Duration::from_secs(1));
+        assert!(clock.0.get() <= Duration::from_secs(1) + LONGEST_SLEEP, "{:?}", clock.0.get());
+        let faster = || {
+            speed.set(1000.0);
+            false
+        };
+        wall.keep(2_000_000_000, faster);
+        assert!(clock.0.get() <= Duration::from_secs(1) + 2 * LONGEST_SLEEP, "{:?}", clock.0.get());
+    }
+
+    #[test]
+    fn a_speed_has_bounds() {
+        let speed = Speed::default();
+        for (asked, factor) in [(f64::NAN, 0.0), (-1.0, 0.0), (1e9, Speed::MOST), (2.5, 2.5)] {
+            speed.set(asked);
+            assert_eq!(speed.factor(), factor);
+        }
     }
 }
