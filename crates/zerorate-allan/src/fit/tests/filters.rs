@@ -56,7 +56,7 @@ fn has_line(fit: &Fit) -> bool {
 #[test]
 fn white_noise_behind_a_filter_is_not_rejected() {
     let (mut inside, mut all) = (0, 0);
-    for seed in 600..604 {
+    for seed in 600..602 {
         let x = white(300_000, seed);
         let filtered = [
             moving_average(&x, &[1.0; 2]),
@@ -130,7 +130,7 @@ fn a_long_record_has_the_same_spectrum() {
 
 #[test]
 fn the_interval_of_white_noise_is_that_of_its_samples() {
-    for seed in 820..830 {
+    for seed in 820..825 {
         let fit = of(&white(100_000, seed));
         let half = (fit.n.hi / fit.n.lo).ln() / 2.0;
         // 1.96/√(2·10⁵) = 0.44 %
@@ -162,7 +162,7 @@ fn a_shape_of_too_few_cosines_makes_no_memory() {
 
 #[test]
 fn a_slow_low_pass_is_no_memory() {
-    for seed in 1..5 {
+    for seed in 1..3 {
         let fit = of(&slow_pass(&white(360_000, seed), 50.0));
         let has_memory = fit.terms.iter().any(|term| matches!(term, Term::GaussMarkov { .. }));
         let told = (seed, fit.n, fit.max_freq_hz, codes(&fit));
@@ -173,7 +173,7 @@ fn a_slow_low_pass_is_no_memory() {
 #[test]
 fn a_memory_that_may_be_a_low_pass_is_said() {
     let mut told = 0;
-    for seed in 1..5 {
+    for seed in 1..3 {
         let fit = of(&slow_pass(&white(360_000, seed), 1000.0));
         let other = fit.warnings.iter().find_map(|warning| match warning {
             AllanWarning::MemoryOrFilter { tau_s, n } => Some((*tau_s, *n)),
@@ -192,7 +192,7 @@ fn a_memory_that_may_be_a_low_pass_is_said() {
 #[test]
 fn a_low_pass_of_all_noise_leaves_the_coefficients() {
     let is_in = |coefficient: Coefficient, truth: f64| coefficient.lo <= truth && truth <= coefficient.hi;
-    for samples in [3.0, 10.0, 50.0, 200.0, 500.0] {
+    for samples in [3.0, 50.0, 500.0] {
         let mut inside = [0; 3];
         for seed in 3000..3006 {
             let fit = of(&slow_pass(&HOUR.noise(360_000, seed), samples)[6000..]);
@@ -266,7 +266,7 @@ fn slow_noise_that_joins_behind_a_slow_low_pass_is_said() {
 #[test]
 fn a_steep_filter_above_slow_noise_is_not_rejected() {
     let slow = Truth { k: 1e-3, ..Truth::default() };
-    for seed in 1..5 {
+    for seed in 1..3 {
         let fast = slow_pass(&slow_pass(&white(360_000, seed), 20.0), 20.0);
         let sum: Vec<f64> = fast.iter().zip(slow.noise(360_000, seed + 100)).map(|(fast, slow)| fast + slow).collect();
         let fit = of(&sum);
@@ -278,7 +278,7 @@ fn a_steep_filter_above_slow_noise_is_not_rejected() {
 /// rejected.
 #[test]
 fn a_resonant_low_pass_is_not_rejected() {
-    for (q, seed) in [2.0, 5.0].into_iter().flat_map(|q| (860..866).map(move |seed| (q, seed))) {
+    for (q, seed) in [2.0, 5.0].into_iter().flat_map(|q| (860..863).map(move |seed| (q, seed))) {
         let fit = of(&resonant(&white(360_000, seed), 10.0, q));
         let told = (q, seed, fit.n, fit.max_freq_hz, codes(&fit));
         assert!(!fit.is_rejected && near(fit.n.value, N, 0.03) && !codes(&fit).contains(&"off-curve"), "{told:?}");
