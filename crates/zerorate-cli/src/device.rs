@@ -37,7 +37,7 @@ impl SourceArgs {
     /// Returns how to read the device, and adds it to the inputs of the run. No command opens a device without it.
     pub fn setup(&self, sampling: SamplingArgs, outputs: &mut Outputs) -> Result<Setup> {
         self.file().map_or(Ok(()), |file| outputs.reads(file))?;
-        Ok(Setup { sampling: sampling.plain(), part: self.part.named(outputs)?, air: None, names: flag })
+        Ok(Setup { sampling: sampling.plain(), part: self.part.named(outputs)?, ambient: None, names: flag })
     }
 
     /// The file to read, where the device is a recording.

@@ -3,7 +3,7 @@
 //! Signals within half a second are one: programs such as `timeout` send two.
 //! Temporary files are removed in every case. A program that `nohup` started outlives its terminal.
 
-use crate::{last_word, output};
+use crate::{exit_message, output};
 use anyhow::Context;
 use std::io;
 use std::sync::OnceLock;
@@ -53,9 +53,9 @@ fn heed(signal: i32) {
     let again = FIRST.get_or_init(Instant::now).elapsed() > SAME;
     stop().ask();
     if !LISTENED_TO.load(Ordering::Relaxed) || again {
-        last_word::wait(GRACE);
+        exit_message::wait(GRACE);
         output::remove_all_for_good();
-        last_word::exit(BY_SIGNAL + signal);
+        exit_message::exit(BY_SIGNAL + signal);
     }
 }
 

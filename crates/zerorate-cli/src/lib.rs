@@ -16,12 +16,12 @@ mod commands;
 mod confined;
 mod device;
 mod exit;
+mod exit_message;
 mod first_steps;
 #[cfg(test)]
 #[expect(clippy::print_stderr, reason = "its replay is for the person who runs the tests")]
 mod fuzz;
 mod interrupt;
-mod last_word;
 mod memory;
 mod output;
 mod part;
@@ -64,7 +64,7 @@ pub fn main_confined(args: impl IntoIterator<Item = OsString>) -> ExitCode {
 
 fn run(cli: &cli::Cli) -> ExitCode {
     let ended = interrupt::handle().and_then(|()| cli.run());
-    last_word::say_after(|| match ended {
+    exit_message::say_after(|| match ended {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => exit::report(&error),
     })

@@ -35,7 +35,9 @@ mod twin;
 mod warning;
 mod wire;
 
-pub use chamber::{Air, Apart, Chamber, ChamberSpec, DIALECTS, Dialect, ENDING_S, Lead, Left, SimulatedChamber};
+pub use chamber::{
+    AmbientProfile, Chamber, ChamberCommands, ChamberSpec, ChamberThread, ProfileWriter, SafeEnd, SimulatedChamber,
+};
 pub use error::{Cause, DeviceError};
 pub use hub::{Awaited, Batch, Hub, LosslessReader, Watched, Watcher};
 pub use kinds::{DeviceSpec, KINDS, Kind};

@@ -1,7 +1,7 @@
 //! The interface of every kind of device.
 
 use crate::Result;
-use crate::chamber::Air;
+use crate::chamber::AmbientProfile;
 use crate::clock;
 use crate::error::UserError;
 use crate::options::PartOptions;
@@ -39,15 +39,15 @@ pub struct Setup {
     pub sampling: Sampling,
     /// The known facts about the part; none: an ADIS16130, or the part that a recording states.
     pub part: Option<Part>,
-    /// The air around a simulated part; none: as its address says.
-    pub air: Option<Air>,
+    /// The temperature around a simulated part; none: as its address says.
+    pub ambient: Option<AmbientProfile>,
     /// The names that the front end uses for the settings, for errors.
     pub names: Names,
 }
 
 impl Default for Setup {
     fn default() -> Self {
-        Self { sampling: Sampling::default(), part: None, air: None, names: Setting::name }
+        Self { sampling: Sampling::default(), part: None, ambient: None, names: Setting::name }
     }
 }
 

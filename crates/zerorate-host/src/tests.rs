@@ -1,7 +1,6 @@
 //! Addresses of devices.
 
 use crate::bridge::BridgeAddress;
-use crate::chamber::ChamberSpec;
 use crate::iio::IioAddress;
 use crate::options::PartOptions;
 use crate::spi::SpiAddress;
@@ -110,46 +109,6 @@ fn each_kind_is_named_where_none_fits() {
     }
     let bandwidth = "bridge:/dev/ttyACM0?roa=10nf&hz=4000000".parse::<DeviceSpec>().expect("an address");
     assert!(format!("{bandwidth:?}").contains("bandwidth_hz: Some(50.0)"), "{bandwidth:?}");
-}
-
-#[test]
-fn a_chamber_is_at_an_address_and_takes_a_set_of_commands() {
-    for (text, shown) in [
-        ("hand", "a chamber that is set by hand"),
-        ("sim:lag_s=15", "a simulated chamber"),
-        ("tcp:10.0.0.7?set=espec", "the chamber at 10.0.0.7:10001 (espec)"),
-        ("tcp:oven:7?set=f4t&patience_s=5", "the chamber at oven:7 (f4t)"),
-        ("serial:/dev/ttyUSB0?set=simserv&baud=9600", "the chamber at /dev/ttyUSB0 (simserv)"),
-    ] {
-        assert_eq!(text.parse::<ChamberSpec>().expect("a chamber").to_string(), shown);
-    }
-    for (wrong, hint) in [
-        ("oven", "tcp:HOST:PORT?set=COMMANDS"),
-        ("tcp:", "serial:/dev/ttyUSB0?set=espec"),
-        ("tcp:oven", "set=espec|f4t|simserv"),
-        ("tcp:oven?set=haier", "`set=haier`"),
-        ("tcp:oven?set=espec&baud=9600", "`baud`"),
-        ("tcp:oven?set=espec&patience_s=3601", "from 0 to 3600"),
-        ("serial:/dev/ttyUSB0?set=espec&baud=5", "from 300 to 1000000"),
-        ("serial:/dev/ttyUSB0?set=espec&color=red", "baud=N"),
-    ] {
-        let error = wrong.parse::<ChamberSpec>().unwrap_err();
-        assert!(error.contains(hint), "{wrong}: {error}");
-    }
-}
-
-#[test]
-fn a_chamber_that_is_not_there_is_named() {
-    let unused = std::net::TcpListener::bind("127.0.0.1:0").and_then(|port| port.local_addr()).expect("a port");
-    for (place, hint) in [
-        (format!("tcp:{unused}"), format!("no chamber answers at {unused}")),
-        ("serial:/dev/no-such-port".to_owned(), "the serial port /dev/no-such-port of the chamber".to_owned()),
-    ] {
-        let spec: ChamberSpec = format!("{place}?set=f4t&patience_s=0").parse().expect("a chamber");
-        let mut chamber = spec.chamber(&Stop::default()).expect("not by hand");
-        let error = format!("{:#}", anyhow::Error::from(chamber.start().unwrap_err()));
-        assert!(error.contains(&hint), "{error}");
-    }
 }
 
 /// Each axis draws its own values, given values hold for all; clock and warmth are shared.

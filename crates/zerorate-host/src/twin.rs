@@ -1,7 +1,7 @@
 //! The simulated part, in this process and on simulated time.
 
 use crate::address::{Address, Parsed};
-use crate::chamber::Follower;
+use crate::chamber::ProfileFollower;
 use crate::edges::Edges;
 use crate::error::UserError;
 use crate::live::Live;
@@ -101,7 +101,7 @@ impl Address for TwinAddress {
         let info = CaptureInfo { created: String::new(), notes: Notes::default(), ..facts.info };
         let facts = DeviceInfo { info, is_real: false, ..facts };
         let notes = beyond_limits(&self.units[0], &facts.part).into_iter().collect();
-        let follower = setup.air.clone().map(|air| Follower::new(air, stop));
+        let follower = setup.ambient.clone().map(|profile| ProfileFollower::new(profile, stop));
         if axes == 1 {
             return Ok(Box::new(TwinPart { facts, live: self.live(0, setup, stop), follower, notes }));
         }
@@ -129,7 +129,7 @@ fn several(axes: usize, width: Width) -> Part {
 struct Twins {
     facts: DeviceInfo,
     units: Vec<Live<TwinSpi, TwinEdges>>,
-    follower: Option<Follower>,
+    follower: Option<ProfileFollower>,
     notes: Vec<SourceWarning>,
 }
 
@@ -149,7 +149,7 @@ impl Source for Twins {
     /// Where one twin has lost samples, samples of the others without a row are lost as well.
     fn next(&mut self) -> Result<Option<Row>> {
         if let (Some(follower), Some((first, others))) = (&mut self.follower, self.units.split_first()) {
-            follower.keep(&first.edges.twin, others.iter().map(|unit| &unit.edges.twin));
+            follower.before_sample(&first.edges.twin, others.iter().map(|unit| &unit.edges.twin));
         }
         let mut samples = Vec::with_capacity(self.units.len());
         for unit in &mut self.units {
@@ -166,7 +166,7 @@ impl Source for Twins {
         let codes: Vec<i64> = samples.iter().map(|sample| sample.rate.code().into()).collect();
         let first = Row::from(&samples[0]);
         if let Some(follower) = &mut self.follower {
-            follower.took(first.t_ns);
+            follower.after_sample(first.t_ns);
         }
         let row = Row::new(first.t_ns, first.edge_seq, &codes);
         Ok(row.map(|row| row.with_status(first.status).with_temp_code(first.temp_code).with_lost(first.lost)))
@@ -189,7 +189,7 @@ impl Source for Twins {
 struct TwinPart {
     facts: DeviceInfo,
     live: Live<TwinSpi, TwinEdges>,
-    follower: Option<Follower>,
+    follower: Option<ProfileFollower>,
     notes: Vec<SourceWarning>,
 }
 
@@ -205,11 +205,11 @@ impl Source for TwinPart {
     #[inline]
     fn next(&mut self) -> Result<Option<Row>> {
         if let Some(follower) = &mut self.follower {
-            follower.keep(&self.live.edges.twin, std::iter::empty());
+            follower.before_sample(&self.live.edges.twin, std::iter::empty());
         }
         let sample = self.live.next()?;
         if let Some(follower) = &mut self.follower {
-            follower.took(sample.t_ns);
+            follower.after_sample(sample.t_ns);
         }
         Ok(Some(Row::from(&sample)))
     }

@@ -40,15 +40,10 @@ impl Wire {
                 let _ = serial.write_data_terminal_ready(true);
                 Ok(Self::Serial(serial))
             }
-            Port::Tcp(address) => Self::connect(address).with_context(|| {
+            Port::Tcp(address) => connect(address).map(Self::Tcp).with_context(|| {
                 format!("nothing answers at {address}: is the bridge, or the emulator with it, running there?")
             }),
         }
-    }
-
-    /// To HOST:PORT.
-    pub fn connect(address: &str) -> io::Result<Self> {
-        connect(address).map(Self::Tcp)
     }
 
     /// Waits for bytes for at most so long, and takes all that are there.

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 use zerorate_host::{
-    Air, Awaited, Batch, Cause, DeviceSpec, Hub, LosslessReader, Pace, Sampling, Setup, Stop, Watcher,
+    AmbientProfile, Awaited, Batch, Cause, DeviceSpec, Hub, LosslessReader, Pace, Sampling, Setup, Stop, Watcher,
 };
 
 fn hub(device: &str, stop: &Stop) -> Hub {
@@ -241,19 +241,19 @@ fn a_part_waits_for_its_air_only_behind_the_mark_at_which_that_moves() {
     const SECOND_NS: u64 = 1_000_000_000;
     let sampling = Sampling { divider: Some(50), ..Sampling::default() };
     for seed in [4, 166, 169] {
-        let air = Air::default();
-        let setup = Setup { sampling, air: Some(air.clone()), ..Setup::default() };
+        let ambient = AmbientProfile::default();
+        let setup = Setup { sampling, ambient: Some(ambient.clone()), ..Setup::default() };
         let spec: DeviceSpec = format!("twin:seed={seed}").parse().expect("a device");
         let hub = Hub::open(&spec, setup, &Stop::default()).expect("a hub");
         hub.with(|source| source.initialise()).expect("a part");
-        // a hub waits for its thread, and the thread for the lead of the air
-        let (everything, lead) = (hub.everything(), air.lead());
+        // a hub waits for its thread, and the thread for the writer of the profile
+        let (everything, writer) = (hub.everything(), ambient.writer());
         hub.read(Pace::Free, (0..=400).map(|second| second * SECOND_NS).collect()).expect("it begins");
         for second in 0..400 {
             let awaited = everything.next_within(Duration::from_secs(60)).expect("samples");
             let Awaited::Samples(batch) = awaited else { panic!("seed {seed}: no mark after {second} s") };
             let marked = batch.rows.last().expect("a sample");
-            lead.go(25.0, marked.t_ns + SECOND_NS);
+            writer.ramp_to(25.0, marked.t_ns + SECOND_NS);
         }
         hub.stop().ask();
     }

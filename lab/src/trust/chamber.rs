@@ -4,9 +4,9 @@ use super::bench::{Bench, Folder, random};
 use super::faults::WRONG_U;
 use super::{Class, Verdict};
 use anyhow::{Context, Result};
-use fake_chamber::{FAULTS, FakeChamber, Onset, SPEECHES};
 use rand::RngExt;
 use rand::rngs::StdRng;
+use script_chamber::{FAULTS, Onset, ScriptChamber};
 use serde_json::Value;
 use std::fs;
 use std::process::{Child, Command, Stdio};
@@ -14,18 +14,17 @@ use std::sync::OnceLock;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-#[path = "../../../crates/zerorate-cli/tests/harness/fake_chamber.rs"]
-mod fake_chamber;
+#[path = "../../../crates/zerorate-cli/tests/harness/script_chamber.rs"]
+mod script_chamber;
 
 pub const CLASSES: &[Class] = &[
     Class {
-        name: "chamber espec",
-        what: "a chamber that answers commands fails in one of seven ways; the run ends by itself, by Ctrl-C, by two, \
+        name: "chamber commands",
+        what: "a chamber behind two commands fails in one of eleven ways; the run ends by itself, by Ctrl-C, by two, \
                or by SIGTERM",
-        quick: 4,
+        quick: 8,
         run: failing,
     },
-    Class { name: "chamber f4t", what: "the same with one that answers questions only", quick: 4, run: failing },
     Class {
         name: "edit chamber state",
         what: "one digit of `unit.toml.chamber` is edited, from which a measurement goes on",
@@ -38,8 +37,8 @@ pub const CLASSES: &[Class] = &[
 const UNIT: &str = "warmup_s=10";
 const PLAN: &str = "schema = 1\nwindow_s = 20\naverage_s = 30\nsettle_timeout_s = 600\ndrift_c_per_min = 0.2\n\
     [[step]]\nto_c = 15\n[[step]]\nto_c = 45\n";
-/// About the number of questions in a measurement.
-const QUESTIONS: usize = 250;
+/// About the number of readings in a measurement.
+const READINGS: usize = 250;
 /// No run takes longer, even on a busy machine.
 const MOST: Duration = Duration::from_secs(120);
 /// How the program is asked to end, if it is asked from outside.
@@ -47,27 +46,24 @@ const SIGNALS: [&[&str]; 4] = [&[], &["-INT"], &["-INT", "-INT"], &["-TERM"]];
 
 /// Checks that the chamber is safe at the end, or that the last line says that nobody knows.
 fn failing(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
-    let speech = SPEECHES[usize::from(class.ends_with("f4t"))];
     let mut random = random(class, seed);
     let fault = FAULTS[random.random_range(0..FAULTS.len())];
     let onset = match random.random_range(0..10) {
-        0 => Onset::Start,
+        0 => Onset::Reading(0),
         1..=3 => Onset::End,
-        _ => Onset::Question(random.random_range(1..QUESTIONS)),
+        _ => Onset::Reading(random.random_range(1..READINGS)),
     };
     let signals = SIGNALS[random.random_range(0..SIGNALS.len())];
     let pause = Duration::from_micros(random.random_range(0..300_000));
-    let chamber = FakeChamber::new(speech, fault, onset)?;
-    let folder = Folder::new(&format!("chamber-{speech:?}-{seed}"))?;
+    let folder = Folder::new(&format!("chamber-{seed}"))?;
+    let chamber = ScriptChamber::new(folder.path().to_owned(), fault, onset)?;
     let (plan, output) = (folder.file("plan.toml"), folder.file("unit.toml"));
     fs::write(&plan, PLAN)?;
     let device = format!("twin:seed={seed},{UNIT}");
-    let address = chamber.argument(1);
-    let args =
-        ["chamber", &plan, "--device", &device, "--divider", "50", "--chamber", &address, "--json", "-o", &output];
-    let mut child = bench.command(&args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
+    let args = ["chamber", &plan, "--device", &device, "--divider", "50", "--json", "-o", &output];
+    let mut child = bench.command(&args).args(chamber.arguments(1)).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
     if !signals.is_empty() {
-        wait_for(&mut child, || chamber.world().is_faulty)?;
+        wait_for(&mut child, || chamber.is_faulty())?;
     }
     for signal in signals {
         sleep(pause);
@@ -83,7 +79,7 @@ fn failing(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     if let Some(complaint) = chamber.complaint(&run.stderr) {
         return Ok(Verdict::Silent(format!("{fault:?}, {onset:?}, {signals:?}: {complaint}\n{}", run.stderr)));
     }
-    let is_safe = chamber.world().is_safe();
+    let is_safe = chamber.is_safe();
     Ok(match run.code {
         Some(0) if off_u(&run.json()?["truth"], &run.json()?)? > WRONG_U => {
             Verdict::Silent(format!("{fault:?}, {onset:?}: {}", run.stdout))

@@ -2,10 +2,7 @@
 
 use crate::harness::{Bench, PROGRAM, Run};
 use serde_json::Value;
-use std::io::{BufRead, BufReader, Write};
-use std::net::{TcpListener, TcpStream};
 use std::process::{Command, Stdio};
-use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -155,10 +152,15 @@ fn plans_and_chambers_that_make_no_sense_are_named() {
     bench.write("bad.toml", "schema = 1\n[[step]]\nto_c = 15\nramp = 2\n");
     let cases = [
         ("chamber bad.toml", "line 4, `ramp = 2`: unknown field"),
-        ("chamber quick.toml --device replay:x.arrows --chamber hand", "leave --chamber out"),
+        ("chamber quick.toml --device replay:x.arrows --chamber hand", "leave out --chamber and the commands"),
         ("chamber quick.toml --device bridge:/dev/null --chamber sim:", "--chamber sim: is for twin:"),
-        ("chamber quick.toml --chamber tcp:localhost", "say which commands it takes: set=espec|f4t|simserv"),
-        ("chamber quick.toml --chamber tcp:localhost?set=foo", "there are espec|f4t|simserv"),
+        ("chamber quick.toml --set-temperature set --read-temperature read", "`set` has no {temp_c}"),
+        ("chamber quick.toml --set-temperature {temp_c}", "--read-temperature <COMMAND>"),
+        ("chamber quick.toml --read-temperature read", "--set-temperature <COMMAND>"),
+        (
+            "chamber quick.toml --chamber hand --set-temperature {temp_c} --read-temperature read",
+            "cannot be used with",
+        ),
         ("chamber quick.toml --chamber oven", "no such kind of chamber"),
         ("chamber quick.toml --max-lost 2", "give a share from 0 to 1"),
     ];
@@ -205,132 +207,4 @@ fn a_log_that_outgrows_its_disk_costs_neither_the_result_nor_the_steps() {
     assert!(!bench.path("u.toml").exists() && !bench.path("u.html").exists());
     bench.zerorate(&chamber).ended_with(0).saying(&["going on after step 1 of 2"]);
     assert!(bench.path("u.toml").exists() && bench.path("u.html").exists());
-}
-
-/// A chamber at a socket: its air is a second on with each question, and it hangs up as often as it is told to.
-struct Socket {
-    address: String,
-    heard: Arc<Mutex<Vec<String>>>,
-}
-
-#[derive(Clone, Copy)]
-enum Speech {
-    Espec,
-    F4t,
-    SimServ,
-}
-
-impl Socket {
-    /// Hangs up after so many questions, for good or for the next connection.
-    fn open(speech: Speech, hang_up_after: Option<usize>, for_good: bool) -> Self {
-        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
-        let address = listener.local_addr().expect("its address").to_string();
-        let heard = Arc::new(Mutex::new(Vec::new()));
-        let (inner, mut air) = (heard.clone(), (25.0, 25.0));
-        thread::spawn(move || {
-            let mut patience = hang_up_after;
-            for stream in listener.incoming() {
-                serve(stream.expect("a connection"), speech, &mut air, &inner, patience.take());
-                if for_good {
-                    return;
-                }
-            }
-        });
-        Self { address, heard }
-    }
-
-    fn heard(&self) -> Vec<String> {
-        self.heard.lock().expect("no panic").clone()
-    }
-}
-
-fn serve(
-    stream: TcpStream,
-    speech: Speech,
-    (set_c, air_c): &mut (f64, f64),
-    heard: &Mutex<Vec<String>>,
-    mut patience: Option<usize>,
-) {
-    let mut writer = stream.try_clone().expect("two ends");
-    let ending = if matches!(speech, Speech::SimServ) { b'\r' } else { b'\n' };
-    for line in BufReader::new(stream).split(ending) {
-        let Ok(bytes) = line else { return };
-        let line: String = bytes.iter().map(|byte| char::from(*byte)).collect::<String>().trim().to_owned();
-        heard.lock().expect("no panic").push(line.clone());
-        let set = ["TEMP, S", ":SOURCE:CLOOP1:SPOINT ", "11001¶1¶1¶"].iter().find_map(|head| line.strip_prefix(head));
-        if let Some(text) = set {
-            *set_c = text.parse().expect("a temperature");
-        }
-        let is_question = line.ends_with('?') || line.starts_with("11004");
-        if is_question {
-            *air_c += (*set_c - *air_c) / 15.0;
-            if let Some(left) = &mut patience {
-                *left -= 1;
-                if *left == 0 {
-                    return;
-                }
-            }
-        }
-        let answer = match (speech, is_question) {
-            (Speech::Espec, true) => format!("{air_c:.1},{set_c:.1},150.0,-75.0\r\n"),
-            (Speech::Espec, false) => format!("OK:{line}\r\n"),
-            (Speech::F4t, true) if line.contains("SPOINT") => format!("{set_c:.3}\n"),
-            (Speech::F4t, true) => format!("{air_c:.3}\n"),
-            (Speech::F4t, false) => continue,
-            (Speech::SimServ, true) => format!("1¶{air_c:.1}\r\n"),
-            (Speech::SimServ, false) => "1\r\n".to_owned(),
-        };
-        let bytes: Vec<u8> = answer.chars().map(|c| c as u8).collect();
-        if writer.write_all(&bytes).is_err() {
-            return;
-        }
-    }
-}
-
-#[test]
-fn each_kind_of_chamber_is_told_and_asked_and_left_where_it_is_safe() {
-    let bench = bench();
-    for (speech, name, first, last) in [
-        (Speech::Espec, "espec", "MODE, CONSTANT", "MODE, STANDBY"),
-        (Speech::F4t, "f4t", ":UNIT:TEMPERATURE C", ":SOURCE:CLOOP1:SPOINT 25.0"),
-        (Speech::SimServ, "simserv", "14001¶1¶1¶1", "14001¶1¶1¶0"),
-    ] {
-        let socket = Socket::open(speech, None, false);
-        let line = format!("chamber quick.toml {UNIT} --json --chamber tcp:{}?set={name}", socket.address);
-        let result = bench.zerorate(&line).ended_with(0).json();
-        let points = result["points"].as_array().expect("points");
-        assert!(number(&points[1]["temp_c"]) - number(&points[0]["temp_c"]) > 29.0, "{name}: {points:?}");
-        let heard = socket.heard();
-        // what it was left at is asked after that
-        let told = heard.iter().rfind(|line| !line.ends_with('?') && !line.starts_with("11004"));
-        assert_eq!((heard.first().map(String::as_str), told.map(String::as_str)), (Some(first), Some(last)));
-        assert!(heard.iter().any(|line| line.contains("25.0")), "the safe set point");
-    }
-}
-
-#[test]
-fn a_lost_connection_is_made_anew_and_one_that_stays_lost_ends_the_measurement() {
-    let bench = bench();
-    let socket = Socket::open(Speech::Espec, Some(60), false);
-    let line = |socket: &Socket, wait: u32| {
-        format!("chamber quick.toml {UNIT} --chamber tcp:{}?set=espec&patience_s={wait} -o u.toml", socket.address)
-    };
-    bench.zerorate(&line(&socket, 60)).ended_with(0);
-    assert_eq!(socket.heard().iter().filter(|line| *line == "MODE, CONSTANT").count(), 2, "two connections");
-
-    std::fs::remove_file(bench.path("u.toml")).expect("it is there");
-    let socket = Socket::open(Speech::Espec, Some(150), true);
-    let why = bench.zerorate(&line(&socket, 0)).fails(1);
-    assert!(why.contains("is lost, and was not found again within 0 s"), "{why}");
-    assert!(why.contains("chamber-left: the chamber could not be sent to 25.0 °C"), "{why}");
-    assert!(!bench.path("u.toml").exists());
-}
-
-#[test]
-fn a_chamber_that_does_not_answer_costs_no_hour() {
-    let bench = bench();
-    let line = format!("chamber quick.toml {UNIT} --chamber tcp:127.0.0.1:1?set=espec");
-    let why = bench.zerorate(&line).fails(1);
-    assert!(why.contains("no chamber answers at 127.0.0.1:1"), "{why}");
-    assert!(Command::new(PROGRAM).arg("chamber").output().is_ok_and(|output| output.status.code() == Some(2)));
 }

@@ -51,7 +51,6 @@ fn of_a_calibrated_rate() {
 fn of_a_chamber() {
     refused(&[
         ("chamber plan.toml --device twin: --earth-dps 5", 2, "-0.00418 to 0.00418"),
-        ("chamber plan.toml --device twin: --chamber tcp:oven", 2, "set=espec|f4t|simserv"),
         ("chamber plan.toml --device twin: --chamber oven", 2, "no such kind of chamber"),
     ]);
 }

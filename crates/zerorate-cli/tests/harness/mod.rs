@@ -1,7 +1,7 @@
 //! The program as a process, and its result. Every test starts the program through this module.
 
 #[cfg(unix)]
-pub mod fake_chamber;
+pub mod script_chamber;
 
 use std::fs;
 use std::path::PathBuf;

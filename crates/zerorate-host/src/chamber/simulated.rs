@@ -1,6 +1,6 @@
 //! A chamber that does not exist.
 
-use super::{Chamber, Left};
+use super::{Chamber, SafeEnd};
 use crate::Result;
 
 /// Air that follows its set point as a damped oscillator does, and a door.
@@ -127,7 +127,7 @@ impl Chamber for SimulatedChamber {
         }
     }
 
-    fn end(&mut self, safe_c: f64) -> Option<Left> {
+    fn end(&mut self, safe_c: f64) -> Option<SafeEnd> {
         self.set_c = safe_c;
         None
     }

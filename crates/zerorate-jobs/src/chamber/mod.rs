@@ -1,14 +1,14 @@
-//! A calibration over the temperatures of a chamber: [`Mover::new`], [`prepare`], [`Job::run`].
+//! A calibration over the temperatures of a chamber: [`SetPointControl::new`], [`prepare`], [`Job::run`].
 
-mod drive;
+mod chamber_loop;
 mod finished_steps;
-mod mover;
 mod plan;
 mod report;
+mod set_point_control;
 
-pub use mover::{AirListener, AirState, Mover};
 pub use plan::PlanFile;
 pub use report::{AxisReport, Report};
+pub use set_point_control::{AirListener, AirState, SetPointControl};
 
 use crate::acquisition::{Acquisition, aliasing};
 use crate::calibrate::{self, Kept, Undelivered};
@@ -16,18 +16,18 @@ use crate::error::{InvalidOptions, Refused};
 use crate::output::{Outputs, Slot, Staged};
 use crate::warning::{CodedWarning, JobWarning};
 use anyhow::Result;
-use drive::{Drive, Driven, TICK_NS};
+use chamber_loop::{ChamberLoop, LoopResult, TICK_NS};
 use finished_steps::FinishedSteps;
 use std::path::{Path, PathBuf};
 use zerorate::calibration::ChamberRun;
 use zerorate::chamber::{ChamberOutcome, ChamberProcedure, ChamberProgress, ChamberRefusal, Record, Step};
 use zerorate::{Calibration, Names, Part, Warning};
-use zerorate_host::Lead;
+use zerorate_host::ProfileWriter;
 use zerorate_record::CaptureInfo;
 use zerorate_view::SessionWarning;
 use zerorate_view::report::wide_loop;
 
-/// Looks on while a chamber is driven.
+/// Looks on while a measurement in a chamber runs.
 pub trait Watch {
     /// Sees how far it is, with every 4096th sample.
     fn see(&mut self, progress: &ChamberProgress);
@@ -101,10 +101,10 @@ impl Files {
     }
 }
 
-/// A measurement that can begin. The lead of the air is dropped before everything that waits for the air.
+/// A measurement that can begin. The writer of the profile is dropped before everything that waits for the profile.
 pub struct Job {
-    lead: Option<Lead>,
-    mover: Mover,
+    writer: Option<ProfileWriter>,
+    control: SetPointControl,
     acquisition: Acquisition,
     procedure: ChamberProcedure,
     steps: FinishedSteps,
@@ -115,13 +115,13 @@ pub struct Job {
     resumed: Option<(usize, f64)>,
 }
 
-/// Makes a measurement ready; `lead` moves the air around a simulated part.
+/// Makes a measurement ready; the writer sets the temperature around a simulated sensor.
 ///
 /// # Errors
 /// [`InvalidOptions`] where the plan makes no sense for the part, [`UnusableSteps`], or why a file cannot be read.
 pub fn prepare(
     acquisition: Acquisition,
-    (mover, lead): (Mover, Option<Lead>),
+    (control, writer): (SetPointControl, Option<ProfileWriter>),
     plan: PlanFile,
     mut files: Files,
     options: ChamberOptions,
@@ -147,7 +147,7 @@ pub fn prepare(
         resumed = Some((saved.steps, gap_s));
         procedure = procedure.resumed(saved.record, saved.steps, gap_s);
     }
-    Ok(Job { lead, mover, acquisition, procedure, steps, files, info, plan, options, resumed })
+    Ok(Job { writer, control, acquisition, procedure, steps, files, info, plan, options, resumed })
 }
 
 impl Job {
@@ -175,15 +175,15 @@ impl Job {
         if let Some((steps, gap_s)) = self.resumed {
             watch.resume(steps, self.plan.plan.steps.len(), gap_s);
         }
-        if self.lead.is_some() {
+        if self.writer.is_some() {
             mark_ticks(&mut self.acquisition, &self.procedure);
         }
         let log = self.files.of_calibration.log(self.acquisition.facts(), &self.info)?;
-        let Self { lead, mover, acquisition, procedure, steps, files, info, plan, options, resumed } = self;
-        let drive = Drive::new((mover, lead), acquisition, procedure, steps, log, &mut *watch);
-        let (mut driven, mut steps) = drive.run()?;
-        let log_failed = driven.log_failed.take();
-        let found = Found::new(driven, info, &plan, options, resumed.is_some(), watch.names())?;
+        let Self { writer, control, acquisition, procedure, steps, files, info, plan, options, resumed } = self;
+        let running = ChamberLoop::new((control, writer), acquisition, procedure, steps, log, &mut *watch);
+        let (mut result, mut steps) = running.run()?;
+        let log_failed = result.log_failed.take();
+        let found = Found::new(result, info, &plan, options, resumed.is_some(), watch.names())?;
         let wanted: Vec<PathBuf> = files.of_calibration.kept.output.iter().cloned().collect();
         let kept = match log_failed {
             Some(error) => Err(error),
@@ -232,14 +232,14 @@ pub struct Found {
 
 impl Found {
     fn new(
-        driven: Driven,
+        result: LoopResult,
         info: CaptureInfo,
         plan: &PlanFile,
         options: ChamberOptions,
         is_resumed: bool,
         names: Names,
     ) -> Result<Self> {
-        let Driven { procedure, acquisition, capture_sha256, truths, .. } = driven;
+        let LoopResult { procedure, acquisition, capture_sha256, truths, .. } = result;
         let ChamberOptions { max_lost, earth_dps, max_order, .. } = options;
         let (part, tally) = (procedure.part().clone(), *procedure.tally());
         let refused = |refusal: ChamberRefusal| Refused::new(refusal.code(), refusal.to_string());

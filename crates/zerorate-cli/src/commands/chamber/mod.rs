@@ -1,6 +1,6 @@
 //! `zerorate chamber`: a calibration over the temperatures of a chamber.
 
-mod air;
+mod exit_message;
 mod text;
 
 use super::allan::picture::{self, Kind};
@@ -12,16 +12,19 @@ use crate::interrupt;
 use crate::output::{Outputs, Staged, print_json, print_lines, say, warn};
 use crate::progress::Meter;
 use crate::wording::{coded, flag};
-use air::LastWord;
 use anyhow::{Error, Result};
 use clap::Args;
+use exit_message::ExitMessage;
 use std::path::PathBuf;
+use std::time::Duration;
 use zerorate::chamber::{ChamberProgress, Step, StepEnd};
 use zerorate::{EARTH_DPS, Names};
-use zerorate_host::{Air, ChamberSpec, Setup, SimulatedChamber};
+use zerorate_host::{AmbientProfile, ChamberCommands, ChamberSpec, Setup, SimulatedChamber};
 use zerorate_jobs::JobWarning;
 use zerorate_jobs::calibrate::Kept;
-use zerorate_jobs::chamber::{ChamberOptions, Files, Found, Job, Mover, PlanFile, UnusableSteps, Watch, prepare};
+use zerorate_jobs::chamber::{
+    ChamberOptions, Files, Found, Job, PlanFile, SetPointControl, UnusableSteps, Watch, prepare,
+};
 use zerorate_view::duration::Seconds;
 use zerorate_view::report::over_temperature;
 
@@ -31,9 +34,10 @@ use zerorate_view::report::over_temperature;
 /// soak point the sensor itself shows when it has settled, and its Allan deviation decides how long it is averaged.
 /// The whole recording then gives the bias over temperature with its uncertainty, its hysteresis and its lag.
 ///
-/// Without --chamber the command tells you what to set. Ctrl-C ends the measurement and keeps the finished steps
-/// beside the output, and the same command then goes on from there. For `twin:` the air follows a simulated chamber,
-/// as fast as possible.
+/// The command tells you what to set. With --set-temperature and --read-temperature it runs two commands of yours,
+/// which control the chamber (docs/chamber.md has an example). However it ends, it sets the safe temperature of the
+/// plan. Ctrl-C ends the measurement and keeps the finished steps beside the output, and the same command then goes on
+/// from there. For `twin:` the air follows a simulated chamber, as fast as possible.
 #[derive(Args, Debug)]
 pub struct ChamberArgs {
     /// The plan: a file, f57, or two-point; for a recording also a CSV of what its chamber did.
@@ -49,14 +53,8 @@ pub struct ChamberArgs {
     #[command(flatten)]
     sampling: SamplingArgs,
 
-    /// How the chamber is controlled: hand, tcp:HOST[:PORT]?…, serial:DEV?… or sim:… [default: hand; sim: for twin:].
-    ///
-    /// hand: you set the chamber. tcp:HOST[:PORT]?set=espec|f4t|simserv and serial:/dev/ttyUSB0?set=…&baud=N: a
-    /// chamber that takes lines of text (docs/chamber.md has the commands). With patience_s=N a lost connection is
-    /// retried that long. sim:lag_s=…,overshoot=…,door_at_s=…,door_for_s=…,room_c=…: a simulated chamber, for twin:
-    /// only.
-    #[arg(long, value_name = "CHAMBER")]
-    chamber: Option<ChamberSpec>,
+    #[command(flatten)]
+    control: ControlArgs,
 
     /// Largest share of lost samples, 0 … 1. Above it the measurement is refused.
     #[arg(long, value_name = "F", default_value_t = 0.001)]
@@ -104,20 +102,63 @@ pub struct ChamberArgs {
     json: bool,
 }
 
+/// How the chamber is controlled.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Chamber")]
+struct ControlArgs {
+    /// Set the chamber by this command, in which {temp_c} stands for the temperature in °C.
+    ///
+    /// `sh -c` runs it, with a number such as -40.0 in place of each {temp_c}. It succeeds with exit status 0, and has
+    /// ten seconds. It has no input, and Ctrl-C does not reach it.
+    #[arg(long, value_name = "COMMAND", requires = "read_temperature")]
+    set_temperature: Option<String>,
+
+    /// Read the chamber by this command, which prints the temperature of the air in °C.
+    ///
+    /// It is run in the same way. The first line that it prints must be a number and nothing else.
+    #[arg(long, value_name = "COMMAND", requires = "set_temperature")]
+    read_temperature: Option<String>,
+
+    /// Run a command that fails again for this many seconds, at most 3600. Then the measurement ends.
+    #[arg(
+        long, value_name = "S", default_value_t = 60, value_parser = clap::value_parser!(u16).range(..=3600),
+        requires = "set_temperature"
+    )]
+    retry_s: u16,
+
+    /// Instead of the commands: hand, or sim:… for twin: [default: hand; sim: for twin:].
+    ///
+    /// hand: you set the chamber. sim:lag_s=…,overshoot=…,door_at_s=…,door_for_s=…,room_c=…: a simulated chamber.
+    #[arg(long, value_name = "CHAMBER", conflicts_with = "set_temperature")]
+    chamber: Option<ChamberSpec>,
+}
+
+impl ControlArgs {
+    /// What the user asked for.
+    fn spec(&self) -> Result<Option<ChamberSpec>> {
+        let Some((set, read)) = self.set_temperature.as_deref().zip(self.read_temperature.as_deref()) else {
+            return Ok(self.chamber.clone());
+        };
+        let commands = ChamberCommands::new(set, read, Duration::from_secs(self.retry_s.into()));
+        Ok(Some(ChamberSpec::Commands(commands.map_err(Usage)?)))
+    }
+}
+
 impl ChamberArgs {
-    /// How the chamber is controlled.
+    /// How the chamber is controlled; none for a recording.
     fn chamber(&self) -> Result<Option<ChamberSpec>> {
         let is_replayed = self.device.file().is_some();
         let is_simulated = self.device.device.is_simulated();
-        match &self.chamber {
+        match self.control.spec()? {
             Some(_) if is_replayed => {
-                Err(Usage("a recording already states what the chamber did; leave --chamber out".to_owned()).into())
+                let why = "a recording already states what the chamber did; leave out --chamber and the commands";
+                Err(Usage(why.to_owned()).into())
             }
             Some(ChamberSpec::Simulated(_)) if !is_simulated => {
                 let why = "--chamber sim: is for twin: only, since it moves the air around a simulated part";
                 Err(Usage(why.to_owned()).into())
             }
-            Some(spec) => Ok(Some(spec.clone())),
+            Some(spec) => Ok(Some(spec)),
             None if is_replayed => Ok(None),
             None if is_simulated => Ok(Some(ChamberSpec::Simulated(SimulatedChamber::default()))),
             None => Ok(Some(ChamberSpec::Hand)),
@@ -171,12 +212,12 @@ fn ready(args: &ChamberArgs, chamber: Option<ChamberSpec>, setup: Setup, plan: P
     // from here on Ctrl-C only asks for an end, since the chamber must be stopped
     interrupt::listen();
     let is_simulated = args.device.device.is_simulated();
-    let mut mover =
-        Mover::new(chamber.as_ref(), is_simulated, plan.plan.safe_c, interrupt::stop(), Box::new(LastWord))?;
-    mover.start()?;
-    let air = is_simulated.then(Air::default);
-    let lead = air.as_ref().map(Air::lead);
-    let acquisition = args.device.open(Setup { air, ..setup })?;
+    let (safe_c, stop) = (plan.plan.safe_c, interrupt::stop());
+    let mut control = SetPointControl::new(chamber.as_ref(), is_simulated, safe_c, stop, Box::new(ExitMessage))?;
+    control.start()?;
+    let ambient = is_simulated.then(AmbientProfile::default);
+    let writer = ambient.as_ref().map(AmbientProfile::writer);
+    let acquisition = args.device.open(Setup { ambient, ..setup })?;
     let options = ChamberOptions {
         max_lost: args.max_lost,
         earth_dps: args.earth.dps(),
@@ -184,7 +225,7 @@ fn ready(args: &ChamberArgs, chamber: Option<ChamberSpec>, setup: Setup, plan: P
         restart: args.restart,
         moves_air: chamber.is_some(),
     };
-    prepare(acquisition, (mover, lead), plan, files, options).map_err(worded)
+    prepare(acquisition, (control, writer), plan, files, options).map_err(worded)
 }
 
 /// Adds how to begin anew.

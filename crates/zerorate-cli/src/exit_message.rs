@@ -5,26 +5,26 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 struct Last {
-    word: Option<String>,
-    /// Whether work is still going on that will change the word.
+    text: Option<String>,
+    /// Whether work is still going on that will change the text.
     is_pending: bool,
 }
 
-static LAST: Mutex<Last> = Mutex::new(Last { word: None, is_pending: false });
+static LAST: Mutex<Last> = Mutex::new(Last { text: None, is_pending: false });
 static SETTLED: Condvar = Condvar::new();
 
 fn last() -> MutexGuard<'static, Last> {
     LAST.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Sets the word that a program says if it ends from here on.
-pub fn owe(word: String) {
-    *last() = Last { word: Some(word), is_pending: true };
+/// Sets the message that the program says if it ends from here on.
+pub fn set_pending(text: String) {
+    *last() = Last { text: Some(text), is_pending: true };
 }
 
-/// Sets the final word: everything that can be done is done.
-pub fn settle(word: Option<String>) {
-    *last() = Last { word, is_pending: false };
+/// Sets the final message: everything that can be done is done.
+pub fn settle(text: Option<String>) {
+    *last() = Last { text, is_pending: false };
     SETTLED.notify_all();
 }
 
@@ -33,21 +33,21 @@ pub fn wait(most: Duration) {
     drop(SETTLED.wait_timeout_while(last(), most, |last| last.is_pending));
 }
 
-/// Says the word once, after the output of `report`.
+/// Says the message once, after the output of `report`.
 pub fn say_after<T>(report: impl FnOnce() -> T) -> T {
     let mut last = last();
     let reported = report();
-    if let Some(word) = last.word.take() {
-        say(word);
+    if let Some(text) = last.text.take() {
+        say(text);
     }
     reported
 }
 
-/// Says the word and ends the program. Nothing follows it.
+/// Says the message and ends the program. Nothing follows it.
 pub fn exit(code: i32) -> ! {
     let mut last = last();
-    if let Some(word) = last.word.take() {
-        say(word);
+    if let Some(text) = last.text.take() {
+        say(text);
     }
     std::process::exit(code)
 }

@@ -1,8 +1,8 @@
-//! The loop of a measurement in a chamber: samples to the procedure, set points to the chamber, what it says back.
+//! The loop of a measurement in a chamber: samples go to the procedure, set points to the chamber, and its readings back.
 
 use super::Watch;
 use super::finished_steps::FinishedSteps;
-use super::mover::{By, Mover};
+use super::set_point_control::{Control, SetPointControl};
 use crate::acquisition::Acquisition;
 use crate::error::Refused;
 use crate::recorder::Recorder;
@@ -10,21 +10,21 @@ use crate::warning::JobWarning;
 use adis16130_twin::Truth;
 use anyhow::Result;
 use zerorate::chamber::{ChamberAction, ChamberProcedure, ChamberRefusal, ChamberState};
-use zerorate_host::{Cause, Chamber, DeviceError, Lead, SimulatedChamber};
+use zerorate_host::{Cause, Chamber, DeviceError, ProfileWriter, SimulatedChamber};
 use zerorate_record::{Layout, Row, SampleHash};
 use zerorate_view::duration::Seconds;
 
-/// The chamber is told and asked so often in part time, ns.
+/// Period at which the chamber is set and read, in time of the samples, ns.
 pub const TICK_NS: u64 = 1_000_000_000;
-/// A set point is told anew when it has moved by this, °C: what chambers take.
+/// A set point is sent again when it has moved by this, °C: the resolution of chambers.
 const SET_STEP_C: f64 = 0.1;
 
-/// A measurement that goes on. The lead of the air is dropped before everything that waits for the air.
-pub struct Drive<'a> {
-    lead: Option<Lead>,
-    /// The air around a simulated part whose chamber is set by hand.
+/// A running measurement. The writer of the profile is dropped before everything that waits for the profile.
+pub struct ChamberLoop<'a> {
+    writer: Option<ProfileWriter>,
+    /// The chamber of a simulated sensor whose chamber is set by hand.
     obeying: Option<SimulatedChamber>,
-    mover: Mover,
+    control: SetPointControl,
     acquisition: Acquisition,
     layout: Layout,
     procedure: ChamberProcedure,
@@ -38,8 +38,8 @@ pub struct Drive<'a> {
     watch: &'a mut dyn Watch,
 }
 
-/// The results of the drive.
-pub struct Driven {
+/// The results of the loop.
+pub struct LoopResult {
     pub procedure: ChamberProcedure,
     pub acquisition: Acquisition,
     pub capture_sha256: String,
@@ -48,9 +48,9 @@ pub struct Driven {
     pub log_failed: Option<anyhow::Error>,
 }
 
-impl<'a> Drive<'a> {
+impl<'a> ChamberLoop<'a> {
     pub fn new(
-        (mover, lead): (Mover, Option<Lead>),
+        (control, writer): (SetPointControl, Option<ProfileWriter>),
         acquisition: Acquisition,
         procedure: ChamberProcedure,
         steps: FinishedSteps,
@@ -58,11 +58,12 @@ impl<'a> Drive<'a> {
         watch: &'a mut dyn Watch,
     ) -> Self {
         let layout = acquisition.facts().info.layout.clone();
-        let obeying = lead.as_ref().filter(|_| matches!(mover.by, By::Hand)).map(|_| SimulatedChamber::default());
+        let by_hand = matches!(control.by, Control::Hand);
+        let obeying = writer.as_ref().filter(|_| by_hand).map(|_| SimulatedChamber::default());
         Self {
-            lead,
+            writer,
             obeying,
-            mover,
+            control,
             hash: SampleHash::new(&layout),
             layout,
             acquisition,
@@ -77,17 +78,17 @@ impl<'a> Drive<'a> {
         }
     }
 
-    /// To the end. However it comes, the chamber is sent where it may stay, and the log stays whole.
-    pub fn run(mut self) -> Result<(Driven, FinishedSteps)> {
-        let driven = self.feed().map_err(|error| if is_stopped(&error) { self.ended_early() } else { error });
-        self.mover.leave();
+    /// Runs to the end. However that comes, the chamber is set to its safe temperature, and the log stays whole.
+    pub fn run(mut self) -> Result<(LoopResult, FinishedSteps)> {
+        let ended = self.feed().map_err(|error| if is_stopped(&error) { self.ended_early() } else { error });
+        self.control.leave();
         if let Some(Err(error)) = self.log.take().map(Recorder::finish) {
             self.lose_log(error.into());
         }
-        driven?;
-        let Self { acquisition, procedure, steps, hash, truths, log_failed, lead, .. } = self;
-        drop(lead);
-        Ok((Driven { procedure, acquisition, capture_sha256: hash.hex(), truths, log_failed }, steps))
+        ended?;
+        let Self { acquisition, procedure, steps, hash, truths, log_failed, writer, .. } = self;
+        drop(writer);
+        Ok((LoopResult { procedure, acquisition, capture_sha256: hash.hex(), truths, log_failed }, steps))
     }
 
     fn feed(&mut self) -> Result<()> {
@@ -104,7 +105,7 @@ impl<'a> Drive<'a> {
     }
 
     fn initialise(&mut self) -> Result<()> {
-        self.tell()?;
+        self.set_point()?;
         self.acquisition.initialise()?;
         let first = self.row()?;
         self.procedure.begin(first.t_ns);
@@ -150,11 +151,10 @@ impl<'a> Drive<'a> {
             self.truths = truths;
         }
         self.announce();
-        self.tell()?;
-        let air_c = match &mut self.mover.by {
-            By::Nobody => None,
-            By::Hand => None,
-            By::Chamber(chamber) => {
+        self.set_point()?;
+        let air_c = match &mut self.control.by {
+            Control::Recording | Control::Hand => None,
+            Control::Chamber(chamber) => {
                 chamber.pass(TICK_NS as f64 * 1e-9);
                 chamber.read_c()?
             }
@@ -167,25 +167,25 @@ impl<'a> Drive<'a> {
             obeying.pass(TICK_NS as f64 * 1e-9);
         }
         let around_c = air_c.or(self.obeying.as_ref().map(SimulatedChamber::air_c));
-        if let (Some(lead), Some(air_c)) = (&self.lead, around_c) {
-            lead.go(air_c, now_ns + TICK_NS);
+        if let (Some(writer), Some(air_c)) = (&self.writer, around_c) {
+            writer.ramp_to(air_c, now_ns + TICK_NS);
         }
         Ok(())
     }
 
-    /// Tells the chamber its set point where that has moved.
-    fn tell(&mut self) -> Result<()> {
+    /// Sets the chamber if its set point has moved.
+    fn set_point(&mut self) -> Result<()> {
         let wanted_c = self.procedure.set_point_c();
         let is_there = wanted_c == self.procedure.progress().to_c;
-        let moved = |told_c: f64| (told_c - wanted_c).abs() >= SET_STEP_C || (is_there && told_c != wanted_c);
-        if self.mover.told_c().is_none_or(moved) { self.mover.set(wanted_c) } else { Ok(()) }
+        let moved = |set_c: f64| (set_c - wanted_c).abs() >= SET_STEP_C || (is_there && set_c != wanted_c);
+        if self.control.set_c().is_none_or(moved) { self.control.set(wanted_c) } else { Ok(()) }
     }
 
     /// Tells the person at the knobs what to do at a new step.
     fn announce(&mut self) {
         let progress = self.procedure.progress();
         let is_new = self.announced != Some(progress.step) && progress.state != ChamberState::Done;
-        if !matches!(self.mover.by, By::Hand) || !is_new {
+        if !matches!(self.control.by, Control::Hand) || !is_new {
             return;
         }
         self.announced = Some(progress.step);

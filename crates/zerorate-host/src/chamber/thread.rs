@@ -1,20 +1,20 @@
-//! A chamber in a thread of its own, so that the reader of a part need not wait for it.
+//! A chamber in a thread of its own, so that the reader of a sensor need not wait for it.
 
-use super::{Chamber, Left};
+use super::{Chamber, SafeEnd};
 use crate::{DeviceError, Result, Stop};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// Time between two questions to the chamber.
+/// Time between two readings of the chamber.
 const PERIOD: Duration = Duration::from_secs(5);
 
 /// Time between two checks that the thread is still there.
 const SLICE: Duration = Duration::from_millis(100);
 
-/// Any chamber, told and asked every 5 s by a thread of its own. [`Chamber::read_c`] gives its last answer.
-/// [`Chamber::set`] fails some seconds after the chamber could not be told.
-pub struct Apart {
+/// Any chamber, set and read every 5 s by a thread of its own. [`Chamber::read_c`] returns each reading once.
+/// [`Chamber::set`] fails some seconds after the chamber failed.
+pub struct ChamberThread {
     shared: Arc<Shared>,
     halt: Stop,
     thread: Option<JoinHandle<Box<dyn Chamber>>>,
@@ -67,7 +67,7 @@ impl Shared {
     }
 }
 
-impl Apart {
+impl ChamberThread {
     /// Starts the thread, and the chamber in it.
     ///
     /// # Errors
@@ -91,7 +91,7 @@ impl Apart {
     }
 }
 
-impl Chamber for Apart {
+impl Chamber for ChamberThread {
     /// Waits until the thread has started it.
     fn start(&mut self) -> Result<()> {
         loop {
@@ -113,20 +113,20 @@ impl Chamber for Apart {
 
     fn read_c(&mut self) -> Result<Option<f64>> {
         self.failure()?;
-        Ok(self.shared.state().air_c)
+        Ok(self.shared.state().air_c.take())
     }
 
     fn halt(&self) -> Stop {
         self.halt.clone()
     }
 
-    fn end(&mut self, safe_c: f64) -> Option<Left> {
+    fn end(&mut self, safe_c: f64) -> Option<SafeEnd> {
         self.shared.state().ended = true;
         self.halt.ask();
         self.shared.changed.notify_all();
         match self.thread.take()?.join() {
             Ok(mut chamber) => chamber.end(safe_c),
-            Err(_) => Some(Left { why: Some("its thread ended by an error".to_owned()), ..Left::default() }),
+            Err(_) => Some(SafeEnd { failed: Some("its thread ended by an error".to_owned()), air_c: None }),
         }
     }
 }
@@ -135,7 +135,7 @@ impl Chamber for Apart {
 mod tests {
     use super::*;
 
-    /// A chamber whose connection is made anew for ever, or whose thread breaks.
+    /// A chamber that is retried for ever, or whose thread breaks.
     struct Waiting {
         halt: Stop,
         breaks: bool,
@@ -158,23 +158,22 @@ mod tests {
             self.halt.clone()
         }
 
-        fn end(&mut self, safe_c: f64) -> Option<Left> {
-            Some(Left { set_c: Some(safe_c), ..Left::default() })
+        fn end(&mut self, _: f64) -> Option<SafeEnd> {
+            Some(SafeEnd::default())
         }
     }
 
-    fn left(breaks: bool) -> Option<Left> {
-        let mut apart = Apart::new(Box::new(Waiting { halt: Stop::default(), breaks })).expect("a thread");
-        apart.start().expect("it starts");
-        apart.set(60.0).expect("nothing failed so far");
+    fn end(breaks: bool) -> SafeEnd {
+        let mut chamber = ChamberThread::new(Box::new(Waiting { halt: Stop::default(), breaks })).expect("a thread");
+        chamber.start().expect("it starts");
+        chamber.set(60.0).expect("nothing failed so far");
         thread::sleep(Duration::from_millis(20));
-        apart.end(25.0)
+        chamber.end(25.0).expect("it was set")
     }
 
     #[test]
-    fn it_is_left_while_it_waits_and_where_its_thread_is_gone() {
-        assert!(left(false).is_some_and(|left| left.is_safe(25.0)), "it would wait for ever");
-        let gone = left(true).expect("somebody has to look");
-        assert!(!gone.is_safe(25.0) && gone.why.is_some(), "{gone:?}");
+    fn a_chamber_that_waits_is_ended_and_a_thread_that_is_gone_is_reported() {
+        assert_eq!(end(false), SafeEnd::default(), "it would wait for ever");
+        assert!(end(true).failed.is_some(), "somebody has to look");
     }
 }

@@ -1,0 +1,190 @@
+//! A temperature chamber that is a shell script and some files in a folder. It fails in a way of its own. The campaign
+//! of `cargo xtask trust` includes this file too.
+
+use std::fs;
+use std::io;
+use std::path::PathBuf;
+
+/// The set point at which the plans of these tests leave a chamber, °C. None of their steps goes there.
+const SAFE: &str = "25.0";
+
+/// `chamber.sh set C` sets it. `chamber.sh read` prints its air, which follows with a lag of 15 s: each reading is a
+/// second after the one before. A command obeys after a moment, in which a signal could end it.
+const SCRIPT: &str = r#"#!/bin/sh
+cd "${0%/*}" || exit 1
+read -r fault onset < fault
+read -r set_c < set_c
+read -r air_c < air_c
+read -r readings < readings
+echo "$*" >> heard
+case $onset in
+    end) [ "$*" = "set 25.0" ] && : > faulty ;;
+    *) [ "$readings" -ge "$onset" ] && : > faulty ;;
+esac
+fault_is() { [ "$fault" = "$1" ] && [ -e faulty ]; }
+
+fault_is dead && sleep 600
+fault_is fails && { echo "no route to the chamber" >&2; exit 1; }
+fault_is fails-thrice && [ "$(wc -l < failures)" -lt 3 ] && { echo once more >> failures; exit 1; }
+case $1 in
+    set)
+        fault_is refuses && { echo "out of range" >&2; exit 2; }
+        fault_is slow && sleep 0.5
+        echo "$2" > set_c ;;
+    read)
+        fault_is hangs && sleep 600
+        fault_is garbage && { echo "23.4 C"; exit 0; }
+        fault_is hot && air_c=500 set_c=500
+        fault_is stuck && air_c=70 set_c=70
+        fault_is lazy && set_c=$air_c
+        echo $((readings + 1)) > readings
+        awk -v set_c="$set_c" -v air_c="$air_c" 'BEGIN { printf "%.3f\n", air_c + (set_c - air_c) / 15 }' > next
+        mv next air_c
+        cat air_c ;;
+esac
+fault_is unheard && { echo "no answer" >&2; exit 1; }
+exit 0
+"#;
+
+/// How it fails.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fault {
+    /// Its sensor says 500 °C.
+    Hot,
+    /// Its air is at 70 °C, which harms no part.
+    Stuck,
+    /// Its air stays where it is.
+    Lazy,
+    /// The command that reads it hangs.
+    Hangs,
+    /// Both commands hang.
+    Dead,
+    /// Both commands fail for ever.
+    Fails,
+    /// Three commands fail; then all is well.
+    FailsThrice,
+    /// It takes no set point.
+    Refuses,
+    /// It obeys, and its commands fail.
+    Unheard,
+    /// The command that reads it prints more than a number.
+    Garbage,
+    /// It takes half a second to obey.
+    Slow,
+}
+
+pub const FAULTS: [Fault; 11] = [
+    Fault::Hot,
+    Fault::Stuck,
+    Fault::Lazy,
+    Fault::Hangs,
+    Fault::Dead,
+    Fault::Fails,
+    Fault::FailsThrice,
+    Fault::Refuses,
+    Fault::Unheard,
+    Fault::Garbage,
+    Fault::Slow,
+];
+
+impl Fault {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Hot => "hot",
+            Self::Stuck => "stuck",
+            Self::Lazy => "lazy",
+            Self::Hangs => "hangs",
+            Self::Dead => "dead",
+            Self::Fails => "fails",
+            Self::FailsThrice => "fails-thrice",
+            Self::Refuses => "refuses",
+            Self::Unheard => "unheard",
+            Self::Garbage => "garbage",
+            Self::Slow => "slow",
+        }
+    }
+}
+
+/// When the fault begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Onset {
+    /// After this number of readings.
+    Reading(usize),
+    /// With the safe set point.
+    End,
+}
+
+/// The chamber in a folder.
+#[derive(Debug)]
+pub struct ScriptChamber {
+    folder: PathBuf,
+}
+
+impl ScriptChamber {
+    /// Makes the chamber in an existing folder.
+    pub fn new(folder: PathBuf, fault: Fault, onset: Onset) -> io::Result<Self> {
+        let onset = match onset {
+            Onset::Reading(number) => number.to_string(),
+            Onset::End => "end".to_owned(),
+        };
+        let fault = format!("{} {onset}\n", fault.name());
+        // it was used before, and left at 60 °C
+        let files = [("fault", fault.as_str()), ("set_c", "60.0\n"), ("air_c", "25.0\n"), ("readings", "0\n")];
+        for (name, content) in [("chamber.sh", SCRIPT), ("heard", ""), ("failures", "")].into_iter().chain(files) {
+            fs::write(folder.join(name), content)?;
+        }
+        Ok(Self { folder })
+    }
+
+    /// The arguments that let the program control it.
+    pub fn arguments(&self, retry_s: u32) -> [String; 6] {
+        let script = self.folder.join("chamber.sh");
+        let command = |what: &str| format!("sh '{}' {what}", script.display());
+        let (set, read) = (command("set {temp_c}"), command("read"));
+        [
+            "--set-temperature".to_owned(),
+            set,
+            "--read-temperature".to_owned(),
+            read,
+            "--retry-s".to_owned(),
+            retry_s.to_string(),
+        ]
+    }
+
+    fn text(&self, name: &str) -> String {
+        fs::read_to_string(self.folder.join(name)).unwrap_or_default()
+    }
+
+    /// The commands that it received.
+    pub fn heard(&self) -> Vec<String> {
+        self.text("heard").lines().map(str::to_owned).collect()
+    }
+
+    /// Whether the fault is there.
+    pub fn is_faulty(&self) -> bool {
+        self.folder.join("faulty").exists()
+    }
+
+    /// Whether it holds the safe set point, or was never set.
+    pub fn is_safe(&self) -> bool {
+        self.holds_safe() || !self.heard().iter().any(|line| line.starts_with("set "))
+    }
+
+    fn holds_safe(&self) -> bool {
+        self.text("set_c").trim() == SAFE
+    }
+
+    /// What is wrong with the last line of a program that controlled the chamber. Nothing is wrong if the line is
+    /// true, and the chamber is safe or the user knows that it may not be.
+    pub fn complaint(&self, stderr: &str) -> Option<String> {
+        let last = stderr.lines().last().unwrap_or_default();
+        let is_left = last.starts_with("the chamber was left at 25.0 °C");
+        let why = match () {
+            () if is_left && !self.holds_safe() => "it was not left at 25 °C",
+            () if is_left || last.starts_with("warning: chamber-left: ") => return None,
+            () if self.is_safe() && !self.holds_safe() => return None,
+            () => "the last line does not say how it was left",
+        };
+        Some(format!("{why}: {:?}", self.heard()))
+    }
+}

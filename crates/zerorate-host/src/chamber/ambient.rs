@@ -1,0 +1,161 @@
+//! The temperature around a simulated part over its own simulated time. The part waits until the profile goes on.
+
+use crate::Stop;
+use adis16130_twin::Twin;
+use std::collections::VecDeque;
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::time::Duration;
+
+/// The ambient temperature of a simulated part ([`Setup`](crate::Setup)); clones share one profile. Its
+/// [`ProfileWriter`] adds one segment after the other, and the part reads no sample beyond the last segment. So a
+/// measurement in a simulated chamber is the same each time, however fast the threads are.
+///
+/// The first sample comes before the first segment, and the part waits with the second.
+#[derive(Clone, Debug, Default)]
+pub struct AmbientProfile(Arc<Shared>);
+
+#[derive(Debug, Default)]
+struct Shared {
+    segments: Mutex<Segments>,
+    changed: Condvar,
+}
+
+#[derive(Debug, Default)]
+struct Segments {
+    next: VecDeque<Segment>,
+    /// No segment will follow.
+    ended: bool,
+}
+
+/// A straight line from the present temperature.
+#[derive(Clone, Copy, Debug)]
+struct Segment {
+    to_c: f64,
+    until_ns: u64,
+}
+
+/// Adds segments to the profile. When it is dropped, the temperature stays and the part goes on.
+#[derive(Debug)]
+pub struct ProfileWriter(AmbientProfile);
+
+/// A stop is heeded at least this often.
+const LONGEST_WAIT: Duration = Duration::from_millis(100);
+
+impl AmbientProfile {
+    fn segments(&self) -> std::sync::MutexGuard<'_, Segments> {
+        self.0.segments.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The next segment; none where there will be none, or a stop was asked.
+    fn next(&self, stop: &Stop) -> Option<Segment> {
+        let mut segments = self.segments();
+        loop {
+            if let Some(segment) = segments.next.pop_front() {
+                return Some(segment);
+            }
+            if segments.ended || stop.asked() {
+                return None;
+            }
+            let waited = self.0.changed.wait_timeout(segments, LONGEST_WAIT).unwrap_or_else(PoisonError::into_inner);
+            segments = waited.0;
+        }
+    }
+
+    /// Makes the writer of this profile.
+    #[must_use]
+    pub fn writer(&self) -> ProfileWriter {
+        ProfileWriter(self.clone())
+    }
+}
+
+impl ProfileWriter {
+    /// Adds a straight line to a temperature, °C, which is reached at this time of the part, ns.
+    pub fn ramp_to(&self, to_c: f64, until_ns: u64) {
+        self.0.segments().next.push_back(Segment { to_c, until_ns });
+        self.0.0.changed.notify_all();
+    }
+}
+
+impl Drop for ProfileWriter {
+    fn drop(&mut self) {
+        self.0.segments().ended = true;
+        self.0.0.changed.notify_all();
+    }
+}
+
+/// Moves the ambient temperature of simulated parts along a profile.
+pub(crate) struct ProfileFollower {
+    profile: AmbientProfile,
+    stop: Stop,
+    until_ns: u64,
+    /// Time of the last sample, if there was one.
+    last_ns: Option<u64>,
+}
+
+impl ProfileFollower {
+    pub fn new(profile: AmbientProfile, stop: &Stop) -> Self {
+        Self { profile, stop: stop.clone(), until_ns: 0, last_ns: None }
+    }
+
+    /// Call this before each sample of the units, whose clock the first has. It waits behind a sample that is late
+    /// enough, at any time of the clock: the writer of the profile sees samples, and no clock.
+    #[inline]
+    pub fn before_sample<'a>(&mut self, first: &'a Twin, others: impl Iterator<Item = &'a Twin>) {
+        if self.last_ns.is_some_and(|last_ns| last_ns >= self.until_ns) {
+            self.wait(first.now_ns(), core::iter::once(first).chain(others));
+        }
+    }
+
+    /// Call this with the time of each sample.
+    #[inline]
+    pub fn after_sample(&mut self, t_ns: u64) {
+        self.last_ns = Some(t_ns);
+    }
+
+    fn wait<'a>(&mut self, now_ns: u64, units: impl Iterator<Item = &'a Twin>) {
+        let Some(segment) = self.profile.next(&self.stop) else {
+            self.until_ns = u64::MAX;
+            return;
+        };
+        let over_s = segment.until_ns.saturating_sub(now_ns) as f64 * 1e-9;
+        units.for_each(|unit| unit.set_ambient(segment.to_c, over_s));
+        self.until_ns = segment.until_ns.max(now_ns + 1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use adis16130_twin::Spec;
+
+    fn after(follower: &mut ProfileFollower, twin: &Twin, ns: u64) {
+        twin.advance_ns(ns);
+        follower.after_sample(twin.now_ns());
+    }
+
+    #[test]
+    fn a_part_reads_nothing_beyond_what_is_known() {
+        let (profile, stop) = (AmbientProfile::default(), Stop::default());
+        let writer = profile.writer();
+        let twin = Twin::new(Spec { noise: false, warmup_c: 0.0, ..Spec::from_seed(1) });
+        let mut follower = ProfileFollower::new(profile, &stop);
+        follower.before_sample(&twin, core::iter::empty());
+        writer.ramp_to(35.0, 1_000_000_000);
+        after(&mut follower, &twin, 1000);
+        follower.before_sample(&twin, core::iter::empty());
+        twin.advance_ns(500_000_000);
+        assert!((twin.truth().ambient_c - 30.0).abs() < 0.1, "{:?}", twin.truth());
+        after(&mut follower, &twin, 600_000_000);
+        let waiting = std::thread::spawn(move || {
+            std::thread::sleep(Duration::from_millis(20));
+            writer.ramp_to(35.0, 5_000_000_000);
+            writer
+        });
+        follower.before_sample(&twin, core::iter::empty());
+        assert_eq!(follower.until_ns, 5_000_000_000);
+        drop(waiting.join().expect("no panic"));
+        after(&mut follower, &twin, 5_000_000_000);
+        follower.before_sample(&twin, core::iter::empty());
+        assert_eq!(follower.until_ns, u64::MAX, "no segment follows");
+    }
+}

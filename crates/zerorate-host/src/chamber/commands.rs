@@ -1,0 +1,318 @@
+//! A chamber that two command lines of the user control.
+
+use super::{Chamber, SafeEnd, shell};
+use crate::error::{Cause, UserError};
+use crate::{DeviceError, Result, Stop};
+use std::fmt;
+use std::ops::RangeInclusive;
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// The commands that set a chamber and read it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChamberCommands {
+    set: String,
+    read: String,
+    retry: Duration,
+}
+
+/// Stands for the temperature in the command that sets it.
+const PLACEHOLDER: &str = "{temp_c}";
+/// Temperatures that a chamber may read, °C.
+const SENSIBLE_C: RangeInclusive<f64> = -273.0..=1000.0;
+/// First wait before a failed command is run again; it doubles each time.
+const FIRST_WAIT: Duration = Duration::from_millis(100);
+const LONGEST_WAIT: Duration = Duration::from_secs(5);
+const LONGEST_ENDING_WAIT: Duration = Duration::from_secs(1);
+/// Time between two checks for a stop.
+const SLICE: Duration = Duration::from_millis(50);
+
+impl ChamberCommands {
+    /// `set` contains `{temp_c}` in place of the temperature; `read` prints the temperature of the air, °C. A command
+    /// that fails is run again for `retry`.
+    ///
+    /// # Errors
+    /// A command is empty, or `set` does not contain `{temp_c}`.
+    pub fn new(set: &str, read: &str, retry: Duration) -> Result<Self, String> {
+        if !set.contains(PLACEHOLDER) {
+            return Err(format!("`{set}` has no {PLACEHOLDER}; write it where the temperature goes"));
+        }
+        if read.trim().is_empty() {
+            return Err("the command that reads the temperature is empty".to_owned());
+        }
+        Ok(Self { set: set.to_owned(), read: read.to_owned(), retry })
+    }
+
+    /// The command that sets a temperature: one decimal, and never an exponent or a negative zero.
+    fn set_to(&self, temp_c: f64) -> String {
+        let tenths = (temp_c * 10.0).round() / 10.0 + 0.0;
+        self.set.replace(PLACEHOLDER, &format!("{tenths:.1}"))
+    }
+}
+
+/// Bounds on time.
+struct Limits {
+    /// A command ends within this.
+    command: Duration,
+    /// The same after a stop.
+    grace: Duration,
+    /// The safe temperature is tried for so long.
+    ending: Duration,
+}
+
+const LIMITS: Limits =
+    Limits { command: Duration::from_secs(10), grace: Duration::from_secs(1), ending: Duration::from_secs(10) };
+
+/// The chamber behind the commands.
+pub(super) struct CommandedChamber {
+    commands: ChamberCommands,
+    limits: Limits,
+    /// Either ends every wait: the stop of the user, and the stop of the owner of the chamber.
+    stops: [Stop; 2],
+    /// A command that sets a temperature was run, and the chamber may have obeyed.
+    is_touched: bool,
+    air_c: Option<f64>,
+}
+
+/// Why a command did not do what it should.
+struct Failure(String);
+
+impl Failure {
+    fn of(command: &str, why: impl fmt::Display) -> Self {
+        Self(format!("`{command}`: {why}"))
+    }
+}
+
+impl CommandedChamber {
+    pub fn new(commands: &ChamberCommands, stop: &Stop) -> Self {
+        let stops = [stop.clone(), Stop::default()];
+        Self { commands: commands.clone(), limits: LIMITS, stops, is_touched: false, air_c: None }
+    }
+
+    fn run(&self, command: &str) -> Result<String, Failure> {
+        let Self { stops, limits, .. } = self;
+        let (latest, mut stopped) = (Instant::now() + limits.command, None);
+        let until = || match stops.iter().any(Stop::asked) {
+            true => latest.min(*stopped.get_or_insert_with(Instant::now) + limits.grace),
+            false => latest,
+        };
+        shell::first_line(command, until).map_err(|error| Failure::of(command, error))
+    }
+
+    fn set_once(&mut self, temp_c: f64) -> Result<(), Failure> {
+        self.is_touched = true;
+        self.run(&self.commands.set_to(temp_c)).map(drop)
+    }
+
+    fn read_once(&mut self) -> Result<f64, Failure> {
+        let command = &self.commands.read;
+        let line = self.run(command)?;
+        let number = line.parse().ok().filter(|temp_c| SENSIBLE_C.contains(temp_c));
+        let air_c = number.ok_or_else(|| {
+            Failure::of(command, format_args!("its first line is {line:?}, and not a number in °C alone"))
+        })?;
+        self.air_c = Some(air_c);
+        Ok(air_c)
+    }
+
+    /// Runs a command again until it succeeds, or the time for retries is over.
+    fn retry<T>(&mut self, what: impl Fn(&mut Self) -> Result<T, Failure>) -> Result<T> {
+        let (until, mut wait) = (Instant::now() + self.commands.retry, FIRST_WAIT);
+        loop {
+            self.heed()?;
+            let done = what(self);
+            self.heed()?;
+            match done {
+                Ok(done) => return Ok(done),
+                Err(failure) if Instant::now() + wait > until => return Err(self.lost(failure)),
+                Err(_) => self.pause(wait)?,
+            }
+            wait = (wait * 2).min(LONGEST_WAIT);
+        }
+    }
+
+    fn lost(&self, Failure(why): Failure) -> DeviceError {
+        let retry_s = self.commands.retry.as_secs();
+        let words = format!("the chamber failed, and again for {retry_s} s: {why}");
+        anyhow::Error::from(UserError::new(Cause::Gone, words)).into()
+    }
+
+    /// Fails if somebody asked to stop.
+    fn heed(&self) -> Result<()> {
+        if self.stops.iter().any(Stop::asked) {
+            let words = "stopped while the chamber was waited for";
+            return Err(anyhow::Error::from(UserError::new(Cause::Stopped, words)).into());
+        }
+        Ok(())
+    }
+
+    fn pause(&self, wait: Duration) -> Result<()> {
+        let until = Instant::now() + wait;
+        loop {
+            self.heed()?;
+            let left = until.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return Ok(());
+            }
+            thread::sleep(left.min(SLICE));
+        }
+    }
+}
+
+impl Chamber for CommandedChamber {
+    fn start(&mut self) -> Result<()> {
+        let read = self.read_once();
+        self.heed()?;
+        read.map(drop).map_err(|Failure(why)| {
+            let words = format!("the chamber cannot be read: {why}; try the command by itself");
+            anyhow::Error::from(UserError::new(Cause::Silent, words)).into()
+        })
+    }
+
+    fn set(&mut self, temp_c: f64) -> Result<()> {
+        self.retry(|chamber| chamber.set_once(temp_c))
+    }
+
+    fn read_c(&mut self) -> Result<Option<f64>> {
+        self.retry(Self::read_once).map(Some)
+    }
+
+    fn halt(&self) -> Stop {
+        self.stops[1].clone()
+    }
+
+    fn end(&mut self, safe_c: f64) -> Option<SafeEnd> {
+        if !self.is_touched {
+            return None;
+        }
+        let (command, air_c) = (self.commands.set_to(safe_c), self.air_c);
+        let (until, mut wait) = (Instant::now() + self.limits.ending, FIRST_WAIT);
+        loop {
+            let failed = shell::first_line(&command, || until).err().map(|error| Failure::of(&command, error).0);
+            if failed.is_none() || Instant::now() + wait >= until {
+                return Some(SafeEnd { failed, air_c });
+            }
+            thread::sleep(wait);
+            wait = (wait * 2).min(LONGEST_ENDING_WAIT);
+        }
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::fs;
+    use tempfile::TempDir;
+
+    const MOST: Duration = Duration::from_secs(60);
+    const SHORT: Limits = Limits {
+        command: Duration::from_millis(50),
+        grace: Duration::from_millis(50),
+        ending: Duration::from_millis(200),
+    };
+
+    /// A chamber in a folder, whose commands see the files there.
+    fn chamber(folder: &TempDir, set: &str, read: &str, retry: Duration) -> CommandedChamber {
+        let inside = |command: &str| format!("cd {} && {command}", folder.path().display());
+        let commands = ChamberCommands::new(&inside(set), &inside(read), retry).expect("commands");
+        CommandedChamber::new(&commands, &Stop::default())
+    }
+
+    fn folder() -> TempDir {
+        tempfile::tempdir().expect("a folder")
+    }
+
+    fn words(error: DeviceError) -> (Cause, String) {
+        (error.cause(), format!("{:#}", anyhow::Error::from(error)))
+    }
+
+    #[test]
+    fn commands_that_cannot_work_are_refused() {
+        let refused = |set, read| ChamberCommands::new(set, read, MOST).expect_err("it cannot work");
+        assert!(refused("set.sh", "read.sh").contains("`set.sh` has no {temp_c}"));
+        assert!(refused("set.sh {temp_c}", " ").contains("reads the temperature is empty"));
+    }
+
+    #[test]
+    fn a_temperature_is_a_plain_number_with_one_decimal() {
+        let commands = ChamberCommands::new("a {temp_c} ${B} {temp_c}", "read", MOST).expect("commands");
+        for (temp_c, shown) in [(85.0, "85.0"), (-40.06, "-40.1"), (-0.04, "0.0"), (250.0, "250.0")] {
+            assert_eq!(commands.set_to(temp_c), format!("a {shown} ${{B}} {shown}"));
+        }
+    }
+
+    #[test]
+    fn a_chamber_is_set_and_read_and_ended_at_the_safe_temperature() {
+        let folder = folder();
+        let mut chamber = chamber(&folder, "echo {temp_c} > set_c", "cat set_c || echo 21.5", Duration::ZERO);
+        chamber.start().expect("it is read");
+        assert_eq!(chamber.end(25.0), None, "it was never set");
+        chamber.set(60.0).expect("it is set");
+        assert_eq!(chamber.read_c().expect("it is read"), Some(60.0));
+        assert_eq!(chamber.end(25.0), Some(SafeEnd { failed: None, air_c: Some(60.0) }));
+        assert_eq!(fs::read_to_string(folder.path().join("set_c")).expect("a file"), "25.0\n");
+    }
+
+    #[test]
+    fn a_command_that_fails_once_is_run_again() {
+        let folder = folder();
+        let fails_once = "if mkdir once; then exit 1; fi; echo 23.4";
+        let mut chamber = chamber(&folder, "true {temp_c}", fails_once, MOST);
+        assert_eq!(chamber.read_c().expect("the second time"), Some(23.4));
+    }
+
+    #[test]
+    fn a_command_that_fails_for_ever_ends_the_measurement() {
+        let folder = folder();
+        let mut chamber = chamber(&folder, "echo no route >&2 && exit 7 # {temp_c}", "echo 23.4", Duration::ZERO);
+        let (cause, why) = words(chamber.set(60.0).expect_err("it fails"));
+        assert_eq!(cause, Cause::Gone);
+        assert!(why.contains("again for 0 s") && why.contains("60.0`: exit status: 7: no route"), "{why}");
+        chamber.limits = SHORT;
+        let failed = chamber.end(25.0).and_then(|end| end.failed).expect("it fails");
+        assert!(failed.contains("# 25.0`: "), "{failed}");
+    }
+
+    #[test]
+    fn what_is_not_a_number_alone_is_refused() {
+        for printed in ["23.4 C", "", "nan", "inf", "1e9", "23,4", "set: 23.4"] {
+            let folder = folder();
+            let read = format!("echo '{printed}'");
+            let mut chamber = chamber(&folder, "true {temp_c}", &read, Duration::ZERO);
+            let (_, why) = words(chamber.start().expect_err("no number"));
+            assert!(why.contains(&format!("its first line is {printed:?}, and not a number")), "{why}");
+            assert!(chamber.read_c().is_err());
+        }
+    }
+
+    #[test]
+    fn a_command_that_hangs_is_killed_and_counts_as_failed() {
+        let folder = folder();
+        let mut chamber = chamber(&folder, "sleep 600 # {temp_c}", "sleep 600", Duration::ZERO);
+        chamber.limits = SHORT;
+        assert!(words(chamber.read_c().expect_err("it hangs")).1.contains("it did not end within"));
+        assert!(words(chamber.set(60.0).expect_err("it hangs")).1.contains("and was killed"));
+        assert!(chamber.end(25.0).and_then(|end| end.failed).is_some_and(|why| why.contains("it did not end")));
+    }
+
+    /// While a command hangs, and while a failed command waits for its next try.
+    #[test]
+    fn a_stop_ends_every_wait_but_the_last_one() {
+        for read in ["sleep 600", "false"] {
+            let folder = folder();
+            let mut chamber = chamber(&folder, "echo {temp_c} > set_c", read, MOST);
+            chamber.limits.grace = SHORT.grace;
+            chamber.set(60.0).expect("it is set");
+            let (halt, began) = (chamber.halt(), Instant::now());
+            let asking = thread::spawn(move || {
+                thread::sleep(Duration::from_millis(300));
+                halt.ask();
+            });
+            assert_eq!(words(chamber.read_c().expect_err("it is stopped")).0, Cause::Stopped, "{read}");
+            asking.join().expect("no panic");
+            assert!(began.elapsed() < LIMITS.command, "{:?}", began.elapsed());
+            assert_eq!(chamber.end(25.0), Some(SafeEnd { failed: None, air_c: None }));
+            assert_eq!(fs::read_to_string(folder.path().join("set_c")).expect("a file"), "25.0\n");
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! One command line of the user: run by the shell in a process group of its own, with bounds on time and output.
+
+use std::io::{self, Read};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, SyncSender};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Bytes that are kept: the first ones of stdout, and the last ones of stderr.
+const KEPT: usize = 4096;
+/// Letters of the line of stderr that an error shows.
+const SHOWN: usize = 200;
+/// Longest time between two checks of the time limit.
+const SLICE: Duration = Duration::from_millis(20);
+/// A process that the command left behind may hold its pipes. They are read for this long after the command's end.
+const AFTERMATH: Duration = Duration::from_secs(1);
+
+/// Why a command failed.
+#[derive(Debug, thiserror::Error)]
+pub enum ShellError {
+    #[error("the shell cannot be started: {0}")]
+    Start(#[from] io::Error),
+    #[error("{0}{1}")]
+    Failed(ExitStatus, String),
+    #[error("it did not end within {:.1} s, and was killed", .0.as_secs_f64())]
+    Late(Duration),
+}
+
+/// Runs a command line without input, and returns the first line of its stdout. `until` is asked again and again for
+/// the end of the command's time; then its process group is killed.
+///
+/// The process group is not that of the terminal, so Ctrl-C does not reach the command.
+pub fn first_line(command: &str, mut until: impl FnMut() -> Instant) -> Result<String, ShellError> {
+    let began = Instant::now();
+    let mut child = shell(command).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
+    let (chunks, mut output) = (chunks_of(&mut child)?, Output::default());
+    let status = loop {
+        if let Some(status) = child.try_wait()? {
+            break status;
+        }
+        if Instant::now() >= until() {
+            kill(child);
+            return Err(ShellError::Late(began.elapsed()));
+        }
+        match chunks.recv_timeout(SLICE) {
+            Ok(chunk) => output.push(chunk),
+            Err(RecvTimeoutError::Timeout) => {}
+            // both pipes are closed: the command is about to end
+            Err(RecvTimeoutError::Disconnected) => thread::sleep(Duration::from_millis(1)),
+        }
+    };
+    let until = Instant::now() + AFTERMATH;
+    while Instant::now() < until
+        && let Ok(chunk) = chunks.recv_timeout(until.saturating_duration_since(Instant::now()))
+    {
+        output.push(chunk);
+    }
+    match status.success() {
+        true => Ok(output.first_line()),
+        false => Err(ShellError::Failed(status, output.last_line())),
+    }
+}
+
+#[cfg(unix)]
+fn shell(command: &str) -> Command {
+    use std::os::unix::process::CommandExt;
+    let mut shell = Command::new("sh");
+    shell.arg("-c").arg(command).process_group(0);
+    shell
+}
+
+#[cfg(windows)]
+fn shell(command: &str) -> Command {
+    use std::os::windows::process::CommandExt;
+    const CREATE_NEW_PROCESS_GROUP: u32 = 0x200;
+    let mut shell = Command::new("cmd");
+    shell.arg("/C").raw_arg(command).creation_flags(CREATE_NEW_PROCESS_GROUP);
+    shell
+}
+
+/// Kills the command with all that it started in its process group.
+fn kill(mut child: Child) {
+    #[cfg(unix)]
+    let _ =
+        rustix::process::kill_process_group(rustix::process::Pid::from_child(&child), rustix::process::Signal::KILL);
+    let _ = child.kill();
+    // the kernel may keep a process for a while, which nobody waits for
+    let _ = thread::Builder::new().spawn(move || child.wait());
+}
+
+enum Chunk {
+    Stdout(Vec<u8>),
+    Stderr(Vec<u8>),
+}
+
+/// Reads both pipes, each in a thread that ends with its pipe or with the receiver.
+fn chunks_of(child: &mut Child) -> io::Result<Receiver<Chunk>> {
+    let (sender, chunks) = mpsc::sync_channel(16);
+    if let Some(pipe) = child.stdout.take() {
+        forward(pipe, Chunk::Stdout, sender.clone())?;
+    }
+    if let Some(pipe) = child.stderr.take() {
+        forward(pipe, Chunk::Stderr, sender)?;
+    }
+    Ok(chunks)
+}
+
+fn forward(
+    mut pipe: impl Read + Send + 'static,
+    chunk: fn(Vec<u8>) -> Chunk,
+    chunks: SyncSender<Chunk>,
+) -> io::Result<()> {
+    let body = move || {
+        let mut bytes = [0; KEPT];
+        while let Ok(length @ 1..) = pipe.read(&mut bytes)
+            && chunks.send(chunk(bytes[..length].to_vec())).is_ok()
+        {}
+    };
+    thread::Builder::new().name("pipe".to_owned()).spawn(body).map(drop)
+}
+
+/// The kept part of the output.
+#[derive(Default)]
+struct Output {
+    stdout: Vec<u8>,
+    stderr: Vec<u8>,
+}
+
+impl Output {
+    fn push(&mut self, chunk: Chunk) {
+        match chunk {
+            Chunk::Stdout(bytes) => {
+                let room = KEPT - self.stdout.len();
+                self.stdout.extend(bytes.iter().take(room));
+            }
+            Chunk::Stderr(bytes) => {
+                self.stderr.extend(bytes);
+                let surplus = self.stderr.len().saturating_sub(KEPT);
+                self.stderr.drain(..surplus);
+            }
+        }
+    }
+
+    fn first_line(&self) -> String {
+        String::from_utf8_lossy(&self.stdout).lines().next().unwrap_or_default().trim().to_owned()
+    }
+
+    /// The last line of stderr that is not blank, after a colon.
+    fn last_line(&self) -> String {
+        let text = String::from_utf8_lossy(&self.stderr);
+        let line = text.lines().map(str::trim).rfind(|line| !line.is_empty());
+        let shown = |line: &str| line.chars().filter(|letter| !letter.is_control()).take(SHOWN).collect::<String>();
+        line.map_or(String::new(), |line| format!(": {}", shown(line)))
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    fn run(command: &str, limit_ms: u64) -> Result<String, String> {
+        let until = Instant::now() + Duration::from_millis(limit_ms);
+        first_line(command, || until).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn the_first_line_of_stdout_is_returned() {
+        assert_eq!(run("echo ' 23.4 '; echo 5", 60_000), Ok("23.4".to_owned()));
+        assert_eq!(run("true", 60_000), Ok(String::new()));
+    }
+
+    #[test]
+    fn a_failed_command_is_reported_with_its_status_and_its_last_line() {
+        let failed = run("printf 'first\\n\\033[31mno route\\n\\n' >&2; exit 3", 60_000);
+        assert_eq!(failed, Err("exit status: 3: [31mno route".to_owned()));
+        assert_eq!(run("kill -9 $$", 60_000), Err("signal: 9 (SIGKILL)".to_owned()));
+        assert!(run("no-such-program", 60_000).is_err_and(|why| why.contains("exit status: 127: ")));
+    }
+
+    #[test]
+    fn any_amount_of_output_is_read_and_a_bounded_part_kept() {
+        let flood = "yes 0123456789 | head -c 1000000";
+        assert_eq!(run(&format!("{flood}; {flood} >&2; echo end >&2"), 60_000), Ok("0123456789".to_owned()));
+        assert!(
+            run(&format!("{flood} >&2; echo >&2; echo end >&2; false"), 60_000)
+                .is_err_and(|why| why.ends_with("1: end"))
+        );
+    }
+
+    /// The shell, and a process that it started.
+    #[test]
+    fn a_command_that_hangs_is_killed_with_its_children() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("children");
+        let command = format!("sleep 600 & echo $! $$ > {}; wait", file.display());
+        let began = Instant::now();
+        let until = || match std::fs::read_to_string(&file).is_ok_and(|text| text.ends_with('\n')) {
+            true => began,
+            false => began + Duration::from_secs(60),
+        };
+        assert!(matches!(first_line(&command, until), Err(ShellError::Late(_))));
+        let pids = std::fs::read_to_string(&file).expect("two numbers");
+        let alive =
+            |pid: &str| std::fs::read_to_string(format!("/proc/{pid}/stat")).is_ok_and(|stat| !stat.contains(") Z"));
+        while pids.split_whitespace().any(alive) {
+            assert!(began.elapsed() < Duration::from_secs(60), "{pids} are alive");
+            thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    #[test]
+    fn a_process_that_is_left_behind_does_not_hold_up_the_result() {
+        let began = Instant::now();
+        assert_eq!(run("sleep 30 & echo 23.4", 60_000), Ok("23.4".to_owned()));
+        assert!(began.elapsed() < Duration::from_secs(20), "{:?}", began.elapsed());
+    }
+}

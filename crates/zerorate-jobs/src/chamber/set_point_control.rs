@@ -1,0 +1,133 @@
+//! Control of the set point. After any end of a measurement the chamber is set to its safe temperature, and the user
+//! hears whether the chamber confirmed that.
+
+use anyhow::Result;
+use zerorate_host::{Chamber, ChamberSpec, ChamberThread, SafeEnd, Stop};
+
+/// Hears what becomes of the air.
+pub trait AirListener {
+    /// Hears what is true if the program ends from here on.
+    fn set_pending(&self, air: &AirState);
+
+    /// Hears that a stop was asked, and that the chamber is being set to its safe temperature.
+    fn leaving(&self, air: &AirState);
+
+    /// Hears how a chamber ended; a chamber that is set by hand has no end. None if there is nothing to say.
+    fn settle(&self, air: Option<(&AirState, Option<&SafeEnd>)>);
+}
+
+/// The known facts about the air.
+#[derive(Clone, Debug)]
+pub struct AirState {
+    /// Somebody sets the chamber by hand.
+    pub by_hand: bool,
+    /// The safe temperature, °C.
+    pub safe_c: f64,
+    /// The last set point that the chamber confirmed, °C.
+    pub set_c: Option<f64>,
+}
+
+/// What sets the temperature.
+pub(super) enum Control {
+    /// A recording has decided that already.
+    Recording,
+    /// Somebody at the knobs, who hears of each step.
+    Hand,
+    /// A chamber.
+    Chamber(Box<dyn Chamber>),
+}
+
+/// Controls the set point, and sets the safe temperature at the end, at the latest when this is dropped.
+pub struct SetPointControl {
+    pub(super) by: Control,
+    /// The user has to know how the chamber ends. A simulated chamber needs no word.
+    has_word: bool,
+    state: AirState,
+    is_left: bool,
+    stop: Stop,
+    listener: Box<dyn AirListener>,
+}
+
+impl SetPointControl {
+    /// Prepares the control. No command is run yet.
+    ///
+    /// # Errors
+    /// No thread can be started.
+    pub fn new(
+        spec: Option<&ChamberSpec>,
+        is_simulated: bool,
+        safe_c: f64,
+        stop: &Stop,
+        listener: Box<dyn AirListener>,
+    ) -> Result<Self> {
+        let by = match spec.map(|spec| spec.chamber(stop)) {
+            None => Control::Recording,
+            Some(None) => Control::Hand,
+            // a real sensor is read while the chamber is waited for; a simulated sensor waits
+            Some(Some(chamber)) if is_simulated => Control::Chamber(chamber),
+            Some(Some(chamber)) => Control::Chamber(Box::new(ChamberThread::new(chamber)?)),
+        };
+        let has_word = matches!(spec, Some(ChamberSpec::Hand | ChamberSpec::Commands(_)));
+        let state = AirState { by_hand: matches!(by, Control::Hand), safe_c, set_c: None };
+        Ok(Self { by, has_word, state, is_left: false, stop: stop.clone(), listener })
+    }
+
+    /// Checks that a chamber answers.
+    ///
+    /// # Errors
+    /// It does not answer.
+    pub fn start(&mut self) -> Result<()> {
+        if self.state.by_hand {
+            self.listener.set_pending(&self.state);
+        }
+        match &mut self.by {
+            Control::Chamber(chamber) => Ok(chamber.start()?),
+            Control::Recording | Control::Hand => Ok(()),
+        }
+    }
+
+    /// The last set point that the chamber confirmed, °C.
+    pub(super) fn set_c(&self) -> Option<f64> {
+        self.state.set_c
+    }
+
+    /// Sets the temperature of a chamber, °C.
+    pub(super) fn set(&mut self, temp_c: f64) -> Result<()> {
+        let Control::Chamber(chamber) = &mut self.by else { return Ok(()) };
+        // a command that fails may still be obeyed
+        if self.has_word {
+            self.listener.set_pending(&self.state);
+        }
+        chamber.set(temp_c)?;
+        self.state.set_c = Some(temp_c);
+        if self.has_word {
+            self.listener.set_pending(&self.state);
+        }
+        Ok(())
+    }
+
+    /// Sets the safe temperature, once, and settles what the user hears last.
+    pub(super) fn leave(&mut self) {
+        if std::mem::replace(&mut self.is_left, true) {
+            return;
+        }
+        let Self { by, has_word, state, stop, listener, .. } = self;
+        match by {
+            Control::Recording => listener.settle(None),
+            Control::Hand => listener.settle(Some((state, None))),
+            Control::Chamber(chamber) => {
+                if stop.asked() && *has_word {
+                    listener.leaving(state);
+                }
+                let end = chamber.end(state.safe_c);
+                listener.settle(end.as_ref().map(|end| (&*state, Some(end))));
+            }
+        }
+    }
+}
+
+impl Drop for SetPointControl {
+    fn drop(&mut self) {
+        self.leave();
+    }
+}
