@@ -6,7 +6,7 @@ use super::{Class, Verdict};
 use anyhow::{Context, Result};
 use rand::RngExt;
 use rand::rngs::StdRng;
-use script_chamber::{FAULTS, Onset, ScriptChamber};
+use script_chamber::{AT_END, FAULTS, ScriptChamber};
 use serde_json::Value;
 use std::fs;
 use std::process::{Child, Command, Stdio};
@@ -49,14 +49,14 @@ fn failing(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     let mut random = random(class, seed);
     let fault = FAULTS[random.random_range(0..FAULTS.len())];
     let onset = match random.random_range(0..10) {
-        0 => Onset::Reading(0),
-        1..=3 => Onset::End,
-        _ => Onset::Reading(random.random_range(1..READINGS)),
+        0 => "0".to_owned(),
+        1..=3 => AT_END.to_owned(),
+        _ => random.random_range(1..READINGS).to_string(),
     };
     let signals = SIGNALS[random.random_range(0..SIGNALS.len())];
     let pause = Duration::from_micros(random.random_range(0..300_000));
     let folder = Folder::new(&format!("chamber-{seed}"))?;
-    let chamber = ScriptChamber::new(folder.path().to_owned(), fault, onset)?;
+    let chamber = ScriptChamber::new(folder.path().to_owned(), fault, &onset)?;
     let (plan, output) = (folder.file("plan.toml"), folder.file("unit.toml"));
     fs::write(&plan, PLAN)?;
     let device = format!("twin:seed={seed},{UNIT}");
@@ -74,15 +74,15 @@ fn failing(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     child.kill()?;
     let run = super::bench::Run::from(child.wait_with_output()?);
     if !has_ended {
-        return Ok(Verdict::Silent(format!("{fault:?}, {onset:?}, {signals:?}: it does not end\n{}", run.stderr)));
+        return Ok(Verdict::Silent(format!("{fault}, {onset}, {signals:?}: it does not end\n{}", run.stderr)));
     }
     if let Some(complaint) = chamber.complaint(&run.stderr) {
-        return Ok(Verdict::Silent(format!("{fault:?}, {onset:?}, {signals:?}: {complaint}\n{}", run.stderr)));
+        return Ok(Verdict::Silent(format!("{fault}, {onset}, {signals:?}: {complaint}\n{}", run.stderr)));
     }
     let is_safe = chamber.is_safe();
     Ok(match run.code {
         Some(0) if off_u(&run.json()?["truth"], &run.json()?)? > WRONG_U => {
-            Verdict::Silent(format!("{fault:?}, {onset:?}: {}", run.stdout))
+            Verdict::Silent(format!("{fault}, {onset}: {}", run.stdout))
         }
         Some(0) if is_safe => Verdict::Right,
         _ if is_safe => Verdict::Refused,

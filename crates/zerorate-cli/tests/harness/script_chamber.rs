@@ -23,6 +23,7 @@ case $onset in
 esac
 fault_is() { [ "$fault" = "$1" ] && [ -e faulty ]; }
 
+# `hangs` is about the command that reads, `dead` about both
 fault_is dead && sleep 600
 fault_is fails && { echo "no route to the chamber" >&2; exit 1; }
 fault_is fails-thrice && [ "$(wc -l < failures)" -lt 3 ] && { echo once more >> failures; exit 1; }
@@ -42,77 +43,17 @@ case $1 in
         mv next air_c
         cat air_c ;;
 esac
+# it obeyed, and says that it failed
 fault_is unheard && { echo "no answer" >&2; exit 1; }
 exit 0
 "#;
 
-/// How it fails.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Fault {
-    /// Its sensor says 500 °C.
-    Hot,
-    /// Its air is at 70 °C, which harms no part.
-    Stuck,
-    /// Its air stays where it is.
-    Lazy,
-    /// The command that reads it hangs.
-    Hangs,
-    /// Both commands hang.
-    Dead,
-    /// Both commands fail for ever.
-    Fails,
-    /// Three commands fail; then all is well.
-    FailsThrice,
-    /// It takes no set point.
-    Refuses,
-    /// It obeys, and its commands fail.
-    Unheard,
-    /// The command that reads it prints more than a number.
-    Garbage,
-    /// It takes half a second to obey.
-    Slow,
-}
+/// The ways in which it fails, by their names in the script.
+pub const FAULTS: [&str; 11] =
+    ["hot", "stuck", "lazy", "hangs", "dead", "fails", "fails-thrice", "refuses", "unheard", "garbage", "slow"];
 
-pub const FAULTS: [Fault; 11] = [
-    Fault::Hot,
-    Fault::Stuck,
-    Fault::Lazy,
-    Fault::Hangs,
-    Fault::Dead,
-    Fault::Fails,
-    Fault::FailsThrice,
-    Fault::Refuses,
-    Fault::Unheard,
-    Fault::Garbage,
-    Fault::Slow,
-];
-
-impl Fault {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Hot => "hot",
-            Self::Stuck => "stuck",
-            Self::Lazy => "lazy",
-            Self::Hangs => "hangs",
-            Self::Dead => "dead",
-            Self::Fails => "fails",
-            Self::FailsThrice => "fails-thrice",
-            Self::Refuses => "refuses",
-            Self::Unheard => "unheard",
-            Self::Garbage => "garbage",
-            Self::Slow => "slow",
-        }
-    }
-}
-
-/// When the fault begins.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Onset {
-    /// After this number of readings.
-    Reading(usize),
-    /// With the safe set point.
-    End,
-}
+/// The onset of a fault that begins with the safe set point.
+pub const AT_END: &str = "end";
 
 /// The chamber in a folder.
 #[derive(Debug)]
@@ -121,13 +62,9 @@ pub struct ScriptChamber {
 }
 
 impl ScriptChamber {
-    /// Makes the chamber in an existing folder.
-    pub fn new(folder: PathBuf, fault: Fault, onset: Onset) -> io::Result<Self> {
-        let onset = match onset {
-            Onset::Reading(number) => number.to_string(),
-            Onset::End => "end".to_owned(),
-        };
-        let fault = format!("{} {onset}\n", fault.name());
+    /// Makes the chamber in an existing folder. Its fault begins after `onset` readings, or [`AT_END`].
+    pub fn new(folder: PathBuf, fault: &str, onset: &str) -> io::Result<Self> {
+        let fault = format!("{fault} {onset}\n");
         // it was used before, and left at 60 °C
         let files = [("fault", fault.as_str()), ("set_c", "60.0\n"), ("air_c", "25.0\n"), ("readings", "0\n")];
         for (name, content) in [("chamber.sh", SCRIPT), ("heard", ""), ("failures", "")].into_iter().chain(files) {

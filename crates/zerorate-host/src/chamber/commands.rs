@@ -202,7 +202,6 @@ impl Chamber for CommandedChamber {
 mod tests {
     use super::*;
     use std::fs;
-    use tempfile::TempDir;
 
     const MOST: Duration = Duration::from_secs(60);
     const SHORT: Limits = Limits {
@@ -211,15 +210,8 @@ mod tests {
         ending: Duration::from_millis(200),
     };
 
-    /// A chamber in a folder, whose commands see the files there.
-    fn chamber(folder: &TempDir, set: &str, read: &str, retry: Duration) -> CommandedChamber {
-        let inside = |command: &str| format!("cd {} && {command}", folder.path().display());
-        let commands = ChamberCommands::new(&inside(set), &inside(read), retry).expect("commands");
-        CommandedChamber::new(&commands, &Stop::default())
-    }
-
-    fn folder() -> TempDir {
-        tempfile::tempdir().expect("a folder")
+    fn chamber(set: &str, read: &str, retry: Duration) -> CommandedChamber {
+        CommandedChamber::new(&ChamberCommands::new(set, read, retry).expect("commands"), &Stop::default())
     }
 
     fn words(error: DeviceError) -> (Cause, String) {
@@ -242,43 +234,9 @@ mod tests {
     }
 
     #[test]
-    fn a_chamber_is_set_and_read_and_ended_at_the_safe_temperature() {
-        let folder = folder();
-        let mut chamber = chamber(&folder, "echo {temp_c} > set_c", "cat set_c || echo 21.5", Duration::ZERO);
-        chamber.start().expect("it is read");
-        assert_eq!(chamber.end(25.0), None, "it was never set");
-        chamber.set(60.0).expect("it is set");
-        assert_eq!(chamber.read_c().expect("it is read"), Some(60.0));
-        assert_eq!(chamber.end(25.0), Some(SafeEnd { failed: None, air_c: Some(60.0) }));
-        assert_eq!(fs::read_to_string(folder.path().join("set_c")).expect("a file"), "25.0\n");
-    }
-
-    #[test]
-    fn a_command_that_fails_once_is_run_again() {
-        let folder = folder();
-        let fails_once = "if mkdir once; then exit 1; fi; echo 23.4";
-        let mut chamber = chamber(&folder, "true {temp_c}", fails_once, MOST);
-        assert_eq!(chamber.read_c().expect("the second time"), Some(23.4));
-    }
-
-    #[test]
-    fn a_command_that_fails_for_ever_ends_the_measurement() {
-        let folder = folder();
-        let mut chamber = chamber(&folder, "echo no route >&2 && exit 7 # {temp_c}", "echo 23.4", Duration::ZERO);
-        let (cause, why) = words(chamber.set(60.0).expect_err("it fails"));
-        assert_eq!(cause, Cause::Gone);
-        assert!(why.contains("again for 0 s") && why.contains("60.0`: exit status: 7: no route"), "{why}");
-        chamber.limits = SHORT;
-        let failed = chamber.end(25.0).and_then(|end| end.failed).expect("it fails");
-        assert!(failed.contains("# 25.0`: "), "{failed}");
-    }
-
-    #[test]
     fn what_is_not_a_number_alone_is_refused() {
         for printed in ["23.4 C", "", "nan", "inf", "1e9", "23,4", "set: 23.4"] {
-            let folder = folder();
-            let read = format!("echo '{printed}'");
-            let mut chamber = chamber(&folder, "true {temp_c}", &read, Duration::ZERO);
+            let mut chamber = chamber("true {temp_c}", &format!("echo '{printed}'"), Duration::ZERO);
             let (_, why) = words(chamber.start().expect_err("no number"));
             assert!(why.contains(&format!("its first line is {printed:?}, and not a number")), "{why}");
             assert!(chamber.read_c().is_err());
@@ -287,8 +245,7 @@ mod tests {
 
     #[test]
     fn a_command_that_hangs_is_killed_and_counts_as_failed() {
-        let folder = folder();
-        let mut chamber = chamber(&folder, "sleep 600 # {temp_c}", "sleep 600", Duration::ZERO);
+        let mut chamber = chamber("sleep 600 # {temp_c}", "sleep 600", Duration::ZERO);
         chamber.limits = SHORT;
         assert!(words(chamber.read_c().expect_err("it hangs")).1.contains("it did not end within"));
         assert!(words(chamber.set(60.0).expect_err("it hangs")).1.contains("and was killed"));
@@ -298,9 +255,10 @@ mod tests {
     /// While a command hangs, and while a failed command waits for its next try.
     #[test]
     fn a_stop_ends_every_wait_but_the_last_one() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("set_c");
         for read in ["sleep 600", "false"] {
-            let folder = folder();
-            let mut chamber = chamber(&folder, "echo {temp_c} > set_c", read, MOST);
+            let mut chamber = chamber(&format!("echo {{temp_c}} > '{}'", file.display()), read, MOST);
             chamber.limits.grace = SHORT.grace;
             chamber.set(60.0).expect("it is set");
             let (halt, began) = (chamber.halt(), Instant::now());
@@ -312,7 +270,7 @@ mod tests {
             asking.join().expect("no panic");
             assert!(began.elapsed() < LIMITS.command, "{:?}", began.elapsed());
             assert_eq!(chamber.end(25.0), Some(SafeEnd { failed: None, air_c: None }));
-            assert_eq!(fs::read_to_string(folder.path().join("set_c")).expect("a file"), "25.0\n");
+            assert_eq!(fs::read_to_string(&file).expect("a file"), "25.0\n");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The loop of a measurement in a chamber: samples go to the procedure, set points to the chamber, and its readings back.
+//! The loop of a measurement in a chamber: samples go to the procedure, and set points to the chamber.
 
 use super::Watch;
 use super::finished_steps::FinishedSteps;
