@@ -161,7 +161,7 @@ fn whatever_fails_the_chamber_is_safe_or_the_user_knows() {
 fn each_fault_is_reported_with_its_cause() {
     for (fault, code, why) in [
         ("hot", 3, "code: beyond-limits"),
-        ("lazy", 3, "code: not-reached"),
+        ("lazy", 3, "the chamber's air is only at "),
         ("fails", 1, "read`: exit status: 1: no route to the chamber"),
         ("garbage", 1, "its first line is \"23.4 C\", and not a number in °C alone"),
         ("refuses", 1, "set 45.0`: exit status: 2: out of range"),
