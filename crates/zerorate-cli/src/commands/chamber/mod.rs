@@ -53,9 +53,6 @@ pub struct ChamberArgs {
     #[command(flatten)]
     sampling: SamplingArgs,
 
-    #[command(flatten)]
-    control: ControlArgs,
-
     /// Largest share of lost samples, 0 … 1. Above it the measurement is refused.
     #[arg(long, value_name = "F", default_value_t = 0.001)]
     max_lost: f64,
@@ -66,6 +63,9 @@ pub struct ChamberArgs {
     /// Highest order of the bias over temperature to try, 1 to 3. The evidence decides which order is taken.
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=3))]
     max_order: u8,
+
+    #[command(flatten)]
+    control: ControlArgs,
 
     /// Write the calibration to this file, which gets its name only when it is complete. Until then the finished steps
     /// are beside it, in a file with `.chamber` after its name.
