@@ -61,7 +61,8 @@ fn failing(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     fs::write(&plan, PLAN)?;
     let device = format!("twin:seed={seed},{UNIT}");
     let args = ["chamber", &plan, "--device", &device, "--divider", "50", "--json", "-o", &output];
-    let mut child = bench.command(&args).args(chamber.arguments(1)).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
+    let mut child =
+        bench.command(&args).args(chamber.arguments(1)).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
     if !signals.is_empty() {
         wait_for(&mut child, || chamber.is_faulty())?;
     }
