@@ -111,8 +111,8 @@ enum Task {
     ///
     /// Each case is read right, or refused with a reason; a crash, a hang, other numbers or a second answer fail the
     /// task. Nothing of these projects is carried along. `--data DIR` is a folder with checkouts, each under its own
-    /// name; a part whose checkout or tool is missing says so and is skipped. PyArrow and MCAP's library, which judge
-    /// the files, go into an environment below target/.
+    /// name; a part whose checkout or tool is missing says so and is skipped. PyArrow, which judges the files, goes
+    /// into an environment below target/.
     Attacks(attacks::AttacksArgs),
     /// Serve the twin for long while visitors come and go; set the clock by an hour; fill the disk and free it
     ///

@@ -112,7 +112,7 @@ function walkOf(csv) {
 test("captures of this program, whole and cut off", { skip: without.program }, async () => {
   const csv = readFileSync(captured("twin.csv"));
   const walk = walkOf(String(csv));
-  for (const name of ["twin.csv", "twin.parquet", "twin.arrows", "twin.mcap"]) {
+  for (const name of ["twin.csv", "twin.parquet", "twin.arrows"]) {
     const bytes = name === "twin.csv" ? csv : readFileSync(captured(name));
     assert.match(await give(name, bytes), /done/);
     const found = await page.textContent(".axes-of-log .coefficients tbody tr:first-child");

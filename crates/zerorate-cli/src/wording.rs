@@ -26,14 +26,7 @@ pub fn form(asked: Option<Format>, path: &Path) -> anyhow::Result<Format> {
 
 /// The end of the sentence: what to do about an error.
 fn remedy(error: &anyhow::Error) -> &'static str {
-    match error.downcast_ref() {
-        _ if could_be_forced(error) => ", or give --force",
-        Some(CaptureError::Corrected { .. }) => {
-            ": run `zerorate capture --device replay:CAPTURE --cal FILE -o BAG.mcap` on the capture from which this \
-             file was corrected"
-        }
-        _ => "",
-    }
+    if could_be_forced(error) { ", or give --force" } else { "" }
 }
 
 /// Returns the option of a setting.

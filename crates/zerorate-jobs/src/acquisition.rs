@@ -8,7 +8,7 @@ use anyhow::{Result, bail};
 use std::sync::Arc;
 use zerorate::calibration::Notes;
 use zerorate::health::{Frozen, Health, Judged};
-use zerorate::{Axis, Names, Part, Tally, Validity, Warning, resonance};
+use zerorate::{Axis, Names, Part, Tally, Warning, resonance};
 use zerorate_host::{
     Batch, Bus, DeviceInfo, DeviceSpec, Hub, Losses, LosslessReader, Pace, Setup, SourceWarning, Stop,
 };
@@ -33,7 +33,6 @@ pub struct Acquisition {
     tally: Tally,
     layout: Layout,
     axes: Vec<JudgedAxis>,
-    range_c: Option<(f64, f64)>,
     start_ns: Option<u64>,
     is_recording: bool,
 }
@@ -61,7 +60,6 @@ impl Acquisition {
             tally: Tally::default(),
             layout,
             axes,
-            range_c: None,
             start_ns: None,
             is_recording: device.file().is_some(),
         })
@@ -193,11 +191,6 @@ impl Acquisition {
     fn judge(&mut self, row: &Row, keep: bool) {
         for (index, axis) in self.axes.iter_mut().enumerate() {
             let judged = self.layout.reading(row, index).and_then(|reading| axis.health.push(&reading));
-            if let Some(code) = judged.and_then(|judged| judged.temp()) {
-                let temp_c = axis.axis.temp.value(code.into());
-                let (low_c, high_c) = self.range_c.unwrap_or((temp_c, temp_c));
-                self.range_c = Some((low_c.min(temp_c), high_c.max(temp_c)));
-            }
             axis.judged.extend(judged.filter(|_| keep));
         }
     }
@@ -226,11 +219,6 @@ impl Acquisition {
     /// The readings that are frozen by now.
     pub fn frozen(&self) -> Option<Frozen> {
         self.healths().find_map(Health::frozen)
-    }
-
-    /// The warning that a calibration does not hold at temperatures that were read.
-    pub fn beyond(&self, validity: &Validity) -> Option<Warning> {
-        self.range_c.and_then(|(low_c, high_c)| validity.warning(low_c, high_c))
     }
 
     /// Time of the first sample.

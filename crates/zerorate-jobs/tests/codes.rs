@@ -300,7 +300,6 @@ fn of_captures() -> Vec<CaptureWarning> {
         CaptureWarning::Torn(
             "rest.arrows was not closed; 1024 rows after its last whole block are dropped".to_owned(),
         ),
-        CaptureWarning::NoIndex { path: path() },
         CaptureWarning::BytesBehindEnd { path: path(), bytes: 123_456 },
         CaptureWarning::Unchecked { path: path() },
         CaptureWarning::Rewritten { path: path() },

@@ -33,6 +33,8 @@ mod lzf;
 mod mat;
 #[cfg(feature = "mcap")]
 mod mcap_bag;
+#[cfg(feature = "mcap")]
+mod mcap_messages;
 #[cfg(any(feature = "mcap", feature = "ros", feature = "sqlite"))]
 mod message;
 #[cfg(all(test, not(feature = "full")))]

@@ -1,31 +1,21 @@
 //! ROS bags in MCAP.
 
 use super::imu_messages::{Collector, Quantities, Sources, sources, without_imu};
+use super::mcap_messages::{self, Messages, Torn};
 use super::message::Encoding;
 use super::open::Log;
 use super::topics::Survey;
-use super::{ColumnQuery, Found, Result, tabular};
+use super::{ColumnQuery, Found, Result};
 use mcap::Channel;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Seek;
 use std::path::Path;
 use zerorate_record::limits::Room;
-use zerorate_record::mcap_messages::{self, Messages, Torn};
-use zerorate_record::{CaptureError, Input, bag};
-
-/// Reads columns of an MCAP file. A bag that was recorded here is a capture first: its codes are exact.
-pub fn read(mut log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
-    let failed = |error| CaptureError::io("read", log.path, error);
-    if asked.args.topic.is_some() || !bag::is_capture(&mut log.input).map_err(failed)? {
-        return read_messages(log, asked);
-    }
-    let source = Box::new(bag::McapReader::open(log.path, log.input)?);
-    tabular::read(log.path, source, log.room, asked)
-}
+use zerorate_record::{CaptureError, Input};
 
 /// Reads quantities of the IMU messages.
-fn read_messages(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
+pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let (path, mut file) = (log.path, log.input);
     let (topics, others) = topics(path, &mut file, log.room)?;
     if topics.is_empty() {

@@ -118,7 +118,7 @@ impl LogForm {
             Self::Mat if cfg!(not(feature = "matlab")) => {
                 Some(NotBuiltIn { what: "the reader of MATLAB files", feature: "matlab" })
             }
-            Self::Mcap if cfg!(not(feature = "mcap")) => Some(NotBuiltIn::MCAP),
+            Self::Mcap if cfg!(not(feature = "mcap")) => Some(NotBuiltIn { what: "MCAP", feature: "mcap" }),
             Self::Npy if cfg!(not(feature = "numpy")) => {
                 Some(NotBuiltIn { what: "the reader of NumPy arrays", feature: "numpy" })
             }

@@ -18,20 +18,3 @@ pub mod parquet {
         Err(CaptureError::not_built_in(path, NotBuiltIn::PARQUET))
     }
 }
-
-/// Stands in for [`crate::bag`].
-#[cfg(not(feature = "mcap"))]
-pub mod bag {
-    use crate::blocks::{BlockSink, Opened, Out};
-    use crate::{CaptureError, Input, NotBuiltIn, RobotLog};
-    use arrow_schema::SchemaRef;
-    use std::path::Path;
-
-    pub fn sink(path: &Path, _: Out, _: &SchemaRef, _: RobotLog) -> Result<Box<dyn BlockSink>, CaptureError> {
-        Err(CaptureError::not_built_in(path, NotBuiltIn::MCAP))
-    }
-
-    pub fn source(path: &Path, _: Input) -> Result<Opened, CaptureError> {
-        Err(CaptureError::not_built_in(path, NotBuiltIn::MCAP))
-    }
-}

@@ -121,8 +121,7 @@ fn columns_and_metadata_of_the_document() {
 fn no_flipped_bit_is_believed() {
     for &format in FORMATS {
         let whole = bytes(format, 60);
-        // a bag is mostly text that ROS repeats
-        for at in (0..whole.len()).step_by(if format == Format::Mcap { 11 } else { 1 }) {
+        for at in 0..whole.len() {
             let mut bytes = whole.clone();
             bytes[at] ^= 1 << (at % 8);
             let Ok(reader) = CaptureReader::open(Path::new("flipped"), bytes.into()) else { continue };

@@ -8,9 +8,6 @@ use arrow_schema::SchemaRef;
 use std::io::Write;
 use std::path::Path;
 
-/// The start of every MCAP file.
-pub const MCAP_MARK: &[u8] = b"\x89MCAP0\r\n";
-
 /// The destination of a capture.
 pub type Out = Box<dyn Write + Send>;
 

@@ -29,7 +29,7 @@ pub enum CaptureError {
     NotBuiltIn { path: PathBuf, missing: NotBuiltIn },
 
     /// A name for a new capture that does not say which form it is to have.
-    #[error("{} has no ending of a capture: name it .arrows, .parquet, .csv or .mcap", path.display())]
+    #[error("{} has no ending of a capture: name it .arrows, .parquet or .csv", path.display())]
     UnknownEnding { path: PathBuf },
 
     /// Written by a later version of the format.
@@ -49,10 +49,6 @@ pub enum CaptureError {
     /// A capture, or another table, whose content is wrong.
     #[error("{}, {place}: {what}", path.display())]
     Damaged { path: PathBuf, place: String, what: String },
-
-    /// A capture that was corrected, where rows as they were recorded are needed.
-    #[error("{}, columns: an MCAP file takes the rows as they were recorded", path.display())]
-    Corrected { path: PathBuf },
 
     /// The columnar library failed for a reason of its own.
     #[error("cannot {action} {}: {what}", path.display())]

@@ -1,20 +1,18 @@
 //! Captures: raw codes on disk, as docs/formats/capture.md specifies them.
 //!
-//! [`CaptureWriter`] and [`CaptureReader`] move rows of any number of axes, in any of four forms, in constant
+//! [`CaptureWriter`] and [`CaptureReader`] move rows of any number of axes, in any of three forms, in constant
 //! memory. A capture is the truth: each result computed from a live part comes out the same from its capture.
 //!
 //! Each form is recognised by its content, not by its name. Nothing here opens a file: [`Input`] is bytes
 //! that the caller has opened, so that the same readers serve a browser. The readers of other logs build on the pieces
-//! here that bound memory, survive a decoder's panic and read Arrow and MCAP.
+//! here that bound memory, survive a decoder's panic and read Arrow.
 
-#[cfg(not(all(feature = "mcap", feature = "parquet")))]
+#[cfg(not(feature = "parquet"))]
 mod absent;
 pub mod admission;
 pub mod arrows;
 #[cfg(test)]
 mod axes;
-#[cfg(feature = "mcap")]
-pub mod bag;
 pub mod believed;
 mod blocks;
 pub mod catch_panic;
@@ -32,17 +30,13 @@ mod fuzz;
 mod hash;
 mod info;
 mod input;
-pub mod judging;
 mod layout;
 pub mod limits;
-#[cfg(feature = "mcap")]
-pub mod mcap_messages;
 pub mod messages;
 mod not_built_in;
 #[cfg(feature = "parquet")]
 pub mod parquet;
 pub mod plain;
-mod robot_log;
 mod row;
 pub mod succession;
 pub mod table;
@@ -59,7 +53,6 @@ pub use info::{CALIBRATION_ID, CaptureInfo, Converter, NotThePart, SCHEMA_VERSIO
 pub use input::{Elsewhere, Input};
 pub use layout::{CodedAxis, Layout, LayoutError};
 pub use not_built_in::NotBuiltIn;
-pub use robot_log::{RobotLog, Stamps};
 pub use row::Row;
 pub use table::Format;
 pub use unit::{Quantity, STANDARD_GRAVITY, TimeUnit, Unit, is_celsius};
@@ -95,25 +88,14 @@ impl CaptureWriter {
     pub fn create(path: &Path, out: Out, format: Format, info: &CaptureInfo) -> Result<Self, CaptureError> {
         let schema = checked_schema(info.layout.raw_fields(), info.to_metadata());
         let sink = table::create(path, out, format, &schema)?;
-        Ok(Self::new(path, info, schema, sink))
-    }
-
-    /// Creates a capture in the MCAP form, with everything that robots read.
-    pub fn create_robot_log(path: &Path, out: Out, info: &CaptureInfo, log: RobotLog) -> Result<Self, CaptureError> {
-        let schema = checked_schema(info.layout.raw_fields(), info.to_metadata());
-        let sink = table::create_robot_log(path, out, &schema, log)?;
-        Ok(Self::new(path, info, schema, sink))
-    }
-
-    fn new(path: &Path, info: &CaptureInfo, schema: SchemaRef, sink: table::CheckedSink) -> Self {
-        Self {
+        Ok(Self {
             path: path.to_owned(),
             schema,
             layout: info.layout.clone(),
             sink: Some(sink),
             open: OpenBatch::new(&info.layout),
             summary: CaptureSummary::default(),
-        }
+        })
     }
 
     /// Records a row. Whole batches go to the system at once.

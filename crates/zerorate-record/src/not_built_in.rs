@@ -12,8 +12,6 @@ pub struct NotBuiltIn {
 }
 
 impl NotBuiltIn {
-    /// Captures and logs in MCAP.
-    pub const MCAP: Self = Self { what: "MCAP", feature: "mcap" };
     /// Captures and logs in Parquet.
     pub const PARQUET: Self = Self { what: "Parquet", feature: "parquet" };
     /// Zstandard, around a file or inside of it.

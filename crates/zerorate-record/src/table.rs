@@ -1,19 +1,15 @@
 //! Tables in any of the forms: which form a file has, and batches into and out of it.
 
-pub use crate::blocks::{BatchSource, BlockSink, MCAP_MARK, Opened, Out, Stated, cut_off};
+pub use crate::blocks::{BatchSource, BlockSink, Opened, Out, Stated, cut_off};
 
-#[cfg(not(feature = "mcap"))]
-use crate::absent::bag;
 #[cfg(not(feature = "parquet"))]
 use crate::absent::parquet;
-#[cfg(feature = "mcap")]
-use crate::bag;
 use crate::chain::Chain;
 use crate::columns::{MAX_ROWS, Rows};
 use crate::layout::Layout;
 #[cfg(feature = "parquet")]
 use crate::parquet;
-use crate::{CaptureError, CaptureInfo, Input, NotBuiltIn, RobotLog, Stamps, arrows, csv};
+use crate::{CaptureError, CaptureInfo, Input, NotBuiltIn, arrows, csv};
 use arrow_array::RecordBatch;
 use arrow_schema::SchemaRef;
 use std::io::{Read, Seek};
@@ -29,8 +25,6 @@ pub enum Format {
     Parquet,
     /// CSV with the description as comments.
     Csv,
-    /// A bag of ROS 2: what robots read, with the rows beside.
-    Mcap,
 }
 
 impl Format {
@@ -50,7 +44,6 @@ impl Format {
             "arrows" => Ok(Self::Arrows),
             "parquet" => Ok(Self::Parquet),
             "csv" => Ok(Self::Csv),
-            "mcap" => Ok(Self::Mcap),
             _ => Err(CaptureError::UnknownEnding { path: path.to_owned() }),
         }
     }
@@ -58,7 +51,6 @@ impl Format {
     /// The reader and writer of the form that is not built in.
     const fn missing(self) -> Option<NotBuiltIn> {
         match self {
-            Self::Mcap if cfg!(not(feature = "mcap")) => Some(NotBuiltIn::MCAP),
             Self::Parquet if cfg!(not(feature = "parquet")) => Some(NotBuiltIn::PARQUET),
             _ => None,
         }
@@ -82,43 +74,22 @@ enum Blocks {
     Rows { rows: usize, open: usize },
 }
 
-/// Starts a capture; `path` names it in messages. In a bag robots then read rates as they were measured, at the time
-/// of the part: [`create_robot_log`] has better ones.
+/// Starts a capture; `path` names it in messages.
 pub fn create(path: &Path, out: Out, format: Format, schema: &SchemaRef) -> Result<CheckedSink, CaptureError> {
-    let info = CaptureInfo::from_metadata(path, schema.metadata())?;
+    let layout = CaptureInfo::from_metadata(path, schema.metadata())?.layout;
     let form: Box<dyn BlockSink> = match format {
         Format::Arrows => Box::new(arrows::StreamSink::create(path, out, schema)?),
         Format::Parquet => parquet::sink(path, out, schema)?,
         Format::Csv => Box::new(csv::CsvSink::create(path, out, schema)?),
-        Format::Mcap => {
-            let log = RobotLog { part: info.part(), calibration: None, stamps: Stamps::OfPart };
-            bag::sink(path, out, schema, log)?
-        }
     };
     let blocks = match format {
         Format::Parquet => Blocks::Rows { rows: parquet::BLOCK, open: 0 },
-        Format::Arrows | Format::Csv | Format::Mcap => Blocks::Batches { rows: MAX_ROWS },
+        Format::Arrows | Format::Csv => Blocks::Batches { rows: MAX_ROWS },
     };
-    Ok(CheckedSink::new(path, form, blocks, schema, info.layout))
-}
-
-/// Starts a capture in the MCAP form, with all that robots read.
-pub fn create_robot_log(
-    path: &Path,
-    out: Out,
-    schema: &SchemaRef,
-    log: RobotLog,
-) -> Result<CheckedSink, CaptureError> {
-    let layout = CaptureInfo::from_metadata(path, schema.metadata())?.layout;
-    let form = bag::sink(path, out, schema, log)?;
-    Ok(CheckedSink::new(path, form, Blocks::Batches { rows: MAX_ROWS }, schema, layout))
+    Ok(CheckedSink { path: path.to_owned(), form, chain: Chain::new(schema, &layout), blocks, layout })
 }
 
 impl CheckedSink {
-    fn new(path: &Path, form: Box<dyn BlockSink>, blocks: Blocks, schema: &SchemaRef, layout: Layout) -> Self {
-        Self { path: path.to_owned(), form, chain: Chain::new(schema, &layout), blocks, layout }
-    }
-
     /// Writes rows.
     pub fn write(&mut self, batch: &RecordBatch) -> Result<(), CaptureError> {
         let mut first = 0;
@@ -174,7 +145,6 @@ pub fn recognise(path: &Path, mut input: Input) -> Result<Opened, CaptureError> 
             path,
             "it is an Arrow file; convert it to an Arrow stream, to Parquet or to CSV",
         )),
-        start if start.starts_with(MCAP_MARK) => bag::source(path, input),
         text if text == csv::PREAMBLE.as_bytes() => Ok(Opened::Table(Box::new(csv::CsvReader::open(path, input)?))),
         _ => Ok(Opened::Text(input)),
     }

@@ -27,8 +27,6 @@ pub enum CaptureWarning {
     ClockJump(u64),
     /// The file lacks its end, as the text says.
     Torn(String),
-    /// A bag lacks its index.
-    NoIndex { path: String },
     /// Bytes follow the end.
     BytesBehindEnd { path: String, bytes: u64 },
     /// The file is of version 1.
@@ -71,8 +69,6 @@ rows!(match CaptureWarning {
         text: format_args!("the time jumped by {samples} samples, which count as lost; find what stopped the device"),
     },
     Self::Torn(ref text) => Row { code: "torn-tail", text: format_args!("{text}") },
-    Self::NoIndex { ref path } =>
-        Row { code: "no-index", text: format_args!("{path} lost its end with the index; all rows are there") },
     Self::BytesBehindEnd { ref path, bytes } => Row {
         code: "bytes-behind-end",
         text: format_args!("{path}: {bytes} bytes after its end are ignored; were two files joined?"),
@@ -104,3 +100,5 @@ impl fmt::Display for CaptureWarning {
         self.text(f)
     }
 }
+    },
+    Self::Torn(ref text) => Row { code: "torn-tail", text: format_args!("{text}") },

@@ -1,17 +1,15 @@
-//! MCAP's conformance files, and captures in this form for its own tools.
+//! MCAP's conformance files.
 
 use super::reader::{self, Reader};
 use super::tally::{Outcome, Tally};
-use crate::venv::{done, printed};
+use crate::venv::printed;
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 const FILES: &str = "tests/conformance/data";
-/// Samples of the capture that other tools check.
-const SAMPLES: u64 = 20_000;
 
 pub fn run(program: &Path, folder: &Path) -> Result<Option<Tally>> {
     let Some(python) = reader::python() else { return Ok(None) };
@@ -29,7 +27,6 @@ pub fn run(program: &Path, folder: &Path) -> Result<Option<Tally>> {
         let outcome = reader.refusal(&file).map(|why| judge(why, &topics));
         tally.note(name, outcome.unwrap_or_else(|why| Outcome::Wrong(format!("{why:#}"))));
     }
-    own_capture(program, &python, written.path(), &mut tally)?;
     Ok(Some(tally))
 }
 
@@ -59,29 +56,4 @@ fn judge(why: String, topics: &[String]) -> Outcome {
         why.contains("without a topic of type sensor_msgs/msg/Imu") && topics.iter().all(|topic| why.contains(topic))
     };
     if is_read { Outcome::Refused(why) } else { Outcome::Wrong(format!("not {topics:?}: {why}")) }
-}
-
-/// A capture of the program, read by MCAP's library for Python with all sums, and by `mcap doctor` where it is there.
-fn own_capture(program: &Path, python: &Path, folder: &Path, tally: &mut Tally) -> Result<()> {
-    let capture = folder.join("capture.mcap");
-    let mut record = Command::new(program);
-    record.args(["capture", "--device", "twin:seed=2", "--samples", &SAMPLES.to_string(), "-o"]).arg(&capture);
-    done(record.stdout(Stdio::null()))?;
-    let found = printed(Command::new(python).arg("lab/src/attacks/mcap_count.py").arg(&capture))?;
-    let counts: Vec<u64> = found.split_whitespace().map(str::parse).collect::<Result<_, _>>()?;
-    let is_whole = matches!(counts[..], [found, stated] if found == stated && found >= SAMPLES);
-    tally.note("own capture, by MCAP's library", verdict(is_whole, &found));
-    match Command::new("mcap").arg("doctor").arg(&capture).output() {
-        Ok(output) => {
-            let text = String::from_utf8_lossy(&output.stderr).into_owned() + &String::from_utf8_lossy(&output.stdout);
-            let is_right = output.status.success() && !text.contains("Warning") && !text.contains("Error");
-            tally.note("own capture, by mcap doctor", verdict(is_right, &text));
-        }
-        Err(_) => println!("SKIPPED: mcap doctor: MCAP's program `mcap` is not there"),
-    }
-    Ok(())
-}
-
-fn verdict(is_right: bool, found: &str) -> Outcome {
-    if is_right { Outcome::Right } else { Outcome::Wrong(found.to_owned()) }
 }

@@ -1,9 +1,8 @@
 //! `zerorate capture`: records raw codes with timestamps.
 
-use super::correct::load;
-use super::serial::{self, NotesArgs, Part, one_line};
+use super::serial::{NotesArgs, one_line};
 use crate::device::{DeviceArgs, SamplingArgs};
-use crate::exit::{Refused, Usage};
+use crate::exit::Refused;
 use crate::interrupt;
 use crate::output::{Outputs, print_json, print_lines, warn};
 use crate::progress::Meter;
@@ -11,12 +10,11 @@ use crate::wording::{coded, form};
 use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use zerorate::health::{Health, Marks};
-use zerorate::{Calibration, Validity};
-use zerorate_jobs::{Acquisition, CodedWarning, JobWarning, Recorder};
+use zerorate_jobs::{Acquisition, CodedWarning, Recorder};
 use zerorate_record::believed;
-use zerorate_record::{CaptureInfo, Format, Row};
+use zerorate_record::{Format, Row};
 use zerorate_view::duration::{self, Seconds};
 
 /// Record raw codes with timestamps to a file
@@ -26,9 +24,6 @@ use zerorate_view::duration::{self, Seconds};
 ///
 /// Ctrl-C ends a recording early, and the file is complete. An .arrows file can be read up to its last whole batch
 /// even after a power cut.
-///
-/// An .mcap file is a bag of ROS 2. Beside the codes it holds sensor_msgs/Temperature and sensor_msgs/Imu in rad/s,
-/// which with --cal is corrected and has its covariance.
 #[derive(Args, Debug)]
 pub struct CaptureArgs {
     #[command(flatten)]
@@ -53,10 +48,6 @@ pub struct CaptureArgs {
     /// The form of the file [default: as its ending states, or arrows without an ending].
     #[arg(long, value_enum)]
     format: Option<Format>,
-
-    /// Correct the rates in rad/s of an .mcap file with this calibration. The codes stay as they are.
-    #[arg(long, value_name = "FILE")]
-    cal: Option<PathBuf>,
 
     /// The serial number of the sensor, stored with the samples.
     #[arg(long, value_name = "SN", value_parser = one_line)]
@@ -98,34 +89,18 @@ struct Summary {
 
 pub fn run(args: &CaptureArgs) -> Result<()> {
     let format = form(args.format, &args.output)?;
-    if args.cal.is_some() && format != Format::Mcap {
-        let advice = "--cal is of --format mcap; a capture keeps its codes, and `zerorate correct` corrects it";
-        return Err(Usage(advice.to_owned()).into());
-    }
     let mut outputs = Outputs::new(args.force).printing();
-    let calibration = args.cal.as_deref().map(|cal| load(cal, &mut outputs)).transpose()?;
     let setup = args.device.setup(args.sampling, &mut outputs)?;
     let mut acquisition = args.device.open(setup)?;
     let info = acquisition.info(args.serial.as_deref(), &args.notes.clone().into())?;
-    if let (Some(calibration), Some(path)) = (&calibration, &args.cal) {
-        check_serial(args, &info, calibration, path)?;
-    }
     acquisition.initialise()?;
     let file = outputs.recording(&args.output)?;
-    let validity = calibration.as_ref().and_then(|calibration| calibration.validity);
-    let mut writer = Recorder::create(file, format, acquisition.facts(), &info, calibration)?;
+    let mut writer = Recorder::create(file, format, &info)?;
     let recorded = record(args, &mut acquisition, |row| Ok(writer.push(row)?));
     let saved = writer.finish()?.samples;
     recorded.with_context(|| format!("{} ends after {saved} samples", args.output.display()))?;
-    summarise(args, &mut acquisition, validity)?;
+    summarise(args, &mut acquisition)?;
     refuse_frozen(args, &acquisition)
-}
-
-fn check_serial(args: &CaptureArgs, info: &CaptureInfo, calibration: &Calibration, path: &Path) -> Result<()> {
-    let name = args.device.device.to_string();
-    let part = Part { name: &name, serial: info.serial.as_deref(), advice: serial::GIVE };
-    warn(part.check(calibration, path)?.map(coded).as_slice());
-    Ok(())
 }
 
 /// Hands on samples until there are enough, the replay ends, or the user presses Ctrl-C.
@@ -150,9 +125,8 @@ fn record(args: &CaptureArgs, acquisition: &mut Acquisition, mut take: impl FnMu
     Ok(())
 }
 
-fn summarise(args: &CaptureArgs, acquisition: &mut Acquisition, validity: Option<Validity>) -> Result<()> {
-    let beyond = validity.and_then(|validity| acquisition.beyond(&validity));
-    let warnings = acquisition.warnings().into_iter().chain(beyond.map(JobWarning::from)).map(coded).collect();
+fn summarise(args: &CaptureArgs, acquisition: &mut Acquisition) -> Result<()> {
+    let warnings = acquisition.warnings().into_iter().map(coded).collect();
     let marks: Vec<&Marks> = acquisition.healths().map(Health::marks).collect();
     let sum = |count: fn(&Marks) -> u64| marks.iter().copied().map(count).sum();
     let tally = acquisition.tally();

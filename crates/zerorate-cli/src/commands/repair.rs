@@ -1,6 +1,5 @@
 //! `zerorate repair`: copies the undamaged part of a capture to a new file.
 
-use crate::exit::Usage;
 use crate::interrupt;
 use crate::output::{Outputs, print, warn};
 use crate::wording::form;
@@ -44,7 +43,6 @@ pub struct RepairArgs {
 pub fn run(args: &RepairArgs) -> Result<()> {
     interrupt::listen();
     let format = form(args.format, &args.output)?;
-    refuse_bag(format)?;
     let mut outputs = Outputs::new(args.force).reading([&*args.capture])?;
     let missing = Kept::of(&args.capture)?;
     let output = outputs.derived(&args.output)?;
@@ -62,16 +60,6 @@ pub fn run(args: &RepairArgs) -> Result<()> {
     let name = args.output.display();
     let what = missing.what.map_or_else(|| "nothing was missing".to_owned(), |what| format!("missing: {what}"));
     print(&format!("{name}: {} rows kept; {what}\n", missing.rows))
-}
-
-/// Refuses bags: only their rows are read, so stamps and corrected rates would be lost.
-fn refuse_bag(format: Format) -> Result<()> {
-    if format == Format::Mcap {
-        let advice = "repair cannot write a bag. Write an .arrows file, then `zerorate capture --device \
-            replay:FILE.arrows --cal CALIBRATION --duration TIME -o BAG.mcap`";
-        return Err(Usage(advice.to_owned()).into());
-    }
-    Ok(())
 }
 
 /// The undamaged part of a capture.

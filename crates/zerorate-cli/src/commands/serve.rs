@@ -50,8 +50,7 @@ pub struct ServeArgs {
     #[arg(long, value_name = "IP:PORT", default_value = "127.0.0.1:8130", value_parser = address)]
     listen: SocketAddr,
 
-    /// Record every sample to this file meanwhile. When the device is opened again, NAME-2 follows, and so on. The
-    /// rates in rad/s of an .mcap file are corrected with the first --cal.
+    /// Record every sample to this file meanwhile. When the device is opened again, NAME-2 follows, and so on.
     #[arg(short, long, value_name = "CAPTURE")]
     output: Option<PathBuf>,
 
@@ -110,7 +109,7 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     if let Some((calibration, cal)) = calibrations.first().zip(args.cals.first()) {
         check_serial(calibration, cal, &opened.about)?;
     }
-    let recordings = Recordings::new(args.output.clone(), outputs, calibrations.first().cloned());
+    let recordings = Recordings::new(args.output.clone(), outputs);
     let (mut session_thread, visits) =
         SessionThread::new(opener, opened, recordings, Folder::new(args.folder.clone()));
     shelve(args, &mut session_thread)?;

@@ -6,8 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::channel;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
-use zerorate::Calibration;
-use zerorate_host::{Batch, DeviceInfo, Hub, LosslessReader};
+use zerorate_host::{Batch, Hub, LosslessReader};
 use zerorate_jobs::Recorder;
 use zerorate_jobs::output::OutputError;
 use zerorate_record::{CaptureInfo, Format};
@@ -15,16 +14,14 @@ use zerorate_record::{CaptureInfo, Format};
 /// The recordings of a run. A device that is opened again begins another recording, since its time begins anew.
 pub struct Recordings {
     files: Option<Arc<Mutex<Files>>>,
-    /// Corrects the rates in rad/s of a bag.
-    calibration: Option<Calibration>,
     running: Option<JoinHandle<Result<()>>>,
 }
 
 impl Recordings {
     /// Records into files named after `path`. Without a path nothing is recorded.
-    pub fn new(path: Option<PathBuf>, outputs: Outputs, calibration: Option<Calibration>) -> Self {
+    pub fn new(path: Option<PathBuf>, outputs: Outputs) -> Self {
         let files = path.map(|path| Arc::new(Mutex::new(Files { path, outputs, count: 0 })));
-        Self { files, calibration, running: None }
+        Self { files, running: None }
     }
 
     /// Begins to record the samples of a hub, in a thread of its own, which gets every sample. The first file is
@@ -35,11 +32,10 @@ impl Recordings {
         let Some(files) = &self.files else { return Ok(()) };
         let first = lock(files).first()?;
         let (everything, files) = (hub.everything(), Arc::clone(files));
-        let facts = DeviceInfo { info: info.clone(), ..hub.facts().clone() };
-        let calibration = self.calibration.clone();
+        let info = info.clone();
         let (begun, waits) = channel();
         let body = move || {
-            let mut opened = first.map(|file| Opened::create(file, &facts, calibration.clone())).transpose()?;
+            let mut opened = first.map(|file| Opened::create(file, &info)).transpose()?;
             // the receiver still waits
             let _ = begun.send(());
             while let Ok(Some(batch)) = everything.next() {
@@ -48,7 +44,7 @@ impl Recordings {
                 }
                 let into = match opened.take() {
                     Some(opened) => opened,
-                    None => Opened::create(lock(&files).next()?, &facts, calibration)?,
+                    None => Opened::create(lock(&files).next()?, &info)?,
                 };
                 return into.record(&batch, &everything);
             }
@@ -113,9 +109,9 @@ struct Opened {
 }
 
 impl Opened {
-    fn create(file: Recording, facts: &DeviceInfo, calibration: Option<Calibration>) -> Result<Self> {
+    fn create(file: Recording, info: &CaptureInfo) -> Result<Self> {
         let path = file.path().to_owned();
-        let recorder = Recorder::create(file, Format::choose(None, &path)?, facts, &facts.info, calibration)?;
+        let recorder = Recorder::create(file, Format::choose(None, &path)?, info)?;
         Ok(Self { name: path.display().to_string(), recorder })
     }
 

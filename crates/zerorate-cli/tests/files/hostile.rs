@@ -171,8 +171,6 @@ fn whatever_is_read_whole_has_a_bound() {
         "correct rest.csv --cal FILE -o out",
         "stream --cal FILE",
         "stream --cal unit.toml --track --state FILE",
-        #[cfg(feature = "mcap")]
-        "capture --cal FILE --format mcap -o out",
         "capture --part FILE -o out",
         "recalibrate rest.csv --part FILE",
         "chamber FILE",

@@ -419,18 +419,3 @@ fn allan_takes_several_columns() {
     let said = bench.zerorate("allan unnamed.csv --column gx,gyro_z_dps").ended_with(0).stderr;
     assert!(said.contains("the unit of column gx is not stated") && !said.contains(" more)"), "{said}");
 }
-
-/// A message is of three axes, and a part of one fills in one of them.
-#[cfg(feature = "mcap")]
-#[test]
-fn a_bag_of_a_part_with_one_axis() {
-    let bench = Bench::new();
-    bench.zerorate("capture --device twin:seed=2 --divider 57 --duration 2m -o own.mcap").ok();
-    let run = bench.zerorate("imu own.mcap --topic /imu/data_raw").ended_with(0);
-    assert!(run.stderr.contains("columns-left-out: own.mcap: left out, being 0 in every row"), "{}", run.stderr);
-    assert!(run.stderr.contains("angular_velocity.x, /imu/data_raw.angular_velocity.y, "), "{}", run.stderr);
-    assert!(run.stdout.contains("angular_velocity.z") && !run.stdout.contains("linear"), "{}", run.stdout);
-    // who names it is told that it is dead
-    let why = bench.zerorate("imu own.mcap --topic /imu/data_raw --column angular_velocity.x").fails(3);
-    assert!(why.contains("all ") && why.contains("are the same"), "{why}");
-}

@@ -22,8 +22,6 @@ mod missing;
 mod noise_models;
 mod outputs;
 mod report;
-#[cfg(feature = "mcap")]
-mod robot_log;
 mod temperature;
 mod verify;
 
@@ -32,7 +30,7 @@ use std::io::Write;
 use std::path::Path;
 use std::process::Command;
 
-/// The forms of captures that are built in, but for robots' bags.
+/// The forms of captures that are built in.
 const FORMS: &[&str] = if cfg!(feature = "parquet") { &["csv", "arrows", "parquet"] } else { &["csv", "arrows"] };
 
 /// The smallest of them.

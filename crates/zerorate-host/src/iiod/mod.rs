@@ -5,6 +5,7 @@
 //! neither a socket nor a clock; `connection.rs` and this file bring bytes and samples.
 
 mod connection;
+mod correcting;
 mod device;
 mod request;
 mod scan;

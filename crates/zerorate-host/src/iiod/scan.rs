@@ -1,9 +1,9 @@
 //! Rows of the hub as samples of a buffer: judged, corrected where there is a calibration, with what was lost before.
 
+use super::correcting::Correcting;
 use super::table::{CORRECTED_RAD_PER_S, Channel, Quantity, Table};
 use std::collections::VecDeque;
 use zerorate::{Axis, Correction, Corrector, MAX_AXES};
-use zerorate_record::judging::Judging;
 use zerorate_record::{Layout, Row};
 
 /// A sample.
@@ -20,7 +20,7 @@ pub struct Scan {
 /// Turns rows into scans, in their order. Corrected rows come two rows later, since they are judged then.
 #[derive(Clone, Debug)]
 pub struct Scanner {
-    correcting: Option<Judging>,
+    correcting: Option<Correcting>,
     waiting: VecDeque<(Row, u64)>,
     temp_code: Option<i64>,
     lost: u64,
@@ -29,7 +29,7 @@ pub struct Scanner {
 impl Scanner {
     /// Before the first row.
     pub fn new(layout: &Layout, axes: &[Axis], corrector: Option<Corrector<Vec<Correction>>>) -> Self {
-        let correcting = corrector.map(|corrector| Judging::new(layout, axes, Some(corrector)));
+        let correcting = corrector.map(|corrector| Correcting::new(layout, axes, corrector));
         Self { correcting, waiting: VecDeque::new(), temp_code: None, lost: 0 }
     }
 
@@ -52,7 +52,7 @@ impl Scanner {
         self.lost = self.lost.saturating_add(missed).saturating_add(row.lost.into());
         self.waiting.push_back((*row, self.lost));
         let mut corrected_dps = match &mut self.correcting {
-            Some(correcting) => correcting.push(row)?.corrected_dps,
+            Some(correcting) => correcting.push(row)?,
             None => [None; MAX_AXES],
         };
         for (dps, trim_dps) in corrected_dps.iter_mut().zip(trims_dps) {

@@ -16,7 +16,6 @@ use measurement::Measurement;
 use std::path::{Path, PathBuf};
 use zerorate::calibration::Notes;
 use zerorate::{Calibration, Method, Names, Part, PartProcedure, Plan, Say};
-use zerorate_host::DeviceInfo;
 use zerorate_record::{CaptureInfo, Format};
 
 /// The fate of the result.
@@ -67,10 +66,10 @@ impl Files {
     }
 
     /// Starts the log, once there is something to record.
-    pub(crate) fn log(&mut self, facts: &DeviceInfo, info: &CaptureInfo) -> Result<Option<Recorder>> {
+    pub(crate) fn log(&mut self, info: &CaptureInfo) -> Result<Option<Recorder>> {
         let start = |path: &PathBuf| {
             let format = Format::choose(None, path)?;
-            Ok(Recorder::create(self.outputs.recording(path)?, format, facts, info, None)?)
+            Ok(Recorder::create(self.outputs.recording(path)?, format, info)?)
         };
         self.kept.log.as_ref().map(start).transpose()
     }
@@ -138,7 +137,7 @@ impl Job {
         target::marks_ns(procedure.plan()).for_each(|after_ns| acquisition.mark(after_ns));
         let info = acquisition.info(files.kept.serial.as_deref(), &files.kept.notes)?;
         let names = watch.names();
-        let log = files.log(acquisition.facts(), &info)?;
+        let log = files.log(&info)?;
         let mut measured = Measurement::new(acquisition, procedure, log, watch).run()?;
         measured.outcomes.iter_mut().for_each(|outcome| outcome.warnings.extend(measured.resonance));
         let calibration = Calibration::new(&measured.part, &measured.outcomes, info.origin(measured.capture_sha256));

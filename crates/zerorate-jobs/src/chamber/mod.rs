@@ -178,7 +178,7 @@ impl Job {
         if self.writer.is_some() {
             mark_ticks(&mut self.acquisition, &self.procedure);
         }
-        let log = self.files.of_calibration.log(self.acquisition.facts(), &self.info)?;
+        let log = self.files.of_calibration.log(&self.info)?;
         let Self { writer, control, acquisition, procedure, steps, files, info, plan, options, resumed } = self;
         let running = ChamberLoop::new((control, writer), acquisition, procedure, steps, log, &mut *watch);
         let (mut result, mut steps) = running.run()?;

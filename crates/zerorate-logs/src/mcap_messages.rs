@@ -1,13 +1,13 @@
 //! Messages of an MCAP file.
 
-use crate::Input;
-use crate::catch_panic::catch_panic;
-use crate::limits::{NoRoom, Room};
 use mcap::io::MessageReader;
 use mcap::sans_io::{LinearReaderOptions, SummaryReadEvent, SummaryReader, SummaryReaderOptions};
 use mcap::{McapError, McapResult, Message, Summary};
 use std::collections::BTreeMap;
 use std::io::{BufReader, Read, Seek};
+use zerorate_record::Input;
+use zerorate_record::catch_panic::catch_panic;
+use zerorate_record::limits::{NoRoom, Room};
 
 /// Bytes that a read asks the system for.
 const BUFFER: usize = 1 << 18;
@@ -34,11 +34,6 @@ pub enum Torn {
 }
 
 impl Torn {
-    /// Whether the file ends too early, with nothing wrong before.
-    pub fn is_end(&self) -> bool {
-        matches!(self, Self::Format(McapError::UnexpectedEof))
-    }
-
     /// Whether a check shows that bytes were changed, so that messages before may be wrong as well.
     pub fn is_changed(&self) -> bool {
         use McapError::{BadChunkCrc, BadDataCrc, DecompressionError};

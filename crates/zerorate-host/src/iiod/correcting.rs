@@ -1,0 +1,53 @@
+//! Rows that are judged before they are corrected.
+
+use zerorate::health::{Health, Judged};
+use zerorate::{Axis, Correction, Corrector, MAX_AXES};
+use zerorate_record::{Layout, Row};
+
+/// Corrects the rows of a sensor: rates come out in the order of their rows, two rows later.
+#[derive(Clone, Debug)]
+pub struct Correcting {
+    layout: Layout,
+    axes: Vec<(Axis, Health)>,
+    corrector: Corrector<Vec<Correction>>,
+}
+
+impl Correcting {
+    /// For a sensor with these axes, before the first row.
+    pub fn new(layout: &Layout, axes: &[Axis], corrector: Corrector<Vec<Correction>>) -> Self {
+        let axes = axes.iter().map(|axis| (*axis, Health::new(axis))).collect();
+        Self { layout: layout.clone(), axes, corrector }
+    }
+
+    /// Takes a row, and returns the corrected rates of the row two before it, °/s: none where the reading is not
+    /// valid, and before the first temperature.
+    pub fn push(&mut self, row: &Row) -> Option<[Option<f64>; MAX_AXES]> {
+        let mut judged: [Option<Judged>; MAX_AXES] = [None; MAX_AXES];
+        for (index, ((_, health), judged)) in self.axes.iter_mut().zip(&mut judged).enumerate() {
+            *judged = self.layout.reading(row, index).and_then(|reading| health.push(&reading));
+        }
+        let (first, (axis, _)) = (judged[0]?, self.axes.first()?);
+        self.corrector.read(first.temp().map(|code| axis.temp.value(code.into())));
+        let mut corrected_dps = [None; MAX_AXES];
+        for (index, ((axis, _), judged)) in self.axes.iter().zip(&judged).enumerate() {
+            let rate_dps = judged.and_then(|judged| judged.rate()).map(|code| axis.rate.value(code.into()));
+            corrected_dps[index] = self.corrector.correct(index, rate_dps);
+        }
+        Some(corrected_dps)
+    }
+
+    /// Begins in the middle of a recording: this temperature, °C, was read before, if one was.
+    pub fn begin_at(&mut self, temp_c: Option<f64>) {
+        self.corrector.read(temp_c);
+    }
+
+    /// The temperature that was read last, °C.
+    pub fn temp_c(&self) -> Option<f64> {
+        self.corrector.temp_c()
+    }
+
+    /// The correction of the rate of an axis at the temperature that was read last, °/s.
+    pub fn correction_dps(&self, axis: usize) -> Option<f64> {
+        self.corrector.correct(axis, Some(0.0))
+    }
+}
