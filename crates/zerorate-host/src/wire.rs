@@ -1,7 +1,7 @@
 //! Carriers of the bytes: a serial port (USB CDC, UART) or a TCP connection.
 
 use anyhow::{Context, Result};
-use serialport::SerialPort;
+use serial2::SerialPort;
 use std::collections::VecDeque;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
@@ -26,33 +26,36 @@ pub enum Port {
 
 /// Bytes both ways.
 pub enum Wire {
-    Serial(Box<dyn SerialPort>),
+    Serial(SerialPort),
     Tcp(TcpStream),
 }
 
 impl Wire {
     pub fn open(port: &Port) -> Result<Self> {
         match port {
-            Port::Serial { path, baud } => {
-                let mut serial =
-                    serialport::new(path, *baud).timeout(PATIENCE).open().map_err(|error| why_no_port(path, error))?;
-                // USB bridges wait for it, and not all systems set it; a port without that line has no such bridge
-                let _ = serial.write_data_terminal_ready(true);
-                Ok(Self::Serial(serial))
-            }
+            Port::Serial { path, baud } => Self::serial(path, *baud).map_err(|error| why_no_port(path, error)),
             Port::Tcp(address) => connect(address).map(Self::Tcp).with_context(|| {
                 format!("nothing answers at {address}: is the bridge, or the emulator with it, running there?")
             }),
         }
     }
 
+    /// At a serial port, which nobody else may open meanwhile.
+    fn serial(path: &str, baud: u32) -> io::Result<Self> {
+        let mut serial = SerialPort::open(path, baud)?;
+        #[cfg(unix)]
+        claim(&serial)?;
+        serial.set_write_timeout(PATIENCE)?;
+        // USB bridges wait for it, and not all systems set it; a port without that line has no such bridge
+        let _ = serial.set_dtr(true);
+        Ok(Self::Serial(serial))
+    }
+
     /// Waits for bytes for at most so long, and takes all that are there.
     pub fn read(&mut self, patience: Duration, into: &mut VecDeque<u8>) -> io::Result<()> {
         let mut bytes = [0; 4096];
         let read = match self {
-            Self::Serial(serial) => {
-                serial.set_timeout(patience).map_err(io::Error::from).and_then(|()| serial.read(&mut bytes))
-            }
+            Self::Serial(serial) => serial.set_read_timeout(patience).and_then(|()| serial.read(&mut bytes)),
             Self::Tcp(stream) => stream.set_read_timeout(Some(patience)).and_then(|()| stream.read(&mut bytes)),
         };
         match read {
@@ -72,9 +75,7 @@ impl Wire {
 
     pub fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
         match self {
-            Self::Serial(serial) => {
-                serial.set_timeout(PATIENCE).map_err(io::Error::from).and_then(|()| serial.write_all(bytes))
-            }
+            Self::Serial(serial) => serial.write_all(bytes),
             Self::Tcp(stream) => stream.write_all(bytes),
         }
     }
@@ -95,33 +96,52 @@ fn connect(address: &str) -> io::Result<TcpStream> {
     Err(last)
 }
 
-fn why_no_port(path: &str, error: serialport::Error) -> anyhow::Error {
+/// Locks the port against other programs, and ignores its modem lines: a bridge of three wires has none.
+#[cfg(unix)]
+fn claim(serial: &SerialPort) -> io::Result<()> {
+    use rustix::fs::{FlockOperation, flock};
+    use rustix::termios::{ControlModes, OptionalActions, ioctl_tiocexcl, tcgetattr, tcsetattr};
+    ioctl_tiocexcl(serial)?;
+    // the other lock does not hold against root
+    flock(serial, FlockOperation::NonBlockingLockExclusive)?;
+    let mut settings = tcgetattr(serial)?;
+    settings.control_modes |= ControlModes::CLOCAL | ControlModes::CREAD;
+    Ok(tcsetattr(serial, OptionalActions::Now, &settings)?)
+}
+
+fn why_no_port(path: &str, error: io::Error) -> anyhow::Error {
     let remedy = match error.kind() {
-        serialport::ErrorKind::Io(ErrorKind::PermissionDenied) => format!(
+        ErrorKind::PermissionDenied if cfg!(unix) => format!(
             "no permission to open {path}: sudo usermod -aG dialout \"$USER\", then log in again (ls -l {path} shows \
              the group)"
         ),
-        serialport::ErrorKind::Io(ErrorKind::NotFound) => {
+        ErrorKind::NotFound => {
             format!("no {path}: plug the bridge in, and look with ls /dev/ttyACM* /dev/ttyUSB*")
         }
-        serialport::ErrorKind::NoDevice if std::path::Path::new(path).exists() => {
-            format!("{path} is busy or no serial port: end what has it open (fuser {path})")
-        }
-        serialport::ErrorKind::NoDevice => {
-            format!("no {path}: plug the bridge in, and look with ls /dev/ttyACM* /dev/ttyUSB*")
+        ErrorKind::PermissionDenied | ErrorKind::ResourceBusy | ErrorKind::WouldBlock => {
+            format!("{path} is busy: end what has it open (fuser {path})")
         }
         _ => format!("cannot open {path} as a serial port"),
     };
     anyhow::Error::new(error).context(remedy)
 }
 
-#[cfg(all(test, unix))]
+#[cfg(all(test, target_os = "linux"))]
 mod tests {
     use super::*;
-    use serialport::TTYPort;
-    use std::io::{Read, Write};
+    use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+    use std::fs::File;
 
     const SOON: Duration = Duration::from_secs(5);
+
+    /// The far end of a port, and the file of the near one.
+    fn pair() -> (File, String) {
+        let far = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).expect("a pair of ports");
+        grantpt(&far).expect("a near end");
+        unlockpt(&far).expect("a near end");
+        let near = ptsname(&far, Vec::new()).expect("a name").into_string().expect("text");
+        (far.into(), near)
+    }
 
     fn serial(path: &str) -> Result<Wire> {
         Wire::open(&Port::Serial { path: path.to_owned(), baud: 115_200 })
@@ -129,9 +149,8 @@ mod tests {
 
     #[test]
     fn a_serial_port_carries_bytes_until_its_end_is_gone() {
-        let (mut far, near) = TTYPort::pair().expect("a pair of ports");
-        let mut wire = serial(&near.name().expect("a name")).expect("a port");
-        drop(near);
+        let (mut far, near) = pair();
+        let mut wire = serial(&near).expect("a port");
         wire.write(b"TEMP?").expect("it is sent");
         let mut asked = [0; 5];
         far.read_exact(&mut asked).expect("it comes");
@@ -156,8 +175,7 @@ mod tests {
         let why = |path| format!("{:#}", serial(path).err().expect("no port"));
         assert!(why("/dev/no-such-port").contains("plug the bridge in"), "{}", why("/dev/no-such-port"));
         assert!(why("/dev/null").contains("as a serial port"), "{}", why("/dev/null"));
-        let (_far, near) = TTYPort::pair().expect("a pair of ports");
-        let path = near.name().expect("a name");
+        let (_far, path) = pair();
         let _taken = serial(&path).expect("a port");
         assert!(why(&path).contains("fuser"), "{}", why(&path));
     }
