@@ -12,6 +12,7 @@ use crate::warning::SourceWarning;
 use adis16130::{Framing, MAX_SCLK_HZ, MCLK_HZ, Sample, SelfTest};
 use anyhow::{Result, bail};
 use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiDevice};
+use preempt_rt::sched::{Pid, Scheduler, SchedulerParams, set_scheduler};
 use rustix::fs::{FlockOperation, flock};
 use rustix::io::Errno;
 use rustix::mm::{MlockAllFlags, mlockall};
@@ -22,15 +23,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicI32, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
-use thread_priority::{
-    RealtimeThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy, set_thread_priority_and_policy,
-    thread_native_id,
-};
 use zerorate::{Names, Setting};
 use zerorate_record::Row;
 
 /// SCHED_FIFO priority of the reading thread: above everything ordinary, below the kernel's interrupt threads (50).
-const PRIORITY: u8 = 40;
+const PRIORITY: i32 = 40;
 
 /// Reads whose time is taken.
 const TIMED_READS: u32 = 200;
@@ -231,12 +228,8 @@ impl Source for SpiPart {
 /// Priority and locked memory, or a word on how to allow them.
 fn become_realtime(notes: &Notes) {
     let say = |warning| notes.lock().unwrap_or_else(PoisonError::into_inner).push(warning);
-    let fifo = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
-    let priority = ThreadPriority::try_from(PRIORITY).map_err(|why| why.to_owned());
-    let set = priority.and_then(|priority| {
-        set_thread_priority_and_policy(thread_native_id(), priority, fifo).map_err(|error| error.to_string())
-    });
-    if set.is_err() {
+    let priority = SchedulerParams { priority: PRIORITY };
+    if set_scheduler(Pid::current_thread(), Scheduler::SCHED_FIFO, priority).is_err() {
         say(SourceWarning::NoRealtimePriority);
     }
     if mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE | MlockAllFlags::ONFAULT).is_err() {
