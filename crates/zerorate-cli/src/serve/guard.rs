@@ -3,8 +3,9 @@
 
 use crate::exit::Usage;
 use anyhow::{Result, anyhow};
-use axum::http::uri::Authority;
-use axum::http::{HeaderMap, HeaderName, Method, StatusCode, Uri, header};
+use hyper::header::{HeaderName, HeaderValue};
+use hyper::http::uri::Authority;
+use hyper::{HeaderMap, Method, StatusCode, Uri, header};
 use std::fmt;
 use std::net::{IpAddr, SocketAddr};
 use std::path::Path;
@@ -108,9 +109,9 @@ impl Guard {
     }
 
     /// The cookie that carries the token. It is sent to this server only, and scripts cannot read it.
-    pub fn cookie(&self) -> Option<String> {
+    pub fn cookie(&self) -> Option<HeaderValue> {
         let token = self.token.as_ref()?.reveal();
-        Some(format!("{}={token}; Path=/; HttpOnly; SameSite=Strict", self.cookie))
+        HeaderValue::try_from(format!("{}={token}; Path=/; HttpOnly; SameSite=Strict", self.cookie)).ok()
     }
 
     /// The tokens in a request: in the cookie, or for programs as `Authorization: Bearer`.
@@ -164,7 +165,6 @@ fn has_body(headers: &HeaderMap) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use axum::http::HeaderValue;
 
     fn guard(listen: &str, names: &[&str]) -> Guard {
         let token = Token("0123456789abcdef".to_owned());
@@ -259,7 +259,7 @@ mod tests {
         assert!(wrong.iter().all(|wrong| !admitted(&[("cookie", wrong)])) && !admitted(&[]));
         assert!(!admitted(&[("authorization", "0123456789abcdef")]));
         let cookie = open.cookie().unwrap();
-        assert!(cookie.ends_with("HttpOnly; SameSite=Strict"), "{cookie}");
+        assert!(cookie.as_bytes().ends_with(b"HttpOnly; SameSite=Strict"), "{cookie:?}");
         assert!(guard("127.0.0.1:8130", &[]).token().is_none());
     }
 

@@ -1,21 +1,18 @@
 //! Numbers of samples read and lost for Prometheus, from the same snapshot that a page gets.
 
+use super::answer::{self, Answer};
 use super::server::Server;
 use super::watch;
-use axum::extract::State;
-use axum::http::{StatusCode, header};
-use axum::response::{IntoResponse, Response};
+use hyper::StatusCode;
 use serde_json::Value;
 use std::fmt::Write as _;
-use std::sync::Arc;
 
 /// `GET /metrics`.
-pub async fn metrics(State(server): State<Arc<Server>>) -> Response {
-    let Some(text) = text_of(&server).await else {
-        return (StatusCode::SERVICE_UNAVAILABLE, "the device is not read any more\n").into_response();
-    };
-    let media_type = "text/plain; version=0.0.4; charset=utf-8";
-    ([(header::CONTENT_TYPE, media_type)], text).into_response()
+pub async fn metrics(server: &Server) -> Answer {
+    match text_of(server).await {
+        Some(text) => answer::typed(StatusCode::OK, "text/plain; version=0.0.4; charset=utf-8", text),
+        None => answer::text(StatusCode::SERVICE_UNAVAILABLE, "the device is not read any more\n"),
+    }
 }
 
 /// The metrics as text; none if the device is not read any more.

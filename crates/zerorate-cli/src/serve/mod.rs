@@ -3,9 +3,10 @@
 //!
 //! `session_thread.rs` has the device (`device.rs`), its recordings (`recordings.rs`) and the calibrations on disk
 //! (`folder.rs`). `server.rs` accepts connections, checks each request with the guard (`guard.rs`), and counts the
-//! tokens that are tried (`trials.rs`). `watch.rs`, `page.rs` and `metrics.rs` answer requests. `libiio.rs` serves
-//! other clients.
+//! tokens that are tried (`trials.rs`). `watch.rs`, `page.rs` and `metrics.rs` answer requests, in the form of
+//! `answer.rs`. `libiio.rs` serves other clients.
 
+mod answer;
 mod bucket;
 mod connection;
 mod device;

@@ -1,9 +1,10 @@
 //! The files of the page, which are part of the program. A request can name a file of this table and nothing else.
 
-use axum::body::Bytes;
-use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri, header};
-use axum::response::{IntoResponse, Response};
+use super::answer::{self, Answer};
 use flate2::read::GzDecoder;
+use hyper::body::Bytes;
+use hyper::header::HeaderValue;
+use hyper::{HeaderMap, StatusCode, Uri, header};
 use std::io::Read;
 use zerorate_view::SessionWarning;
 use zerorate_web::session::Said;
@@ -30,35 +31,37 @@ pub fn absent() -> Said {
 }
 
 /// Answers with the file that the request names.
-pub async fn file(uri: Uri, headers: HeaderMap) -> Response {
+pub fn file(uri: &Uri, headers: &HeaderMap) -> Answer {
     let name = match uri.path().trim_start_matches('/') {
         "" => "index.html",
         name => name,
     };
     match PAGE.iter().find(|asset| asset.name == name) {
-        Some(asset) => asset.response(&headers),
-        None if is_there() => (StatusCode::NOT_FOUND, "no such file\n").into_response(),
-        None => (StatusCode::NOT_FOUND, format!("{}\n", absent())).into_response(),
+        Some(asset) => asset.answer(headers),
+        None if is_there() => answer::text(StatusCode::NOT_FOUND, "no such file\n"),
+        None => answer::text(StatusCode::NOT_FOUND, format!("{}\n", absent())),
     }
 }
 
 impl Asset {
-    fn response(&self, headers: &HeaderMap) -> Response {
-        let mut response = if headers.get(header::IF_NONE_MATCH).is_some_and(|tag| tag == self.tag) {
-            StatusCode::NOT_MODIFIED.into_response()
-        } else if takes_gzip(headers) {
-            let packed = Bytes::from_static(self.packed);
-            ([(header::CONTENT_ENCODING, "gzip")], packed).into_response()
-        } else {
-            self.unpacked().into_response()
+    fn answer(&self, headers: &HeaderMap) -> Answer {
+        let is_known = headers.get(header::IF_NONE_MATCH).is_some_and(|tag| tag == self.tag);
+        let is_packed = !is_known && takes_gzip(headers);
+        let (status, body) = match (is_known, is_packed) {
+            (true, _) => (StatusCode::NOT_MODIFIED, Bytes::new()),
+            (false, true) => (StatusCode::OK, Bytes::from_static(self.packed)),
+            (false, false) => (StatusCode::OK, self.unpacked().into()),
         };
-        let own = response.headers_mut();
-        own.insert(header::CONTENT_TYPE, HeaderValue::from_static(media_type(self.name)));
+        let mut answer = answer::typed(status, media_type(self.name), body);
+        let own = answer.headers_mut();
+        if is_packed {
+            own.insert(header::CONTENT_ENCODING, HeaderValue::from_static("gzip"));
+        }
         own.insert(header::ETAG, HeaderValue::from_static(self.tag));
         own.insert(header::VARY, HeaderValue::from_static("accept-encoding"));
         // the file belongs to this program, and another program may answer here tomorrow
         own.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-cache"));
-        response
+        answer
     }
 
     fn unpacked(&self) -> Vec<u8> {
@@ -110,11 +113,11 @@ mod tests {
         let packed: &'static [u8] = packer.finish().unwrap().leak();
         let asset = Asset { name: "a.css", tag: "\"1\"", packed };
         assert_eq!(asset.unpacked(), b"body {}");
-        let whole = asset.response(&headers("br"));
+        let whole = asset.answer(&headers("br"));
         assert!(whole.headers().get(header::CONTENT_ENCODING).is_none());
         assert_eq!(whole.headers()[header::CONTENT_TYPE], "text/css; charset=utf-8");
-        assert_eq!(asset.response(&headers("gzip")).headers()[header::CONTENT_ENCODING], "gzip");
+        assert_eq!(asset.answer(&headers("gzip")).headers()[header::CONTENT_ENCODING], "gzip");
         let known = HeaderMap::from_iter([(header::IF_NONE_MATCH, HeaderValue::from_static("\"1\""))]);
-        assert_eq!(asset.response(&known).status(), StatusCode::NOT_MODIFIED);
+        assert_eq!(asset.answer(&known).status(), StatusCode::NOT_MODIFIED);
     }
 }

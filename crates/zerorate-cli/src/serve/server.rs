@@ -1,5 +1,6 @@
 //! Connections and their requests. Every wait and every size has a bound.
 
+use super::answer::{self, Answer};
 use super::bucket::Bucket;
 use super::guard::{Guard, Refusal};
 use super::session_thread::Visits;
@@ -7,17 +8,15 @@ use super::small_page::small_page;
 use super::trials::Trials;
 use super::{metrics, page, watch};
 use anyhow::{Context, Result};
-use axum::body::{Body, to_bytes};
-use axum::extract::{Request, State};
-use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
-use axum::middleware::{self, Next};
-use axum::response::{IntoResponse, Response};
-use axum::routing::{get, post};
-use axum::{Extension, Router};
+use http_body_util::{BodyExt, Limited};
+use hyper::body::Incoming;
+use hyper::header::{HeaderName, HeaderValue};
 use hyper::server::conn::http1;
+use hyper::service::service_fn;
+use hyper::{HeaderMap, Method, Request, StatusCode, header};
 use hyper_util::rt::{TokioIo, TokioTimer};
-use hyper_util::service::TowerToHyperService;
 use serde_json::json;
+use std::convert::Infallible;
 use std::net::TcpListener;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -114,14 +113,13 @@ pub fn run(listener: TcpListener, guard: Guard, visits: Visits, stop: &Stop) -> 
 }
 
 fn serve(listener: TcpListener, server: Server, stop: &Stop) -> Result<()> {
-    let limits = server.limits;
     let server = Arc::new(server);
     listener.set_nonblocking(true).context("the server")?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().context("the server")?;
     runtime.block_on(async {
         let listener = tokio::net::TcpListener::from_std(listener).context("the server")?;
         tokio::select! {
-            () = accept(listener, routes(server), limits) => {}
+            () = accept(listener, server) => {}
             () = asked(stop) => {}
         }
         Ok(())
@@ -134,20 +132,7 @@ async fn asked(stop: &Stop) {
     }
 }
 
-fn routes(server: Arc<Server>) -> Router {
-    let admitted = Router::new().route("/ws", get(watch::watch)).route("/metrics", get(metrics::metrics));
-    let admitted = if page::is_there() { admitted } else { admitted.route("/", get(small_page)) };
-    let admitted = admitted.route_layer(middleware::from_fn_with_state(Arc::clone(&server), admit));
-    Router::new()
-        .merge(admitted)
-        .route("/home.json", get(home))
-        .route("/token", post(token))
-        .fallback(page::file)
-        .layer(middleware::from_fn_with_state(Arc::clone(&server), check))
-        .with_state(server)
-}
-
-async fn accept(listener: tokio::net::TcpListener, routes: Router, limits: Limits) {
+async fn accept(listener: tokio::net::TcpListener, server: Arc<Server>) {
     let places = Arc::new(Semaphore::new(CONNECTIONS));
     loop {
         let Ok((stream, _)) = listener.accept().await else {
@@ -156,7 +141,7 @@ async fn accept(listener: tokio::net::TcpListener, routes: Router, limits: Limit
             continue;
         };
         match Arc::clone(&places).try_acquire_owned() {
-            Ok(place) => drop(tokio::spawn(attend(stream, routes.clone(), limits, place))),
+            Ok(place) => drop(tokio::spawn(attend(stream, Arc::clone(&server), place))),
             Err(_) => turn_away(&stream),
         }
     }
@@ -166,12 +151,16 @@ fn turn_away(stream: &TcpStream) {
     let _ = stream.try_write(b"HTTP/1.1 503 Service Unavailable\r\nconnection: close\r\ncontent-length: 0\r\n\r\n");
 }
 
-async fn attend(stream: TcpStream, routes: Router, limits: Limits, place: OwnedSemaphorePermit) {
+async fn attend(stream: TcpStream, server: Arc<Server>, place: OwnedSemaphorePermit) {
     // frames are small, and late frames are useless
     let _ = stream.set_nodelay(true);
     let requests = Mutex::new(Bucket::new(BURST, REQUESTS_PER_S, Instant::now()));
     let connection = Arc::new(Connection { requests, _place: place });
-    let service = TowerToHyperService::new(routes.layer(Extension(connection)));
+    let limits = server.limits;
+    let service = service_fn(move |request| {
+        let (server, connection) = (Arc::clone(&server), Arc::clone(&connection));
+        async move { Ok::<_, Infallible>(checked(&server, connection, request).await) }
+    });
     let mut http = http1::Builder::new();
     http.timer(TokioTimer::new()).header_read_timeout(limits.head).max_buf_size(HEAD).max_headers(HEADERS);
     let served = http.serve_connection(TokioIo::new(stream), service).with_upgrades();
@@ -180,18 +169,13 @@ async fn attend(stream: TcpStream, routes: Router, limits: Limits, place: OwnedS
 }
 
 /// Checks every request, and sets the headers of every answer.
-async fn check(
-    State(server): State<Arc<Server>>,
-    Extension(connection): Extension<Arc<Connection>>,
-    request: Request,
-    next: Next,
-) -> Response {
+async fn checked(server: &Arc<Server>, connection: Arc<Connection>, request: Request<Incoming>) -> Answer {
     let taken = lock(&connection.requests).take(Instant::now());
     let checked = server.guard.check(request.method(), request.uri(), request.headers());
-    let mut response = match (taken, checked) {
+    let mut answer = match (taken, checked) {
         (Err(_), _) => refused((StatusCode::TOO_MANY_REQUESTS, "slower\n")),
         (_, Err(refusal)) => refused(refusal),
-        (Ok(()), Ok(())) => next.run(request).await,
+        (Ok(()), Ok(())) => routed(server, connection, request).await,
     };
     let fixed = [
         (header::CONTENT_SECURITY_POLICY, POLICY),
@@ -201,46 +185,62 @@ async fn check(
         (HeaderName::from_static("cross-origin-opener-policy"), "same-origin"),
         (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
     ];
-    let headers = response.headers_mut();
+    let headers = answer.headers_mut();
     headers.extend(fixed.map(|(name, value)| (name, HeaderValue::from_static(value))));
     headers.entry(header::CACHE_CONTROL).or_insert(HeaderValue::from_static("no-store"));
-    response
+    answer
 }
 
-/// Checks the token for samples and requests.
-async fn admit(State(server): State<Arc<Server>>, request: Request, next: Next) -> Response {
-    match server.admit(request.headers()) {
-        Ok(()) => next.run(request).await,
-        Err(refusal) => refused(refusal),
+/// Answers a request that may be answered. Samples and requests need the token.
+async fn routed(server: &Arc<Server>, connection: Arc<Connection>, request: Request<Incoming>) -> Answer {
+    let path = request.uri().path();
+    let has_samples = matches!(path, "/ws" | "/metrics") || path == "/" && !page::is_there();
+    if has_samples && let Err(refusal) = server.admit(request.headers()) {
+        return refused(refusal);
+    }
+    match (request.method(), path) {
+        (_, "/ws") => watch::watch(server, connection, request),
+        (_, "/metrics") => metrics::metrics(server).await,
+        (_, "/") if has_samples => small_page(server).await,
+        (_, "/home.json") => home(server, request.headers()),
+        (&Method::POST, "/token") => token(server, request.into_body()).await,
+        (_, "/token") => answer::text(StatusCode::METHOD_NOT_ALLOWED, "POST alone\n"),
+        _ => page::file(request.uri(), request.headers()),
     }
 }
 
 /// Answers with a refusal and closes the connection, without waiting for the rest of a body.
-fn refused((status, why): Refusal) -> Response {
-    (status, [(header::CONNECTION, "close")], why).into_response()
+fn refused((status, why): Refusal) -> Answer {
+    let mut answer = answer::text(status, why);
+    answer.headers_mut().insert(header::CONNECTION, HeaderValue::from_static("close"));
+    answer
 }
 
 /// Tells the page where it runs (docs/formats/page.md).
-async fn home(State(server): State<Arc<Server>>, request: Request) -> Response {
-    let token_needed = server.admit(request.headers()).is_err();
+fn home(server: &Server, headers: &HeaderMap) -> Answer {
+    let token_needed = server.admit(headers).is_err();
     let text = json!({"home": "served", "token_needed": token_needed}).to_string();
-    ([(header::CONTENT_TYPE, "application/json")], text).into_response()
+    answer::typed(StatusCode::OK, "application/json", text)
 }
 
 /// Checks a token that was typed into the page, or that the page took from the fragment of its address. The answer
 /// sets the cookie.
-async fn token(State(server): State<Arc<Server>>, body: Body) -> Response {
-    let shown = match time::timeout(server.limits.head, to_bytes(body, TOKEN)).await {
-        Ok(Ok(bytes)) => bytes,
+async fn token(server: &Server, body: Incoming) -> Answer {
+    let shown = match time::timeout(server.limits.head, Limited::new(body, TOKEN).collect()).await {
+        Ok(Ok(body)) => body.to_bytes(),
         Ok(Err(_)) => return refused((StatusCode::PAYLOAD_TOO_LARGE, "that is not a token\n")),
         Err(_) => return refused((StatusCode::REQUEST_TIMEOUT, "the token did not come\n")),
     };
     let shown = str::from_utf8(&shown).unwrap_or_default().trim();
     let (Some(token), Some(cookie)) = (server.guard.token(), server.guard.cookie()) else {
-        return StatusCode::NO_CONTENT.into_response();
+        return answer::empty(StatusCode::NO_CONTENT);
     };
     match server.trials.admit(token, [shown], Instant::now()) {
-        Ok(()) => (StatusCode::NO_CONTENT, [(header::SET_COOKIE, cookie)]).into_response(),
+        Ok(()) => {
+            let mut answer = answer::empty(StatusCode::NO_CONTENT);
+            answer.headers_mut().insert(header::SET_COOKIE, cookie);
+            answer
+        }
         Err((StatusCode::UNAUTHORIZED, _)) => refused((StatusCode::FORBIDDEN, "that is not the token\n")),
         Err(refusal) => refused(refusal),
     }

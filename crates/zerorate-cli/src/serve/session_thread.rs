@@ -7,7 +7,7 @@ use super::{Folder, Libiio, Recordings};
 use crate::output::say;
 use crate::wording::{flag, text};
 use anyhow::Result;
-use axum::body::Bytes;
+use hyper::body::Bytes;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::{Duration, Instant};

@@ -1,17 +1,16 @@
 //! The page of a program that was built without the whole one: what is read, as numbers.
 
+use super::answer::{self, Answer};
 use super::metrics;
 use super::server::Server;
-use axum::extract::State;
-use axum::response::Html;
-use std::sync::Arc;
+use hyper::StatusCode;
 
 const PAGE: &str = include_str!("small_page.html");
 
 /// `GET /`.
-pub async fn small_page(State(server): State<Arc<Server>>) -> Html<String> {
-    let text = metrics::text_of(&server).await;
-    Html(filled(text.as_deref()))
+pub async fn small_page(server: &Server) -> Answer {
+    let text = metrics::text_of(server).await;
+    answer::typed(StatusCode::OK, "text/html; charset=utf-8", filled(text.as_deref()))
 }
 
 /// The page with these metrics; none: nothing is read any more.

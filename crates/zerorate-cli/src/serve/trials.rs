@@ -2,7 +2,7 @@
 
 use super::bucket::Bucket;
 use super::guard::{Refusal, TOKEN_LENGTHS, Token};
-use axum::http::StatusCode;
+use hyper::StatusCode;
 use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;

@@ -1,20 +1,25 @@
 //! A viewer behind a WebSocket: it gets frames and sends requests.
 
+use super::answer::{self, Answer};
 use super::bucket::Bucket;
 use super::server::{Connection, Server};
 use super::session_thread::{Begun, Visit, Visits};
-use axum::Extension;
-use axum::body::Bytes;
-use axum::extract::State;
-use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade, close_code};
-use axum::http::StatusCode;
-use axum::response::{IntoResponse, Response};
-use std::error::Error;
+use futures_util::{SinkExt, StreamExt};
+use http_body_util::Full;
+use hyper::body::{Bytes, Incoming};
+use hyper::upgrade::Upgraded;
+use hyper::{Request, StatusCode};
+use hyper_util::rt::TokioIo;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tokio::sync::broadcast::error::RecvError;
 use tokio::sync::oneshot;
 use tokio::time;
+use tokio_tungstenite::WebSocketStream;
+use tungstenite::handshake::server::create_response_with_body;
+use tungstenite::protocol::frame::coding::CloseCode;
+use tungstenite::protocol::{CloseFrame, Role, WebSocketConfig};
+use tungstenite::{Error, Message};
 
 /// A viewer that takes nothing for this long is dropped, and connects again.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -24,20 +29,29 @@ const MESSAGE: usize = 1 << 20;
 const BURST: u32 = 40;
 const REQUESTS_PER_S: f64 = 20.0;
 
+type WebSocket = WebSocketStream<TokioIo<Upgraded>>;
+
 /// Takes a new viewer.
-pub async fn watch(
-    State(server): State<Arc<Server>>,
-    Extension(connection): Extension<Arc<Connection>>,
-    upgrade: WebSocketUpgrade,
-) -> Response {
-    let Ok(seat) = Arc::clone(&server.seats).try_acquire_owned() else {
-        return (StatusCode::SERVICE_UNAVAILABLE, "too many viewers already\n").into_response();
+pub fn watch(server: &Arc<Server>, connection: Arc<Connection>, request: Request<Incoming>) -> Answer {
+    let Ok(accepted) = create_response_with_body(&request, Full::default) else {
+        return answer::text(StatusCode::BAD_REQUEST, "this is not a WebSocket handshake (RFC 6455, version 13)\n");
     };
-    let upgrade = upgrade.max_message_size(MESSAGE).max_frame_size(MESSAGE).write_buffer_size(0);
-    upgrade.on_upgrade(async move |socket| {
-        Watch { socket, visits: server.visits.clone() }.serve(server.limits.sign_of_life).await;
+    let Ok(seat) = Arc::clone(&server.seats).try_acquire_owned() else {
+        return answer::text(StatusCode::SERVICE_UNAVAILABLE, "too many viewers already\n");
+    };
+    let server = Arc::clone(server);
+    tokio::spawn(async move {
+        // a client that breaks off is not a failure of the server
+        if let Ok(upgraded) = hyper::upgrade::on(request).await {
+            let config = WebSocketConfig::default();
+            let config = config.max_message_size(Some(MESSAGE)).max_frame_size(Some(MESSAGE)).write_buffer_size(0);
+            let upgraded = TokioIo::new(upgraded);
+            let socket = WebSocketStream::from_raw_socket(upgraded, Role::Server, Some(config)).await;
+            Watch { socket, visits: server.visits.clone() }.serve(server.limits.sign_of_life).await;
+        }
         drop((seat, connection));
-    })
+    });
+    accepted
 }
 
 /// The state so far and the frames that follow; none if the session has closed.
@@ -118,38 +132,38 @@ impl Watch {
                 }
             }
             Message::Binary(_) => {
-                self.close(close_code::UNSUPPORTED, "requests are text").await;
+                self.close(CloseCode::Unsupported, "requests are text").await;
                 false
             }
             Message::Close(_) => {
                 // reading on sends the answer (RFC 6455, 5.5.1)
-                let _ = time::timeout(PATIENCE, self.socket.recv()).await;
+                let _ = time::timeout(PATIENCE, self.socket.next()).await;
                 false
             }
-            Message::Ping(_) | Message::Pong(_) => true,
+            Message::Ping(_) | Message::Pong(_) | Message::Frame(_) => true,
         }
     }
 
     /// Tells the viewer why nothing more of it is read, where it is still there.
-    async fn break_off(&mut self, error: &axum::Error) {
-        let (code, reason) = match error.source().and_then(|source| source.downcast_ref()) {
-            Some(tungstenite::Error::Utf8(_)) => (close_code::INVALID, "a text is not UTF-8"),
-            Some(tungstenite::Error::Capacity(_)) => (close_code::SIZE, "a message is too large"),
-            Some(tungstenite::Error::Protocol(_)) => (close_code::PROTOCOL, "a frame breaks RFC 6455"),
+    async fn break_off(&mut self, error: &Error) {
+        let (code, reason) = match error {
+            Error::Utf8(_) => (CloseCode::Invalid, "a text is not UTF-8"),
+            Error::Capacity(_) => (CloseCode::Size, "a message is too large"),
+            Error::Protocol(_) => (CloseCode::Protocol, "a frame breaks RFC 6455"),
             _ => return,
         };
         self.close(code, reason).await;
     }
 
-    async fn close(&mut self, code: u16, reason: &'static str) {
+    async fn close(&mut self, code: CloseCode, reason: &'static str) {
         self.send(Message::Close(Some(CloseFrame { code, reason: reason.into() }))).await;
     }
 }
 
 /// Reads the next message, not before `at`.
-async fn next(socket: &mut WebSocket, at: time::Instant) -> Option<Result<Message, axum::Error>> {
+async fn next(socket: &mut WebSocket, at: time::Instant) -> Option<Result<Message, Error>> {
     time::sleep_until(at).await;
-    socket.recv().await
+    socket.next().await
 }
 
 /// The whole state of the session, once.

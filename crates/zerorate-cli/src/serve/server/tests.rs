@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::serve::session_thread::{BEHIND, Begun, Visit};
-use axum::body::Bytes;
+use hyper::body::Bytes;
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::sync::atomic::{AtomicUsize, Ordering};
