@@ -79,7 +79,24 @@ fn is_ignored(signal: i32) -> bool {
 
 #[cfg(not(unix))]
 fn handle_signals() -> io::Result<()> {
-    /// The number of SIGINT. Systems without signals use it for Ctrl-C as well.
-    const CTRL_C: i32 = 2;
-    ctrlc::set_handler(|| heed(CTRL_C)).map_err(io::Error::other)
+    use signal_hook::consts::SIGINT;
+    use std::sync::Arc;
+    /// Ctrl-Break, and a window that is closed.
+    const SIGBREAK: i32 = 21;
+    /// The signals are looked at this often.
+    const POLL: Duration = Duration::from_millis(50);
+    let caught = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGBREAK] {
+        signal_hook::flag::register(signal, Arc::clone(&caught))?;
+    }
+    let watch = move || {
+        loop {
+            if caught.swap(false, Ordering::Relaxed) {
+                heed(SIGINT);
+            }
+            std::thread::sleep(POLL);
+        }
+    };
+    std::thread::Builder::new().name("signals".to_owned()).spawn(watch)?;
+    Ok(())
 }
