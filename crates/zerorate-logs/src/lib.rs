@@ -43,6 +43,8 @@ mod missing;
 mod nested;
 #[cfg(feature = "numpy")]
 mod npy;
+#[cfg(feature = "numpy")]
+mod npy_header;
 #[cfg(feature = "npz")]
 mod npz;
 mod number;

@@ -3,13 +3,12 @@
 
 use super::choice::{Choice, Columns, same_length};
 use super::clock::Times;
+use super::npy_header::{Element, Form, Header, Kind};
 use super::open::Log;
 use super::series::SeriesBuilder;
 use super::{Clock, ColumnQuery, Found, FoundColumn, Result, wrong};
-use npyz::{DType, Endianness, NpyHeader, Order, TimeUnits, TypeChar, TypeStr};
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
-use zerorate_record::catch_panic::catch_panic;
 use zerorate_record::limits::Room;
 use zerorate_record::{CaptureError, Input, TimeUnit};
 
@@ -38,9 +37,9 @@ impl Array {
     pub fn new(path: &Path, file: &mut impl Read, length: u64, name: &str) -> Result<Self, CaptureError> {
         let place = if name.is_empty() { "as an NPY file".to_owned() } else { format!("array {name}") };
         let (header, start) = header(file).map_err(|what| CaptureError::damaged(path, place, what))?;
-        let rows = header.shape().first().copied().unwrap_or_default();
+        let rows = header.shape.first().copied().unwrap_or_default();
         check_length(path, &header, length.saturating_sub(start))?;
-        let fields = match (header.shape(), name) {
+        let fields = match (header.shape.as_slice(), name) {
             ([], name) if !name.is_empty() => Vec::new(),
             (_, "") => fields(path, &header)?,
             // nobody can ask for a field that is not a column
@@ -134,26 +133,24 @@ fn push_times(times: &mut Times, cells: &Cells<'_>, field: &Field) -> Result<(),
     Ok(())
 }
 
-/// Reads the header, a literal of Python behind its length. The library takes the length for granted and parses nested
-/// brackets in a time that grows exponentially with their depth, so both are looked at first. The data starts behind.
-fn header(file: &mut impl Read) -> Result<(NpyHeader, u64), String> {
-    let mut bytes = vec![0; START];
+/// Reads the header behind its length. The data starts behind.
+fn header(file: &mut impl Read) -> Result<(Header, u64), String> {
+    let mut bytes = [0; START];
     file.read_exact(&mut bytes).map_err(|error| error.to_string())?;
-    let wide = bytes[6] > 1;
     let mut length = [0; 4];
-    file.read_exact(&mut length[..if wide { 4 } else { 2 }]).map_err(|error| error.to_string())?;
-    bytes.extend(&length[..if wide { 4 } else { 2 }]);
+    let of_length = if bytes[6] > 1 { 4 } else { 2 };
+    file.read_exact(&mut length[..of_length]).map_err(|error| error.to_string())?;
     let length = u32::from_le_bytes(length);
     if length > MAX_HEADER {
         return Err(format!("its header would have {length} bytes, and more than {MAX_HEADER} are not read"));
     }
-    file.take(length.into()).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
-    if depth(&bytes[START..]).is_none_or(|depth| depth > MAX_DEPTH) {
+    let mut text = Vec::new();
+    file.take(length.into()).read_to_end(&mut text).map_err(|error| error.to_string())?;
+    if depth(&text).is_none_or(|depth| depth > MAX_DEPTH) {
         return Err(format!("its header has brackets more than {MAX_DEPTH} deep, or a backslash"));
     }
-    let header = catch_panic(|| NpyHeader::from_reader(bytes.as_slice()));
-    let header = header.ok_or("its header makes no sense")?.map_err(|error| error.to_string())?;
-    Ok((header, bytes.len() as u64))
+    let header = Header::parse(&text).ok_or("its header is not one that NumPy writes, or is cut short")?;
+    Ok((header, (START + of_length + text.len()) as u64))
 }
 
 /// The mark and the version.
@@ -195,23 +192,13 @@ struct Field {
     time_unit: Option<TimeUnit>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    Signed,
-    Unsigned,
-    Float,
-    /// A signed number of units since some time.
-    Time,
-}
-
 impl Field {
-    fn new(name: String, dtype: &DType, offset: u64, stride: u64) -> Self {
-        let DType::Plain(plain) = dtype else {
+    fn new(name: String, element: &Element, offset: u64, stride: u64) -> Self {
+        let Form::Value { kind, big_endian, time_unit } = element.form else {
             return Self { name, kind: None, big_endian: false, size: 0, offset, stride, time_unit: None };
         };
-        let size = plain.num_bytes().unwrap_or_default();
-        let big_endian = plain.endianness() == Endianness::Big;
-        Self { name, kind: kind(plain, size), big_endian, size, offset, stride, time_unit: time_unit(plain) }
+        let size = element.size.and_then(|size| usize::try_from(size).ok()).unwrap_or_default();
+        Self { name, kind, big_endian, size, offset, stride, time_unit }
     }
 
     /// The same, of an array with a name: a column of two dimensions by the name and its number.
@@ -247,49 +234,30 @@ impl Field {
     }
 }
 
-fn kind(plain: &TypeStr, size: usize) -> Option<Kind> {
-    match (plain.type_char(), size) {
-        (TypeChar::Int, 1 | 2 | 4 | 8) => Some(Kind::Signed),
-        (TypeChar::Uint, 1 | 2 | 4 | 8) => Some(Kind::Unsigned),
-        (TypeChar::Float, 4 | 8) => Some(Kind::Float),
-        (TypeChar::DateTime | TypeChar::TimeDelta, 8) => Some(Kind::Time),
-        _ => None,
-    }
-}
-
-fn time_unit(plain: &TypeStr) -> Option<TimeUnit> {
-    match plain.time_units()? {
-        TimeUnits::Second => Some(TimeUnit::S),
-        TimeUnits::Millisecond => Some(TimeUnit::Ms),
-        TimeUnits::Microsecond => Some(TimeUnit::Us),
-        TimeUnits::Nanosecond => Some(TimeUnit::Ns),
-        _ => None,
-    }
-}
-
 /// The columns of an array.
-fn fields(path: &Path, header: &NpyHeader) -> Result<Vec<Field>, CaptureError> {
+fn fields(path: &Path, header: &Header) -> Result<Vec<Field>, CaptureError> {
     let unreadable = |what: String| CaptureError::not_a_log(path, what);
-    let dtype = header.dtype();
-    let size = dtype.num_bytes().filter(|size| *size > 0).map(|size| size as u64);
-    let size = size.ok_or_else(|| unreadable(format!("its elements {} have no fixed size", dtype.descr())))?;
-    match (&dtype, header.shape()) {
-        (DType::Record(fields), [_]) => {
+    let Header { element, is_fortran, shape } = header;
+    let size = element.size.filter(|size| *size > 0);
+    let size = size.ok_or_else(|| unreadable("its elements have no fixed size".to_owned()))?;
+    match (&element.form, shape.as_slice()) {
+        (Form::Fields(fields), [_]) => {
             let mut offset = 0;
-            let mut column = |field: &npyz::Field| {
-                let found = Field::new(field.name.clone(), &field.dtype, offset, size);
-                offset += field.dtype.num_bytes().unwrap_or_default() as u64;
+            let mut column = |(name, field): &(String, Element)| {
+                let found = Field::new(name.clone(), field, offset, size);
+                offset += field.size.unwrap_or_default();
                 found
             };
             Ok(fields.iter().map(&mut column).collect())
         }
-        (DType::Plain(_), [_]) => Ok(vec![Field::new("0".to_owned(), &dtype, 0, size)]),
-        (DType::Plain(_), [rows, columns]) if *columns <= MAX_COLUMNS => {
-            let column = |number: u64| match header.order() {
-                Order::C => Field::new(number.to_string(), &dtype, number * size, columns * size),
-                Order::Fortran => {
-                    Field::new(number.to_string(), &dtype, number.saturating_mul(*rows).saturating_mul(size), size)
-                }
+        (Form::Value { .. }, [_]) => Ok(vec![Field::new("0".to_owned(), element, 0, size)]),
+        (Form::Value { .. }, [rows, columns]) if *columns <= MAX_COLUMNS => {
+            let column = |number: u64| {
+                let (offset, stride) = match is_fortran {
+                    true => (number.saturating_mul(*rows).saturating_mul(size), size),
+                    false => (number.saturating_mul(size), columns.saturating_mul(size)),
+                };
+                Field::new(number.to_string(), element, offset, stride)
             };
             Ok((0..*columns).map(column).collect())
         }
@@ -303,9 +271,9 @@ fn fields(path: &Path, header: &NpyHeader) -> Result<Vec<Field>, CaptureError> {
 /// Columns of an array of two dimensions at most: with more it is rather an image, or the array lies on its side.
 const MAX_COLUMNS: u64 = 4096;
 
-fn check_length(path: &Path, header: &NpyHeader, there: u64) -> Result<(), CaptureError> {
-    let size = header.dtype().num_bytes().unwrap_or_default() as u64;
-    let expected = header.shape().iter().try_fold(size, |product, n| product.checked_mul(*n));
+fn check_length(path: &Path, header: &Header, there: u64) -> Result<(), CaptureError> {
+    let size = header.element.size.unwrap_or_default();
+    let expected = header.shape.iter().try_fold(size, |product, n| product.checked_mul(*n));
     if expected.is_some_and(|expected| expected <= there) {
         return Ok(());
     }
