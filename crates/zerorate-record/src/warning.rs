@@ -100,5 +100,3 @@ impl fmt::Display for CaptureWarning {
         self.text(f)
     }
 }
-    },
-    Self::Torn(ref text) => Row { code: "torn-tail", text: format_args!("{text}") },
