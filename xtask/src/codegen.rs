@@ -1,10 +1,11 @@
 //! `cargo xtask codegen`: all files that are generated from other sources of the project.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
+use std::fs;
 use std::process::Command;
-use xtask::app;
 use xtask::arguments::Arguments;
-use xtask::venv::done;
+use xtask::venv::{done, printed};
+use xtask::{app, lab};
 
 /// The text of `--help`.
 pub const HELP: &str = "\
@@ -17,8 +18,24 @@ allan.svg and correction.svg come from hours of the twin: `cargo xtask dist prog
 --check compares them. Pages of measurements are not generated files; the tasks that measure write them: methods,
 `trust --update`, `firmware --update`.";
 
+/// The header, which `lab/tools/header` prints.
+const HEADER: &str = "bindings/c/include/zerorate.h";
+
 pub fn run(mut arguments: Arguments) -> Result<()> {
     let check = arguments.flag("--check");
     arguments.end()?;
+    header(check).context(HEADER)?;
     done(Command::new(app::built("codegen")?).args(check.then_some("--check"))).context("generated files")
+}
+
+/// Writes the header, or compares it.
+fn header(check: bool) -> Result<()> {
+    let text = printed(lab::cargo("run", "header", "dev")?.arg("--quiet"))?;
+    if fs::read_to_string(HEADER).is_ok_and(|there| there == text) {
+        return Ok(());
+    }
+    ensure!(!check, "it is out of date; `cargo xtask codegen` writes it");
+    fs::write(HEADER, text)?;
+    println!("{HEADER}: written");
+    Ok(())
 }

@@ -2,7 +2,6 @@
 //! `codegen protocol` makes the types of the page, which `cargo xtask web` needs and git does not keep.
 
 mod drawings;
-mod header;
 mod protocol;
 mod spectrum;
 
@@ -49,7 +48,6 @@ fn made() -> Result<Vec<(&'static str, String)>> {
     let facts = fs::read_to_string("docs/facts.md").context("docs/facts.md: run this in the project's folder")?;
     let mut made = drawings::all(&facts)?;
     made.push(("docs/pictures/spectrum.svg", spectrum::draw()?));
-    made.push(("bindings/c/include/zerorate.h", header::text()?));
     made.push(("firmware/examples/src/unit.rs", unit()?));
     Ok(made)
 }
