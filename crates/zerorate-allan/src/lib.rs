@@ -11,7 +11,7 @@ mod advice;
 mod analysed;
 mod analysis;
 mod chi2;
-mod curve_fit;
+mod coefficient;
 #[cfg(all(feature = "file", feature = "std"))]
 pub mod datasheet;
 mod detrend;
@@ -47,7 +47,7 @@ pub use advice::{AN1042_TAUS_S, Advice, Averaging, advice};
 pub use analysed::{Analysed, Settled};
 pub use analysis::{Analysis, AnalysisError, Options, Point, Unavailable, analyse};
 pub use chi2::chi2_quantile;
-pub use curve_fit::{Coefficient, CurveError, CurveFit, fit_curve};
+pub use coefficient::Coefficient;
 #[cfg(all(feature = "file", feature = "std"))]
 pub use datasheet::{DataSheet, DataSheetError};
 pub use detrend::{DetrendError, Detrended, Follows, MOST_ORDER, detrend, follows_temperature};

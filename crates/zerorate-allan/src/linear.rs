@@ -3,12 +3,14 @@
 use alloc::vec::Vec;
 
 /// A square matrix, row by row.
+#[cfg(feature = "std")]
 #[derive(Clone, Debug)]
 pub(super) struct Square {
     pub(super) n: usize,
     pub(super) cells: Vec<f64>,
 }
 
+#[cfg(feature = "std")]
 impl Square {
     pub(super) fn from_fn(n: usize, mut cell: impl FnMut(usize, usize) -> f64) -> Self {
         let cells = (0..n * n).map(|i| cell(i / n, i % n)).collect();
@@ -25,7 +27,6 @@ impl Square {
     }
 
     /// Solves by elimination with row pivots.
-    #[cfg(feature = "std")]
     pub(super) fn determinant(mut self) -> f64 {
         let n = self.n;
         let mut determinant = 1.0;

@@ -9,9 +9,8 @@ use core::fmt;
 /// From sample 0 the result equals [`Stat::Adev`](super::Stat::Adev) (NIST SP 1065 equation 10). All sums are
 /// integers. With codes of 32 bits they are exact for 2^37 samples at least.
 ///
-/// Its deviations tell as much as [`fit_curve`](super::fit_curve) does: N, B and K (and Q and R where they are
-/// strong), if nothing else is in the noise. Gauss–Markov terms, lines, a low-pass, glitches and steps spoil all
-/// three, and none of them can be seen without the record. Where the record can be kept, use `fit`.
+/// No noise model is fitted to its deviations: Gauss–Markov terms, lines, a low-pass, glitches and steps spoil N, B and
+/// K, and none of them can be seen without the record. Keep the record, and use `fit`.
 ///
 /// ```
 /// use zerorate_allan::Stream;

@@ -16,14 +16,8 @@ pub const LONGEST_RECORD_S: f64 = 3.6e6;
 pub enum AllanWarning {
     /// The shortest averages carry quantisation, not white noise.
     QuantisationLimited { q: f64, below_s: f64 },
-    /// One averaging time lies far above the model.
-    Periodic { tau_s: f64, ratio: f64, frequency_hz: f64 },
-    /// The curve does not follow the noise model of a curve.
-    Misfit { chi2: f64, freedom: usize },
     /// The rate drifts evenly.
     Drift { r: f64, over_record: f64 },
-    /// The shortest averages lie below the line of white noise.
-    ShortEndExcluded { points: usize, from_s: f64, used_from_s: f64 },
     /// Samples were replaced.
     Glitches { glitches: u64, samples: u64, ratio: f64 },
     /// So many samples stand out of their neighbours that none was replaced.
@@ -65,25 +59,9 @@ rows!(match AllanWarning {
         code: "quantisation-limited",
         text: format_args!("quantisation hides the white noise below {below_s:.3} s; read with a finer step"),
     },
-    Self::Periodic { tau_s, ratio, frequency_hz } => Row {
-        code: "periodic-disturbance",
-        text: format_args!(
-            "near {frequency_hz:.3} Hz something lifts the curve {ratio:.2} times at {tau_s:.3} s; find it"
-        ),
-    },
-    Self::Misfit { chi2, freedom } => Row {
-        code: "misfit",
-        text: format_args!(
-            "the model does not fit (χ² = {chi2:.0} for {freedom} degrees of freedom); look at the plot"
-        ),
-    },
     Self::Drift { r, over_record } => Row {
         code: "drift",
         text: format_args!("the rate drifts by {over_record:.3e} over the record and hides K; let the sensor settle"),
-    },
-    Self::ShortEndExcluded { points, from_s, used_from_s } => Row {
-        code: "short-end-excluded",
-        text: format_args!("{points} averaging times below {used_from_s:.4} s left out; check that a filter is meant"),
     },
     Self::Glitches { glitches, samples, ratio } => Row {
         code: "glitches",

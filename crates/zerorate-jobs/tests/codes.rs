@@ -146,10 +146,7 @@ fn of_noise() -> Vec<AllanWarning> {
     let noise = Noise::AngleRandomWalk;
     vec![
         AllanWarning::QuantisationLimited { q: 1.234e-6, below_s: 12.345 },
-        AllanWarning::Periodic { tau_s: 12.345, ratio: 12.34, frequency_hz: 123.456 },
-        AllanWarning::Misfit { chi2: 1234.0, freedom: 17 },
         AllanWarning::Drift { r: -1.234e-6, over_record: -1.234e-3 },
-        AllanWarning::ShortEndExcluded { points: 12, from_s: 0.0123, used_from_s: 12.3456 },
         AllanWarning::Glitches { glitches: 123, samples: 1234, ratio: 1.234 },
         AllanWarning::ManyGlitches { most: 0.01 },
         AllanWarning::Step { at_s: 12345.6, size: -1.234e-3 },

@@ -15,7 +15,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 use zerorate_allan::{
-    AllanWarning, Coefficient, Deviation, Estimate, FitOptions, Input, Stat, Term, deviations, fit, fit_curve, octaves,
+    AllanWarning, Coefficient, Deviation, Estimate, FitOptions, Input, Stat, Term, deviations, fit, octaves,
 };
 
 /// Command line of `cargo xtask coverage-allan`.
@@ -33,9 +33,6 @@ pub struct CoverageAllanArgs {
     /// Only the scenarios whose name contains this
     #[arg(long, default_value = "", value_name = "TEXT")]
     only: String,
-    /// Fit the curve alone, without the record
-    #[arg(long)]
-    curve: bool,
 }
 
 /// The results of one record.
@@ -162,7 +159,7 @@ fn simulate(args: &CoverageAllanArgs, scenario: &Scenario) -> anyhow::Result<Vec
                 return Ok(done);
             }
             let mut rng = SmallRng::seed_from_u64(args.seed.wrapping_mul(1_000_003).wrapping_add(index));
-            done.push((index, one(args, scenario, &fft, &mut rng)?));
+            done.push((index, one(scenario, &fft, &mut rng)?));
         }
     };
     let mut runs: Vec<(u64, Run)> = std::thread::scope(|scope| {
@@ -174,49 +171,26 @@ fn simulate(args: &CoverageAllanArgs, scenario: &Scenario) -> anyhow::Result<Vec
     Ok(runs.into_iter().map(|(_, run)| run).collect())
 }
 
-fn one(
-    args: &CoverageAllanArgs,
-    scenario: &Scenario,
-    fft: &Arc<dyn Fft<f64>>,
-    rng: &mut SmallRng,
-) -> anyhow::Result<Run> {
+fn one(scenario: &Scenario, fft: &Arc<dyn Fft<f64>>, rng: &mut SmallRng) -> anyhow::Result<Run> {
     let rate = record(scenario, fft, rng);
     let points = deviations(&Input::Rate(&rate), RATE_HZ, Stat::Oadev, &octaves(rate.len()));
     let curve: Vec<Deviation> = points.into_iter().flatten().collect();
     let start = Instant::now();
-    let found = if args.curve { of_curve(&curve, rate.len() as u64)? } else { of_record(&rate)? };
-    Ok(Run { curve, fit_s: start.elapsed().as_secs_f64(), ..found })
-}
-
-fn of_record(rate: &[f64]) -> anyhow::Result<Run> {
-    let fit = fit(&Input::Rate(rate), RATE_HZ, &FitOptions::default())?;
+    let fit = fit(&Input::Rate(&rate), RATE_HZ, &FitOptions::default())?;
+    let fit_s = start.elapsed().as_secs_f64();
     let markov = |term: &Term| match term {
         Term::GaussMarkov { sigma, tau_s } => Some((*sigma, *tau_s)),
         _ => None,
     };
     Ok(Run {
-        curve: Vec::new(),
+        curve,
         fitted: [fit.n, fit.b, fit.k],
         markovs: fit.terms.iter().filter_map(markov).collect(),
         has_drift: fit.r.is_some() || fit.terms.iter().any(|term| matches!(term, Term::WarmUp { .. })),
         steps: fit.cleaned.steps.len(),
         is_rejected: fit.is_rejected,
         warnings: fit.warnings.iter().map(AllanWarning::code).collect(),
-        fit_s: 0.0,
-    })
-}
-
-fn of_curve(curve: &[Deviation], samples: u64) -> anyhow::Result<Run> {
-    let fit = fit_curve(curve, RATE_HZ, samples)?;
-    Ok(Run {
-        curve: Vec::new(),
-        fitted: [fit.n, fit.b, fit.k],
-        markovs: Vec::new(),
-        has_drift: fit.r.is_some(),
-        steps: 0,
-        is_rejected: false,
-        warnings: fit.warnings.iter().map(AllanWarning::code).collect(),
-        fit_s: 0.0,
+        fit_s,
     })
 }
 
