@@ -9,6 +9,7 @@ mod address;
 mod bridge;
 mod chamber;
 pub mod clock;
+mod connected;
 mod edges;
 mod error;
 pub mod files;

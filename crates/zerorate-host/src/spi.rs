@@ -2,15 +2,16 @@
 
 use crate::Stop;
 use crate::address::{Address, Parsed};
+use crate::connected::{Connected, Connection};
 use crate::error::{Cause, UserError};
 use crate::gpio::{GpioEdges, GpioOutput, errno};
 use crate::live::Live;
 use crate::options::{DEFAULT_HZ, MCLK_RANGE_HZ, PART_OPTIONS, PartOptions, SLOWEST_HZ, gpio_line, number, split};
 use crate::reader::{Reader, WhenFull};
-use crate::source::{Bus, DeviceInfo, Losses, Registers, Setup, Source};
+use crate::source::{DeviceInfo, Setup, Source};
 use crate::warning::SourceWarning;
-use adis16130::{Framing, MAX_SCLK_HZ, MCLK_HZ, Sample, SelfTest};
-use anyhow::{Result, bail};
+use adis16130::{Framing, MAX_SCLK_HZ, MCLK_HZ};
+use anyhow::Result;
 use embedded_hal::spi::{Error, ErrorKind, ErrorType, Operation, SpiDevice};
 use preempt_rt::sched::{Pid, Scheduler, SchedulerParams, set_scheduler};
 use rustix::fs::{FlockOperation, flock};
@@ -22,15 +23,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicI32, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
 use zerorate::{Names, Setting};
-use zerorate_record::Row;
 
 /// SCHED_FIFO priority of the reading thread: above everything ordinary, below the kernel's interrupt threads (50).
 const PRIORITY: i32 = 40;
-
-/// Reads whose time is taken.
-const TIMED_READS: u32 = 200;
 
 const SPI_EXAMPLE: &str = "spi:/dev/spidev0.0?rdy=gpiochip0:25&hz=4000000";
 
@@ -88,139 +84,70 @@ impl SpiAddress {
 
 impl Address for SpiAddress {
     fn open(&self, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Box<dyn Source>> {
-        Ok(Box::new(SpiPart::open(self, name, setup, stop)?))
+        Ok(Box::new(open(self, name, setup, stop)?))
     }
 }
 
-/// The part, and the thread that reads it once the first sample was asked for.
-struct SpiPart {
+/// Opens both files; sends nothing.
+fn open(address: &SpiAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Connected<Wired>> {
+    let sampling = setup.sampling.config(address.part.divided);
+    let facts = DeviceInfo::of_part(name, &address.part, sampling, address.mclk_hz, setup.part.as_ref())?;
+    let (clock, failed) = (Arc::new(AtomicU32::new(address.hz)), LastErrno::default());
+    let bus = SpiBus::open(address, Arc::clone(&clock), failed.clone(), setup.names)?;
+    let edges = GpioEdges::open(&address.chip, address.line, address.part.config.rdy_edge())?;
+    // the commands go as one frame each; where CS is to rise between bytes, the bus splits them
+    let config = address.part.config.with_framing(Framing::Command);
+    let live = Live::new(bus, edges, config, sampling, address.mclk_hz, stop);
+    let wired = Wired { address: address.clone(), clock, failed, notes: Notes::default() };
+    Ok(Connected::new(wired, live, facts))
+}
+
+/// The part on the bus of this computer.
+#[derive(Clone)]
+struct Wired {
     address: SpiAddress,
-    facts: DeviceInfo,
     clock: Arc<AtomicU32>,
     failed: LastErrno,
     notes: Notes,
-    state: State,
 }
 
 /// The warnings of the reading thread.
 type Notes = Arc<Mutex<Vec<SourceWarning>>>;
 
-enum State {
-    Ready(Box<Live<SpiBus, GpioEdges>>),
-    Reading(Reader),
-    Ended,
-}
+impl Connection for Wired {
+    type Error = SpiError;
+    type Spi = SpiBus;
+    type Edges = GpioEdges;
+    type Pin = GpioOutput;
 
-impl SpiPart {
-    /// Opens both files; sends nothing.
-    fn open(address: &SpiAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Self> {
-        let sampling = setup.sampling.config(address.part.divided);
-        let facts = DeviceInfo::of_part(name, &address.part, sampling, address.mclk_hz, setup.part.as_ref())?;
-        let (clock, failed) = (Arc::new(AtomicU32::new(address.hz)), LastErrno::default());
-        let bus = SpiBus::open(address, Arc::clone(&clock), failed.clone(), setup.names)?;
-        let edges = GpioEdges::open(&address.chip, address.line, address.part.config.rdy_edge())?;
-        // the commands go as one frame each; where CS is to rise between bytes, the bus splits them
-        let config = address.part.config.with_framing(Framing::Command);
-        let live = Live::new(bus, edges, config, sampling, address.mclk_hz, stop);
-        let (address, notes) = (address.clone(), Notes::default());
-        Ok(Self { address, facts, clock, failed, notes, state: State::Ready(Box::new(live)) })
+    const IS_BUS: bool = true;
+
+    fn hz(&self) -> u32 {
+        self.address.hz
     }
 
-    /// Resets the part, initialises it, reads everything back. Returns the revision.
-    fn initialise_part(&mut self) -> Result<u8> {
-        match &mut self.state {
-            State::Ready(live) => live.initialise().map_err(|error| explain(error, &self.address, &self.failed)),
-            _ => bail!("the part is being read already"),
-        }
+    fn set_clock(&self, hz: u32) -> Result<u32> {
+        self.clock.store(hz, Ordering::Relaxed);
+        Ok(hz)
     }
 
-    /// Tries faster and faster clocks, and times a read at the one that was asked for. Leaves the part configured.
-    fn try_its_bus(&mut self) -> Result<Bus> {
-        let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
-        let fastest_clean_hz = live.fastest_clean_hz(|hz| {
-            self.clock.store(hz, Ordering::Relaxed);
-            Ok(hz)
-        })?;
-        self.clock.store(self.address.hz, Ordering::Relaxed);
-        let mut timed = || {
-            live.initialise()?;
-            let started = Instant::now();
-            live.read_often(TIMED_READS)?;
-            Ok(started.elapsed().as_secs_f64() / f64::from(TIMED_READS))
-        };
-        let read_s = timed().map_err(|error| explain(error, &self.address, &self.failed))?;
-        Ok(Bus { sclk_hz: self.address.hz, fastest_clean_hz, read_s: Some(read_s) })
-    }
-
-    fn read_registers(&mut self) -> Result<Registers> {
-        let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
-        live.registers().map_err(|error| explain(error, &self.address, &self.failed))
-    }
-
-    /// Measures the change of the rate under self-test; its pins are on this line.
-    fn test_itself(&mut self, (chip, line): (PathBuf, u32)) -> Result<SelfTest> {
-        let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
-        let mut pin = GpioOutput::open(&chip, line)?;
-        live.self_test(&mut pin).map_err(|error| explain(error, &self.address, &self.failed))
-    }
-
-    /// The next sample.
-    fn next_sample(&mut self) -> Result<Sample> {
-        loop {
-            match std::mem::replace(&mut self.state, State::Ended) {
-                State::Ready(mut live) => {
-                    let (address, failed, notes) = (self.address.clone(), self.failed.clone(), self.notes.clone());
-                    let next = move || live.next().map_err(|error| explain(error, &address, &failed));
-                    let prepare = move || become_realtime(&notes);
-                    self.state = State::Reading(Reader::start(WhenFull::Drop, prepare, next)?);
-                }
-                State::Reading(reader) => {
-                    let sample = reader.next();
-                    self.state = State::Reading(reader);
-                    return sample;
-                }
-                State::Ended => bail!("the part is no longer read"),
-            }
-        }
-    }
-}
-
-impl Source for SpiPart {
-    fn facts(&self) -> DeviceInfo {
-        self.facts.clone()
-    }
-
-    fn initialise(&mut self) -> crate::Result<Option<u8>> {
-        Ok(self.initialise_part().map(Some)?)
-    }
-
-    fn next(&mut self) -> crate::Result<Option<Row>> {
-        Ok(self.next_sample().map(|sample| Some(Row::from(&sample)))?)
-    }
-
-    fn try_bus(&mut self) -> crate::Result<Option<Bus>> {
-        Ok(self.try_its_bus().map(Some)?)
-    }
-
-    fn registers(&mut self) -> crate::Result<Option<Registers>> {
-        Ok(Some(self.read_registers()?))
-    }
-
-    fn self_test(&mut self, gpio: &str, names: Names) -> crate::Result<SelfTest> {
+    fn self_test_pin(&self, gpio: &str, names: Names) -> Result<GpioOutput> {
         let option = names(Setting::SelfTest);
-        let line = gpio_line(gpio).map_err(|why| UserError::request(format!("{option}: {why}")))?;
-        Ok(self.test_itself(line)?)
+        let (chip, line) = gpio_line(gpio).map_err(|why| UserError::request(format!("{option}: {why}")))?;
+        GpioOutput::open(&chip, line)
     }
 
-    fn losses(&self) -> Losses {
-        let overflowed = match &self.state {
-            State::Reading(reader) => reader.overflowed(),
-            _ => 0,
-        };
-        Losses { overflowed, ..Losses::default() }
+    fn start(&self, mut live: Box<Live<SpiBus, GpioEdges>>) -> Result<Reader> {
+        let (wired, notes) = (self.clone(), self.notes.clone());
+        let next = move || live.next().map_err(|error| wired.explain(error));
+        Reader::start(WhenFull::Drop, move || become_realtime(&notes), next)
     }
 
-    fn take_notes(&mut self) -> Vec<SourceWarning> {
+    fn explain(&self, error: anyhow::Error) -> anyhow::Error {
+        explain(error, &self.address, &self.failed)
+    }
+
+    fn take_notes(&self) -> Vec<SourceWarning> {
         std::mem::take(&mut *self.notes.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }

@@ -1,6 +1,6 @@
 //! The address of a bridge, and the settings of its part.
 
-use super::BridgePart;
+use super::open;
 use crate::Stop;
 use crate::address::{Address, Parsed};
 use crate::options::{DEFAULT_HZ, MCLK_RANGE_HZ, PART_OPTIONS, PartOptions, SLOWEST_HZ, number, split};
@@ -92,6 +92,6 @@ impl BridgeAddress {
 
 impl Address for BridgeAddress {
     fn open(&self, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Box<dyn Source>> {
-        Ok(Box::new(BridgePart::open(self, name, setup, stop)?))
+        Ok(Box::new(open(self, name, setup, stop)?))
     }
 }

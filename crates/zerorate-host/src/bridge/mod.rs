@@ -5,16 +5,17 @@ mod link;
 mod progress;
 
 use crate::Stop;
+use crate::connected::{Connected, Connection};
 use crate::edges::Edges;
 use crate::error::{Cause, UserError};
 use crate::live::Live;
 use crate::pin::PinError;
 use crate::reader::{Reader, WhenFull};
-use crate::source::{Bus, DeviceInfo, Losses, Registers, Setup, Source};
+use crate::source::{DeviceInfo, Setup};
 use crate::wire::Wire;
 pub use address::BridgeAddress;
 use adis16130::bridge::{Answer, Ask, Continuity, GONE, Heard, PROTOCOL, Refusal, RequestError, SILENT, Settings};
-use adis16130::{Edge, Sample, SamplerConfig, SelfTest};
+use adis16130::{Edge, Sample, SamplerConfig};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use embedded_hal::digital::{self, OutputPin};
 use embedded_hal::spi::{ErrorType, Operation, SpiDevice};
@@ -23,64 +24,47 @@ use progress::Progress;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use zerorate::{Names, Setting};
-use zerorate_record::Row;
 
-/// The part, and the thread that takes its samples once the first was asked for.
-pub struct BridgePart {
+/// Opens the port, ends what the bridge was doing before, and sets its SPI clock.
+fn open(address: &BridgeAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Connected<Bridged>> {
+    let sampling = setup.sampling.config(address.part.divided);
+    let facts = DeviceInfo::of_part(name, &address.part, sampling, address.mclk_hz, setup.part.as_ref())?;
+    let link = Shared(Arc::new(Mutex::new(Link::new(Wire::open(&address.port)?))));
+    greet(&link, address, setup.names).map_err(|error| link.explain(error, address))?;
+    let edges = LastEdges { link: link.clone(), last: None };
+    let live = Live::new(Transfers(link.clone()), edges, address.part.config, sampling, address.mclk_hz, stop);
+    Ok(Connected::new(Bridged { address: address.clone(), link }, live, facts))
+}
+
+/// The part behind a bridge, which is told to stop in the end.
+struct Bridged {
     address: BridgeAddress,
-    facts: DeviceInfo,
-    sampling: SamplerConfig,
     link: Shared,
-    state: State,
 }
 
-enum State {
-    Ready(Box<Live<Transfers, LastEdges>>),
-    Reading(Reader),
-    Ended,
-}
+impl Connection for Bridged {
+    type Error = LinkError;
+    type Spi = Transfers;
+    type Edges = LastEdges;
+    type Pin = SelfTestWire;
 
-impl BridgePart {
-    /// Opens the port, ends what the bridge was doing before, and sets its SPI clock.
-    fn open(address: &BridgeAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Self> {
-        let sampling = setup.sampling.config(address.part.divided);
-        let facts = DeviceInfo::of_part(name, &address.part, sampling, address.mclk_hz, setup.part.as_ref())?;
-        let link = Shared(Arc::new(Mutex::new(Link::new(Wire::open(&address.port)?))));
-        greet(&link, address, setup.names).map_err(|error| link.explain(error, address))?;
-        let edges = LastEdges { link: link.clone(), last: None };
-        let live = Live::new(Transfers(link.clone()), edges, address.part.config, sampling, address.mclk_hz, stop);
-        let address = address.clone();
-        Ok(Self { address, facts, sampling, link, state: State::Ready(Box::new(live)) })
+    const IS_BUS: bool = false;
+
+    fn hz(&self) -> u32 {
+        self.address.hz
     }
 
-    /// Resets the part, initialises it, reads everything back. Returns the revision.
-    fn initialise_part(&mut self) -> Result<u8> {
-        let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
-        live.initialise().map_err(|error| self.link.explain(error, &self.address))
+    fn set_clock(&self, hz: u32) -> Result<u32> {
+        self.link.set_clock(hz)
     }
 
-    /// Tries faster and faster clocks of the bridge. Leaves the part configured.
-    fn try_its_bus(&mut self) -> Result<Bus> {
-        let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
-        let (link, address) = (&self.link, &self.address);
-        let mut tried = || -> Result<Bus> {
-            let fastest_clean_hz = live.fastest_clean_hz(|hz| link.set_clock(hz))?;
-            let sclk_hz = link.set_clock(address.hz)?;
-            live.initialise()?;
-            Ok(Bus { sclk_hz, fastest_clean_hz, read_s: None })
-        };
-        tried().map_err(|error| link.explain(error, address))
-    }
-
-    fn read_registers(&mut self) -> Result<Registers> {
-        let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
-        live.registers().map_err(|error| self.link.explain(error, &self.address))
-    }
-
-    /// Measures the change of the rate under self-test.
-    fn test_itself(&mut self) -> Result<SelfTest> {
-        let State::Ready(live) = &mut self.state else { bail!("the part is being read already") };
-        let mut pin = SelfTestWire(self.link.clone());
+    fn self_test_pin(&self, gpio: &str, names: Names) -> Result<SelfTestWire> {
+        if !gpio.is_empty() {
+            let why = "takes no GPIO with a bridge, whose firmware knows the pin";
+            let option = names(Setting::SelfTest);
+            return Err(UserError::request(format!("{option} {why}: leave `{gpio}` out")));
+        }
+        let pin = SelfTestWire(self.link.clone());
         match pin.set(false) {
             Err(LinkError::Request(RequestError::Refused(Refusal::NoSuchWire))) => {
                 bail!(
@@ -90,77 +74,32 @@ impl BridgePart {
             }
             released => released.map_err(|error| self.link.explain(error, &self.address))?,
         }
-        live.self_test(&mut pin).map_err(|error| self.link.explain(error, &self.address))
+        Ok(pin)
     }
 
-    /// The next sample.
-    fn next_sample(&mut self) -> Result<Sample> {
-        if let State::Ready(_) = self.state {
-            self.start()?;
-        }
-        match &self.state {
-            State::Reading(reader) => reader.next(),
-            _ => bail!("the part is no longer read"),
-        }
-    }
-
-    fn start(&mut self) -> Result<()> {
-        let State::Ready(live) = std::mem::replace(&mut self.state, State::Ended) else { return Ok(()) };
-        let SamplerConfig { every_temp, divider, .. } = self.sampling;
+    fn start(&self, live: Box<Live<Transfers, LastEdges>>) -> Result<Reader> {
+        let SamplerConfig { every_temp, divider, .. } = live.sampling;
         let start = Ask::Start { every_temp, divider, mclk_hz: self.address.mclk_hz };
         let started = self.link.ask(start, Answer::Started.only());
         started.map_err(|error| self.link.explain(error, &self.address))?;
         let (link, address) = (self.link.clone(), self.address.clone());
-        let mut stream = Stream {
-            link: link.clone(),
-            live,
-            continuity: Continuity::new(self.address.part.config.width()),
-            progress: Progress::default(),
-        };
+        let continuity = Continuity::new(address.part.config.width());
+        let mut stream = Stream { link: link.clone(), live, continuity, progress: Progress::default() };
         let next = move || stream.next().map_err(|error| link.explain(error, &address));
-        self.state = State::Reading(Reader::start(WhenFull::Wait, || (), next)?);
-        Ok(())
+        Reader::start(WhenFull::Wait, || (), next)
+    }
+
+    fn explain(&self, error: anyhow::Error) -> anyhow::Error {
+        self.link.explain(error, &self.address)
+    }
+
+    fn damaged(&self) -> u64 {
+        self.link.damaged()
     }
 }
 
-impl Source for BridgePart {
-    fn facts(&self) -> DeviceInfo {
-        self.facts.clone()
-    }
-
-    fn initialise(&mut self) -> crate::Result<Option<u8>> {
-        Ok(self.initialise_part().map(Some)?)
-    }
-
-    fn next(&mut self) -> crate::Result<Option<Row>> {
-        Ok(self.next_sample().map(|sample| Some(Row::from(&sample)))?)
-    }
-
-    fn try_bus(&mut self) -> crate::Result<Option<Bus>> {
-        Ok(self.try_its_bus().map(Some)?)
-    }
-
-    fn registers(&mut self) -> crate::Result<Option<Registers>> {
-        Ok(Some(self.read_registers()?))
-    }
-
-    fn self_test(&mut self, gpio: &str, names: Names) -> crate::Result<SelfTest> {
-        if !gpio.is_empty() {
-            let why = "takes no GPIO with a bridge, whose firmware knows the pin";
-            let option = names(Setting::SelfTest);
-            return Err(UserError::request(format!("{option} {why}: leave `{gpio}` out")).into());
-        }
-        Ok(self.test_itself()?)
-    }
-
-    fn losses(&self) -> Losses {
-        Losses { damaged: self.link.damaged(), ..Losses::default() }
-    }
-}
-
-impl Drop for BridgePart {
+impl Drop for Bridged {
     fn drop(&mut self) {
-        self.state = State::Ended;
         // a bridge that is gone needs no end
         let _ = self.link.ask(Ask::Stop, |_| Some(()));
     }
@@ -315,7 +254,7 @@ impl Transfers {
 struct SelfTestWire(Shared);
 
 impl SelfTestWire {
-    fn set(&mut self, on: bool) -> Result<(), LinkError> {
+    fn set(&self, on: bool) -> Result<(), LinkError> {
         self.0.ask(Ask::SelfTest { on }, Answer::SelfTest { on }.only())
     }
 }
