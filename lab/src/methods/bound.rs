@@ -1,10 +1,10 @@
 //! The bound that noise sets to every method: generalised least squares with everything known but the coefficients and
 //! the walk.
 
-use super::least_squares::{Factor, dot};
 use super::unit::{Recording, TEMPS};
 use zerorate::noise::{NoiseModel, Window};
 use zerorate::thermal::Block;
+use zerorate_allan::linear::{Cholesky, dot};
 
 /// Windows that a recording is cut into.
 const WINDOWS: usize = 300;
@@ -13,17 +13,17 @@ const WINDOWS: usize = 300;
 pub fn u_dps(recording: &Recording, noise: &NoiseModel, order: usize) -> Option<f64> {
     let windows = windows(recording);
     let end_s = windows.last()?.start_s + windows.last()?.length_s;
-    let factor = Factor::new(covariance(&windows, noise, end_s))?;
+    let factor = Cholesky::new(covariance(&windows, noise, end_s), 0.0)?;
     let middle_c = recording.temps_c()[TEMPS / 2];
     let column = |degree: i32| -> Vec<f64> {
-        factor.whiten(&windows.iter().map(|window| (window.temp_c - middle_c).powi(degree)).collect::<Vec<_>>())
+        factor.whiten(windows.iter().map(|window| (window.temp_c - middle_c).powi(degree)))
     };
     let columns: Vec<Vec<f64>> = (0..=order as i32).map(column).collect();
     let information = (0..=order).map(|i| (0..=i).map(|j| dot(&columns[i], &columns[j])).collect()).collect();
-    let information = Factor::new(information)?;
+    let information = Cholesky::new(information, 0.0)?;
     let variance = |temp_c: f64| {
         let powers: Vec<f64> = (0..=order as i32).map(|degree| (temp_c - middle_c).powi(degree)).collect();
-        dot(&powers, &information.solve(&powers))
+        dot(&powers, &information.solve(powers.iter().copied()))
     };
     let sum: f64 = recording.temps_c().into_iter().map(variance).sum();
     Some((sum / TEMPS as f64).sqrt())

@@ -1,51 +1,7 @@
-//! Symmetric equations, and the cubic polynomials that other software fits.
+//! The cubic polynomials that other software fits.
 
 use zerorate::Correction;
-
-/// The Cholesky factor of a matrix: rows of its lower triangle.
-pub struct Factor(Vec<Vec<f64>>);
-
-impl Factor {
-    /// Factors a symmetric matrix by its lower triangle; none if it is not positive definite.
-    pub fn new(mut rows: Vec<Vec<f64>>) -> Option<Self> {
-        for i in 0..rows.len() {
-            let (above, rest) = rows.split_at_mut(i);
-            let row = &mut rest[0];
-            for (j, other) in above.iter().enumerate() {
-                row[j] = (row[j] - dot(&row[..j], &other[..j])) / other[j];
-            }
-            let pivot = row[i] - dot(&row[..i], &row[..i]);
-            if pivot.is_nan() || pivot <= 0.0 {
-                return None;
-            }
-            row[i] = pivot.sqrt();
-        }
-        Some(Self(rows))
-    }
-
-    /// Whitens `values`: with the matrix as their covariance, the result has unit covariance.
-    pub fn whiten(&self, values: &[f64]) -> Vec<f64> {
-        let mut white: Vec<f64> = Vec::with_capacity(values.len());
-        for (row, value) in self.0.iter().zip(values) {
-            white.push((value - dot(&row[..white.len()], &white)) / row[white.len()]);
-        }
-        white
-    }
-
-    /// The solution of the equations.
-    pub fn solve(&self, values: &[f64]) -> Vec<f64> {
-        let mut solution = self.whiten(values);
-        for i in (0..solution.len()).rev() {
-            let below: f64 = (i + 1..solution.len()).map(|k| self.0[k][i] * solution[k]).sum();
-            solution[i] = (solution[i] - below) / self.0[i][i];
-        }
-        solution
-    }
-}
-
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
+use zerorate_allan::linear::Cholesky;
 
 /// Minus the cubic polynomial through temperatures and rates, all of one weight, about a reference temperature.
 pub fn cubic(points: &[(f64, f64)], reference_c: f64) -> Option<Correction> {
@@ -54,8 +10,8 @@ pub fn cubic(points: &[(f64, f64)], reference_c: f64) -> Option<Correction> {
         points.iter().map(|(temp_c, rate_dps)| of(&powers(*temp_c), *rate_dps)).sum::<f64>()
     };
     let rows = (0..4).map(|i| (0..=i).map(|j| sum(&|powers, _| powers[i] * powers[j])).collect()).collect();
-    let right: Vec<f64> = (0..4).map(|i| sum(&|powers, rate_dps| powers[i] * rate_dps)).collect();
-    let bias = Factor::new(rows)?.solve(&right);
+    let right = (0..4).map(|i| sum(&|powers, rate_dps| powers[i] * rate_dps));
+    let bias = Cholesky::new(rows, 0.0)?.solve(right);
     Some(Correction {
         pbc_dps: -bias[0],
         btc_dps_per_c: -bias[1],
