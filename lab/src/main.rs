@@ -26,7 +26,6 @@ mod server;
 mod tracking;
 mod trial;
 mod trust;
-mod uf2;
 
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
@@ -139,8 +138,6 @@ enum Task {
     /// tries what lies in target/dist, and needs root. Neither is a step of `ci`: they take an hour. The files that go
     /// into packages lie in packaging/, and xtask/tests/packaging.rs holds them together.
     Dist(dist::DistArgs),
-    /// Convert an image of the bridge to the file for a Pico, or for a board with TinyUF2
-    Uf2(uf2::Uf2Args),
     /// Write the licences of the software in the page, for `cargo xtask web --site`
     #[command(hide = true)]
     PageLicences { out: PathBuf },
@@ -166,7 +163,6 @@ fn main() -> ExitCode {
         Task::Proofs(args) => proofs::run(&args),
         Task::Book(args) => book::run(&args),
         Task::Dist(args) => dist::run(&args),
-        Task::Uf2(args) => uf2::run(&args),
         Task::PageLicences { out } => dist::write_licences_of_page(&out),
     };
     match done {

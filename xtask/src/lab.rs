@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 /// The tasks, each with a description. A test of the lab compares this table with its command line.
-pub const TASKS: [(&str, &str); 19] = [
+pub const TASKS: [(&str, &str); 18] = [
     ("coverage", "Calibrate many units of the twin and compare the stated uncertainties with their truth"),
     ("methods", "Calibrate many units by every method, compare all with their truth, and write the page"),
     ("tracking", "Track many units of the twin for a day in four worlds, and print the table of docs/tracking.md"),
@@ -27,7 +27,6 @@ pub const TASKS: [(&str, &str); 19] = [
     ("proofs", "Look for undefined behaviour and data races: Miri, the sanitizers, valgrind"),
     ("book", "Render docs/ as a book, run its commands and follow its links"),
     ("dist", "Make the distribution in target/dist: programs, packages, wheels, libraries, firmware"),
-    ("uf2", "Convert an image of the bridge to the file for a Pico, or for a board with TinyUF2"),
 ];
 
 /// A task as a command, without its arguments. The lab is built first.

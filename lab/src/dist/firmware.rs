@@ -1,9 +1,10 @@
 //! The bridge for both boards: ELF for a debug probe, UF2 for a boot loader.
 
+use super::uf2::{self, Loader};
 use super::{Folder, TARGET_DIR, VERSION, without_paths};
 use crate::firmware::image::Image;
+use crate::targets;
 use crate::venv::done;
-use crate::{targets, uf2};
 use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,24 +16,51 @@ struct Board {
     target: &'static str,
     bin: &'static str,
     features: &'static str,
-    forms: &'static [&'static str],
+    forms: &'static [Form],
+}
+
+/// A form of an image.
+enum Form {
+    Elf,
+    Uf2(Loader),
+}
+
+impl Form {
+    const fn ending(&self) -> &'static str {
+        match self {
+            Self::Elf => "elf",
+            Self::Uf2(_) => "uf2",
+        }
+    }
 }
 
 /// A Black Pill has flash at another address behind a boot loader.
 const BOARDS: [Board; 3] = [
-    Board { name: "pico", target: "thumbv6m-none-eabi", bin: "rp2040", features: "rp2040", forms: &["elf", "uf2"] },
-    Board { name: "blackpill", target: "thumbv7em-none-eabihf", bin: "stm32f4", features: "stm32f4", forms: &["elf"] },
+    Board {
+        name: "pico",
+        target: "thumbv6m-none-eabi",
+        bin: "rp2040",
+        features: "rp2040",
+        forms: &[Form::Elf, Form::Uf2(uf2::RP2040)],
+    },
+    Board {
+        name: "blackpill",
+        target: "thumbv7em-none-eabihf",
+        bin: "stm32f4",
+        features: "stm32f4",
+        forms: &[Form::Elf],
+    },
     Board {
         name: "blackpill-tinyuf2",
         target: "thumbv7em-none-eabihf",
         bin: "stm32f4",
         features: "stm32f4,uf2",
-        forms: &["uf2"],
+        forms: &[Form::Uf2(uf2::TINYUF2_STM32F4)],
     },
 ];
 
-fn name(board: &Board, form: &str) -> String {
-    format!("zerorate-bridge-{VERSION}-{}.{form}", board.name)
+fn name(board: &Board, form: &Form) -> String {
+    format!("zerorate-bridge-{VERSION}-{}.{}", board.name, form.ending())
 }
 
 /// Builds all of them.
@@ -41,7 +69,10 @@ pub fn make(folder: &Folder) -> Result<()> {
     for board in &BOARDS {
         let image = fs::read(build(board)?)?;
         for form in board.forms {
-            let bytes = if *form == "uf2" { uf2::convert(&image)? } else { image.clone() };
+            let bytes = match form {
+                Form::Elf => image.clone(),
+                Form::Uf2(loader) => uf2::convert(&image, loader)?,
+            };
             fs::write(folder.of(name(board, form)), bytes)?;
         }
     }
@@ -62,7 +93,7 @@ pub fn check(folder: &Folder) -> Result<()> {
     for board in &BOARDS {
         for form in board.forms {
             let path = folder.of(name(board, form));
-            if *form == "elf" {
+            if let Form::Elf = form {
                 ensure!(Image::read(&path)?.memory()?.flash > 0, "{} has no program", path.display());
             } else {
                 let file = fs::read(&path).with_context(|| path.display().to_string())?;

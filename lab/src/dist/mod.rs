@@ -12,6 +12,7 @@ mod program;
 mod root;
 mod sbom;
 mod trial;
+mod uf2;
 mod wheel;
 
 use crate::app::target_folder;
