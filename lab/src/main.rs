@@ -26,6 +26,7 @@ mod server;
 mod tracking;
 mod trial;
 mod trust;
+mod twin_usb;
 
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
@@ -99,6 +100,13 @@ enum Task {
     /// The guest gets the program of the test with its libraries. The program that is handed out has none; to try it:
     /// `cargo xtask dist program`, then `cargo xtask rig --program target/dist/zerorate-0.1.0-x86_64-linux`.
     Rig(app::ProgramArgs),
+    /// Plug the twin into a virtual machine, as an SPI and GPIO adapter on its USB port
+    ///
+    /// The twin becomes hardware, on wall time, behind an emulated USB adapter for SPI and GPIO (Intel LJCA,
+    /// 8086:0b63). QEMU plugs it into a guest, where the kernel's own drivers bind it: usb-ljca, spi-ljca and gpio-ljca
+    /// of Linux 6.12. RDY is line 3 of the adapter's GPIO chip. Ctrl-C unplugs the twin, and prints what it saw and its
+    /// true values as one JSON object. lab/src/twin_usb/README.md has the messages and the options of QEMU.
+    TwinUsb(twin_usb::TwinUsbArgs),
     /// Break the part, the files and the program at random moments, and look for results that are wrong and silent
     ///
     /// Breaks part, cable, disk, files and program, and fails where a result is wrong and silent. It prints the
@@ -157,6 +165,7 @@ fn main() -> ExitCode {
         Task::C(args) => c::run(&args),
         Task::Iiod => iiod::run(),
         Task::Rig(args) => rig::run(&args),
+        Task::TwinUsb(args) => twin_usb::run(&args),
         Task::Trust(args) => trust::run(&args),
         Task::Attacks(args) => attacks::run(&args),
         Task::Endurance(args) => endurance::run(&args),

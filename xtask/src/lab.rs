@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 /// The tasks, each with a description. A test of the lab compares this table with its command line.
-pub const TASKS: [(&str, &str); 18] = [
+pub const TASKS: [(&str, &str); 19] = [
     ("coverage", "Calibrate many units of the twin and compare the stated uncertainties with their truth"),
     ("methods", "Calibrate many units by every method, compare all with their truth, and write the page"),
     ("tracking", "Track many units of the twin for a day in four worlds, and print the table of docs/tracking.md"),
@@ -21,6 +21,7 @@ pub const TASKS: [(&str, &str); 18] = [
     ("c", "Check the C interface: library, and C against Rust on the host and on an emulated Cortex-M4F"),
     ("iiod", "Read the libiio server with libiio's own clients, and with pyadi-iio"),
     ("rig", "Boot a stock Linux kernel in QEMU with the twin as hardware, and read it there"),
+    ("twin-usb", "Plug the twin into a virtual machine, as an SPI and GPIO adapter on its USB port"),
     ("trust", "Break part, files and program at random moments; look for results that are wrong and silent"),
     ("attacks", "Turn other projects' attacks and test files on the program: HTTP, WebSocket, libiio, logs"),
     ("endurance", "Serve for long while visitors come and go; set the clock by an hour; fill the disk and free it"),

@@ -17,7 +17,7 @@ use crate::commands::{
     report::{self, ReportArgs},
     serve::{self, ServeArgs},
     stream::{self, StreamArgs},
-    twin::{self, TwinArgs},
+    twin,
     verify::{self, VerifyArgs},
 };
 use crate::memory;
@@ -76,7 +76,7 @@ impl Cli {
             Command::Allan(args) => allan::run(args),
             Command::Imu(args) => imu::run(args),
             Command::Serve(args) => serve::run(args),
-            Command::Twin(args) => twin::run(args),
+            Command::Twin => twin::run(),
             Command::Help(args) => help::run(args, Self::command()),
             Command::Completions { shell } => man::completions(*shell, &mut Self::command()),
             Command::Man { markdown: true } => print(&reference::page(Self::command(), &GROUPS)),
@@ -127,8 +127,11 @@ pub enum Command {
     Allan(AllanArgs),
     Imu(ImuArgs),
     Serve(ServeArgs),
+    /// List the keys of the simulated sensor
+    ///
+    /// Every command that reads a sensor takes the twin as `--device twin:KEY=VALUE,…`.
     #[command(after_help = twin::keys_help())]
-    Twin(TwinArgs),
+    Twin,
     Explain(ExplainArgs),
     Parts(PartsArgs),
     Help(HelpArgs),

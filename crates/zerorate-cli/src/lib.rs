@@ -29,8 +29,6 @@ mod progress;
 mod reference;
 #[cfg(feature = "serve")]
 mod serve;
-#[cfg(unix)]
-mod twin_usb;
 mod wording;
 
 use std::ffi::OsString;

@@ -3,7 +3,8 @@
 use super::SLOW_CAPTURES;
 use super::files::{Files, run_of};
 use super::hid::Hid;
-use super::part::{Record, RegisterRead, Truth};
+use super::part::{Record, RegisterRead};
+use crate::twin_usb::Truth;
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use serde_json::Value;
@@ -166,8 +167,8 @@ impl Findings {
             format!("its capture is whole: {saved}"),
         );
         check(
-            seen.replug.summary.rate_reads > 0,
-            format!("plugged in again: {} reads", seen.replug.summary.rate_reads),
+            seen.replug.summary.seen.rate_reads > 0,
+            format!("plugged in again: {} reads", seen.replug.summary.seen.rate_reads),
         );
         self.calibration.check(&mut check);
         self.checks = checks;
@@ -229,7 +230,7 @@ impl Stream {
             updates: span_s * pairs_hz,
             samples: rows.len() as u64,
             rate_hz: (rows.len() - 1) as f64 / span_s,
-            reads_of_part: record.summary.rate_reads,
+            reads_of_part: record.summary.seen.rate_reads,
             edges_guest: last.edge.wrapping_sub(first.edge),
             edges_of_part: edges(sent).unwrap_or(0),
             lost_counted: rows.iter().skip(1).map(|row| row.lost).sum(),

@@ -90,7 +90,7 @@ fn experiment(seed: u64, program: &Path, folder: &Path, kernel: &Kernel) -> Resu
     let keys = format!("seed={seed},warmup_s={WARMUP_S},roa=10nf");
     let mut stage = |name: &str, arguments: &[&str]| -> Result<Record> {
         let arguments = [&[keys.as_str()], arguments].concat();
-        let plugged = Plugged::plug(program, &run, name, &socket, &arguments)?;
+        let plugged = Plugged::plug(&run, name, &socket, &arguments)?;
         let done = if name == "replug" { "all done".to_owned() } else { format!("{name} done") };
         machine.until(&done, LIMIT)?;
         plugged.unplug()

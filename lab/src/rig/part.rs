@@ -1,47 +1,17 @@
 //! The twin as hardware, and its record of the bus.
 
 use super::preferred;
+use crate::twin_usb::Summary;
 use anyhow::{Context, Result, ensure};
-use serde::{Deserialize, Serialize};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-/// A plugged-in part: `zerorate twin --usb`.
+/// A plugged-in part: `cargo xtask twin-usb`.
 pub struct Plugged {
     process: Child,
     summary: PathBuf,
     wire: PathBuf,
-}
-
-/// The fields that the rig uses of the part's report when it is unplugged.
-#[derive(Deserialize, Serialize)]
-pub struct Summary {
-    pub seed: u64,
-    pub mclk_hz: f64,
-    pub duration_s: f64,
-    pub spi_frames: u64,
-    pub rate_reads: u64,
-    pub temp_reads: u64,
-    pub edges: u32,
-    pub edges_reported: u32,
-    pub lost_rate: Losses,
-    pub truth: Truth,
-}
-
-#[derive(Deserialize, Serialize)]
-pub struct Losses {
-    pub overwritten: u64,
-    pub dropped: u64,
-}
-
-/// The coefficients that a perfect measurement would find at `sensor_c`.
-#[derive(Deserialize, Serialize)]
-pub struct Truth {
-    pub sensor_c: f64,
-    pub pbc_dps: f64,
-    pub btc_dps_per_c: f64,
-    pub curvature_dps_per_c2: f64,
 }
 
 /// A data register that was read, as it went over the wire.
@@ -63,13 +33,13 @@ pub struct Record {
 
 impl Plugged {
     /// Switches a part on and plugs it in. Its files below `folder` are called `name`.
-    pub fn plug(program: &Path, folder: &Path, name: &str, socket: &Path, arguments: &[&str]) -> Result<Self> {
+    pub fn plug(folder: &Path, name: &str, socket: &Path, arguments: &[&str]) -> Result<Self> {
         let summary = folder.join(format!("{name}.part.json"));
         let wire = folder.join(format!("{name}.wire.csv"));
-        let mut command = preferred(program);
-        command.args(["twin", "--json", "--usb"]).arg(socket).args(["--force", "--wire"]).arg(&wire).args(arguments);
+        let mut command = preferred(&std::env::current_exe()?);
+        command.arg("twin-usb").arg(socket).arg("--wire").arg(&wire).args(arguments);
         command.stdout(File::create(&summary)?).stderr(Stdio::null());
-        let process = command.spawn().context("starting zerorate twin --usb")?;
+        let process = command.spawn().context("starting the part")?;
         Ok(Self { process, summary, wire })
     }
 
@@ -77,7 +47,7 @@ impl Plugged {
     pub fn unplug(mut self) -> Result<Record> {
         let _ = Command::new("sh").arg("-c").arg(format!("kill -TERM {}", self.process.id())).status();
         let status = self.process.wait()?;
-        ensure!(status.success(), "zerorate twin --usb ended with {status}");
+        ensure!(status.success(), "the part ended with {status}");
         let summary = serde_json::from_str(&fs::read_to_string(&self.summary)?)?;
         let wire = fs::read_to_string(&self.wire)?;
         Ok(Record { summary, rates: reads(&wire, "48"), temps: reads(&wire, "4a") })

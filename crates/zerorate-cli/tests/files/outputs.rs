@@ -132,9 +132,6 @@ fn nothing_is_overwritten_without_force() {
     bench.write("mine.svg", "mine");
     refused(&bench, "allan log.csv --rate 10 --plot mine.svg", "--force");
     refused(&bench, "capture --samples 10 -o mine", "--force");
-    if cfg!(unix) {
-        refused(&bench, "twin --usb none.sock --wire mine", "--force");
-    }
     for command in
         ["export unit.toml --format csv -o mine", "report unit.toml -o mine", "capture --samples 10 -o mine"]
     {

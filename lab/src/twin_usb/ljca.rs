@@ -1,5 +1,5 @@
 //! The Intel La Jolla Cove adapter (8086:0b63) as a device: its descriptors and its messages, without a socket or a
-//! part. docs/formats/ljca.md specifies the answers.
+//! part. README.md specifies the answers.
 
 use super::redir::{Announcement, Control};
 

@@ -1,14 +1,14 @@
 //! The twin on wall time, with a record of the bus.
 
 use super::ljca::Board;
-use crate::output::Recording;
-use adis16130_twin::{LostUnread, Spec, Truth, Twin, TwinRdy, TwinSpi};
+use adis16130_twin::{ChannelLosses, Spec, Twin, TwinRdy, TwinSpi};
 use anyhow::{Context, Result};
 use embedded_hal::digital::InputPin;
 use embedded_hal::spi::SpiDevice;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// F-30: data ready on, both channels, conversion word 5, continuous, 24 bit.
@@ -24,12 +24,14 @@ pub struct WallPart {
     spi: TwinSpi,
     rdy: TwinRdy,
     switched_on: Instant,
+    seed: u64,
+    mclk_hz: f64,
     seen: Served,
     wire: Option<Wire>,
 }
 
 /// The traffic that the part saw on the bus.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
 pub struct Served {
     pub spi_frames: u64,
     pub rate_reads: u64,
@@ -40,23 +42,47 @@ pub struct Served {
     pub edges_reported: u32,
 }
 
-/// The state of the part at the end.
-pub struct Final {
+/// What the part saw until it was unplugged, and its true values.
+#[derive(Deserialize, Serialize)]
+pub struct Summary {
+    pub seed: u64,
+    pub mclk_hz: f64,
+    pub duration_s: f64,
+    #[serde(flatten)]
     pub seen: Served,
-    pub lost: LostUnread,
+    pub lost_rate: Losses,
+    pub lost_temp: Losses,
     pub truth: Truth,
+}
+
+/// Readings that were lost unread (F-33).
+#[derive(Deserialize, Serialize)]
+pub struct Losses {
+    pub overwritten: u64,
+    pub dropped: u64,
+}
+
+/// The terms of the slow bias at the end. A perfect measurement at `sensor_c` finds PBC = −bias and BTC = −slope
+/// (F-50).
+#[derive(Deserialize, Serialize)]
+pub struct Truth {
+    pub sensor_c: f64,
+    pub pbc_dps: f64,
+    pub btc_dps_per_c: f64,
+    pub curvature_dps_per_c2: f64,
 }
 
 impl WallPart {
     /// Switches the part on; its time starts now.
-    pub fn new(spec: Spec, initialised: bool, wire: Option<Recording>) -> Result<Self> {
+    pub fn new(spec: Spec, initialised: bool, wire: Option<&Path>) -> Result<Self> {
+        let (seed, mclk_hz) = (spec.seed, spec.mclk_hz);
         let twin = Twin::new(spec);
         let (mut spi, rdy) = (twin.spi(), twin.rdy());
         if initialised {
             let Ok(()) = spi.write(&INITIALISATION);
         }
         let wire = wire.map(Wire::create).transpose()?;
-        Ok(Self { twin, spi, rdy, switched_on: Instant::now(), seen: Served::default(), wire })
+        Ok(Self { twin, spi, rdy, switched_on: Instant::now(), seed, mclk_hz, seen: Served::default(), wire })
     }
 
     /// Advances the part to the present, and returns whether RDY has fallen since the last call.
@@ -74,14 +100,28 @@ impl WallPart {
         Duration::from_nanos(next_ns.saturating_sub(now_ns))
     }
 
-    /// Ends the log of the wire and returns the final state, after so many edges were reported.
-    pub fn finish(mut self, edges_reported: u32) -> Result<Final> {
+    /// Ends the log of the wire and sums up, after so many edges were reported.
+    pub fn finish(mut self, edges_reported: u32) -> Result<Summary> {
         self.rdy_fell();
         self.seen.edges_reported = edges_reported;
         if let Some(wire) = self.wire {
             wire.finish()?;
         }
-        Ok(Final { seen: self.seen, lost: self.twin.lost_unread(), truth: self.twin.truth() })
+        let (lost, truth) = (self.twin.lost_unread(), self.twin.truth());
+        Ok(Summary {
+            seed: self.seed,
+            mclk_hz: self.mclk_hz,
+            duration_s: truth.t_ns as f64 * 1e-9,
+            seen: self.seen,
+            lost_rate: lost.rate.into(),
+            lost_temp: lost.temp.into(),
+            truth: Truth {
+                sensor_c: truth.sensor_c,
+                pbc_dps: truth.pbc_dps(truth.sensor_c),
+                btc_dps_per_c: truth.btc_dps_per_c(truth.sensor_c),
+                curvature_dps_per_c2: (1.0 + truth.sensitivity_error) * truth.curvature_dps_per_c2,
+            },
+        })
     }
 
     fn catch_up(&self) {
@@ -119,18 +159,25 @@ impl Board for WallPart {
     }
 }
 
+impl From<ChannelLosses> for Losses {
+    fn from(losses: ChannelLosses) -> Self {
+        Self { overwritten: losses.overwritten, dropped: losses.lost_new }
+    }
+}
+
 /// The log of the wire: one row per frame of CS.
 struct Wire {
-    file: Recording,
+    path: PathBuf,
     rows: BufWriter<File>,
     failed: Option<std::io::Error>,
 }
 
 impl Wire {
-    fn create(file: Recording) -> Result<Self> {
-        let mut rows = BufWriter::new(file.file()?);
+    fn create(path: &Path) -> Result<Self> {
+        let file = File::create(path).with_context(|| format!("creating {}", path.display()))?;
+        let mut rows = BufWriter::new(file);
         writeln!(rows, "t_ns,mosi,miso,lost_rate,edges")?;
-        Ok(Self { file, rows, failed: None })
+        Ok(Self { path: path.to_owned(), rows, failed: None })
     }
 
     /// A full disk must not stop the bus: the error waits for [`Wire::finish`].
@@ -141,9 +188,8 @@ impl Wire {
     }
 
     fn finish(mut self) -> Result<()> {
-        let path = self.file.path().display().to_string();
-        let written = self.failed.take().map_or_else(|| self.rows.flush(), Err).and_then(|()| self.file.finish());
-        written.with_context(|| format!("writing {path}"))
+        let written = self.failed.take().map_or_else(|| self.rows.flush(), Err);
+        written.with_context(|| format!("writing {}", self.path.display()))
     }
 }
 

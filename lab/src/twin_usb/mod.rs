@@ -1,16 +1,17 @@
-//! The twin as hardware behind an emulated USB adapter, on a socket that QEMU plugs into a guest.
+//! `cargo xtask twin-usb`: the twin as hardware behind an emulated USB adapter, on a socket that QEMU plugs into a
+//! guest.
 //!
 //! [`redir`] and [`ljca`] decode bytes, and [`part`] runs the twin on wall time. This module has the loop between
-//! them.
+//! them. README.md specifies the exchange.
 
-pub mod ljca;
+#[cfg(test)]
+mod fuzz;
+mod ljca;
 mod part;
-pub mod redir;
+mod redir;
 
-pub use part::{Final, Served};
+pub use part::{Summary, Truth};
 
-use crate::interrupt;
-use crate::output::{Recording, say};
 use adis16130_twin::Spec;
 use anyhow::{Context, Result, bail};
 use ljca::{ANNOUNCEMENT, Ljca};
@@ -18,27 +19,57 @@ use part::WallPart;
 use redir::{Connection, Request, Status};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
+use signal_hook::consts::{SIGINT, SIGTERM};
 use std::collections::VecDeque;
 use std::io::{ErrorKind, Read, Write};
 use std::os::unix::net::UnixStream;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// The properties of the part, and its log.
-pub struct Setup {
-    pub spec: Spec,
-    /// Whether it converts from the start, with the registers of F-30.
-    pub initialised: bool,
-    /// The file for every frame of the bus.
-    pub wire: Option<Recording>,
+/// Command line of `cargo xtask twin-usb`.
+#[derive(clap::Args)]
+pub struct TwinUsbArgs {
+    /// The unix socket that QEMU listens on (-chardev socket,…,server=on)
+    socket: PathBuf,
+    /// The unit, as in `zerorate --device twin:KEY=VALUE,…`
+    #[arg(value_name = "KEY=VALUE,…")]
+    keys: Option<Spec>,
+    /// Master clock of the converter, Hz
+    ///
+    /// It may be slower than the key mclk_hz allows, so that a slow host can follow. Temperatures and noise follow the
+    /// wall clock.
+    #[arg(long, value_name = "HZ", value_parser = clap::value_parser!(u32).range(1_000..=10_000_000))]
+    mclk_hz: Option<u32>,
+    /// Convert from the start, as after F-30: for drivers that write no register, such as the driver of Linux
+    #[arg(long)]
+    initialised: bool,
+    /// Log every SPI frame to this file: t_ns,mosi,miso,lost_rate,edges as CSV
+    #[arg(long, value_name = "FILE")]
+    wire: Option<PathBuf>,
 }
 
-/// Plugs the part in at `socket`, which QEMU listens on, until the other end closes it or Ctrl-C unplugs it.
-///
-/// The part is switched on when the connection is made.
-pub fn serve(socket: &Path, setup: Setup) -> Result<Final> {
-    let stream = connect(socket)?;
-    let part = WallPart::new(setup.spec, setup.initialised, setup.wire)?;
+/// Plugs the part in, and prints a [`Summary`] when it is unplugged.
+pub fn run(args: &TwinUsbArgs) -> Result<()> {
+    let mut spec = args.keys.clone().unwrap_or_else(|| Spec::from_seed(1));
+    if let Some(mclk_hz) = args.mclk_hz {
+        spec.mclk_hz = mclk_hz.into();
+    }
+    println!("{}", serde_json::to_string_pretty(&serve(args, spec)?)?);
+    Ok(())
+}
+
+/// Serves the part until the other end closes the socket or Ctrl-C unplugs the part. The part is switched on when the
+/// connection is made.
+fn serve(args: &TwinUsbArgs, spec: Spec) -> Result<Summary> {
+    let unplug = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        signal_hook::flag::register(signal, Arc::clone(&unplug))?;
+    }
+    let unplugged = || unplug.load(Ordering::Relaxed);
+    let stream = connect(&args.socket, unplugged)?;
+    let part = WallPart::new(spec, args.initialised, args.wire.as_deref())?;
     let mut plug = Plug {
         stream,
         connection: Connection::default(),
@@ -49,7 +80,7 @@ pub fn serve(socket: &Path, setup: Setup) -> Result<Final> {
         waiting: VecDeque::new(),
     };
     plug.stream.write_all(&Connection::hello_packet(zerorate::SOFTWARE))?;
-    while !interrupt::asked() && plug.turn()? {}
+    while !unplugged() && plug.turn()? {}
     // the other end may be gone already
     let _ = plug.stream.write_all(&plug.connection.disconnect_packet());
     plug.part.finish(plug.ljca.events())
@@ -64,12 +95,12 @@ const LONGEST_WAIT: Duration = Duration::from_millis(100);
 /// the line.
 const MOST_WAITING: usize = 64;
 
-fn connect(socket: &Path) -> Result<UnixStream> {
+fn connect(socket: &Path, unplugged: impl Fn() -> bool) -> Result<UnixStream> {
     let started = Instant::now();
     loop {
         match UnixStream::connect(socket) {
             Ok(stream) => return Ok(stream),
-            Err(error) if started.elapsed() >= PATIENCE || interrupt::asked() => {
+            Err(error) if started.elapsed() >= PATIENCE || unplugged() => {
                 return Err(error).with_context(|| {
                     format!(
                         "nothing listens on {}: start QEMU with -chardev socket,id=r,path={},server=on and -device \
@@ -139,7 +170,7 @@ impl Plug {
     fn serve(&mut self, id: u64, request: Request) -> Result<()> {
         let answer = match request {
             Request::Hello(name) => {
-                say(format_args!("plugged into {name}"));
+                eprintln!("plugged into {name}");
                 self.connection.connect_packets(&ANNOUNCEMENT)
             }
             Request::Reset => {

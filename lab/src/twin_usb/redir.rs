@@ -1,5 +1,7 @@
 //! The usbredir protocol, version 0.7, as far as one device with control and bulk endpoints needs it: packets to bytes
-//! and back, without a socket. docs/formats/ljca.md describes the exchange.
+//! and back, without a socket. README.md describes the exchange.
+
+use std::fmt;
 
 /// The longest packet accepted. QEMU sends at most 64 KiB in a transfer to such a device.
 pub const LONGEST_PACKET: usize = 1 << 20;
@@ -53,9 +55,16 @@ pub enum Status {
 }
 
 /// The other end does not speak the protocol.
-#[derive(Debug, PartialEq, Eq, thiserror::Error)]
-#[error("usbredir: {0}")]
+#[derive(Debug, PartialEq, Eq)]
 pub struct RedirError(String);
+
+impl std::error::Error for RedirError {}
+
+impl fmt::Display for RedirError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "usbredir: {}", self.0)
+    }
+}
 
 /// A request of the guest's end.
 #[derive(Debug, PartialEq, Eq)]
