@@ -9,6 +9,7 @@ mod ci;
 mod code_coverage;
 mod codegen;
 mod deny;
+mod instructions;
 mod mutants;
 mod night;
 mod python;
@@ -107,6 +108,13 @@ const TASKS: [Task; 12] = [
         about: "Count the lines of each crate that a test reaches",
         help: || code_coverage::HELP.to_owned(),
         run: code_coverage::run,
+    },
+    Task {
+        name: "instructions",
+        usage: "",
+        about: "Count the instructions of the Allan deviation, and of all that is done with a log beside it",
+        help: || instructions::HELP.to_owned(),
+        run: instructions::run,
     },
     Task {
         name: "build-time",

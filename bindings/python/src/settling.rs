@@ -38,20 +38,16 @@ impl Settling<'_> {
             Record::Codes(codes) => Series::Codes(codes.as_slice()?.to_vec()),
             Record::Numbers(numbers) => Series::Numbers(numbers.as_slice()?.to_vec()),
         };
-        let mut rate = Column { gaps: gaps.to_vec(), scale, ..named("the rate", series, rate_hz) };
+        let mut rate = Column::new("the rate", series, rate_hz);
+        (rate.gaps, rate.scale) = (gaps.to_vec(), scale);
         let temps_c = self.temps_c.as_ref().map(|temps_c| temps_c.as_slice().map(<[f64]>::to_vec)).transpose()?;
-        let temperature = temps_c.map(|temps_c| named("the temperature", Series::Numbers(temps_c), rate_hz));
+        let temperature = temps_c.map(|temps_c| Column::new("the temperature", Series::Numbers(temps_c), rate_hz));
         let skip: zerorate_view::Seconds =
             self.skip.parse().map_err(|why| PyValueError::new_err(format!("skip={}: {why}", self.skip)))?;
         let settling = logs::Settling { skip_s: skip.0, order: self.detrend, names: Names(argument) };
         let settled = py.detach(|| settling.apply(&mut rate, Path::new(RECORD), temperature.as_ref()));
         Ok((rate, settled.map_err(|why| exception(&why.into()))?))
     }
-}
-
-fn named(name: &str, series: Series, rate_hz: f64) -> Column {
-    let (gaps, warnings) = (Vec::new(), Vec::new());
-    Column { name: name.to_owned(), series, gaps, rate_hz, quantity: None, scale: 1.0, warnings }
 }
 
 /// The rest of a record as the core takes it, without a copy.

@@ -1,7 +1,7 @@
 //! The whole analysis of a record: deviations, noise types, degrees of freedom and limits.
 
 use super::kernel::Reason;
-use super::kernels::{Deviation, deviations, join};
+use super::kernels::{Deviation, deviations_and_missing, join};
 use super::noise_id::{Identified, identify};
 use super::phase_points::phase_points;
 use super::taus::{longest, nearest};
@@ -121,8 +121,10 @@ pub fn analyse(input: &Input<'_>, rate_hz: f64, options: &Options) -> Result<Ana
     let (first, again): (Vec<Request>, Vec<Request>) = requests.into_iter().partition(|request| request.is_first);
     let lengths: Vec<u64> = first.iter().map(|request| request.m).collect();
     let positive: Vec<u64> = lengths.iter().copied().filter(|m| *m > 0).collect();
-    let (deviations, noise) =
-        join(|| deviations(input, rate_hz, options.stat, &lengths), || identify(input, options.stat, &positive));
+    let ((deviations, missing), noise) = join(
+        || deviations_and_missing(input, rate_hz, options.stat, &lengths),
+        || identify(input, options.stat, &positive),
+    );
     let mut unavailable: Vec<Unavailable> = first
         .iter()
         .zip(&deviations)
@@ -138,7 +140,7 @@ pub fn analyse(input: &Input<'_>, rate_hz: f64, options: &Options) -> Result<Ana
         stat: options.stat,
         rate_hz,
         samples: input.len(),
-        missing: input.missing(),
+        missing,
         points: points(input, rate_hz, options, found),
         unavailable,
     })

@@ -227,9 +227,11 @@ fn expected_b1(n: f64, mu: i32) -> f64 {
 /// Sums in a fixed number of lanes: fast, and the same on every machine.
 fn sum(points: &[f64]) -> f64 {
     let mut lanes = [0.0; 8];
-    for part in points.chunks(lanes.len()) {
-        lanes.iter_mut().zip(part).for_each(|(lane, point)| *lane += point);
+    let (chunks, rest) = points.as_chunks::<8>();
+    for chunk in chunks {
+        lanes.iter_mut().zip(chunk).for_each(|(lane, point)| *lane += point);
     }
+    lanes.iter_mut().zip(rest).for_each(|(lane, point)| *lane += point);
     lanes.iter().sum()
 }
 

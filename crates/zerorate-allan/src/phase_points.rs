@@ -58,14 +58,19 @@ pub(crate) fn for_each_run(input: &Input<'_>, mut visit: impl FnMut(Run<'_>)) {
 }
 
 /// Mean in a fixed number of lanes: fast, and the same on every machine. 0 if nothing is present.
+#[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 fn mean_of_present(rate: &[f64]) -> f64 {
     let (mut sums, mut counts) = ([0.0; LANES], [0.0; LANES]);
-    for part in rate.chunks(LANES) {
-        for ((sum, count), value) in sums.iter_mut().zip(&mut counts).zip(part) {
-            let is_present = !value.is_nan();
-            *sum += if is_present { *value } else { 0.0 };
-            *count += f64::from(u8::from(is_present));
+    let (chunks, rest) = rate.as_chunks::<LANES>();
+    for chunk in chunks {
+        for ((sum, count), value) in sums.iter_mut().zip(&mut counts).zip(chunk) {
+            *sum += if value.is_nan() { 0.0 } else { *value };
+            *count += if value.is_nan() { 0.0 } else { 1.0 };
         }
+    }
+    for ((sum, count), value) in sums.iter_mut().zip(&mut counts).zip(rest).filter(|(_, value)| !value.is_nan()) {
+        *sum += value;
+        *count += 1.0;
     }
     sums.iter().sum::<f64>() / counts.iter().sum::<f64>().max(1.0)
 }

@@ -11,9 +11,8 @@ mod arrow_file;
 #[cfg(all(test, feature = "full"))]
 mod checks;
 mod choice;
-mod clipped;
 mod clock;
-mod coarse;
+mod column_checks;
 mod dataflash;
 #[cfg(all(test, feature = "full"))]
 mod foreign;
@@ -57,7 +56,6 @@ mod part_log;
 mod parts;
 mod raw;
 mod record;
-mod resampled;
 #[cfg(feature = "ros")]
 mod rosbag;
 mod row_reader;
@@ -68,7 +66,6 @@ mod settling;
 mod several;
 #[cfg(feature = "sqlite")]
 mod sqlite_bag;
-mod stopped;
 mod tabular;
 mod temperature;
 #[cfg(test)]
@@ -80,6 +77,7 @@ mod warning;
 mod wide;
 
 pub use choice::{Described, Wanted};
+pub use column_checks::stopped;
 pub use open::kind;
 pub use part_log::PartLog;
 pub use parts::{Parts, read_parts, read_with_temperature};
@@ -89,7 +87,6 @@ pub use row_reader::RowReader;
 pub use series::Series;
 pub use setting::{Names, Setting};
 pub use settling::{Settling, SettlingError};
-pub use stopped::stopped;
 pub use temperature::{TEMPERATURE_NAMES, temperature};
 pub use warning::LogWarning;
 pub use zerorate_record::{Quantity, STANDARD_GRAVITY, TimeUnit, Unit};
@@ -97,6 +94,7 @@ pub use zerorate_record::{Quantity, STANDARD_GRAVITY, TimeUnit, Unit};
 use arrow_array::RecordBatch;
 use arrow_file::ArrowFile;
 use clock::{Beat, Times};
+use column_checks::{ColumnChecks, ColumnFacts};
 use open::{Log, LogForm};
 use series::SeriesBuilder;
 use std::path::Path;
@@ -200,23 +198,48 @@ pub struct Column {
     pub scale: f64,
     /// The warnings about the file: a tail that was torn off, a unit that is not known.
     pub warnings: Vec<LogWarning>,
+    /// The findings in these samples; none where the samples were changed since they were checked.
+    facts: Option<ColumnFacts>,
 }
 
 impl Column {
+    /// A column of which nothing else is known. Its samples are not checked.
+    pub fn new(name: &str, series: Series, rate_hz: f64) -> Self {
+        let (name, gaps, warnings) = (name.to_owned(), Vec::new(), Vec::new());
+        Self { name, series, gaps, rate_hz, quantity: None, scale: 1.0, warnings, facts: None }
+    }
+
     /// The number of missing samples.
     pub fn missing(&self) -> u64 {
         match &self.series {
             Series::Codes(_) => series::missing_in(&self.gaps),
-            Series::Numbers(numbers) => numbers.iter().filter(|number| number.is_nan()).count() as u64,
+            Series::Numbers(_) => self.facts().changes.missing() as u64,
         }
     }
 
     /// The samples as a rate, for deviations and models.
     pub fn input(&self) -> zerorate_allan::Input<'_> {
-        match &self.series {
-            Series::Codes(codes) => zerorate_allan::Input::Codes { codes, gaps: &self.gaps },
-            Series::Numbers(numbers) => zerorate_allan::Input::Rate(numbers),
-        }
+        self.series.input(&self.gaps)
+    }
+
+    /// The warning where the column stops changing.
+    ///
+    /// # Errors
+    /// Refuses a column that never changes, as [`stopped`].
+    pub(crate) fn stopped(&self, path: &Path) -> Result<Option<LogWarning>> {
+        self.facts().changes.stopped(&self.gaps, self.rate_hz, path, &self.name)
+    }
+
+    /// The findings in the samples, which are read again only if they were changed.
+    fn facts(&self) -> ColumnFacts {
+        self.facts.unwrap_or_else(|| ColumnFacts::of(&self.input()))
+    }
+
+    /// Puts other samples in the place of these, without gaps beside them.
+    pub(crate) fn replace(&mut self, series: Series) {
+        self.series = series;
+        self.gaps.clear();
+        self.facts = None;
     }
 
     /// Whether it is 0 in every row.
@@ -239,6 +262,7 @@ impl Column {
 
     /// Leaves out the first so many samples, those that are missing counted.
     pub fn skip(&mut self, samples: u64) {
+        self.facts = None;
         match &mut self.series {
             Series::Numbers(numbers) => drop(numbers.drain(..numbers.len().min(samples as usize))),
             Series::Codes(codes) => {
@@ -263,6 +287,7 @@ impl Column {
     /// Closes up all gaps, as if no time had passed in them.
     pub fn close_gaps(&mut self) {
         self.gaps.clear();
+        self.facts = None;
         if let Series::Numbers(numbers) = &mut self.series {
             numbers.retain(|number| !number.is_nan());
         }
@@ -521,22 +546,11 @@ impl FoundColumn {
                 Some((quantity, scale * per_unit))
             }
         };
-        let place = || (path.display().to_string(), name.clone());
-        warnings.extend(resampled::doubt(&series).map(|how| {
-            let (path, column) = place();
-            LogWarning::Resampled { path, column, how }
-        }));
-        warnings.extend(clipped::doubt(&series).map(|how| {
-            let (path, column) = place();
-            LogWarning::Clipped { path, column, how }
-        }));
-        warnings.extend(coarse::doubt(&series).map(|how| {
-            let (path, column) = place();
-            LogWarning::CoarseCodes { path, column, how }
-        }));
+        let (of_samples, facts) = ColumnChecks::of(&series.input(&gaps)).finish(path, &name);
+        warnings.extend(of_samples);
         warnings.extend(declared.is_none().then(|| {
-            let ((path, column), [unit, scale]) =
-                (place(), [Setting::Unit, Setting::Scale].map(|of| args.names.of(of)));
+            let [unit, scale] = [Setting::Unit, Setting::Scale].map(|of| args.names.of(of));
+            let (path, column) = (path.display().to_string(), name.clone());
             LogWarning::UnitUnknown { path, column, unit, scale }
         }));
         Ok(Column {
@@ -547,6 +561,7 @@ impl FoundColumn {
             quantity: declared.map(|(quantity, _)| quantity),
             scale: declared.map_or(1.0, |(_, scale)| scale),
             warnings,
+            facts: Some(facts),
         })
     }
 }

@@ -108,7 +108,11 @@ type Wrong = (usize, String);
 fn push_values(values: &mut SeriesBuilder, cells: &Cells<'_>, field: &Field) -> Result<(), Wrong> {
     let infinite = |row| (row, "it is infinite, which cannot be averaged".to_owned());
     if field.is_plain() {
-        return values.extend_numbers(&cells.plain()).map_err(infinite);
+        let added = match cells.packed() {
+            Some(packed) => values.extend_numbers(packed.iter().map(|cell| f64::from_le_bytes(*cell))),
+            None => values.extend_numbers(cells.plain().into_iter()),
+        };
+        return added.map_err(infinite);
     }
     for (row, cell) in cells.iter().enumerate() {
         match field.decode(cell) {
@@ -300,12 +304,14 @@ impl Cells<'_> {
         self.bytes.chunks(self.stride).map(|row| &row[..self.size])
     }
 
+    /// The cells, if they have eight bytes with nothing between them.
+    fn packed(&self) -> Option<&[[u8; 8]]> {
+        let (packed, rest) = self.bytes.as_chunks();
+        (self.stride == size_of::<f64>() && rest.is_empty()).then_some(packed)
+    }
+
     /// The numbers of [plain](Field::is_plain) cells.
     fn plain(&self) -> Vec<f64> {
-        let (packed, rest) = self.bytes.as_chunks();
-        if self.stride == size_of::<f64>() && rest.is_empty() {
-            return packed.iter().map(|cell| f64::from_le_bytes(*cell)).collect();
-        }
         self.iter().filter_map(<[u8]>::first_chunk).map(|cell| f64::from_le_bytes(*cell)).collect()
     }
 }

@@ -35,23 +35,34 @@ pub fn doubt(times: &[f64], gaps: &[Gap], unit: TimeUnit) -> Option<String> {
 
 /// The usual interval between rows of a part, of which the first is row `begin` of the log.
 fn interval(times: &[f64], begin: usize, gaps: &[Gap]) -> f64 {
-    let mut intervals: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let usual = median(&mut intervals.clone());
     let first = gaps.partition_point(|gap| gap.at <= begin);
-    for gap in gaps[first..].iter().take_while(|gap| gap.at < begin + times.len()) {
-        let interval = &mut intervals[gap.at - begin - 1];
-        *interval = if *interval > LONG * usual { usual } else { *interval };
-    }
-    let mut spans: Vec<f64> = intervals.windows(SPAN).map(|span| span.iter().sum()).collect();
+    let last = gaps.partition_point(|gap| gap.at < begin + times.len());
+    let closed = (first < last).then(|| without_gaps(times, begin, &gaps[first..last]));
+    let times = closed.as_deref().unwrap_or(times);
+    let mut spans: Vec<f64> = times.windows(SPAN + 1).map(|rows| rows[SPAN] - rows[0]).collect();
     median(&mut spans) / SPAN as f64
+}
+
+/// The times with an interval of the usual length in place of each gap.
+fn without_gaps(times: &[f64], begin: usize, gaps: &[Gap]) -> Vec<f64> {
+    let usual = median(&mut times.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<f64>>());
+    let (mut lost, mut gaps) = (0.0, gaps.iter().map(|gap| gap.at - begin).peekable());
+    let closed = times.iter().enumerate().map(|(row, time)| {
+        if gaps.next_if_eq(&row).is_some() {
+            let interval = time - times[row - 1];
+            lost += if interval > LONG * usual { interval - usual } else { 0.0 };
+        }
+        time - lost
+    });
+    closed.collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::Names;
-    use crate::clipped::tests::noise;
     use crate::clock::Times;
+    use crate::column_checks::clipped::tests::noise;
 
     /// Whether a log with these times is refused, or its change of rate is said.
     fn said(times: &[f64]) -> bool {

@@ -36,10 +36,10 @@ impl RawType {
     /// Adds the numbers of a block; `Err` says which is the first that is infinite.
     fn append(self, values: &mut SeriesBuilder, block: &[u8]) -> Result<(), usize> {
         match self {
-            Self::I16 => values.extend_codes(&numbers(block, |bytes| i16::from_le_bytes(bytes).into())),
-            Self::I32 => values.extend_codes(&numbers(block, i32::from_le_bytes)),
-            Self::F32 => return values.extend_numbers(&numbers(block, |bytes| f32::from_le_bytes(bytes).into())),
-            Self::F64 => return values.extend_numbers(&numbers(block, f64::from_le_bytes)),
+            Self::I16 => values.extend_codes(numbers(block, |bytes| i16::from_le_bytes(bytes).into())),
+            Self::I32 => values.extend_codes(numbers(block, i32::from_le_bytes)),
+            Self::F32 => return values.extend_numbers(numbers(block, |bytes| f32::from_le_bytes(bytes).into())),
+            Self::F64 => return values.extend_numbers(numbers(block, f64::from_le_bytes)),
         }
         Ok(())
     }
@@ -76,6 +76,6 @@ pub fn read(log: Log<'_>, raw: RawType, names: Names) -> Result<Found> {
     Ok(Found { columns, clock: Clock::Silent, warnings: Vec::new() })
 }
 
-fn numbers<const N: usize, T>(block: &[u8], decode: impl Fn([u8; N]) -> T) -> Vec<T> {
-    block.as_chunks::<N>().0.iter().map(|number| decode(*number)).collect()
+fn numbers<const N: usize, T>(block: &[u8], decode: impl Fn([u8; N]) -> T) -> impl ExactSizeIterator<Item = T> {
+    block.as_chunks::<N>().0.iter().map(move |number| decode(*number))
 }

@@ -3,7 +3,7 @@
 //! The command line and the page take this way. Python analyses arrays in place, and takes the pieces.
 
 use crate::imu::{Axis, Doubt, Doubts, Kind};
-use crate::{Column, LogError, LogWarning, Quantity, Settling, SettlingError, stopped};
+use crate::{Column, LogError, LogWarning, Quantity, Settling, SettlingError};
 use std::path::{Path, PathBuf};
 use zerorate_allan::{
     self as allan, AllanWarning, Analysed, Analysis, AnalysisError, Averaging, Density, Detrended, Envelope, Expected,
@@ -120,7 +120,7 @@ impl Record {
         // a lost phase point is a point that is not there
         let phase = options.is_phase.then(|| column.points(file)).transpose()?;
         let input = phase.as_deref().map_or_else(|| column.input(), Input::Phase);
-        notes.extend(stopped(input, column.rate_hz, file, &column.name)?);
+        notes.extend(column.stopped(file)?);
         let analysed = Analysed::new(input, column.rate_hz, column.scale, options.fit, &settled);
         let analyse = |taus: &Taus| {
             let deviations = Options { taus: taus.clone(), ..options.deviations };

@@ -1,6 +1,7 @@
 //! Numbers in a row, some of them missing.
 
 use super::Gap;
+use zerorate_allan::Input;
 use zerorate_record::limits::{NoRoom, Room};
 
 /// Missing samples that are filled in at most: a bound on memory where a clock leaps.
@@ -31,6 +32,14 @@ impl Series {
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// The samples as a rate, with the gaps among codes.
+    pub fn input<'a>(&'a self, gaps: &'a [Gap]) -> Input<'a> {
+        match self {
+            Self::Codes(codes) => Input::Codes { codes, gaps },
+            Self::Numbers(numbers) => Input::Rate(numbers),
+        }
     }
 }
 
@@ -121,22 +130,26 @@ impl SeriesBuilder {
     }
 
     /// Adds codes.
-    pub fn extend_codes(&mut self, added: &[i32]) {
+    pub fn extend_codes(&mut self, added: impl ExactSizeIterator<Item = i32>) {
         self.rows += added.len() as u64;
         match &mut self.series {
-            Series::Codes(codes) => codes.extend_from_slice(added),
-            Series::Numbers(numbers) => numbers.extend(added.iter().map(|code| f64::from(*code))),
+            Series::Codes(codes) => codes.extend(added),
+            Series::Numbers(numbers) => numbers.extend(added.map(f64::from)),
         }
     }
 
     /// Adds numbers. `Err` says which is the first that is infinite; then nothing is added.
-    pub fn extend_numbers(&mut self, added: &[f64]) -> Result<(), usize> {
+    pub fn extend_numbers(&mut self, added: impl ExactSizeIterator<Item = f64>) -> Result<(), usize> {
+        let (rows, numbers) = (added.len() as u64, self.numbers());
+        let before = numbers.len();
+        numbers.extend(added);
         // a loop without an exit is a fast one
-        if added.iter().fold(false, |found, number| found | number.is_infinite()) {
-            return Err(added.iter().position(|number| number.is_infinite()).unwrap_or_default());
+        if numbers[before..].iter().fold(false, |found, number| found | number.is_infinite()) {
+            let first = numbers[before..].iter().position(|number| number.is_infinite());
+            numbers.truncate(before);
+            return Err(first.unwrap_or_default());
         }
-        self.rows += added.len() as u64;
-        self.numbers().extend_from_slice(added);
+        self.rows += rows;
         Ok(())
     }
 
@@ -300,7 +313,7 @@ mod tests {
         builder.push_missing();
         builder.push_integer(10);
         builder.push_missing();
-        builder.extend_codes(&[11, 12]);
+        builder.extend_codes([11, 12].into_iter());
         builder.push_missing();
         builder.push_missing();
         last(&mut builder);
@@ -347,8 +360,8 @@ mod tests {
     fn infinity_and_endless_gaps_are_refused() {
         let mut builder = SeriesBuilder::new(Room::of(0));
         assert!(!builder.push_number(f64::INFINITY));
-        assert_eq!(builder.extend_numbers(&[1.0, f64::NEG_INFINITY]), Err(1));
-        builder.extend_numbers(&[1.0, 2.0]).unwrap();
+        assert_eq!(builder.extend_numbers([1.0, f64::NEG_INFINITY].into_iter()), Err(1));
+        builder.extend_numbers([1.0, 2.0].into_iter()).unwrap();
         assert_eq!(builder.finish(&[gap(1, MAX_FILLED + 1)]), Err(MAX_FILLED + 1));
     }
 }

@@ -62,8 +62,7 @@ impl Settling {
             format!("{setting}: {}, columns {} and {}", file.display(), column.name, temperature.name)
         };
         let mut detrended = detrend(&rates, temps, order).map_err(|why| SettlingError::Detrend(of_columns(), why))?;
-        column.series = Series::Numbers(std::mem::take(&mut detrended.residual));
-        column.gaps.clear();
+        column.replace(Series::Numbers(std::mem::take(&mut detrended.residual)));
         detrended.coefficients.iter_mut().for_each(|coefficient| *coefficient *= column.scale);
         Ok(Settled { detrended: Some(detrended), follows: None, skipped_s })
     }

@@ -233,7 +233,7 @@ fn append_values(values: &mut SeriesBuilder, column: &ArrayRef) -> Result<(), Wr
     if column.data_type().is_integer() {
         if let Ok(codes) = integers::<Int32Type>(column) {
             match codes.null_count() {
-                0 => values.extend_codes(codes.values()),
+                0 => values.extend_codes(codes.values().iter().copied()),
                 _ => codes.iter().for_each(|code| push(values, code.map(i64::from))),
             }
             return Ok(());
@@ -246,7 +246,7 @@ fn append_values(values: &mut SeriesBuilder, column: &ArrayRef) -> Result<(), Wr
     let numbers = floats(column).map_err(|error| (0, error.to_string()))?;
     let infinite = |row| (row, "it is infinite, which cannot be averaged".to_owned());
     if numbers.null_count() == 0 {
-        return values.extend_numbers(numbers.values()).map_err(infinite);
+        return values.extend_numbers(numbers.values().iter().copied()).map_err(infinite);
     }
     match numbers.iter().position(|number| !values.push_number(number.unwrap_or(f64::NAN))) {
         Some(row) => Err(infinite(row)),

@@ -316,13 +316,8 @@ fn a_capture_tells_what_it_lost() {
 #[test]
 fn the_beginning_is_left_out() {
     let codes = |codes: &[i32], gaps: &[(usize, u64)]| Column {
-        name: "c".to_owned(),
-        series: Series::Codes(codes.to_vec()),
         gaps: gaps.iter().map(|&(at, missing)| zerorate_allan::Gap { at, missing }).collect(),
-        rate_hz: 1.0,
-        quantity: None,
-        scale: 1.0,
-        warnings: Vec::new(),
+        ..Column::new("c", Series::Codes(codes.to_vec()), 1.0)
     };
     let all = || codes(&[0, 1, 5, 6, 9], &[(2, 3), (4, 2)]); // 0 1 _ _ _ 5 6 _ _ 9
     for (skipped, left) in [

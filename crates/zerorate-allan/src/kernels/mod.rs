@@ -71,30 +71,46 @@ struct Squares {
 /// assert_eq!(at_one.n, 3);
 /// ```
 pub fn deviations(input: &Input<'_>, rate_hz: f64, stat: Stat, m: &[u64]) -> Vec<Result<Deviation, Reason>> {
+    deviations_and_missing(input, rate_hz, stat, m).0
+}
+
+/// The same, with the number of missing samples, for which a rate need not be read once more.
+pub(crate) fn deviations_and_missing(
+    input: &Input<'_>,
+    rate_hz: f64,
+    stat: Stat,
+    m: &[u64],
+) -> (Vec<Result<Deviation, Reason>>, u64) {
     let row = stat.row();
     let is_phase = matches!(input, Input::Phase(_));
     let samples = input.len() - u64::from(is_phase && !input.is_empty());
     let checked: Vec<_> = m.iter().map(|&m| row.kernel.check(samples, m, is_phase)).collect();
     let fitting: Vec<usize> = checked.iter().filter_map(|m| m.ok()).collect();
-    let mut squares = squares(input, row.kernel, &fitting).into_iter();
+    let whole = whole_squares(input, row.kernel, &fitting);
+    let missing = if whole.is_some() { 0 } else { input.missing() };
+    let mut squares = match whole {
+        Some(squares) => squares,
+        None if fitting.is_empty() => Vec::new(),
+        None => gaps::squares(input, row.kernel, &fitting),
+    }
+    .into_iter();
     let scale = |m: usize| scale(row.factor, is_phase, rate_hz, m);
     let mut finish = |m| squares.next().ok_or(Reason::Gaps)?.and_then(|squares| deviation(squares, row, m, scale(m)));
-    checked.into_iter().map(|m| m.and_then(&mut finish)).collect()
+    (checked.into_iter().map(|m| m.and_then(&mut finish)).collect(), missing)
 }
 
-/// Sums for each of the lengths `m`, all of which fit into the record.
-fn squares(input: &Input<'_>, kernel: Kernel, m: &[usize]) -> Vec<Result<Squares, Reason>> {
+/// Sums for each of the lengths `m`, all of which fit into the record. None if samples are missing, or `m` is empty.
+fn whole_squares(input: &Input<'_>, kernel: Kernel, m: &[usize]) -> Option<Vec<Result<Squares, Reason>>> {
     if m.is_empty() {
-        return Vec::new();
+        return None;
     }
-    let whole = match *input {
+    match *input {
         Input::Codes { codes, .. } if input.missing() == 0 => Some(codes::squares(codes, kernel, m)),
         Input::Codes { .. } => None,
         Input::Rate(rate) => float::phase(rate).map(|phase| float::squares(&phase, kernel, m)),
         Input::Phase(phase) if input.missing() == 0 => Some(float::squares(phase, kernel, m)),
         Input::Phase(_) => None,
-    };
-    whole.unwrap_or_else(|| gaps::squares(input, kernel, m))
+    }
 }
 
 /// The factor from a difference in units of the record's step to the unit of the deviation.

@@ -34,7 +34,6 @@ pub(super) fn doubts(path: &Path, axes: &[Column]) -> Vec<LogWarning> {
 
 /// The mean in °/s or m/s²; none where codes may have their zero in the middle of the scale.
 fn mean(axis: &Column) -> Option<f64> {
-    let Series::Numbers(numbers) = &axis.series else { return None };
-    let present = || numbers.iter().filter(|number| number.is_finite());
-    Some(axis.scale * present().sum::<f64>() / present().count() as f64).filter(|mean| mean.is_finite())
+    let Series::Numbers(_) = &axis.series else { return None };
+    Some(axis.scale * axis.facts().mean()).filter(|mean| mean.is_finite())
 }

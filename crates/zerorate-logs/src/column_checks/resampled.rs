@@ -1,8 +1,8 @@
 //! Logs that were resampled, filled in, or read from a sensor faster than it converts: their noise is not the noise of
 //! the sensor.
 
-use super::clock::median;
-use super::series::Series;
+use super::block::Block;
+use crate::clock::median;
 
 /// Samples that are looked at.
 const LOOKED_AT: usize = 1 << 17;
@@ -31,13 +31,26 @@ const NEAR: u32 = 3;
 /// Parts of a log in each of which repeats must show: a sensor that stands still for a while repeats as well.
 const PARTS: usize = 8;
 
-/// The text about samples that repeat the one before, or lie on the line between their neighbours, to the last digit.
-/// None where the numbers are too coarse to tell.
-pub fn doubt(series: &Series) -> Option<String> {
-    let samples: Vec<f64> = match series {
-        Series::Codes(codes) => codes.iter().take(LOOKED_AT).map(|code| f64::from(*code)).collect(),
-        Series::Numbers(numbers) => numbers.iter().take(LOOKED_AT).copied().collect(),
-    };
+/// The first samples of a column.
+#[derive(Default)]
+pub struct Resampled(Vec<f64>);
+
+impl Resampled {
+    /// Takes the next samples in.
+    pub fn feed(&mut self, block: &Block<'_>) {
+        if self.0.len() < LOOKED_AT {
+            self.0.extend_from_slice(block.samples());
+        }
+    }
+
+    /// The text about samples that repeat the one before, or lie on the line between their neighbours, to the last
+    /// digit. None where the numbers are too coarse to tell.
+    pub fn text(&self) -> Option<String> {
+        doubt(&self.0)
+    }
+}
+
+fn doubt(samples: &[f64]) -> Option<String> {
     let first = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| step.is_finite());
     let first: Vec<f64> = first.collect();
     let step = first.iter().copied().filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
@@ -61,12 +74,13 @@ pub fn doubt(series: &Series) -> Option<String> {
 
 /// Share of the differences that are none, if that is much, and all others are so large that none is by chance.
 fn share(differences: &[f64], step: f64, none: f64) -> Option<f64> {
-    let mut others: Vec<f64> = differences.iter().copied().filter(|difference| *difference > none).collect();
-    let share = 1.0 - others.len() as f64 / differences.len() as f64;
-    if differences.len() < ENOUGH || others.len() < ENOUGH / 10 || share < SAID {
+    let others = || differences.iter().copied().filter(|difference| *difference > none);
+    let count = others().count();
+    let share = 1.0 - count as f64 / differences.len() as f64;
+    if differences.len() < ENOUGH || count < ENOUGH / 10 || share < SAID {
         return None;
     }
-    let (count, middle) = (others.len(), others.len() / 2);
+    let (mut others, middle): (Vec<f64>, usize) = (others().collect(), count / 2);
     let usual = *others.select_nth_unstable_by(middle, f64::total_cmp).1;
     others.sort_unstable_by(f64::total_cmp);
     others.dedup_by(|a, b| (*a - *b).abs() < 0.5 * step);
@@ -88,16 +102,25 @@ fn excess(part: &[f64], step: f64) -> f64 {
         let is_of = |difference: &&f64| (**difference / step - f64::from(steps)).abs() < 0.5;
         part.iter().filter(is_of).count() as f64 / part.len() as f64
     };
+    let repeats = share(0);
+    if repeats < SAID {
+        return 0.0;
+    }
     // differences of either sign
     let chance = (1..=NEAR).map(share).sum::<f64>() / f64::from(2 * NEAR);
     let mut others: Vec<f64> = part.iter().copied().filter(|difference| *difference > 0.0).collect();
-    let (repeats, usual) = (share(0), median(&mut others));
+    let usual = median(&mut others);
     if usual >= COARSE * step && repeats > 2.0 * chance { repeats - chance } else { 0.0 }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use crate::Series;
+    use crate::column_checks::ColumnChecks;
+
+    fn doubt(series: &Series) -> Option<String> {
+        ColumnChecks::of(&series.input(&[])).resampled.text()
+    }
 
     /// Noise of a triangular distribution with so many steps.
     fn noise(count: usize, steps: f64) -> Vec<f64> {

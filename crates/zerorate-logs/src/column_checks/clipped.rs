@@ -1,7 +1,7 @@
 //! Samples that stand at their largest or least value as noise does not: a sensor at its limit, or a mark for what is
 //! missing.
 
-use super::series::Series;
+use super::block::Block;
 
 /// Samples at the limit from which it is said, and their least share of all.
 const ENOUGH: u64 = 50;
@@ -11,27 +11,46 @@ const SAID: f64 = 1e-3;
 /// and a sine in coarse codes has at most 2.4 times as many.
 const MORE: u64 = 3;
 
-/// The text about samples that are all the largest, or the least. None where that may be chance.
-pub fn doubt(series: &Series) -> Option<String> {
-    let (mut largest, mut least) = (Outermost::default(), Outermost::default());
-    let mut count = 0;
-    let mut push = |sample: f64| {
-        count += u64::from(sample.is_finite());
-        largest.push(sample);
-        least.push(-sample);
-    };
-    match series {
-        Series::Codes(codes) => codes.iter().for_each(|code| push(f64::from(*code))),
-        Series::Numbers(numbers) => numbers.iter().copied().for_each(push),
+/// The samples at the limits of a column.
+#[derive(Default)]
+pub struct Clipped {
+    largest: Outermost,
+    /// Of the negated samples.
+    least: Outermost,
+    count: u64,
+}
+
+impl Clipped {
+    /// Takes the next samples in.
+    pub fn feed(&mut self, block: &Block<'_>) {
+        let Some(facts) = &block.facts else {
+            return block.samples().iter().filter(|sample| sample.is_finite()).for_each(|sample| {
+                self.count += 1;
+                self.largest.push(*sample);
+                self.least.push(-sample);
+            });
+        };
+        self.count += block.len() as u64;
+        if self.largest.reaches(facts.largest) {
+            block.samples().iter().for_each(|sample| self.largest.push(*sample));
+        }
+        if self.least.reaches(-facts.least) {
+            block.samples().iter().for_each(|sample| self.least.push(-sample));
+        }
     }
-    let side = |(value, at): (f64, u64), name| {
-        let percent = 100.0 * at as f64 / count as f64;
-        format!("{percent:.2} % of the samples are {value}, the {name}; a limit, or a mark?")
-    };
-    let limit = |side: &Outermost| side.limit().filter(|(_, at)| *at as f64 >= SAID * count as f64);
-    limit(&largest)
-        .map(|found| side(found, "largest"))
-        .or_else(|| limit(&least).map(|(value, at)| side((-value, at), "least")))
+
+    /// The text about samples that are all the largest, or the least. None where that may be chance.
+    pub fn text(&self) -> Option<String> {
+        let count = self.count as f64;
+        let side = |(value, at): (f64, u64), name| {
+            let percent = 100.0 * at as f64 / count;
+            format!("{percent:.2} % of the samples are {value}, the {name}; a limit, or a mark?")
+        };
+        let limit = |side: &Outermost| side.limit().filter(|(_, at)| *at as f64 >= SAID * count);
+        limit(&self.largest)
+            .map(|found| side(found, "largest"))
+            .or_else(|| limit(&self.least).map(|(value, at)| side((-value, at), "least")))
+    }
 }
 
 /// The largest values, and how often each was there.
@@ -44,9 +63,16 @@ impl Default for Outermost {
 }
 
 impl Outermost {
+    /// Whether a sample is one of the largest values so far.
+    #[inline]
+    fn reaches(&self, sample: f64) -> bool {
+        sample >= self.0[3].0
+    }
+
+    /// Takes a sample that is finite.
     #[inline]
     fn push(&mut self, sample: f64) {
-        if sample >= self.0[3].0 && sample.is_finite() {
+        if self.reaches(sample) {
             self.count(sample);
         }
     }
@@ -73,7 +99,8 @@ impl Outermost {
 
 #[cfg(test)]
 pub mod tests {
-    use super::*;
+    use crate::Series;
+    use crate::column_checks::ColumnChecks;
     use rand_xoshiro::Xoshiro256PlusPlus;
     use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
@@ -82,6 +109,10 @@ pub mod tests {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(5);
         let mut uniform = move || (random.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
         (0..count).map(|_| (0..12).map(|_| uniform()).sum::<f64>() - 6.0).collect()
+    }
+
+    fn doubt(series: &Series) -> Option<String> {
+        ColumnChecks::of(&series.input(&[])).clipped.text()
     }
 
     fn said(samples: impl Iterator<Item = f64>) -> String {

@@ -1,0 +1,165 @@
+//! A column in blocks, each with the facts that the checks of a column share: one pass over the column serves them all.
+
+use std::cell::Cell;
+use zerorate_allan::Input;
+
+/// Samples of a block.
+pub const BLOCK: usize = 512;
+/// Samples of a window of a block.
+pub const WINDOW: usize = 32;
+const WINDOWS: usize = BLOCK / WINDOW;
+const LANES: usize = 8;
+
+/// Samples in a block with facts are smaller, so that no sum or square of them is infinite.
+const LARGEST: f64 = 1e150;
+
+/// Consecutive samples. All blocks but the last have [`BLOCK`] samples.
+pub struct Block<'a> {
+    samples: &'a [f64],
+    /// The sample before them; none before the first block.
+    before: Option<f64>,
+    /// None where a sample is missing or too large, where a block is short, and in the first block.
+    pub facts: Option<Facts>,
+    looked_at: Cell<u64>,
+}
+
+/// The facts of a block of which each sample and the sample before are finite.
+pub struct Facts {
+    /// The largest sample.
+    pub largest: f64,
+    /// The least sample.
+    pub least: f64,
+    /// Their sum.
+    pub sum: f64,
+    /// The least difference between neighbours that is not 0; infinite if all are equal.
+    pub step: f64,
+    /// Samples that differ from the one before.
+    pub changes: usize,
+    /// Largest less least sample of each window.
+    pub ranges: [f64; WINDOWS],
+}
+
+impl<'a> Block<'a> {
+    /// The block behind the first `before` of these samples.
+    fn new(samples: &'a [f64], before: usize) -> Self {
+        let facts = samples.first_chunk().map(facts);
+        let is_finite = |facts: &Facts| facts.sum.is_finite() && facts.largest < LARGEST && facts.least > -LARGEST;
+        Self {
+            samples: &samples[before..],
+            before: samples[..before].first().copied(),
+            facts: facts.filter(is_finite),
+            looked_at: Cell::new(0),
+        }
+    }
+
+    /// The number of samples.
+    pub fn len(&self) -> usize {
+        self.samples.len()
+    }
+
+    /// The samples, to look at one by one: where the facts suffice, that is not needed.
+    pub fn samples(&self) -> &'a [f64] {
+        self.looked_at.set(self.looked_at.get() + self.samples.len() as u64);
+        self.samples
+    }
+
+    /// Each sample behind the one before it, which is NaN before the first of all.
+    pub fn pairs(&self) -> impl DoubleEndedIterator<Item = (f64, f64)> + ExactSizeIterator + '_ {
+        let before = self.before.unwrap_or(f64::NAN);
+        self.samples.iter().enumerate().map(move |(at, sample)| {
+            self.looked_at.set(self.looked_at.get() + 1);
+            (if at > 0 { self.samples[at - 1] } else { before }, *sample)
+        })
+    }
+
+    /// The number of whole windows.
+    pub fn windows(&self) -> usize {
+        self.samples.len() / WINDOW
+    }
+
+    /// A window of the samples, by its number.
+    pub fn window(&self, at: usize) -> &'a [f64] {
+        self.looked_at.set(self.looked_at.get() + WINDOW as u64);
+        &self.samples[at * WINDOW..][..WINDOW]
+    }
+
+    /// The number of samples that checks have looked at one by one; a sample counts once for each check.
+    #[cfg(test)]
+    pub fn looked_at(&self) -> u64 {
+        self.looked_at.get()
+    }
+}
+
+/// Hands all samples of a column over, block by block. Samples that are missing among codes are left out.
+pub fn for_each_block(input: &Input<'_>, mut feed: impl FnMut(&Block<'_>)) {
+    match input {
+        Input::Rate(numbers) | Input::Phase(numbers) => {
+            for start in (0..numbers.len()).step_by(BLOCK) {
+                let (before, end) = (start.min(1), numbers.len().min(start + BLOCK));
+                feed(&Block::new(&numbers[start - before..end], before));
+            }
+        }
+        Input::Codes { codes, .. } => {
+            let mut numbers = Vec::with_capacity(BLOCK + 1);
+            for start in (0..codes.len()).step_by(BLOCK) {
+                let (before, end) = (start.min(1), codes.len().min(start + BLOCK));
+                numbers.clear();
+                numbers.extend(codes[start - before..end].iter().map(|code| f64::from(*code)));
+                feed(&Block::new(&numbers, before));
+            }
+        }
+    }
+}
+
+/// Facts about all samples but the first, which is the one before them. The sum is not finite if one of all is not.
+#[multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
+fn facts(samples: &[f64; BLOCK + 1]) -> Facts {
+    let (mut step, mut changes, mut sums) = ([f64::INFINITY; LANES], [0u64; LANES], [0.0; LANES]);
+    let (mut largest, mut least, mut ranges) = (f64::NEG_INFINITY, f64::INFINITY, [0.0; WINDOWS]);
+    let (chunks, _) = samples[1..].as_chunks::<LANES>();
+    let (chunks_before, _) = samples[..BLOCK].as_chunks::<LANES>();
+    let windows = chunks.chunks_exact(WINDOW / LANES).zip(chunks_before.chunks_exact(WINDOW / LANES));
+    for ((chunks, before), range) in windows.zip(&mut ranges) {
+        let (mut high, mut low) = ([f64::NEG_INFINITY; LANES], [f64::INFINITY; LANES]);
+        for (chunk, before) in chunks.iter().zip(before) {
+            for lane in 0..LANES {
+                let sample = chunk[lane];
+                let difference = (sample - before[lane]).abs();
+                let (is_change, unless) = (difference > 0.0, step[lane]);
+                let difference = if is_change { difference } else { unless };
+                high[lane] = if sample > high[lane] { sample } else { high[lane] };
+                low[lane] = if sample < low[lane] { sample } else { low[lane] };
+                step[lane] = if difference < unless { difference } else { unless };
+                changes[lane] += u64::from(is_change);
+                sums[lane] += sample;
+            }
+        }
+        let (high, low) =
+            (folded(high, |a, b| if a > b { a } else { b }), folded(low, |a, b| if a < b { a } else { b }));
+        *range = high - low;
+        largest = if high > largest { high } else { largest };
+        least = if low < least { low } else { least };
+    }
+    let sum = sums.iter().sum::<f64>();
+    Facts {
+        largest,
+        least,
+        sum: if samples[0].is_finite() { sum } else { f64::NAN },
+        step: folded(step, f64::min),
+        changes: changes.iter().sum::<u64>() as usize,
+        ranges,
+    }
+}
+
+/// All lanes as one, in halves.
+#[inline(always)]
+fn folded(mut lanes: [f64; LANES], join: impl Fn(f64, f64) -> f64) -> f64 {
+    let mut half = LANES / 2;
+    while half > 0 {
+        for lane in 0..half {
+            lanes[lane] = join(lanes[lane], lanes[lane + half]);
+        }
+        half /= 2;
+    }
+    lanes[0]
+}

@@ -1,0 +1,108 @@
+//! What the samples of a column tell of the log, from one pass over them: samples at a limit, steps that hide the
+//! noise, samples that were made up, and a sensor that stopped.
+//!
+//! Each check is fed the same [`Block`]s. Their facts are computed once, so that a check looks at single samples only
+//! where the facts do not suffice. Noise costs no check more than that.
+
+mod block;
+pub mod clipped;
+pub mod coarse;
+pub mod resampled;
+mod stopped;
+
+use crate::LogWarning;
+use block::{Block, for_each_block};
+use clipped::Clipped;
+use coarse::Coarse;
+use resampled::Resampled;
+use std::path::Path;
+use stopped::Changes;
+pub use stopped::stopped;
+use zerorate_allan::Input;
+
+/// All checks of the samples of a column.
+#[derive(Default)]
+pub struct ColumnChecks {
+    clipped: Clipped,
+    coarse: Coarse,
+    resampled: Resampled,
+    facts: ColumnFacts,
+    /// Samples that were read.
+    #[cfg(test)]
+    read: u64,
+    /// Samples that checks looked at one by one.
+    #[cfg(test)]
+    looked_at: u64,
+}
+
+/// The findings that are needed later.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ColumnFacts {
+    /// Where the column stands still.
+    pub changes: Changes,
+    /// The sum of the samples that are finite.
+    sum: f64,
+    /// The number of samples that are finite.
+    finite: u64,
+}
+
+impl ColumnChecks {
+    /// Checks a column.
+    pub fn of(input: &Input<'_>) -> Self {
+        let mut checks = Self::default();
+        for_each_block(input, |block| checks.feed(block));
+        checks
+    }
+
+    fn feed(&mut self, block: &Block<'_>) {
+        self.facts.feed(block);
+        self.clipped.feed(block);
+        self.coarse.feed(block);
+        self.resampled.feed(block);
+        #[cfg(test)]
+        {
+            self.read += block.len() as u64;
+            self.looked_at += block.looked_at();
+        }
+    }
+
+    /// The warnings about the column `name` of the log at `path`, and the findings that are needed later.
+    pub fn finish(self, path: &Path, name: &str) -> (Vec<LogWarning>, ColumnFacts) {
+        let Self { clipped, coarse, resampled, facts, .. } = self;
+        let (path, column) = (|| path.display().to_string(), || name.to_owned());
+        let resampled = resampled.text().map(|how| LogWarning::Resampled { path: path(), column: column(), how });
+        let clipped = clipped.text().map(|how| LogWarning::Clipped { path: path(), column: column(), how });
+        let coarse = coarse.text().map(|how| LogWarning::CoarseCodes { path: path(), column: column(), how });
+        (resampled.into_iter().chain(clipped).chain(coarse).collect(), facts)
+    }
+}
+
+impl ColumnFacts {
+    /// The facts of a column alone.
+    pub fn of(input: &Input<'_>) -> Self {
+        let mut facts = Self::default();
+        for_each_block(input, |block| facts.feed(block));
+        facts
+    }
+
+    /// The mean of the samples that are finite; not finite if there is none.
+    pub fn mean(&self) -> f64 {
+        self.sum / self.finite as f64
+    }
+
+    fn feed(&mut self, block: &Block<'_>) {
+        self.changes.feed(block);
+        let (sum, finite) = match &block.facts {
+            Some(facts) => (facts.sum, block.len()),
+            None => {
+                let finite = || block.samples().iter().filter(|sample| sample.is_finite());
+                (finite().sum(), finite().count())
+            }
+        };
+        self.sum += sum;
+        self.finite += finite as u64;
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,130 @@
+//! A sensor that stopped while it was recorded.
+
+use super::ColumnFacts;
+use super::block::{BLOCK, Block};
+use crate::warning::LogWarning;
+use crate::{LogError, Result};
+use std::path::Path;
+use zerorate_allan::{Gap, Input};
+
+/// A column that changes more often than not, and then no more for so many samples, has stopped.
+const STOPPED_SAMPLES: usize = 1000;
+
+/// The warning about the column `name` of a log where it stops changing: a log of another part need not have stopped
+/// with it. `path` names the log in messages.
+///
+/// # Errors
+/// Refuses a column of one value all along: a dead sensor, not noise.
+pub fn stopped(input: Input<'_>, rate_hz: f64, path: &Path, name: &str) -> Result<Option<LogWarning>> {
+    let gaps = if let Input::Codes { gaps, .. } = input { gaps } else { &[] };
+    ColumnFacts::of(&input).changes.stopped(gaps, rate_hz, path, name)
+}
+
+/// Samples of one value, one after the other.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Run {
+    /// Index of the first stopped sample.
+    start: usize,
+    /// The number of stopped samples.
+    len: usize,
+    /// The same, with the missing samples between and behind them.
+    samples: usize,
+}
+
+/// The changes of a column.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Changes {
+    /// Samples that are there.
+    len: usize,
+    /// The same, with those that are missing among numbers.
+    total: usize,
+    /// Changes from one to the next.
+    count: usize,
+    /// The last sample that is there.
+    before: Option<f64>,
+    /// The stretch without a change at the end.
+    run: Run,
+    /// The longest stretch without a change. Those within a block are not looked at.
+    longest: Run,
+}
+
+// the checks may skip stretches within a block
+const _: () = assert!(BLOCK < STOPPED_SAMPLES);
+
+impl Changes {
+    /// Takes the next samples in.
+    pub fn feed(&mut self, block: &Block<'_>) {
+        match &block.facts {
+            Some(facts) => self.take(block, facts.changes),
+            None => block.samples().iter().for_each(|sample| self.push(*sample)),
+        }
+    }
+
+    /// The number of samples that are missing among numbers.
+    pub fn missing(&self) -> usize {
+        self.total - self.len
+    }
+
+    /// Takes samples of which none is missing, nor the one before.
+    fn take(&mut self, block: &Block<'_>, changes: usize) {
+        let len = block.len();
+        if changes > 0 {
+            let is_change = |(before, sample): (f64, f64)| before != sample;
+            let first = block.pairs().position(is_change).unwrap_or_default();
+            let last = block.pairs().rposition(is_change).unwrap_or_default();
+            self.grow(first);
+            self.run = Run { start: self.total + last, ..Run::default() };
+            self.grow(len - last);
+        } else {
+            self.grow(len);
+        }
+        self.before = block.pairs().next_back().map(|(_, sample)| sample);
+        (self.len, self.total, self.count) = (self.len + len, self.total + len, self.count + changes);
+    }
+
+    fn push(&mut self, sample: f64) {
+        if sample.is_nan() {
+            self.run.samples += 1;
+            self.grow(0);
+        } else {
+            self.len += 1;
+            if self.before.is_some_and(|before| before != sample) {
+                self.count += 1;
+                self.run = Run { start: self.total, ..Run::default() };
+            }
+            self.before = Some(sample);
+            self.grow(1);
+        }
+        self.total += 1;
+    }
+
+    /// So many samples more are as the one before.
+    fn grow(&mut self, samples: usize) {
+        self.run.len += samples;
+        self.run.samples += samples;
+        if self.run.len >= self.longest.len {
+            self.longest = self.run;
+        }
+    }
+
+    /// The warning where the column stops changing, or the error where it never does, as [`stopped`]. `gaps` are
+    /// those among codes.
+    pub fn stopped(&self, gaps: &[Gap], rate_hz: f64, path: &Path, name: &str) -> Result<Option<LogWarning>> {
+        let &Self { len, total, count, longest: Run { start, len: same, samples }, .. } = self;
+        if count == 0 {
+            let what = format!("{}: all {len} samples of column {} are the same", path.display(), name);
+            let why = "a dead or frozen sensor, and no noise that could be analysed";
+            return Err(LogError::Refused("frozen", format!("{what}: {why}")));
+        }
+        let is_frozen = same >= STOPPED_SAMPLES && count * 2 > len - same;
+        let is_last = start + samples == total;
+        // among codes what is missing stands beside them
+        let lost: u64 = gaps.iter().filter(|gap| gap.at <= start).map(|gap| gap.missing).sum();
+        let from_s = (start as u64 + lost) as f64 / rate_hz;
+        let (path, column) = (path.display().to_string(), name.to_owned());
+        Ok(is_frozen.then_some(match is_last {
+            true => LogWarning::Stopped { path, column, same, len },
+            false => LogWarning::Hung { path, column, same, len, from_s },
+        }))
+    }
+}

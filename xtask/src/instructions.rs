@@ -1,0 +1,92 @@
+//! `cargo xtask instructions`: what reading and checking a log costs beside its deviations, in instructions.
+
+use anyhow::{Context, Result, ensure};
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use xtask::app::target_folder;
+use xtask::arguments::Arguments;
+use xtask::tools::{Tool, available};
+use xtask::venv::{done, printed};
+
+/// What `--help` prints.
+pub const HELP: &str = "\
+Counts the instructions of `zerorate allan` on noise, by valgrind's callgrind. Fails if all that is done with a sample
+beside its deviations (reading it, and every check of it) takes more than half as many as the deviations. Instructions
+do not depend on how busy the machine is.";
+
+const TOOLS: [Tool; 1] = [Tool { program: "valgrind", package: "valgrind" }];
+const BUILD: &str = "build --release --workspace --features zerorate-cli/full --bin zerorate";
+/// Instructions are counted from the shorter log to the longer one, so that the start of the program does not count.
+const SAMPLES: [usize; 2] = [200_000, 1_200_000];
+const MOST: f64 = 0.5;
+/// The names of all functions of the deviations have this in them.
+const DEVIATIONS: &str = "zerorate_allan";
+
+/// Builds the program, and counts.
+pub fn run(arguments: Arguments) -> Result<()> {
+    arguments.end()?;
+    if !available(&TOOLS, "instructions")? {
+        return Ok(());
+    }
+    done(Command::new("cargo").args(BUILD.split(' ')))?;
+    let [short, long] = SAMPLES.map(counted);
+    let (short, long) = (short?, long?);
+    let per_sample = |of: fn(&Counts) -> f64| (of(&long) - of(&short)) / (SAMPLES[1] - SAMPLES[0]) as f64;
+    let deviations = per_sample(|counts| counts.deviations);
+    let rest = per_sample(|counts| counts.all) - deviations;
+    let share = rest / deviations;
+    println!(
+        "instructions per sample: deviations {deviations:.1}, all else {rest:.1}: {share:.2} of it (most: {MOST})"
+    );
+    ensure!(share <= MOST, "what is done beside the deviations costs more than {MOST} of them");
+    Ok(())
+}
+
+/// Instructions of a run.
+struct Counts {
+    all: f64,
+    deviations: f64,
+}
+
+/// Runs the program on so many samples of noise.
+fn counted(samples: usize) -> Result<Counts> {
+    let folder = target_folder()?;
+    let [log, counts] = ["instructions.f64", "instructions.callgrind"].map(|name| folder.join(name));
+    fs::write(&log, noise(samples))?;
+    let mut valgrind = Command::new("valgrind");
+    valgrind.args(["--quiet", "--tool=callgrind"]).arg(format!("--callgrind-out-file={}", counts.display()));
+    valgrind.arg(folder.join("release/zerorate")).arg("allan").arg(&log);
+    valgrind.args(["--raw", "f64", "--rate", "200", "--unit", "dps"]).stdout(Stdio::null());
+    done(valgrind.env("RAYON_NUM_THREADS", "1"))?;
+    let found = Counts::of(&counts)?;
+    [log, counts].iter().try_for_each(fs::remove_file)?;
+    Ok(found)
+}
+
+/// Noise as f64: the sum of four uniform numbers.
+fn noise(samples: usize) -> Vec<u8> {
+    let mut state = 7_u64;
+    let mut uniform = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    (0..samples).flat_map(|_| (0..4).map(|_| uniform()).sum::<f64>().to_le_bytes()).collect()
+}
+
+impl Counts {
+    /// From the file that callgrind wrote. Each line of its table has a count and the name of a function.
+    fn of(path: &Path) -> Result<Self> {
+        let table = printed(Command::new("callgrind_annotate").args(["--threshold=100", "--auto=no"]).arg(path))?;
+        let all = table.lines().find(|line| line.contains("PROGRAM TOTALS")).and_then(instructions);
+        let of_deviations = table.lines().filter(|line| line.contains(DEVIATIONS));
+        let deviations = of_deviations.filter_map(instructions).sum::<f64>();
+        ensure!(deviations > 0.0, "callgrind names no function of {DEVIATIONS}");
+        Ok(Self { all: all.context("callgrind counted nothing")?, deviations })
+    }
+}
+
+/// The count at the start of a line.
+fn instructions(line: &str) -> Option<f64> {
+    line.split_whitespace().next()?.replace(',', "").parse().ok()
+}
