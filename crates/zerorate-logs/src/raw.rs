@@ -3,7 +3,7 @@
 use super::open::Log;
 use super::series::SeriesBuilder;
 use super::{Clock, Found, FoundColumn, Names, Result, Setting, wrong};
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use zerorate_record::CaptureError;
 
 /// Bytes that are read at a time; a multiple of the size of every type. (To map the file into memory would take
@@ -58,16 +58,24 @@ pub fn read(log: Log<'_>, raw: RawType, names: Names) -> Result<Found> {
     let mut values = SeriesBuilder::new(log.room);
     values.reserve((bytes / size as u64) as usize, matches!(raw, RawType::I16 | RawType::I32));
     let mut input = log.input;
-    let mut block = Vec::with_capacity(BLOCK);
+    let mut buffer = vec![0; BLOCK];
     loop {
-        block.clear();
-        (&mut input).take(BLOCK as u64).read_to_end(&mut block).map_err(failed)?;
+        let mut filled = 0;
+        while filled < BLOCK {
+            match input.read(&mut buffer[filled..]) {
+                Ok(0) => break,
+                Ok(read) => filled += read,
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) => return Err(failed(error).into()),
+            }
+        }
+        let block = &buffer[..filled];
         if block.is_empty() {
             break;
         }
         let first = values.rows();
         values.check_room((block.len() / size) as u64).map_err(|why| CaptureError::no_room(log.path, why))?;
-        raw.append(&mut values, &block).map_err(|at| {
+        raw.append(&mut values, block).map_err(|at| {
             let what = format!("it is infinite: is {setting} right?");
             wrong(log.path, format_args!("number {}", first + at as u64), what)
         })?;

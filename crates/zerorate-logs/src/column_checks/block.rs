@@ -8,7 +8,7 @@ pub const BLOCK: usize = 512;
 /// Samples of a window of a block.
 pub const WINDOW: usize = 32;
 const WINDOWS: usize = BLOCK / WINDOW;
-const LANES: usize = 8;
+const LANES: usize = 16;
 
 /// Samples in a block with facts are smaller, so that no sum or square of them is infinite.
 const LARGEST: f64 = 1e150;
@@ -114,28 +114,24 @@ pub fn for_each_block(input: &Input<'_>, mut feed: impl FnMut(&Block<'_>)) {
 /// Facts about all samples but the first, which is the one before them. The sum is not finite if one of all is not.
 #[multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn facts(samples: &[f64; BLOCK + 1]) -> Facts {
-    let (mut step, mut changes, mut sums) = ([f64::INFINITY; LANES], [0u64; LANES], [0.0; LANES]);
-    let (mut largest, mut least, mut ranges) = (f64::NEG_INFINITY, f64::INFINITY, [0.0; WINDOWS]);
-    let (chunks, _) = samples[1..].as_chunks::<LANES>();
-    let (chunks_before, _) = samples[..BLOCK].as_chunks::<LANES>();
-    let windows = chunks.chunks_exact(WINDOW / LANES).zip(chunks_before.chunks_exact(WINDOW / LANES));
-    for ((chunks, before), range) in windows.zip(&mut ranges) {
-        let (mut high, mut low) = ([f64::NEG_INFINITY; LANES], [f64::INFINITY; LANES]);
-        for (chunk, before) in chunks.iter().zip(before) {
-            for lane in 0..LANES {
-                let sample = chunk[lane];
-                let difference = (sample - before[lane]).abs();
-                let (is_change, unless) = (difference > 0.0, step[lane]);
-                let difference = if is_change { difference } else { unless };
-                high[lane] = if sample > high[lane] { sample } else { high[lane] };
-                low[lane] = if sample < low[lane] { sample } else { low[lane] };
-                step[lane] = if difference < unless { difference } else { unless };
-                changes[lane] += u64::from(is_change);
-                sums[lane] += sample;
-            }
+    let (mut step, mut changes, mut sums) = ([f64::INFINITY; LANES], [0.0; LANES], [0.0; LANES]);
+    let ((chunks, _), (before, _)) = (samples[1..].as_chunks::<LANES>(), samples[..BLOCK].as_chunks::<LANES>());
+    for (chunk, before) in chunks.iter().zip(before) {
+        for lane in 0..LANES {
+            let difference = (chunk[lane] - before[lane]).abs();
+            let is_change = difference > 0.0;
+            let unless = step[lane];
+            let difference = if is_change { difference } else { unless };
+            step[lane] = if difference < unless { difference } else { unless };
+            changes[lane] += if is_change { 1.0 } else { 0.0 };
+            sums[lane] += chunk[lane];
         }
-        let (high, low) =
-            (folded(high, |a, b| if a > b { a } else { b }), folded(low, |a, b| if a < b { a } else { b }));
+    }
+    let (mut largest, mut least, mut ranges) = (f64::NEG_INFINITY, f64::INFINITY, [0.0; WINDOWS]);
+    let (windows, _) = samples[1..].as_chunks::<WINDOW>();
+    for (window, range) in windows.iter().zip(&mut ranges) {
+        let high = folded(window, |a, b| if a > b { a } else { b });
+        let low = folded(window, |a, b| if a < b { a } else { b });
         *range = high - low;
         largest = if high > largest { high } else { largest };
         least = if low < least { low } else { least };
@@ -145,16 +141,17 @@ fn facts(samples: &[f64; BLOCK + 1]) -> Facts {
         largest,
         least,
         sum: if samples[0].is_finite() { sum } else { f64::NAN },
-        step: folded(step, f64::min),
-        changes: changes.iter().sum::<u64>() as usize,
+        step: step.iter().copied().fold(f64::INFINITY, f64::min),
+        changes: changes.iter().sum::<f64>() as usize,
         ranges,
     }
 }
 
-/// All lanes as one, in halves.
+/// All samples of a window as one, in halves.
 #[inline(always)]
-fn folded(mut lanes: [f64; LANES], join: impl Fn(f64, f64) -> f64) -> f64 {
-    let mut half = LANES / 2;
+fn folded(window: &[f64; WINDOW], join: impl Fn(f64, f64) -> f64) -> f64 {
+    let mut lanes: [f64; WINDOW / 2] = std::array::from_fn(|lane| join(window[lane], window[lane + WINDOW / 2]));
+    let mut half = WINDOW / 4;
     while half > 0 {
         for lane in 0..half {
             lanes[lane] = join(lanes[lane], lanes[lane + half]);
