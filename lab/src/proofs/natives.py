@@ -17,7 +17,7 @@ from zerorate import _zerorate
 FILES = ["test_allan", "test_axes", "test_calibration", "test_compat", "test_imu", "test_records", "test_settling"]
 SLOW = [
     "a_capture_that_follows", "a_warm_up", "an_array_has", "an_array_of_columns", "an_index", "columns_without",
-    "ctrl_c", "each_axis_is_a_column", "every_axis", "inputs_of_every_kind", "logs_are_read", "mtie_is_that",
+    "ctrl_c", "each_axis_is_a_column", "every_axis", "inputs_of_every_kind", "logs_are_read",
     "other_threads", "tables", "term", "the_file_is_that", "the_unit_that", "what_is_in", "what_was_read",
     "white_noise",
 ]

@@ -9,7 +9,7 @@
 `Corrector`          the same for a stream with occasional temperatures
 `read_capture`       a recording of raw codes as numpy columns
 `Twin`               a simulated sensor, drawn from a seed
-`allantools_compat`  the functions of allantools: change the import, keep the program
+`allantools_compat`  the deviations of allantools: change the import, keep the program
 ===================  ==================================================================
 
 Units are in the names: ``rate_dps`` is in °/s, ``tau_s`` in seconds, ``temp_c`` in °C. Invalid arguments raise

@@ -1,4 +1,4 @@
-"""The functions of allantools, computed by zerorate: change the import, keep the program.
+"""The deviations of allantools, computed by zerorate: change the import, keep the program.
 
     import zerorate.allantools_compat as allantools
 
@@ -18,7 +18,6 @@ New programs should call `zerorate.allan`, which states confidence limits and no
 
 from __future__ import annotations
 
-from . import noise
 from ._confidence import (
     ONE_SIGMA_CI,
     autocorr_noise_id,
@@ -29,7 +28,6 @@ from ._confidence import (
     edf_totdev,
 )
 from ._convert import frequency2fractional, frequency2phase, phase2frequency, phase2radians, trim_data
-from ._dataset import Dataset
 from ._deviations import (
     adev,
     gradev,
@@ -43,14 +41,11 @@ from ._deviations import (
     three_cornered_hat_phase,
     totdev,
 )
-from ._kasdin import Noise
 from ._offer import NOT_OFFERED, NotOffered
 from ._taus import tau_generator, tau_reduction
 
 __all__ = [
     "NOT_OFFERED",
-    "Dataset",
-    "Noise",
     "NotOffered",
     "ONE_SIGMA_CI",
     "adev",
@@ -66,7 +61,6 @@ __all__ = [
     "hdev",
     "mdev",
     "mtie",
-    "noise",
     "oadev",
     "ohdev",
     "phase2frequency",

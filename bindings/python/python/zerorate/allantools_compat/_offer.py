@@ -1,6 +1,8 @@
 """The names of allantools that are not offered."""
 
 NOT_OFFERED = (
+    "Dataset",
+    "Noise",
     "Plot",
     "calc_hdev_phase",
     "calc_htotdev_freq",
@@ -11,6 +13,7 @@ NOT_OFFERED = (
     "mask",
     "mtie_phase_fast",
     "mtotdev",
+    "noise",
     "oadev_realtime",
     "ohdev_realtime",
     "pdev",
