@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 use serde_json::{Value, json};
 use zerorate::Scale;
 use zerorate::calibration::CalibratedAxis;
+use zerorate_view::report::calibration_picture;
 
 /// Keys of the file that belong to an axis, or have another name in Python.
 const OF_AXES: [&str; 7] = ["axis", "temperature", "correction", "measured", "uncertainty", "curve", "noise"];
@@ -64,6 +65,12 @@ impl Calibration {
     fn extrapolation(&self, low_c: f64, high_c: f64) -> Option<String> {
         let warning = self.known.validity.and_then(|validity| validity.warning(low_c, high_c));
         warning.map(|warning| warning.to_string())
+    }
+
+    /// The correction of each axis over temperature, as SVG.
+    fn pictures(&self) -> Vec<String> {
+        let axes = self.known.axes.iter();
+        axes.map(|axis| calibration_picture(axis, self.known.validity)).collect()
     }
 }
 

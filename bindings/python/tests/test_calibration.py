@@ -100,6 +100,16 @@ def test_the_file_is_the_calibration(unit: tuple[zerorate.Calibrated, Path]) -> 
     assert zerorate.Calibration.load(folder / "copy.toml") == loaded
 
 
+def test_the_pictures_are_those_of_the_report(
+    unit: tuple[zerorate.Calibrated, Path], two: zerorate.Calibration, tmp_path: Path
+) -> None:
+    found, folder = unit
+    command = [sys.executable, "-m", "zerorate", "report", str(folder / "unit.toml"), "-o", str(tmp_path / "unit.svg")]
+    subprocess.run(command, capture_output=True, check=True)
+    assert found.calibration.pictures() == [(tmp_path / "unit.svg").read_text(encoding="utf-8")]
+    assert len(two.pictures()) == 2
+
+
 def test_a_calibration_corrects_the_same_after_pickling(unit: tuple[zerorate.Calibrated, Path]) -> None:
     calibration = unit[0].calibration
     correction = calibration.correction

@@ -16,8 +16,14 @@ const LINES: [&str; 5] = [
     "  zerorate help                                  all commands; `zerorate help COMMAND` explains one",
 ];
 
-/// The commands that only the Python package has.
-const OF_PYTHON: [&str; 3] = ["fleet", "line", "certificate"];
+/// The commands that are written in Python, and how to install each in a clone.
+const OF_PYTHON: [(&str, &str); 2] = [
+    ("fleet", "is in the Python package: pip install './bindings/python[fleet]' in a clone"),
+    (
+        "certificate",
+        "is `zerorate-certificate`: pip install ./bindings/python ./extras/zerorate-certificate in a clone",
+    ),
+];
 
 /// The exit code of a command line that cannot be carried out.
 const USAGE: u8 = 2;
@@ -59,10 +65,11 @@ fn advised(mut error: Error) -> Error {
         _ => None,
     };
     let point = given(ContextKind::InvalidValue).and_then(with_point);
-    let of_python = given(ContextKind::InvalidSubcommand).filter(|command| OF_PYTHON.contains(command));
+    let command = given(ContextKind::InvalidSubcommand);
+    let of_python = OF_PYTHON.iter().find(|(name, _)| command == Some(name));
     let tip = match (point, of_python) {
         (Some(point), _) => format!("use a decimal point: {point}"),
-        (None, Some(command)) => format!("`{command}` is in the Python package: pip install 'zerorate[{command}]'"),
+        (None, Some((command, how))) => format!("`{command}` {how}"),
         (None, None) => return error,
     };
     error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
@@ -100,6 +107,7 @@ mod tests {
             "zerorate calibrate --method warm",
             "zerorate calibrate --max-u-btc 0,01",
             "zerorate stream --rate 10",
+            "zerorate certificate unit.toml",
         ];
         for command in wrong {
             let error = Cli::try_parse_from(command.split(' ')).expect_err(command);

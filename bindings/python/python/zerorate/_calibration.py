@@ -371,6 +371,10 @@ class Calibration:
         """
         _zerorate.save_text(path, self.text, force)
 
+    def pictures(self) -> list[str]:
+        """The correction of each axis over temperature, as SVG: the pictures of ``zerorate report``."""
+        return self._core.pictures()
+
     @overload
     def correct(self, rate_dps: float, temp_c: float) -> float: ...
 

@@ -1,0 +1,112 @@
+"""Calibrations of the twin, and a laboratory that exists in tests only."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sysconfig
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from sealing import as_measured, sealed
+
+from zerorate_certificate import Lab
+
+SCRIPTS = sysconfig.get_path("scripts")
+ZERORATE = shutil.which("zerorate", path=SCRIPTS) or "zerorate is not installed"
+PROGRAM = shutil.which("zerorate-certificate", path=SCRIPTS) or "zerorate-certificate is not installed"
+
+TIMES = ["--average", "5s", "--warmup", "60s", "--settle", "120s", "--offset", "30s"]
+KINDS = {
+    "an1042": ["--device", "twin:seed=7"],
+    "warmup": ["--method", "warmup", "--device", "twin:seed=7"],
+    "imu": ["--device", "twin:seed=7,axes=3"],
+}
+
+
+@dataclass(frozen=True)
+class Made:
+    """A calibration file, and what the native program printed when it wrote it."""
+
+    path: Path
+    report: Any
+    """None for the file of the folder."""
+
+
+@pytest.fixture(scope="session")
+def made(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Made]:
+    """A calibration by each method, of the twin: one axis, three axes, and curves."""
+    folder = tmp_path_factory.mktemp("made")
+    calibrations = {kind: _calibrate(folder / f"{kind}.toml", options) for kind, options in KINDS.items()}
+    # zerorate calibrate --method cycle --device twin:seed=7,profile=oven --settle 10500s --divider 64 --serial SN7
+    calibrations["cycle"] = Made(Path(__file__).with_name("cycle.toml"), None)
+    return calibrations
+
+
+def _calibrate(path: Path, options: list[str]) -> Made:
+    command = [ZERORATE, "calibrate", *options, *TIMES, "--serial", "SN7", "--json"]
+    done = subprocess.run([*command, "-o", str(path)], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    return Made(path, json.loads(done.stdout))
+
+
+@pytest.fixture(scope="session")
+def simulated(made: dict[str, Made]) -> Path:
+    """The calibration of the twin by AN-1042."""
+    return made["an1042"].path
+
+
+@pytest.fixture(scope="session")
+def measured(made: dict[str, Made], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same, as if a real part had been measured around midnight."""
+    path = tmp_path_factory.mktemp("measured") / "unit.toml"
+    path.write_text(as_measured(made["an1042"].path.read_text(encoding="utf-8")), encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="session")
+def example_lab() -> str:
+    """The file that the command prints to start from."""
+    return subprocess.run([PROGRAM, "--example-lab"], capture_output=True, check=True).stdout.decode("utf-8")
+
+
+@pytest.fixture(scope="session")
+def lab_file(example_lab: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The example with every optional key."""
+    return _write(tmp_path_factory.mktemp("lab") / "lab.toml", full(example_lab))
+
+
+@pytest.fixture(scope="session")
+def lab(lab_file: Path) -> Lab:
+    """The laboratory of that file."""
+    return Lab.load(lab_file)
+
+
+def full(example: str) -> str:
+    """The example with its optional keys and tables, which stand there as comments."""
+    return re.sub(r"^# (?=\[|\w+ = )", "", example, flags=re.MULTILINE)
+
+
+def _write(path: Path, text: str) -> Path:
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="session")
+def shared() -> Path:
+    """The schemas of PTB, which the project does not carry."""
+    root = Path(__file__).resolve().parents[3]
+    folder = Path(os.environ.get("ZERORATE_SHARED", root.parent / "shared")) / "data" / "dcc"
+    if not folder.is_dir():
+        pytest.skip(f"the schemas of the DCC are not in {folder}: set ZERORATE_SHARED to the folder above data/dcc")
+    return folder
+
+
+def test_the_check_lines_of_the_tests_are_those_of_the_program(simulated: Path) -> None:
+    text = simulated.read_text(encoding="utf-8")
+    assert set(sealed(text).splitlines()) == set(text.splitlines())
