@@ -1,11 +1,8 @@
-//! `cargo xtask python`: builds the wheel, installs it into an environment of its own below `target/`, and tests it
-//! there.
-//!
-//! The wheel takes over what the step `test-full` of `cargo xtask ci` has compiled.
+//! `cargo xtask python`: builds the wheel, installs it into an environment below `target/`, and tests it there.
 
 use anyhow::{Context, Result, ensure};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use xtask::app;
 use xtask::arguments::Arguments;
@@ -13,27 +10,42 @@ use xtask::tools::{self, Tool};
 use xtask::venv::done;
 use xtask::wheel;
 
-/// A part, given the interpreter of the environment.
-type Part = fn(&Path) -> Result<()>;
+/// A part, given the wheel.
+type Part = fn(&Wheel) -> Result<()>;
 
-const PARTS: [(&str, Part); 3] = [("tests", tests), ("notebook", notebook), ("allantools", allantools)];
+/// The first one runs where none is named.
+const PARTS: [(&str, Part); 5] = [
+    ("tests", tests),
+    ("stores", stores),
+    ("notebook", notebook),
+    ("allantools", allantools),
+    ("certificate", certificate),
+];
+
+/// The wheel, and the environment of the gate that built it.
+struct Wheel {
+    python: PathBuf,
+    path: PathBuf,
+}
 
 const PACKAGE: &str = "bindings/python";
+const CERTIFICATE: &str = "extras/zerorate-certificate";
 
-/// What the tests of certificates, of the line and of the fleet need beside Python.
-const TOOLS: [Tool; 3] = [
-    Tool { program: "pango-view", package: "pango1.0-tools" },
-    Tool { program: "psql", package: "postgresql" },
-    Tool { program: "pgrep", package: "procps" },
-];
+/// It depends on the libraries by which a certificate becomes a PDF.
+const PANGO: Tool = Tool { program: "pango-view", package: "pango1.0-tools" };
 
 /// The release whose tests the functions of `zerorate.allantools_compat` pass.
 const ALLANTOOLS: &str = "2024.6";
 
 /// What `--help` prints behind the parts.
 const ABOUT: &str = "\
-Makes an environment below target/, builds the wheel into it, and runs its tests, the type checkers, the notebook, and
-allantools' own tests against our functions. Where python3 or the package registry is missing, it says so and passes.";
+Builds the wheel, installs it into an environment below target/, and runs
+  tests         its tests, with the type checkers
+  stores        the fleet on an object store and on Dask
+  notebook      the examples
+  allantools    allantools' own tests against our functions
+  certificate   the tests of extras/zerorate-certificate
+Where python3 or the package registry is missing, it says so and passes.";
 
 pub fn help() -> String {
     format!("{}\n\n{ABOUT}", parts())
@@ -49,7 +61,8 @@ pub fn bench_fleet(mut arguments: Arguments) -> Result<()> {
     let captures = arguments.value("--captures")?.unwrap_or_else(|| "200".to_owned());
     arguments.end()?;
     let python = wheel::environment()?.map_err(anyhow::Error::msg)?;
-    wheel::install(&python)?;
+    let path = wheel::build(&python)?;
+    let python = night(&Wheel { python, path })?;
     let program = fs::canonicalize(app::program()?)?;
     let mut bench = Command::new(&python);
     done(bench.arg("benches/fleet.py").arg(program).args(["--captures", &captures]).current_dir(PACKAGE))
@@ -57,12 +70,15 @@ pub fn bench_fleet(mut arguments: Arguments) -> Result<()> {
 
 /// The names of the parts, for help and errors.
 fn parts() -> String {
-    format!("parts: {}; without one, all", PARTS.map(|(name, _)| name).join(", "))
+    format!("parts: {}; without one, {}", PARTS.map(|(name, _)| name).join(", "), PARTS[0].0)
 }
 
 /// Builds, installs, tests. Without Python or a package registry it says so and passes.
 pub fn run(arguments: Arguments) -> Result<()> {
-    let only = arguments.words()?;
+    let mut only = arguments.words()?;
+    if only.is_empty() {
+        only.push(PARTS[0].0.to_owned());
+    }
     for part in &only {
         ensure!(PARTS.iter().any(|(name, _)| name == part), "unknown part {part}; {}", parts());
     }
@@ -73,29 +89,36 @@ pub fn run(arguments: Arguments) -> Result<()> {
             return Ok(());
         }
     };
-    tools::available(&TOOLS, "the tests of certificate, line and fleet")?;
-    wheel::install(&python)?;
+    let wheel = Wheel { path: wheel::build(&python)?, python };
     for (name, part) in PARTS {
-        if only.is_empty() || only.iter().any(|only| only == name) {
+        if only.iter().any(|only| only == name) {
             println!("--- {name}");
-            part(&python).with_context(|| format!("{name}; to repeat it alone: cargo xtask python {name}"))?;
+            part(&wheel).with_context(|| format!("{name}; to repeat it alone: cargo xtask python {name}"))?;
         }
     }
     Ok(())
 }
 
 /// Our tests, with the type checkers in them.
-fn tests(python: &Path) -> Result<()> {
-    done(Command::new(python).args(["-m", "pytest", "-q", "--durations=5"]).current_dir(PACKAGE))
+fn tests(wheel: &Wheel) -> Result<()> {
+    wheel::install_into(&wheel.python, &wheel.path)?;
+    pytest(&wheel.python, PACKAGE, &["--durations=5"])
+}
+
+/// The fleet with a server for S3 and processes of Dask.
+fn stores(wheel: &Wheel) -> Result<()> {
+    pytest(&night(wheel)?, PACKAGE, &["-m", "stores"])
 }
 
 /// The examples, executed.
-fn notebook(python: &Path) -> Result<()> {
-    done(Command::new(python).args(["-m", "pytest", "-q", "--nbmake", "examples"]).current_dir(PACKAGE))
+fn notebook(wheel: &Wheel) -> Result<()> {
+    pytest(&night(wheel)?, PACKAGE, &["--nbmake", "examples"])
 }
 
-/// allantools' own tests, against our functions of the same names. Its files stay outside of the repository.
-fn allantools(python: &Path) -> Result<()> {
+/// Our functions beside allantools, and its own tests of them. Its files stay outside of the repository.
+fn allantools(wheel: &Wheel) -> Result<()> {
+    let python = &night(wheel)?;
+    pytest(python, PACKAGE, &["-m", "allantools"])?;
     let source = format!("target/allantools-{ALLANTOOLS}");
     if !Path::new(&source).is_dir() {
         let mut download = Command::new(python);
@@ -104,4 +127,26 @@ fn allantools(python: &Path) -> Result<()> {
         done(Command::new(python).args(["-m", "tarfile", "-e", &format!("{source}.tar.gz"), "target"]))?;
     }
     done(Command::new(python).args(["bindings/python/tests/allantools_suite.py", &source]))
+}
+
+/// The package of certificates, in an environment of its own.
+fn certificate(wheel: &Wheel) -> Result<()> {
+    if !tools::available(&[PANGO], "the tests of certificates")? {
+        return Ok(());
+    }
+    let python = wheel::environment_with("certificate", &format!("{CERTIFICATE}/requirements-test.txt"))?;
+    wheel::install_into(&python, &wheel.path)?;
+    wheel::install_into(&python, Path::new(CERTIFICATE))?;
+    pytest(&python, CERTIFICATE, &["--durations=5"])
+}
+
+/// The environment of the parts that run at night, with the wheel.
+fn night(wheel: &Wheel) -> Result<PathBuf> {
+    let python = wheel::environment_with("wheel-night", &format!("{PACKAGE}/requirements-night.txt"))?;
+    wheel::install_into(&python, &wheel.path)?;
+    Ok(python)
+}
+
+fn pytest(python: &Path, folder: &str, arguments: &[&str]) -> Result<()> {
+    done(Command::new(python).args(["-m", "pytest", "-q"]).args(arguments).current_dir(folder))
 }

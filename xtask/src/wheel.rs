@@ -9,17 +9,23 @@ use std::process::{Command, Stdio};
 const REQUIREMENTS: &str = "bindings/python/requirements-test.txt";
 const WHEELS: &str = "target/wheels-test";
 
-/// The interpreter with the tests' packages, or the reason outside our control why there is none.
+/// The interpreter with the packages of the gate's tests, or the reason outside our control why there is none.
 pub fn environment() -> Result<Result<PathBuf, &'static str>> {
     let has_venv = Command::new("python3").args(["-m", "venv", "--help"]).stdout(Stdio::null()).status();
     if !has_venv.is_ok_and(|status| status.success()) {
         return Ok(Err("python3 with venv is missing (apt install python3-venv)"));
     }
-    match venv::python("wheel", Path::new(REQUIREMENTS)) {
-        Ok(python) => Ok(Ok(fs::canonicalize("target")?.join(python.strip_prefix("target")?))),
+    match environment_with("wheel", REQUIREMENTS) {
+        Ok(python) => Ok(Ok(python)),
         Err(_) if !reaches_registry() => Ok(Err("pip reaches no package registry")),
         Err(error) => Err(error),
     }
+}
+
+/// The interpreter of `target/venv-NAME` with what the file `requirements` names, as an absolute path.
+pub fn environment_with(name: &str, requirements: &str) -> Result<PathBuf> {
+    let python = venv::python(name, Path::new(requirements))?;
+    Ok(fs::canonicalize("target")?.join(python.strip_prefix("target")?))
 }
 
 fn reaches_registry() -> bool {
@@ -28,15 +34,26 @@ fn reaches_registry() -> bool {
     probe.status().is_ok_and(|status| status.success())
 }
 
-/// Builds the wheel, and installs it into the environment.
+/// Builds the wheel, and installs it into the environment of the gate.
 pub fn install(python: &Path) -> Result<()> {
+    install_into(python, &build(python)?)
+}
+
+/// Builds the wheel by the maturin of this environment.
+///
+/// It takes over what the tests with `zerorate-cli/full` have compiled.
+pub fn build(python: &Path) -> Result<PathBuf> {
     if Path::new(WHEELS).is_dir() {
         fs::remove_dir_all(WHEELS).context("clearing the old wheel")?;
     }
     let mut build = Command::new(python);
     build.args(["-m", "maturin", "build", "--quiet", "--release", "--out", WHEELS]);
     done(build.args(["--manifest-path", "bindings/python/Cargo.toml", "--interpreter"]).arg(python))?;
-    let wheel = fs::read_dir(WHEELS)?.next().context("maturin built no wheel")??.path();
+    Ok(fs::read_dir(WHEELS)?.next().context("maturin built no wheel")??.path())
+}
+
+/// Installs a wheel, or the package in a folder, into an environment that has what it depends on.
+pub fn install_into(python: &Path, package: &Path) -> Result<()> {
     let mut install = Command::new(python);
-    done(install.args(["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps"]).arg(wheel))
+    done(install.args(["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps"]).arg(package))
 }

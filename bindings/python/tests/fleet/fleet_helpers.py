@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import socket
+import threading
 import time
-from typing import Callable
+from pathlib import Path
+from typing import Any, Callable
 
 from zerorate.fleet import Recipe
 
@@ -15,19 +16,35 @@ UNITS = 8
 Wrap = Callable[[str], None]
 
 
-def free_port() -> int:
-    with socket.socket() as server:
-        server.bind(("127.0.0.1", 0))
-        return int(server.getsockname()[1])
-
-
-def is_open(port: int) -> bool:
-    with socket.socket() as client:
-        return client.connect_ex(("127.0.0.1", port)) == 0
-
-
 def wait_for(holds: Callable[[], bool], what: str, timeout_s: float = 60.0) -> None:
     until = time.monotonic() + timeout_s
     while not holds():
         assert time.monotonic() < until, f"{what} did not come in {timeout_s:g} s"
         time.sleep(0.05)
+
+
+def trapped(folder: Path) -> Path:
+    """A folder whose modules leave a file there if anything imports them."""
+    folder.mkdir()
+    for name in ("distributed", "fsspec", "json", "multiprocessing", "numpy", "socket", "zerorate"):
+        (folder / f"{name}.py").write_text(f"open({str(folder / 'ran')!r}, 'a').write(__file__)\n")
+    return folder
+
+
+def held_until(go: Path) -> str:
+    """The commands on the first file run; the others wait for the file `go`, 60 s at most."""
+    wait = f"for i in $(seq 600); do [ -e '{go}' ] && break; sleep 0.1; done"
+    return f'case "$*" in *--version*|*unit1*) ;; *) {wait};; esac'
+
+
+def in_thread(work: Callable[[], Any]) -> Callable[[], Any]:
+    """Begins `work` in a thread; the result is a function that waits for its end."""
+    done: list[Any] = []
+    thread = threading.Thread(target=lambda: done.append(work()))
+    thread.start()
+
+    def wait() -> Any:
+        thread.join(120)
+        return done[0]
+
+    return wait

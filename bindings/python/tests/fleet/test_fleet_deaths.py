@@ -1,4 +1,4 @@
-"""Nothing is lost when a worker, a scheduler, the driver or the disk dies. The deaths are real."""
+"""Nothing is lost when a worker, the driver or the disk dies. The deaths are real."""
 
 from __future__ import annotations
 
@@ -8,9 +8,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import threading
-import time
-from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import suppress
 from multiprocessing import get_context
@@ -19,17 +16,10 @@ from typing import Any, Callable
 
 import loky
 import pytest
-from fleet_helpers import RECIPE, UNITS, Wrap, free_port, is_open, wait_for
+from fleet_helpers import RECIPE, UNITS, Wrap, held_until, in_thread, wait_for
 
 from zerorate import fleet
 from zerorate.fleet import _downloads, _store
-
-
-def held_until(go: Path) -> str:
-    """The commands on the first file run; the others wait for the file `go`, 60 s at most."""
-    wait = f"for i in $(seq 600); do [ -e '{go}' ] && break; sleep 0.1; done"
-    return f'case "$*" in *--version*|*unit1*) ;; *) {wait};; esac'
-
 
 DRIVER = "import sys; from zerorate import fleet; from zerorate.fleet import Recipe\n"
 
@@ -46,26 +36,17 @@ def by_loky() -> Executor:
 ENGINES: list[Callable[[], Executor]] = [spawned, by_loky]
 
 
-def in_thread(work: Callable[[], Any]) -> Callable[[], Any]:
-    """Begins `work` in a thread; the result is a function that waits for its end."""
-    done: list[Any] = []
-    thread = threading.Thread(target=lambda: done.append(work()))
-    thread.start()
-
-    def wait() -> Any:
-        thread.join(120)
-        return done[0]
-
-    return wait
-
-
 def rows(out: Path) -> int:
     return len(_store.row_paths(str(out)))
 
 
 def children(process: int) -> list[int]:
-    found = subprocess.run(["pgrep", "-P", str(process)], capture_output=True, text=True).stdout
-    return [int(line) for line in found.split()]
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError):  # it ended meanwhile
+            parent = int(stat.read_bytes().rpartition(b")")[2].split()[1])
+            found += [int(stat.parent.name)] if parent == process else []
+    return found
 
 
 def kill_a_worker(name: str) -> bool:
@@ -170,18 +151,6 @@ def test_downloads_of_the_dead_are_removed(tmp_path: Path, monkeypatch: pytest.M
     assert _downloads.remove_left() == 1 and not os.path.exists(folder)
 
 
-@pytest.fixture()
-def small_disk(tmp_path: Path) -> Iterator[Path]:
-    """A disk of 64 KiB."""
-    disk = tmp_path / "disk"
-    disk.mkdir()
-    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(disk)], capture_output=True)
-    if mounted.returncode:
-        pytest.skip(f"only root can mount a small disk: {mounted.stderr.decode().strip()}")
-    yield disk
-    subprocess.run(["umount", "-l", str(disk)], check=True)
-
-
 def test_a_full_disk_leaves_files_undone(captures: Path, small_disk: Path) -> None:
     filler = small_disk / "filler"
     filler.write_bytes(b"\0" * 44_000)
@@ -191,101 +160,3 @@ def test_a_full_disk_leaves_files_undone(captures: Path, small_disk: Path) -> No
     filler.unlink()
     ended = fleet.run(str(captures), str(small_disk / "out"), RECIPE)
     assert not ended.undone and sum(ended.states.values()) == UNITS
-
-
-def test_no_room_for_downloads(
-    captures: Path, small_disk: Path, tmp_path: Path, bucket: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    import fsspec
-
-    fsspec.filesystem("s3").put_file(str(captures / "unit1.arrows"), "fleet/large/unit1.arrows")
-    monkeypatch.setattr(tempfile, "tempdir", str(small_disk))
-    ended = fleet.run(f"{bucket}/large", str(tmp_path / "out"), RECIPE)
-    assert not ended.states and ["No space left" in why for why in ended.undone.values()] == [True]
-    monkeypatch.setattr(tempfile, "tempdir", None)
-    assert fleet.run(f"{bucket}/large", str(tmp_path / "out"), RECIPE).states == {"ok": 1}
-
-
-class Cluster:
-    """A scheduler and workers of Dask, each a process."""
-
-    def __init__(self, folder: Path) -> None:
-        self.port = free_port()
-        self.address = f"tcp://127.0.0.1:{self.port}"
-        self.folder = folder
-        self.processes: list[subprocess.Popen[bytes]] = []
-
-    def start(self) -> Any:
-        """Begins a scheduler with two workers; returns the engine."""
-        self.begin("scheduler", "--host", "127.0.0.1", "--port", str(self.port), "--no-show")
-        wait_for(lambda: is_open(self.port), "the scheduler")
-        self.begin("worker", self.address, "--nworkers", "2", "--nthreads", "1", "--death-timeout", "60")
-        until = time.monotonic() + 60
-        while True:
-            try:
-                engine = fleet.dask_cluster(self.address)
-                if engine.workers == 2:
-                    return engine
-                engine.close()
-            except (ValueError, OSError) as error:
-                assert time.monotonic() < until, f"no worker came: {error}"
-            time.sleep(0.5)
-
-    def begin(self, what: str, *words: str) -> None:
-        command = [sys.executable, "-m", f"distributed.cli.dask_{what}", *words, "--no-dashboard"]
-        quiet = subprocess.DEVNULL
-        self.processes.append(
-            subprocess.Popen(command, stdout=quiet, stderr=quiet, cwd=self.folder, start_new_session=True)
-        )
-
-    def kill_scheduler(self) -> None:
-        self.processes[0].kill()
-        self.processes[0].wait()
-
-    def end(self) -> None:
-        for process in self.processes:
-            with suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
-
-
-@pytest.fixture()
-def dask(tmp_path: Path) -> Iterator[Cluster]:
-    cluster = Cluster(tmp_path)
-    yield cluster
-    cluster.end()
-
-
-def test_a_lost_scheduler_and_a_replaced_object(
-    dask: Cluster, bucket: str, captures: Path, tmp_path: Path, wrapped: Wrap
-) -> None:
-    """On an object store. The scheduler is killed in the middle and begun anew, with other workers."""
-    import fsspec
-
-    wrapped(held_until(tmp_path / "go"))
-
-    store = fsspec.filesystem("s3", use_listings_cache=False)
-    for path in captures.iterdir():
-        store.put_file(str(path), f"fleet/night/{path.name}")
-    out = f"{bucket}/rows"
-    engine = dask.start()
-    wait = in_thread(lambda: fleet.run(f"{bucket}/night", out, RECIPE, engine))
-    wait_for(lambda: len(_store.row_paths(out)) == 1, "the first row")
-    dask.kill_scheduler()
-    (tmp_path / "go").touch()
-    dask.start().close()
-    ended = wait()
-    engine.close()
-    assert not ended.undone and sum(ended.states.values()) == UNITS
-    assert fleet.table(out).states == {"ok": UNITS}
-    store.put_file(str(captures / "unit1.arrows"), "fleet/night/unit2.arrows")
-    assert fleet.run(f"{bucket}/night", out, RECIPE).states == {"there": UNITS - 1, "ok": 1}
-
-
-def test_workers_of_dask_that_are_killed(dask: Cluster, captures: Path, tmp_path: Path, wrapped: Wrap) -> None:
-    """One file kills its worker each time; the others are done."""
-    wrapped('case "$*" in *unit5*) kill -KILL $PPID; sleep 5;; esac')
-    engine = dask.start()
-    ended = fleet.run(str(captures), str(tmp_path / "out"), RECIPE, engine)
-    engine.close()
-    assert (ended.states, ended.undone) == ({"ok": UNITS - 1, "killed": 1}, {})

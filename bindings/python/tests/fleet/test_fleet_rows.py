@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
+import sysconfig
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -14,12 +15,15 @@ from typing import Any
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from fleet_helpers import PLAN, RECIPE, UNITS, Wrap
+from fleet_helpers import PLAN, RECIPE, UNITS, Wrap, trapped
 
 import zerorate
 from zerorate import fleet
 from zerorate.fleet import _store
 from zerorate.fleet._program import version
+
+
+PROGRAM = shutil.which("zerorate", path=sysconfig.get_path("scripts")) or "zerorate is not installed"
 
 
 def run(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -201,6 +205,17 @@ def test_the_command_line(captures: Path, tmp_path: Path) -> None:
     assert json.loads(run("table", out, "--json").stdout)["states"] == {"ok": UNITS}
     one = run("one", str(captures / "unit3.arrows"), out, "--recipe", str(recipe))
     assert one.returncode == 0 and json.loads(one.stdout)["serial"] == "SN3"
+
+
+@pytest.mark.parametrize("engine", [[], pytest.param(["--dask", "local", "--workers", "1"], marks=pytest.mark.stores)])
+def test_nothing_of_the_current_folder_is_run(engine: list[str], captures: Path, tmp_path: Path) -> None:
+    if engine and sys.version_info < (3, 11):
+        pytest.skip("this Python cannot leave out the current folder")
+    folder = trapped(tmp_path / "foreign")
+    command = [PROGRAM, "fleet", "run", str(captures / "unit1.arrows"), str(tmp_path / "out"), *engine]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert not (folder / "ran").exists(), (folder / "ran").read_text()
 
 
 @pytest.mark.parametrize(
