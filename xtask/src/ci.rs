@@ -10,10 +10,13 @@ use anyhow::Result;
 use xtask::arguments::Arguments;
 
 /// What `check` does not run.
-const REST: [Step; 11] = [
+const REST: [Step; 12] = [
     test::WHOLE_STEP,
     Step::new("codegen", "xtask codegen --check")
         .about("Every generated file is as `cargo xtask codegen` would write it"),
+    Step::new("instructions", "xtask instructions")
+        .about("Reading and checking a log costs at most half of its deviations, in instructions")
+        .installing("valgrind"),
     // the longest first, so that none is left alone at the end
     Step::new("web", "xtask web --check")
         .about("The page of the program, tested in Chromium: served bench and reader of logs")

@@ -4,7 +4,7 @@ use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use xtask::app::target_folder;
+use xtask::app::{program, target_folder};
 use xtask::arguments::Arguments;
 use xtask::tools::{Tool, available};
 use xtask::venv::{done, printed};
@@ -16,7 +16,6 @@ beside its deviations (reading it, and every check of it) takes more than half a
 do not depend on how busy the machine is.";
 
 const TOOLS: [Tool; 1] = [Tool { program: "valgrind", package: "valgrind" }];
-const BUILD: &str = "build --release --workspace --features zerorate-cli/full --bin zerorate";
 /// Instructions are counted from the shorter log to the longer one, so that the start of the program does not count.
 const SAMPLES: [usize; 2] = [200_000, 1_200_000];
 const MOST: f64 = 0.5;
@@ -29,8 +28,8 @@ pub fn run(arguments: Arguments) -> Result<()> {
     if !available(&TOOLS, "instructions")? {
         return Ok(());
     }
-    done(Command::new("cargo").args(BUILD.split(' ')))?;
-    let [short, long] = SAMPLES.map(counted);
+    let program = program()?;
+    let [short, long] = SAMPLES.map(|samples| counted(&program, samples));
     let (short, long) = (short?, long?);
     let per_sample = |of: fn(&Counts) -> f64| (of(&long) - of(&short)) / (SAMPLES[1] - SAMPLES[0]) as f64;
     let deviations = per_sample(|counts| counts.deviations);
@@ -50,13 +49,13 @@ struct Counts {
 }
 
 /// Runs the program on so many samples of noise.
-fn counted(samples: usize) -> Result<Counts> {
+fn counted(program: &Path, samples: usize) -> Result<Counts> {
     let folder = target_folder()?;
     let [log, counts] = ["instructions.f64", "instructions.callgrind"].map(|name| folder.join(name));
     fs::write(&log, noise(samples))?;
     let mut valgrind = Command::new("valgrind");
     valgrind.args(["--quiet", "--tool=callgrind"]).arg(format!("--callgrind-out-file={}", counts.display()));
-    valgrind.arg(folder.join("release/zerorate")).arg("allan").arg(&log);
+    valgrind.arg(program).arg("allan").arg(&log);
     valgrind.args(["--raw", "f64", "--rate", "200", "--unit", "dps"]).stdout(Stdio::null());
     done(valgrind.env("RAYON_NUM_THREADS", "1"))?;
     let found = Counts::of(&counts)?;

@@ -31,7 +31,7 @@ struct Task {
     run: fn(Arguments) -> Result<()>,
 }
 
-const TASKS: [Task; 12] = [
+const TASKS: [Task; 13] = [
     Task {
         name: "test",
         usage: "[--full]",
