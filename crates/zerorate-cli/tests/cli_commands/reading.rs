@@ -47,7 +47,7 @@ fn capture_ends_by_count_or_by_time_in_the_form_that_the_name_says() {
 fn a_recording_of_a_frozen_part_is_whole_and_3() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("f.arrows");
-    let device = "twin:seed=3,fault=frozen,fault_at_s=2,rotation_dps=360";
+    let device = "twin:fault=frozen,fault_at_s=2,rotation_dps=360";
     let run = zerorate(&["capture", "--device", device, "--duration", "4s", "-o", path(&file), "--json"]);
     let run = run.ended_with(3).saying(&["refused: ", "frozen", "since 2.0 s", "raw codes"]);
     let summary = run.json();

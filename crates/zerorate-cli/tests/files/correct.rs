@@ -25,7 +25,7 @@ fn the_calibration_of_another_part_is_refused() {
     doubtful.ok();
     bench.write("nameless.toml", calibration(-0.25, -0.04, 24.0));
     let doubtful = bench.zerorate("correct rest.csv --cal nameless.toml -o doubtful.csv");
-    assert!(doubtful.stderr.contains("unknown-serial") && doubtful.stderr.contains("zerorate calibrate"));
+    assert!(doubtful.stderr.contains("unknown-serial") && doubtful.stderr.contains("calibrate with one next time"));
     doubtful.ok();
     let forced = bench.zerorate("correct rest.csv --cal b2.toml -o b2.arrows --force");
     assert!(forced.stderr.contains("warning: rest.csv is part A1, b2.toml is for part B2"));

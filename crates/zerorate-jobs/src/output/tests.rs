@@ -120,13 +120,13 @@ fn nothing_but_a_recording_replaces_a_capture() {
     let head = "# zerorate.capture_schema = 1\n# zerorate.width_bits = 24\n# zerorate.rate_conversion = 5\n\
         # zerorate.temp_conversion = 5\nt_ns,edge_seq,rate_code,status,temp_code,lost\n";
     let row = "1000,1,8623488,8,8402701,0\n";
-    for content in [
-        format!("{head}{row}"),
-        format!("{head}{row}2000,"),
-        head.replace("capture_schema", "kapture_schema") + row,
-        "PAR1 and no index of zerorate.".to_owned(),
+    for (name, content) in [
+        ("whole", format!("{head}{row}")),
+        ("torn", format!("{head}{row}2000,")),
+        ("damaged", head.replace("capture_schema", "kapture_schema") + row),
+        ("without-its-end", "PAR1 and no index of zerorate.".to_owned()),
     ] {
-        let path = folder.path().join("other");
+        let path = folder.path().join(name);
         fs::write(&path, &content).unwrap();
         for refused in [Outputs::new(true).derived(&path).map(drop), Outputs::new(true).slot(&path).map(drop)] {
             assert!(matches!(refused, Err(OutputError::IsCapture { .. })), "{content}");
