@@ -58,7 +58,7 @@ fn brief(error: &str) -> impl Iterator<Item = &str> {
     lines.filter(move |line| !(has_usage && line.starts_with("For more information")))
 }
 
-/// The error, with a tip where a number has a decimal comma, or a command is one of the Python package.
+/// The error, with a tip where a number has a decimal comma, or a command is written in Python.
 fn advised(mut error: Error) -> Error {
     let given = |kind| match error.get(kind) {
         Some(ContextValue::String(given)) => Some(given.as_str()),
@@ -72,6 +72,8 @@ fn advised(mut error: Error) -> Error {
         (None, Some((command, how))) => format!("`{command}` {how}"),
         (None, None) => return error,
     };
+    // the user means this command, and none of a similar name
+    error.remove(ContextKind::SuggestedSubcommand);
     error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
     error
 }
