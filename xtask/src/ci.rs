@@ -10,7 +10,10 @@ use anyhow::Result;
 use xtask::arguments::Arguments;
 
 /// What `check` does not run.
-const REST: [Step; 12] = [
+const REST: [Step; 13] = [
+    Step::new("page", "xtask web")
+        .about("The page builds; the program of `test` has it inside")
+        .installing("nodejs npm clang, what web/package-lock.json names in web/node_modules"),
     test::WHOLE_STEP,
     Step::new("codegen", "xtask codegen --check")
         .about("Every generated file is as `cargo xtask codegen` would write it"),
@@ -21,7 +24,7 @@ const REST: [Step; 12] = [
     Step::new("web", "xtask web --check")
         .about("The page of the program, tested in Chromium: served bench and reader of logs")
         .at(Pace::Beside)
-        .installing("nodejs npm clang chromium, what web/package-lock.json names in web/node_modules"),
+        .installing("chromium"),
     Step::new("python", "xtask python")
         .about("The wheel, its tests and type checkers")
         .at(Pace::Beside)

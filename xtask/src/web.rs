@@ -155,17 +155,21 @@ fn npm(arguments: &[&str]) -> Command {
     command
 }
 
-/// Copies the page to the program's folder, without the files that only a static site needs.
+/// Copies the page to the program's folder, without the files that only a static site needs. A file that is there
+/// already keeps its time, so that cargo does not build the program again.
 fn embed() -> Result<()> {
     fs::create_dir_all(INTO)?;
-    for old in files(Path::new(INTO))? {
-        if !matches!(name(&old), "README.md" | ".gitignore") {
+    let (into, page) = (Path::new(INTO), files(Path::new("web/dist"))?);
+    let page: Vec<&PathBuf> = page.iter().filter(|file| !is_static_only(name(file))).collect();
+    for old in files(into)? {
+        if !matches!(name(&old), "README.md" | ".gitignore") && page.iter().all(|file| name(file) != name(&old)) {
             fs::remove_file(old)?;
         }
     }
-    for file in files(Path::new("web/dist"))? {
-        if !is_static_only(name(&file)) {
-            fs::copy(&file, Path::new(INTO).join(name(&file)))?;
+    for file in page {
+        let to = into.join(name(file));
+        if fs::read(&to).ok() != Some(fs::read(file)?) {
+            fs::copy(file, to)?;
         }
     }
     println!("{INTO}: cargo build puts it into the program");
