@@ -103,9 +103,10 @@ enum Task {
     /// Plug the twin into a virtual machine, as an SPI and GPIO adapter on its USB port
     ///
     /// The twin becomes hardware, on wall time, behind an emulated USB adapter for SPI and GPIO (Intel LJCA,
-    /// 8086:0b63). QEMU plugs it into a guest, where the kernel's own drivers bind it: usb-ljca, spi-ljca and gpio-ljca
-    /// of Linux 6.12. RDY is line 3 of the adapter's GPIO chip. Ctrl-C unplugs the twin, and prints what it saw and its
-    /// true values as one JSON object. lab/src/twin_usb/README.md has the messages and the options of QEMU.
+    /// 8086:0b63). QEMU plugs it into a guest, where the kernel's own drivers bind it: usb-ljca, spi-ljca and
+    /// gpio-ljca of Linux 6.12. RDY is line 3 of the adapter's GPIO chip. Ctrl-C unplugs the twin, and prints what it
+    /// saw and its true values as one JSON object. lab/src/twin_usb/README.md has the messages, and the options of
+    /// QEMU.
     TwinUsb(twin_usb::TwinUsbArgs),
     /// Break the part, the files and the program at random moments, and look for results that are wrong and silent
     ///

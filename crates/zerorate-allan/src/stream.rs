@@ -9,8 +9,8 @@ use core::fmt;
 /// From sample 0 the result equals [`Stat::Adev`](super::Stat::Adev) (NIST SP 1065 equation 10). All sums are
 /// integers. With codes of 32 bits they are exact for 2^37 samples at least.
 ///
-/// No noise model is fitted to its deviations: Gauss–Markov terms, lines, a low-pass, glitches and steps spoil N, B and
-/// K, and none of them can be seen without the record. Keep the record, and use `fit`.
+/// No noise model is fitted to its deviations: Gauss–Markov terms, lines, a low-pass, glitches and steps spoil N, B
+/// and K, and none of them can be seen without the record. Keep the record, and use `fit`.
 ///
 /// ```
 /// use zerorate_allan::Stream;

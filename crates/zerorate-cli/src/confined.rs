@@ -1,10 +1,13 @@
 //! A run in a child process with a limit on its memory.
 //!
-//! The readers bound what a file may take, and catch the panics of the decoders. For the library of Parquet that is not
-//! enough. It takes a schema apart by recursion, so that 20 000 groups in groups (160 kB) use up the stack. It unpacks a
-//! page before it hands out a row, so that 50 kB took 470 MiB and may take more. A process cannot catch either in
-//! itself. Therefore a command that reads files of unknown origin runs in a child process, and the parent reports how
-//! the child ended.
+//! The readers bound what a file may take, and catch the panics of the decoders. For the library of Parquet that is
+//! not enough:
+//!
+//! * It takes a schema apart by recursion, so that 20 000 groups in groups (160 kB) use up the stack.
+//! * It unpacks a page before it hands out a row, so that 50 kB took 470 MiB, and may take more.
+//!
+//! A process cannot catch either in itself. Therefore a command that reads files of unknown origin runs in a child
+//! process, and the parent reports how the child ended.
 
 use crate::output::say;
 use rustix::process::{Pid, Resource, Rlimit, Signal, kill_process, set_parent_process_death_signal, setrlimit};
