@@ -28,7 +28,7 @@ const REST: [Step; 13] = [
     Step::new("python", "xtask python")
         .about("The wheel, its tests and type checkers")
         .at(Pace::Beside)
-        .installing("what requirements-test.txt names, below target/; procps"),
+        .installing("what requirements-test.txt names, below target/"),
     Step::new("bridge", "xtask bridge")
         .about("The program at a bridge in an emulator, over good and bad cables")
         .at(Pace::Beside)

@@ -93,7 +93,7 @@ rows!(match JobWarning {
         text: format_args!("bad readings ({flags}) are left out, their rows are flagged; check cable and supply"),
     },
     Self::StateAgeUnknown =>
-        Row { code: "state-age-unknown", text: format_args!("the age of the state is unknown; it is taken as of now") },
+        Row { code: "state-age-unknown", text: format_args!("the state has an unknown age; it is taken as of now") },
     Self::StateNotKept { ref why, again_s } => Row {
         code: "not-kept",
         text: format_args!("the state cannot be written: {why}; the next attempt is in {again_s} s"),

@@ -32,8 +32,6 @@ mod lzf;
 mod mat;
 #[cfg(feature = "mcap")]
 mod mcap_bag;
-#[cfg(feature = "mcap")]
-mod mcap_messages;
 #[cfg(any(feature = "mcap", feature = "ros", feature = "sqlite"))]
 mod message;
 #[cfg(all(test, not(feature = "full")))]
@@ -42,8 +40,6 @@ mod missing;
 mod nested;
 #[cfg(feature = "numpy")]
 mod npy;
-#[cfg(feature = "numpy")]
-mod npy_header;
 #[cfg(feature = "npz")]
 mod npz;
 mod number;
@@ -99,9 +95,8 @@ use open::{Log, LogForm};
 use series::SeriesBuilder;
 use std::path::Path;
 use zerorate_allan::Gap;
-use zerorate_record::limits::Room;
 use zerorate_record::table::{self, Opened};
-use zerorate_record::{CaptureError, Input};
+use zerorate_record::{CaptureError, Input, limits::Room};
 
 /// The wanted numbers of a log, and facts that the log does not state itself.
 #[derive(Clone, Debug, Default)]
@@ -117,7 +112,7 @@ pub struct ColumnOptions {
     /// The column with the time of each row: it tells the rate, and where samples are missing.
     pub time_column: Option<String>,
 
-    /// The unit of the time column ; none: the one that its name or type states, as in t_ns or `timestamp [ms]`.
+    /// The unit of the time column; none: the one that its name or type states, as in t_ns or `timestamp [ms]`.
     pub time_unit: Option<TimeUnit>,
 
     /// Samples per second; none: as the time column, the timestamps of a capture or the stamps of a bag tell. With it,

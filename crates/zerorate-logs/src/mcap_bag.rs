@@ -1,12 +1,14 @@
 //! ROS bags in MCAP.
 
+mod messages;
+
 use super::imu_messages::{Collector, Quantities, Sources, sources, without_imu};
-use super::mcap_messages::{self, Messages, Torn};
 use super::message::Encoding;
 use super::open::Log;
 use super::topics::Survey;
 use super::{ColumnQuery, Found, Result};
 use mcap::Channel;
+use messages::{Messages, Torn};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Seek;
@@ -23,7 +25,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     }
     let wanted = Quantities::choose(path, &topics, asked, || survey(&mut file, log.room, &topics))?;
     let topic = wanted.source.topic.clone();
-    let stated = mcap_messages::stated(&mut file, log.room).get(&topic).copied();
+    let stated = messages::stated(&mut file, log.room).get(&topic).copied();
     file.rewind().map_err(|error| CaptureError::io("read", path, error))?;
     let mut collector = Collector::new(path, wanted, log.room, asked.args);
     let mut cut = None;

@@ -1,12 +1,14 @@
 //! Columns of NumPy arrays: one dimension, a column of two, or a field of a structured array; of one array, or of
 //! several that lie together.
 
+mod header;
+
 use super::choice::{Choice, Columns, same_length};
 use super::clock::Times;
-use super::npy_header::{Element, Form, Header, Kind};
 use super::open::Log;
 use super::series::SeriesBuilder;
 use super::{Clock, ColumnQuery, Found, FoundColumn, Result, wrong};
+use header::{Element, Form, Header, Kind};
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 use zerorate_record::limits::Room;

@@ -5,7 +5,7 @@ use std::net::SocketAddr;
 use zerorate::calibration::FileWarning;
 use zerorate_allan::rows;
 
-/// A warning of a session that goes on. `cal` names the calibration: its file, or its id. `why` is the error behind it.
+/// A warning of a session that goes on. `cal` names the calibration: its file, or its id. `why` is the error.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are what the text shows")]
