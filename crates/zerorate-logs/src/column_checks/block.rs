@@ -1,4 +1,4 @@
-//! A column in blocks, each with the facts that the checks of a column share: one pass over the column serves all.
+//! A column in blocks, each with the facts that the checks share: one pass over the column serves them all.
 
 use std::cell::Cell;
 use zerorate_allan::Input;

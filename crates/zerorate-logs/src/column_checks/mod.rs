@@ -10,15 +10,25 @@ pub mod coarse;
 pub mod resampled;
 mod stopped;
 
-use crate::LogWarning;
+use crate::Result;
+use crate::warning::LogWarning;
 use block::{Block, for_each_block};
 use clipped::Clipped;
 use coarse::Coarse;
 use resampled::Resampled;
 use std::path::Path;
 use stopped::Changes;
-pub use stopped::stopped;
 use zerorate_allan::Input;
+
+/// The warning about the column `name` of a log where it stops changing: a log of another part need not have stopped
+/// with it. `path` names the log in messages.
+///
+/// # Errors
+/// Refuses a column of one value all along: a dead sensor, not noise.
+pub fn stopped(input: Input<'_>, rate_hz: f64, path: &Path, name: &str) -> Result<Option<LogWarning>> {
+    let gaps = if let Input::Codes { gaps, .. } = input { gaps } else { &[] };
+    ColumnFacts::of(&input).changes.stopped(gaps, rate_hz, path, name)
+}
 
 /// All checks of the samples of a column.
 #[derive(Default)]

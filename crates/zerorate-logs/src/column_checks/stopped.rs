@@ -1,24 +1,13 @@
 //! A sensor that stopped while it was recorded.
 
-use super::ColumnFacts;
 use super::block::{BLOCK, Block};
 use crate::warning::LogWarning;
 use crate::{LogError, Result};
 use std::path::Path;
-use zerorate_allan::{Gap, Input};
+use zerorate_allan::Gap;
 
 /// A column that changes more often than not, and then no more for so many samples, has stopped.
 const STOPPED_SAMPLES: usize = 1000;
-
-/// The warning about the column `name` of a log where it stops changing: a log of another part need not have stopped
-/// with it. `path` names the log in messages.
-///
-/// # Errors
-/// Refuses a column of one value all along: a dead sensor, not noise.
-pub fn stopped(input: Input<'_>, rate_hz: f64, path: &Path, name: &str) -> Result<Option<LogWarning>> {
-    let gaps = if let Input::Codes { gaps, .. } = input { gaps } else { &[] };
-    ColumnFacts::of(&input).changes.stopped(gaps, rate_hz, path, name)
-}
 
 /// Samples of one value, one after the other.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -107,8 +96,10 @@ impl Changes {
         }
     }
 
-    /// The warning where the column stops changing, or the error where it never does, as [`stopped`]. `gaps` are
-    /// those among codes.
+    /// The warning about the column `name` of the log at `path` where it stops changing. `gaps` are those among codes.
+    ///
+    /// # Errors
+    /// Refuses a column of one value all along.
     pub fn stopped(&self, gaps: &[Gap], rate_hz: f64, path: &Path, name: &str) -> Result<Option<LogWarning>> {
         let &Self { len, total, count, longest: Run { start, len: same, samples }, .. } = self;
         if count == 0 {
