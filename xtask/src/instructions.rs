@@ -57,7 +57,8 @@ fn counted(program: &Path, samples: usize) -> Result<Counts> {
     valgrind.args(["--quiet", "--tool=callgrind"]).arg(format!("--callgrind-out-file={}", counts.display()));
     valgrind.arg(program).arg("allan").arg(&log);
     valgrind.args(["--raw", "f64", "--rate", "200", "--unit", "dps"]).stdout(Stdio::null());
-    done(valgrind.env("RAYON_NUM_THREADS", "1"))?;
+    // the run itself, and not the child in which the program reads a log
+    done(valgrind.env("ZERORATE_CONFINED", "1").env("RAYON_NUM_THREADS", "1"))?;
     let found = Counts::of(&counts)?;
     [log, counts].iter().try_for_each(fs::remove_file)?;
     Ok(found)
