@@ -69,7 +69,7 @@ fn lines() -> Vec<String> {
     let exports = of_exports().into_iter().map(|one| format!("{}: {one}", one.code()));
     let sessions = of_sessions().into_iter().map(|one| format!("{}: {one}", one.code()));
     let jobs = of_jobs().into_iter().map(|one| one.coded(option).to_string());
-    let logs = of_logs().into_iter().map(|one| one.coded());
+    let logs = of_logs().into_iter().chain(of_samples()).map(|one| one.coded());
     let captures = of_captures().into_iter().map(|one| one.coded());
     let sources = of_sources().into_iter().map(|one| one.coded());
     let imu = of_imu().into_iter().map(|one| one.coded());
@@ -254,6 +254,24 @@ fn of_logs() -> Vec<LogWarning> {
             first: "ets Jun  8 2016 00:22:57, rst:0x1 (POWERON_RESET)".to_owned(),
         },
         LogWarning::LinesBroken("log.csv: 12 of 720000 lines are broken, and skipped; look at line 3456".to_owned()),
+        LogWarning::Implausible { path: path(), what: "gravity is 1.003 m/s²".to_owned() },
+        LogWarning::UnitUnknown { path: path(), column: "gz".to_owned(), unit: "--unit", scale: "--scale" },
+        LogWarning::ColumnsLeftOut { path: path(), names: names() },
+        LogWarning::NoNumbers { path: path(), names: names() },
+        LogWarning::BlanksLeftOut { path: path(), names: names() },
+        LogWarning::SeveralImus { path: path(), count: 6, kinds: "accelerometers", column: "--column" },
+        gaps(true),
+        gaps(false),
+        LogWarning::NotAlike(
+            "a.csv, gz_dps has 1.23 times the N of the others: left out of the common model".to_owned(),
+        ),
+    ]
+}
+
+/// What the samples of a column show.
+fn of_samples() -> [LogWarning; 3] {
+    let [path, column] = [|| "log.csv".to_owned(), || "gz_dps".to_owned()];
+    [
         LogWarning::Resampled {
             path: path(),
             column: column(),
@@ -269,17 +287,6 @@ fn of_logs() -> Vec<LogWarning> {
             column: column(),
             how: "noise of 0.12 steps: N, B and K are of the rounding".to_owned(),
         },
-        LogWarning::Implausible { path: path(), what: "gravity is 1.003 m/s²".to_owned() },
-        LogWarning::UnitUnknown { path: path(), column: "gz".to_owned(), unit: "--unit", scale: "--scale" },
-        LogWarning::ColumnsLeftOut { path: path(), names: names() },
-        LogWarning::NoNumbers { path: path(), names: names() },
-        LogWarning::BlanksLeftOut { path: path(), names: names() },
-        LogWarning::SeveralImus { path: path(), count: 6, kinds: "accelerometers", column: "--column" },
-        gaps(true),
-        gaps(false),
-        LogWarning::NotAlike(
-            "a.csv, gz_dps has 1.23 times the N of the others: left out of the common model".to_owned(),
-        ),
     ]
 }
 

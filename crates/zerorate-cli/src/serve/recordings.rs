@@ -1,6 +1,6 @@
 //! Recordings while the page is served: one file for each opening of the device.
 
-use crate::output::{Outputs, Recording, say};
+use crate::output::{Outputs, say};
 use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::channel;
@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use zerorate_host::{Batch, Hub, LosslessReader};
 use zerorate_jobs::Recorder;
-use zerorate_jobs::output::OutputError;
+use zerorate_jobs::output::{OutputError, Recording};
 use zerorate_record::{CaptureInfo, Format};
 
 /// The recordings of a run. A device that is opened again begins another recording, since its time begins anew.

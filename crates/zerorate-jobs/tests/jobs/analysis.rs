@@ -63,7 +63,7 @@ fn a_rate_that_follows_its_temperature_can_be_analysed() {
     record("twin:seed=4", Sampling { divider: Some(200), every_temp: None }, 2400.0, &capture);
     let by = |settling: Settling| {
         let analysis = AnalysisOptions { settling, ..fitted() };
-        allan(&[capture.clone()], &options(ColumnOptions::default(), analysis)).unwrap().remove(0)
+        allan(std::slice::from_ref(&capture), &options(ColumnOptions::default(), analysis)).unwrap().remove(0)
     };
     let follows = |record: &Record| record.of_noise().any(|warning| warning.code() == "follows-temperature");
     let whole = by(Settling::default());
