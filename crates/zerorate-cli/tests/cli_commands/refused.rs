@@ -2,13 +2,12 @@
 
 use crate::harness::Bench;
 
-/// A folder with a calibration of a part without a serial number, a log and a plan of soak points.
+/// A folder with a calibration of a part without a serial number, and a log.
 fn bench() -> Bench {
     let bench = Bench::new();
     let pair = "[correction]\npbc_dps = 0.1\nbtc_dps_per_c = 0.01\nt3_c = 25.0\n";
     bench.write("unit.toml", format!("schema = 1\npart = \"ADIS16130\"\n{pair}"));
     bench.write("log.csv", "t_s,gz_dps\n0.00,0.1\n0.01,0.2\n0.02,0.1\n0.03,0.3\n");
-    bench.write("plan.toml", "schema = 1\n[[step]]\nto_c = 15\n[[step]]\nto_c = 45\n");
     bench.write("noise.bin", [0x5a; 100]);
     bench
 }
@@ -44,14 +43,7 @@ fn of_a_calibrated_rate() {
         (&format!("{stream} --serial A7"), 1, "a part without a serial number, not of part A7"),
         (&format!("{stream} --track --least-turn-dps 0"), 2, "between 0.000001 and 100"),
         (&format!("{stream} --track --power-up-dps 1000"), 2, "--power-up-dps is 1000"),
-    ]);
-}
-
-#[test]
-fn of_a_chamber() {
-    refused(&[
-        ("chamber plan.toml --device twin: --earth-dps 5", 2, "-0.00418 to 0.00418"),
-        ("chamber plan.toml --device twin: --chamber oven", 2, "no such kind of chamber"),
+        ("chamber f57 --device twin: --earth-dps 5", 2, "-0.00418 to 0.00418"),
     ]);
 }
 

@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 use zerorate::{Calibration, Part};
-use zerorate_record::{CaptureInfo, CaptureReader, CaptureWriter, Format, Layout, Row};
+use zerorate_record::{CaptureInfo, CaptureWriter, Format, Layout, Row};
 
 /// The scales are from its data sheet, and the noise is about as in its real log.
 const PART: &str = r#"
@@ -160,33 +160,6 @@ fn the_wrong_part_is_named() {
     assert!(!bench.path("corrected.csv").exists());
 }
 
-/// The same as a log of values, such as another program writes: it is read through the file of the part.
-#[test]
-fn a_log_is_as_good_as_a_capture() {
-    let bench = Bench::new();
-    bench.write("part.toml", PART);
-    record(&bench.path("imu.arrows"), false);
-    let reader = CaptureReader::open(Path::new("imu"), File::open(bench.path("imu.arrows")).unwrap().into()).unwrap();
-    let mut log = "time [ms],y_dps,x_dps,z_dps,temp_code\n".to_owned();
-    for row in reader.map(Result::unwrap) {
-        let [x, y, z] = [0, 1, 2].map(|axis| row.codes()[axis] as f64 / 20.0);
-        log += &format!("{},{y},{x},{z},{}\n", row.t_ns / 1_000_000, row.temp_code.unwrap());
-    }
-    bench.write("log.csv", log);
-    bench.zerorate(&format!("calibrate --device replay:log.csv --part part.toml {PLAN} -o log.toml")).ok();
-    bench.zerorate(&format!("recalibrate imu.arrows --part part.toml {PLAN} -o unit.toml")).ok();
-    let [log, unit] = ["log.toml", "unit.toml"].map(|name| {
-        let text = std::fs::read_to_string(bench.path(name)).unwrap();
-        Calibration::parse(&text).unwrap().0
-    });
-    assert_eq!((log.capture_sha256, &log.axes), (unit.capture_sha256, &unit.axes));
-    let said = bench.zerorate("calibrate --device replay:log.csv").fails(1);
-    assert!(said.contains("log.csv is not a capture"), "{said}");
-    bench.write("short.csv", "t_s,x,y,temp\n0,1,2,3\n");
-    let said = bench.zerorate("calibrate --device replay:short.csv --part part.toml").fails(2);
-    assert!(said.contains("has no column `z` for the axis z"), "{said}");
-}
-
 /// The log of a real part at rest, with a simulated temperature. Its z axis steps, and is refused by its name. A user
 /// who accepts that gets the bias of all axes, which a plain mean shows as well.
 #[test]
@@ -223,37 +196,4 @@ fn a_real_log_goes_all_the_way() {
         let off_dps = axis.correction.pbc_dps + end;
         assert!(off_dps.abs() < 0.002, "axis {}: {off_dps} °/s off the mean of step 8", axis.name);
     }
-}
-
-/// What is torn off is said, the rest is kept, and every axis can be analysed.
-#[test]
-fn captures_of_axes_are_verified_repaired_and_analysed() {
-    let bench = Bench::new();
-    record(&bench.path("imu.arrows"), false);
-    let whole = bench.zerorate("verify imu.arrows --json").ok();
-    let whole: serde_json::Value = serde_json::from_str(&whole).unwrap();
-    assert_eq!((&whole["whole"], &whole["files"][0]["rows"]), (&true.into(), &ROWS.into()));
-    let bytes = std::fs::read(bench.path("imu.arrows")).unwrap();
-    bench.write("torn.arrows", &bytes[..bytes.len() / 2]);
-    let torn = bench.zerorate("verify torn.arrows");
-    assert!(torn.code == Some(1) && torn.stdout.contains("TORN"), "{torn:?}");
-    bench.zerorate(&format!("repair torn.arrows -o mended.{SMALLEST}")).ok();
-    bench.zerorate(&format!("verify mended.{SMALLEST}")).ok();
-    for column in ["x_code", "z_code", "temp_code"] {
-        bench.zerorate(&format!("allan mended.{SMALLEST} --column {column} --json")).ok();
-    }
-    let said = bench.zerorate(&format!("allan mended.{SMALLEST}")).fails(2);
-    assert!(said.contains("several columns") && said.contains("`y_code`"), "{said}");
-}
-
-#[test]
-fn a_capture_of_axes_as_columns() {
-    let bench = Bench::new();
-    record(&bench.path("imu.arrows"), false);
-    let recording = zerorate_jobs::capture::read_capture(&bench.path("imu.arrows")).unwrap();
-    let names: Vec<&str> = recording.axes.iter().map(|axis| axis.name.as_str()).collect();
-    assert_eq!((recording.part.as_str(), names), ("ADIS16405", vec!["x", "y", "z"]));
-    let rows = ROWS as usize;
-    assert!(recording.axes.iter().all(|axis| (axis.codes.len(), axis.flags.len()) == (rows, rows)));
-    assert_eq!((recording.temp_code.len(), recording.axes[1].scale.value(20)), (rows, 1.0));
 }

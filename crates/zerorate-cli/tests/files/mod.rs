@@ -79,6 +79,21 @@ fn capture(serial: &str, rows: &str) -> String {
     )
 }
 
+/// White noise of so many samples and this standard deviation: sums of twelve numbers of a congruential generator.
+fn white(samples: usize, sd: f64, seed: u64) -> Vec<f64> {
+    let mut state = seed;
+    let mut uniform = move || {
+        state = 16_807 * state % 2_147_483_647;
+        state as f64 / 2_147_483_647.0 - 0.5
+    };
+    (0..samples).map(|_| (0..12).map(|_| uniform()).sum::<f64>() * sd).collect()
+}
+
+/// The bytes that `--raw f64` reads.
+fn raw(rate: &[f64]) -> Vec<u8> {
+    rate.iter().flat_map(|rate| rate.to_le_bytes()).collect()
+}
+
 /// Whether a program is there; the test that needs it says so when it is not.
 fn installed(program: &str) -> bool {
     let found = Command::new(program).arg("--version").output().is_ok_and(|output| output.status.success());

@@ -32,8 +32,6 @@ fn what_cannot_be_taken_out_is_said() {
     bench.write("log.csv", format!("rate_dps,kelvin\n{rows}"));
     let refuse = |line: &str, why: &[&str]| drop(bench.zerorate(line).ended_with(2).saying(why));
     refuse("allan log.csv --rate 10 --column rate_dps --detrend temp", &["--temp-column", "temp_code"]);
-    refuse("allan log.csv --rate 10 --column rate_dps --detrend temp:4", &["temp:2"]);
-    refuse("allan log.csv --rate 10 --column rate_dps --detrend time", &["temp:2"]);
     refuse("allan log.csv --rate 10 --column rate_dps --temp-column t", &["no column \"t\""]);
     refuse("allan log.csv --rate 10 --column rate_dps --skip 1h", &["--skip leaves nothing"]);
     refuse("allan log.csv --rate 10 --column rate_dps --pool --detrend temp --temp-column kelvin", &["--pool"]);

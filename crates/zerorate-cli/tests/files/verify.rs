@@ -1,6 +1,6 @@
 //! Files that are whole, torn, damaged or old, as a user asks about them, and what is saved of them.
 
-use super::{Bench, FORMS, calibration, capture};
+use super::{Bench, FORMS, calibration};
 use serde_json::Value;
 use std::fs;
 
@@ -130,19 +130,6 @@ fn repair_keeps_every_whole_block_and_the_input() {
         assert!(saved.len() > 5_000 && all.starts_with(&saved), "{name}: {} of {} rows", saved.len(), all.len());
     }
     assert_eq!(bench.zerorate("repair torn.arrows -o torn.arrows --force").code, Some(2));
-}
-
-#[test]
-fn an_old_capture_is_readable_and_becomes_a_checked_one() {
-    let bench = Bench::new();
-    let rows: String = (0..200u64).map(|i| format!("{},{i},8388608,8,8388608,0\n", (i + 1) * 10_000_000)).collect();
-    bench.write("old.csv", capture("A1", &rows));
-    let (code, old) = verdict(&bench, "old.csv");
-    assert_eq!((code, &old["checked"], &old["schema"]), (Some(0), &false.into(), &1.into()), "{old}");
-    assert!(old["notes"][0].as_str().unwrap().contains("version 1"));
-    assert!(bench.zerorate("repair old.csv -o new.arrows").ok().contains("200 rows kept; nothing was missing"));
-    let (code, new) = verdict(&bench, "new.arrows");
-    assert_eq!((code, &new["checked"], &new["rows"]), (Some(0), &true.into(), &200.into()), "{new}");
 }
 
 #[test]
