@@ -26,14 +26,13 @@ pub struct BenchPeersArgs {
     no_cli: bool,
 }
 
-/// A line of the peers.
 #[derive(Deserialize)]
-struct Line {
-    who: String,
-    work: String,
-    seconds: Option<f64>,
+pub struct Line {
+    pub who: String,
+    pub work: String,
+    pub seconds: Option<f64>,
     memory: Option<f64>,
-    dev: Option<Vec<Option<f64>>>,
+    pub dev: Option<Vec<Option<f64>>>,
 }
 
 /// Installs the peers, runs them one after the other, prints seconds and ratios.
@@ -72,7 +71,7 @@ pub fn peers() -> Result<PathBuf> {
     Ok(lab::folder()?.join("peers/peers"))
 }
 
-fn parse(text: &str) -> Result<Vec<Line>> {
+pub fn parse(text: &str) -> Result<Vec<Line>> {
     text.lines().map(|line| serde_json::from_str(line).with_context(|| format!("a peer printed `{line}`"))).collect()
 }
 

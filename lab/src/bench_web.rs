@@ -1,7 +1,7 @@
 //! `cargo xtask bench-web`: times the core as WebAssembly beside the same core as a program on one thread. It also
 //! measures how soon the page shows something, and how much it loads.
 
-use crate::bench_peers;
+use crate::bench_peers::{self, Line};
 use crate::venv::{done, printed};
 use crate::web;
 use anyhow::{Context, Result};
@@ -30,15 +30,6 @@ struct Page {
     recordings_bytes: f64,
 }
 
-/// A line of the peers.
-#[derive(Deserialize)]
-struct Line {
-    who: String,
-    work: String,
-    seconds: Option<f64>,
-    dev: Option<Vec<Option<f64>>>,
-}
-
 /// Builds both as distributed, runs them one after the other, prints the figures and the missed goals.
 pub fn run() -> Result<()> {
     web::build_small()?;
@@ -54,9 +45,8 @@ pub fn run() -> Result<()> {
 }
 
 fn one_thread(text: &str) -> Result<Line> {
-    let lines = text.lines().map(serde_json::from_str::<Line>).collect::<Result<Vec<_>, _>>()?;
     let ours = |line: &Line| line.who == "zerorate, 1 thread" && line.work == "oadev";
-    lines.into_iter().find(ours).context("the peers did not time zerorate on one thread")
+    bench_peers::parse(text)?.into_iter().find(ours).context("the peers did not time zerorate on one thread")
 }
 
 fn print(page: &Page, native: &Line) {

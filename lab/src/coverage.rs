@@ -1,5 +1,6 @@
 //! `cargo xtask coverage`: calibrates many units of the twin and compares the statements with their truth.
 
+use crate::residuals::rms;
 use crate::seeds::{self, for_each_seed};
 use crate::trial::{self, FAULTS, Fault, Judged, Rig, Unit, judge};
 use adis16130::Sample;
@@ -91,11 +92,6 @@ fn report_intervals(name: &str, unit: &str, results: impl Iterator<Item = Judged
         rms(results.clone().map(|judged| judged.error)),
         rms(results.map(|judged| judged.u)),
     );
-}
-
-fn rms(values: impl Iterator<Item = f64> + Clone) -> f64 {
-    let count = values.clone().count() as f64;
-    (values.map(|value| value * value).sum::<f64>() / count).sqrt()
 }
 
 fn linear_unit(seed: u64) -> anyhow::Result<Unit> {

@@ -73,8 +73,7 @@ enum Task {
     /// docs/reference/footprint.md, and `--update` writes that page. A goal that is missed is stated there and here
     /// (GOAL MISSED) and does not fail the task: the 5 % keep anything from getting worse in silence.
     Firmware(firmware::FirmwareArgs),
-    /// Read the twin through a bridge's firmware on an emulated Cortex-M4F: socket, serial port, damaged and pulled
-    /// cable
+    /// Read the twin through a bridge's firmware on an emulated Cortex-M4F, by socket and by serial port
     ///
     /// The emulator is QEMU (apt install qemu-system-arm), as for `firmware`.
     Bridge(app::ProgramArgs),

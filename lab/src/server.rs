@@ -46,7 +46,6 @@ impl Server {
         Ok(ticks.sum::<Result<f64, _>>()? / TICKS_PER_S)
     }
 
-    /// Its number.
     pub fn id(&self) -> u32 {
         self.child.id()
     }
@@ -56,7 +55,6 @@ impl Server {
         descriptors(self.child.id())
     }
 
-    /// Its peak memory, MB.
     pub fn peak_mb(&self) -> Result<f64> {
         memory_mb(self.child.id(), "VmHWM:")
     }

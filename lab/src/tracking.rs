@@ -41,7 +41,6 @@ pub fn run(args: &TrackingArgs) -> anyhow::Result<()> {
 pub struct Tracking {
     /// Residual of the calibration alone, rms over units and time, °/h.
     pub static_dph: f64,
-    /// Residual with tracking.
     pub tracked_dph: f64,
     /// Residual without tracking over residual with it, unit by unit, ascending.
     pub ratios: Vec<f64>,

@@ -131,8 +131,10 @@ pub fn judge(outcome: &Outcome, truth: &Truth) -> Unit {
 #[derive(Clone, Debug)]
 pub enum Ended {
     /// It gave numbers, with the codes of the warnings that report an event.
-    Calibrated { unit: Unit, warnings: Vec<&'static str> },
-    /// It was refused.
+    Calibrated {
+        unit: Unit,
+        warnings: Vec<&'static str>,
+    },
     Refused,
 }
 

@@ -17,7 +17,7 @@ pub const TASKS: [(&str, &str); 19] = [
     ("bench-serve", "Serve the twin to 20 pages and 4 clients of libiio while it is recorded, and print the cost"),
     ("bench-web", "Time the core in WebAssembly beside the program, and the page's first picture"),
     ("firmware", "Run driver, twin and correction on an emulated Cortex-M4F; count instructions and bytes"),
-    ("bridge", "Read the twin through a bridge's firmware in an emulator: socket, serial port, bad cables"),
+    ("bridge", "Read the twin through a bridge's firmware in an emulator, by socket and by serial port"),
     ("c", "Check the C interface: library, and C against Rust on the host and on an emulated Cortex-M4F"),
     ("iiod", "Read the libiio server with libiio's own clients, and with pyadi-iio"),
     ("rig", "Boot a stock Linux kernel in QEMU with the twin as hardware, and read it there"),

@@ -357,7 +357,6 @@ fn made_with(makers: &[&str], known: &[&str]) -> BTreeSet<String> {
     found
 }
 
-/// All sources of the program.
 fn sources() -> Vec<(PathBuf, String)> {
     let (mut found, mut folders) = (Vec::new(), Vec::new());
     for entry in fs::read_dir(root().join("crates")).unwrap() {

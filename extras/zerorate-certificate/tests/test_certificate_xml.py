@@ -78,25 +78,6 @@ def test_a_measured_certificate_of_the_shortest_lab_file_is_valid(
     assert complaints(document, schematron) == []
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "element"),
-    [
-        (rb"<dcc:city>[^<]*", b"<dcc:city>", "city"),
-        (rb"<si:unit>[^<]*</si:unit>", b"", "real"),
-        (rb"<dcc:issueDate>2026-03-02", b"<dcc:issueDate>yesterday", "issueDate"),
-        (rb"<dcc:items>.*</dcc:items>", b"", "administrativeData"),
-        (rb"<si:value>", b"<si:value>about ", "value"),
-    ],
-)
-def test_the_schema_refuses_a_broken_document(
-    old: bytes, new: bytes, element: str, simulated: Path, lab: Lab, schema: Any
-) -> None:
-    document, changes = re.subn(old, new, certificate_xml(simulated, lab), flags=re.DOTALL)
-    assert changes
-    assert not schema.validate(etree.fromstring(document))
-    assert element in str(schema.error_log)
-
-
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_schematron_has_no_complaints(kind: str, made: dict[str, Made], lab: Lab, schematron: Path) -> None:
     assert complaints(certificate_xml(made[kind].path, lab), schematron) == []
@@ -137,14 +118,6 @@ def factors(unit: str) -> list[tuple[str, float]]:
         found.append((words[2], float(words[3] or 1)))
         rest = rest[words.end() :]
     return found
-
-
-WRONG = ["°/s", r"\degree/\second", r"\degre", r"\kilo", r"\degree\tothe{}", r"\degree \second"]
-
-
-@pytest.mark.parametrize("wrong", WRONG)
-def test_other_texts_are_not_units(wrong: str) -> None:
-    assert factors(wrong) == []
 
 
 def test_the_numbers_are_those_of_the_file_and_the_uncertainty_is_twice_the_standard_one(

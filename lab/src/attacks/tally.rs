@@ -5,7 +5,6 @@
 pub enum Outcome {
     /// Read or answered as it must be.
     Right,
-    /// Refused, with this reason.
     Refused(String),
     /// Neither: a crash, a hang, other numbers, or an answer where there must be none.
     Wrong(String),

@@ -28,7 +28,6 @@ enum Step {
     Shown(Vec<String>),
 }
 
-/// Runs all commands, with `program` as `zerorate`.
 pub fn run(program: &Path) -> Result<()> {
     let program = program.canonicalize().with_context(|| format!("no program {}", program.display()))?;
     let (mut count, folder) = (0, tempfile::tempdir()?);

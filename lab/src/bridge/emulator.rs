@@ -54,7 +54,6 @@ impl Emulator {
         Ok(emulator)
     }
 
-    /// The address for `--device`.
     pub fn device(&self) -> String {
         self.device.clone()
     }

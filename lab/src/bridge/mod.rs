@@ -1,7 +1,6 @@
 //! `cargo xtask bridge`: tries the program with a bridge's firmware on an emulated Cortex-M4F that contains the twin.
-//! It uses a socket, a serial port, and a cable that does harm.
+//! It uses a socket and a serial port. Cables that do harm are in the tests of the program.
 
-mod cable;
 mod emulator;
 /// The firmware's own loop, to get the bytes that it sends on the host.
 #[path = "../../../firmware/qemu/src/bridge.rs"]
@@ -12,13 +11,12 @@ use crate::app::ProgramArgs;
 use crate::firmware::{QEMU, image_of};
 use crate::targets;
 use crate::tools::available;
-use anyhow::{Context, Result, bail, ensure};
-use cable::Cable;
+use anyhow::{Context, Result, ensure};
 use emulator::{Emulator, Line};
 use serde::Serialize;
 use serde_json::Value;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::PathBuf;
+use std::process::Command;
 use std::time::Instant;
 
 /// Samples that controller and host must send alike, byte for byte, and of each capture.
@@ -26,10 +24,6 @@ const SAMPLES: u32 = 5_000;
 /// A calibration of half a minute of part time.
 const PLAN: [&str; 10] =
     ["--average", "1s", "--warmup", "10s", "--settle", "10s", "--offset", "5s", "--max-u-btc", "1"];
-/// Number of frames of which one is damaged.
-const DAMAGED_EVERY: u64 = 50;
-/// Number of bytes after which the cable is pulled.
-const PULLED_AFTER: u64 = 60_000;
 
 /// The results.
 #[derive(Serialize)]
@@ -43,9 +37,6 @@ struct Findings {
     capture_serial: Value,
     calibration: Value,
     calibration_in_process: Value,
-    damaged_frames: u64,
-    lost_by_damage: u64,
-    samples_before_the_cable_was_pulled: u64,
 }
 
 /// Runs everything and stops at the first error.
@@ -65,13 +56,8 @@ pub fn run(args: &ProgramArgs) -> Result<()> {
     }
     eprintln!(
         "seed {}: {} bytes of samples are the same from controller and host. Probe, capture (socket and serial port) \
-         and calibrate agree with the twin. {} damaged frames cost {} samples. {} samples were kept when the cable \
-         was pulled.",
-        findings.seed,
-        findings.bytes_alike,
-        findings.damaged_frames,
-        findings.lost_by_damage,
-        findings.samples_before_the_cable_was_pulled
+         and calibrate agree with the twin.",
+        findings.seed, findings.bytes_alike
     );
     Ok(())
 }
@@ -91,7 +77,6 @@ impl Bench {
         let capture_tcp = self.capture(&self.emulator(Line::Socket)?.device(), "tcp")?;
         let capture_serial = self.capture(&self.emulator(Line::Serial)?.device(), "serial")?;
         let (calibration, calibration_in_process) = self.calibrate()?;
-        let (damaged_frames, lost_by_damage) = self.damage()?;
         Ok(Findings {
             seed: self.seed,
             duration_s: 0.0,
@@ -101,9 +86,6 @@ impl Bench {
             capture_serial,
             calibration,
             calibration_in_process,
-            damaged_frames,
-            lost_by_damage,
-            samples_before_the_cable_was_pulled: self.pull()?,
         })
     }
 
@@ -111,12 +93,8 @@ impl Bench {
         Emulator::start(&self.image, self.seed, line)
     }
 
-    fn zerorate(&self, arguments: &[&str]) -> Result<Output> {
-        Command::new(&self.program).args(arguments).output().context("starting zerorate")
-    }
-
     fn json(&self, arguments: &[&str]) -> Result<Value> {
-        let output = self.zerorate(arguments)?;
+        let output = Command::new(&self.program).args(arguments).output().context("starting zerorate")?;
         let said = String::from_utf8_lossy(&output.stderr);
         ensure!(output.status.success(), "zerorate {} ended with {}: {said}", arguments.join(" "), output.status);
         serde_json::from_slice(&output.stdout).with_context(|| format!("zerorate {}", arguments.join(" ")))
@@ -152,44 +130,4 @@ impl Bench {
         ensure!(difference.abs() <= limit, "PBC differs by {difference} °/s from PBC in process, more than {limit}");
         Ok((there, here))
     }
-
-    /// Damaged frames are found, and their samples are counted as lost.
-    fn damage(&self) -> Result<(u64, u64)> {
-        let emulator = self.emulator(Line::Socket)?;
-        let cable = Cable::lay(emulator.port(), Some(DAMAGED_EVERY), None)?;
-        let (device, samples) = (format!("tcp:127.0.0.1:{}", cable.port()), SAMPLES.to_string());
-        let file = format!("{WORK}/damaged.csv");
-        let summary =
-            self.json(&["capture", "--device", &device, "--samples", &samples, "--force", "--json", "-o", &file])?;
-        let lost = summary["lost_samples"].as_u64().context("no lost_samples")?;
-        let expected = u64::from(SAMPLES) / (DAMAGED_EVERY - 1);
-        ensure!(
-            lost.abs_diff(expected) <= 2,
-            "{lost} samples are counted as lost; about {expected} frames were damaged"
-        );
-        let warnings = summary["warnings"].to_string();
-        let said = warnings.split("damaged-frames: ").nth(1).and_then(|rest| rest.split(' ').next()?.parse().ok());
-        let Some(found) = said else { bail!("no word on damaged frames: {warnings}") };
-        // frames after the last recorded sample are among them
-        ensure!(found + 2 >= lost, "{found} damaged frames, but {lost} lost samples");
-        Ok((found, lost))
-    }
-
-    /// Samples recorded before the cable was pulled stay.
-    fn pull(&self) -> Result<u64> {
-        let emulator = self.emulator(Line::Socket)?;
-        let cable = Cable::lay(emulator.port(), None, Some(PULLED_AFTER))?;
-        let (device, file) = (format!("tcp:127.0.0.1:{}", cable.port()), format!("{WORK}/pulled.csv"));
-        let output = self.zerorate(&["capture", "--device", &device, "--duration", "1m", "--force", "-o", &file])?;
-        let said = String::from_utf8_lossy(&output.stderr);
-        ensure!(output.status.code() == Some(1) && said.contains("cable was pulled"), "{}: {said}", output.status);
-        let kept = rows(Path::new(&file))?;
-        ensure!(kept > 1_000 && said.contains(&format!("ends after {kept} samples")), "{kept} rows, but: {said}");
-        Ok(kept)
-    }
-}
-
-fn rows(capture: &Path) -> Result<u64> {
-    let text = std::fs::read_to_string(capture).with_context(|| format!("no {}", capture.display()))?;
-    Ok(text.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit())).count() as u64)
 }

@@ -4,7 +4,8 @@ mod judge;
 mod scenario;
 mod simulate;
 
-use anyhow::{anyhow, ensure};
+use crate::seeds::for_each_seed;
+use anyhow::ensure;
 use judge::{Error, judge, scatter, share};
 use rand::SeedableRng;
 use rand::rngs::SmallRng;
@@ -12,7 +13,6 @@ use rustfft::{Fft, FftPlanner};
 use scenario::{Bounds, Scenario, scenarios};
 use simulate::{RATE_HZ, SYNTHESIS, record};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 use zerorate_allan::{
     AllanWarning, Coefficient, Deviation, Estimate, FitOptions, Input, Stat, Term, deviations, fit, octaves,
@@ -149,26 +149,12 @@ fn terms(scenario: &Scenario, runs: &[Run]) -> Vec<String> {
 }
 
 fn simulate(args: &CoverageAllanArgs, scenario: &Scenario) -> anyhow::Result<Vec<Run>> {
-    let next = AtomicU64::new(0);
+    let Some(last) = args.runs.checked_sub(1) else { return Ok(Vec::new()) };
     let fft = FftPlanner::new().plan_fft_forward(SYNTHESIS);
-    let worker = || {
-        let mut done = Vec::new();
-        loop {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            if index >= args.runs {
-                return Ok(done);
-            }
-            let mut rng = SmallRng::seed_from_u64(args.seed.wrapping_mul(1_000_003).wrapping_add(index));
-            done.push((index, one(scenario, &fft, &mut rng)?));
-        }
-    };
-    let mut runs: Vec<(u64, Run)> = std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..args.threads.max(1)).map(|_| scope.spawn(worker)).collect();
-        let done = workers.into_iter().map(|worker| worker.join().map_err(|_| anyhow!("a worker panicked"))?);
-        done.collect::<anyhow::Result<Vec<_>>>().map(|all| all.into_iter().flatten().collect())
-    })?;
-    runs.sort_by_key(|(index, _)| *index);
-    Ok(runs.into_iter().map(|(_, run)| run).collect())
+    for_each_seed(&(0..=last), args.threads, |index| {
+        let mut rng = SmallRng::seed_from_u64(args.seed.wrapping_mul(1_000_003).wrapping_add(index));
+        one(scenario, &fft, &mut rng)
+    })
 }
 
 fn one(scenario: &Scenario, fft: &Arc<dyn Fft<f64>>, rng: &mut SmallRng) -> anyhow::Result<Run> {

@@ -58,7 +58,6 @@ pub enum Beside {
     WarmUp(f64, f64),
 }
 
-/// Bounds for the results, %.
 #[derive(Clone, Copy)]
 pub struct Bounds {
     pub coverage: (f64, f64),

@@ -10,7 +10,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A board, and its build.
 struct Board {
     name: &'static str,
     target: &'static str,
@@ -19,7 +18,6 @@ struct Board {
     forms: &'static [Form],
 }
 
-/// A form of an image.
 enum Form {
     Elf,
     Uf2(Loader),

@@ -13,12 +13,10 @@ use std::process::Command;
 /// Rust's page about the content of its own libraries.
 pub const RUST_LIBRARY: &str = "rust-std-COPYRIGHT.html";
 
-/// The page of a product.
 pub fn licences(product: &str) -> String {
     format!("{product}-THIRD-PARTY.txt")
 }
 
-/// The bill of materials of a product.
 pub fn materials(product: &str) -> String {
     format!("{product}.cdx.json")
 }

@@ -18,7 +18,6 @@ pub struct Product {
     builds: &'static [Build],
 }
 
-/// One of the builds that it consists of.
 struct Build {
     target: &'static str,
     features: &'static str,

@@ -12,7 +12,6 @@ const TOOLS: [Tool; 1] = [Tool { program: "mmdebstrap", package: "mmdebstrap" }]
 /// What any package may ask for.
 const BARE: &str = "adduser";
 
-/// Its root folder.
 pub struct Root(PathBuf);
 
 impl Root {

@@ -7,7 +7,6 @@ use object::{LittleEndian, elf};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// A boot loader.
 pub struct Loader {
     /// "Family ID" in Microsoft's list.
     family: u32,

@@ -24,7 +24,6 @@ const PATIENCE: Duration = Duration::from_secs(120);
 /// How long a page looks whether the sensor goes on.
 const LOOK: Duration = Duration::from_secs(2);
 
-/// A disk in memory.
 struct Disk {
     folder: tempfile::TempDir,
 }

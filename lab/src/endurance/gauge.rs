@@ -38,7 +38,6 @@ impl Gauge {
         [median(&self.resident_mb[quarter..2 * quarter]), median(&self.resident_mb[3 * quarter..])]
     }
 
-    /// The memory in words.
     pub fn memory(&self) -> String {
         let ([early, late], count) = (self.quarters_mb(), self.resident_mb.len());
         let most = self.resident_mb.iter().copied().fold(0.0, f64::max);

@@ -12,7 +12,6 @@ pub const PAGE: &str = "docs/reference/footprint.md";
 /// A rise by more than this share fails.
 const TOLERANCE: f64 = 0.05;
 
-/// A figure of the page.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Figure {
     /// Name of the measured quantity on the page.

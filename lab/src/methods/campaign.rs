@@ -20,7 +20,6 @@ pub struct Method {
 /// The recording that a method gets.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Recorded {
-    /// The hour of AN-1042.
     Hour,
     /// A warm-up, and the air cooled and warmed again.
     Cycle,

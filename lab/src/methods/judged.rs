@@ -70,7 +70,6 @@ pub struct Summary {
     pub coverage: Option<Coverage>,
     /// Shares of the orders that were chosen, %.
     pub orders: Option<[f64; TERMS]>,
-    /// Median time of a fit, ms.
     pub fit_ms: f64,
 }
 

@@ -22,7 +22,6 @@ pub const LENGTHS_MIN: [f64; 5] = [5.0, 10.0, 20.0, 53.0, 90.0];
 /// Rate random walks, as multiples of M-04.
 pub const WALKS: [f64; 4] = [0.0, 0.3, 1.0, 3.0];
 
-/// All results on the page.
 pub struct Results {
     /// Results by kind, then by method.
     pub methods: Vec<Vec<Summary>>,

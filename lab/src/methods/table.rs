@@ -5,7 +5,6 @@ use super::judged::{Coverage, Summary};
 use super::unit::Kind;
 use std::fmt::Write;
 
-/// Rows under their heads.
 fn table(heads: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {
     let mut text = format!("| {} |\n|{}", heads.join(" | "), "---|".repeat(heads.len()));
     for row in rows {

@@ -62,7 +62,6 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// A warm-up in still air.
     pub fn warm_up(spec: &Spec, length_s: f64) -> Self {
         let mut unit = Unit::new(spec);
         unit.record(length_s);
@@ -121,20 +120,17 @@ impl Recording {
         temps.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), temp_c| (low.min(temp_c), high.max(temp_c)))
     }
 
-    /// The temperatures at which it is judged, °C.
     pub fn temps_c(&self) -> [f64; TEMPS] {
         let (low_c, high_c) = self.span_c();
         std::array::from_fn(|k| low_c + (high_c - low_c) * k as f64 / (TEMPS - 1) as f64)
     }
 
-    /// The mean of a window, s.
     pub fn window(&self, from_s: f64, to_s: f64) -> Block {
         let index = |at_s: f64| ((at_s / MEAN_S).round() as usize).min(self.means.len());
         block(&self.means[index(from_s)..index(to_s)])
     }
 }
 
-/// A unit that is on.
 struct Unit {
     means: Means,
     seen: Vec<Mean>,

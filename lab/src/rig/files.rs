@@ -8,7 +8,6 @@ use std::str::FromStr;
 /// The guest's files.
 pub struct Files<'a>(pub &'a Path);
 
-/// A row of a capture.
 pub struct GuestRow {
     pub t_ns: u64,
     pub edge: u32,

@@ -63,7 +63,6 @@ struct Stream {
     miscounted: usize,
 }
 
-/// A capture by polls.
 #[derive(Serialize)]
 struct Polled {
     samples: usize,

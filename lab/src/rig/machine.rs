@@ -16,7 +16,6 @@ const SSDT: &str = include_str!("part.dsl");
 /// How the script marks its lines on the console.
 const MARK: &str = "RIG ";
 
-/// A running machine.
 pub struct Machine {
     qemu: Child,
     console: Receiver<String>,

@@ -21,7 +21,6 @@ pub struct Bench {
     pub rest: Corrected,
 }
 
-/// A corrected recording.
 pub struct Corrected {
     /// Its rows, without metadata.
     pub rows: String,
@@ -44,12 +43,10 @@ impl Folder {
         &self.0
     }
 
-    /// A file in it, as an argument.
     pub fn file(&self, name: &str) -> String {
         self.0.join(name).display().to_string()
     }
 
-    /// The names of its files.
     pub fn names(&self) -> Result<Vec<String>> {
         let entries = std::fs::read_dir(&self.0)?;
         let mut names: Vec<String> =
@@ -81,7 +78,6 @@ impl From<Output> for Run {
 }
 
 impl Run {
-    /// Stdout as JSON.
     pub fn json(&self) -> Result<Value> {
         serde_json::from_str(&self.stdout).with_context(|| format!("no JSON: {:?}", self.stdout))
     }

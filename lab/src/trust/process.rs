@@ -75,12 +75,10 @@ pub fn samples(bench: &Bench, file: &str) -> Result<u64> {
     verified(bench, file)?["rows"].as_u64().context("rows")
 }
 
-/// Their hash.
 pub fn hash(bench: &Bench, file: &str) -> Result<String> {
     Ok(verified(bench, file)?["samples_sha256"].as_str().context("samples_sha256")?.to_owned())
 }
 
-/// The report of `verify` on a whole file.
 fn verified(bench: &Bench, file: &str) -> Result<serde_json::Value> {
     Ok(bench.must(&["verify", "--json", file])?.json()?["files"][0].clone())
 }

@@ -38,7 +38,6 @@ pub struct Served {
     pub temp_reads: u64,
     /// Falling edges of RDY.
     pub edges: u32,
-    /// The edges that were reported to the host.
     pub edges_reported: u32,
 }
 

@@ -4,7 +4,7 @@
 #[path = "../../../../firmware/qemu/src/bridge.rs"]
 mod firmware;
 
-use super::{Run, calibrate, zerorate};
+use super::{Run, zerorate};
 use adis16130::bridge::{Answer, Decoder, MAX_FRAME, Message, encode};
 use adis16130_twin::{Fault, Spec, Twin};
 use firmware::Port;
@@ -17,7 +17,6 @@ use std::thread;
 struct Cable {
     /// A bit of every so many frames is flipped.
     damages_every: Option<u64>,
-    /// It is pulled after so many bytes.
     pulled_after: Option<u64>,
     /// No cable, but a clock of the bridge that runs by so many ns from one sample to the next.
     clock_step_ns: Option<u64>,
@@ -109,7 +108,6 @@ fn capture(device: &str, samples: &str) -> (Run, tempfile::TempDir) {
     (run, folder)
 }
 
-/// The rows of the capture.
 fn rows(folder: &tempfile::TempDir) -> Vec<Vec<u64>> {
     let text = std::fs::read_to_string(folder.path().join("unit.csv")).expect("a capture");
     let rows = text.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
@@ -172,18 +170,6 @@ fn a_capture_holds_every_sample() {
         rows.windows(2).all(|pair| pair[1][0] > pair[0][0] && pair[1][1] == pair[0][1] + 1),
         "time and edges run on"
     );
-}
-
-#[test]
-fn a_calibration_finds_the_truth() {
-    let spec = Spec::from_seed(3);
-    let twin = Twin::new(spec.clone());
-    let device = bridge(spec, Cable::default());
-    let found = calibrate(&["--device", &device, "--json", "--no-save"]).ended_with(0).json();
-    let number = |key: &str| found[key].as_f64().expect("a number");
-    twin.advance_ns(202_000_000_000);
-    let (pbc, limit) = (twin.truth().pbc_dps(number("t3_c")), 4.0 * number("u_pbc_dps"));
-    assert!((number("pbc_dps") - pbc).abs() < limit, "{} instead of {pbc}, ±{limit}", number("pbc_dps"));
 }
 
 #[test]

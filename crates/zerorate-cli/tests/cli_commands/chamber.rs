@@ -53,7 +53,6 @@ fn soak_points_give_a_curve_within_its_uncertainty_and_the_log_gives_it_again() 
     bench.zerorate(away).ended_with(0).saying(&["extrapolated"]);
 }
 
-/// What a chamber did by itself, in a CSV beside the recording of the part.
 #[test]
 fn a_csv_of_what_the_chamber_did_is_a_plan_of_the_recording() {
     let bench = bench();

@@ -44,7 +44,6 @@ impl Ending {
     }
 }
 
-/// One cell of the table.
 struct Cell {
     fault: &'static str,
     ending: Ending,

@@ -19,7 +19,6 @@ fn the_file_says_by_which_rule_n_and_k_were_made() {
     bench.zerorate(&format!("{LINE} --horizon 20 --as-fitted")).fails(2);
 }
 
-/// Columns whose names say nothing are axes by number.
 #[test]
 fn columns_without_names_are_axes_by_number() {
     let bench = bench();

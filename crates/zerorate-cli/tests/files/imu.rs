@@ -347,7 +347,6 @@ fn the_page_shows_record_spectrum_and_curves() {
     assert_eq!((page.matches("<svg").count(), page.contains("Gyroscope: spectrum")), (3, true));
 }
 
-/// `allan` takes several columns of a file, in one pass.
 #[test]
 fn allan_takes_several_columns() {
     let bench = bench();

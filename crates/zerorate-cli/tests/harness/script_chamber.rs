@@ -55,7 +55,6 @@ pub const FAULTS: [&str; 11] =
 /// The onset of a fault that begins with the safe set point.
 pub const AT_END: &str = "end";
 
-/// The chamber in a folder.
 #[derive(Debug)]
 pub struct ScriptChamber {
     folder: PathBuf,

@@ -159,7 +159,6 @@ impl Watch {
         panic!("it never came");
     }
 
-    /// The answer to a request.
     fn ask(&mut self, request: &Value) -> Value {
         self.socket.send(Message::text(request.to_string())).expect("it is sent");
         loop {

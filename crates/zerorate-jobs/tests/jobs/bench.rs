@@ -123,7 +123,6 @@ pub fn calibration(schema: u32, coefficients: [f64; 3], more: &str) -> Calibrati
     Calibration::parse(&text).unwrap().0
 }
 
-/// Corrects a capture into another file. Returns the warnings.
 pub fn corrected(capture: &Path, calibration: &Calibration, output: &Path) -> Result<Vec<JobWarning>> {
     let mut outputs = Outputs::new(true);
     let reader = outputs.capture(capture)?;
