@@ -1,15 +1,16 @@
 //! `calibrate` and `recalibrate`.
 
-use super::{calibrate, zerorate};
+use super::{SHORT, calibrate};
+use crate::harness::{Bench, Run};
 use serde_json::Value;
-use std::path::{Path, PathBuf};
 
-fn file(folder: &tempfile::TempDir, name: &str) -> PathBuf {
-    folder.path().join(name)
+/// `zerorate calibrate` with the short durations, in this folder.
+fn calibrated(bench: &Bench, more: &str) -> Run {
+    bench.zerorate(&format!("calibrate {} {more}", SHORT.join(" "))).ended_with(0)
 }
 
-fn path(path: &Path) -> &str {
-    path.to_str().expect("a plain path")
+fn text(bench: &Bench, name: &str) -> String {
+    std::fs::read_to_string(bench.path(name)).expect("a calibration")
 }
 
 #[test]
@@ -35,9 +36,7 @@ fn number(result: &Value, key: &str) -> f64 {
 
 #[test]
 fn the_text_report_shows_values_with_units_and_what_next() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let unit = file(&folder, "unit.toml");
-    let text = calibrate(&["-o", path(&unit)]).ended_with(0).saying(&["warning: ", "Earth"]).stdout;
+    let text = calibrated(&Bench::new(), "-o unit.toml").saying(&["warning: ", "Earth"]).stdout;
     for part in ["PBC", "BTC", "°/s/°C", "±", "T3 =", "95 %", "zerorate stream --cal"] {
         assert!(text.contains(part), "{part} in\n{text}");
     }
@@ -48,22 +47,21 @@ fn the_text_report_shows_values_with_units_and_what_next() {
 /// A calibration of the twin is saved only when asked, and says what it is wherever it goes.
 #[test]
 fn a_simulated_calibration_says_so() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let unit = file(&folder, "unit.toml");
-    let run = calibrate(&["--device", "twin:seed=7"]).ended_with(0);
+    let bench = Bench::new();
+    let run = calibrated(&bench, "--device twin:seed=7");
     assert!(run.stderr.contains("the result will only be printed; -o FILE saves it"), "{}", run.stderr);
     assert!(run.stdout.starts_with("SIMULATED: Calibration "), "{}", run.stdout);
-    let given = ["--operator", "Ada", "--ambient-note", "23 °C", "-o", path(&unit), "--json"];
-    let result = calibrate(&[&["--device", "twin:seed=7"], &given[..]].concat()).ended_with(0).json();
-    assert_eq!((&result["simulated"], &result["file"]), (&true.into(), &path(&unit).into()));
-    let text = std::fs::read_to_string(&unit).expect("a calibration");
-    for line in ["schema = 4", "created = \"SIMULATED\"", "operator = \"Ada\"", "ambient_note = \"23 °C\""] {
+    let given = "--device twin:seed=7 --operator Ada --ambient-note 23°C -o unit.toml --json";
+    let result = calibrated(&bench, given).json();
+    assert_eq!((&result["simulated"], &result["file"]), (&true.into(), &"unit.toml".into()));
+    let text = text(&bench, "unit.toml");
+    for line in ["schema = 4", "created = \"SIMULATED\"", "operator = \"Ada\"", "ambient_note = \"23°C\""] {
         assert!(text.contains(line), "{line} in {text}");
     }
     assert!(!text.contains("\nhost"), "its files depend on the seed alone: {text}");
-    let report = zerorate(&["report", path(&unit)]).ended_with(0).stdout;
+    let report = bench.zerorate("report unit.toml").ended_with(0).stdout;
     assert!(report.contains("<title>SIMULATED: Calibration of ADIS16130"), "{report}");
-    let header = zerorate(&["export", path(&unit), "--format", "c"]).ended_with(0).stdout;
+    let header = bench.zerorate("export unit.toml --format c").ended_with(0).stdout;
     assert!(header.contains("measured     SIMULATED"), "{header}");
 }
 
@@ -83,14 +81,12 @@ fn the_latitude_gives_the_earths_rotation() {
 /// The whole recording again, without its length being told: the same file.
 #[test]
 fn a_recorded_warm_up_gives_the_same_file() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let [live, log, again] = ["live.toml", "log.arrows", "again.toml"].map(|name| file(&folder, name));
-    let args = ["--device", "twin:seed=4,warmup_s=20", "--method", "warmup", "--target-dph", "60", "--json"];
-    let early = calibrate(&[&args[..], &["--log", path(&log), "-o", path(&live)]].concat()).ended_with(0).json();
+    let bench = Bench::new();
+    let plan = "--device twin:seed=4,warmup_s=20 --method warmup --target-dph 60 --json";
+    let early = calibrated(&bench, &format!("{plan} --log log.arrows -o live.toml")).json();
     assert!(number(&early, "duration_s") < 200.0, "60 °/h are reached before the end: {early}");
-    let args = ["recalibrate", path(&log), "--method", "warmup", "--max-u-btc", "0.2", "-o", path(&again)];
-    zerorate(&args).ended_with(0);
-    let [live, again] = [live, again].map(|file| std::fs::read_to_string(file).expect("a calibration"));
+    bench.zerorate("recalibrate log.arrows --method warmup --max-u-btc 0.2 -o again.toml").ended_with(0);
+    let [live, again] = ["live.toml", "again.toml"].map(|name| text(&bench, name));
     let curve = |text: &str| text.split("[curve]").nth(1).expect("a curve").to_owned();
     assert_eq!(curve(&live), curve(&again));
 }

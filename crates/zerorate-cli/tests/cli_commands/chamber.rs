@@ -1,10 +1,8 @@
 //! `chamber`: what is measured, what is kept of an interrupted measurement, and each way in which a chamber fails.
 
-use crate::harness::{Bench, PROGRAM, Run};
+use crate::harness::{Bench, PROGRAM, Run, send, start, wait_until};
 use serde_json::Value;
-use std::process::{Command, Stdio};
-use std::thread;
-use std::time::{Duration, Instant};
+use std::process::Command;
 
 /// A unit that warms itself in a minute, seen 225 times a second.
 const UNIT: &str = "--device twin:seed=4,warmup_s=10 --divider 50";
@@ -117,16 +115,11 @@ fn ctrl_c_keeps_the_finished_steps() {
     let bench = bench();
     bench.write("long.toml", format!("{QUICK}[[step]]\nto_c = 20\nhold_s = 86400\n"));
     let line = format!("chamber long.toml {UNIT} --chamber sim:lag_s=15 -o u.toml");
-    let mut command = bench.command(&line);
-    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
-    let until = Instant::now() + Duration::from_secs(120);
-    while !bench.path("u.toml.chamber").exists() && Instant::now() < until {
-        thread::sleep(Duration::from_millis(5));
-    }
-    let pid = rustix::process::Pid::from_child(&child);
-    rustix::process::kill_process(pid, rustix::process::Signal::INT).expect("it runs");
-    let run = Run::from(child.wait_with_output().expect("it ends"));
-    let run = run.ended_with(1).saying(&["interrupted after", "kept in u.toml.chamber: the same command goes on"]);
+    let child = start(&mut bench.command(&line));
+    wait_until("a finished step", || bench.path("u.toml.chamber").exists());
+    send("INT", &child);
+    let said = ["interrupted after", "kept in u.toml.chamber: the same command goes on"];
+    let run = Run::ended(child).ended_with(1).saying(&said);
     assert_eq!(run.stdout, "");
     assert!(!bench.path("u.toml").exists());
 }

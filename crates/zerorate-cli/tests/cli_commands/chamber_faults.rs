@@ -1,12 +1,12 @@
 //! A chamber that fails, in each way and at each moment: it is left safe, or the user reads that nobody knows.
 
 use crate::harness::script_chamber::{AT_END, FAULTS, ScriptChamber};
-use crate::harness::{Bench, Run};
+use crate::harness::{Bench, Run, start};
 use rustix::process::{Pid, Signal, kill_process_group};
 use std::fs;
 use std::iter;
 use std::os::unix::process::CommandExt;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command};
 use std::sync::Mutex;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -112,13 +112,13 @@ fn chamber(bench: &Bench, fault: &str, onset: &str) -> ScriptChamber {
 /// The program in a process group of its own, as a terminal starts it.
 fn program(bench: &Bench, chamber: &ScriptChamber, retry_s: u32) -> Command {
     let mut command = bench.command(&format!("chamber quick.toml {UNIT} -o u.toml"));
-    command.args(chamber.arguments(retry_s)).process_group(0).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command.args(chamber.arguments(retry_s)).process_group(0);
     command
 }
 
 /// A measurement in this chamber, with these signals once its fault is there. As Ctrl-C does, they reach the group.
 fn measured(bench: &Bench, chamber: &ScriptChamber, retry_s: u32, signals: &[Signal]) -> Run {
-    let mut child = program(bench, chamber, retry_s).spawn().expect("the program starts");
+    let mut child = start(&mut program(bench, chamber, retry_s));
     wait_for(|| signals.is_empty() || chamber.is_faulty() || has_ended(&mut child));
     for signal in signals {
         // signals within half a second count as one
@@ -128,7 +128,7 @@ fn measured(bench: &Bench, chamber: &ScriptChamber, retry_s: u32, signals: &[Sig
     }
     wait_for(|| has_ended(&mut child));
     let _ = child.kill();
-    Run::from(child.wait_with_output().expect("it ends"))
+    Run::ended(child)
 }
 
 fn has_ended(child: &mut Child) -> bool {

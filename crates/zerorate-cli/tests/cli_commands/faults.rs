@@ -2,16 +2,16 @@
 //!
 //! Which fault is named how is in `zerorate-jobs/tests/jobs/`.
 
-use super::calibrate;
+use super::SHORT;
+use crate::harness::Bench;
 
 #[track_caller]
 fn ends_without_a_result(device: &str, code: i32, reasons: &[&str]) {
-    let folder = tempfile::tempdir().expect("a folder");
-    let file = folder.path().join("unit.toml");
-    let file = file.to_str().expect("a plain path");
-    let run = calibrate(&["--device", device, "-o", file, "--json"]).ended_with(code).saying(reasons);
+    let bench = Bench::new();
+    let line = format!("calibrate {} --device {device} -o unit.toml --json", SHORT.join(" "));
+    let run = bench.zerorate(&line).ended_with(code).saying(reasons);
     assert_eq!(run.stdout, "", "{device}: nothing for scripts to take for a result");
-    let left: Vec<_> = std::fs::read_dir(folder.path()).expect("the folder").collect();
+    let left: Vec<_> = std::fs::read_dir(bench.dir.path()).expect("the folder").collect();
     assert!(left.is_empty(), "{device}: {left:?}");
 }
 

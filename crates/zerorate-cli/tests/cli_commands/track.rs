@@ -1,10 +1,10 @@
 //! `stream --track`: what it prints, and what becomes of its state.
 
 use super::zerorate;
-use crate::harness::command;
+use crate::harness::{command, start};
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
-use std::process::{Child, ChildStdout, Stdio};
+use std::process::{Child, ChildStdout};
 
 const CALIBRATION: &str = "schema = 1\npart = \"ADIS16130\"\nserial = \"A1\"\n[correction]\npbc_dps = -0.8\n\
     btc_dps_per_c = -0.04\nt3_c = 25.0\n";
@@ -48,8 +48,7 @@ impl Halted {
         let (cal, state) = (folder.path("unit.toml"), folder.path(state));
         let line =
             ["stream", "--device", DEVICE, "--cal", &cal, "--serial", "A1", "--rate", "50", "--duration", "10m"];
-        let mut command = command(&[&line[..], &["--track", "--state", &state]].concat());
-        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
+        let mut child = start(&mut command(&[&line[..], &["--track", "--state", &state]].concat()));
         let mut halted = Self { rows: BufReader::new(child.stdout.take().expect("stdout")), child };
         halted.read(1);
         halted

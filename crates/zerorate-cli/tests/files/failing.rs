@@ -2,11 +2,12 @@
 #![cfg(target_os = "linux")]
 
 use super::{Bench, PROGRAM, Run, calibration};
+use crate::harness::{self, send, wait_until};
 use std::fs::{self, File, OpenOptions};
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::process::{Child, Command};
+use std::time::Duration;
 
 /// A calibration in four minutes of part time.
 const CALIBRATE: &str =
@@ -22,17 +23,13 @@ fn command(bench: &Bench, line: &str) -> Command {
 }
 
 fn start(bench: &Bench, line: &str) -> Child {
-    command(bench, line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    harness::start(&mut command(bench, line))
 }
 
 fn fifo(bench: &Bench, name: &str) -> PathBuf {
     let path = bench.path(name);
     assert!(Command::new("mkfifo").arg(&path).status().unwrap().success());
     path
-}
-
-fn ended(child: Child) -> Run {
-    child.wait_with_output().unwrap().into()
 }
 
 fn names(folder: &Path) -> Vec<String> {
@@ -48,20 +45,6 @@ fn only(folder: &Path, start: &str) -> PathBuf {
     let found: Vec<String> = names(folder).into_iter().filter(|name| name.starts_with(start)).collect();
     assert_eq!(found.len(), 1, "{start}… in {:?}", names(folder));
     folder.join(&found[0])
-}
-
-#[track_caller]
-fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
-    let deadline = Instant::now() + Duration::from_secs(60);
-    while !is_so() {
-        assert!(Instant::now() < deadline, "not within a minute: {what}");
-        std::thread::sleep(Duration::from_millis(10));
-    }
-}
-
-fn send(signal: &str, child: &Child) {
-    let sent = Command::new("sh").args(["-c", &format!("kill -{signal} {}", child.id())]).status().unwrap();
-    assert!(sent.success());
 }
 
 /// Waits until the program catches SIGTERM, or has ended. Where it reads files, it catches signals a moment after its
@@ -97,7 +80,7 @@ fn a_log_whose_reader_leaves_is_a_failure_and_the_result_is_kept() {
     let mut reader = File::open(log).unwrap();
     reader.read_exact(&mut [0; 2000]).unwrap();
     drop(reader);
-    let run = ended(child);
+    let run = Run::ended(child);
     rescued(&bench, &run, bench.dir.path());
     assert!(run.stderr.contains("the measurement goes on") && run.stderr.contains("Broken pipe"));
     assert!(!bench.path("unit.toml").exists(), "a run that fails leaves no calibration under the name");
@@ -156,7 +139,7 @@ fn waiting(bench: &Bench, line: &str) -> (Child, PathBuf) {
 
 fn let_it_run(child: Child, log: &Path) -> Run {
     std::io::copy(&mut File::open(log).unwrap(), &mut std::io::sink()).unwrap();
-    ended(child)
+    Run::ended(child)
 }
 
 #[test]
@@ -203,7 +186,7 @@ fn a_second_recorder_of_a_capture_refuses() {
     let said = bench.zerorate("capture --samples 10 -o run.arrows --force").fails(2);
     assert!(said.contains("another zerorate"), "{said}");
     send("TERM", &child);
-    assert_eq!(ended(child).code, Some(0));
+    assert_eq!(Run::ended(child).code, Some(0));
     let whole = bench.zerorate("probe --device replay:run.arrows --json");
     assert!(!whole.stderr.contains("not closed"), "{}", whole.stderr);
     // now it is over
@@ -214,7 +197,7 @@ fn a_second_recorder_of_a_capture_refuses() {
 fn of_many_that_start_at_once_one_writes() {
     let bench = Bench::new();
     let starts: Vec<Child> = (0..6).map(|_| start(&bench, "capture --samples 20000 -o run.arrows")).collect();
-    let codes: Vec<Option<i32>> = starts.into_iter().map(|child| ended(child).code).collect();
+    let codes: Vec<Option<i32>> = starts.into_iter().map(|child| Run::ended(child).code).collect();
     assert_eq!(codes.iter().filter(|code| **code == Some(0)).count(), 1, "{codes:?}");
     assert_eq!(codes.iter().filter(|code| **code == Some(2)).count(), 5, "{codes:?}");
     bench.zerorate("probe --device replay:run.arrows").ok();
@@ -239,7 +222,7 @@ fn a_broken_pipe_is_a_success_on_stdout_only() {
     let path = fifo(&bench, "pipe");
     let child = start(&bench, "capture --samples 2000000 -o pipe");
     File::open(path).unwrap().read_exact(&mut [0; 100]).unwrap();
-    let run = ended(child);
+    let run = Run::ended(child);
     assert_eq!(run.code, Some(1), "{}", run.stderr);
     assert!(run.stderr.contains("Broken pipe"), "{}", run.stderr);
 }
@@ -248,7 +231,7 @@ fn a_broken_pipe_is_a_success_on_stdout_only() {
 fn unbiased(bench: &Bench, starter: &[&str], line: &str) -> Child {
     let mut command = Command::new(starter[0]);
     command.args(&starter[1..]).arg(PROGRAM).args(line.split(' '));
-    command.current_dir(bench.dir.path()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    harness::start(command.current_dir(bench.dir.path()))
 }
 
 #[test]
@@ -259,7 +242,7 @@ fn signals_close_what_is_recorded_and_clear_away_what_is_not_finished() {
         let child = unbiased(&bench, &starter, "calibrate --realtime -o unit.toml --log run.arrows");
         wait_until("samples", || fs::metadata(bench.path("run.arrows")).is_ok_and(|file| file.len() > 10_000));
         send(signal, &child);
-        let run = ended(child);
+        let run = Run::ended(child);
         assert_eq!(run.code, Some(1), "{signal}: {}", run.stderr);
         assert_eq!(names(bench.dir.path()), ["run.arrows"], "{signal}");
         let whole = bench.zerorate("probe --device replay:run.arrows");
@@ -277,7 +260,7 @@ fn an_interrupted_correction_leaves_nothing() {
     wait_until("an unfinished file", || names(bench.dir.path()).iter().any(|name| name.starts_with("done.csv")));
     wait_until_it_listens(&child);
     send("TERM", &child);
-    let run = ended(child);
+    let run = Run::ended(child);
     let left = ["rest.arrows", "tmp", "unit.toml"];
     match run.code {
         Some(1) => assert_eq!(names(bench.dir.path()), left, "{}", run.stderr),
@@ -298,7 +281,7 @@ fn two_signals_at_once_are_one() {
     std::thread::sleep(Duration::from_millis(500));
     send("TERM", &child);
     send("TERM", &child);
-    let run = ended(child);
+    let run = Run::ended(child);
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     bench.zerorate("probe --device replay:run.parquet --json").ok();
 }
@@ -314,7 +297,7 @@ fn nohup_is_heeded() {
     let before = size();
     wait_until("more samples", || size() > before + 300_000);
     send("TERM", &child);
-    assert_eq!(ended(child).code, Some(0));
+    assert_eq!(Run::ended(child).code, Some(0));
 }
 
 /// Where no loop looks at the flag: it ends at once, and its files are removed nevertheless.
@@ -328,7 +311,7 @@ fn a_signal_ends_a_run_that_waits() {
     });
     wait_until_it_listens(&child);
     send("TERM", &child);
-    assert_eq!(ended(child).code, Some(143));
+    assert_eq!(Run::ended(child).code, Some(143));
     assert_eq!(names(bench.dir.path()), ["never.csv", "tmp"]);
     let (child, _) = waiting(&bench, &format!("{CALIBRATE} -o unit.toml"));
     send("TERM", &child);
@@ -338,6 +321,6 @@ fn a_signal_ends_a_run_that_waits() {
         std::thread::sleep(Duration::from_millis(50));
         !names(bench.dir.path()).iter().any(|name| name.ends_with(".part"))
     });
-    assert_eq!(ended(child).code, Some(143));
+    assert_eq!(Run::ended(child).code, Some(143));
     assert_eq!(names(bench.dir.path()), ["log", "never.csv", "tmp"]);
 }

@@ -215,20 +215,20 @@ fn a_rejected_axis_is_no_file_unless_it_is_forced() {
 #[cfg(unix)]
 #[test]
 fn ctrl_c_leaves_nothing_behind() {
+    use crate::harness::{Run, start};
     use std::io::Write;
     use std::os::unix::process::CommandExt;
     use std::process::{Command, Stdio};
     let bench = Bench::new();
     let mut command = bench.command("imu - -o imu.yaml");
     // a terminal sends Ctrl-C to all processes of a group
-    let mut child =
-        command.process_group(0).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut child = start(command.process_group(0).stdin(Stdio::piped()));
     let mut pipe = child.stdin.take().unwrap();
     // more than a pipe holds: once it is written, the program is reading
     pipe.write_all(log().as_bytes()).unwrap();
     let sent = Command::new("sh").args(["-c", &format!("kill -INT -{}", child.id())]).status().unwrap();
     assert!(sent.success());
-    let run = crate::harness::Run::from(child.wait_with_output().unwrap());
+    let run = Run::ended(child);
     drop(pipe);
     assert_eq!((run.code, run.stdout.as_str()), (Some(130), ""), "{}", run.stderr);
     assert_eq!(std::fs::read_dir(bench.dir.path()).unwrap().count(), 0);

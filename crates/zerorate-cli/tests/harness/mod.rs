@@ -5,7 +5,9 @@ pub mod script_chamber;
 
 use std::fs;
 use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 /// The path of the program, for tests that start it from another program.
@@ -16,6 +18,26 @@ pub fn command(args: &[&str]) -> Command {
     let mut command = Command::new(PROGRAM);
     command.args(args);
     command
+}
+
+/// Starts it, with pipes for what it prints.
+pub fn start(command: &mut Command) -> Child {
+    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts")
+}
+
+/// Sends a signal by its name without SIG.
+pub fn send(signal: &str, child: &Child) {
+    let sent = Command::new("sh").args(["-c", &format!("kill -{signal} {}", child.id())]).status().expect("sh");
+    assert!(sent.success());
+}
+
+#[track_caller]
+pub fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
+    let deadline = Instant::now() + Duration::from_secs(120);
+    while !is_so() {
+        assert!(Instant::now() < deadline, "not within two minutes: {what}");
+        thread::sleep(Duration::from_millis(10));
+    }
 }
 
 /// A folder of its own, gone after the test.
@@ -73,6 +95,11 @@ impl From<Output> for Run {
 }
 
 impl Run {
+    /// How a process ends that was started before.
+    pub fn ended(child: Child) -> Self {
+        child.wait_with_output().expect("it ends").into()
+    }
+
     /// Waits for the end.
     pub fn of(command: &mut Command) -> Self {
         let output = command.output().expect("the program starts");
