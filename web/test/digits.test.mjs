@@ -1,19 +1,9 @@
 // Numbers as text, against figures that were rounded by hand.
 import assert from "node:assert/strict";
-import { before, test } from "node:test";
-import { build } from "esbuild";
+import { test } from "node:test";
+import { bundled } from "./bundle.mjs";
 
-let digits;
-
-before(async () => {
-  const { outputFiles } = await build({
-    entryPoints: ["src/digits.ts"],
-    bundle: true,
-    format: "esm",
-    write: false,
-  });
-  digits = await import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].contents).toString("base64")}`);
-});
+const digits = await bundled({ entryPoints: ["src/digits.ts"] });
 
 test("a value has the digits that its uncertainty warrants", () => {
   const cases = [

@@ -1,18 +1,15 @@
 // What the browser keeps between visits, without a browser.
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
-import { build } from "esbuild";
+import { bundled } from "./bundle.mjs";
 
 const KEY = "zerorate.calibrations";
-const { outputFiles } = await build({ entryPoints: ["src/kept.ts"], bundle: true, format: "esm", write: false });
 const store = new Map();
 globalThis.localStorage = {
   getItem: (key) => store.get(key) ?? null,
   setItem: (key, value) => store.set(key, value),
 };
-const { kept } = await import(
-  `data:text/javascript;base64,${Buffer.from(outputFiles[0].contents).toString("base64")}`
-);
+const { kept } = await bundled({ entryPoints: ["src/kept.ts"] });
 
 beforeEach(() => store.clear());
 

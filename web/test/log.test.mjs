@@ -1,12 +1,11 @@
 // Logs of every form on the page: what is found, what is asked, what is said of a broken one.
 import assert from "node:assert/strict";
-import { spawnSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { after, before, test } from "node:test";
 import { fixture, giveLog, logIsDone, LOGS, SHORT, STATED } from "./logs.mjs";
 import { serveFolder } from "./static.mjs";
-import { bars, becomes, launch, open, PAGE, PROGRAM, without } from "./world.mjs";
+import { bars, becomes, launch, open, PAGE, recorded, without } from "./world.mjs";
 
 let browser, site, page, context, faults, folder;
 
@@ -89,16 +88,7 @@ for (const name of SHORT) {
   });
 }
 
-/** The twin at rest for two minutes: its path. */
-function captured(name) {
-  const path = `${folder}/${name}`;
-  const wish = ["--device", "twin:seed=7", "--divider", "50", "--duration", "2m", "-o", path];
-  const { status, stderr } = spawnSync(PROGRAM, ["capture", ...wish]);
-  assert.equal(status, 0, String(stderr));
-  return path;
-}
-
-/** The angle random walk of such a capture, °/√s: differences of neighbours, of which white noise has all. */
+/** The angle random walk of a capture, °/√s: differences of neighbours, of which white noise has all. */
 function walkOf(csv) {
   const lines = csv.split("\n").filter((line) => /^\d/.test(line));
   const rows = lines.map((line) => line.split(",").map(Number));
@@ -110,10 +100,11 @@ function walkOf(csv) {
 }
 
 test("captures of this program, whole and cut off", { skip: without.program }, async () => {
-  const csv = readFileSync(captured("twin.csv"));
+  const captured = (name) => readFileSync(recorded(`${folder}/${name}`, "seed=7", "--duration", "2m"));
+  const csv = captured("twin.csv");
   const walk = walkOf(String(csv));
   for (const name of ["twin.csv", "twin.parquet", "twin.arrows"]) {
-    const bytes = name === "twin.csv" ? csv : readFileSync(captured(name));
+    const bytes = name === "twin.csv" ? csv : captured(name);
     assert.match(await give(name, bytes), /done/);
     const found = await page.textContent(".axes-of-log .coefficients tbody tr:first-child");
     const [, value] = /^N.* ?([\d.]{5,}) \([\d. …]+\) °\/√s.*identified/.exec(found) ?? assert.fail(found);

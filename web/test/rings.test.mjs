@@ -1,22 +1,12 @@
 // Frames, rings and the window of time, without a browser.
 import assert from "node:assert/strict";
-import { before, test } from "node:test";
-import { build } from "esbuild";
+import { test } from "node:test";
+import { bundled } from "./bundle.mjs";
 
-let page;
-
-before(async () => {
-  const contents = ["frame", "ring", "model", "chart/window", "chart/extent"]
-    .map((name) => `export * from "./src/${name}";`)
-    .join("\n");
-  const { outputFiles } = await build({
-    stdin: { contents, resolveDir: "." },
-    bundle: true,
-    format: "esm",
-    write: false,
-  });
-  page = await import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].contents).toString("base64")}`);
-});
+const contents = ["frame", "ring", "model", "chart/window", "chart/extent"]
+  .map((name) => `export * from "./src/${name}";`)
+  .join("\n");
+const page = await bundled({ stdin: { contents, resolveDir: "." } });
 
 /** A frame as docs/formats/page.md has it. */
 function framed(header, numbers) {

@@ -66,6 +66,14 @@ export function twinOf(keys) {
   return (page) => page.addInitScript((text) => localStorage.setItem("zerorate.twin", text), text);
 }
 
+/** Records the twin of these keys at every 50th sample. Returns the path. */
+export function recorded(path, keys, ...more) {
+  const wish = ["capture", "--device", `twin:${keys}`, "--divider", "50", ...more, "-o", path];
+  const { status, stderr } = spawnSync(PROGRAM, wish);
+  assert.equal(status, 0, String(stderr));
+  return path;
+}
+
 /** What a text comes to be. */
 export async function becomes(page, selector, pattern, timeout = PATIENCE) {
   await page.waitForFunction(

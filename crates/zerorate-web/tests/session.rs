@@ -284,7 +284,6 @@ fn a_step_lasts_until_the_part_has_settled() {
     assert!((number(&late["left_s"]) - others_s(&late)).abs() < 1e-6, "{late}");
 }
 
-/// A unit is unplugged during a calibration, and the page gets the reason.
 #[test]
 fn a_device_that_fails_ends_its_calibration() {
     let mut session = Session::new(about());

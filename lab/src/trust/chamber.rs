@@ -140,7 +140,7 @@ fn interrupted(bench: &Bench) -> Result<&'static Interrupted> {
 }
 
 /// Replaces one digit by another.
-fn edited(text: &str, random: &mut StdRng) -> String {
+pub fn with_another_digit(text: &str, random: &mut StdRng) -> String {
     let digits: Vec<usize> = text.bytes().enumerate().filter(|(_, b)| b.is_ascii_digit()).map(|(at, _)| at).collect();
     let at = digits[random.random_range(0..digits.len())];
     let mut bytes = text.as_bytes().to_vec();
@@ -153,7 +153,7 @@ fn edited_steps(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict
     let folder = Folder::new(&format!("steps-{seed}"))?;
     let (plan, output) = (folder.file("plan.toml"), folder.file("unit.toml"));
     fs::write(&plan, PLAN)?;
-    fs::write(format!("{output}.chamber"), edited(state, &mut random(class, seed)))?;
+    fs::write(format!("{output}.chamber"), with_another_digit(state, &mut random(class, seed)))?;
     let run = bench.run(&going_on(&plan, &output))?;
     Ok(match run.code {
         Some(2) if run.says(&["does not go on with this measurement"]) => Verdict::Refused,

@@ -1,6 +1,7 @@
 //! Files on disk are damaged: a bit flips, the end is missing, a stretch is gone or comes twice.
 
 use super::bench::{Bench, Folder, random};
+use super::chamber::with_another_digit;
 use super::process::hash;
 use super::{Class, Verdict};
 use anyhow::{Result, ensure};
@@ -116,20 +117,16 @@ fn edited_state(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict
         bench.run(&[&line[..], &["--state", &state]].concat())
     };
     stream("30s")?;
-    let whole = fs::read(&state)?;
+    let whole = fs::read_to_string(&state)?;
     let expected = stream("5s")?;
     ensure!(expected.code == Some(0), "{}", expected.stderr);
-    let mut random = random(class, seed);
-    let digits: Vec<usize> = (0..whole.len()).filter(|at| whole[*at].is_ascii_digit()).collect();
-    let at = digits[random.random_range(0..digits.len())];
-    let mut edited = whole.clone();
-    edited[at] = b'0' + (whole[at] - b'0' + random.random_range(1..10)) % 10;
+    let edited = with_another_digit(&whole, &mut random(class, seed));
     fs::write(&state, &edited)?;
     let run = stream("5s")?;
     Ok(match run.code {
         Some(0) if run.stdout == expected.stdout => Verdict::Right,
-        Some(0) => Verdict::Silent(format!("byte {at} of the state was edited: {}", run.stderr)),
-        Some(1) if fs::read(&state)? != edited => Verdict::Silent(format!("byte {at}: the refused state is gone")),
+        Some(0) => Verdict::Silent(format!("the edited state was believed: {}\n{edited}", run.stderr)),
+        Some(1) if fs::read_to_string(&state)? != edited => Verdict::Silent("the refused state is gone".to_owned()),
         _ => run.refusal(&["can be taken up"]),
     })
 }

@@ -1,12 +1,11 @@
 // What the charts show, against what is known of the twin, or of a recording by other means.
 import assert from "node:assert/strict";
-import { spawnSync } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { after, before, test } from "node:test";
 import { staticHome } from "../static.mjs";
 import { liveBench } from "../suite.mjs";
-import { becomes, open, PATIENCE, PROGRAM, twinOf, without } from "../world.mjs";
+import { becomes, open, PATIENCE, recorded, twinOf, without } from "../world.mjs";
 
 const home = staticHome();
 let folder;
@@ -15,14 +14,6 @@ before(() => {
   folder = mkdtempSync(`${tmpdir()}/zerorate-charts-`);
 });
 after(() => rmSync(folder, { recursive: true }));
-
-/** A recording of the twin: its path. */
-function recorded(name, keys, ...more) {
-  const path = `${folder}/${name}`;
-  const { status, stderr } = spawnSync(PROGRAM, ["capture", "--device", `twin:${keys}`, ...more, "-o", path]);
-  assert.equal(status, 0, String(stderr));
-  return path;
-}
 
 /** Number and uncertainty of `a ± b`. */
 function numbers(text) {
@@ -46,7 +37,7 @@ function drawn(page, strip) {
 
 test("a part that is slower than the bins is on the strips", { skip: without.program }, async () => {
   // some 110 samples a second, in bins of 1 ms: eight of nine are empty
-  const path = recorded("slow.arrows", "seed=7", "--divider", "50", "--duration", "2m");
+  const path = recorded(`${folder}/slow.arrows`, "seed=7", "--duration", "2m");
   const { page, context, faults } = await open(home.browser, `${home.site.url}#device`);
   await page.setInputFiles('.openers input[type="file"]', path);
   await becomes(page, ".device .name", /slow\.arrows/);
@@ -125,7 +116,7 @@ test("the rate over temperature has the slope of the twin", async () => {
 });
 
 test("several axes: each has its own rate, by the switch", { skip: without.program }, async () => {
-  const path = recorded("axes.csv", "seed=7,axes=3", "--divider", "50", "--duration", "20s");
+  const path = recorded(`${folder}/axes.csv`, "seed=7,axes=3", "--duration", "20s");
   const lines = readFileSync(path, "utf8").split(/\r?\n/).filter((line) => /^\d/.test(line));
   const rows = lines.map((line) => line.split(",").map(Number));
   const last = rows.filter(([t_ns]) => t_ns > rows.at(-1)[0] - 1e9);

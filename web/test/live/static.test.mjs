@@ -1,6 +1,5 @@
 // The page of a static site: the session runs in a worker of the browser.
 import assert from "node:assert/strict";
-import { spawnSync } from "node:child_process";
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { test } from "node:test";
@@ -15,7 +14,7 @@ import {
   PAGES,
   standsStill,
 } from "../suite.mjs";
-import { bars, becomes, firstTrace, open, PAGE, PATIENCE, PROGRAM, twinOf, without } from "../world.mjs";
+import { bars, becomes, firstTrace, open, PAGE, PATIENCE, recorded, twinOf, without } from "../world.mjs";
 
 const home = staticHome();
 
@@ -153,19 +152,7 @@ test("a calibration that is dropped, one that is damaged, and a device of other 
 
 test("a recording that is dropped is played", { skip: without.program }, async () => {
   const folder = mkdtempSync(`${tmpdir()}/zerorate-capture-`);
-  const path = `${folder}/twin.arrows`;
-  const wish = [
-    "capture",
-    "--device",
-    "twin:seed=7,bias_dps=1.5",
-    "--divider",
-    "50",
-    "--duration",
-    "2m",
-    "-o",
-    path,
-  ];
-  assert.equal(spawnSync(PROGRAM, wish).status, 0);
+  const path = recorded(`${folder}/twin.arrows`, "seed=7,bias_dps=1.5", "--duration", "2m");
   const { page, context, faults } = await open(home.browser, `${home.site.url}#device`);
   await page.setInputFiles('.openers input[type="file"]', path);
   await becomes(page, ".device .name", /twin\.arrows/);

@@ -108,7 +108,6 @@ fn steps_of_another_plan_are_not_taken() {
     bench.zerorate(&format!("{line} --restart")).ended_with(0);
 }
 
-/// Ctrl-C in a step of a day.
 #[cfg(unix)]
 #[test]
 fn ctrl_c_keeps_the_finished_steps() {

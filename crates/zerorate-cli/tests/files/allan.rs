@@ -93,7 +93,7 @@ fn gaps_are_not_closed_up_silently() {
     run.ok();
     let run = bench.zerorate("allan gap.csv --ignore-gaps --json");
     assert!(run.stderr.contains("2 samples are missing among 4; the gaps are closed up"), "{}", run.stderr);
-    let report: serde_json::Value = serde_json::from_str(&run.ok()).unwrap();
+    let report = run.ended_with(0).json();
     assert_eq!(report["rate_hz"], 100.0);
 }
 

@@ -14,14 +14,10 @@ fn bench() -> Bench {
     bench
 }
 
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).unwrap()
-}
-
 #[test]
 fn the_contract_of_json() {
     let bench = bench();
-    let report = json(&bench.zerorate(&format!("allan {LOG} --scale 1 --fit --json")).ok());
+    let report = bench.zerorate(&format!("allan {LOG} --scale 1 --fit --json")).ended_with(0).json();
     assert_eq!((&report["rate_hz"], &report["samples"]), (&100.0.into(), &90_000.into()));
     let first = &report["points"][0];
     let number = |value: &Value| value.as_f64().unwrap();
@@ -44,12 +40,13 @@ fn every_statistic_at_every_spacing() {
     let help = bench.zerorate("allan --help").ok().split_whitespace().collect::<Vec<_>>().join(" ");
     for stat in Stat::ALL {
         assert!(help.contains(&format!("{stat} ({})", stat.title())), "{help}");
-        let report = json(&bench.zerorate(&format!("allan {LOG} --stat {stat} --taus 0.01,1,10 --json")).ok());
+        let report =
+            bench.zerorate(&format!("allan {LOG} --stat {stat} --taus 0.01,1,10 --json")).ended_with(0).json();
         assert_eq!(report["stat"], stat.name());
         assert_eq!(report["points"].as_array().unwrap().len(), 3, "{stat}");
     }
     for (taus, points) in [("octave", 16), ("decade", 15), ("log:20", 20)] {
-        let report = json(&bench.zerorate(&format!("allan {LOG} --taus {taus} --json")).ok());
+        let report = bench.zerorate(&format!("allan {LOG} --taus {taus} --json")).ended_with(0).json();
         assert_eq!(report["points"].as_array().unwrap().len(), points, "{taus}");
     }
 }
@@ -59,14 +56,13 @@ fn what_cannot_be_computed_is_listed() {
     let bench = bench();
     let table = bench.zerorate(&format!("allan {LOG} --taus 1,1000000")).ok();
     assert!(table.lines().last().unwrap().contains("not computed"), "{table}");
-    let report = json(&bench.zerorate(&format!("allan {LOG} --taus 1,1000000 --json")).ok());
+    let report = bench.zerorate(&format!("allan {LOG} --taus 1,1000000 --json")).ended_with(0).json();
     assert_eq!(report["unavailable"][0]["tau_s"], 1e6);
 }
 
-/// Nothing was asked for, so nothing is fitted or taken out.
 #[test]
 fn without_fit_there_is_no_model() {
-    let report = json(&bench().zerorate(&format!("allan {LOG} --scale 1 --json")).ok());
+    let report = bench().zerorate(&format!("allan {LOG} --scale 1 --json")).ended_with(0).json();
     assert!(report["fit"].is_null() && report["points"][0]["model"].is_null(), "{report}");
 }
 
@@ -75,7 +71,7 @@ fn without_fit_there_is_no_model() {
 fn a_record_too_short_for_a_fit() {
     let bench = Bench::new();
     bench.write("short.csv", "1\n3\n2\n");
-    let report = json(&bench.zerorate("allan short.csv --rate 10 --fit --json").ok());
+    let report = bench.zerorate("allan short.csv --rate 10 --fit --json").ended_with(0).json();
     assert_eq!((&report["fit"]["k"]["value"], &report["fit"]["k"]["identified"]), (&0.0.into(), &false.into()));
     assert!(report["fit_error"].as_str().unwrap().contains("record longer"));
 }
@@ -93,7 +89,7 @@ fn the_fit_in_words() {
 fn several_logs_are_compared() {
     let bench = bench();
     let line = format!("allan other.f64 {LOG} --scale 1");
-    let report = json(&bench.zerorate(&format!("{line} --json")).ok());
+    let report = bench.zerorate(&format!("{line} --json")).ended_with(0).json();
     assert_eq!(report["files"][1]["file"], "white.f64");
     let csv = bench.zerorate(&format!("{line} --csv")).ok();
     assert!(csv.starts_with("file,tau_s,m,dev_dps,lo_dps,hi_dps,edf,alpha,n\nother.f64,0.01,1,"), "{csv}");

@@ -97,8 +97,7 @@ fn another_part_is_calibrated_corrected_and_exported() {
     // the recording is all there is to know
     bench.zerorate(&format!("recalibrate imu.arrows --part part.toml {PLAN} -o again.toml")).ok();
     assert_eq!(std::fs::read_to_string(bench.path("again.toml")).unwrap(), text);
-    let json = bench.zerorate(&format!("recalibrate imu.arrows --part part.toml {PLAN} --json")).ok();
-    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let json = bench.zerorate(&format!("recalibrate imu.arrows --part part.toml {PLAN} --json")).ended_with(0).json();
     assert_eq!(json["axes"][2]["pbc_dps"], unit.axes[2].correction.pbc_dps);
 
     bench.zerorate("correct imu.arrows --cal unit.toml -o corrected.csv").ok();

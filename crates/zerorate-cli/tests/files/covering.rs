@@ -29,7 +29,7 @@ fn columns_without_names_are_axes_by_number() {
     let said = bench.zerorate(&format!("imu plain.csv {units}")).fails(2);
     assert!(said.contains("Say which are axes with --gyro and --accel"), "{said}");
     let run = bench.zerorate(&format!("imu plain.csv --gyro 1,2,c3 --accel 4,5,6 {units} --json"));
-    let report: serde_json::Value = serde_json::from_str(&run.ok()).unwrap();
+    let report = run.ended_with(0).json();
     let kinds: Vec<_> = report["axes"].as_array().unwrap().iter().map(|axis| axis["kind"].as_str().unwrap()).collect();
     assert_eq!(kinds, [["gyroscope"; 3], ["accelerometer"; 3]].concat());
     let wrong = bench.zerorate("imu imu.csv --gyro 4").fails(2);

@@ -24,8 +24,7 @@ fn json_has_coefficients_and_table() {
     let bench = Bench::new();
     let correction = Correction::line(0.7312, 0.0387, 33.125);
     bench.write("unit.toml", calibration(0.7312, 0.0387, 33.125));
-    let json: serde_json::Value =
-        serde_json::from_str(&bench.zerorate("export unit.toml --format json --span-c 0.2").ok()).unwrap();
+    let json = bench.zerorate("export unit.toml --format json --span-c 0.2").ended_with(0).json();
     let integer = correction.to_integer(&Axis::ADIS16130.rate, &Axis::ADIS16130.temp).unwrap();
     assert_eq!(json["integer"]["offset_q"], integer.offset_q);
     assert_eq!(json["integer"]["slope_q"], integer.slope_q);
@@ -76,7 +75,6 @@ fn json_and_csv_of_a_curve() {
     assert!(!line.contains("btc2") && !line.contains("_dps\": 0.0000"), "{line}");
 }
 
-/// A correction that no integer form carries is refused with the term that is too large.
 #[test]
 fn a_curve_that_does_not_fit_codes_is_refused() {
     let bench = Bench::new();
@@ -89,7 +87,6 @@ fn a_curve_that_does_not_fit_codes_is_refused() {
     bench.zerorate("export unit.toml --format csv --span-c 4").ok();
 }
 
-/// The examples of firmware hold what this version exports.
 #[test]
 fn the_examples_have_their_export() {
     let examples = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../firmware/examples");
@@ -405,7 +402,6 @@ fn two_units_fit_into_one_program() {
     assert!(String::from_utf8_lossy(&refused.stderr).contains("two calibrations under one prefix"));
 }
 
-/// The default covers what the calibration holds for.
 #[test]
 fn the_default_table_covers_the_calibration() {
     let bench = Bench::new();
@@ -464,7 +460,6 @@ fn what_cannot_be_exported_is_explained() {
     assert!(bench.zerorate("export unit.toml --format pdf").fails(2).contains("pdf"));
 }
 
-/// One column for each axis, one object for each axis, and the coefficients where the scale is known.
 #[test]
 fn csv_and_json_of_three_axes() {
     let bench = Bench::new();

@@ -250,7 +250,6 @@ fn signals_close_what_is_recorded_and_clear_away_what_is_not_finished() {
     }
 }
 
-/// A corrected file is complete, or does not exist.
 #[test]
 fn an_interrupted_correction_leaves_nothing() {
     let bench = Bench::new();

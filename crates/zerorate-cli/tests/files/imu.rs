@@ -153,7 +153,7 @@ fn findings_are_a_line_for_each_kind() {
         "wrote imu.yaml for Kalibr (imu.yaml): of the axes of a kind the worst was taken (--combine worst)"
     );
     assert!(run.stdout.contains("\n  gyro_x_dps  ") && run.stdout.contains("B, µg"), "{}", run.stdout);
-    let report: Value = serde_json::from_str(&bench.zerorate(&format!("{LINE} --json")).ok()).unwrap();
+    let report = bench.zerorate(&format!("{LINE} --json")).ended_with(0).json();
     for axis in [3, 4] {
         let warnings = report["axes"][axis]["warnings"].as_array().unwrap();
         assert!(warnings.iter().any(|warning| warning.as_str().unwrap().starts_with("glitches: 1 glitch (")));
@@ -179,8 +179,7 @@ fn several_imus_are_a_table() {
     }
     assert!(!bench.path("x.yaml").exists());
     bench.write("imu.csv", log());
-    let run = bench.zerorate("imu imu.csv --column gyro_x_dps,5 --json").ok();
-    let report: Value = serde_json::from_str(&run).unwrap();
+    let report = bench.zerorate("imu imu.csv --column gyro_x_dps,5 --json").ended_with(0).json();
     assert_eq!((&report["topic"], &report["motion"]), (&Value::Null, &serde_json::json!([])));
     let names = report["axes"].as_array().unwrap().iter().map(|axis| axis["name"].as_str().unwrap());
     assert_eq!(names.collect::<Vec<_>>(), ["gyro_x_dps", "ay [m/s^2]"]);
@@ -292,7 +291,6 @@ fn a_gauss_markov_term_is_shown() {
     }
 }
 
-/// A log of gyroscopes alone makes a file that says what is to be filled in.
 #[test]
 fn a_gyroscope_alone_leaves_the_rest_open() {
     let bench = Bench::new();
@@ -351,14 +349,13 @@ fn the_page_shows_record_spectrum_and_curves() {
 fn allan_takes_several_columns() {
     let bench = bench();
     let line = "allan imu.csv --time-column t_s";
-    let all: Value = serde_json::from_str(&bench.zerorate(&format!("{line} --column all --json")).ok()).unwrap();
+    let all = bench.zerorate(&format!("{line} --column all --json")).ended_with(0).json();
     let names: Vec<&str> = all["axes"].as_array().unwrap().iter().map(|axis| axis["name"].as_str().unwrap()).collect();
     let columns: Vec<&str> = HEAD.split(',').skip(1).collect();
     assert_eq!(names, columns);
     let two = "--column gyro_z_dps,gyro_x_dps";
-    let axes: Value = serde_json::from_str(&bench.zerorate(&format!("{line} {two} --json")).ok()).unwrap();
-    let one: Value =
-        serde_json::from_str(&bench.zerorate(&format!("{line} --column gyro_z_dps --json")).ok()).unwrap();
+    let axes = bench.zerorate(&format!("{line} {two} --json")).ended_with(0).json();
+    let one = bench.zerorate(&format!("{line} --column gyro_z_dps --json")).ended_with(0).json();
     assert_eq!((&axes["axes"][0]["points"], &axes["axes"][0]["name"]), (&one["points"], &"gyro_z_dps".into()));
     let csv = bench.zerorate(&format!("{line} {two} --csv")).ok();
     assert!(csv.starts_with("file,column,tau_s,m,dev_dps,") && csv.contains("imu.csv,gyro_x_dps,"), "{csv}");

@@ -82,7 +82,7 @@ fn bags_in_folders() {
     fs::write(folder.join("metadata.yaml"), files).unwrap();
     let run = bench.zerorate("allan bag --column z --json");
     assert!(run.stderr.contains("bag: 1 samples are missing among 20"), "{}", run.stderr);
-    let report: serde_json::Value = serde_json::from_str(&run.ok()).unwrap();
+    let report = run.ended_with(0).json();
     assert_eq!(report["rate_hz"], 200.0);
     let counted = |count: u32| {
         let topic = |name: &str, count| {

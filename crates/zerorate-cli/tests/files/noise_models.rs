@@ -140,8 +140,7 @@ fn seven_real_axes() {
         let packed = File::open(folder.join(axis.file)).unwrap();
         XzReader::new(packed, true).read_to_end(&mut samples).unwrap();
         bench.write("axis.raw", samples);
-        let text = bench.zerorate(&format!("allan axis.raw {} --fit --json", axis.options)).ok();
-        let report: Value = serde_json::from_str(&text).unwrap();
+        let report = bench.zerorate(&format!("allan axis.raw {} --fit --json", axis.options)).ended_with(0).json();
         let (file, fit) = (axis.file, &report["fit"]);
         assert!(near(&fit["n"]["value"], axis.n, 6e-3), "{file}: N {} for {}", fit["n"]["value"], axis.n);
         assert!(near(&fit["n"]["value"], axis.plateau, 0.01), "{file}: N {}", fit["n"]["value"]);
@@ -274,7 +273,7 @@ fn a_rejected_model_is_no_result() {
     assert!(run.stdout.contains("model rejected") && !run.stdout.contains("To find the bias"), "{}", run.stdout);
     assert!(!bench.path("imu.yaml").exists());
     let asked = bench.zerorate(&format!("{line} --fit --json")).ended_with(3);
-    let report: Value = serde_json::from_str(&asked.stdout).unwrap();
+    let report = asked.json();
     assert_eq!(report["fit"]["rejected"], true);
     assert!(["n", "b", "k"].iter().all(|letter| report["fit"][letter]["identified"] == false));
     assert!(report["advice"].as_array().unwrap().is_empty());
@@ -283,7 +282,6 @@ fn a_rejected_model_is_no_result() {
     assert!(!bench.path("imu.yaml").exists());
 }
 
-/// Three units of one type and a louder one: one model, the spread, and the one that does not fit by name.
 #[test]
 fn a_pool_of_logs_is_one_model() {
     let bench = Bench::new();
@@ -293,7 +291,7 @@ fn a_pool_of_logs_is_one_model() {
     let options = "--raw f64 --rate 100 --unit dps --pool";
     let run = bench.zerorate(&format!("allan a.f64 b.f64 c.f64 d.f64 {options} --json"));
     assert!(run.stderr.contains("warning: not-alike: d.f64") && run.stderr.contains("1.99 times the N"), "{run:?}");
-    let report: Value = serde_json::from_str(&run.ok()).unwrap();
+    let report = run.ended_with(0).json();
     let pool = &report["pool"];
     assert_eq!((report["files"].as_array().unwrap().len(), pool["records"].as_array().unwrap().len()), (4, 3));
     assert!(pool["fit"]["n"]["value"].is_number() && pool["spread"]["n"]["relative"].is_number(), "{pool}");

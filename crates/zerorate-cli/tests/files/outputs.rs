@@ -204,7 +204,6 @@ fn nor_is_a_state_a_recording_of_a_server_or_what_is_kept_beside_the_output() {
     }
 }
 
-/// A name that promises another form than what is written.
 #[test]
 fn a_name_of_another_form_is_refused() {
     let bench = bench();

@@ -130,7 +130,6 @@ fn a_picture_of_the_page_can_be_had_alone() {
     assert!(!bench.path("axes.svg").exists());
 }
 
-/// Three axes of another part: each has its section, its warnings and its picture.
 #[test]
 fn every_axis_has_its_section() {
     let bench = Bench::new();

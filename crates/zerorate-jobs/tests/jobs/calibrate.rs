@@ -40,7 +40,6 @@ fn every_method_states_a_curve_that_holds() {
     }
 }
 
-/// The shares of the variance add up, and each part is no more than the whole.
 #[test]
 fn the_uncertainty_budget_adds_up() {
     let done = calibrate("twin:seed=7", short()).unwrap();
@@ -64,7 +63,6 @@ fn a_step_of_the_supply_is_taken_out_of_a_warm_up() {
     assert!(worst_of_curve(only(&done)) < 4.0, "{:?}", only(&done));
 }
 
-/// A target that can be reached ends the recording early; a missed target is a warning.
 #[test]
 fn a_target_ends_the_recording_or_is_missed() {
     let to = |dph: f64| {
