@@ -1,5 +1,5 @@
-//! `cargo xtask iiod`: reads the libiio server with clients of other projects. `bench-serve` has several of them beside a
-//! recording.
+//! `cargo xtask iiod`: reads the libiio server with clients of other projects. In `bench-serve`, several of them read
+//! while the program records.
 
 use crate::app;
 use crate::tools::{Tool, available, module_available};
