@@ -154,6 +154,7 @@ fn findings_are_a_line_for_each_kind() {
     );
     assert!(run.stdout.contains("\n  gyro_x_dps  ") && run.stdout.contains("B, µg"), "{}", run.stdout);
     let report = bench.zerorate(&format!("{LINE} --json")).ended_with(0).json();
+    assert_eq!(report["motion"][0]["kind"], "knock", "{}", report["motion"]);
     for axis in [3, 4] {
         let warnings = report["axes"][axis]["warnings"].as_array().unwrap();
         assert!(warnings.iter().any(|warning| warning.as_str().unwrap().starts_with("glitches: 1 glitch (")));
