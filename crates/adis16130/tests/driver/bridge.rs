@@ -1,9 +1,6 @@
 //! The bridge against bytes that were put together by hand from `docs/formats/bridge.md`, and against the hand-written
 //! part.
 
-use std::future::Future;
-use std::pin::pin;
-use std::task::{Context, Poll, Waker};
 use std::time::Duration;
 
 use adis16130::bridge::{
@@ -12,7 +9,7 @@ use adis16130::bridge::{
 };
 use adis16130::{Config, ConversionTime, Edge, RdyEdge, Width};
 
-use crate::part::{F30, Line, Part, Wire};
+use crate::part::{F30, Line, Part, Wire, now};
 
 const START: Ask<'static> = Ask::Start { every_temp: 1, divider: 1, mclk_hz: 6_000_000 };
 const READING: WireSample = WireSample {
@@ -389,13 +386,5 @@ fn refusal(station: &mut Station<impl Bus>, ask: Ask<'_>) -> Option<Refusal> {
     match answer(station, ask) {
         Message::Answer { tag: 3, answer: Answer::Refused(refusal) } => Some(refusal),
         _ => None,
-    }
-}
-
-/// The mock never waits, so one poll must be enough.
-fn now<F: Future>(future: F) -> F::Output {
-    match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
-        Poll::Ready(output) => output,
-        Poll::Pending => panic!("waits for something that never comes"),
     }
 }

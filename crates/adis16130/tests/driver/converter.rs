@@ -152,9 +152,9 @@ fn run(config: Config, sampling: SamplerConfig, host: Host, seed: u64) -> Count 
     count
 }
 
-/// Every loss is reported, and only losses are. The last of them may be one sample late.
-fn assert_honest(config: Config, sampling: SamplerConfig, host: Host) -> Count {
-    let mut all = Count::default();
+/// Every loss is reported, and only losses are. The last of them may be one sample late. Returns the losses.
+fn assert_honest(config: Config, sampling: SamplerConfig, host: Host) -> u64 {
+    let mut lost = 0;
     for seed in 1..=12 {
         let count = run(config, sampling, host, seed);
         assert_eq!(count.twice, 0, "{sampling:?} {count:?}");
@@ -162,11 +162,9 @@ fn assert_honest(config: Config, sampling: SamplerConfig, host: Host) -> Count {
             (count.lost.saturating_sub(1)..=count.lost).contains(&count.reported),
             "seed {seed}: {count:?}, {sampling:?}, {config:?}"
         );
-        all.samples += count.samples;
-        all.lost += count.lost;
-        all.reported += count.reported;
+        lost += count.lost;
     }
-    all
+    lost
 }
 
 const SAMPLINGS: [SamplerConfig; 4] = [
@@ -175,29 +173,6 @@ const SAMPLINGS: [SamplerConfig; 4] = [
     SamplerConfig::new().with_every_temp(0),
     SamplerConfig::new().with_read_status(false),
 ];
-
-#[test]
-fn a_prompt_host_loses_nothing() {
-    for sampling in SAMPLINGS {
-        let count = assert_honest(Config::default(), sampling, PROMPT);
-        assert_eq!((count.lost, count.reported), (0, 0), "{sampling:?}");
-    }
-}
-
-#[test]
-fn a_slow_host_is_told_what_it_loses() {
-    for sampling in SAMPLINGS {
-        assert_honest(Config::default(), sampling, SLOW);
-    }
-}
-
-#[test]
-fn a_pausing_host_is_told_what_it_loses() {
-    for sampling in SAMPLINGS {
-        let count = assert_honest(Config::default(), sampling, PAUSING);
-        assert!(count.lost > 1_000, "{count:?}");
-    }
-}
 
 /// Behind an emulated or a busy bus edges are late and wait for each other, so their times teach nothing. The counts
 /// are then good to the tolerance of the clock, and a little more.
@@ -216,8 +191,8 @@ fn late_timestamps_cost_no_more_than_the_tolerance_of_the_clock() {
 }
 
 #[test]
-fn unequal_conversion_times() {
-    for (rate, temp) in [(5, 127), (127, 5), (5, 0x85), (60, 61)] {
+fn every_loss_is_reported_for_any_conversion_times() {
+    for (rate, temp) in [(5, 5), (5, 127), (127, 5), (5, 0x85), (60, 61)] {
         let config = Config::new()
             .with_rate_conversion(ConversionTime::new(rate))
             .with_temp_conversion(ConversionTime::new(temp));
@@ -233,9 +208,8 @@ fn unequal_conversion_times() {
 fn without_rdyfn_every_other_edge_is_stale() {
     let config = Config::new().with_rdyfn(false);
     for sampling in SAMPLINGS {
-        let prompt = assert_honest(config, sampling, PROMPT);
-        assert_eq!(prompt.lost, 0, "{sampling:?}");
+        assert_eq!(assert_honest(config, sampling, PROMPT), 0, "{sampling:?}");
         assert_honest(config, sampling, SLOW);
-        assert_honest(config, sampling, PAUSING);
+        assert!(assert_honest(config, sampling, PAUSING) > 1_000, "{sampling:?}");
     }
 }

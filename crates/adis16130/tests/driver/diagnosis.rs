@@ -16,10 +16,6 @@ fn initialised() -> (Rc<RefCell<Part>>, Gyro) {
     (part, gyro)
 }
 
-fn brown_out(part: &Rc<RefCell<Part>>) {
-    part.borrow_mut().reset();
-}
-
 #[test]
 fn verify_reads_every_written_register_back() {
     let (part, mut gyro) = initialised();
@@ -56,7 +52,7 @@ fn verify_tells_stuck_lines_and_a_brown_out_apart() {
     part.borrow_mut().line = Line::Flip(0x38, 0x04);
     assert!(matches!(gyro.verify(), Err(VerifyError::Differs(seen)) if seen.iter().count() == 1));
     part.borrow_mut().line = Line::Good;
-    brown_out(&part);
+    part.borrow_mut().reset(); // a brown-out
     assert!(matches!(gyro.verify(), Err(VerifyError::ConfigurationLost(seen)) if seen.iter().count() == 6));
     gyro.init_verified().unwrap();
 }
@@ -76,7 +72,7 @@ fn diagnose_tells_them_apart_too() {
     let channel = Mismatch { register: Address::TempStatus, expected: 0x40, got: 0x60 };
     assert_eq!(gyro.diagnose(), Ok(Some(Fault::Unexpected(channel))));
     part.borrow_mut().line = Line::Good;
-    brown_out(&part);
+    part.borrow_mut().reset(); // a brown-out
     let lost = Mismatch { register: Address::Mode, expected: 0x22, got: 0x00 };
     assert_eq!(gyro.diagnose(), Ok(Some(Fault::ConfigurationLost(lost))));
 }
@@ -136,7 +132,7 @@ fn every_message_says_what_to_do() {
     let stuck = gyro.verify().unwrap_err().to_string();
     assert!(stuck.contains("stuck at zeros") && stuck.contains("check the SDO wire"), "{stuck}");
     part.borrow_mut().line = Line::Good;
-    brown_out(&part);
+    part.borrow_mut().reset(); // a brown-out
     let lost = gyro.diagnose().unwrap().unwrap().to_string();
     assert!(lost.contains("MODE (38h) reads 00h instead of 22h") && lost.contains("initialise again"), "{lost}");
     part.borrow_mut().set(0x08, 0x00_0000);

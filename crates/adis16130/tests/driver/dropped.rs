@@ -4,18 +4,18 @@
 use std::cell::Cell;
 use std::convert::Infallible;
 use std::future::{Future, pending};
-use std::pin::pin;
 use std::rc::Rc;
-use std::task::{Context, Poll, Waker};
+use std::task::{Context, Waker};
 
 use adis16130::asynch::Adis16130;
 use adis16130::registers::Mode;
 use adis16130::{
-    BusError, Config, Edge, Framing, MCLK_HZ, RateCode, ReadError, Sampler, SamplerConfig, SelfTestPlan, TempCode,
-    Width,
+    BusError, Config, Edge, Framing, MCLK_HZ, RateCode, ReadError, Sampler, SamplerConfig, TempCode, Width,
 };
-use adis16130_twin::{Spec, Twin, TwinDelay, TwinSpi};
+use adis16130_twin::{Spec, Twin, TwinSpi};
 use embedded_hal::spi::Operation;
+
+use crate::part::now;
 
 /// Steps until the bus stalls for ever. The beginning of a transaction, each byte, and the end are one step each.
 #[derive(Clone)]
@@ -191,21 +191,6 @@ fn a_dropped_call_never_shifts_what_is_read_next() {
 }
 
 #[test]
-fn a_dropped_first_reading_leaves_the_question_open() {
-    for config in configs() {
-        for steps in 0..40 {
-            let mut bench = Bench::new(config);
-            now(bench.gyro.restart()).unwrap(); // nothing has been read, nothing converted
-            bench.steps.0.set(steps);
-            _ = poll_once(bench.gyro.read_both());
-            bench.steps.0.set(usize::MAX);
-            now(bench.gyro.read_both()).unwrap_err();
-            bench.assert_honest(&format!("first reading after {steps} steps"));
-        }
-    }
-}
-
-#[test]
 fn nothing_is_sent_until_the_reset() {
     for config in configs() {
         let mut bench = Bench::new(config);
@@ -223,46 +208,5 @@ fn nothing_is_sent_until_the_reset() {
         now(bench.gyro.reset()).unwrap();
         now(bench.gyro.init_verified()).unwrap();
         bench.assert_honest("reset and init_verified");
-    }
-}
-
-#[test]
-fn a_wait_may_be_dropped_and_a_self_test_too() {
-    for config in configs() {
-        for steps in 0..30 {
-            let mut bench = Bench::new(config);
-            let bus = Bus { spi: bench.twin.spi(), steps: bench.steps.clone() };
-            let mut gyro = Adis16130::new(bus, bench.twin.rdy(), config);
-            let (mut pin, mut delay) = (bench.twin.self_test_pin(), Delay(bench.twin.delay()));
-            now(gyro.restart()).unwrap();
-            bench.steps.0.set(steps);
-            _ = poll_once(gyro.self_test(&mut pin, &mut delay, SelfTestPlan::new(16).with_settle_us(200)));
-            bench.steps.0.set(usize::MAX);
-            bench.wait();
-            if let Ok((rate, temp)) = now(gyro.read_both()) {
-                bench.assert_true(rate, Some(temp), "self-test");
-            }
-        }
-    }
-}
-
-/// Time of the twin passes at once.
-struct Delay(TwinDelay);
-
-impl embedded_hal_async::delay::DelayNs for Delay {
-    async fn delay_ns(&mut self, ns: u32) {
-        embedded_hal::delay::DelayNs::delay_ns(&mut self.0, ns);
-    }
-}
-
-fn poll_once<F: Future>(future: F) -> Poll<F::Output> {
-    pin!(future).poll(&mut Context::from_waker(Waker::noop()))
-}
-
-/// The bus waits only where it is told to stall.
-fn now<F: Future>(future: F) -> F::Output {
-    match poll_once(future) {
-        Poll::Ready(output) => output,
-        Poll::Pending => panic!("waits for something that never comes"),
     }
 }

@@ -315,10 +315,23 @@ impl embedded_hal::delay::DelayNs for Delay {
 }
 
 #[cfg(feature = "async")]
+pub use asynch::now;
+
+#[cfg(feature = "async")]
 mod asynch {
     use super::{Delay, Operation, Pin, Refused, SpiDevice, Unplugged, Wire};
     use embedded_hal::digital::InputPin;
-    use std::future::pending;
+    use std::future::{Future, pending};
+    use std::pin::pin;
+    use std::task::{Context, Poll, Waker};
+
+    /// Neither mock nor twin waits, so one poll must be enough.
+    pub fn now<F: Future>(future: F) -> F::Output {
+        match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
+            Poll::Ready(output) => output,
+            Poll::Pending => panic!("waits for something that never comes"),
+        }
+    }
 
     impl embedded_hal_async::spi::SpiDevice for Wire {
         async fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Unplugged> {

@@ -19,21 +19,13 @@ fn numbers_of_the_interface() {
 }
 
 #[test]
-fn f30_per_byte() {
-    let part = Part::new();
-    let mut gyro = Adis16130::new(Wire(part.clone()), Pin::default(), Config::default());
-    gyro.init().unwrap();
-    let frames: Vec<Vec<u8>> = F30.iter().map(|&byte| vec![byte]).collect();
-    assert_eq!(part.borrow().frames, frames);
-}
-
-#[test]
-fn f30_per_command() {
-    let part = Part::new();
-    let config = Config::new().with_framing(Framing::Command);
-    Adis16130::new(Wire(part.clone()), Pin::default(), config).init().unwrap();
-    let frames: Vec<Vec<u8>> = F30.chunks(2).map(<[u8]>::to_vec).collect();
-    assert_eq!(part.borrow().frames, frames);
+fn f30_per_byte_and_per_command() {
+    for (framing, bytes) in [(Framing::PerByte, 1), (Framing::Command, 2)] {
+        let part = Part::new();
+        Adis16130::new(Wire(part.clone()), Pin::default(), Config::new().with_framing(framing)).init().unwrap();
+        let frames: Vec<Vec<u8>> = F30.chunks(bytes).map(<[u8]>::to_vec).collect();
+        assert_eq!(part.borrow().frames, frames);
+    }
 }
 
 #[test]
