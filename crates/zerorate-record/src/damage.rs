@@ -100,25 +100,6 @@ fn no_flipped_bit_is_believed() {
     }
 }
 
-/// Flips forty bits in a capture of so many rows, one at a time.
-fn no_flip_of_forty(format: Format, rows: u32) {
-    let fast = |sample: Row| Row { t_ns: sample.t_ns / 300, ..sample };
-    let victim = Victim::new(format, slow(rows).into_iter().map(fast).collect());
-    let mut random = Seeded(10);
-    for _ in 0..40 {
-        let (at, bit) = (random.below(victim.bytes.len()), random.below(8));
-        let mut bytes = victim.bytes.clone();
-        bytes[at] ^= 1 << bit;
-        victim.stays_true(&bytes, &format!("bit {bit} of byte {at}"));
-    }
-}
-
-#[test]
-fn no_flipped_bit_is_believed_in_a_long_file() {
-    no_flip_of_forty(Format::Arrows, 20_000);
-    no_flip_of_forty(Format::Csv, 20_000);
-}
-
 /// Bytes overwritten, left out, put in, moved; several at once.
 #[test]
 fn no_other_mutation_is_believed() {

@@ -130,23 +130,6 @@ fn hash_of_the_document() {
     assert_eq!(hash.hex(), "46fffcb6d6b70b295f39d5dc0e1dcd1b74ff976a1d339b49fa1787e92b063787");
 }
 
-#[test]
-fn every_form_has_the_hash_of_the_live_samples() {
-    let dir = TempDir::new().unwrap();
-    let samples = samples(9_000);
-    let hash = |samples: &[Row]| {
-        let mut hash = SampleHash::new(&info().layout);
-        samples.iter().for_each(|sample| hash.update(sample));
-        hash.hex()
-    };
-    for &format in FORMATS {
-        let path = dir.path().join(format!("{format:?}"));
-        write(&path, format, &samples);
-        assert_eq!(hash(&read(&path).0), hash(&samples));
-    }
-    assert_ne!(hash(&samples[1..]), hash(&samples));
-}
-
 /// Cut anywhere, a stream gives every whole batch, nothing else, and a warning.
 #[test]
 fn a_torn_stream_keeps_its_whole_batches() {

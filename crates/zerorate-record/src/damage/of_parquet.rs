@@ -7,11 +7,6 @@ use ::parquet::file::properties::WriterProperties;
 use arrow_array::RecordBatch;
 use std::fs::File;
 
-#[test]
-fn no_flipped_bit_is_believed_in_a_long_file() {
-    no_flip_of_forty(Format::Parquet, 140_000);
-}
-
 /// The rows of a Parquet file in another order or number, under its own metadata.
 #[test]
 fn row_groups_that_are_removed_repeated_or_moved_are_noticed() {
