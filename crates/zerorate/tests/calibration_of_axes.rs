@@ -1,7 +1,9 @@
 //! Schema 2 of the calibration file: several axes of any part.
 
+mod outcome;
+
 use zerorate::calibration::{Calibration, FileError, FileWarning, NoiseRecord, Origin};
-use zerorate::{Axis, Correction, Measured, Noise, Outcome, Part, Plan, Uncertainty, Warning};
+use zerorate::{Outcome, Part, Warning};
 
 const PART: &str = r#"
     schema = 1
@@ -16,43 +18,18 @@ const PART: &str = r#"
     rate_random_walk_dps_per_rt_s = 3e-4
 "#;
 
-fn outcome(pbc_dps: f64, own: Warning) -> Outcome {
-    Outcome {
-        curve: None,
-        means: Some(Measured { b1_dps: 0.123_456_789_012_345_67, t1_c: 25.2, b2_dps: 0.37, t2_c: 31.3 }),
-        correction: Correction::line(pbc_dps, -0.040_1, 1.0 / 3.0 + 32.0),
-        uncertainty: Uncertainty {
-            u_b1_dps: 0.004,
-            u_b2_dps: 0.004,
-            u_t1_c: 0.0002,
-            u_t2_c: 0.0002,
-            u_pbc_dps: 0.0026,
-            u_btc_dps_per_c: 0.0048,
-            u_curvature_dps_per_c: 0.0047,
-            u_t3_c: 0.0007,
-            cov_pbc_btc: 1e-8,
-            cov_pbc_t3: 2e-8,
-            drift_dps: 0.0004,
-        },
-        noise: Noise { model: Axis::ADIS16130.typical_noise(), flicker_measured: false, walk_measured: false },
-        rdy_hz: 819.2,
-        rate_hz: 819.2,
-        samples: 2_600_000,
-        lost_samples: 3,
-        impossible_readings: 0,
-        duration_s: 3171.0,
-        temp_min_c: 25.1,
-        temp_max_c: 33.2,
-        plan: Plan::default(),
-        warnings: vec![Warning::EarthIncluded, own],
-    }
+fn outcome_of(pbc_dps: f64, own: Warning) -> Outcome {
+    let mut outcome = outcome::outcome();
+    outcome.correction.pbc_dps = pbc_dps;
+    outcome.warnings = vec![Warning::EarthIncluded, own];
+    outcome
 }
 
 fn measured() -> Calibration {
     let outcomes = [
-        outcome(-0.253_712_345_678_901_2, Warning::Restless),
-        outcome(0.7, Warning::CurvatureUnknown),
-        outcome(0.1, Warning::RestUnjudged),
+        outcome_of(-0.253_712_345_678_901_2, Warning::Restless),
+        outcome_of(0.7, Warning::CurvatureUnknown),
+        outcome_of(0.1, Warning::RestUnjudged),
     ];
     let origin = Origin { serial: Some("SN \"17\"".into()), device: "replay:imu.csv".into(), ..Origin::default() };
     Calibration::new(&Part::parse(PART).unwrap(), &outcomes, origin)
@@ -91,7 +68,7 @@ fn noise_says_where_it_comes_from() {
         ["measured", "typical (data sheet)", "typical"]
     );
     let unknown = PART.split("[noise]").next().unwrap();
-    let outcomes = [(); 3].map(|()| outcome(0.1, Warning::Restless));
+    let outcomes = [(); 3].map(|()| outcome_of(0.1, Warning::Restless));
     let calibration = Calibration::new(&Part::parse(unknown).unwrap(), &outcomes, Origin::default());
     assert_eq!(calibration.axes[0].noise.as_ref().unwrap().flicker_source, "unknown");
 }
@@ -199,24 +176,11 @@ fn one_axis_at_least_and_eight_at_most() {
     assert!(none.contains("axis stands 0 times"), "{none}");
 }
 
-#[test]
-fn every_changed_digit_is_found() {
-    let text = measured().to_toml();
-    let lines: Vec<&str> = text.lines().collect();
-    for (index, line) in lines.iter().enumerate().filter(|(_, line)| line.contains(" = ")) {
-        let Some(at) = line.rfind(|c: char| c.is_ascii_digit()) else { continue };
-        let mut edited: Vec<String> = lines.iter().map(ToString::to_string).collect();
-        edited[index].replace_range(at..=at, if line.as_bytes()[at] == b'7' { "6" } else { "7" });
-        let error = Calibration::parse(&edited.join("\n")).unwrap_err();
-        assert!(matches!(error, FileError::Edited { .. } | FileError::Newer { .. }), "{line}: {error}");
-    }
-}
-
 /// Schema 1 cannot express an ADIS16130 on another scale, or with an axis of another name.
 #[test]
 fn schema_1_is_written_for_what_it_can_say_alone() {
     let one = |change: fn(&mut Calibration)| {
-        let outcomes = [outcome(0.1, Warning::Restless)];
+        let outcomes = [outcome_of(0.1, Warning::Restless)];
         let mut calibration = Calibration::new(&Part::ADIS16130, &outcomes, Origin::default());
         change(&mut calibration);
         let (read, _) = Calibration::parse(&calibration.to_toml()).unwrap();
