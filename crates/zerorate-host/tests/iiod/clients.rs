@@ -2,10 +2,9 @@
 //! `ZERORATE_IIO_CLIENTS` is set, as `cargo xtask iiod` does once it has installed them. It makes an environment with
 //! pyadi-iio as well, and names its Python in `ZERORATE_ADI_PYTHON`.
 
-use super::SAMPLE;
 use super::served::{Raw, Served};
-use std::io::{ErrorKind, Read};
-use std::process::{Command, Output, Stdio};
+use std::io::ErrorKind;
+use std::process::{Command, Output};
 
 /// The Python that Debian's python3-libiio belongs to.
 const PYTHON: &str = "/usr/bin/python3";
@@ -113,23 +112,6 @@ fn iio_readdev_gets_the_bytes_of_the_hub() {
     let codes = some.chunks(16).map(|sample| u32::from_le_bytes([sample[0], sample[1], sample[2], sample[3]]));
     // 10 °/s at most, in codes of F-40
     assert!(codes.into_iter().all(|code| code.abs_diff(8_388_608) < 234_880));
-}
-
-#[test]
-fn a_killed_client_and_another_one() {
-    let served = Served::start();
-    let mut killed = client("iio_readdev", &served, &["-b", "4096", "iio:device0"]);
-    let Ok(mut killed) = killed.stdout(Stdio::piped()).stderr(Stdio::null()).spawn() else {
-        skipped::<()>("iio_readdev is not installed");
-        return;
-    };
-    let mut begun = vec![0; 100 * SAMPLE];
-    killed.stdout.as_mut().expect("piped").read_exact(&mut begun).expect("samples");
-    killed.kill().expect("it runs");
-    killed.wait().expect("it runs");
-    served.check(&begun, 100);
-    let another = client("iio_readdev", &served, &["-b", "256", "-s", "10000", "iio:device0"]);
-    served.check(&run(another).expect("it is there").stdout, 10_000);
 }
 
 /// Opens a device, reads attributes, and writes the samples of a buffer to standard output.
