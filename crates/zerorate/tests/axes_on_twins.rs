@@ -1,13 +1,15 @@
 //! A part with three axes: three twins on one clock and one temperature, through one procedure.
 
-use adis16130::blocking::Adis16130;
-use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig};
-use adis16130_twin::{Fault, Motion, Spec, Truth, Twin, TwinRdy, TwinSpi};
+mod unit;
+
+use adis16130::MCLK_HZ;
+use adis16130_twin::{Fault, Motion, Spec, Truth};
 use std::borrow::Cow;
+use unit::Unit;
 use zerorate::calibration::{Calibration, Origin};
 use zerorate::{
     Action, Axis, AxisRefusal, Event, Method, NamedAxis, NoiseSources, Outcome, Part, PartProcedure, Plan, Procedure,
-    Reading, Refusal, Scan, State,
+    Refusal, Scan, State,
 };
 
 /// A procedure short enough for a test. The units below settle faster by the same factor.
@@ -55,32 +57,8 @@ fn units(changed: impl Fn(usize, Spec) -> Spec) -> [Unit; 3] {
             hysteresis_dps: 0.0,
             ..own
         };
-        Unit::new(changed(index, spec))
+        Unit::of(changed(index, spec))
     })
-}
-
-struct Unit {
-    twin: Twin,
-    gyro: Adis16130<TwinSpi, TwinRdy>,
-    sampler: Sampler,
-}
-
-impl Unit {
-    fn new(spec: Spec) -> Self {
-        let (twin, config) = (Twin::new(spec), Config::default());
-        let gyro = Adis16130::new(twin.spi(), twin.rdy(), config);
-        Self { twin, gyro, sampler: Sampler::new(SamplerConfig::default(), &config, MCLK_HZ) }
-    }
-
-    fn read(&mut self) -> Reading {
-        loop {
-            let edge = self.twin.next_falling_edge(1_000_000_000).expect("data ready");
-            let edge = Edge { t_ns: edge.t_ns, seq: edge.seq };
-            if let Some(sample) = self.gyro.sample(&mut self.sampler, edge).expect("a reading") {
-                return Reading::from(&sample);
-            }
-        }
-    }
 }
 
 /// Reads all of them at one time, with the temperature of the first.
@@ -107,7 +85,6 @@ fn measure(mut units: [Unit; 3]) -> Result<Measured, AxisRefusal> {
     loop {
         match procedure.next() {
             Action::Initialise => {
-                units.iter_mut().for_each(|unit| unit.gyro.init().expect("initialisation"));
                 let t_ns = units[0].twin.now_ns();
                 procedure.handle(Event::Initialised { t_ns })?;
                 alone.handle(Event::Initialised { t_ns }).expect("the same");

@@ -1,9 +1,11 @@
 //! The procedure, with the driver, on the twin: right numbers from a good unit, and a refusal that names the cause
 //! from a bad one.
 
-use adis16130::blocking::Adis16130;
-use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig};
-use adis16130_twin::{Fault, Motion, Spec, Truth, Twin, TwinRdy, TwinSpi};
+mod unit;
+
+use adis16130::{Config, SamplerConfig};
+use adis16130_twin::{Fault, Motion, Spec, Truth};
+use unit::Unit;
 use zerorate::{
     Action, Axis, Deviation, Event, Finding, FixedProcedure, Method, Outcome, Plan, Procedure, Reading, Refusal,
     Remedy, State, Warning, WindowWarnings,
@@ -63,36 +65,6 @@ fn started(axis: &Axis, plan: Plan, unit: &Unit) -> Procedure {
     assert_eq!(procedure.next(), Action::Initialise);
     procedure.handle(Event::Initialised { t_ns: unit.twin.now_ns() }).expect("a beginning");
     procedure
-}
-
-/// A twin that the driver has initialised.
-struct Unit {
-    twin: Twin,
-    gyro: Adis16130<TwinSpi, TwinRdy>,
-    sampler: Sampler,
-}
-
-impl Unit {
-    fn new(spec: Spec, config: Config, sampling: SamplerConfig) -> Self {
-        let twin = Twin::new(spec);
-        let mut gyro = Adis16130::new(twin.spi(), twin.rdy(), config);
-        gyro.init().expect("initialisation");
-        Self { twin, gyro, sampler: Sampler::new(sampling, &config, MCLK_HZ) }
-    }
-
-    fn of(spec: Spec) -> Self {
-        Self::new(spec, Config::default(), SamplerConfig::default())
-    }
-
-    fn read(&mut self) -> Reading {
-        loop {
-            let edge = self.twin.next_falling_edge(1_000_000_000).expect("data ready");
-            let edge = Edge { t_ns: edge.t_ns, seq: edge.seq };
-            if let Some(sample) = self.gyro.sample(&mut self.sampler, edge).expect("a reading") {
-                return Reading::from(&sample);
-            }
-        }
-    }
 }
 
 fn refused(spec: Spec, plan: Plan) -> Refusal {
