@@ -192,7 +192,6 @@ fn what_cannot_be_opened_says_why_in_the_thread_that_asked() {
     assert_eq!(error.cause(), Cause::Request);
 }
 
-/// From a crawl to as fast as it goes.
 #[test]
 fn the_speed_of_time_can_be_changed_while_it_passes() {
     let hub = hub("twin:seed=8", &Stop::default());

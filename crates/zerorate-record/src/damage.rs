@@ -124,7 +124,6 @@ fn no_other_mutation_is_believed() {
     }
 }
 
-/// A file that ends anywhere gives whole blocks and a warning, or nothing.
 #[test]
 fn a_cut_at_any_byte_leaves_a_prefix() {
     for &format in FORMATS {
@@ -257,7 +256,6 @@ fn rows_of_version_1_are_held_against_each_other() {
     assert!(version_1_error(&invented).unwrap().contains("more than there can be"));
 }
 
-/// A version is no way around the checks.
 #[test]
 fn version_2_is_not_taken_for_version_1() {
     let victim = Victim::new(Format::Csv, slow(50));

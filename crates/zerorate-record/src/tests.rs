@@ -107,7 +107,6 @@ fn sixteen_bit_codes_keep_their_width() {
     }
 }
 
-/// The same samples give the same bytes: neither the time nor the machine enters.
 #[test]
 fn the_bytes_depend_on_the_samples_alone() {
     let dir = TempDir::new().unwrap();
@@ -130,7 +129,6 @@ fn hash_of_the_document() {
     assert_eq!(hash.hex(), "46fffcb6d6b70b295f39d5dc0e1dcd1b74ff976a1d339b49fa1787e92b063787");
 }
 
-/// Cut anywhere, a stream gives every whole batch, nothing else, and a warning.
 #[test]
 fn a_torn_stream_keeps_its_whole_batches() {
     let dir = TempDir::new().unwrap();

@@ -492,7 +492,6 @@ mod tests {
         }
     }
 
-    /// The period and the size of a sway are found from the shape alone.
     #[test]
     fn a_sway_is_found_with_its_period_and_size() {
         let finding = strongest(|at_s| 0.02 * libm::sin(2.0 * PI * 0.006 * at_s));

@@ -312,7 +312,6 @@ mod tests {
         }
     }
 
-    /// The text states the limit that the code has.
     #[test]
     fn the_limit_follows_from_the_scales() {
         for (rate, temp) in scales() {

@@ -109,7 +109,6 @@ fn measure(mut units: [Unit; 3]) -> Result<Measured, AxisRefusal> {
     }
 }
 
-/// Each axis comes out with its own bias and coefficient, within its uncertainty, and the first one as it would alone.
 #[test]
 fn three_axes_are_calibrated_in_one_hour() {
     let Measured { outcomes, truths, alone } = measure(units(|_, spec| spec)).unwrap();
@@ -153,7 +152,6 @@ fn one_axis_that_freezes_refuses_the_part_by_its_name() {
     assert_eq!(refusal.axis.as_deref(), Some("z"));
 }
 
-/// Scans have fewer axes than the part, and the missing axis is named.
 #[test]
 fn an_axis_that_is_not_read_is_missed() {
     let mut procedure = PartProcedure::new(&part(), SHORT).unwrap();
@@ -167,7 +165,6 @@ fn an_axis_that_is_not_read_is_missed() {
     assert_eq!(refusal.axis.as_deref(), Some("z"));
 }
 
-/// The only axis of a part is not named.
 #[test]
 fn a_single_axis_is_refused_as_ever() {
     let mut procedure = PartProcedure::new(&Part::ADIS16130, SHORT).unwrap();

@@ -236,7 +236,6 @@ fn the_uncertainty_of_a_correction_is_that_of_many_measurements() {
     assert!((stated_cov_pbc_t3 / seen - 1.0).abs() < 0.05, "{stated_cov_pbc_t3} where {seen} is seen");
 }
 
-/// A tracker begins with the uncertainties that a curve states.
 #[test]
 fn a_tracker_begins_with_the_uncertainty_of_the_curve() {
     let text = "schema = 3\npart = \"ADIS16130\"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n\

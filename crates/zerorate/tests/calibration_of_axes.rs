@@ -58,7 +58,6 @@ fn what_concerns_all_axes_stands_once() {
     assert!(own.eq(expected.iter().map(|one| &one[..])));
 }
 
-/// Sources come from the part's file. If it has none, the calibration says so.
 #[test]
 fn noise_says_where_it_comes_from() {
     let NoiseRecord { white_source, flicker_source, rate_random_walk_source, .. } =

@@ -118,7 +118,6 @@ fn ramps_and_holds_go_by_the_clock() {
     assert_eq!(procedure.finish().expect("a record").len(), 30 + 60 + 90);
 }
 
-/// The record before an interruption stays, and the time of the interruption counts.
 #[test]
 fn a_measurement_goes_on_after_the_last_finished_step() {
     let steps = [soak(15.0), soak(40.0)];
@@ -145,7 +144,6 @@ fn a_door_that_stays_open_is_named() {
     assert!(refusal.to_string().to_lowercase().contains("close its door"), "{refusal}");
 }
 
-/// A door opened during an average spoils that average, and not the measurement.
 #[test]
 fn a_door_opened_in_between_costs_an_average() {
     let steps = [soak(60.0)];

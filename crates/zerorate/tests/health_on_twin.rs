@@ -172,7 +172,6 @@ fn short_record(spec: Spec) -> Vec<Reading> {
     readings(Spec { warmup_s: 10.0, ..spec }, Config::default(), SamplerConfig::new(), SHORT.total_s() + 1.0)
 }
 
-/// Errors are left out of the means: the same numbers come out, and a warning says so.
 #[test]
 fn spoilt_readings_are_in_no_mean() {
     let clean = short_record(Spec::from_seed(6));

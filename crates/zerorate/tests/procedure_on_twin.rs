@@ -259,7 +259,6 @@ fn a_step_inside_step_8_is_no_lack_of_temperature() {
 
 type IsCause = fn(&Deviation) -> bool;
 
-/// The warm-up shows deviations that the four averages do not.
 #[test]
 fn curvature_lag_and_hysteresis_show_in_the_warm_up() {
     let unit = || quick(13);
@@ -408,7 +407,6 @@ fn a_small_step_inside_an_average_is_motion_for_the_one_on_fixed_memory() {
     assert!(matches!(fixed, Err(Refusal::Unsteady { .. }) | Ok(_)), "{fixed:?}");
 }
 
-/// Unknown properties of a part are not used, and each result says so.
 #[test]
 fn a_part_of_which_little_is_known_is_calibrated_with_warnings() {
     let known = Axis::ADIS16130;

@@ -50,18 +50,6 @@ fn a_slow_sway_is_inside_the_uncertainty_or_refused() {
     }
 }
 
-/// Where the models decide for a sway, the warning has its size.
-#[test]
-fn a_sway_that_was_taken_out_is_told() {
-    let (outcome, _) = measure(&sway(12, 0.05, 0.0008), Method::Warmup).unwrap();
-    let taken = |warning: &Warning| match *warning {
-        Warning::SwayTaken { hz, size_dps } => Some((hz, size_dps)),
-        _ => None,
-    };
-    let (hz, size_dps) = outcome.warnings.iter().find_map(taken).expect("a sway");
-    assert!((hz / 0.0008 - 1.0).abs() < 0.05 && (size_dps / 0.05 - 1.0).abs() < 0.2, "{hz} Hz, {size_dps} °/s");
-}
-
 /// 384 mV in the last third and 352 mV while the part warms: below the largest step of a supply, so not motion.
 #[test]
 fn a_supply_step_is_not_motion() {

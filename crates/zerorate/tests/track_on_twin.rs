@@ -94,7 +94,6 @@ fn a_slow_turn_is_not_swallowed() {
     }
 }
 
-/// A turn that begins within a rest is found, and its learning is dropped.
 #[test]
 fn a_turn_that_begins_at_rest_is_found() {
     let mut rolled_back = 0;
@@ -110,7 +109,6 @@ fn a_turn_that_begins_at_rest_is_found() {
     assert!(rolled_back >= 36, "{rolled_back}");
 }
 
-/// The tracker never learns from shaking or swaying, and it learns from a rest between them.
 #[test]
 fn motion_is_not_learned_from() {
     let mut sum_dps = 0.0;

@@ -67,7 +67,6 @@ fn every_register_states_the_access_of_part_md() {
     }
 }
 
-/// No bit belongs to two fields, and no field lies outside of its register.
 #[test]
 fn fields_share_no_bits() {
     for register in ALL {

@@ -298,7 +298,6 @@ mod tests {
         Saved::parse(text, "plan", &Part::ADIS16130, "twin:", "SN1")
     }
 
-    /// A file without its check lines, or with some of its lines.
     #[test]
     fn what_is_not_whole_is_refused() {
         let text = saved().to_toml("plan", &Part::ADIS16130, "twin:", "SN1");
@@ -311,7 +310,6 @@ mod tests {
         assert!(matches!(parsed(cut), Err(SavedError::Altered(Damage::EndsEarly { .. }))), "{:?}", parsed(cut));
     }
 
-    /// The check lines are right, and the numbers are not.
     #[test]
     fn numbers_that_no_measurement_gives_are_named() {
         let text = saved().to_toml("plan", &Part::ADIS16130, "twin:", "SN1");
