@@ -240,17 +240,9 @@ fn rows_of_version_1_are_held_against_each_other() {
     assert_eq!(version_1_error(&rows), None);
     let removed: Vec<Row> = rows.iter().copied().filter(|row| !(200..480).contains(&row.edge_seq)).collect();
     assert!(version_1_error(&removed).unwrap().contains("about 280 rows are missing"));
-    let jumped = |from: u32| -> Vec<Row> {
-        let late =
-            |row: &Row| Row { t_ns: row.t_ns + if row.edge_seq >= from { 3_600_000_000_000 } else { 0 }, ..*row };
-        rows.iter().map(late).collect()
-    };
-    for from in [3, 500] {
-        assert!(version_1_error(&jumped(from)).unwrap().contains("t_ns jumps by 36000"), "from row {from}");
-    }
-    let mut back = rows.clone();
-    back[500].t_ns = back[499].t_ns;
-    assert!(version_1_error(&back).unwrap().contains("t_ns does not increase"));
+    let mut jumped = rows.clone();
+    jumped[3..].iter_mut().for_each(|row| row.t_ns += 3_600_000_000_000);
+    assert!(version_1_error(&jumped).unwrap().contains("t_ns jumps by 36000"));
     let mut invented = rows;
     invented[500].lost = 1_000_000;
     assert!(version_1_error(&invented).unwrap().contains("more than there can be"));

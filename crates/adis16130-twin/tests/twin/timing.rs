@@ -23,24 +23,6 @@ fn near(rate: f64, expected: f64) {
 }
 
 #[test]
-fn both_read_each_time_gives_an_edge_per_pair() {
-    let mut host = Host::started(quiet());
-    near(
-        edges_per_second(&mut host, |host| {
-            host.code24(0x08);
-            host.code24(0x0A);
-        }),
-        5692.6,
-    );
-}
-
-#[test]
-fn nothing_read_gives_an_edge_per_conversion() {
-    let mut host = Host::started(quiet());
-    near(edges_per_second(&mut host, |_| ()), 11_385.2);
-}
-
-#[test]
 fn another_clock_gives_another_rate() {
     let mut host = Host::started(Spec { mclk_hz: 6.144e6, ..quiet() });
     near(edges_per_second(&mut host, |_| ()), 11_658.4);
@@ -104,25 +86,6 @@ fn conversion_times_are_f31() {
     assert_eq!(cycles([on, on], [0x7F, 5]), [527, 127 * 64 + 207]);
     assert_eq!(cycles([on, off], [5, 5]), [526, 526]);
     assert_eq!(cycles([off, on], [5, 0x85]), [5 * 128 + 248; 2]);
-}
-
-#[test]
-fn rdy_is_high_for_the_scaling_time() {
-    let mut host = Host::started(quiet());
-    let mut rdy = host.twin.rdy();
-    host.edge();
-    let edge = host.edge();
-    assert!(rdy.is_low().unwrap());
-    // 527 cycles are 87 833 ns, of which the last 163 are 27 167 ns.
-    host.twin.advance_ns(87_833 - 27_167 - 2);
-    assert!(rdy.is_low().unwrap());
-    host.twin.advance_ns(4);
-    assert!(rdy.is_high().unwrap());
-    host.twin.advance_ns(27_164);
-    assert!(rdy.is_high().unwrap());
-    host.twin.advance_ns(4);
-    assert!(rdy.is_low().unwrap());
-    assert_eq!(host.edge().seq, edge.seq + 1);
 }
 
 #[test]
