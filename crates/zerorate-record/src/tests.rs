@@ -297,25 +297,3 @@ fn the_name_chooses_the_form() {
     assert_eq!(Format::choose(Some(Format::Arrows), Path::new("a.txt")).ok(), Some(Format::Arrows));
     assert_eq!(Format::choose(Some(Format::Csv), Path::new("a.parquet")).ok(), Some(Format::Csv));
 }
-
-/// A form that is not built in says which feature adds it, whether it is read or written.
-#[cfg(not(feature = "parquet"))]
-#[test]
-fn parquet_is_missing() {
-    let read = CaptureReader::open(Path::new("log"), b"PAR1PAR1".to_vec().into()).map(drop);
-    let out = Box::new(Vec::new());
-    let written = CaptureWriter::create(Path::new("log"), out, Format::Parquet, &info()).map(drop);
-    for said in [read, written, Format::choose(Some(Format::Parquet), Path::new("log")).map(drop)] {
-        assert!(matches!(said, Err(CaptureError::NotBuiltIn { missing: NotBuiltIn::PARQUET, .. })));
-    }
-}
-
-#[test]
-fn a_sentence_names_feature_and_command() {
-    let said = CaptureError::not_built_in(Path::new("log"), NotBuiltIn::PARQUET).to_string();
-    assert_eq!(
-        said,
-        "log: this program was built without Parquet (feature `parquet`): `cargo install --path \
-         crates/zerorate-cli --features full` adds it"
-    );
-}

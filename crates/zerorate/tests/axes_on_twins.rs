@@ -8,24 +8,11 @@ use std::borrow::Cow;
 use unit::Unit;
 use zerorate::calibration::{Calibration, Origin};
 use zerorate::{
-    Action, Axis, AxisRefusal, Event, Method, NamedAxis, NoiseSources, Outcome, Part, PartProcedure, Plan, Procedure,
-    Refusal, Scan, State,
+    Action, Axis, AxisRefusal, Event, NamedAxis, NoiseSources, Outcome, Part, PartProcedure, Plan, Procedure, Refusal,
+    Scan, State,
 };
 
-/// A procedure short enough for a test. The units below settle faster by the same factor.
-const SHORT: Plan = Plan {
-    method: Method::An1042,
-    target_dps: None,
-    average_s: 2.0,
-    warmup_s: 60.0,
-    settle_s: 40.0,
-    offset_s: 20.0,
-    final_temp_s: 1.0,
-    max_lost: 0.001,
-    max_u_btc_dps_per_c: 0.01,
-    earth_dps: None,
-    assume_linear: true,
-};
+const SHORT: Plan = Plan { settle_s: 40.0, ..unit::SHORT };
 
 fn part() -> Part {
     let axis = |name| NamedAxis {

@@ -5,25 +5,10 @@ mod unit;
 
 use adis16130::{Config, SamplerConfig};
 use adis16130_twin::{Fault, Motion, Spec, Truth};
-use unit::Unit;
+use unit::{SHORT, Unit};
 use zerorate::{
     Action, Axis, Deviation, Event, Finding, FixedProcedure, Method, Outcome, Plan, Procedure, Reading, Refusal,
     Remedy, State, Warning, WindowWarnings,
-};
-
-/// A procedure short enough for a test. The part of [`quick`] settles faster by the same factor.
-const SHORT: Plan = Plan {
-    method: Method::An1042,
-    target_dps: None,
-    average_s: 2.0,
-    warmup_s: 60.0,
-    settle_s: 60.0,
-    offset_s: 20.0,
-    final_temp_s: 1.0,
-    max_lost: 0.001,
-    max_u_btc_dps_per_c: 0.01,
-    earth_dps: None,
-    assume_linear: true,
 };
 
 /// A unit whose self-heating takes seconds, without the things that two temperatures cannot show.

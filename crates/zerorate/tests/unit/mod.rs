@@ -1,9 +1,24 @@
-//! A unit of the twin, read with the driver.
+//! A unit of the twin, read with the driver, and a procedure short enough for a test.
 
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig};
 use adis16130_twin::{Spec, Twin, TwinRdy, TwinSpi};
-use zerorate::Reading;
+use zerorate::{Method, Plan, Reading};
+
+/// A part that settles in half a minute shows its temperatures in this plan.
+pub const SHORT: Plan = Plan {
+    method: Method::An1042,
+    target_dps: None,
+    average_s: 2.0,
+    warmup_s: 60.0,
+    settle_s: 60.0,
+    offset_s: 20.0,
+    final_temp_s: 1.0,
+    max_lost: 0.001,
+    max_u_btc_dps_per_c: 0.01,
+    earth_dps: None,
+    assume_linear: true,
+};
 
 /// A twin that the driver has initialised.
 pub struct Unit {
