@@ -4,7 +4,8 @@ use crate::steps::{self, Step};
 use anyhow::Result;
 use xtask::arguments::Arguments;
 
-/// In the order in which they fail most cheaply. All but the first five share what cargo has checked for each target.
+/// In the order in which they fail most cheaply. They check in the profile of the tests, which use the same build
+/// scripts, macros and libraries in C.
 ///
 /// thumbv7em-none-eabihf is a Cortex-M4F. thumbv6m-none-eabi is a Cortex-M0: it has no compare-and-swap, which the
 /// TOML parser behind the core's feature `file` needs. wasm32-unknown-unknown is the browser.
@@ -16,49 +17,51 @@ pub const STEPS: [Step; 15] = [
     Step::new("fmt-tools", "fmt --manifest-path lab/tools/Cargo.toml --all --check").about("Formatting of lab/tools"),
     Step::new("project", "test --quiet --package xtask")
         .about("Links, cited facts, line lengths, packaging, workflows, and circles among modules"),
-    Step::new("clippy", "clippy --workspace --all-targets --all-features -- -D warnings")
+    Step::new("clippy", "clippy --release --workspace --all-targets --all-features -- -D warnings")
         .about("Lints with all features"),
-    Step::new("clippy-default", "clippy --all-targets -- -D warnings").about("Lints with the default features"),
-    Step::new("doc", "doc --workspace --no-deps --all-features")
+    Step::new("clippy-default", "clippy --release --all-targets -- -D warnings")
+        .about("Lints with the default features"),
+    Step::new("doc", "doc --release --workspace --no-deps --all-features")
         .about("The documentation builds without a warning")
         .with_env("RUSTDOCFLAGS", "-Dwarnings"),
     Step::new(
         "clippy-m0",
-        "clippy -p adis16130 -p zerorate --lib --no-default-features --features adis16130/async --target \
+        "clippy --release -p adis16130 -p zerorate --lib --no-default-features --features adis16130/async --target \
          thumbv6m-none-eabi -- -D warnings",
     )
     .about("Driver and core on a Cortex-M0, which has no compare-and-swap"),
-    Step::new("clippy-m0-driver", "clippy -p adis16130 --lib --target thumbv6m-none-eabi -- -D warnings")
+    Step::new("clippy-m0-driver", "clippy --release -p adis16130 --lib --target thumbv6m-none-eabi -- -D warnings")
         .about("The driver alone on a Cortex-M0"),
     Step::new(
         "clippy-m4",
-        "clippy -p adis16130 -p zerorate -p adis16130-twin --lib --features adis16130/async,zerorate/file --target \
-         thumbv7em-none-eabihf -- -D warnings",
+        "clippy --release -p adis16130 -p zerorate -p adis16130-twin --lib --features \
+         adis16130/async,zerorate/file --target thumbv7em-none-eabihf -- -D warnings",
     )
     .about("Driver, core and twin on a Cortex-M4F"),
     Step::new(
         "clippy-wasm",
-        "clippy -p zerorate-web -p zerorate-logs --lib --features zerorate-web/wasm-first,zerorate-web/wasm-live,\
-         zerorate-logs/hdf5,zerorate-logs/matlab,zerorate-logs/mcap,zerorate-logs/npz,zerorate-logs/packed,\
-         zerorate-logs/parquet,zerorate-logs/ros --target wasm32-unknown-unknown -- -D warnings",
+        "clippy --release -p zerorate-web -p zerorate-logs --lib --features zerorate-web/wasm-first,\
+         zerorate-web/wasm-live,zerorate-logs/hdf5,zerorate-logs/matlab,zerorate-logs/mcap,zerorate-logs/npz,\
+         zerorate-logs/packed,zerorate-logs/parquet,zerorate-logs/ros --target wasm32-unknown-unknown -- -D warnings",
     )
     .about("What stands behind the page, and the readers that need no C, in a browser"),
     Step::new(
         "clippy-c",
-        "clippy --manifest-path bindings/c/Cargo.toml --workspace --locked --target-dir target/c -- -D warnings",
+        "clippy --release --manifest-path bindings/c/Cargo.toml --workspace --locked --target-dir target/c -- -D \
+         warnings",
     )
     .about("The C interface"),
     Step::new(
         "clippy-firmware-m4",
-        "clippy --manifest-path firmware/Cargo.toml --workspace --locked --target-dir target/firmware --target \
-         thumbv7em-none-eabihf --features firmware-bridge/stm32f4,firmware-examples/stm32f4 -- -D warnings",
+        "clippy --release --manifest-path firmware/Cargo.toml --workspace --locked --target-dir target/firmware \
+         --target thumbv7em-none-eabihf --features firmware-bridge/stm32f4,firmware-examples/stm32f4 -- -D warnings",
     )
     .about("Images for the emulator, bridge and examples on an STM32F411"),
     Step::new(
         "clippy-firmware-m0",
-        "clippy --manifest-path firmware/Cargo.toml -p firmware-bridge -p firmware-examples --locked --target-dir \
-         target/firmware --target thumbv6m-none-eabi --features firmware-bridge/rp2040,firmware-examples/rp2040 -- \
-         -D warnings",
+        "clippy --release --manifest-path firmware/Cargo.toml -p firmware-bridge -p firmware-examples --locked \
+         --target-dir target/firmware --target thumbv6m-none-eabi --features \
+         firmware-bridge/rp2040,firmware-examples/rp2040 -- -D warnings",
     )
     .about("Bridge and example on an RP2040"),
 ];
