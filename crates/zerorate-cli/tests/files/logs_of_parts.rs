@@ -125,15 +125,15 @@ fn what_a_log_does_not_say_is_asked_for() {
     bench.write("ardupilot.csv", of_ardupilot());
     let fixtures = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../zerorate-logs/fixtures");
     bench.write("imu.bag", std::fs::read(fixtures.join("imu_none.bag")).unwrap());
-    for (log, part, said) in [
-        ("ardupilot.csv", part(["AccX [m/s²]", "GyrY [rad/s]", "GyrZ [rad/s]"], "T [°C]"), "the axis of a gyroscope"),
-        #[cfg(feature = "ros")]
-        ("imu.bag", PART.to_owned(), "a message of sensor_msgs/Imu holds no temperature"),
-    ] {
+    let asks = |log: &str, part: String, said: &str| {
         bench.write("part.toml", part);
         let text = bench.zerorate(&format!("calibrate --device replay:{log} --part part.toml {PLAN}")).fails(2);
         assert!(text.contains(said), "{text}");
-    }
+    };
+    let of_another_kind = part(["AccX [m/s²]", "GyrY [rad/s]", "GyrZ [rad/s]"], "T [°C]");
+    asks("ardupilot.csv", of_another_kind, "the axis of a gyroscope");
+    #[cfg(feature = "ros")]
+    asks("imu.bag", PART.to_owned(), "a message of sensor_msgs/Imu holds no temperature");
 }
 
 /// Without `-o` the result of a real part is kept, beside no other file of its name, and said to be; not with
