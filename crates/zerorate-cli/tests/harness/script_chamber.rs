@@ -31,7 +31,8 @@ case $1 in
     set)
         fault_is refuses && { echo "out of range" >&2; exit 2; }
         fault_is slow && sleep 0.5
-        echo "$2" > set_c ;;
+        echo "$2" > asked
+        mv asked set_c ;;
     read)
         fault_is hangs && sleep 600
         fault_is garbage && { echo "23.4 C"; exit 0; }

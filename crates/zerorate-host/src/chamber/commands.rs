@@ -54,7 +54,7 @@ impl ChamberCommands {
 struct Limits {
     /// A command ends within this.
     command: Duration,
-    /// The same after a stop.
+    /// The same after a stop, and for the last try of the safe temperature.
     grace: Duration,
     /// The safe temperature is tried for so long.
     ending: Duration,
@@ -188,7 +188,9 @@ impl Chamber for CommandedChamber {
         let (command, air_c) = (self.commands.set_to(safe_c), self.air_c);
         let (until, mut wait) = (Instant::now() + self.limits.ending, FIRST_WAIT);
         loop {
-            let failed = shell::first_line(&command, || until).err().map(|error| Failure::of(&command, error).0);
+            // the last try has time to obey, too
+            let latest = until.max(Instant::now() + self.limits.grace);
+            let failed = shell::first_line(&command, || latest).err().map(|error| Failure::of(&command, error).0);
             if failed.is_none() || Instant::now() + wait >= until {
                 return Some(SafeEnd { failed, air_c });
             }
