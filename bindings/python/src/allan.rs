@@ -8,9 +8,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyNone, PyTuple, PyType};
 use std::fmt::Display;
 use zerorate_allan::{
-    Analysed, Analysis, AnalysisError, Coefficient, Deviation, Difference, Estimate, Expected, Fit, FitOptions, Gap,
-    Input, Options, Reason, Settled, Stat, Taus, Term, deviations as of_input, edf as edf_of,
-    finite_difference_edf as edf_of_difference, interval as limits, mtie as mtie_of,
+    Analysed, Analysis, AnalysisError, Coefficient, Estimate, Expected, Fit, FitOptions, Gap, Input, Options, Settled,
+    Stat, Taus, Term, deviations as of_input,
 };
 
 /// The noise model of a record in the core's form, for the files that are made from it.
@@ -37,8 +36,6 @@ impl Model {
 }
 
 type Column<'py, T> = Bound<'py, PyArray1<T>>;
-/// Order, overlapped, modified.
-type OfDifferences = (u32, bool, bool);
 
 /// Averaging times, by name or in seconds.
 #[derive(FromPyObject)]
@@ -231,61 +228,15 @@ pub fn deviations<'py>(
 ) -> PyResult<(Column<'py, f64>, Column<'py, i64>)> {
     let (stat, numbers) = (stat.parse().map_err(refused)?, numbers.as_slice()?);
     let input = if phase { Input::Phase(numbers) } else { Input::Rate(numbers) };
-    Ok(values(py, &py.detach(|| of_input(&input, rate_hz, stat, &m))))
+    let found = py.detach(|| of_input(&input, rate_hz, stat, &m));
+    let (dev, n) = found.iter().map(|found| found.map_or((f64::NAN, 0), |found| (found.dev, found.n as i64))).unzip();
+    Ok((PyArray1::from_vec(py, dev), PyArray1::from_vec(py, n)))
 }
 
-/// MTIE of a phase and the windows in it at the lengths ``m``; NaN and 0 where there is none.
+/// Every statistic: its name, and its name in words.
 #[pyfunction]
-pub fn mtie<'py>(
-    py: Python<'py>,
-    phase: PyReadonlyArray1<'py, f64>,
-    m: Vec<u64>,
-) -> PyResult<(Column<'py, f64>, Column<'py, i64>)> {
-    let phase = phase.as_slice()?;
-    Ok(values(py, &py.detach(|| mtie_of(phase, &m))))
-}
-
-/// The values at each length; NaN and 0 where there is none.
-fn values<'py>(py: Python<'py>, found: &[Result<Deviation, Reason>]) -> (Column<'py, f64>, Column<'py, i64>) {
-    let (dev, n): (Vec<f64>, Vec<i64>) =
-        found.iter().map(|found| found.as_ref().map_or((f64::NAN, 0), |found| (found.dev, found.n as i64))).unzip();
-    (PyArray1::from_vec(py, dev), PyArray1::from_vec(py, n))
-}
-
-/// Every statistic: its name, its name in words, and how its degrees of freedom are computed.
-///
-/// The last is order, overlapped and modified of the differences, or ``None`` if there is a separate formula.
-#[pyfunction]
-pub fn statistics() -> Vec<(&'static str, &'static str, Option<OfDifferences>)> {
-    let differences = |stat: Stat| stat.difference().map(|of| (of.order, of.overlapped, of.modified));
-    Stat::ALL.into_iter().map(|stat| (stat.name(), stat.title(), differences(stat))).collect()
-}
-
-/// Equivalent degrees of freedom of a statistic at ``m`` samples in a record of ``phase_points`` points, for the noise
-/// exponent ``alpha``.
-#[pyfunction]
-pub fn edf(stat: &str, alpha: i32, m: u64, phase_points: u64) -> PyResult<f64> {
-    Ok(edf_of(stat.parse().map_err(refused)?, alpha, m, phase_points))
-}
-
-/// Equivalent degrees of freedom of a variance of differences of the order 1, 2 or 3.
-#[pyfunction]
-pub fn finite_difference_edf(
-    order: u32,
-    overlapped: bool,
-    modified: bool,
-    alpha: i32,
-    m: u64,
-    phase_points: u64,
-) -> f64 {
-    edf_of_difference(Difference { order, overlapped, modified }, alpha, m, phase_points)
-}
-
-/// Limits of a deviation with ``edf`` degrees of freedom. They enclose the true deviation with the probability
-/// ``confidence``.
-#[pyfunction]
-pub fn interval(dev: f64, edf: f64, confidence: f64) -> (f64, f64) {
-    limits(dev, edf, confidence)
+pub fn statistics() -> Vec<(&'static str, &'static str)> {
+    Stat::ALL.into_iter().map(|stat| (stat.name(), stat.title())).collect()
 }
 
 fn refused(why: impl Display) -> PyErr {

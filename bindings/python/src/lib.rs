@@ -22,7 +22,7 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _zerorate {
     #[pymodule_export]
-    use super::allan::{Model, analyse, deviations, edf, finite_difference_edf, interval, mtie, statistics};
+    use super::allan::{Model, analyse, deviations, statistics};
     #[pymodule_export]
     use super::calibrate::calibrate;
     #[pymodule_export]

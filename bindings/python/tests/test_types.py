@@ -28,7 +28,7 @@ def test_the_package_and_its_tests_type_check() -> None:
 
 
 def test_every_statistic_of_the_core_is_offered_and_documented() -> None:
-    names = [name for name, *_ in _zerorate.statistics()]
+    names = [name for name, _ in _zerorate.statistics()]
     assert list(get_args(Stat)) == names
     readme = (PACKAGE / "README.md").read_text(encoding="utf-8")
     for name in names:

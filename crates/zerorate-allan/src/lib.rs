@@ -30,7 +30,6 @@ mod lag1;
 #[doc(hidden)]
 pub mod linear;
 mod misfit;
-mod mtie;
 mod noise_id;
 mod phase_points;
 mod rows;
@@ -64,7 +63,6 @@ pub use interval::interval;
 pub use kernel::{Difference, Reason};
 pub use kernels::{Deviation, deviations};
 pub use misfit::{Cause, Misfit};
-pub use mtie::mtie;
 pub use noise_id::noise_types;
 pub use stat::{Stat, UnknownStat};
 pub use stream::{NotAdjacent, Stream};

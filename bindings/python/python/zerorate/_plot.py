@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _FLOOR_PER_B = np.sqrt(2 * np.log(2) / np.pi)
 """The floor of a curve in units of B, IEEE Std 952-1997 C.1.3."""
 
-_TITLES = {name: title for name, title, _ in _zerorate.statistics()}
+_TITLES = dict(_zerorate.statistics())
 
 
 def curves(axes: Sequence[Allan], ax: Axes | None) -> Axes:
