@@ -15,7 +15,7 @@ use zerorate_allan::{self as allan, Fit, FitOptions, Input, Stat};
 
 /// What the prototype has of an axis, in the unit of the log.
 struct Axis {
-    file: &'static str,
+    file: String,
     options: &'static str,
     n: f64,
     b: f64,
@@ -32,93 +32,37 @@ struct Axis {
 
 const GYRO: &str = "--raw i16 --rate 100 --scale 0.05";
 const ACCEL: &str = "--raw i16 --rate 100 --scale 3.33";
+const MTIG: &str = "--raw f32 --rate 100 --unit rad/s";
 
-const AXES: [Axis; 7] = [
-    Axis {
-        file: "adis16405/adis16405_imu1_gyro_x.i16le.xz",
-        options: GYRO,
-        n: 4.041479e-2,
-        b: 7.461984e-3,
-        plateau: 4.032305e-2,
-        gauss_markov: None,
-        steps: 0,
-        octaves: 19,
-        model: [5.061622e-2, 8.264997e-3],
-        inside: 17,
-    },
-    Axis {
-        file: "adis16405/adis16405_imu1_gyro_y.i16le.xz",
-        options: GYRO,
-        n: 4.248092e-2,
-        b: 9.632041e-3,
-        plateau: 4.249921e-2,
-        gauss_markov: None,
-        steps: 0,
-        octaves: 19,
-        model: [5.333893e-2, 9.478360e-3],
-        inside: 19,
-    },
-    Axis {
-        file: "adis16405/adis16405_imu1_gyro_z.i16le.xz",
-        options: GYRO,
-        n: 3.792118e-2,
-        b: 7.687789e-3,
-        plateau: 3.799380e-2,
-        gauss_markov: None,
-        steps: 0,
-        octaves: 19,
-        model: [4.798052e-2, 8.422658e-3],
-        inside: 18,
-    },
-    Axis {
-        file: "adis16405/adis16405_imu1_accel_x.i16le.xz",
-        options: ACCEL,
-        n: 4.442451e-1,
-        b: 3.038739e-1,
-        plateau: 4.487203e-1,
-        gauss_markov: Some((0.327547, 25.9189)),
-        steps: 0,
-        octaves: 19,
-        model: [9.155901e-1, 3.242065e-1],
-        inside: 19,
-    },
-    Axis {
-        file: "adis16405/adis16405_imu1_accel_y.i16le.xz",
-        options: ACCEL,
-        n: 3.674805e-1,
-        b: 2.231193e-1,
-        plateau: 3.673027e-1,
-        gauss_markov: Some((0.434681, 94.9469)),
-        steps: 0,
-        octaves: 19,
-        model: [6.459434e-1, 2.589970e-1],
-        inside: 19,
-    },
-    Axis {
-        file: "adis16405/adis16405_imu1_accel_z.i16le.xz",
-        options: ACCEL,
-        n: 4.640149e-1,
-        b: 2.534575e-1,
-        plateau: 4.676515e-1,
-        gauss_markov: Some((0.243110, 100.7059)),
-        steps: 2,
-        octaves: 19,
-        model: [7.813620e-1, 2.134294e-1],
-        inside: 17,
-    },
-    Axis {
-        file: "mtig/cont_imu1_gyro_x.f32le.xz",
-        options: "--raw f32 --rate 100 --unit rad/s",
-        n: 3.033836e-2,
-        b: 0.0,
-        plateau: 3.025846e-2,
-        gauss_markov: Some((0.0169727, 2.95057)),
-        steps: 0,
-        octaves: 18,
-        model: [3.838836e-2, 7.714800e-3],
-        inside: 18,
-    },
-];
+/// The fields of an axis in their order; σ and T are 0 where there is no such term.
+const AXES: &str = "\
+    adis16405/adis16405_imu1_gyro_x.i16le.xz  4.041479e-2 7.461984e-3 4.032305e-2 0 0 0 19 5.061622e-2 8.264997e-3 17
+    adis16405/adis16405_imu1_gyro_y.i16le.xz  4.248092e-2 9.632041e-3 4.249921e-2 0 0 0 19 5.333893e-2 9.478360e-3 19
+    adis16405/adis16405_imu1_gyro_z.i16le.xz  3.792118e-2 7.687789e-3 3.799380e-2 0 0 0 19 4.798052e-2 8.422658e-3 18
+    adis16405/adis16405_imu1_accel_x.i16le.xz \
+        4.442451e-1 3.038739e-1 4.487203e-1 0.327547 25.9189 0 19 9.155901e-1 3.242065e-1 19
+    adis16405/adis16405_imu1_accel_y.i16le.xz \
+        3.674805e-1 2.231193e-1 3.673027e-1 0.434681 94.9469 0 19 6.459434e-1 2.589970e-1 19
+    adis16405/adis16405_imu1_accel_z.i16le.xz \
+        4.640149e-1 2.534575e-1 4.676515e-1 0.243110 100.7059 2 19 7.813620e-1 2.134294e-1 17
+    mtig/cont_imu1_gyro_x.f32le.xz  3.033836e-2 0 3.025846e-2 0.0169727 2.95057 0 18 3.838836e-2 7.714800e-3 18";
+
+fn axes() -> impl Iterator<Item = Axis> {
+    AXES.lines().map(|line| {
+        let (file, numbers) = line.trim_start().split_once(' ').unwrap();
+        let numbers: Vec<f64> = numbers.split_whitespace().map(|number| number.parse().unwrap()).collect();
+        let [n, b, plateau, sigma, tau_s, steps, octaves, first, last, inside] = numbers[..] else { panic!("{line}") };
+        let options = match file.contains("accel") {
+            true => ACCEL,
+            false if file.starts_with("mtig") => MTIG,
+            false => GYRO,
+        };
+        let gauss_markov = Some((sigma, tau_s)).filter(|_| sigma > 0.0);
+        let [steps, octaves, inside] = [steps, octaves, inside].map(|count| count as usize);
+        let (file, model) = (file.to_owned(), [first, last]);
+        Axis { file, options, n, b, plateau, gauss_markov, steps, octaves, model, inside }
+    })
+}
 
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or(f64::NAN)
@@ -135,13 +79,13 @@ fn seven_real_axes() {
     let Some(folder) = reference_data() else { return };
     let bench = Bench::new();
     let (mut inside, mut octaves) = (0, 0);
-    for axis in &AXES {
+    for axis in axes() {
         let mut samples = Vec::new();
-        let packed = File::open(folder.join(axis.file)).unwrap();
+        let packed = File::open(folder.join(&axis.file)).unwrap();
         XzReader::new(packed, true).read_to_end(&mut samples).unwrap();
         bench.write("axis.raw", samples);
         let report = bench.zerorate(&format!("allan axis.raw {} --fit --json", axis.options)).ended_with(0).json();
-        let (file, fit) = (axis.file, &report["fit"]);
+        let (file, fit) = (&axis.file, &report["fit"]);
         assert!(near(&fit["n"]["value"], axis.n, 6e-3), "{file}: N {} for {}", fit["n"]["value"], axis.n);
         assert!(near(&fit["n"]["value"], axis.plateau, 0.01), "{file}: N {}", fit["n"]["value"]);
         assert!(axis.b == 0.0 || near(&fit["b"]["value"], axis.b, 0.04), "{file}: B {}", fit["b"]["value"]);
@@ -174,8 +118,8 @@ fn seven_real_axes() {
 fn a_half_predicts_the_other() {
     let Some(folder) = reference_data() else { return };
     let mut found = [Predicted::default(); 2];
-    for axis in &AXES {
-        let rate = samples(axis, &folder);
+    for axis in axes() {
+        let rate = samples(&axis, &folder);
         let halves = rate.split_at(rate.len() / 2);
         let fitted = [halves.0, halves.1].map(|half| {
             let fit = allan::fit(&Input::Rate(half), 100.0, &FitOptions::default()).unwrap();
@@ -212,7 +156,7 @@ impl Predicted {
 /// In the unit of its log, times its scale.
 fn samples(axis: &Axis, folder: &Path) -> Vec<f64> {
     let mut bytes = Vec::new();
-    XzReader::new(File::open(folder.join(axis.file)).unwrap(), true).read_to_end(&mut bytes).unwrap();
+    XzReader::new(File::open(folder.join(&axis.file)).unwrap(), true).read_to_end(&mut bytes).unwrap();
     match axis.options {
         GYRO | ACCEL => {
             bytes.as_chunks().0.iter().map(|&code: &[u8; 2]| f64::from(i16::from_le_bytes(code))).collect()
