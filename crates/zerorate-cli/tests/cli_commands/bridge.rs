@@ -4,7 +4,8 @@
 #[path = "../../../../firmware/qemu/src/bridge.rs"]
 mod firmware;
 
-use super::{Run, zerorate};
+use super::zerorate;
+use crate::harness::{Bench, Run};
 use adis16130::bridge::{Answer, Decoder, MAX_FRAME, Message, encode};
 use adis16130_twin::{Fault, Spec, Twin};
 use firmware::Port;
@@ -100,16 +101,18 @@ fn bridge(spec: Spec, cable: Cable) -> String {
     format!("tcp:{address}")
 }
 
-fn capture(device: &str, samples: &str) -> (Run, tempfile::TempDir) {
-    let folder = tempfile::tempdir().expect("a folder");
-    let file = folder.path().join("unit.csv");
-    let run =
-        zerorate(&["capture", "--device", device, "--samples", samples, "--json", "-o", file.to_str().expect("text")]);
-    (run, folder)
+fn capture(device: &str, samples: &str) -> (Run, Bench) {
+    let bench = Bench::new();
+    let run = bench.zerorate(&format!("capture --device {device} --samples {samples} --json -o unit.csv"));
+    (run, bench)
 }
 
-fn rows(folder: &tempfile::TempDir) -> Vec<Vec<u64>> {
-    let text = std::fs::read_to_string(folder.path().join("unit.csv")).expect("a capture");
+fn text(bench: &Bench) -> String {
+    std::fs::read_to_string(bench.path("unit.csv")).expect("a capture")
+}
+
+fn rows(bench: &Bench) -> Vec<Vec<u64>> {
+    let text = text(bench);
     let rows = text.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
     rows.map(|row| row.split(',').map(|field| field.parse().unwrap_or(0)).collect()).collect()
 }
@@ -145,14 +148,14 @@ fn a_bridge_takes_the_options_of_the_part() {
 #[test]
 fn a_bridge_is_told_of_a_counter_in_the_line() {
     let device = bridge(Spec::from_seed(7), Cable::default());
-    let (run, folder) = capture(&format!("{device}?divided=50"), "50");
+    let (run, bench) = capture(&format!("{device}?divided=50"), "50");
     run.ended_with(0);
-    let text = std::fs::read_to_string(folder.path().join("unit.csv")).expect("a capture");
+    let text = text(&bench);
     assert!(text.contains("zerorate.divided = 50"), "{}", &text[..1_000]);
     // the emulator's line has no counter, and a bridge asked again takes that back
-    let (run, folder) = capture(&device, "5000");
+    let (run, bench) = capture(&device, "5000");
     assert_eq!(run.ended_with(0).json()["lost_samples"], 0);
-    assert!(rows(&folder).len() == 5_000);
+    assert!(rows(&bench).len() == 5_000);
     let old = bridge(Spec::from_seed(7), Cable { is_old: true, ..Cable::default() });
     zerorate(&["probe", "--device", &old, "--duration", "100ms"]).ended_with(0);
     let told = zerorate(&["probe", "--device", &format!("{old}?divided=50")]);
@@ -161,10 +164,10 @@ fn a_bridge_is_told_of_a_counter_in_the_line() {
 
 #[test]
 fn a_capture_holds_every_sample() {
-    let (run, folder) = capture(&bridge(Spec::from_seed(7), Cable::default()), "20000");
+    let (run, bench) = capture(&bridge(Spec::from_seed(7), Cable::default()), "20000");
     let summary = run.ended_with(0).json();
     assert_eq!((&summary["samples"], &summary["lost_samples"]), (&20_000.into(), &0.into()));
-    let rows = rows(&folder);
+    let rows = rows(&bench);
     assert_eq!(rows.len(), 20_000);
     assert!(
         rows.windows(2).all(|pair| pair[1][0] > pair[0][0] && pair[1][1] == pair[0][1] + 1),
@@ -175,10 +178,10 @@ fn a_capture_holds_every_sample() {
 #[test]
 fn damaged_frames_are_counted_as_lost() {
     let cable = Cable { damages_every: Some(100), ..Cable::default() };
-    let (run, folder) = capture(&bridge(Spec::from_seed(7), cable), "10000");
+    let (run, bench) = capture(&bridge(Spec::from_seed(7), cable), "10000");
     let summary = run.ended_with(0).json();
     assert!(summary["warnings"].to_string().contains("damaged-frames: "), "{summary}");
-    let (lost, rows) = (summary["lost_samples"].as_u64().expect("a number"), rows(&folder));
+    let (lost, rows) = (summary["lost_samples"].as_u64().expect("a number"), rows(&bench));
     // 99 of 100 arrive, and the first frames are answers
     assert!((100..=102).contains(&lost), "{lost}");
     assert_eq!(rows.iter().map(|row| row[5]).sum::<u64>(), lost);
@@ -188,9 +191,9 @@ fn damaged_frames_are_counted_as_lost() {
 #[test]
 fn a_pulled_cable_ends_a_whole_capture() {
     let cable = Cable { pulled_after: Some(100_000), ..Cable::default() };
-    let (run, folder) = capture(&bridge(Spec::from_seed(7), cable), "100000");
+    let (run, bench) = capture(&bridge(Spec::from_seed(7), cable), "100000");
     let run = run.ended_with(1).saying(&["is gone", "cable was pulled", "unit.csv ends after"]);
-    let rows = rows(&folder).len();
+    let rows = rows(&bench).len();
     assert!((2_500..4_000).contains(&rows), "{rows}");
     assert!(run.stderr.contains(&format!("ends after {rows} samples")), "{}", run.stderr);
 }
@@ -198,9 +201,9 @@ fn a_pulled_cable_ends_a_whole_capture() {
 #[test]
 fn a_clock_that_creeps_ends_a_whole_capture() {
     let cable = Cable { clock_step_ns: Some(1), ..Cable::default() };
-    let (run, folder) = capture(&bridge(Spec::from_seed(7), cable), "100000000");
+    let (run, bench) = capture(&bridge(Spec::from_seed(7), cable), "100000000");
     let run = run.ended_with(1).saying(&["the clock of the bridge does not run", "reset the bridge", "unit.csv ends"]);
-    let rows = rows(&folder).len();
+    let rows = rows(&bench).len();
     assert!(rows > 1_000 && run.stderr.contains(&format!("ends after {rows} samples")), "{rows}: {}", run.stderr);
 }
 
@@ -217,9 +220,9 @@ fn a_clock_that_stands_still_ends_every_command() {
 fn an_unplugged_part_is_no_unplugged_bridge() {
     let mut spec = Spec::from_seed(7);
     (spec.fault, spec.fault_at_s) = (Fault::Unplug, Some(1.0));
-    let (run, folder) = capture(&bridge(spec, Cable::default()), "100000");
+    let (run, bench) = capture(&bridge(spec, Cable::default()), "100000");
     run.ended_with(1).saying(&["the part is unplugged or has no power", "ends after"]);
-    assert!(rows(&folder).len() > 4_000);
+    assert!(rows(&bench).len() > 4_000);
 }
 
 #[test]

@@ -1,9 +1,8 @@
 //! `stream --track`: what it prints, and what becomes of its state.
 
-use super::zerorate;
-use crate::harness::{command, start};
+use crate::harness::{Bench, Run, start};
+use std::fs;
 use std::io::{BufRead, BufReader, Read};
-use std::path::Path;
 use std::process::{Child, ChildStdout};
 
 const CALIBRATION: &str = "schema = 1\npart = \"ADIS16130\"\nserial = \"A1\"\n[correction]\npbc_dps = -0.8\n\
@@ -11,30 +10,23 @@ const CALIBRATION: &str = "schema = 1\npart = \"ADIS16130\"\nserial = \"A1\"\n[c
 /// At rest, 0.004 °/s above its calibration.
 const DEVICE: &str = "twin:seed=7,bias_dps=0.804,tempco_dps_per_c=0.04,curvature=0,hysteresis=0,warmup_c=0";
 
-struct Folder(tempfile::TempDir);
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.write("unit.toml", CALIBRATION);
+    bench
+}
 
-impl Folder {
-    fn new() -> Self {
-        let folder = Self(tempfile::tempdir().expect("a folder"));
-        std::fs::write(folder.0.path().join("unit.toml"), CALIBRATION).expect("written");
-        folder
-    }
+fn read(bench: &Bench, name: &str) -> String {
+    fs::read_to_string(bench.path(name)).expect("a file")
+}
 
-    fn path(&self, name: &str) -> String {
-        self.0.path().join(name).to_str().expect("a plain path").to_owned()
-    }
+fn files(bench: &Bench) -> usize {
+    fs::read_dir(bench.dir.path()).expect("a folder").count()
+}
 
-    fn read(&self, name: &str) -> String {
-        std::fs::read_to_string(self.0.path().join(name)).expect("a file")
-    }
-
-    fn track(&self, duration: &str, more: &[&str]) -> super::Run {
-        let (cal, state) = (self.path("unit.toml"), self.path("state.toml"));
-        let mut line = vec!["stream", "--device", DEVICE, "--cal", &cal, "--serial", "A1", "--rate", "0.2"];
-        line.extend(["--duration", duration, "--track", "--state", &state]);
-        line.extend(more);
-        zerorate(&line)
-    }
+fn track(bench: &Bench, duration: &str, more: &str) -> Run {
+    let line = format!("stream --device {DEVICE} --cal unit.toml --serial A1 --rate 0.2 --duration {duration}");
+    bench.zerorate(format!("{line} --track --state state.toml {more}").trim_end())
 }
 
 /// A run that goes no further than its rows are read: some thousand rows ahead.
@@ -44,11 +36,9 @@ struct Halted {
 }
 
 impl Halted {
-    fn start(folder: &Folder, state: &str) -> Self {
-        let (cal, state) = (folder.path("unit.toml"), folder.path(state));
-        let line =
-            ["stream", "--device", DEVICE, "--cal", &cal, "--serial", "A1", "--rate", "50", "--duration", "10m"];
-        let mut child = start(&mut command(&[&line[..], &["--track", "--state", &state]].concat()));
+    fn start(bench: &Bench, state: &str) -> Self {
+        let line = format!("stream --device {DEVICE} --cal unit.toml --serial A1 --rate 50 --duration 10m");
+        let mut child = start(&mut bench.command(&format!("{line} --track --state {state}")));
         let mut halted = Self { rows: BufReader::new(child.stdout.take().expect("stdout")), child };
         halted.read(1);
         halted
@@ -76,30 +66,30 @@ const ROWS: usize = 29_999;
 #[cfg(unix)]
 #[test]
 fn a_state_has_one_stream_at_a_time() {
-    let folder = Folder::new();
-    let first = Halted::start(&folder, "state.toml");
-    let begun = folder.read("state.toml");
-    folder.track("1s", &[]).ended_with(2).saying(&["state.toml is being written by another zerorate"]);
-    assert_eq!(folder.read("state.toml"), begun, "the second has left it");
+    let bench = bench();
+    let first = Halted::start(&bench, "state.toml");
+    let begun = read(&bench, "state.toml");
+    track(&bench, "1s", "").ended_with(2).saying(&["state.toml is being written by another zerorate"]);
+    assert_eq!(read(&bench, "state.toml"), begun, "the second has left it");
     let (_, code, said) = first.end();
     assert_eq!(code, Some(0), "{said}");
-    let learned = folder.read("state.toml");
+    let learned = read(&bench, "state.toml");
     assert_ne!(learned, begun);
-    folder.track("1s", &[]).ended_with(0);
-    assert_eq!(std::fs::read_dir(folder.0.path()).expect("a folder").count(), 2, "nothing else is left");
+    track(&bench, "1s", "").ended_with(0);
+    assert_eq!(files(&bench), 2, "nothing else is left");
 }
 
 /// A run that was killed holds nothing, and what it left goes.
 #[cfg(unix)]
 #[test]
 fn a_stream_that_was_killed_leaves_its_state_free() {
-    let folder = Folder::new();
-    let mut first = Halted::start(&folder, "state.toml");
+    let bench = bench();
+    let mut first = Halted::start(&bench, "state.toml");
     first.child.kill().expect("a process");
     first.child.wait().expect("an end");
-    assert_eq!(std::fs::read_dir(folder.0.path()).expect("a folder").count(), 3, "it left its claim");
-    folder.track("1s", &[]).ended_with(0);
-    assert_eq!(std::fs::read_dir(folder.0.path()).expect("a folder").count(), 2);
+    assert_eq!(files(&bench), 3, "it left its claim");
+    track(&bench, "1s", "").ended_with(0);
+    assert_eq!(files(&bench), 2);
 }
 
 /// The folder of the state goes away, as a full disk does: no row is lost, and where it comes back nothing else is.
@@ -107,14 +97,14 @@ fn a_stream_that_was_killed_leaves_its_state_free() {
 #[test]
 fn a_state_that_cannot_be_written_ends_no_stream() {
     for comes_back in [true, false] {
-        let folder = Folder::new();
-        std::fs::create_dir(folder.path("disk")).expect("a folder");
-        let mut stream = Halted::start(&folder, "disk/state.toml");
-        std::fs::rename(folder.path("disk"), folder.path("gone")).expect("renamed");
+        let bench = bench();
+        fs::create_dir(bench.path("disk")).expect("a folder");
+        let mut stream = Halted::start(&bench, "disk/state.toml");
+        fs::rename(bench.path("disk"), bench.path("gone")).expect("renamed");
         let read = 15_000;
         stream.read(read);
         if comes_back {
-            std::fs::rename(folder.path("gone"), folder.path("disk")).expect("renamed");
+            fs::rename(bench.path("gone"), bench.path("disk")).expect("renamed");
         }
         let (rows, code, said) = stream.end();
         assert!((rows + read).abs_diff(ROWS) <= 1, "{rows} rows: {said}");
@@ -132,9 +122,9 @@ fn columns(csv: &str) -> Vec<Vec<&str>> {
 
 #[test]
 fn rows_tell_bias_uncertainty_and_rest_and_the_state_is_taken_up() {
-    let folder = Folder::new();
+    let bench = bench();
     let first =
-        folder.track("60s", &[]).ended_with(0).saying(&["tracked rate: ", "s of rest learned from", "°/s (95 %)"]);
+        track(&bench, "60s", "").ended_with(0).saying(&["tracked rate: ", "s of rest learned from", "°/s (95 %)"]);
     let rows = columns(&first.stdout);
     assert_eq!(rows[0][6..], ["bias_dps", "u_bias_dps", "phase"], "{}", first.stdout);
     let number = |row: &[&str], at: usize| row[at].parse::<f64>().expect("a number");
@@ -144,9 +134,9 @@ fn rows_tell_bias_uncertainty_and_rest_and_the_state_is_taken_up() {
     assert!((number(late, 6) - 0.804).abs() < 3.0 * number(late, 7) + 0.03, "sensitivity too: {}", first.stdout);
     assert!(number(late, 1).abs() < 0.02, "what is left: {}", first.stdout);
 
-    let state = folder.read("state.toml");
+    let state = read(&bench, "state.toml");
     assert!(state.contains("line_checks") && state.contains("learned_s"), "{state}");
-    let again = folder.track("20s", &["--format", "jsonl"]).ended_with(0).saying(&["state-age-unknown"]);
+    let again = track(&bench, "20s", "--format jsonl").ended_with(0).saying(&["state-age-unknown"]);
     let row: serde_json::Value = serde_json::from_str(again.stdout.lines().next().expect("a row")).expect("JSON");
     let (bias, u) = (row["bias_dps"].as_f64().expect("a bias"), row["u_bias_dps"].as_f64().expect("its u"));
     assert!((bias - number(late, 6)).abs() < 0.02 && u < 0.04, "{row}");
@@ -157,9 +147,9 @@ fn rows_tell_bias_uncertainty_and_rest_and_the_state_is_taken_up() {
 /// Damaged, cut short, written by hand, of another calibration, or no state at all: refused, said, and left as it is.
 #[test]
 fn a_state_that_cannot_be_taken_up_is_refused_and_kept() {
-    let folder = Folder::new();
-    folder.track("20s", &[]).ended_with(0);
-    let good = folder.read("state.toml");
+    let bench = bench();
+    track(&bench, "20s", "").ended_with(0);
+    let good = read(&bench, "state.toml");
     let unchecked: String =
         good.lines().filter(|line| !line.contains("check")).map(|line| format!("{line}\n")).collect();
     let shorter = good.lines().take(good.lines().count() - 2).collect::<Vec<_>>().join("\n");
@@ -171,24 +161,23 @@ fn a_state_that_cannot_be_taken_up_is_refused_and_kept() {
         (String::new(), "missing field"),
         (CALIBRATION.to_owned(), "unknown field"),
     ] {
-        std::fs::write(folder.path("state.toml"), &bad).expect("written");
-        folder.track("1s", &[]).ended_with(1).saying(&[why, "delete it to begin from the calibration"]);
-        assert_eq!(folder.read("state.toml"), bad, "{why}");
+        bench.write("state.toml", &bad);
+        track(&bench, "1s", "").ended_with(1).saying(&[why, "delete it to begin from the calibration"]);
+        assert_eq!(read(&bench, "state.toml"), bad, "{why}");
     }
-    std::fs::write(folder.path("state.toml"), &good).expect("written");
+    bench.write("state.toml", &good);
     let other = CALIBRATION.replace("-0.8", "-0.7");
-    std::fs::write(folder.path("unit.toml"), other).expect("written");
-    folder.track("1s", &[]).ended_with(1).saying(&["it continues calibration", "delete it"]);
-    assert_eq!(folder.read("state.toml"), good);
+    bench.write("unit.toml", other);
+    track(&bench, "1s", "").ended_with(1).saying(&["it continues calibration", "delete it"]);
+    assert_eq!(read(&bench, "state.toml"), good);
 }
 
 #[test]
 fn what_makes_no_sense_is_a_usage_error() {
-    let folder = Folder::new();
-    let cal = folder.path("unit.toml");
-    zerorate(&["stream", "--cal", &cal, "--state", "x.toml"]).ended_with(2).saying(&["--track"]);
-    folder.track("1s", &["--earth-dps", "0.1"]).ended_with(2).saying(&["0.0042", "F-16"]);
-    folder.track("1s", &["--earth-dps", "0.002"]).ended_with(2).saying(&["calibrate with --earth-dps"]);
-    folder.track("1s", &["--least-turn-dps", "-1"]).ended_with(2);
-    assert!(!Path::new(&folder.path("state.toml")).exists(), "nothing was written");
+    let bench = bench();
+    bench.zerorate("stream --cal unit.toml --state x.toml").ended_with(2).saying(&["--track"]);
+    track(&bench, "1s", "--earth-dps 0.1").ended_with(2).saying(&["0.0042", "F-16"]);
+    track(&bench, "1s", "--earth-dps 0.002").ended_with(2).saying(&["calibrate with --earth-dps"]);
+    track(&bench, "1s", "--least-turn-dps -1").ended_with(2);
+    assert!(!bench.path("state.toml").exists(), "nothing was written");
 }
