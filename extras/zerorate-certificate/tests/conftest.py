@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from sealing import as_measured, sealed
+from sealing import as_measured
 
 from zerorate_certificate import Lab
 
@@ -105,8 +105,3 @@ def shared() -> Path:
     if not folder.is_dir():
         pytest.skip(f"the schemas of the DCC are not in {folder}: set ZERORATE_SHARED to the folder above data/dcc")
     return folder
-
-
-def test_the_check_lines_of_the_tests_are_those_of_the_program(simulated: Path) -> None:
-    text = simulated.read_text(encoding="utf-8")
-    assert set(sealed(text).splitlines()) == set(text.splitlines())
