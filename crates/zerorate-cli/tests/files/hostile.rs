@@ -115,12 +115,8 @@ fn a_name_adds_nothing_to_imu_yaml() {
     bench.write(name, format!("x_dps\n{rows}"));
     bench.zerorate(&format!("allan {name} --rate 100 --imu-yaml imu.yaml")).ok();
     let yaml = std::fs::read_to_string(bench.path("imu.yaml")).unwrap();
-    let events = saphyr_parser::Parser::new_from_str(&yaml).map(|event| event.unwrap().0);
-    let scalars = events.filter_map(|event| match event {
-        saphyr_parser::Event::Scalar(text, ..) => Some(text.into_owned()),
-        _ => None,
-    });
-    let keys: Vec<String> = scalars.step_by(2).collect();
+    let lines = yaml.split(['\n', '\r']).filter(|line| !line.is_empty() && !line.starts_with('#'));
+    let keys: Vec<&str> = lines.map(|line| line.split(':').next().unwrap()).collect();
     assert_eq!(keys, ["gyroscope_noise_density", "gyroscope_random_walk", "rostopic", "update_rate"], "{yaml}");
 }
 
