@@ -3,6 +3,7 @@
 
 use super::block::Block;
 use crate::clock::median;
+use std::ops::RangeInclusive;
 
 /// Samples that are looked at.
 const LOOKED_AT: usize = 1 << 17;
@@ -27,6 +28,10 @@ const COARSE: f64 = 3.0;
 
 /// Sizes of differences, in steps, whose mean share is that of repeats by chance.
 const NEAR: u32 = 3;
+
+/// Distances between samples whose mean share of equal pairs is that of repeats by chance, where codes were printed with
+/// digits of their own.
+const LAGS: RangeInclusive<usize> = 2..=10;
 
 /// Parts of a log in each of which repeats must show: a sensor that stands still for a while repeats as well.
 const PARTS: usize = 8;
@@ -54,7 +59,7 @@ fn doubt(samples: &[f64]) -> Option<String> {
     let first = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| step.is_finite());
     let first: Vec<f64> = first.collect();
     let step = first.iter().copied().filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
-    let repeats = share(&first, step, 0.0).or_else(|| coarse_share(&first, step));
+    let repeats = share(&first, step, 0.0).or_else(|| coarse_share(samples, step));
     let of_lines = || {
         let second = samples.windows(3).map(|three| (three[2] - 2.0 * three[1] + three[0]).abs());
         // rounding of two sums
@@ -88,27 +93,31 @@ fn share(differences: &[f64], step: f64, none: f64) -> Option<f64> {
     (usual >= FINE * step.max(none) && is_fine).then_some(share)
 }
 
-/// Share of the differences that are none beyond those by chance, in samples of few steps.
-fn coarse_share(differences: &[f64], step: f64) -> Option<f64> {
-    let size = differences.len() / PARTS;
-    let shares: Vec<f64> = differences.chunks_exact(size.max(ENOUGH)).map(|part| excess(part, step)).collect();
+/// Share of the samples that repeat the one before beyond those by chance, in samples of few steps.
+fn coarse_share(samples: &[f64], step: f64) -> Option<f64> {
+    let size = samples.len() / PARTS;
+    let shares: Vec<f64> = samples.chunks_exact(size.max(ENOUGH)).map(|part| excess(part, step)).collect();
     let least = shares.iter().copied().fold(f64::INFINITY, f64::min);
     (shares.len() >= PARTS && least >= SAID).then(|| shares.iter().sum::<f64>() / shares.len() as f64)
 }
 
-/// Share of repeats in a part of the differences less their share by chance; 0 where chance explains them.
+/// Share of repeats in a part less their share by chance; 0 where chance explains them.
 fn excess(part: &[f64], step: f64) -> f64 {
-    let share = |steps: u32| {
-        let is_of = |difference: &&f64| (**difference / step - f64::from(steps)).abs() < 0.5;
-        part.iter().filter(is_of).count() as f64 / part.len() as f64
+    let share = |lag: usize, steps: u32| {
+        let pairs = part.iter().zip(&part[lag..]);
+        let is_of = |(a, b): &(&f64, &f64)| ((*b - *a).abs() / step - f64::from(steps)).abs() < 0.5;
+        pairs.filter(is_of).count() as f64 / (part.len() - lag) as f64
     };
-    let repeats = share(0);
+    let repeats = share(1, 0);
     if repeats < SAID {
         return 0.0;
     }
     // differences of either sign
-    let chance = (1..=NEAR).map(share).sum::<f64>() / f64::from(2 * NEAR);
-    let mut others: Vec<f64> = part.iter().copied().filter(|difference| *difference > 0.0).collect();
+    let near = (1..=NEAR).map(|steps| share(1, steps)).sum::<f64>() / f64::from(2 * NEAR);
+    let far = LAGS.map(|lag| share(lag, 0)).sum::<f64>() / LAGS.count() as f64;
+    let chance = near.max(far);
+    let differences = part.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let mut others: Vec<f64> = differences.filter(|difference| *difference > 0.0).collect();
     let usual = median(&mut others);
     if usual >= COARSE * step && repeats > 2.0 * chance { repeats - chance } else { 0.0 }
 }
@@ -144,6 +153,10 @@ mod tests {
         // codes of 131 steps in a unit, printed with four decimals
         let printed = noise(5000, 3.0).into_iter().map(|code| (code / 131.0 * 1e4).round() / 1e4);
         assert_eq!(said(printed.collect()), "");
+        // the same with a last digit that the printing draws
+        let mut last = noise(5000, 1.0).into_iter();
+        let drawn = noise(5000, 3.0).into_iter().map(|code| code * 0.0075 + 1e-4 * last.next().unwrap_or_default());
+        assert_eq!(said(drawn.collect()), "");
         // band-limited, and as codes
         let slow: Vec<f64> =
             noise(5000, 1e4).windows(50).map(|part| (part.iter().sum::<f64>() / 50.0).round()).collect();
