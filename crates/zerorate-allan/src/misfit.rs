@@ -23,6 +23,8 @@ pub enum Cause {
     Motion,
     /// The power there is steady, and more than the model's in a narrow band.
     Resonance,
+    /// The same, up to the end of the spectrum: a steep filter left little power there.
+    Filter,
     /// Most samples repeat the one before.
     CoarseCodes,
     /// None of these.
@@ -36,6 +38,7 @@ impl fmt::Display for Misfit {
         let what = match cause {
             Cause::Motion => "motion: record at rest",
             Cause::Resonance => "resonance: end the model below",
+            Cause::Filter => "a steep filter: end the model below",
             Cause::CoarseCodes => "coarse codes: read finer steps",
             Cause::Unknown => "look at the plot",
         };

@@ -2,7 +2,7 @@
 
 use super::lines::median;
 use super::spectrum::averages::fill_gaps;
-use crate::chi2::normal_quantile;
+use crate::chi2::{chi2_above, normal_quantile};
 use crate::kernels::threads;
 use alloc::borrow::Cow;
 use alloc::collections::BTreeSet;
@@ -32,6 +32,13 @@ const SCALED_BY: usize = 1 << 18;
 const MEDIAN_OF: usize = 1 << 16;
 const SIGMA_PER_MAD: f64 = 1.4826;
 
+/// Windows beyond this share of the limit show whether the tail of the noise goes on there.
+const TAIL: f64 = 0.75;
+/// Share of the records of normal noise whose tail seems to go on.
+const HEAVY_BY_CHANCE: f64 = 1e-3;
+/// Share of the records of a heavy tail in which a gap within the tail is taken for one that isolates glitches.
+const GAP_BY_CHANCE: f64 = 1e-3;
+
 /// Windows that are looked at together.
 const PIECE: usize = 1 << 14;
 
@@ -45,6 +52,9 @@ const PIECE: usize = 1 << 14;
 ///
 /// Missing samples are closed up for this: lines in their place would scatter less than noise does. Where the noise
 /// has a memory, the samples beside a gap differ by more, so windows with gaps have scales of their own.
+///
+/// Noise with a heavy tail has windows at every size up to the limit and beyond. There only what a gap isolates is a
+/// glitch. To cut such a tail at the limit lowered N of Student's t with 3 degrees of freedom by a tenth.
 pub(super) fn glitches(rate: &[f64]) -> Option<Vec<usize>> {
     let has_gaps = rate.iter().any(|value| value.is_nan());
     let there: Vec<usize> = if has_gaps { present(rate) } else { Vec::new() };
@@ -141,19 +151,44 @@ impl Windows<'_> {
             let inside = piece * PIECE..((piece + 1) * PIECE).min(self.len());
             let (first, end) = (inside.start.saturating_sub(reach), (inside.end + reach).min(self.len()));
             let found = self.differences(first, end);
-            let least = limit * scales.iter().copied().filter(|scale| *scale > 0.0).fold(f64::INFINITY, f64::min);
+            let least =
+                TAIL * limit * scales.iter().copied().filter(|scale| *scale > 0.0).fold(f64::INFINITY, f64::min);
             let size = |i: usize| libm::fabs(found[i - first]) / (limit * scales[self.class(i)]);
-            let stands_out = |i: &usize| {
+            let stands_out = |i: usize| {
                 if libm::fabs(found[i - first]) <= least {
-                    return false;
+                    return None;
                 }
-                let own = size(*i);
-                own > 1.0 && (i.saturating_sub(reach).max(first)..(i + reach + 1).min(end)).all(|j| size(j) <= own)
+                let own = size(i);
+                let stands = own > TAIL
+                    && (i.saturating_sub(reach).max(first)..(i + reach + 1).min(end)).all(|j| size(j) <= own);
+                stands.then_some((i, own))
             };
-            inside.filter(stands_out).collect::<Vec<usize>>()
+            inside.filter_map(stands_out).collect::<Vec<(usize, f64)>>()
         });
-        pieces.into_iter().flatten().collect()
+        let peaks: Vec<(usize, f64)> = pieces.into_iter().flatten().collect();
+        let least = isolated(peaks.iter().map(|(_, size)| *size).collect(), self.len() as f64, limit);
+        peaks.into_iter().filter(|(_, size)| *size > least).map(|(window, _)| window).collect()
     }
+}
+
+/// The size, in limits, above which windows are glitches: 1 where the noise ends before, otherwise the lowest gap that
+/// a tail of this weight would not have by chance. `sizes` are those above [`TAIL`].
+fn isolated(mut sizes: Vec<f64>, windows: f64, limit: f64) -> f64 {
+    sizes.sort_unstable_by(f64::total_cmp);
+    let beyond = sizes.len() - sizes.partition_point(|size| *size <= 1.0);
+    let below = sizes.len() - beyond;
+    // of a normal tail; a count of so many or more has the tail of a Poisson distribution, which is one of χ²
+    let expected = windows * chi2_above(libm::pow(TAIL * limit, 2.0), 1.0);
+    let by_chance = || 1.0 - chi2_above(2.0 * expected, 2.0 * below as f64);
+    if beyond == 0 || below == 0 || by_chance() > HEAVY_BY_CHANCE {
+        return 1.0;
+    }
+    // Hill: ln of the sizes above a size is exponential, with the mean of all that are larger
+    let least = sizes.first().map_or(0.0, |size| libm::log(*size));
+    let mean = sizes.iter().map(|size| libm::log(*size) - least).sum::<f64>() / sizes.len() as f64;
+    let chance = |at: usize| libm::exp(-libm::log(sizes[at] / sizes[at - 1]) * (sizes.len() - at) as f64 / mean);
+    let first = (below..sizes.len()).find(|at| chance(*at) < GAP_BY_CHANCE / beyond as f64);
+    first.map_or(f64::INFINITY, |at| sizes[at - 1])
 }
 
 fn about_mean(values: &[f64]) -> Vec<f64> {

@@ -12,6 +12,8 @@ use alloc::vec::Vec;
 const TOGETHER: usize = 8;
 /// A steady excess in a band of fewer octaves is a resonance.
 const NARROW: f64 = 2.0;
+/// A band that goes on to this share of the upper end is that of a filter.
+const TO_THE_END: f64 = 0.9;
 /// The share of samples that repeat the one before, from which the codes are coarse.
 const REPEATED: f64 = 0.5;
 /// The standard deviation of the power from one eighth of the record to the next, as a share, from which it moves.
@@ -57,6 +59,12 @@ impl OffCurve {
 }
 
 impl Misfit {
+    /// The power of all frequencies comes and goes.
+    pub(super) fn of_motion(problem: &Problem, spread: f64) -> Self {
+        let from_hz = problem.table.rows.first().map_or(0.0, |row| row.f_hz);
+        Self { from_hz, to_hz: problem.table.top_hz, ratio: spread * spread, cause: Cause::Motion }
+    }
+
     pub(super) fn of(
         (problem, found): (&Problem, &Found),
         off_curve: Option<OffCurve>,
@@ -70,7 +78,7 @@ impl Misfit {
         } else if moves(curves, model, curves.rate_hz / (from_hz + to_hz)) {
             Cause::Motion
         } else if ratio > 1.0 && libm::log2(to_hz / from_hz) < NARROW {
-            Cause::Resonance
+            if to_hz > TO_THE_END * problem.table.top_hz { Cause::Filter } else { Cause::Resonance }
         } else {
             Cause::Unknown
         };

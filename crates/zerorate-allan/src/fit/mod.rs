@@ -454,8 +454,12 @@ fn described(
     let short: Vec<Deviation> = curve.iter().filter(is_short).copied().collect();
     let off_short = OffCurve::of(&short, &curves, &model);
     let off_curve = OffCurve::of(&curve, &curves, &model).or(off_short);
-    let is_rejected = chosen.problem.error > MOST_ERROR || off_short.is_some();
-    let misfit = is_rejected.then(|| Misfit::of((&chosen.problem, own), off_short, (&curves, &model)));
+    let moves = steadiness::motion(rate, rate_hz);
+    let is_rejected = chosen.problem.error > MOST_ERROR || off_short.is_some() || moves.is_some();
+    let misfit = is_rejected.then(|| match moves {
+        Some(spread) => Misfit::of_motion(&chosen.problem, spread),
+        None => Misfit::of((&chosen.problem, own), off_short, (&curves, &model)),
+    });
     let coefficients = Coefficients { samples: spectrum.samples, chosen: &chosen, rate_hz, is_rejected };
     let scatter = Scatter::of(&curves, &model);
     let widening = libm::sqrt(scatter.variance_of_ln_n(rate_hz, own.at[N2], &model));
@@ -469,7 +473,7 @@ fn described(
         r: (own.form.drift == Some(Drift::Ramp)).then(|| coefficients.ramp()),
         terms: coefficients.terms(&lines),
         model: model.with(doubt),
-        model_error: off_short.map_or(0.0, OffCurve::error).max(chosen.problem.error),
+        model_error: off_short.map_or(0.0, OffCurve::error).max(chosen.problem.error).max(moves.unwrap_or(0.0)),
         p_value: chi2_above(chi2, freedom),
         is_rejected,
         misfit,

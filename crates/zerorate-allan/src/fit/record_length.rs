@@ -9,10 +9,12 @@ use super::select::DESCENT;
 const DOUBLINGS: i32 = 8;
 /// (1.96 + 0.84)²: the expected gain in deviance at which zero is outside the 95 % interval in four of five records.
 const ENOUGH: f64 = 7.849;
+/// A coefficient that this record does not show, though one of its length usually would, needs this many times as much.
+const LONGER: f64 = 1.5;
 
 /// The length of a record in which zero would be outside the 95 % interval in four of five cases, s.
 ///
-/// `value` is the assumed size of the parameter at `place`. The length is interpolated between two doublings, linear
+/// Never as short as the record, which does not show it. `value` is the assumed size of the parameter at `place`. The length is interpolated between two doublings, linear
 /// in logarithms.
 pub(super) fn needed_s(found: &Found, samples: usize, (rate_hz, top_hz): (f64, f64), place: usize, value: f64) -> f64 {
     let length_s = samples as f64 / rate_hz;
@@ -29,7 +31,7 @@ pub(super) fn needed_s(found: &Found, samples: usize, (rate_hz, top_hz): (f64, f
         if now >= ENOUGH {
             let low = before.clamp(1e-9, ENOUGH);
             let part = if now > low { libm::log(ENOUGH / low) / libm::log(now / low) } else { 1.0 };
-            return length_s * libm::exp2(f64::from(doublings - 1) + part);
+            return length_s * libm::exp2(f64::from(doublings - 1) + part).max(LONGER);
         }
         before = now;
     }

@@ -2,6 +2,7 @@
 
 use super::density::{Drift, MOST_COSINES, Table};
 use super::scoring::{B2, Found, K2, LONGEST, Local, ModelForm, N2, POLES, Problem, Q2, SHAPE, SHORTEST};
+use crate::chi2_quantile;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -35,10 +36,9 @@ pub(super) const DESCENT: (usize, f64) = (60, 1e-5);
 const ERROR_ABOVE: f64 = 1.0 / 64.0;
 /// Neighbouring bins over which the model may be wrong together.
 const RUNS: [usize; 5] = [1, 2, 4, 8, 16];
-/// Standard deviations of the scatter beyond which the model is in error.
-const ERROR_LIMIT: f64 = 3.0;
-/// Added to the limit, because χ² of few bins is skew.
-const SKEW: f64 = 2.0;
+/// Share of the records of any length whose bins scatter beyond the limit of one length of runs, though the model is
+/// right.
+const OFF_BY_CHANCE: f64 = 1e-4;
 /// A Gauss–Markov term within this factor of a bound is dropped.
 const AT_BOUND: f64 = 1.1;
 
@@ -376,15 +376,17 @@ pub(super) fn model_error(problem: &Problem, found: &Found) -> f64 {
 fn error_of_runs(off: &[(f64, f64)], run: usize, fitted: usize) -> f64 {
     let mean = |bins: &[(f64, f64)]| {
         let nu: f64 = bins.iter().map(|(_, nu)| nu).sum();
-        let off = bins.iter().map(|(off, nu)| off * nu).sum::<f64>() / nu;
-        (off * off, nu)
+        (bins.iter().map(|(off, nu)| off * nu).sum::<f64>() / nu, nu)
     };
-    let pulls: Vec<(f64, f64)> = off.chunks_exact(run).map(mean).collect();
-    let freedom = pulls.len() as f64 - fitted as f64 - 1.0;
-    let scatter = |error: f64| pulls.iter().map(|(square, nu)| square / (2.0 / nu + error * error)).sum::<f64>();
-    if freedom < 1.0 || scatter(0.0) - freedom < ERROR_LIMIT * libm::sqrt(2.0 * freedom) + SKEW {
+    let means: Vec<(f64, f64)> = off.chunks_exact(run).map(mean).collect();
+    let freedom = means.len() as f64 - fitted as f64 - 1.0;
+    // the deviance of a mean square is nearly χ² with one degree of freedom, and its square is far from that
+    let deviance = |(off, nu): &(f64, f64)| nu * (off - libm::log1p(*off)) / (1.0 + 1.0 / (3.0 * nu));
+    let chance = || chi2_quantile(1.0 - OFF_BY_CHANCE, freedom);
+    if freedom < 1.0 || means.iter().map(deviance).sum::<f64>() < chance() {
         return 0.0;
     }
+    let scatter = |error: f64| means.iter().map(|(off, nu)| off * off / (2.0 / nu + error * error)).sum::<f64>();
     let (mut low, mut high) = (0.0, 1.0);
     while scatter(high) > freedom && high < 1e6 {
         (low, high) = (high, 2.0 * high);

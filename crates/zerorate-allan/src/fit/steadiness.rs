@@ -10,6 +10,48 @@ const WHITE: f64 = 0.1;
 /// Standard deviations by which the halves of a record must differ at one averaging time.
 const DIFFERENT: f64 = 5.0;
 
+/// Windows whose spread shows motion, s, and the fewest samples and windows of them.
+const WINDOW_S: f64 = 10.0;
+const FEWEST_IN_WINDOW: usize = 20;
+const FEWEST_WINDOWS: usize = 10;
+/// The share of the windows that is left out at either end.
+const OUTSIDE: f64 = 0.1;
+/// Ratio of the standard deviations in the windows from which a sensor is not at rest.
+const MOVES: f64 = 10.0;
+
+/// The ratio of the standard deviations of the samples in windows of ten seconds, without the tenth of the windows
+/// that are the loudest and the quietest. None where the sensor may be at rest.
+pub(super) fn motion(rate: &[f64], rate_hz: f64) -> Option<f64> {
+    let size = ((WINDOW_S * rate_hz) as usize).max(FEWEST_IN_WINDOW);
+    let mut sizes: Vec<f64> = rate.chunks_exact(size).filter_map(about_line).filter(|size| *size > 0.0).collect();
+    if sizes.len() < FEWEST_WINDOWS {
+        return None;
+    }
+    sizes.sort_unstable_by(f64::total_cmp);
+    let outside = (OUTSIDE * sizes.len() as f64) as usize;
+    let quiet = sizes[outside].max(step(rate));
+    Some(sizes[sizes.len() - 1 - outside] / quiet).filter(|ratio| *ratio > MOVES)
+}
+
+/// The standard deviation of a window about its straight line; none where half of it is missing.
+fn about_line(window: &[f64]) -> Option<f64> {
+    let there = || window.iter().enumerate().filter(|(_, value)| !value.is_nan()).map(|(i, value)| (i as f64, *value));
+    let count = there().count() as f64;
+    let (t_mean, mean) = (there().map(|(t, _)| t).sum::<f64>() / count, there().map(|(_, v)| v).sum::<f64>() / count);
+    let (tt, tv, vv) = there().fold((0.0, 0.0, 0.0), |(tt, tv, vv), (t, v)| {
+        let (t, v) = (t - t_mean, v - mean);
+        (tt + t * t, tv + t * v, vv + v * v)
+    });
+    (2.0 * count > window.len() as f64).then(|| libm::sqrt((vv - tv * tv / tt).max(0.0) / count))
+}
+
+/// The smallest difference between neighbours: coarse codes stand still in many windows.
+fn step(rate: &[f64]) -> f64 {
+    let steps = rate.windows(2).map(|pair| libm::fabs(pair[1] - pair[0])).filter(|step| *step > 0.0);
+    let least = steps.fold(f64::INFINITY, f64::min);
+    if least.is_finite() { least } else { 0.0 }
+}
+
 /// The variance of ln σ²(τ) between an eighth of the record and the next. The likelihood takes the noise for steady
 /// and does not cover it.
 #[derive(Clone, Debug, PartialEq)]

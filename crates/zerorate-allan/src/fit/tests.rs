@@ -10,6 +10,7 @@ mod filters;
 mod lines;
 mod motion;
 mod pool;
+mod unusual;
 
 const RATE_HZ: f64 = 100.0;
 

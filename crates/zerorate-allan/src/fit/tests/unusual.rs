@@ -1,0 +1,57 @@
+//! Noise that looks like a disturbance, and a disturbance that looks like noise.
+
+use super::*;
+use crate::Cause;
+
+/// A tenth of a hundred and more bins may be off by 1.2 in so short a record. It was called a resonance.
+#[test]
+fn white_noise_of_any_length_is_not_rejected() {
+    for length in [300, 600, 1000, 2000, 5000] {
+        let rejected: Vec<u64> = (0..40)
+            .filter(|seed| {
+                let mut draw = normal(4000 + seed);
+                of(&(0..length).map(|_| draw()).collect::<Vec<f64>>()).is_rejected
+            })
+            .collect();
+        assert_eq!(rejected, [], "of {length} samples");
+    }
+}
+
+/// Student's t with 3 degrees of freedom has samples of any size, and none is a glitch. N was 11 % too small.
+#[test]
+fn a_heavy_tail_is_noise_and_what_stands_alone_is_a_glitch() {
+    let mut draw = normal(4100);
+    let mut rate: Vec<f64> = (0..360_000)
+        .map(|_| {
+            let squares: f64 = (0..3).map(|_| draw().powi(2)).sum();
+            draw() / squares.sqrt()
+        })
+        .collect();
+    let fit = of(&rate);
+    let n = (1.0 / RATE_HZ).sqrt();
+    assert!(fit.n.lo <= n && n <= fit.n.hi && near(fit.n.value, n, 0.03), "{:?}, {}", fit.n, fit.cleaned.glitches);
+    let largest = rate.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+    [9_000, 200_000].iter().for_each(|&at| rate[at] = 100.0 * largest);
+    assert_eq!(of(&rate).cleaned.glitches_s, [90.0, 2000.0]);
+}
+
+#[test]
+fn a_record_whose_power_comes_and_goes_is_motion() {
+    let mut rate = Truth { n: 0.005, ..Truth::default() }.noise(60_000, 4200);
+    for (window, part) in rate.chunks_exact_mut(1000).enumerate() {
+        // a hand that sways, more and less
+        let sway = 0.02 * 50f64.powf(0.5 + 0.5 * (0.9 * window as f64).sin());
+        part.iter_mut().enumerate().for_each(|(i, rate)| *rate += sway * (0.006 * i as f64 * PI).sin());
+    }
+    let misfit = of(&rate).misfit.expect("it is rejected");
+    assert_eq!(misfit.cause, Cause::Motion, "{misfit:?}");
+}
+
+#[test]
+fn the_advice_is_never_a_record_as_short_as_this_one() {
+    for seed in 4300..4312 {
+        let fit = of(&Truth { n: 0.005, sigma: 0.002, tau_s: 50.0, ..Truth::default() }.noise(100_000, seed));
+        let needed = [fit.b, fit.k].into_iter().filter_map(|coefficient| coefficient.needed_s);
+        needed.for_each(|needed_s| assert!(needed_s >= 1500.0, "{seed}: {needed_s} s"));
+    }
+}
