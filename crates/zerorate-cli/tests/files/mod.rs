@@ -5,7 +5,6 @@ mod analysis;
 mod autopilot;
 mod axes;
 mod correct;
-mod covering;
 mod durable;
 mod export;
 mod failing;
