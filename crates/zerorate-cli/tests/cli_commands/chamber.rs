@@ -52,24 +52,6 @@ fn soak_points_give_a_curve_within_its_uncertainty_and_the_log_gives_it_again() 
 }
 
 #[test]
-fn a_csv_of_what_the_chamber_did_is_a_plan_of_the_recording() {
-    let bench = bench();
-    let ramp = "schema = 1\n[[step]]\nto_c = 25\nhold_s = 300\n[[step]]\nto_c = 45\nc_per_min = 10\nhold_s = 300\n";
-    bench.write("ramp.toml", ramp);
-    let rows = (0..=72)
-        .map(|k| f64::from(k) * 10.0)
-        .map(|s| format!("{s},{}\n", 25.0 + ((s - 300.0) / 6.0).clamp(0.0, 20.0)));
-    bench.write("did.csv", format!("t_s,temp_c\n{}", rows.collect::<String>()));
-    let line = format!("chamber ramp.toml {UNIT} --chamber sim:lag_s=0 --log u.arrows --json");
-    let live = bench.zerorate(&line).ended_with(0).json();
-    let after = bench.zerorate("chamber did.csv --device replay:u.arrows --json").ended_with(0).json();
-    for key in ["pbc_dps", "btc_dps_per_c"] {
-        assert_eq!(live[key], after[key], "the same seconds");
-    }
-    assert_eq!(after["points"].as_array().map(Vec::len), Some(2));
-}
-
-#[test]
 fn by_hand_each_step_is_said() {
     let bench = bench();
     let line = format!("chamber quick.toml {UNIT} --chamber hand");

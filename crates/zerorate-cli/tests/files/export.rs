@@ -87,18 +87,6 @@ fn a_curve_that_does_not_fit_codes_is_refused() {
     bench.zerorate("export unit.toml --format csv --span-c 4").ok();
 }
 
-#[test]
-fn the_examples_have_their_export() {
-    let examples = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../firmware/examples");
-    let bench = Bench::new();
-    bench.write("unit.toml", std::fs::read(examples.join("unit.toml")).unwrap());
-    let exported = bench.zerorate("export unit.toml --format rust").ok();
-    assert!(
-        exported == std::fs::read_to_string(examples.join("src/unit.rs")).unwrap(),
-        "`cargo xtask codegen` writes src/unit.rs"
-    );
-}
-
 /// Lines and curves with both signs and with large coefficients.
 const CORRECTIONS: [Correction; 5] = [
     Correction::line(-0.25, -0.04, 31.5),
