@@ -1,7 +1,7 @@
 //! `codegen [--check]`: the files that are made of the sources and of `docs/facts.md`. `cargo xtask codegen` calls it.
 //! `codegen protocol` makes the types of the page, which `cargo xtask web` needs and git does not keep.
 
-mod drawings;
+mod bandwidth;
 mod protocol;
 mod spectrum;
 
@@ -46,10 +46,11 @@ fn old() -> Result<Vec<(&'static str, String)>> {
 /// All files that are made, each with its text.
 fn made() -> Result<Vec<(&'static str, String)>> {
     let facts = fs::read_to_string("docs/facts.md").context("docs/facts.md: run this in the project's folder")?;
-    let mut made = drawings::all(&facts)?;
-    made.push(("docs/pictures/spectrum.svg", spectrum::draw()?));
-    made.push(("firmware/examples/src/unit.rs", unit()?));
-    Ok(made)
+    Ok(vec![
+        ("docs/pictures/bandwidth.svg", bandwidth::draw(&facts)?),
+        ("docs/pictures/spectrum.svg", spectrum::draw()?),
+        ("firmware/examples/src/unit.rs", unit()?),
+    ])
 }
 
 /// The calibration of the firmware's examples as `zerorate export --format rust` writes it.

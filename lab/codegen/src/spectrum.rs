@@ -1,6 +1,6 @@
 //! Spectra of the twin at rest, read in three ways: what bandwidth, capacitor and divider do to noise and resonance.
 
-use crate::drawings::fold;
+use crate::bandwidth::fold;
 use adis16130::blocking::Adis16130;
 use adis16130::{Config, Edge, MCLK_HZ, Sampler, SamplerConfig};
 use adis16130_twin::facts::{POLE_HZ, POLE_ROA_10NF_HZ, RESONANCE_HZ, UPPER_POLE_HZ, WHITE_DPS_PER_RT_HZ};
