@@ -2,8 +2,8 @@
 
 use super::zerorate;
 
-const COMMANDS: &str = "probe capture calibrate recalibrate chamber stream correct verify repair export report allan imu \
-    serve twin explain parts help completions man";
+const COMMANDS: &str = "probe capture calibrate recalibrate chamber stream correct verify repair export report allan \
+    imu serve twin explain parts help completions man";
 
 #[test]
 fn every_command_is_listed_and_has_help() {
