@@ -1,8 +1,9 @@
 //! The options that choose the numbers of a log.
 
 use clap::Args;
+use clap::builder::BoolishValueParser;
 use zerorate_jobs::allan::Columns;
-use zerorate_logs::{ColumnOptions, Decimal, Names, RawType, Setting, TimeUnit, Unit};
+use zerorate_logs::{ColumnOptions, Decimal, Names, Only, RawType, Setting, TimeUnit, Unit};
 
 /// The columns of a log to read, and what the log itself does not say about them.
 #[derive(Args, Debug, Default)]
@@ -17,6 +18,11 @@ pub struct ColumnArgs {
     /// The topic, where a bag or a PX4 log has several IMUs.
     #[arg(long, value_name = "TOPIC", conflicts_with = "raw")]
     topic: Option<String>,
+
+    /// Read only the rows in which a column has this value, as in SensorId=1: for a table or text with the rows of
+    /// several sensors.
+    #[arg(long = "where", value_name = "COLUMN=VALUE", conflicts_with = "raw")]
+    only: Option<Only>,
 
     /// The column with the time of each row, which gives the rate and shows missing samples [default: the only one
     /// whose name states a unit of time, as t_ns does].
@@ -45,6 +51,12 @@ pub struct ColumnArgs {
     /// scale of the part].
     #[arg(long, value_name = "X", value_parser = positive)]
     scale: Option<f64>,
+
+    /// The columns hold the angle or the velocity of each sample (delta angle, delta velocity) in place of the rate;
+    /// give the unit rad/s for rad, and m/s² for m/s. `--increments=no` says that they hold rates.
+    #[arg(long, value_name = "YES|NO", num_args = 0..=1, require_equals = true, default_missing_value = "yes",
+        value_parser = BoolishValueParser::new())]
+    increments: Option<bool>,
 
     /// The decimal mark of a text file [default: a point, or a comma where it cannot be anything else].
     #[arg(long, value_enum, value_name = "MARK")]
@@ -76,20 +88,20 @@ impl ColumnArgs {
 
     /// The properties of the columns that the log does not state.
     pub fn options(&self) -> ColumnOptions {
-        let Self { column, topic, time_column, time_unit, rate, unit, force_unit, scale, decimal, raw, max_bad } =
-            self;
         ColumnOptions {
-            column: column.clone(),
-            topic: topic.clone(),
-            time_column: time_column.clone(),
-            time_unit: *time_unit,
-            rate: *rate,
-            unit: *unit,
-            scale: *scale,
-            force_unit: *force_unit,
-            decimal: *decimal,
-            raw: *raw,
-            max_bad: *max_bad,
+            column: self.column.clone(),
+            topic: self.topic.clone(),
+            only: self.only.clone(),
+            time_column: self.time_column.clone(),
+            time_unit: self.time_unit,
+            rate: self.rate,
+            unit: self.unit,
+            scale: self.scale,
+            increments: self.increments,
+            force_unit: self.force_unit,
+            decimal: self.decimal,
+            raw: self.raw,
+            max_bad: self.max_bad,
             names: Names(flag),
         }
     }
@@ -128,6 +140,9 @@ pub fn flag(setting: Setting) -> &'static str {
         Setting::Skip => "--skip",
         Setting::Detrend => "--detrend",
         Setting::TempColumn => "--temp-column",
+        Setting::Where => "--where",
+        Setting::Increments => "--increments",
+        Setting::NoIncrements => "--increments=no",
         other => other.name(),
     }
 }

@@ -4,7 +4,7 @@ use crate::{InvalidOptions, temperature};
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 use zerorate_host::files;
-use zerorate_logs::{AnalysisOptions, Column, ColumnOptions, Record, RecordError, SettlingError, Wanted};
+use zerorate_logs::{AnalysisOptions, Column, ColumnOptions, Record, RecordError, SettlingError, Wanted, increments};
 
 /// The columns of logs to analyse, and the options of the analysis.
 pub struct AllanOptions {
@@ -41,6 +41,9 @@ pub fn allan(logs: &[PathBuf], options: &AllanOptions) -> Result<Vec<Record>> {
     let mut records = Vec::new();
     for log in logs {
         let (columns, found) = zerorate_logs::read_with_temperature(log, files::log(log)?, wanted, &options.log)?;
+        if !options.analysis.is_phase {
+            increments::ask(log, &columns.iter().collect::<Vec<_>>(), &options.log)?;
+        }
         let named = options.temperature.as_deref();
         let temperature = temperature::required(log, named, found, &options.analysis.settling, &options.log)?;
         records.extend(analysed(log, columns, temperature, &options.analysis)?);

@@ -67,6 +67,8 @@ pub struct Choice {
     pub values: Vec<usize>,
     /// The one with the time.
     pub time: Option<usize>,
+    /// The one that tells which rows are read.
+    pub only: Option<usize>,
 }
 
 impl Columns<'_> {
@@ -86,6 +88,7 @@ impl Columns<'_> {
 
     fn chosen(&self, wanted: Wanted<'_>, args: &ColumnOptions, default: &[usize]) -> Result<Choice> {
         let time = args.time_column.as_deref().map(|wanted| self.position(wanted, Setting::TimeColumn)).transpose()?;
+        let only = args.only.as_ref().map(|only| self.position(&only.column, Setting::Where)).transpose()?;
         let is_open = args.rate.is_none() && time.is_none();
         let is_any = matches!((wanted, default), (Wanted::All | Wanted::One(None), []));
         let time = if is_open && is_any { self.stated_time(&[]) } else { time };
@@ -96,7 +99,7 @@ impl Columns<'_> {
             (Wanted::Listed(names), _) => {
                 names.iter().map(|wanted| self.position(wanted, Setting::Column)).collect::<Result<_>>()?
             }
-            (Wanted::All, []) => self.all(time),
+            (Wanted::All, []) => self.all(time).into_iter().filter(|at| Some(*at) != only).collect(),
             (Wanted::All, rates) => rates.to_vec(),
             (Wanted::Described(columns), _) => {
                 columns.iter().map(|column| self.described(column)).collect::<Result<_>>()?
@@ -107,7 +110,7 @@ impl Columns<'_> {
             matches!((wanted, default), (Wanted::Described(_), _) | (Wanted::Listed(_) | Wanted::One(Some(_)), []));
         let time = if is_open && are_named { self.stated_time(&values) } else { time };
         self.check(&values, time)?;
-        Ok(Choice { values, time })
+        Ok(Choice { values, time, only })
     }
 
     /// Names the columns that hold no numbers, where all were asked for.

@@ -88,6 +88,12 @@ impl Times {
         Ok(())
     }
 
+    /// Multiplies all times by a step.
+    pub fn scale(&mut self, step: f64) {
+        self.origin = Some(Origin::Number(self.first() * step));
+        self.since_first.iter_mut().for_each(|time| *time *= step);
+    }
+
     /// Adds the times of another file of the same clock.
     pub fn append(&mut self, next: &Self) {
         let Some(origin) = next.origin else { return };

@@ -24,6 +24,8 @@ pub struct Column {
     pub quantity: Option<Quantity>,
     /// The size of a step in the unit of that quantity's results; 1 if the unit is not known.
     pub scale: f64,
+    /// The size of a step of 1 that the log states, in its unit; 1 unless the log states it beside the unit.
+    pub step: f64,
     /// The warnings about the file: a tail that was torn off, a unit that is not known.
     pub warnings: Vec<LogWarning>,
     /// The findings in these samples; none where the samples were changed since they were checked.
@@ -34,7 +36,7 @@ impl Column {
     /// A column of which nothing else is known. Its samples are not checked.
     pub fn new(name: &str, series: Series, rate_hz: f64) -> Self {
         let (name, gaps, warnings) = (name.to_owned(), Vec::new(), Vec::new());
-        Self { name, series, gaps, rate_hz, quantity: None, scale: 1.0, warnings, facts: None }
+        Self { name, series, gaps, rate_hz, quantity: None, scale: 1.0, step: 1.0, warnings, facts: None }
     }
 
     /// The number of missing samples.

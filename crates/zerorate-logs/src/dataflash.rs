@@ -66,7 +66,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
         ..FoundColumn::new(format!("{}.{}", chosen.topic, field.name), values)
     });
     let clock = Clock::Column(format!("{}.{}", chosen.topic, chosen.time.0.name), times);
-    Ok(Found { columns: columns.collect(), clock, warnings: LogWarning::torn(lost) })
+    Ok(Found { columns: columns.collect(), clock, warnings: LogWarning::torn(lost), sample: Vec::new() })
 }
 
 /// The quantity of a field: rad/s and m/s² in all versions.

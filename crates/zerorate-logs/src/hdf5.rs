@@ -50,7 +50,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let columns: Vec<SetColumn<'_>> = sets.iter().flat_map(Set::columns).collect();
     let names = columns.iter().map(|column| column.name.as_str()).collect();
     let all = Columns { path, names, numeric: vec![true; columns.len()], settings: asked.args.names };
-    let Choice { values: chosen, time } = all.choose(asked.wanted, asked.args, &[])?;
+    let Choice { values: chosen, time, .. } = all.choose(asked.wanted, asked.args, &[])?;
     let wanted: Vec<&SetColumn<'_>> = chosen.iter().chain(&time).map(|at| &columns[*at]).collect();
     same_length(path, wanted.iter().map(|column| (column.name.as_str(), column.rows)))?;
     let rows = wanted.first().map_or(0, |first| first.rows);
@@ -71,7 +71,8 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     }
     let clock = time.map_or(Clock::Silent, |time| Clock::Column(columns[time].name.clone(), times));
     let name = |(at, values): (usize, SeriesBuilder)| FoundColumn::new(wanted[at].name.clone(), values);
-    Ok(Found { columns: values.into_iter().enumerate().map(name).collect(), clock, warnings: Vec::new() })
+    let columns = values.into_iter().enumerate().map(name).collect();
+    Ok(Found { columns, clock, warnings: Vec::new(), sample: Vec::new() })
 }
 
 /// The data sets of numbers, in the order of their names, because a file lists them in any order.

@@ -8,6 +8,7 @@ use super::parts::miscounted;
 use super::series::SeriesBuilder;
 use super::topics::{Survey, Topic, several};
 use super::{Clock, ColumnOptions, ColumnQuery, Found, FoundColumn, LogError, Names, Result, Setting, Wanted, wrong};
+use crate::sample::Sampled;
 use crate::warning::LogWarning;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -193,16 +194,16 @@ pub struct Collector<'a> {
     wanted: Quantities,
     values: Vec<SeriesBuilder>,
     messages: u64,
-    /// None if a rate was given.
-    times: Option<Times>,
+    times: Times,
+    /// A rate was given, which the stamps are only compared with.
+    has_rate: bool,
 }
 
 impl<'a> Collector<'a> {
     /// No message yet.
     pub fn new(path: &'a Path, wanted: Quantities, room: Room, args: &ColumnOptions) -> Self {
-        let times = args.rate.is_none().then(Times::new);
         let values = wanted.all.iter().map(|_| SeriesBuilder::sharing(room, wanted.all.len())).collect();
-        Self { path, wanted, values, messages: 0, times }
+        Self { path, wanted, values, messages: 0, times: Times::new(), has_rate: args.rate.is_some() }
     }
 
     /// Adds a message.
@@ -220,9 +221,7 @@ impl<'a> Collector<'a> {
         };
         let Imu { stamp_ns, numbers } = decode(encoding, &self.wanted.source, message)
             .ok_or_else(|| at(format!("its {} bytes are not a sensor_msgs/Imu in {encoding:?}", message.len())))?;
-        if let Some(times) = &mut self.times {
-            times.push_integer(stamp_ns);
-        }
+        self.times.push_integer(stamp_ns);
         for ((quantity, position), values) in self.wanted.all.iter().zip(&mut self.values) {
             if !values.push_number(numbers[*position]) {
                 return Err(at(format!("{quantity} is infinite, which cannot be averaged")));
@@ -235,15 +234,17 @@ impl<'a> Collector<'a> {
     /// All messages were read; `torn` says where the file is, and `stated` how many messages there are by its own
     /// account.
     pub fn finish(self, torn: Option<String>, stated: Option<u64>) -> Found {
-        let Self { path, wanted, values, times, messages } = self;
+        let Self { path, wanted, values, mut times, messages, has_rate } = self;
         let miscounted = match (&torn, stated) {
             (None, Some(stated)) if stated != messages => Some(miscounted(path, &wanted.name, stated, messages)),
             _ => None,
         };
-        let clock = times.map_or(Clock::Silent, |mut times| {
-            times.unit = Some(TimeUnit::Ns);
-            Clock::Column(format!("{}.header.stamp", wanted.name), times)
-        });
+        times.unit = Some(TimeUnit::Ns);
+        let stamps = format!("{}.header.stamp", wanted.name);
+        let (clock, sample) = match has_rate {
+            true => (Clock::Silent, vec![Sampled::of_times(&stamps, &times)]),
+            false => (Clock::Column(stamps, times), Vec::new()),
+        };
         let column = |((quantity, _), values): ((&str, usize), SeriesBuilder)| FoundColumn {
             name: format!("{}.{quantity}", wanted.name),
             values,
@@ -252,11 +253,13 @@ impl<'a> Collector<'a> {
                 true => (Quantity::AngularRate, Unit::RadPerS.in_results()),
                 false => (Quantity::Acceleration, Unit::MPerS2.in_results()),
             }),
+            step: 1.0,
             warnings: Vec::new(),
             is_beside: false,
         };
         let columns = wanted.all.into_iter().zip(values).map(column).collect();
-        Found { columns, clock, warnings: LogWarning::torn(torn).into_iter().chain(miscounted).collect() }
+        let warnings = LogWarning::torn(torn).into_iter().chain(miscounted).collect();
+        Found { columns, clock, warnings, sample }
     }
 }
 

@@ -19,6 +19,7 @@ mod dataflash;
 mod foreign;
 #[cfg(test)]
 mod fuzz;
+mod given_rate;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 #[cfg(feature = "hdf5")]
@@ -26,6 +27,7 @@ mod hdf5_index;
 pub mod imu;
 #[cfg(any(feature = "mcap", feature = "ros", feature = "sqlite"))]
 mod imu_messages;
+pub mod increments;
 mod judged;
 #[cfg(feature = "hdf5")]
 mod lzf;
@@ -37,6 +39,7 @@ mod mcap_bag;
 mod message;
 #[cfg(all(test, not(feature = "full")))]
 mod missing;
+mod mixed_rows;
 #[cfg(any(feature = "mcap", feature = "ros", feature = "sqlite"))]
 mod nested;
 #[cfg(feature = "numpy")]
@@ -44,6 +47,7 @@ mod npy;
 #[cfg(feature = "npz")]
 mod npz;
 mod number;
+mod only;
 mod open;
 mod order;
 mod pace;
@@ -56,6 +60,7 @@ mod record;
 #[cfg(feature = "ros")]
 mod rosbag;
 mod row_reader;
+mod sample;
 mod series;
 mod setting;
 mod settling;
@@ -68,14 +73,17 @@ mod temperature;
 #[cfg(test)]
 mod tests;
 mod text;
+mod time_unit;
 mod topics;
 mod ulog;
+mod unsigned;
 mod warning;
 mod wide;
 
 pub use choice::{Described, Wanted};
 pub use column::Column;
 pub use column_checks::stopped;
+pub use only::Only;
 pub use open::kind;
 pub use part_log::PartLog;
 pub use parts::{Parts, read_parts, read_with_temperature};
@@ -94,6 +102,7 @@ use arrow_file::ArrowFile;
 use clock::{Beat, Times};
 use column_checks::ColumnChecks;
 use open::{Log, LogForm};
+use sample::Sampled;
 use series::SeriesBuilder;
 use std::path::Path;
 use zerorate_allan::Gap;
@@ -114,6 +123,9 @@ pub struct ColumnOptions {
     /// The column with the time of each row: it tells the rate, and where samples are missing.
     pub time_column: Option<String>,
 
+    /// The rows that are read; none: all.
+    pub only: Option<Only>,
+
     /// The unit of the time column; none: the one that its name or type states, as in t_ns or `timestamp [ms]`.
     pub time_unit: Option<TimeUnit>,
 
@@ -127,6 +139,10 @@ pub struct ColumnOptions {
     /// The size of a step of 1 in the column, in its unit: the one that is given, or else the one that its name or the
     /// log states, or else °/s. None: 1, or the scale of the part for the codes of a capture.
     pub scale: Option<f64>,
+
+    /// Whether each value is the angle or the velocity of a sample, in place of its rate; none: not, but names and
+    /// gravity that tell of it become a question. The unit is then that of the increment in a second: rad/s for rad.
+    pub increments: Option<bool>,
 
     /// Takes the unit that is given where the name of a column states another; without it that is an error.
     pub force_unit: bool,
@@ -226,6 +242,9 @@ impl<'a> ColumnQuery<'a> {
 
 fn found(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let form = log.form()?;
+    if asked.args.only.is_some() && !matches!(form, LogForm::Other | LogForm::ArrowFile | LogForm::Parquet) {
+        return Err(asked.args.only_of_tables(log.path));
+    }
     match (reader(form), form.missing()) {
         (Some(read), _) => read(log, asked),
         (None, Some(missing)) => Err(CaptureError::not_built_in(log.path, missing).into()),
@@ -277,6 +296,8 @@ struct Found {
     columns: Vec<FoundColumn>,
     clock: Clock,
     warnings: Vec<LogWarning>,
+    /// The first rows in all columns of the file, where its reader sees all; empty: those of `columns`.
+    sample: Vec<Sampled>,
 }
 
 /// One of them.
@@ -285,12 +306,25 @@ struct FoundColumn {
     values: SeriesBuilder,
     /// Its quantity, and a step in the unit of its results, where the form defines them.
     stated: Option<(Quantity, f64)>,
+    /// The size of a step of 1 that the log states, in its unit.
+    step: f64,
     warnings: Vec<LogWarning>,
     /// Whether it was not wanted, and is the temperature beside those that were.
     is_beside: bool,
 }
 
 impl ColumnOptions {
+    /// A rate in one of its values.
+    pub(crate) fn per_second(&self, rate_hz: f64) -> f64 {
+        if self.increments == Some(true) { rate_hz } else { 1.0 }
+    }
+
+    /// Rows cannot be chosen in a log of another form.
+    fn only_of_tables(&self, path: &Path) -> LogError {
+        let option = self.names.of(Setting::Where);
+        LogError::Ask(format!("{}: {option} chooses rows of text and of tables only; leave it out", path.display()))
+    }
+
     /// That a `unit`, given by `setting`, is the one that the name of the column states, if it states one.
     pub(crate) fn agrees(&self, path: &Path, column: &str, unit: Unit, setting: Setting) -> Result<()> {
         let Some(stated) = Unit::of_column(column).filter(|stated| *stated != unit && !self.force_unit) else {
@@ -314,7 +348,12 @@ impl ColumnOptions {
 
 impl FoundColumn {
     fn new(name: String, values: SeriesBuilder) -> Self {
-        Self { name, values, stated: None, warnings: Vec::new(), is_beside: false }
+        Self { name, values, stated: None, step: 1.0, warnings: Vec::new(), is_beside: false }
+    }
+
+    /// The column of a log that states its unit and the size of its steps.
+    fn in_steps(self, unit: Unit, step: f64) -> Self {
+        Self { stated: Some((unit.quantity(), unit.in_results() * step)), step, ..self }
     }
 }
 
@@ -346,6 +385,9 @@ impl Clock {
         let unit = times.unit.or(args.time_unit).or_else(|| TimeUnit::of_column(name));
         let unit = unit.ok_or_else(|| no_time_unit(path, name, args.names))?;
         let beat = times.beat(unit, args.names).map_err(|why| unsteady(path, name, &why))?;
+        if args.rate.is_none() {
+            time_unit::check((path, name), times, unit, beat.rate_hz, args.names)?;
+        }
         Ok(Some((unit, beat)))
     }
 }
@@ -353,6 +395,7 @@ impl Clock {
 impl Found {
     /// Puts the rows in the order of their times, and says what of those is not as it should be.
     fn mend(&mut self, path: &Path, args: &ColumnOptions) -> Result<()> {
+        mixed_rows::check(self, path, args.names)?;
         let Clock::Column(name, times) = &mut self.clock else { return Ok(()) };
         let said = order::mend(times, &mut self.columns).map_err(|why| {
             let rate = args.names.of(Setting::Rate);
@@ -386,12 +429,14 @@ impl Found {
             self.warnings.extend(jitter);
             self.warnings.extend(pace.map(|how| LogWarning::RateChanges { path: path(), how }));
         }
-        let Self { columns, clock, warnings } = self;
+        let Self { columns, clock, mut warnings, sample } = self;
         let (measured, lost) = match (beat, clock) {
             (Some((_, Beat { rate_hz, gaps, .. })), _) => (Some(rate_hz), gaps),
             (None, Clock::Counted { rate_hz, gaps }) => (rate_hz, gaps),
             (None, _) => (None, Vec::new()),
         };
+        let stamps = || given_rate::of_stamps(measured, &Sampled::of(&sample, &columns));
+        warnings.extend(args.rate.and_then(|rate_hz| given_rate::doubt(path, rate_hz, stamps()?)));
         let told = args.rate.or(measured);
         let no_rate = told.is_none().then(|| {
             let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
@@ -410,21 +455,26 @@ impl Found {
 
 impl FoundColumn {
     fn finish(self, path: &Path, rate_hz: f64, lost: &[Gap], args: &ColumnOptions) -> Result<Column> {
-        let Self { name, values, stated, mut warnings, .. } = self;
-        let (series, gaps) = values.finish(lost).map_err(|missing| too_many(path, missing, args.names))?;
+        let Self { name, values, stated, step, mut warnings, .. } = self;
+        let (mut series, gaps) = values.finish(lost).map_err(|missing| too_many(path, missing, args.names))?;
+        warnings.extend(unsigned::unwrap(&mut series).map(|bits| {
+            let (path, column) = (path.display().to_string(), name.clone());
+            LogWarning::CodesUnsigned { path, column, bits }
+        }));
         let stated = stated.or_else(|| Quantity::of_column(&name));
         if let Some(unit) = args.unit {
             args.agrees(path, &name, unit, Setting::Unit)?;
         }
-        let given = args.unit.map(|unit| (unit.quantity(), unit.in_results()));
+        let given = args.unit.map(|unit| (unit.quantity(), unit.in_results() * step));
         let declared = match args.scale {
             None => given.or(stated),
             Some(scale) => {
                 // what a capture states of its codes is a scale, and no unit
-                let of_file = stated.map(|(quantity, per_unit)| match &series {
-                    Series::Codes(_) => (quantity, 1.0),
-                    Series::Numbers(_) => (quantity, per_unit),
+                let of_file = stated.map(|(quantity, per_step)| match &series {
+                    Series::Codes(_) if step == 1.0 => (quantity, 1.0),
+                    _ => (quantity, per_step / step),
                 });
+                let given = args.unit.map(|unit| (unit.quantity(), unit.in_results()));
                 let unit = given.or_else(|| Quantity::of_column(&name)).or(of_file);
                 let (quantity, per_unit) = unit.unwrap_or((Quantity::AngularRate, 1.0));
                 Some((quantity, scale * per_unit))
@@ -443,7 +493,11 @@ impl FoundColumn {
             gaps,
             rate_hz,
             quantity: declared.map(|(quantity, _)| quantity),
-            scale: declared.map_or(1.0, |(_, scale)| scale),
+            scale: declared.map_or(1.0, |(quantity, scale)| match quantity {
+                Quantity::Temperature => scale,
+                _ => scale * args.per_second(rate_hz),
+            }),
+            step,
             warnings,
             facts: Some(facts),
         })

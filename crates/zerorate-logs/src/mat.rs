@@ -47,7 +47,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     }
     let names = columns.iter().map(|column| column.name.as_str()).collect();
     let all = Columns { path, names, numeric: vec![true; columns.len()], settings: asked.args.names };
-    let Choice { values: chosen, time } = all.choose(asked.wanted, asked.args, &[])?;
+    let Choice { values: chosen, time, .. } = all.choose(asked.wanted, asked.args, &[])?;
     let wanted: Vec<&Variable<'_>> = chosen.iter().chain(&time).map(|at| &columns[*at]).collect();
     same_length(path, wanted.iter().map(|column| (column.name.as_str(), column.rows() as u64)))?;
     let found = chosen.iter().map(|at| columns[*at].values(path, room, chosen.len()));
@@ -56,7 +56,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
         Some(time) => Clock::Column(time.name.clone(), time.times(path)?),
         None => Clock::Silent,
     };
-    Ok(Found { columns: found, clock, warnings: LogWarning::torn(torn) })
+    Ok(Found { columns: found, clock, warnings: LogWarning::torn(torn), sample: Vec::new() })
 }
 
 /// The variables of a file, unpacked, up to where it is torn, which is said.

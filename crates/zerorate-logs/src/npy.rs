@@ -75,7 +75,7 @@ pub fn read_arrays(
     let numeric = fields.iter().map(|field| field.kind.is_some_and(|kind| kind != Kind::Time)).collect();
     let names: Vec<&str> = fields.iter().map(|field| field.name.as_str()).collect();
     let columns = Columns { path, names, numeric, settings: asked.args.names };
-    let Choice { values: chosen, time } = columns.choose(asked.wanted, asked.args, &[])?;
+    let Choice { values: chosen, time, .. } = columns.choose(asked.wanted, asked.args, &[])?;
     let left_out = columns.left_out(asked.wanted, time);
     let wanted: Vec<usize> = chosen.iter().chain(&time).copied().collect();
     let names: Vec<String> = wanted.iter().map(|at| field(at).name.clone()).collect();
@@ -101,7 +101,8 @@ pub fn read_arrays(
     }
     let clock = time.map_or(Clock::Silent, |_| Clock::Column(names[chosen.len()].clone(), times));
     let columns = names.into_iter().zip(values).map(|(name, values)| FoundColumn::new(name, values));
-    Ok(Found { columns: columns.collect(), clock, warnings: left_out.into_iter().collect() })
+    let warnings = left_out.into_iter().collect();
+    Ok(Found { columns: columns.collect(), clock, warnings, sample: Vec::new() })
 }
 
 /// The row among the rows at hand, and the error.

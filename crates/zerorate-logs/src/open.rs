@@ -181,7 +181,7 @@ const FOREIGN: &[(&[u8], &str)] = &[
 ];
 
 const DATAFLASH: &str = "it is a log of ArduPilot as text; name the .bin file, or convert it with pymavlink: \
-                         `mavlogdump.py --format csv --types IMU FILE > imu.csv`";
+                         `mavlogdump.py --format csv --types IMU FILE > imu.csv`, in which column `I` is the sensor";
 
 const JSON: &str = "it is JSON; convert it to a table: in Python `pandas.read_json('FILE').to_csv('log.csv')`, with \
                     `lines=True` if each line is an object";

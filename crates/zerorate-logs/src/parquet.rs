@@ -1,20 +1,24 @@
 //! Columns of a Parquet file: only the columns that are needed are read and decoded, several row groups at a time.
 
 use super::open::Log;
+use super::sample::ROWS;
 use super::series::ROW_BYTES;
 use super::tabular::{self, TableColumns};
 use super::{ColumnQuery, Found, Result};
-use arrow_array::ArrayRef;
+use arrow_array::{ArrayRef, RecordBatch};
+use arrow_schema::{DataType, Field, FieldRef, Schema};
 use bytes::{Buf, Bytes, buf};
 use parquet::arrow::ProjectionMask;
-use parquet::arrow::arrow_reader::{ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder};
+use parquet::arrow::arrow_reader::{
+    ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder,
+};
 use parquet::errors::{ParquetError, Result as ParquetResult};
 use parquet::file::reader::{ChunkReader, Length};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
 use zerorate_record::limits::Room;
 use zerorate_record::parquet::{ParquetReader, guarded};
 use zerorate_record::{CaptureError, Input, is_capture};
@@ -40,6 +44,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
         room,
         rows_read: AtomicU64::new(0),
     };
+    groups.first_rows().iter().try_for_each(|rows| reading.sample(rows))?;
     reading.reserve(groups.rows(), &schema);
     let at_once = rayon::current_num_threads();
     for first in (0..groups.len()).step_by(at_once) {
@@ -76,6 +81,21 @@ impl Groups<'_> {
         usize::try_from(stated).unwrap_or_default().min(MAX_RESERVED)
     }
 
+    /// The first rows in all columns with numbers or words; none where one cannot be read, because nobody asked for it.
+    fn first_rows(&self) -> Option<RecordBatch> {
+        let fits = |field: &Field| {
+            let of = field.data_type();
+            of.is_primitive() || of.is_string() || matches!(of, DataType::Boolean | DataType::Dictionary(..))
+        };
+        let fields = self.metadata.schema().fields().iter().cloned().enumerate();
+        let fields: Vec<(usize, FieldRef)> = fields.filter(|(_, field)| fits(field)).collect();
+        let first = |at: usize| self.reader(0, at, ROWS)?.next().transpose().map_err(ParquetError::from);
+        let read = |at: usize| Some(guarded(self.path, || first(at)).ok()??.column(0).clone());
+        let columns: Vec<ArrayRef> = fields.iter().map(|(at, _)| read(*at)).collect::<Option<_>>()?;
+        let schema = Schema::new(fields.into_iter().map(|(_, field)| field).collect::<Vec<_>>());
+        RecordBatch::try_new(Arc::new(schema), columns).ok()
+    }
+
     /// The columns of a row group, piece by piece.
     fn decode(&self, group: usize) -> Result<Vec<Vec<ArrayRef>>, CaptureError> {
         let columns: Vec<Vec<ArrayRef>> = self
@@ -96,14 +116,7 @@ impl Groups<'_> {
     }
 
     fn column(&self, group: usize, column: usize) -> ParquetResult<Vec<ArrayRef>> {
-        let descriptor = self.metadata.parquet_schema();
-        let reader =
-            ParquetRecordBatchReaderBuilder::new_with_metadata(self.chunk(group, column)?, self.metadata.clone())
-                .with_projection(ProjectionMask::roots(descriptor, [column]))
-                .with_row_groups(vec![group])
-                .with_batch_size(PIECE)
-                .build()?;
-        let pieces = reader.map(|batch| {
+        let pieces = self.reader(group, column, PIECE)?.map(|batch| {
             let piece = batch?.column(0).clone();
             let rows = piece.len() as u64 + self.rows_read.fetch_add(piece.len() as u64, Ordering::Relaxed);
             let bytes = rows.saturating_mul(self.row_bytes) / self.columns.len() as u64;
@@ -111,6 +124,16 @@ impl Groups<'_> {
             Ok(piece)
         });
         pieces.collect()
+    }
+
+    /// A column of a row group, in pieces of so many rows.
+    fn reader(&self, group: usize, column: usize, piece: usize) -> ParquetResult<ParquetRecordBatchReader> {
+        let chunk = self.chunk(group, column)?;
+        ParquetRecordBatchReaderBuilder::new_with_metadata(chunk, self.metadata.clone())
+            .with_projection(ProjectionMask::roots(self.metadata.parquet_schema(), [column]))
+            .with_row_groups(vec![group])
+            .with_batch_size(piece)
+            .build()
     }
 
     /// The bytes of a column in a row group.

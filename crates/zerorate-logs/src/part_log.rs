@@ -48,7 +48,7 @@ impl PartLog {
         let described = described(part);
         let mut found = find(path, input, &ColumnQuery::of(Wanted::Described(&described), args))?;
         found.mend(path, args)?;
-        let Found { mut columns, clock, mut warnings } = found;
+        let Found { mut columns, clock, mut warnings, .. } = found;
         let temp = columns.pop().filter(|_| columns.len() == part.axes.len());
         let temp = temp.ok_or_else(|| LogError::Ask(format!("{} has one column only", path.display())))?;
         let axes = columns.into_iter().zip(&part.axes[..]).zip(&described).map(|((column, axis), described)| {

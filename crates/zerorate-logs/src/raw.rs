@@ -81,7 +81,7 @@ pub fn read(log: Log<'_>, raw: RawType, names: Names) -> Result<Found> {
         })?;
     }
     let columns = vec![FoundColumn::new("raw".to_owned(), values)];
-    Ok(Found { columns, clock: Clock::Silent, warnings: Vec::new() })
+    Ok(Found { columns, clock: Clock::Silent, warnings: Vec::new(), sample: Vec::new() })
 }
 
 fn numbers<const N: usize, T>(block: &[u8], decode: impl Fn([u8; N]) -> T) -> impl ExactSizeIterator<Item = T> {

@@ -193,6 +193,20 @@ impl SeriesBuilder {
         }
     }
 
+    /// The first rows as numbers, NaN where they have none.
+    pub fn first_rows(&self, most: usize) -> Vec<f64> {
+        match &self.series {
+            Series::Numbers(numbers) => numbers[..numbers.len().min(most)].to_vec(),
+            Series::Codes(codes) => {
+                let codes = &codes[..codes.len().min(most)];
+                let within = self.gaps.partition_point(|gap| gap.at < codes.len());
+                let mut rows = spread(codes, &self.gaps[..within]);
+                rows.truncate(most);
+                rows
+            }
+        }
+    }
+
     /// These rows in this order, and no others.
     pub fn reorder(&mut self, order: &[usize]) {
         let are_codes = self.are_codes();

@@ -29,6 +29,9 @@ pub enum Setting {
     Skip,
     Detrend,
     TempColumn,
+    Where,
+    Increments,
+    NoIncrements,
 }
 
 impl Setting {
@@ -58,6 +61,9 @@ impl Setting {
             Self::Skip => "skip",
             Self::Detrend => "detrend",
             Self::TempColumn => "temp_column",
+            Self::Where => "where",
+            Self::Increments => "increments",
+            Self::NoIncrements => "no increments",
         }
     }
 }

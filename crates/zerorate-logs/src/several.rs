@@ -3,7 +3,7 @@
 use super::tests::{imu, mcap_packed, npy, options, sqlite_bag, tables};
 use super::*;
 use adis16130::Width;
-use arrow_array::{ArrayRef, DurationNanosecondArray, Float64Array, Int32Array, Int64Array, NullArray};
+use arrow_array::{ArrayRef, DurationNanosecondArray, Float64Array, Int32Array, Int64Array, NullArray, StringArray};
 use std::fs::{self, File};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -71,6 +71,31 @@ fn columns_of_tables() {
         assert_eq!((columns[0].quantity, columns[1].quantity), (Some(Quantity::AngularRate), None));
         let found = all(&content, Wanted::All, "--time-column t_ms").unwrap();
         assert_eq!(found.iter().map(|column| column.name.as_str()).collect::<Vec<_>>(), ["x", "y", "z_dps"]);
+    }
+}
+
+/// Rows of two sensors, by a number and by a name: asked about, and read one by one.
+#[test]
+fn rows_of_two_sensors_in_tables() {
+    let rows = || 0..400;
+    let names: StringArray = rows().map(|row| Some(["a", "b"][row % 2])).collect();
+    let values: Vec<f64> = rows().map(|row| (row / 2) as f64 * 0.1 + 100.0 * (row % 2) as f64).collect();
+    let log: Vec<(&str, ArrayRef)> = vec![
+        ("t_ms", Arc::new(Int64Array::from_iter_values(rows().map(|row| (row / 2) as i64 * 10)))),
+        ("SensorId", Arc::new(Int32Array::from_iter_values(rows().map(|row| (row % 2) as i32)))),
+        ("sensor", Arc::new(names)),
+        ("x", Arc::new(Float64Array::from(values))),
+    ];
+    for content in tables(&log) {
+        for wanted in [Wanted::One(Some("x")), Wanted::All] {
+            let said = all(&content, wanted, "--time-column t_ms").unwrap_err().to_string();
+            assert!(said.contains("column `SensorId` is 0, 1 in turn, and 200 of 400 rows repeat"), "{said}");
+        }
+        for only in ["SensorId=1", "sensor=b"] {
+            let options = format!("--time-column t_ms --where {only}");
+            let x = &all(&content, Wanted::One(Some("x")), &options).unwrap()[0];
+            assert_eq!((x.rate_hz, x.series.len(), super::tests::numbers(x)[1]), (100.0, 200, 100.1));
+        }
     }
 }
 

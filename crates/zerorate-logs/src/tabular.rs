@@ -3,21 +3,21 @@
 use super::choice::{Choice, Columns};
 use super::clock::Times;
 use super::judged::{self, Believed, Judging, Readings};
+use super::sample::{self, Sampled};
 use super::series::{SeriesBuilder, join, missing_in};
-use super::{Clock, ColumnQuery, Found, FoundColumn, Gap, Result, wrong};
+use super::{Clock, ColumnQuery, Found, FoundColumn, Gap, Only, Result, wrong};
 use crate::warning::LogWarning;
 use arrow_array::types::{Int32Type, Int64Type};
-use arrow_array::{Array, ArrayRef, RecordBatch};
-use arrow_schema::{DataType, Schema, TimeUnit as ArrowUnit};
+use arrow_array::{Array, ArrayRef, BooleanArray, RecordBatch};
+use arrow_schema::Schema;
+use arrow_select::filter::filter;
 use std::path::Path;
 use zerorate_record::cells::{floats, integers};
 use zerorate_record::columns::Rows;
 use zerorate_record::limits::Room;
 use zerorate_record::succession::Mark;
 use zerorate_record::table::BatchSource;
-use zerorate_record::{
-    CaptureError, CaptureInfo, CaptureWarning, Checked, CodedAxis, Layout, Quantity, TimeUnit, is_capture,
-};
+use zerorate_record::{CaptureError, CaptureInfo, CaptureWarning, Checked, CodedAxis, Layout, Quantity, is_capture};
 
 /// Reads columns of a table. Of a capture all columns are read, because its checks are over all of them.
 pub fn read(path: &Path, mut source: Box<dyn BatchSource>, room: Room, asked: &ColumnQuery<'_>) -> Result<Found> {
@@ -83,7 +83,11 @@ pub struct TableColumns<'a> {
     values: Vec<TableColumn>,
     judges: Vec<Judging>,
     time: Option<(String, Times)>,
+    /// The rows that are read, by the last of `columns`, and its name; none: all.
+    only: Option<(&'a Only, String)>,
     capture: Option<Capture>,
+    /// The first rows of all columns of a table.
+    sample: Vec<Sampled>,
 }
 
 /// One of them.
@@ -98,18 +102,21 @@ struct TableColumn {
 
 impl<'a> TableColumns<'a> {
     /// Chooses the columns.
-    pub fn start(path: &'a Path, schema: &Schema, room: Room, asked: &ColumnQuery<'_>) -> Result<Self> {
+    pub fn start(path: &'a Path, schema: &Schema, room: Room, asked: &ColumnQuery<'a>) -> Result<Self> {
         let names: Vec<&str> = schema.fields().iter().map(|field| field.name().as_str()).collect();
         let metadata = schema.metadata();
         let info = is_capture(metadata).then(|| CaptureInfo::from_metadata(path, metadata)).transpose()?;
         let default = info.as_ref().map_or_else(Vec::new, |info| rates(&info.layout, &names));
         let numeric = schema.fields().iter().map(|field| field.data_type().is_numeric()).collect();
         let all = Columns { path, names: names.clone(), numeric, settings: asked.args.names };
-        let Choice { mut values, time } = all.choose(asked.wanted, asked.args, &default)?;
+        let Choice { mut values, time, only } = all.choose(asked.wanted, asked.args, &default)?;
         let temperature = names.iter().position(|name| *name == "temp_code");
         let beside = temperature.filter(|at| asked.with_temperature && info.is_some() && !values.contains(at));
         let wanted = values.len();
         values.extend(beside);
+        if let (Some(_), Some(_)) = (&info, only) {
+            return Err(asked.args.only_of_tables(path));
+        }
         // with a time column it is a table as any other
         let info = info.filter(|_| time.is_none());
         let mut judges = Vec::new();
@@ -123,13 +130,15 @@ impl<'a> TableColumns<'a> {
         };
         let time_column = time.map(|time| {
             let mut times = Times::new();
-            times.unit = unit_of(schema.field(time).data_type());
+            times.unit = sample::time_unit(schema.field(time).data_type());
             (names[time].to_owned(), times)
         });
         Ok(Self {
             path,
             values: values.iter().map(column).collect(),
-            columns: values.iter().copied().chain(time).collect(),
+            columns: values.iter().copied().chain(time).chain(only).collect(),
+            only: asked.args.only.as_ref().zip(only.map(|at| names[at].to_owned())),
+            sample: Vec::new(),
             judges,
             time: time_column,
             capture: info.map(|_| Capture::default()),
@@ -153,11 +162,37 @@ impl<'a> TableColumns<'a> {
     /// Adds rows of the whole table; of a capture, with what they are.
     pub fn take(&mut self, batch: &RecordBatch, rows: Option<&Rows>) -> Result<(), CaptureError> {
         let columns: Vec<ArrayRef> = self.columns.iter().map(|index| batch.column(*index).clone()).collect();
+        if rows.is_none() {
+            self.sample(batch)?;
+        }
         self.append(&columns, rows)
+    }
+
+    /// Keeps the first of these rows, in all columns.
+    pub fn sample(&mut self, batch: &RecordBatch) -> Result<(), CaptureError> {
+        if self.sample.is_empty() {
+            self.sample = batch.schema().fields().iter().map(|field| Sampled::of_field(field)).collect();
+        }
+        let told = self.only.as_ref().and_then(|(_, name)| batch.column_by_name(name)).cloned();
+        if self.only.is_some() && told.is_none() {
+            return Ok(());
+        }
+        let columns = self.wanted_rows(batch.columns().iter().cloned().chain(told).collect())?;
+        self.sample.iter_mut().zip(&columns).for_each(|(sampled, column)| sampled.take(column));
+        Ok(())
+    }
+
+    /// The rows that are wanted. The last column tells them.
+    fn wanted_rows(&self, columns: Vec<ArrayRef>) -> Result<Vec<ArrayRef>, CaptureError> {
+        let (Some((only, _)), Some(last)) = (&self.only, columns.last()) else { return Ok(columns) };
+        let wanted: BooleanArray = sample::cells(last).iter().map(|cell| Some(cell.is(&only.value))).collect();
+        let rows = |column: &ArrayRef| filter(column, &wanted);
+        columns.iter().map(rows).collect::<Result<_, _>>().map_err(|error| judged::failed(self.path, &error))
     }
 
     /// Adds a piece of the columns; of a capture, with its rows.
     pub fn append(&mut self, columns: &[ArrayRef], rows: Option<&Rows>) -> Result<(), CaptureError> {
+        let columns = &self.wanted_rows(columns.to_vec())?[..];
         let Some(first) = self.values.first() else { return Ok(()) };
         let (first, more) = (first.values.rows(), columns.first().map_or(0, |column| column.len() as u64));
         self.values[0].values.check_room(more).map_err(|why| CaptureError::no_room(self.path, why))?;
@@ -181,7 +216,10 @@ impl<'a> TableColumns<'a> {
 
     /// All rows were read.
     pub fn finish(self, warnings: impl IntoIterator<Item = CaptureWarning>) -> Result<Found> {
-        let Self { path, values, mut judges, time, capture, .. } = self;
+        let Self { path, values, mut judges, time, capture, only, sample, .. } = self;
+        if let (Some((only, _)), Some(0)) = (only, values.first().map(|column| column.values.rows())) {
+            return Err(only.without_rows(path));
+        }
         let clock = match (time, capture) {
             (Some((name, times)), _) => Clock::Column(name, times),
             (None, Some(capture)) => capture.clock(),
@@ -190,7 +228,8 @@ impl<'a> TableColumns<'a> {
         let believed: Vec<Believed> = judges.iter_mut().map(Judging::finish).collect();
         let columns =
             values.into_iter().map(|column| column.finish(path, &judges, &believed)).collect::<Result<_>>()?;
-        Ok(Found { columns, clock, warnings: warnings.into_iter().map(LogWarning::Capture).collect() })
+        let warnings = warnings.into_iter().map(LogWarning::Capture).collect();
+        Ok(Found { columns, clock, warnings, sample })
     }
 }
 
@@ -221,7 +260,7 @@ impl TableColumn {
             warnings = judges[readings.judge].found(path)?;
         }
         let Self { name, values, stated, is_beside, .. } = self;
-        Ok(FoundColumn { name, values, stated, warnings, is_beside })
+        Ok(FoundColumn { stated, warnings, is_beside, ..FoundColumn::new(name, values) })
     }
 }
 
@@ -259,19 +298,6 @@ fn push(values: &mut SeriesBuilder, integer: Option<i64>) {
         Some(integer) => values.push_integer(integer),
         None => values.push_missing(),
     }
-}
-
-/// The unit of a type that states one.
-fn unit_of(data_type: &DataType) -> Option<TimeUnit> {
-    let (DataType::Timestamp(unit, _) | DataType::Duration(unit)) = data_type else {
-        return None;
-    };
-    Some(match unit {
-        ArrowUnit::Second => TimeUnit::S,
-        ArrowUnit::Millisecond => TimeUnit::Ms,
-        ArrowUnit::Microsecond => TimeUnit::Us,
-        ArrowUnit::Nanosecond => TimeUnit::Ns,
-    })
 }
 
 fn append_times(times: &mut Times, column: &ArrayRef) -> Result<(), Wrong> {

@@ -33,6 +33,7 @@ pub fn options(text: &str) -> ColumnOptions {
             "--unit" => options.unit = Some(value.parse().unwrap()),
             "--scale" => options.scale = number(),
             "--force-unit" => options.force_unit = value == "true",
+            "--where" => options.only = Some(value.parse().unwrap()),
             "--topic" => options.topic = Some(value.to_owned()),
             "--max-bad" => options.max_bad = number(),
             "--decimal" => options.decimal = Some(if value == "comma" { Decimal::Comma } else { Decimal::Point }),

@@ -82,7 +82,12 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
         stated: stated(&chosen.topic, &field.name).or_else(|| temperature(&chosen.topic, &field.name)),
         ..FoundColumn::new(name, values)
     });
-    Ok(Found { columns: columns.collect(), clock: Clock::Column(name, times), warnings: LogWarning::torn(torn) })
+    Ok(Found {
+        columns: columns.collect(),
+        clock: Clock::Column(name, times),
+        warnings: LogWarning::torn(torn),
+        sample: Vec::new(),
+    })
 }
 
 /// The content of a field by PX4's definition.

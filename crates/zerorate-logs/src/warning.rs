@@ -35,6 +35,12 @@ pub enum LogWarning {
     LinesBroken(String),
     /// The samples of a column are not all measured, as the text says.
     Resampled { path: String, column: String, how: String },
+    /// Codes of a column, of so many bits, were written without their sign, and got it again.
+    CodesUnsigned { path: String, column: String, bits: i32 },
+    /// This line above the data states a scale that is not used.
+    ScaleUnused { path: String, line: String },
+    /// The rate that was given is not the rate of the stamps.
+    RateContradicts { path: String, given_hz: f64, stamps_hz: f64 },
     /// Samples of a column stand at a limit, as the text says.
     Clipped { path: String, column: String, how: String },
     /// The steps of a column are larger than its noise, as the text says.
@@ -97,6 +103,16 @@ rows!(match LogWarning {
     Self::LinesBroken(ref text) => Row { code: "lines-broken", text: format_args!("{text}") },
     Self::Resampled { ref path, ref column, ref how } =>
         Row { code: "resampled", text: format_args!("{path}, {column}: {how}") },
+    Self::CodesUnsigned { ref path, ref column, bits } => Row {
+        code: "codes-unsigned",
+        text: format_args!("{path}, {column}: codes of {bits} bits lack their sign, and are read with it"),
+    },
+    Self::ScaleUnused { ref path, ref line } =>
+        Row { code: "scale-unused", text: format_args!("{path}: `{line:.40}` is not used; give unit and scale") },
+    Self::RateContradicts { ref path, given_hz, stamps_hz } => Row {
+        code: "rate-contradicts",
+        text: format_args!("{path}: {given_hz:.6} Hz was given, and the stamps tell {stamps_hz:.6} Hz"),
+    },
     Self::Clipped { ref path, ref column, ref how } =>
         Row { code: "clipped", text: format_args!("{path}, {column}: {how}") },
     Self::CoarseCodes { ref path, ref column, ref how } =>
@@ -136,6 +152,39 @@ impl LogWarning {
     /// The warning about a file whose end is missing; empty where the end is there.
     pub(crate) fn torn(text: Option<String>) -> Vec<Self> {
         text.map(|text| CaptureWarning::Torn(text).into()).into_iter().collect()
+    }
+
+    /// Whether it is about the log as a whole, and not about one of its columns.
+    #[must_use]
+    pub fn is_of_log(&self) -> bool {
+        match self {
+            Self::Readings { .. }
+            | Self::OffCodes { .. }
+            | Self::Stopped { .. }
+            | Self::Hung { .. }
+            | Self::Resampled { .. }
+            | Self::Clipped { .. }
+            | Self::CodesUnsigned { .. }
+            | Self::CoarseCodes { .. }
+            | Self::UnitUnknown { .. } => false,
+            Self::Capture(_)
+            | Self::Miscounted { .. }
+            | Self::RowsIncomplete { .. }
+            | Self::TimesMended { .. }
+            | Self::TimesJitter { .. }
+            | Self::RateChanges { .. }
+            | Self::LinesSkipped { .. }
+            | Self::ScaleUnused { .. }
+            | Self::RateContradicts { .. }
+            | Self::LinesBroken(_)
+            | Self::Implausible { .. }
+            | Self::ColumnsLeftOut { .. }
+            | Self::NoNumbers { .. }
+            | Self::BlanksLeftOut { .. }
+            | Self::SeveralImus { .. }
+            | Self::Gaps { .. }
+            | Self::NotAlike(_) => true,
+        }
     }
 
     /// The warning as scripts read it: `code: text`.

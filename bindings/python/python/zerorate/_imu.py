@@ -145,6 +145,7 @@ def imu(
     steps: Literal["remove", "keep"] = "remove",
     max_freq_hz: float | None = None,
 ) -> Imu:
+    increments: bool | None = None,
     """Deviations and noise models of all axes of an IMU at rest, and the noise file for a filter.
 
     Gravity does no harm, because the mean does not matter. Other threads run meanwhile.
@@ -186,6 +187,9 @@ def imu(
     -------
     Imu
 
+    increments
+        Whether the columns hold the angle and the velocity of each sample in place of rates; unless given, names and
+        gravity that tell of it are an error.
     Raises
     ------
     ValueError
@@ -238,6 +242,7 @@ def imu(
         (of_kinds[1], accel_unit, _number(accel_scale)),
         _log.with_time(source, given),
     )
+        increments=increments,
     for text in said:
         python_warnings.warn(text, stacklevel=2)
     given_units = {"gyroscope": gyro_unit, "accelerometer": accel_unit}

@@ -78,6 +78,7 @@ class _Options(TypedDict):
     time_unit: str | None
     unit: str | None
     scale: float | None
+    increments: bool | None
     force_unit: bool
     decimal: str | None
     raw: str | None

@@ -1,7 +1,7 @@
 //! The axes of an IMU in a log.
 
 use super::{ImuWarning, Kind, plausible};
-use crate::{Column, ColumnOptions, LogError, LogWarning, Parts, Quantity, Setting, Unit, Wanted};
+use crate::{Column, ColumnOptions, LogError, LogWarning, Parts, Quantity, Setting, Unit, Wanted, increments};
 use std::path::Path;
 
 /// Facts about the axes that a log may not state itself.
@@ -83,8 +83,11 @@ impl Axes {
     ///
     /// # Errors
     /// No column is an axis, or the unit of an axis is not known.
-    pub fn of(path: &Path, columns: Vec<Column>, options: &ImuOptions) -> crate::Result<Self> {
-        let (mut axes, mut left_out, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
+    pub fn of(path: &Path, mut columns: Vec<Column>, options: &ImuOptions) -> crate::Result<Self> {
+        let (mut axes, mut left_out) = (Vec::new(), Vec::new());
+        // the first column carries what is of the log, and need not be an axis
+        let of_log = |column: &mut Column| column.warnings.extract_if(.., |warning| warning.is_of_log()).collect();
+        let mut warnings: Vec<LogWarning> = columns.iter_mut().flat_map::<Vec<_>, _>(of_log).collect();
         let said = options.kinds();
         for (index, column) in columns.into_iter().enumerate() {
             let is_meant = options.columns.is_some() || !Kind::is_beside(&column.name);
@@ -105,6 +108,7 @@ impl Axes {
         if is_open && topic.is_some() {
             warnings.extend(without_blanks(path, &mut axes));
         }
+        increments::ask(path, &axes.iter().map(|(_, column)| column).collect::<Vec<_>>(), &options.log)?;
         check_units(options, path, &axes)?;
         if is_open {
             let column = options.log.names.of(Setting::Column);
@@ -113,6 +117,12 @@ impl Axes {
         let give_unit = |(kind, column)| give_unit(options, kind, column, &mut warnings);
         let mut axes: Vec<Column> = axes.into_iter().map(give_unit).collect();
         axes.sort_by_key(|column| column.quantity != Some(Quantity::AngularRate));
+        if options.gyro.scale.or(options.accel.scale).is_some() {
+            warnings.retain(|warning| !matches!(warning, LogWarning::ScaleUnused { .. }));
+        }
+        if let (None, Some(seen)) = (options.log.increments, plausible::increments(&axes)) {
+            return Err(increments::question(path, &seen, &options.log));
+        }
         warnings.extend(plausible::doubts(path, &axes));
         if !left_out.is_empty() {
             let (path, names) = (path.display().to_string(), left_out.join(", "));
@@ -246,7 +256,8 @@ fn give_unit(options: &ImuOptions, kind: Kind, mut column: Column, warnings: &mu
     let &Said { unit, scale, .. } = options.said(kind);
     if unit.is_some() || scale.is_some() {
         column.warnings.retain(|warning| !matches!(warning, LogWarning::UnitUnknown { .. }));
-        column.scale = unit.map_or(1.0, Unit::in_results) * scale.unwrap_or(1.0);
+        let step = unit.map_or(1.0, Unit::in_results) * scale.unwrap_or(column.step);
+        column.scale = step * options.log.per_second(column.rate_hz);
     }
     // several axes say the same of their log
     for warning in column.warnings.drain(..) {

@@ -1,6 +1,6 @@
 //! The kind of an axis of an IMU, by the unit or the name of its column.
 
-use crate::{Column, Quantity};
+use crate::{Column, Quantity, increments};
 
 /// The kind of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,8 +60,11 @@ impl Kind {
             .any(|word| name.contains(word))
     }
 
-    /// `gyro_x`, `wx`, `omega.x`; `acc_x`, `ax`, `f_y`.
+    /// `gyro_x`, `wx`, `omega.x`; `acc_x`, `ax`, `f_y`; increments as `dtheta_x`.
     fn named(name: &str) -> Option<Self> {
+        if let Some(quantity) = increments::named(name) {
+            return Self::of(quantity);
+        }
         let name = name.to_lowercase();
         let holds = |words: &[&str]| words.iter().any(|word| name.contains(word));
         let short = |letters: &str| {

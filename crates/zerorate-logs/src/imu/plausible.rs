@@ -1,6 +1,6 @@
 //! Means that no sensor has at rest. They tell of a wrong unit, of a wrong scale, or of columns that are mixed.
 
-use crate::{Column, LogWarning, Quantity, Series};
+use crate::{Column, LogWarning, Quantity, Series, Unit};
 use std::path::Path;
 
 /// Gravity, m/s². It differs by 0.3 % over the Earth.
@@ -11,29 +11,71 @@ const WITHIN: f64 = 0.2;
 const SUBTRACTED_M_S2: f64 = 0.3;
 /// No gyroscope has such a bias, °/s: the data sheet of the MPU-6050 allows 20, and most allow less.
 const NO_BIAS_DPS: f64 = 50.0;
+/// Nobody logs in steps as coarse as these: whole °/s and, with some room, whole g in m/s².
+const WHOLE_DPS: f64 = 1.0;
+const WHOLE_M_S2: f64 = 9.0;
+
+/// The share by which increments may be off gravity.
+const WITHIN_OF_INCREMENTS: f64 = 0.05;
+
+/// The evidence that accelerometers hold velocities of a sample: these times the rate are gravity.
+pub(super) fn increments(axes: &[Column]) -> Option<String> {
+    let m_s = acceleration(axes)?;
+    let rate_hz = axes.first()?.rate_hz;
+    let is_off = (m_s / GRAVITY_M_S2 - 1.0).abs() > WITHIN;
+    let is_gravity = (m_s * rate_hz / GRAVITY_M_S2 - 1.0).abs() < WITHIN_OF_INCREMENTS;
+    let m_s2 = m_s * rate_hz;
+    (is_off && is_gravity).then(|| format!("{m_s:.4} m/s², times {rate_hz:.0} Hz, are gravity: {m_s2:.2} m/s²"))
+}
 
 /// The warnings about the axes of an IMU in the log at `path`.
 pub(super) fn doubts(path: &Path, axes: &[Column]) -> Vec<LogWarning> {
     let of = |quantity| axes.iter().filter(move |axis| axis.quantity == Some(quantity));
     let warning = |what| LogWarning::Implausible { path: path.display().to_string(), what };
-    let turns = of(Quantity::AngularRate).filter_map(|axis| {
-        let mean_dps = mean(axis).filter(|mean_dps| mean_dps.abs() > NO_BIAS_DPS)?;
+    let turn = |axis: &Column, has_sign| {
+        let mean_dps = mean(axis, has_sign).filter(|mean_dps| mean_dps.abs() > NO_BIAS_DPS)?;
         Some(format!("{} is {mean_dps:.0} °/s in the mean", axis.name))
-    });
-    let accelerations: Vec<f64> = of(Quantity::Acceleration).filter_map(mean).collect();
-    let fall = match accelerations[..] {
-        [x, y, z] => {
-            let m_s2 = (x * x + y * y + z * z).sqrt();
-            let is_off = m_s2 > SUBTRACTED_M_S2 && (m_s2 / GRAVITY_M_S2 - 1.0).abs() > WITHIN;
-            is_off.then(|| format!("gravity is {m_s2:.3} m/s²"))
-        }
-        _ => None,
     };
-    turns.take(1).chain(fall).map(warning).collect()
+    let has_sign = of(Quantity::AngularRate).any(has_sign);
+    let turns = of(Quantity::AngularRate).filter_map(|axis| turn(axis, has_sign));
+    let fall = acceleration(axes).and_then(|m_s2| {
+        let is_off = m_s2 > SUBTRACTED_M_S2 && (m_s2 / GRAVITY_M_S2 - 1.0).abs() > WITHIN;
+        is_off.then(|| format!("gravity is {m_s2:.3} m/s²"))
+    });
+    let whole = |axis: &Column| {
+        let unit = axis.quantity.map_or("", Quantity::unit);
+        format!("{} has steps of {:.3} {unit}, as codes without their scale have", axis.name, axis.scale)
+    };
+    let whole = axes.iter().find(|axis| is_whole(axis)).map(whole);
+    turns.take(1).chain(fall).chain(whole).map(warning).collect()
+}
+
+/// The mean of three accelerometers, m/s²: gravity.
+fn acceleration(axes: &[Column]) -> Option<f64> {
+    let of_kind: Vec<&Column> = axes.iter().filter(|axis| axis.quantity == Some(Quantity::Acceleration)).collect();
+    let has_sign = of_kind.iter().any(|axis| has_sign(axis));
+    let means: Vec<f64> = of_kind.iter().filter_map(|axis| mean(axis, has_sign)).collect();
+    let [x, y, z] = means[..] else { return None };
+    Some((x * x + y * y + z * z).sqrt())
 }
 
 /// The mean in °/s or m/s²; none where codes may have their zero in the middle of the scale.
-fn mean(axis: &Column) -> Option<f64> {
-    let Series::Numbers(_) = &axis.series else { return None };
-    Some(axis.scale * axis.facts().mean()).filter(|mean| mean.is_finite())
+fn mean(axis: &Column, has_sign: bool) -> Option<f64> {
+    let is_plain = Unit::ALL.into_iter().any(|unit| unit.in_results() == axis.scale);
+    let is_known = matches!(axis.series, Series::Numbers(_)) || has_sign || is_plain;
+    Some(axis.scale * axis.facts().mean()).filter(|mean| is_known && mean.is_finite())
+}
+
+/// Whether codes have their zero at zero: some are below.
+fn has_sign(axis: &Column) -> bool {
+    matches!(&axis.series, Series::Codes(codes) if codes.iter().any(|code| *code < 0))
+}
+
+/// Whether all samples are whole numbers of a step that no sensor has: codes whose scale nobody gave.
+fn is_whole(axis: &Column) -> bool {
+    let step = match axis.quantity {
+        Some(Quantity::AngularRate) => WHOLE_DPS,
+        _ => WHOLE_M_S2,
+    };
+    matches!(axis.series, Series::Codes(_)) && axis.scale >= step && !axis.is_blank()
 }

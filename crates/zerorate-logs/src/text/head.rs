@@ -2,6 +2,7 @@
 
 use super::super::number::{Number, Numerals};
 use super::super::{ColumnOptions, Decimal, LogError, Result, Setting};
+use super::scales::Scales;
 use super::sentence;
 use std::path::Path;
 use zerorate_record::delimited::Delimiter;
@@ -38,6 +39,8 @@ pub struct Head {
     cuts_numbers: bool,
     /// The first cell of a row is an index, which has no name.
     pub index: bool,
+    /// The scales in the lines above the data.
+    pub scales: Scales,
     /// Questions that only the whole text can answer.
     pub open: Open,
 }
@@ -102,19 +105,28 @@ impl Head {
             decimal: rows.decimal,
             cuts_numbers: rows.cuts_numbers,
             index: false,
+            scales: Scales::default(),
             open: Open::Nothing,
         };
         let used = head.name(path, above, &comments)?;
         if used == 0 && rows.all_are_cut {
             return Err(CaptureError::damaged(path, format!("line {start}"), CLASH).into());
         }
-        let skipped = &above[..above.len() - used];
-        head.skipped = skipped.first().map(|(_, line)| (skipped.len(), shortened(line)));
+        head.skip(&above[..above.len() - used], &comments);
         let undecided = args.decimal.is_none() && shape == Shape { delimiter: Delimiter::Comma, width: 2 };
         if used == 0 && undecided && rows.all_integers {
             head.open = Open::TwoOrDecimals;
         }
         Ok(head)
+    }
+
+    /// Takes the scales out of the lines above the data that are not a header.
+    fn skip(&mut self, skipped: &[Numbered<'_>], comments: &[&str]) {
+        let lines = skipped.iter().map(|(_, line)| *line).chain(comments.iter().copied());
+        self.scales = Scales::of(lines, &self.names);
+        if !self.scales.are_of_gyroflow() {
+            self.skipped = skipped.first().map(|(_, line)| (skipped.len(), shortened(line)));
+        }
     }
 
     /// A header and nothing else is a log that was just begun.
@@ -137,6 +149,7 @@ impl Head {
                 decimal,
                 cuts_numbers,
                 index,
+                scales: Scales::default(),
                 open,
             });
         }

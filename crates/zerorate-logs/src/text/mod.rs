@@ -3,6 +3,7 @@
 mod blocks;
 mod head;
 mod rows;
+mod scales;
 mod sentence;
 mod survey;
 #[cfg(test)]
@@ -11,13 +12,15 @@ mod tests;
 use super::choice::{Choice, Columns};
 use super::clock::Times;
 use super::number::Numerals;
+use super::sample::Sampled;
 use super::series::SeriesBuilder;
-use super::{Clock, ColumnQuery, Found, FoundColumn, LogError, Result, Setting, Wanted};
+use super::{Clock, ColumnOptions, ColumnQuery, Found, FoundColumn, LogError, Result, Setting, Wanted};
 use crate::warning::LogWarning;
 use blocks::{Block, Blocks};
 use head::{Head, Open};
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelIterator};
 use rows::{Broken, Cut, Piece, Time, at_line};
+use std::borrow::Cow;
 use std::io::Seek;
 use std::path::Path;
 use zerorate_record::limits::Room;
@@ -33,9 +36,11 @@ pub fn read(path: &Path, mut input: Input, room: Room, asked: &ColumnQuery<'_>) 
     input.rewind().map_err(failed)?;
     let names = head.names.iter().map(String::as_str).collect();
     let columns = Columns { path, numeric: head.numeric.clone(), names, settings: asked.args.names };
-    let Choice { values, time } = columns.choose(asked.wanted, asked.args, &[])?;
+    let Choice { values, time, only } = columns.choose(asked.wanted, &timed(asked.args, &head), &[])?;
     let left_out = columns.left_out(asked.wanted, time);
-    let cut = rows::cut(path, &head, &values, time);
+    let mut cut = rows::cut(path, &head, &values, time);
+    let shift = usize::from(head.index);
+    cut.only = asked.args.only.as_ref().zip(only).map(|(only, at)| (at + shift, only.value.clone()));
     let mut reading = TextColumns::new(&cut, room, &head);
     let mut blocks = Blocks::new(path, input).with_stamps(head.stamps);
     let at_once = AT_ONCE * rayon::current_num_threads();
@@ -87,6 +92,14 @@ fn head(path: &Path, input: &mut Input, asked: &ColumnQuery<'_>) -> Result<Head>
     Ok(head)
 }
 
+/// The options, with the time column that the lines above the data tell.
+fn timed<'a>(args: &'a ColumnOptions, head: &Head) -> Cow<'a, ColumnOptions> {
+    match args.rate.is_none() && args.time_column.is_none() && head.scales.have_time() {
+        true => Cow::Owned(ColumnOptions { time_column: Some(scales::TIME.to_owned()), ..args.clone() }),
+        false => Cow::Borrowed(args),
+    }
+}
+
 /// Columns of a text being read.
 struct TextColumns<'a> {
     cut: &'a Cut<'a>,
@@ -96,6 +109,7 @@ struct TextColumns<'a> {
     lines: u64,
     broken: Broken,
     torn: Option<String>,
+    sample: Vec<Sampled>,
 }
 
 impl<'a> TextColumns<'a> {
@@ -109,6 +123,7 @@ impl<'a> TextColumns<'a> {
             lines: 0,
             broken: Broken::default(),
             torn: None,
+            sample: Vec::new(),
         }
     }
 
@@ -130,6 +145,9 @@ impl<'a> TextColumns<'a> {
         let Piece { times, lines, rows, bad, first_bad, fatal, cut, numerals, .. } = piece;
         if let Some((line, what)) = fatal {
             return Err(at_line(path, self.lines + line, what));
+        }
+        if self.sample.is_empty() {
+            self.sample.clone_from(&piece.sample);
         }
         self.broken.rows += rows;
         self.broken.bad += bad;
@@ -162,8 +180,11 @@ impl<'a> TextColumns<'a> {
 
     fn finish(self, head: Head, asked: &ColumnQuery<'_>) -> Result<Found> {
         let rows = self.rows();
-        let Self { cut, columns, times, numerals, broken, torn, .. } = self;
+        let Self { cut, columns, times, numerals, broken, torn, sample, .. } = self;
         let (path, names) = (cut.path, asked.args.names);
+        if let (0, Some(only)) = (rows, &asked.args.only) {
+            return Err(only.without_rows(path));
+        }
         if rows == 0 && broken.bad == 0 {
             return Err(CaptureError::not_a_log(path, "it has a header and no rows; was anything recorded?").into());
         }
@@ -177,11 +198,24 @@ impl<'a> TextColumns<'a> {
         });
         let broken = broken.judge(path, asked.args.max_bad, names.of(Setting::MaxBad))?;
         let broken = broken.map(LogWarning::LinesBroken);
-        let warnings = skipped.into_iter().chain(broken).chain(LogWarning::torn(torn)).collect();
+        let unused = head.scales.unused.clone().filter(|_| asked.args.scale.is_none());
+        let unused = unused.map(|line| LogWarning::ScaleUnused { path: path.display().to_string(), line });
+        let warnings = skipped.into_iter().chain(unused).chain(broken).chain(LogWarning::torn(torn)).collect();
         let time = cut.time.map(|time| cut.names[time].clone());
-        let clock = time.zip(times).map_or(Clock::Silent, |(name, times)| Clock::Column(name, times));
-        let columns = cut.names.iter().zip(columns).map(|(name, values)| FoundColumn::new(name.clone(), values));
-        Ok(Found { columns: columns.collect(), clock, warnings })
+        let clock = time.zip(times).map_or(Clock::Silent, |(name, mut times)| {
+            if asked.args.time_unit.is_none() {
+                head.scales.give_unit(&name, &mut times);
+            }
+            Clock::Column(name, times)
+        });
+        let columns = cut.names.iter().zip(columns).map(|(name, values)| {
+            let column = FoundColumn::new(name.clone(), values);
+            match head.scales.of_column(name) {
+                Some((unit, step)) => column.in_steps(unit, step),
+                None => column,
+            }
+        });
+        Ok(Found { columns: columns.collect(), clock, warnings, sample })
     }
 }
 

@@ -5,6 +5,7 @@ use super::super::{MAX_BAD, wrong};
 use super::blocks::Block;
 use super::head::{Head, is_comment};
 use super::sentence;
+use crate::sample::{Cell, ROWS, Sampled};
 use memchr::{memchr, memchr_iter};
 use std::borrow::Cow;
 use std::mem::take;
@@ -30,6 +31,12 @@ pub struct Cut<'a> {
     pub head: u64,
     /// The sentence that is read, as in [`Head`].
     pub sentence: Option<String>,
+    /// Cells in front of the first column.
+    shift: usize,
+    /// The names of all columns.
+    all: Vec<String>,
+    /// The place of a cell, and the value of it in the rows that are read; none: all rows.
+    pub only: Option<(usize, String)>,
 }
 
 /// The content of a block of lines.
@@ -52,6 +59,8 @@ pub struct Piece {
     pub cut: Option<Wrong>,
     /// Evidence of the decimal mark.
     pub numerals: Numerals,
+    /// The first rows in all columns, if it is the first piece.
+    pub sample: Vec<Sampled>,
 }
 
 /// A line, and what is wrong in it.
@@ -81,6 +90,7 @@ impl Piece {
             fatal: None,
             cut: None,
             numerals: Numerals::new(None),
+            sample: Vec::new(),
         }
     }
 
@@ -101,6 +111,9 @@ impl Cut<'_> {
     pub fn read(&self, block: &Block, is_first: bool, piece: &mut Piece) {
         let text = block.text();
         let has_quotes = memchr(b'"', text.as_bytes()).is_some();
+        if is_first {
+            piece.sample = self.all.iter().map(|name| Sampled::new(name)).collect();
+        }
         let mut reading = Reading {
             cut: self,
             plain: self.delimiter.byte().filter(|_| !has_quotes),
@@ -136,6 +149,9 @@ impl<'t> Reading<'_, 't> {
         if is_head || line.is_empty() || is_comment(line) || sentence::is_other(line, self.cut.sentence.as_deref()) {
             return;
         }
+        if self.is_left_out(line) {
+            return;
+        }
         self.piece.rows += 1;
         let number = self.piece.lines;
         let wrong = match sentence::checked(line).and_then(|line| self.row(line, number)) {
@@ -152,6 +168,7 @@ impl<'t> Reading<'_, 't> {
         if self.cut.time.is_none() {
             // a line that is lost is a sample that is lost
             self.piece.columns.iter_mut().for_each(|(column, _)| column.push(f64::NAN));
+            self.sample("");
         }
     }
 
@@ -194,7 +211,34 @@ impl<'t> Reading<'_, 't> {
             }
         }
         self.piece.times.extend(time);
+        self.sample(line);
         Ok(())
+    }
+
+    /// Whether the line is a row that is not wanted.
+    fn is_left_out(&self, line: &str) -> bool {
+        let Some((place, value)) = &self.cut.only else { return false };
+        self.cut.delimiter.cells(line).nth(*place).is_some_and(|cell| !self.cell(cell).is(value))
+    }
+
+    fn cell(&self, cell: &str) -> Cell {
+        match Numerals::new(self.piece.numerals.decimal()).read(cell, 0) {
+            Ok(Number::Integer(integer)) => Cell::Number(integer as f64),
+            Ok(Number::Decimal(number)) => Cell::number(number),
+            Ok(Number::Missing) => Cell::Missing,
+            Err(_) => Cell::Word(cell.to_owned()),
+        }
+    }
+
+    /// Keeps all cells of one of the first rows.
+    fn sample(&mut self, line: &str) {
+        if self.piece.sample.first().is_none_or(|column| column.cells.len() >= ROWS) {
+            return;
+        }
+        let cells = self.cut.delimiter.cells(line).skip(self.cut.shift);
+        let cells: Vec<Cell> = cells.take(self.piece.sample.len()).map(|cell| self.cell(cell)).collect();
+        let cells = cells.into_iter().chain(std::iter::repeat(Cell::Missing));
+        self.piece.sample.iter_mut().zip(cells).for_each(|(column, cell)| column.cells.push(cell));
     }
 
     /// Finds the cells that are wanted; gives how many there are.
@@ -339,5 +383,8 @@ pub fn cut<'a>(path: &'a Path, head: &Head, chosen: &[usize], time: Option<usize
         names: chosen.iter().chain(&time).map(|index| head.names[*index].clone()).collect(),
         head: head.lines,
         sentence: head.sentence.clone(),
+        shift,
+        all: head.names.clone(),
+        only: None,
     }
 }

@@ -25,6 +25,9 @@ fn label(setting: Setting) -> &'static str {
     let field = FIELDS.iter().find(|(of, ..)| *of == setting);
     match setting {
         Setting::ForceUnit => "rename the column",
+        Setting::Where => "only rows with",
+        Setting::Increments => "rates in place of increments",
+        Setting::NoIncrements => "rename the columns",
         _ => field.map_or_else(|| setting.name(), |(_, label, _)| label),
     }
 }

@@ -13,12 +13,15 @@ use crate::exit::Refused;
 use crate::output::{Outputs, Staged, print_json, print_lines, say, warn};
 use anyhow::Result;
 use clap::Args;
+use clap::builder::BoolishValueParser;
 use datasheet::Comparison;
 use std::path::PathBuf;
 use zerorate_allan::{DataSheet, FitOptions};
 use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
 use zerorate_logs::imu::{Choice, Combine, Format, ImuOptions, ImuWarning, Rule, Said};
-use zerorate_logs::{AnalysisOptions, ColumnOptions, Decimal, LogWarning, Names, Record, Setting, TimeUnit, Unit};
+use zerorate_logs::{
+    AnalysisOptions, ColumnOptions, Decimal, LogWarning, Names, Only, Record, Setting, TimeUnit, Unit,
+};
 use zerorate_view::report::Fact;
 
 /// Turn the log of an IMU at rest into the noise file of a filter, such as imu.yaml
@@ -68,6 +71,11 @@ pub struct ImuArgs {
     #[arg(long, value_name = "TOPIC")]
     topic: Option<String>,
 
+    /// Read only the rows in which a column has this value, as in SensorId=1: for a table or text with the rows of
+    /// several sensors.
+    #[arg(long = "where", value_name = "COLUMN=VALUE")]
+    only: Option<Only>,
+
     /// The columns, by name or by number from 0, as in gx,gy,gz,ax,ay,az [default: all axes].
     #[arg(long, value_name = "LIST")]
     column: Option<String>,
@@ -91,6 +99,12 @@ pub struct ImuArgs {
     /// The unit of the time column [default: as its name or type states].
     #[arg(long, value_enum, requires = "time_column")]
     time_unit: Option<TimeUnit>,
+
+    /// The columns hold the angle or the velocity of each sample (delta angle, delta velocity) in place of the rate;
+    /// give the unit rad/s for rad, and m/s² for m/s. `--increments=no` says that they hold rates.
+    #[arg(long, value_name = "YES|NO", num_args = 0..=1, require_equals = true, default_missing_value = "yes",
+        value_parser = BoolishValueParser::new())]
+    increments: Option<bool>,
 
     /// The decimal mark of a text file [default: a point, or a comma where it cannot be anything else].
     #[arg(long, value_enum, value_name = "MARK")]
@@ -150,11 +164,13 @@ impl ImuArgs {
     fn options(&self) -> ImuNoiseOptions {
         let log = ColumnOptions {
             topic: self.topic.clone(),
+            only: self.only.clone(),
             rate: self.rate,
             time_column: self.time_column.clone(),
             time_unit: self.time_unit,
             decimal: self.decimal,
             max_bad: self.max_bad,
+            increments: self.increments,
             force_unit: self.force_unit,
             names: Names(option),
             ..ColumnOptions::default()
@@ -225,7 +241,8 @@ pub fn run(args: &ImuArgs) -> Result<()> {
 const LINES: usize = 8;
 
 /// Codes of warnings about the samples themselves, which may explain all others.
-const DOUBTS: [&str; 4] = ["implausible", "clipped", "resampled", "frozen"];
+const DOUBTS: [&str; 7] =
+    ["implausible", "rate-contradicts", "scale-unused", "codes-unsigned", "clipped", "resampled", "frozen"];
 
 /// The first of these lines, with one that names the codes of the rest.
 fn at_most(lines: usize, warnings: &[String]) -> Vec<String> {

@@ -1,0 +1,40 @@
+//! A rate that the user gave, compared with the stamps of the log.
+
+use crate::sample::Sampled;
+use crate::{LogWarning, Names};
+use std::path::Path;
+
+/// A relative difference between a rate that was given and the rate of the stamps that is said: a clock and a sensor
+/// differ by less.
+const RATE_OFF: f64 = 0.02;
+
+/// The same where rows share stamps, which tell the rate less well.
+const COARSE_RATE_OFF: f64 = 0.1;
+
+/// Steps of a coarse clock that tell its rate.
+const FEWEST_STEPS: usize = 20;
+
+/// The warning about a rate that the stamps contradict, which tell another as well as this.
+pub fn doubt(path: &Path, given_hz: f64, (stamps_hz, within): (f64, f64)) -> Option<LogWarning> {
+    let path = path.display().to_string();
+    let differs = (given_hz / stamps_hz - 1.0).abs() > within;
+    differs.then_some(LogWarning::RateContradicts { path, given_hz, stamps_hz })
+}
+
+/// The rate of the stamps, Hz, and how far off it may be: that of all, if they were read, or else that of the first
+/// rows, in the only column whose type or name states a unit of time.
+pub fn of_stamps(all_hz: Option<f64>, sample: &[Sampled]) -> Option<(f64, f64)> {
+    if let Some(rate_hz) = all_hz {
+        return Some((rate_hz, RATE_OFF));
+    }
+    let mut stating = sample.iter().filter_map(|column| Some((column, column.stated_time()?)));
+    let (column, unit) = stating.next().filter(|_| stating.next().is_none())?;
+    let times = column.times()?;
+    let rows = times.since_first();
+    if rows.is_sorted_by(|one, next| one < next) {
+        return times.beat(unit, Names::default()).ok().map(|beat| (beat.rate_hz, RATE_OFF));
+    }
+    let steps = rows.windows(2).filter(|pair| pair[0] < pair[1]).count();
+    let rate_hz = (rows.len() - 1) as f64 * unit.per_s() / rows.last()?;
+    (rows.is_sorted() && steps > FEWEST_STEPS).then_some((rate_hz, COARSE_RATE_OFF))
+}

@@ -1,0 +1,232 @@
+//! Rows of several sensors in one table, as the rows of one: a column tells them apart, by number or by name.
+//!
+//! Columns of flags, counters and coarse readings also hold few values. So two things are asked of a column. Without
+//! the rows of the others, the rows of each value come in even steps: a flag is set within the rows of one sensor, and
+//! leaves holes in them. And there is evidence beside that: words, a name such as `SensorId`, times that overlap, or
+//! axes of which level or noise differ from value to value.
+
+use crate::clock::{Times, median};
+use crate::sample::{Cell, Sampled};
+use crate::{Clock, Found, LogError, Names, Result, Setting};
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// Values of a column that tells sensors apart, at most.
+const MOST: usize = 16;
+
+/// Rows of a value that count, as a number and as a share of all.
+const FEWEST: usize = 8;
+const SHARE: f64 = 0.02;
+
+/// Share of the rows that may have other values.
+const OTHERS: f64 = 0.05;
+
+/// Steps of a value that are not even, for each time that its rows are interrupted. A flag has one for each.
+const UNEVEN: f64 = 0.25;
+
+/// Share of the rows that are before the row above from which the times of several sensors overlap.
+const OVERLAP: f64 = 0.05;
+
+/// Rows of a value from which their level and their noise are compared.
+const COMPARED: usize = 50;
+
+/// Levels of two sensors differ by more than this, in standard deviations of a sample.
+const LEVELS: f64 = 0.5;
+
+/// The noise of two sensors differs by more than this factor.
+const NOISES: f64 = 1.4;
+
+/// The same differences, in standard deviations of what chance makes of so many samples.
+const SURE: f64 = 6.0;
+
+/// Standard deviations of a median, and relative ones of [`PER_MEDIAN`] times the median of what samples are off it,
+/// of one normal sample. Both fall as the root of the number of samples.
+const OF_MEDIAN: f64 = 1.253;
+const OF_NOISE: f64 = 1.167;
+
+/// A standard deviation of white noise in medians of what samples are off their median.
+const PER_MEDIAN: f64 = 1.4826;
+
+/// Words in the names of columns that tell sensors apart.
+const IDS: [&str; 31] = [
+    "id", "sensor", "device", "dev", "instance", "inst", "imu", "unit", "node", "source", "src", "channel", "chan",
+    "name", "addr", "address", "serial", "sn", "mac", "topic", "tag", "type", "kind", "label", "module", "board",
+    "chip", "port", "probe", "slot", "i",
+];
+
+/// Words in the names of columns that do not.
+const NO_IDS: [&str; 18] = [
+    "seq",
+    "sequence",
+    "packet",
+    "sample",
+    "count",
+    "counter",
+    "cnt",
+    "fifo",
+    "tick",
+    "toggle",
+    "parity",
+    "flag",
+    "flags",
+    "status",
+    "state",
+    "mode",
+    "temp",
+    "temperature",
+];
+
+/// Refuses rows of several sensors as the rows of one.
+///
+/// # Errors
+/// The column that tells the sensors apart, and how many rows share a stamp.
+pub fn check(found: &Found, path: &Path, names: Names) -> Result<()> {
+    let sample = Sampled::of(&found.sample, &found.columns);
+    let stated = sample.iter().find(|column| column.stated_time().is_some()).and_then(Sampled::times);
+    let times = if let Clock::Column(_, times) = &found.clock { Some(times) } else { stated.as_ref() };
+    let read = found.columns.iter().map(|column| &*column.name).collect();
+    let Some(mixed) = find(&sample, &read, times.map(Times::since_first)) else { return Ok(()) };
+    let Mixed { column, values } = mixed;
+    let same = times.map(|times| {
+        let rows = times.since_first();
+        let same = rows.windows(2).filter(|pair| pair[0] == pair[1]).count();
+        format!(", and {same} of {} rows repeat the stamp of the row before", rows.len())
+    });
+    let (first, option) = (&values[0], names.of(Setting::Where));
+    Err(LogError::Ask(format!(
+        "{}: column `{column}` is {} in turn{}: rows of {} sensors, which are not one record; give {option} \
+         {column}={first} to read one",
+        path.display(),
+        values.join(", "),
+        same.unwrap_or_default(),
+        values.len()
+    )))
+}
+
+/// A column that tells the sensors of a table apart.
+struct Mixed {
+    column: String,
+    /// In the order of the file.
+    values: Vec<String>,
+}
+
+/// The column that tells sensors apart in the first rows of a table, of which these `columns` are read. `times` are
+/// those of the rows, where they are known.
+fn find(sample: &[Sampled], columns: &BTreeSet<&str>, times: Option<&[f64]>) -> Option<Mixed> {
+    let rows = sample.iter().map(|column| column.cells.len()).min()?;
+    let numbers: Vec<f64> = (0..rows).map(|row| row as f64).collect();
+    let times = times.filter(|times| times.len() >= rows).map_or(&numbers[..], |times| &times[..rows]);
+    let overlap = times.windows(2).filter(|pair| pair[1] < pair[0]).count() as f64 > OVERLAP * rows as f64;
+    let labels: Vec<Option<Labels<'_>>> = sample.iter().map(|column| Labels::of(&column.cells[..rows])).collect();
+    let is_read = |at: &usize| labels[*at].is_none() && columns.contains(sample[*at].name.as_str());
+    let readings: Vec<&[Cell]> = (0..sample.len()).filter(is_read).map(|at| &sample[at].cells[..rows]).collect();
+    let tells = |name: &str, labels: &Labels<'_>| {
+        let words = words(name);
+        let is_known = |known: &[&str]| words.iter().any(|word| known.contains(&word.as_str()));
+        let is_said = || labels.are_words() || is_known(&IDS) || readings.iter().any(|cells| labels.differ(cells));
+        let is_even = || labels.are_even(times) || labels.are_even(&numbers);
+        (overlap || !is_known(&NO_IDS) && is_said()) && is_even()
+    };
+    let mut found = sample.iter().zip(&labels).filter_map(|(column, labels)| Some((column, labels.as_ref()?)));
+    let (column, labels) = found.find(|(column, labels)| tells(&column.name, labels))?;
+    Some(Mixed { column: column.name.clone(), values: labels.values.iter().map(|cell| worded(cell)).collect() })
+}
+
+/// A value in words.
+fn worded(cell: &Cell) -> String {
+    match cell {
+        Cell::Number(number) => number.to_string(),
+        Cell::Word(word) => word.clone(),
+        Cell::Missing => String::new(),
+    }
+}
+
+/// The words of a name, in small letters: `sensor` and `id` of `SensorId` or `sensor_id`.
+fn words(name: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut was_small = false;
+    for letter in name.chars() {
+        if !letter.is_alphabetic() || letter.is_uppercase() && was_small {
+            words.push(String::new());
+        }
+        if let Some(word) = words.last_mut().filter(|_| letter.is_alphabetic()) {
+            word.extend(letter.to_lowercase());
+        }
+        was_small = letter.is_lowercase();
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+/// A column of few values.
+struct Labels<'a> {
+    /// Those that count, in the order of the file.
+    values: Vec<&'a Cell>,
+    /// The value of each row, by its number; none: one that does not count.
+    rows: Vec<Option<usize>>,
+}
+
+impl<'a> Labels<'a> {
+    /// None where the column has too many values, or only one.
+    fn of(cells: &'a [Cell]) -> Option<Self> {
+        let (mut all, mut rows): (Vec<(&Cell, usize)>, Vec<usize>) = (Vec::new(), Vec::new());
+        for cell in cells {
+            if cell.as_number().is_some_and(|number| number.fract() != 0.0) {
+                return None;
+            }
+            let at = all.iter().position(|(value, _)| *value == cell).unwrap_or(all.len());
+            match all.get_mut(at) {
+                Some((_, count)) => *count += 1,
+                None if at == MOST => return None,
+                None => all.push((cell, 1)),
+            }
+            rows.push(at);
+        }
+        let least = FEWEST.max((SHARE * cells.len() as f64) as usize);
+        let counts = |(value, count): &(&Cell, usize)| **value != Cell::Missing && *count >= least;
+        let values: Vec<&Cell> = all.iter().filter(|one| counts(one)).map(|(value, _)| *value).collect();
+        let places: Vec<Option<usize>> =
+            all.iter().map(|(value, _)| values.iter().position(|one| one == value)).collect();
+        let rows: Vec<Option<usize>> = rows.into_iter().map(|at| places[at]).collect();
+        let others = rows.iter().filter(|row| row.is_none()).count();
+        (values.len() > 1 && others as f64 <= OTHERS * cells.len() as f64).then_some(Self { values, rows })
+    }
+
+    fn are_words(&self) -> bool {
+        self.values.iter().any(|value| matches!(value, Cell::Word(_)))
+    }
+
+    /// Whether the rows of each value come in even steps of these times.
+    fn are_even(&self, times: &[f64]) -> bool {
+        (0..self.values.len()).all(|value| {
+            let at: Vec<usize> = (0..times.len()).filter(|row| self.rows[*row] == Some(value)).collect();
+            let interrupted = at.windows(2).filter(|pair| pair[1] > pair[0] + 1).count();
+            let steps: Vec<f64> = at.windows(2).map(|pair| times[pair[1]] - times[pair[0]]).collect();
+            let usual = median(&mut steps.clone());
+            let is_even = |step: &&f64| (0.5 * usual < **step) && (**step < 1.5 * usual);
+            let uneven = steps.iter().filter(|step| !is_even(step)).count();
+            usual > 0.0 && interrupted > 0 && uneven as f64 <= UNEVEN * interrupted as f64
+        })
+    }
+
+    /// Whether the level or the noise of these readings differs from value to value.
+    fn differ(&self, cells: &[Cell]) -> bool {
+        let of_value = |value: usize| {
+            let rows = cells.iter().zip(&self.rows).filter(|(_, row)| **row == Some(value));
+            let mut numbers: Vec<f64> = rows.filter_map(|(cell, _)| cell.as_number()).collect();
+            let level = median(&mut numbers);
+            let mut off: Vec<f64> = numbers.iter().map(|number| (number - level).abs()).collect();
+            let noise = PER_MEDIAN * median(&mut off);
+            let count = numbers.len() as f64;
+            (numbers.len() >= COMPARED && noise > 0.0).then_some((level, noise, count))
+        };
+        let all: Vec<(f64, f64, f64)> = (0..self.values.len()).filter_map(of_value).collect();
+        let differ = |one: &(f64, f64, f64), other: &(f64, f64, f64)| {
+            let chance = SURE * (1.0 / one.2 + 1.0 / other.2).sqrt();
+            let levels = (one.0 - other.0).abs() / one.1.max(other.1);
+            let noises = (one.1 / other.1).ln();
+            levels > LEVELS.max(OF_MEDIAN * chance) || noises > NOISES.ln().max(OF_NOISE * chance)
+        };
+        all.iter().any(|one| all.iter().any(|other| differ(one, other)))
+    }
+}

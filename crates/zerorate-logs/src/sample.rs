@@ -1,0 +1,138 @@
+//! The first rows of a table with all their columns: what columns that nobody asked for tell of the rows.
+
+use crate::FoundColumn;
+use crate::clock::Times;
+use arrow_array::cast::AsArray;
+use arrow_array::types::Int64Type;
+use arrow_array::{Array, ArrayRef};
+use arrow_schema::{DataType, Field, TimeUnit as ArrowUnit};
+use std::borrow::Cow;
+use zerorate_record::cells::{floats, integers};
+use zerorate_record::{TimeUnit, Unit};
+
+/// Rows that are kept at most.
+pub const ROWS: usize = 2048;
+
+/// A cell of the first rows.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    /// A number that is finite.
+    Number(f64),
+    /// Anything else.
+    Word(String),
+    /// Nothing.
+    Missing,
+}
+
+/// A column of the first rows.
+#[derive(Clone, Debug)]
+pub struct Sampled {
+    /// Its name, or its number.
+    pub name: String,
+    /// Its cells.
+    pub cells: Vec<Cell>,
+    /// The unit of time that its type states.
+    pub time_unit: Option<TimeUnit>,
+}
+
+impl Cell {
+    /// A number, or nothing where it is not finite.
+    pub fn number(number: f64) -> Self {
+        if number.is_finite() { Self::Number(number) } else { Self::Missing }
+    }
+
+    /// The number.
+    pub fn as_number(&self) -> Option<f64> {
+        if let Self::Number(number) = self { Some(*number) } else { None }
+    }
+
+    /// Whether it has the value that a user wrote: the same word, or the same number.
+    pub fn is(&self, value: &str) -> bool {
+        match self {
+            Self::Number(number) => value.parse() == Ok(*number),
+            Self::Word(word) => word == value,
+            Self::Missing => value.is_empty(),
+        }
+    }
+}
+
+impl Sampled {
+    /// A column without a row.
+    pub fn new(name: &str) -> Self {
+        Self { name: name.to_owned(), cells: Vec::new(), time_unit: None }
+    }
+
+    /// A column of a table without a row.
+    pub fn of_field(field: &Field) -> Self {
+        Self { time_unit: time_unit(field.data_type()), ..Self::new(field.name()) }
+    }
+
+    /// The first of these times, since the first of all.
+    pub fn of_times(name: &str, times: &Times) -> Self {
+        let cells = times.since_first().iter().take(ROWS).map(|time| Cell::number(*time)).collect();
+        Self { cells, time_unit: times.unit, ..Self::new(name) }
+    }
+
+    /// The first rows of a log, if its reader saw all its columns, or else those of the columns that were read.
+    pub fn of<'a>(seen: &'a [Self], columns: &[FoundColumn]) -> Cow<'a, [Self]> {
+        let cells = |column: &FoundColumn| column.values.first_rows(ROWS).into_iter().map(Cell::number).collect();
+        let read = |column: &FoundColumn| Self { cells: cells(column), ..Self::new(&column.name) };
+        if seen.is_empty() { Cow::Owned(columns.iter().map(read).collect()) } else { Cow::Borrowed(seen) }
+    }
+
+    /// Adds rows of a table, up to [`ROWS`].
+    pub fn take(&mut self, column: &ArrayRef) {
+        let rows = column.len().min(ROWS.saturating_sub(self.cells.len()));
+        self.cells.extend(cells(&column.slice(0, rows)));
+    }
+
+    /// The unit of time that its type or its name states.
+    pub fn stated_time(&self) -> Option<TimeUnit> {
+        let by_name = || TimeUnit::of_column(&self.name).filter(|_| Unit::of_column(&self.name).is_none());
+        self.time_unit.or_else(by_name)
+    }
+
+    /// Its cells as times; none where one is not a number.
+    pub fn times(&self) -> Option<Times> {
+        let mut times = Times::new();
+        for cell in &self.cells {
+            times.push_number(cell.as_number()?).ok()?;
+        }
+        Some(times)
+    }
+}
+
+/// The cells of a piece of a table.
+pub fn cells(column: &ArrayRef) -> Vec<Cell> {
+    let words = |row: usize| match column.data_type() {
+        DataType::Utf8 => Some(column.as_string::<i32>().value(row).to_owned()),
+        DataType::LargeUtf8 => Some(column.as_string::<i64>().value(row).to_owned()),
+        DataType::Utf8View => Some(column.as_string_view().value(row).to_owned()),
+        DataType::Boolean => Some(column.as_boolean().value(row).to_string()),
+        _ => None,
+    };
+    if let Some(dictionary) = column.as_any_dictionary_opt() {
+        let (values, keys) = (cells(dictionary.values()), dictionary.normalized_keys());
+        let of = |row| if column.is_valid(row) { values.get(keys[row]).cloned() } else { None };
+        return (0..column.len()).map(|row| of(row).unwrap_or(Cell::Missing)).collect();
+    }
+    let counted = || integers::<Int64Type>(column).map(|counts| counts.unary(|count| count as f64));
+    if let Ok(numbers) = floats(column).or_else(|_| counted()) {
+        return numbers.iter().map(|number| Cell::number(number.unwrap_or(f64::NAN))).collect();
+    }
+    let word = |row| if column.is_valid(row) { words(row).map(Cell::Word) } else { None };
+    (0..column.len()).map(|row| word(row).unwrap_or(Cell::Missing)).collect()
+}
+
+/// The unit of a type that states one.
+pub fn time_unit(data_type: &DataType) -> Option<TimeUnit> {
+    let (DataType::Timestamp(unit, _) | DataType::Duration(unit)) = data_type else {
+        return None;
+    };
+    Some(match unit {
+        ArrowUnit::Second => TimeUnit::S,
+        ArrowUnit::Millisecond => TimeUnit::Ms,
+        ArrowUnit::Microsecond => TimeUnit::Us,
+        ArrowUnit::Nanosecond => TimeUnit::Ns,
+    })
+}

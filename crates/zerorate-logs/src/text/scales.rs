@@ -1,0 +1,78 @@
+//! Scales in the lines above the data. Those of Gyroflow's logs (.gcsv) are used, and others are named.
+
+use crate::Unit;
+use crate::clock::Times;
+use zerorate_record::TimeUnit;
+
+/// The column with the time in Gyroflow's logs.
+pub const TIME: &str = "t";
+
+/// The scales of Gyroflow: s in a step of `t`, rad/s in a step of `gx`, g in a step of `ax`.
+#[derive(Clone, Debug, Default)]
+pub struct Scales {
+    time_s: Option<f64>,
+    gyro_rad_s: Option<f64>,
+    accel_g: Option<f64>,
+    /// The first line with another scale.
+    pub unused: Option<String>,
+}
+
+impl Scales {
+    /// The scales in these lines, above columns of these names.
+    pub fn of<'a>(lines: impl Iterator<Item = &'a str>, names: &[String]) -> Self {
+        let mut scales = Self::default();
+        let has = |column: &str| names.iter().any(|name| name == column);
+        for line in lines.map(|line| line.trim_start_matches(['#', '%', ' '])) {
+            let pair = pair(line);
+            match pair.as_ref().map(|(key, scale)| (key.as_str(), *scale)) {
+                Some(("tscale", scale)) if has(TIME) => scales.time_s = Some(scale),
+                Some(("gscale", scale)) if has("gx") => scales.gyro_rad_s = Some(scale),
+                Some(("ascale", scale)) if has("ax") => scales.accel_g = Some(scale),
+                _ if scales.unused.is_none() && states_scale(line) => scales.unused = Some(line.to_owned()),
+                _ => {}
+            }
+        }
+        scales
+    }
+
+    /// Whether the log states its scales as Gyroflow does.
+    pub fn are_of_gyroflow(&self) -> bool {
+        self.time_s.or(self.gyro_rad_s).or(self.accel_g).is_some()
+    }
+
+    /// Whether the time is known to be in [`TIME`].
+    pub fn have_time(&self) -> bool {
+        self.time_s.is_some()
+    }
+
+    /// The unit and the size of a step of a column.
+    pub fn of_column(&self, name: &str) -> Option<(Unit, f64)> {
+        match name {
+            "gx" | "gy" | "gz" => self.gyro_rad_s.map(|step| (Unit::RadPerS, step)),
+            "ax" | "ay" | "az" => self.accel_g.map(|step| (Unit::G, step)),
+            _ => None,
+        }
+    }
+
+    /// Gives times in a column of this name their unit.
+    pub fn give_unit(&self, name: &str, times: &mut Times) {
+        if let Some(step_s) = self.time_s.filter(|_| name == TIME && times.unit.is_none()) {
+            times.scale(step_s);
+            times.unit = Some(TimeUnit::S);
+        }
+    }
+}
+
+/// A word and a number above zero: `gscale,0.00122`.
+fn pair(line: &str) -> Option<(String, f64)> {
+    let (key, value) = line.split_once([',', '=', ':', ';', '\t'])?;
+    let value: f64 = value.trim().parse().ok()?;
+    (value > 0.0 && value.is_finite()).then(|| (key.trim().to_lowercase(), value))
+}
+
+/// Whether a line has a number beside a word for a scale.
+fn states_scale(line: &str) -> bool {
+    let line = line.to_lowercase();
+    let is_scale = |word: &str| word.ends_with("scale") || ["scaling", "sensitivity", "lsb"].contains(&word);
+    line.contains(|c: char| c.is_ascii_digit()) && line.split(|c: char| !c.is_alphabetic()).any(is_scale)
+}

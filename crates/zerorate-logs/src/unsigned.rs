@@ -1,0 +1,98 @@
+//! Codes with a sign that were written without one: 65530 in place of -6.
+
+use crate::Series;
+
+/// The usual widths of codes, bits.
+const WIDTHS: [i32; 7] = [12, 14, 16, 18, 20, 24, 32];
+
+/// The share of the range at each end in which codes that wrapped around lie: a sensor at rest is near zero.
+const END: f64 = 0.125;
+
+/// The share of the samples that may lie between.
+const BETWEEN: f64 = 0.001;
+
+/// The hole around zero, as a share of what the samples spread over, and in codes: noise has no hole.
+const HOLE: f64 = 0.25;
+const HOLE_CODES: f64 = 2.0;
+
+/// Gives codes that wrapped around zero their sign again, and returns their width in bits; `None` if none did.
+pub fn unwrap(series: &mut Series) -> Option<i32> {
+    let bits = match series {
+        Series::Codes(codes) => bits(|| codes.iter().map(|code| f64::from(*code))),
+        Series::Numbers(numbers) => bits(|| numbers.iter().copied().filter(|number| !number.is_nan())),
+    }?;
+    let full = 2f64.powi(bits);
+    let signed = |code: f64| if code < full / 2.0 { code } else { code - full };
+    match series {
+        Series::Codes(codes) => codes.iter_mut().for_each(|code| *code = signed(f64::from(*code)) as i32),
+        Series::Numbers(numbers) => numbers.iter_mut().for_each(|number| *number = signed(*number)),
+    }
+    Some(bits)
+}
+
+/// The width of codes that wrapped around zero.
+fn bits<I: Iterator<Item = f64>>(codes: impl Fn() -> I) -> Option<i32> {
+    if codes().any(|code| code < 0.0 || code.fract() != 0.0) {
+        return None;
+    }
+    let most = codes().fold(0.0, f64::max);
+    let bits = WIDTHS.into_iter().find(|bits| most < 2f64.powi(*bits))?;
+    let full = 2f64.powi(bits);
+    if most < full * (1.0 - END) {
+        return None;
+    }
+    let end = |is_in: fn(f64, f64) -> bool| {
+        let inside = codes().filter(|code| is_in(*code, full));
+        inside.fold((f64::INFINITY, f64::NEG_INFINITY, 0u64), |(least, most, count), code| {
+            (least.min(code), most.max(code), count + 1)
+        })
+    };
+    let (low, high) = (end(|code, full| code < full * END), end(|code, full| code >= full * (1.0 - END)));
+    let all = codes().count() as u64;
+    let between = all - low.2 - high.2;
+    let spread = (low.1 - low.0).max(high.1 - high.0);
+    let hole = low.0 + full - high.1;
+    let is_wrapped = low.2 > 0 && between as f64 <= BETWEEN * all as f64 && hole <= HOLE * spread + HOLE_CODES;
+    is_wrapped.then_some(bits)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::column_checks::clipped::tests::noise;
+
+    fn codes(mean: f64, sigma: f64) -> Vec<i64> {
+        noise(20_000).into_iter().map(|z| (mean + sigma * z).round() as i64).collect()
+    }
+
+    #[test]
+    fn codes_get_their_sign_again() {
+        for bits in WIDTHS {
+            for (mean, sigma) in [(0.0, 6.0), (-2.0, 6.0), (20.0, 6.0), (-1.0, 0.4), (-15.0, 5.0)] {
+                let signed = codes(mean, sigma);
+                let written = signed.iter().map(|code| code.rem_euclid(1 << bits));
+                let mut series = match bits {
+                    32 => Series::Numbers(written.map(|code| code as f64).collect()),
+                    _ => Series::Codes(written.map(|code| code as i32).collect()),
+                };
+                let found = unwrap(&mut series);
+                let got = match series {
+                    Series::Codes(codes) => codes.into_iter().map(f64::from).collect(),
+                    Series::Numbers(numbers) => numbers,
+                };
+                assert_eq!((found, got), (Some(bits), signed.iter().map(|code| *code as f64).collect()), "{mean}");
+            }
+        }
+    }
+
+    #[test]
+    fn other_codes_are_left() {
+        let of = |codes: Vec<i64>| unwrap(&mut Series::Codes(codes.into_iter().map(|code| code as i32).collect()));
+        assert_eq!(of(codes(0.0, 6.0)), None, "with a sign");
+        assert_eq!(of(codes(8_388_608.0, 1e3)), None, "zero in the middle");
+        assert_eq!(of(codes(16_384.0, 30.0)), None);
+        assert_eq!(of(codes(100.0, 10.0).into_iter().chain([65_535]).collect()), None, "a mark of a failed read");
+        assert_eq!(of(codes(60_000.0, 900.0)), None);
+        assert_eq!(of((0..65_536).collect()), None, "a counter");
+    }
+}
