@@ -151,7 +151,9 @@ impl Axis<'_> {
             Chosen { value: value * self.si(), from }
         };
         // where N alone covers the curve, nothing but the fit speaks of K
-        let k = if k_covers > 0.0 { covers("K", k_covers, &self.fit.k) } else { k };
+        let of_n = n_covers * n_covers / horizon_s;
+        let is_seen = k_covers * k_covers * horizon_s / 3.0 > SEEN * of_n;
+        let k = if is_seen { covers("K", k_covers, &self.fit.k) } else { k };
         (covers("N", n_covers, &self.fit.n), k)
     }
 
@@ -203,6 +205,9 @@ impl Numbers {
         let rate_hz = axes.iter().map(|axis| axis.rate_hz).fold(0.0, f64::max);
         Self { choice, doubts: doubts.texts(), rate_hz, gyroscope, accelerometer, memory }
     }
+/// The share of the variance of N at the horizon from which a random walk is seen there: N is hardly known better.
+const SEEN: f64 = 0.1;
+
 }
 
 impl Memory {
