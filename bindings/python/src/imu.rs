@@ -29,13 +29,15 @@ pub fn imu_file(
     as_fitted: bool,
     inflate: f64,
     accept_rejected: bool,
+    warnings: Vec<String>,
 ) -> PyResult<(String, Vec<String>)> {
     let format = named("format", format, Format::ALL, Format::name)?;
     let combine = named("combine", combine, [Combine::Worst, Combine::Mean], Combine::name)?;
     let doubts = Doubts::about(axes.iter().map(|(name, _, model)| (name.as_str(), Doubt::about(&model.fit))));
     let axes: Vec<Axis<'_>> = axes.iter().map(axis).collect::<PyResult<_>>()?;
     let rule = if as_fitted { Rule::AsFitted } else { Rule::Covers(horizon_s) };
-    let choice = Choice { log, topic, combine, rule, inflate, names: Names(argument) };
+    let (names, warnings) = (Names(argument), Choice::mattering(warnings));
+    let choice = Choice { log, topic, combine, rule, inflate, names, warnings };
     Ok((format.file(choice, &axes, &doubts, accept_rejected).map_err(no_file)?, doubts.texts()))
 }
 

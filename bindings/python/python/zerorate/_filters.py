@@ -31,8 +31,9 @@ def file(
     topic: str | None,
     force: bool,
     accept_rejected: bool,
+    said: list[str],
 ) -> str:
-    """The text of the file, written to `path` if there is one."""
+    """The text of the file, written to `path` if there is one. What was `said` of the log stands in it."""
     modelled = []
     for axis in axes:
         if axis._is_unit_assumed:
@@ -48,7 +49,7 @@ def file(
     if horizon_s is not None and not 1 < horizon_s < float("inf"):
         raise ValueError(f"horizon_s={horizon_s!r}: give more than 1 s")
     text, doubts = _zerorate.imu_file(
-        format, modelled, log, topic, combine, horizon_s, as_fitted, float(inflate), accept_rejected
+        format, modelled, log, topic, combine, horizon_s, as_fitted, float(inflate), accept_rejected, said
     )
     if doubts:
         warnings.warn("; ".join(doubts) + "; made all the same (accept_rejected=True)", stacklevel=3)

@@ -102,7 +102,18 @@ class Imu:
         """
         axes, topic = list(self.axes.values()), self.topic if topic is None else topic
         return _filters.file(
-            axes, path, self.log, format, combine, horizon_s, as_fitted, inflate, topic, force, accept_rejected
+            axes,
+            path,
+            self.log,
+            format,
+            combine,
+            horizon_s,
+            as_fitted,
+            inflate,
+            topic,
+            force,
+            accept_rejected,
+            self.warnings,
         )
 
     def to_frame(self, library: _log.Library = "pandas") -> Any:
@@ -134,6 +145,7 @@ def imu(
     force_unit: bool = False,
     gyro_scale: float | None = None,
     accel_scale: float | None = None,
+    increments: bool | None = None,
     time_column: str | int | None = None,
     time_unit: Literal["s", "ms", "us", "ns"] | None = None,
     decimal: Literal[".", ","] | None = None,
@@ -145,7 +157,6 @@ def imu(
     steps: Literal["remove", "keep"] = "remove",
     max_freq_hz: float | None = None,
 ) -> Imu:
-    increments: bool | None = None,
     """Deviations and noise models of all axes of an IMU at rest, and the noise file for a filter.
 
     Gravity does no harm, because the mean does not matter. Other threads run meanwhile.
@@ -176,6 +187,9 @@ def imu(
         Take these units where the names of columns state others, which is an error otherwise.
     gyro_scale, accel_scale
         The value of a step of 1, in that unit.
+    increments
+        Whether the columns hold the angle and the velocity of each sample in place of rates; unless given, names and
+        gravity that tell of it are an error.
     time_column, time_unit
         The column with the time of each row, and its unit; otherwise the only column whose name states a unit of time.
     decimal, max_bad
@@ -187,9 +201,6 @@ def imu(
     -------
     Imu
 
-    increments
-        Whether the columns hold the angle and the velocity of each sample in place of rates; unless given, names and
-        gravity that tell of it are an error.
     Raises
     ------
     ValueError
@@ -231,6 +242,7 @@ def imu(
         time_column=time_column,
         time_unit=time_unit,
         force_unit=force_unit,
+        increments=increments,
         decimal=decimal,
         max_bad=max_bad,
         topic=topic,
@@ -242,7 +254,6 @@ def imu(
         (of_kinds[1], accel_unit, _number(accel_scale)),
         _log.with_time(source, given),
     )
-        increments=increments,
     for text in said:
         python_warnings.warn(text, stacklevel=2)
     given_units = {"gyroscope": gyro_unit, "accelerometer": accel_unit}

@@ -154,7 +154,8 @@ fn of(log: &Path, axes: ImuOptions, format: Option<Format>) -> anyhow::Result<Im
 /// The numbers of the gyroscope in a file for Kalibr: N and K.
 fn for_kalibr(noise: &ImuNoise, rule: Rule, combine: Combine) -> (f64, f64, String) {
     let names = Names(Setting::name);
-    let choice = Choice { log: "imu.csv".to_owned(), topic: None, combine, rule, inflate: 1.0, names };
+    let (log, warnings) = ("imu.csv".to_owned(), Vec::new());
+    let choice = Choice { log, topic: None, combine, rule, inflate: 1.0, names, warnings };
     let doubts = Record::doubts(&noise.axes);
     let text = Format::Kalibr.file(choice, &Record::axes(&noise.axes), &doubts, false).unwrap();
     let number = |key: &str| -> f64 {

@@ -218,7 +218,7 @@ impl Text {
     /// Writes what the file is, how its numbers were chosen, and what supports them.
     fn head(&mut self, numbers: &Numbers, format: Format, meaning: &str) {
         let (reader, is_by_axis) = (format.reader(), format.is_by_axis());
-        let Choice { log, combine, rule, inflate, names, .. } = &numbers.choice;
+        let Choice { log, combine, rule, inflate, names, warnings, .. } = &numbers.choice;
         self.line(&format!("# Noise of an IMU for {reader}, by {} from {}.", zerorate::SOFTWARE, plain::line(log)));
         self.line(&format!("# {meaning}."));
         if !is_by_axis {
@@ -230,6 +230,9 @@ impl Text {
         }
         for doubt in &numbers.doubts {
             self.line(&format!("# NOT A RESULT: {}", plain::line(doubt)));
+        }
+        for warning in warnings {
+            self.line(&format!("# warning: {}", plain::line(warning)));
         }
     }
 

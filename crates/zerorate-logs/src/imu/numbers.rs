@@ -52,7 +52,21 @@ pub struct Choice {
     pub inflate: f64,
     /// The names of the options in the file.
     pub names: Names,
+    /// The warnings that matter to the reader of the file, each `code: text`.
+    pub warnings: Vec<String>,
 }
+
+impl Choice {
+    /// The warnings about a log or its axes that matter to the reader of the file: not those about what was left out.
+    pub fn mattering(warnings: impl IntoIterator<Item = String>) -> Vec<String> {
+        // the name of an axis may stand before the code
+        let matters = |line: &String| !line.split(": ").take(2).any(|word| BESIDE.contains(&word));
+        warnings.into_iter().filter(matters).collect()
+    }
+}
+
+/// Codes of warnings that say nothing of the numbers in the file.
+const BESIDE: [&str; 4] = ["columns-left-out", "kind-absent", "lines-skipped", "not-identified"];
 
 /// The numbers of the file, in rad/s and m/s².
 pub struct Numbers {
@@ -191,6 +205,9 @@ impl Axis<'_> {
     }
 }
 
+/// The share of the variance of N at the horizon from which a random walk is seen there: N is hardly known better.
+const SEEN: f64 = 0.1;
+
 /// The averaging time at which the Allan deviation of a Gauss–Markov process peaks, in correlation times.
 const PEAK_AT: f64 = 1.89;
 /// The Allan deviation at that peak, in standard deviations.
@@ -205,9 +222,6 @@ impl Numbers {
         let rate_hz = axes.iter().map(|axis| axis.rate_hz).fold(0.0, f64::max);
         Self { choice, doubts: doubts.texts(), rate_hz, gyroscope, accelerometer, memory }
     }
-/// The share of the variance of N at the horizon from which a random walk is seen there: N is hardly known better.
-const SEEN: f64 = 0.1;
-
 }
 
 impl Memory {

@@ -31,6 +31,7 @@ mod reader {
     pub struct LogReader {
         path: PathBuf,
         topic: Option<String>,
+        warnings: Vec<String>,
         temperature: Option<Column>,
         waiting: IntoIter<Column>,
         analysed: Vec<Record>,
@@ -83,17 +84,17 @@ mod reader {
         /// The summary of all axes, once all are analysed.
         #[must_use]
         pub fn summary(&self) -> LogSummary {
-            let warnings = ImuWarning::of_motion(&Record::models(&self.analysed));
             let doubts = Record::doubts(&self.analysed);
             let no_noise_file = match doubts.code() {
                 Some(_) => Some(doubts.to_string()),
                 None => Record::axes(&self.analysed).is_empty().then(|| NoNoiseFile::NoAxis.to_string()),
             };
-            LogSummary {
-                pictures: pictures::of(&self.path, &self.analysed),
-                warnings: warnings.iter().map(ImuWarning::coded).collect(),
-                no_noise_file,
-            }
+            LogSummary { pictures: pictures::of(&self.path, &self.analysed), warnings: self.findings(), no_noise_file }
+        }
+
+        /// What happens to several axes at once.
+        fn findings(&self) -> Vec<String> {
+            ImuWarning::of_motion(&Record::models(&self.analysed)).iter().map(ImuWarning::coded).collect()
         }
 
         /// The file for a filter.
@@ -105,7 +106,8 @@ mod reader {
             let (axes, doubts) = (Record::axes(&self.analysed), Record::doubts(&self.analysed));
             let (log, topic) = (self.path.display().to_string(), self.topic.clone());
             let (inflate, rule) = (command.inflate, Rule::Covers(None));
-            let choice = Choice { log, topic, combine, rule, inflate, names: LABELS };
+            let warnings = Choice::mattering(self.warnings.iter().cloned().chain(self.findings()));
+            let choice = Choice { log, topic, combine, rule, inflate, names: LABELS, warnings };
             Ok(Download {
                 name: format!("imu-{}.yaml", format.name()),
                 media_type: "application/yaml".to_owned(),
@@ -139,9 +141,10 @@ mod reader {
             columns: axes.columns.iter().map(axis::column).collect(),
             warnings: axes.warnings.iter().map(LogWarning::coded).collect(),
         };
+        let warnings = about.warnings.clone();
         let waiting = axes.columns.into_iter();
         let (path, topic, analysed) = (path.to_owned(), axes.topic, Vec::new());
-        let reader = LogReader { path, topic, temperature, waiting, analysed };
+        let reader = LogReader { path, topic, warnings, temperature, waiting, analysed };
         Ok((about, reader))
     }
 

@@ -1,5 +1,6 @@
 //! `imu.yaml` in the form of Kalibr, for a gyroscope alone. `zerorate imu` has all axes and other readers.
 
+use super::findings;
 use crate::column::flag;
 use crate::exit::{Refused, Usage};
 use crate::output::Staged;
@@ -24,7 +25,9 @@ pub fn write(file: Staged, records: &[Record]) -> Result<()> {
     }
     let log = records.iter().map(|record| record.file.display().to_string()).collect::<Vec<_>>().join(", ");
     let names = Names(flag);
-    let choice = Choice { log, topic: None, combine: Combine::Worst, rule: Rule::Covers(None), inflate: 1.0, names };
+    let warnings = Choice::mattering(findings::condensed(records));
+    let (combine, rule) = (Combine::Worst, Rule::Covers(None));
+    let choice = Choice { log, topic: None, combine, rule, inflate: 1.0, names, warnings };
     let text = Format::Kalibr.file(choice, &Record::axes(records), &Doubts::default(), false)?;
     Ok(file.fill(text.as_bytes())?)
 }

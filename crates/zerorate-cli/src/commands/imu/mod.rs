@@ -234,7 +234,8 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     if let Some(page) = page {
         page::write(page, head(args, &axes, topic.as_deref(), sheet.as_ref(), &compared, with(&doubts)), &axes)?;
     }
-    deliver(args, &axes, topic, file)
+    let warnings = Choice::mattering(with(&first_of_each(&doubts)));
+    deliver(args, &axes, (topic, warnings), file)
 }
 
 /// Lines of warnings that a person reads.
@@ -283,7 +284,12 @@ fn head(
 }
 
 /// Writes the file, if its numbers are results or the user asked for them nevertheless.
-fn deliver(args: &ImuArgs, axes: &[Record], topic: Option<String>, file: Option<Staged>) -> Result<()> {
+fn deliver(
+    args: &ImuArgs,
+    axes: &[Record],
+    (topic, warnings): (Option<String>, Vec<String>),
+    file: Option<Staged>,
+) -> Result<()> {
     let doubts = Record::doubts(axes);
     if let Some(code) = doubts.code() {
         let refused = Refused::new(code, format!("{}: {doubts}", args.log.display()));
@@ -295,7 +301,8 @@ fn deliver(args: &ImuArgs, axes: &[Record], topic: Option<String>, file: Option<
     let Some(file) = file else { return Ok(()) };
     let ImuArgs { combine, inflate, .. } = *args;
     let rule = if args.as_fitted { Rule::AsFitted } else { Rule::Covers(args.horizon) };
-    let choice = Choice { log: args.log.display().to_string(), topic, combine, rule, inflate, names: Names(option) };
+    let (log, names) = (args.log.display().to_string(), Names(option));
+    let choice = Choice { log, topic, combine, rule, inflate, names, warnings };
     file.fill(args.format.file(choice, &Record::axes(axes), &doubts, args.accept_rejected)?.as_bytes())?;
     if let Some(path) = &args.output {
         let chosen = match args.format.is_by_axis() {
