@@ -16,6 +16,7 @@ mod interop;
 #[cfg(feature = "full")]
 mod logs;
 mod logs_of_parts;
+mod misread;
 #[cfg(not(feature = "full"))]
 mod missing;
 mod noise_models;
