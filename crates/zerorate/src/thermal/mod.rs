@@ -101,11 +101,10 @@ pub struct Assumed<'a> {
 pub struct BiasCurve {
     /// The correction that is added to a rate: minus the bias.
     pub correction: Correction,
-    /// Covariance of PBC and the coefficients of the first to third order: of °/s/°Cⁿ each.
+    /// Covariance of PBC and the coefficients of the first to third order: of °/s/°Cⁿ each. Orders that disagree on PBC
+    /// or BTC make two peaks, and intervals by their variance alone would miss the smaller one too often. So the
+    /// variances of PBC and BTC are larger than that of all models together.
     pub covariance: [[f64; TERMS]; TERMS],
-    /// Variance of BTC in excess of `covariance[1][1]`, (°/s/°C)². Orders that disagree on the slope make two peaks,
-    /// and intervals by the variance alone would miss the smaller one too often.
-    pub btc_excess: f64,
     /// The order that was taken.
     pub order: usize,
     /// Posterior probability of each order.
@@ -130,7 +129,7 @@ impl BiasCurve {
     /// Standard uncertainty of BTC, °/s/°C.
     #[must_use]
     pub fn u_btc_dps_per_c(&self) -> f64 {
-        libm::sqrt(self.covariance[1][1] + self.btc_excess)
+        libm::sqrt(self.covariance[1][1])
     }
 
     /// Difference of the mean over a block from the level at the end by the steps and the sway that were taken out,
@@ -300,7 +299,9 @@ fn average(record: &Record<'_>, axis: &Axis, models: &[Weighed]) -> BiasCurve {
         bias.iter_mut().zip(&model.posterior.bias).for_each(|(mean, value)| *mean += share * value);
     }
     let mut covariance = covariance_about(models, &bias);
-    covariance[0][0] += excess(models, 0, bias[0], covariance[0][0]);
+    for k in [0, 1] {
+        covariance[k][k] += excess(models, k, bias[k], covariance[k][k]);
+    }
     let mean = |of: fn(&Weighed) -> f64| models.iter().map(|model| model.weight * of(model)).sum::<f64>();
     let noise = |of| libm::exp(mean_logarithm(models, of));
     let told = |of, before| libm::sqrt(variance_of_logarithm(models, of)) < TOLD * before;
@@ -313,7 +314,6 @@ fn average(record: &Record<'_>, axis: &Axis, models: &[Weighed]) -> BiasCurve {
             btc3_dps_per_c3: 0.0 - bias[3],
         },
         covariance,
-        btc_excess: excess(models, 1, bias[1], covariance[1][1]),
         order,
         order_weights,
         following: Following {
