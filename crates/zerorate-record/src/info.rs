@@ -5,7 +5,7 @@ use super::layout::{Layout, PART, number, number_or, stated};
 use adis16130::Width;
 use arrow_schema::Metadata;
 use std::path::Path;
-use zerorate::calibration::{Notes, Origin, SIMULATED, is_twin};
+use zerorate::calibration::{Notes, Origin, SIMULATED, is_rfc3339, is_twin};
 use zerorate::{Axis, NamedAxis, Part};
 
 /// Version of the format that this program writes, and the highest it reads.
@@ -25,6 +25,7 @@ const DIVIDER: &str = "zerorate.divider";
 /// Left out where it is 1, as in every file of programs that did not know it.
 const DIVIDED: &str = "zerorate.divided";
 const BANDWIDTH_HZ: &str = "zerorate.bandwidth_hz";
+const EARTH: &str = "zerorate.earth_dps";
 const SOFTWARE: &str = "zerorate.software";
 const CREATED: &str = "zerorate.created";
 const SUPPLY_NOTE: &str = "zerorate.supply_note";
@@ -53,6 +54,8 @@ pub struct CaptureInfo {
     pub divided: u16,
     /// −3 dB of the rate, Hz, where it is not the part's own (F-04).
     pub bandwidth_hz: Option<f64>,
+    /// Component of the Earth's rotation on the axis, °/s, as stated for the measurement (F-16).
+    pub earth_dps: Option<f64>,
     /// The software that wrote the capture.
     pub software: String,
     /// When, RFC 3339; empty on a simulated device, whose files depend on nothing but the seed.
@@ -96,6 +99,7 @@ impl CaptureInfo {
             divider: 1,
             divided: 1,
             bandwidth_hz: None,
+            earth_dps: None,
             software: String::new(),
             created: String::new(),
             notes: Notes::default(),
@@ -130,7 +134,7 @@ impl CaptureInfo {
         let bandwidth = bandwidth_hz.map_or(String::new(), |hz| format!(", bandwidth {hz} Hz"));
         let created = match self.is_simulated() {
             true => Some(SIMULATED.to_owned()),
-            false => Some(self.created).filter(|created| !created.is_empty()),
+            false => Some(self.created).filter(|created| is_rfc3339(created)),
         };
         Origin {
             config: format!("{converter}every_temp {every_temp}, divider {divider}{divided}{bandwidth}"),
@@ -157,6 +161,7 @@ impl CaptureInfo {
             (DIVIDER, Some(self.divider.to_string())),
             (DIVIDED, (self.divided > 1).then(|| self.divided.to_string())),
             (BANDWIDTH_HZ, self.bandwidth_hz.map(|hz| hz.to_string())),
+            (EARTH, self.earth_dps.map(|dps| dps.to_string())),
             (SOFTWARE, Some(self.software.clone())),
             (CREATED, Some(self.created.clone()).filter(|created| !created.is_empty())),
             (SUPPLY_NOTE, self.notes.supply.clone()),
@@ -190,7 +195,8 @@ impl CaptureInfo {
             every_temp: number_or(path, metadata, EVERY_TEMP, 1)?,
             divider: number_or(path, metadata, DIVIDER, 1)?,
             divided: number_or(path, metadata, DIVIDED, 1)?,
-            bandwidth_hz: bandwidth_hz(path, metadata)?,
+            bandwidth_hz: if_stated(path, metadata, BANDWIDTH_HZ, |hz| hz > 0.0)?,
+            earth_dps: if_stated(path, metadata, EARTH, |_| true)?,
             software: text(SOFTWARE).unwrap_or_default(),
             created: text(CREATED).unwrap_or_default(),
             notes: Notes {
@@ -264,13 +270,19 @@ impl Converter {
     }
 }
 
-fn bandwidth_hz(path: &Path, metadata: &Metadata) -> Result<Option<f64>, CaptureError> {
-    if !metadata.contains_key(BANDWIDTH_HZ) {
+/// A number that may be absent.
+fn if_stated(
+    path: &Path,
+    metadata: &Metadata,
+    key: &str,
+    can_be: fn(f64) -> bool,
+) -> Result<Option<f64>, CaptureError> {
+    if !metadata.contains_key(key) {
         return Ok(None);
     }
-    match number::<f64>(path, metadata, BANDWIDTH_HZ)? {
-        hz if hz > 0.0 && hz.is_finite() => Ok(Some(hz)),
-        hz => Err(CaptureError::damaged(path, "metadata", format!("{BANDWIDTH_HZ} = {hz}, which no part has"))),
+    match number::<f64>(path, metadata, key)? {
+        value if value.is_finite() && can_be(value) => Ok(Some(value)),
+        value => Err(CaptureError::damaged(path, "metadata", format!("{key} = {value}, which no part has"))),
     }
 }
 

@@ -22,6 +22,7 @@ pub(super) fn info() -> CaptureInfo {
         serial: Some("A = 17, \"ä\"".to_owned()),
         every_temp: 3,
         bandwidth_hz: Some(50.0),
+        earth_dps: Some(-0.00209),
         software: "zerorate 0.1.0".to_owned(),
         ..CaptureInfo::adis16130(Converter { width: Width::Bits24, rate_conversion: 5, temp_conversion: 0x91 })
     }

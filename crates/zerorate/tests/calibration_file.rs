@@ -139,15 +139,40 @@ fn a_curve_is_schema_3() {
     }
 }
 
+/// A whole number is a number, too. Each line of a measured file, as it must not be.
 #[test]
-fn no_uncertainty_is_below_zero() {
+fn what_no_measurement_states_is_refused_with_its_line() {
     let unmarked = |line: &&str| !line.starts_with("checksum") && !line.starts_with("line_checks");
     let text: Vec<String> = measured().to_toml().lines().filter(unmarked).map(str::to_owned).collect();
-    let u = text.iter().position(|line| line.starts_with("u_pbc_dps = ")).expect("an uncertainty");
-    let mut below = text.clone();
-    below[u] = "u_pbc_dps = -0.5".to_owned();
     assert!(Calibration::parse(&text.join("\n")).is_ok());
-    assert!(error(&below.join("\n")).to_string().contains("u_pbc_dps"));
+    for wrong in [
+        "u_pbc_dps = -1",
+        "u_pbc_dps = -0.5",
+        "u_t2_c = -1",
+        "coverage = 1",
+        "coverage_factor = 0",
+        "coverage_factor = -2.0",
+        "cov_pbc_btc_dps2_per_c = 1",
+        "cov_pbc_t3_dps_c = -0.1",
+        "t1_c = 1000",
+        "white_dps_per_rt_hz = -1",
+        "flicker_cutoff_hz = -1e-4",
+        "duration_s = -3171",
+        "rate_hz = -100",
+        "settle_s = -1.0",
+        "max_lost = 2",
+        "created = \"2026-13-01T10:00:00Z\"",
+        "created = \"yesterday\"",
+    ] {
+        let key = wrong.split(' ').next().unwrap();
+        let at = text.iter().position(|line| line.split(' ').next() == Some(key)).expect(key);
+        let mut edited = text.clone();
+        edited[at] = wrong.to_owned();
+        let said = error(&edited.join("\n")).to_string();
+        // three numbers make the covariance, and the first of them is named
+        let is_named = said.starts_with(&format!("line {}", at + 1)) || key == "cov_pbc_t3_dps_c";
+        assert!(is_named && said.contains(key.split("_t3_").next().unwrap()), "{wrong}: {said}");
+    }
 }
 
 #[test]
@@ -254,6 +279,18 @@ fn a_tracker_begins_with_the_uncertainty_of_the_curve() {
     assert!(Calibration::parse(&narrow).unwrap_err().to_string().contains("above 0"));
     let early = text.replace("schema = 3", "schema = 1");
     assert!(Calibration::parse(&early).unwrap_err().to_string().contains("schema 3"));
+    for (from, to, key) in [
+        ("1e-7", "7e-6", "covariance"),                                // more than √(4e-6 · 9e-6)
+        ("[1e-7, 9e-6", "[2e-7, 9e-6", "covariance"),                  // not symmetric
+        ("0.0, 0.0, 1e-8, 0.0", "0.0, 0.0, 1e-8, 1e-9", "covariance"), // of a term without a variance
+        ("lag_s = 0.0", "lag_s = -1", "lag_s"),
+        ("play_c = 0.0", "play_c = -1", "play_c"),
+        ("steps = []", "steps = [[-5, 0.1]]", "steps"),
+        ("coverage_factor = 1.96", "coverage_factor = 0", "coverage_factor"),
+    ] {
+        let said = Calibration::parse(&text.replace(from, to)).unwrap_err().to_string();
+        assert!(said.contains(key), "{to}: {said}");
+    }
 }
 
 /// Who measured, where and in what surroundings needs schema 4, and nothing else changes.

@@ -5,8 +5,8 @@ use zerorate::EARTH_DPS;
 
 #[derive(Args, Clone, Copy, Debug)]
 pub struct EarthArgs {
-    /// The component of the Earth's rotation on the axis, °/s, to subtract from the bias [default: it stays part of
-    /// PBC, and a warning says so].
+    /// The component of the Earth's rotation on the axis, °/s, to subtract from the bias [default: as the recording
+    /// states it; otherwise it stays part of PBC, and a warning says so]. A --log states it.
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     earth_dps: Option<f64>,
 

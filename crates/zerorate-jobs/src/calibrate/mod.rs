@@ -96,11 +96,13 @@ pub struct Job {
     files: Files,
 }
 
-/// Makes a measurement ready. Messages call settings by `names`.
+/// Makes a measurement ready. Messages call settings by `names`. Where the plan does not state the Earth's rotation, a
+/// recording may.
 ///
 /// # Errors
 /// [`InvalidOptions`] where the plan makes no sense for the part.
 pub fn prepare(acquisition: Acquisition, plan: Plan, files: Files, names: Names) -> Result<Job> {
+    let plan = Plan { earth_dps: plan.earth_dps.or(acquisition.facts().info.earth_dps), ..plan };
     let procedure =
         PartProcedure::new(acquisition.part(), plan).map_err(|error| InvalidOptions(error.with(names).to_string()))?;
     Ok(Job { acquisition, procedure, files })
@@ -135,7 +137,8 @@ impl Job {
         let saves = self.saves();
         let Self { mut acquisition, procedure, mut files } = self;
         target::marks_ns(procedure.plan()).for_each(|after_ns| acquisition.mark(after_ns));
-        let info = acquisition.info(files.kept.serial.as_deref(), &files.kept.notes)?;
+        let stated = acquisition.info(files.kept.serial.as_deref(), &files.kept.notes)?;
+        let info = CaptureInfo { earth_dps: procedure.plan().earth_dps, ..stated };
         let names = watch.names();
         let log = files.log(&info)?;
         let mut measured = Measurement::new(acquisition, procedure, log, watch).run()?;

@@ -124,14 +124,16 @@ pub fn prepare(
     (control, writer): (SetPointControl, Option<ProfileWriter>),
     plan: PlanFile,
     mut files: Files,
-    options: ChamberOptions,
+    mut options: ChamberOptions,
 ) -> Result<Job> {
     let (part, facts) = (acquisition.part(), acquisition.facts());
     if options.moves_air {
         plan.plan.spares(part).map_err(|error| InvalidOptions(error.to_string()))?;
     }
     let Kept { serial, notes, .. } = &files.of_calibration.kept;
-    let info = acquisition.info(serial.as_deref(), notes)?;
+    let mut info = acquisition.info(serial.as_deref(), notes)?;
+    options.earth_dps = options.earth_dps.or(info.earth_dps);
+    info.earth_dps = options.earth_dps;
     let procedure = ChamberProcedure::new(part, plan.plan.clone(), options.max_lost);
     let mut procedure = procedure.map_err(|error| InvalidOptions(error.to_string()))?;
     let steps = FinishedSteps {

@@ -24,7 +24,7 @@ pub(super) struct CalibrationForm {
     pub(super) schema: u32,
     pub(super) part: String,
     serial: Option<String>,
-    created: Option<String>,
+    pub(super) created: Option<String>,
     method: Option<String>,
     software: Option<String>,
     device: Option<String>,
@@ -47,7 +47,7 @@ pub(super) struct CalibrationForm {
     pub(super) curve: Option<CurveRecord>,
     pub(super) noise: Option<NoiseRecord>,
     pub(super) validity: Option<Span>,
-    run: Option<Run>,
+    pub(super) run: Option<Run>,
     /// The form of several axes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) axis: Option<Vec<AxisForm>>,
@@ -61,11 +61,11 @@ pub(super) struct AxisForm {
     warnings: Vec<String>,
     pub(super) rate: Option<RateScale>,
     pub(super) correction: Correction,
-    measured: Option<Measured>,
+    pub(super) measured: Option<Measured>,
     pub(super) uncertainty: Option<Uncertainties>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) curve: Option<CurveRecord>,
-    noise: Option<NoiseRecord>,
+    pub(super) noise: Option<NoiseRecord>,
 }
 
 #[derive(Deserialize, Serialize)]

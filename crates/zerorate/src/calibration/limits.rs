@@ -1,8 +1,10 @@
 //! Limits of the numbers of a calibration.
 
 use super::form::{AxisForm, CURVED, CalibrationForm, NOTED, SEVERAL, Span};
-use super::{CurveRecord, SCHEMA, Uncertainties};
+use super::{CurveRecord, NoiseRecord, Run, SCHEMA, SIMULATED, Uncertainties, is_rfc3339};
 use crate::Correction;
+use crate::estimate::Measured;
+use crate::gls::whitener;
 use crate::part::{Axis, MAX_AXES, Part, Scale, is_word};
 use crate::thermal::TERMS;
 use alloc::format;
@@ -12,8 +14,12 @@ use toml::Spanned;
 use toml::de::DeValue;
 use zerorate_allan::entry::{Document, Entry, EntryError};
 
-/// Largest number in a calibration, in any unit.
-const LARGEST: f64 = 1e9;
+/// Numbers of a calibration, in any unit.
+const NUMBERS: RangeInclusive<f64> = -1e9..=1e9;
+/// Uncertainties, durations, rates and other numbers that are not below 0.
+const SIZES: RangeInclusive<f64> = 0.0..=1e9;
+/// Shares of a whole.
+const SHARES: RangeInclusive<f64> = 0.0..=1.0;
 /// Temperatures that a sensor may state, °C.
 const TEMPS_C: RangeInclusive<f64> = -100.0..=200.0;
 /// Fastest rate of any gyroscope, °/s.
@@ -68,12 +74,17 @@ impl CalibrationForm {
             None => return Err(root.at("schema").error("says several axes, but there is no [[axis]]")),
         }
         self.validity.as_ref().map_or(Ok(()), |span| span.check(root.at("validity")))?;
-        document.each(plain)
+        self.run.as_ref().map_or(Ok(()), |run| run.check(root.at("run")))?;
+        let created = self.created.as_deref();
+        let is_time = created.is_none_or(|created| created == SIMULATED || is_rfc3339(created));
+        root.at("created").require(is_time, || "is not an RFC 3339 time, such as 2026-03-01T12:00:00Z".into())?;
+        document.each(one_line)
     }
 
     /// Checks the plain form: schema 1, or 3 for a curve.
     fn check_only_axis(&self, root: Entry<'_>) -> Result<(), EntryError> {
-        let Self { schema, part, correction, uncertainty, curve, temperature, validity, .. } = self;
+        let Self { schema, part, correction, temperature, validity, .. } = self;
+        let Self { measured, uncertainty, curve, noise, .. } = self;
         root.at("part").require(*part == Part::ADIS16130.name, || {
             format!("is not {}: schema {schema} without [[axis]] is of that part alone", Part::ADIS16130.name)
         })?;
@@ -85,7 +96,7 @@ impl CalibrationForm {
         let Some(correction) = correction else { return Err(root.at("correction").error("is missing")) };
         self.check_correction(root.at("correction"), correction, &Limits::ADIS16130)?;
         self.check_curve(root.at("curve"), curve.as_ref())?;
-        check_coverage(root.at("uncertainty"), uncertainty.as_ref())
+        check_of_axis(root, measured.as_ref(), uncertainty.as_ref(), noise.as_ref())
     }
 
     /// Checks the form of several axes: schema 2, or 3 for curves.
@@ -116,7 +127,7 @@ impl CalibrationForm {
             let rate = rate.map_err(|why| entry.at("rate").error(why))?;
             self.check_correction(entry.at("correction"), &axis.correction, &Limits::of(rate, temp))?;
             self.check_curve(entry.at("curve"), axis.curve.as_ref())?;
-            check_coverage(entry.at("uncertainty"), axis.uncertainty.as_ref())?;
+            check_of_axis(entry, axis.measured.as_ref(), axis.uncertainty.as_ref(), axis.noise.as_ref())?;
         }
         Ok(())
     }
@@ -143,14 +154,12 @@ impl CalibrationForm {
         let Some(curve) = curve else { return Ok(()) };
         table.at("order").require(self.schema >= CURVED, curved)?;
         table.at("order").require(curve.order < TERMS, || format!("must be 0 to {}", TERMS - 1))?;
-        table.at("coverage").require(is_coverage(curve.coverage), || PROBABILITY.into())?;
-        let is_covariance =
-            |k: usize| curve.covariance[k][k] >= 0.0 && curve.covariance[k].iter().all(|v| v.is_finite());
-        let covariances = (0..TERMS).all(is_covariance);
-        table.at("covariance").require(covariances, || "must be numbers, none below 0 on its diagonal".into())?;
-        let weights = curve.order_weights.iter().all(|weight| (0.0..=1.0).contains(weight));
+        check_coverage(table, curve.coverage, curve.coverage_factor)?;
+        table.at("covariance").require(is_covariance(&curve.covariance), || COVARIANCE.into())?;
+        let weights = curve.order_weights.iter().all(|weight| SHARES.contains(weight));
         table.at("order_weights").require(weights, || "must be probabilities".into())?;
-        let steps = curve.steps.iter().flatten().all(|number| number.is_finite());
+        check_within(table, &SIZES, &[("lag_s", curve.lag_s), ("play_c", curve.play_c)])?;
+        let steps = curve.steps.iter().all(|[at_s, size_dps]| SIZES.contains(at_s) && NUMBERS.contains(size_dps));
         table.at("steps").require(steps, || "must be pairs of a time and a size".into())
     }
 }
@@ -159,15 +168,114 @@ fn curved() -> String {
     format!("belongs to schema {CURVED}")
 }
 
-const PROBABILITY: &str = "must be a probability between 0 and 1";
+const COVARIANCE: &str = "is not a covariance: it must be symmetric, and no sum may have a variance below 0";
 
-fn is_coverage(coverage: f64) -> bool {
-    coverage > 0.0 && coverage < 1.0
+/// Checks what both forms state of an axis beside its correction.
+fn check_of_axis(
+    axis: Entry<'_>,
+    measured: Option<&Measured>,
+    uncertainty: Option<&Uncertainties>,
+    noise: Option<&NoiseRecord>,
+) -> Result<(), EntryError> {
+    measured.map_or(Ok(()), |measured| measured.check(axis.at("measured")))?;
+    uncertainty.map_or(Ok(()), |uncertainty| uncertainty.check(axis.at("uncertainty")))?;
+    noise.map_or(Ok(()), |noise| noise.check(axis.at("noise")))
 }
 
-fn check_coverage(table: Entry<'_>, uncertainty: Option<&Uncertainties>) -> Result<(), EntryError> {
-    let holds = uncertainty.is_none_or(|u| is_coverage(u.coverage));
-    table.at("coverage").require(holds, || PROBABILITY.into())
+fn check_coverage(table: Entry<'_>, coverage: f64, factor: f64) -> Result<(), EntryError> {
+    let is_probability = coverage > 0.0 && coverage < 1.0;
+    table.at("coverage").require(is_probability, || "must be a probability between 0 and 1".into())?;
+    let is_factor = factor > 0.0 && SIZES.contains(&factor);
+    table.at("coverage_factor").require(is_factor, || "must be a number above 0".into())
+}
+
+/// Checks numbers of a table by their keys.
+fn check_within(
+    table: Entry<'_>,
+    limits: &RangeInclusive<f64>,
+    numbers: &[(&'static str, f64)],
+) -> Result<(), EntryError> {
+    numbers.iter().try_for_each(|(key, number)| {
+        let why = || format!("must be a number from {} to {}", limits.start(), limits.end());
+        table.at(key).require(limits.contains(number), why)
+    })
+}
+
+/// Whether a matrix can be a covariance: it is symmetric, and no sum of its quantities has a variance below 0, but for
+/// rounding.
+fn is_covariance<const N: usize>(matrix: &[[f64; N]; N]) -> bool {
+    /// Numbers that were rounded to seven digits leave so much of a correlation.
+    const ROUNDING: f64 = 1e-6;
+    let sd = |k: usize| if matrix[k][k] > 0.0 { libm::sqrt(matrix[k][k]) } else { 1.0 };
+    let correlation = |i: usize, j: usize| matrix[i][j] / sd(i) / sd(j);
+    let is_sound = |i: usize, j: usize| {
+        let (value, twin) = (correlation(i, j), correlation(j, i));
+        value.is_finite() && (value - twin).abs() <= ROUNDING && (value == 0.0 || matrix[i][i] > 0.0)
+    };
+    let rounded = |i: usize, j: usize| correlation(i, j) + if i == j { ROUNDING } else { 0.0 };
+    let lower = || (0..N).map(|i| (0..=i).map(|j| rounded(i, j)).collect()).collect();
+    (0..N).all(|i| (0..N).all(|j| is_sound(i, j))) && whitener(lower()).is_some()
+}
+
+impl Measured {
+    fn check(&self, table: Entry<'_>) -> Result<(), EntryError> {
+        let &Self { b1_dps, t1_c, b2_dps, t2_c } = self;
+        check_within(table, &NUMBERS, &[("b1_dps", b1_dps), ("b2_dps", b2_dps)])?;
+        check_within(table, &TEMPS_C, &[("t1_c", t1_c), ("t2_c", t2_c)])
+    }
+}
+
+impl Uncertainties {
+    fn check(&self, table: Entry<'_>) -> Result<(), EntryError> {
+        check_coverage(table, self.coverage, self.coverage_factor)?;
+        let sizes = [
+            ("u_pbc_dps", self.u_pbc_dps),
+            ("u_btc_dps_per_c", self.u_btc_dps_per_c),
+            ("u_t3_c", self.u_t3_c),
+            ("u_curvature_dps_per_c", self.u_curvature_dps_per_c),
+            ("u_b1_dps", self.u_b1_dps),
+            ("u_t1_c", self.u_t1_c),
+            ("u_b2_dps", self.u_b2_dps),
+            ("u_t2_c", self.u_t2_c),
+        ];
+        check_within(table, &SIZES, &sizes)?;
+        check_within(table, &NUMBERS, &[("drift_dps", self.drift_dps.unwrap_or(0.0))])?;
+        let [pbc, btc, t3] = [self.u_pbc_dps, self.u_btc_dps_per_c, self.u_t3_c].map(|u| u * u);
+        let (pbc_btc, pbc_t3, btc_t3) = (self.cov_pbc_btc_dps2_per_c, self.cov_pbc_t3_dps_c, self.cov_btc_t3_dps);
+        let matrix = [[pbc, pbc_btc, pbc_t3], [pbc_btc, btc, btc_t3], [pbc_t3, btc_t3, t3]];
+        let why = || "does not fit the uncertainties: the covariances must leave no variance below 0".into();
+        table.at("cov_pbc_btc_dps2_per_c").require(is_covariance(&matrix), why)
+    }
+}
+
+impl NoiseRecord {
+    fn check(&self, table: Entry<'_>) -> Result<(), EntryError> {
+        let sizes = [
+            ("white_dps_per_rt_hz", self.white_dps_per_rt_hz),
+            ("flicker_floor_dps", self.flicker_floor_dps),
+            ("flicker_cutoff_hz", self.flicker_cutoff_hz),
+            ("rate_random_walk_dps_per_rt_s", self.rate_random_walk_dps_per_rt_s),
+        ];
+        check_within(table, &SIZES, &sizes)
+    }
+}
+
+impl Run {
+    fn check(&self, table: Entry<'_>) -> Result<(), EntryError> {
+        let sizes = [
+            ("duration_s", self.duration_s),
+            ("rate_hz", self.rate_hz),
+            ("rdy_hz", self.rdy_hz),
+            ("average_s", self.average_s),
+            ("warmup_s", self.warmup_s),
+            ("settle_s", self.settle_s),
+            ("offset_s", self.offset_s),
+            ("max_u_btc_dps_per_c", self.max_u_btc_dps_per_c),
+        ];
+        check_within(table, &SIZES, &sizes)?;
+        check_within(table, &SHARES, &[("max_lost", self.max_lost)])?;
+        check_within(table, &NUMBERS, &[("earth_dps", self.earth_dps.unwrap_or(0.0))])
+    }
 }
 
 impl Span {
@@ -183,19 +291,8 @@ impl Span {
     }
 }
 
-/// Checks any value: one must be able to compute with a number, and a text must be one line, because the check lines
-/// count lines.
-fn plain(key: &str, value: &DeValue<'_>) -> Result<(), String> {
-    let number = value.as_float().and_then(|float| float.as_str().parse::<f64>().ok());
-    if number.is_some_and(|number| number.is_nan() || number.abs() > LARGEST) {
-        return Err(format!("`{key}` is not a number that a measurement can have"));
-    }
-    if key.starts_with("u_") && number.is_some_and(|number| number < 0.0) {
-        return Err(format!("`{key}` is below 0, which no uncertainty is"));
-    }
-    if key == "coverage_factor" && number.is_some_and(|number| number <= 0.0) {
-        return Err(format!("`{key}` must be above 0"));
-    }
+/// Checks that a text is one line, because the check lines count lines.
+fn one_line(key: &str, value: &DeValue<'_>) -> Result<(), String> {
     let many = value.as_array().into_iter().flatten().map(Spanned::get_ref);
     if many.chain([value]).filter_map(DeValue::as_str).any(|text| text.contains(char::is_control)) {
         return Err(format!("`{key}` holds control characters; it must be one line of plain text"));

@@ -6,12 +6,14 @@
 
 mod budget;
 mod chamber;
+mod date;
 mod file;
 mod form;
 mod limits;
 
 pub use budget::Contribution;
 pub use chamber::ChamberRun;
+pub use date::is_rfc3339;
 pub use file::{FileError, FileWarning};
 
 use crate::check_lines::sha256_hex;
