@@ -4,7 +4,9 @@
 mod calibrating;
 mod statistics;
 
-pub use calibrating::{AxisResult, Calibrating, CalibrationEntry, CalibrationResult, CurvePoint, Running, Step};
+pub use calibrating::{
+    AxisResult, Calibrating, CalibrationEntry, CalibrationResult, CurvePoint, Known, Running, Step,
+};
 use serde::{Deserialize, Serialize};
 pub use statistics::{
     AllanPoint, Coefficient, MarkKind, OverTemperature, SpectrumMark, SpectrumPoint, Statistics, TemperatureLine,

@@ -110,11 +110,13 @@ impl PartProcedure {
         Ok(ended)
     }
 
-    /// Progress of the axis that is farthest from its target ([`Procedure::reached`]).
-    #[must_use]
-    pub fn reached(&self) -> Option<Reached> {
-        let all: Option<Vec<Reached>> = self.axes.iter().map(Procedure::reached).collect();
-        all?.into_iter().max_by(|a, b| a.u_dps.total_cmp(&b.u_dps))
+    /// What the recording would state of the least certain axis if it ended now ([`Procedure::reached`]).
+    pub fn reached(&self) -> Option<Result<Reached, AxisRefusal>> {
+        let of = |(index, axis): (usize, &Procedure)| {
+            Some(axis.reached()?.map_err(|refusal| AxisRefusal::new(&self.part, index, refusal)))
+        };
+        let all: Option<Result<Vec<Reached>, AxisRefusal>> = self.axes.iter().enumerate().map(of).collect();
+        all?.map(|all| all.into_iter().reduce(Reached::or_worse)).transpose()
     }
 
     /// Returns the outcomes of the axes, in the order of the part, once [`PartProcedure::next`] says [`Action::Done`].

@@ -124,11 +124,14 @@ impl Procedure {
         }
     }
 
-    /// Uncertainty of the correction by now, rms over the temperatures seen, °/s, and whether the temperature has
-    /// settled, for [`Plan::target_dps`]. None before there is enough data, and for AN-1042.
-    #[must_use]
-    pub fn reached(&self) -> Option<Reached> {
-        (self.state == State::Recording).then(|| recording::reached(&self.seen(), &self.ledger))?
+    /// What the recording would state if it ended now, or why it would be refused. None outside of a recording, as by
+    /// AN-1042. It takes as long as [`Procedure::finish`].
+    pub fn reached(&self) -> Option<Result<Reached, Refusal>> {
+        (self.state == State::Recording).then(|| {
+            let mut ahead = self.clone();
+            ahead.end_recording()?;
+            recording::reached(&ahead.seen(), &ahead.ledger)
+        })
     }
 }
 

@@ -25,11 +25,15 @@ const MOST_BLOCKS: f64 = 1600.0;
 /// Shortest block, s.
 const SHORTEST_S: f64 = 2.0;
 
-/// Progress of a recording.
+/// What a recording would state if it ended now.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reached {
     /// Standard uncertainty of the correction, rms over the temperatures seen, °/s.
     pub u_dps: f64,
+    /// Standard uncertainty of PBC, °/s.
+    pub u_pbc_dps: f64,
+    /// Standard uncertainty of BTC, °/s/°C.
+    pub u_btc_dps_per_c: f64,
     /// Time until the temperature has settled, s, if it goes on as a self-heating does.
     pub left_s: f64,
     /// Whether the temperature has settled: the change to come is inside the margin of the calibration.
@@ -41,16 +45,47 @@ const SETTLING_S: f64 = 600.0;
 /// Time over which the slope of the temperature is taken, s.
 const SLOPE_S: f64 = 60.0;
 
-/// Progress of the recording. None before there is enough data.
-pub(crate) fn reached(seen: &Evidence<'_>, ledger: &Blocks) -> Option<Reached> {
-    let seconds: Vec<Second> = ledger.seconds().collect();
-    let summary = ledger.summary(State::Recording);
-    let curve = curve(seen, white_density(&summary), &[], &summary, &seconds, &Suspects::default()).ok()?;
-    let last = seconds.last()?;
-    let before = seconds.iter().rev().find(|second| second.at_s <= last.at_s - SLOPE_S)?;
-    let to_come_c = (last.temp_c - before.temp_c) / (last.at_s - before.at_s) * SETTLING_S;
-    let left_s = (SETTLING_S * libm::log(to_come_c.abs() / seen.axis.temp_margin_c())).max(0.0);
-    Some(Reached { u_dps: rms_u_dps(&curve), left_s, settled: left_s <= 0.0 })
+impl Reached {
+    /// Time of the next look after the one at `looked_s`, s. A look takes as long as the end of a recording, which a
+    /// longer recording makes longer.
+    #[must_use]
+    pub const fn next_look_s(looked_s: f64) -> f64 {
+        looked_s + (looked_s / 10.0).max(60.0)
+    }
+
+    /// The less certain of two axes in each number.
+    pub(crate) fn or_worse(self, other: Self) -> Self {
+        Self {
+            u_dps: self.u_dps.max(other.u_dps),
+            u_pbc_dps: self.u_pbc_dps.max(other.u_pbc_dps),
+            u_btc_dps_per_c: self.u_btc_dps_per_c.max(other.u_btc_dps_per_c),
+            left_s: self.left_s.max(other.left_s),
+            settled: self.settled && other.settled,
+        }
+    }
+}
+
+/// What the recording would state if it ended now: the numbers of its outcome.
+pub(crate) fn reached(seen: &Evidence<'_>, ledger: &Blocks) -> Result<Reached, Refusal> {
+    let Outcome { uncertainty, curve, .. } = outcome(seen, ledger)?;
+    let left_s = settles_in_s(&ledger.seconds().collect::<Vec<_>>(), seen.axis.temp_margin_c());
+    Ok(Reached {
+        u_dps: curve.as_ref().map_or(f64::INFINITY, rms_u_dps),
+        u_pbc_dps: uncertainty.u_pbc_dps,
+        u_btc_dps_per_c: uncertainty.u_btc_dps_per_c,
+        left_s,
+        settled: left_s <= 0.0,
+    })
+}
+
+/// Time until the temperature will change by less than the margin, s, if it goes on as a self-heating does.
+fn settles_in_s(seconds: &[Second], margin_c: f64) -> f64 {
+    let Some(last) = seconds.last() else { return f64::INFINITY };
+    let before = seconds.iter().rev().find(|second| second.at_s <= last.at_s - SLOPE_S);
+    before.map_or(f64::INFINITY, |before| {
+        let to_come_c = (last.temp_c - before.temp_c) / (last.at_s - before.at_s) * SETTLING_S;
+        (SETTLING_S * libm::log(to_come_c.abs() / margin_c)).max(0.0)
+    })
 }
 
 /// The forecast for a recording before it begins.

@@ -49,7 +49,7 @@ export class Run implements Stage {
 
   constructor(readonly app: App) {
     this.#traces = KINDS.map((kind) => this.#strip(kind));
-    this.#finish = button("Finish now", () => void app.ask({ do: "finish-calibration" }), { class: "primary" });
+    this.#finish = button("Finish now", () => void app.ask({ do: "finish-calibration" }));
     const abort = button("Abort", () => void this.#abort(), { class: "quiet" });
     const card = (name: string, title: string, ...children: Node[]) =>
       h("section", { class: `card ${name}` }, h("h2", {}, title), ...children);
@@ -98,6 +98,7 @@ export class Run implements Stage {
     this.#finish.hidden = run.method === "an1042" || run.method === "chamber";
     this.#watch.hidden = run.method === "chamber";
     this.#finish.disabled = !run.can_finish;
+    mark(this.#finish, "class", run.is_enough ? "primary" : null);
     this.#plan(run);
     this.#warn(run.threats);
     facts(this.#facts, temperatures(run));
@@ -153,10 +154,17 @@ export class Run implements Stage {
   }
 }
 
-function temperatures({ method, temps_c, u_dps }: Running): [string, string][] {
+function temperatures({ method, temps_c, known }: Running): [string, string][] {
   const names = ["At the beginning", "Now", "Lowest", "Highest"];
   const rows = names.map((name, k): [string, string] => [name, temps_c ? `${value(temps_c[k], 0.02)} °C` : "–"]);
   if (method === "an1042" || method === "chamber") return rows;
-  const known = u_dps === null ? "–" : `± ${uncertainty(half(u_dps * settings.scale))} ${settings.unitText} (95 %)`;
-  return [...rows, ["Correction known to", known]];
+  const { scale, unitText } = settings;
+  const stated = (u: number | undefined, unit: string) =>
+    u === undefined ? "–" : `± ${uncertainty(half(u * scale))} ${unit} (95 %)`;
+  const when = known ? `if it had ended at ${duration(known.at_s)}` : "if it ended now";
+  return [
+    ...rows,
+    [`PBC, ${when}`, stated(known?.u_pbc_dps, unitText)],
+    [`BTC, ${when}`, stated(known?.u_btc_dps_per_c, `${unitText}/°C`)],
+  ];
 }

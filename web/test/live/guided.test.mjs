@@ -12,7 +12,7 @@ test("by every sample, until somebody says that this is enough", async () => {
   const prepare = twinOf("seed=7,profile=oven,warmup_c=20,warmup_s=60");
   const { page, context, faults } = await open(home.browser, `${home.site.url}#calibrate`, { prepare });
   await beginCalibration(page, "cycle", 1200);
-  await page.waitForSelector(".run button.primary[disabled]");
+  await page.waitForSelector(".run .actions button:not(.primary)[disabled]");
   await becomes(page, ".run .left", /left, (1[89]|[2-9]\d) min.* done/, 4 * PATIENCE);
   await page.waitForSelector(".run button.primary:not([disabled])");
   await page.getByRole("button", { name: "Finish now" }).click();

@@ -19,7 +19,7 @@ pub trait Watch {
     /// Sees how far it is, with every 4096th sample (1.4 times a second of part time); false asks it to end.
     fn see(&mut self, progress: &Progress) -> bool;
 
-    /// Sees how far it is from its target, once a minute of part time where there is one.
+    /// Sees how far it is from its target, where there is one: what the recording would state if it ended now.
     fn approach(&mut self, _reached: Reached) {}
 
     /// Hears what goes wrong on the way, while the measurement goes on.

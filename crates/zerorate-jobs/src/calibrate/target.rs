@@ -2,7 +2,7 @@
 
 use zerorate::{Method, PartProcedure, Plan, Reached};
 
-/// The target is looked at once in so many s of the recording.
+/// The target is looked at after multiples of so many s of the recording.
 const EVERY_S: f64 = 60.0;
 
 /// When the twin is asked for its truth, ns after the first sample: where the correction may hold from.
@@ -14,7 +14,7 @@ pub fn marks_ns(plan: &Plan) -> impl Iterator<Item = u64> + use<> {
     (1..=minutes).map(move |minute| minute * every_ns).chain([end_ns])
 }
 
-/// Looks at a recording once a minute.
+/// Looks at a recording at whole minutes, more seldom as it gets longer.
 #[derive(Debug, Default)]
 pub struct Target {
     looked_s: f64,
@@ -23,17 +23,17 @@ pub struct Target {
 }
 
 impl Target {
-    /// Whether a minute has passed since the last look. The looks are at whole minutes, where the twin says its truth.
+    /// Whether it is time for the next look, at a whole minute, where the twin says its truth.
     #[inline]
     pub fn is_due(&self, procedure: &PartProcedure) -> bool {
-        procedure.progress().elapsed_s >= self.looked_s + EVERY_S
+        procedure.progress().elapsed_s >= whole_minutes(Reached::next_look_s(self.looked_s))
     }
 
     /// Looks: whether the target is reached, and the temperature settled.
     pub fn is_reached(&mut self, procedure: &PartProcedure) -> bool {
-        self.looked_s = (procedure.progress().elapsed_s / EVERY_S).floor() * EVERY_S;
+        self.looked_s = whole_minutes(procedure.progress().elapsed_s);
         self.target_dps = procedure.plan().target_dps.unwrap_or(0.0);
-        self.reached = procedure.reached();
+        self.reached = procedure.reached().and_then(Result::ok);
         self.reached.is_some_and(|reached| reached.settled && reached.u_dps <= self.target_dps)
     }
 
@@ -41,4 +41,9 @@ impl Target {
     pub fn reached(&self) -> Option<Reached> {
         self.reached
     }
+}
+
+/// The last whole minute, s.
+fn whole_minutes(time_s: f64) -> f64 {
+    (time_s / EVERY_S).floor() * EVERY_S
 }

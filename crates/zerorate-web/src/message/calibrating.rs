@@ -50,10 +50,24 @@ pub struct Running {
     pub threats: Vec<String>,
     /// Temperature at the start and now, and the lowest and highest in between, °C.
     pub temps_c: Option<[f64; 4]>,
-    /// Standard uncertainty of the correction so far, °/s; only `warmup` and `cycle` have it.
-    pub u_dps: Option<f64>,
+    /// What it would have stated at the last look; only `warmup` and `cycle` have it, unless it would be refused.
+    pub known: Option<Known>,
     /// Whether `finish-calibration` is possible now.
     pub can_finish: bool,
+    /// Whether the goal is met: nothing would be refused, and the temperature of a warm-up has settled.
+    pub is_enough: bool,
+}
+
+/// What a calibration would have stated if it had ended at a time.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "types", derive(TS))]
+pub struct Known {
+    /// The time since the start, s.
+    pub at_s: f64,
+    /// Standard uncertainty of PBC, °/s.
+    pub u_pbc_dps: f64,
+    /// Standard uncertainty of BTC, °/s/°C.
+    pub u_btc_dps_per_c: f64,
 }
 
 /// A step of a procedure.

@@ -24,13 +24,13 @@ pub struct ByHand {
 }
 
 impl ByHand {
-    pub fn new(command: &CalibrateCommand, part: &Part) -> Result<Self, String> {
+    pub fn new(command: &CalibrateCommand, part: &Part, earth_dps: Option<f64>) -> Result<Self, String> {
         let named = command.plan.as_deref().map(str::trim).filter(|plan| !plan.is_empty()).unwrap_or(DEFAULT);
         let max_lost = Plan::default().max_lost;
         let plan = ChamberPlan::parse(text_of(named)?).map_err(|error| error.to_string())?;
         plan.spares(part).map_err(|error| error.to_string())?;
         let procedure = ChamberProcedure::new(part, plan, max_lost).map_err(|error| error.to_string())?;
-        Ok(Self { procedure, ends_s: Vec::new(), max_lost, earth_dps: super::earth_dps(command) })
+        Ok(Self { procedure, ends_s: Vec::new(), max_lost, earth_dps })
     }
 
     /// The end of a step that begins at `from_s`, s. It is the real end of a finished step, and otherwise the end of
@@ -105,8 +105,9 @@ impl GuidedMethod for ByHand {
             left_s: (at_s - elapsed_s).max(0.0),
             advice: self.advice(),
             threats: Vec::new(),
-            u_dps: None,
+            known: None,
             can_finish: false,
+            is_enough: false,
         }
     }
 

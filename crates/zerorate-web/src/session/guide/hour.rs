@@ -1,27 +1,30 @@
 //! The methods of one recording: the hour of AN-1042, a warm-up, a cycle.
 
 use super::{Found, FoundAxis, GuidedMethod, Measured, Stage, label};
-use crate::message::{CalibrateCommand, MethodName, Step};
+use crate::message::{CalibrateCommand, Known, MethodName, Step};
 use zerorate::calibration::Origin;
 use zerorate::{
-    Action, AxisRefusal, Calibration, Event, Method, Outcome, Part, PartProcedure, Plan, Say, Scan, State, resonance,
+    Action, AxisRefusal, Calibration, Event, Method, Outcome, Part, PartProcedure, Plan, Reached, Say, Scan, State,
+    resonance,
 };
 
-/// Time between two computations of how well a curve is known, s of part time; each takes about 0.1 s.
-const REACH_EVERY_S: f64 = 60.0;
+/// Time from which on a recording can be finished, s of part time.
+const FINISH_FROM_S: f64 = 60.0;
 
 #[derive(Debug)]
 pub struct Hour {
     procedure: PartProcedure,
     threats: Vec<String>,
-    u_dps: Option<f64>,
+    /// The result of a recording that ended at `reached_s`, or why it would be refused.
+    reached: Option<Result<Reached, String>>,
     reached_s: f64,
 }
 
 impl Hour {
-    pub fn new(command: &CalibrateCommand, part: &Part) -> Result<Self, String> {
-        let procedure = PartProcedure::new(part, plan(command)).map_err(|error| error.with(label).to_string())?;
-        Ok(Self { procedure, threats: Vec::new(), u_dps: None, reached_s: 0.0 })
+    pub fn new(command: &CalibrateCommand, part: &Part, earth_dps: Option<f64>) -> Result<Self, String> {
+        let plan = plan(command, earth_dps);
+        let procedure = PartProcedure::new(part, plan).map_err(|error| error.with(label).to_string())?;
+        Ok(Self { procedure, threats: Vec::new(), reached: None, reached_s: 0.0 })
     }
 
     fn handle(&mut self, event: Event<'_, Scan>) -> Result<(), String> {
@@ -60,25 +63,38 @@ impl GuidedMethod for Hour {
     }
 
     fn look(&mut self) {
-        self.threats = self.procedure.threats().map(|refusal| worded(&refusal)).collect();
         let elapsed_s = self.procedure.progress().elapsed_s;
-        if elapsed_s >= self.reached_s + REACH_EVERY_S {
+        if elapsed_s >= Reached::next_look_s(self.reached_s) {
             self.reached_s = elapsed_s;
-            self.u_dps = self.procedure.reached().map(|reached| reached.u_dps);
+            let reached = self.procedure.reached();
+            self.reached = reached.map(|reached| reached.map_err(|refusal| worded(&refusal)));
         }
+        let mut threats: Vec<String> = self.procedure.threats().map(|refusal| worded(&refusal)).collect();
+        if let Some(Err(refused)) = self.reached.as_ref().filter(|_| threats.is_empty()) {
+            threats.push(refused.clone());
+        }
+        self.threats = threats;
     }
 
     fn stage(&self, temps_c: Option<[f64; 4]>) -> Stage {
         let progress = self.procedure.progress();
         let step = |(state, from_s, to_s): (State, f64, f64)| Step { name: state.to_string(), from_s, to_s };
+        let reached = self.reached.as_ref().and_then(|reached| reached.as_ref().ok());
+        // a cycle goes over its temperatures as long as somebody wants
+        let has_settled = |reached: &Reached| reached.settled || self.procedure.plan().method == Method::Cycle;
         Stage {
             steps: self.procedure.plan().steps().map(step).collect(),
             elapsed_s: progress.elapsed_s,
             left_s: (progress.total_s - progress.elapsed_s).max(0.0),
             advice: self.advice(progress.state, temps_c),
             threats: self.threats.clone(),
-            u_dps: self.u_dps,
-            can_finish: progress.state == State::Recording && progress.elapsed_s > REACH_EVERY_S,
+            known: reached.map(|&Reached { u_pbc_dps, u_btc_dps_per_c, .. }| Known {
+                at_s: self.reached_s,
+                u_pbc_dps,
+                u_btc_dps_per_c,
+            }),
+            can_finish: progress.state == State::Recording && progress.elapsed_s > FINISH_FROM_S,
+            is_enough: self.threats.is_empty() && reached.is_some_and(has_settled),
         }
     }
 
@@ -103,7 +119,7 @@ impl GuidedMethod for Hour {
     }
 }
 
-fn plan(command: &CalibrateCommand) -> Plan {
+fn plan(command: &CalibrateCommand, earth_dps: Option<f64>) -> Plan {
     let default = Plan::default();
     Plan {
         method: match command.method {
@@ -115,7 +131,7 @@ fn plan(command: &CalibrateCommand) -> Plan {
         warmup_s: command.warmup_s.unwrap_or(default.warmup_s),
         settle_s: command.settle_s.unwrap_or(default.settle_s),
         offset_s: command.offset_s.unwrap_or(default.offset_s),
-        earth_dps: super::earth_dps(command),
+        earth_dps,
         ..default
     }
 }

@@ -7,7 +7,7 @@ use super::axis::AxisState;
 use super::notices::Said;
 use super::shelf::entry;
 use crate::message::{
-    AxisResult, CalibrateCommand, Calibrating, CalibrationResult, CurvePoint, MethodName, Running, Step,
+    AxisResult, CalibrateCommand, Calibrating, CalibrationResult, CurvePoint, Known, MethodName, Running, Step,
 };
 use adis16130_twin::Truth;
 use chamber::ByHand;
@@ -51,8 +51,9 @@ struct Stage {
     left_s: f64,
     advice: String,
     threats: Vec<String>,
-    u_dps: Option<f64>,
+    known: Option<Known>,
     can_finish: bool,
+    is_enough: bool,
 }
 
 /// The result of a procedure.
@@ -82,20 +83,17 @@ pub struct Guide {
     look_s: f64,
 }
 
-/// Settings for the Earth's rotation, on a vertical axis (F-16).
-fn earth_dps(command: &CalibrateCommand) -> Option<f64> {
-    command.latitude_deg.map(|deg| EARTH_DPS * deg.to_radians().sin())
-}
-
 impl Guide {
     /// Prepares a calibration before the first reading of a part that was just initialised.
     pub fn new(command: &CalibrateCommand, part: &Part, info: &CaptureInfo) -> Result<Self, String> {
         if let Some(deg) = command.latitude_deg.filter(|deg| !(-90.0..=90.0).contains(deg)) {
             return Err(format!("the latitude is {deg}°: give a number from -90 to 90"));
         }
+        // on a vertical axis (F-16); a recording may state it for any axis
+        let earth_dps = command.latitude_deg.map(|deg| EARTH_DPS * deg.to_radians().sin()).or(info.earth_dps);
         let way: Box<dyn GuidedMethod> = match command.method {
-            MethodName::Chamber => Box::new(ByHand::new(command, part)?),
-            _ => Box::new(Hour::new(command, part)?),
+            MethodName::Chamber => Box::new(ByHand::new(command, part, earth_dps)?),
+            _ => Box::new(Hour::new(command, part, earth_dps)?),
         };
         Ok(Self {
             method: command.method,
@@ -142,9 +140,20 @@ impl Guide {
     }
 
     pub fn shown(&self) -> Calibrating {
-        let Stage { steps, elapsed_s, left_s, advice, threats, u_dps, can_finish } = self.way.stage(self.temps_c);
-        let (method, temps_c) = (self.method, self.temps_c);
-        Calibrating::Running(Running { method, steps, elapsed_s, left_s, advice, threats, temps_c, u_dps, can_finish })
+        let Stage { steps, elapsed_s, left_s, advice, threats, known, can_finish, is_enough } =
+            self.way.stage(self.temps_c);
+        Calibrating::Running(Running {
+            method: self.method,
+            steps,
+            elapsed_s,
+            left_s,
+            advice,
+            threats,
+            temps_c: self.temps_c,
+            known,
+            can_finish,
+            is_enough,
+        })
     }
 
     /// The result, with the calibration itself.
