@@ -14,7 +14,7 @@ import pytest
 
 from zerorate import fleet
 from zerorate.fleet import _population
-from zerorate.fleet._row import SCHEMA
+from zerorate.fleet._row import AXIS_NAMES, SCHEMA
 
 
 def row(index: int, **other: Any) -> dict[str, Any]:
@@ -86,6 +86,30 @@ def test_the_page_shows_outliers_repeats_and_states(tmp_path: Path) -> None:
         assert text in page, text
     assert "SIMULATED" not in page and "<svg" in page
     assert 'src="' not in page and 'href="http' not in page  # it needs no network
+
+
+def axis(name: str, index: int, **other: Any) -> dict[str, Any]:
+    """An axis of unit ``index``, each with its own level."""
+    n = {"x": 0.01, "y": 0.02, "acc": 0.003}[name] * (1 + 0.001 * index)
+    unit = "m/s²" if name == "acc" else "°/s"
+    return {**dict.fromkeys(AXIS_NAMES), "name": name, "unit": unit, "n": n, "n_lo": n, "n_hi": n, **other}
+
+
+def test_the_axes_of_a_part_are_judged_one_by_one(tmp_path: Path) -> None:
+    rows = [
+        row(index, pbc_dps=None, btc_dps_per_c=None, axes=[axis("x", index), axis("y", index), axis("acc", index)])
+        for index in range(1, 21)
+    ]
+    rows[6]["axes"][0]["n"] = 0.02  # as y, but not as any other x
+    calibrated = {"pbc_dps": 0.1, "u_pbc_dps": 0.01, "btc_dps_per_c": 0.0, "u_btc_dps_per_c": 0.001, "t3_c": 30.0}
+    rows[1]["axes"][1].update(calibrated)
+    again = [axis("x", 2), axis("y", 2, **{**calibrated, "pbc_dps": 0.2})]
+    rows.append(row(30, serial="SN2", pbc_dps=None, btc_dps_per_c=None, axes=again))
+    write(tmp_path, rows)
+    page = page_of(tmp_path)
+    assert "<td>SN7</td><td>Angle random walk N, axis x</td><td>1.2 °/√h</td>" in page
+    assert "<td>SN2, axis y</td>" in page and "Velocity random walk N" in page
+    assert "42 values" in page and "20 values" in page, "two gyroscopes and an accelerometer of 20 units, and a repeat"
 
 
 def test_a_copy_of_a_recording_counts_once(tmp_path: Path) -> None:

@@ -124,6 +124,38 @@ def test_logs_and_their_axes(tmp_path: Path) -> None:
     assert several["state"] == "failed" and "--column" in several["error"]
 
 
+def test_a_log_without_a_noise_model_is_refused(tmp_path: Path) -> None:
+    rate = np.random.default_rng(4).normal(0.3, 0.05, 4000)
+    t_s = np.arange(4000) / 100
+    huge = np.where(t_s == 20, 1e200, rate)
+    logs = {"huge": (t_s, huge), "gap": (t_s + 3600 * (t_s > 18), rate), "short": (t_s[:40], rate[:40])}
+    for name, columns in logs.items():
+        log = tmp_path / f"{name}.csv"
+        np.savetxt(log, np.column_stack(columns), fmt="%.9g", delimiter=",", header="t_s,gz_dps", comments="")
+        row = fleet.one(str(log), str(tmp_path / "out"), fleet.Recipe(recalibrate=None, allan=("--column", "gz_dps")))
+        assert (row["state"], row["code"]) == ("refused", "no-model"), row
+        assert [row[key] for key in ("n", "n_lo", "n_hi", "b", "k")] == [None] * 5
+
+
+def test_a_row_states_its_sensor_whatever_the_recipe(captures: Path, tmp_path: Path) -> None:
+    one = str(captures / "unit3.arrows")
+    rows = [fleet.one(one, str(tmp_path / "out"), recipe) for recipe in (RECIPE, fleet.Recipe(recalibrate=None))]
+    for key in ("part", "serial", "created", "simulated", "capture_sha256", "n", "k_hi"):
+        assert rows[0][key] == rows[1][key], key
+    assert rows[1]["serial"] == "SN3" and rows[1]["part"] == "ADIS16130" and rows[1]["pbc_dps"] is None
+
+
+def test_every_axis_of_a_capture_by_the_default_commands(tmp_path: Path) -> None:
+    log = tmp_path / "three.arrows"
+    twin = ["--device", "twin:seed=11,axes=3,warmup_s=20", "--divider", "20", "--serial", "IMU-7"]
+    command = [sys.executable, "-m", "zerorate", "calibrate", *twin, *PLAN, "--log", str(log), "--no-save"]
+    subprocess.run(command, check=True, capture_output=True, timeout=60)
+    row = fleet.one(str(log), str(tmp_path / "out"), RECIPE)
+    assert (row["state"], row["serial"], row["samples"] > 0) == ("ok", "IMU-7", True), row
+    assert [axis["name"] for axis in row["axes"]] == ["x", "y", "z"]
+    assert all(axis["pbc_dps"] and axis["u_pbc_dps"] and axis["n"] and axis["unit"] == "°/s" for axis in row["axes"])
+
+
 def test_a_program_that_dies_or_hangs(captures: Path, tmp_path: Path, wrapped: Wrap) -> None:
     wrapped('case "$*" in *unit1*) kill -SEGV $$;; *unit2*) exec sleep 60;; esac')
     quick = fleet.Recipe(recalibrate=PLAN, timeout_s=5)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import socket
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Optional
 
@@ -131,6 +132,8 @@ def _analysed(path: str, task: Task) -> dict[str, Any]:
     row: dict[str, Any] = {"state": "ok", "code": "", "error": "", "warnings": [], "axes": []}
     if task.recipe.recalibrate is not None:
         _calibrated(row, path, task)
+    else:
+        _take_stated(row, _verdict(path, task))
     for command, options in (("allan", task.recipe.allan), ("imu", task.recipe.imu)):
         if options is not None and row["state"] in ("ok", "refused"):
             _analysis(row, command, options, path, task)
@@ -155,7 +158,7 @@ def _calibrated(row: dict[str, Any], path: str, task: Task) -> None:
         verdict = _verdict(path, task)
         if verdict.get("form") == "other" and (task.recipe.allan, task.recipe.imu) != (None, None):
             return
-        _take(row, {**verdict, "capture_sha256": verdict.get("samples_sha256")}, STATED)
+        _take_stated(row, verdict)
         answer = _diagnosed(answer, verdict)
     found = answer.found or {}
     _take(row, found, _row.SCHEMA.names)
@@ -169,6 +172,12 @@ def _verdict(path: str, task: Task) -> dict[str, Any]:
     return verdict
 
 
+def _take_stated(row: dict[str, Any], verdict: dict[str, Any]) -> None:
+    """Fills in what a capture states of itself, as its calibration has it. A log of other software states nothing."""
+    created = "SIMULATED" if verdict.get("simulated") else verdict.get("created")
+    _take(row, {**verdict, "created": created, "capture_sha256": verdict.get("samples_sha256")}, STATED)
+
+
 def _diagnosed(answer: Answer, verdict: dict[str, Any]) -> Answer:
     """What failed because the file is damaged says so."""
     if answer.state != "failed" or verdict.get("form") == "other" or not verdict.get("damage"):
@@ -178,20 +187,29 @@ def _diagnosed(answer: Answer, verdict: dict[str, Any]) -> Answer:
 
 def _analysis(row: dict[str, Any], command: str, options: Options, path: str, task: Task) -> None:
     """Fills in the noise of one axis, or of all axes of an IMU."""
-    answer = _asked([command, path, *(["--fit"] if command == "allan" else []), *(options or ())], task)
+    own = ["--fit", *_all_axes(row, options or ())] if command == "allan" else []
+    answer = _asked([command, path, *own, *(options or ())], task)
     if answer.state == "failed":
         answer = _diagnosed(answer, _verdict(path, task))
     found = answer.found or {}
-    row["samples"] = row.get("samples") or found.get("samples")
-    row["warnings"] = [*row["warnings"], *found.get("warnings", [])]
     several = found.get("axes", [])
-    if len(several) > 1:
-        row["axes"] = _merged(row["axes"], [_of_axis(axis) for axis in several])
+    axes = several or [found]
+    row["samples"] = row.get("samples") or axes[0].get("samples")
+    row["warnings"] = [*row["warnings"], *found.get("warnings", [])]
+    if len(axes) > 1:
+        row["axes"] = _merged(row["axes"], [_of_axis(axis) for axis in axes])
     else:
-        row.update(_noise(several[0] if several else found))
+        row.update(_noise(axes[0]))
     for axis in several:
-        row["warnings"] += [f"{axis['name']}: {warning}" for warning in axis.get("warnings", [])]
+        of_axis = f": {axis['name']}: " if len(several) > 1 else ": "
+        row["warnings"] += [warning.replace(": ", of_axis, 1) for warning in axis.get("warnings", [])]
     _judge(row, answer)
+
+
+def _all_axes(row: dict[str, Any], options: Sequence[str]) -> list[str]:
+    """Asks for all axes of a capture. Of a log, the recipe says which columns are axes."""
+    chooses = any(option.split("=")[0] == "--column" for option in options)
+    return [] if chooses or row.get("part") is None else ["--column", "all"]
 
 
 def _of_axis(axis: dict[str, Any]) -> dict[str, Any]:

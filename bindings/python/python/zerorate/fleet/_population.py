@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any
+from typing import Any, Optional
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,6 +54,8 @@ class Disagreement:
     """Two calibrations of one unit that differ by more than their uncertainty."""
 
     serial: str
+    axis: Optional[str]
+    """The axis, of a part with several."""
     urls: tuple[str, str]
     temp_c: float
     difference_dps: float
@@ -63,17 +65,17 @@ class Disagreement:
 
 
 def disagreements(rows: Sequence[dict[str, Any]]) -> list[Disagreement]:
-    """Pairs of calibrations of one serial number whose corrections disagree where their temperatures meet.
+    """Pairs of calibrations of one axis of a serial number that disagree where their temperatures meet.
 
     The correction at T is c = PBC + (T − T3) · BTC, and its variance u²(PBC) + d² u²(BTC) + 2 d cov(PBC, BTC) with
     d = T − T3 (JCGM 100:2008, 5.2.2). T is the middle of the temperatures that both have seen; where they have none in
     common, the middle between the two.
     """
-    by_unit: dict[tuple[str, str], list[dict[str, Any]]] = {}
+    by_axis: dict[tuple[str, str, Optional[str]], list[dict[str, Any]]] = {}
     for row in rows:
         if row["state"] == "ok" and row["serial"] and row["pbc_dps"] is not None:
-            by_unit.setdefault((row["part"], row["serial"]), []).append(row)
-    pairs = (pair for unit in by_unit.values() for pair in combinations(unit, 2))
+            by_axis.setdefault((row["part"], row["serial"], row.get("axis")), []).append(row)
+    pairs = (pair for axis in by_axis.values() for pair in combinations(axis, 2))
     compared = (_compare(*pair) for pair in pairs if pair[0]["capture_sha256"] != pair[1]["capture_sha256"])
     return [found for found in compared if abs(found.difference_dps) > found.limit_dps]
 
@@ -84,7 +86,8 @@ def _compare(first: dict[str, Any], second: dict[str, Any]) -> Disagreement:
     temp_c = (low + high) / 2
     values, variances = zip(_correction(first, temp_c), _correction(second, temp_c))
     limit = 1.96 * float(np.sqrt(sum(variances)))
-    return Disagreement(first["serial"], (first["url"], second["url"]), temp_c, values[1] - values[0], limit)
+    urls = (first["url"], second["url"])
+    return Disagreement(first["serial"], first.get("axis"), urls, temp_c, values[1] - values[0], limit)
 
 
 def _correction(row: dict[str, Any], temp_c: float) -> tuple[float, float]:

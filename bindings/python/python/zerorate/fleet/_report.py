@@ -31,14 +31,20 @@ class Quantity:
     name: str
     unit: str
     scale: float = 1.0
+    of: str = "°/s"
+    """The unit of the rate that has this quantity."""
 
 
+ACCELERATION = "m/s²"
 QUANTITIES = [
     Quantity("pbc_dps", "Bias correction PBC", "°/s"),
     Quantity("btc_dps_per_c", "Temperature coefficient BTC", "°/s/°C"),
     Quantity("n", "Angle random walk N", "°/√h", 60.0),
     Quantity("b", "Bias instability B", "°/h", 3600.0),
     Quantity("k", "Rate random walk K", "°/s/√s"),
+    Quantity("n", "Velocity random walk N", "m/s/√h", 60.0, ACCELERATION),
+    Quantity("b", "Bias instability B of acceleration", "mg", 1000.0 / 9.80665, ACCELERATION),
+    Quantity("k", "Acceleration random walk K", "m/s²/√s", 1.0, ACCELERATION),
 ]
 
 
@@ -83,10 +89,11 @@ def _rows(table: str) -> list[dict[str, Any]]:
 def _page(rows: list[dict[str, Any]], table: str, group: Optional[str]) -> str:
     good, copies = _apart([row for row in rows if row["state"] == "ok"])
     states = Counter((row["state"], row["code"] or "") for row in rows)
-    pairs = _population.disagreements(good)
+    axes = _axes(good)
+    pairs = _population.disagreements(axes)
     text = files(__package__).joinpath("report.html.jinja").read_text(encoding="utf-8")
     template = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined).from_string(text)
-    outliers = _outliers(good)
+    outliers = _outliers(axes)
     return template.render(
         table=table,
         rows=len(rows),
@@ -103,7 +110,7 @@ def _page(rows: list[dict[str, Any]], table: str, group: Optional[str]) -> str:
         more_outliers=max(len(outliers) - MOST_LISTED, 0),
         disagreements=pairs[:MOST_LISTED],
         more_disagreements=max(len(pairs) - MOST_LISTED, 0),
-        pictures=[found for found in (_pictures(good, quantity, group) for quantity in QUANTITIES) if found],
+        pictures=[found for found in (_pictures(axes, quantity, group) for quantity in QUANTITIES) if found],
         group=group,
     )
 
@@ -121,6 +128,18 @@ def _apart(rows: list[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[tuple
     return kept, copies
 
 
+def _axes(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """A row for each axis. An axis that was calibrated is in °/s."""
+
+    def unit(axis: dict[str, Any]) -> Optional[str]:
+        return axis["unit"] if axis["pbc_dps"] is None else "°/s"
+
+    of_axis = (
+        {**row, **axis, "axis": axis["name"], "unit": unit(axis)} for row in rows for axis in row["axes"] or []
+    )
+    return [*(row for row in rows if not row["axes"]), *of_axis]
+
+
 def _codes(rows: list[dict[str, Any]]) -> list[str]:
     """The codes of the warnings, each once for a row."""
     return [code for row in rows for code in {warning.split(":")[0] for warning in row["warnings"] or []}]
@@ -129,22 +148,29 @@ def _codes(rows: list[dict[str, Any]]) -> list[str]:
 def _values(rows: list[dict[str, Any]], quantity: Quantity) -> tuple[list[dict[str, Any]], Numbers]:
     """The rows that have a quantity, and its values. A noise that cannot be told from zero is not a value."""
     lowest = f"{quantity.column}_lo"
-    having = [row for row in rows if row[quantity.column] is not None and row.get(lowest, 1.0) > 0]
+    of_unit = (row for row in rows if row.get("unit", "°/s") == quantity.of)
+    having = [row for row in of_unit if row[quantity.column] is not None and row.get(lowest, 1.0) > 0]
     return having, np.array([row[quantity.column] * quantity.scale for row in having], dtype=np.float64)
 
 
 def _outliers(rows: list[dict[str, Any]]) -> list[Outlier]:
-    """The rows with a robust z above 3.5 in any quantity, the farthest first. Parts are not compared with others."""
+    """The axes with a robust z above 3.5 in any quantity, the farthest first. An axis is compared with the same axis of
+    the same type of sensor."""
     found: list[tuple[float, Outlier]] = []
-    for part in sorted({row["part"] or "" for row in rows}):
-        of_part = [row for row in rows if (row["part"] or "") == part]
+
+    def kind(row: dict[str, Any]) -> tuple[str, str]:
+        return row["part"] or "", row.get("axis") or ""
+
+    for part, axis in sorted({kind(row) for row in rows}):
+        alike = [row for row in rows if kind(row) == (part, axis)]
         for quantity in QUANTITIES:
-            having, values = _values(of_part, quantity)
+            having, values = _values(alike, quantity)
             z = _population.robust_z(values) if len(values) >= 5 else np.zeros(len(values))
             for row, value, distance in zip(having, values, z):
                 if abs(distance) > _population.OUTLIER:
                     text = f"{value:.4g} {quantity.unit}"
-                    outlier = Outlier(row["serial"] or "?", row["url"], quantity.name, text, f"{distance:+.1f}")
+                    name = f"{quantity.name}, axis {axis}" if axis else quantity.name
+                    outlier = Outlier(row["serial"] or "?", row["url"], name, text, f"{distance:+.1f}")
                     found.append((abs(distance), outlier))
     return [outlier for _, outlier in sorted(found, key=lambda pair: -pair[0])]
 
@@ -177,7 +203,8 @@ def _pictures(rows: list[dict[str, Any]], quantity: Quantity, group: Optional[st
     if not len(values):
         return None
     parts = {row["part"] for row in having}
-    limits = _limits(parts.pop()).get(quantity.column, ()) if len(parts) == 1 else ()
+    is_typical = len(parts) == 1 and quantity.of != ACCELERATION
+    limits = _limits(parts.pop()).get(quantity.column, ()) if is_typical else ()
     days = _days(having)
     found = {
         "name": quantity.name,

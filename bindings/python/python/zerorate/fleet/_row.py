@@ -12,7 +12,7 @@ import pyarrow as pa
 TEXTS = ["key", "url", "version", "serial", "part", "state", "code", "error", "method", "calibration_id"]
 TEXTS += ["capture_sha256", "created", "recipe", "program", "host"]
 
-COEFFICIENTS = ["pbc_dps", "u_pbc_dps", "btc_dps_per_c", "u_btc_dps_per_c", "t3_c", "u_t3_c"]
+COEFFICIENTS = ["pbc_dps", "u_pbc_dps", "btc_dps_per_c", "u_btc_dps_per_c", "t3_c", "u_t3_c", "cov_pbc_btc_dps2_per_c"]
 NOISE = ["n", "n_lo", "n_hi", "b", "b_lo", "b_hi", "k", "k_lo", "k_hi", "model_error"]
 
 AXIS = pa.struct(
@@ -26,14 +26,15 @@ AXIS_NAMES = [field.name for field in AXIS]
 SCHEMA = pa.schema(
     [(name, pa.string()) for name in TEXTS]
     + [("simulated", pa.bool_()), ("bytes", pa.int64()), ("samples", pa.int64()), ("lost_samples", pa.int64())]
-    + [(name, pa.float64()) for name in [*COEFFICIENTS, "cov_pbc_btc_dps2_per_c", "temp_min_c", "temp_max_c", *NOISE]]
+    + [(name, pa.float64()) for name in [*COEFFICIENTS, "temp_min_c", "temp_max_c", *NOISE]]
     + [("axes", pa.list_(AXIS)), ("warnings", pa.list_(pa.string()))]
     + [("seconds", pa.float64()), ("ended", pa.timestamp("ms", tz="UTC"))]
 )
 """The columns of ``rows.parquet``.
 
-``state`` is ``ok``, ``refused`` (the measurement must not become a calibration), ``failed`` (the file cannot be used)
-or ``killed`` (the file killed its command or its worker every time). ``code`` and ``error`` give the reason.
+``state`` is ``ok``, ``refused`` (the measurement must not become a calibration, or its noise model a result),
+``failed`` (the file cannot be used) or ``killed`` (the file killed its command or its worker every time). ``code`` and
+``error`` give the reason.
 
 ``version`` tells one content of the address from another: the object's ETag, or a file's size and time. ``created`` is
 the time that the capture states. Where a part has several axes, their numbers stand in ``axes``, and the columns are
