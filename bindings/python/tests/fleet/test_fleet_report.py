@@ -55,6 +55,15 @@ def test_a_trend_by_hand() -> None:
     assert _population.trend(x[:7], x[:7]) is None
 
 
+def test_names_do_nothing_to_a_page_or_to_its_reader(tmp_path: Path) -> None:
+    name = "html<img src=x onerror=alert(1)>\x1b[31m\u202etxt.csv"
+    write(tmp_path, [*map(row, range(20)), row(20, url=name, pbc_dps=1e3), row(21, url="copy", capture_sha256="c20")])
+    page = page_of(tmp_path)
+    shown = "html&lt;img src=x onerror=alert(1)&gt;\\u{1b}[31m\\u{202e}txt.csv"
+    assert page.count(shown) == 2, "as an outlier, and as the original of a copy"
+    assert "<img" not in page and "\x1b" not in page and page.count("<svg") > 2
+
+
 def test_repeats_that_disagree_are_named() -> None:
     first = row(1)
     # at 30 °C both have u = 0.01, so that 95 % of differences are below 1.96 · √2 · 0.01 = 0.0277

@@ -156,6 +156,52 @@ def test_every_axis_of_a_capture_by_the_default_commands(tmp_path: Path) -> None
     assert all(axis["pbc_dps"] and axis["u_pbc_dps"] and axis["n"] and axis["unit"] == "°/s" for axis in row["axes"])
 
 
+def noise(samples: int = 2000) -> str:
+    """A log of white noise."""
+    values = np.random.default_rng(4).normal(0.3, 0.05, samples)
+    return "t_s,gz_dps\n" + "".join(f"{n / 100:.2f},{value:.6f}\n" for n, value in enumerate(values))
+
+
+NAMES = [b"good.csv", b"esc\x1b]0;owned\x07\x1b[31mred.csv", b"nl\nnew.csv", b"-o.csv", b"--help", b"q?[x].csv"]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have no such names")
+def test_a_name_that_is_not_text_fails_its_own_row(tmp_path: Path) -> None:
+    folder, out, recipe = tmp_path / "captures", str(tmp_path / "out"), tmp_path / "recipe.toml"
+    folder.mkdir()
+    recipe.write_text('[allan]\noptions = ["--column", "gz_dps"]\n')
+    for name in [*NAMES, b"M\xfcller.csv"]:
+        Path(os.path.join(folder, os.fsdecode(name))).write_text(noise())
+    (folder / "bad\x1b[31m.csv").write_text("hello\n")
+    done = run("run", str(folder), out, "--recipe", str(recipe))
+    assert done.returncode == 0 and f"2 failed, {len(NAMES)} ok" in done.stdout, done.stderr
+    assert f"{len(NAMES) + 2} had a row before" in run("run", str(folder), out, "--recipe", str(recipe)).stdout
+    table = run("table", out)
+    assert table.returncode == 0 and "failed: file-name" in table.stdout, table.stderr
+    assert "M\\xfcller.csv: its name is not UTF-8" in table.stdout and "bad\\u{1b}[31m.csv: " in table.stdout
+    assert "\x1b" not in table.stdout
+    rows = rows_of(tmp_path / "out")
+    assert {name: row["state"] for name, row in rows.items() if name in map(os.fsdecode, NAMES)} == dict.fromkeys(
+        map(os.fsdecode, NAMES), "ok"
+    )
+    one = run("one", os.path.join(folder, os.fsdecode(b"M\xfcller.csv")), out)
+    assert one.returncode == 1 and json.loads(one.stdout)["code"] == "file-name", one.stderr
+    gone = run("one", str(folder / "gone\x1b[2J.csv"), out)
+    assert gone.returncode == 1 and "gone\\u{1b}[2J.csv: there is no such file" in gone.stderr, gone.stderr
+
+
+def test_a_folder_is_a_folder_whatever_letters_its_name_has(tmp_path: Path) -> None:
+    for name in ("d[1]", "d1"):
+        (tmp_path / name / "below").mkdir(parents=True)
+        (tmp_path / name / "below" / "log.csv").write_text(noise())
+    found = [file.url for file in _store.find(str(tmp_path / "d[1]"))]
+    assert found == [str(tmp_path / "d[1]" / "below" / "log.csv")]
+    assert [file.url for file in _store.find(found[0])] == found
+    assert [file.url for file in _store.find(str(tmp_path / "d[0-9]" / "*" / "*.csv"))] == [
+        str(tmp_path / "d1" / "below" / "log.csv")
+    ]
+
+
 def test_a_program_that_dies_or_hangs(captures: Path, tmp_path: Path, wrapped: Wrap) -> None:
     wrapped('case "$*" in *unit1*) kill -SEGV $$;; *unit2*) exec sleep 60;; esac')
     quick = fleet.Recipe(recalibrate=PLAN, timeout_s=5)

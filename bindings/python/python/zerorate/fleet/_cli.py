@@ -10,6 +10,7 @@ from typing import Any, Optional
 
 from . import _one, _run, _table
 from ._dask import Dask, dask_cluster
+from ._plain import plain
 from ._recipe import DEFAULT, Recipe, load
 from ._run import Ended, EngineLost
 from ._store import Unreachable
@@ -40,8 +41,12 @@ def main(arguments: list[str]) -> int:
     try:
         return int(args.run(args))
     except (Unreachable, EngineLost, OSError, ValueError, ImportError) as error:
-        print(f"error: {error}", file=sys.stderr)
+        _complain(error)
         return FAILED
+
+
+def _complain(text: object) -> None:
+    print(f"error: {plain(text)}", file=sys.stderr)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -129,14 +134,14 @@ def _say_ended(ended: Ended, out: str) -> int:
     left_out = f"; {ended.left_out} are not logs by their names" if ended.left_out else ""
     print(f"{rows} in {ended.seconds:.1f} s; {there} had a row before{left_out}")
     for url, why in list(ended.undone.items())[:20]:
-        print(f"error: {url} has no row: {why}", file=sys.stderr)
+        _complain(f"{url} has no row: {why}")
     if ended.undone:
-        print(f"error: {len(ended.undone)} files have no row; run the same command again", file=sys.stderr)
+        _complain(f"{len(ended.undone)} files have no row; run the same command again")
         return FAILED
     if not ended.states and not there:
-        print("error: the source has no file", file=sys.stderr)
+        _complain("the source has no file")
         return FAILED
-    print(f"`zerorate fleet table {out}` makes one table of all rows")
+    print(f"`zerorate fleet table {plain(out)}` makes one table of all rows")
     return DONE
 
 
@@ -144,7 +149,7 @@ def _one_file(args: argparse.Namespace) -> int:
     try:
         row = _one.one(args.url, args.out, _recipe(args), max_memory=args.max_memory)
     except _one.NotEnoughMemory as error:
-        print(f"error: {args.url} has no row: {error}", file=sys.stderr)
+        _complain(f"{args.url} has no row: {error}")
         return FAILED
     print(json.dumps(row, ensure_ascii=False, indent=1))
     return EXIT_CODES.get(str(row["state"]), FAILED)
@@ -153,18 +158,18 @@ def _one_file(args: argparse.Namespace) -> int:
 def _write_table(args: argparse.Namespace) -> int:
     counts = _table.table(args.out)
     if not counts.rows:
-        print(f"error: {args.out} has no rows; `zerorate fleet run SOURCE {args.out}` makes them", file=sys.stderr)
+        _complain(f"{args.out} has no rows; `zerorate fleet run SOURCE {args.out}` makes them")
         return FAILED
     if args.json:
         reasons = [dict(zip(("state", "code", "count", "url", "error"), reason)) for reason in counts.reasons]
         found = {"rows": counts.rows, "states": counts.states, "reasons": reasons}
         print(json.dumps(found, ensure_ascii=False, indent=1))
         return DONE
-    print(f"{args.out.rstrip('/')}/{_table.TABLE}: {counts.rows} rows")
+    print(f"{plain(args.out.rstrip('/'))}/{_table.TABLE}: {counts.rows} rows")
     for state, count in counts.states.items():
         print(f"{count:8} {state}")
     for state, code, count, url, error in counts.reasons:
-        print(f"{count:8} {state}: {code}\n         {url}: {error}")
+        print(f"{count:8} {state}: {plain(code)}\n         {plain(url)}: {plain(error)}")
     return DONE
 
 
@@ -172,5 +177,5 @@ def _write_report(args: argparse.Namespace) -> int:
     from . import _report
 
     _report.write(args.table, args.output, group=args.group, force=args.force)
-    print(f"{args.output}: written")
+    print(f"{plain(args.output)}: written")
     return DONE

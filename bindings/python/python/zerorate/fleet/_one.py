@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Optional
 
-from . import _downloads, _program, _row, _store
+from . import _downloads, _plain, _program, _row, _store
 from ._program import Answer
 from ._recipe import DEFAULT, Options, Recipe
 
@@ -84,6 +84,9 @@ def work(task: Task) -> str:
         return str(json.loads(_store.read(url))["state"])
     if _program.version() != task.program:
         raise OtherProgram(f"{socket.gethostname()} has {_program.version()}, and this run has {task.program}")
+    if not _plain.is_utf8(task.file.url):
+        put(task, {"state": "failed", "code": "file-name", "error": "its name is not UTF-8; give it another"})
+        return "failed"
     began = time.time()
     with _downloads.folder() as folder:
         path = _store.fetch(task.file, folder)
@@ -121,7 +124,7 @@ class Replaced(Exception):
 
 def put(task: Task, row: dict[str, Any]) -> None:
     """Writes the row of a task."""
-    stated = {"key": task.key, "url": task.file.url, "version": task.file.version, "bytes": task.file.size}
+    stated = {"key": task.key, "url": _plain.utf8(task.file.url), "version": task.file.version, "bytes": task.file.size}
     made = {"recipe": task.digest, "program": _program.version(), "host": socket.gethostname(), "ended": time.time()}
     complete = {**dict.fromkeys(_row.SCHEMA.names), "warnings": [], "axes": [], **stated, **made, **row}
     _store.put(_store.row_url(task.out, task.key), json.dumps(complete, sort_keys=True).encode())

@@ -13,8 +13,10 @@ from typing import Any, Optional
 import jinja2
 import numpy as np
 import pyarrow.parquet as pq
+from markupsafe import Markup
 
 from . import _population, _program, _store
+from ._plain import plain
 from ._population import Numbers
 from ._table import TABLE
 
@@ -92,7 +94,7 @@ def _page(rows: list[dict[str, Any]], table: str, group: Optional[str]) -> str:
     axes = _axes(good)
     pairs = _population.disagreements(axes)
     text = files(__package__).joinpath("report.html.jinja").read_text(encoding="utf-8")
-    template = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined).from_string(text)
+    template = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, finalize=_shown).from_string(text)
     outliers = _outliers(axes)
     return template.render(
         table=table,
@@ -113,6 +115,11 @@ def _page(rows: list[dict[str, Any]], table: str, group: Optional[str]) -> str:
         pictures=[found for found in (_pictures(axes, quantity, group) for quantity in QUANTITIES) if found],
         group=group,
     )
+
+
+def _shown(value: Any) -> Any:
+    """What a page shows of a value. A picture is markup of ours."""
+    return plain(value) if isinstance(value, str) and not isinstance(value, Markup) else value
 
 
 def _apart(rows: list[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[tuple[str, str]]]:

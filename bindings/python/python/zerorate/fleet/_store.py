@@ -52,16 +52,21 @@ class File:
 
     def key(self, digest: str) -> str:
         """The name of its row for a recipe."""
-        return hashlib.sha256(f"{self.url}|{self.version}|{digest}".encode()).hexdigest()[:24]
+        name = f"{self.url}|{self.version}|{digest}"
+        return hashlib.sha256(name.encode("utf-8", "surrogatepass")).hexdigest()[:24]
 
 
 def find(source: str) -> list[File]:
     """All files of a folder, a glob or a bucket, sorted by address."""
     filesystem, path = opened(source)
-    pattern = path if any(letter in path for letter in "*?[") else f"{path}/**"
     try:
-        single = {path: filesystem.info(path)} if filesystem.isfile(path) else {}
-        found = single or filesystem.glob(pattern, detail=True)
+        # what is there under this very name is not a pattern, whatever letters the name has
+        if filesystem.isfile(path):
+            found = {path: filesystem.info(path)}
+        elif filesystem.isdir(path):
+            found = filesystem.find(path, detail=True)
+        else:
+            found = filesystem.glob(path, detail=True)
     except Exception as error:
         raise Unreachable(f"{source} cannot be listed: {error}") from error
     infos = (_followed(filesystem, info) for info in found.values())
