@@ -1,7 +1,7 @@
 //! Failures are reported, measurements are not lost, and unfinished files are removed.
 #![cfg(target_os = "linux")]
 
-use super::{Bench, PROGRAM, Run, calibration};
+use super::{Bench, PROGRAM, Run, calibration, imu};
 use crate::harness::{self, send, wait_until};
 use std::fs::{self, File, OpenOptions};
 use std::io::Read;
@@ -12,6 +12,10 @@ use std::time::Duration;
 /// A calibration in four minutes of part time.
 const CALIBRATE: &str =
     "calibrate --device twin:seed=7 --average 2s --warmup 60s --settle 120s --offset 20s --max-u-btc 0.2";
+
+/// Two soak points of a chamber, in four minutes of part time.
+const SOAK: &str = "schema = 1\nwindow_s = 20\naverage_s = 30\nsettle_timeout_s = 600\ndrift_c_per_min = 0.2\n\
+    [[step]]\nto_c = 15\n[[step]]\nto_c = 45\n";
 
 /// The program, in the bench's folder, with a folder for temporary files of its own.
 fn command(bench: &Bench, line: &str) -> Command {
@@ -67,7 +71,7 @@ fn rescued(bench: &Bench, run: &Run, folder: &Path) {
     let place = kept.file_name().unwrap().to_string_lossy();
     assert!(said.contains("not lost") && said.contains(&*place) && !said.contains("/./"), "{said}");
     assert_eq!(fs::read_to_string(&kept).unwrap(), run.stdout, "{said}");
-    let export = bench.zerorate(&format!("export {} --format csv", kept.display()));
+    let export = bench.zerorate(&*format!("export {} --format csv", kept.display()));
     assert_eq!(export.stderr, "", "it is whole, with its checksum");
     assert!(export.ok().starts_with("delta_c"));
 }
@@ -169,7 +173,7 @@ fn a_second_writer_of_a_calibration_refuses() {
     let bench = Bench::new();
     let (child, log) = waiting(&bench, &format!("{CALIBRATE} -o unit.toml"));
     for force in ["", " --force"] {
-        let said = bench.zerorate(&format!("{CALIBRATE} -o unit.toml{force}")).fails(2);
+        let said = bench.zerorate(&*format!("{CALIBRATE} -o unit.toml{force}")).fails(2);
         assert!(said.contains("another zerorate"), "{said}");
     }
     let run = let_it_run(child, &log);
@@ -225,6 +229,42 @@ fn a_broken_pipe_is_a_success_on_stdout_only() {
     let run = Run::ended(child);
     assert_eq!(run.code, Some(1), "{}", run.stderr);
     assert!(run.stderr.contains("Broken pipe"), "{}", run.stderr);
+}
+
+/// `zerorate … | head -1`: the program may end as soon as its reader leaves, which must cost no file.
+#[test]
+fn every_file_stands_before_the_first_word_is_printed() {
+    let bench = imu::bench();
+    bench.write("soak.toml", SOAK);
+    fs::copy(bench.path("imu.csv"), bench.path("again.csv")).unwrap();
+    let column = "imu.csv --time-column t_s --column gyro_x_dps";
+    let again = CALIBRATE.split_once(" --average").unwrap().1;
+    let chamber = "--device twin:seed=4,warmup_s=10 --divider 50 --chamber sim:lag_s=15";
+    for (line, files) in [
+        ("imu imu.csv -o imu.yaml --report imu.html", "imu.yaml imu.html"),
+        ("imu imu.csv --json -o json.yaml", "json.yaml"),
+        (&*format!("allan {column} --plot a.svg --plot a.png --report a.html"), "a.svg a.png a.html"),
+        (&*format!("allan {column} --json --imu-yaml a.yaml"), "a.yaml"),
+        (&*format!("allan again.csv {column} --pool --csv --plot pool.svg"), "pool.svg"),
+        ("capture --device twin:seed=7 --samples 5000 -o some.csv", "some.csv"),
+        (&*format!("{CALIBRATE} -o unit.toml --log log.arrows"), "unit.toml log.arrows"),
+        (&*format!("recalibrate log.arrows --average{again} -o again.toml"), "again.toml"),
+        ("correct log.arrows --cal unit.toml -o corrected.arrows", "corrected.arrows"),
+        ("repair log.arrows -o repaired.arrows", "repaired.arrows"),
+        ("export unit.toml --format c -o unit.h", "unit.h"),
+        ("report unit.toml -o unit.html", "unit.html"),
+        ("stream --device replay:log.arrows --cal unit.toml --track --state state.toml", "state.toml"),
+        (&*format!("chamber soak.toml {chamber} -o u.toml --log u.arrows --report u.html"), "u.toml u.arrows u.html"),
+    ] {
+        let (reader, gone) = std::io::pipe().unwrap();
+        drop(reader);
+        let run = Run::of(bench.command(line).stdout(gone)).ended_with(0);
+        for file in files.split(' ') {
+            let length = fs::metadata(bench.path(file)).map_or(0, |file| file.len());
+            assert!(length > 0, "{line}: no {file}\n{}", run.stderr);
+        }
+        assert!(!line.contains("--track") || run.stderr.contains("s of rest learned from"), "{}", run.stderr);
+    }
 }
 
 /// A program that starts as if nobody had told it what to ignore.

@@ -78,45 +78,11 @@ pub fn stream(
     listener: &mut dyn Listener,
 ) -> Result<()> {
     let mut rows = RowMaker::new(acquisition.part(), calibration, tracking, listener)?;
-    let mut mean = Mean::default();
-    let mut judged = Vec::new();
-    let period_ns = options.period_ns.unwrap_or(1);
-    let ends_after_ns = options.duration_ns.unwrap_or(u64::MAX);
-    let mut first_ns = None;
-    while acquisition.next_judged(&mut judged)? {
-        let now_ns = judged.first().map_or(0, |first| first.reading.t_ns);
-        let t_ns = now_ns - *first_ns.get_or_insert(now_ns);
-        if mean.belongs_to_next(t_ns / period_ns) {
-            rows.write(&mut mean)?;
-        }
-        if t_ns >= ends_after_ns {
-            break;
-        }
-        mean.push(t_ns, t_ns / period_ns, &judged);
-        if let Some(tracking) = &mut rows.tracking {
-            tracking.push(t_ns, &judged, rows.listener);
-        }
-        if acquisition.frozen().is_some() {
-            return stop_frozen(&acquisition, rows, mean);
-        }
-    }
-    if options.period_ns.is_none() {
-        rows.write(&mut mean)?;
-    }
-    rows.finish()?;
+    let followed = rows.follow(&mut acquisition, options);
+    // what was learned is kept, whoever ended the stream
+    rows.finish().and(followed)?;
     acquisition.disbelief().for_each(|warning| listener.warn(warning));
     Ok(())
-}
-
-/// The row that says so, then the end: nothing after it would be a measurement.
-#[cold]
-fn stop_frozen(acquisition: &Acquisition, mut rows: RowMaker<'_>, mut mean: Mean) -> Result<()> {
-    mean.flags = mean.flags.and(Flags::FROZEN);
-    rows.write(&mut mean)?;
-    rows.finish()?;
-    let frozen = acquisition.frozen();
-    let why = frozen.map(|frozen| believed::frozen_text(&frozen, acquisition.start_ns())).unwrap_or_default();
-    Err(Refused::new("frozen", why).into())
 }
 
 /// The samples of one row: exact sums of codes, divided once.
@@ -194,6 +160,36 @@ impl<'a> RowMaker<'a> {
         Ok(Self { axes, corrector, warned_of_span: false, warned_of: Flags::NONE, tracking, listener })
     }
 
+    /// Hands on row after row until the end. The last row of a part that froze says so: nothing after it would be a
+    /// measurement.
+    fn follow(&mut self, acquisition: &mut Acquisition, options: StreamOptions) -> Result<()> {
+        let mut mean = Mean::default();
+        let mut judged = Vec::new();
+        let period_ns = options.period_ns.unwrap_or(1);
+        let ends_after_ns = options.duration_ns.unwrap_or(u64::MAX);
+        let mut first_ns = None;
+        while acquisition.next_judged(&mut judged)? {
+            let now_ns = judged.first().map_or(0, |first| first.reading.t_ns);
+            let t_ns = now_ns - *first_ns.get_or_insert(now_ns);
+            if mean.belongs_to_next(t_ns / period_ns) {
+                self.write(&mut mean)?;
+            }
+            if t_ns >= ends_after_ns {
+                break;
+            }
+            mean.push(t_ns, t_ns / period_ns, &judged);
+            if let Some(tracking) = &mut self.tracking {
+                tracking.push(t_ns, &judged, self.listener);
+            }
+            if let Some(frozen) = acquisition.frozen() {
+                mean.flags = mean.flags.and(Flags::FROZEN);
+                self.write(&mut mean)?;
+                return Err(Refused::new("frozen", believed::frozen_text(&frozen, acquisition.start_ns())).into());
+            }
+        }
+        if options.period_ns.is_none() { self.write(&mut mean) } else { Ok(()) }
+    }
+
     /// Hands on the row of these samples and empties the mean. Before the first temperature there is nothing to
     /// correct with.
     fn write(&mut self, mean: &mut Mean) -> Result<()> {
@@ -221,8 +217,10 @@ impl<'a> RowMaker<'a> {
     }
 
     fn finish(mut self) -> Result<()> {
-        self.listener.end()?;
-        self.tracking.as_mut().map_or(Ok(()), |tracking| tracking.finish(self.corrector.temp_c(), self.listener))
+        let temp_c = self.corrector.temp_c();
+        let kept = self.tracking.as_mut().map_or(Ok(()), |tracking| tracking.finish(temp_c, self.listener));
+        let ended = self.listener.end();
+        kept.and(ended)
     }
 
     /// Each warning once.

@@ -22,6 +22,7 @@ use std::path::PathBuf;
 use temperature::TemperatureArgs;
 use zerorate_allan::{FitOptions, Options, Stat, Taus};
 use zerorate_jobs::allan::{AllanOptions, allan};
+use zerorate_jobs::pool::Pool;
 use zerorate_logs::imu::Doubt;
 use zerorate_logs::{AnalysisOptions, Record};
 
@@ -196,8 +197,11 @@ pub fn run(args: &AllanArgs) -> Result<()> {
     if args.pool {
         return pooled(args, &records, files);
     }
-    print_records(args, &records)?;
-    files.write(&records, warnings)?;
+    // the reader of stdout may leave, so the files come first
+    let written = files.write(&records, warnings);
+    let printed = print_records(args, &records);
+    written?;
+    printed?;
     if args.fit { records.iter().try_for_each(check_model) } else { Ok(()) }
 }
 
@@ -226,18 +230,23 @@ fn check_model(record: &Record) -> Result<()> {
 fn pooled(args: &AllanArgs, records: &[Record], files: Files) -> Result<()> {
     let pool = zerorate_jobs::pool::pool(records).map_err(pool::failed)?;
     warn(&temperature::warnings(&pool.record));
-    match (args.json, args.csv) {
-        (true, _) => print_json(&json::Pooled::new(records, &pool))?,
-        (_, true) => print(&table::csv(std::slice::from_ref(&pool.record))?)?,
-        _ => {
-            say(table::heading(&pool.record));
-            print_lines(&table::text(&pool.record)?)?;
-            print_lines(&table::coefficients_text(&pool.record)?)?;
-            print_lines(&pool::text(&pool)?)?;
-        }
-    }
-    files.write(std::slice::from_ref(&pool.record), Vec::new())?;
+    let written = files.write(std::slice::from_ref(&pool.record), Vec::new());
+    let printed = print_pool(args, records, &pool);
+    written?;
+    printed?;
     check_model(&pool.record)
+}
+
+fn print_pool(args: &AllanArgs, records: &[Record], pool: &Pool) -> Result<()> {
+    if args.json {
+        return print_json(&json::Pooled::new(records, pool));
+    }
+    if args.csv {
+        return print(&table::csv(std::slice::from_ref(&pool.record))?);
+    }
+    say(table::heading(&pool.record));
+    let texts = [table::text(&pool.record)?, table::coefficients_text(&pool.record)?, pool::text(pool)?];
+    texts.iter().try_for_each(|text| print_lines(text))
 }
 
 /// Refuses records of different quantities where a picture or a table has one unit.

@@ -221,21 +221,25 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     let absent = absent.iter().map(ImuWarning::coded);
     let of_log: Vec<String> = notes.iter().map(LogWarning::coded).chain(absent).collect();
     let compared = sheet.as_ref().map(|sheet| datasheet::compare(sheet, &axes)).unwrap_or_default();
-    if args.json {
-        print_json(&json::Report::new((topic.as_deref(), &of_log), &axes, sheet.as_ref(), &compared))?;
-    } else {
-        print_lines(&text::table(&axes)?)?;
-        sheet.as_ref().map_or(Ok(()), |sheet| print_lines(&text::comparison(&datasheet::table(sheet, &compared))))?;
-    }
-    let (doubts, remarks): (Vec<_>, Vec<_>) = of_log.into_iter().partition(|line| DOUBTS.contains(&code(line)));
+    let (doubts, remarks): (Vec<_>, Vec<_>) = of_log.iter().cloned().partition(|line| DOUBTS.contains(&code(line)));
     let findings: Vec<String> = motion::lines(&axes).into_iter().chain(findings::condensed(&axes)).collect();
     let with = |doubts: &[String]| [doubts, &findings, &remarks].concat();
+    // the reader of stdout may leave, so the files come first
+    let written = page.map_or(Ok(()), |page| {
+        let head = head(args, &axes, topic.as_deref(), sheet.as_ref(), &compared, with(&doubts));
+        page::write(page, head, &axes)
+    });
+    let mattering = Choice::mattering(with(&first_of_each(&doubts)));
+    let written = written.and_then(|()| deliver(args, &axes, (topic.clone(), mattering), file));
+    let printed = if args.json {
+        print_json(&json::Report::new((topic.as_deref(), &of_log), &axes, sheet.as_ref(), &compared))
+    } else {
+        let compared = sheet.as_ref().map(|sheet| text::comparison(&datasheet::table(sheet, &compared)));
+        print_lines(&(text::table(&axes)? + &compared.unwrap_or_default()))
+    };
     warn(&at_most(LINES, &with(&first_of_each(&doubts))));
-    if let Some(page) = page {
-        page::write(page, head(args, &axes, topic.as_deref(), sheet.as_ref(), &compared, with(&doubts)), &axes)?;
-    }
-    let warnings = Choice::mattering(with(&first_of_each(&doubts)));
-    deliver(args, &axes, (topic, warnings), file)
+    written?.iter().for_each(say);
+    printed
 }
 
 /// Lines of warnings that a person reads.
@@ -283,33 +287,32 @@ fn head(
     }
 }
 
-/// Writes the file, if its numbers are results or the user asked for them nevertheless.
+/// Writes the file, if its numbers are results or the user asked for them nevertheless. Gives the lines that say so.
 fn deliver(
     args: &ImuArgs,
     axes: &[Record],
     (topic, warnings): (Option<String>, Vec<String>),
     file: Option<Staged>,
-) -> Result<()> {
+) -> Result<Vec<String>> {
     let doubts = Record::doubts(axes);
+    let mut lines = Vec::new();
     if let Some(code) = doubts.code() {
         let refused = Refused::new(code, format!("{}: {doubts}", args.log.display()));
         if !doubts.allow(args.accept_rejected) {
             return Err(refused.into());
         }
-        say(format_args!("warning: {refused}; written all the same (--accept-rejected)"));
+        lines.push(format!("warning: {refused}; written all the same (--accept-rejected)"));
     }
-    let Some(file) = file else { return Ok(()) };
+    let Some((file, path)) = file.zip(args.output.as_ref()) else { return Ok(lines) };
     let ImuArgs { combine, inflate, .. } = *args;
     let rule = if args.as_fitted { Rule::AsFitted } else { Rule::Covers(args.horizon) };
     let (log, names) = (args.log.display().to_string(), Names(option));
     let choice = Choice { log, topic, combine, rule, inflate, names, warnings };
     file.fill(args.format.file(choice, &Record::axes(axes), &doubts, args.accept_rejected)?.as_bytes())?;
-    if let Some(path) = &args.output {
-        let chosen = match args.format.is_by_axis() {
-            true => "each axis by itself".to_owned(),
-            false => format!("of the axes of a kind {}", combine.words(Names(option))),
-        };
-        say(format_args!("wrote {} for {}: {chosen}", path.display(), args.format.reader()));
-    }
-    Ok(())
+    let chosen = match args.format.is_by_axis() {
+        true => "each axis by itself".to_owned(),
+        false => format!("of the axes of a kind {}", combine.words(Names(option))),
+    };
+    lines.push(format!("wrote {} for {}: {chosen}", path.display(), args.format.reader()));
+    Ok(lines)
 }
