@@ -14,20 +14,23 @@ pub struct Recorder {
 impl Recorder {
     /// Starts a capture in an empty file.
     pub fn create(file: Recording, format: Format, info: &CaptureInfo) -> Result<Self, CaptureError> {
-        let out = Box::new(file.file().map_err(|error| CaptureError::io("write", file.path(), error))?);
+        let out = Box::new(file.writer().map_err(|error| CaptureError::io("write", file.path(), error))?);
         let writer = CaptureWriter::create(file.path(), out, format, info)?;
         Ok(Self { writer, file })
     }
 
-    /// Records a sample. Whole batches go to the system at once.
+    /// Records a sample. Whole batches go to the system at once. It fails within a second after the file was removed or
+    /// cut.
+    #[inline]
     pub fn push(&mut self, row: &Row) -> Result<(), CaptureError> {
+        self.file.check().map_err(|error| CaptureError::io("record into", self.file.path(), error))?;
         self.writer.push(row)
     }
 
     /// Writes the rest and puts the file onto the disk.
     pub fn finish(self) -> Result<CaptureSummary, CaptureError> {
         let path = self.file.path().to_owned();
-        let put = |error: io::Error| CaptureError::io("put onto the disk:", &path, error);
+        let put = |error: io::Error| CaptureError::io("record into", &path, error);
         let summary = self.writer.finish();
         let synced = self.file.finish().map_err(put);
         let summary = summary?;

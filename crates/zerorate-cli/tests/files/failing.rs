@@ -7,7 +7,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// A calibration in four minutes of part time.
 const CALIBRATE: &str =
@@ -264,6 +264,55 @@ fn every_file_stands_before_the_first_word_is_printed() {
             assert!(length > 0, "{line}: no {file}\n{}", run.stderr);
         }
         assert!(!line.contains("--track") || run.stderr.contains("s of rest learned from"), "{}", run.stderr);
+    }
+}
+
+/// `rm`, a cleaning job, and `logrotate` with `copytruncate`.
+#[test]
+fn the_file_of_a_running_recording_is_missed_within_a_second() {
+    type Attack = fn(&Path);
+    let remove: Attack = |file| fs::remove_file(file).unwrap();
+    let cut: Attack = |file| OpenOptions::new().write(true).open(file).unwrap().set_len(100).unwrap();
+    let replace: Attack = |file| {
+        fs::write(file.with_extension("new"), vec![0; 1 << 20]).unwrap();
+        fs::rename(file.with_extension("new"), file).unwrap();
+    };
+    for (name, attack, what) in [
+        ("run.arrows", remove, "removed or moved"),
+        ("run.csv", remove, "removed or moved"),
+        ("run.arrows", replace, "replaced by another file"),
+        ("run.arrows", cut, "cut short, from"),
+        ("run.csv", cut, "cut short, from"),
+        #[cfg(feature = "parquet")]
+        ("run.parquet", remove, "removed or moved"),
+    ] {
+        let bench = Bench::new();
+        let child = start(&bench, &format!("capture --realtime --duration 1h -o {name}"));
+        let least = if name.ends_with("parquet") { 0 } else { 10_000 };
+        wait_until("a file", || fs::metadata(bench.path(name)).is_ok_and(|file| file.len() >= least));
+        attack(&bench.path(name));
+        let began = Instant::now();
+        let run = Run::ended(child);
+        assert_eq!((run.code, &*run.stdout), (Some(1), ""), "{}", run.stderr);
+        let said = format!("error: cannot record into {name}: it was {what}");
+        assert!(run.stderr.contains(&said), "{}", run.stderr);
+        assert!(began.elapsed() < Duration::from_secs(10), "{name}: {what}: {:?}", began.elapsed());
+    }
+}
+
+/// The measurement goes on, and its result is kept; whether it is read or recorded, the log is not.
+#[test]
+fn a_log_that_is_removed_costs_no_result() {
+    for line in [CALIBRATE, "chamber soak.toml --device twin:seed=4,warmup_s=10 --chamber sim:lag_s=15"] {
+        let bench = Bench::new();
+        bench.write("soak.toml", SOAK);
+        let child = start(&bench, &format!("{line} -o unit.toml --log log.arrows"));
+        wait_until("samples", || fs::metadata(bench.path("log.arrows")).is_ok_and(|file| file.len() > 10_000));
+        fs::remove_file(bench.path("log.arrows")).unwrap();
+        let run = Run::ended(child);
+        assert_eq!(run.code, Some(1), "{}", run.stderr);
+        assert!(run.stderr.contains("warning: log-failed: ") && run.stderr.contains("it was removed or moved"));
+        assert!(run.stderr.contains("not lost") && only(bench.dir.path(), "unit.rescue-").exists(), "{}", run.stderr);
     }
 }
 

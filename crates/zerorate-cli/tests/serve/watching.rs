@@ -47,6 +47,21 @@ fn a_recording_that_is_served_ends_when_the_program_is_asked_to() {
     assert_eq!(served.interrupt().code(), Some(0));
 }
 
+/// The page goes on, and the terminal and the exit code say that the recording is lost.
+#[cfg(unix)]
+#[test]
+fn a_recording_that_is_removed_meanwhile_is_said_and_a_failure() {
+    let bench = Bench::new();
+    let served = Served::start(&bench, "--device twin:seed=3 -o unit.arrows");
+    let size = || fs::metadata(bench.path("unit.arrows")).map_or(0, |file| file.len());
+    assert!(wait_until(|| size() > 10_000));
+    fs::remove_file(bench.path("unit.arrows")).expect("a file");
+    let removed = Instant::now();
+    served.says("cannot record into unit.arrows: it was removed or moved while it was recorded into");
+    assert!(removed.elapsed() < Duration::from_secs(10), "{:?}", removed.elapsed());
+    assert_eq!(served.interrupt().code(), Some(1));
+}
+
 /// Twenty pages, of which one takes nothing: its connection fills up and is dropped, the others go on, and the
 /// recording has every sample.
 #[test]

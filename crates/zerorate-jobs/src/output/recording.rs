@@ -1,45 +1,63 @@
-//! A file that is recorded into: under its final name from the start, onto the disk once a second, by one writer.
+//! A file that is recorded into: under its final name from the start, onto the disk once a second, by one writer. A
+//! thread looks whether it is still there.
 
 use super::OutputError;
 use super::disk::{claim, lock, open_to_lock, sync_folder};
 use super::identity::Identity;
 use super::place::Place;
 use std::ffi::OsStr;
-use std::fs::{File, OpenOptions};
-use std::io::{self, ErrorKind};
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// Time between two requests to put the file onto the disk.
-const SYNC_EVERY: Duration = Duration::from_secs(1);
+/// Time between two looks at the file.
+const LOOK_EVERY: Duration = Duration::from_millis(250);
+
+/// Looks between two requests to put the file onto the disk: one request a second.
+const LOOKS_PER_SYNC: u32 = 4;
 
 /// A file to record into. It is locked until it and its clones are closed, so that no other run records into it.
 #[derive(Debug)]
 pub struct Recording {
     path: PathBuf,
     file: File,
-    sync: Option<BackgroundSync>,
+    /// Bytes written so far.
+    written: Arc<AtomicU64>,
+    /// None for a pipe or a device, which has no name to lose.
+    watched: Option<Arc<Watched>>,
+    /// None for a pipe or a device, and once it has failed.
+    watch: Option<Watch>,
 }
 
 impl Recording {
     /// Opens `place`, which `path` has led to.
     pub(super) fn new(path: &Path, place: Place) -> Result<Self, OutputError> {
         let failed = |error| OutputError::io("write", path, error);
-        let (file, sync) = match place {
+        let written = Arc::default();
+        let (file, target) = match place {
             Place::Stream { path: stream, .. } => (OpenOptions::new().write(true).open(stream).map_err(failed)?, None),
             Place::Name { folder, name, replaces } => {
+                let target = folder.join(&name);
                 let file = match replaces {
-                    None => create(path, &folder.join(&name))?,
+                    None => create(path, &target)?,
                     Some(old) => replace(path, &folder, &name, &old)?,
                 };
                 file.sync_all().and_then(|()| sync_folder(&folder)).map_err(failed)?;
-                let sync = BackgroundSync::of(&file).map_err(failed)?;
-                (file, Some(sync))
+                (file, Some(target))
             }
         };
-        Ok(Self { path: path.to_owned(), file, sync })
+        let watched = target.map(|target| {
+            let file = file.try_clone().map_err(failed)?;
+            Ok(Arc::new(Watched { target, file, written: Arc::clone(&written) }))
+        });
+        let watched = watched.transpose()?;
+        let watch = watched.clone().map(Watch::of).transpose().map_err(failed)?;
+        Ok(Self { path: path.to_owned(), file, written, watched, watch })
     }
 
     /// The name that was asked for.
@@ -51,23 +69,81 @@ impl Recording {
     ///
     /// # Errors
     /// The process has too many files open.
-    pub fn file(&self) -> io::Result<File> {
-        self.file.try_clone()
+    pub fn writer(&self) -> io::Result<impl Write + Send + 'static> {
+        Ok(Counted { file: self.file.try_clone()?, written: Arc::clone(&self.written) })
+    }
+
+    /// Asks whether all is well with the file so far.
+    ///
+    /// # Errors
+    /// It was removed, replaced or cut short, or what was written did not get onto the disk.
+    #[inline]
+    pub fn check(&mut self) -> io::Result<()> {
+        match self.watch.take_if(|watch| watch.thread.is_finished()) {
+            None => Ok(()),
+            Some(ended) => ended.finish(),
+        }
     }
 
     /// Everything was written: puts it onto the disk.
     ///
     /// # Errors
-    /// Data did not get there, now or before.
+    /// The errors of [`Recording::check`], now or before.
     pub fn finish(self) -> io::Result<()> {
-        let Some(sync) = self.sync else { return Ok(()) };
-        sync.finish()?;
-        self.file.sync_all()
+        let Some(watched) = self.watched else { return Ok(()) };
+        self.watch.map_or(Ok(()), Watch::finish)?;
+        watched.look()?;
+        watched.file.sync_all()
+    }
+}
+
+/// The open file, and a count of what goes into it.
+struct Counted {
+    file: File,
+    written: Arc<AtomicU64>,
+}
+
+impl Write for Counted {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.file.write(bytes)?;
+        self.written.fetch_add(written as u64, Ordering::Release);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// A file that is looked at while it is recorded into. It is open for appending: after it was cut short, it stays
+/// shorter than what was written.
+#[derive(Debug)]
+struct Watched {
+    /// The name that the file has.
+    target: PathBuf,
+    file: File,
+    written: Arc<AtomicU64>,
+}
+
+impl Watched {
+    fn look(&self) -> io::Result<()> {
+        let lost = |what: &str| Err(io::Error::other(format!("it was {what} while it was recorded into")));
+        let written = self.written.load(Ordering::Acquire);
+        let there = Identity::of_open(&self.file, &self.target);
+        match fs::metadata(&self.target) {
+            Err(error) if error.kind() == ErrorKind::NotFound => return lost("removed or moved"),
+            // a network that is away says nothing about the file
+            Err(_) => {}
+            Ok(named) if Identity::of(&named, &self.target) != there => return lost("replaced by another file"),
+            Ok(_) => {}
+        }
+        let length = self.file.metadata()?.len();
+        if length < written { lost(&format!("cut short, from {written} bytes to {length},")) } else { Ok(()) }
     }
 }
 
 fn create(path: &Path, target: &Path) -> Result<File, OutputError> {
-    let file = OpenOptions::new().write(true).create_new(true).open(target).map_err(|error| match error.kind() {
+    let file = OpenOptions::new().append(true).create_new(true).open(target).map_err(|error| match error.kind() {
         ErrorKind::AlreadyExists => OutputError::Exists { path: path.to_owned(), has_force: false },
         _ => OutputError::io("write", path, error),
     })?;
@@ -92,27 +168,32 @@ fn busy(path: &Path) -> OutputError {
     OutputError::Busy { path: path.to_owned() }
 }
 
-/// Asks for `fdatasync` once a second in a thread of its own: a slow disk must not keep the part waiting.
+/// Looks at the file, and asks for `fdatasync` once a second, in a thread of its own: a slow disk must not keep the
+/// part waiting. The thread ends early where something is wrong.
 #[derive(Debug)]
-struct BackgroundSync {
+struct Watch {
     stop: Sender<()>,
     thread: JoinHandle<io::Result<()>>,
 }
 
-impl BackgroundSync {
-    fn of(file: &File) -> io::Result<Self> {
-        let file = file.try_clone()?;
+impl Watch {
+    fn of(watched: Arc<Watched>) -> io::Result<Self> {
         let (stop, stopped) = mpsc::channel();
         let thread = thread::Builder::new().name("capture-sync".to_owned()).spawn(move || {
-            while stopped.recv_timeout(SYNC_EVERY) == Err(RecvTimeoutError::Timeout) {
-                file.sync_data()?;
+            let mut looks = 0u32;
+            while stopped.recv_timeout(LOOK_EVERY) == Err(RecvTimeoutError::Timeout) {
+                watched.look()?;
+                looks = looks.wrapping_add(1);
+                if looks.is_multiple_of(LOOKS_PER_SYNC) {
+                    watched.file.sync_data()?;
+                }
             }
             Ok(())
         })?;
         Ok(Self { stop, thread })
     }
 
-    /// Ends, and says whether one of the requests failed.
+    /// Ends, and says whether something was wrong.
     fn finish(self) -> io::Result<()> {
         drop(self.stop);
         self.thread.join().unwrap_or_else(|_| Err(io::Error::other("the syncing thread died")))

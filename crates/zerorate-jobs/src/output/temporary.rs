@@ -31,11 +31,11 @@ pub struct Temporary {
 }
 
 impl Temporary {
-    /// In `folder`, to be kept under another name, with the permissions of any new file. Its name has so many `random`
-    /// characters between `start` and `end`.
+    /// In `folder`, to be kept under another name, with the permissions of any new file, and open for appending. Its
+    /// name has so many `random` characters between `start` and `end`.
     pub fn for_keeps(folder: &Path, start: &str, end: &str, random: usize) -> io::Result<Self> {
         let mut builder = Builder::new();
-        builder.prefix(start).suffix(end).rand_bytes(random);
+        builder.prefix(start).suffix(end).rand_bytes(random).append(true);
         if let Some(permissions) = permissions_before_umask() {
             builder.permissions(permissions);
         }

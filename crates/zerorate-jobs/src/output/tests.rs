@@ -144,7 +144,7 @@ fn a_recording_that_replaces_another_leaves_its_hard_links() {
     fs::write(path("run"), "older").unwrap();
     fs::hard_link(path("run"), path("backup")).unwrap();
     let recording = Outputs::new(true).recording(&path("run")).unwrap();
-    io::Write::write_all(&mut recording.file().unwrap(), b"newer").unwrap();
+    io::Write::write_all(&mut recording.writer().unwrap(), b"newer").unwrap();
     recording.finish().unwrap();
     assert_eq!([path("backup"), path("run")].map(|path| fs::read_to_string(path).unwrap()), ["older", "newer"]);
 }
