@@ -8,19 +8,52 @@ use zerorate_logs::{ColumnOptions, LogError, Parts, RowReader};
 use zerorate_record::limits::Bytes;
 use zerorate_record::{CaptureError, CaptureReader, Input};
 
-/// Opens a file to be read. Pipes and devices have no length, and may have no end.
+/// Opens a file to be read. Pipes, sockets and devices have no length, and may have no end. They are refused before
+/// they are opened, which may wait for ever.
 ///
 /// # Errors
 /// Why that cannot be.
 pub fn open(path: &Path) -> Result<Input, CaptureError> {
     let failed = |error| CaptureError::io("read", path, error);
-    let file = File::open(path).map_err(failed)?;
-    let kind = file.metadata().map_err(failed)?.file_type();
-    if !kind.is_file() && !kind.is_dir() {
+    let metadata = path.metadata().map_err(failed)?;
+    if !metadata.is_file() && !metadata.is_dir() {
         let how = "it is a pipe or a device: copy it into a file, or pipe a log into `zerorate allan -`";
         return Err(failed(std::io::Error::other(how)));
     }
-    Ok(file.into())
+    let file = File::open(path).map_err(failed)?;
+    let holes = if metadata.is_file() { holes(&file).map_err(failed)? } else { 0 };
+    Ok(Input::from(file).with_holes(holes))
+}
+
+/// Stretches of a file that are looked at for holes. What lies behind them counts as one hole.
+#[cfg(any(target_os = "linux", target_os = "macos"))]
+const STRETCHES: usize = 1 << 16;
+
+/// Bytes of a file that read as zeros and take no room on the disk.
+#[cfg(any(target_os = "linux", target_os = "macos"))]
+fn holes(mut file: &File) -> std::io::Result<u64> {
+    use rustix::fs::{SeekFrom, seek};
+    let length = file.metadata()?.len();
+    let (mut at, mut stored) = (0, 0);
+    for _ in 0..STRETCHES {
+        let start = match seek(file, SeekFrom::Data(at)) {
+            Ok(start) => start,
+            // there is no data any more
+            Err(rustix::io::Errno::NXIO) => break,
+            // a file system that knows no holes
+            Err(_) => return file.rewind().map(|()| 0),
+        };
+        at = seek(file, SeekFrom::Hole(start))?;
+        stored += at.saturating_sub(start);
+    }
+    file.rewind()?;
+    Ok(length.saturating_sub(stored))
+}
+
+/// Elsewhere holes count as bytes.
+#[cfg(not(any(target_os = "linux", target_os = "macos")))]
+fn holes(_: &File) -> std::io::Result<u64> {
+    Ok(0)
 }
 
 /// Reads a small file of text whole. A device, a pipe or a file with holes may have any number of bytes, so that no
@@ -69,9 +102,9 @@ pub fn listed(path: &Path) -> Vec<PathBuf> {
     }
 }
 
-/// Bytes of a log on disk; a pipe may hold any number.
+/// Bytes of a log on disk, without holes; a pipe may hold any number.
 pub fn log_length(path: &Path) -> u64 {
-    let length = |path: &Path| path.metadata().map_or(0, |metadata| metadata.len());
+    let length = |path: &Path| open(path).ok().and_then(|input| input.stored().ok()).unwrap_or(0);
     match path {
         _ if path == Path::new(STDIN) => u64::MAX,
         _ if path.is_dir() => {
@@ -99,7 +132,7 @@ const MAX_METADATA: u64 = 1 << 20;
 /// The description of a bag of ROS 2; empty where there is none.
 fn description(folder: &Path) -> Result<String, CaptureError> {
     let mut text = String::new();
-    if let Ok(file) = File::open(folder.join(METADATA)) {
+    if let Ok(file) = open(&folder.join(METADATA)) {
         let read = file.take(MAX_METADATA).read_to_string(&mut text);
         read.map_err(|error| CaptureError::io("read", folder, error))?;
     }
@@ -164,4 +197,31 @@ pub fn capture(path: &Path) -> Result<CaptureReader, CaptureError> {
 /// Why that cannot be, or what is wrong with it.
 pub fn rows(path: &Path, part: Option<&Part>) -> Result<RowReader, LogError> {
     RowReader::open(path, open(path)?, part, &ColumnOptions::default())
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+    use std::io::{SeekFrom, Write};
+
+    /// A file of 4 GiB that takes a few blocks is as small as its blocks.
+    #[test]
+    fn holes_are_no_bytes_of_a_log() {
+        let mut file = tempfile::NamedTempFile::new().expect("a file");
+        let middle = 1 << 30;
+        file.as_file().set_len(4 << 30).expect("a hole");
+        for at in [0, middle] {
+            file.seek(SeekFrom::Start(at)).expect("a place");
+            file.write_all(b"zerorate").expect("room");
+        }
+        let length = log_length(file.path());
+        assert!((16..1 << 20).contains(&length), "{length}");
+        let mut input = open(file.path()).expect("a file");
+        assert_eq!((input.length().expect("a length"), input.stored().expect("a length")), (4 << 30, length));
+        let mut start = [0; 8];
+        input.read_exact(&mut start).expect("bytes");
+        assert_eq!(&start, b"zerorate", "it is read from its start");
+        file.as_file().set_len(0).expect("no hole");
+        assert_eq!(log_length(file.path()), 0);
+    }
 }

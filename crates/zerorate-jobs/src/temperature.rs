@@ -1,18 +1,16 @@
 //! The temperature of a log: which of its columns it is.
 
 use crate::InvalidOptions;
-use std::fs::File;
 use std::path::Path;
 use zerorate_host::files;
 use zerorate_logs::{Column, ColumnOptions, Setting, Settling, TEMPERATURE_NAMES, Wanted};
-use zerorate_record::Input;
 
 /// The temperature of the log at `path`: the column `name`, or a column with a usual name; none where the log has
 /// neither. The unit and scale in `options` are for other columns and do not apply to it.
 #[must_use]
 pub fn of_log(path: &Path, name: Option<&str>, options: &ColumnOptions) -> Option<Column> {
     let options = ColumnOptions { column: None, unit: None, scale: None, ..options.clone() };
-    let bytes = File::open(path).ok().map(Input::from);
+    let bytes = files::open(path).ok();
     zerorate_logs::temperature(name, bytes, |names| {
         zerorate_logs::read_parts(path, files::log(path)?, Wanted::Listed(names), &options)
     })

@@ -58,7 +58,7 @@ pub fn open(path: &Path, input: Input) -> Result<Log<'_>, CaptureError> {
     if input.is_directory().map_err(failed)? {
         return Err(CaptureError::not_a_log(path, "it is a directory and no bag of ROS 2; name the file"));
     }
-    let room = Room::of(input.length().map_err(failed)?);
+    let room = Room::of(input.stored().map_err(failed)?);
     let (input, start) = marked(input).map_err(failed)?;
     let Some(packing) = Packing::of(&start) else {
         return Ok(Log { path, input, room, start });

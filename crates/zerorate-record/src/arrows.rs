@@ -87,6 +87,7 @@ impl StreamReader {
     pub fn open(path: &Path, input: Input) -> Result<Self, CaptureError> {
         let failed = |error| CaptureError::io("read", path, error);
         let len = input.length().map_err(failed)?;
+        let room = Room::of(input.stored().map_err(failed)?);
         let rest = input.try_clone().map_err(failed)?;
         let mut messages = Messages::new(BufReader::new(input));
         let mut decoder = StreamDecoder::new();
@@ -109,7 +110,7 @@ impl StreamReader {
             decoder,
             rest,
             len,
-            room: Room::of(len),
+            room,
             stated: Stated::new(schema),
         })
     }

@@ -6,9 +6,16 @@ use std::fs::File;
 use std::io::{self, Cursor, ErrorKind, Read, Seek, SeekFrom};
 use std::sync::Arc;
 
+/// Bytes that are looked at together.
+const BLOCK: u64 = 1 << 16;
+
 /// Bytes to be read from the start: of an open file, in memory, or elsewhere.
 #[derive(Debug)]
-pub struct Input(Kind);
+pub struct Input {
+    kind: Kind,
+    /// Bytes of a file that take no room on the disk.
+    holes: u64,
+}
 
 /// Bytes that are neither in a file of this system nor in memory, such as a file that a browser was given.
 pub trait Elsewhere: Debug + Send + Sync {
@@ -37,20 +44,35 @@ enum Kind {
 
 impl From<File> for Input {
     fn from(file: File) -> Self {
-        Self(Kind::File(file))
+        Self::of(Kind::File(file))
     }
 }
 
 impl From<Vec<u8>> for Input {
     fn from(bytes: Vec<u8>) -> Self {
-        Self(Kind::Memory(Cursor::new(bytes.into())))
+        Self::of(Kind::Memory(Cursor::new(bytes.into())))
     }
 }
 
 impl Input {
+    const fn of(kind: Kind) -> Self {
+        Self { kind, holes: 0 }
+    }
+
+    /// The same bytes, so many of which lie in holes of the file.
+    #[must_use]
+    pub fn with_holes(self, holes: u64) -> Self {
+        Self { holes, ..self }
+    }
+
+    /// The number of bytes that are stored, without holes.
+    pub fn stored(&self) -> io::Result<u64> {
+        Ok(self.length()?.saturating_sub(self.holes))
+    }
+
     /// The number of bytes.
     pub fn length(&self) -> io::Result<u64> {
-        match &self.0 {
+        match &self.kind {
             Kind::File(file) | Kind::Nameless(file) => Ok(file.metadata()?.len()),
             Kind::Memory(bytes) => Ok(bytes.get_ref().len() as u64),
             Kind::Elsewhere { bytes, .. } => Ok(bytes.length()),
@@ -60,28 +82,28 @@ impl Input {
     /// An input of bytes that somebody else reads.
     #[must_use]
     pub fn elsewhere(bytes: Arc<dyn Elsewhere>) -> Self {
-        Self(Kind::Elsewhere { bytes, at: 0 })
+        Self::of(Kind::Elsewhere { bytes, at: 0 })
     }
 
     /// An input of a file without a name, such as a spooled pipe.
     #[must_use]
     pub fn nameless(file: File) -> Self {
-        Self(Kind::Nameless(file))
+        Self::of(Kind::Nameless(file))
     }
 
     /// Whether they lie in a file, so that what is unpacked of them goes into another and not into memory.
     pub fn is_file(&self) -> bool {
-        matches!(self.0, Kind::File(_) | Kind::Nameless(_))
+        matches!(self.kind, Kind::File(_) | Kind::Nameless(_))
     }
 
     /// Whether they can be opened again by their name.
     pub fn has_name(&self) -> bool {
-        matches!(self.0, Kind::File(_))
+        matches!(self.kind, Kind::File(_))
     }
 
     /// Whether it is a directory, which can be opened but not read.
     pub fn is_directory(&self) -> io::Result<bool> {
-        match &self.0 {
+        match &self.kind {
             Kind::File(file) => Ok(file.metadata()?.is_dir()),
             Kind::Nameless(_) | Kind::Memory(_) | Kind::Elsewhere { .. } => Ok(false),
         }
@@ -89,18 +111,19 @@ impl Input {
 
     /// The same bytes once more. The copies of a file share one position.
     pub fn try_clone(&self) -> io::Result<Self> {
-        Ok(Self(match &self.0 {
+        let kind = match &self.kind {
             Kind::File(file) => Kind::File(file.try_clone()?),
             Kind::Nameless(file) => Kind::Nameless(file.try_clone()?),
             Kind::Memory(bytes) => Kind::Memory(bytes.clone()),
             Kind::Elsewhere { bytes, at } => Kind::Elsewhere { bytes: bytes.clone(), at: *at },
-        }))
+        };
+        Ok(Self { kind, holes: self.holes })
     }
 
     /// This many bytes from `start` on; fewer are an error. Moves the position of a file.
     pub fn bytes_at(&self, start: u64, length: usize) -> io::Result<Bytes> {
         let outside = || io::Error::new(ErrorKind::UnexpectedEof, format!("{length} bytes at {start} are not there"));
-        if let Kind::Memory(bytes) = &self.0 {
+        if let Kind::Memory(bytes) = &self.kind {
             let bytes = bytes.get_ref();
             let range = usize::try_from(start).ok().and_then(|start| Some(start..start.checked_add(length)?));
             let range = range.filter(|range| range.end <= bytes.len()).ok_or_else(outside)?;
@@ -111,6 +134,39 @@ impl Input {
         let mut found = Vec::new();
         input.take(length as u64).read_to_end(&mut found)?;
         if found.len() == length { Ok(found.into()) } else { Err(outside()) }
+    }
+
+    /// The number of bytes from `end` on, where a form ends. Zeros alone fill a file up, and do not count. Moves the
+    /// position of a file.
+    pub fn bytes_behind(&self, end: u64) -> io::Result<u64> {
+        let behind = self.length()?.saturating_sub(end);
+        let mut input = self.try_clone()?;
+        input.seek(SeekFrom::Start(end))?;
+        let mut block = Vec::new();
+        while (&mut input).take(BLOCK).read_to_end(&mut block)? > 0 {
+            if block.iter().any(|byte| *byte != 0) {
+                return Ok(behind);
+            }
+            block.clear();
+        }
+        Ok(0)
+    }
+
+    /// The first place of `mark` from `start` on. Moves the position of a file.
+    pub fn find(&self, mark: &[u8], start: u64) -> io::Result<Option<u64>> {
+        let mut input = self.try_clone()?;
+        input.seek(SeekFrom::Start(start))?;
+        let (mut seen, mut at) = (Vec::new(), start);
+        while (&mut input).take(BLOCK).read_to_end(&mut seen)? > 0 {
+            if let Some(found) = seen.windows(mark.len()).position(|window| window == mark) {
+                return Ok(Some(at + found as u64));
+            }
+            // a mark may lie across two blocks
+            let done = seen.len().saturating_sub(mark.len() - 1);
+            seen.drain(..done);
+            at += done as u64;
+        }
+        Ok(None)
     }
 
     /// What `fill` writes: to a nameless file where this is a file, into memory where it is in memory.
@@ -134,7 +190,7 @@ impl Input {
 
 impl Read for Input {
     fn read(&mut self, buf: &mut [u8]) -> io::Result<usize> {
-        match &mut self.0 {
+        match &mut self.kind {
             Kind::File(file) | Kind::Nameless(file) => file.read(buf),
             Kind::Memory(bytes) => bytes.read(buf),
             Kind::Elsewhere { bytes, at } => {
@@ -148,7 +204,7 @@ impl Read for Input {
 
 impl Seek for Input {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        match &mut self.0 {
+        match &mut self.kind {
             Kind::File(file) | Kind::Nameless(file) => file.seek(to),
             Kind::Memory(bytes) => bytes.seek(to),
             Kind::Elsewhere { bytes, at } => {

@@ -52,7 +52,6 @@ pub struct CorrectArgs {
 }
 
 pub fn run(args: &CorrectArgs) -> Result<()> {
-    interrupt::listen();
     let mut outputs = Outputs::new(args.force);
     let calibration = load(&args.cal, &mut outputs)?;
     let reader = outputs.capture(&args.capture)?;
@@ -60,6 +59,7 @@ pub fn run(args: &CorrectArgs) -> Result<()> {
     let job = Job::new(&args.capture, reader, &part, &calibration)?;
     check_serial(args, job.info(), &calibration)?;
     let format = form(args.format, &args.output)?;
+    interrupt::listen();
     let output = outputs.derived(&args.output)?;
     let name = args.capture.display();
     let rows = job.run(output, format, interrupt::stop(), flag, &mut |warning| match warning {

@@ -41,10 +41,10 @@ pub struct RepairArgs {
 }
 
 pub fn run(args: &RepairArgs) -> Result<()> {
-    interrupt::listen();
     let format = form(args.format, &args.output)?;
     let mut outputs = Outputs::new(args.force).reading([&*args.capture])?;
     let missing = Kept::of(&args.capture)?;
+    interrupt::listen();
     let output = outputs.derived(&args.output)?;
     let mut table = open(&args.capture)?;
     let schema = schema(&table, missing.what.as_deref());

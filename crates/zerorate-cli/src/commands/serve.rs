@@ -94,7 +94,6 @@ fn address(text: &str) -> Result<SocketAddr, String> {
 }
 
 pub fn run(args: &ServeArgs) -> Result<()> {
-    interrupt::listen();
     let stop = interrupt::stop();
     let mut outputs = Outputs::without_force();
     let calibrations = args.cals.iter().map(|cal| load(cal, &mut outputs)).collect::<Result<Vec<_>>>()?;
@@ -104,6 +103,7 @@ pub fn run(args: &ServeArgs) -> Result<()> {
     let spec = args.source.device.clone();
     let (setup, serial) = (args.source.setup(args.sampling, &mut outputs)?, args.serial.clone());
     let opener = Opener { spec, setup, serial, stop: stop.clone() };
+    interrupt::listen();
     let opened = opener.open()?;
     ensure!(!stop.asked(), "interrupted");
     if let Some((calibration, cal)) = calibrations.first().zip(args.cals.first()) {

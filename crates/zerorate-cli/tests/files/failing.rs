@@ -6,7 +6,7 @@ use crate::harness::{self, send, wait_until};
 use std::fs::{self, File, OpenOptions};
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// A calibration in four minutes of part time.
@@ -392,15 +392,17 @@ fn nohup_is_heeded() {
 #[test]
 fn a_signal_ends_a_run_that_waits() {
     let bench = Bench::new();
-    fifo(&bench, "never.csv");
-    let child = start(&bench, "allan never.csv --rate 10 --unit dps --report page.html --plot a.svg");
+    let mut waits = command(&bench, "allan - --rate 10 --unit dps --report page.html --plot a.svg");
+    let mut child = harness::start(waits.stdin(Stdio::piped()));
+    let pipe = child.stdin.take();
     wait_until("unfinished files", || {
         names(bench.dir.path()).iter().filter(|name| name.ends_with(".part")).count() == 2
     });
     wait_until_it_listens(&child);
     send("TERM", &child);
     assert_eq!(Run::ended(child).code, Some(143));
-    assert_eq!(names(bench.dir.path()), ["never.csv", "tmp"]);
+    drop(pipe);
+    assert_eq!(names(bench.dir.path()), ["tmp"]);
     let (child, _) = waiting(&bench, &format!("{CALIBRATE} -o unit.toml"));
     send("TERM", &child);
     // the second one, where the first cannot be heeded
@@ -410,5 +412,28 @@ fn a_signal_ends_a_run_that_waits() {
         !names(bench.dir.path()).iter().any(|name| name.ends_with(".part"))
     });
     assert_eq!(Run::ended(child).code, Some(143));
-    assert_eq!(names(bench.dir.path()), ["log", "never.csv", "tmp"]);
+    assert_eq!(names(bench.dir.path()), ["log", "tmp"]);
+}
+
+/// A pipe may stand in for a small file of text, and nobody may ever write to it.
+#[test]
+fn a_signal_ends_a_run_that_waits_for_a_pipe() {
+    let bench = Bench::new();
+    bench.write("unit.toml", calibration(-0.25, -0.04, 24.0));
+    bench.zerorate("capture --device twin:seed=3 --samples 100 -o rest.csv").ok();
+    fifo(&bench, "never");
+    for line in [
+        "export never --format c",
+        "correct rest.csv --cal never -o out.csv",
+        "stream --cal never",
+        "recalibrate rest.csv --part never",
+        "chamber never",
+        #[cfg(feature = "serve")]
+        "serve --listen 127.0.0.1:0 --cal never",
+    ] {
+        let child = start(&bench, line);
+        wait_until_it_listens(&child);
+        send("TERM", &child);
+        assert_eq!(Run::ended(child).code, Some(143), "{line}");
+    }
 }

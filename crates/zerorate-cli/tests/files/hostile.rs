@@ -52,12 +52,14 @@ fn headers_of_npy_are_bounded() {
 #[test]
 fn the_memory_of_a_large_log_is_a_choice() {
     let bench = Bench::new();
-    // nothing but holes
-    File::create(bench.path("huge.bin")).unwrap().set_len(40 << 30).unwrap();
+    bench.write("huge.bin", vec![0; 40 << 20]);
     bench.refuses(
         "allan huge.bin --raw i16 --rate 10 --max-memory 256M",
         "huge.bin: it takes more memory than the 256 MiB of max_memory: give more, or cut the log",
     );
+    // a hole takes no room on the disk, and has none in memory
+    File::create(bench.path("hole.bin")).unwrap().set_len(20 << 30).unwrap();
+    bench.refuses("allan hole.bin --raw i16 --rate 10 --max-memory 2G", "hole.bin: it grows to more than 64 MiB in");
     for size in ["1", "63M", "many", "1.5G"] {
         let said = bench.zerorate(&format!("allan huge.bin --raw i16 --rate 10 --max-memory {size}")).fails(2);
         assert!(said.contains("--max-memory"), "{said}");
@@ -176,15 +178,40 @@ fn whatever_is_read_whole_has_a_bound() {
         #[cfg(feature = "serve")]
         "serve --listen 127.0.0.1:0 --token-file FILE",
     ];
-    let logs = ["allan FILE", "imu FILE", "correct FILE --cal unit.toml -o out", "probe --device replay:FILE"];
+    let logs = [
+        "allan FILE",
+        "imu FILE",
+        "verify FILE",
+        "repair FILE -o out",
+        "correct FILE --cal unit.toml -o out",
+        "recalibrate FILE",
+        "probe --device replay:FILE",
+        "capture --device replay:FILE -o out",
+        "calibrate --device replay:FILE",
+        "stream --device replay:FILE --cal unit.toml",
+        "chamber f57 --device replay:FILE",
+        #[cfg(feature = "serve")]
+        "serve --listen 127.0.0.1:0 --device replay:FILE",
+    ];
     for line in text.iter().chain(&logs) {
         for file in ["/dev/zero", "/dev/urandom", "hole"] {
             let line = line.replace("FILE", file);
             let run = bench.caged(&line);
             assert!(matches!(run.code, Some(1 | 2)), "{line}: {run:?}");
-            assert!(run.stderr.contains("error: ") && run.stderr.contains(file), "{line}: {}", run.stderr);
+            let names_it = run.stderr.contains(file) || run.stdout.contains(file);
+            assert!(run.stderr.contains("error: ") && names_it, "{line}: {}", run.stderr);
             assert!(!bench.path("out").exists(), "{line}");
         }
+    }
+    // opening one of these would wait for its other end
+    assert!(Command::new("mkfifo").arg(bench.path("never")).status().unwrap().success());
+    let _socket = std::os::unix::net::UnixListener::bind(bench.path("socket")).unwrap();
+    for (line, file) in logs.iter().flat_map(|line| ["never", "socket"].map(|file| (line.replace("FILE", file), file)))
+    {
+        let run = bench.caged(&line);
+        assert_eq!(run.code, Some(1), "{line}: {run:?}");
+        let said = format!("cannot read {file}: it is a pipe or a device");
+        assert!(run.stderr.contains(&said) || run.stdout.contains(&said), "{line}: {run:?}");
     }
     for line in text.iter().filter(|line| !line.contains("--state")) {
         let _ = std::fs::remove_file(bench.path("pipe"));

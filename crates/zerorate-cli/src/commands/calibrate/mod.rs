@@ -123,10 +123,10 @@ pub fn run(args: &CalibrateArgs) -> Result<()> {
 }
 
 pub fn run_again(args: &RecalibrateArgs) -> Result<()> {
-    interrupt::listen();
     let mut outputs = args.result.outputs().reading([&*args.capture])?;
     let setup = Setup { part: args.part.named(&mut outputs)?, names: flag, ..Setup::default() };
     let files = Files::claim(outputs, args.result.kept(None, false))?;
+    interrupt::listen();
     let recording = DeviceSpec::replay(args.capture.clone());
     let acquisition = Acquisition::open(&recording, setup, Pace::Free, interrupt::stop(), device::tell())?;
     calibrate(acquisition, args.plan.plan(true), &args.result, files)
