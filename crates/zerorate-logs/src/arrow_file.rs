@@ -32,6 +32,10 @@ pub struct ArrowFile {
     path: PathBuf,
     /// Offset of the stream.
     start: u64,
+    /// Latest end of the stream.
+    end: u64,
+    /// The same file once more, to look behind the stream.
+    rest: Input,
     messages: Messages<BufReader<Take<Input>>>,
     decoder: StreamDecoder,
     room: Room,
@@ -46,6 +50,7 @@ impl ArrowFile {
         let end = stream_end(&mut file).map_err(failed)?;
         let start = stream_start(&mut file).map_err(failed)?;
         file.seek(SeekFrom::Start(start)).map_err(failed)?;
+        let rest = file.try_clone().map_err(failed)?;
         let stream = BufReader::with_capacity(BUFFER, file.take(end.saturating_sub(start)));
         let mut messages = Messages::new(stream);
         let mut decoder = StreamDecoder::new();
@@ -54,7 +59,20 @@ impl ArrowFile {
         };
         let schema = bytes.schema().map_err(wrong)?;
         decode(&mut decoder, bytes.into()).map_err(wrong)?;
-        Ok(Self { path: path.to_owned(), start, messages, decoder, room, stated: Stated::new(schema) })
+        let stated = Stated::new(schema);
+        Ok(Self { path: path.to_owned(), start, end, rest, messages, decoder, room, stated })
+    }
+
+    /// The stream was closed. The index of the file follows, and nothing else should.
+    fn end_of_stream(&mut self) -> Result<(), CaptureError> {
+        self.stated.ended = true;
+        let end = self.start + self.messages.position();
+        if end < self.end {
+            let mark = self.rest.find(MARK, end).map_err(|error| CaptureError::io("read", &self.path, error))?;
+            let end = mark.map_or(end, |at| at + MARK.len() as u64);
+            self.stated.warning = CaptureWarning::behind_end(&self.path, &self.rest, end)?;
+        }
+        Ok(())
     }
 }
 
@@ -102,7 +120,7 @@ impl BatchSource for ArrowFile {
                         return Ok(batch);
                     }
                 }
-                Message::EndOfStream { .. } => self.stated.ended = true,
+                Message::EndOfStream { .. } => self.end_of_stream()?,
                 Message::Torn => {
                     self.stated.ended = true;
                     let path = self.path.display();

@@ -10,6 +10,7 @@ use super::open::Log;
 use super::series::SeriesBuilder;
 use super::{Clock, ColumnQuery, Found, FoundColumn, Result};
 use super::{hdf5_index, lzf};
+use crate::warning::LogWarning;
 use hdf5_reader::datatype_api::CompoundField;
 use hdf5_reader::error::{ByteOrder, Error};
 use hdf5_reader::filters::FilterRegistry;
@@ -20,7 +21,7 @@ use std::path::Path;
 use std::sync::Arc;
 use zerorate_record::catch_panic::catch_panic;
 use zerorate_record::limits::Room;
-use zerorate_record::{CaptureError, Input};
+use zerorate_record::{CaptureError, CaptureWarning, Input};
 
 /// The number of h5py's own way to pack, as the HDF Group lists them.
 const LZF: u16 = 32000;
@@ -46,6 +47,7 @@ const MAX_HEADER: usize = 1 << 22;
 /// Reads columns of its data sets.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let Log { path, input, room, .. } = log;
+    let behind = end(&input).map(|end| CaptureWarning::behind_end(path, &input, end)).transpose()?.flatten();
     let sets = sets(path, input, room)?;
     let columns: Vec<SetColumn<'_>> = sets.iter().flat_map(Set::columns).collect();
     let names = columns.iter().map(|column| column.name.as_str()).collect();
@@ -72,7 +74,8 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let clock = time.map_or(Clock::Silent, |time| Clock::Column(columns[time].name.clone(), times));
     let name = |(at, values): (usize, SeriesBuilder)| FoundColumn::new(wanted[at].name.clone(), values);
     let columns = values.into_iter().enumerate().map(name).collect();
-    Ok(Found { columns, clock, warnings: Vec::new(), sample: Vec::new() })
+    let warnings = behind.map(LogWarning::from).into_iter().collect();
+    Ok(Found { columns, clock, warnings, sample: Vec::new() })
 }
 
 /// The data sets of numbers, in the order of their names, because a file lists them in any order.
@@ -143,6 +146,24 @@ fn push_time(times: &mut Times, row: u64, cell: Number) -> Result<(), String> {
 /// Whether MATLAB wrote the file, with its own head before the head of HDF5.
 fn starts_as_matlab(input: &Input) -> bool {
     input.bytes_at(0, 6).is_ok_and(|start| &start[..] == b"MATLAB")
+}
+
+/// Bytes of MATLAB's head, before the form itself.
+const MATLAB_HEAD: u64 = 512;
+
+/// The end of the file as its first block states it. Some versions count from the start of the file and some from that
+/// block; this is the later one. None where addresses are not of eight bytes.
+fn end(input: &Input) -> Option<u64> {
+    let start = if starts_as_matlab(input) { MATLAB_HEAD } else { 0 };
+    let block = input.bytes_at(start, 52).ok()?;
+    let (size, end) = match block[8] {
+        0 => (13, 40),
+        1 => (13, 44),
+        2 | 3 => (9, 28),
+        _ => return None,
+    };
+    let end = block[end..].first_chunk().filter(|_| block[size] == 8)?;
+    Some(u64::from_le_bytes(*end).saturating_add(start))
 }
 
 /// The bytes of the file.

@@ -15,7 +15,7 @@ use std::path::Path;
 #[cfg(not(feature = "zstd"))]
 use zerorate_record::NotBuiltIn;
 use zerorate_record::limits::Room;
-use zerorate_record::{CaptureError, Quantity, TimeUnit, Unit};
+use zerorate_record::{CaptureError, CaptureWarning, Quantity, TimeUnit, Unit};
 
 /// The quantities of a message by their names in ROS, and their places after the header: orientation and its
 /// covariance are 13 numbers, and a covariance of 9 follows each vector.
@@ -231,11 +231,11 @@ impl<'a> Collector<'a> {
         Ok(())
     }
 
-    /// All messages were read; `torn` says where the file is, and `stated` how many messages there are by its own
-    /// account.
-    pub fn finish(self, torn: Option<String>, stated: Option<u64>) -> Found {
+    /// All messages were read; `of_end` says what is wrong with the end of the file, and `stated` how many messages
+    /// there are by its own account.
+    pub fn finish(self, of_end: Option<CaptureWarning>, stated: Option<u64>) -> Found {
         let Self { path, wanted, values, mut times, messages, has_rate } = self;
-        let miscounted = match (&torn, stated) {
+        let miscounted = match (&of_end, stated) {
             (None, Some(stated)) if stated != messages => Some(miscounted(path, &wanted.name, stated, messages)),
             _ => None,
         };
@@ -258,7 +258,7 @@ impl<'a> Collector<'a> {
             is_beside: false,
         };
         let columns = wanted.all.into_iter().zip(values).map(column).collect();
-        let warnings = LogWarning::torn(torn).into_iter().chain(miscounted).collect();
+        let warnings = of_end.map(LogWarning::from).into_iter().chain(miscounted).collect();
         Found { columns, clock, warnings, sample }
     }
 }

@@ -28,6 +28,8 @@ pub mod imu;
 #[cfg(any(feature = "mcap", feature = "ros", feature = "sqlite"))]
 mod imu_messages;
 pub mod increments;
+#[cfg(all(test, feature = "full"))]
+mod joined;
 mod judged;
 #[cfg(feature = "hdf5")]
 mod lzf;

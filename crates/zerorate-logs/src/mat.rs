@@ -6,21 +6,24 @@
 
 use super::choice::{Choice, Columns, same_length};
 use super::clock::Times;
-use super::open::Log;
+use super::open::{Log, MATLAB};
 use super::series::SeriesBuilder;
 use super::{Clock, ColumnQuery, Found, FoundColumn, Result};
 use crate::warning::LogWarning;
 use flate2::read::ZlibDecoder;
 use std::io::{BufReader, Read};
 use std::path::Path;
-use zerorate_record::CaptureError;
 use zerorate_record::limits::Room;
+use zerorate_record::{CaptureError, CaptureWarning};
 
 /// Bytes that a read asks the system for.
 const BUFFER: usize = 1 << 18;
 
 /// Text, and what tells the order of bytes.
 const HEAD: usize = 128;
+
+/// Type and length of an element.
+const TAG: usize = 8;
 
 /// Columns of a matrix at most: with more it is rather an image.
 const MAX_COLUMNS: usize = 4096;
@@ -40,7 +43,7 @@ const COMPRESSED: u32 = 15;
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let Log { path, input, room, .. } = log;
     let mut file = BufReader::with_capacity(BUFFER, input);
-    let (variables, torn) = variables(path, &mut file, room)?;
+    let (variables, of_end) = variables(path, &mut file, room)?;
     let mut columns: Vec<Variable<'_>> = Vec::new();
     for (number, variable) in variables.iter().enumerate() {
         variable.columns(&mut columns).map_err(|what| damaged(path, number, &what))?;
@@ -56,21 +59,26 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
         Some(time) => Clock::Column(time.name.clone(), time.times(path)?),
         None => Clock::Silent,
     };
-    Ok(Found { columns: found, clock, warnings: LogWarning::torn(torn), sample: Vec::new() })
+    let warnings = of_end.map(LogWarning::from).into_iter().collect();
+    Ok(Found { columns: found, clock, warnings, sample: Vec::new() })
 }
 
-/// The variables of a file, unpacked, up to where it is torn, which is said.
+/// The variables of a file, unpacked, up to where it is torn or another file follows, which is said.
 fn variables(
     path: &Path,
     file: &mut BufReader<zerorate_record::Input>,
     room: Room,
-) -> Result<(Vec<Element>, Option<String>), CaptureError> {
+) -> Result<(Vec<Element>, Option<CaptureWarning>), CaptureError> {
     let big_endian = is_big_endian(path, file)?;
-    let (mut all, mut bytes) = (Vec::new(), 0u64);
+    let (mut all, mut bytes, mut end) = (Vec::new(), 0u64, HEAD as u64);
     while let Some(Packed { kind, length, data }) = Packed::next(path, file, big_endian)? {
+        if kind == number(MATLAB, big_endian) {
+            return Ok((all, CaptureWarning::behind_end(path, file.get_ref(), end)?));
+        }
+        end += (TAG + length) as u64;
         if data.len() < length {
             let path = path.display();
-            return Ok((all, Some(format!("{path} ends inside a variable, which is dropped"))));
+            return Ok((all, Some(CaptureWarning::Torn(format!("{path} ends inside a variable, which is dropped")))));
         }
         let wrong = |what: &str| damaged(path, all.len(), what);
         let data = match kind {
@@ -126,7 +134,7 @@ impl Packed {
     ) -> Result<Option<Self>, CaptureError> {
         let failed = |error| CaptureError::io("read", path, error);
         let (mut tag, mut data) = (Vec::new(), Vec::new());
-        file.take(8).read_to_end(&mut tag).map_err(failed)?;
+        file.take(TAG as u64).read_to_end(&mut tag).map_err(failed)?;
         if tag.is_empty() {
             return Ok(None);
         }

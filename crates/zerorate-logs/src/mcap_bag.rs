@@ -14,7 +14,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::Seek;
 use std::path::Path;
 use zerorate_record::limits::Room;
-use zerorate_record::{CaptureError, Input};
+use zerorate_record::{CaptureError, CaptureWarning, Input};
 
 /// Reads quantities of the IMU messages.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
@@ -25,6 +25,8 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     }
     let wanted = Quantities::choose(path, &topics, asked, || survey(&mut file, log.room, &topics))?;
     let topic = wanted.source.topic.clone();
+    let behind = messages::end(&file).map_err(|error| CaptureError::io("read", path, error))?;
+    let behind = behind.map(|end| CaptureWarning::behind_end(path, &file, end)).transpose()?.flatten();
     let stated = messages::stated(&mut file, log.room).get(&topic).copied();
     file.rewind().map_err(|error| CaptureError::io("read", path, error))?;
     let mut collector = Collector::new(path, wanted, log.room, asked.args);
@@ -44,7 +46,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
             Err(error) => cut = Some(torn(path, &error)),
         }
     }
-    Ok(collector.finish(cut, stated))
+    Ok(collector.finish(cut.or(behind), stated))
 }
 
 /// The IMUs, and the types of the other topics. A channel stands anywhere before its first message, so the file is
@@ -99,6 +101,6 @@ fn encoding(path: &Path, channel: &Channel<'_>) -> Result<Encoding, CaptureError
     })
 }
 
-fn torn(path: &Path, error: &Torn) -> String {
-    format!("{} was not closed or is damaged ({error}); the rest is dropped", path.display())
+fn torn(path: &Path, error: &Torn) -> CaptureWarning {
+    CaptureWarning::Torn(format!("{} was not closed or is damaged ({error}); the rest is dropped", path.display()))
 }

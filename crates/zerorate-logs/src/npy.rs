@@ -8,11 +8,12 @@ use super::clock::Times;
 use super::open::Log;
 use super::series::SeriesBuilder;
 use super::{Clock, ColumnQuery, Found, FoundColumn, Result, wrong};
+use crate::warning::LogWarning;
 use header::{Element, Form, Header, Kind};
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 use zerorate_record::limits::Room;
-use zerorate_record::{CaptureError, Input, TimeUnit};
+use zerorate_record::{CaptureError, CaptureWarning, Input, TimeUnit};
 
 /// Bytes that a read asks the system for.
 const BUFFER: usize = 1 << 18;
@@ -22,16 +23,20 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let Log { path, mut input, room, .. } = log;
     let length = input.length().map_err(|error| CaptureError::io("read", path, error))?;
     let array = Array::new(path, &mut input, length, "")?;
+    let behind = CaptureWarning::behind_end(path, &input, array.end)?;
     let mut input = Some(input);
-    read_arrays(path, room, &[array], asked, |_, is_wanted| Ok(input.take().filter(|_| is_wanted)))
+    let mut found = read_arrays(path, room, &[array], asked, |_, is_wanted| Ok(input.take().filter(|_| is_wanted)))?;
+    found.warnings.extend(behind.map(LogWarning::from));
+    Ok(found)
 }
 
 /// An array whose header was read.
 pub struct Array {
     fields: Vec<Field>,
     rows: u64,
-    /// Offset of its data.
+    /// Offset of its data, and of what follows them.
     start: u64,
+    end: u64,
 }
 
 impl Array {
@@ -40,7 +45,7 @@ impl Array {
         let place = if name.is_empty() { "as an NPY file".to_owned() } else { format!("array {name}") };
         let (header, start) = header(file).map_err(|what| CaptureError::damaged(path, place, what))?;
         let rows = header.shape.first().copied().unwrap_or_default();
-        check_length(path, &header, length.saturating_sub(start))?;
+        let end = start + check_length(path, &header, length.saturating_sub(start))?;
         let fields = match (header.shape.as_slice(), name) {
             ([], name) if !name.is_empty() => Vec::new(),
             (_, "") => fields(path, &header)?,
@@ -49,7 +54,7 @@ impl Array {
                 fields(path, &header).unwrap_or_default().into_iter().map(|field| field.of(name, shape)).collect()
             }
         };
-        Ok(Self { fields, rows, start })
+        Ok(Self { fields, rows, start, end })
     }
 
     /// The number of its columns.
@@ -90,7 +95,7 @@ pub fn read_arrays(
     times.unit = time.and_then(|time| field(&time).time_unit);
     let mut of_arrays = vec![Vec::new(); arrays.len()];
     wanted.iter().enumerate().for_each(|(column, at)| of_arrays[places[*at].0].push(column));
-    for (at, (Array { fields, rows, start }, here)) in arrays.iter().zip(of_arrays).enumerate() {
+    for (at, (Array { fields, rows, start, .. }, here)) in arrays.iter().zip(of_arrays).enumerate() {
         let Some(file) = open(at, !here.is_empty())? else { continue };
         let mut file = BufReader::with_capacity(BUFFER, file);
         let of_here: Vec<&Field> = here.iter().map(|column| &fields[places[wanted[*column]].1]).collect();
@@ -278,11 +283,12 @@ fn fields(path: &Path, header: &Header) -> Result<Vec<Field>, CaptureError> {
 /// Columns of an array of two dimensions at most: with more it is rather an image, or the array lies on its side.
 const MAX_COLUMNS: u64 = 4096;
 
-fn check_length(path: &Path, header: &Header, there: u64) -> Result<(), CaptureError> {
+/// The number of bytes of data, which must be there.
+fn check_length(path: &Path, header: &Header, there: u64) -> Result<u64, CaptureError> {
     let size = header.element.size.unwrap_or_default();
     let expected = header.shape.iter().try_fold(size, |product, n| product.checked_mul(*n));
-    if expected.is_some_and(|expected| expected <= there) {
-        return Ok(());
+    if let Some(expected) = expected.filter(|expected| *expected <= there) {
+        return Ok(expected);
     }
     let expected = expected.map_or("more".to_owned(), |expected| expected.to_string());
     let what = format!("its header states {expected} bytes of data and {there} follow; was it cut short?");

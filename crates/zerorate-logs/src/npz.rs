@@ -60,6 +60,10 @@ fn open(path: &Path, input: Input) -> Result<(ZipArchive<BufReader<Input>>, Vec<
     });
     let opened = opened.ok_or_else(|| damaged("its index makes no sense".to_owned()))?;
     let (mut archive, names) = opened.map_err(|error| damaged(error.to_string()))?;
+    if archive.offset() > 0 {
+        let what = format!("two archives were joined: another one follows after its first {} bytes", archive.offset());
+        return Err(damaged(what + "; cut it there"));
+    }
     let (names, others): (Vec<String>, Vec<String>) = names.into_iter().partition(|name| name.ends_with(".npy"));
     if names.is_empty() {
         let why = match others.iter().any(|name| name == "xl/workbook.xml") {

@@ -151,9 +151,9 @@ impl Log<'_> {
             None if starts(b"PK\x03\x04") => Ok(LogForm::Npz),
             None if starts(b"\x89MCAP0\r\n") => Ok(LogForm::Mcap),
             None if starts(ROS_BAG) => Ok(LogForm::RosBag),
-            None if starts(b"ULog\x01\x12\x35") => Ok(LogForm::ULog),
+            None if starts(ULOG) => Ok(LogForm::ULog),
             None if starts(&ARDUPILOT) => Ok(LogForm::DataFlash),
-            None if starts(b"MATLAB 5.0 MAT") => Ok(LogForm::Mat),
+            None if starts(MATLAB) => Ok(LogForm::Mat),
             None if starts(b"\x89HDF\r\n\x1A\n") || starts(b"MATLAB 7.3 MAT") => Ok(LogForm::Hdf5),
             None if starts(b"SQLite format 3\0") => Ok(LogForm::Sqlite),
             None => Ok(LogForm::Other),
@@ -163,6 +163,12 @@ impl Log<'_> {
 
 /// The start of every message of ArduPilot's logs.
 pub const ARDUPILOT: [u8; 2] = [0xA3, 0x95];
+
+/// The start of a MATLAB file of version 5 to 7.2.
+pub const MATLAB: &[u8] = b"MATLAB 5.0 MAT";
+
+/// The start of a log of PX4.
+pub const ULOG: &[u8] = b"ULog\x01\x12\x35";
 
 /// The start of a bag of ROS 1.
 pub const ROS_BAG: &[u8] = b"#ROSBAG V2.0\n";

@@ -20,7 +20,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use zerorate_record::limits::Room;
-use zerorate_record::parquet::{ParquetReader, guarded};
+use zerorate_record::parquet::{ParquetReader, guarded, refuse_joined};
 use zerorate_record::{CaptureError, Input, is_capture};
 
 /// Rows per piece.
@@ -30,6 +30,7 @@ const PIECE: usize = 1 << 16;
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let Log { path, input: file, room, .. } = log;
     let metadata = guarded(path, || ArrowReaderMetadata::load(&file, ArrowReaderOptions::default()))?;
+    refuse_joined(path, metadata.metadata(), &file)?;
     let schema = metadata.schema().clone();
     if is_capture(schema.metadata()) {
         return tabular::read(path, Box::new(ParquetReader::open(path, file)?), room, asked);

@@ -11,7 +11,7 @@ use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 use zerorate_record::catch_panic::catch_panic;
 use zerorate_record::limits::{NoRoom, Room};
-use zerorate_record::{CaptureError, Input};
+use zerorate_record::{CaptureError, CaptureWarning, Input};
 
 /// Bytes that a read asks the system for.
 const BUFFER: usize = 1 << 18;
@@ -53,11 +53,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
         }
         Ok(())
     })?;
-    let torn = torn.map(|why| {
-        let path = path.display();
-        format!("{path} was not closed or is damaged ({why}); the rest is dropped")
-    });
-    Ok(collector.finish(torn, stated))
+    Ok(collector.finish(torn.map(|end| end.warning(path)), stated))
 }
 
 /// A topic with an IMU.
@@ -163,13 +159,39 @@ struct Records<'a> {
 
 /// Why there are no more records.
 enum Stop {
-    Torn(String),
+    Early(EarlyEnd),
     Failed(CaptureError),
+}
+
+/// Why the records end before the file does.
+enum EarlyEnd {
+    /// The file is torn or damaged, as the text says.
+    Torn(String),
+    /// Another bag follows, of so many bytes.
+    AnotherBag(u64),
+}
+
+impl EarlyEnd {
+    fn warning(self, path: &Path) -> CaptureWarning {
+        let path = path.display();
+        match self {
+            Self::Torn(why) => {
+                CaptureWarning::Torn(format!("{path} was not closed or is damaged ({why}); the rest is dropped"))
+            }
+            Self::AnotherBag(bytes) => CaptureWarning::BytesBehindEnd { path: path.to_string(), bytes },
+        }
+    }
+}
+
+impl Stop {
+    fn torn(why: impl Into<String>) -> Self {
+        Self::Early(EarlyEnd::Torn(why.into()))
+    }
 }
 
 impl From<io::Error> for Stop {
     fn from(error: io::Error) -> Self {
-        Self::Torn(match error.kind() {
+        Self::torn(match error.kind() {
             io::ErrorKind::UnexpectedEof => "it ends inside a record".to_owned(),
             _ => error.to_string(),
         })
@@ -182,7 +204,7 @@ impl Records<'_> {
         &mut self,
         skip_chunks: bool,
         mut take: impl FnMut(&Record) -> Result<(), CaptureError>,
-    ) -> Result<Option<String>, CaptureError> {
+    ) -> Result<Option<EarlyEnd>, CaptureError> {
         let failed = |error| CaptureError::io("read", self.path, error);
         self.file.seek(SeekFrom::Start(ROS_BAG.len() as u64)).map_err(failed)?;
         let length = self.file.get_ref().length().map_err(failed)?;
@@ -190,7 +212,7 @@ impl Records<'_> {
             match self.next(length, skip_chunks, &mut take) {
                 Ok(true) => {}
                 Ok(false) => return Ok(None),
-                Err(Stop::Torn(why)) => return Ok(Some(why)),
+                Err(Stop::Early(end)) => return Ok(Some(end)),
                 Err(Stop::Failed(error)) => return Err(error),
             }
         }
@@ -206,7 +228,7 @@ impl Records<'_> {
         if here >= length {
             return Ok(false);
         }
-        let head = self.piece(length, Some(MAX_HEAD))?;
+        let head = self.piece(length, Some(MAX_HEAD)).map_err(|why| self.another_bag(here, length).unwrap_or(why))?;
         let mut record = Record { head, data: Vec::new() };
         let op = record.op();
         if !matches!(op, Some(MESSAGE | CONNECTION | CHUNK_INFO)) && (op != Some(CHUNK) || skip_chunks) {
@@ -224,6 +246,12 @@ impl Records<'_> {
         Ok(true)
     }
 
+    /// Whether what is no record is another bag.
+    fn another_bag(&self, here: u64, length: u64) -> Option<Stop> {
+        let start = self.file.get_ref().bytes_at(here, ROS_BAG.len()).ok()?;
+        (&start[..] == ROS_BAG).then_some(Stop::Early(EarlyEnd::AnotherBag(length - here)))
+    }
+
     /// Bytes behind their length.
     fn piece(&mut self, end: u64, most: Option<u32>) -> Result<Vec<u8>, Stop> {
         let mut bytes = vec![0; self.length(end, most)? as usize];
@@ -238,13 +266,13 @@ impl Records<'_> {
         let length = u32::from_le_bytes(length);
         let left = end.saturating_sub(self.file.stream_position()?);
         if u64::from(length) > left || most.is_some_and(|most| length > most) {
-            return Err(Stop::Torn(format!("a record states {length} bytes")));
+            return Err(Stop::torn(format!("a record states {length} bytes")));
         }
         Ok(length)
     }
 
     fn unpacked(&mut self, chunk: &Record) -> Result<Vec<u8>, Stop> {
-        let size = chunk.number(b"size").ok_or_else(|| Stop::Torn("a chunk does not state its size".to_owned()))?;
+        let size = chunk.number(b"size").ok_or_else(|| Stop::torn("a chunk does not state its size".to_owned()))?;
         self.bytes = self.bytes.saturating_add(size.into());
         let no_room = |why: NoRoom| Stop::Failed(CaptureError::no_room(self.path, why));
         self.room.check(size.into()).map_err(no_room)?;
@@ -259,14 +287,14 @@ impl Records<'_> {
             Some(b"lz4") => catch_panic(|| unpack(&mut lz4_flex::frame::FrameDecoder::new(packed))),
             other => {
                 let name = String::from_utf8_lossy(other.unwrap_or_default()).into_owned();
-                return Err(Stop::Torn(format!("a chunk is packed by `{}`", name.escape_debug())));
+                return Err(Stop::torn(format!("a chunk is packed by `{}`", name.escape_debug())));
             }
         };
         match done {
             Some(Ok(unpacked)) if unpacked == size as usize => Ok(bytes),
-            Some(Ok(_)) => Err(Stop::Torn("a chunk does not have the size that it states".to_owned())),
-            Some(Err(error)) => Err(Stop::Torn(format!("a chunk cannot be unpacked: {error}"))),
-            None => Err(Stop::Torn("a chunk makes no sense".to_owned())),
+            Some(Ok(_)) => Err(Stop::torn("a chunk does not have the size that it states".to_owned())),
+            Some(Err(error)) => Err(Stop::torn(format!("a chunk cannot be unpacked: {error}"))),
+            None => Err(Stop::torn("a chunk makes no sense".to_owned())),
         }
     }
 }
@@ -282,7 +310,7 @@ fn in_chunk(mut chunk: &[u8], take: &mut impl FnMut(&Record) -> Result<(), Captu
         Some((bytes.to_vec(), rest.is_empty()))
     };
     loop {
-        let torn = || Stop::Torn("a chunk ends inside a record".to_owned());
+        let torn = || Stop::torn("a chunk ends inside a record".to_owned());
         let (head, _) = piece().ok_or_else(torn)?;
         let (data, is_last) = piece().ok_or_else(torn)?;
         take(&Record { head, data }).map_err(Stop::Failed)?;
@@ -308,7 +336,7 @@ mod tests {
         };
         assert!(read(&[]).is_ok() && read(&[&record[..], &record].concat()).is_ok());
         let damaged = [&record[..], &u32::MAX.to_le_bytes(), b"more"].concat();
-        assert!(matches!(read(&damaged), Err(Stop::Torn(_))) && matches!(read(&record[..7]), Err(Stop::Torn(_))));
+        assert!(matches!(read(&damaged), Err(Stop::Early(_))) && matches!(read(&record[..7]), Err(Stop::Early(_))));
         assert_eq!(records, 3);
     }
 }

@@ -8,7 +8,8 @@ use super::{ColumnQuery, Found, Result};
 use rusqlite::config::DbConfig;
 use rusqlite::limits::Limit;
 use rusqlite::{Connection, OpenFlags, types::ValueRef};
-use zerorate_record::CaptureError;
+use std::io::Seek;
+use zerorate_record::{CaptureError, CaptureWarning, Input};
 
 /// Reads quantities of the IMU messages.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
@@ -17,6 +18,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
         let remedy = "if it is a bag of ROS 2, `ros2 bag convert` or `ros2 bag reindex` may help";
         CaptureError::damaged(path, "as a ROS 2 bag in SQLite", format!("{error}; {remedy}"))
     };
+    let behind = end(&log.input).map(|end| CaptureWarning::behind_end(path, &log.input, end)).transpose()?.flatten();
     let bag = open(log, failed)?;
     let (topics, others): (Vec<Topic>, Vec<Topic>) =
         topics_of(&bag).map_err(failed)?.into_iter().partition(|topic| !topic.imus.is_empty());
@@ -45,7 +47,20 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
             }
         }
     }
-    Ok(collector.finish(None, None))
+    Ok(collector.finish(behind, None))
+}
+
+/// The end of the database as its head states it: the number of its pages. None where an old version of SQLite wrote
+/// last, which states none.
+fn end(input: &Input) -> Option<u64> {
+    let head = input.bytes_at(0, 100).ok()?;
+    let number = |at: usize| head[at..].first_chunk().map_or(0, |bytes| u32::from_be_bytes(*bytes));
+    let page = match u64::from(u16::from_be_bytes([head[16], head[17]])) {
+        1 => 1 << 16,
+        page => page,
+    };
+    let (changes, valid_for) = (number(24), number(92));
+    (changes == valid_for).then(|| u64::from(number(28)) * page).filter(|end| *end > 0)
 }
 
 /// Opens a bag as a set of tables and nothing more: its schema is somebody else's program.
@@ -55,7 +70,9 @@ fn open(log: Log<'_>, failed: impl Fn(rusqlite::Error) -> CaptureError) -> Resul
         let length = log.input.length().map_err(|error| CaptureError::io("read", log.path, error))?;
         log.room.check(length).map_err(|why| CaptureError::no_room(log.path, why))?;
         let mut bag = Connection::open_in_memory().map_err(&failed)?;
-        bag.deserialize_read_exact("main", log.input, length as usize, true).map_err(&failed)?;
+        let mut input = log.input;
+        input.rewind().map_err(|error| CaptureError::io("read", log.path, error))?;
+        bag.deserialize_read_exact("main", input, length as usize, true).map_err(&failed)?;
         bag
     } else {
         Connection::open_with_flags(log.path, OpenFlags::SQLITE_OPEN_READ_ONLY).map_err(&failed)?

@@ -3,7 +3,7 @@
 
 use super::choice::Described;
 use super::clock::Times;
-use super::open::Log;
+use super::open::{Log, ULOG};
 use super::part_log::TEMP;
 use super::series::SeriesBuilder;
 use super::topics::{Survey, several};
@@ -12,7 +12,7 @@ use crate::warning::LogWarning;
 use std::collections::BTreeMap;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
-use zerorate_record::{CaptureError, Input, Quantity, TimeUnit, Unit};
+use zerorate_record::{CaptureError, CaptureWarning, Input, Quantity, TimeUnit, Unit};
 
 /// Bytes that a read asks the system for.
 const BUFFER: usize = 1 << 18;
@@ -47,9 +47,9 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let Log { path, input, room, .. } = log;
     let mut messages = Messages::new(path, BufReader::with_capacity(BUFFER, input))?;
     let mut topics = Topics::default();
-    let (mut pending, mut torn) = (None, None);
+    let (mut pending, mut of_end) = (None, None);
     // formats and subscriptions of what is logged from the start stand before all data; others follow anywhere
-    let all = messages.all(&mut torn, |kind, body| topics.take(kind, body).is_some())?;
+    let all = messages.all(&mut of_end, |kind, body| topics.take(kind, body).is_some())?;
     let chosen = topics.choose(path, asked)?;
     let mut times = Times::new();
     times.unit = Some(TimeUnit::Us);
@@ -76,18 +76,14 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
         full.is_none()
     })?;
     full.map_or(Ok(()), |why| Err(CaptureError::no_room(path, why)))?;
-    let torn = torn.map(|why: String| format!("{}: {why}; the rest is dropped", path.display()));
     let name = format!("{}.{}", chosen.topic, chosen.time.name);
     let columns = chosen.fields.into_iter().zip(values).map(|((name, field), values)| FoundColumn {
         stated: stated(&chosen.topic, &field.name).or_else(|| temperature(&chosen.topic, &field.name)),
         ..FoundColumn::new(name, values)
     });
-    Ok(Found {
-        columns: columns.collect(),
-        clock: Clock::Column(name, times),
-        warnings: LogWarning::torn(torn),
-        sample: Vec::new(),
-    })
+    let clock = Clock::Column(name, times);
+    let warnings = of_end.map(LogWarning::from).into_iter().collect();
+    Ok(Found { columns: columns.collect(), clock, warnings, sample: Vec::new() })
 }
 
 /// The content of a field by PX4's definition.
@@ -125,15 +121,16 @@ impl<'a> Messages<'a> {
         Ok(Self { path, file })
     }
 
-    /// Calls `take` with each message until it says no; gives the input, from its start. `torn` says why it ended
+    /// Calls `take` with each message until it says no; gives the input, from its start. `of_end` says why it ended
     /// early.
     fn all(
         &mut self,
-        torn: &mut Option<String>,
+        of_end: &mut Option<CaptureWarning>,
         mut take: impl FnMut(u8, &[u8]) -> bool,
     ) -> Result<Input, CaptureError> {
         let failed = |error| CaptureError::io("read", self.path, error);
-        let mut body = Vec::new();
+        let torn = |why| CaptureWarning::Torn(format!("{}: {why}; the rest is dropped", self.path.display()));
+        let (mut body, mut end) = (Vec::new(), HEAD as u64);
         loop {
             let mut head = [0; 3];
             match self.file.read_exact(&mut head) {
@@ -144,14 +141,19 @@ impl<'a> Messages<'a> {
             let length = u16::from_le_bytes([head[0], head[1]]).into();
             body.clear();
             (&mut self.file).take(length).read_to_end(&mut body).map_err(failed)?;
+            if head == ULOG[..3] && body.starts_with(&ULOG[3..]) {
+                *of_end = CaptureWarning::behind_end(self.path, self.file.get_ref(), end)?;
+                break;
+            }
             if (body.len() as u64) < length {
-                *torn = Some("it ends inside a message".to_owned());
+                *of_end = Some(torn("it ends inside a message"));
                 break;
             }
             if !take(head[2], &body) {
-                *torn = Some("a message makes no sense".to_owned());
+                *of_end = Some(torn("a message makes no sense"));
                 break;
             }
+            end += head.len() as u64 + length;
         }
         let mut input = self.file.get_ref().try_clone().map_err(failed)?;
         io::Seek::rewind(&mut input).map_err(failed)?;

@@ -104,15 +104,7 @@ impl StreamReader {
                 ));
             }
         };
-        Ok(Self {
-            path: path.to_owned(),
-            messages,
-            decoder,
-            rest,
-            len,
-            room,
-            stated: Stated::new(schema),
-        })
+        Ok(Self { path: path.to_owned(), messages, decoder, rest, len, room, stated: Stated::new(schema) })
     }
 
     /// The batch of a whole message; none if it is the end or no batch at all.
@@ -132,13 +124,10 @@ impl StreamReader {
     }
 
     /// The stream was closed; nothing should follow.
-    fn end_of_stream(&mut self) {
+    fn end_of_stream(&mut self) -> Result<(), CaptureError> {
         self.stated.ended = true;
-        let bytes = self.len.saturating_sub(self.messages.position());
-        if bytes > 0 {
-            self.stated.warning =
-                Some(CaptureWarning::BytesBehindEnd { path: self.path.display().to_string(), bytes });
-        }
+        self.stated.warning = CaptureWarning::behind_end(&self.path, &self.rest, self.messages.position())?;
+        Ok(())
     }
 
     /// The file ended before the stream did, in a message that began at `whole`. Only one message can be torn: where
@@ -200,7 +189,7 @@ impl BatchSource for StreamReader {
                         return Ok(Some(batch));
                     }
                 }
-                Message::EndOfStream { marked: true } => self.end_of_stream(),
+                Message::EndOfStream { marked: true } => self.end_of_stream()?,
                 Message::EndOfStream { marked: false } | Message::Torn => self.torn(start)?,
             }
         }

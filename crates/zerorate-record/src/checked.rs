@@ -109,6 +109,15 @@ impl Checked {
         self.source.stated().torn
     }
 
+    /// What is said of bytes that follow the end, once all rows were read.
+    pub fn behind_end(&self) -> Option<&CaptureWarning> {
+        self.source
+            .stated()
+            .warning
+            .as_ref()
+            .filter(|warning| matches!(warning, CaptureWarning::BytesBehindEnd { .. }))
+    }
+
     /// The warnings, once all rows were read.
     pub fn warnings(&self) -> Vec<CaptureWarning> {
         let path = || self.path.display().to_string();

@@ -93,6 +93,9 @@ pub struct CsvReader {
     columns: Vec<NamedColumn>,
     /// Whether its rows carry checks: version 2 of the format.
     is_checked: bool,
+    /// Bytes of the file, and those up to its end, once that was read.
+    length: u64,
+    end: u64,
     stated: Stated,
 }
 
@@ -113,6 +116,7 @@ enum Entry {
 impl CsvReader {
     /// Reads the description and the header.
     pub fn open(path: &Path, input: Input) -> Result<Self, CaptureError> {
+        let length = input.length().map_err(|error| CaptureError::io("read", path, error))?;
         let mut lines = Lines::new(path, input);
         let mut description = Metadata::new();
         let header = loop {
@@ -140,6 +144,8 @@ impl CsvReader {
             path: path.to_owned(),
             lines,
             is_checked: description.contains_key(chain::HEAD),
+            length,
+            end: 0,
             columns,
             stated: Stated::new(Arc::new(Schema::new(fields).with_metadata(description))),
         })
@@ -158,6 +164,11 @@ impl CsvReader {
                 Some(entry) => Ok(entry),
                 None => Err(CaptureError::damaged(&self.path, place, "what it states about the end is malformed")),
             };
+        }
+        if self.stated.end.is_some() {
+            let bytes = self.length.saturating_sub(self.end);
+            let what = format!("rows follow behind its end, in {bytes} bytes; were two files joined?");
+            return Err(CaptureError::damaged(&self.path, place, what));
         }
         if !line.ended {
             let path = self.path.display();
@@ -226,13 +237,15 @@ impl BatchSource for CsvReader {
         self.stated.check = None;
         while !self.stated.ended && self.stated.check.is_none() && (self.is_checked || rows < MAX_ROWS) {
             match self.read_entry()? {
-                Entry::Row if self.stated.end.is_some() => return Err(self.damaged("rows follow behind its end")),
                 Entry::Row if rows == MAX_ROWS => return Err(self.damaged("a check is missing among its rows")),
                 Entry::Row => rows += 1,
                 Entry::Check(_) if rows == 0 => return Err(self.damaged("a check without rows")),
                 Entry::Check(check) => self.stated.check = Some(check),
                 Entry::End(_) if rows > 0 => return Err(self.damaged("the check of its last rows is missing")),
-                Entry::End(end) => self.stated.end = Some(end),
+                Entry::End(end) => {
+                    self.end = self.lines.position();
+                    self.stated.end = Some(end);
+                }
                 Entry::Comment => {}
                 Entry::Nothing => self.stated.ended = true,
             }

@@ -17,6 +17,8 @@ pub struct Lines {
     reader: BufReader<Input>,
     bytes: Vec<u8>,
     number: u64,
+    /// Bytes of the lines read so far.
+    position: u64,
 }
 
 /// A line, without its end.
@@ -38,7 +40,13 @@ impl Lines {
             reader: BufReader::with_capacity(READ_BUFFER, input),
             bytes: Vec::new(),
             number: 0,
+            position: 0,
         }
+    }
+
+    /// Offset of the next line.
+    pub fn position(&self) -> u64 {
+        self.position
     }
 
     /// The number of the line read last.
@@ -71,6 +79,7 @@ impl Lines {
         let mut bounded = std::io::Read::take(&mut self.reader, MAX_LINE);
         let read =
             bounded.read_until(b'\n', &mut self.bytes).map_err(|error| CaptureError::io("read", &self.path, error))?;
+        self.position += read as u64;
         if read as u64 == MAX_LINE {
             return Err(self.wrong("the line is longer than 1 MB: is this a text file?"));
         }

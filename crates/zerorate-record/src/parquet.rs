@@ -13,11 +13,11 @@ use parquet::arrow::ArrowWriter;
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 use parquet::basic::{Compression, Encoding};
 use parquet::errors::ParquetError;
-use parquet::file::metadata::KeyValue;
+use parquet::file::metadata::{KeyValue, ParquetMetaData};
 use parquet::file::properties::{WriterProperties, WriterPropertiesBuilder};
 use parquet::file::reader::{ChunkReader, Length};
 use parquet::schema::types::ColumnPath;
-use std::io::{BufReader, ErrorKind, Seek, SeekFrom};
+use std::io::{self, BufReader, ErrorKind, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::vec::IntoIter;
 
@@ -163,7 +163,9 @@ pub struct ParquetReader {
 impl ParquetReader {
     /// Reads the index at the end of the file.
     pub fn open(path: &Path, input: Input) -> Result<Self, CaptureError> {
+        let again = input.try_clone().map_err(|error| CaptureError::io("read", path, error))?;
         let builder = guarded(path, || ParquetRecordBatchReaderBuilder::try_new(input))?;
+        refuse_joined(path, builder.metadata(), &again)?;
         let schema = builder.schema().clone();
         let stated = |key: &str| Some(schema.metadata().get(key)?.as_str());
         let checks = stated(chain::BATCHES).map(|checks| checks.split_whitespace().map(str::to_owned));
@@ -179,6 +181,54 @@ impl ParquetReader {
         let batches = Batches::of(Decode { path: path.to_owned(), reader });
         Ok(Self { batches, checks, stated })
     }
+}
+
+/// The end of one Parquet file and the start of the next.
+const JOINT: &[u8] = b"PAR1PAR1";
+
+/// The length of the index, and the mark behind it.
+const TAIL: u64 = 8;
+
+/// Refuses a file that begins with other Parquet files. Its index counts from the start of the last one, so that the
+/// pages of the first would be read.
+pub fn refuse_joined(path: &Path, metadata: &ParquetMetaData, input: &Input) -> Result<(), CaptureError> {
+    guarded(path, || Ok(joint(metadata, input)?))?.map_or(Ok(()), |at| {
+        let what = format!("two files were joined: another one follows after its first {at} bytes; cut it there");
+        Err(CaptureError::damaged(path, "as a Parquet file", what))
+    })
+}
+
+/// The place where the last of several files begins. Between the pages of a single file and its index is nothing;
+/// where there is something, it may also be a part of the format that is not known here.
+fn joint(metadata: &ParquetMetaData, input: &Input) -> io::Result<Option<u64>> {
+    let tail = input.length()?.saturating_sub(TAIL);
+    let index = input.bytes_at(tail, 4)?.first_chunk().map_or(0, |length| u64::from(u32::from_le_bytes(*length)));
+    let before = tail.saturating_sub(index).saturating_sub(pages_end(metadata));
+    let is_joint = |at: u64| input.bytes_at(at.saturating_sub(4), JOINT.len()).is_ok_and(|mark| &mark[..] == JOINT);
+    match before {
+        0 => Ok(None),
+        before if is_joint(before) => Ok(Some(before)),
+        _ => Ok(input.find(JOINT, 0)?.map(|at| at + 4)),
+    }
+}
+
+/// The end of the pages and of what stands beside them, by the index.
+fn pages_end(metadata: &ParquetMetaData) -> u64 {
+    let end = |offset: Option<i64>, length: Option<i32>| {
+        let offset = offset.and_then(|offset| u64::try_from(offset).ok()).unwrap_or_default();
+        offset.saturating_add(length.and_then(|length| u64::try_from(length).ok()).unwrap_or_default())
+    };
+    let columns = metadata.row_groups().iter().flat_map(|group| group.columns());
+    let ends = columns.flat_map(|column| {
+        let (start, length) = column.byte_range();
+        [
+            start.saturating_add(length),
+            end(column.column_index_offset(), column.column_index_length()),
+            end(column.offset_index_offset(), column.offset_index_length()),
+            end(column.bloom_filter_offset(), column.bloom_filter_length()),
+        ]
+    });
+    ends.max().unwrap_or(JOINT.len() as u64 / 2)
 }
 
 impl Length for Input {

@@ -1,6 +1,8 @@
 //! Warnings about a capture.
 
+use crate::{CaptureError, Input};
 use std::fmt;
+use std::path::Path;
 use zerorate::Warning;
 use zerorate_allan::rows;
 
@@ -88,6 +90,15 @@ rows!(match CaptureWarning {
 });
 
 impl CaptureWarning {
+    /// The warning about bytes from `end` on, where the form of the file ends; none if there are none.
+    ///
+    /// # Errors
+    /// They cannot be read.
+    pub fn behind_end(path: &Path, input: &Input, end: u64) -> Result<Option<Self>, CaptureError> {
+        let bytes = input.bytes_behind(end).map_err(|error| CaptureError::io("read", path, error))?;
+        Ok((bytes > 0).then(|| Self::BytesBehindEnd { path: path.display().to_string(), bytes }))
+    }
+
     /// The warning as scripts read it: `code: text`.
     #[must_use]
     pub fn coded(&self) -> String {

@@ -84,7 +84,7 @@ impl Kept {
         let what = match damage {
             Some(error) if rows == 0 => return Err(error.into()),
             Some(error) => Some(format!("{}{error}", stated.unwrap_or_default())),
-            None if table.is_torn() => {
+            None if table.is_torn() || table.behind_end().is_some() => {
                 let texts: Vec<String> = table.warnings().iter().map(CaptureWarning::to_string).collect();
                 Some(texts.join("; "))
             }

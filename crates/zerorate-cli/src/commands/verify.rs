@@ -156,6 +156,9 @@ fn capture(path: &Path, source: Box<dyn table::BatchSource>) -> Result<Verdict, 
             None => break None,
         }
     };
+    let behind = table.behind_end();
+    let notes = table.warnings().iter().filter(|note| Some(*note) != behind).map(ToString::to_string).collect();
+    let damage = damage.or_else(|| behind.map(ToString::to_string));
     let remedy = (table.is_torn() || damage.is_some()).then(|| remedy(path, whole_rows));
     let found = table.found();
     Ok(Verdict {
@@ -171,7 +174,7 @@ fn capture(path: &Path, source: Box<dyn table::BatchSource>) -> Result<Verdict, 
         torn: table.is_torn(),
         damage,
         remedy,
-        notes: table.warnings().iter().map(ToString::to_string).collect(),
+        notes,
         ..Verdict::default()
     })
 }

@@ -116,6 +116,38 @@ fn samples(bench: &Bench, file: &str) -> Vec<String> {
     text.lines().filter(|line| !line.starts_with('#')).map(str::to_owned).collect()
 }
 
+/// A second capture behind the first, as `cat` puts it there, is neither passed over nor called whole.
+#[test]
+fn captures_that_were_joined_are_not_whole() {
+    let bench = bench();
+    for form in FORMS {
+        let whole = fs::read(bench.path(&format!("unit.{form}"))).unwrap();
+        let (file, bytes) = (bench.write(&format!("two.{form}"), [&whole[..], &whole].concat()), whole.len());
+        let (code, verdict) = verdict(&bench, &format!("two.{form}"));
+        assert_eq!((code, &verdict["whole"], &verdict["checked"]), (Some(1), &false.into(), &false.into()));
+        let damage = verdict["damage"].as_str().unwrap();
+        assert!(damage.contains(&format!("{bytes} bytes")) && damage.contains("joined"), "{damage}");
+        let said = bench.zerorate(&format!("repair two.{form} -o saved-{form}.csv"));
+        match *form {
+            // its index counts from the start of the second
+            "parquet" => assert!(said.fails(1).contains("another one follows after its first"), "{damage}"),
+            _ => {
+                let text = said.ok();
+                let count = format!("{bytes} bytes");
+                assert!(text.contains("20000 rows kept; missing: ") && text.contains(&count), "{text}");
+            }
+        }
+        let allan = bench.zerorate(&format!("allan two.{form}"));
+        let is_said = allan.code == Some(1) || allan.stderr.contains("warning: bytes-behind-end: ");
+        assert!(is_said && allan.stderr.contains("joined"), "{}", allan.stderr);
+        // what a file system fills up is nothing
+        if *form == "arrows" {
+            fs::write(file, [&whole[..], &[0; 4096]].concat()).unwrap();
+            bench.zerorate("verify two.arrows").ok();
+        }
+    }
+}
+
 #[test]
 fn corrected_captures_and_calibrations_are_verified() {
     let bench = bench();

@@ -2,15 +2,21 @@
 
 use mcap::io::MessageReader;
 use mcap::sans_io::{LinearReaderOptions, SummaryReadEvent, SummaryReader, SummaryReaderOptions};
-use mcap::{McapError, McapResult, Message, Summary};
+use mcap::{MAGIC, McapError, McapResult, Message, Summary};
 use std::collections::BTreeMap;
-use std::io::{BufReader, Read, Seek};
+use std::io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom};
 use zerorate_record::Input;
 use zerorate_record::catch_panic::catch_panic;
 use zerorate_record::limits::{NoRoom, Room};
 
 /// Bytes that a read asks the system for.
 const BUFFER: usize = 1 << 18;
+
+/// Kind and length of a record.
+const RECORD_HEAD: usize = 9;
+
+/// The kind of the last record.
+const FOOTER: u8 = 0x02;
 
 /// The messages of an MCAP file, up to where it is torn or damaged.
 pub struct Messages<R> {
@@ -68,6 +74,31 @@ impl<R: Read> Messages<R> {
             self.room.check_on_disk(self.bytes)?;
             Ok(message)
         }))
+    }
+}
+
+/// The end of a file by its records; none where it was not closed.
+pub fn end(file: &Input) -> io::Result<Option<u64>> {
+    let mut records = BufReader::with_capacity(BUFFER, file.try_clone()?);
+    let mut at = MAGIC.len() as u64;
+    records.seek(SeekFrom::Start(at))?;
+    loop {
+        let mut head = [0; RECORD_HEAD];
+        match records.read_exact(&mut head) {
+            Err(error) if error.kind() == ErrorKind::UnexpectedEof => return Ok(None),
+            read => read?,
+        }
+        let [kind, length @ ..] = head;
+        let length = u64::from_le_bytes(length);
+        let Some(end) = at.checked_add(RECORD_HEAD as u64).and_then(|start| start.checked_add(length)) else {
+            return Ok(None);
+        };
+        if kind == FOOTER {
+            return Ok(Some(end.saturating_add(MAGIC.len() as u64)));
+        }
+        let Ok(skip) = i64::try_from(length) else { return Ok(None) };
+        records.seek_relative(skip)?;
+        at = end;
     }
 }
 

@@ -1,0 +1,109 @@
+//! Files of every form joined end to end, as `cat` does it: the second part is read, or it is said how much of it is
+//! not.
+
+use super::tests::{DATAFLASH, HDF5, HDF5_LATEST, MAT, MAT_73, MAT_PACKED, NPZ, NPZ_PACKED, ROSBAG, ROSBAG_BZ2, ULOG};
+use super::tests::{Folder, npy, numbers, tables};
+use super::*;
+use arrow_array::{ArrayRef, Float64Array};
+use std::sync::Arc;
+
+macro_rules! fixture {
+    ($name:literal) => {
+        &include_bytes!(concat!("../fixtures/", $name))[..]
+    };
+}
+
+/// Arrow as a stream and as a file, and a NumPy array.
+fn made() -> Vec<(Vec<u8>, &'static str)> {
+    let values = Float64Array::from_iter_values((0..20).map(f64::from));
+    let mut all: Vec<_> = tables(&[("gz", Arc::new(values) as ArrayRef)]).into_iter().take(2).collect();
+    let data: Vec<u8> = (0..20).flat_map(|n| f64::from(n).to_le_bytes()).collect();
+    all.push(npy("{'descr': '<f8', 'fortran_order': False, 'shape': (20,), }", data));
+    all.into_iter().map(|bytes| (bytes, "--rate 10")).collect()
+}
+
+/// Files whose forms state their end, with the options that read them.
+fn with_an_end() -> Vec<(Vec<u8>, &'static str)> {
+    let files = [
+        (fixture!("nested.mcap"), "--column z"),
+        (fixture!("imu_zstd.mcap"), "--column z"),
+        (fixture!("checked/none.mcap"), "--column z"),
+        (fixture!("checked/flat.mcap"), "--column z"),
+        (fixture!("nested.db3"), "--column z"),
+        (HDF5, "--column imu/gz --time-column t_s"),
+        (HDF5_LATEST, "--column imu/gz --time-column t_s"),
+        (fixture!("checked/paged.h5"), "--column x --rate 200"),
+        (MAT_73, "--column gz --time-column t --time-unit s"),
+    ];
+    files.into_iter().map(|(bytes, options)| (bytes.to_vec(), options)).chain(made()).collect()
+}
+
+/// The bytes behind the end of this content that are said.
+fn behind(content: impl AsRef<[u8]>, options: &str) -> Option<u64> {
+    let column = Folder::new().read(content, options).unwrap();
+    column.warnings.iter().find_map(|warning| match warning {
+        LogWarning::Capture(zerorate_record::CaptureWarning::BytesBehindEnd { bytes, .. }) => Some(*bytes),
+        _ => None,
+    })
+}
+
+#[test]
+fn a_file_that_is_filled_up_with_zeros_is_as_good_as_alone() {
+    for (bytes, options) in with_an_end() {
+        let alone = Folder::new().read(&bytes, options).unwrap();
+        assert_eq!(behind(&bytes, options), None, "{options}");
+        let filled = [&bytes[..], &[0; 5000]].concat();
+        let column = Folder::new().read(&filled, options).unwrap();
+        assert_eq!((numbers(&column), column.warnings), (numbers(&alone), alone.warnings), "{options}");
+    }
+}
+
+#[test]
+fn what_follows_the_end_of_a_form_is_said_with_its_length() {
+    let own_head: [(&[u8], &str); 5] = [
+        (MAT, "--column gz --time-column t --time-unit s"),
+        (MAT_PACKED, "--column gz --time-column t --time-unit s"),
+        (ULOG, "--column sensor_gyro#0.z"),
+        (ROSBAG, "--column z"),
+        (ROSBAG_BZ2, "--column z"),
+    ];
+    for (bytes, options) in own_head.map(|(bytes, options)| (bytes.to_vec(), options)).into_iter().chain(with_an_end())
+    {
+        assert_eq!(behind(&bytes, options), None, "{options}");
+        for more in [&bytes[..], &[&bytes[..], &bytes].concat()] {
+            let said = behind([&bytes[..], more].concat(), options).unwrap_or_default();
+            // MATLAB writes a head of 512 bytes before HDF5, of which the end may or may not know
+            let length = more.len() as u64;
+            assert!(said == length || bytes.starts_with(b"MATLAB 7.3") && length - said <= 512, "{options}: {said}");
+        }
+        if !bytes.starts_with(b"MATLAB") && !bytes.starts_with(b"ULog") && !bytes.starts_with(b"#ROSBAG") {
+            assert_eq!(behind([&bytes[..], b"more"].concat(), options), Some(4), "{options}");
+        }
+    }
+}
+
+/// Their index stands at the end and counts from the start of the last file: it would read the pages of the first.
+#[test]
+fn where_the_first_file_would_be_lost_the_place_of_the_second_is_named() {
+    let parquet =
+        [fixture!("checked/none.parquet"), fixture!("checked/snappy.parquet"), fixture!("checked/zstd.parquet")];
+    for (files, options) in
+        [(&parquet[..], "--column x --time-column t_ns"), (&[NPZ, NPZ_PACKED][..], "--column gz_rad_s")]
+    {
+        for (first, last) in files.iter().flat_map(|first| files.iter().map(move |last| (*first, *last))) {
+            let said = Folder::new().fails([first, last].concat(), options);
+            assert!(said.contains(&format!("another one follows after its first {} bytes", first.len())), "{said}");
+        }
+    }
+}
+
+/// Forms that are read on behind a joint: rows that come twice are there, or their times are refused.
+#[test]
+fn what_can_be_read_on_is_not_lost() {
+    let twice = Folder::new().fails([DATAFLASH, DATAFLASH].concat(), "--column IMU[0].GyrZ");
+    assert!(twice.contains("two logs in one file"), "{twice}");
+    let text = "gz_dps\n1\n2\n3\n";
+    let column = Folder::new().read(format!("{text}{text}"), "--rate 10 --max-bad 0.5").unwrap();
+    assert_eq!(numbers(&column), [1.0, 2.0, 3.0, 1.0, 2.0, 3.0]);
+    assert!(column.warnings.iter().any(|warning| warning.code() == "lines-broken"), "{:?}", column.warnings);
+}
