@@ -718,7 +718,7 @@ typedef struct zerorate_table {
    */
   size_t rows;
   /**
-   * The row of T3 and a half, times 2^32.
+   * The row of t3_code and a half, times 2^32.
    */
   int64_t middle_q32;
   /**
@@ -726,7 +726,7 @@ typedef struct zerorate_table {
    */
   int64_t rows_per_code_q32;
   /**
-   * T3 as a temperature code.
+   * The temperature code nearest to T3.
    */
   int32_t t3_code;
 } zerorate_table;

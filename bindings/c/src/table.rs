@@ -15,11 +15,11 @@ pub struct Table {
     pub rows_udps: *const i32,
     /// How many there are.
     pub rows: usize,
-    /// The row of T3 and a half, times 2^32.
+    /// The row of t3_code and a half, times 2^32.
     pub middle_q32: i64,
     /// Rows per temperature code, times 2^32.
     pub rows_per_code_q32: i64,
-    /// T3 as a temperature code.
+    /// The temperature code nearest to T3.
     pub t3_code: i32,
 }
 

@@ -7,8 +7,9 @@ use crate::part::Scale;
 /// floating point.
 ///
 /// Row r, counted from 0, is for TEMP − T3 = (R − r) · step with 2R + 1 rows. The nearest row is r = ⌊R + ½ − (temp −
-/// T3 as a code) / step⌋ with the step in codes. The reciprocal of the step has 32 fraction bits. So if the distances
-/// of two rows differ by less than 2⁻³² · |temp − T3 as a code| steps, either row may be found.
+/// T3) / step⌋ with temperatures and the step in codes. T3 lies between two codes, and counts with its fraction. The
+/// reciprocal of the step has 32 fraction bits. So if the distances of two rows differ by less than 2⁻³² · |temp − T3|
+/// steps, either row may be found.
 ///
 /// ```
 /// use zerorate::{Axis, CodeTable, Correction};
@@ -58,11 +59,11 @@ impl<'a> CodeTable<'a> {
 /// Place of a temperature in a table: `row = (middle_q + (t3_code − temp) · rows_per_code_q) >> 32`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RowIndex {
-    /// The row of T3 and a half, times 2³².
+    /// The row of `t3_code` and a half, times 2³².
     pub middle_q: i64,
     /// Rows per temperature code, times 2³².
     pub rows_per_code_q: i64,
-    /// T3 as a temperature code.
+    /// The temperature code nearest to T3.
     pub t3_code: i32,
 }
 
@@ -77,10 +78,14 @@ impl RowIndex {
         let one = (1i64 << Self::Q) as f64;
         let step_lsb = step_c.max(1e-6) * temp.lsb_per_unit;
         let middle = rows.saturating_sub(1) as u32 / 2;
+        let t3_code = temp.nearest_code(t3_c).clamp(i32::MIN.into(), i32::MAX.into()) as i32;
+        // T3 rounds to a code, which lies above or below the middle row
+        let rounded_off = (temp.code(t3_c) - f64::from(t3_code)).clamp(-0.5, 0.5);
+        let off_q = libm::round(rounded_off * one / step_lsb) as i64;
         Self {
-            middle_q: (i64::from(middle) << Self::Q) + (1 << (Self::Q - 1)),
+            middle_q: (i64::from(middle) << Self::Q) + (1 << (Self::Q - 1)) + off_q,
             rows_per_code_q: libm::round(one / step_lsb) as i64,
-            t3_code: temp.nearest_code(t3_c).clamp(i32::MIN.into(), i32::MAX.into()) as i32,
+            t3_code,
         }
     }
 
@@ -139,12 +144,15 @@ mod tests {
         assert!(matches!(steep.fill_table(0.02, 0.12, &mut [0; 13]), Err(TableError::TooSteep { .. })));
     }
 
+    /// T3 of the search for rows, in ten-thousandths of a degree.
+    const T3: i128 = 315_123;
+
     /// Distance of row `row` from the place of a code in the table, in 2⁻⁴⁰ rows, by exact rational arithmetic. Steps
     /// are in millionths of a degree, and distances in 14 093 · 10⁶ parts of one.
-    fn distance(row: usize, rows: usize, step_uc: i128, t3_code: i32, temp: u32) -> i128 {
+    fn distance(row: usize, rows: usize, step_uc: i128, temp: u32) -> i128 {
         let step = step_uc * 14_093;
         let from_middle = row as i128 - (rows as i128 - 1) / 2;
-        let place = i128::from(t3_code - temp as i32) * 1_000_000;
+        let place = (T3 - 250_000) * 14_093 * 100 - (i128::from(temp) - 8_388_608) * 1_000_000;
         ((from_middle * step - place).abs() << 40) / step
     }
 
@@ -153,15 +161,35 @@ mod tests {
     fn codes_find_the_nearest_row() {
         for (step_uc, half) in [(20_000, 100), (20_000, 6), (333_333, 150), (1, 3), (1_000_000, 60)] {
             let rows = 2 * half + 1;
-            let index = RowIndex::new(rows, step_uc as f64 * 1e-6, 31.5123, &TEMP);
+            let index = RowIndex::new(rows, step_uc as f64 * 1e-6, T3 as f64 * 1e-4, &TEMP);
             for temp in (0..1 << 24).step_by(7).chain(8_300_000..8_600_000) {
                 let row = index.row(temp).clamp(0, rows as i64 - 1) as usize;
-                let of = |row| distance(row, rows, step_uc, index.t3_code, temp);
+                let of = |row| distance(row, rows, step_uc, temp);
                 let best = of(row.saturating_sub(1)).min(of((row + 1).min(rows - 1)));
-                let slack = i128::from((index.t3_code - temp as i32).abs()) << 8;
+                let slack = (i128::from((index.t3_code - temp as i32).abs()) + 2) << 8;
                 assert!(of(row) <= best + slack, "{step_uc} µ°C, code {temp}");
             }
         }
+    }
+
+    /// T3 half-way between two coarse codes of a part with 0.1 °/s/°C: a table about the nearest code is 0.007 °/s off.
+    #[test]
+    fn t3_between_two_codes_shifts_no_row() {
+        let temp = Scale { lsb_per_unit: 7.14, zero_code: 2048, zero_value: 25.0, width_bits: 12, signed: false };
+        let t3_c = 25.0 + 40.5 / 7.14;
+        let mut rows = [0; 901];
+        Correction::line(0.0, 0.1, t3_c).fill_table(0.02, 9.0, &mut rows).unwrap();
+        let table = CodeTable::new(&rows, 0.02, t3_c, &temp);
+        let off_dps = |code: i64| {
+            let found = f64::from(table.look_up_udps(code as u32).unwrap()) * 1e-6;
+            found - 0.1 * (temp.value(code - temp.zero_code) - t3_c)
+        };
+        let all: alloc::vec::Vec<f64> = (2088 - 60..2089 + 60).map(off_dps).collect();
+        assert!(
+            all.iter().all(|off_dps| off_dps.abs() <= 0.01 * 0.1 + 1e-6),
+            "half a step is worth 0.001 °/s: {all:?}"
+        );
+        assert!((all.iter().sum::<f64>() / all.len() as f64).abs() < 1e-4, "{all:?}");
     }
 
     /// Half a step beyond its first and its last row the table ends, for every code around both ends.

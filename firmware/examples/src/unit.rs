@@ -117,9 +117,9 @@ pub const TABLE_STEP_UC: i64 = 20000;
 #[allow(dead_code)]
 pub const TABLE_SPAN_UC: i64 = 7000000;
 
-/// The row of T3 and a half, times 2^32.
+/// The row of T3_CODE and a half, times 2^32.
 #[allow(dead_code)]
-pub const TABLE_MIDDLE_Q32: i64 = 1505386037248;
+pub const TABLE_MIDDLE_Q32: i64 = 1505378418275;
 
 /// Rows per temperature code, times 2^32.
 #[allow(dead_code)]

@@ -110,7 +110,9 @@ fn measured(correction: &Correction) -> String {
 fn curved_axes() -> String {
     let file = super::AXES.replace("schema = 2", "schema = 3");
     let file = file.replace("t3_c = 31.25", "t3_c = 31.25, btc2_dps_per_c2 = 0.0015, btc3_dps_per_c3 = -2e-5");
-    file.replace("-0.01, t3_c = 31.5", "-0.01, t3_c = 31.5, btc3_dps_per_c3 = 3e-6")
+    let file = file.replace("-0.01, t3_c = 31.5", "-0.01, t3_c = 31.5, btc3_dps_per_c3 = 3e-6");
+    // 31.5 °C is half-way between two rows at 25 °C, which is a code
+    file.replace("t3_c = 31.5", "t3_c = 31.53")
 }
 
 /// A unit whose export is tried, and the codes that it is tried with.
@@ -198,7 +200,7 @@ impl Tried {
             let in_range = validity.covers(temp_scale.value(temp - temp_scale.zero_code)) && temp == codes[0];
             write!(text, "{}", i32::from(in_range)).unwrap();
             for ((axis, table), rate) in axes.iter().zip(&codes[1..]) {
-                let below_c = (temp_scale.nearest_code(axis.correction.t3_c) - temp) as f64 / temp_scale.lsb_per_unit;
+                let below_c = (temp_scale.code(axis.correction.t3_c) - temp as f64) / temp_scale.lsb_per_unit;
                 let row = ((self.span_c + below_c) / self.step_c + 0.5).floor();
                 let nearest = &table[row.clamp(0.0, table.len() as f64 - 1.0) as usize];
                 let udps = (nearest.correction_dps * 1e6).round() as i64;

@@ -148,6 +148,7 @@ impl<'a> AxisCodes<'a> {
     fn entries(&self, language: &Language, rows: &[TableRow]) -> Result<Entries> {
         let Self { axis, codes, step_c, span_c } = self;
         let correction = axis.correction;
+        let index = RowIndex::new(rows.len(), *step_c, correction.t3_c, &codes.temp);
         let rows: Result<Vec<i32>> = rows.iter().map(|row| millionths(row.correction_dps)).collect();
         let integer = match &codes.integer {
             Integer::Line(line, form) => of_line(line, form.q),
@@ -162,6 +163,7 @@ impl<'a> AxisCodes<'a> {
             ("TERMS", terms(&correction, language.margin)),
             ("DISTANCE", distance(&correction).to_owned()),
             ("T3_CODE", codes.integer.t3_code().to_string()),
+            ("MIDDLE_Q", index.middle_q.to_string()),
             ("LSB_PER_DPS", codes.rate.lsb_per_unit.to_string()),
             ("RATE_ZERO", codes.rate.zero_code.to_string()),
             ("RATE_CODES", in_words(&codes.rate)),
@@ -294,7 +296,6 @@ fn layout(export: &Export, axes: &[AxisCodes]) -> Result<Entries> {
         ("SPAN_C", layout.span_c.to_string()),
         ("STEP_UC", whole_millionths("the step", layout.step_c)?.to_string()),
         ("SPAN_UC", whole_millionths("the span", layout.span_c)?.to_string()),
-        ("MIDDLE_Q", index.middle_q.to_string()),
         ("ROWS_PER_CODE_Q", index.rows_per_code_q.to_string()),
         ("ROW_Q", RowIndex::Q.to_string()),
         ("ROWS", rows.to_string()),
