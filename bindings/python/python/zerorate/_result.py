@@ -61,7 +61,7 @@ class Allan:
     unavailable: list[Unavailable] = field(repr=False)
     """Averaging times without a deviation, with the reason."""
     fit: Fit | None = field(repr=False)
-    """The noise model; None if it was not requested, or the record is too short."""
+    """The noise model; None if it was not requested, or there is none: then `no_fit` says why."""
     no_fit: str | None = field(default=None, repr=False)
     """Why there is no noise model."""
     model: NDArray[np.float64] | None = field(default=None, repr=False)

@@ -66,14 +66,41 @@ fn without_fit_there_is_no_model() {
     assert!(report["fit"].is_null() && report["points"][0]["model"].is_null(), "{report}");
 }
 
-/// `value` is always given, even where nothing can be fitted.
+/// A log of white noise at 100 Hz. `changed` gets number, time and rate of each sample, and returns time and rate.
+fn log_with(samples: usize, changed: impl Fn(usize, f64, f64) -> (f64, f64)) -> String {
+    let noise = white(samples, 0.05, 4).into_iter().enumerate();
+    let rows = noise.map(|(at, rate_dps)| changed(at, at as f64 / 100.0, rate_dps));
+    rows.fold("t_s,gz_dps\n".to_owned(), |log, (t_s, rate_dps)| log + &format!("{t_s:.2},{rate_dps:e}\n"))
+}
+
+/// Too few samples, nine tenths of them missing, or one cell that no noise explains: no number is a result.
 #[test]
-fn a_record_too_short_for_a_fit() {
+fn a_record_without_a_model_is_refused_in_every_mode() {
     let bench = Bench::new();
-    bench.write("short.csv", "1\n3\n2\n");
-    let report = bench.zerorate("allan short.csv --rate 10 --fit --json").ended_with(0).json();
-    assert_eq!((&report["fit"]["k"]["value"], &report["fit"]["k"]["identified"]), (&0.0.into(), &false.into()));
-    assert!(report["fit_error"].as_str().unwrap().contains("record longer"));
+    bench.write("short.csv", log_with(40, |_, t_s, rate_dps| (t_s, rate_dps)));
+    let late = |at, t_s| if at < 1800 { t_s } else { t_s + 3600.0 };
+    bench.write("gap.csv", log_with(4000, |at, t_s, rate_dps| (late(at, t_s), rate_dps)));
+    for cell in [1e150, -1e200] {
+        bench.write(
+            "huge.csv",
+            log_with(60_000, |at, t_s, rate_dps| (t_s, if at == 30_000 { cell } else { rate_dps })),
+        );
+        for (file, why) in [("short.csv", "record longer"), ("gap.csv", "losses"), ("huge.csv", "check the unit")] {
+            for output in ["", " --csv", " --json --column all"] {
+                let run = bench.zerorate(&format!("allan {file} --fit{output}")).ended_with(3);
+                assert!(run.stderr.contains(why) && run.stderr.contains("code: no-model"), "{output}: {run:?}");
+            }
+            let report = bench.zerorate(&format!("allan {file} --fit --json")).ended_with(3).json();
+            for letter in ["n", "b", "k"] {
+                let coefficient = &report["fit"][letter];
+                assert!(["value", "lo", "hi"].iter().all(|name| coefficient[name].is_null()), "{coefficient}");
+                assert_eq!(coefficient["identified"], false);
+            }
+            assert!(report["fit_error"].as_str().unwrap().contains(why), "{report}");
+        }
+    }
+    let report = bench.zerorate("allan short.csv --json").ended_with(0).json();
+    assert!(report["fit"].is_null(), "{report}");
 }
 
 #[test]

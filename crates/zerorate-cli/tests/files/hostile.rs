@@ -94,7 +94,7 @@ fn escapes_for_terminals_are_shown() {
         bench.zerorate("allan missing\x1b[2J.csv --rate 10").fails(1),
         {
             let run = bench.zerorate("allan log\x1b[31m.csv --column 1 --rate 10 --fit");
-            let run = run.ended_with(0);
+            let run = run.ended_with(3);
             run.stdout + &run.stderr
         },
     ];

@@ -172,9 +172,9 @@ struct Missing {
 
 #[derive(Serialize)]
 struct Coefficient {
-    value: f64,
-    lo: f64,
-    /// None where the coefficient has no bound.
+    /// These three are none without a model.
+    value: Option<f64>,
+    lo: Option<f64>,
     hi: Option<f64>,
     unit: String,
     identified: bool,
@@ -228,20 +228,20 @@ fn fit(record: &Record) -> Fit {
     }
 }
 
-/// The coefficients, each in its base unit, which is the unit without a factor. Without a fit they are zeros that are
-/// not identified.
+/// The coefficients, each in its base unit, which is the unit without a factor. Without a model they have no numbers.
 fn letters(record: &Record) -> BTreeMap<char, Coefficient> {
     let base = |named: Named<'_>| {
         let unit = named.units.iter().find(|(_, factor)| *factor == 1.0).map(|(unit, _)| unit.clone());
         let &allan::Coefficient { value, lo, hi, identified, needed_s, .. } = named.coefficient;
+        let [value, lo, hi] = [value, lo, hi].map(Some);
         let unit = unit.unwrap_or_default();
-        (named.letter.to_ascii_lowercase(), Coefficient { value, lo, hi: Some(hi), unit, identified, needed_s })
+        (named.letter.to_ascii_lowercase(), Coefficient { value, lo, hi, unit, identified, needed_s })
     };
     if record.model().is_some() {
         return coefficients(record).into_iter().map(base).collect();
     }
     let unknown =
-        || Coefficient { value: 0.0, lo: 0.0, hi: None, unit: String::new(), identified: false, needed_s: None };
+        || Coefficient { value: None, lo: None, hi: None, unit: String::new(), identified: false, needed_s: None };
     ['n', 'b', 'k'].map(|letter| (letter, unknown())).into()
 }
 

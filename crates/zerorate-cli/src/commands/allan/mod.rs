@@ -69,7 +69,7 @@ pub struct AllanArgs {
     ///
     /// Q (quantisation), R (ramp), Gauss–Markov terms, the sensor's band and lines are added where they are
     /// significant. Glitches and steps are removed first, from the deviations too, and warnings say which. A model
-    /// that is off by more than 10 % is rejected: exit code 3.
+    /// that is off by more than 10 % is rejected: exit code 3, as for a record that has no model.
     #[arg(long)]
     fit: bool,
 
@@ -127,7 +127,7 @@ pub struct AllanArgs {
     csv: bool,
 
     /// Print the result as one JSON object. With --fit or --pool it has the noise model, and says so if the model is
-    /// rejected: exit code 3.
+    /// rejected. Without a model the coefficients are null. Both are exit code 3.
     #[arg(long)]
     json: bool,
 }
@@ -216,14 +216,10 @@ fn warnings(args: &AllanArgs, records: &[Record]) -> Vec<String> {
     }
 }
 
-/// Refuses a rejected model. A record without a model is not a failure: its text says why.
+/// Refuses a record whose coefficients must not become a result.
 fn check_model(record: &Record) -> Result<()> {
-    match record.believed() {
-        Err(doubt @ Doubt::Rejected(_)) => {
-            Err(Refused::new(doubt.code(), format!("{}: {doubt}", record.label())).into())
-        }
-        _ => Ok(()),
-    }
+    let refused = |doubt: Doubt| Refused::new(doubt.code(), format!("{}: {doubt}", record.label()));
+    Ok(record.believed().map(drop).map_err(refused)?)
 }
 
 /// Fits and prints one model of all records.
