@@ -8,6 +8,7 @@ mod correct;
 mod durable;
 mod export;
 mod failing;
+mod front_ends;
 mod golden;
 mod hostile;
 mod imu;
