@@ -172,7 +172,7 @@ mod tests {
         }
     }
 
-    /// T3 half-way between two coarse codes of a part with 0.1 °/s/°C: a table about the nearest code is 0.007 °/s off.
+    /// T3 half-way between two coarse codes of a part with 0.1 °/s/°C: about the nearest code it is 0.007 °/s off.
     #[test]
     fn t3_between_two_codes_shifts_no_row() {
         let temp = Scale { lsb_per_unit: 7.14, zero_code: 2048, zero_value: 25.0, width_bits: 12, signed: false };

@@ -101,8 +101,8 @@ pub struct Assumed<'a> {
 pub struct BiasCurve {
     /// The correction that is added to a rate: minus the bias.
     pub correction: Correction,
-    /// Covariance of PBC and the coefficients of the first to third order: of °/s/°Cⁿ each. Orders that disagree on PBC
-    /// or BTC make two peaks, and intervals by their variance alone would miss the smaller one too often. So the
+    /// Covariance of PBC and the coefficients of the first to third order: of °/s/°Cⁿ each. Orders that disagree on
+    /// PBC or BTC make two peaks, and intervals by their variance alone would miss the smaller one too often. So the
     /// variances of PBC and BTC are larger than that of all models together.
     pub covariance: [[f64; TERMS]; TERMS],
     /// The order that was taken.

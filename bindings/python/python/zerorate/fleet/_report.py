@@ -161,7 +161,7 @@ def _values(rows: list[dict[str, Any]], quantity: Quantity) -> tuple[list[dict[s
 
 
 def _outliers(rows: list[dict[str, Any]]) -> list[Outlier]:
-    """The axes with a robust z above 3.5 in any quantity, the farthest first. An axis is compared with the same axis of
+    """The axes with a robust z above 3.5 in any quantity, the farthest first. An axis is compared with the same one of
     the same type of sensor."""
     found: list[tuple[float, Outlier]] = []
 
