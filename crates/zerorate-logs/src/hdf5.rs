@@ -151,8 +151,8 @@ fn starts_as_matlab(input: &Input) -> bool {
 /// Bytes of MATLAB's head, before the form itself.
 const MATLAB_HEAD: u64 = 512;
 
-/// The end of the file as its first block states it. Some versions count from the start of the file and some from that
-/// block; this is the later one. None where addresses are not of eight bytes.
+/// The end of the file as its first block states it, counted from the start of the file. None where addresses are not
+/// of eight bytes.
 fn end(input: &Input) -> Option<u64> {
     let start = if starts_as_matlab(input) { MATLAB_HEAD } else { 0 };
     let block = input.bytes_at(start, 52).ok()?;
@@ -163,7 +163,7 @@ fn end(input: &Input) -> Option<u64> {
         _ => return None,
     };
     let end = block[end..].first_chunk().filter(|_| block[size] == 8)?;
-    Some(u64::from_le_bytes(*end).saturating_add(start))
+    Some(u64::from_le_bytes(*end))
 }
 
 /// The bytes of the file.
