@@ -82,7 +82,7 @@ impl Groups<'_> {
         usize::try_from(stated).unwrap_or_default().min(MAX_RESERVED)
     }
 
-    /// The first rows in all columns with numbers or words; none where one cannot be read, because nobody asked for it.
+    /// The first rows in all columns with numbers or words; none where one cannot be read, which nobody asked for.
     fn first_rows(&self) -> Option<RecordBatch> {
         let fits = |field: &Field| {
             let of = field.data_type();
