@@ -99,6 +99,8 @@ fn archives_of_numpy() {
     assert!(said.contains("one of: 0 `t_ns`, 1 `gz_rad_s`, 2 `gyro.0`, 3 `gyro.1`, 4 `gyro.2`"), "{said}");
     let mut empty = b"PK\x05\x06".to_vec();
     empty.extend([0; 18]);
+    // where its index is
+    empty[16] = 30;
     let plain = [&b"PK\x03\x04"[..], &[0; 26], &empty].concat();
     assert!(folder.fails(plain, "--rate 1").contains("without arrays of NumPy"));
 }

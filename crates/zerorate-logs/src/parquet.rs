@@ -82,15 +82,27 @@ impl Groups<'_> {
         usize::try_from(stated).unwrap_or_default().min(MAX_RESERVED)
     }
 
-    /// The first rows in all columns with numbers or words; none where one cannot be read, which nobody asked for.
-    fn first_rows(&self) -> Option<RecordBatch> {
+    /// The first rows, of as many row groups as it takes.
+    fn first_rows(&self) -> Vec<RecordBatch> {
+        let mut rows = 0;
+        let next = |group: usize| {
+            let batch = (rows < ROWS).then(|| self.first_rows_of(group)).flatten()?;
+            rows += batch.num_rows();
+            Some(batch)
+        };
+        (0..self.len()).map_while(next).collect()
+    }
+
+    /// The first rows of a row group in all columns with numbers or words; none where one cannot be read, which nobody
+    /// asked for.
+    fn first_rows_of(&self, group: usize) -> Option<RecordBatch> {
         let fits = |field: &Field| {
             let of = field.data_type();
             of.is_primitive() || of.is_string() || matches!(of, DataType::Boolean | DataType::Dictionary(..))
         };
         let fields = self.metadata.schema().fields().iter().cloned().enumerate();
         let fields: Vec<(usize, FieldRef)> = fields.filter(|(_, field)| fits(field)).collect();
-        let first = |at: usize| self.reader(0, at, ROWS)?.next().transpose().map_err(ParquetError::from);
+        let first = |at: usize| self.reader(group, at, ROWS)?.next().transpose().map_err(ParquetError::from);
         let read = |at: usize| Some(guarded(self.path, || first(at)).ok()??.column(0).clone());
         let columns: Vec<ArrayRef> = fields.iter().map(|(at, _)| read(*at)).collect::<Option<_>>()?;
         let schema = Schema::new(fields.into_iter().map(|(_, field)| field).collect::<Vec<_>>());

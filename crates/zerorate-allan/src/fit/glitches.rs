@@ -39,6 +39,9 @@ const HEAVY_BY_CHANCE: f64 = 1e-3;
 /// Share of the records of a heavy tail in which a gap within the tail is taken for one that isolates glitches.
 const GAP_BY_CHANCE: f64 = 1e-3;
 
+/// Size of a sample, in usual ones, from which it is damage whatever the noise is.
+const ABSURD: f64 = 1e9;
+
 /// Windows that are looked at together.
 const PIECE: usize = 1 << 14;
 
@@ -62,7 +65,10 @@ pub(super) fn glitches(rate: &[f64]) -> Option<Vec<usize>> {
         if has_gaps { there.iter().map(|&i| rate[i]).collect() } else { Cow::Borrowed(rate) };
     let count = values.len();
     let limit = -normal_quantile(ALARM / (2 * count * WIDTHS.len()) as f64);
-    let mut bad: BTreeSet<usize> = BTreeSet::new();
+    let mut bad: BTreeSet<usize> = absurd(&values).into_iter().collect();
+    if !bad.is_empty() {
+        replace(values.to_mut(), &bad);
+    }
     for width in WIDTHS.into_iter().filter(|width| 3 * *width < count) {
         for _ in 0..LOOKS {
             let before = bad.len();
@@ -74,12 +80,26 @@ pub(super) fn glitches(rate: &[f64]) -> Option<Vec<usize>> {
             if bad.len() == before {
                 break;
             }
-            let values = values.to_mut();
-            bad.iter().for_each(|&i| values[i] = f64::NAN);
-            fill_gaps(values);
+            replace(values.to_mut(), &bad);
         }
     }
     Some(bad.into_iter().map(|i| if has_gaps { there[i] } else { i }).collect())
+}
+
+fn replace(values: &mut [f64], bad: &BTreeSet<usize>) {
+    bad.iter().for_each(|&i| values[i] = f64::NAN);
+    fill_gaps(values);
+}
+
+/// Samples so large that a sum with them has no digits left for the others.
+fn absurd(values: &[f64]) -> Vec<usize> {
+    let every = values.len().div_ceil(MEDIAN_OF).max(1);
+    let middle = median(values.iter().step_by(every).copied().collect());
+    let mut sizes: Vec<f64> = values.iter().step_by(every).map(|value| libm::fabs(value - middle)).collect();
+    sizes.sort_unstable_by(f64::total_cmp);
+    let usual = sizes.get(sizes.len() * 9 / 10).copied().unwrap_or(0.0);
+    let is_absurd = |i: &usize| usual > 0.0 && libm::fabs(values[*i] - middle) > ABSURD * usual;
+    (0..values.len()).filter(is_absurd).collect()
 }
 
 fn present(rate: &[f64]) -> Vec<usize> {

@@ -179,6 +179,19 @@ fn quantisation_has_its_letter_and_a_low_pass_has_a_shape() {
     assert!(near(fit.n.value, HOUR.n, 0.01) && near(fit.b.value, HOUR.b, 0.25), "{:?} {:?}", fit.n, fit.b);
 }
 
+/// A sum with such a number has no digits left for the other samples. N came out as 1e97 and more.
+#[test]
+fn one_absurd_sample_changes_nothing() {
+    let clean = Truth { n: 1e-4, ..Truth::default() }.noise(4_000, 6);
+    for size in [1e12, 1e50, 1e100, 1e140] {
+        let mut rate = clean.clone();
+        rate[2_000] = size;
+        let cut = of(&rate);
+        assert_eq!(cut.cleaned.glitches_s, [20.0], "{size}");
+        assert!(near(cut.n.value, of(&clean).n.value, 1e-2), "{size}: {:?}", cut.n);
+    }
+}
+
 /// N = 0.0060 °/√h, with one impossible sample.
 #[test]
 fn one_impossible_sample_changes_nothing() {
