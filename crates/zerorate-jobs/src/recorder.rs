@@ -19,8 +19,8 @@ impl Recorder {
         Ok(Self { writer, file })
     }
 
-    /// Records a sample. Whole batches go to the system at once. It fails within a second after the file was removed or
-    /// cut.
+    /// Records a sample. Whole batches go to the system at once. It fails within a second after the file was removed
+    /// or cut.
     #[inline]
     pub fn push(&mut self, row: &Row) -> Result<(), CaptureError> {
         self.file.check().map_err(|error| CaptureError::io("record into", self.file.path(), error))?;

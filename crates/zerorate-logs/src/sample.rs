@@ -68,6 +68,7 @@ impl Sampled {
     }
 
     /// The first of these times, since the first of all.
+    #[cfg(any(feature = "mcap", feature = "ros", feature = "sqlite"))]
     pub fn of_times(name: &str, times: &Times) -> Self {
         let cells = times.since_first().iter().take(ROWS).map(|time| Cell::number(*time)).collect();
         Self { cells, time_unit: times.unit, ..Self::new(name) }

@@ -150,9 +150,8 @@ class Allan:
             If nothing stated the unit, because the assumed °/s could be rad/s.
         """
         said = self.warnings + (self.fit.warnings if self.fit else [])
-        return _filters.file(
-            [self], path, self.name, format, "worst", horizon_s, as_fitted, inflate, topic, force, accept_rejected, said
-        )
+        asked = (horizon_s, as_fitted, inflate, topic, force, accept_rejected)
+        return _filters.file([self], path, self.name, format, "worst", *asked, said)
 
 
 @dataclass(frozen=True, eq=False)

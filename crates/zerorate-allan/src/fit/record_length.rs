@@ -9,13 +9,14 @@ use super::select::DESCENT;
 const DOUBLINGS: i32 = 8;
 /// (1.96 + 0.84)²: the expected gain in deviance at which zero is outside the 95 % interval in four of five records.
 const ENOUGH: f64 = 7.849;
-/// A coefficient that this record does not show, though one of its length usually would, needs this many times as much.
+/// A coefficient that this record does not show, though one of its length usually would, needs this many times the
+/// length.
 const LONGER: f64 = 1.5;
 
 /// The length of a record in which zero would be outside the 95 % interval in four of five cases, s.
 ///
-/// Never as short as the record, which does not show it. `value` is the assumed size of the parameter at `place`. The length is interpolated between two doublings, linear
-/// in logarithms.
+/// It is never as short as the record, which does not show the parameter. `value` is the assumed size of the parameter
+/// at `place`. The length is interpolated between two doublings, linear in logarithms.
 pub(super) fn needed_s(found: &Found, samples: usize, (rate_hz, top_hz): (f64, f64), place: usize, value: f64) -> f64 {
     let length_s = samples as f64 / rate_hz;
     let mut at = found.at.clone();

@@ -71,7 +71,7 @@ fn rescued(bench: &Bench, run: &Run, folder: &Path) {
     let place = kept.file_name().unwrap().to_string_lossy();
     assert!(said.contains("not lost") && said.contains(&*place) && !said.contains("/./"), "{said}");
     assert_eq!(fs::read_to_string(&kept).unwrap(), run.stdout, "{said}");
-    let export = bench.zerorate(&*format!("export {} --format csv", kept.display()));
+    let export = bench.zerorate(&format!("export {} --format csv", kept.display()));
     assert_eq!(export.stderr, "", "it is whole, with its checksum");
     assert!(export.ok().starts_with("delta_c"));
 }
@@ -173,7 +173,7 @@ fn a_second_writer_of_a_calibration_refuses() {
     let bench = Bench::new();
     let (child, log) = waiting(&bench, &format!("{CALIBRATE} -o unit.toml"));
     for force in ["", " --force"] {
-        let said = bench.zerorate(&*format!("{CALIBRATE} -o unit.toml{force}")).fails(2);
+        let said = bench.zerorate(&format!("{CALIBRATE} -o unit.toml{force}")).fails(2);
         assert!(said.contains("another zerorate"), "{said}");
     }
     let run = let_it_run(child, &log);

@@ -154,6 +154,42 @@ fn a_calibration_holds_numbers_that_can_be() {
     assert!(said.contains("line 8: temp_min_c must be a temperature"), "{said}");
 }
 
+/// Commands that read a text.
+#[cfg(target_os = "linux")]
+const TEXTS: &[&str] = &[
+    "export FILE --format c",
+    "report FILE",
+    "correct rest.csv --cal FILE -o out",
+    "stream --cal FILE",
+    "stream --cal unit.toml --track --state FILE",
+    "capture --part FILE -o out",
+    "recalibrate rest.csv --part FILE",
+    "chamber FILE",
+    "imu rest.csv --datasheet FILE",
+    #[cfg(feature = "serve")]
+    "serve --listen 127.0.0.1:0 --cal FILE",
+    #[cfg(feature = "serve")]
+    "serve --listen 127.0.0.1:0 --token-file FILE",
+];
+
+/// Commands that read a log.
+#[cfg(target_os = "linux")]
+const LOGS: &[&str] = &[
+    "allan FILE",
+    "imu FILE",
+    "verify FILE",
+    "repair FILE -o out",
+    "correct FILE --cal unit.toml -o out",
+    "recalibrate FILE",
+    "probe --device replay:FILE",
+    "capture --device replay:FILE -o out",
+    "calibrate --device replay:FILE",
+    "stream --device replay:FILE --cal unit.toml",
+    "chamber f57 --device replay:FILE",
+    #[cfg(feature = "serve")]
+    "serve --listen 127.0.0.1:0 --device replay:FILE",
+];
+
 /// Files of text are small, and a name may lead to anything: devices and pipes without an end, files that are nothing
 /// but a hole. Less address space than any of them has bytes.
 #[cfg(target_os = "linux")]
@@ -163,37 +199,7 @@ fn whatever_is_read_whole_has_a_bound() {
     bench.write("unit.toml", calibration(-0.25, -0.04, 24.0));
     bench.write("rest.csv", capture("A1", "1000,1,8623488,8,8402701,0\n"));
     File::create(bench.path("hole")).unwrap().set_len(10 << 30).unwrap();
-    let text = [
-        "export FILE --format c",
-        "report FILE",
-        "correct rest.csv --cal FILE -o out",
-        "stream --cal FILE",
-        "stream --cal unit.toml --track --state FILE",
-        "capture --part FILE -o out",
-        "recalibrate rest.csv --part FILE",
-        "chamber FILE",
-        "imu rest.csv --datasheet FILE",
-        #[cfg(feature = "serve")]
-        "serve --listen 127.0.0.1:0 --cal FILE",
-        #[cfg(feature = "serve")]
-        "serve --listen 127.0.0.1:0 --token-file FILE",
-    ];
-    let logs = [
-        "allan FILE",
-        "imu FILE",
-        "verify FILE",
-        "repair FILE -o out",
-        "correct FILE --cal unit.toml -o out",
-        "recalibrate FILE",
-        "probe --device replay:FILE",
-        "capture --device replay:FILE -o out",
-        "calibrate --device replay:FILE",
-        "stream --device replay:FILE --cal unit.toml",
-        "chamber f57 --device replay:FILE",
-        #[cfg(feature = "serve")]
-        "serve --listen 127.0.0.1:0 --device replay:FILE",
-    ];
-    for line in text.iter().chain(&logs) {
+    for line in TEXTS.iter().chain(LOGS) {
         for file in ["/dev/zero", "/dev/urandom", "hole"] {
             let line = line.replace("FILE", file);
             let run = bench.caged(&line);
@@ -203,17 +209,25 @@ fn whatever_is_read_whole_has_a_bound() {
             assert!(!bench.path("out").exists(), "{line}");
         }
     }
-    // opening one of these would wait for its other end
+}
+
+/// To open one of these would wait for its other end.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_pipe_in_place_of_a_file_is_refused_or_read_within_bounds() {
+    let bench = Bench::new();
+    bench.write("unit.toml", calibration(-0.25, -0.04, 24.0));
+    bench.write("rest.csv", capture("A1", "1000,1,8623488,8,8402701,0\n"));
     assert!(Command::new("mkfifo").arg(bench.path("never")).status().unwrap().success());
     let _socket = std::os::unix::net::UnixListener::bind(bench.path("socket")).unwrap();
-    for (line, file) in logs.iter().flat_map(|line| ["never", "socket"].map(|file| (line.replace("FILE", file), file)))
+    for (line, file) in LOGS.iter().flat_map(|line| ["never", "socket"].map(|file| (line.replace("FILE", file), file)))
     {
         let run = bench.caged(&line);
         assert_eq!(run.code, Some(1), "{line}: {run:?}");
         let said = format!("cannot read {file}: it is a pipe or a device");
         assert!(run.stderr.contains(&said) || run.stdout.contains(&said), "{line}: {run:?}");
     }
-    for line in text.iter().filter(|line| !line.contains("--state")) {
+    for line in TEXTS.iter().filter(|line| !line.contains("--state")) {
         let _ = std::fs::remove_file(bench.path("pipe"));
         assert!(Command::new("mkfifo").arg(bench.path("pipe")).status().unwrap().success());
         let mut endless =

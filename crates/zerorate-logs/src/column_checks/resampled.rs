@@ -29,8 +29,8 @@ const COARSE: f64 = 3.0;
 /// Sizes of differences, in steps, whose mean share is that of repeats by chance.
 const NEAR: u32 = 3;
 
-/// Distances between samples whose mean share of equal pairs is that of repeats by chance, where codes were printed with
-/// digits of their own.
+/// Distances between samples whose mean share of equal pairs is that of repeats by chance. Coarse codes may be printed
+/// with digits of their own.
 const LAGS: RangeInclusive<usize> = 2..=10;
 
 /// Parts of a log in each of which repeats must show: a sensor that stands still for a while repeats as well.

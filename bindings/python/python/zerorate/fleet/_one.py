@@ -124,7 +124,8 @@ class Replaced(Exception):
 
 def put(task: Task, row: dict[str, Any]) -> None:
     """Writes the row of a task."""
-    stated = {"key": task.key, "url": _plain.utf8(task.file.url), "version": task.file.version, "bytes": task.file.size}
+    url = _plain.utf8(task.file.url)
+    stated = {"key": task.key, "url": url, "version": task.file.version, "bytes": task.file.size}
     made = {"recipe": task.digest, "program": _program.version(), "host": socket.gethostname(), "ended": time.time()}
     complete = {**dict.fromkeys(_row.SCHEMA.names), "warnings": [], "axes": [], **stated, **made, **row}
     _store.put(_store.row_url(task.out, task.key), json.dumps(complete, sort_keys=True).encode())

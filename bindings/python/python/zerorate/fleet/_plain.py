@@ -1,7 +1,7 @@
 """Names of files and texts from outside, as they are shown: on a terminal, on a page and in a row.
 
-A name of a file may have any bytes but ``/`` and 0. What would move the cursor, change colours or turn the direction of
-writing is shown as the program shows it, ``\\u{1b}``; a byte that is not UTF-8 as ``\\xfc``.
+A name of a file may have any bytes but ``/`` and 0. What would move the cursor, change colours or turn the
+direction of writing is shown as the program shows it, ``\\u{1b}``; a byte that is not UTF-8 as ``\\xfc``.
 """
 
 from __future__ import annotations
