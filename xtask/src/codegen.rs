@@ -11,7 +11,7 @@ use xtask::{app, lab};
 pub const HELP: &str = "\
 \x20 --check  Write nothing, and fail where a file is not as it would be written
 
-Generated files: bindings/c/include/zerorate.h, firmware/examples/src/unit.rs, and in docs/pictures/ the drawings and
+Generated files: bindings/c/include/zerorate.h, firmware/examples/src/unit.rs, and in docs/pictures/ the bandwidth and
 the spectrum. `cargo xtask web` makes web/src/protocol.ts, which git does not keep.
 
 allan.svg and correction.svg come from hours of the twin: `cargo xtask dist program pictures` draws them, and with

@@ -63,7 +63,7 @@ const TASKS: [Task; 13] = [
     Task {
         name: "codegen",
         usage: "[--check]",
-        about: "Write all generated files: C header, the examples' unit, drawings",
+        about: "Write all generated files: C header, the examples' unit, two pictures",
         help: || codegen::HELP.to_owned(),
         run: codegen::run,
     },
