@@ -16,6 +16,9 @@ use std::sync::Arc;
 /// Starts every message, since format version 0.15.
 const CONTINUATION: [u8; 4] = [0xFF; 4];
 
+/// The largest number to whose multiples writers fill buffers up.
+const ALIGNMENT: usize = 64;
+
 /// Reads messages.
 pub struct Messages<R> {
     reader: R,
@@ -168,9 +171,9 @@ pub fn with_note(message: &[u8], key: &str, value: &str) -> Result<Vec<u8>, Stri
     Ok(builder.finished_data().to_vec())
 }
 
-/// Bytes of all buffers of a batch, unpacked.
+/// Bytes of all buffers of a batch, unpacked. A body that is longer than its buffers has swallowed what follows it.
 fn check_buffers(batch: ipc::RecordBatch<'_>, body: &[u8]) -> Result<u64, String> {
-    let mut unpacked = 0u64;
+    let (mut unpacked, mut used) = (0u64, 0);
     for buffer in batch.buffers().ok_or("a batch without buffers")? {
         let outside = || {
             let (length, offset) = (buffer.length(), buffer.offset());
@@ -180,6 +183,7 @@ fn check_buffers(batch: ipc::RecordBatch<'_>, body: &[u8]) -> Result<u64, String
         let length = usize::try_from(buffer.length()).map_err(|_| outside())?;
         let end = start.checked_add(length).ok_or_else(outside)?;
         let bytes = body.get(start..end).ok_or_else(outside)?;
+        used = used.max(end);
         let stated = match (batch.compression(), bytes.first_chunk()) {
             (None, _) => length as i64,
             (Some(_), None) => 0,
@@ -191,6 +195,9 @@ fn check_buffers(batch: ipc::RecordBatch<'_>, body: &[u8]) -> Result<u64, String
         };
         let stated = u64::try_from(stated).map_err(|_| format!("a buffer states {stated} bytes"))?;
         unpacked = unpacked.saturating_add(stated);
+    }
+    if body.len() > used.next_multiple_of(ALIGNMENT) {
+        return Err(format!("a batch of {used} bytes states a body of {}", body.len()));
     }
     Ok(unpacked)
 }

@@ -1,5 +1,6 @@
 //! Selection of the terms: N, B and K always, the others where they earn their price.
 
+use super::MOST_ERROR;
 use super::density::{Drift, MOST_COSINES, Table};
 use super::scoring::{B2, Found, K2, LONGEST, Local, ModelForm, N2, POLES, Problem, Q2, SHAPE, SHORTEST};
 use crate::chi2_quantile;
@@ -36,9 +37,12 @@ pub(super) const DESCENT: (usize, f64) = (60, 1e-5);
 const ERROR_ABOVE: f64 = 1.0 / 64.0;
 /// Neighbouring bins over which the model may be wrong together.
 const RUNS: [usize; 5] = [1, 2, 4, 8, 16];
-/// Share of the records of any length whose bins scatter beyond the limit of one length of runs, though the model is
-/// right.
-const OFF_BY_CHANCE: f64 = 1e-4;
+/// Standard deviations of the scatter beyond which the model is in error.
+const ERROR_LIMIT: f64 = 3.0;
+/// Added to the limit, because χ² of few bins is skew.
+const SKEW: f64 = 2.0;
+/// Share of the records in which a model that is right scatters, in runs of one length, as if it were to be rejected.
+const REJECTED_BY_CHANCE: f64 = 1e-4;
 /// A Gauss–Markov term within this factor of a bound is dropped.
 const AT_BOUND: f64 = 1.1;
 
@@ -368,11 +372,11 @@ pub(super) fn white(local: &Local, found: &Found, row: usize) -> f64 {
 pub(super) fn model_error(problem: &Problem, found: &Found) -> f64 {
     let rows = problem.table.rows.iter().zip(&found.density).filter(|(row, _)| is_upper(problem, row.f_hz));
     let off: Vec<(f64, f64)> = rows.map(|(row, density)| (row.bin.power / density - 1.0, row.bin.freedom)).collect();
-    let of_run = |&run: &usize| libm::sqrt(run as f64) * error_of_runs(&off, run, found.form.shape());
-    RUNS.iter().map(of_run).fold(0.0, f64::max)
+    RUNS.iter().map(|run| error_of_runs(&off, *run, found.form.shape())).fold(0.0, f64::max)
 }
 
-/// The error of the means over `run` bins, each off by a share and with its degrees of freedom.
+/// The error of the means over `run` bins, each off by a share and with its degrees of freedom. One that would reject
+/// the model must be beyond chance: few bins of few coefficients are often off by as much.
 fn error_of_runs(off: &[(f64, f64)], run: usize, fitted: usize) -> f64 {
     let mean = |bins: &[(f64, f64)]| {
         let nu: f64 = bins.iter().map(|(_, nu)| nu).sum();
@@ -380,13 +384,10 @@ fn error_of_runs(off: &[(f64, f64)], run: usize, fitted: usize) -> f64 {
     };
     let means: Vec<(f64, f64)> = off.chunks_exact(run).map(mean).collect();
     let freedom = means.len() as f64 - fitted as f64 - 1.0;
-    // the deviance of a mean square is nearly χ² with one degree of freedom, and its square is far from that
-    let deviance = |(off, nu): &(f64, f64)| nu * (off - libm::log1p(*off)) / (1.0 + 1.0 / (3.0 * nu));
-    let chance = || chi2_quantile(1.0 - OFF_BY_CHANCE, freedom);
-    if freedom < 1.0 || means.iter().map(deviance).sum::<f64>() < chance() {
+    let scatter = |error: f64| means.iter().map(|(off, nu)| off * off / (2.0 / nu + error * error)).sum::<f64>();
+    if freedom < 1.0 || scatter(0.0) - freedom < ERROR_LIMIT * libm::sqrt(2.0 * freedom) + SKEW {
         return 0.0;
     }
-    let scatter = |error: f64| means.iter().map(|(off, nu)| off * off / (2.0 / nu + error * error)).sum::<f64>();
     let (mut low, mut high) = (0.0, 1.0);
     while scatter(high) > freedom && high < 1e6 {
         (low, high) = (high, 2.0 * high);
@@ -395,7 +396,11 @@ fn error_of_runs(off: &[(f64, f64)], run: usize, fitted: usize) -> f64 {
         let middle = f64::midpoint(low, high);
         if scatter(middle) > freedom { low = middle } else { high = middle }
     }
-    high
+    let error = libm::sqrt(run as f64) * high;
+    // the deviance of a mean square is nearly χ² with one degree of freedom, and its square is far from that
+    let deviance = |(off, nu): &(f64, f64)| nu * (off - libm::log1p(*off)) / (1.0 + 1.0 / (3.0 * nu));
+    let is_chance = || means.iter().map(deviance).sum::<f64>() < chi2_quantile(1.0 - REJECTED_BY_CHANCE, freedom);
+    if error > MOST_ERROR && is_chance() { 0.0 } else { error }
 }
 
 /// χ² of the bins with their model error, and its degrees of freedom.
