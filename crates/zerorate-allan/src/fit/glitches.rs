@@ -37,7 +37,7 @@ const TAIL: f64 = 0.75;
 /// Share of the records of normal noise whose tail seems to go on.
 const HEAVY_BY_CHANCE: f64 = 1e-3;
 /// Share of the records of a heavy tail in which a gap within the tail is taken for one that isolates glitches.
-const GAP_BY_CHANCE: f64 = 1e-3;
+const GAP_BY_CHANCE: f64 = 0.05;
 
 /// Size of a sample, in usual ones, from which it is damage whatever the noise is.
 const ABSURD: f64 = 1e9;
@@ -200,7 +200,8 @@ fn isolated(mut sizes: Vec<f64>, windows: f64, limit: f64) -> f64 {
     // of a normal tail; a count of so many or more has the tail of a Poisson distribution, which is one of χ²
     let expected = windows * chi2_above(libm::pow(TAIL * limit, 2.0), 1.0);
     let by_chance = || 1.0 - chi2_above(2.0 * expected, 2.0 * below as f64);
-    if beyond == 0 || below == 0 || by_chance() > HEAVY_BY_CHANCE {
+    // noise has more of them below the limit than beyond it, even with the tail of Student's t with 2.4 degrees
+    if beyond == 0 || below < beyond || by_chance() > HEAVY_BY_CHANCE {
         return 1.0;
     }
     // Hill: ln of the sizes above a size is exponential, with the mean of all that are larger

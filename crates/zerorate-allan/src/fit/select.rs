@@ -384,8 +384,14 @@ fn error_of_runs(off: &[(f64, f64)], run: usize, fitted: usize) -> f64 {
     };
     let means: Vec<(f64, f64)> = off.chunks_exact(run).map(mean).collect();
     let freedom = means.len() as f64 - fitted as f64 - 1.0;
+    if freedom < 1.0 {
+        return 0.0;
+    }
+    // the deviance of a mean square is nearly χ² with one degree of freedom, and its square is far from that
+    let deviance = |(off, nu): &(f64, f64)| nu * (off - libm::log1p(*off)) / (1.0 + 1.0 / (3.0 * nu));
+    let is_chance = means.iter().map(deviance).sum::<f64>() < chi2_quantile(1.0 - REJECTED_BY_CHANCE, freedom);
     let scatter = |error: f64| means.iter().map(|(off, nu)| off * off / (2.0 / nu + error * error)).sum::<f64>();
-    if freedom < 1.0 || scatter(0.0) - freedom < ERROR_LIMIT * libm::sqrt(2.0 * freedom) + SKEW {
+    if is_chance && scatter(0.0) - freedom < ERROR_LIMIT * libm::sqrt(2.0 * freedom) + SKEW {
         return 0.0;
     }
     let (mut low, mut high) = (0.0, 1.0);
@@ -397,10 +403,7 @@ fn error_of_runs(off: &[(f64, f64)], run: usize, fitted: usize) -> f64 {
         if scatter(middle) > freedom { low = middle } else { high = middle }
     }
     let error = libm::sqrt(run as f64) * high;
-    // the deviance of a mean square is nearly χ² with one degree of freedom, and its square is far from that
-    let deviance = |(off, nu): &(f64, f64)| nu * (off - libm::log1p(*off)) / (1.0 + 1.0 / (3.0 * nu));
-    let is_chance = || means.iter().map(deviance).sum::<f64>() < chi2_quantile(1.0 - REJECTED_BY_CHANCE, freedom);
-    if error > MOST_ERROR && is_chance() { 0.0 } else { error }
+    if is_chance && error > MOST_ERROR { 0.0 } else { error }
 }
 
 /// χ² of the bins with their model error, and its degrees of freedom.
