@@ -34,6 +34,8 @@ const SIGMA_PER_MAD: f64 = 1.4826;
 
 /// Windows beyond this share of the limit show whether the tail of the noise goes on there.
 const TAIL: f64 = 0.75;
+/// Share of the windows beyond the limit from which they matter to N: fewer are cut as glitches, whatever they are.
+const OFTEN: f64 = 1e-4;
 /// Share of the records of normal noise whose tail seems to go on.
 const HEAVY_BY_CHANCE: f64 = 1e-3;
 /// Share of the records of a heavy tail in which a gap within the tail is taken for one that isolates glitches.
@@ -200,8 +202,9 @@ fn isolated(mut sizes: Vec<f64>, windows: f64, limit: f64) -> f64 {
     // of a normal tail; a count of so many or more has the tail of a Poisson distribution, which is one of χ²
     let expected = windows * chi2_above(libm::pow(TAIL * limit, 2.0), 1.0);
     let by_chance = || 1.0 - chi2_above(2.0 * expected, 2.0 * below as f64);
+    let are_rare = (beyond as f64) < OFTEN * windows;
     // noise has more of them below the limit than beyond it, even with the tail of Student's t with 2.4 degrees
-    if beyond == 0 || below < beyond || by_chance() > HEAVY_BY_CHANCE {
+    if are_rare || below < beyond || by_chance() > HEAVY_BY_CHANCE {
         return 1.0;
     }
     // Hill: ln of the sizes above a size is exponential, with the mean of all that are larger

@@ -151,6 +151,8 @@ fn a_folder_that_vanishes_costs_no_result() {
     let bench = Bench::new();
     fs::create_dir(bench.path("sub")).unwrap();
     let (child, log) = waiting(&bench, &format!("{CALIBRATE} -o sub/unit.toml"));
+    // it has its place once it waits for the reader of its log
+    std::thread::sleep(Duration::from_secs(1));
     fs::remove_dir_all(bench.path("sub")).unwrap();
     let run = let_it_run(child, &log);
     rescued(&bench, &run, &bench.path("tmp"));

@@ -88,7 +88,7 @@ fn seven_real_axes() {
         let (file, fit) = (&axis.file, &report["fit"]);
         assert!(near(&fit["n"]["value"], axis.n, 6e-3), "{file}: N {} for {}", fit["n"]["value"], axis.n);
         assert!(near(&fit["n"]["value"], axis.plateau, 0.01), "{file}: N {}", fit["n"]["value"]);
-        assert!(axis.b == 0.0 || near(&fit["b"]["value"], axis.b, 0.05), "{file}: B {}", fit["b"]["value"]);
+        assert!(axis.b == 0.0 || near(&fit["b"]["value"], axis.b, 0.04), "{file}: B {}", fit["b"]["value"]);
         assert_eq!(fit["b"]["identified"], axis.b > 0.0, "{file}");
         assert!(number(&fit["model_error"]) < 0.05, "{file}: ε {}", fit["model_error"]);
         let terms = fit["terms"].as_array().unwrap().iter();
