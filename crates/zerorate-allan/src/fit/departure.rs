@@ -8,9 +8,8 @@ use alloc::vec::Vec;
 ///
 /// A prime marks quantities at the held parameters. i = ½Σν ∂S∂Sᵀ/S² at the best parameters, and i′ is the same at the
 /// held ones. i′_λλ has all parameters but the one that is held. s = ½Σν ∂S∂S′ᵀ/S′². s_q is s with q = ½Σν ∂S(1/S′ −
-/// 1/S) in the column of the held one (Cramer's s⁻¹q·
-/// s
-/// ). For one scale alone u is √(ν/2)(S/S′ − 1). `free` are the parameters that can move, `held` is one of them.
+/// 1/S) in the column of the held one, which is Cramer's rule for s⁻¹q. For one scale alone u is √(ν/2)(S/S′ − 1).
+/// `free` are the parameters that can move, `held` is one of them.
 pub(super) fn departure(nu: &[f64], best: &Local, there: &Local, free: &[usize], held: usize) -> Option<f64> {
     let n = free.len();
     let column = free.iter().position(|&place| place == held)?;
