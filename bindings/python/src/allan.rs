@@ -184,10 +184,11 @@ fn term_dict<'py>(py: Python<'py>, term: &Term) -> PyResult<Bound<'py, PyDict>> 
             result.set_item("sigma", limits(sigma))?;
             result.set_item("tau_s", limits(tau_s))?;
         }
-        Term::BandShape { cosines, pole, corner } => {
+        Term::BandShape { cosines, pole, corner, of_white } => {
             result.set_item("kind", "band-shape")?;
             result.set_item("cosines", cosines)?;
             result.set_item("pole", pole)?;
+            result.set_item("of_white", of_white)?;
             result.set_item("corner", corner.map(|corner| (corner.frequency_hz, corner.damping)))?;
         }
         Term::Line(line) => {

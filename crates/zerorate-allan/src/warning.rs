@@ -34,10 +34,12 @@ pub enum AllanWarning {
     WarmUp { size: f64, tau_s: f64 },
     /// Another number of Gauss–Markov terms fits about as well.
     MemoryOrFlicker { markovs: usize, others: usize, worse: f64 },
-    /// A memory may be white noise behind a low-pass, which then has this N, unit·√s.
+    /// A memory and white noise behind a low-pass explain the record: N of the other reading, unit·√s.
     MemoryOrFilter { tau_s: f64, n: f64 },
     /// A drift and a random walk fit about as well.
     DriftOrWalk { has_drift: bool, worse: f64 },
+    /// A disturbance that repeats explains the slow noise better than a random walk, which then has this K, unit/√s.
+    PeriodOrWalk { period_s: f64, k: f64 },
     /// The halves of the record differ.
     Unsteady { tau_s: f64, ratio: f64 },
     /// The samples are too few to show the sensor's band.
@@ -113,7 +115,9 @@ rows!(match AllanWarning {
     },
     Self::MemoryOrFilter { tau_s, n } => Row {
         code: "memory-or-filter",
-        text: format_args!("a memory of {tau_s:.3} s may be a low-pass of white noise; N is then {n:.3e}"),
+        text: format_args!(
+            "a memory of {tau_s:.3} s looks like a low-pass of white noise; N is {n:.3e} in the other reading"
+        ),
     },
     Self::DriftOrWalk { has_drift, worse } => Row {
         code: "drift-or-walk",
@@ -121,6 +125,13 @@ rows!(match AllanWarning {
             "{} was taken, but {} fits about as well; record again",
             if has_drift { "a drift" } else { "a random walk" },
             if has_drift { "a random walk" } else { "a drift" }
+        ),
+    },
+    Self::PeriodOrWalk { period_s, k } => Row {
+        code: "drift-or-walk",
+        text: format_args!(
+            "a random walk was taken, but a period of {period_s:.0} s fits better: K beside it is {k:.3e}; look for \
+             heating or air conditioning"
         ),
     },
     Self::Unsteady { tau_s, ratio } => Row {

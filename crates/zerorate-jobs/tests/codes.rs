@@ -157,6 +157,7 @@ fn of_noise() -> Vec<AllanWarning> {
         AllanWarning::MemoryOrFlicker { markovs: 2, others: 1, worse: 1.2 },
         AllanWarning::MemoryOrFilter { tau_s: 12.345, n: 1.234e-3 },
         AllanWarning::DriftOrWalk { has_drift: true, worse: 1.2 },
+        AllanWarning::PeriodOrWalk { period_s: 612.3, k: 1.234e-4 },
         AllanWarning::Unsteady { tau_s: 123.456, ratio: 0.81 },
         AllanWarning::ShortRecord { samples: 1234, needed: 2000 },
         AllanWarning::Leakage { frequency_hz: 123.456, share: 0.12 },

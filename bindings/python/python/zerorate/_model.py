@@ -50,7 +50,7 @@ class GaussMarkov:
 
 @dataclass(frozen=True)
 class BandShape:
-    """What a filter does to all noise but quantisation. The density is multiplied by exp Σ a_j (cos jθ − 1), with
+    """What a filter does to all noise but quantisation, or to the white noise alone. The density is multiplied by exp Σ a_j (cos jθ − 1), with
     sin(θ/2) = sin(πf/rate)/sin(πf_max/rate) and f_max = `Fit.f_max_hz`. A pole p multiplies it by
     (1 − p)²/(1 + p² − 2p cos θ), and a corner f_c with the damping c by 1/(1 + cx + x²), where
     x = (sin(πf/rate)/sin(πf_c/rate))²."""
@@ -61,6 +61,8 @@ class BandShape:
     """p, the pole of a first-order low-pass."""
     corner: tuple[float, float] | None
     """f_c in Hz and c of a second-order low-pass: c is 0 for a Butterworth one and 2 for two equal poles."""
+    of_white: bool
+    """Whether it shapes the white noise alone, and slow noise joins behind it."""
 
 
 @dataclass(frozen=True)

@@ -3,10 +3,11 @@
 use super::density::Drift;
 use super::lines::Line;
 use super::profile::Profile;
+use super::readings::white_share;
 use super::record_length;
-use super::scoring::{K2, LONGEST, N2, SHAPE, SHORTEST, corner_hz};
+use super::scoring::{K2, LONGEST, N2, Reading, SHAPE, corner_hz};
 use super::select::Selection;
-use super::{Corner, Estimate, Term};
+use super::{Corner, Estimate, MOST_ERROR, Term};
 use crate::Coefficient;
 use alloc::vec::Vec;
 
@@ -47,7 +48,12 @@ impl Coefficients<'_> {
         let steady = 1.96 * unsteady;
         let doubt = tail / (2.0 * self.chosen.found.at[N2]);
         let wider = |ratio: f64| libm::exp(libm::log(ratio).max(steady) + doubt);
-        Coefficient { lo: n.value / wider(n.value / n.lo), hi: n.value * wider(n.hi / n.value), ..n }
+        let wide = Coefficient { lo: n.value / wider(n.value / n.lo), hi: n.value * wider(n.hi / n.value), ..n };
+        // what the model's error may be of the other noise is no white noise
+        match white_share(&self.chosen.problem, &self.chosen.found) < MOST_ERROR && !self.is_rejected {
+            true => Coefficient { lo: 0.0, identified: false, needed_s: n.needed_s.or(Some(f64::INFINITY)), ..wide },
+            false => wide,
+        }
     }
 
     /// K, which rests on few coefficients: its square is the mean of its confidence distribution.
@@ -75,7 +81,7 @@ impl Coefficients<'_> {
 
     pub(super) fn terms(&self, lines: &[Line]) -> Vec<Term> {
         let (table, found) = (&self.chosen.problem.table, &self.chosen.found);
-        let range = (libm::log(SHORTEST / self.rate_hz), libm::log(LONGEST * table.span_s));
+        let range = (libm::log(found.form.shortest() / self.rate_hz), libm::log(LONGEST * table.span_s));
         let markov = |index| {
             let place = found.form.markov(index);
             let (lo, hi) = self.square(place).interval();
@@ -93,7 +99,8 @@ impl Coefficients<'_> {
                 }
                 _ => (low_pass.first().copied(), None),
             };
-            terms.push(Term::BandShape { cosines: cosines.to_vec(), pole, corner });
+            let of_white = found.form.reading == Reading::Joins;
+            terms.push(Term::BandShape { cosines: cosines.to_vec(), pole, corner, of_white });
         }
         if let Some(Drift::WarmUp { tau_s }) = found.form.drift {
             terms.push(Term::WarmUp { size: self.drift(), tau_s });
@@ -106,5 +113,12 @@ impl Coefficients<'_> {
 impl Estimate {
     fn map(self, of: impl Fn(f64) -> f64) -> Self {
         Self { value: of(self.value), lo: of(self.lo), hi: of(self.hi) }
+    }
+}
+
+impl Coefficient {
+    /// The same where another value explains the record as well: no length of a record tells which.
+    pub(super) fn or(self, other: f64) -> Self {
+        Self { lo: self.lo.min(other), hi: self.hi.max(other), identified: false, needed_s: None, ..self }
     }
 }

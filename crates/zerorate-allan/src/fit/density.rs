@@ -242,7 +242,7 @@ impl Fit {
             _ => 0.0,
         };
         let shape = |term: &Term| match term {
-            Term::BandShape { cosines, pole, corner } => {
+            Term::BandShape { cosines, pole, corner, .. } => {
                 let angle = shape_angle(frequency_hz, rate_hz, self.max_freq_hz);
                 let cosine = |(j, a): (usize, &f64)| a * (libm::cos((j + 1) as f64 * angle) - 1.0);
                 let low_pass = |p: f64| square(1.0 - p) / (1.0 + p * p - 2.0 * p * libm::cos(angle));
@@ -256,11 +256,12 @@ impl Fit {
             }
             _ => 1.0,
         };
-        let noise = square(self.n.value)
-            + square(self.b.value) / omega
+        let slow = square(self.b.value) / omega
             + square(self.k.value * sinc / omega)
             + self.terms.iter().map(of_term).sum::<f64>();
-        noise * self.terms.iter().map(shape).product::<f64>()
+        let of_all = |term: &&Term| !matches!(term, Term::BandShape { of_white: true, .. });
+        square(self.n.value) * self.terms.iter().map(shape).product::<f64>()
+            + slow * self.terms.iter().filter(of_all).map(shape).product::<f64>()
             + self.q.as_ref().map_or(0.0, |q| square(2.0 * q.value * rate_hz * libm::sin(half)))
     }
 }

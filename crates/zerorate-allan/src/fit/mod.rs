@@ -21,9 +21,11 @@ mod masked;
 mod misfit;
 mod model;
 mod motion;
+mod periods;
 mod pool;
 mod prediction;
 mod profile;
+mod readings;
 mod record_length;
 mod remarks;
 mod samples;
@@ -53,6 +55,7 @@ use misfit::OffCurve;
 use model::Measured;
 pub use model::Model;
 pub use motion::{Motion, MotionKind, motion};
+use periods::Period;
 pub use pool::{Apart, Differs, Pool, PoolError, PoolRecord, Spread, fit_pool};
 use prediction::Doubt;
 use realfft::FftError;
@@ -106,7 +109,7 @@ pub enum Term {
         /// Correlation time, s.
         tau_s: Estimate,
     },
-    /// The shape that the sensor's filter gives to all noise but quantisation. The density without it is multiplied by
+    /// The shape that the sensor's filter gives to all noise but quantisation, or to the white noise alone. The density without it is multiplied by
     /// exp Σ a_j (cos jθ − 1) with sin(θ/2) = sin(πf·dt) over sin(πf_max·dt), and with a pole p by
     /// (1 − p)²/(1 + p² − 2p cos θ).
     BandShape {
@@ -116,6 +119,8 @@ pub enum Term {
         pole: Option<f64>,
         /// A low-pass of the second order in its place.
         corner: Option<Corner>,
+        /// Whether it shapes the white noise alone, and slow noise joins behind it.
+        of_white: bool,
     },
     /// A disturbance or resonance, which was left out.
     Line(Line),
@@ -357,7 +362,15 @@ pub fn fit(input: &Input<'_>, rate_hz: f64, options: &FitOptions) -> Result<Fit,
         cleaned.glitches = firsts.len() as u64;
         cleaned.glitches_s = firsts.into_iter().map(|first| first as f64 / rate_hz).collect();
     }
-    let found = without_steps(&mut rate, rate_hz, options, &mut cleaned)?;
+    let first = selected(&rate, rate_hz, options.max_freq_hz)?;
+    let found = if let Some(Period { period_s, k, .. }) = periods::period(&first.1) {
+        warnings.push(AllanWarning::PeriodOrWalk { period_s, k });
+        first
+    } else if options.remove_steps {
+        without_steps(&mut rate, rate_hz, first, options.max_freq_hz, &mut cleaned)?
+    } else {
+        first
+    };
     warnings.extend(cleaned.steps.iter().map(|step| AllanWarning::Step { at_s: step.at_s, size: step.size }));
     if !cleaned.put_back.is_empty() {
         warnings.push(AllanWarning::ManySteps { most: MOST_STEPS });
@@ -374,13 +387,10 @@ pub fn fit(input: &Input<'_>, rate_hz: f64, options: &FitOptions) -> Result<Fit,
 fn without_steps(
     rate: &mut Cow<'_, [f64]>,
     rate_hz: f64,
-    options: &FitOptions,
+    first: (Spectrum, Selection),
+    max_freq_hz: Option<f64>,
     cleaned: &mut Cleaned,
 ) -> Result<(Spectrum, Selection), FitError> {
-    let first = selected(rate, rate_hz, options.max_freq_hz)?;
-    if !options.remove_steps {
-        return Ok(first);
-    }
     let (mut whole, mut now, mut steps) = (None, first.clone(), Vec::new());
     while let Some(step) = steps::largest(rate, rate_hz, &now)?.filter(|step| libm::fabs(step.score) > STEP_LIMIT) {
         if steps.len() == MOST_STEPS {
@@ -391,7 +401,7 @@ fn without_steps(
         whole.get_or_insert_with(|| rate.clone());
         rate.to_mut()[step.index..].iter_mut().for_each(|value| *value -= step.size);
         steps.push(Step { at_s: step.index as f64 / rate_hz, size: step.size });
-        now = selected(rate, rate_hz, options.max_freq_hz)?;
+        now = selected(rate, rate_hz, max_freq_hz)?;
     }
     steps.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
     cleaned.steps = steps;
@@ -412,7 +422,7 @@ fn selected(rate: &[f64], rate_hz: f64, max_freq_hz: Option<f64>) -> Result<(Spe
         Some(max_freq_hz) => up_to(max_freq_hz.min(rate_hz / 2.0))?,
         None => match priced(rate_hz / 2.0, plain_price)? {
             plain if plain.has_plain_form() => plain,
-            whole => up_to(band::top_hz(&table))?.beside(&whole),
+            _ => up_to(band::top_hz(&table))?,
         },
     };
     Ok((spectrum, selection))
@@ -465,8 +475,10 @@ fn described(
     let widening = libm::sqrt(scatter.variance_of_ln_n(rate_hz, own.at[N2], &model));
     let doubt = Doubt::of((&chosen.problem, own), &model, &measured, Some(&scatter))?;
     let (chi2, freedom) = select::chi2(&chosen.problem, own);
+    let n = coefficients.n(widening, tail_at_zero);
+    let other = chosen.other(&n);
     let fit = Fit {
-        n: coefficients.n(widening, tail_at_zero),
+        n: other.map_or(n, |other| n.or(other.n)),
         b: coefficients.of(B2),
         k: coefficients.k(),
         q: own.form.quantised.then(|| coefficients.of(Q2)),
@@ -486,6 +498,6 @@ fn described(
     let hz = rate_hz / (2.0 * spectrum.samples as f64);
     let leakage = masked::leakage(&all, &chosen.problem.table.rows, hz);
     warnings.extend(leakage.map(|(line, share)| AllanWarning::Leakage { frequency_hz: line.frequency_hz, share }));
-    warnings.extend(remarks(&fit, &chosen, &curves, off_curve, raw));
+    warnings.extend(remarks(&fit, (&chosen, other), &curves, off_curve, raw));
     Ok(Fit { warnings, ..fit })
 }

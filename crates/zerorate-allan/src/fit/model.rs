@@ -2,7 +2,7 @@
 
 use super::density::{Drift, shape_angle};
 use super::prediction::{Doubt, Variances};
-use super::scoring::{B2, Found, K2, N2, Q2, low_pass_memory, shape};
+use super::scoring::{B2, Found, K2, N2, Q2, Reading, low_pass_memory, shape};
 use super::thinning::Thinning;
 use super::transform::autocovariance;
 use crate::FLOOR_PER_B;
@@ -104,9 +104,8 @@ impl Model {
             }
             let sin = libm::sin(PI * f_hz / rate_hz);
             let shape = shape(form, &found.at, shape_angle(f_hz, rate_hz, top_hz));
-            found.at[N2] * shape
-                + (shape - 1.0) * model.slow_density(f_hz)
-                + found.at[Q2] * 4.0 * sin * sin * rate_hz * rate_hz
+            let slow = if form.reading == Reading::Joins { 0.0 } else { (shape - 1.0) * model.slow_density(f_hz) };
+            found.at[N2] * shape + slow + found.at[Q2] * 4.0 * sin * sin * rate_hz * rate_hz
         };
         let densities: Vec<f64> = (0..=lags).map(density).collect();
         model.short = autocovariance(&densities, rate_hz)?;

@@ -346,7 +346,7 @@ fn common(
         cleaned: Cleaned::default(),
         warnings: Vec::new(),
     };
-    let warnings = remarks(&fit, chosen, &of_no_record, None, Raw { record_s, missing: 0 });
+    let warnings = remarks(&fit, (chosen, None), &of_no_record, None, Raw { record_s, missing: 0 });
     Ok(Fit { warnings, ..fit })
 }
 

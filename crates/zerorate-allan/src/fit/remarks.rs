@@ -3,7 +3,7 @@
 use super::curve::Curves;
 use super::lines::Line;
 use super::misfit::OffCurve;
-use super::select::{LowPass, Selection};
+use super::select::{CLOSE, Other, Selection};
 use super::{Fit, MOST_ERROR, Term, steadiness};
 use crate::{AllanWarning, Noise};
 use alloc::vec::Vec;
@@ -15,9 +15,6 @@ pub(super) struct Raw {
     pub(super) missing: usize,
 }
 
-/// Two choices of terms that differ by less in price cannot be told apart.
-const CLOSE: f64 = 6.0;
-
 /// Halves that differ by less than this share are alike for any use.
 const CHANGE: f64 = 0.05;
 
@@ -27,7 +24,7 @@ const BAND_IS_SEEN: u64 = 2000;
 
 pub(super) fn remarks(
     fit: &Fit,
-    chosen: &Selection,
+    (chosen, other): (&Selection, Option<Other>),
     curves: &Curves<'_>,
     off_curve: Option<OffCurve>,
     raw: Raw,
@@ -70,7 +67,7 @@ pub(super) fn remarks(
             AllanWarning::DriftOrWalk { has_drift: own.drift.is_some(), worse }
         });
     }
-    warnings.extend(memory_or_filter(fit, chosen));
+    warnings.extend(other.map(|Other { tau_s, n }| AllanWarning::MemoryOrFilter { tau_s, n }));
     warnings.extend(unsteady(fit, curves));
     let coefficients =
         [(Noise::AngleRandomWalk, fit.n), (Noise::BiasInstability, fit.b), (Noise::RateRandomWalk, fit.k)];
@@ -81,14 +78,6 @@ pub(super) fn remarks(
         needed_s,
     }));
     warnings
-}
-
-/// A Gauss–Markov term that may be white noise behind a low-pass: of this model, or of one of the whole spectrum with
-/// another N.
-fn memory_or_filter(fit: &Fit, chosen: &Selection) -> Option<AllanWarning> {
-    let of_whole = || chosen.of_whole.filter(|other| other.n < fit.n.lo || other.n > fit.n.hi);
-    let LowPass { tau_s, n } = chosen.low_pass().or_else(of_whole)?;
-    Some(AllanWarning::MemoryOrFilter { tau_s, n })
 }
 
 /// Halves of the record that differ.

@@ -18,6 +18,7 @@ pub(super) struct ModelForm {
     /// Order of a low-pass in the band shape, which cosines follow only slowly: 0, 1 (a pole) or 2 (a corner and its
     /// damping).
     pub(super) poles: usize,
+    pub(super) reading: Reading,
     /// Gauss–Markov terms.
     pub(super) markovs: usize,
     /// Quantisation of the angle.
@@ -26,6 +27,17 @@ pub(super) struct ModelForm {
     /// A squared coefficient that may be negative. The unbiased estimate of a coefficient that is zero is negative
     /// half of the time.
     pub(super) signed: Option<usize>,
+}
+
+/// What bends the spectrum at its upper end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Reading {
+    /// A shape that all noise has.
+    Usual,
+    /// A shape of the white noise alone: slow noise joins behind it.
+    Joins,
+    /// A Gauss–Markov term of few samples.
+    Short,
 }
 
 /// Places of the parameters: the squared coefficients, then the shape, then variance and ln T of each Gauss–Markov
@@ -37,12 +49,24 @@ pub(super) const Q2: usize = 3;
 pub(super) const SHAPE: usize = 4;
 
 impl ModelForm {
-    pub(super) const PLAIN: Self =
-        Self { cosines: 0, poles: 0, markovs: 0, quantised: false, drift: None, signed: None };
+    pub(super) const PLAIN: Self = Self {
+        cosines: 0,
+        poles: 0,
+        reading: Reading::Usual,
+        markovs: 0,
+        quantised: false,
+        drift: None,
+        signed: None,
+    };
 
     /// Parameters of the band shape: the cosines, then the low-pass.
     pub(super) fn shape(&self) -> usize {
         self.cosines + self.poles
+    }
+
+    /// The shortest Gauss–Markov term, in samples.
+    pub(super) fn shortest(&self) -> f64 {
+        if self.reading == Reading::Short { SHORTEST_OF_ALL } else { SHORTEST }
     }
 
     pub(super) fn len(&self) -> usize {
@@ -60,8 +84,9 @@ impl ModelForm {
     }
 }
 
-/// A Gauss–Markov term shorter than this, in samples, belongs to the band shape.
+/// A Gauss–Markov term shorter than this, in samples, belongs to the band shape, unless it is read as short.
 pub(super) const SHORTEST: f64 = 20.0;
+const SHORTEST_OF_ALL: f64 = 2.0;
 /// A Gauss–Markov term longer than this, in records, is a random walk.
 pub(super) const LONGEST: f64 = 0.25;
 /// What a cosine of the shape costs in −2 ln L, unless it is otherwise said: the 1.4 % point of χ² with one degree of
@@ -120,7 +145,7 @@ impl Problem {
             _ if place < form.markov(0) && form.poles == 1 => POLES,
             _ if place == SHAPE + form.cosines => CORNERS,
             _ if place < form.markov(0) => DAMPINGS,
-            _ => (libm::log(SHORTEST / self.table.rate_hz), libm::log(LONGEST * self.table.span_s)),
+            _ => (libm::log(form.shortest() / self.table.rate_hz), libm::log(LONGEST * self.table.span_s)),
         }
     }
 }
@@ -223,18 +248,20 @@ impl Problem {
             let (low_pass, low_pass_slopes) = low_pass(form, at, row.cosines[0]);
             let shape = libm::exp(exponent) * low_pass * response.gain;
             let q = row.quantisation * response.gain;
-            let (b, k) = (row.flicker * shape, row.walk * shape);
-            let mut shaped = at[N2] * shape + at[B2] * b + at[K2] * k;
+            let slow = if form.reading == Reading::Joins { response.gain } else { shape };
+            let (b, k) = (row.flicker * slow, row.walk * slow);
+            let mut sum = at[N2] * shape + at[B2] * b + at[K2] * k;
             (slopes[N2][i], slopes[B2][i], slopes[K2][i], slopes[Q2][i]) = (shape, b, k, q);
             for index in 0..form.markovs {
                 let place = form.markov(index);
-                let (g, slope) = row.gauss_markov(libm::exp(at[place + 1]));
-                (slopes[place][i], slopes[place + 1][i]) = (g * shape, at[place] * slope * shape);
-                shaped += at[place] * g * shape;
+                let (g, rise) = row.gauss_markov(libm::exp(at[place + 1]));
+                (slopes[place][i], slopes[place + 1][i]) = (g * slow, at[place] * rise * slow);
+                sum += at[place] * g * slow;
             }
+            let shaped = if form.reading == Reading::Joins { at[N2] * shape } else { sum };
             (0..form.cosines).for_each(|j| slopes[SHAPE + j][i] = shaped * row.cosines[j]);
             (0..form.poles).for_each(|j| slopes[SHAPE + form.cosines + j][i] = shaped * low_pass_slopes[j]);
-            density[i] = response.offset + shaped + at[Q2] * q;
+            density[i] = response.offset + sum + at[Q2] * q;
         }
         let (low, drift) = template.map_or((Vec::new(), 0.0), |template| self.without_drift(&density, template));
         let mut state = State { density, slopes, low, drift, deviance: 0.0 };

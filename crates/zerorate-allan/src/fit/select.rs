@@ -1,9 +1,11 @@
 //! Selection of the terms: N, B and K always, the others where they earn their price.
 
-use super::MOST_ERROR;
 use super::density::{Drift, MOST_COSINES, Table};
-use super::scoring::{B2, Found, K2, LONGEST, Local, ModelForm, N2, POLES, Problem, Q2, SHAPE, SHORTEST};
-use crate::chi2_quantile;
+use super::scoring::{
+    B2, Found, K2, LONGEST, Local, ModelForm, N2, POLES, Problem, Q2, Reading, SHAPE, SHORTEST, low_pass_memory,
+};
+use super::{MOST_ERROR, readings};
+use crate::{Coefficient, chi2_quantile};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -27,11 +29,11 @@ const STARTS: u32 = 18;
 const FIRST_START: f64 = 25.0;
 const LAST_START: f64 = 1.0 / 6.0;
 /// The number of best starts that go on.
-const SURVIVORS: usize = 3;
+pub(super) const SURVIVORS: usize = 3;
 /// Time constants of a warm-up that are tried, in records. A shorter one is over before any slow noise can be seen.
 const WARM_UPS: [f64; 5] = [0.03, 0.06, 0.12, 0.25, 0.5];
 /// Steps of a first look and of a descent, with the gain at which they end.
-const LOOK: (usize, f64) = (8, 1e-2);
+pub(super) const LOOK: (usize, f64) = (8, 1e-2);
 pub(super) const DESCENT: (usize, f64) = (60, 1e-5);
 /// The model error shows where bins hold many coefficients: above this share of the upper end.
 const ERROR_ABOVE: f64 = 1.0 / 64.0;
@@ -43,6 +45,10 @@ const ERROR_LIMIT: f64 = 3.0;
 const SKEW: f64 = 2.0;
 /// Share of the records in which a model that is right scatters, in runs of one length, as if it were to be rejected.
 const REJECTED_BY_CHANCE: f64 = 1e-4;
+/// Two choices of terms that differ by less in price cannot be told apart.
+pub(super) const CLOSE: f64 = 6.0;
+/// The ratio of two N² from which both are given.
+const OTHER_N: f64 = 1.5;
 /// A Gauss–Markov term within this factor of a bound is dropped.
 const AT_BOUND: f64 = 1.1;
 
@@ -53,37 +59,64 @@ pub(super) struct Selection {
     pub(super) found: Found,
     /// The next best choice of slow terms and how much worse it is, where it differs.
     pub(super) runner_up: Option<(ModelForm, f64)>,
-    /// What a model up to half the rate takes for a low-pass, where this one ends below.
-    pub(super) of_whole: Option<LowPass>,
+    /// Another reading that explains as much of the whole spectrum, with another N.
+    pub(super) other: Option<Other>,
 }
 
-/// White noise behind a low-pass of the first order, which looks like a Gauss–Markov term.
+/// Another reading: a memory in place of a low-pass of the white noise, or the other way round.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct LowPass {
+pub(super) struct Other {
+    /// The time constant of memory or low-pass.
     pub(super) tau_s: f64,
+    /// N in this reading.
     pub(super) n: f64,
 }
 
+impl Other {
+    /// A candidate with an N that differs from that of the chosen one by more than [`OTHER_N`].
+    fn of(problem: &Problem, chosen: &Found, candidate: &Found) -> Option<Self> {
+        let (own, n2) = (chosen.at[N2], candidate.at[N2]);
+        if own.max(n2) < OTHER_N * own.min(n2) {
+            return None;
+        }
+        let low_pass_s = |found: &Found| {
+            let (rate_hz, top_hz) = (problem.table.rate_hz, problem.table.top_hz);
+            low_pass_memory(&found.form, &found.at, rate_hz, top_hz) / rate_hz
+        };
+        let time_s = |found: &Found| loudest(found).map_or_else(|| low_pass_s(found), |index| memory(found, index).1);
+        let tau_s = [candidate, chosen].map(time_s).into_iter().find(|tau_s| *tau_s > 0.0)?;
+        Some(Self { tau_s, n: libm::sqrt(n2) })
+    }
+}
+
 impl Selection {
-    /// Whether the model holds without cosines, which follow any filter for a while: white noise, with a pole or
-    /// quantisation.
+    /// Whether the model holds without cosines, which follow any filter for a while.
     pub(super) fn has_plain_form(&self) -> bool {
-        self.has_few_terms() && self.low_pass().is_none()
+        let form = &self.found.form;
+        match form.reading {
+            Reading::Joins => self.problem.error < MOST_ERROR / 2.0,
+            _ => form.cosines == 0 && form.poles < 2 && self.problem.error == 0.0,
+        }
     }
 
-    fn has_few_terms(&self) -> bool {
-        self.found.form.cosines == 0 && self.found.form.poles < 2 && self.problem.error == 0.0
+    /// The reading of the model's own memory as a low-pass, or of its slow low-pass as a memory.
+    fn own_other(&self) -> Option<Other> {
+        let (found, n2) = (&self.found, self.found.at[N2]);
+        if let (Reading::Joins, [pole]) = (found.form.reading, &found.at[SHAPE + found.form.cosines..]) {
+            let samples = -1.0 / libm::log(*pole);
+            return (samples > SHORTEST).then(|| Other { tau_s: samples / self.problem.table.rate_hz, n: 0.0 });
+        }
+        let is_hidden = readings::white_share(&self.problem, found) < MOST_ERROR;
+        let is_short = found.form.reading == Reading::Short;
+        let least = if is_hidden { n2 } else { (OTHER_N - 1.0) * n2 };
+        let loud = loudest(found).filter(|index| (is_hidden || is_short) && memory(found, *index).0 > least);
+        let (plateau, tau_s) = memory(found, low_pass(&self.problem, found).or(loud)?);
+        Some(Other { tau_s, n: libm::sqrt(n2 + plateau) })
     }
 
-    /// The low-pass that a Gauss–Markov term may be.
-    pub(super) fn low_pass(&self) -> Option<LowPass> {
-        let (plateau, tau_s) = memory(&self.found, low_pass(&self.problem, &self.found)?);
-        Some(LowPass { tau_s, n: libm::sqrt(self.found.at[N2] + plateau) })
-    }
-
-    /// This model up to a lower end, beside `whole`.
-    pub(super) fn beside(self, whole: &Self) -> Self {
-        Self { of_whole: whole.low_pass().filter(|_| whole.has_few_terms()), ..self }
+    /// Another reading, with an N outside of this interval.
+    pub(super) fn other(&self, n: &Coefficient) -> Option<Other> {
+        self.own_other().or_else(|| self.other.filter(|other| other.n < n.lo || other.n > n.hi))
     }
 }
 
@@ -99,8 +132,9 @@ pub(super) fn select(table: Table, shape_price: f64) -> Option<Selection> {
     let ideal = Problem::new(table, 0.0).priced_at(shape_price);
     let families = families(&ideal);
     let others = families.iter().flat_map(|best| other_shapes(&ideal, &best.found));
-    let all: Vec<Found> = others.chain(families.iter().map(|best| best.found.clone())).collect();
-    let error = all.iter().map(|found| model_error(&ideal, found)).fold(f64::INFINITY, f64::min);
+    let others: Vec<Found> = others.chain(other_readings(&ideal, &families)).collect();
+    let all = families.iter().map(|best| &best.found).chain(&others);
+    let error = all.map(|found| model_error(&ideal, found)).fold(f64::INFINITY, f64::min);
     let (problem, families) = match error > 0.0 && error.is_finite() {
         true => {
             let problem = Problem::new(ideal.table, error).priced_at(shape_price);
@@ -110,7 +144,8 @@ pub(super) fn select(table: Table, shape_price: f64) -> Option<Selection> {
         false => (ideal, families),
     };
     let further = families.iter().flat_map(|best| variants(&problem, best));
-    let mut all: Vec<Priced> = families.iter().cloned().chain(further).collect();
+    let read = other_readings(&problem, &families).into_iter().map(|found| priced(&problem, found));
+    let mut all: Vec<Priced> = families.iter().cloned().chain(further).chain(read).collect();
     all.retain(|candidate| is_sound(&problem, &candidate.found));
     all.sort_by(|a, b| a.price.total_cmp(&b.price));
     let mut best = all.first()?.clone();
@@ -121,7 +156,20 @@ pub(super) fn select(table: Table, shape_price: f64) -> Option<Selection> {
         // a shape as plain as the data allow pulls N, and its interval does not know
         best.found = with_cosine(&problem, &best.found);
     }
-    best.price.is_finite().then_some(Selection { problem, found: best.found, runner_up, of_whole: None })
+    let close = all.iter().take_while(|other| other.price < best.price + CLOSE);
+    let other = close.filter_map(|other| Other::of(&problem, &best.found, &other.found)).next();
+    best.price.is_finite().then_some(Selection { problem, found: best.found, runner_up, other })
+}
+
+/// Other readings of a whole spectrum that a filter or a memory bends.
+fn other_readings(problem: &Problem, families: &[Priced]) -> Vec<Found> {
+    let is_bent = |found: &Found| {
+        found.form.shape() + found.form.markovs > 0
+            || model_error(problem, found) > 0.0
+            || readings::white_share(problem, found) < MOST_ERROR
+    };
+    let best = families.iter().min_by(|a, b| a.price.total_cmp(&b.price)).filter(|_| !problem.table.is_cut());
+    best.filter(|best| is_bent(&best.found)).map_or(Vec::new(), |_| readings::others(problem))
 }
 
 pub(super) fn priced(problem: &Problem, found: Found) -> Priced {
@@ -246,7 +294,7 @@ pub(super) fn with_markov(problem: &Problem, fewer: &Found) -> Vec<Found> {
     looks.iter().map(|found| problem.descend(form, &found.at, None, DESCENT)).collect()
 }
 
-fn level_near(table: &Table, f_hz: f64) -> f64 {
+pub(super) fn level_near(table: &Table, f_hz: f64) -> f64 {
     let nearest = table.rows.partition_point(|row| row.f_hz < f_hz);
     let part = &table.rows[nearest.saturating_sub(3)..(nearest + 4).min(table.rows.len())];
     part.iter().map(|row| row.bin.power).sum::<f64>() / part.len().max(1) as f64
@@ -332,7 +380,7 @@ const MOST_BESIDE_A_CORNER: usize = 3;
 /// Whether the record shows the time constants of the Gauss–Markov terms, and of the low-pass.
 pub(super) fn is_sound(problem: &Problem, found: &Found) -> bool {
     let table = &problem.table;
-    let (shortest, longest) = (AT_BOUND * SHORTEST / table.rate_hz, LONGEST * table.span_s / AT_BOUND);
+    let (shortest, longest) = (AT_BOUND * found.form.shortest() / table.rate_hz, LONGEST * table.span_s / AT_BOUND);
     let tau_s = |index| libm::exp(found.at[found.form.markov(index) + 1]);
     let low_pass = SHAPE + found.form.cosines;
     (0..found.form.markovs).all(|index| tau_s(index) > shortest && tau_s(index) < longest)
@@ -347,6 +395,11 @@ pub(super) fn low_pass(problem: &Problem, found: &Found) -> Option<usize> {
     let is_slow = found.form.poles == 1 && found.at[SHAPE + found.form.cosines] > libm::exp(-1.0 / SHORTEST);
     let is_loud = |index| is_slow && memory(found, index).0 > found.at[N2];
     (0..found.form.markovs).find(|&index| power(index) > white(&local, found, row) || is_loud(index))
+}
+
+/// The Gauss–Markov term with the highest plateau.
+fn loudest(found: &Found) -> Option<usize> {
+    (0..found.form.markovs).max_by(|a, b| memory(found, *a).0.total_cmp(&memory(found, *b).0))
 }
 
 /// The plateau of a Gauss–Markov term below its corner, 2σ²T, and T.

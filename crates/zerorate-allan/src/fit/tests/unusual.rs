@@ -55,3 +55,28 @@ fn the_advice_is_never_a_record_as_short_as_this_one() {
         needed.for_each(|needed_s| assert!(needed_s >= 1500.0, "{seed}: {needed_s} s"));
     }
 }
+
+/// Air conditioning made K 2.4 times too large, and a sine 2.9 times, without a word.
+#[test]
+fn a_period_is_no_random_walk() {
+    let period_of = |rate: &[f64]| {
+        of(rate).warnings.into_iter().find_map(|warning| match warning {
+            AllanWarning::PeriodOrWalk { period_s, k } => Some((period_s, k)),
+            _ => None,
+        })
+    };
+    let sawtooth = |turns: f64| turns - turns.floor() - 0.5;
+    let sine = |turns: f64| (2.0 * PI * turns).sin() / 2.0;
+    let waves: [(&dyn Fn(f64) -> f64, f64, usize); 2] = [(&sawtooth, 600.0, 3), (&sine, 500.0, 4)];
+    let noise: Vec<Vec<f64>> = (3310..3314).map(|seed| HOUR.noise(360_000, seed)).collect();
+    assert!(noise.iter().all(|noise| period_of(noise).is_none()));
+    for (wave, period_s, least) in waves {
+        let with = |noise: &Vec<f64>| -> Vec<f64> {
+            let at = |i: usize| 0.025 * wave(i as f64 / RATE_HZ / period_s);
+            noise.iter().enumerate().map(|(i, x)| x + at(i)).collect()
+        };
+        let found: Vec<Option<(f64, f64)>> = noise.iter().map(|noise| period_of(&with(noise))).collect();
+        let is_right = |(found_s, k): &(f64, f64)| near(*found_s, period_s, 0.03) && *k < 2.0 * HOUR.k;
+        assert!(found.iter().flatten().filter(|found| is_right(found)).count() >= least, "{period_s} s: {found:?}");
+    }
+}

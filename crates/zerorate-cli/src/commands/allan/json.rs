@@ -133,7 +133,7 @@ struct Fit {
 #[serde(tag = "kind", rename_all = "kebab-case")]
 enum Term {
     GaussMarkov { sigma: Estimate, tau_s: Estimate },
-    BandShape { cosines: Vec<f64>, pole: Option<f64>, corner: Option<Corner> },
+    BandShape { cosines: Vec<f64>, pole: Option<f64>, corner: Option<Corner>, of_white: bool },
     Line { frequency_hz: f64, width_hz: f64, rms: f64 },
     WarmUp { size: Estimate, tau_s: f64 },
 }
@@ -251,9 +251,9 @@ fn term(term: &allan::Term) -> Term {
         allan::Term::GaussMarkov { sigma, tau_s } => {
             Term::GaussMarkov { sigma: estimate(sigma), tau_s: estimate(tau_s) }
         }
-        allan::Term::BandShape { cosines, pole, corner } => {
+        &allan::Term::BandShape { ref cosines, pole, corner, of_white } => {
             let corner = corner.map(|allan::Corner { frequency_hz, damping }| Corner { frequency_hz, damping });
-            Term::BandShape { cosines: cosines.clone(), pole: *pole, corner }
+            Term::BandShape { cosines: cosines.clone(), pole, corner, of_white }
         }
         allan::Term::WarmUp { size, tau_s } => Term::WarmUp { size: estimate(size), tau_s: *tau_s },
         &allan::Term::Line(allan::Line { frequency_hz, width_hz, rms }) => Term::Line { frequency_hz, width_hz, rms },

@@ -1,6 +1,6 @@
 //! Noise coefficients in the units of data sheets, standards and users.
 
-use zerorate_allan::{Estimate, Fit, Line, Term};
+use zerorate_allan::{Corner, Estimate, Fit, Line, Term};
 use zerorate_logs::Record;
 pub use zerorate_logs::imu::{B, Named, span};
 use zerorate_logs::{Quantity, imu};
@@ -88,17 +88,17 @@ fn of_term(record: &Record, term: &Term) -> TermRow {
             values: vec![in_rate(sigma), (interval_of(*tau_s), "s".to_owned())],
             remark: String::new(),
         },
-        Term::BandShape { cosines, pole, corner } => TermRow {
-            name: "band shape".to_owned(),
-            values: Vec::new(),
-            remark: match corner {
-                Some(corner) => format!("a low-pass of the second order at {:.3} Hz", corner.frequency_hz),
-                None => {
-                    let order = cosines.len() + usize::from(pole.is_some());
-                    format!("of order {order}: a filter shapes the noise")
+        Term::BandShape { cosines, pole, corner, of_white } => {
+            let noise = if *of_white { "white noise" } else { "noise" };
+            let order = cosines.len() + usize::from(pole.is_some());
+            let remark = match corner {
+                Some(Corner { frequency_hz, .. }) => {
+                    format!("a low-pass of the second order at {frequency_hz:.3} Hz shapes the {noise}")
                 }
-            },
-        },
+                None => format!("of order {order}: a filter shapes the {noise}"),
+            };
+            TermRow { name: "band shape".to_owned(), values: Vec::new(), remark }
+        }
         Term::Line(Line { frequency_hz, width_hz, rms }) => TermRow {
             name: "line, left out".to_owned(),
             values: vec![in_rate(&exact(*rms))],
