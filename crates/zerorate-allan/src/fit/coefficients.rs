@@ -6,7 +6,7 @@ use super::profile::Profile;
 use super::readings::white_share;
 use super::record_length;
 use super::scoring::{K2, LONGEST, N2, Reading, SHAPE, corner_hz};
-use super::select::Selection;
+use super::select::{Other, Selection};
 use super::{Corner, Estimate, MOST_ERROR, Term};
 use crate::Coefficient;
 use alloc::vec::Vec;
@@ -42,18 +42,20 @@ impl Coefficients<'_> {
         Coefficient { value, lo: lo.min(value), hi: hi.max(value), identified, needed_s }
     }
 
-    /// N. Its interval allows for an unsteady record, and holds N with and without the tail of a resonance.
-    pub(super) fn n(&self, unsteady: f64, tail: f64) -> Coefficient {
+    /// N, and its other reading. Its interval allows for an unsteady record, and holds N with and without the tail of a
+    /// resonance.
+    pub(super) fn n(&self, unsteady: f64, tail: f64) -> (Coefficient, Option<Other>) {
         let n = self.of(N2);
         let steady = 1.96 * unsteady;
         let doubt = tail / (2.0 * self.chosen.found.at[N2]);
         let wider = |ratio: f64| libm::exp(libm::log(ratio).max(steady) + doubt);
         let wide = Coefficient { lo: n.value / wider(n.value / n.lo), hi: n.value * wider(n.hi / n.value), ..n };
         // what the model's error may be of the other noise is no white noise
-        match white_share(&self.chosen.problem, &self.chosen.found) < MOST_ERROR && !self.is_rejected {
-            true => Coefficient { lo: 0.0, identified: false, needed_s: n.needed_s.or(Some(f64::INFINITY)), ..wide },
-            false => wide,
-        }
+        let is_hidden = white_share(&self.chosen.problem, &self.chosen.found) < MOST_ERROR && !self.is_rejected;
+        let needed_s = n.needed_s.or(is_hidden.then_some(f64::INFINITY));
+        let own = if is_hidden { Coefficient { lo: 0.0, identified: false, needed_s, ..wide } } else { wide };
+        let other = self.chosen.other(&own);
+        (other.map_or(own, |other| own.or(other.n)), other)
     }
 
     /// K, which rests on few coefficients: its square is the mean of its confidence distribution.

@@ -475,10 +475,9 @@ fn described(
     let widening = libm::sqrt(scatter.variance_of_ln_n(rate_hz, own.at[N2], &model));
     let doubt = Doubt::of((&chosen.problem, own), &model, &measured, Some(&scatter))?;
     let (chi2, freedom) = select::chi2(&chosen.problem, own);
-    let n = coefficients.n(widening, tail_at_zero);
-    let other = chosen.other(&n);
+    let (n, other) = coefficients.n(widening, tail_at_zero);
     let fit = Fit {
-        n: other.map_or(n, |other| n.or(other.n)),
+        n,
         b: coefficients.of(B2),
         k: coefficients.k(),
         q: own.form.quantised.then(|| coefficients.of(Q2)),
@@ -495,8 +494,7 @@ fn described(
         cleaned: Cleaned::default(),
         warnings: Vec::new(),
     };
-    let hz = rate_hz / (2.0 * spectrum.samples as f64);
-    let leakage = masked::leakage(&all, &chosen.problem.table.rows, hz);
+    let leakage = masked::leakage(&all, &chosen.problem.table.rows, rate_hz / (2.0 * spectrum.samples as f64));
     warnings.extend(leakage.map(|(line, share)| AllanWarning::Leakage { frequency_hz: line.frequency_hz, share }));
     warnings.extend(remarks(&fit, (&chosen, other), &curves, off_curve, raw));
     Ok(Fit { warnings, ..fit })

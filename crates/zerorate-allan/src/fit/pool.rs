@@ -328,8 +328,9 @@ fn common(
     let doubt = Doubt::of((&chosen.problem, found), &model, &measured, None)?;
     let of_no_record = Curves::of(&[], rate_hz);
     let misfit = is_rejected.then(|| Misfit::of((&chosen.problem, found), None, (&of_no_record, &model)));
+    let (n, other) = coefficients.n(0.0, 0.0);
     let fit = Fit {
-        n: wider(coefficients.n(0.0, 0.0), of_mean(Noise::AngleRandomWalk)),
+        n: wider(n, of_mean(Noise::AngleRandomWalk)),
         b: wider(coefficients.of(B2), of_mean(Noise::BiasInstability)),
         k: wider(coefficients.k(), of_mean(Noise::RateRandomWalk)),
         q: found.form.quantised.then(|| coefficients.of(super::Q2)),
@@ -346,7 +347,7 @@ fn common(
         cleaned: Cleaned::default(),
         warnings: Vec::new(),
     };
-    let warnings = remarks(&fit, (chosen, None), &of_no_record, None, Raw { record_s, missing: 0 });
+    let warnings = remarks(&fit, (chosen, other), &of_no_record, None, Raw { record_s, missing: 0 });
     Ok(Fit { warnings, ..fit })
 }
 

@@ -65,14 +65,15 @@ fn a_period_is_no_random_walk() {
             _ => None,
         })
     };
-    let sawtooth = |turns: f64| turns - turns.floor() - 0.5;
-    let sine = |turns: f64| (2.0 * PI * turns).sin() / 2.0;
-    let waves: [(&dyn Fn(f64) -> f64, f64, usize); 2] = [(&sawtooth, 600.0, 3), (&sine, 500.0, 4)];
+    let wave = |is_sine: bool, turns: f64| match is_sine {
+        true => (2.0 * PI * turns).sin() / 2.0,
+        false => turns - turns.floor() - 0.5,
+    };
     let noise: Vec<Vec<f64>> = (3310..3314).map(|seed| HOUR.noise(360_000, seed)).collect();
     assert!(noise.iter().all(|noise| period_of(noise).is_none()));
-    for (wave, period_s, least) in waves {
+    for (is_sine, period_s, least) in [(false, 600.0, 3), (true, 500.0, 4)] {
         let with = |noise: &Vec<f64>| -> Vec<f64> {
-            let at = |i: usize| 0.025 * wave(i as f64 / RATE_HZ / period_s);
+            let at = |i: usize| 0.025 * wave(is_sine, i as f64 / RATE_HZ / period_s);
             noise.iter().enumerate().map(|(i, x)| x + at(i)).collect()
         };
         let found: Vec<Option<(f64, f64)>> = noise.iter().map(|noise| period_of(&with(noise))).collect();
