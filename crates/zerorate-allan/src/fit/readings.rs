@@ -1,6 +1,6 @@
 //! Other readings of a spectrum that a filter or a memory bends.
 
-use super::scoring::{Found, ModelForm, N2, Problem, Reading};
+use super::scoring::{Found, ModelForm, N2, Problem, Reading, SHORTEST};
 use super::select::{DESCENT, LOOK, SURVIVORS, level_near, start, white, with_cosine};
 use alloc::vec::Vec;
 use core::f64::consts::PI;
@@ -58,7 +58,8 @@ fn memory(problem: &Problem) -> Option<Found> {
     };
     let found =
         best(problem, ModelForm { markovs: 1, reading: Reading::Short, ..ModelForm::PLAIN }, MEMORIES.map(start));
-    found.filter(|found| white_share(problem, found) > LEAST_WHITE)
+    let is_short = |found: &Found| libm::exp(found.at[found.form.markov(0) + 1]) * table.rate_hz < SHORTEST;
+    found.filter(|found| is_short(found) && white_share(problem, found) > LEAST_WHITE)
 }
 
 /// Start values of white noise behind a low-pass.
