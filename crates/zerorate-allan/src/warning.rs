@@ -115,9 +115,7 @@ rows!(match AllanWarning {
     },
     Self::MemoryOrFilter { tau_s, n } => Row {
         code: "memory-or-filter",
-        text: format_args!(
-            "a memory of {tau_s:.3} s looks like a low-pass of white noise; N is {n:.3e} in the other reading"
-        ),
+        text: format_args!("a memory of {tau_s:.3} s looks like a low-pass; N is {n:.3e} in the other reading"),
     },
     Self::DriftOrWalk { has_drift, worse } => Row {
         code: "drift-or-walk",
@@ -130,8 +128,7 @@ rows!(match AllanWarning {
     Self::PeriodOrWalk { period_s, k } => Row {
         code: "drift-or-walk",
         text: format_args!(
-            "a random walk was taken, but a period of {period_s:.0} s fits better: K beside it is {k:.3e}; look for \
-             heating or air conditioning"
+            "a period of {period_s:.0} s fits better than K, which is {k:.3e} beside it; find the source"
         ),
     },
     Self::Unsteady { tau_s, ratio } => Row {
