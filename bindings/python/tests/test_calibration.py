@@ -71,6 +71,7 @@ def test_the_report_has_the_keys_of_the_command_line(unit: tuple[zerorate.Calibr
         "bias_instability_dps",
         "rate_random_walk_dps_per_rt_s",
         "steps",
+        "sway_probability",
     }
     assert not report.keys() & of_curves
     assert report.keys() | of_curves | {"truth", "calibration"} == set(vars(found))

@@ -277,6 +277,14 @@ fn a_tracker_begins_with_the_uncertainty_of_the_curve() {
     assert!(Calibration::parse(&damaged).unwrap_err().to_string().contains("covariance"));
     let narrow = text.replace("coverage_factor = 1.96", "coverage_factor = -1.96");
     assert!(Calibration::parse(&narrow).unwrap_err().to_string().contains("above 0"));
+    let sources = |models_dps: f64, sway_dps: f64, probability: f64| {
+        format!(
+            "steps = []\n[curve.sources]\nu_models_pbc_dps = {models_dps}\nu_models_btc_dps_per_c = 0.0\n\
+             u_sway_pbc_dps = {sway_dps}\nu_sway_btc_dps_per_c = 0.0\nsway_probability = {probability}\n"
+        )
+    };
+    let (stated, _) = Calibration::parse(&text.replace("steps = []", &sources(0.0012, 0.0016, 0.02))).unwrap();
+    assert!(stated.axes[0].budget().iter().any(|part| (part.u - 0.0016).abs() < 1e-12 && part.of == "PBC"));
     let early = text.replace("schema = 3", "schema = 1");
     assert!(Calibration::parse(&early).unwrap_err().to_string().contains("schema 3"));
     for (from, to, key) in [
@@ -287,6 +295,9 @@ fn a_tracker_begins_with_the_uncertainty_of_the_curve() {
         ("play_c = 0.0", "play_c = -1", "play_c"),
         ("steps = []", "steps = [[-5, 0.1]]", "steps"),
         ("coverage_factor = 1.96", "coverage_factor = 0", "coverage_factor"),
+        ("steps = []", &sources(0.0012, 0.0017, 0.02), "u_models_pbc_dps"), // 0.0020 is stated
+        ("steps = []", &sources(0.001, -0.001, 0.02), "u_sway_pbc_dps"),
+        ("steps = []", &sources(0.001, 0.001, 2.0), "sway_probability"),
     ] {
         let said = Calibration::parse(&text.replace(from, to)).unwrap_err().to_string();
         assert!(said.contains(key), "{to}: {said}");

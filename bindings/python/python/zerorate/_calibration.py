@@ -109,6 +109,8 @@ class CurveRecord:
     """Half width of the play between temperature and bias, °C."""
     steps: list[list[float]]
     """Steps that were taken out: time, s, and size, °/s."""
+    sources: dict[str, float] | None = None
+    """Parts of the uncertainties of PBC and BTC, as ``curve.sources`` of the file; the rest is noise."""
 
 
 @dataclass(frozen=True)

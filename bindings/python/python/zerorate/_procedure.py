@@ -127,6 +127,8 @@ class Calibrated:
     """K of the recording, °/s/√s."""
     steps: list[dict[str, float]] = field(default_factory=list)
     """Steps of the level that were taken out: ``at_s``, ``size_dps``, ``u_dps``."""
+    sway_probability: float | None = None
+    """Posterior probability that the platform sways slowly."""
     budget: list[dict[str, Any]] = field(default_factory=list)
     """Where the uncertainties come from: ``of`` (PBC or BTC), ``source``, ``u``, ``share`` of the variance."""
     file: str | None = None

@@ -75,7 +75,7 @@ pub struct Numbers {
     pub u_btc_dps_per_c: f64,
     pub u_t3_c: f64,
     pub cov_pbc_btc_dps2_per_c: f64,
-    /// Where the uncertainties come from; empty for a curve.
+    /// Where the uncertainties come from.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub budget: Vec<Contribution>,
     pub impossible_readings: u64,
@@ -98,6 +98,8 @@ pub struct Higher {
     pub bias_instability_dps: f64,
     pub rate_random_walk_dps_per_rt_s: f64,
     pub steps: Vec<StepReport>,
+    /// Posterior probability that the platform sways slowly.
+    pub sway_probability: f64,
 }
 
 /// A step of the level that was taken out.
@@ -202,6 +204,7 @@ impl Higher {
             bias_instability_dps: curve.noise.bias_instability_dps,
             rate_random_walk_dps_per_rt_s: curve.noise.rate_random_walk_dps_per_rt_s,
             steps: curve.steps.into_iter().flatten().map(step).collect(),
+            sway_probability: (1e4 * curve.sources.sway_probability).round() / 1e4,
         }
     }
 }

@@ -42,14 +42,16 @@ fn every_method_states_a_curve_that_holds() {
 
 #[test]
 fn the_uncertainty_budget_adds_up() {
-    let done = calibrate("twin:seed=7", short()).unwrap();
-    let numbers = only(&done);
-    for (name, u) in [("PBC", numbers.u_pbc_dps), ("BTC", numbers.u_btc_dps_per_c)] {
-        let parts: Vec<_> = numbers.budget.iter().filter(|part| part.of == name).collect();
-        let shares: f64 = parts.iter().map(|part| part.share).sum();
-        let sum: f64 = parts.iter().map(|part| part.u * part.u).sum();
-        assert!(parts.len() > 1 && (shares - 1.0).abs() < 1e-9, "{name}: {parts:?}");
-        assert!((sum.sqrt() / u - 1.0).abs() < 1e-9, "{name}: {parts:?}");
+    for (unit, plan) in [("twin:seed=7", short()), ("twin:seed=7,warmup_s=20", by(Method::Warmup))] {
+        let done = calibrate(unit, plan).unwrap();
+        let numbers = only(&done);
+        for (name, u) in [("PBC", numbers.u_pbc_dps), ("BTC", numbers.u_btc_dps_per_c)] {
+            let parts: Vec<_> = numbers.budget.iter().filter(|part| part.of == name).collect();
+            let shares: f64 = parts.iter().map(|part| part.share).sum();
+            let sum: f64 = parts.iter().map(|part| part.u * part.u).sum();
+            assert!(parts.len() > 1 && (shares - 1.0).abs() < 1e-9, "{unit} {name}: {parts:?}");
+            assert!((sum.sqrt() / u - 1.0).abs() < 1e-9, "{unit} {name}: {parts:?}");
+        }
     }
 }
 

@@ -389,6 +389,7 @@ mod tests {
             lag_s: 0.0,
             play_c: 0.0,
             steps: Vec::new(),
+            sources: None,
         });
         let html = calibration_page(&calibration, "unit.toml").unwrap();
         for expected in [

@@ -1,6 +1,6 @@
-//! The uncertainty budget: how much each source adds to the uncertainty of a line's coefficients.
+//! The uncertainty budget: how much each source adds to the uncertainties of PBC and BTC.
 
-use super::CalibratedAxis;
+use super::{CalibratedAxis, CurveRecord};
 use alloc::vec::Vec;
 use serde::Serialize;
 
@@ -18,10 +18,12 @@ pub struct Contribution {
 }
 
 impl CalibratedAxis {
-    /// The budget of PBC and BTC, for a calibration by AN-1042; empty for a curve, whose uncertainty comes out of one
-    /// fit, and for a file that states no uncertainty.
+    /// The budget of PBC and BTC; empty for a file that does not state where its uncertainty comes from.
     #[must_use]
     pub fn budget(&self) -> Vec<Contribution> {
+        if let Some(curve) = &self.curve {
+            return curve.budget();
+        }
         let Some(stated) = self.uncertainty else { return Vec::new() };
         let drift_dps = stated.drift_dps.unwrap_or(0.0);
         let t3_dps = self.correction.btc_dps_per_c * stated.u_t3_c;
@@ -33,6 +35,20 @@ impl CalibratedAxis {
         pbc.chain(btc).collect()
     }
 }
+
+impl CurveRecord {
+    fn budget(&self) -> Vec<Contribution> {
+        let Some(sources) = self.sources else { return Vec::new() };
+        let pbc = [(MODELS, sources.u_models_pbc_dps), (SWAY, sources.u_sway_pbc_dps)];
+        let btc = [(MODELS, sources.u_models_btc_dps_per_c), (SWAY, sources.u_sway_btc_dps_per_c)];
+        let u = |term: usize| libm::sqrt(self.covariance[term][term].max(0.0));
+        of("PBC", u(0), &pbc, NOISE).chain(of("BTC", u(1), &btc, NOISE)).collect()
+    }
+}
+
+const NOISE: &str = "noise of the recording";
+const MODELS: &str = "order, lag, play and steps that the recording leaves open";
+const SWAY: &str = "slow sway of the platform, by its probability";
 
 /// The known sources, and what is left of the variance.
 fn of(

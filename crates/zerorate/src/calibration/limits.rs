@@ -1,7 +1,7 @@
 //! Limits of the numbers of a calibration.
 
 use super::form::{AxisForm, CURVED, CalibrationForm, NOTED, SEVERAL, Span};
-use super::{CurveRecord, NoiseRecord, Run, SCHEMA, SIMULATED, Uncertainties, is_rfc3339};
+use super::{CurveRecord, NoiseRecord, Run, SCHEMA, SIMULATED, SourcesRecord, Uncertainties, is_rfc3339};
 use crate::Correction;
 use crate::estimate::Measured;
 use crate::gls::whitener;
@@ -20,6 +20,8 @@ const NUMBERS: RangeInclusive<f64> = -1e9..=1e9;
 const SIZES: RangeInclusive<f64> = 0.0..=1e9;
 /// Shares of a whole.
 const SHARES: RangeInclusive<f64> = 0.0..=1.0;
+/// Excess of a sum of squares over the square that it was split from.
+const ROUNDING: f64 = 1e-9;
 /// Temperatures that a sensor may state, °C.
 const TEMPS_C: RangeInclusive<f64> = -100.0..=200.0;
 /// Fastest rate of any gyroscope, °/s.
@@ -160,7 +162,28 @@ impl CalibrationForm {
         table.at("order_weights").require(weights, || "must be probabilities".into())?;
         check_within(table, &SIZES, &[("lag_s", curve.lag_s), ("play_c", curve.play_c)])?;
         let steps = curve.steps.iter().all(|[at_s, size_dps]| SIZES.contains(at_s) && NUMBERS.contains(size_dps));
-        table.at("steps").require(steps, || "must be pairs of a time and a size".into())
+        table.at("steps").require(steps, || "must be pairs of a time and a size".into())?;
+        let Some(sources) = curve.sources else { return Ok(()) };
+        sources.check(table.at("sources"), [curve.covariance[0][0], curve.covariance[1][1]])
+    }
+}
+
+impl SourcesRecord {
+    /// `variances` are those of PBC and BTC.
+    fn check(&self, table: Entry<'_>, variances: [f64; 2]) -> Result<(), EntryError> {
+        check_within(table, &SHARES, &[("sway_probability", self.sway_probability)])?;
+        let of_pbc = [("u_models_pbc_dps", self.u_models_pbc_dps), ("u_sway_pbc_dps", self.u_sway_pbc_dps)];
+        let of_btc = [
+            ("u_models_btc_dps_per_c", self.u_models_btc_dps_per_c),
+            ("u_sway_btc_dps_per_c", self.u_sway_btc_dps_per_c),
+        ];
+        for (parts, variance) in [of_pbc, of_btc].iter().zip(variances) {
+            check_within(table, &SIZES, parts)?;
+            let sum: f64 = parts.iter().map(|(_, u)| u * u).sum();
+            let why = || "does not fit the covariance: the parts of a variance must not exceed it".into();
+            table.at(parts[0].0).require(sum <= variance * (1.0 + ROUNDING), why)?;
+        }
+        Ok(())
     }
 }
 

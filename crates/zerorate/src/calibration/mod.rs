@@ -20,7 +20,7 @@ use crate::check_lines::sha256_hex;
 use crate::estimate::{Measured, Noise};
 use crate::noise::FLICKER_CUTOFF_HZ;
 use crate::part::{NamedAxis, Part, Scale};
-use crate::thermal::{self, BiasCurve, TERMS};
+use crate::thermal::{self, BiasCurve, Sources, TERMS};
 use crate::{Correction, Corrector, CorrectorConfig, Outcome, Uncertainty, Validity, Warning};
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -130,6 +130,21 @@ pub struct CurveRecord {
     pub play_c: f64,
     /// Steps that were taken out: time, s, and size, °/s.
     pub steps: Vec<[f64; 2]>,
+    /// Sources of the uncertainties of PBC and BTC; none in older files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sources: Option<SourcesRecord>,
+}
+
+/// Parts of the uncertainties of PBC and BTC of a curve; the rest is noise.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[expect(missing_docs, reason = "as the fields of `Sources`, of PBC and BTC")]
+pub struct SourcesRecord {
+    pub u_models_pbc_dps: f64,
+    pub u_models_btc_dps_per_c: f64,
+    pub u_sway_pbc_dps: f64,
+    pub u_sway_btc_dps_per_c: f64,
+    pub sway_probability: f64,
 }
 
 /// The noise model, and which of its terms were measured.
@@ -364,6 +379,19 @@ impl From<&BiasCurve> for CurveRecord {
             lag_s: curve.following.lag_s,
             play_c: curve.following.play_c,
             steps: curve.steps.iter().flatten().map(|step| [step.at_s, step.size_dps]).collect(),
+            sources: Some(curve.sources.into()),
+        }
+    }
+}
+
+impl From<Sources> for SourcesRecord {
+    fn from(Sources { u_models, u_sway, sway_probability }: Sources) -> Self {
+        Self {
+            u_models_pbc_dps: u_models[0],
+            u_models_btc_dps_per_c: u_models[1],
+            u_sway_pbc_dps: u_sway[0],
+            u_sway_btc_dps_per_c: u_sway[1],
+            sway_probability: rounded(sway_probability),
         }
     }
 }

@@ -24,6 +24,7 @@ use crate::correction::Correction;
 use crate::gls;
 use crate::noise::NoiseModel;
 use crate::part::{Axis, TypicalBias};
+use crate::uncertainty::Uncertainty;
 use alloc::vec::Vec;
 use basis::Basis;
 pub use follow::Following;
@@ -105,6 +106,8 @@ pub struct BiasCurve {
     /// PBC or BTC make two peaks, and intervals by their variance alone would miss the smaller one too often. So the
     /// variances of PBC and BTC are larger than that of all models together.
     pub covariance: [[f64; TERMS]; TERMS],
+    /// Sources of the variances of PBC and BTC.
+    pub sources: Sources,
     /// The order that was taken.
     pub order: usize,
     /// Posterior probability of each order.
@@ -139,6 +142,17 @@ impl BiasCurve {
         let swayed_dps = self.sway.map_or(0.0, |sway| sway.at(block.middle_s()));
         self.steps.iter().flatten().map(stepped).sum::<f64>() + swayed_dps
     }
+}
+
+/// Sources of the variances of PBC and BTC beside the noise: a standard uncertainty each, in °/s and °/s/°C.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sources {
+    /// Models that disagree: on order, lag, play, steps and strength of the noise.
+    pub u_models: [f64; 2],
+    /// A slow sway of the platform, by the weight of the models that have one.
+    pub u_sway: [f64; 2],
+    /// Posterior probability of a sway.
+    pub sway_probability: f64,
 }
 
 /// A change of the level that was taken out.
@@ -299,9 +313,9 @@ fn average(record: &Record<'_>, axis: &Axis, models: &[Weighed]) -> BiasCurve {
         bias.iter_mut().zip(&model.posterior.bias).for_each(|(mean, value)| *mean += share * value);
     }
     let mut covariance = covariance_about(models, &bias);
-    for k in [0, 1] {
-        covariance[k][k] += excess(models, k, bias[k], covariance[k][k]);
-    }
+    let variances = [covariance[0][0], covariance[1][1]];
+    let excess = [0, 1].map(|k| excess(models, k, bias[k], variances[k]));
+    (0..2).for_each(|k| covariance[k][k] += excess[k]);
     let mean = |of: fn(&Weighed) -> f64| models.iter().map(|model| model.weight * of(model)).sum::<f64>();
     let noise = |of| libm::exp(mean_logarithm(models, of));
     let told = |of, before| libm::sqrt(variance_of_logarithm(models, of)) < TOLD * before;
@@ -314,6 +328,7 @@ fn average(record: &Record<'_>, axis: &Axis, models: &[Weighed]) -> BiasCurve {
             btc3_dps_per_c3: 0.0 - bias[3],
         },
         covariance,
+        sources: sources(models, variances, excess),
         order,
         order_weights,
         following: Following {
@@ -367,13 +382,24 @@ fn order_taken(order_weights: &[f64; TERMS]) -> usize {
     high_enough.max_by(|a, b| order_weights[*a].total_cmp(&order_weights[*b])).unwrap_or(0)
 }
 
+/// Posterior probability of a sway.
+fn sway_probability(models: &[Weighed]) -> f64 {
+    models.iter().filter(|model| model.hypothesis.sway_hz.is_some()).fold(0.0, |sum, model| sum + model.weight)
+}
+
+/// Probability from which models with a sway are peaks of their own: the stated intervals could miss them. A less likely
+/// sway counts in the variance by its weight. Intervals that hold the rarest sway as well would say nothing of a
+/// platform at rest.
+const SWAY_PEAK: f64 = 1.0 - Uncertainty::COVERAGE;
+
 /// Excess variance that a coefficient needs so that its intervals keep their stated probability. Its models are in
-/// peaks: one of each order, without a sway and with one.
+/// peaks: one of each order, or two, without a sway and with it.
 fn excess(models: &[Weighed], k: usize, value: f64, variance: f64) -> f64 {
-    let peak = |index: usize| {
-        let (order, sways) = (index / 2, index % 2 == 1);
-        let is_of = |model: &&Weighed| model.posterior.order == order && model.hypothesis.sway_hz.is_some() == sways;
-        let of_peak = || models.iter().filter(is_of);
+    let is_split = sway_probability(models) > SWAY_PEAK;
+    let index =
+        |model: &Weighed| 2 * model.posterior.order + usize::from(is_split && model.hypothesis.sway_hz.is_some());
+    let peak = |peak: usize| {
+        let of_peak = || models.iter().filter(|model| index(model) == peak);
         let weight: f64 = of_peak().map(|model| model.weight).sum();
         let share = |of: &dyn Fn(&Weighed) -> f64| of_peak().map(|model| model.weight / weight * of(model)).sum();
         let mean: f64 = share(&|model| model.posterior.bias[k]);
@@ -385,6 +411,27 @@ fn excess(models: &[Weighed], k: usize, value: f64, variance: f64) -> f64 {
     let sd = libm::sqrt(variance);
     let u = honest_u(&peaks, value, sd);
     if u > sd { u * u - variance } else { 0.0 }
+}
+
+/// Splits the variances of PBC and BTC. The noise has what is left if the model is known, and the sway with it. The sway
+/// has what its size leaves open, and the square of the distance between models with and without it. Models that
+/// disagree have the rest. `excess` belongs to the sway if that makes the peaks.
+fn sources(models: &[Weighed], variances: [f64; 2], excess: [f64; 2]) -> Sources {
+    let sway_probability = sway_probability(models);
+    let sum = |of: &dyn Fn(&Weighed) -> f64| models.iter().map(|model| model.weight * of(model)).sum::<f64>();
+    let sways = |model: &Weighed| f64::from(u8::from(model.hypothesis.sway_hz.is_some()));
+    let both = [0, 1].map(|k| {
+        // of groups of weights w and 1 − w: w (1 − w) times the distance of their means
+        let apart = sum(&|model| (sways(model) - sway_probability) * model.posterior.bias[k]);
+        let product = sway_probability * (1.0 - sway_probability);
+        let between = if product > 0.0 { apart * apart / product } else { 0.0 };
+        let from_sway = sum(&|model| model.posterior.from_sway[k]);
+        let noise = sum(&|model| model.posterior.covariance[k][k]) - from_sway;
+        let (sway, models) = (from_sway + between, variances[k] - noise - from_sway - between);
+        let parts = if sway_probability > SWAY_PEAK { [models, sway + excess[k]] } else { [models + excess[k], sway] };
+        parts.map(|variance| libm::sqrt(variance.max(0.0)))
+    });
+    Sources { u_models: both.map(|[models, _]| models), u_sway: both.map(|[_, sway]| sway), sway_probability }
 }
 
 /// The steps that are more likely there than not, with their mean sizes.

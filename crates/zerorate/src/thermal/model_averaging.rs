@@ -147,7 +147,7 @@ impl<'a> Lattice<'a> {
             self.paths.iter().map(|path| (self.score(&filter, noise, path), *path)).collect();
         let still = self.finer_plays(&filter, noise, still);
         let swaying = self.swaying_paths(&filter, noise, &still);
-        relevant(still.into_iter().chain(swaying).collect())
+        relevant_families(still, swaying)
     }
 
     /// Adds finer plays about the best path if its neighbours explain much less. A wide play between two of the
@@ -180,9 +180,8 @@ impl<'a> Lattice<'a> {
     /// at the frequencies that matter there, and then all paths with these. None if no sway matters.
     fn swaying_paths(&self, filter: &Filter, noise: (i32, i32), still: &[(f64, Path)]) -> Vec<(f64, Path)> {
         let coarse = self.with_sways(filter, noise, &self.paths, &sway::of(self.sways_hz));
-        let most = |scored: &[(f64, Path)]| scored.iter().copied().max_by(|a, b| a.0.total_cmp(&b.0));
-        let (Some(best), Some((unswayed, _))) = (most(&coarse), most(still)) else { return Vec::new() };
-        if best.0 < unswayed - NEGLIGIBLE {
+        let Some(best) = coarse.iter().copied().max_by(|a, b| a.0.total_cmp(&b.0)) else { return Vec::new() };
+        if evidence(&coarse) < evidence(still) - NEGLIGIBLE {
             return Vec::new();
         }
         let on_best = |hz: &[f64]| -> Vec<f64> {
@@ -318,6 +317,25 @@ fn relevant<T>(mut scored: Vec<(f64, T)>) -> Vec<T> {
     scored.sort_by(|a, b| b.0.total_cmp(&a.0));
     let best = scored.first().map_or(0.0, |(score, _)| *score);
     scored.into_iter().take_while(|(score, _)| *score > best - NEGLIGIBLE).map(|(_, value)| value).collect()
+}
+
+/// Keeps the items of two families that are not negligible in their own, the best first. A family is left out only as
+/// a whole, since many small items may add up.
+fn relevant_families<T>(one: Vec<(f64, T)>, other: Vec<(f64, T)>) -> Vec<T> {
+    let evidences = [evidence(&one), evidence(&other)];
+    let best = evidences[0].max(evidences[1]);
+    let family = |items: Vec<(f64, T)>, evidence: f64| {
+        let most = items.iter().map(|(score, _)| *score).fold(f64::NEG_INFINITY, f64::max);
+        items.into_iter().filter(move |(score, _)| evidence >= best - NEGLIGIBLE && *score > most - NEGLIGIBLE)
+    };
+    let mut all: Vec<(f64, T)> = family(one, evidences[0]).chain(family(other, evidences[1])).collect();
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    all.into_iter().map(|(_, item)| item).collect()
+}
+
+/// ln Σ exp of the scores.
+fn evidence<T>(scored: &[(f64, T)]) -> f64 {
+    log_sum(&scored.iter().map(|(score, _)| *score).collect::<Vec<f64>>())
 }
 
 /// ln Σ exp.

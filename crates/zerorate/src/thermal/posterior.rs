@@ -25,6 +25,8 @@ pub(super) struct Posterior {
     pub(super) steps: Vec<(f64, f64)>,
     /// Sine and cosine of the sway, °/s. They are zero if the model has none.
     pub(super) sway_dps: [f64; 2],
+    /// Part of the variance of each coefficient that would be gone if the sway were known.
+    pub(super) from_sway: Powers,
 }
 
 /// The columns of a path without its sway, whitened.
@@ -205,8 +207,20 @@ impl Solved {
         }
         let (sways, steps) = (order + 1 + steps, (order + 1..order + 1 + steps).map(|k| (sizes[k], inverse[k][k])));
         let sway_dps = core::array::from_fn(|k| sizes.get(sways + k).copied().unwrap_or(0.0));
-        Posterior { order, log_evidence, bias, covariance, steps: steps.collect(), sway_dps }
+        let from_sway = from_sway(&inverse, sways, |column| constants[columns[column]]);
+        Posterior { order, log_evidence, bias, covariance, steps: steps.collect(), sway_dps, from_sway }
     }
+}
+
+/// Variances that the columns from `sways` on explain: c · S⁻¹ · c, with S the covariance of these columns, and c that
+/// of a coefficient with them.
+fn from_sway(inverse: &[Vec<f64>], sways: usize, constants: impl Fn(usize) -> Powers) -> Powers {
+    let own = (sways..inverse.len()).map(|row| inverse[row][sways..=row].to_vec()).collect();
+    let Some(own) = whitener(own) else { return [0.0; TERMS] };
+    let with = |k: usize, sway: usize| {
+        inverse.iter().enumerate().map(|(column, row)| constants(column)[k] * row[sway]).sum::<f64>()
+    };
+    core::array::from_fn(|k| own.whiten((sways..inverse.len()).map(|sway| with(k, sway))).iter().map(|x| x * x).sum())
 }
 
 fn unit(index: usize, length: usize) -> Vec<f64> {

@@ -2,8 +2,9 @@
 
 use alloc::vec::Vec;
 
-/// Prior odds that a platform sways.
-const ODDS: f64 = 0.5;
+/// Prior odds that a platform sways: it is as rare as a step. Less than a turn looks like a level, so likelier sways
+/// would widen PBC of a platform that stands still beyond its error.
+const ODDS: f64 = 0.02;
 /// Difference of the logarithms of the evidence of two frequencies above which another one between them is tried.
 const COARSE: f64 = 1.0;
 /// Distance of the logarithm of the evidence from the best one at which frequencies need no finer steps.
