@@ -387,9 +387,9 @@ fn sway_probability(models: &[Weighed]) -> f64 {
     models.iter().filter(|model| model.hypothesis.sway_hz.is_some()).fold(0.0, |sum, model| sum + model.weight)
 }
 
-/// Probability from which models with a sway are peaks of their own: the stated intervals could miss them. A less likely
-/// sway counts in the variance by its weight. Intervals that hold the rarest sway as well would say nothing of a
-/// platform at rest.
+/// Probability from which models with a sway are peaks of their own: the stated intervals could miss them. A less
+/// likely sway counts in the variance by its weight. Intervals that hold the rarest sway as well would say nothing of
+/// a platform at rest.
 const SWAY_PEAK: f64 = 1.0 - Uncertainty::COVERAGE;
 
 /// Excess variance that a coefficient needs so that its intervals keep their stated probability. Its models are in
@@ -413,8 +413,8 @@ fn excess(models: &[Weighed], k: usize, value: f64, variance: f64) -> f64 {
     if u > sd { u * u - variance } else { 0.0 }
 }
 
-/// Splits the variances of PBC and BTC. The noise has what is left if the model is known, and the sway with it. The sway
-/// has what its size leaves open, and the square of the distance between models with and without it. Models that
+/// Splits the variances of PBC and BTC. The noise has what is left if the model is known, and the sway with it. The
+/// sway has what its size leaves open, and the square of the distance between models with and without it. Models that
 /// disagree have the rest. `excess` belongs to the sway if that makes the peaks.
 fn sources(models: &[Weighed], variances: [f64; 2], excess: [f64; 2]) -> Sources {
     let sway_probability = sway_probability(models);

@@ -212,8 +212,8 @@ impl Solved {
     }
 }
 
-/// Variances that the columns from `sways` on explain: c · S⁻¹ · c, with S the covariance of these columns, and c that
-/// of a coefficient with them.
+/// Variances that the columns from `sways` on explain: c · S⁻¹ · c. S is the covariance of these columns, and c is
+/// that of a coefficient with them.
 fn from_sway(inverse: &[Vec<f64>], sways: usize, constants: impl Fn(usize) -> Powers) -> Powers {
     let own = (sways..inverse.len()).map(|row| inverse[row][sways..=row].to_vec()).collect();
     let Some(own) = whitener(own) else { return [0.0; TERMS] };
