@@ -193,6 +193,23 @@ def test_logs_are_read_by_their_path(log: Path, tmp_path: Path) -> None:
     np.testing.assert_allclose(raw.dev, zerorate.allan(rest()[:, 0], rate_hz=RATE_HZ).dev, rtol=1e-12)
 
 
+def test_increments_are_read_as_rates(tmp_path: Path) -> None:
+    rate = rest()[:, 0]
+    increments = {"dtheta_x": rate / RATE_HZ}
+    np.savetxt(tmp_path / "log.csv", increments["dtheta_x"], header="dtheta_x", comments="", fmt="%.17g")
+    asked: dict[str, Any] = {"rate_hz": RATE_HZ, "unit": "rad/s"}
+    alone = zerorate.allan(rate, **asked)
+    sources: list[Any] = [tmp_path / "log.csv", increments]
+    for source in sources:
+        found = zerorate.allan(source, column="dtheta_x", increments=True, **asked)
+        np.testing.assert_allclose(found.dev, alone.dev, rtol=1e-9)
+        assert found.unit == "rad/s" and found.fit is not None
+    read = zerorate.read_log(tmp_path / "log.csv", increments=True, **asked)
+    np.testing.assert_allclose(read["dtheta_x"], rate, rtol=1e-9)
+    with pytest.raises(ValueError, match="times their rate"):
+        zerorate.allan(rate / RATE_HZ, increments=True, **asked)
+
+
 @pytest.mark.parametrize("name", ["imu_bz2.bag", "imu_lz4.mcap"])
 def test_a_bag_states_all_that_is_asked(name: str) -> None:
     found = zerorate.imu(FIXTURES / name, taus=[0.005])

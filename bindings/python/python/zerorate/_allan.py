@@ -35,6 +35,7 @@ if TYPE_CHECKING:
         skip: Seconds | None
         time_column: str | int | None
         time_unit: Literal["s", "ms", "us", "ns"] | None
+        increments: bool | None
         decimal: Literal[".", ","] | None
         raw: Literal["i16", "i32", "f32", "f64"] | None
         max_bad: float | None
@@ -86,6 +87,7 @@ def allan(
     skip: Seconds | None = None,
     time_column: str | int | None = None,
     time_unit: Literal["s", "ms", "us", "ns"] | None = None,
+    increments: bool | None = None,
     decimal: Literal[".", ","] | None = None,
     raw: Literal["i16", "i32", "f32", "f64"] | None = None,
     max_bad: float | None = None,
@@ -144,7 +146,7 @@ def allan(
         it. The intervals of long averages and of K are widened by the noise that it may have removed.
     skip
         Leave out the beginning, while the part warms: seconds, or a duration such as ``"45m"``.
-    force_unit, time_column, time_unit, decimal, raw, max_bad, topic
+    force_unit, time_column, time_unit, increments, decimal, raw, max_bad, topic
         See `read_log`.
 
     Returns
@@ -176,6 +178,9 @@ def allan(
     """
     options = AnalysisOptions.of(stat, taus, data, confidence, fit, glitches, steps, max_freq_hz)
     options = replace(options, settling=Settling.of(temp_c, detrend, skip, options.is_phase))
+    is_read = isinstance(rate, (Capture, _log.Log)) or not (_records.is_path(rate) or _records.is_table(rate))
+    if increments and is_read:
+        raise ValueError("increments= is for the path of a log and for tables: give these values times their rate")
     if isinstance(rate, Capture):
         axes = _chosen({name: at for at, name in enumerate(rate.axes)}, column)
         found = side_by_side(lambda at: options.capture(rate, at, rate_hz, scale, unit or "°/s"), list(axes.values()))
@@ -192,6 +197,7 @@ def allan(
         unit=unit,
         force_unit=force_unit,
         scale=scale,
+        increments=increments,
         decimal=decimal,
         raw=raw,
         max_bad=max_bad,

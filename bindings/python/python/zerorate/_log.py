@@ -89,6 +89,7 @@ def read_log(
     unit: str | None = None,
     force_unit: bool = False,
     scale: float | None = None,
+    increments: bool | None = None,
     decimal: Literal[".", ","] | None = None,
     raw: Literal["i16", "i32", "f32", "f64"] | None = None,
     max_bad: float | None = None,
@@ -116,6 +117,9 @@ def read_log(
         Take `unit` where the name of a column states another, which is an error otherwise.
     scale
         The value of a step of 1, in that unit.
+    increments
+        Whether the columns hold the angle or the velocity of each sample in place of rates. Its unit is then that of an
+        increment in a second, ``rad/s`` for rad.
     decimal
         The decimal mark of a text: ``.`` or ``,``.
     raw
@@ -145,6 +149,7 @@ def read_log(
         unit=unit,
         force_unit=force_unit,
         scale=scale,
+        increments=increments,
         decimal=decimal,
         raw=raw,
         max_bad=max_bad,
