@@ -55,8 +55,8 @@ pub use envelope::Envelope;
 #[cfg(feature = "std")]
 pub use fit::{
     Apart, Cleaned, Corner, Covering, Differs, Estimate, Expected, FEWEST_SAMPLES, Fit, FitError, FitOptions, Line,
-    MOST_ERROR, Model, Motion, MotionKind, PREDICTS, Pool, PoolError, PoolRecord, Spread, Step, Term, fit, fit_pool,
-    motion,
+    MOST_ERROR, Model, Motion, MotionKind, PREDICTS, Pool, PoolError, PoolRecord, Spread, Step, Term, Usage, fit,
+    fit_pool, motion,
 };
 pub use input::{Gap, Input};
 pub use interval::interval;

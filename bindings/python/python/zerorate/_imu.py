@@ -73,8 +73,9 @@ class Imu:
         combine
             The value for all axes of a kind, if the filter takes one number: the ``worst``, or their ``mean``.
         horizon_s
-            The longest time over which the filter is to trust its own uncertainty, s: N and K cover the measured curve
-            from 1 s to it, with the least excess. Unless given, a third of the record and at most 1000 s.
+            The longest time over which the filter is to trust its own uncertainty, s: N and K cover the noise from 1 s
+            to it, with the least excess; for ``kalibr`` N is the fitted one, and K is lifted. Unless given, a third of
+            the record, at most 1000 s, and at most 100 s for ``kalibr``.
         as_fitted
             Give N and K as they were fitted.
         inflate

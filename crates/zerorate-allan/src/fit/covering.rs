@@ -1,7 +1,8 @@
-//! N and K for a filter that knows white noise and a random walk only.
+//! N and K for readers that know white noise and a random walk only.
 //!
-//! Such a filter believes a variance of N²/τ + K²τ/3. Where the curve of the sensor is above that (flicker, a memory),
-//! the filter is too sure of itself. So N and K are chosen together: they cover the curve, with the least excess.
+//! Such a reader believes a variance of N²/τ + K²τ/3. Where the noise of the sensor is above that (flicker,
+//! correlated noise), the reader is too sure of itself. So N and K cover the noise up to a horizon. Lines, a drift and
+//! a warm-up are not noise, and no part of it.
 
 use super::Fit;
 use crate::Deviation;
@@ -9,14 +10,48 @@ use alloc::vec::Vec;
 
 /// The shortest averaging time that is covered, s.
 const FROM_S: f64 = 1.0;
-/// The longest one, unless it is given: this share of the record, and at most this time, s.
+/// The longest one, unless it is given, is at most this share of the record.
 const HORIZON: f64 = 1.0 / 3.0;
-const MOST_HORIZON_S: f64 = 1000.0;
-/// N may grow up to this many times, in steps of N².
-const MOST_GROWTH: f64 = 2.0;
+/// Steps of N² that are tried.
 const STEPS: u32 = 60;
 
-/// N and K that cover the curve.
+/// The way in which a reader uses N and K.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Usage {
+    /// It runs for long: N may grow up to twice the fitted one, and the horizon is at most 1000 s.
+    Filter,
+    /// It weighs a record of a minute or two as a whole: N is the fitted one, K is lifted from the fitted one until
+    /// nine tenths of the variance are covered, and the horizon is at most 100 s.
+    Batch,
+}
+
+impl Usage {
+    const fn most_horizon_s(self) -> f64 {
+        match self {
+            Self::Filter => 1000.0,
+            Self::Batch => 100.0,
+        }
+    }
+
+    /// The most that N may grow.
+    const fn most_growth(self) -> f64 {
+        match self {
+            Self::Filter => 2.0,
+            Self::Batch => 1.0,
+        }
+    }
+
+    /// The share of the variance that is covered. With a fixed N, K alone would else lift the shortest averages by the
+    /// last percent, and be many times too large for the longest.
+    const fn covered(self) -> f64 {
+        match self {
+            Self::Filter => 1.0,
+            Self::Batch => 0.9,
+        }
+    }
+}
+
+/// N and K that cover the noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Covering {
     /// White noise, unit·√s.
@@ -25,29 +60,30 @@ pub struct Covering {
     pub k: f64,
     /// The longest averaging time that is covered, s. The shortest is 1 s.
     pub horizon_s: f64,
-    /// The geometric mean of the variance that they claim over that of the curve.
+    /// The geometric mean of the variance that they claim over that of the noise.
     pub excess: f64,
 }
 
 impl Fit {
-    /// The N, from the fitted one to twice as much, and the K with which N²/τ + K²τ/3 is at least the Allan variance
-    /// from 1 s to `horizon_s`, with the least mean excess of its logarithm. The Allan variance is the model's, or the
+    /// The N and K with which N²/τ + K²τ/3 covers the Allan variance of the noise from 1 s to `horizon_s`, with the
+    /// least mean excess of its logarithm. The variance is the model's without lines, drift and warm-up, or the
     /// measured one where that lies outside the 95 % band of the model. Unless it is given, the horizon is a third of
-    /// the record and at most 1000 s. None where there is no point between.
+    /// the record and at most that of the usage. None where there is no point between.
     ///
-    /// docs/imu.md shows how sure a filter with these numbers is, and with those that are fitted.
+    /// docs/imu.md shows how sure a reader with these numbers is, and with those that are fitted.
     #[must_use]
-    pub fn covering(&self, horizon_s: Option<f64>) -> Option<Covering> {
+    pub fn covering(&self, usage: Usage, horizon_s: Option<f64>) -> Option<Covering> {
         let (dt_s, half_s) = self.span_s;
-        let horizon_s = horizon_s.unwrap_or((2.0 * half_s * HORIZON).min(MOST_HORIZON_S));
-        let of_record = self.curve.iter().map(|found| (found.m as f64 * dt_s, self.variance(found)));
+        let horizon_s = horizon_s.unwrap_or((2.0 * half_s * HORIZON).min(usage.most_horizon_s()));
+        let of_record = self.curve.iter().map(|found| (found.m as f64 * dt_s, self.noise_variance(found)));
         let inside: Vec<(f64, f64)> = of_record.filter(|(tau_s, _)| (FROM_S..=horizon_s).contains(tau_s)).collect();
+        let is_lifted = usage == Usage::Batch && self.k.identified;
+        let least = if is_lifted { self.k.value * self.k.value } else { 0.0 };
+        let growth = usage.most_growth() * usage.most_growth() - 1.0;
         let of = |step: u32| {
-            let n2 = self.n.value
-                * self.n.value
-                * (1.0 + (MOST_GROWTH * MOST_GROWTH - 1.0) * f64::from(step) / f64::from(STEPS));
-            let lacks = |&(tau_s, variance): &(f64, f64)| (variance - n2 / tau_s) * 3.0 / tau_s;
-            let k2 = inside.iter().map(lacks).fold(0.0, f64::max);
+            let n2 = self.n.value * self.n.value * (1.0 + growth * f64::from(step) / f64::from(STEPS));
+            let lacks = |&(tau_s, variance): &(f64, f64)| (usage.covered() * variance - n2 / tau_s) * 3.0 / tau_s;
+            let k2 = inside.iter().map(lacks).fold(least, f64::max);
             let log = |&(tau_s, variance): &(f64, f64)| libm::log((n2 / tau_s + k2 * tau_s / 3.0) / variance);
             let excess = libm::exp(inside.iter().map(log).sum::<f64>() / inside.len() as f64);
             Covering { n: libm::sqrt(n2), k: libm::sqrt(k2), horizon_s, excess }
@@ -56,10 +92,12 @@ impl Fit {
         best.filter(|_| !inside.is_empty())
     }
 
-    /// The Allan variance of the sensor at the averaging time of a measured point.
-    fn variance(&self, found: &Deviation) -> f64 {
+    /// The Allan variance of the sensor's noise at the averaging time of a measured point. Where lines and drift are
+    /// most of the point, it says nothing about the noise.
+    fn noise_variance(&self, found: &Deviation) -> f64 {
+        let (whole, noise) = (self.model.allan_variance(found.m), self.model.noise_variance(found.m));
         let (lo, hi) = self.model.band(found.m, found.n, self.model.samples() as u64);
         let by_chance = (lo..=hi).contains(&found.dev);
-        if by_chance { self.model.allan_variance(found.m) } else { found.dev * found.dev }
+        if by_chance || whole > 2.0 * noise { noise } else { found.dev * found.dev * noise / whole }
     }
 }

@@ -46,7 +46,7 @@ use alloc::borrow::Cow;
 use alloc::vec::Vec;
 use coefficients::Coefficients;
 use core::fmt;
-pub use covering::Covering;
+pub use covering::{Covering, Usage};
 use curve::Curves;
 use density::{Drift, Table};
 pub use lines::Line;
@@ -128,7 +128,7 @@ pub enum Term {
     WarmUp {
         /// Size, in the unit of the rate.
         size: Estimate,
-        /// Time constant, one of a few that are tried, s.
+        /// Time constant, s.
         tau_s: f64,
     },
 }

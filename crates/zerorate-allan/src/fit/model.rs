@@ -155,32 +155,49 @@ impl Model {
     #[must_use]
     pub fn allan_variance(&self, m: u64) -> f64 {
         let tau_s = m as f64 / self.rate_hz;
+        let drift = self.drift.map_or(0.0, |(drift, size)| size * size * drift.allan_variance(tau_s, self.record_s));
+        self.with_slow(self.short_variance(m), m) + drift
+    }
+
+    /// The same without lines, drift and warm-up, which are not noise.
+    #[must_use]
+    pub fn noise_variance(&self, m: u64) -> f64 {
+        self.with_slow(self.white_variance(m), m)
+    }
+
+    /// Adds the Allan variance of flicker, random walk and Gauss–Markov terms.
+    fn with_slow(&self, short: f64, m: u64) -> f64 {
+        let tau_s = m as f64 / self.rate_hz;
         let markov = |&(variance, t): &(f64, f64)| {
             let bend = 3.0 - 4.0 * libm::exp(-tau_s / t) + libm::exp(-2.0 * tau_s / t);
             2.0 * variance * t / tau_s * (1.0 - t / (2.0 * tau_s) * bend)
         };
-        let drift = self.drift.map_or(0.0, |(drift, size)| size * size * drift.allan_variance(tau_s, self.record_s));
-        self.short_variance(m)
+        short
             + FLOOR_PER_B * FLOOR_PER_B * self.b2
             + self.k2 * tau_s / 3.0
             + self.markovs.iter().map(markov).sum::<f64>()
-            + drift
     }
 
-    /// The Allan variance of white noise, quantisation and lines: 2 (V(m) − V(2m)), V the variance of a mean.
+    /// The Allan variance of white noise, quantisation and lines.
     fn short_variance(&self, m: u64) -> f64 {
+        let samples = m as f64;
+        let sine = |&(variance, hz): &(f64, f64)| {
+            let sin = libm::sin(PI * hz / self.rate_hz);
+            let square = libm::pow(libm::sin(PI * samples * hz / self.rate_hz), 2.0);
+            2.0 * variance * square * square / (samples * samples * sin * sin)
+        };
+        self.white_variance(m) + self.sines.iter().map(sine).sum::<f64>()
+    }
+
+    /// The same without lines: 2 (V(m) − V(2m)), V the variance of a mean.
+    fn white_variance(&self, m: u64) -> f64 {
         let of_mean = |m: f64| {
             let lags = self.short.iter().enumerate().skip(1).take_while(|(k, _)| (*k as f64) < m);
             let sum: f64 = lags.map(|(k, covariance)| (m - k as f64) * covariance).sum();
             (m * self.short[0] + 2.0 * sum) / (m * m)
         };
         let m = m as f64;
-        let sine = |&(variance, hz): &(f64, f64)| {
-            let sin = libm::sin(PI * hz / self.rate_hz);
-            let square = libm::pow(libm::sin(PI * m * hz / self.rate_hz), 2.0);
-            2.0 * variance * square * square / (m * m * sin * sin)
-        };
-        2.0 * (of_mean(m) - of_mean(2.0 * m)) + self.sines.iter().map(sine).sum::<f64>()
+        2.0 * (of_mean(m) - of_mean(2.0 * m))
     }
 
     /// Degrees of freedom of a measured overlapping deviation of `n` terms. They fall with the terms that gaps leave,

@@ -151,39 +151,42 @@ fn of(log: &Path, axes: ImuOptions, format: Option<Format>) -> anyhow::Result<Im
     imu(log, &ImuNoiseOptions { axes, temperature: None, analysis: fitted(), format })
 }
 
-/// The numbers of the gyroscope in a file for Kalibr: N and K.
-fn for_kalibr(noise: &ImuNoise, rule: Rule, combine: Combine) -> (f64, f64, String) {
+/// The numbers of the gyroscope in a file of continuous densities: N and K.
+fn in_file(format: Format, noise: &ImuNoise, rule: Rule, combine: Combine) -> (f64, f64, String) {
     let names = Names(Setting::name);
     let (log, warnings) = ("imu.csv".to_owned(), Vec::new());
     let choice = Choice { log, topic: None, combine, rule, inflate: 1.0, names, warnings };
     let doubts = Record::doubts(&noise.axes);
-    let text = Format::Kalibr.file(choice, &Record::axes(&noise.axes), &doubts, false).unwrap();
+    let text = format.file(choice, &Record::axes(&noise.axes), &doubts, false).unwrap();
     let number = |key: &str| -> f64 {
-        let line = text.lines().find_map(|line| line.strip_prefix(key)).unwrap();
+        let line = text.lines().find_map(|line| line.trim_start().strip_prefix(key)).unwrap();
         line.trim_start_matches(':').split_whitespace().next().unwrap().parse().unwrap()
     };
     (number("gyroscope_noise_density"), number("gyroscope_random_walk"), text)
 }
 
-/// N and K cover the curve from 1 s on. As they were fitted, a K that is not identified is its upper limit, and the
-/// worst axis decides.
+/// N and K cover the noise from 1 s on; Kalibr gets the fitted N. As they were fitted, a K that is not identified is its
+/// upper limit, and the worst axis decides.
 #[test]
-fn n_and_k_of_an_imu_cover_its_curves_or_are_as_fitted() {
+fn n_and_k_of_an_imu_cover_its_noise_or_are_as_fitted() {
     let folder = Folder::new();
     let file = folder.write("imu.csv", log(HEAD, 20_000));
     let noise = of(&file, ImuOptions::default(), Some(Format::Kalibr)).unwrap();
     let kinds: Vec<Kind> = Record::axes(&noise.axes).iter().map(|axis| axis.kind).collect();
     assert_eq!(kinds, [[Kind::Gyroscope; 3], [Kind::Accelerometer; 3]].concat());
     assert!(noise.absent.is_empty() && noise.topic.is_none());
-    let (n, k_limit, fitted) = for_kalibr(&noise, Rule::AsFitted, Combine::Worst);
+    let (n, k_limit, fitted) = in_file(Format::Kalibr, &noise, Rule::AsFitted, Combine::Worst);
     assert!((n / (0.12 / RATE_HZ.sqrt()).to_radians() - 1.0).abs() < 0.02, "{fitted}");
     let k = |fit: &Fit| if fit.k.identified { fit.k.value } else { fit.k.hi };
     let largest = noise.axes[..3].iter().map(|axis| k(axis.model().unwrap())).fold(0.0, f64::max);
     assert!((k_limit / largest.to_radians() - 1.0).abs() < 1e-5 && fitted.contains("upper 95 % limit of K of"));
-    let (covers_n, covers_k, covers) = for_kalibr(&noise, Rule::Covers(Some(20.0)), Combine::Worst);
+    let covering = Rule::Covers(Some(20.0));
+    let (covers_n, covers_k, covers) = in_file(Format::Openvins, &noise, covering, Combine::Worst);
     assert!(covers_n >= n && covers_n <= 2.0 * n && covers_k > 0.0 && covers_k < 10.0 * k_limit, "{covers}");
-    assert!(covers.contains("covers the curve up to 20 s; fitted: "), "{covers}");
-    let (mean, ..) = for_kalibr(&noise, Rule::AsFitted, Combine::Mean);
+    assert!(covers.contains("covers the noise up to 20 s; fitted: "), "{covers}");
+    let (kalibr_n, kalibr_k, _) = in_file(Format::Kalibr, &noise, covering, Combine::Worst);
+    assert!(kalibr_n == n && kalibr_k > 0.0 && kalibr_k < 10.0 * k_limit, "{kalibr_n} {kalibr_k}");
+    let (mean, ..) = in_file(Format::Kalibr, &noise, Rule::AsFitted, Combine::Mean);
     assert!((mean / (0.10 / RATE_HZ.sqrt()).to_radians() - 1.0).abs() < 0.02, "{mean}");
 }
 

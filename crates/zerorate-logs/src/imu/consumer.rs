@@ -3,6 +3,7 @@
 //! `docs/imu.md` states which number goes where, and the source of each rule.
 
 use super::numbers::{AxisNumbers, Choice, Chosen, Memory, Numbers, Sensor};
+use zerorate_allan::Usage;
 use zerorate_record::plain;
 
 /// Who reads the file.
@@ -44,6 +45,15 @@ impl Format {
     #[must_use]
     pub const fn is_by_axis(self) -> bool {
         matches!(self, Self::KfGins | Self::Ros)
+    }
+
+    /// How it uses N and K.
+    #[must_use]
+    pub(super) const fn usage(self) -> Usage {
+        match self {
+            Self::Kalibr => Usage::Batch,
+            _ => Usage::Filter,
+        }
     }
 
     /// Its name for people.
@@ -223,10 +233,14 @@ impl Text {
         self.line(&format!("# {meaning}."));
         if !is_by_axis {
             self.line(&format!("# Of the axes of a kind {}.", combine.words(*names)));
-            self.line(&format!("# {}.", rule.words(*names)));
+            self.line(&format!("# {}.", rule.words(numbers.usage, *names)));
         }
         if *inflate != 1.0 {
             self.line(&format!("# All noise is multiplied by {inflate}, for what a record at rest does not show."));
+        }
+        if !numbers.left_out.is_empty() {
+            let all = numbers.left_out.join("; ");
+            self.line(&format!("# Not noise, and in none of the numbers: {}.", plain::line(&all)));
         }
         for doubt in &numbers.doubts {
             self.line(&format!("# NOT A RESULT: {}", plain::line(doubt)));

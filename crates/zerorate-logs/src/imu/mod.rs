@@ -8,6 +8,8 @@ mod kind;
 mod noise_file;
 mod numbers;
 mod plausible;
+#[cfg(test)]
+mod tests;
 mod warning;
 
 pub use axes::{Axes, ImuOptions, Said};

@@ -58,6 +58,6 @@ impl Format {
             return Err(NoNoiseFile::NoAxis);
         }
         self.check(axes.iter().map(|axis| axis.kind))?;
-        Ok(self.text(&Numbers::new(choice, doubts, axes)))
+        Ok(self.text(&Numbers::new(choice, self.usage(), doubts, axes)))
     }
 }

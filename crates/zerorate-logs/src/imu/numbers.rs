@@ -2,7 +2,7 @@
 
 use super::{Doubts, Kind};
 use crate::{Names, Setting};
-use zerorate_allan::{Coefficient, Covering, FLOOR_PER_B, Fit, Term};
+use zerorate_allan::{Coefficient, Covering, FLOOR_PER_B, Fit, Term, Usage};
 
 /// The rule that makes one value of several axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,8 +17,8 @@ pub enum Combine {
 /// The rule that makes N and K of a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule {
-    /// They cover the measured curve from 1 s to a horizon, s; unless given, that is a third of the record and at most
-    /// 1000 s.
+    /// They cover the noise from 1 s to a horizon, s, as the reader uses them; unless given, the horizon is that of the
+    /// reader.
     Covers(Option<f64>),
     /// They are those of the model.
     AsFitted,
@@ -72,8 +72,12 @@ const BESIDE: [&str; 4] = ["columns-left-out", "kind-absent", "lines-skipped", "
 pub struct Numbers {
     /// The source of the numbers.
     pub choice: Choice,
+    /// How the reader uses N and K.
+    pub usage: Usage,
     /// The doubts that were overruled.
     pub doubts: Vec<String>,
+    /// What no number contains, for each axis where that is something.
+    pub left_out: Vec<String>,
     /// Samples per second.
     pub rate_hz: f64,
     /// None where there is no such axis.
@@ -115,7 +119,7 @@ impl Chosen {
 pub struct AxisNumbers {
     /// White noise.
     pub n: Chosen,
-    /// White noise as it was fitted, for a reader that has no random walk to cover the curve with.
+    /// White noise as it was fitted, for a reader that has no random walk to cover the noise with.
     pub fitted_n: Chosen,
     /// Random walk.
     pub k: Chosen,
@@ -148,10 +152,10 @@ impl Axis<'_> {
     }
 
     /// N and K by a rule.
-    fn n_and_k(&self, rule: Rule) -> (Chosen, Chosen) {
+    fn n_and_k(&self, rule: Rule, usage: Usage) -> (Chosen, Chosen) {
         let (n, k) = (self.chosen("N", &self.fit.n), self.chosen("K", &self.fit.k));
         let covering = match rule {
-            Rule::Covers(horizon_s) => self.fit.covering(horizon_s),
+            Rule::Covers(horizon_s) => self.fit.covering(usage, horizon_s),
             Rule::AsFitted => None,
         };
         let Some(Covering { n: n_covers, k: k_covers, horizon_s, .. }) = covering else { return (n, k) };
@@ -161,14 +165,17 @@ impl Axis<'_> {
                 true => format!("fitted: {:.3e}", fitted.value * self.si()),
                 false => format!("fitted: below {:.3e}", fitted.hi * self.si()),
             };
-            let from = format!("{letter} of {axis}, covers the curve up to {horizon_s:.0} s; {fitted}");
+            let from = format!("{letter} of {axis}, covers the noise up to {horizon_s:.0} s; {fitted}");
             Chosen { value: value * self.si(), from }
         };
-        // where N alone covers the curve, nothing but the fit speaks of K
+        // where N alone covers the noise, nothing but the fit speaks of K
         let of_n = n_covers * n_covers / horizon_s;
         let is_seen = k_covers * k_covers * horizon_s / 3.0 > SEEN * of_n;
         let k = if is_seen { covers("K", k_covers, &self.fit.k) } else { k };
-        (covers("N", n_covers, &self.fit.n), k)
+        match usage {
+            Usage::Filter => (covers("N", n_covers, &self.fit.n), k),
+            Usage::Batch => (n, k),
+        }
     }
 
     /// A coefficient, or its upper limit where it is not identified: too small a number makes a filter trust its
@@ -182,6 +189,33 @@ impl Axis<'_> {
         Chosen { value: value * self.si(), from }
     }
 
+    /// Name, and what its record has beside noise: lines, drift, warm-up, steps and glitches.
+    fn left_out(&self) -> Option<String> {
+        let (fit, unit) = (self.fit, if self.kind == Kind::Gyroscope { "rad/s" } else { "m/s²" });
+        let size = |value: f64| format!("{:.1e} {unit}", value.abs() * self.si());
+        let line = |term: &Term| if let Term::Line(line) = term { Some(*line) } else { None };
+        let strongest = fit.terms.iter().filter_map(line).max_by(|a, b| a.rms.total_cmp(&b.rms));
+        let strongest = strongest.map(|line| (line.frequency_hz, size(line.rms)));
+        let lines = strongest.map(|(hz, rms)| match fit.terms.iter().filter_map(line).count() {
+            1 => format!("a line at {hz:.3} Hz ({rms} rms)"),
+            count => format!("{count} lines, the strongest at {hz:.3} Hz ({rms} rms)"),
+        });
+        let drift = fit.r.map(|r| format!("a drift of {} over the record", size(2.0 * fit.span_s.1 * r.value)));
+        let warm_up = fit.terms.iter().find_map(|term| match term {
+            Term::WarmUp { size: estimate, .. } => Some(format!("a warm-up of {}", size(estimate.value))),
+            _ => None,
+        });
+        let counted = |count: u64, what: &str| match count {
+            0 => None,
+            1 => Some(format!("1 {what}")),
+            count => Some(format!("{count} {what}{}", if what.ends_with('h') { "es" } else { "s" })),
+        };
+        let (steps, glitches) = (counted(fit.cleaned.steps.len() as u64, "step"), fit.cleaned.glitches);
+        let all: Vec<String> =
+            [lines, drift, warm_up, steps, counted(glitches, "glitch")].into_iter().flatten().collect();
+        (!all.is_empty()).then(|| format!("{}: {}", self.name, all.join(", ")))
+    }
+
     /// Correlation time of its largest Gauss–Markov term, s.
     fn memory_s(&self) -> Option<f64> {
         let of_term = |term: &Term| match term {
@@ -192,12 +226,11 @@ impl Axis<'_> {
         largest.map(|(_, tau_s)| tau_s)
     }
 
-    /// σ of a process whose Allan deviation has its peak where and as high as the model's without N.
+    /// σ of a process whose Allan deviation has its peak where and as high as that of the noise without N.
     fn sigma_at(&self, tau_s: f64) -> f64 {
         let peak_s = PEAK_AT * tau_s;
         let m = (peak_s * self.rate_hz).round().max(1.0);
-        let all = self.fit.deviation(m as u64);
-        let without_n = all * all - self.fit.n.value * self.fit.n.value / peak_s;
+        let without_n = self.fit.model.noise_variance(m as u64) - self.fit.n.value * self.fit.n.value / peak_s;
         let (b, k) = (FLOOR_PER_B * self.fit.b.hi, self.fit.k.hi);
         let most = b * b + k * k * peak_s / 3.0;
         let variance = if without_n > 0.0 { without_n } else { most };
@@ -215,12 +248,14 @@ const PEAK: f64 = 0.617;
 
 impl Numbers {
     /// Makes the numbers of these axes.
-    pub fn new(choice: Choice, doubts: &Doubts, axes: &[Axis<'_>]) -> Self {
+    pub fn new(choice: Choice, usage: Usage, doubts: &Doubts, axes: &[Axis<'_>]) -> Self {
         let memory = Memory::of(axes);
-        let sensor = |kind| Sensor::new(&choice, axes.iter().filter(|axis| axis.kind == kind), memory.tau_s);
+        let of_kind = |kind| axes.iter().filter(move |axis| axis.kind == kind);
+        let sensor = |kind| Sensor::new((&choice, usage), of_kind(kind), memory.tau_s);
         let (gyroscope, accelerometer) = (sensor(Kind::Gyroscope), sensor(Kind::Accelerometer));
         let rate_hz = axes.iter().map(|axis| axis.rate_hz).fold(0.0, f64::max);
-        Self { choice, doubts: doubts.texts(), rate_hz, gyroscope, accelerometer, memory }
+        let left_out = axes.iter().filter_map(Axis::left_out).collect();
+        Self { choice, usage, doubts: doubts.texts(), left_out, rate_hz, gyroscope, accelerometer, memory }
     }
 }
 
@@ -244,10 +279,14 @@ impl Memory {
 }
 
 impl Sensor {
-    fn new<'a>(choice: &Choice, axes: impl Iterator<Item = &'a Axis<'a>>, tau_s: f64) -> Option<Self> {
+    fn new<'a>(
+        (choice, usage): (&Choice, Usage),
+        axes: impl Iterator<Item = &'a Axis<'a>>,
+        tau_s: f64,
+    ) -> Option<Self> {
         let inflate = choice.inflate;
         let of = |axis: &Axis<'_>| {
-            let (n, k) = axis.n_and_k(choice.rule);
+            let (n, k) = axis.n_and_k(choice.rule, usage);
             let fitted_n = axis.chosen("N", &axis.fit.n).times(inflate);
             AxisNumbers { n: n.times(inflate), fitted_n, k: k.times(inflate), sigma: inflate * axis.sigma_at(tau_s) }
         };
@@ -261,14 +300,17 @@ impl Sensor {
 impl Rule {
     /// The description of the rule, for the file.
     #[must_use]
-    pub fn words(self, names: Names) -> String {
-        match self {
-            Self::Covers(_) => format!(
-                "N²/τ + K²τ/3 covers the Allan variance ({}); {} gives N and K as they were fitted",
-                names.of(Setting::Horizon),
-                names.of(Setting::AsFitted)
+    pub fn words(self, usage: Usage, names: Names) -> String {
+        let (horizon, as_fitted) = (names.of(Setting::Horizon), names.of(Setting::AsFitted));
+        match (self, usage) {
+            (Self::Covers(_), Usage::Filter) => {
+                format!("N²/τ + K²τ/3 covers the noise ({horizon}); {as_fitted} gives N and K as they were fitted")
+            }
+            (Self::Covers(_), Usage::Batch) => format!(
+                "N is as it was fitted, and K is lifted to cover the noise within a batch ({horizon}); {as_fitted} \
+                 gives both as fitted"
             ),
-            Self::AsFitted => format!("N and K are as they were fitted ({})", names.of(Setting::AsFitted)),
+            (Self::AsFitted, _) => format!("N and K are as they were fitted ({as_fitted})"),
         }
     }
 }

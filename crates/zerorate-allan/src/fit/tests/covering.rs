@@ -1,66 +1,11 @@
-//! How sure a Kalman filter is that is told N and K of another record of the same sensor.
+//! N and K that cover the noise.
 
 use super::*;
-
-/// Spans over which the filter goes on without a reference, s.
-const SPANS_S: [usize; 3] = [10, 60, 300];
-/// It learns the bias before, s.
-const LEARNS_S: usize = 600;
-
-/// Mean of the squared error of the angle over the variance that the filter claims, for each span; 1 is right.
-fn squared_errors(rate: &[f64], n: f64, k: f64) -> [f64; 3] {
-    let means: Vec<f64> = rate.chunks_exact(RATE_HZ as usize).map(|s| s.iter().sum::<f64>() / RATE_HZ).collect();
-    let (mut bias, mut variance) = (0.0, 1.0);
-    let mut sums = [(0.0, 0.0); 3];
-    for (second, mean) in means.iter().enumerate() {
-        if second >= LEARNS_S && second % 30 == 0 {
-            for (span, (sum, count)) in SPANS_S.iter().zip(&mut sums) {
-                let Some(ahead) = means.get(second..second + span) else { continue };
-                let (error, t) = (ahead.iter().map(|mean| mean - bias).sum::<f64>(), *span as f64);
-                *sum += error * error / (variance * t * t + n * n * t + k * k * t * t * t / 3.0);
-                *count += 1.0;
-            }
-        }
-        // standing still again: the rate is the bias
-        variance += k * k;
-        let gain = variance / (variance + n * n);
-        bias += gain * (mean - bias);
-        variance *= 1.0 - gain;
-    }
-    sums.map(|(sum, count)| sum / count)
-}
-
-/// docs/imu.md quotes what this prints (`--nocapture`).
-#[test]
-fn numbers_that_cover_the_curve_make_a_filter_that_knows_its_error() {
-    let sensors = [
-        ("N, B and K", HOUR),
-        ("ten times the floor", Truth { b: 10.0 * HOUR.b, ..HOUR }),
-        ("a memory of 50 s", Truth { sigma: 0.01, tau_s: 50.0, b: 0.0, k: 0.0, ..HOUR }),
-        ("a memory of 5 s", Truth { sigma: 0.02, tau_s: 5.0, b: 0.0, k: 0.0, ..HOUR }),
-    ];
-    for (name, truth) in sensors {
-        let mut found = [[0.0; 3]; 2];
-        for seed in 0..4 {
-            let fit = of(&truth.noise(360_000, 900 + 2 * seed));
-            let covering = fit.covering(None).unwrap();
-            let other = truth.noise(360_000, 901 + 2 * seed);
-            let pairs = [(fit.n.value, fit.k.value), (covering.n, covering.k)];
-            for (sums, (n, k)) in found.iter_mut().zip(pairs) {
-                sums.iter_mut().zip(squared_errors(&other, n, k)).for_each(|(sum, error)| *sum += error / 4.0);
-            }
-        }
-        let [fitted, covering] = found;
-        std::println!("{name}: fitted {fitted:.2?}, covering {covering:.2?}");
-        assert!(covering.iter().all(|error| *error < 1.3), "{name}: {covering:?}");
-        assert!(covering[0] > 0.5, "{name}: {covering:?}");
-    }
-}
 
 #[test]
 fn the_numbers_cover_the_curve() {
     let fit = of(&Truth { b: 3.0 * HOUR.b, ..HOUR }.noise(360_000, 920));
-    let found = fit.covering(Some(300.0)).unwrap();
+    let found = fit.covering(Usage::Filter, Some(300.0)).unwrap();
     let claimed = |tau_s: f64| found.n * found.n / tau_s + found.k * found.k * tau_s / 3.0;
     for m in fit.curve.iter().map(|point| point.m) {
         let (tau_s, dev) = (m as f64 / RATE_HZ, fit.deviation(m));
@@ -69,7 +14,21 @@ fn the_numbers_cover_the_curve() {
         }
     }
     assert!(found.n >= fit.n.value && found.n <= 2.0 * fit.n.value && found.excess < 3.0, "{found:?}");
-    assert!(fit.covering(Some(1e-3)).is_none());
+    assert!(fit.covering(Usage::Filter, Some(1e-3)).is_none());
+}
+
+#[test]
+fn a_batch_has_the_fitted_n_and_a_lifted_k() {
+    let fit = of(&Truth { b: 3.0 * HOUR.b, ..HOUR }.noise(360_000, 920));
+    let found = fit.covering(Usage::Batch, None).unwrap();
+    assert_eq!((found.n, found.horizon_s), (fit.n.value, 100.0));
+    for (tau_s, dev) in [1.28, 10.24, 81.92].map(|tau_s| (tau_s, fit.deviation((tau_s * RATE_HZ) as u64))) {
+        let claimed = found.n * found.n / tau_s + found.k * found.k * tau_s / 3.0;
+        assert!(claimed >= 0.9 * dev * dev * (1.0 - 1e-9), "{tau_s}");
+    }
+    let walk = of(&Truth { b: 0.0, k: 1e-3, ..HOUR }.noise(360_000, 921));
+    let found = walk.covering(Usage::Batch, None).unwrap();
+    assert!(found.k >= walk.k.value && found.k < 1.5e-3, "{found:?} {:?}", walk.k);
 }
 
 /// A short record's curve scatters by a third at its long end.
@@ -77,7 +36,7 @@ fn the_numbers_cover_the_curve() {
 fn chance_is_not_covered() {
     for seed in 930..935 {
         let fit = of(&Truth { b: 0.0, k: 0.0, ..HOUR }.noise(20_000, seed));
-        let found = fit.covering(None).unwrap();
+        let found = fit.covering(Usage::Filter, None).unwrap();
         assert!(found.n < 1.1 * HOUR.n, "{seed}: {} of {}", found.n, HOUR.n);
     }
 }
@@ -88,6 +47,31 @@ fn what_the_model_does_not_know_is_covered() {
     let off = fit.curve.iter().position(|point| point.m == 4096).unwrap();
     fit.curve[off].dev *= 2.0;
     let (tau_s, dev) = (4096.0 / RATE_HZ, fit.curve[off].dev);
-    let found = fit.covering(None).unwrap();
+    let found = fit.covering(Usage::Filter, None).unwrap();
     assert!(found.n * found.n / tau_s + found.k * found.k * tau_s / 3.0 >= dev * dev * (1.0 - 1e-9));
+}
+
+/// A table that sways, a rate that drifts, and a sensor that warms up, each many times as large as the noise.
+#[test]
+fn what_is_not_noise_is_not_covered() {
+    let noise = HOUR.noise(360_000, 950);
+    let with = |of: &dyn Fn(f64) -> f64| {
+        let added = noise.iter().enumerate().map(|(i, rate)| rate + of(i as f64 / RATE_HZ));
+        super::of(&added.collect::<Vec<f64>>())
+    };
+    let sway = |hz: f64| move |t_s: f64| 0.2 * (2.0 * PI * hz * t_s).sin();
+    let still = with(&|_| 0.0);
+    for (name, fit) in [
+        ("0.5 Hz", with(&sway(0.5))),
+        ("0.03 Hz", with(&sway(0.03))),
+        ("drift", with(&|t_s| 3e-4 * t_s)),
+        // between two of the time constants that are tried first
+        ("warm-up", with(&|t_s| 0.3 * (-t_s / 1200.0).exp())),
+        ("drift and sway", with(&|t_s| 3e-4 * t_s + sway(0.31)(t_s))),
+    ] {
+        for usage in [Usage::Filter, Usage::Batch] {
+            let [alone, found] = [&still, &fit].map(|fit| fit.covering(usage, None).unwrap());
+            assert!(near(found.n, alone.n, 0.2) && near(found.k, alone.k, 0.3), "{name}: {found:?} for {alone:?}");
+        }
+    }
 }

@@ -51,10 +51,11 @@ pub struct ImuArgs {
     combine: Combine,
 
     /// The longest time over which the filter is to trust its own uncertainty, s [default: a third of the record, at
-    /// most 1000 s].
+    /// most 1000 s, and at most 100 s for Kalibr].
     ///
     /// Filters know white noise N and a random walk K only. N and K are chosen so that N²/τ + K²τ/3 covers the
-    /// Allan variance from 1 s to the horizon, with the least excess.
+    /// Allan variance of the noise from 1 s to the horizon, with the least excess. Kalibr, which weighs a minute or
+    /// two, gets the fitted N, and only K is lifted.
     #[arg(long, value_name = "S", value_parser = horizon, allow_negative_numbers = true)]
     horizon: Option<f64>,
 
