@@ -32,6 +32,9 @@ const LAST_START: f64 = 1.0 / 6.0;
 pub(super) const SURVIVORS: usize = 3;
 /// Time constants of a warm-up that are tried, in records. A shorter one is over before any slow noise can be seen.
 const WARM_UPS: [f64; 5] = [0.03, 0.06, 0.12, 0.25, 0.5];
+/// Steps in which the time constant of a warm-up is refined, to a share of 2^(1/2^STEPS). What one that is a few
+/// percent off leaves of the warm-up would be random walk.
+const WARM_UP_STEPS: u32 = 8;
 /// Steps of a first look and of a descent, with the gain at which they end.
 pub(super) const LOOK: (usize, f64) = (8, 1e-2);
 pub(super) const DESCENT: (usize, f64) = (60, 1e-5);
@@ -152,6 +155,9 @@ pub(super) fn select(table: Table, shape_price: f64) -> Option<Selection> {
     let slow = |form: &ModelForm| (form.markovs, form.drift.is_some());
     let other = all.iter().find(|other| slow(&other.found.form) != slow(&best.found.form));
     let runner_up = other.map(|other| (other.found.form, other.price - best.price));
+    if let Some(Drift::WarmUp { tau_s }) = best.found.form.drift {
+        best.found = with_refined_warm_up(&problem, best.found, tau_s);
+    }
     if best.found.form.cosines > 0 {
         // a shape as plain as the data allow pulls N, and its interval does not know
         best.found = with_cosine(&problem, &best.found);
@@ -312,6 +318,23 @@ fn variants(problem: &Problem, best: &Priced) -> Vec<Priced> {
         priced(problem, problem.descend(form, &least.found.at, None, DESCENT))
     });
     drifts.chain(shapes.iter().cloned()).collect()
+}
+
+/// The model with the time constant, within a factor of 2, at which a warm-up explains the most.
+fn with_refined_warm_up(problem: &Problem, coarse: Found, tau_s: f64) -> Found {
+    let mut best = (coarse, tau_s);
+    for step in 1..=WARM_UP_STEPS {
+        let factor = libm::exp2(libm::exp2(-f64::from(step)));
+        for tau_s in [best.1 * factor, best.1 / factor] {
+            let form = ModelForm { drift: Some(Drift::WarmUp { tau_s }), ..best.0.form };
+            let found = problem.descend(form, &best.0.at, None, DESCENT);
+            if found.deviance < best.0.deviance {
+                best = (found, tau_s);
+                break;
+            }
+        }
+    }
+    best.0
 }
 
 /// Up to this many cosines, a pole is not tried in their place.
