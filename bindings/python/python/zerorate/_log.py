@@ -118,8 +118,8 @@ def read_log(
     scale
         The value of a step of 1, in that unit.
     increments
-        Whether the columns hold the angle or the velocity of each sample in place of rates. Its unit is then that of an
-        increment in a second, ``rad/s`` for rad.
+        Whether the columns hold the angle or the velocity of each sample in place of rates. `unit` is then that of
+        an increment in a second, ``rad/s`` for rad.
     decimal
         The decimal mark of a text: ``.`` or ``,``.
     raw

@@ -165,8 +165,8 @@ fn in_file(format: Format, noise: &ImuNoise, rule: Rule, combine: Combine) -> (f
     (number("gyroscope_noise_density"), number("gyroscope_random_walk"), text)
 }
 
-/// N and K cover the noise from 1 s on; Kalibr gets the fitted N. As they were fitted, a K that is not identified is its
-/// upper limit, and the worst axis decides.
+/// N and K cover the noise from 1 s on; Kalibr gets the fitted N. As they were fitted, a K that is not identified is
+/// its upper limit, and the worst axis decides.
 #[test]
 fn n_and_k_of_an_imu_cover_its_noise_or_are_as_fitted() {
     let folder = Folder::new();

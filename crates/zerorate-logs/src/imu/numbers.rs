@@ -17,8 +17,8 @@ pub enum Combine {
 /// The rule that makes N and K of a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule {
-    /// They cover the noise from 1 s to a horizon, s, as the reader uses them; unless given, the horizon is that of the
-    /// reader.
+    /// They cover the noise from 1 s to a horizon, s, as the reader uses them; unless given, the horizon is that of
+    /// the reader.
     Covers(Option<f64>),
     /// They are those of the model.
     AsFitted,
