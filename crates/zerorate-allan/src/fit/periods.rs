@@ -2,7 +2,7 @@
 //! random walk.
 
 use super::density::LOW;
-use super::scoring::{Found, K2, Problem};
+use super::scoring::{Found, K2, N2, Problem};
 use super::select::{DESCENT, Selection};
 use crate::linear::Square;
 use alloc::vec::Vec;
@@ -27,8 +27,10 @@ const HARMONICS: usize = 4;
 /// The price of a sine with its phase, in −2 ln L, and what more sines must gain.
 const PRICE: f64 = 8.0;
 const LEAST_MORE: f64 = 1.0;
-/// The gain of a period. Of 620 simulated records without one 3 gain more; of 8 with a sawtooth of ten minutes, 7.
+/// The gain of a period. Of 620 simulated records without one 2 gain more; of 8 with a sawtooth of ten minutes, 7.
 const LEAST_GAIN: f64 = 10.0;
+/// The share of the white noise at the period, beyond which a random walk has nothing to do with it.
+const MOST_WHITE: f64 = 0.5;
 /// Share of K² from which the noise without a period is sought as well: −2 ln L has a second minimum there.
 const LESS: f64 = 0.03;
 /// Looks at all frequencies, each under the noise that the last one leaves.
@@ -66,6 +68,10 @@ fn with(Selection { problem, found, .. }: &Selection, harmonics: usize) -> Optio
         now = Some((turns, rest, gain));
     }
     let (turns, rest, gain) = now?;
+    let row = table.rows.partition_point(|row| (row.bin.first as f64) < turns).min(table.rows.len() - 1);
+    if found.at[N2] * table.rows[row].bin.response.gain > MOST_WHITE * found.density[row] {
+        return None;
+    }
     Some(Period { period_s: 2.0 * table.span_s / turns, k: libm::sqrt(rest.at[K2]), gain })
 }
 
