@@ -115,10 +115,9 @@ impl Kalman {
         self.state[ANGLE] += angle * self.state[BIAS];
         self.state[BIAS] *= phi;
         let p = &mut self.covariance;
-        for i in 0..3 {
-            p[ANGLE][i] += angle * p[BIAS][i];
-            p[BIAS][i] *= phi;
-        }
+        let bias = p[BIAS];
+        p[ANGLE].iter_mut().zip(bias).for_each(|(to, of)| *to += angle * of);
+        p[BIAS].iter_mut().for_each(|of| *of *= phi);
         for row in p.iter_mut() {
             row[ANGLE] += angle * row[BIAS];
             row[BIAS] *= phi;
