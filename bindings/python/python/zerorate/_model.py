@@ -50,9 +50,9 @@ class GaussMarkov:
 
 @dataclass(frozen=True)
 class BandShape:
-    """What a filter does to all noise but quantisation, or to the white noise alone. The density is multiplied by exp Σ a_j (cos jθ − 1), with
-    sin(θ/2) = sin(πf/rate)/sin(πf_max/rate) and f_max = `Fit.f_max_hz`. A pole p multiplies it by
-    (1 − p)²/(1 + p² − 2p cos θ), and a corner f_c with the damping c by 1/(1 + cx + x²), where
+    """What a filter does to all noise but quantisation, or to the white noise alone. The density is multiplied by
+    exp Σ a_j (cos jθ − 1), with sin(θ/2) = sin(πf/rate)/sin(πf_max/rate) and f_max = `Fit.f_max_hz`. A pole p
+    multiplies it by (1 − p)²/(1 + p² − 2p cos θ), and a corner f_c with the damping c by 1/(1 + cx + x²), where
     x = (sin(πf/rate)/sin(πf_c/rate))²."""
 
     cosines: list[float]

@@ -42,8 +42,8 @@ impl Coefficients<'_> {
         Coefficient { value, lo: lo.min(value), hi: hi.max(value), identified, needed_s }
     }
 
-    /// N, and its other reading. Its interval allows for an unsteady record, and holds N with and without the tail of a
-    /// resonance.
+    /// N, and its other reading. Its interval allows for an unsteady record, and holds N with and without the tail of
+    /// a resonance.
     pub(super) fn n(&self, unsteady: f64, tail: f64) -> (Coefficient, Option<Other>) {
         let n = self.of(N2);
         let steady = 1.96 * unsteady;
