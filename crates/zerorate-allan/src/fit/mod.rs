@@ -109,9 +109,9 @@ pub enum Term {
         /// Correlation time, s.
         tau_s: Estimate,
     },
-    /// The shape that the sensor's filter gives to all noise but quantisation, or to the white noise alone. The density
-    /// without it is multiplied by exp Σ a_j (cos jθ − 1) with sin(θ/2) = sin(πf·dt) over sin(πf_max·dt). A pole p
-    /// multiplies it by (1 − p)²/(1 + p² − 2p cos θ).
+    /// The shape that the sensor's filter gives to all noise but quantisation, or to the white noise alone. The
+    /// density without it is multiplied by exp Σ a_j (cos jθ − 1) with sin(θ/2) = sin(πf·dt) over sin(πf_max·dt). A
+    /// pole p multiplies it by (1 − p)²/(1 + p² − 2p cos θ).
     BandShape {
         /// a_1, a_2 …
         cosines: Vec<f64>,
