@@ -167,10 +167,11 @@ pub(super) fn select(table: Table, shape_price: f64) -> Option<Selection> {
     best.price.is_finite().then_some(Selection { problem, found: best.found, runner_up, other })
 }
 
-/// Other readings of a whole spectrum that a filter or a memory bends.
+/// Other readings of a whole spectrum that a filter or a memory bends by more than a few cosines can follow.
 fn other_readings(problem: &Problem, families: &[Priced]) -> Vec<Found> {
     let is_bent = |found: &Found| {
-        found.form.shape() + found.form.markovs > 0
+        found.form.markovs > 0
+            || found.form.shape() > MANY_COSINES
             || model_error(problem, found) > 0.0
             || readings::white_share(problem, found) < MOST_ERROR
     };
@@ -337,7 +338,7 @@ fn with_refined_warm_up(problem: &Problem, coarse: Found, tau_s: f64) -> Found {
     best.0
 }
 
-/// Up to this many cosines, a pole is not tried in their place.
+/// Up to this many cosines, no pole and no other reading is tried in their place.
 const MANY_COSINES: usize = 2;
 
 fn other_shapes(problem: &Problem, found: &Found) -> Vec<Found> {
