@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 #[test]
 fn everything_that_is_handed_out_has_the_version_of_the_workspace() {
@@ -12,6 +13,19 @@ fn everything_that_is_handed_out_has_the_version_of_the_workspace() {
     }
     assert!(read("bindings/python/pyproject.toml").contains("dynamic = [\"version\"]"));
     assert!(read("packaging/c/trial/CMakeLists.txt").contains(&format!("find_package(zerorate {} ", minor())));
+}
+
+/// An owner of some gyroscope's log builds neither the driver nor the core, not even for the tests.
+#[test]
+fn reading_a_log_compiles_no_driver() {
+    for package in ["zerorate-logs", "zerorate-imu"] {
+        let tree = ["tree", "--offline", "--locked", "--all-features", "--prefix", "none", "--package", package];
+        let tree = Command::new(env!("CARGO")).args(tree).current_dir(root()).output().unwrap();
+        let tree = String::from_utf8(tree.stdout).unwrap();
+        let names: Vec<&str> = tree.lines().filter_map(|line| line.split(' ').next()).collect();
+        assert!(names.contains(&"zerorate-allan"), "{tree}");
+        assert!(!names.iter().any(|name| ["adis16130", "zerorate"].contains(name)), "{package}: {tree}");
+    }
 }
 
 #[test]

@@ -6,8 +6,8 @@ use crate::log::{argument, label};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
+use zerorate_imu::{Axis, Choice, Combine, Doubt, Doubts, Format, ImuWarning, Kind, NoNoiseFile, Rule};
 use zerorate_jobs::output::Outputs;
-use zerorate_logs::imu::{Axis, Choice, Combine, Doubt, Doubts, Format, ImuWarning, Kind, NoNoiseFile, Rule};
 use zerorate_logs::{Names, TimeUnit, Unit};
 
 /// Name, unit and model of an axis.

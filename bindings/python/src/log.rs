@@ -10,9 +10,9 @@ use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zerorate_host::files;
+use zerorate_imu::{Axes, ImuOptions, Said};
 use zerorate_jobs::temperature;
 use zerorate_logs::TEMPERATURE_NAMES;
-use zerorate_logs::imu::{Axes, ImuOptions, Said};
 use zerorate_logs::{
     Column, ColumnOptions, Decimal, LogWarning, Names, Quantity, RawType, Series, Setting, TimeUnit, Unit, Wanted,
 };
@@ -218,6 +218,7 @@ impl Options {
             decimal: chosen(&self.decimal, "decimal", &DECIMALS)?,
             raw: chosen(&self.raw, "raw", &RAW)?,
             max_bad,
+            described: Some(zerorate_record::open_described),
             names: Names(argument),
         })
     }

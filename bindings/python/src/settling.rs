@@ -44,7 +44,7 @@ impl Settling<'_> {
         let temperature = temps_c.map(|temps_c| Column::new("the temperature", Series::Numbers(temps_c), rate_hz));
         let skip: zerorate_view::Seconds =
             self.skip.parse().map_err(|why| PyValueError::new_err(format!("skip={}: {why}", self.skip)))?;
-        let settling = logs::Settling { skip_s: skip.0, order: self.detrend, names: Names(argument) };
+        let settling = zerorate_imu::Settling { skip_s: skip.0, order: self.detrend, names: Names(argument) };
         let settled = py.detach(|| settling.apply(&mut rate, Path::new(RECORD), temperature.as_ref()));
         Ok((rate, settled.map_err(|why| exception(&why.into()))?))
     }

@@ -5,7 +5,7 @@ use crate::output::Outputs;
 use anyhow::Result;
 use std::io;
 use std::path::Path;
-use zerorate_record::limits;
+use zerorate_input::limits;
 
 macro_rules! files {
     ($($name:literal)*) => { &[$(($name, include_str!(concat!("../../../parts/", $name, ".toml")))),*] };

@@ -29,7 +29,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use zerorate_record::limits::{self, Bytes};
+use zerorate_input::limits::{self, Bytes};
 
 /// Measure the noise of any gyroscope, and find and remove the bias of an ADIS16130.
 #[derive(Parser, Debug)]

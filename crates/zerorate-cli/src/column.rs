@@ -102,6 +102,7 @@ impl ColumnArgs {
             decimal: self.decimal,
             raw: self.raw,
             max_bad: self.max_bad,
+            described: Some(zerorate_record::open_described),
             names: Names(flag),
         }
     }

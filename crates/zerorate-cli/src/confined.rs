@@ -21,7 +21,7 @@ use std::path::Path;
 use std::process::{Command, ExitCode, ExitStatus};
 use std::{io, thread};
 use zerorate_host::files as on_disk;
-use zerorate_record::limits::{self, Bytes};
+use zerorate_input::limits::{self, Bytes};
 
 /// The variable that tells a child process its role.
 const MARK: &str = "ZERORATE_CONFINED";

@@ -4,6 +4,7 @@ use crate::output::{reader_left, say};
 use crate::wording::text;
 use std::process::ExitCode;
 use zerorate_host::{Cause, DeviceError};
+use zerorate_input::InputError;
 use zerorate_jobs::output::is_refusal;
 pub use zerorate_jobs::{InvalidOptions as Usage, Refused};
 use zerorate_logs::LogError;
@@ -60,13 +61,12 @@ fn refusal(error: &anyhow::Error) -> Option<&'static str> {
 
 /// Whether other words on the command line, or another build, would do.
 fn is_request(capture: Option<&CaptureError>, log: Option<&LogError>) -> bool {
-    let of_log = match log {
-        Some(LogError::File(error)) => Some(error),
-        _ => None,
-    };
-    let is_request =
-        |error: &CaptureError| matches!(error, CaptureError::NotBuiltIn { .. } | CaptureError::UnknownEnding { .. });
-    capture.or(of_log).is_some_and(is_request)
+    let is_missing = |error: &InputError| matches!(error, InputError::NotBuiltIn { .. });
+    let of_capture = capture.is_some_and(|error| match error {
+        CaptureError::Input(error) => is_missing(error),
+        error => matches!(error, CaptureError::UnknownEnding { .. }),
+    });
+    of_capture || matches!(log, Some(LogError::File(error)) if is_missing(error))
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The memory of the machine.
 
-use zerorate_record::limits::Bytes;
+use zerorate_input::limits::Bytes;
 
 /// Half of the memory of the machine: the default limit of reading files.
 pub fn half() -> Option<Bytes> {

@@ -3,6 +3,7 @@
 use adis16130::Fault;
 use std::error::Error;
 use std::{fmt, io};
+use zerorate_input::InputError;
 use zerorate_logs::LogError;
 use zerorate_record::CaptureError;
 use zerorate_record::admission::Disbelief;
@@ -84,12 +85,18 @@ impl From<Disbelief> for DeviceError {
 impl From<LogError> for DeviceError {
     fn from(error: LogError) -> Self {
         let cause = match error {
-            LogError::File(CaptureError::NotBuiltIn { .. }) => Cause::Request,
+            LogError::File(InputError::NotBuiltIn { .. }) => Cause::Request,
             LogError::File(_) => Cause::File,
             LogError::Ask(_) | LogError::Choose(..) => Cause::Request,
             LogError::Refused(code, _) => Cause::Refused(code),
         };
         Self { cause, told: error.into() }
+    }
+}
+
+impl From<InputError> for DeviceError {
+    fn from(error: InputError) -> Self {
+        anyhow::Error::new(error).into()
     }
 }
 
@@ -127,10 +134,15 @@ fn cause(error: &anyhow::Error) -> Cause {
         return told.cause;
     }
     let of_part = error.downcast_ref::<Fault>().map(|_| Cause::Part);
-    let of_file = error.downcast_ref().map(|error| match error {
-        CaptureError::NotBuiltIn { .. } => Cause::Request,
+    let of_input = |error: &InputError| match error {
+        InputError::NotBuiltIn { .. } => Cause::Request,
+        _ => Cause::File,
+    };
+    let of_capture = error.downcast_ref().map(|error| match error {
+        CaptureError::Input(error) => of_input(error),
         _ => Cause::File,
     });
+    let of_file = error.downcast_ref().map(of_input).or(of_capture);
     let of_system = error.chain().find_map(|source| source.downcast_ref()).map(of_system);
     of_part.or(of_file).or(of_system).unwrap_or(Cause::Other)
 }

@@ -1,20 +1,22 @@
 //! Captures and logs on disk.
 
+use crate::RowReader;
 use std::fs::File;
 use std::io::{ErrorKind, Read, Seek};
 use std::path::{Path, PathBuf};
 use zerorate::Part;
-use zerorate_logs::{ColumnOptions, LogError, Parts, RowReader};
-use zerorate_record::limits::Bytes;
-use zerorate_record::{CaptureError, CaptureReader, Input};
+use zerorate_input::limits::Bytes;
+use zerorate_input::{Input, InputError};
+use zerorate_logs::{ColumnOptions, LogError, Parts};
+use zerorate_record::{CaptureError, CaptureReader};
 
 /// Opens a file to be read. Pipes, sockets and devices have no length, and may have no end. They are refused before
 /// they are opened, which may wait for ever.
 ///
 /// # Errors
 /// Why that cannot be.
-pub fn open(path: &Path) -> Result<Input, CaptureError> {
-    let failed = |error| CaptureError::io("read", path, error);
+pub fn open(path: &Path) -> Result<Input, InputError> {
+    let failed = |error| InputError::io("read", path, error);
     let metadata = path.metadata().map_err(failed)?;
     if !metadata.is_file() && !metadata.is_dir() {
         let how = "it is a pipe or a device: copy it into a file, or pipe a log into `zerorate allan -`";
@@ -80,8 +82,8 @@ pub const STDIN: &str = "-";
 ///
 /// # Errors
 /// Why that cannot be.
-pub fn log(path: &Path) -> Result<Parts, CaptureError> {
-    let failed = |error| CaptureError::io("read", path, error);
+pub fn log(path: &Path) -> Result<Parts, InputError> {
+    let failed = |error| InputError::io("read", path, error);
     if path == Path::new(STDIN) {
         return Ok(vec![(path.to_owned(), spooled(std::io::stdin().lock()).map_err(failed)?)].into());
     }
@@ -90,7 +92,7 @@ pub fn log(path: &Path) -> Result<Parts, CaptureError> {
     }
     let description = description(path)?;
     let files = parts(path, &description)?.into_iter().map(|part| Ok((part.clone(), open(&part)?)));
-    Ok(Parts { files: files.collect::<Result<_, CaptureError>>()?, messages: stated(&description) })
+    Ok(Parts { files: files.collect::<Result<_, InputError>>()?, messages: stated(&description) })
 }
 
 /// The files that are read for the name of a log: the log itself, or the files of a folder.
@@ -130,18 +132,18 @@ const METADATA: &str = "metadata.yaml";
 const MAX_METADATA: u64 = 1 << 20;
 
 /// The description of a bag of ROS 2; empty where there is none.
-fn description(folder: &Path) -> Result<String, CaptureError> {
+fn description(folder: &Path) -> Result<String, InputError> {
     let mut text = String::new();
     if let Ok(file) = open(&folder.join(METADATA)) {
         let read = file.take(MAX_METADATA).read_to_string(&mut text);
-        read.map_err(|error| CaptureError::io("read", folder, error))?;
+        read.map_err(|error| InputError::io("read", folder, error))?;
     }
     Ok(text)
 }
 
 /// The files of a bag of ROS 2 in the order of its description, or the only bag in a folder without one.
-fn parts(folder: &Path, description: &str) -> Result<Vec<PathBuf>, CaptureError> {
-    let failed = |error| CaptureError::io("read", folder, error);
+fn parts(folder: &Path, description: &str) -> Result<Vec<PathBuf>, InputError> {
+    let failed = |error| InputError::io("read", folder, error);
     let listed: Vec<PathBuf> = described(description).map(|name| folder.join(name)).collect();
     if !listed.is_empty() {
         return Ok(listed);
@@ -155,7 +157,7 @@ fn parts(folder: &Path, description: &str) -> Result<Vec<PathBuf>, CaptureError>
         0 => "it is a directory and no bag of ROS 2 (it has neither a metadata.yaml nor a bag); name the file",
         _ => "it is a directory with several bags and without a metadata.yaml that orders them; name one of them",
     };
-    Err(CaptureError::not_a_log(folder, why))
+    Err(InputError::not_a_log(folder, why))
 }
 
 /// The names of files in the description of a bag: the list of `relative_file_paths`. A folder before the name is that

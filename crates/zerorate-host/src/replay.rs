@@ -4,12 +4,11 @@ use crate::address::{Address, Parsed};
 use crate::error::UserError;
 use crate::source::{DeviceInfo, Sampling, Setup, Source, nominal_rate_hz, part_of};
 use crate::warning::SourceWarning;
-use crate::{Result, Stop, files};
+use crate::{Result, RowReader, Stop, files};
 use adis16130::MCLK_HZ;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zerorate::{Part, Setting};
-use zerorate_logs::RowReader;
 use zerorate_record::Row;
 
 /// `replay:FILE`; the file may be called what it likes.

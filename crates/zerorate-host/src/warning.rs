@@ -60,6 +60,11 @@ impl From<LogWarning> for SourceWarning {
 
 impl From<CaptureWarning> for SourceWarning {
     fn from(warning: CaptureWarning) -> Self {
-        Self::Log(warning.into())
+        Self::Log(of_capture(&warning))
     }
+}
+
+/// The warning of a capture that is read as a log.
+pub fn of_capture(warning: &CaptureWarning) -> LogWarning {
+    LogWarning::OfTable { code: warning.code(), text: warning.to_string() }
 }

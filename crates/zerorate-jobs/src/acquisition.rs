@@ -12,7 +12,7 @@ use zerorate::{Axis, Names, Part, Tally, Warning, resonance};
 use zerorate_host::{
     Batch, Bus, DeviceInfo, DeviceSpec, Hub, Losses, LosslessReader, Pace, Setup, SourceWarning, Stop,
 };
-use zerorate_record::{CaptureInfo, CaptureWarning, Layout, Row, believed};
+use zerorate_record::{CaptureInfo, CaptureWarning, Layout, Row, valid};
 use zerorate_view::SessionWarning;
 
 /// Hears what a device has to say while it is read.
@@ -240,7 +240,7 @@ impl Acquisition {
     /// The warnings about readings that cannot be trusted.
     pub fn disbelief(&self) -> impl Iterator<Item = JobWarning> + use<> {
         let axes = self.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
-        believed::of_axes(axes, &self.tally, self.start_ns()).into_iter().map(JobWarning::Readings)
+        valid::of_axes(axes, &self.tally, self.start_ns()).into_iter().map(JobWarning::Readings)
     }
 
     /// F-07: whether the resonance looks like a bias at the rate that was measured, in means over `average_s`.

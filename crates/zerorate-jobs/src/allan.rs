@@ -4,7 +4,8 @@ use crate::{InvalidOptions, temperature};
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 use zerorate_host::files;
-use zerorate_logs::{AnalysisOptions, Column, ColumnOptions, Record, RecordError, SettlingError, Wanted, increments};
+use zerorate_imu::{AnalysisOptions, Record, RecordError, SettlingError, increments};
+use zerorate_logs::{Column, ColumnOptions, Wanted};
 
 /// The columns of logs to analyse, and the options of the analysis.
 pub struct AllanOptions {

@@ -5,7 +5,7 @@ use std::path::Path;
 use zerorate::health::Health;
 use zerorate::{Scale, Tally};
 use zerorate_host::files;
-use zerorate_record::{CaptureInfo, CaptureWarning, Layout, Row, believed};
+use zerorate_record::{CaptureInfo, CaptureWarning, Layout, Row, valid};
 
 /// The samples of a capture as columns, one row per sample, with how they were taken.
 #[derive(Clone, Debug, Default)]
@@ -68,7 +68,7 @@ pub fn read_capture(path: &Path) -> Result<Recording> {
     recording.axes.iter_mut().for_each(RecordedAxis::finish);
     let start_ns = recording.t_ns.first().copied().unwrap_or_default();
     let axes = recording.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
-    let found = believed::of_axes(axes, &tally, start_ns);
+    let found = valid::of_axes(axes, &tally, start_ns);
     recording.notes = reader.warnings().into_iter().chain(found).collect();
     Ok(recording)
 }

@@ -14,7 +14,7 @@ use zerorate::health::Judged;
 use zerorate::{Axis, Calibration, Correction, Corrector, Names, Part, Setting, Tally};
 use zerorate_host::Stop;
 use zerorate_record::columns::Rows;
-use zerorate_record::{CALIBRATION_ID, CaptureInfo, CaptureReader, Format, Layout, believed, checked_schema, table};
+use zerorate_record::{CALIBRATION_ID, CaptureInfo, CaptureReader, Format, Layout, checked_schema, table, valid};
 
 /// Corrects a capture that was not corrected before.
 pub struct Job<'a> {
@@ -218,7 +218,7 @@ impl Correcting {
     fn warnings(&self) -> impl Iterator<Item = JobWarning> + use<> {
         let before = (self.without_temp > 0).then_some(JobWarning::BeforeTemperature(self.without_temp));
         let axes = self.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
-        let found = believed::of_axes(axes, &self.tally, self.start_ns.unwrap_or_default());
+        let found = valid::of_axes(axes, &self.tally, self.start_ns.unwrap_or_default());
         let found = found.into_iter().map(JobWarning::Readings);
         before.into_iter().chain(found).chain(self.corrector.warning().map(JobWarning::from))
     }

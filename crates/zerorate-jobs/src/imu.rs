@@ -4,8 +4,9 @@ use crate::{InvalidOptions, allan, temperature};
 use anyhow::Result;
 use std::path::Path;
 use zerorate_host::files;
-use zerorate_logs::imu::{Axes, Format, ImuOptions, ImuWarning, Kind, NoNoiseFile};
-use zerorate_logs::{AnalysisOptions, LogWarning, Record, Setting};
+use zerorate_imu::{AnalysisOptions, Record};
+use zerorate_imu::{Axes, Format, ImuOptions, ImuWarning, Kind, NoNoiseFile};
+use zerorate_logs::{LogWarning, Setting};
 
 /// The wanted results from the log of an IMU.
 pub struct ImuNoiseOptions {

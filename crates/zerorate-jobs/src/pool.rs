@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 use zerorate_allan::{Apart, Differs, FitError, PoolError, PoolRecord, Spread, fit_pool};
-use zerorate_logs::{LogWarning, Record};
+use zerorate_imu::Record;
+use zerorate_logs::LogWarning;
 
 /// The model that several records have in common.
 pub struct Pool {

@@ -3,7 +3,8 @@
 use crate::InvalidOptions;
 use std::path::Path;
 use zerorate_host::files;
-use zerorate_logs::{Column, ColumnOptions, Setting, Settling, TEMPERATURE_NAMES, Wanted};
+use zerorate_imu::Settling;
+use zerorate_logs::{Column, ColumnOptions, Setting, TEMPERATURE_NAMES, Wanted};
 
 /// The temperature of the log at `path`: the column `name`, or a column with a usual name; none where the log has
 /// neither. The unit and scale in `options` are for other columns and do not apply to it.

@@ -10,11 +10,12 @@ use zerorate::resonance::Tone;
 use zerorate::{Deviation, Finding, Refusal, Say, Setting, Warning};
 use zerorate_allan::{AllanWarning, Cause, Misfit, MotionKind, Noise, PoolError};
 use zerorate_host::SourceWarning;
+use zerorate_imu::{Doubt, ImuWarning, Kind, Moment};
+use zerorate_input::InputWarning;
 use zerorate_jobs::JobWarning;
 use zerorate_jobs::codes;
 use zerorate_jobs::pool::NoPool;
 use zerorate_logs::LogWarning;
-use zerorate_logs::imu::{Doubt, ImuWarning, Kind, Moment};
 use zerorate_record::CaptureWarning;
 use zerorate_view::SessionWarning;
 use zerorate_view::export::ExportWarning;
@@ -31,7 +32,11 @@ fn every_code_has_a_section_and_every_section_a_code() {
 fn warnings() -> BTreeSet<String> {
     let of_core = Warning::codes().chain(Deviation::codes()).chain(FileWarning::codes());
     let of_logs = AllanWarning::codes().chain(LogWarning::codes()).chain(ImuWarning::codes());
-    let of_devices = CaptureWarning::codes().chain(SourceWarning::codes()).chain(ExportWarning::codes());
+    let of_devices = InputWarning::codes()
+        .into_iter()
+        .chain(CaptureWarning::codes())
+        .chain(SourceWarning::codes())
+        .chain(ExportWarning::codes());
     let of_runs = JobWarning::codes().chain(SessionWarning::codes());
     of_core.chain(of_logs).chain(of_devices).chain(of_runs).map(str::to_owned).collect()
 }
@@ -298,17 +303,17 @@ fn of_captures() -> Vec<CaptureWarning> {
     let path = || "rest.arrows".to_owned();
     let frozen = zerorate::health::Frozen { since_ns: 1_830_500_000_000, both: true };
     vec![
-        CaptureWarning::Frozen(zerorate_record::believed::frozen_text(&frozen, 0)),
+        CaptureWarning::Frozen(zerorate_record::valid::frozen_text(&frozen, 0)),
         CaptureWarning::OutOfRange(1200),
         CaptureWarning::Unjudged { can_judge: true },
         CaptureWarning::Unjudged { can_judge: false },
         CaptureWarning::DataReadyStutters { silent_gaps: 120, gaps: 340 },
         CaptureWarning::ClockStands(120),
         CaptureWarning::ClockJump(1200),
-        CaptureWarning::Torn(
+        CaptureWarning::File(InputWarning::Torn(
             "rest.arrows was not closed; 1024 rows after its last whole block are dropped".to_owned(),
-        ),
-        CaptureWarning::BytesBehindEnd { path: path(), bytes: 123_456 },
+        )),
+        CaptureWarning::File(InputWarning::BytesBehindEnd { path: path(), bytes: 123_456 }),
         CaptureWarning::Unchecked { path: path() },
         CaptureWarning::Rewritten { path: path() },
         CaptureWarning::EdgesMisplaced { path: path(), rows: 1200 },

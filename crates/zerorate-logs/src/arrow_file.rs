@@ -7,11 +7,11 @@ use arrow_array::RecordBatch;
 use arrow_ipc::reader::StreamDecoder;
 use std::io::{self, BufReader, Read, Seek, SeekFrom, Take};
 use std::path::{Path, PathBuf};
-use zerorate_record::arrows::decode;
-use zerorate_record::limits::Room;
-use zerorate_record::messages::{Message, Messages};
-use zerorate_record::table::{BatchSource, Stated};
-use zerorate_record::{CaptureError, CaptureWarning, Input};
+use zerorate_input::arrows::decode;
+use zerorate_input::limits::MemoryBudget;
+use zerorate_input::messages::{Message, Messages};
+use zerorate_input::table::{BatchSource, Stated};
+use zerorate_input::{Input, InputError, InputWarning};
 
 /// The mark at the start is padded with zeros to a multiple of this.
 const ALIGNMENT: usize = 8;
@@ -38,15 +38,15 @@ pub struct ArrowFile {
     rest: Input,
     messages: Messages<BufReader<Take<Input>>>,
     decoder: StreamDecoder,
-    room: Room,
+    room: MemoryBudget,
     stated: Stated,
 }
 
 impl ArrowFile {
     /// Reads the schema.
-    pub fn open(path: &Path, mut file: Input, room: Room) -> Result<Self, CaptureError> {
-        let failed = |error| CaptureError::io("read", path, error);
-        let wrong = |what: String| CaptureError::damaged(path, "as an Arrow file", what);
+    pub fn open(path: &Path, mut file: Input, room: MemoryBudget) -> Result<Self, InputError> {
+        let failed = |error| InputError::io("read", path, error);
+        let wrong = |what: String| InputError::damaged(path, "as an Arrow file", what);
         let end = stream_end(&mut file).map_err(failed)?;
         let start = stream_start(&mut file).map_err(failed)?;
         file.seek(SeekFrom::Start(start)).map_err(failed)?;
@@ -64,13 +64,13 @@ impl ArrowFile {
     }
 
     /// The stream was closed. The index of the file follows, and nothing else should.
-    fn end_of_stream(&mut self) -> Result<(), CaptureError> {
+    fn end_of_stream(&mut self) -> Result<(), InputError> {
         self.stated.ended = true;
         let end = self.start + self.messages.position();
         if end < self.end {
-            let mark = self.rest.find(MARK, end).map_err(|error| CaptureError::io("read", &self.path, error))?;
+            let mark = self.rest.find(MARK, end).map_err(|error| InputError::io("read", &self.path, error))?;
             let end = mark.map_or(end, |at| at + MARK.len() as u64);
-            self.stated.warning = CaptureWarning::behind_end(&self.path, &self.rest, end)?;
+            self.stated.warning = InputWarning::behind_end(&self.path, &self.rest, end)?;
         }
         Ok(())
     }
@@ -108,14 +108,14 @@ impl BatchSource for ArrowFile {
         &mut self.stated
     }
 
-    fn read_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
+    fn read_batch(&mut self) -> Result<Option<RecordBatch>, InputError> {
         while !self.stated.ended {
             let start = self.start + self.messages.position();
-            match self.messages.next_message().map_err(|error| CaptureError::io("read", &self.path, error))? {
+            match self.messages.next_message().map_err(|error| InputError::io("read", &self.path, error))? {
                 Message::Whole(bytes) => {
                     let checked = bytes.check(self.room).and_then(|()| decode(&mut self.decoder, bytes.into()));
                     let batch =
-                        checked.map_err(|what| CaptureError::damaged(&self.path, format!("byte {start}"), what))?;
+                        checked.map_err(|what| InputError::damaged(&self.path, format!("byte {start}"), what))?;
                     if batch.is_some() {
                         return Ok(batch);
                     }
@@ -125,7 +125,7 @@ impl BatchSource for ArrowFile {
                     self.stated.ended = true;
                     let path = self.path.display();
                     let text = format!("{path} was not closed: every whole batch is read, what follows is dropped");
-                    self.stated.warning = Some(CaptureWarning::Torn(text));
+                    self.stated.warning = Some(InputWarning::Torn(text));
                 }
             }
         }

@@ -2,7 +2,7 @@
 
 use super::{ColumnOptions, LogError, LogWarning, Names, Result, Setting};
 use std::path::Path;
-use zerorate_record::{Quantity, TimeUnit, Unit, is_celsius};
+use zerorate_input::{Quantity, TimeUnit, Unit, is_celsius};
 
 /// Columns that a message lists.
 const LISTED: usize = 100;
@@ -17,12 +17,15 @@ pub enum Wanted<'a> {
     /// The rates of a capture, the six quantities of a bag's IMU, or else all that hold numbers but for the time.
     All,
     /// The one that each of these describes, in this order.
-    Described(&'a [Described]),
+    Described(&'a [ColumnSpec]),
 }
+
+/// The name of the temperature beside the axes of a sensor, where nothing else is stated.
+pub const TEMPERATURE_COLUMN: &str = "temp";
 
 /// A column that is described by something else than the user's word.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Described {
+pub struct ColumnSpec {
     /// Its role, for messages: `axis x`.
     pub what: String,
     /// Its name.
@@ -32,7 +35,7 @@ pub struct Described {
     pub is_exact: bool,
 }
 
-impl Described {
+impl ColumnSpec {
     /// The name that a file without units has, of one to the letter: `GyrX` of `GyrX [rad/s]`.
     pub fn without_unit(&self) -> Option<&str> {
         let (name, _) = self.name.rsplit_once(['[', '(']).filter(|_| self.is_exact)?;
@@ -169,7 +172,7 @@ impl Columns<'_> {
     }
 
     /// A name to the letter goes before one with a unit behind it.
-    fn described(&self, wanted: &Described) -> Result<usize> {
+    fn described(&self, wanted: &ColumnSpec) -> Result<usize> {
         let all = || self.names.iter().enumerate();
         let exact: Vec<usize> = all().filter(|(_, name)| **name == wanted.name).map(|(at, _)| at).collect();
         let bare = || all().filter(|(_, name)| wanted.without_unit() == Some(**name)).map(|(at, _)| at);
@@ -177,7 +180,7 @@ impl Columns<'_> {
             [] => bare().chain(all().filter(|(_, name)| wanted.fits(name)).map(|(at, _)| at)).collect(),
             _ => exact,
         };
-        let Described { what, name, .. } = wanted;
+        let ColumnSpec { what, name, .. } = wanted;
         match found[..] {
             [only] => Ok(only),
             [] => Err(self.unknown(&format!("has no column `{name}` for the {what}"))),

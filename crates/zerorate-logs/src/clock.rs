@@ -2,7 +2,7 @@
 
 use super::series::{join, missing_in};
 use super::{Gap, Names, Setting};
-use zerorate_record::TimeUnit;
+use zerorate_input::TimeUnit;
 
 /// Root mean square of what is between a timestamp and an even clock, in sampling intervals, from which it is said.
 const SAID_JITTER: f64 = 0.1;

@@ -7,7 +7,7 @@ use crate::warning::LogWarning;
 use crate::{Result, too_many};
 use std::path::Path;
 use zerorate_allan::{Gap, Input};
-use zerorate_record::Quantity;
+use zerorate_input::Quantity;
 
 /// A column, and what is known about it.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,17 +56,17 @@ impl Column {
     ///
     /// # Errors
     /// Refuses a column that never changes, as [`crate::stopped`].
-    pub(crate) fn stopped(&self, path: &Path) -> Result<Option<LogWarning>> {
+    pub fn stopped(&self, path: &Path) -> Result<Option<LogWarning>> {
         self.facts().changes.stopped(&self.gaps, self.rate_hz, path, &self.name)
     }
 
     /// The findings in the samples, which are read again only if they were changed.
-    pub(crate) fn facts(&self) -> ColumnFacts {
+    pub fn facts(&self) -> ColumnFacts {
         self.facts.unwrap_or_else(|| ColumnFacts::of(&self.input()))
     }
 
     /// Puts other samples in the place of these, without gaps beside them.
-    pub(crate) fn replace(&mut self, series: Series) {
+    pub fn replace(&mut self, series: Series) {
         self.series = series;
         self.gaps.clear();
         self.facts = None;

@@ -11,7 +11,7 @@ use crate::warning::LogWarning;
 use std::collections::BTreeMap;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
-use zerorate_record::{CaptureError, Input, Quantity, TimeUnit, Unit};
+use zerorate_input::{Input, InputError, Quantity, TimeUnit, Unit};
 
 /// The form of FMT, which describes itself first.
 const FMT: u8 = 128;
@@ -56,7 +56,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
         }
         full.is_none()
     })?;
-    full.map_or(Ok(()), |why| Err(CaptureError::no_room(path, why)))?;
+    full.map_or(Ok(()), |why| Err(InputError::over_budget(path, why)))?;
     let lost = (again.skipped > 0).then(|| {
         let (path, bytes, places) = (path.display(), again.skipped, again.places);
         format!("{path}: {bytes} bytes in {places} places are no messages, and are skipped")
@@ -102,7 +102,7 @@ impl<'a> Messages<'a> {
     }
 
     /// Calls `take` with each message but FMT until it says no. What is no message is skipped up to the next one.
-    fn all(&mut self, mut take: impl FnMut(u8, &Form, &[u8]) -> bool) -> Result<(), CaptureError> {
+    fn all(&mut self, mut take: impl FnMut(u8, &Form, &[u8]) -> bool) -> Result<(), InputError> {
         let (mut head, mut body) = ([0; HEAD], [0; u8::MAX as usize]);
         let mut is_lost = false;
         let mut goes_on = self.fill(&mut head)?;
@@ -133,17 +133,17 @@ impl<'a> Messages<'a> {
     }
 
     /// Whether the file has as many bytes as are to be filled.
-    fn fill(&mut self, bytes: &mut [u8]) -> Result<bool, CaptureError> {
+    fn fill(&mut self, bytes: &mut [u8]) -> Result<bool, InputError> {
         match self.file.read_exact(bytes) {
             Ok(()) => Ok(true),
             Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Ok(false),
-            Err(error) => Err(CaptureError::io("read", self.path, error)),
+            Err(error) => Err(InputError::io("read", self.path, error)),
         }
     }
 
     /// The input, from its start.
-    fn rewound(&self) -> Result<Input, CaptureError> {
-        let failed = |error| CaptureError::io("read", self.path, error);
+    fn rewound(&self) -> Result<Input, InputError> {
+        let failed = |error| InputError::io("read", self.path, error);
         let mut input = self.file.get_ref().try_clone().map_err(failed)?;
         io::Seek::rewind(&mut input).map_err(failed)?;
         Ok(input)
@@ -331,5 +331,5 @@ fn unknown(path: &Path, asked: &ColumnQuery<'_>, wanted: Option<&str>, name: &st
 
 fn without_imu(path: &Path) -> LogError {
     let why = "it is a log of ArduPilot without messages IMU, GYR or ACC; set LOG_BITMASK so that it logs them";
-    CaptureError::not_a_log(path, why.to_owned()).into()
+    InputError::not_a_log(path, why.to_owned()).into()
 }

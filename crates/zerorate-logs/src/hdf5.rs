@@ -19,9 +19,9 @@ use hdf5_reader::storage::{Storage, StorageBuffer};
 use hdf5_reader::{Dataset, Datatype, H5Type, Hdf5File, OpenOptions, SliceInfo, SliceInfoElem};
 use std::path::Path;
 use std::sync::Arc;
-use zerorate_record::catch_panic::catch_panic;
-use zerorate_record::limits::Room;
-use zerorate_record::{CaptureError, CaptureWarning, Input};
+use zerorate_input::catch_panic::catch_panic;
+use zerorate_input::limits::MemoryBudget;
+use zerorate_input::{Input, InputError, InputWarning};
 
 /// The number of h5py's own way to pack, as the HDF Group lists them.
 const LZF: u16 = 32000;
@@ -47,7 +47,7 @@ const MAX_HEADER: usize = 1 << 22;
 /// Reads columns of its data sets.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let Log { path, input, room, .. } = log;
-    let behind = end(&input).map(|end| CaptureWarning::behind_end(path, &input, end)).transpose()?.flatten();
+    let behind = end(&input).map(|end| InputWarning::behind_end(path, &input, end)).transpose()?.flatten();
     let sets = sets(path, input, room)?;
     let columns: Vec<SetColumn<'_>> = sets.iter().flat_map(Set::columns).collect();
     let names = columns.iter().map(|column| column.name.as_str()).collect();
@@ -57,11 +57,11 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     same_length(path, wanted.iter().map(|column| (column.name.as_str(), column.rows)))?;
     let rows = wanted.first().map_or(0, |first| first.rows);
     let mut values: Vec<_> = chosen.iter().map(|_| SeriesBuilder::sharing(room, chosen.len())).collect();
-    values.iter().try_for_each(|values| values.check_room(rows)).map_err(|why| CaptureError::no_room(path, why))?;
+    values.iter().try_for_each(|values| values.check_room(rows)).map_err(|why| InputError::over_budget(path, why))?;
     let mut times = Times::new();
     for start in (0..rows).step_by(ROWS) {
         for (at, column) in wanted.iter().enumerate() {
-            let wrong = |what: String| CaptureError::damaged(path, format!("data set {}", column.name), what);
+            let wrong = |what: String| InputError::damaged(path, format!("data set {}", column.name), what);
             let read = catch_panic(|| column.read(start, rows.min(start + ROWS as u64)));
             let mut cells = (start..).zip(read.ok_or_else(|| senseless(path))?.map_err(|error| wrong(said(&error)))?);
             let taken = match values.get_mut(at) {
@@ -79,7 +79,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
 }
 
 /// The data sets of numbers, in the order of their names, because a file lists them in any order.
-fn sets(path: &Path, input: Input, room: Room) -> Result<Vec<Set>, CaptureError> {
+fn sets(path: &Path, input: Input, room: MemoryBudget) -> Result<Vec<Set>, InputError> {
     let most = usize::try_from(room.bytes()).unwrap_or(usize::MAX) / 4;
     let options = OpenOptions::default()
         .with_max_chunk_bytes(most)
@@ -87,7 +87,7 @@ fn sets(path: &Path, input: Input, room: Room) -> Result<Vec<Set>, CaptureError>
         .with_max_read_bytes(most)
         .with_max_object_header_bytes(MAX_HEADER)
         .with_filter_registry(filters(most));
-    let length = input.length().map_err(|error| CaptureError::io("read", path, error))?;
+    let length = input.length().map_err(|error| InputError::io("read", path, error))?;
     let cut = if starts_as_matlab(&input) { '.' } else { '/' };
     let found = catch_panic(|| {
         let file = Hdf5File::from_storage_with_options(Arc::new(Bytes { input, length }), options)?;
@@ -96,7 +96,7 @@ fn sets(path: &Path, input: Input, room: Room) -> Result<Vec<Set>, CaptureError>
         sets.sort_by(|one: &Set, other| one.name.cmp(&other.name));
         Ok::<_, Error>(sets)
     });
-    let damaged = |error: Error| CaptureError::damaged(path, "as an HDF5 file", said(&error));
+    let damaged = |error: Error| InputError::damaged(path, "as an HDF5 file", said(&error));
     found.ok_or_else(|| senseless(path))?.map_err(damaged)
 }
 
@@ -120,8 +120,8 @@ fn said(error: &Error) -> String {
     }
 }
 
-fn senseless(path: &Path) -> CaptureError {
-    CaptureError::damaged(path, "as an HDF5 file", "its content makes no sense")
+fn senseless(path: &Path) -> InputError {
+    InputError::damaged(path, "as an HDF5 file", "its content makes no sense")
 }
 
 fn push(values: &mut SeriesBuilder, row: u64, cell: Number) -> Result<(), String> {

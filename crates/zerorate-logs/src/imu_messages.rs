@@ -13,9 +13,9 @@ use crate::warning::LogWarning;
 use std::collections::BTreeMap;
 use std::path::Path;
 #[cfg(not(feature = "zstd"))]
-use zerorate_record::NotBuiltIn;
-use zerorate_record::limits::Room;
-use zerorate_record::{CaptureError, CaptureWarning, Quantity, TimeUnit, Unit};
+use zerorate_input::NotBuiltIn;
+use zerorate_input::limits::MemoryBudget;
+use zerorate_input::{InputError, InputWarning, Quantity, TimeUnit, Unit};
 
 /// The quantities of a message by their names in ROS, and their places after the header: orientation and its
 /// covariance are 13 numbers, and a covariance of 9 follows each vector.
@@ -142,12 +142,12 @@ pub fn without_imu(path: &Path, others: &BTreeMap<String, String>) -> LogError {
         true => "it has no messages".to_owned(),
         false => format!("it has {}", named.join(", ")),
     };
-    CaptureError::not_a_log(path, format!("it is a bag without a topic of type sensor_msgs/msg/Imu; {has}")).into()
+    InputError::not_a_log(path, format!("it is a bag without a topic of type sensor_msgs/msg/Imu; {has}")).into()
 }
 
 /// A quantity that messages do not have, or that was not named.
 fn unknown(path: &Path, topic: &str, wanted: Option<&str>, names: Names) -> LogError {
-    if wanted == Some(super::part_log::TEMP) {
+    if wanted == Some(super::choice::TEMPERATURE_COLUMN) {
         return LogError::Ask(format!(
             "{}: a message of sensor_msgs/Imu holds no temperature, and a part is calibrated over its temperature; \
              join the temperature of another topic to it in a table, such as CSV or Parquet",
@@ -201,17 +201,17 @@ pub struct Collector<'a> {
 
 impl<'a> Collector<'a> {
     /// No message yet.
-    pub fn new(path: &'a Path, wanted: Quantities, room: Room, args: &ColumnOptions) -> Self {
+    pub fn new(path: &'a Path, wanted: Quantities, room: MemoryBudget, args: &ColumnOptions) -> Self {
         let values = wanted.all.iter().map(|_| SeriesBuilder::sharing(room, wanted.all.len())).collect();
         Self { path, wanted, values, messages: 0, times: Times::new(), has_rate: args.rate.is_some() }
     }
 
     /// Adds a message.
-    pub fn push(&mut self, encoding: Encoding, message: &[u8]) -> Result<(), CaptureError> {
+    pub fn push(&mut self, encoding: Encoding, message: &[u8]) -> Result<(), InputError> {
         let number = self.messages;
         let at = |what: String| wrong(self.path, format_args!("topic {}, message {number}", self.wanted.name), what);
         let room = self.values.first().map_or(Ok(()), |first| first.check_room(1));
-        room.map_err(|why| CaptureError::no_room(self.path, why))?;
+        room.map_err(|why| InputError::over_budget(self.path, why))?;
         let unpacked;
         let message = if message.starts_with(&ZSTD) {
             unpacked = unpacked_message(message).map_err(at)?;
@@ -233,7 +233,7 @@ impl<'a> Collector<'a> {
 
     /// All messages were read; `of_end` says what is wrong with the end of the file, and `stated` how many messages
     /// there are by its own account.
-    pub fn finish(self, of_end: Option<CaptureWarning>, stated: Option<u64>) -> Found {
+    pub fn finish(self, of_end: Option<InputWarning>, stated: Option<u64>) -> Found {
         let Self { path, wanted, values, mut times, messages, has_rate } = self;
         let miscounted = match (&of_end, stated) {
             (None, Some(stated)) if stated != messages => Some(miscounted(path, &wanted.name, stated, messages)),

@@ -42,7 +42,7 @@ fn with_an_end() -> Vec<(Vec<u8>, &'static str)> {
 fn behind(content: impl AsRef<[u8]>, options: &str) -> Option<u64> {
     let column = Folder::new().read(content, options).unwrap();
     column.warnings.iter().find_map(|warning| match warning {
-        LogWarning::Capture(zerorate_record::CaptureWarning::BytesBehindEnd { bytes, .. }) => Some(*bytes),
+        LogWarning::File(zerorate_input::InputWarning::BytesBehindEnd { bytes, .. }) => Some(*bytes),
         _ => None,
     })
 }

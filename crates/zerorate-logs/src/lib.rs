@@ -5,7 +5,7 @@
 //! recognised by its content, not by its name, and nothing here opens a file ([`Input`]).
 //!
 //! Text, raw numbers, Arrow, PX4's logs and captures are always read. A feature adds each other form, and a file of a
-//! form that is not built in says so ([`NotBuiltIn`](zerorate_record::NotBuiltIn)).
+//! form that is not built in says so ([`NotBuiltIn`](zerorate_input::NotBuiltIn)).
 
 mod arrow_file;
 #[cfg(all(test, feature = "full"))]
@@ -24,13 +24,10 @@ mod given_rate;
 mod hdf5;
 #[cfg(feature = "hdf5")]
 mod hdf5_index;
-pub mod imu;
 #[cfg(any(feature = "mcap", feature = "ros", feature = "sqlite"))]
 mod imu_messages;
-pub mod increments;
 #[cfg(all(test, feature = "full"))]
 mod joined;
-mod judged;
 #[cfg(feature = "hdf5")]
 mod lzf;
 #[cfg(feature = "matlab")]
@@ -55,17 +52,13 @@ mod order;
 mod pace;
 #[cfg(feature = "parquet")]
 mod parquet;
-mod part_log;
 mod parts;
 mod raw;
-mod record;
 #[cfg(feature = "ros")]
 mod rosbag;
-mod row_reader;
 mod sample;
 mod series;
 mod setting;
-mod settling;
 #[cfg(all(test, feature = "full"))]
 mod several;
 #[cfg(feature = "sqlite")]
@@ -76,28 +69,26 @@ mod temperature;
 mod tests;
 mod text;
 mod time_unit;
+mod timed;
 mod topics;
 mod ulog;
 mod unsigned;
 mod warning;
 mod wide;
 
-pub use choice::{Described, Wanted};
+pub use choice::{ColumnSpec, TEMPERATURE_COLUMN, Wanted};
 pub use column::Column;
 pub use column_checks::stopped;
 pub use only::Only;
 pub use open::kind;
-pub use part_log::PartLog;
-pub use parts::{Parts, read_parts, read_with_temperature};
+pub use parts::{Parts, read_parts, read_with_temperature, read_without_rate};
 pub use raw::RawType;
-pub use record::{AnalysisOptions, Look, Record, RecordError};
-pub use row_reader::RowReader;
 pub use series::Series;
 pub use setting::{Names, Setting};
-pub use settling::{Settling, SettlingError};
 pub use temperature::{TEMPERATURE_NAMES, temperature};
+pub use timed::{TimedColumn, TimedColumns, read_timed};
 pub use warning::LogWarning;
-pub use zerorate_record::{Quantity, STANDARD_GRAVITY, TimeUnit, Unit};
+pub use zerorate_input::{InputError, InputWarning, Quantity, STANDARD_GRAVITY, TimeUnit, Unit};
 
 use arrow_array::RecordBatch;
 use arrow_file::ArrowFile;
@@ -108,8 +99,8 @@ use sample::Sampled;
 use series::SeriesBuilder;
 use std::path::Path;
 use zerorate_allan::Gap;
-use zerorate_record::table::{self, Opened};
-use zerorate_record::{CaptureError, Input, limits::Room};
+use zerorate_input::table::{self, DESCRIPTION, DescribedTable, OpenDescribed, Opened};
+use zerorate_input::{Input, limits::MemoryBudget};
 
 /// The wanted numbers of a log, and facts that the log does not state itself.
 #[derive(Clone, Debug, Default)]
@@ -158,6 +149,9 @@ pub struct ColumnOptions {
     /// Broken lines of a text file that are skipped and counted, as a share of all; none: [`MAX_BAD`].
     pub max_bad: Option<f64>,
 
+    /// Opens tables that describe themselves, such as captures; none: they are tables like any other.
+    pub described: Option<OpenDescribed>,
+
     /// The names of these options in messages.
     pub names: Names,
 }
@@ -171,7 +165,7 @@ pub const MAX_BAD: f64 = 0.01;
 pub enum LogError {
     /// The file cannot be read, or is damaged.
     #[error(transparent)]
-    File(#[from] CaptureError),
+    File(#[from] InputError),
     /// It does not say enough, or has nothing of what was asked for.
     #[error("{0}")]
     Ask(String),
@@ -213,10 +207,11 @@ pub fn read_all(path: &Path, input: Input, wanted: Wanted<'_>, args: &ColumnOpti
 /// # Errors
 /// The same errors as for a file.
 pub fn read_table(path: &Path, table: &RecordBatch, wanted: Wanted<'_>, args: &ColumnOptions) -> Result<Vec<Column>> {
-    let room = Room::of(table.get_array_memory_size() as u64);
-    let mut columns = tabular::TableColumns::start(path, &table.schema(), room, &ColumnQuery::of(wanted, args))?;
-    columns.take(table, None)?;
-    columns.finish(Vec::new())?.finish(path, args)
+    let room = MemoryBudget::of(table.get_array_memory_size() as u64);
+    let query = ColumnQuery::of(wanted, args);
+    let mut columns = tabular::TableColumns::start(path, &table.schema(), room, &query, None)?;
+    columns.take(table)?;
+    columns.finish(None)?.finish(path, args)
 }
 
 /// The columns as they stand in the file.
@@ -242,14 +237,20 @@ impl<'a> ColumnQuery<'a> {
     }
 }
 
-fn found(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
+fn found(mut log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let form = log.form()?;
+    if form == LogForm::Other {
+        log.input = wide::narrowed(log.path, log.input, log.room)?;
+    }
+    if let Some(table) = described(&log, form, asked)? {
+        return tabular::read_described(log.path, table, log.room, asked);
+    }
     if asked.args.only.is_some() && !matches!(form, LogForm::Other | LogForm::ArrowFile | LogForm::Parquet) {
         return Err(asked.args.only_of_tables(log.path));
     }
     match (reader(form), form.missing()) {
         (Some(read), _) => read(log, asked),
-        (None, Some(missing)) => Err(CaptureError::not_built_in(log.path, missing).into()),
+        (None, Some(missing)) => Err(InputError::not_built_in(log.path, missing).into()),
         (None, None) => read_table_or_text(log, asked),
     }
 }
@@ -287,10 +288,21 @@ fn read_arrow_file(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
 
 fn read_table_or_text(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let path = log.path;
-    match table::recognise(path, wide::narrowed(path, log.input, log.room)?)? {
+    match table::open(path, log.input)? {
         Opened::Table(source) => tabular::read(path, source, log.room, asked),
-        Opened::Text(input) => text::read(path, input, log.room, asked),
+        Opened::Other(input) => text::read(path, input, log.room, asked),
     }
+}
+
+/// The log as a table that describes itself, if it is one.
+fn described(log: &Log<'_>, form: LogForm, asked: &ColumnQuery<'_>) -> Result<Option<Box<dyn DescribedTable>>> {
+    let is_possible = form == LogForm::Other || form == LogForm::Parquet && form.missing().is_none();
+    let Some(open) = asked.args.described.filter(|_| is_possible) else {
+        let describes_itself = log.start.starts_with(format!("# {DESCRIPTION}").as_bytes());
+        return if describes_itself { Err(tabular::needs_reader(log.path)) } else { Ok(None) };
+    };
+    let input = log.input.try_clone().map_err(|error| InputError::io("read", log.path, error))?;
+    Ok(open(log.path, input)?)
 }
 
 /// Columns as they stand in their file.
@@ -317,7 +329,7 @@ struct FoundColumn {
 
 impl ColumnOptions {
     /// A rate in one of its values.
-    pub(crate) fn per_second(&self, rate_hz: f64) -> f64 {
+    pub fn per_second(&self, rate_hz: f64) -> f64 {
         if self.increments == Some(true) { rate_hz } else { 1.0 }
     }
 
@@ -328,7 +340,7 @@ impl ColumnOptions {
     }
 
     /// That a `unit`, given by `setting`, is the one that the name of the column states, if it states one.
-    pub(crate) fn agrees(&self, path: &Path, column: &str, unit: Unit, setting: Setting) -> Result<()> {
+    pub fn agrees(&self, path: &Path, column: &str, unit: Unit, setting: Setting) -> Result<()> {
         let Some(stated) = Unit::of_column(column).filter(|stated| *stated != unit && !self.force_unit) else {
             return Ok(());
         };
@@ -539,6 +551,6 @@ fn too_many(path: &Path, missing: u64, names: Names) -> LogError {
 }
 
 /// An error in a column of the file at `path`.
-fn wrong(path: &Path, place: std::fmt::Arguments<'_>, what: impl Into<String>) -> CaptureError {
-    CaptureError::damaged(path, place.to_string(), what)
+fn wrong(path: &Path, place: std::fmt::Arguments<'_>, what: impl Into<String>) -> InputError {
+    InputError::damaged(path, place.to_string(), what)
 }

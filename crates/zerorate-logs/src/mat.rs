@@ -13,8 +13,8 @@ use crate::warning::LogWarning;
 use flate2::read::ZlibDecoder;
 use std::io::{BufReader, Read};
 use std::path::Path;
-use zerorate_record::limits::Room;
-use zerorate_record::{CaptureError, CaptureWarning};
+use zerorate_input::limits::MemoryBudget;
+use zerorate_input::{InputError, InputWarning};
 
 /// Bytes that a read asks the system for.
 const BUFFER: usize = 1 << 18;
@@ -66,19 +66,19 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
 /// The variables of a file, unpacked, up to where it is torn or another file follows, which is said.
 fn variables(
     path: &Path,
-    file: &mut BufReader<zerorate_record::Input>,
-    room: Room,
-) -> Result<(Vec<Element>, Option<CaptureWarning>), CaptureError> {
+    file: &mut BufReader<zerorate_input::Input>,
+    room: MemoryBudget,
+) -> Result<(Vec<Element>, Option<InputWarning>), InputError> {
     let big_endian = is_big_endian(path, file)?;
     let (mut all, mut bytes, mut end) = (Vec::new(), 0u64, HEAD as u64);
     while let Some(Packed { kind, length, data }) = Packed::next(path, file, big_endian)? {
         if kind == number(MATLAB, big_endian) {
-            return Ok((all, CaptureWarning::behind_end(path, file.get_ref(), end)?));
+            return Ok((all, InputWarning::behind_end(path, file.get_ref(), end)?));
         }
         end += (TAG + length) as u64;
         if data.len() < length {
             let path = path.display();
-            return Ok((all, Some(CaptureWarning::Torn(format!("{path} ends inside a variable, which is dropped")))));
+            return Ok((all, Some(InputWarning::Torn(format!("{path} ends inside a variable, which is dropped")))));
         }
         let wrong = |what: &str| damaged(path, all.len(), what);
         let data = match kind {
@@ -87,7 +87,7 @@ fn variables(
             kind => return Err(wrong(&format!("it is an element of type {kind}, which no variable has"))),
         };
         bytes = bytes.saturating_add(data.len() as u64);
-        room.check(bytes).map_err(|why| CaptureError::no_room(path, why))?;
+        room.check(bytes).map_err(|why| InputError::over_budget(path, why))?;
         // a packed element has its tag inside
         let data = match (kind, (Parts { bytes: &data, big_endian }).next()) {
             (MATRIX, _) => data,
@@ -100,14 +100,14 @@ fn variables(
 }
 
 /// The error for a variable, by its number counted from 1.
-fn damaged(path: &Path, before: usize, what: &str) -> CaptureError {
-    CaptureError::damaged(path, format!("variable {} of a MATLAB file", before + 1), what)
+fn damaged(path: &Path, before: usize, what: &str) -> InputError {
+    InputError::damaged(path, format!("variable {} of a MATLAB file", before + 1), what)
 }
 
 /// The order of bytes, which the head tells.
-fn is_big_endian(path: &Path, file: &mut BufReader<zerorate_record::Input>) -> Result<bool, CaptureError> {
+fn is_big_endian(path: &Path, file: &mut BufReader<zerorate_input::Input>) -> Result<bool, InputError> {
     let mut head = [0; HEAD];
-    let damaged = |what: &str| CaptureError::damaged(path, "as a MATLAB file", what);
+    let damaged = |what: &str| InputError::damaged(path, "as a MATLAB file", what);
     file.read_exact(&mut head).map_err(|_| damaged("it ends in its head"))?;
     match &head[HEAD - 2..] {
         b"IM" => Ok(false),
@@ -129,10 +129,10 @@ impl Packed {
     /// None at the end of the file. One whose tag is cut off has no data.
     fn next(
         path: &Path,
-        file: &mut BufReader<zerorate_record::Input>,
+        file: &mut BufReader<zerorate_input::Input>,
         big_endian: bool,
-    ) -> Result<Option<Self>, CaptureError> {
-        let failed = |error| CaptureError::io("read", path, error);
+    ) -> Result<Option<Self>, InputError> {
+        let failed = |error| InputError::io("read", path, error);
         let (mut tag, mut data) = (Vec::new(), Vec::new());
         file.take(TAG as u64).read_to_end(&mut tag).map_err(failed)?;
         if tag.is_empty() {
@@ -147,7 +147,7 @@ impl Packed {
     }
 }
 
-fn unpacked(packed: &[u8], room: Room) -> Result<Vec<u8>, String> {
+fn unpacked(packed: &[u8], room: MemoryBudget) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     // what is too much is found by its length
     let read = ZlibDecoder::new(packed).take(room.bytes().saturating_add(1)).read_to_end(&mut bytes);
@@ -340,9 +340,9 @@ impl Variable<'_> {
         })
     }
 
-    fn values(&self, path: &Path, room: Room, sharing: usize) -> Result<FoundColumn, CaptureError> {
+    fn values(&self, path: &Path, room: MemoryBudget, sharing: usize) -> Result<FoundColumn, InputError> {
         let mut values = SeriesBuilder::sharing(room, sharing);
-        values.check_room(self.rows() as u64).map_err(|why| CaptureError::no_room(path, why))?;
+        values.check_room(self.rows() as u64).map_err(|why| InputError::over_budget(path, why))?;
         for (row, cell) in self.cells().enumerate() {
             match cell {
                 Value::Integer(integer) => values.push_integer(integer),
@@ -353,7 +353,7 @@ impl Variable<'_> {
         Ok(FoundColumn::new(self.name.clone(), values))
     }
 
-    fn times(&self, path: &Path) -> Result<Times, CaptureError> {
+    fn times(&self, path: &Path) -> Result<Times, InputError> {
         let mut times = Times::new();
         for (row, cell) in self.cells().enumerate() {
             match cell {
@@ -366,7 +366,7 @@ impl Variable<'_> {
         Ok(times)
     }
 
-    fn wrong(&self, path: &Path, row: usize, what: &str) -> CaptureError {
+    fn wrong(&self, path: &Path, row: usize, what: &str) -> InputError {
         super::wrong(path, format_args!("column {}, row {row}", self.name), what)
     }
 }

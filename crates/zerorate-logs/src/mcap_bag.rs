@@ -13,8 +13,8 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Seek;
 use std::path::Path;
-use zerorate_record::limits::Room;
-use zerorate_record::{CaptureError, CaptureWarning, Input};
+use zerorate_input::limits::MemoryBudget;
+use zerorate_input::{Input, InputError, InputWarning};
 
 /// Reads quantities of the IMU messages.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
@@ -25,10 +25,10 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     }
     let wanted = Quantities::choose(path, &topics, asked, || survey(&mut file, log.room, &topics))?;
     let topic = wanted.source.topic.clone();
-    let behind = messages::end(&file).map_err(|error| CaptureError::io("read", path, error))?;
-    let behind = behind.map(|end| CaptureWarning::behind_end(path, &file, end)).transpose()?.flatten();
+    let behind = messages::end(&file).map_err(|error| InputError::io("read", path, error))?;
+    let behind = behind.map(|end| InputWarning::behind_end(path, &file, end)).transpose()?.flatten();
     let stated = messages::stated(&mut file, log.room).get(&topic).copied();
-    file.rewind().map_err(|error| CaptureError::io("read", path, error))?;
+    file.rewind().map_err(|error| InputError::io("read", path, error))?;
     let mut collector = Collector::new(path, wanted, log.room, asked.args);
     let mut cut = None;
     for message in Messages::new(&mut file, log.room) {
@@ -37,11 +37,11 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
                 collector.push(encoding(path, &message.channel)?, &message.data)?;
             }
             Ok(_) => {}
-            Err(Torn::NoRoom(why)) => return Err(CaptureError::no_room(path, why).into()),
+            Err(Torn::OverBudget(why)) => return Err(InputError::over_budget(path, why).into()),
             Err(error) if error.is_changed() => {
                 let what =
                     format!("{error}: bytes of it were changed; `mcap recover` saves the chunks that are whole");
-                return Err(CaptureError::damaged(path, "as an MCAP file", what).into());
+                return Err(InputError::damaged(path, "as an MCAP file", what).into());
             }
             Err(error) => cut = Some(torn(path, &error)),
         }
@@ -51,7 +51,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
 
 /// The IMUs, and the types of the other topics. A channel stands anywhere before its first message, so the file is
 /// read for them.
-fn topics(path: &Path, file: &mut Input, room: Room) -> Result<(Sources, BTreeMap<String, String>)> {
+fn topics(path: &Path, file: &mut Input, room: MemoryBudget) -> Result<(Sources, BTreeMap<String, String>)> {
     let (mut imus, mut others, mut seen) = (Sources::new(), BTreeMap::new(), BTreeSet::new());
     let mut first = true;
     for message in Messages::new(file, room) {
@@ -68,7 +68,7 @@ fn topics(path: &Path, file: &mut Input, room: Room) -> Result<(Sources, BTreeMa
             }
             Ok(_) => {}
             Err(error) if first => {
-                return Err(CaptureError::damaged(path, "as an MCAP file", error.to_string()).into());
+                return Err(InputError::damaged(path, "as an MCAP file", error.to_string()).into());
             }
             // the whole part of the file will be read
             Err(_) => {}
@@ -79,7 +79,7 @@ fn topics(path: &Path, file: &mut Input, room: Room) -> Result<(Sources, BTreeMa
 }
 
 /// The IMUs, as far as the file is whole.
-fn survey(file: &mut Input, room: Room, imus: &Sources) -> Survey {
+fn survey(file: &mut Input, room: MemoryBudget, imus: &Sources) -> Survey {
     let mut survey = Survey::default();
     if file.rewind().is_err() {
         return survey;
@@ -94,13 +94,13 @@ fn survey(file: &mut Input, room: Room, imus: &Sources) -> Survey {
     survey
 }
 
-fn encoding(path: &Path, channel: &Channel<'_>) -> Result<Encoding, CaptureError> {
+fn encoding(path: &Path, channel: &Channel<'_>) -> Result<Encoding, InputError> {
     Encoding::of(&channel.message_encoding).ok_or_else(|| {
         let what = format!("its messages are encoded in `{}`; cdr and ros1 are read", channel.message_encoding);
-        CaptureError::damaged(path, format!("topic {}", channel.topic), what)
+        InputError::damaged(path, format!("topic {}", channel.topic), what)
     })
 }
 
-fn torn(path: &Path, error: &Torn) -> CaptureWarning {
-    CaptureWarning::Torn(format!("{} was not closed or is damaged ({error}); the rest is dropped", path.display()))
+fn torn(path: &Path, error: &Torn) -> InputWarning {
+    InputWarning::Torn(format!("{} was not closed or is damaged ({error}); the rest is dropped", path.display()))
 }

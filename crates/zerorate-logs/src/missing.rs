@@ -1,14 +1,12 @@
 //! A file of a form that is not built in says which feature adds it, and never that it is damaged.
 
 use super::*;
-use zerorate_record::NotBuiltIn;
+use zerorate_input::NotBuiltIn;
 
 #[track_caller]
 fn says(content: &[u8], what: &str, feature: &str) {
     match read(Path::new("log"), content.to_vec().into(), &ColumnOptions::default()) {
-        Err(LogError::File(CaptureError::NotBuiltIn {
-            missing: NotBuiltIn { what: found, feature: adds }, ..
-        })) => {
+        Err(LogError::File(InputError::NotBuiltIn { missing: NotBuiltIn { what: found, feature: adds }, .. })) => {
             assert_eq!((found, adds), (what, feature));
         }
         other => panic!("{what}: {other:?}"),

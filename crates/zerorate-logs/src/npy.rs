@@ -12,8 +12,8 @@ use crate::warning::LogWarning;
 use header::{Element, Form, Header, Kind};
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
-use zerorate_record::limits::Room;
-use zerorate_record::{CaptureError, CaptureWarning, Input, TimeUnit};
+use zerorate_input::limits::MemoryBudget;
+use zerorate_input::{Input, InputError, InputWarning, TimeUnit};
 
 /// Bytes that a read asks the system for.
 const BUFFER: usize = 1 << 18;
@@ -21,9 +21,9 @@ const BUFFER: usize = 1 << 18;
 /// Reads columns of an array.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let Log { path, mut input, room, .. } = log;
-    let length = input.length().map_err(|error| CaptureError::io("read", path, error))?;
+    let length = input.length().map_err(|error| InputError::io("read", path, error))?;
     let array = Array::new(path, &mut input, length, "")?;
-    let behind = CaptureWarning::behind_end(path, &input, array.end)?;
+    let behind = InputWarning::behind_end(path, &input, array.end)?;
     let mut input = Some(input);
     let mut found = read_arrays(path, room, &[array], asked, |_, is_wanted| Ok(input.take().filter(|_| is_wanted)))?;
     found.warnings.extend(behind.map(LogWarning::from));
@@ -41,9 +41,9 @@ pub struct Array {
 
 impl Array {
     /// Reads its header. `length` is the number of bytes of the file, and `name` the array's name in its archive.
-    pub fn new(path: &Path, file: &mut impl Read, length: u64, name: &str) -> Result<Self, CaptureError> {
+    pub fn new(path: &Path, file: &mut impl Read, length: u64, name: &str) -> Result<Self, InputError> {
         let place = if name.is_empty() { "as an NPY file".to_owned() } else { format!("array {name}") };
-        let (header, start) = header(file).map_err(|what| CaptureError::damaged(path, place, what))?;
+        let (header, start) = header(file).map_err(|what| InputError::damaged(path, place, what))?;
         let rows = header.shape.first().copied().unwrap_or_default();
         let end = start + check_length(path, &header, length.saturating_sub(start))?;
         let fields = match (header.shape.as_slice(), name) {
@@ -68,10 +68,10 @@ impl Array {
 /// whether a column of it is wanted.
 pub fn read_arrays(
     path: &Path,
-    room: Room,
+    room: MemoryBudget,
     arrays: &[Array],
     asked: &ColumnQuery<'_>,
-    mut open: impl FnMut(usize, bool) -> Result<Option<Input>, CaptureError>,
+    mut open: impl FnMut(usize, bool) -> Result<Option<Input>, InputError>,
 ) -> Result<Found> {
     let of_array = |(at, array): (usize, &Array)| (0..array.fields.len()).map(move |field| (at, field));
     let places: Vec<(usize, usize)> = arrays.iter().enumerate().flat_map(of_array).collect();
@@ -87,7 +87,10 @@ pub fn read_arrays(
     let rows: Vec<u64> = wanted.iter().map(|at| arrays[places[*at].0].rows).collect();
     same_length(path, names.iter().map(String::as_str).zip(rows.iter().copied()))?;
     let mut values: Vec<_> = chosen.iter().map(|_| SeriesBuilder::sharing(room, chosen.len())).collect();
-    values.iter().try_for_each(|values| values.check_room(rows[0])).map_err(|why| CaptureError::no_room(path, why))?;
+    values
+        .iter()
+        .try_for_each(|values| values.check_room(rows[0]))
+        .map_err(|why| InputError::over_budget(path, why))?;
     for (values, at) in values.iter_mut().zip(&chosen) {
         values.reserve(rows[0] as usize, field(at).kind != Some(Kind::Float));
     }
@@ -247,8 +250,8 @@ impl Field {
 }
 
 /// The columns of an array.
-fn fields(path: &Path, header: &Header) -> Result<Vec<Field>, CaptureError> {
-    let unreadable = |what: String| CaptureError::not_a_log(path, what);
+fn fields(path: &Path, header: &Header) -> Result<Vec<Field>, InputError> {
+    let unreadable = |what: String| InputError::not_a_log(path, what);
     let Header { element, is_fortran, shape } = header;
     let size = element.size.filter(|size| *size > 0);
     let size = size.ok_or_else(|| unreadable("its elements have no fixed size".to_owned()))?;
@@ -284,7 +287,7 @@ fn fields(path: &Path, header: &Header) -> Result<Vec<Field>, CaptureError> {
 const MAX_COLUMNS: u64 = 4096;
 
 /// The number of bytes of data, which must be there.
-fn check_length(path: &Path, header: &Header, there: u64) -> Result<u64, CaptureError> {
+fn check_length(path: &Path, header: &Header, there: u64) -> Result<u64, InputError> {
     let size = header.element.size.unwrap_or_default();
     let expected = header.shape.iter().try_fold(size, |product, n| product.checked_mul(*n));
     if let Some(expected) = expected.filter(|expected| *expected <= there) {
@@ -292,7 +295,7 @@ fn check_length(path: &Path, header: &Header, there: u64) -> Result<u64, Capture
     }
     let expected = expected.map_or("more".to_owned(), |expected| expected.to_string());
     let what = format!("its header states {expected} bytes of data and {there} follow; was it cut short?");
-    Err(CaptureError::damaged(path, "as an NPY file", what))
+    Err(InputError::damaged(path, "as an NPY file", what))
 }
 
 enum Cell {
@@ -333,7 +336,7 @@ fn each(
     rows: u64,
     fields: &[&Field],
     mut take: impl FnMut(usize, &Cells<'_>) -> Result<(), Wrong>,
-) -> Result<(), CaptureError> {
+) -> Result<(), InputError> {
     if fields.is_empty() {
         return Ok(());
     }
@@ -365,9 +368,9 @@ impl Data<'_> {
         &mut self,
         fields: &[&Field],
         mut take: impl FnMut(usize, &Cells<'_>) -> Result<(), Wrong>,
-    ) -> Result<(), CaptureError> {
+    ) -> Result<(), InputError> {
         let Self { path, file, start, rows } = self;
-        let failed = |error| CaptureError::io("read", path, error);
+        let failed = |error| InputError::io("read", path, error);
         let first = fields.iter().map(|field| field.offset).min().unwrap_or_default();
         let stride = fields.first().map_or(0, |field| field.stride);
         file.seek(SeekFrom::Start(*start + first)).map_err(failed)?;

@@ -6,9 +6,9 @@ use super::open::{Log, Unpacking};
 use super::{ColumnQuery, Found, Result};
 use std::io::{self, BufReader, Read};
 use std::path::Path;
-use zerorate_record::catch_panic::catch_panic;
-use zerorate_record::limits::{NoRoom, Room};
-use zerorate_record::{CaptureError, Input};
+use zerorate_input::catch_panic::catch_panic;
+use zerorate_input::limits::{MemoryBudget, OverBudget};
+use zerorate_input::{Input, InputError};
 use zip::ZipArchive;
 use zip::result::{ZipError, ZipResult};
 
@@ -21,7 +21,7 @@ const MAX_COLUMNS: usize = 1 << 16;
 /// Reads columns of the arrays of an archive, each by the name of its array.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let Log { path, input, room, .. } = log;
-    let again = input.try_clone().map_err(|error| CaptureError::io("read", path, error))?;
+    let again = input.try_clone().map_err(|error| InputError::io("read", path, error))?;
     let (archive, names) = open(path, input)?;
     let mut archive = Archive { path, archive, room, bytes: 0 };
     let mut arrays = Vec::new();
@@ -31,7 +31,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
         columns += array.columns();
         if columns > MAX_COLUMNS {
             let why = format!("its arrays have more than {MAX_COLUMNS} columns; save only the arrays of the log");
-            return Err(CaptureError::not_a_log(path, why).into());
+            return Err(InputError::not_a_log(path, why).into());
         }
         arrays.push(array);
     }
@@ -51,8 +51,8 @@ fn place(name: &str) -> String {
 }
 
 /// The archive, and the names of its arrays.
-fn open(path: &Path, input: Input) -> Result<(ZipArchive<BufReader<Input>>, Vec<String>), CaptureError> {
-    let damaged = |what: String| CaptureError::damaged(path, "as an archive", what);
+fn open(path: &Path, input: Input) -> Result<(ZipArchive<BufReader<Input>>, Vec<String>), InputError> {
+    let damaged = |what: String| InputError::damaged(path, "as an archive", what);
     let opened = catch_panic(|| -> ZipResult<_> {
         let archive = ZipArchive::new(BufReader::with_capacity(BUFFER, input))?;
         let names = archive.file_names().map(|name| Ok(name?.into_owned())).collect::<ZipResult<Vec<_>>>()?;
@@ -70,7 +70,7 @@ fn open(path: &Path, input: Input) -> Result<(ZipArchive<BufReader<Input>>, Vec<
             true => "it is a workbook of Excel; save the sheet as CSV",
             false => "it is a zip archive without arrays of NumPy; unpack it and name a file in it",
         };
-        return Err(CaptureError::not_a_log(path, why));
+        return Err(InputError::not_a_log(path, why));
     }
     let consistent = catch_panic(|| archive.validate_header_consistency());
     let consistent = consistent.unwrap_or(Err(ZipError::InvalidArchive("its index makes no sense".into())));
@@ -82,19 +82,19 @@ fn open(path: &Path, input: Input) -> Result<(ZipArchive<BufReader<Input>>, Vec<
 struct Archive<'a> {
     path: &'a Path,
     archive: ZipArchive<BufReader<Input>>,
-    room: Room,
+    room: MemoryBudget,
     /// Bytes that were unpacked so far.
     bytes: u64,
 }
 
 impl Archive<'_> {
     /// Reads the header of an array and no more.
-    fn header(&mut self, name: &str) -> Result<Array, CaptureError> {
+    fn header(&mut self, name: &str) -> Result<Array, InputError> {
         let Self { path, archive, .. } = self;
-        let senseless = || CaptureError::damaged(path, place(name), "its content makes no sense");
+        let senseless = || InputError::damaged(path, place(name), "its content makes no sense");
         let read = catch_panic(|| {
             let mut file =
-                archive.by_name(name).map_err(|error| CaptureError::damaged(path, place(name), error.to_string()))?;
+                archive.by_name(name).map_err(|error| InputError::damaged(path, place(name), error.to_string()))?;
             let length = file.size();
             Array::new(path, &mut file, length, name.trim_end_matches(".npy"))
         });
@@ -109,6 +109,6 @@ impl Archive<'_> {
             io::copy(&mut file.take(room.bytes_on_disk().saturating_sub(*bytes).saturating_add(1)), out)
         });
         *bytes += copied.unwrap_or_else(|| Err(io::Error::other("its content makes no sense")))?;
-        room.check_on_disk(*bytes).map_err(|why: NoRoom| Unpacking::NoRoom(why))
+        room.check_on_disk(*bytes).map_err(|why: OverBudget| Unpacking::OverBudget(why))
     }
 }

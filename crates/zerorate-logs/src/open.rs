@@ -2,9 +2,9 @@
 
 use std::io::{self, BufReader, Read, Seek};
 use std::path::Path;
-use zerorate_record::catch_panic::catch_panic;
-use zerorate_record::limits::{NoRoom, Room};
-use zerorate_record::{CaptureError, Input, NotBuiltIn};
+use zerorate_input::catch_panic::catch_panic;
+use zerorate_input::limits::{MemoryBudget, OverBudget};
+use zerorate_input::{Input, InputError, NotBuiltIn};
 
 /// Bytes of the longest mark at a file's start.
 const MARK: u64 = 16;
@@ -19,8 +19,8 @@ pub struct Log<'a> {
     /// Its content, from the start.
     pub input: Input,
     /// The limit of memory for reading it.
-    pub room: Room,
-    start: Vec<u8>,
+    pub room: MemoryBudget,
+    pub start: Vec<u8>,
 }
 
 /// The form of a log.
@@ -53,23 +53,23 @@ pub enum LogForm {
 }
 
 /// Looks at how a log begins, and unpacks it if it is packed.
-pub fn open(path: &Path, input: Input) -> Result<Log<'_>, CaptureError> {
-    let failed = |error| CaptureError::io("read", path, error);
+pub fn open(path: &Path, input: Input) -> Result<Log<'_>, InputError> {
+    let failed = |error| InputError::io("read", path, error);
     if input.is_directory().map_err(failed)? {
-        return Err(CaptureError::not_a_log(path, "it is a directory and no bag of ROS 2; name the file"));
+        return Err(InputError::not_a_log(path, "it is a directory and no bag of ROS 2; name the file"));
     }
-    let room = Room::of(input.stored().map_err(failed)?);
+    let room = MemoryBudget::of(input.stored().map_err(failed)?);
     let (input, start) = marked(input).map_err(failed)?;
     let Some(packing) = Packing::of(&start) else {
         return Ok(Log { path, input, room, start });
     };
     if let Some(missing) = packing.missing() {
-        return Err(CaptureError::not_built_in(path, missing));
+        return Err(InputError::not_built_in(path, missing));
     }
     let unpacked = packing.unpack(&input, room).map_err(|why| why.in_file(path, &format!("as {packing:?}")))?;
     let (input, start) = marked(unpacked).map_err(failed)?;
     match Packing::of(&start) {
-        Some(_) => Err(CaptureError::not_a_log(path, "it is packed twice; unpack it once")),
+        Some(_) => Err(InputError::not_a_log(path, "it is packed twice; unpack it once")),
         None => Ok(Log { path, input, room, start }),
     }
 }
@@ -78,9 +78,9 @@ pub fn open(path: &Path, input: Input) -> Result<Log<'_>, CaptureError> {
 ///
 /// # Errors
 /// It cannot be read, or is of a kind that nobody reads here.
-pub fn kind(path: &Path, input: Input) -> Result<String, CaptureError> {
-    let (input, start) = marked(input).map_err(|error| CaptureError::io("read", path, error))?;
-    let room = Room::of(0);
+pub fn kind(path: &Path, input: Input) -> Result<String, InputError> {
+    let (input, start) = marked(input).map_err(|error| InputError::io("read", path, error))?;
+    let room = MemoryBudget::of(0);
     Ok(match Packing::of(&start) {
         Some(packing) => format!("packed by {packing:?}"),
         None if start.starts_with(&ARROW_STREAM) => "Arrow stream".to_owned(),
@@ -139,12 +139,12 @@ impl LogForm {
 
 impl Log<'_> {
     /// Recognises the form; the error for an unsupported form says what to do.
-    pub fn form(&self) -> Result<LogForm, CaptureError> {
+    pub fn form(&self) -> Result<LogForm, InputError> {
         let starts = |mark: &[u8]| self.start.starts_with(mark);
         let foreign = FOREIGN.iter().find(|(mark, _)| starts(mark));
         match foreign {
-            Some((_, advice)) => Err(CaptureError::not_a_log(self.path, *advice)),
-            None if self.start.is_empty() => Err(CaptureError::not_a_log(self.path, "it is empty")),
+            Some((_, advice)) => Err(InputError::not_a_log(self.path, *advice)),
+            None if self.start.is_empty() => Err(InputError::not_a_log(self.path, "it is empty")),
             None if starts(b"PAR1") => Ok(LogForm::Parquet),
             None if starts(b"ARROW1") => Ok(LogForm::ArrowFile),
             None if starts(b"\x93NUMPY") => Ok(LogForm::Npy),
@@ -230,7 +230,7 @@ impl Packing {
     }
 
     /// Unpacks all of it, because some forms are not read from start to end.
-    fn unpack(self, packed: &Input, room: Room) -> Result<Input, Unpacking> {
+    fn unpack(self, packed: &Input, room: MemoryBudget) -> Result<Input, Unpacking> {
         let most = if packed.is_file() { room.bytes_on_disk() } else { room.bytes() };
         packed.unpacked(|unpacked| {
             let copied = catch_panic(|| {
@@ -238,7 +238,7 @@ impl Packing {
                 io::copy(&mut content.take(most.saturating_add(1)), unpacked)
             });
             let bytes = copied.unwrap_or_else(|| Err(io::Error::other("its content makes no sense")))?;
-            if packed.is_file() { room.check_on_disk(bytes) } else { room.check(bytes) }.map_err(Unpacking::NoRoom)
+            if packed.is_file() { room.check_on_disk(bytes) } else { room.check(bytes) }.map_err(Unpacking::OverBudget)
         })
     }
 
@@ -281,18 +281,18 @@ impl Read for Lz4Frames {
 /// Why a file could not be unpacked.
 pub enum Unpacking {
     /// It holds more than it may.
-    NoRoom(NoRoom),
+    OverBudget(OverBudget),
     /// It is damaged.
     Failed(io::Error),
 }
 
 impl Unpacking {
     /// The same, of the file at `path`.
-    pub fn in_file(self, path: &Path, place: &str) -> CaptureError {
+    pub fn in_file(self, path: &Path, place: &str) -> InputError {
         match self {
-            Self::NoRoom(why) => CaptureError::no_room(path, why),
+            Self::OverBudget(why) => InputError::over_budget(path, why),
             Self::Failed(error) => {
-                CaptureError::damaged(path, place, format!("it cannot be unpacked ({error}); was it cut short?"))
+                InputError::damaged(path, place, format!("it cannot be unpacked ({error}); was it cut short?"))
             }
         }
     }

@@ -264,12 +264,12 @@ fn fine_interval(rows: &[TimedRow]) -> Option<f64> {
 mod tests {
     use super::super::series::{Series, SeriesBuilder};
     use super::*;
-    use zerorate_record::limits::Room;
+    use zerorate_input::limits::MemoryBudget;
 
     /// Times and values as they stand in a file; gives times, values and what is said.
     fn mended(rows: &[(f64, f64)]) -> Result<(Vec<f64>, Vec<f64>, String), String> {
         let mut times = Times::new();
-        let mut values = SeriesBuilder::new(Room::of(0));
+        let mut values = SeriesBuilder::new(MemoryBudget::of(0));
         for (time, value) in rows {
             times.push_number(*time)?;
             values.push_number(*value);

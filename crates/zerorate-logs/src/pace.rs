@@ -2,7 +2,7 @@
 
 use super::Gap;
 use super::clock::median;
-use zerorate_record::TimeUnit;
+use zerorate_input::TimeUnit;
 
 /// Rows of a span. Its length tells the interval within a hundredth, even where the clock counts in steps as long as
 /// the interval.

@@ -3,7 +3,7 @@
 use super::open::Log;
 use super::sample::ROWS;
 use super::series::ROW_BYTES;
-use super::tabular::{self, TableColumns};
+use super::tabular::TableColumns;
 use super::{ColumnQuery, Found, Result};
 use arrow_array::{ArrayRef, RecordBatch};
 use arrow_schema::{DataType, Field, FieldRef, Schema};
@@ -19,9 +19,9 @@ use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
-use zerorate_record::limits::Room;
-use zerorate_record::parquet::{ParquetReader, guarded, refuse_joined};
-use zerorate_record::{CaptureError, Input, is_capture};
+use zerorate_input::limits::MemoryBudget;
+use zerorate_input::parquet::{guarded, refuse_joined};
+use zerorate_input::{Input, InputError};
 
 /// Rows per piece.
 const PIECE: usize = 1 << 16;
@@ -32,10 +32,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let metadata = guarded(path, || ArrowReaderMetadata::load(&file, ArrowReaderOptions::default()))?;
     refuse_joined(path, metadata.metadata(), &file)?;
     let schema = metadata.schema().clone();
-    if is_capture(schema.metadata()) {
-        return tabular::read(path, Box::new(ParquetReader::open(path, file)?), room, asked);
-    }
-    let mut reading = TableColumns::start(path, &schema, room, asked)?;
+    let mut reading = TableColumns::start(path, &schema, room, asked, None)?;
     let groups = Groups {
         path,
         file: Mutex::new(file),
@@ -52,10 +49,10 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
         let decoded: Vec<_> =
             (first..groups.len().min(first + at_once)).into_par_iter().map(|group| groups.decode(group)).collect();
         for pieces in decoded {
-            pieces?.iter().try_for_each(|piece| reading.append(piece, None))?;
+            pieces?.iter().try_for_each(|piece| reading.append(piece))?;
         }
     }
-    reading.finish(Vec::new())
+    reading.finish(None)
 }
 
 /// Columns of the row groups of a file.
@@ -66,7 +63,7 @@ struct Groups<'a> {
     columns: Vec<usize>,
     /// Bytes of a row of all columns.
     row_bytes: u64,
-    room: Room,
+    room: MemoryBudget,
     /// Rows of all groups that were decoded so far: a page of a few bytes may state any number of them.
     rows_read: AtomicU64,
 }
@@ -110,7 +107,7 @@ impl Groups<'_> {
     }
 
     /// The columns of a row group, piece by piece.
-    fn decode(&self, group: usize) -> Result<Vec<Vec<ArrayRef>>, CaptureError> {
+    fn decode(&self, group: usize) -> Result<Vec<Vec<ArrayRef>>, InputError> {
         let columns: Vec<Vec<ArrayRef>> = self
             .columns
             .iter()
@@ -207,6 +204,6 @@ impl ChunkReader for Chunk {
     }
 }
 
-fn damaged(path: &Path, what: &str) -> CaptureError {
-    CaptureError::damaged(path, "as a Parquet file", what)
+fn damaged(path: &Path, what: &str) -> InputError {
+    InputError::damaged(path, "as a Parquet file", what)
 }

@@ -3,7 +3,7 @@
 use super::{Clock, Column, ColumnOptions, ColumnQuery, Found, LogError, Result, Wanted, find};
 use crate::warning::LogWarning;
 use std::path::{Path, PathBuf};
-use zerorate_record::Input;
+use zerorate_input::Input;
 
 /// The files of a log.
 #[derive(Debug, Default)]
@@ -32,7 +32,7 @@ pub fn read_parts(
 }
 
 /// The same, with the question for the rate beside the columns where the log does not tell it.
-pub(crate) fn read_without_rate(
+pub fn read_without_rate(
     path: &Path,
     parts: impl Into<Parts>,
     wanted: Wanted<'_>,

@@ -4,7 +4,7 @@ use super::open::Log;
 use super::series::SeriesBuilder;
 use super::{Clock, Found, FoundColumn, Names, Result, Setting, wrong};
 use std::io::{ErrorKind, Read};
-use zerorate_record::CaptureError;
+use zerorate_input::InputError;
 
 /// Bytes that are read at a time; a multiple of the size of every type. (To map the file into memory would take
 /// `unsafe` code.)
@@ -48,12 +48,12 @@ impl RawType {
 /// Reads the whole file as one column.
 pub fn read(log: Log<'_>, raw: RawType, names: Names) -> Result<Found> {
     let setting = names.of(Setting::Raw);
-    let failed = |error| CaptureError::io("read", log.path, error);
+    let failed = |error| InputError::io("read", log.path, error);
     let bytes = log.input.length().map_err(failed)?;
     let size = raw.bytes();
     if !bytes.is_multiple_of(size as u64) {
         let what = format!("{bytes} bytes are not a multiple of {size}-byte numbers; check {setting}");
-        return Err(CaptureError::damaged(log.path, "as raw numbers", what).into());
+        return Err(InputError::damaged(log.path, "as raw numbers", what).into());
     }
     let mut values = SeriesBuilder::new(log.room);
     values.reserve((bytes / size as u64) as usize, matches!(raw, RawType::I16 | RawType::I32));
@@ -74,7 +74,7 @@ pub fn read(log: Log<'_>, raw: RawType, names: Names) -> Result<Found> {
             break;
         }
         let first = values.rows();
-        values.check_room((block.len() / size) as u64).map_err(|why| CaptureError::no_room(log.path, why))?;
+        values.check_room((block.len() / size) as u64).map_err(|why| InputError::over_budget(log.path, why))?;
         raw.append(&mut values, block).map_err(|at| {
             let what = format!("it is infinite: is {setting} right?");
             wrong(log.path, format_args!("number {}", first + at as u64), what)

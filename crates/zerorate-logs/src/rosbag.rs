@@ -9,9 +9,9 @@ use super::{ColumnQuery, Found, Result};
 use std::collections::BTreeMap;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
-use zerorate_record::catch_panic::catch_panic;
-use zerorate_record::limits::{NoRoom, Room};
-use zerorate_record::{CaptureError, CaptureWarning, Input};
+use zerorate_input::catch_panic::catch_panic;
+use zerorate_input::limits::{MemoryBudget, OverBudget};
+use zerorate_input::{Input, InputError, InputWarning};
 
 /// Bytes that a read asks the system for.
 const BUFFER: usize = 1 << 18;
@@ -65,7 +65,7 @@ struct Topic {
 
 /// The topics with an IMU by the number of their connection, and the types of the other topics. A bag that was closed
 /// lists its connections behind its chunks. In a bag that was not closed, they stand in the chunks.
-fn topics(path: &Path, file: &mut BufReader<Input>, room: Room) -> Result<Topics> {
+fn topics(path: &Path, file: &mut BufReader<Input>, room: MemoryBudget) -> Result<Topics> {
     let (mut connections, mut others) = (BTreeMap::new(), BTreeMap::new());
     for skip_chunks in [true, false] {
         let torn = Records { path, file, room, bytes: 0 }.each(skip_chunks, |record| {
@@ -152,7 +152,7 @@ fn field<'a>(mut fields: &'a [u8], wanted: &[u8]) -> Option<&'a [u8]> {
 struct Records<'a> {
     path: &'a Path,
     file: &'a mut BufReader<Input>,
-    room: Room,
+    room: MemoryBudget,
     /// Bytes of all chunks after unpacking.
     bytes: u64,
 }
@@ -160,7 +160,7 @@ struct Records<'a> {
 /// Why there are no more records.
 enum Stop {
     Early(EarlyEnd),
-    Failed(CaptureError),
+    Failed(InputError),
 }
 
 /// Why the records end before the file does.
@@ -172,13 +172,13 @@ enum EarlyEnd {
 }
 
 impl EarlyEnd {
-    fn warning(self, path: &Path) -> CaptureWarning {
+    fn warning(self, path: &Path) -> InputWarning {
         let path = path.display();
         match self {
             Self::Torn(why) => {
-                CaptureWarning::Torn(format!("{path} was not closed or is damaged ({why}); the rest is dropped"))
+                InputWarning::Torn(format!("{path} was not closed or is damaged ({why}); the rest is dropped"))
             }
-            Self::AnotherBag(bytes) => CaptureWarning::BytesBehindEnd { path: path.to_string(), bytes },
+            Self::AnotherBag(bytes) => InputWarning::BytesBehindEnd { path: path.to_string(), bytes },
         }
     }
 }
@@ -203,9 +203,9 @@ impl Records<'_> {
     fn each(
         &mut self,
         skip_chunks: bool,
-        mut take: impl FnMut(&Record) -> Result<(), CaptureError>,
-    ) -> Result<Option<EarlyEnd>, CaptureError> {
-        let failed = |error| CaptureError::io("read", self.path, error);
+        mut take: impl FnMut(&Record) -> Result<(), InputError>,
+    ) -> Result<Option<EarlyEnd>, InputError> {
+        let failed = |error| InputError::io("read", self.path, error);
         self.file.seek(SeekFrom::Start(ROS_BAG.len() as u64)).map_err(failed)?;
         let length = self.file.get_ref().length().map_err(failed)?;
         loop {
@@ -222,7 +222,7 @@ impl Records<'_> {
         &mut self,
         length: u64,
         skip_chunks: bool,
-        take: &mut impl FnMut(&Record) -> Result<(), CaptureError>,
+        take: &mut impl FnMut(&Record) -> Result<(), InputError>,
     ) -> Result<bool, Stop> {
         let here = self.file.stream_position()?;
         if here >= length {
@@ -274,7 +274,7 @@ impl Records<'_> {
     fn unpacked(&mut self, chunk: &Record) -> Result<Vec<u8>, Stop> {
         let size = chunk.number(b"size").ok_or_else(|| Stop::torn("a chunk does not state its size".to_owned()))?;
         self.bytes = self.bytes.saturating_add(size.into());
-        let no_room = |why: NoRoom| Stop::Failed(CaptureError::no_room(self.path, why));
+        let no_room = |why: OverBudget| Stop::Failed(InputError::over_budget(self.path, why));
         self.room.check(size.into()).map_err(no_room)?;
         self.room.check_on_disk(self.bytes).map_err(no_room)?;
         let packed = chunk.data.as_slice();
@@ -299,7 +299,7 @@ impl Records<'_> {
     }
 }
 
-fn in_chunk(mut chunk: &[u8], take: &mut impl FnMut(&Record) -> Result<(), CaptureError>) -> Result<(), Stop> {
+fn in_chunk(mut chunk: &[u8], take: &mut impl FnMut(&Record) -> Result<(), InputError>) -> Result<(), Stop> {
     if chunk.is_empty() {
         return Ok(());
     }

@@ -7,8 +7,8 @@ use arrow_array::types::Int64Type;
 use arrow_array::{Array, ArrayRef};
 use arrow_schema::{DataType, Field, TimeUnit as ArrowUnit};
 use std::borrow::Cow;
-use zerorate_record::cells::{floats, integers};
-use zerorate_record::{TimeUnit, Unit};
+use zerorate_input::cells::{floats, integers};
+use zerorate_input::{TimeUnit, Unit};
 
 /// Rows that are kept at most.
 pub const ROWS: usize = 2048;

@@ -2,7 +2,7 @@
 
 use super::Gap;
 use zerorate_allan::Input;
-use zerorate_record::limits::{NoRoom, Room};
+use zerorate_input::limits::{MemoryBudget, OverBudget};
 
 /// Missing samples that are filled in at most: a bound on memory where a clock leaps.
 const MAX_FILLED: u64 = 10_000_000;
@@ -49,19 +49,19 @@ pub struct SeriesBuilder {
     /// Beside codes only: numbers hold NaN instead.
     gaps: Vec<Gap>,
     rows: u64,
-    room: Room,
+    room: MemoryBudget,
     /// The number of series that share the room.
     sharing: u64,
 }
 
 impl SeriesBuilder {
     /// No number yet.
-    pub fn new(room: Room) -> Self {
+    pub fn new(room: MemoryBudget) -> Self {
         Self::sharing(room, 1)
     }
 
     /// The same, of so many series in one room, which grow together.
-    pub fn sharing(room: Room, series: usize) -> Self {
+    pub fn sharing(room: MemoryBudget, series: usize) -> Self {
         let sharing = series.max(1) as u64;
         Self { series: Series::Codes(Vec::new()), gaps: Vec::new(), rows: 0, room, sharing }
     }
@@ -73,7 +73,7 @@ impl SeriesBuilder {
 
     /// Whether there is room for `more` rows. To be asked before rows are added that the file need not hold byte for
     /// byte.
-    pub fn check_room(&self, more: u64) -> Result<(), NoRoom> {
+    pub fn check_room(&self, more: u64) -> Result<(), OverBudget> {
         self.room.check(self.rows.saturating_add(more).saturating_mul(self.row_bytes()))
     }
 
@@ -293,10 +293,10 @@ fn inner(mut gaps: Vec<Gap>, len: usize) -> Vec<Gap> {
 /// be too many.
 pub fn with_gaps(codes: &[i32], gaps: &[Gap]) -> Result<Vec<f64>, u64> {
     let numbers: Vec<f64> = codes.iter().map(|code| f64::from(*code)).collect();
-    filled(&numbers, gaps, Room::of(codes.len() as u64), ROW_BYTES)
+    filled(&numbers, gaps, MemoryBudget::of(codes.len() as u64), ROW_BYTES)
 }
 
-fn filled(numbers: &[f64], between_rows: &[Gap], room: Room, row_bytes: u64) -> Result<Vec<f64>, u64> {
+fn filled(numbers: &[f64], between_rows: &[Gap], room: MemoryBudget, row_bytes: u64) -> Result<Vec<f64>, u64> {
     let missing = missing_in(between_rows);
     let all = missing.saturating_add(numbers.len() as u64);
     if missing > MAX_FILLED || room.check(all.saturating_mul(row_bytes)).is_err() {
@@ -323,7 +323,7 @@ mod tests {
 
     /// Rows: 10, empty, 11, 12, empty, empty, 13, and samples lost between some of them.
     fn build(last: impl Fn(&mut SeriesBuilder)) -> (Series, Vec<Gap>) {
-        let mut builder = SeriesBuilder::new(Room::of(0));
+        let mut builder = SeriesBuilder::new(MemoryBudget::of(0));
         builder.push_missing();
         builder.push_integer(10);
         builder.push_missing();
@@ -364,7 +364,7 @@ mod tests {
 
     #[test]
     fn large_integers_are_numbers() {
-        let mut builder = SeriesBuilder::new(Room::of(0));
+        let mut builder = SeriesBuilder::new(MemoryBudget::of(0));
         builder.push_integer(-7);
         builder.push_integer(1 << 40);
         assert_eq!(builder.finish(&[]).unwrap().0, Series::Numbers(vec![-7.0, 1_099_511_627_776.0]));
@@ -372,7 +372,7 @@ mod tests {
 
     #[test]
     fn infinity_and_endless_gaps_are_refused() {
-        let mut builder = SeriesBuilder::new(Room::of(0));
+        let mut builder = SeriesBuilder::new(MemoryBudget::of(0));
         assert!(!builder.push_number(f64::INFINITY));
         assert_eq!(builder.extend_numbers([1.0, f64::NEG_INFINITY].into_iter()), Err(1));
         builder.extend_numbers([1.0, 2.0].into_iter()).unwrap();

@@ -2,13 +2,9 @@
 
 use super::tests::{imu, mcap_packed, npy, options, sqlite_bag, tables};
 use super::*;
-use adis16130::Width;
 use arrow_array::{ArrayRef, DurationNanosecondArray, Float64Array, Int32Array, Int64Array, NullArray, StringArray};
-use std::fs::{self, File};
 use std::path::PathBuf;
 use std::sync::Arc;
-use tempfile::TempDir;
-use zerorate_record::{CaptureWriter, Converter, Format, Row};
 
 fn all(content: &[u8], wanted: Wanted<'_>, said: &str) -> Result<Vec<Column>> {
     read_all(Path::new("log"), content.to_vec().into(), wanted, &options(said))
@@ -149,62 +145,17 @@ fn quantities_of_bags() {
     assert!(all(&two, Wanted::Listed(&names), "").unwrap_err().to_string().contains("two topics"));
 }
 
-/// A capture of 2,500 samples with losses, and with status and temperature now and then.
-fn capture(format: Format) -> Vec<u8> {
-    let folder = TempDir::new().unwrap();
-    let path = folder.path().join("capture");
-    let info = zerorate_record::CaptureInfo::adis16130(Converter {
-        width: Width::Bits24,
-        rate_conversion: 5,
-        temp_conversion: 5,
-    });
-    let mut writer = CaptureWriter::create(&path, Box::new(File::create(&path).unwrap()), format, &info).unwrap();
-    for i in 0..2_500_u32 {
-        let lost = if i > 0 && i.is_multiple_of(1000) { 3 } else { 0 };
-        let t_ns = 1_000 + u64::from(i + 3 * (i / 1000)) * 175_667;
-        let row = Row::new(t_ns, i, &[i64::from(i.wrapping_mul(2_654_435_761) >> 8)]).unwrap();
-        let row = row.with_status((!i.is_multiple_of(5)).then_some(i & 0xFF));
-        let row = row.with_temp_code(i.is_multiple_of(3).then(|| (0x00FF_FFFF - i).into()));
-        writer.push(&row.with_lost(lost)).unwrap();
-    }
-    writer.finish().unwrap();
-    fs::read(&path).unwrap()
-}
-
+/// A table that does not describe itself has no temperature beside the columns that are asked for.
 #[test]
-fn columns_of_captures() {
-    for format in [Format::Arrows, Format::Parquet, Format::Csv] {
-        let content = capture(format);
-        let columns = same(&content, &["temp_code", "rate_code", "status"], "");
-        assert_eq!(columns[1], all(&content, Wanted::All, "").unwrap().remove(0), "the rates");
-    }
-}
-
-/// One pass gives what two passes give, and never a column that was asked for as the one beside it.
-#[test]
-fn the_temperature_of_a_capture_comes_with_its_rate() {
-    for format in [Format::Arrows, Format::Parquet, Format::Csv] {
-        let content = capture(format);
-        let together = |wanted, said: &str| {
-            let parts = vec![(PathBuf::from("log"), Input::from(content.clone()))];
-            read_with_temperature(Path::new("log"), parts, wanted, &options(said)).unwrap()
-        };
-        let (columns, temperature) = together(Wanted::One(None), "");
-        assert_eq!(columns, all(&content, Wanted::One(None), "").unwrap());
-        let alone = all(&content, Wanted::One(Some("temp_code")), "").unwrap();
-        let temperature = temperature.unwrap();
-        assert_eq!((&temperature.series, &temperature.gaps), (&alone[0].series, &alone[0].gaps));
-        let (asked, beside) = together(Wanted::One(Some("temp_code")), "");
-        assert_eq!((asked[0].name.as_str(), asked.len(), beside), ("temp_code", 1, None));
-    }
+fn a_table_has_no_temperature_beside_its_columns() {
     let parts = vec![(PathBuf::from("log"), Input::from(b"temp_c,x\n1,2\n3,4\n".to_vec()))];
     let (_, beside) =
         read_with_temperature(Path::new("log"), parts, Wanted::One(Some("x")), &options("--rate 1")).unwrap();
-    assert_eq!(beside, None, "of no capture");
+    assert_eq!(beside, None);
 }
 
 #[test]
-fn what_cannot_be_chosen() {
+fn a_column_is_chosen_once_and_by_a_name_that_exists() {
     let error = |wanted: &[&str]| {
         let wanted: Vec<String> = wanted.iter().map(|name| (*name).to_owned()).collect();
         all(b"x,y,t\n1,2,3\n4,5,6\n", Wanted::Listed(&wanted), "--time-column t").unwrap_err().to_string()
@@ -218,9 +169,9 @@ fn what_cannot_be_chosen() {
 /// More columns take more of the room that the file has.
 #[test]
 fn memory_is_that_of_all_columns() {
-    let one = SeriesBuilder::new(zerorate_record::limits::Room::of(0));
-    let eight = SeriesBuilder::sharing(zerorate_record::limits::Room::of(0), 8);
-    let rows = zerorate_record::limits::FREE_BYTES / 16;
+    let one = SeriesBuilder::new(zerorate_input::limits::MemoryBudget::of(0));
+    let eight = SeriesBuilder::sharing(zerorate_input::limits::MemoryBudget::of(0), 8);
+    let rows = zerorate_input::limits::FREE_BYTES / 16;
     assert!(one.check_room(rows).is_ok() && one.check_room(rows + 1).is_err());
     assert!(eight.check_room(rows / 8).is_ok() && eight.check_room(rows / 8 + 1).is_err());
 }

@@ -9,16 +9,16 @@ use rusqlite::config::DbConfig;
 use rusqlite::limits::Limit;
 use rusqlite::{Connection, OpenFlags, types::ValueRef};
 use std::io::Seek;
-use zerorate_record::{CaptureError, CaptureWarning, Input};
+use zerorate_input::{Input, InputError, InputWarning};
 
 /// Reads quantities of the IMU messages.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let (path, room) = (log.path, log.room);
     let failed = |error: rusqlite::Error| {
         let remedy = "if it is a bag of ROS 2, `ros2 bag convert` or `ros2 bag reindex` may help";
-        CaptureError::damaged(path, "as a ROS 2 bag in SQLite", format!("{error}; {remedy}"))
+        InputError::damaged(path, "as a ROS 2 bag in SQLite", format!("{error}; {remedy}"))
     };
-    let behind = end(&log.input).map(|end| CaptureWarning::behind_end(path, &log.input, end)).transpose()?.flatten();
+    let behind = end(&log.input).map(|end| InputWarning::behind_end(path, &log.input, end)).transpose()?.flatten();
     let bag = open(log, failed)?;
     let (topics, others): (Vec<Topic>, Vec<Topic>) =
         topics_of(&bag).map_err(failed)?.into_iter().partition(|topic| !topic.imus.is_empty());
@@ -32,7 +32,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     for Topic { id, name: topic, format, .. } in ids {
         let encoding = Encoding::of(format).ok_or_else(|| {
             let what = format!("its messages are encoded in `{format}`; cdr is read");
-            CaptureError::damaged(path, format!("topic {topic}"), what)
+            InputError::damaged(path, format!("topic {topic}"), what)
         })?;
         let mut query =
             bag.prepare("SELECT data FROM messages WHERE topic_id = ?1 ORDER BY timestamp, id").map_err(failed)?;
@@ -42,7 +42,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
                 ValueRef::Blob(message) => collector.push(encoding, message)?,
                 other => {
                     let what = format!("a message is of type {}", other.data_type());
-                    return Err(CaptureError::damaged(path, format!("topic {topic}"), what).into());
+                    return Err(InputError::damaged(path, format!("topic {topic}"), what).into());
                 }
             }
         }
@@ -64,14 +64,14 @@ fn end(input: &Input) -> Option<u64> {
 }
 
 /// Opens a bag as a set of tables and nothing more: its schema is somebody else's program.
-fn open(log: Log<'_>, failed: impl Fn(rusqlite::Error) -> CaptureError) -> Result<Connection, CaptureError> {
+fn open(log: Log<'_>, failed: impl Fn(rusqlite::Error) -> InputError) -> Result<Connection, InputError> {
     let bag = if !log.input.has_name() {
         // a database is opened by its name, and what was unpacked has none
-        let length = log.input.length().map_err(|error| CaptureError::io("read", log.path, error))?;
-        log.room.check(length).map_err(|why| CaptureError::no_room(log.path, why))?;
+        let length = log.input.length().map_err(|error| InputError::io("read", log.path, error))?;
+        log.room.check(length).map_err(|why| InputError::over_budget(log.path, why))?;
         let mut bag = Connection::open_in_memory().map_err(&failed)?;
         let mut input = log.input;
-        input.rewind().map_err(|error| CaptureError::io("read", log.path, error))?;
+        input.rewind().map_err(|error| InputError::io("read", log.path, error))?;
         bag.deserialize_read_exact("main", input, length as usize, true).map_err(&failed)?;
         bag
     } else {

@@ -2,7 +2,7 @@
 
 use crate::{Column, Result};
 use std::io::{Read, Seek, SeekFrom};
-use zerorate_record::Input;
+use zerorate_input::Input;
 
 /// The usual names of a temperature in logs.
 pub const TEMPERATURE_NAMES: [&str; 4] = ["temp_code", "temp_c", "temp", "temperature"];

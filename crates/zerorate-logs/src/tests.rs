@@ -293,26 +293,6 @@ fn units_are_declared_or_said_to_be_unknown() {
     assert!(error.to_string().contains("`gz_rad_s` states rad/s, and unit says dps, 0.0175 times"), "{error}");
 }
 
-#[test]
-fn a_capture_tells_what_it_lost() {
-    let folder = Folder::new();
-    let head = "# zerorate.capture_schema = 1\n# zerorate.width_bits = 24\n# zerorate.rate_conversion = 5\n# \
-        zerorate.temp_conversion = 5\n\
-                t_ns,edge_seq,rate_code,status,temp_code,lost\n";
-    // 7 before the first row do not matter: the record had not begun
-    let rows = "0,1,8388608,8,8400000,7\n10000000,2,8388610,8,,0\n40000000,5,8388609,8,,2\n50000000,6,8388611,8,,0\n";
-    let column = folder.read(format!("{head}{rows}"), "").unwrap();
-    assert_eq!((column.gaps.as_slice(), column.rate_hz), (&[Gap { at: 2, missing: 2 }][..], 100.0));
-    assert_eq!((column.scale, column.missing(), column.quantity), (1.0 / 23_488.0, 2, Some(Quantity::AngularRate)));
-    let mut closed = column;
-    closed.close_gaps();
-    assert_eq!((closed.missing(), closed.series.len()), (0, 4));
-    let back = "0,1,8388608,8,,0\n10,2,8388608,8,,0\n10,3,8388608,8,,0\n";
-    assert!(folder.fails(format!("{head}{back}"), "").contains("row 2: t_ns does not increase, from 10 to 10"));
-    let wide = "0,1,16777216,8,,0\n";
-    assert!(folder.fails(format!("{head}{wide}"), "").contains("16777216 is not a code of 24 bits"));
-}
-
 /// A number of samples counts those that are missing; a gap that is cut through is left out whole.
 #[test]
 fn the_beginning_is_left_out() {

@@ -3,7 +3,7 @@
 use crate::clock::Times;
 use crate::{LogError, Names, Setting};
 use std::path::Path;
-use zerorate_record::TimeUnit;
+use zerorate_input::TimeUnit;
 
 /// Rates of sensors, Hz: from one sample in a minute or two to the fastest registers.
 const RATES_HZ: std::ops::RangeInclusive<f64> = 0.01..=50_000.0;

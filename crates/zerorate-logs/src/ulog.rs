@@ -1,10 +1,9 @@
 //! Logs of PX4 in ULog (<https://docs.px4.io/main/en/dev_log/ulog_file_format.html>): formats that name the fields of
 //! messages, subscriptions that name topics, and data. Times are µs since the start of the flight controller.
 
-use super::choice::Described;
+use super::choice::{ColumnSpec, TEMPERATURE_COLUMN};
 use super::clock::Times;
 use super::open::{Log, ULOG};
-use super::part_log::TEMP;
 use super::series::SeriesBuilder;
 use super::topics::{Survey, several};
 use super::{Clock, ColumnQuery, Found, FoundColumn, LogError, Result, Setting, Wanted, wrong};
@@ -12,7 +11,7 @@ use crate::warning::LogWarning;
 use std::collections::BTreeMap;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
-use zerorate_record::{CaptureError, CaptureWarning, Input, Quantity, TimeUnit, Unit};
+use zerorate_input::{Input, InputError, InputWarning, Quantity, TimeUnit, Unit};
 
 /// Bytes that a read asks the system for.
 const BUFFER: usize = 1 << 18;
@@ -75,7 +74,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
         }
         full.is_none()
     })?;
-    full.map_or(Ok(()), |why| Err(CaptureError::no_room(path, why)))?;
+    full.map_or(Ok(()), |why| Err(InputError::over_budget(path, why)))?;
     let name = format!("{}.{}", chosen.topic, chosen.time.name);
     let columns = chosen.fields.into_iter().zip(values).map(|((name, field), values)| FoundColumn {
         stated: stated(&chosen.topic, &field.name).or_else(|| temperature(&chosen.topic, &field.name)),
@@ -100,10 +99,10 @@ fn temperature(topic: &str, field: &str) -> Option<(Quantity, f64)> {
 }
 
 /// The field of an axis or the temperature, where the part does not name it: a field of the only gyroscope.
-fn of_driver(column: &Described) -> String {
+fn of_driver(column: &ColumnSpec) -> String {
     match (column.is_exact, column.name.as_str()) {
         (true, name) => name.to_owned(),
-        (false, TEMP) => format!("{GYRO}.temperature"),
+        (false, TEMPERATURE_COLUMN) => format!("{GYRO}.temperature"),
         (false, name) => format!("{GYRO}.{name}"),
     }
 }
@@ -115,9 +114,9 @@ struct Messages<'a> {
 }
 
 impl<'a> Messages<'a> {
-    fn new(path: &'a Path, mut file: BufReader<Input>) -> Result<Self, CaptureError> {
+    fn new(path: &'a Path, mut file: BufReader<Input>) -> Result<Self, InputError> {
         let mut head = [0; HEAD];
-        file.read_exact(&mut head).map_err(|_| CaptureError::damaged(path, "as a PX4 log", "it ends in its head"))?;
+        file.read_exact(&mut head).map_err(|_| InputError::damaged(path, "as a PX4 log", "it ends in its head"))?;
         Ok(Self { path, file })
     }
 
@@ -125,11 +124,11 @@ impl<'a> Messages<'a> {
     /// early.
     fn all(
         &mut self,
-        of_end: &mut Option<CaptureWarning>,
+        of_end: &mut Option<InputWarning>,
         mut take: impl FnMut(u8, &[u8]) -> bool,
-    ) -> Result<Input, CaptureError> {
-        let failed = |error| CaptureError::io("read", self.path, error);
-        let torn = |why| CaptureWarning::Torn(format!("{}: {why}; the rest is dropped", self.path.display()));
+    ) -> Result<Input, InputError> {
+        let failed = |error| InputError::io("read", self.path, error);
+        let torn = |why| InputWarning::Torn(format!("{}: {why}; the rest is dropped", self.path.display()));
         let (mut body, mut end) = (Vec::new(), HEAD as u64);
         loop {
             let mut head = [0; 3];
@@ -142,7 +141,7 @@ impl<'a> Messages<'a> {
             body.clear();
             (&mut self.file).take(length).read_to_end(&mut body).map_err(failed)?;
             if head == ULOG[..3] && body.starts_with(&ULOG[3..]) {
-                *of_end = CaptureWarning::behind_end(self.path, self.file.get_ref(), end)?;
+                *of_end = InputWarning::behind_end(self.path, self.file.get_ref(), end)?;
                 break;
             }
             if (body.len() as u64) < length {

@@ -2,17 +2,19 @@
 
 use std::fmt;
 use zerorate_allan::rows;
-use zerorate_record::CaptureWarning;
+use zerorate_input::InputWarning;
 
 /// A warning about a log, which was read. `path` names the file.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are what the text shows")]
 pub enum LogWarning {
-    /// A warning about a capture that is read as a log.
-    Capture(CaptureWarning),
-    /// A warning about the readings of a capture.
-    Readings { path: String, warning: CaptureWarning },
+    /// A warning about the end of the file.
+    File(InputWarning),
+    /// A warning of a table that describes itself.
+    OfTable { code: &'static str, text: String },
+    /// A warning of such a table about a column of it.
+    OfReadings { path: String, code: &'static str, text: String },
     /// A bag does not hold as many messages as it states.
     Miscounted { path: String, topic: String, stated: u64, found: u64 },
     /// Rows of the log of a part lack the value of an axis.
@@ -64,9 +66,9 @@ pub enum LogWarning {
 }
 
 rows!(match LogWarning {
-    Self::Capture(ref warning) => Row { code: { warning.code() }, text: format_args!("{warning}") },
-    Self::Readings { ref path, ref warning } =>
-        Row { code: { warning.code() }, text: format_args!("{path}: {warning}") },
+    Self::File(ref warning) => Row { code: { warning.code() }, text: format_args!("{warning}") },
+    Self::OfTable { code, ref text } => Row { code: { code }, text: format_args!("{text}") },
+    Self::OfReadings { ref path, code, ref text } => Row { code: { code }, text: format_args!("{path}: {text}") },
     Self::Miscounted { ref path, ref topic, stated, found } => Row {
         code: "messages-miscounted",
         text: format_args!("{path} states {stated} messages of {topic} and holds {found}; take another copy"),
@@ -151,14 +153,14 @@ rows!(match LogWarning {
 impl LogWarning {
     /// The warning about a file whose end is missing; empty where the end is there.
     pub(crate) fn torn(text: Option<String>) -> Vec<Self> {
-        text.map(|text| CaptureWarning::Torn(text).into()).into_iter().collect()
+        text.map(|text| InputWarning::Torn(text).into()).into_iter().collect()
     }
 
     /// Whether it is about the log as a whole, and not about one of its columns.
     #[must_use]
     pub fn is_of_log(&self) -> bool {
         match self {
-            Self::Readings { .. }
+            Self::OfReadings { .. }
             | Self::OffCodes { .. }
             | Self::Stopped { .. }
             | Self::Hung { .. }
@@ -167,7 +169,8 @@ impl LogWarning {
             | Self::CodesUnsigned { .. }
             | Self::CoarseCodes { .. }
             | Self::UnitUnknown { .. } => false,
-            Self::Capture(_)
+            Self::File(_)
+            | Self::OfTable { .. }
             | Self::Miscounted { .. }
             | Self::RowsIncomplete { .. }
             | Self::TimesMended { .. }
@@ -200,8 +203,8 @@ impl fmt::Display for LogWarning {
     }
 }
 
-impl From<CaptureWarning> for LogWarning {
-    fn from(warning: CaptureWarning) -> Self {
-        Self::Capture(warning)
+impl From<InputWarning> for LogWarning {
+    fn from(warning: InputWarning) -> Self {
+        Self::File(warning)
     }
 }

@@ -2,8 +2,8 @@
 
 use std::io::{self, BufReader, Read, Seek};
 use std::path::Path;
-use zerorate_record::limits::Room;
-use zerorate_record::{CaptureError, Input};
+use zerorate_input::limits::MemoryBudget;
+use zerorate_input::{Input, InputError};
 
 /// Bytes that a read asks the system for.
 const BUFFER: usize = 1 << 16;
@@ -22,15 +22,15 @@ fn order(start: &[u8]) -> Option<bool> {
 }
 
 /// The text in UTF-8, if it is in UTF-16; anything else as it is.
-pub fn narrowed(path: &Path, mut input: Input, room: Room) -> Result<Input, CaptureError> {
-    let failed = |error| CaptureError::io("read", path, error);
+pub fn narrowed(path: &Path, mut input: Input, room: MemoryBudget) -> Result<Input, InputError> {
+    let failed = |error| InputError::io("read", path, error);
     let mut start = Vec::new();
     (&mut input).take(16).read_to_end(&mut start).map_err(failed)?;
     input.rewind().map_err(failed)?;
     let Some(is_big) = order(&start) else { return Ok(input) };
     // each character grows to three bytes at most, from two
     let length = input.length().map_err(failed)?;
-    room.check_on_disk(length.saturating_mul(2)).map_err(|why| CaptureError::no_room(path, why))?;
+    room.check_on_disk(length.saturating_mul(2)).map_err(|why| InputError::over_budget(path, why))?;
     let again = input.try_clone().map_err(failed)?;
     let text = again.unpacked(|out| write(BufReader::with_capacity(BUFFER, input), is_big, out));
     text.map_err(failed)

@@ -3,18 +3,15 @@
 /// Stands in for [`crate::parquet`].
 #[cfg(not(feature = "parquet"))]
 pub mod parquet {
-    use crate::blocks::{BlockSink, Opened, Out};
-    use crate::{CaptureError, Input, NotBuiltIn};
+    use crate::CaptureError;
+    use crate::blocks::{BlockSink, Out};
     use arrow_schema::SchemaRef;
     use std::path::Path;
+    use zerorate_input::NotBuiltIn;
 
     pub const BLOCK: usize = 1;
 
     pub fn sink(path: &Path, _: Out, _: &SchemaRef) -> Result<Box<dyn BlockSink>, CaptureError> {
-        Err(CaptureError::not_built_in(path, NotBuiltIn::PARQUET))
-    }
-
-    pub fn source(path: &Path, _: Input) -> Result<Opened, CaptureError> {
         Err(CaptureError::not_built_in(path, NotBuiltIn::PARQUET))
     }
 }

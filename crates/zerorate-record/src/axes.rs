@@ -78,7 +78,7 @@ fn every_form_gives_back_every_axis() {
 fn recognised(path: &Path) -> Box<dyn BatchSource> {
     match table::recognise(path, fs::File::open(path).unwrap().into()).unwrap() {
         Opened::Table(source) => source,
-        Opened::Text(_) => panic!("text"),
+        Opened::Other(_) => panic!("text"),
     }
 }
 

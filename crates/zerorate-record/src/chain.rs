@@ -10,25 +10,10 @@ use arrow_schema::{DataType, Field, Metadata, Schema, SchemaRef};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use zerorate_input::table::{CHECKS, DESCRIPTION};
 
 /// Metadata of the table: the check of the description itself.
 pub const HEAD: &str = "zerorate.check.head";
-
-/// Key of the check of a block.
-pub const BATCH: &str = "zerorate.check.batch";
-
-/// In Parquet, whose index is in one place: the checks of all blocks, in order, with blanks between.
-#[cfg(feature = "parquet")]
-pub const BATCHES: &str = "zerorate.check.batches";
-
-/// Behind the last row: [`End`].
-pub const END: &str = "zerorate.check.end";
-
-/// Start of the keys that no check covers: the checks.
-pub const CHECKS: &str = "zerorate.check.";
-
-/// Start of the metadata keys that are part of the description.
-const DESCRIPTION: &str = "zerorate.";
 
 const PREFIX: &[u8] = b"zerorate.capture.v2\n";
 const END_MARK: &[u8] = b"end\n";

@@ -2,7 +2,6 @@
 //! and whether the rows agree with each other.
 
 use super::CaptureError;
-use super::blocks::BatchSource;
 use super::chain::{self, Chain, End};
 use super::columns::Rows;
 use super::info::CaptureInfo;
@@ -12,6 +11,8 @@ use super::warning::CaptureWarning;
 use arrow_array::RecordBatch;
 use arrow_schema::{Metadata, SchemaRef};
 use std::path::{Path, PathBuf};
+use zerorate_input::InputWarning;
+use zerorate_input::table::{BatchSource, END};
 
 /// Reads a table that claims to be a capture.
 pub struct Checked {
@@ -110,12 +111,9 @@ impl Checked {
     }
 
     /// What is said of bytes that follow the end, once all rows were read.
-    pub fn behind_end(&self) -> Option<&CaptureWarning> {
-        self.source
-            .stated()
-            .warning
-            .as_ref()
-            .filter(|warning| matches!(warning, CaptureWarning::BytesBehindEnd { .. }))
+    pub fn behind_end(&self) -> Option<&InputWarning> {
+        let warning = self.source.stated().warning.as_ref();
+        warning.filter(|warning| matches!(warning, InputWarning::BytesBehindEnd { .. }))
     }
 
     /// The warnings, once all rows were read.
@@ -128,7 +126,8 @@ impl Checked {
         };
         let rows = self.found.edges_out_of_place;
         let edges = (rows > 0).then(|| CaptureWarning::EdgesMisplaced { path: path(), rows });
-        self.source.stated().warning.clone().into_iter().chain(unchecked).chain(edges).collect()
+        let of_file = self.source.stated().warning.clone().map(CaptureWarning::File);
+        of_file.into_iter().chain(unchecked).chain(edges).collect()
     }
 
     /// The next rows, with the batch that they stand in.
@@ -174,7 +173,7 @@ impl Checked {
         if self.info.schema == 1 {
             return self.succession.review().map_err(|what| self.contradiction("the first rows", &what));
         }
-        let (chain, end) = match (&self.checks, self.source.stated().end.as_ref()) {
+        let (chain, end) = match (&self.checks, self.end()?) {
             (Checks::Chained(chain), Some(end)) => (chain, end),
             (Checks::Stripped, None) if !self.source.stated().torn => return Ok(()),
             (Checks::Chained(_), None) if self.source.stated().torn => return Ok(()),
@@ -187,7 +186,7 @@ impl Checked {
             }
         };
         let computed = chain.end();
-        if *end != computed {
+        if end != computed {
             return Err(self.wrong_end(format!(
                 "it ends after {} rows with the sample hash {}, its end states {} and {}",
                 computed.rows, computed.samples_sha256, end.rows, end.samples_sha256
@@ -234,8 +233,13 @@ impl Checked {
     }
 
     /// The statement at the end of the file, once all rows were read.
-    pub fn end(&self) -> Option<&End> {
-        self.source.stated().end.as_ref()
+    ///
+    /// # Errors
+    /// The statement is malformed.
+    pub fn end(&self) -> Result<Option<End>, CaptureError> {
+        let Some(stated) = &self.source.stated().end else { return Ok(None) };
+        let malformed = || CaptureError::damaged(&self.path, "metadata", format!("`{END}` is malformed: {stated}"));
+        End::parse(stated).map(Some).ok_or_else(malformed)
     }
 }
 

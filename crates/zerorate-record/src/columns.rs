@@ -4,7 +4,6 @@ use super::CaptureError;
 use super::layout::{CodedAxis, Layout};
 use super::row::Row;
 use super::succession::Mark;
-use crate::cells::integers;
 use arrow_array::builder::{PrimitiveBuilder, UInt32Builder};
 use arrow_array::types::{Int32Type, UInt8Type, UInt16Type, UInt32Type, UInt64Type};
 use arrow_array::{Array, ArrayRef, ArrowPrimitiveType, Int32Array, PrimitiveArray, RecordBatch, UInt32Array};
@@ -13,6 +12,7 @@ use arrow_schema::{ArrowError, DataType, Field};
 use std::path::Path;
 use std::sync::Arc;
 use zerorate::{MAX_AXES, Reading, Scale};
+use zerorate_input::cells::integers;
 
 /// Rows in a batch at most: a bound on memory.
 pub const MAX_ROWS: usize = 8192;

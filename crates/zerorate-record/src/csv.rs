@@ -2,13 +2,10 @@
 
 use super::CaptureError;
 use super::blocks::cut_off;
-use super::blocks::{BatchSource, BlockSink, Out, Stated};
+use super::blocks::{BlockSink, Out};
 use super::chain::{self, End};
 use super::columns::MAX_ROWS;
-use super::delimited::{Delimiter, Lines};
 use super::info::CaptureInfo;
-use crate::Input;
-use crate::warning::CaptureWarning;
 use arrow_array::builder::PrimitiveBuilder;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int32Type, UInt8Type, UInt16Type, UInt32Type, UInt64Type};
@@ -18,6 +15,9 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Arc;
+use zerorate_input::delimited::{Delimiter, Lines};
+use zerorate_input::table::{BATCH_CHECK, BatchSource, END, Stated};
+use zerorate_input::{Input, InputError, InputWarning};
 
 /// The start of every CSV capture.
 pub const PREAMBLE: &str = "# zerorate.";
@@ -74,13 +74,13 @@ impl CsvSink {
 impl BlockSink for CsvSink {
     fn write(&mut self, rows: &RecordBatch, check: Option<&str>) -> Result<(), CaptureError> {
         self.rows(rows)?;
-        check.map_or(Ok(()), |check| self.state(chain::BATCH, check))?;
+        check.map_or(Ok(()), |check| self.state(BATCH_CHECK, check))?;
         self.flush()
     }
 
     fn finish(mut self: Box<Self>, check: Option<&str>, end: &End) -> Result<(), CaptureError> {
-        check.map_or(Ok(()), |check| self.state(chain::BATCH, check))?;
-        self.state(chain::END, &end.to_text())?;
+        check.map_or(Ok(()), |check| self.state(BATCH_CHECK, check))?;
+        self.state(END, &end.to_text())?;
         self.flush()
     }
 }
@@ -106,7 +106,7 @@ enum Entry {
     /// The check of the rows before.
     Check(String),
     /// The end.
-    End(End),
+    End(String),
     /// A comment of somebody.
     Comment,
     /// The file ends, perhaps with a line that is cut short.
@@ -152,7 +152,7 @@ impl CsvReader {
     }
 
     /// Reads a line, a row into the columns.
-    fn read_entry(&mut self) -> Result<Entry, CaptureError> {
+    fn read_entry(&mut self) -> Result<Entry, InputError> {
         let Some(line) = self.lines.next_line()? else {
             return Ok(Entry::Nothing);
         };
@@ -162,18 +162,18 @@ impl CsvReader {
             return match entry {
                 Some(Entry::Check(_)) | None if !line.ended => Ok(Entry::Nothing),
                 Some(entry) => Ok(entry),
-                None => Err(CaptureError::damaged(&self.path, place, "what it states about the end is malformed")),
+                None => Err(InputError::damaged(&self.path, place, "what it states about the end is malformed")),
             };
         }
         if self.stated.end.is_some() {
             let bytes = self.length.saturating_sub(self.end);
             let what = format!("rows follow behind its end, in {bytes} bytes; were two files joined?");
-            return Err(CaptureError::damaged(&self.path, place, what));
+            return Err(InputError::damaged(&self.path, place, what));
         }
         if !line.ended {
             let path = self.path.display();
             let text = format!("{path} lacks its last line end; its last line may be cut short and is dropped");
-            self.stated.warning = Some(CaptureWarning::Torn(text));
+            self.stated.warning = Some(InputWarning::Torn(text));
             return Ok(Entry::Nothing);
         }
         push_cells(&self.path, &place, line.text, &mut self.columns)?;
@@ -186,8 +186,8 @@ impl CsvReader {
         self.stated.warning = Some(cut_off(&self.path, rows));
     }
 
-    fn damaged(&self, what: &str) -> CaptureError {
-        CaptureError::damaged(&self.path, format!("line {}", self.lines.number()), what)
+    fn damaged(&self, what: &str) -> InputError {
+        InputError::damaged(&self.path, format!("line {}", self.lines.number()), what)
     }
 }
 
@@ -195,8 +195,8 @@ impl CsvReader {
 fn statement(comment: &str) -> Option<Entry> {
     let entry = comment.split_once('=').map(|(key, value)| (key.trim(), value.trim()));
     match entry {
-        Some((chain::BATCH, check)) => Some(Entry::Check(check.to_owned())),
-        Some((chain::END, end)) => End::parse(end).map(Entry::End),
+        Some((BATCH_CHECK, check)) => Some(Entry::Check(check.to_owned())),
+        Some((END, end)) => End::parse(end).map(|_| Entry::End(end.to_owned())),
         _ => Some(Entry::Comment),
     }
 }
@@ -204,17 +204,17 @@ fn statement(comment: &str) -> Option<Entry> {
 type NamedColumn = (String, Option<Box<dyn CellColumn>>);
 
 /// Puts the cells of a line into the columns.
-fn push_cells(path: &Path, place: &str, line: &str, columns: &mut [NamedColumn]) -> Result<(), CaptureError> {
+fn push_cells(path: &Path, place: &str, line: &str, columns: &mut [NamedColumn]) -> Result<(), InputError> {
     let mut cells = Delimiter::Comma.cells(line);
     for (name, column) in columns {
-        let wrong = |what: String| CaptureError::damaged(path, format!("{place}, column {name}"), what);
+        let wrong = |what: String| InputError::damaged(path, format!("{place}, column {name}"), what);
         let cell = cells.next().ok_or_else(|| wrong("the line ends before this cell".to_owned()))?;
         if column.as_mut().is_some_and(|column| !column.push(cell)) {
             return Err(wrong(format!("`{cell}` is not a number in the range of this column")));
         }
     }
     match cells.next() {
-        Some(_) => Err(CaptureError::damaged(path, place, "more cells than the header has")),
+        Some(_) => Err(InputError::damaged(path, place, "more cells than the header has")),
         None => Ok(()),
     }
 }
@@ -232,7 +232,7 @@ impl BatchSource for CsvReader {
         &mut self.stated
     }
 
-    fn read_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
+    fn read_batch(&mut self) -> Result<Option<RecordBatch>, InputError> {
         let mut rows = 0;
         self.stated.check = None;
         while !self.stated.ended && self.stated.check.is_none() && (self.is_checked || rows < MAX_ROWS) {
@@ -259,7 +259,7 @@ impl BatchSource for CsvReader {
         }
         let columns = self.columns.iter_mut().filter_map(|(_, column)| Some(column.as_mut()?.finish())).collect();
         let batch = RecordBatch::try_new(self.stated.schema.clone(), columns);
-        batch.map(Some).map_err(|error| CaptureError::arrow("read", &self.path, error))
+        batch.map(Some).map_err(|error| InputError::arrow("read", &self.path, error))
     }
 
     fn may_be_stripped(&self) -> bool {

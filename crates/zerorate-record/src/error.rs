@@ -1,32 +1,23 @@
 //! Errors of captures: each message names the file and says what to do.
 
-use crate::NotBuiltIn;
-use crate::limits::NoRoom;
 use arrow_schema::ArrowError;
 #[cfg(feature = "parquet")]
 use parquet::errors::ParquetError;
 use std::io;
 use std::path::{Path, PathBuf};
+use zerorate_input::{InputError, NotBuiltIn};
 
 /// Why a capture could not be written or read.
 #[derive(Debug, thiserror::Error)]
 #[expect(missing_docs, reason = "the fields are the words of the message")]
 pub enum CaptureError {
-    /// The file system said no.
-    #[error("cannot {action} {}", path.display())]
-    Io { action: &'static str, path: PathBuf, source: io::Error },
+    /// The file cannot be read or written, or is damaged.
+    #[error(transparent)]
+    Input(#[from] InputError),
 
     /// Some other file.
     #[error("{} is not a capture of zerorate: {why}", path.display())]
     NotACapture { path: PathBuf, why: String },
-
-    /// No log that can be read.
-    #[error("{} cannot be read as a log: {why}", path.display())]
-    NotALog { path: PathBuf, why: String },
-
-    /// A form that a feature adds.
-    #[error("{}: {missing}", path.display())]
-    NotBuiltIn { path: PathBuf, missing: NotBuiltIn },
 
     /// A name for a new capture that does not say which form it is to have.
     #[error("{} has no ending of a capture: name it .arrows, .parquet or .csv", path.display())]
@@ -37,28 +28,16 @@ pub enum CaptureError {
         zerorate", path.display(), reads)]
     Newer { path: PathBuf, found: u32, reads: u32 },
 
-    /// The content does not fit into the memory that the file may take.
-    #[error("{}: {why}", path.display())]
-    NoRoom { path: PathBuf, why: NoRoom },
-
     /// A capture of something that this version of the program does not know.
     #[error("{} holds the axis `{axis}` in `{unit}`, which is not a unit of angular rate that this program knows; use \
         a newer zerorate", path.display())]
     OtherQuantity { path: PathBuf, axis: String, unit: String },
-
-    /// A capture, or another table, whose content is wrong.
-    #[error("{}, {place}: {what}", path.display())]
-    Damaged { path: PathBuf, place: String, what: String },
-
-    /// The columnar library failed for a reason of its own.
-    #[error("cannot {action} {}: {what}", path.display())]
-    Table { action: &'static str, path: PathBuf, what: String },
 }
 
 impl CaptureError {
     /// An I/O error, with what was being done to which file.
     pub fn io(action: &'static str, path: &Path, source: io::Error) -> Self {
-        Self::Io { action, path: path.to_owned(), source }
+        InputError::io(action, path, source).into()
     }
 
     /// The file is of another kind.
@@ -66,44 +45,34 @@ impl CaptureError {
         Self::NotACapture { path: path.to_owned(), why: why.into() }
     }
 
-    /// The file is not a log in any supported form.
-    pub fn not_a_log(path: &Path, why: impl Into<String>) -> Self {
-        Self::NotALog { path: path.to_owned(), why: why.into() }
-    }
-
     /// The form of the file is missing in this build.
     pub fn not_built_in(path: &Path, missing: NotBuiltIn) -> Self {
-        Self::NotBuiltIn { path: path.to_owned(), missing }
-    }
-
-    /// The file takes more memory than it may.
-    pub fn no_room(path: &Path, why: NoRoom) -> Self {
-        Self::NoRoom { path: path.to_owned(), why }
+        InputError::not_built_in(path, missing).into()
     }
 
     /// The content of the file is wrong at `place`.
     pub fn damaged(path: &Path, place: impl Into<String>, what: impl Into<String>) -> Self {
-        Self::Damaged { path: path.to_owned(), place: place.into(), what: what.into() }
+        InputError::damaged(path, place, what).into()
     }
 
     /// An error of the Arrow library; what lies below it as an I/O error is kept as one.
     pub fn arrow(action: &'static str, path: &Path, error: ArrowError) -> Self {
-        match error {
-            ArrowError::IoError(_, source) => Self::io(action, path, source),
-            other => Self::Table { action, path: path.to_owned(), what: other.to_string() },
-        }
+        InputError::arrow(action, path, error).into()
     }
 
     /// An error of the Parquet library, likewise.
     #[cfg(feature = "parquet")]
     pub fn parquet(action: &'static str, path: &Path, error: ParquetError) -> Self {
-        let what = error.to_string();
+        InputError::parquet(action, path, error).into()
+    }
+}
+
+/// As an error of the reader of a described table.
+impl From<CaptureError> for InputError {
+    fn from(error: CaptureError) -> Self {
         match error {
-            ParquetError::External(source) => match source.downcast::<io::Error>() {
-                Ok(source) => Self::io(action, path, *source),
-                Err(_) => Self::Table { action, path: path.to_owned(), what },
-            },
-            _ => Self::Table { action, path: path.to_owned(), what },
+            CaptureError::Input(error) => error,
+            other => Self::Described(Box::new(other)),
         }
     }
 }

@@ -3,13 +3,13 @@
 use super::CaptureError;
 use super::row::Row;
 use super::succession::Mark;
-use crate::unit::{Quantity, Unit};
 use adis16130::{ChannelStatus, Width};
 use arrow_schema::{DataType, Field, Metadata};
 use std::fmt::Display;
 use std::path::Path;
 use std::str::FromStr;
 use zerorate::{Axis, MAX_AXES, NamedAxis, NoiseSources, Part, Reading, Scale, Scan};
+use zerorate_input::{Quantity, Unit};
 
 /// Names of the axes. Version 1 of the format has none.
 pub const AXES: &str = "zerorate.axes";

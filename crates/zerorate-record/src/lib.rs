@@ -4,65 +4,56 @@
 //! memory. A capture is the truth: each result computed from a live part comes out the same from its capture.
 //!
 //! Each form is recognised by its content, not by its name. Nothing here opens a file: [`Input`] is bytes
-//! that the caller has opened, so that the same readers serve a browser. The readers of other logs build on the pieces
-//! here that bound memory, survive a decoder's panic and read Arrow.
+//! that the caller has opened, so that the same readers serve a browser.
 
 #[cfg(not(feature = "parquet"))]
 mod absent;
 pub mod admission;
-pub mod arrows;
+mod arrows;
 #[cfg(test)]
 mod axes;
-pub mod believed;
 mod blocks;
-pub mod catch_panic;
-pub mod cells;
 mod chain;
 mod checked;
 pub mod columns;
 mod csv;
 #[cfg(test)]
 mod damage;
-pub mod delimited;
+mod described;
 mod error;
 #[cfg(test)]
 mod fuzz;
 mod hash;
 mod info;
-mod input;
 mod layout;
-pub mod limits;
-pub mod messages;
-mod not_built_in;
 #[cfg(feature = "parquet")]
-pub mod parquet;
-pub mod plain;
+mod parquet;
 mod row;
 pub mod succession;
 pub mod table;
 #[cfg(test)]
 mod tests;
-mod unit;
+pub mod valid;
 mod warning;
 
 pub use chain::checked_schema;
 pub use checked::Checked;
+pub use described::open_described;
 pub use error::CaptureError;
 pub use hash::SampleHash;
 pub use info::{CALIBRATION_ID, CaptureInfo, Converter, NotThePart, SCHEMA_VERSION, is_capture};
-pub use input::{Elsewhere, Input};
 pub use layout::{CodedAxis, Layout, LayoutError};
-pub use not_built_in::NotBuiltIn;
 pub use row::Row;
 pub use table::Format;
-pub use unit::{Quantity, STANDARD_GRAVITY, TimeUnit, Unit, is_celsius};
 pub use warning::CaptureWarning;
 
 use arrow_array::RecordBatch;
 use arrow_schema::SchemaRef;
-use blocks::{BatchSource, Opened, Out};
+use blocks::Out;
 use columns::{OpenBatch, Rows};
 use std::path::{Path, PathBuf};
+use zerorate_input::Input;
+use zerorate_input::table::{BatchSource, Opened};
 
 /// Records rows. Dropping it closes the file as well, but only [`CaptureWriter::finish`] tells whether that worked.
 pub struct CaptureWriter {
@@ -151,7 +142,7 @@ impl CaptureReader {
     pub fn open(path: &Path, input: Input) -> Result<Self, CaptureError> {
         match table::recognise(path, input)? {
             Opened::Table(source) => Self::from_source(path, source),
-            Opened::Text(_) => Err(CaptureError::not_a_capture(
+            Opened::Other(_) => Err(CaptureError::not_a_capture(
                 path,
                 "it does not start as one (a CSV capture begins with lines `# zerorate.…`)",
             )),

@@ -1,40 +1,25 @@
-//! The Parquet form: the smallest, for keeping. Its index stands at the end, so it is readable only once closed.
+//! Writes a capture as Parquet: the smallest form, for keeping.
 
-use super::CaptureError;
-use super::blocks::{BatchSource, BlockSink, Opened, Out, Stated};
-use super::chain::{self, End};
-use crate::Input;
-use crate::catch_panic::catch_panic;
-use crate::limits::NoRoom;
+use crate::CaptureError;
+use crate::blocks::{BlockSink, Out};
+use crate::chain::End;
 use arrow_array::RecordBatch;
 use arrow_schema::{DataType, SchemaRef};
-use bytes::Bytes;
 use parquet::arrow::ArrowWriter;
-use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 use parquet::basic::{Compression, Encoding};
-use parquet::errors::ParquetError;
-use parquet::file::metadata::{KeyValue, ParquetMetaData};
+use parquet::file::metadata::KeyValue;
 use parquet::file::properties::{WriterProperties, WriterPropertiesBuilder};
-use parquet::file::reader::{ChunkReader, Length};
 use parquet::schema::types::ColumnPath;
-use std::io::{self, BufReader, ErrorKind, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
-use std::vec::IntoIter;
+pub use zerorate_input::parquet::BLOCK;
+use zerorate_input::table::{BATCH_CHECKS, END};
 
 /// Rows per row group, the part of the file that is built in memory.
 const ROW_GROUP: usize = 1 << 20;
 
-/// Rows per block, and per batch when reading. Row groups are whole blocks, but for the last.
-pub const BLOCK: usize = 1 << 16;
-
 /// Starts such a file; `path` names it in messages.
 pub fn sink(path: &Path, out: Out, schema: &SchemaRef) -> Result<Box<dyn BlockSink>, CaptureError> {
     Ok(Box::new(ParquetSink::create(path, out, schema)?))
-}
-
-/// Opens a Parquet file, a capture or not.
-pub fn source(path: &Path, input: Input) -> Result<Opened, CaptureError> {
-    Ok(Opened::Table(Box::new(ParquetReader::open(path, input)?)))
 }
 
 /// Writes a Parquet file.
@@ -62,8 +47,8 @@ impl BlockSink for ParquetSink {
     fn finish(mut self: Box<Self>, check: Option<&str>, end: &End) -> Result<(), CaptureError> {
         self.checks.extend(check.map(str::to_owned));
         let Self { path, mut writer, checks } = *self;
-        writer.append_key_value_metadata(KeyValue::new(chain::BATCHES.to_owned(), checks.join(" ")));
-        writer.append_key_value_metadata(KeyValue::new(chain::END.to_owned(), end.to_text()));
+        writer.append_key_value_metadata(KeyValue::new(BATCH_CHECKS.to_owned(), checks.join(" ")));
+        writer.append_key_value_metadata(KeyValue::new(END.to_owned(), end.to_text()));
         writer.close().map(drop).map_err(|error| CaptureError::parquet("write", &path, error))
     }
 }
@@ -91,211 +76,5 @@ fn encoding(properties: WriterPropertiesBuilder, name: &str, data_type: &DataTyp
             .set_column_encoding(column, Encoding::DELTA_BINARY_PACKED),
         DataType::Float64 => properties.set_column_dictionary_enabled(column, false),
         _ => properties,
-    }
-}
-
-/// Batches that may wait for the checks.
-#[cfg(not(target_family = "wasm"))]
-const AHEAD: usize = 4;
-
-/// The batches of a file. A thread decodes them ahead of the checks, which take as long. A browser has one thread.
-struct Batches {
-    #[cfg(not(target_family = "wasm"))]
-    decoded: std::sync::mpsc::Receiver<Result<Option<RecordBatch>, CaptureError>>,
-    #[cfg(target_family = "wasm")]
-    decode: Decode,
-}
-
-/// Decodes batch by batch.
-struct Decode {
-    path: PathBuf,
-    reader: ParquetRecordBatchReader,
-}
-
-impl Decode {
-    fn next(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
-        let batch = guarded(&self.path, || Ok(self.reader.next()))?;
-        batch.transpose().map_err(|error| CaptureError::arrow("read", &self.path, error))
-    }
-}
-
-impl Batches {
-    #[cfg(not(target_family = "wasm"))]
-    fn of(mut decode: Decode) -> Self {
-        let (done, decoded) = std::sync::mpsc::sync_channel(AHEAD);
-        std::thread::spawn(move || {
-            loop {
-                let next = decode.next();
-                let is_last = !matches!(next, Ok(Some(_)));
-                // nobody waits where the reader was given up
-                if done.send(next).is_err() || is_last {
-                    return;
-                }
-            }
-        });
-        Self { decoded }
-    }
-
-    #[cfg(not(target_family = "wasm"))]
-    fn next(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
-        self.decoded.recv().unwrap_or(Ok(None))
-    }
-
-    #[cfg(target_family = "wasm")]
-    fn of(decode: Decode) -> Self {
-        Self { decode }
-    }
-
-    #[cfg(target_family = "wasm")]
-    fn next(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
-        self.decode.next()
-    }
-}
-
-/// Reads any Parquet file, batch by batch.
-pub struct ParquetReader {
-    batches: Batches,
-    /// The checks of the batches that follow.
-    checks: Option<IntoIter<String>>,
-    stated: Stated,
-}
-
-impl ParquetReader {
-    /// Reads the index at the end of the file.
-    pub fn open(path: &Path, input: Input) -> Result<Self, CaptureError> {
-        let again = input.try_clone().map_err(|error| CaptureError::io("read", path, error))?;
-        let builder = guarded(path, || ParquetRecordBatchReaderBuilder::try_new(input))?;
-        refuse_joined(path, builder.metadata(), &again)?;
-        let schema = builder.schema().clone();
-        let stated = |key: &str| Some(schema.metadata().get(key)?.as_str());
-        let checks = stated(chain::BATCHES).map(|checks| checks.split_whitespace().map(str::to_owned));
-        let checks = checks.map(|checks| checks.collect::<Vec<_>>().into_iter());
-        let end = match stated(chain::END).map(End::parse) {
-            Some(None) => {
-                return Err(CaptureError::damaged(path, "metadata", format!("`{}` is malformed", chain::END)));
-            }
-            end => end.flatten(),
-        };
-        let reader = guarded(path, || builder.with_batch_size(BLOCK).build())?;
-        let stated = Stated { end, ..Stated::new(schema) };
-        let batches = Batches::of(Decode { path: path.to_owned(), reader });
-        Ok(Self { batches, checks, stated })
-    }
-}
-
-/// The end of one Parquet file and the start of the next.
-const JOINT: &[u8] = b"PAR1PAR1";
-
-/// The length of the index, and the mark behind it.
-const TAIL: u64 = 8;
-
-/// Refuses a file that begins with other Parquet files. Its index counts from the start of the last one, so that the
-/// pages of the first would be read.
-pub fn refuse_joined(path: &Path, metadata: &ParquetMetaData, input: &Input) -> Result<(), CaptureError> {
-    guarded(path, || Ok(joint(metadata, input)?))?.map_or(Ok(()), |at| {
-        let what = format!("two files were joined: another one follows after its first {at} bytes; cut it there");
-        Err(CaptureError::damaged(path, "as a Parquet file", what))
-    })
-}
-
-/// The place where the last of several files begins. Between the pages of a single file and its index is nothing;
-/// where there is something, it may also be a part of the format that is not known here.
-fn joint(metadata: &ParquetMetaData, input: &Input) -> io::Result<Option<u64>> {
-    let tail = input.length()?.saturating_sub(TAIL);
-    let index = input.bytes_at(tail, 4)?.first_chunk().map_or(0, |length| u64::from(u32::from_le_bytes(*length)));
-    let before = tail.saturating_sub(index).saturating_sub(pages_end(metadata));
-    let is_joint = |at: u64| input.bytes_at(at.saturating_sub(4), JOINT.len()).is_ok_and(|mark| &mark[..] == JOINT);
-    match before {
-        0 => Ok(None),
-        before if is_joint(before) => Ok(Some(before)),
-        _ => Ok(input.find(JOINT, 0)?.map(|at| at + 4)),
-    }
-}
-
-/// The end of the pages and of what stands beside them, by the index.
-fn pages_end(metadata: &ParquetMetaData) -> u64 {
-    let end = |offset: Option<i64>, length: Option<i32>| {
-        let offset = offset.and_then(|offset| u64::try_from(offset).ok()).unwrap_or_default();
-        offset.saturating_add(length.and_then(|length| u64::try_from(length).ok()).unwrap_or_default())
-    };
-    let columns = metadata.row_groups().iter().flat_map(|group| group.columns());
-    let ends = columns.flat_map(|column| {
-        let (start, length) = column.byte_range();
-        [
-            start.saturating_add(length),
-            end(column.column_index_offset(), column.column_index_length()),
-            end(column.offset_index_offset(), column.offset_index_length()),
-            end(column.bloom_filter_offset(), column.bloom_filter_length()),
-        ]
-    });
-    ends.max().unwrap_or(JOINT.len() as u64 / 2)
-}
-
-impl Length for Input {
-    fn len(&self) -> u64 {
-        self.length().unwrap_or_default()
-    }
-}
-
-impl ChunkReader for Input {
-    type T = BufReader<Self>;
-
-    fn get_read(&self, start: u64) -> Result<Self::T, ParquetError> {
-        let mut input = self.try_clone()?;
-        input.seek(SeekFrom::Start(start))?;
-        Ok(BufReader::new(input))
-    }
-
-    fn get_bytes(&self, start: u64, length: usize) -> Result<Bytes, ParquetError> {
-        self.bytes_at(start, length).map_err(|error| match error.kind() {
-            ErrorKind::UnexpectedEof => ParquetError::EOF(error.to_string()),
-            _ => error.into(),
-        })
-    }
-}
-
-/// The Parquet library panics on some damaged files. Here that is one more way for a file to be wrong.
-pub fn guarded<T>(path: &Path, read: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, CaptureError> {
-    let failed = |why: String| Err(CaptureError::damaged(path, "as a Parquet file", why));
-    match catch_panic(read) {
-        Some(Ok(value)) => Ok(value),
-        Some(Err(error)) => match no_room(&error) {
-            Some(why) => Err(CaptureError::no_room(path, why)),
-            None => failed(format!(
-                "{error} (nothing of a Parquet file that was not closed can be read: record as .arrows)"
-            )),
-        },
-        None => failed("its pages cannot be decoded".to_owned()),
-    }
-}
-
-fn no_room(error: &ParquetError) -> Option<NoRoom> {
-    match error {
-        ParquetError::External(source) => source.downcast_ref().copied(),
-        _ => None,
-    }
-}
-
-impl BatchSource for ParquetReader {
-    fn form(&self) -> &'static str {
-        "Parquet"
-    }
-
-    fn stated(&self) -> &Stated {
-        &self.stated
-    }
-
-    fn stated_mut(&mut self) -> &mut Stated {
-        &mut self.stated
-    }
-
-    fn read_batch(&mut self) -> Result<Option<RecordBatch>, CaptureError> {
-        let batch = self.batches.next()?;
-        self.stated.check = self.checks.as_mut().and_then(Iterator::next);
-        Ok(batch)
-    }
-
-    fn may_be_stripped(&self) -> bool {
-        self.checks.is_none() && self.stated.end.is_none()
     }
 }

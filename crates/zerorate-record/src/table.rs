@@ -1,6 +1,6 @@
 //! Tables in any of the forms: which form a file has, and batches into and out of it.
 
-pub use crate::blocks::{BatchSource, BlockSink, Opened, Out, Stated, cut_off};
+pub use crate::blocks::{BlockSink, Out, cut_off};
 
 #[cfg(not(feature = "parquet"))]
 use crate::absent::parquet;
@@ -9,11 +9,13 @@ use crate::columns::{MAX_ROWS, Rows};
 use crate::layout::Layout;
 #[cfg(feature = "parquet")]
 use crate::parquet;
-use crate::{CaptureError, CaptureInfo, Input, NotBuiltIn, arrows, csv};
+use crate::{CaptureError, CaptureInfo, arrows, csv};
 use arrow_array::RecordBatch;
 use arrow_schema::SchemaRef;
 use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
+use zerorate_input::table::{self, Opened};
+use zerorate_input::{Input, InputError, NotBuiltIn};
 
 /// The form of a capture on disk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -139,13 +141,14 @@ pub fn recognise(path: &Path, mut input: Input) -> Result<Opened, CaptureError> 
     input.rewind().map_err(failed)?;
     match start.as_slice() {
         [] => Err(CaptureError::not_a_capture(path, "it is empty")),
-        [0xFF, 0xFF, 0xFF, 0xFF, ..] => Ok(Opened::Table(Box::new(arrows::StreamReader::open(path, input)?))),
-        [b'P', b'A', b'R', b'1', ..] => parquet::source(path, input),
         [b'A', b'R', b'R', b'O', b'W', b'1', ..] => Err(CaptureError::not_a_capture(
             path,
             "it is an Arrow file; convert it to an Arrow stream, to Parquet or to CSV",
         )),
         text if text == csv::PREAMBLE.as_bytes() => Ok(Opened::Table(Box::new(csv::CsvReader::open(path, input)?))),
-        _ => Ok(Opened::Text(input)),
+        _ => table::open(path, input).map_err(|error| match error {
+            InputError::NotALog { path, why } => CaptureError::NotACapture { path, why },
+            other => other.into(),
+        }),
     }
 }

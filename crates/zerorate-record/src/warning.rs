@@ -1,10 +1,9 @@
 //! Warnings about a capture.
 
-use crate::{CaptureError, Input};
 use std::fmt;
-use std::path::Path;
 use zerorate::Warning;
 use zerorate_allan::rows;
+use zerorate_input::InputWarning;
 
 /// A warning about a capture. The rows that were read stand. `path` names the file.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,10 +26,8 @@ pub enum CaptureWarning {
     ClockStands(u64),
     /// Number of samples by which the time of the device jumped.
     ClockJump(u64),
-    /// The file lacks its end, as the text says.
-    Torn(String),
-    /// Bytes follow the end.
-    BytesBehindEnd { path: String, bytes: u64 },
+    /// A warning about the end of the file.
+    File(InputWarning),
     /// The file is of version 1.
     Unchecked { path: String },
     /// Other software has written the file again.
@@ -70,11 +67,7 @@ rows!(match CaptureWarning {
         code: "clock-jump",
         text: format_args!("the time jumped by {samples} samples, which count as lost; find what stopped the device"),
     },
-    Self::Torn(ref text) => Row { code: "torn-tail", text: format_args!("{text}") },
-    Self::BytesBehindEnd { ref path, bytes } => Row {
-        code: "bytes-behind-end",
-        text: format_args!("{path}: {bytes} bytes after its end are ignored; were two files joined?"),
-    },
+    Self::File(ref warning) => Row { code: { warning.code() }, text: format_args!("{warning}") },
     Self::Unchecked { ref path } => Row {
         code: "not-checked",
         text: format_args!("{path} is a capture of version 1 without checks; damage may pass unnoticed"),
@@ -90,15 +83,6 @@ rows!(match CaptureWarning {
 });
 
 impl CaptureWarning {
-    /// The warning about bytes from `end` on, where the form of the file ends; none if there are none.
-    ///
-    /// # Errors
-    /// They cannot be read.
-    pub fn behind_end(path: &Path, input: &Input, end: u64) -> Result<Option<Self>, CaptureError> {
-        let bytes = input.bytes_behind(end).map_err(|error| CaptureError::io("read", path, error))?;
-        Ok((bytes > 0).then(|| Self::BytesBehindEnd { path: path.display().to_string(), bytes }))
-    }
-
     /// The warning as scripts read it: `code: text`.
     #[must_use]
     pub fn coded(&self) -> String {

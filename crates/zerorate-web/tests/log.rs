@@ -4,7 +4,7 @@
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use std::fmt::Write;
-use zerorate_record::Input;
+use zerorate_input::Input;
 use zerorate_web::log::LogReader;
 use zerorate_web::log::message::{AxisKind, LogSetting, LogSettings, Looked, NoiseFileCommand};
 

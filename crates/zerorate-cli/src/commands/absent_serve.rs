@@ -5,7 +5,7 @@ use anyhow::Result;
 use clap::Args;
 use std::ffi::OsString;
 use std::path::Path;
-use zerorate_record::NotBuiltIn;
+use zerorate_input::NotBuiltIn;
 
 /// Show a sensor live in the browser (not in this program: it was built without it)
 #[derive(Args, Debug)]

@@ -13,7 +13,7 @@ use serde::Serialize;
 use std::path::PathBuf;
 use zerorate::health::{Health, Marks};
 use zerorate_jobs::{Acquisition, CodedWarning, Recorder};
-use zerorate_record::believed;
+use zerorate_record::valid;
 use zerorate_record::{Format, Row};
 use zerorate_view::duration::{self, Seconds};
 
@@ -160,7 +160,7 @@ fn refuse_frozen(args: &CaptureArgs, acquisition: &Acquisition) -> Result<()> {
     match acquisition.frozen_at_end() {
         None => Ok(()),
         Some(frozen) => {
-            let why = believed::frozen_text(&frozen, acquisition.start_ns());
+            let why = valid::frozen_text(&frozen, acquisition.start_ns());
             Err(Refused::new("frozen", format!("{why}; {} holds the raw codes up to the end", args.output.display()))
                 .into())
         }

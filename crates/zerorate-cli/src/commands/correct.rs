@@ -10,9 +10,10 @@ use clap::Args;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use zerorate::{Calibration, Say};
+use zerorate_input::limits;
 use zerorate_jobs::JobWarning;
 use zerorate_jobs::correct::Job;
-use zerorate_record::{CaptureInfo, Format, limits};
+use zerorate_record::{CaptureInfo, Format};
 use zerorate_view::SessionWarning;
 
 /// Correct a recorded file with a calibration

@@ -9,8 +9,9 @@ use arrow_schema::{Field, Metadata, SchemaRef};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use zerorate_host::files;
+use zerorate_input::table::Opened;
 use zerorate_record::columns::Rows;
-use zerorate_record::table::{self, Opened};
+use zerorate_record::table;
 use zerorate_record::{CaptureError, CaptureWarning, Checked, Format, Layout, checked_schema};
 
 /// Metadata of a repaired capture that states what is missing.
@@ -80,7 +81,8 @@ impl Kept {
                 Err(error) => break Some(error),
             }
         };
-        let stated = table.end().map(|end| format!("{} of {} rows; ", end.rows.saturating_sub(rows), end.rows));
+        let stated =
+            table.end().ok().flatten().map(|end| format!("{} of {} rows; ", end.rows.saturating_sub(rows), end.rows));
         let what = match damage {
             Some(error) if rows == 0 => return Err(error.into()),
             Some(error) => Some(format!("{}{error}", stated.unwrap_or_default())),
@@ -97,7 +99,7 @@ impl Kept {
 fn open(path: &Path) -> Result<Checked, CaptureError> {
     match table::recognise(path, files::open(path)?)? {
         Opened::Table(source) => Checked::new(path, source),
-        Opened::Text(_) => Err(CaptureError::not_a_capture(path, "repair takes captures only")),
+        Opened::Other(_) => Err(CaptureError::not_a_capture(path, "repair takes captures only")),
     }
 }
 

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use zerorate::Calibration;
 use zerorate_host::iiod;
-use zerorate_record::limits;
+use zerorate_input::limits;
 use zerorate_view::SessionWarning;
 use zerorate_web::session::{About, Said};
 

@@ -9,9 +9,11 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use zerorate::Calibration;
 use zerorate_host::files;
-use zerorate_record::delimited::is_table;
-use zerorate_record::table::{self, Opened};
-use zerorate_record::{CaptureError, CaptureInfo, Checked, Input};
+use zerorate_input::delimited::is_table;
+use zerorate_input::table::{BatchSource, Opened};
+use zerorate_input::{Input, InputError};
+use zerorate_record::table;
+use zerorate_record::{CaptureError, CaptureInfo, Checked};
 use zerorate_view::duration::Seconds;
 
 /// Largest size of a calibration file: bounds the memory where a file is something else.
@@ -107,15 +109,16 @@ pub fn run(args: &VerifyArgs) -> Result<()> {
 
 fn verdict(path: &Path) -> Verdict {
     let file = path.display().to_string();
-    let found = match files::open(path).and_then(|input| table::recognise(path, input)) {
+    let opened = files::open(path).map_err(CaptureError::from);
+    let found = match opened.and_then(|input| table::recognise(path, input)) {
         Ok(Opened::Table(source)) => capture(path, source),
-        Ok(Opened::Text(text)) => calibration(path, text),
+        Ok(Opened::Other(text)) => calibration(path, text),
         Err(error) => Err(error),
     };
     let verdict = found.unwrap_or_else(|error| {
         let mut unread = false;
         let remedy = match error {
-            CaptureError::Damaged { .. } | CaptureError::Table { .. } => Some(remedy(path, 0)),
+            CaptureError::Input(InputError::Damaged { .. } | InputError::Table { .. }) => Some(remedy(path, 0)),
             CaptureError::NotACapture { .. } => Some(
                 "verify checks captures and calibrations; `zerorate allan` reads other logs. If this was a capture, \
                  take another copy"
@@ -145,7 +148,7 @@ fn reason(error: CaptureError) -> String {
     format!("{:#}", anyhow::Error::from(error)).split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-fn capture(path: &Path, source: Box<dyn table::BatchSource>) -> Result<Verdict, CaptureError> {
+fn capture(path: &Path, source: Box<dyn BatchSource>) -> Result<Verdict, CaptureError> {
     let form = source.form();
     let mut table = Checked::new(path, source)?;
     let mut whole_rows = 0;
@@ -156,9 +159,10 @@ fn capture(path: &Path, source: Box<dyn table::BatchSource>) -> Result<Verdict, 
             None => break None,
         }
     };
-    let behind = table.behind_end();
-    let notes = table.warnings().iter().filter(|note| Some(*note) != behind).map(ToString::to_string).collect();
-    let damage = damage.or_else(|| behind.map(ToString::to_string));
+    let behind = table.behind_end().map(ToString::to_string);
+    let notes =
+        table.warnings().iter().map(ToString::to_string).filter(|note| Some(note) != behind.as_ref()).collect();
+    let damage = damage.or(behind);
     let remedy = (table.is_torn() || damage.is_some()).then(|| remedy(path, whole_rows));
     let found = table.found();
     Ok(Verdict {

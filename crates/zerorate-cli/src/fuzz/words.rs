@@ -4,8 +4,8 @@ use super::edited;
 use adis16130_twin::Spec;
 use zerorate_allan::Taus;
 use zerorate_host::DeviceSpec;
+use zerorate_input::limits::Bytes;
 use zerorate_logs::Unit;
-use zerorate_record::limits::Bytes;
 use zerorate_view::duration::Seconds;
 
 fn words(words: &[&str]) -> Vec<Vec<u8>> {

@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::Write;
-use zerorate_record::plain;
+use zerorate_input::plain;
 
 /// Prints text to stdout. A closed pipe is an error to pass on, not a panic.
 pub fn print(text: &str) -> Result<()> {

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 use std::io::{self, ErrorKind, StdoutLock, Write};
-use zerorate_record::plain;
+use zerorate_input::plain;
 
 /// The reader of stdout left, as in `zerorate … | head`. This ends the run but is not a failure.
 #[derive(Clone, Copy, Debug, thiserror::Error)]

@@ -8,7 +8,7 @@ use std::collections::{HashMap, HashSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use zerorate::Calibration;
-use zerorate_record::limits;
+use zerorate_input::limits;
 use zerorate_view::SessionWarning;
 use zerorate_web::session::{Said, Session};
 

@@ -53,8 +53,8 @@ fn every_unit_is_listed() {
         let rest = help.split_once(&format!("{option} <UNIT>")).expect("the option").1;
         rest.split("[default").next().unwrap_or_default().to_owned()
     };
-    for unit in zerorate_record::Unit::ALL {
-        let is_rate = unit.quantity() == zerorate_record::Quantity::AngularRate;
+    for unit in zerorate_input::Unit::ALL {
+        let is_rate = unit.quantity() == zerorate_input::Quantity::AngularRate;
         let of_kind = units("imu", if is_rate { "--gyro-unit" } else { "--accel-unit" });
         for listed in [of_kind, units("allan", "--unit")] {
             let listed: Vec<&str> = listed.split([' ', ',', '.', '\n']).collect();

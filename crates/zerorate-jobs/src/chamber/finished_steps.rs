@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use zerorate::Part;
 use zerorate::chamber::{ChamberProcedure, Saved};
 use zerorate_host::clock;
-use zerorate_record::limits::Bytes;
+use zerorate_input::limits::Bytes;
 
 /// Ends the name of the file: `unit.toml.chamber`.
 const ENDING: &str = ".chamber";

@@ -7,7 +7,7 @@ use std::io::ErrorKind;
 use std::path::Path;
 use zerorate::chamber::{ChamberPlan, SHIPPED};
 use zerorate::{Names, Setting};
-use zerorate_record::limits::Bytes;
+use zerorate_input::limits::Bytes;
 
 /// A plan of 1000 steps, or a week of a chamber's log.
 const LARGEST: Bytes = Bytes(64 << 20);

@@ -30,9 +30,10 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use zerorate_host::files;
+use zerorate_input::InputError;
+use zerorate_input::limits::Bytes;
 use zerorate_record::CaptureError;
 use zerorate_record::CaptureReader;
-use zerorate_record::limits::Bytes;
 
 /// The files of one run of a command.
 #[derive(Debug)]
@@ -195,7 +196,7 @@ fn refuse_capture(path: &Path) -> Result<(), OutputError> {
     let is_capture = match files::capture(path) {
         Ok(reader) => reader.calibration_id().is_none(),
         Err(CaptureError::NotACapture { .. }) => was_capture(path).map_err(failed)?,
-        Err(CaptureError::Io { source, .. }) => return Err(failed(source)),
+        Err(CaptureError::Input(InputError::Io { source, .. })) => return Err(failed(source)),
         // damaged, or of a later version
         Err(_) => true,
     };

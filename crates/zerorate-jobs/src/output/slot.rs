@@ -10,7 +10,7 @@ use std::fs;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use zerorate_host::files;
-use zerorate_record::limits::Bytes;
+use zerorate_input::limits::Bytes;
 
 /// A claimed file. The claim ends when this is dropped; what was written stays.
 #[derive(Debug)]

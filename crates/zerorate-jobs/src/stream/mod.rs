@@ -11,7 +11,7 @@ use anyhow::Result;
 use std::path::Path;
 use zerorate::health::{Flags, Judged};
 use zerorate::{Axis, Calibration, CodeSum, Correction, Corrector};
-use zerorate_record::believed;
+use zerorate_record::valid;
 
 /// Takes the rows of a stream, and hears what goes on.
 pub trait Listener {
@@ -184,7 +184,7 @@ impl<'a> RowMaker<'a> {
             if let Some(frozen) = acquisition.frozen() {
                 mean.flags = mean.flags.and(Flags::FROZEN);
                 self.write(&mut mean)?;
-                return Err(Refused::new("frozen", believed::frozen_text(&frozen, acquisition.start_ns())).into());
+                return Err(Refused::new("frozen", valid::frozen_text(&frozen, acquisition.start_ns())).into());
             }
         }
         if options.period_ns.is_none() { self.write(&mut mean) } else { Ok(()) }

@@ -11,7 +11,7 @@ use zerorate::health::Judged;
 use zerorate::track::{BLOCK_S, Counts, Phase, TrackFile, Tracked, Tracker, TrackerConfig};
 use zerorate::{Calibration, CodeSum, Part, Scale};
 use zerorate_host::DeviceInfo;
-use zerorate_record::limits;
+use zerorate_input::limits;
 
 /// The options of the tracking.
 #[derive(Clone, Debug)]

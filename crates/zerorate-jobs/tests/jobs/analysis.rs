@@ -4,12 +4,13 @@ use super::bench::{Folder, record, refusal};
 use std::path::{Path, PathBuf};
 use zerorate_allan::{Fit, FitOptions, Noise, Term};
 use zerorate_host::Sampling;
+use zerorate_imu::{AnalysisOptions, Record, Settling};
+use zerorate_imu::{Choice, Combine, Format, ImuOptions, Kind, Rule, Said};
 use zerorate_jobs::InvalidOptions;
 use zerorate_jobs::allan::{AllanOptions, Columns, allan};
 use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
 use zerorate_jobs::pool::{NoPool, pool};
-use zerorate_logs::imu::{Choice, Combine, Format, ImuOptions, Kind, Rule, Said};
-use zerorate_logs::{AnalysisOptions, ColumnOptions, LogError, LogWarning, Names, RawType, Record, Setting, Settling};
+use zerorate_logs::{ColumnOptions, LogError, LogWarning, Names, RawType, Setting};
 
 /// White noise of this standard deviation, by a congruential generator: sums of twelve uniform numbers.
 fn white(samples: usize, sd: f64, seed: u64) -> Vec<f64> {
@@ -27,6 +28,10 @@ fn fitted() -> AnalysisOptions {
 
 fn options(log: ColumnOptions, analysis: AnalysisOptions) -> AllanOptions {
     AllanOptions { columns: Columns::Single, log, temperature: None, analysis }
+}
+
+fn of_captures() -> ColumnOptions {
+    ColumnOptions { described: Some(zerorate_record::open_described), ..ColumnOptions::default() }
 }
 
 fn at(rate_hz: f64) -> ColumnOptions {
@@ -63,7 +68,7 @@ fn a_rate_that_follows_its_temperature_can_be_analysed() {
     record("twin:seed=4", Sampling { divider: Some(200), every_temp: None }, 2400.0, &capture);
     let by = |settling: Settling| {
         let analysis = AnalysisOptions { settling, ..fitted() };
-        allan(std::slice::from_ref(&capture), &options(ColumnOptions::default(), analysis)).unwrap().remove(0)
+        allan(std::slice::from_ref(&capture), &options(of_captures(), analysis)).unwrap().remove(0)
     };
     let follows = |record: &Record| record.of_noise().any(|warning| warning.code() == "follows-temperature");
     let whole = by(Settling::default());

@@ -7,11 +7,12 @@ use std::path::Path;
 use zerorate::health::{Flags, Health};
 use zerorate::{Calibration, Setting, Validity};
 use zerorate_host::Sampling;
+use zerorate_imu::{AnalysisOptions, Record};
 use zerorate_jobs::acquisition::Acquisition;
 use zerorate_jobs::allan::{AllanOptions, Columns, allan};
 use zerorate_jobs::capture::read_capture;
 use zerorate_jobs::probe::{Findings, probe};
-use zerorate_logs::{AnalysisOptions, ColumnOptions, Record};
+use zerorate_logs::ColumnOptions;
 use zerorate_view::Seconds;
 
 fn line() -> Calibration {
@@ -31,7 +32,8 @@ fn found(device: &str) -> Findings {
 }
 
 fn analysed(capture: &Path) -> anyhow::Result<Vec<Record>> {
-    let (log, analysis) = (ColumnOptions::default(), AnalysisOptions::default());
+    let log = ColumnOptions { described: Some(zerorate_record::open_described), ..ColumnOptions::default() };
+    let analysis = AnalysisOptions::default();
     allan(&[capture.to_owned()], &AllanOptions { columns: Columns::Single, log, temperature: None, analysis })
 }
 

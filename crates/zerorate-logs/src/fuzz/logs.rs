@@ -2,7 +2,6 @@
 
 use super::edited;
 use crate::tests::options;
-use crate::{ColumnOptions, PartLog};
 use arrow_array::RecordBatch;
 use arrow_array::types::Int8Type;
 use arrow_array::{ArrayRef, DictionaryArray, Float64Array, Int32Array, TimestampNanosecondArray};
@@ -11,9 +10,7 @@ use arrow_ipc::writer::{FileWriter, IpcWriteOptions, StreamWriter};
 use arrow_schema::{DataType, Field, Schema};
 use std::path::Path;
 use std::sync::Arc;
-use zerorate::Part;
-use zerorate_record::Row;
-use zerorate_record::limits::Room;
+use zerorate_input::limits::MemoryBudget;
 
 /// Reads a log in each of these ways. What it is taken for is up to the log; what comes out fits into the room that it
 /// has.
@@ -21,41 +18,11 @@ pub fn read(bytes: &[u8], ways: &[&str]) {
     for way in ways {
         let read = crate::read(Path::new("edited"), bytes.to_vec().into(), &options(way));
         if let Ok(column) = read {
-            let room = Room::of(bytes.len() as u64);
+            let room = MemoryBudget::of(bytes.len() as u64);
             assert_eq!(room.check(8 * column.series.len() as u64), Ok(()), "{way}");
             assert!(column.rate_hz > 0.0 || column.rate_hz.is_nan(), "{way}: {} Hz", column.rate_hz);
         }
     }
-}
-
-/// An ADIS16405.
-const PART: &str = r#"
-    schema = 1
-    name = "ADIS16405"
-    axis = [{ name = "x" }, { name = "y" }, { name = "z" }]
-    rate = { lsb_per_dps = 20, zero_code = 0, width_bits = 16, signed = true, range_dps = 300, bandwidth_hz = 330 }
-    temperature = { lsb_per_c = 7.14, zero_code = 0, zero_c = 25, width_bits = 12, signed = true }
-"#;
-
-/// Reads the log of a part: times increase, and every row has all codes of its scales.
-fn read_as_part(bytes: &[u8]) {
-    let part = Part::parse(PART).expect("a part");
-    let Ok(log) = PartLog::open(Path::new("edited"), bytes.to_vec().into(), &part, &ColumnOptions::default()) else {
-        return;
-    };
-    let rows: Vec<Row> = log.collect();
-    assert!(rows.is_sorted_by(|one, next| one.t_ns < next.t_ns));
-    let code = |code: &i64| (-32_768..=32_767).contains(code);
-    assert!(rows.iter().all(|row| row.codes().len() == 3 && row.codes().iter().all(code)));
-}
-
-#[test]
-fn of_a_part() {
-    let texts = [
-        "t_ms,x,y,z,temp\n0,1,-2,3,4\n10,5,,-7,8\n40,9,10,11,\n50,12,13,14,15\n",
-        "time [s];x_dps;y [rad/s];z;temp_c\n0;0,05;0,0001;3;25,5\n0,01;-1,5;-0,002;4;26\n0,02;1;0;5;27\n",
-    ];
-    edited(1500, &texts.map(|text| text.as_bytes().to_vec()), read_as_part);
 }
 
 fn columns() -> Vec<(&'static str, ArrayRef)> {

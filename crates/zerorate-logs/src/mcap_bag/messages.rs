@@ -5,9 +5,9 @@ use mcap::sans_io::{LinearReaderOptions, SummaryReadEvent, SummaryReader, Summar
 use mcap::{MAGIC, McapError, McapResult, Message, Summary};
 use std::collections::BTreeMap;
 use std::io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom};
-use zerorate_record::Input;
-use zerorate_record::catch_panic::catch_panic;
-use zerorate_record::limits::{NoRoom, Room};
+use zerorate_input::Input;
+use zerorate_input::catch_panic::catch_panic;
+use zerorate_input::limits::{MemoryBudget, OverBudget};
 
 /// Bytes that a read asks the system for.
 const BUFFER: usize = 1 << 18;
@@ -21,7 +21,7 @@ const FOOTER: u8 = 0x02;
 /// The messages of an MCAP file, up to where it is torn or damaged.
 pub struct Messages<R> {
     reader: Option<MessageReader<BufReader<R>>>,
-    room: Room,
+    room: MemoryBudget,
     bytes: u64,
 }
 
@@ -36,7 +36,7 @@ pub enum Torn {
     Nonsense,
     /// There is more in it than may be read.
     #[error(transparent)]
-    NoRoom(#[from] NoRoom),
+    OverBudget(#[from] OverBudget),
 }
 
 impl Torn {
@@ -53,7 +53,7 @@ const MESSAGE_HEAD: u64 = 31;
 impl<R: Read> Messages<R> {
     /// A record is at most as long as the room, even if it states more. The file must pass its checks: of each
     /// chunk behind its messages, and of all in front of its end.
-    pub fn new(file: R, room: Room) -> Self {
+    pub fn new(file: R, room: MemoryBudget) -> Self {
         let longest = usize::try_from(room.bytes()).unwrap_or(usize::MAX);
         let options = LinearReaderOptions::default()
             .with_record_length_limit(longest)
@@ -104,7 +104,7 @@ pub fn end(file: &Input) -> io::Result<Option<u64>> {
 
 /// The number of messages of each topic that a file states at its end; empty where the file was not closed, or does
 /// not say.
-pub fn stated(file: &mut Input, room: Room) -> BTreeMap<String, u64> {
+pub fn stated(file: &mut Input, room: MemoryBudget) -> BTreeMap<String, u64> {
     let summary = catch_panic(|| summary(file, room)).and_then(Result::ok).flatten();
     let Some((counts, summary)) = summary.and_then(|summary| Some((summary.stats.clone()?, summary))) else {
         return BTreeMap::new();
@@ -118,7 +118,7 @@ pub fn stated(file: &mut Input, room: Room) -> BTreeMap<String, u64> {
     stated
 }
 
-fn summary(file: &mut Input, room: Room) -> McapResult<Option<Summary>> {
+fn summary(file: &mut Input, room: MemoryBudget) -> McapResult<Option<Summary>> {
     let longest = usize::try_from(room.bytes()).unwrap_or(usize::MAX);
     let options = SummaryReaderOptions::default().with_record_length_limit(longest).with_file_size(file.length()?);
     let mut reader = SummaryReader::new_with_options(options);

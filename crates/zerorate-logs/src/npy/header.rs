@@ -5,7 +5,7 @@ use winnow::combinator::{alt, delimited, opt, separated, separated_pair, termina
 use winnow::error::ContextError;
 use winnow::token::take_till;
 use winnow::{Parser, Result};
-use zerorate_record::TimeUnit;
+use zerorate_input::TimeUnit;
 
 /// The statements of a header.
 pub struct Header {

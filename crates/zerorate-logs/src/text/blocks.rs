@@ -4,7 +4,7 @@ use memchr::{memchr, memrchr};
 use std::borrow::Cow;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
-use zerorate_record::{CaptureError, Input};
+use zerorate_input::{Input, InputError};
 
 /// Bytes of a block, unless a line is longer.
 #[cfg(not(test))]
@@ -81,7 +81,7 @@ impl<'a> Blocks<'a> {
     }
 
     /// The next block; none behind the last.
-    pub fn next(&mut self) -> Result<Option<Block>, CaptureError> {
+    pub fn next(&mut self) -> Result<Option<Block>, InputError> {
         if self.ended {
             return Ok(None);
         }
@@ -105,7 +105,7 @@ impl<'a> Blocks<'a> {
             }
             if filled > MAX_LINE {
                 let what = "a line is longer than 1 MB: is this a text file?";
-                return Err(CaptureError::damaged(self.path, "as a text file", what));
+                return Err(InputError::damaged(self.path, "as a text file", what));
             }
             buffer.resize(filled + BLOCK, 0);
         }
@@ -133,21 +133,21 @@ impl<'a> Blocks<'a> {
     }
 
     /// Reads until the buffer is full or the text ends.
-    fn fill(&mut self, buffer: &mut [u8]) -> Result<usize, CaptureError> {
+    fn fill(&mut self, buffer: &mut [u8]) -> Result<usize, InputError> {
         let mut filled = 0;
         while filled < buffer.len() {
             match self.input.read(&mut buffer[filled..]) {
                 Ok(0) => break,
                 Ok(read) => filled += read,
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
-                Err(error) => return Err(CaptureError::io("read", self.path, error)),
+                Err(error) => return Err(InputError::io("read", self.path, error)),
             }
         }
         Ok(filled)
     }
 
     /// The next blocks, up to `count`.
-    pub fn several(&mut self, count: usize) -> Result<Vec<Block>, CaptureError> {
+    pub fn several(&mut self, count: usize) -> Result<Vec<Block>, InputError> {
         let mut blocks = Vec::with_capacity(count);
         while blocks.len() < count
             && let Some(block) = self.next()?

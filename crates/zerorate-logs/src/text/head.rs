@@ -5,8 +5,8 @@ use super::super::{ColumnOptions, Decimal, LogError, Result, Setting};
 use super::scales::Scales;
 use super::sentence;
 use std::path::Path;
-use zerorate_record::delimited::Delimiter;
-use zerorate_record::{CaptureError, TimeUnit, Unit};
+use zerorate_input::delimited::Delimiter;
+use zerorate_input::{InputError, TimeUnit, Unit};
 
 /// Lines that are looked at: more than what a board prints while it starts.
 const LINES: usize = 1000;
@@ -73,7 +73,7 @@ impl Head {
     pub fn read(path: &Path, text: &str, args: &ColumnOptions) -> Result<Self> {
         if text.contains('\r') && !text.contains('\n') {
             let what = "its lines end with a carriage return alone; convert it with `tr '\\r' '\\n' < FILE`";
-            return Err(CaptureError::damaged(path, "as a text file", what).into());
+            return Err(InputError::damaged(path, "as a text file", what).into());
         }
         let lines = text.lines().zip(1..).map(|(line, number)| (number, line.trim_ascii()));
         let lines = lines.map(|(number, line)| (number, line.strip_prefix('\u{FEFF}').unwrap_or(line)));
@@ -83,7 +83,7 @@ impl Head {
         let lines = lines.map(|(number, line)| (number, sentence::without_sum(line)));
         let (comments, lines): (Vec<_>, Vec<_>) = lines.partition(|(_, line)| is_comment(line));
         let Some(first) = lines.first() else {
-            return Err(CaptureError::damaged(path, "as a text file", "it holds no line of data").into());
+            return Err(InputError::damaged(path, "as a text file", "it holds no line of data").into());
         };
         let Some(shape) = Shape::most(&lines, args.decimal) else {
             return Self::without_rows(path, first.1, (lines.len(), text.lines().count() as u64), args);
@@ -110,7 +110,7 @@ impl Head {
         };
         let used = head.name(path, above, &comments)?;
         if used == 0 && rows.all_are_cut {
-            return Err(CaptureError::damaged(path, format!("line {start}"), CLASH).into());
+            return Err(InputError::damaged(path, format!("line {start}"), CLASH).into());
         }
         head.skip(&above[..above.len() - used], &comments);
         let undecided = args.decimal.is_none() && shape == Shape { delimiter: Delimiter::Comma, width: 2 };
@@ -154,13 +154,13 @@ impl Head {
             });
         }
         if args.decimal == Some(Decimal::Comma) && first.contains(',') {
-            return Err(CaptureError::damaged(path, "as a text file", CLASH).into());
+            return Err(InputError::damaged(path, "as a text file", CLASH).into());
         }
         let what = match is_text {
             true => format!("none of its first {some} lines holds a number (`{}`): is it a log?", shortened(first)),
             false => format!("it is not UTF-8 text; raw numbers need their type ({})", args.names.of(Setting::Raw)),
         };
-        Err(CaptureError::damaged(path, "as a text file", what).into())
+        Err(InputError::damaged(path, "as a text file", what).into())
     }
 
     /// Takes the names out of the lines above the data, or out of the comments there; gives how many lines that took.
@@ -218,7 +218,7 @@ impl Head {
             false => "give each column a name, or remove the header",
         };
         let what = format!("the header has {names} names, and the rows below have {width} cells; {why}");
-        CaptureError::damaged(path, format!("line {line}"), what).into()
+        InputError::damaged(path, format!("line {line}"), what).into()
     }
 
     /// Whether commas cut numbers as well as rows, where the header has one name too few.

@@ -23,15 +23,15 @@ use rows::{Broken, Cut, Piece, Time, at_line};
 use std::borrow::Cow;
 use std::io::Seek;
 use std::path::Path;
-use zerorate_record::limits::Room;
-use zerorate_record::{CaptureError, Input, TimeUnit};
+use zerorate_input::limits::MemoryBudget;
+use zerorate_input::{Input, InputError, TimeUnit};
 
 /// Blocks for each thread: with a single one, who reads the next ones is late with his.
 const AT_ONCE: usize = 2;
 
 /// Reads columns of text.
-pub fn read(path: &Path, mut input: Input, room: Room, asked: &ColumnQuery<'_>) -> Result<Found> {
-    let failed = |error| CaptureError::io("read", path, error);
+pub fn read(path: &Path, mut input: Input, room: MemoryBudget, asked: &ColumnQuery<'_>) -> Result<Found> {
+    let failed = |error| InputError::io("read", path, error);
     let head = head(path, &mut input, asked)?;
     input.rewind().map_err(failed)?;
     let names = head.names.iter().map(String::as_str).collect();
@@ -70,7 +70,7 @@ pub fn read(path: &Path, mut input: Input, room: Room, asked: &ColumnQuery<'_>) 
 
 /// Reads the head of the text, and the whole text where the head leaves a question open.
 fn head(path: &Path, input: &mut Input, asked: &ColumnQuery<'_>) -> Result<Head> {
-    let failed = |error| CaptureError::io("read", path, error);
+    let failed = |error| InputError::io("read", path, error);
     let clone = |input: &Input| input.try_clone().map_err(failed);
     let mut start = Blocks::new(path, clone(input)?).next()?;
     let stamps = start.as_ref().and_then(|block| head::stamps(&block.legible()));
@@ -113,7 +113,7 @@ struct TextColumns<'a> {
 }
 
 impl<'a> TextColumns<'a> {
-    fn new(cut: &'a Cut<'a>, room: Room, head: &Head) -> Self {
+    fn new(cut: &'a Cut<'a>, room: MemoryBudget, head: &Head) -> Self {
         let count = cut.names.len() - usize::from(cut.time.is_some());
         Self {
             cut,
@@ -127,11 +127,11 @@ impl<'a> TextColumns<'a> {
         }
     }
 
-    fn append(&mut self, pieces: &[Piece]) -> Result<(), CaptureError> {
+    fn append(&mut self, pieces: &[Piece]) -> Result<(), InputError> {
         let path = self.cut.path;
         self.columns.par_iter_mut().enumerate().try_for_each(|(at, builder)| {
             pieces.iter().map(|piece| &piece.columns[at]).try_for_each(|(values, are_codes)| {
-                builder.check_room(values.len() as u64).map_err(|why| CaptureError::no_room(path, why))?;
+                builder.check_room(values.len() as u64).map_err(|why| InputError::over_budget(path, why))?;
                 builder.extend_cells(values, *are_codes);
                 Ok(())
             })
@@ -140,7 +140,7 @@ impl<'a> TextColumns<'a> {
     }
 
     /// Takes in the findings of a piece beside its numbers.
-    fn learn(&mut self, piece: &Piece) -> Result<(), CaptureError> {
+    fn learn(&mut self, piece: &Piece) -> Result<(), InputError> {
         let path = self.cut.path;
         let Piece { times, lines, rows, bad, first_bad, fatal, cut, numerals, .. } = piece;
         if let Some((line, what)) = fatal {
@@ -163,11 +163,11 @@ impl<'a> TextColumns<'a> {
         }
         if !self.numerals.join(numerals.clone(), self.lines) {
             let what = "some numbers have a decimal point and others a decimal comma";
-            return Err(CaptureError::damaged(path, "as a text file", what));
+            return Err(InputError::damaged(path, "as a text file", what));
         }
         if let Some(all) = &mut self.times {
             times.iter().try_for_each(|time| push_time(all, *time)).map_err(|what| {
-                CaptureError::damaged(path, format!("column {}", self.cut.names[self.columns.len()]), what)
+                InputError::damaged(path, format!("column {}", self.cut.names[self.columns.len()]), what)
             })?;
         }
         self.lines += lines;
@@ -186,7 +186,7 @@ impl<'a> TextColumns<'a> {
             return Err(only.without_rows(path));
         }
         if rows == 0 && broken.bad == 0 {
-            return Err(CaptureError::not_a_log(path, "it has a header and no rows; was anything recorded?").into());
+            return Err(InputError::not_a_log(path, "it has a header and no rows; was anything recorded?").into());
         }
         if let Some((line, what)) = numerals.doubt(names.of(Setting::Decimal)) {
             return Err(LogError::File(at_line(path, line, &what)));

@@ -10,8 +10,8 @@ use memchr::{memchr, memchr_iter};
 use std::borrow::Cow;
 use std::mem::take;
 use std::path::Path;
-use zerorate_record::CaptureError;
-use zerorate_record::delimited::Delimiter;
+use zerorate_input::InputError;
+use zerorate_input::delimited::Delimiter;
 
 /// The wanted cells of a line.
 pub struct Cut<'a> {
@@ -340,7 +340,7 @@ impl Broken {
     /// The text of a warning about them; an error if more lines are broken than may be skipped.
     ///
     /// `most` is the share of the rows that may be skipped, and `option` the name of its setting.
-    pub fn judge(self, path: &Path, most: Option<f64>, option: &str) -> Result<Option<String>, CaptureError> {
+    pub fn judge(self, path: &Path, most: Option<f64>, option: &str) -> Result<Option<String>, InputError> {
         let Self { rows, bad, first } = self;
         let Some((line, what)) = first else { return Ok(None) };
         let most = most.unwrap_or(MAX_BAD);
@@ -361,7 +361,7 @@ impl Broken {
 }
 
 /// An error in a line: where it names a column, that is part of the place.
-pub fn at_line(path: &Path, line: u64, what: &str) -> CaptureError {
+pub fn at_line(path: &Path, line: u64, what: &str) -> InputError {
     match what.strip_prefix("column ").and_then(|rest| rest.split_once(": ")) {
         Some((column, what)) => wrong(path, format_args!("line {line}, column {column}"), what),
         None => wrong(path, format_args!("line {line}"), what),

@@ -2,7 +2,7 @@
 
 use crate::Unit;
 use crate::clock::Times;
-use zerorate_record::TimeUnit;
+use zerorate_input::TimeUnit;
 
 /// The column with the time in Gyroflow's logs.
 pub const TIME: &str = "t";

@@ -8,8 +8,8 @@ use super::blocks::Blocks;
 use super::head::{Head, Open, is_comment};
 use super::sentence;
 use std::path::Path;
-use zerorate_record::delimited::Delimiter;
-use zerorate_record::{CaptureError, Input};
+use zerorate_input::delimited::Delimiter;
+use zerorate_input::{Input, InputError};
 
 /// The facts that hold for every row.
 struct Survey {
@@ -75,7 +75,7 @@ impl Head {
 }
 
 impl Survey {
-    fn of(path: &Path, input: Input, head: &Head) -> Result<Self, CaptureError> {
+    fn of(path: &Path, input: Input, head: &Head) -> Result<Self, InputError> {
         let mut survey = Self {
             rows: 0,
             is_index: true,

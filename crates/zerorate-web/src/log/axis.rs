@@ -2,8 +2,9 @@
 
 use super::message::{AxisKind, LogAxis, LogCoefficient, LogColumn, LogPoint, LogValue};
 use zerorate_allan::{Line, Term};
-use zerorate_logs::imu::{self, B, Kind, Named};
-use zerorate_logs::{Column, Quantity, Record};
+use zerorate_imu::Record;
+use zerorate_imu::{self, B, Kind, Named};
+use zerorate_logs::{Column, Quantity};
 use zerorate_view::plot::number;
 
 /// A column, for the page.

@@ -23,9 +23,10 @@ mod reader {
     use std::path::{Path, PathBuf};
     use std::vec::IntoIter;
     use zerorate_allan::{FitOptions, Options, Taus};
-    use zerorate_logs::imu::{Axes, Choice, ImuOptions, ImuWarning, NoNoiseFile, Rule};
-    use zerorate_logs::{AnalysisOptions, Column, LogError, LogWarning, Record, Wanted};
-    use zerorate_record::Input;
+    use zerorate_imu::{AnalysisOptions, Record};
+    use zerorate_imu::{Axes, Choice, ImuOptions, ImuWarning, NoNoiseFile, Rule};
+    use zerorate_input::Input;
+    use zerorate_logs::{Column, LogError, LogWarning, Wanted};
 
     /// A log that was read.
     pub struct LogReader {

@@ -4,8 +4,9 @@ use super::axis::coefficients;
 use super::message::LogPicture;
 use std::path::Path;
 use zerorate_allan::{Expected, Fit, Line};
-use zerorate_logs::imu::Named;
-use zerorate_logs::{Look, Quantity, Record};
+use zerorate_imu::Named;
+use zerorate_imu::{Look, Record};
+use zerorate_logs::Quantity;
 use zerorate_view::plot::{self, Curve, PowerLaw, Signal, Spectrum, Tone, number};
 
 /// All pictures of a log.

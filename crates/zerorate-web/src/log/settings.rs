@@ -1,7 +1,7 @@
 //! Converts settings of the page to what the readers take, and questions of the readers to settings of the page.
 
 use super::message::{LogSetting, LogSettings};
-use zerorate_logs::imu::{Combine, Format, ImuOptions, Said};
+use zerorate_imu::{Combine, Format, ImuOptions, Said};
 use zerorate_logs::{ColumnOptions, Decimal, LogError, Names, Setting, TimeUnit, Unit};
 
 /// The names that messages use for the settings: the labels of the page's fields.
@@ -55,6 +55,7 @@ pub fn options(said: &LogSettings) -> Result<ImuOptions, LogError> {
         time_column: said.time_column.clone(),
         time_unit: said.time_unit.as_deref().map(time_unit).transpose()?,
         decimal: said.decimal.as_deref().map(decimal).transpose()?,
+        described: Some(zerorate_record::open_described),
         names: LABELS,
         ..ColumnOptions::default()
     };

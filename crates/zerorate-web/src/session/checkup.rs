@@ -4,7 +4,7 @@ use super::axis::AxisState;
 use crate::message::CheckResult;
 use zerorate::health::Judged;
 use zerorate::{Checkup, Limits, Tally};
-use zerorate_record::{CaptureWarning, believed};
+use zerorate_record::{CaptureWarning, valid};
 
 /// Time for which samples are checked, s.
 const DURATION_S: f64 = 5.0;
@@ -44,7 +44,7 @@ impl Examination {
         let coded = of_the_part.iter().flatten().map(|warning| format!("{}: {warning}", warning.code()));
         let healths = axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
         let wrong: Vec<String> =
-            coded.chain(believed::of_axes(healths, tally, start_ns).iter().map(CaptureWarning::coded)).collect();
+            coded.chain(valid::of_axes(healths, tally, start_ns).iter().map(CaptureWarning::coded)).collect();
         let counted =
             format!("{:.1} a second, {} lost; data ready {:.1} Hz", tally.rate_hz(), tally.lost, tally.rdy_hz());
         let ok = wrong.is_empty();

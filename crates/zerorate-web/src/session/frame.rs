@@ -8,7 +8,7 @@ use super::{Changed, Session, strips};
 use crate::message::{AxisAbout, Device, Durations, Frame, Now, SampleCounts};
 use zerorate::health::Health;
 use zerorate::{Calibration, Plan};
-use zerorate_record::believed;
+use zerorate_record::valid;
 
 impl Session {
     /// The frame with everything that changed since the last one, for all windows; `None` if nothing changed.
@@ -41,7 +41,7 @@ impl Session {
         }
         if self.changed.statistics {
             let axes = self.live_view.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
-            let said = believed::of_axes(axes, &self.live_view.tally, self.live_view.start_ns());
+            let said = valid::of_axes(axes, &self.live_view.tally, self.live_view.start_ns());
             self.live_view.stand(&said.iter().map(Said::from).collect::<Vec<_>>());
         }
         if let Some(guide) = &self.guide {

@@ -3,13 +3,13 @@
 use super::{Next, Source};
 use crate::session::{About, Said};
 use std::path::Path;
-use zerorate_logs::{ColumnOptions, RowReader};
-use zerorate_record::{CaptureInfo, Input};
+use zerorate_input::Input;
+use zerorate_record::{CaptureError, CaptureInfo, CaptureReader};
 
 /// A recording, which runs as fast as its readings.
 pub struct Replay {
     about: About,
-    reader: RowReader,
+    reader: CaptureReader,
     notes: Vec<Said>,
 }
 
@@ -19,8 +19,12 @@ impl Replay {
     /// # Errors
     /// If the file is not a capture, or is damaged.
     pub fn open(name: &str, input: Input) -> Result<Self, String> {
-        let reader = RowReader::open(Path::new(name), input, None, &ColumnOptions::default());
-        let reader = reader.map_err(|error| error.to_string())?;
+        let reader = CaptureReader::open(Path::new(name), input).map_err(|error| match error {
+            CaptureError::NotACapture { .. } => {
+                format!("{error}; for a log of other software name its part, as docs/formats/part.md says")
+            }
+            error => error.to_string(),
+        })?;
         let info: CaptureInfo = reader.info().clone();
         let about = About {
             name: format!("replay:{name}"),

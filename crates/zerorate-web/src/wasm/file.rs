@@ -3,7 +3,7 @@
 use std::io;
 use std::sync::Arc;
 use wasm_bindgen::prelude::*;
-use zerorate_record::{Elsewhere, Input};
+use zerorate_input::{Input, RemoteBytes};
 
 #[wasm_bindgen]
 extern "C" {
@@ -18,7 +18,7 @@ struct File {
     length: u64,
 }
 
-impl Elsewhere for File {
+impl RemoteBytes for File {
     fn length(&self) -> u64 {
         self.length
     }

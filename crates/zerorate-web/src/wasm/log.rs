@@ -6,7 +6,7 @@ use crate::log::message::{LogSettings, NoiseFileCommand};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 use zerorate_allan::{Input, Stat, deviations, octaves};
-use zerorate_record::limits::{Bytes, set_max_memory};
+use zerorate_input::limits::{Bytes, set_max_memory};
 
 /// The memory for the columns of a log, out of the 4 GiB that a module can have; the analysis takes the rest.
 const MAX_MEMORY: Bytes = Bytes(2 << 30);

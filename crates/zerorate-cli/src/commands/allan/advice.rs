@@ -2,7 +2,7 @@
 
 use super::units;
 use zerorate_allan::{self as allan, Averaging};
-use zerorate_logs::Record;
+use zerorate_imu::Record;
 use zerorate_logs::{Quantity, STANDARD_GRAVITY};
 
 /// The advice of the fit, one sentence each. A rejected fit gives none.

@@ -1,7 +1,8 @@
 //! The findings about several axes: a line for each code, the important ones first.
 
 use super::{picture, temperature};
-use zerorate_logs::{LogWarning, Record};
+use zerorate_imu::Record;
+use zerorate_logs::LogWarning;
 
 /// Codes of findings about the model, the most damaging first. Findings with other codes come before all: they concern
 /// the log.

@@ -5,8 +5,8 @@ use crate::column::flag;
 use crate::exit::{Refused, Usage};
 use crate::output::Staged;
 use anyhow::Result;
-use zerorate_logs::Record;
-use zerorate_logs::imu::{Choice, Combine, Doubts, Format, Rule};
+use zerorate_imu::Record;
+use zerorate_imu::{Choice, Combine, Doubts, Format, Rule};
 use zerorate_logs::{Names, Quantity};
 
 /// Writes the gyroscope's part of the file. Of several logs it takes the worst values.

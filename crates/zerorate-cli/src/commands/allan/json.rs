@@ -8,8 +8,8 @@ use super::units::{Named, coefficients, deviation_unit};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use zerorate_allan::{self as allan, Point, Unavailable};
+use zerorate_imu::Record;
 use zerorate_jobs::pool::Pool;
-use zerorate_logs::Record;
 
 /// Several logs.
 #[derive(Serialize)]

@@ -21,10 +21,10 @@ use serde::Serialize;
 use std::path::PathBuf;
 use temperature::TemperatureArgs;
 use zerorate_allan::{FitOptions, Options, Stat, Taus};
+use zerorate_imu::Doubt;
+use zerorate_imu::{AnalysisOptions, Record};
 use zerorate_jobs::allan::{AllanOptions, allan};
 use zerorate_jobs::pool::Pool;
-use zerorate_logs::imu::Doubt;
-use zerorate_logs::{AnalysisOptions, Record};
 
 /// Compute the Allan deviation of a log at rest, and fit a noise model
 ///

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 use zerorate_allan::MotionKind;
-use zerorate_logs::Record;
-use zerorate_logs::imu::{ImuWarning, Moment};
+use zerorate_imu::Record;
+use zerorate_imu::{ImuWarning, Moment};
 
 /// A moment at which several axes jump or have a glitch.
 #[derive(Serialize)]

@@ -7,7 +7,7 @@ use super::units::{self, deviation_unit, noise};
 use crate::output::Staged;
 use anyhow::Result;
 use zerorate_allan::{Estimate, Fit, Line, Term};
-use zerorate_logs::Record;
+use zerorate_imu::Record;
 use zerorate_view::Interval;
 use zerorate_view::plot::number;
 use zerorate_view::report::{self, AllanPage, AllanRow, Coefficient, CoefficientValue, Fact, Table, allan_page};

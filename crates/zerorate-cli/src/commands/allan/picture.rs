@@ -6,8 +6,8 @@ use crate::output::Staged;
 use anyhow::Result;
 use std::path::Path;
 use zerorate_allan::{Expected, Fit, Line};
+use zerorate_imu::Record;
 use zerorate_logs::Quantity;
-use zerorate_logs::Record;
 use zerorate_view::plot::{self, Curve, Minimum, PowerLaw, Signal, Spectrum, Tone, number};
 
 /// The form of a picture.
@@ -30,7 +30,7 @@ impl Kind {
             Some("png") => Ok(Some(Self::Png)),
             #[cfg(not(feature = "png"))]
             Some("png") => {
-                let missing = zerorate_record::NotBuiltIn { what: "PNG", feature: "png" };
+                let missing = zerorate_input::NotBuiltIn { what: "PNG", feature: "png" };
                 Err(Usage(format!("{}: {missing}", path.display())))
             }
             _ => Ok(None),

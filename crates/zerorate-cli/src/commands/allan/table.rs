@@ -5,7 +5,7 @@ use super::units::{self, TermRow, noise};
 use anyhow::Result;
 use std::fmt::Write;
 use zerorate_allan::Point;
-use zerorate_logs::Record;
+use zerorate_imu::Record;
 
 /// Averages in the record from which the exponent of its noise can be told: the exponent is found to about 2/√averages
 /// and rounded to a whole number, which 62 averages get right 19 times of 20.

@@ -6,7 +6,8 @@ use crate::exit::Usage;
 use clap::Args;
 use serde::Serialize;
 use zerorate_allan::{AllanWarning, MOST_ORDER};
-use zerorate_logs::{LogWarning, Names, Record, Settling};
+use zerorate_imu::{Record, Settling};
+use zerorate_logs::{LogWarning, Names};
 use zerorate_view::duration::Seconds;
 
 /// Options for a sensor that was warming.

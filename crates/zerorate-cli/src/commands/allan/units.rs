@@ -1,9 +1,10 @@
 //! Noise coefficients in the units of data sheets, standards and users.
 
 use zerorate_allan::{Corner, Estimate, Fit, Line, Term};
-use zerorate_logs::Record;
-pub use zerorate_logs::imu::{B, Named, span};
-use zerorate_logs::{Quantity, imu};
+use zerorate_imu as imu;
+use zerorate_imu::Record;
+pub use zerorate_imu::{B, Named, span};
+use zerorate_logs::Quantity;
 use zerorate_view::Interval;
 use zerorate_view::plot::number;
 

@@ -10,8 +10,8 @@ use std::path::Path;
 use zerorate_allan::DataSheet;
 use zerorate_allan::Estimate;
 use zerorate_allan::datasheet::{Figure, Line, Verdict};
-use zerorate_logs::Record;
-use zerorate_logs::imu::Kind;
+use zerorate_imu::Kind;
+use zerorate_imu::Record;
 use zerorate_view::plot::number;
 use zerorate_view::report::Table;
 

@@ -5,8 +5,8 @@ use crate::commands::allan::json;
 use crate::commands::allan::motion::{self, Motion};
 use serde::Serialize;
 use zerorate_allan::DataSheet;
-use zerorate_logs::Record;
-use zerorate_logs::imu::Kind;
+use zerorate_imu::Kind;
+use zerorate_imu::Record;
 
 /// All axes of a log.
 #[derive(Serialize)]

@@ -17,11 +17,10 @@ use clap::builder::BoolishValueParser;
 use datasheet::Comparison;
 use std::path::PathBuf;
 use zerorate_allan::{DataSheet, FitOptions};
+use zerorate_imu::{AnalysisOptions, Record};
+use zerorate_imu::{Choice, Combine, Format, ImuOptions, ImuWarning, Rule, Said};
 use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
-use zerorate_logs::imu::{Choice, Combine, Format, ImuOptions, ImuWarning, Rule, Said};
-use zerorate_logs::{
-    AnalysisOptions, ColumnOptions, Decimal, LogWarning, Names, Only, Record, Setting, TimeUnit, Unit,
-};
+use zerorate_logs::{ColumnOptions, Decimal, LogWarning, Names, Only, Setting, TimeUnit, Unit};
 use zerorate_view::report::Fact;
 
 /// Turn the log of an IMU at rest into the noise file of a filter, such as imu.yaml
@@ -173,6 +172,7 @@ impl ImuArgs {
             max_bad: self.max_bad,
             increments: self.increments,
             force_unit: self.force_unit,
+            described: Some(zerorate_record::open_described),
             names: Names(option),
             ..ColumnOptions::default()
         };

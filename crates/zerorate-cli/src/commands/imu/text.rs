@@ -4,8 +4,8 @@ use crate::commands::allan::units::{B, Named, coefficients, is_without_misfit, s
 use anyhow::Result;
 use std::fmt::Write;
 use zerorate_allan::{Fit, Term};
-use zerorate_logs::Record;
-use zerorate_logs::imu::Kind;
+use zerorate_imu::Kind;
+use zerorate_imu::Record;
 use zerorate_view::plot::number;
 use zerorate_view::report::Table;
 

@@ -1,6 +1,7 @@
 //! The kind of an axis of an IMU, by the unit or the name of its column.
 
-use crate::{Column, Quantity, increments};
+use crate::increments;
+use zerorate_logs::{Column, Quantity};
 
 /// The kind of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

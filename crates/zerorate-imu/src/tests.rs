@@ -1,9 +1,9 @@
 //! How sure each reader is that takes its numbers from its file.
 
 use super::{Axis, Choice, Combine, Doubts, Format, Kind, Rule};
-use crate::{Names, Setting};
 use std::f64::consts::PI;
 use zerorate_allan::{Fit, FitOptions, Input, fit};
+use zerorate_logs::{Names, Setting};
 
 const RATE_HZ: f64 = 100.0;
 const HOUR: usize = 360_000;

@@ -1,7 +1,7 @@
 //! Means that no sensor has at rest. They tell of a wrong unit, of a wrong scale, or of columns that are mixed.
 
-use crate::{Column, LogWarning, Quantity, Series, Unit};
 use std::path::Path;
+use zerorate_logs::{Column, LogWarning, Quantity, Series, Unit};
 
 /// Gravity, m/s². It differs by 0.3 % over the Earth.
 const GRAVITY_M_S2: f64 = 9.8;

@@ -1,8 +1,8 @@
 //! From fitted models to the numbers that filters take.
 
 use super::{Doubts, Kind};
-use crate::{Names, Setting};
 use zerorate_allan::{Coefficient, Covering, FLOOR_PER_B, Fit, Term, Usage};
+use zerorate_logs::{Names, Setting};
 
 /// The rule that makes one value of several axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,6 +54,21 @@ pub struct Choice {
     pub names: Names,
     /// The warnings that matter to the reader of the file, each `code: text`.
     pub warnings: Vec<String>,
+}
+
+impl Default for Choice {
+    /// The worst axis of a kind, and numbers that cover the noise over the horizon of the reader.
+    fn default() -> Self {
+        Self {
+            log: String::new(),
+            topic: None,
+            combine: Combine::Worst,
+            rule: Rule::Covers(None),
+            inflate: 1.0,
+            names: Names::default(),
+            warnings: Vec::new(),
+        }
+    }
 }
 
 impl Choice {

@@ -1,13 +1,16 @@
-//! The axes of an IMU: which columns of a log they are, and the files for the filters that take their noise.
+#![doc = include_str!("../README.md")]
 
 mod axes;
 mod coefficients;
 mod consumer;
 mod doubt;
+pub mod increments;
 mod kind;
 mod noise_file;
 mod numbers;
 mod plausible;
+mod record;
+mod settling;
 #[cfg(test)]
 mod tests;
 mod warning;
@@ -19,4 +22,6 @@ pub use doubt::{Doubt, Doubts};
 pub use kind::Kind;
 pub use noise_file::NoNoiseFile;
 pub use numbers::{Axis, Choice, Combine, Rule};
+pub use record::{AnalysisOptions, Look, Record, RecordError};
+pub use settling::{Settling, SettlingError};
 pub use warning::{ImuWarning, Moment};

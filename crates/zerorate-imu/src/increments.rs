@@ -1,7 +1,7 @@
 //! Columns of increments: the angle or the velocity of a sample in place of its rate.
 
-use crate::{Column, ColumnOptions, LogError, Quantity, Result, Setting};
 use std::path::Path;
+use zerorate_logs::{Column, ColumnOptions, LogError, Quantity, Result, Setting};
 
 /// Words in the names of increments of an angle, and of a velocity, without anything but letters.
 const ANGLES: [&str; 7] = ["dtheta", "deltatheta", "dangle", "deltaang", "deltang", "angleincr", "angincr"];

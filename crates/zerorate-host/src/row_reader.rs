@@ -1,11 +1,13 @@
 //! Rows of a part, from a recording of any form.
 
-use crate::{CaptureError, Input, LogError, LogWarning};
-use crate::{ColumnOptions, PartLog};
+use crate::PartLog;
+use crate::warning::of_capture;
 use std::io::Seek;
 use std::path::Path;
 use zerorate::Part;
-use zerorate_record::{CaptureInfo, CaptureReader, Row};
+use zerorate_input::{Input, InputError};
+use zerorate_logs::{ColumnOptions, LogError, LogWarning};
+use zerorate_record::{CaptureError, CaptureInfo, CaptureReader, Row};
 
 /// Reads the rows of a capture, or of the log of a part.
 pub enum RowReader {
@@ -22,7 +24,7 @@ impl RowReader {
     /// # Errors
     /// It cannot be read, or is wrong in itself; without a part, it is not a capture.
     pub fn open(path: &Path, mut input: Input, part: Option<&Part>, args: &ColumnOptions) -> Result<Self, LogError> {
-        let failed = |error| CaptureError::io("read", path, error);
+        let failed = |error| InputError::io("read", path, error);
         let again = input.try_clone().map_err(failed)?;
         let part = part.filter(|part| part.name != Part::ADIS16130.name);
         match (CaptureReader::open(path, again), part) {
@@ -33,9 +35,9 @@ impl RowReader {
             }
             (Err(CaptureError::NotACapture { path, why }), None) => {
                 let why = format!("{why}; for a log of other software name its part, as docs/formats/part.md says");
-                Err(CaptureError::NotACapture { path, why }.into())
+                Err(InputError::from(CaptureError::NotACapture { path, why }).into())
             }
-            (Err(error), _) => Err(error.into()),
+            (Err(error), _) => Err(InputError::from(error).into()),
         }
     }
 
@@ -52,7 +54,7 @@ impl RowReader {
     #[must_use]
     pub fn warnings(&self) -> Vec<LogWarning> {
         match self {
-            Self::Capture(capture) => capture.warnings().into_iter().map(LogWarning::Capture).collect(),
+            Self::Capture(capture) => capture.warnings().iter().map(of_capture).collect(),
             Self::Log(log) => log.warnings().to_vec(),
         }
     }

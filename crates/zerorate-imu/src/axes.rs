@@ -1,8 +1,9 @@
 //! The axes of an IMU in a log.
 
 use super::{ImuWarning, Kind, plausible};
-use crate::{Column, ColumnOptions, LogError, LogWarning, Parts, Quantity, Setting, Unit, Wanted, increments};
+use crate::increments;
 use std::path::Path;
+use zerorate_logs::{Column, ColumnOptions, LogError, LogWarning, Parts, Quantity, Setting, Unit, Wanted};
 
 /// Facts about the axes that a log may not state itself.
 #[derive(Clone, Debug, Default)]
@@ -45,11 +46,11 @@ impl Axes {
     /// Reads all of them in one pass; `path` names the log in messages.
     ///
     /// # Errors
-    /// As for [`crate::read_parts`], and where no column is an axis, or the unit of an axis is not known.
-    pub fn read(path: &Path, parts: impl Into<Parts>, options: &ImuOptions) -> crate::Result<Self> {
+    /// As for [`zerorate_logs::read_parts`], and where no column is an axis, or the unit of an axis is not known.
+    pub fn read(path: &Path, parts: impl Into<Parts>, options: &ImuOptions) -> zerorate_logs::Result<Self> {
         let listed = options.listed();
         let wanted = listed.as_deref().map_or(Wanted::All, Wanted::Listed);
-        let (columns, no_rate) = crate::parts::read_without_rate(path, parts, wanted, &options.log)?;
+        let (columns, no_rate) = zerorate_logs::read_without_rate(path, parts, wanted, &options.log)?;
         match (no_rate, Self::of(path, columns, options)) {
             (None, axes) => axes,
             // all that is missing is asked for at once
@@ -83,7 +84,7 @@ impl Axes {
     ///
     /// # Errors
     /// No column is an axis, or the unit of an axis is not known.
-    pub fn of(path: &Path, mut columns: Vec<Column>, options: &ImuOptions) -> crate::Result<Self> {
+    pub fn of(path: &Path, mut columns: Vec<Column>, options: &ImuOptions) -> zerorate_logs::Result<Self> {
         let (mut axes, mut left_out) = (Vec::new(), Vec::new());
         // the first column carries what is of the log, and need not be an axis
         let of_log = |column: &mut Column| column.warnings.extract_if(.., |warning| warning.is_of_log()).collect();
@@ -167,7 +168,7 @@ impl ImuOptions {
     }
 
     /// The kind that the user states, unless the column states another.
-    fn agreed(&self, path: &Path, kind: Kind, column: &Column) -> crate::Result<Kind> {
+    fn agreed(&self, path: &Path, kind: Kind, column: &Column) -> zerorate_logs::Result<Kind> {
         match column.quantity.filter(|quantity| *quantity != kind.quantity()) {
             None => Ok(kind),
             Some(quantity) => Err(LogError::Ask(format!(
@@ -207,7 +208,7 @@ impl Kind {
 }
 
 /// Checks that each kind has a unit of its own.
-fn check_units(options: &ImuOptions, path: &Path, axes: &[(Kind, Column)]) -> crate::Result<()> {
+fn check_units(options: &ImuOptions, path: &Path, axes: &[(Kind, Column)]) -> zerorate_logs::Result<()> {
     let mut unknown = Vec::new();
     for kind in Kind::ALL {
         let &Said { unit, scale, .. } = options.said(kind);

@@ -72,14 +72,14 @@ pub fn max_memory() -> u64 {
 
 /// The limit of one file in memory, or unpacked on disk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Room {
+pub struct MemoryBudget {
     bytes: u64,
     max_memory: u64,
 }
 
 /// A file asks for more than its room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum NoRoom {
+pub enum OverBudget {
     /// More than any log of its size holds.
     #[error(
         "it grows to more than {} in memory, {} plus {FACTOR} times its size on disk: it is damaged, or made to fill \
@@ -92,7 +92,7 @@ pub enum NoRoom {
     InMemory(u64),
 }
 
-impl Room {
+impl MemoryBudget {
     /// The limit for a file of this many bytes on disk.
     pub fn of(file_bytes: u64) -> Self {
         Self { bytes: for_size(file_bytes), max_memory: max_memory() }
@@ -104,10 +104,10 @@ impl Room {
     }
 
     /// Whether so many bytes fit in.
-    pub fn check(self, bytes: u64) -> Result<(), NoRoom> {
+    pub fn check(self, bytes: u64) -> Result<(), OverBudget> {
         match bytes {
-            _ if bytes > self.bytes => Err(NoRoom::ForItsSize(self.bytes)),
-            _ if bytes > self.max_memory => Err(NoRoom::InMemory(self.max_memory)),
+            _ if bytes > self.bytes => Err(OverBudget::ForItsSize(self.bytes)),
+            _ if bytes > self.max_memory => Err(OverBudget::InMemory(self.max_memory)),
             _ => Ok(()),
         }
     }
@@ -118,7 +118,7 @@ impl Room {
     }
 
     /// Checks the limit on disk, where the memory of the machine does not count.
-    pub fn check_on_disk(self, bytes: u64) -> Result<(), NoRoom> {
+    pub fn check_on_disk(self, bytes: u64) -> Result<(), OverBudget> {
         Self { max_memory: u64::MAX, ..self }.check(bytes)
     }
 }
@@ -146,11 +146,11 @@ mod tests {
 
     #[test]
     fn the_room_of_a_file_grows_with_it_up_to_a_limit() {
-        let room = Room { bytes: for_size(1000), max_memory: 1 << 30 };
+        let room = MemoryBudget { bytes: for_size(1000), max_memory: 1 << 30 };
         assert_eq!(room.check(FREE_BYTES + 256_000), Ok(()));
-        assert_eq!(room.check(FREE_BYTES + 256_001), Err(NoRoom::ForItsSize(FREE_BYTES + 256_000)));
-        let large = Room { bytes: for_size(1 << 40), max_memory: 1 << 30 };
-        assert_eq!((large.check((1 << 30) + 1), large.bytes()), (Err(NoRoom::InMemory(1 << 30)), 1 << 30));
+        assert_eq!(room.check(FREE_BYTES + 256_001), Err(OverBudget::ForItsSize(FREE_BYTES + 256_000)));
+        let large = MemoryBudget { bytes: for_size(1 << 40), max_memory: 1 << 30 };
+        assert_eq!((large.check((1 << 30) + 1), large.bytes()), (Err(OverBudget::InMemory(1 << 30)), 1 << 30));
         assert_eq!(large.check_on_disk(1 << 31), Ok(()));
         assert_eq!(for_size(u64::MAX), u64::MAX);
     }

@@ -1,9 +1,9 @@
 //! Preparation of a column before the analysis: its temperature and its beginning.
 
-use crate::imu::span;
-use crate::{Column, LogError, Names, Series, Setting};
+use crate::span;
 use std::path::Path;
 use zerorate_allan::{AllanWarning, DetrendError, Follows, Settled, detrend, follows_temperature};
+use zerorate_logs::{Column, LogError, Names, Series, Setting};
 
 /// Preparation of a record before the analysis.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,6 +1,6 @@
 //! Lines and cells of delimited text, with line numbers for messages.
 
-use super::CaptureError;
+use super::InputError;
 use crate::Input;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -55,12 +55,12 @@ impl Lines {
     }
 
     /// The next line that is not blank.
-    pub fn next_line(&mut self) -> Result<Option<Line<'_>>, CaptureError> {
+    pub fn next_line(&mut self) -> Result<Option<Line<'_>>, InputError> {
         self.next_where(|_| true)
     }
 
     /// The next line that is not blank and whose text is `wanted`.
-    pub fn next_where(&mut self, wanted: impl Fn(&str) -> bool) -> Result<Option<Line<'_>>, CaptureError> {
+    pub fn next_where(&mut self, wanted: impl Fn(&str) -> bool) -> Result<Option<Line<'_>>, InputError> {
         loop {
             if !self.read()? {
                 return Ok(None);
@@ -73,12 +73,12 @@ impl Lines {
         Ok(Some(Line { number: self.number, text: self.text()?, ended: self.bytes.ends_with(b"\n") }))
     }
 
-    fn read(&mut self) -> Result<bool, CaptureError> {
+    fn read(&mut self) -> Result<bool, InputError> {
         self.bytes.clear();
         self.number += 1;
         let mut bounded = std::io::Read::take(&mut self.reader, MAX_LINE);
         let read =
-            bounded.read_until(b'\n', &mut self.bytes).map_err(|error| CaptureError::io("read", &self.path, error))?;
+            bounded.read_until(b'\n', &mut self.bytes).map_err(|error| InputError::io("read", &self.path, error))?;
         self.position += read as u64;
         if read as u64 == MAX_LINE {
             return Err(self.wrong("the line is longer than 1 MB: is this a text file?"));
@@ -86,14 +86,14 @@ impl Lines {
         Ok(read > 0)
     }
 
-    fn text(&self) -> Result<&str, CaptureError> {
+    fn text(&self) -> Result<&str, InputError> {
         let text = std::str::from_utf8(&self.bytes)
             .map_err(|_| self.wrong("not UTF-8 text: columns of raw numbers need their type"))?;
         Ok(text.strip_prefix('\u{FEFF}').unwrap_or(text).trim_ascii())
     }
 
-    fn wrong(&self, what: &str) -> CaptureError {
-        CaptureError::damaged(&self.path, format!("line {}", self.number), what)
+    fn wrong(&self, what: &str) -> InputError {
+        InputError::damaged(&self.path, format!("line {}", self.number), what)
     }
 }
 

@@ -4,7 +4,10 @@
 
 use super::numbers::{AxisNumbers, Choice, Chosen, Memory, Numbers, Sensor};
 use zerorate_allan::Usage;
-use zerorate_record::plain;
+use zerorate_input::plain;
+
+/// Name and version of this software, as in the files that it writes.
+const SOFTWARE: &str = concat!("zerorate ", env!("CARGO_PKG_VERSION"));
 
 /// Who reads the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -229,7 +232,7 @@ impl Text {
     fn head(&mut self, numbers: &Numbers, format: Format, meaning: &str) {
         let (reader, is_by_axis) = (format.reader(), format.is_by_axis());
         let Choice { log, combine, rule, inflate, names, warnings, .. } = &numbers.choice;
-        self.line(&format!("# Noise of an IMU for {reader}, by {} from {}.", zerorate::SOFTWARE, plain::line(log)));
+        self.line(&format!("# Noise of an IMU for {reader}, by {} from {}.", SOFTWARE, plain::line(log)));
         self.line(&format!("# {meaning}."));
         if !is_by_axis {
             self.line(&format!("# Of the axes of a kind {}.", combine.words(*names)));
@@ -318,7 +321,7 @@ fn quoted(word: &str) -> String {
 #[cfg(all(test, feature = "clap"))]
 mod tests {
     use super::Format;
-    use crate::imu::Combine;
+    use crate::Combine;
     use clap::ValueEnum;
 
     /// Python uses these names, and the command line uses the names of clap.

@@ -18,7 +18,7 @@ pub struct Input {
 }
 
 /// Bytes that are neither in a file of this system nor in memory, such as a file that a browser was given.
-pub trait Elsewhere: Debug + Send + Sync {
+pub trait RemoteBytes: Debug + Send + Sync {
     /// The number of bytes.
     fn length(&self) -> u64;
 
@@ -35,8 +35,8 @@ enum Kind {
     /// A file without a name, which cannot be opened again.
     Nameless(File),
     Memory(Cursor<Bytes>),
-    Elsewhere {
-        bytes: Arc<dyn Elsewhere>,
+    Remote {
+        bytes: Arc<dyn RemoteBytes>,
         /// Offset of the next read.
         at: u64,
     },
@@ -75,14 +75,14 @@ impl Input {
         match &self.kind {
             Kind::File(file) | Kind::Nameless(file) => Ok(file.metadata()?.len()),
             Kind::Memory(bytes) => Ok(bytes.get_ref().len() as u64),
-            Kind::Elsewhere { bytes, .. } => Ok(bytes.length()),
+            Kind::Remote { bytes, .. } => Ok(bytes.length()),
         }
     }
 
     /// An input of bytes that somebody else reads.
     #[must_use]
-    pub fn elsewhere(bytes: Arc<dyn Elsewhere>) -> Self {
-        Self::of(Kind::Elsewhere { bytes, at: 0 })
+    pub fn remote(bytes: Arc<dyn RemoteBytes>) -> Self {
+        Self::of(Kind::Remote { bytes, at: 0 })
     }
 
     /// An input of a file without a name, such as a spooled pipe.
@@ -105,7 +105,7 @@ impl Input {
     pub fn is_directory(&self) -> io::Result<bool> {
         match &self.kind {
             Kind::File(file) => Ok(file.metadata()?.is_dir()),
-            Kind::Nameless(_) | Kind::Memory(_) | Kind::Elsewhere { .. } => Ok(false),
+            Kind::Nameless(_) | Kind::Memory(_) | Kind::Remote { .. } => Ok(false),
         }
     }
 
@@ -115,7 +115,7 @@ impl Input {
             Kind::File(file) => Kind::File(file.try_clone()?),
             Kind::Nameless(file) => Kind::Nameless(file.try_clone()?),
             Kind::Memory(bytes) => Kind::Memory(bytes.clone()),
-            Kind::Elsewhere { bytes, at } => Kind::Elsewhere { bytes: bytes.clone(), at: *at },
+            Kind::Remote { bytes, at } => Kind::Remote { bytes: bytes.clone(), at: *at },
         };
         Ok(Self { kind, holes: self.holes })
     }
@@ -193,7 +193,7 @@ impl Read for Input {
         match &mut self.kind {
             Kind::File(file) | Kind::Nameless(file) => file.read(buf),
             Kind::Memory(bytes) => bytes.read(buf),
-            Kind::Elsewhere { bytes, at } => {
+            Kind::Remote { bytes, at } => {
                 let read = bytes.read_at(*at, buf)?;
                 *at += read as u64;
                 Ok(read)
@@ -207,7 +207,7 @@ impl Seek for Input {
         match &mut self.kind {
             Kind::File(file) | Kind::Nameless(file) => file.seek(to),
             Kind::Memory(bytes) => bytes.seek(to),
-            Kind::Elsewhere { bytes, at } => {
+            Kind::Remote { bytes, at } => {
                 let place = match to {
                     SeekFrom::Start(place) => Some(place),
                     SeekFrom::Current(by) => at.checked_add_signed(by),
@@ -228,7 +228,7 @@ mod tests {
     #[derive(Debug)]
     struct Slices(Vec<u8>);
 
-    impl Elsewhere for Slices {
+    impl RemoteBytes for Slices {
         fn length(&self) -> u64 {
             self.0.len() as u64
         }
@@ -247,7 +247,7 @@ mod tests {
         let memory = packed(&Vec::new().into()).expect("memory");
         let file = packed(&tempfile::tempfile().expect("a file").into()).expect("a file");
         assert!(file.is_file() && !memory.is_file());
-        let elsewhere = Input::elsewhere(Arc::new(Slices(b"0123456789".to_vec())));
+        let elsewhere = Input::remote(Arc::new(Slices(b"0123456789".to_vec())));
         assert!(!elsewhere.is_file() && elsewhere.try_clone().expect("a copy").seek(SeekFrom::Current(-1)).is_err());
         for mut input in [memory, file, elsewhere] {
             assert_eq!((input.length().expect("bytes"), input.bytes_at(3, 4).expect("bytes")), (10, "3456".into()));

@@ -34,6 +34,8 @@ impl Doubt {
     }
 }
 
+impl std::error::Error for Doubt {}
+
 impl fmt::Display for Doubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

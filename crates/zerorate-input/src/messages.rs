@@ -4,7 +4,7 @@
 //! well. This program is made for recordings that were cut off, so it reads the frames here.
 
 use crate::catch_panic::catch_panic;
-use crate::limits::Room;
+use crate::limits::MemoryBudget;
 use arrow_ipc::convert::{metadata_to_fb, try_fb_to_schema};
 use arrow_ipc::{self as ipc, MessageArgs, RecordBatchArgs, root_as_message};
 use arrow_schema::{Metadata, Schema, SchemaRef};
@@ -116,7 +116,7 @@ impl MessageBytes {
 
     /// Checks what the Arrow library takes for granted: that a batch keeps inside its message, and unpacks to what
     /// `room` has.
-    pub fn check(&self, room: Room) -> Result<(), String> {
+    pub fn check(&self, room: MemoryBudget) -> Result<(), String> {
         let message = self.message()?;
         let body = &self.bytes[self.metadata.end..];
         if usize::try_from(message.bodyLength()) != Ok(body.len()) {

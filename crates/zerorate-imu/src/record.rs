@@ -2,13 +2,14 @@
 //!
 //! The command line and the page take this way. Python analyses arrays in place, and takes the pieces.
 
-use crate::imu::{Axis, Doubt, Doubts, Kind};
-use crate::{Column, LogError, LogWarning, Quantity, Settling, SettlingError};
+use crate::{Axis, Doubt, Doubts, Kind};
+use crate::{Settling, SettlingError};
 use std::path::{Path, PathBuf};
 use zerorate_allan::{
     self as allan, AllanWarning, Analysed, Analysis, AnalysisError, Averaging, Density, Detrended, Envelope, Expected,
     Fit, FitError, FitOptions, Input, Line, Options, Point, Settled, Stat, Taus, interval,
 };
+use zerorate_logs::{Column, LogError, LogWarning, Quantity};
 
 /// A column of a log and what was found in it.
 pub struct Record {

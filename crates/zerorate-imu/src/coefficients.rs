@@ -1,8 +1,8 @@
 //! Noise coefficients in the units that data sheets, standards and users have them in.
 
-use crate::{Quantity, STANDARD_GRAVITY};
 use zerorate_allan::FLOOR_PER_B;
 use zerorate_allan::{Coefficient, Estimate, Fit, LONGEST_RECORD_S};
+use zerorate_logs::{Quantity, STANDARD_GRAVITY};
 
 /// A coefficient by name and units, its main unit first.
 pub struct Named<'a> {

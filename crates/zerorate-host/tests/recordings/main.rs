@@ -1,11 +1,14 @@
 //! A log of a gyroscope with three axes as rows of a capture, by the file of its part and no line of code.
 
+mod captures;
+mod damaged;
 #[cfg(feature = "full")]
 mod real;
 
 use std::path::Path;
 use zerorate::Part;
-use zerorate_logs::{ColumnOptions, PartLog};
+use zerorate_host::PartLog;
+use zerorate_logs::ColumnOptions;
 use zerorate_record::Row;
 
 /// The scales come from the data sheet; the log holds no temperature, so that column is made up.

@@ -1,16 +1,14 @@
 //! A log of a part as rows of a capture: columns are found by the names of the axes, values become codes, and gaps
 //! become losses.
 
-use super::choice::Described;
-use super::clock::Beat;
-use super::{Clock, ColumnOptions, ColumnQuery, Found, FoundColumn, Gap, LogError, Result, Wanted, find};
-use crate::warning::LogWarning;
 use std::path::Path;
 use zerorate::{MAX_AXES, Part, Scale};
-use zerorate_record::{CaptureInfo, Input, Layout, Quantity, Row};
-
-/// The name of the temperature column, unless the part states another.
-pub(super) const TEMP: &str = "temp";
+use zerorate_allan::Gap;
+use zerorate_input::{Input, Quantity};
+use zerorate_logs::{
+    ColumnOptions, ColumnSpec, LogError, LogWarning, Result, TEMPERATURE_COLUMN, TimedColumn, TimedColumns, read_timed,
+};
+use zerorate_record::{CaptureInfo, Layout, Row};
 
 /// A value that is this near to a code, in codes, lies on it: what decimals and units leave of a code that somebody
 /// turned into a value.
@@ -45,21 +43,19 @@ impl PartLog {
     pub fn open(path: &Path, input: Input, part: &Part, args: &ColumnOptions) -> Result<Self> {
         let layout = Layout::of_part(part)
             .map_err(|what| LogError::Ask(format!("no capture can have the part {}: {what}", part.name)))?;
-        let described = described(part);
-        let mut found = find(path, input, &ColumnQuery::of(Wanted::Described(&described), args))?;
-        found.mend(path, args)?;
-        let Found { mut columns, clock, mut warnings, .. } = found;
+        let specs = specs(part);
+        let TimedColumns { mut columns, t_ns, gaps, mut warnings } = read_timed(path, input, &specs, args)?;
         let temp = columns.pop().filter(|_| columns.len() == part.axes.len());
         let temp = temp.ok_or_else(|| LogError::Ask(format!("{} has one column only", path.display())))?;
-        let axes = columns.into_iter().zip(&part.axes[..]).zip(&described).map(|((column, axis), described)| {
+        let axes = columns.into_iter().zip(&part.axes[..]).zip(&specs).map(|((column, axis), spec)| {
             let given = args.unit.map(|unit| (unit.quantity(), unit.in_results()));
-            let stated = column.stated.or(given).or_else(|| stated(&column.name, described));
+            let stated = column.stated.or(given).or_else(|| stated(&column.name, spec));
             let unit = rate_unit(path, &column.name, stated)?;
             Coding { path, scale: axis.axis.rate, unit, name: "°/s", remedy: "`gx [rad/s]` or `x_dps`" }
                 .codes(column, &mut warnings)
         });
         let axes: Vec<Vec<f64>> = axes.collect::<Result<_>>()?;
-        let unit = temp.stated.or_else(|| stated(&temp.name, described.last()?));
+        let unit = temp.stated.or_else(|| stated(&temp.name, specs.last()?));
         let unit = unit.filter(|(quantity, _)| *quantity == Quantity::Temperature).map(|(_, celsius)| celsius);
         let scale = *layout.temp();
         let coding = Coding { path, scale, unit, name: "°C", remedy: "`temp_c` or `T [°C]`" };
@@ -70,7 +66,6 @@ impl PartLog {
                 format!("{} holds no temperature in any row", path.display()),
             ));
         }
-        let (t_ns, gaps) = times(path, clock, temps.len(), args)?;
         let info = CaptureInfo {
             device: path.display().to_string(),
             software: zerorate::SOFTWARE.to_owned(),
@@ -141,20 +136,20 @@ impl Iterator for PartLog {
 }
 
 /// The columns of the axes, then the column of the temperature.
-fn described(part: &Part) -> Vec<Described> {
-    let column = |what: String, stated: Option<&str>, name: &str| Described {
+fn specs(part: &Part) -> Vec<ColumnSpec> {
+    let column = |what: String, stated: Option<&str>, name: &str| ColumnSpec {
         what,
         name: stated.unwrap_or(name).to_owned(),
         is_exact: stated.is_some(),
     };
     let axis = |axis: &zerorate::NamedAxis| column(format!("axis {}", axis.name), axis.column.as_deref(), &axis.name);
-    let temp = column("temperature".to_owned(), part.temp_column.as_deref(), TEMP);
+    let temp = column("temperature".to_owned(), part.temp_column.as_deref(), TEMPERATURE_COLUMN);
     part.axes.iter().map(axis).chain([temp]).collect()
 }
 
 /// The unit that the name of a column states, or the name that the part gives.
-fn stated(column: &str, described: &Described) -> Option<(Quantity, f64)> {
-    let by_part = || described.without_unit().and_then(|_| Quantity::of_column(&described.name));
+fn stated(column: &str, spec: &ColumnSpec) -> Option<(Quantity, f64)> {
+    let by_part = || spec.without_unit().and_then(|_| Quantity::of_column(&spec.name));
     Quantity::of_column(column).or_else(by_part)
 }
 
@@ -186,10 +181,9 @@ struct Coding<'a> {
 }
 
 impl Coding<'_> {
-    fn codes(&self, column: FoundColumn, warnings: &mut Vec<LogWarning>) -> Result<Vec<f64>> {
-        let FoundColumn { name, values, warnings: said, .. } = column;
+    fn codes(&self, column: TimedColumn, warnings: &mut Vec<LogWarning>) -> Result<Vec<f64>> {
+        let TimedColumn { name, values: mut codes, warnings: said, .. } = column;
         warnings.extend(said);
-        let mut codes = values.into_rows();
         let mut off = 0.0_f64;
         for (row, value) in codes.iter_mut().enumerate().filter(|(_, value)| !value.is_nan()) {
             let code = self.unit.map_or(*value, |unit| self.scale.code(*value * unit));
@@ -232,21 +226,4 @@ impl Coding<'_> {
             ),
         ))
     }
-}
-
-/// Time of each row, and what was lost between rows.
-fn times(path: &Path, clock: Clock, rows: usize, args: &ColumnOptions) -> Result<(Vec<u64>, Vec<Gap>)> {
-    let silent = |rate_hz: f64| (0..rows).map(|row| (row as f64 * 1e9 / rate_hz).round() as u64).collect();
-    let (t_ns, gaps): (Vec<u64>, Vec<Gap>) = match (args.rate, clock) {
-        (Some(rate_hz), _) => (silent(rate_hz), Vec::new()),
-        (None, clock) => match (clock.beat(path, args)?, clock) {
-            (Some((unit, Beat { gaps, .. })), Clock::Column(_, times)) => (times.nanoseconds(unit), gaps),
-            _ => return Err(super::no_rate(path, &[], args.names)),
-        },
-    };
-    if t_ns.windows(2).any(|pair| pair[1] <= pair[0]) {
-        let why = "its rows are less than a nanosecond apart; is it the rate, and the unit of the time?";
-        return Err(LogError::Refused("times-disordered", format!("{}: {why}", path.display())));
-    }
-    Ok((t_ns, gaps))
 }

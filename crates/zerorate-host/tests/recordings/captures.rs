@@ -1,0 +1,106 @@
+//! A capture that is read as a log: codes with their scale, losses as gaps, and its temperature.
+
+use adis16130::Width;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+use zerorate_allan::Gap;
+use zerorate_input::{Input, Quantity};
+use zerorate_logs::{Column, ColumnOptions, Result, Wanted, read_all, read_with_temperature};
+use zerorate_record::{CaptureInfo, CaptureWriter, Converter, Format, Row};
+
+const FORMATS: &[Format] = &[
+    Format::Arrows,
+    Format::Csv,
+    #[cfg(feature = "full")]
+    Format::Parquet,
+];
+
+fn options() -> ColumnOptions {
+    ColumnOptions { described: Some(zerorate_record::open_described), ..ColumnOptions::default() }
+}
+
+fn read(content: &[u8], wanted: Wanted<'_>) -> Result<Vec<Column>> {
+    read_all(Path::new("log"), content.to_vec().into(), wanted, &options())
+}
+
+/// A capture of 2,500 samples with losses, and with status and temperature now and then.
+fn capture(format: Format) -> Vec<u8> {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("capture");
+    let info = CaptureInfo::adis16130(Converter { width: Width::Bits24, rate_conversion: 5, temp_conversion: 5 });
+    let mut writer = CaptureWriter::create(&path, Box::new(File::create(&path).unwrap()), format, &info).unwrap();
+    for i in 0..2_500_u32 {
+        let lost = if i > 0 && i.is_multiple_of(1000) { 3 } else { 0 };
+        let t_ns = 1_000 + u64::from(i + 3 * (i / 1000)) * 175_667;
+        let row = Row::new(t_ns, i, &[i64::from(i.wrapping_mul(2_654_435_761) >> 8)]).unwrap();
+        let row = row.with_status((!i.is_multiple_of(5)).then_some(i & 0xFF));
+        let row = row.with_temp_code(i.is_multiple_of(3).then(|| (0x00FF_FFFF - i).into()));
+        writer.push(&row.with_lost(lost)).unwrap();
+    }
+    writer.finish().unwrap();
+    fs::read(&path).unwrap()
+}
+
+#[test]
+fn several_columns_in_one_pass_are_each_by_itself() {
+    for format in FORMATS {
+        let content = capture(*format);
+        let names = ["temp_code", "rate_code", "status"].map(str::to_owned);
+        let columns = read(&content, Wanted::Listed(&names)).unwrap();
+        let alone: Vec<Column> =
+            names.iter().map(|name| read(&content, Wanted::One(Some(name))).unwrap().remove(0)).collect();
+        // NaN is not equal to itself
+        assert_eq!(format!("{columns:?}"), format!("{alone:?}"));
+        assert_eq!(columns[1], read(&content, Wanted::All).unwrap().remove(0), "the rates");
+    }
+}
+
+/// One pass gives what two passes give, and never a column that was asked for as the one beside it.
+#[test]
+fn the_temperature_of_a_capture_comes_with_its_rate() {
+    for format in FORMATS {
+        let content = capture(*format);
+        let together = |wanted| {
+            let parts = vec![(PathBuf::from("log"), Input::from(content.clone()))];
+            read_with_temperature(Path::new("log"), parts, wanted, &options()).unwrap()
+        };
+        let (columns, temperature) = together(Wanted::One(None));
+        assert_eq!(columns, read(&content, Wanted::One(None)).unwrap());
+        let alone = read(&content, Wanted::One(Some("temp_code"))).unwrap();
+        let temperature = temperature.unwrap();
+        assert_eq!((&temperature.series, &temperature.gaps), (&alone[0].series, &alone[0].gaps));
+        let (asked, beside) = together(Wanted::One(Some("temp_code")));
+        assert_eq!((asked[0].name.as_str(), asked.len(), beside), ("temp_code", 1, None));
+    }
+}
+
+#[test]
+fn losses_of_a_capture_are_gaps() {
+    let head = "# zerorate.capture_schema = 1\n# zerorate.width_bits = 24\n# zerorate.rate_conversion = 5\n# \
+        zerorate.temp_conversion = 5\n\
+                t_ns,edge_seq,rate_code,status,temp_code,lost\n";
+    let read = |rows: &str| read(format!("{head}{rows}").as_bytes(), Wanted::One(None));
+    // 7 before the first row do not matter: the record had not begun
+    let rows = "0,1,8388608,8,8400000,7\n10000000,2,8388610,8,,0\n40000000,5,8388609,8,,2\n50000000,6,8388611,8,,0\n";
+    let mut column = read(rows).unwrap().remove(0);
+    assert_eq!((column.gaps.as_slice(), column.rate_hz), (&[Gap { at: 2, missing: 2 }][..], 100.0));
+    assert_eq!((column.scale, column.missing(), column.quantity), (1.0 / 23_488.0, 2, Some(Quantity::AngularRate)));
+    column.close_gaps();
+    assert_eq!((column.missing(), column.series.len()), (0, 4));
+    let why = |rows: &str| read(rows).unwrap_err().to_string();
+    let back = why("0,1,8388608,8,,0\n10,2,8388608,8,,0\n10,3,8388608,8,,0\n");
+    assert!(back.contains("row 2: t_ns does not increase, from 10 to 10"), "{back}");
+    let wide = why("0,1,16777216,8,,0\n");
+    assert!(wide.contains("16777216 is not a code of 24 bits"), "{wide}");
+}
+
+/// Its codes would be taken for numbers without a unit.
+#[test]
+fn a_capture_without_its_reader_is_refused() {
+    for format in FORMATS {
+        let content = capture(*format);
+        let why = read_all(Path::new("log"), content.into(), Wanted::All, &ColumnOptions::default()).unwrap_err();
+        assert!(why.to_string().contains("set `described` to its reader"), "{why}");
+    }
+}

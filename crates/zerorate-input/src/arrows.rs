@@ -1,0 +1,143 @@
+//! Arrow IPC streams: the form to record in, because every whole batch in it stays readable.
+
+use crate::catch_panic::catch_panic;
+use crate::limits::MemoryBudget;
+use crate::messages::{Message, MessageBytes, Messages};
+use crate::table::{BATCH_CHECK, BatchSource, CHECKS, END, Stated};
+use crate::{Input, InputError, InputWarning};
+use arrow_array::RecordBatch;
+use arrow_buffer::Buffer;
+use arrow_ipc::reader::StreamDecoder;
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+/// Bytes that are looked through at once.
+const SCAN: u64 = 1 << 16;
+
+/// Reads a stream, up to the last whole batch.
+pub struct StreamReader {
+    path: PathBuf,
+    messages: Messages<BufReader<Input>>,
+    decoder: StreamDecoder,
+    /// The same file once more, to look beyond a place that cannot be read.
+    rest: Input,
+    len: u64,
+    room: MemoryBudget,
+    stated: Stated,
+}
+
+impl StreamReader {
+    /// Reads the schema.
+    pub fn open(path: &Path, input: Input) -> Result<Self, InputError> {
+        let failed = |error| InputError::io("read", path, error);
+        let len = input.length().map_err(failed)?;
+        let room = MemoryBudget::of(input.stored().map_err(failed)?);
+        let rest = input.try_clone().map_err(failed)?;
+        let mut messages = Messages::new(BufReader::new(input));
+        let mut decoder = StreamDecoder::new();
+        let schema = match messages.next_message().map_err(failed)? {
+            Message::Whole(bytes) => {
+                let schema = bytes.schema().map_err(|what| InputError::not_a_log(path, what))?;
+                decode(&mut decoder, bytes.into()).map_err(|what| InputError::not_a_log(path, what))?;
+                schema
+            }
+            Message::EndOfStream { .. } | Message::Torn => {
+                return Err(InputError::not_a_log(
+                    path,
+                    "it ends inside its Arrow schema, so it holds no sample either",
+                ));
+            }
+        };
+        Ok(Self { path: path.to_owned(), messages, decoder, rest, len, room, stated: Stated::new(schema) })
+    }
+
+    /// The batch of a whole message; none if it is the end or no batch at all.
+    fn decode(&mut self, start: u64, bytes: MessageBytes) -> Result<Option<RecordBatch>, InputError> {
+        let damaged = |what: String| InputError::damaged(&self.path, format!("byte {start}"), what);
+        if self.stated.end.is_some() {
+            return Err(damaged("a message follows behind the end of the capture".to_owned()));
+        }
+        bytes.check(self.room).map_err(damaged)?;
+        if let Some(end) = bytes.note(END) {
+            if bytes.rows() != Some(0) {
+                return Err(damaged("its end is malformed: it has rows".to_owned()));
+            }
+            self.stated.end = Some(end);
+            return Ok(None);
+        }
+        self.stated.check = bytes.note(BATCH_CHECK);
+        decode(&mut self.decoder, bytes.into()).map_err(damaged)
+    }
+
+    /// The stream was closed; nothing should follow.
+    fn end_of_stream(&mut self) -> Result<(), InputError> {
+        self.stated.ended = true;
+        self.stated.warning = InputWarning::behind_end(&self.path, &self.rest, self.messages.position())?;
+        Ok(())
+    }
+
+    /// The file ended before the stream did, in a message that began at `whole`. Only one message can be torn: where
+    /// others follow, the file is damaged here.
+    fn torn(&mut self, whole: u64) -> Result<(), InputError> {
+        let follow = checks_from(&mut self.rest, whole).map_err(|error| InputError::io("read", &self.path, error))?;
+        if follow > 1 {
+            let what = "a message states a wrong length, for others follow within it";
+            return Err(InputError::damaged(&self.path, format!("byte {whole}"), what));
+        }
+        (self.stated.ended, self.stated.torn) = (true, true);
+        let (path, dropped) = (self.path.display(), self.len.saturating_sub(whole));
+        let text = format!("{path} was not closed; the {dropped} bytes after its last whole batch are dropped");
+        self.stated.warning = Some(InputWarning::Torn(text));
+        Ok(())
+    }
+}
+
+/// The number of messages from `start` on that carry a check.
+fn checks_from(input: &mut Input, start: u64) -> io::Result<usize> {
+    let mark = CHECKS.as_bytes();
+    input.seek(SeekFrom::Start(start))?;
+    let mut seen = Vec::new();
+    let mut found = 0;
+    while input.take(SCAN).read_to_end(&mut seen)? > 0 {
+        found += seen.windows(mark.len()).filter(|window| *window == mark).count();
+        // a mark may lie across two pieces
+        seen.drain(..seen.len().saturating_sub(mark.len() - 1));
+    }
+    Ok(found)
+}
+
+/// The batch of a message, if it carries one.
+pub fn decode(decoder: &mut StreamDecoder, bytes: Vec<u8>) -> Result<Option<RecordBatch>, String> {
+    let decoded = catch_panic(|| decoder.decode(&mut Buffer::from_vec(bytes)));
+    decoded.ok_or_else(|| "its batch makes no sense".to_owned())?.map_err(|error| error.to_string())
+}
+
+impl BatchSource for StreamReader {
+    fn form(&self) -> &'static str {
+        "Arrow stream"
+    }
+
+    fn stated(&self) -> &Stated {
+        &self.stated
+    }
+
+    fn stated_mut(&mut self) -> &mut Stated {
+        &mut self.stated
+    }
+
+    fn read_batch(&mut self) -> Result<Option<RecordBatch>, InputError> {
+        while !self.stated.ended {
+            let start = self.messages.position();
+            match self.messages.next_message().map_err(|error| InputError::io("read", &self.path, error))? {
+                Message::Whole(bytes) => {
+                    if let Some(batch) = self.decode(start, bytes)? {
+                        return Ok(Some(batch));
+                    }
+                }
+                Message::EndOfStream { marked: true } => self.end_of_stream()?,
+                Message::EndOfStream { marked: false } | Message::Torn => self.torn(start)?,
+            }
+        }
+        Ok(None)
+    }
+}

@@ -1,0 +1,90 @@
+//! Errors of inputs: each message names the file and says what to do.
+
+use crate::NotBuiltIn;
+use crate::limits::OverBudget;
+use arrow_schema::ArrowError;
+#[cfg(feature = "parquet")]
+use parquet::errors::ParquetError;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why a file cannot be read or written.
+#[derive(Debug, thiserror::Error)]
+#[expect(missing_docs, reason = "the fields are the words of the message")]
+pub enum InputError {
+    /// The file system refused.
+    #[error("cannot {action} {}", path.display())]
+    Io { action: &'static str, path: PathBuf, source: io::Error },
+
+    /// The file is not in a form that is read.
+    #[error("{} cannot be read as a log: {why}", path.display())]
+    NotALog { path: PathBuf, why: String },
+
+    /// A feature adds the form of the file.
+    #[error("{}: {missing}", path.display())]
+    NotBuiltIn { path: PathBuf, missing: NotBuiltIn },
+
+    /// The content does not fit into the memory that the file may take.
+    #[error("{}: {why}", path.display())]
+    OverBudget { path: PathBuf, why: OverBudget },
+
+    /// The content is wrong.
+    #[error("{}, {place}: {what}", path.display())]
+    Damaged { path: PathBuf, place: String, what: String },
+
+    /// The columnar library failed for a reason of its own.
+    #[error("cannot {action} {}: {what}", path.display())]
+    Table { action: &'static str, path: PathBuf, what: String },
+
+    /// The reader of a [`DescribedTable`](crate::table::DescribedTable) failed.
+    #[error(transparent)]
+    Described(Box<dyn std::error::Error + Send + Sync>),
+}
+
+impl InputError {
+    /// An I/O error, with what was being done to which file.
+    pub fn io(action: &'static str, path: &Path, source: io::Error) -> Self {
+        Self::Io { action, path: path.to_owned(), source }
+    }
+
+    /// The file is not a log in any supported form.
+    pub fn not_a_log(path: &Path, why: impl Into<String>) -> Self {
+        Self::NotALog { path: path.to_owned(), why: why.into() }
+    }
+
+    /// The form of the file is missing in this build.
+    pub fn not_built_in(path: &Path, missing: NotBuiltIn) -> Self {
+        Self::NotBuiltIn { path: path.to_owned(), missing }
+    }
+
+    /// The file takes more memory than it may.
+    pub fn over_budget(path: &Path, why: OverBudget) -> Self {
+        Self::OverBudget { path: path.to_owned(), why }
+    }
+
+    /// The content of the file is wrong at `place`.
+    pub fn damaged(path: &Path, place: impl Into<String>, what: impl Into<String>) -> Self {
+        Self::Damaged { path: path.to_owned(), place: place.into(), what: what.into() }
+    }
+
+    /// An error of the Arrow library; what lies below it as an I/O error is kept as one.
+    pub fn arrow(action: &'static str, path: &Path, error: ArrowError) -> Self {
+        match error {
+            ArrowError::IoError(_, source) => Self::io(action, path, source),
+            other => Self::Table { action, path: path.to_owned(), what: other.to_string() },
+        }
+    }
+
+    /// An error of the Parquet library, likewise.
+    #[cfg(feature = "parquet")]
+    pub fn parquet(action: &'static str, path: &Path, error: ParquetError) -> Self {
+        let what = error.to_string();
+        match error {
+            ParquetError::External(source) => match source.downcast::<io::Error>() {
+                Ok(source) => Self::io(action, path, *source),
+                Err(_) => Self::Table { action, path: path.to_owned(), what },
+            },
+            _ => Self::Table { action, path: path.to_owned(), what },
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! Files and bytes as columns: opened inputs, units, a budget of memory, delimited text, and tables in Arrow and
+//! Parquet.
+//!
+//! Nothing here opens a file, and nothing knows a gyroscope: [`Input`] is bytes that the caller has opened, so that the
+//! same readers serve a browser.
+
+pub mod arrows;
+pub mod catch_panic;
+pub mod cells;
+pub mod delimited;
+mod error;
+mod input;
+pub mod limits;
+pub mod messages;
+mod not_built_in;
+#[cfg(feature = "parquet")]
+pub mod parquet;
+pub mod plain;
+pub mod table;
+mod unit;
+mod warning;
+
+pub use error::InputError;
+pub use input::{Input, RemoteBytes};
+pub use not_built_in::NotBuiltIn;
+pub use unit::{Quantity, STANDARD_GRAVITY, TimeUnit, Unit, is_celsius};
+pub use warning::InputWarning;

@@ -1,0 +1,56 @@
+//! Warnings about the end of a file.
+
+use crate::{Input, InputError};
+use std::fmt;
+use std::path::Path;
+
+/// A warning about the end of a file. What was read stands.
+#[derive(Clone, Debug, PartialEq)]
+pub enum InputWarning {
+    /// The file lacks its end, as the text says.
+    Torn(String),
+    /// Bytes follow the end.
+    BytesBehindEnd {
+        /// The name of the file.
+        path: String,
+        /// The number of bytes.
+        bytes: u64,
+    },
+}
+
+impl InputWarning {
+    /// The codes of all warnings.
+    pub fn codes() -> [&'static str; 2] {
+        [Self::Torn(String::new()), Self::BytesBehindEnd { path: String::new(), bytes: 0 }]
+            .map(|warning| warning.code())
+    }
+
+    /// Short stable name, for scripts.
+    #[must_use]
+    pub const fn code(&self) -> &'static str {
+        match self {
+            Self::Torn(_) => "torn-tail",
+            Self::BytesBehindEnd { .. } => "bytes-behind-end",
+        }
+    }
+
+    /// The warning about bytes from `end` on, where the form of the file ends; none if there are none.
+    ///
+    /// # Errors
+    /// The bytes cannot be read.
+    pub fn behind_end(path: &Path, input: &Input, end: u64) -> Result<Option<Self>, InputError> {
+        let bytes = input.bytes_behind(end).map_err(|error| InputError::io("read", path, error))?;
+        Ok((bytes > 0).then(|| Self::BytesBehindEnd { path: path.display().to_string(), bytes }))
+    }
+}
+
+impl fmt::Display for InputWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Torn(text) => f.write_str(text),
+            Self::BytesBehindEnd { path, bytes } => {
+                write!(f, "{path}: {bytes} bytes after its end are ignored; were two files joined?")
+            }
+        }
+    }
+}

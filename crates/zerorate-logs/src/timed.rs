@@ -1,0 +1,70 @@
+//! Columns as they stand in a log, with the time of each row.
+
+use crate::choice::ColumnSpec;
+use crate::clock::Beat;
+use crate::{
+    Clock, ColumnOptions, ColumnQuery, Found, FoundColumn, LogError, LogWarning, Result, Wanted, find, no_rate,
+};
+use std::path::Path;
+use zerorate_allan::Gap;
+use zerorate_input::{Input, Quantity};
+
+/// Columns as they stand in a log: no unit is applied, and nothing is filled in.
+pub struct TimedColumns {
+    /// The columns, in the order in which they were asked for.
+    pub columns: Vec<TimedColumn>,
+    /// The time of each row, in ns. It increases.
+    pub t_ns: Vec<u64>,
+    /// Samples that are missing between rows.
+    pub gaps: Vec<Gap>,
+    /// Warnings about the whole log.
+    pub warnings: Vec<LogWarning>,
+}
+
+/// A column of [`TimedColumns`].
+pub struct TimedColumn {
+    /// Its name.
+    pub name: String,
+    /// The value of each row, NaN where it has none.
+    pub values: Vec<f64>,
+    /// The quantity and the size of a step of 1 in the unit of its results, where the form of the log states them.
+    pub stated: Option<(Quantity, f64)>,
+    /// Warnings about the column.
+    pub warnings: Vec<LogWarning>,
+}
+
+/// Reads the columns that `specs` describe, in one pass over the file; `path` names it in messages. Where neither time
+/// column nor rate is given, the time is the only other column whose name states a unit of time, as in `t_ns`.
+///
+/// # Errors
+/// The file cannot be read, it lacks a column or the time, or its times do not increase.
+pub fn read_timed(path: &Path, input: Input, specs: &[ColumnSpec], args: &ColumnOptions) -> Result<TimedColumns> {
+    let mut found = find(path, input, &ColumnQuery::of(Wanted::Described(specs), args))?;
+    found.mend(path, args)?;
+    let Found { columns, clock, warnings, .. } = found;
+    let columns = columns.into_iter().map(|column| {
+        let FoundColumn { name, values, stated, warnings, .. } = column;
+        TimedColumn { name, values: values.into_rows(), stated, warnings }
+    });
+    let columns: Vec<TimedColumn> = columns.collect();
+    let rows = columns.first().map_or(0, |column| column.values.len());
+    let (t_ns, gaps) = times(path, clock, rows, args)?;
+    Ok(TimedColumns { columns, t_ns, gaps, warnings })
+}
+
+/// Time of each row, and what was lost between rows.
+fn times(path: &Path, clock: Clock, rows: usize, args: &ColumnOptions) -> Result<(Vec<u64>, Vec<Gap>)> {
+    let silent = |rate_hz: f64| (0..rows).map(|row| (row as f64 * 1e9 / rate_hz).round() as u64).collect();
+    let (t_ns, gaps): (Vec<u64>, Vec<Gap>) = match (args.rate, clock) {
+        (Some(rate_hz), _) => (silent(rate_hz), Vec::new()),
+        (None, clock) => match (clock.beat(path, args)?, clock) {
+            (Some((unit, Beat { gaps, .. })), Clock::Column(_, times)) => (times.nanoseconds(unit), gaps),
+            _ => return Err(no_rate(path, &[], args.names)),
+        },
+    };
+    if t_ns.windows(2).any(|pair| pair[1] <= pair[0]) {
+        let why = "its rows are less than a nanosecond apart; is it the rate, and the unit of the time?";
+        return Err(LogError::Refused("times-disordered", format!("{}: {why}", path.display())));
+    }
+    Ok((t_ns, gaps))
+}
