@@ -1,8 +1,7 @@
-//! Files and bytes as columns: opened inputs, units, a budget of memory, delimited text, and tables in Arrow and
-//! Parquet.
+//! Files and bytes as columns: inputs, units, a budget of memory, delimited text, and tables in Arrow and Parquet.
 //!
-//! Nothing here opens a file, and nothing knows a gyroscope: [`Input`] is bytes that the caller has opened, so that the
-//! same readers serve a browser.
+//! Nothing here opens a file, and nothing knows a gyroscope. [`Input`] is bytes that the caller has opened, so that
+//! the same readers serve a browser.
 
 pub mod arrows;
 pub mod catch_panic;
@@ -13,6 +12,7 @@ mod input;
 pub mod limits;
 pub mod messages;
 mod not_built_in;
+mod open_table;
 #[cfg(feature = "parquet")]
 pub mod parquet;
 pub mod plain;
@@ -23,5 +23,6 @@ mod warning;
 pub use error::InputError;
 pub use input::{Input, RemoteBytes};
 pub use not_built_in::NotBuiltIn;
+pub use open_table::{Opened, open_table};
 pub use unit::{Quantity, STANDARD_GRAVITY, TimeUnit, Unit, is_celsius};
 pub use warning::InputWarning;

@@ -99,8 +99,9 @@ use sample::Sampled;
 use series::SeriesBuilder;
 use std::path::Path;
 use zerorate_allan::Gap;
-use zerorate_input::table::{self, DESCRIPTION, DescribedTable, OpenDescribed, Opened};
+use zerorate_input::table::{DESCRIPTION, DescribedTable, OpenDescribed};
 use zerorate_input::{Input, limits::MemoryBudget};
+use zerorate_input::{Opened, open_table};
 
 /// The wanted numbers of a log, and facts that the log does not state itself.
 #[derive(Clone, Debug, Default)]
@@ -288,7 +289,7 @@ fn read_arrow_file(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
 
 fn read_table_or_text(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     let path = log.path;
-    match table::open(path, log.input)? {
+    match open_table(path, log.input)? {
         Opened::Table(source) => tabular::read(path, source, log.room, asked),
         Opened::Other(input) => text::read(path, input, log.room, asked),
     }

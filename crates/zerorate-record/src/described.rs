@@ -13,7 +13,8 @@ use arrow_select::nullif::nullif;
 use std::path::{Path, PathBuf};
 use zerorate::Tally;
 use zerorate::health::{Health, Judged};
-use zerorate_input::table::{Described, DescribedTable, Opened};
+use zerorate_input::Opened;
+use zerorate_input::table::{Described, DescribedTable};
 use zerorate_input::{Input, InputError, Quantity};
 
 /// The column of the temperature.

@@ -53,7 +53,8 @@ use blocks::Out;
 use columns::{OpenBatch, Rows};
 use std::path::{Path, PathBuf};
 use zerorate_input::Input;
-use zerorate_input::table::{BatchSource, Opened};
+use zerorate_input::Opened;
+use zerorate_input::table::BatchSource;
 
 /// Records rows. Dropping it closes the file as well, but only [`CaptureWriter::finish`] tells whether that worked.
 pub struct CaptureWriter {

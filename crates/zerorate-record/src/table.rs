@@ -14,8 +14,8 @@ use arrow_array::RecordBatch;
 use arrow_schema::SchemaRef;
 use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
-use zerorate_input::table::{self, Opened};
 use zerorate_input::{Input, InputError, NotBuiltIn};
+use zerorate_input::{Opened, open_table};
 
 /// The form of a capture on disk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -146,7 +146,7 @@ pub fn recognise(path: &Path, mut input: Input) -> Result<Opened, CaptureError> 
             "it is an Arrow file; convert it to an Arrow stream, to Parquet or to CSV",
         )),
         text if text == csv::PREAMBLE.as_bytes() => Ok(Opened::Table(Box::new(csv::CsvReader::open(path, input)?))),
-        _ => table::open(path, input).map_err(|error| match error {
+        _ => open_table(path, input).map_err(|error| match error {
             InputError::NotALog { path, why } => CaptureError::NotACapture { path, why },
             other => other.into(),
         }),

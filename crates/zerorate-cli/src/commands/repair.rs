@@ -9,7 +9,7 @@ use arrow_schema::{Field, Metadata, SchemaRef};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use zerorate_host::files;
-use zerorate_input::table::Opened;
+use zerorate_input::Opened;
 use zerorate_record::columns::Rows;
 use zerorate_record::table;
 use zerorate_record::{CaptureError, CaptureWarning, Checked, Format, Layout, checked_schema};
