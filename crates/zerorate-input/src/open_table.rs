@@ -1,0 +1,33 @@
+//! Which files are tables.
+
+use crate::table::BatchSource;
+use crate::{Input, InputError, arrows};
+use std::io::{Read, Seek};
+use std::path::Path;
+
+/// The content of a file.
+pub enum Opened {
+    /// Columns with names and types.
+    Table(Box<dyn BatchSource>),
+    /// Anything else, from its first byte.
+    Other(Input),
+}
+
+/// Opens an Arrow stream or a Parquet file, recognised by its first bytes. `path` names it in messages.
+///
+/// # Errors
+/// The file cannot be read, is damaged, or is Parquet and this build lacks that.
+pub fn open_table(path: &Path, mut input: Input) -> Result<Opened, InputError> {
+    let failed = |error| InputError::io("read", path, error);
+    let mut start = Vec::new();
+    (&mut input).take(4).read_to_end(&mut start).map_err(failed)?;
+    input.rewind().map_err(failed)?;
+    match start.as_slice() {
+        [0xFF, 0xFF, 0xFF, 0xFF] => Ok(Opened::Table(Box::new(arrows::StreamReader::open(path, input)?))),
+        #[cfg(feature = "parquet")]
+        b"PAR1" => Ok(Opened::Table(Box::new(crate::parquet::ParquetReader::open(path, input)?))),
+        #[cfg(not(feature = "parquet"))]
+        b"PAR1" => Err(InputError::not_built_in(path, crate::NotBuiltIn::PARQUET)),
+        _ => Ok(Opened::Other(input)),
+    }
+}
