@@ -7,8 +7,8 @@ use adis16130_twin::Truth;
 use anyhow::{Result, bail};
 use std::sync::Arc;
 use zerorate::calibration::Notes;
-use zerorate::health::{Frozen, Health, Judged};
-use zerorate::{Axis, Names, Part, Tally, Warning, resonance};
+use zerorate::health::{Frozen, Health, Judged, resonance};
+use zerorate::{Axis, Names, Part, Tally, Warning};
 use zerorate_host::{
     Batch, Bus, DeviceInfo, DeviceSpec, Hub, Losses, LosslessReader, Pace, Setup, SourceWarning, Stop,
 };

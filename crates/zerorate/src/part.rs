@@ -6,12 +6,17 @@ use alloc::borrow::Cow;
 use core::f64::consts::PI;
 use zerorate_allan::FLOOR_PER_B;
 
+mod code_sum;
 #[cfg(feature = "file")]
 mod file;
+mod reading;
+
+pub use code_sum::CodeSum;
 #[cfg(feature = "file")]
 pub use file::PartError;
 #[cfg(feature = "file")]
 pub(crate) use file::is_word;
+pub use reading::{Reading, Scan};
 
 /// Largest number of axes of a part. Its readings take that much room.
 pub const MAX_AXES: usize = 8;

@@ -3,7 +3,7 @@
 
 use super::unit::{Recording, TEMPS};
 use zerorate::noise::{NoiseModel, Window};
-use zerorate::thermal::Block;
+use zerorate::temperature::Block;
 use zerorate_allan::linear::{Cholesky, dot};
 
 /// Windows that a recording is cut into.

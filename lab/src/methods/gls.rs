@@ -3,7 +3,7 @@
 use super::judged::Fitted;
 use super::unit::Recording;
 use zerorate::Axis;
-use zerorate::thermal::{self, Assumed};
+use zerorate::temperature::{self, Assumed};
 
 /// The highest order that is tried.
 const MAX_ORDER: usize = 3;
@@ -20,5 +20,5 @@ pub fn fit(recording: &Recording) -> Option<Fitted> {
         max_order: MAX_ORDER,
         t3_c: blocks.last()?.temp_c,
     };
-    thermal::fit(&blocks, &assumed).ok().map(Fitted::from)
+    temperature::fit(&blocks, &assumed).ok().map(Fitted::from)
 }

@@ -3,7 +3,7 @@
 use super::unit::{Recording, TEMPS};
 use crate::residuals::{DPH_PER_DPS, rms};
 use std::time::Instant;
-use zerorate::thermal::{self, BiasCurve, TERMS};
+use zerorate::temperature::{self, BiasCurve, TERMS};
 use zerorate::{Correction, Uncertainty};
 
 /// The result of a method on a recording.
@@ -46,7 +46,7 @@ impl Judged {
         let Fitted { correction, covariance, order } = fitted;
         Some(Self {
             errors_dps: temps_c.map(|temp_c| correction.at(temp_c) + recording.truth.bias_dps(temp_c)),
-            u_dps: covariance.map(|all| temps_c.map(|temp_c| thermal::u_dps(&all, temp_c - correction.t3_c))),
+            u_dps: covariance.map(|all| temps_c.map(|temp_c| temperature::u_dps(&all, temp_c - correction.t3_c))),
             order,
             fit_s,
         })

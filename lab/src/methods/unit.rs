@@ -1,7 +1,7 @@
 //! Units of four kinds, and their recordings.
 
 use adis16130_twin::{Mean, Means, Spec, Truth, facts};
-use zerorate::thermal::Block;
+use zerorate::temperature::Block;
 
 /// How the bias of a unit depends on temperature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

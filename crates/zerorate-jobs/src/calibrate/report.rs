@@ -5,7 +5,7 @@ use adis16130_twin::Truth;
 use serde::Serialize;
 use std::path::PathBuf;
 use zerorate::calibration::{CalibratedAxis, Contribution, Run};
-use zerorate::thermal::{BiasCurve, Step, TERMS};
+use zerorate::temperature::{BiasCurve, Step, TERMS};
 use zerorate::{Calibration, Names, Outcome, Uncertainty, Warning};
 
 /// The JSON object of `calibrate --json`; the names are a contract.

@@ -3,8 +3,8 @@
 use super::strips::{Strips, Values};
 use crate::message::{AxisNow, Rest, RestVerdict};
 use std::collections::VecDeque;
+use zerorate::health::stationarity::{Verdict, judge};
 use zerorate::health::{Health, Judged};
-use zerorate::stationarity::{Verdict, judge};
 use zerorate::{Axis, Calibration, CodeSum, NamedAxis, Reading};
 
 /// Length of a block, ns and s: the length that the core's judge of rest takes.

@@ -2,10 +2,12 @@
 
 use super::{CalibratedAxis, Calibration, CurveRecord, Origin, Run, noise_record, one_line};
 use crate::chamber::{ChamberOutcome, Record};
-use crate::estimate::Noise;
-use crate::part::Part;
-use crate::tally::Tally;
-use crate::{NamedAxis, Plan, Validity, Warning};
+use crate::correction::Validity;
+use crate::health::Tally;
+use crate::notice::Warning;
+use crate::part::{NamedAxis, Part};
+use crate::plan::Plan;
+use crate::procedure::Noise;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 

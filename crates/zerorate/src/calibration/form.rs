@@ -1,9 +1,9 @@
 //! The tables of a calibration file, and their meaning.
 
 use super::{CalibratedAxis, Calibration, CurveRecord, NoiseRecord, Notes, Run, Uncertainties};
-use crate::estimate::Measured;
+use crate::correction::{Correction, Validity};
 use crate::part::{Part, Scale};
-use crate::{Correction, Validity};
+use crate::procedure::Measured;
 use alloc::string::String;
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize, Serializer};

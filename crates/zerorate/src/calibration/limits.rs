@@ -2,11 +2,11 @@
 
 use super::form::{AxisForm, CURVED, CalibrationForm, NOTED, SEVERAL, Span};
 use super::{CurveRecord, NoiseRecord, Run, SCHEMA, SIMULATED, SourcesRecord, Uncertainties, is_rfc3339};
-use crate::Correction;
-use crate::estimate::Measured;
-use crate::gls::whitener;
+use crate::correction::Correction;
 use crate::part::{Axis, MAX_AXES, Part, Scale, is_word};
-use crate::thermal::TERMS;
+use crate::procedure::Measured;
+use crate::temperature::TERMS;
+use crate::temperature::gls::whitener;
 use alloc::format;
 use alloc::string::String;
 use core::ops::RangeInclusive;

@@ -17,11 +17,13 @@ pub use date::is_rfc3339;
 pub use file::{FileError, FileWarning};
 
 use crate::check_lines::sha256_hex;
-use crate::estimate::{Measured, Noise};
+use crate::correction::{Correction, Corrector, CorrectorConfig, Validity};
 use crate::noise::FLICKER_CUTOFF_HZ;
+use crate::notice::Warning;
 use crate::part::{NamedAxis, Part, Scale};
-use crate::thermal::{self, BiasCurve, Sources, TERMS};
-use crate::{Correction, Corrector, CorrectorConfig, Outcome, Uncertainty, Validity, Warning};
+use crate::procedure::{Measured, Noise, Outcome};
+use crate::temperature::{self, BiasCurve, Sources, TERMS};
+use crate::uncertainty::Uncertainty;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
@@ -353,7 +355,7 @@ impl CalibratedAxis {
     #[must_use]
     pub fn u_correction_dps(&self, temp_c: f64) -> Option<f64> {
         if let Some(curve) = &self.curve {
-            return Some(thermal::u_dps(&curve.covariance, temp_c - self.correction.t3_c));
+            return Some(temperature::u_dps(&curve.covariance, temp_c - self.correction.t3_c));
         }
         let u = self.uncertainty.as_ref()?;
         let d = temp_c - self.correction.t3_c;

@@ -2,14 +2,13 @@
 
 use super::record::{Record, Soak};
 use super::refusal::ChamberRefusal;
-use crate::blocks::Second;
 use crate::correction::Correction;
 use crate::noise::Window;
 use crate::notice::Warning;
-use crate::part::{Axis, Part};
+use crate::part::{Axis, NamedAxis, Part};
 use crate::plan::Plan;
-use crate::recording::{Searched, steps_s, sways_hz, taken_out};
-use crate::thermal::{self, Assumed, BiasCurve, Block};
+use crate::procedure::{Searched, Second, steps_s, sways_hz, taken_out};
+use crate::temperature::{self, Assumed, BiasCurve, Block};
 use alloc::vec::Vec;
 
 /// The result of one axis.
@@ -91,9 +90,8 @@ impl Record {
         if span_c < LEAST_SPAN_C {
             return Err(ChamberRefusal::Span { span_c, least_c: LEAST_SPAN_C });
         }
-        let outcome = |(index, axis): (usize, &crate::NamedAxis)| {
-            self.outcome(&axis.axis, index, earth_dps.unwrap_or(0.0), max_order)
-        };
+        let outcome =
+            |(index, axis): (usize, &NamedAxis)| self.outcome(&axis.axis, index, earth_dps.unwrap_or(0.0), max_order);
         part.axes.iter().enumerate().take(self.rates_dps.len()).map(outcome).collect()
     }
 
@@ -118,7 +116,7 @@ impl Record {
             max_order,
             t3_c: last.iter().sum::<f64>() / last.len() as f64,
         };
-        let curve = thermal::fit(&blocks, &assumed).map_err(ChamberRefusal::NoCurve)?;
+        let curve = temperature::fit(&blocks, &assumed).map_err(ChamberRefusal::NoCurve)?;
         let limit_dps = axis.bias.largest_supply_step_dps();
         if let Some(sway) = curve.sway.filter(|sway| sway.size_dps() > limit_dps) {
             return Err(ChamberRefusal::Swaying { hz: sway.hz, size_dps: sway.size_dps(), limit_dps });

@@ -1,6 +1,6 @@
 //! The plan of a chamber, and the rules by which a part has followed it.
 
-use crate::part::Part;
+use crate::part::{NamedAxis, Part};
 use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
@@ -130,7 +130,7 @@ impl ChamberPlan {
     /// as measured, and the axis with the longest time decides.
     #[must_use]
     pub fn average_s(&self, planned_s: Option<f64>, part: &Part, white_dps_per_rt_hz: &[Option<f64>]) -> f64 {
-        let best_s = |(axis, white): (&crate::NamedAxis, &Option<f64>)| {
+        let best_s = |(axis, white): (&NamedAxis, &Option<f64>)| {
             let mut noise = axis.axis.typical_noise();
             noise.white_dps_per_rt_hz = white.unwrap_or(noise.white_dps_per_rt_hz);
             noise.best_averaging_s()
@@ -272,6 +272,7 @@ impl core::error::Error for ChamberPlanError {}
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::part::Axis;
     use alloc::vec;
 
     #[test]
@@ -366,10 +367,7 @@ mod tests {
 
     #[test]
     fn a_part_without_noise_needs_its_averages_stated() {
-        let axis = crate::NamedAxis {
-            axis: crate::Axis { noise: None, ..crate::Axis::ADIS16130 },
-            ..Part::ADIS16130.axes[0].clone()
-        };
+        let axis = NamedAxis { axis: Axis { noise: None, ..Axis::ADIS16130 }, ..Part::ADIS16130.axes[0].clone() };
         let part = Part { axes: vec![axis].into(), ..Part::ADIS16130 };
         let text = alloc::format!("{}", plan().fits(&part).unwrap_err());
         assert!(text.contains("give average_s as a number of seconds"), "{text}");

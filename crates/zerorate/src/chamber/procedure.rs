@@ -14,12 +14,9 @@ pub use table::ChamberState;
 use super::plan::ChamberPlan;
 use super::record::Record;
 use super::refusal::ChamberRefusal;
-use crate::block_means::BLOCK_NS;
-use crate::code_sum::CodeSum;
-use crate::health::{Flags, Health, Judged};
-use crate::part::{Axis, Part};
-use crate::reading::Scan;
-use crate::tally::Tally;
+use crate::health::block_means::BLOCK_NS;
+use crate::health::{Flags, Health, Judged, Tally};
+use crate::part::{Axis, CodeSum, NamedAxis, Part, Scan};
 
 use alloc::vec::Vec;
 
@@ -154,7 +151,7 @@ impl ChamberProcedure {
     /// The plan does not fit the part.
     pub fn new(part: &Part, plan: ChamberPlan, max_lost: f64) -> Result<Self, super::ChamberPlanError> {
         plan.fits(part)?;
-        let axis = |axis: &crate::NamedAxis| AxisState {
+        let axis = |axis: &NamedAxis| AxisState {
             axis: axis.axis,
             health: Health::new(&axis.axis),
             second: Default::default(),

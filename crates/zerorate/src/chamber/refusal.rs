@@ -2,7 +2,7 @@
 
 use super::procedure::ChamberState;
 use crate::notice::{Refusal, because_of};
-use crate::thermal::ThermalError;
+use crate::temperature::ThermalError;
 use core::fmt;
 use zerorate_allan::rows;
 

@@ -3,7 +3,7 @@
 use super::file::{MAX_STEPS, SET_POINTS_C};
 use super::record::{Record, Soak};
 use crate::check_lines::{self, Damage, sha256_hex};
-use crate::part::{Part, Scale};
+use crate::part::{NamedAxis, Part, Scale};
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
@@ -116,8 +116,7 @@ impl Saved {
     #[must_use]
     pub fn to_toml(&self, plan_text: &str, part: &Part, device: &str, serial: &str) -> String {
         let Record { start_s, temp_c, rates_dps, at_rest, soaks, samples, lost, impossible } = self.record.clone();
-        let name =
-            |(axis, rate_dps): (&crate::NamedAxis, Vec<f64>)| AxisForm { name: axis.name.to_string(), rate_dps };
+        let name = |(axis, rate_dps): (&NamedAxis, Vec<f64>)| AxisForm { name: axis.name.to_string(), rate_dps };
         let form = SavedForm {
             schema: SCHEMA,
             plan_sha256: sha256_hex(plan_text),

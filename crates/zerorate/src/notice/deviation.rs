@@ -1,9 +1,54 @@
-//! Codes and texts of deviations of the rate. Warnings and refusals contain them.
+//! Deviations of the rate, with their codes and texts. Warnings and refusals contain them.
 
-use super::rows_with_remedies;
-use crate::drift_checks::Deviation;
-use crate::remedy::Remedy;
+use super::{Remedy, rows_with_remedies};
 use core::fmt;
+
+/// A deviation of the rate from a line over temperature.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Deviation {
+    /// The level changed: by the supply, or by a turn of the platform.
+    Step {
+        /// Time from the first sample, s.
+        at_s: f64,
+        /// The level after the step less the level before it, °/s.
+        size_dps: f64,
+        /// The least step of the supply with this effect, mV, if that is known.
+        supply_mv: Option<f64>,
+    },
+    /// The bias bends over temperature.
+    Curvature {
+        /// Quadratic coefficient, °/s/°C².
+        dps_per_c2: f64,
+    },
+    /// The sensing element follows the temperature sensor late.
+    Lag {
+        /// Time constant, s.
+        lag_s: f64,
+    },
+    /// The bias holds still until the temperature has changed by `width_c`, and then follows at that distance.
+    Hysteresis {
+        /// That change, °C.
+        width_c: f64,
+    },
+    /// The platform moves to and fro.
+    Sway {
+        /// Frequency, Hz.
+        hz: f64,
+        /// Peak, °/s.
+        size_dps: f64,
+    },
+}
+
+/// A deviation, and the error that it puts into the result.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Finding {
+    /// The deviation.
+    pub deviation: Deviation,
+    /// Error of PBC, °/s.
+    pub pbc_dps: f64,
+    /// Error of BTC, °/s/°C.
+    pub btc_dps_per_c: f64,
+}
 
 rows_with_remedies!(match Deviation {
     Self::Step { at_s, size_dps, supply_mv } => Row {

@@ -2,12 +2,13 @@
 
 mod deviation;
 mod refusal;
+mod remedy;
 mod warning;
 
+pub use deviation::{Deviation, Finding};
 pub use refusal::Refusal;
+pub use remedy::Remedy;
 pub use warning::Warning;
-
-use crate::remedy::Remedy;
 
 /// Generates `remedies()` in addition to the items of [`zerorate_allan::rows!`].
 macro_rules! rows_with_remedies {

@@ -1,9 +1,8 @@
 //! Refusals: a measurement that must not become a calibration.
 
-use super::{because_of, more_temperatures, rows_with_remedies};
-use crate::drift_checks::{Deviation, Finding};
-use crate::remedy::{Names, Remedy, Say, Setting, say_all};
-use crate::states::State;
+use super::remedy::say_all;
+use super::{Deviation, Finding, Remedy, because_of, more_temperatures, rows_with_remedies};
+use crate::plan::{Names, Say, Setting, State};
 use core::fmt;
 
 /// A refusal: the measurement must not become a calibration. `Display` says why, with the numbers, and what to do.

@@ -1,11 +1,10 @@
 //! Warnings: the result stands, but the user should know something about it.
 
 use super::deviation::Brief;
-use super::{more_temperatures, rows_with_remedies};
-use crate::drift_checks::Finding;
+use super::remedy::say_all;
+use super::{Finding, Remedy, more_temperatures, rows_with_remedies};
 use crate::part::Tone;
-use crate::plan::EARTH_DPS;
-use crate::remedy::{Names, Remedy, Say, Setting, say_all};
+use crate::plan::{EARTH_DPS, Names, Say, Setting};
 use crate::uncertainty::Uncertainty;
 use core::fmt;
 

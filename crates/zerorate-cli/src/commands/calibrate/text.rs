@@ -1,7 +1,7 @@
 //! The result of a calibration, for people.
 
 use std::path::Path;
-use zerorate::thermal::TERMS;
+use zerorate::temperature::TERMS;
 use zerorate_jobs::calibrate::{Higher, Numbers, POINTS, Report};
 use zerorate_view::PlusMinus;
 use zerorate_view::duration::Seconds;

@@ -3,9 +3,9 @@
 use super::{Found, FoundAxis, GuidedMethod, Measured, Stage, label};
 use crate::message::{CalibrateCommand, Known, MethodName, Step};
 use zerorate::calibration::Origin;
+use zerorate::health::resonance;
 use zerorate::{
     Action, AxisRefusal, Calibration, Event, Method, Outcome, Part, PartProcedure, Plan, Reached, Say, Scan, State,
-    resonance,
 };
 
 /// Time from which on a recording can be finished, s of part time.

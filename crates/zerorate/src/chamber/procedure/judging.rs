@@ -3,12 +3,12 @@
 
 use super::table::Until;
 use super::{ChamberProcedure, ChamberState, Coming, Present};
-use crate::block_means::{BLOCK_S, adjacent};
 use crate::chamber::plan::StepEnd;
 use crate::chamber::record::{Drift, Soak};
 use crate::chamber::refusal::{ChamberRefusal, Disturbance};
-use crate::gls::{dot, take_out};
-use crate::stationarity::{self, Verdict};
+use crate::health::block_means::{BLOCK_S, adjacent};
+use crate::health::stationarity::{self, Verdict};
+use crate::temperature::gls::{dot, take_out};
 
 use alloc::vec::Vec;
 

@@ -1,0 +1,127 @@
+//! Detection of readings that no longer change: a part that has stopped, while data ready goes on.
+
+use crate::part::Reading;
+
+/// Time without a change after which a noisy channel is frozen, if it was read [`FROZEN_READINGS`] times meanwhile.
+const FROZEN_NS: u64 = 100_000_000;
+/// Readings for that. Noise gives the same code twice with a probability below 0.2, even in 16 bits and behind the
+/// filter of F-04. So this many equal codes have a probability below 10⁻²².
+const FROZEN_READINGS: u64 = 32;
+/// Time after which two channels that have never changed are frozen, with as many readings.
+const DEAD_NS: u64 = 2_000_000_000;
+const DEAD_READINGS: u64 = 100;
+/// Time after which a rate alone that has never changed is frozen.
+const DEAD_ALONE_NS: u64 = 10_000_000_000;
+
+/// The time since which the readings have not changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Frozen {
+    /// Time of the first reading of the code that is there now, ns.
+    pub since_ns: u64,
+    /// Whether the temperature does not change either.
+    pub both: bool,
+}
+
+/// Looks for readings that no longer change. A part changes its code at almost every reading. A simulation without
+/// noise does not, but it does not count as frozen as long as anything in it changes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Freeze {
+    rate: Channel,
+    temp: Channel,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Channel {
+    code: i32,
+    readings: u64,
+    changes: u64,
+    changed_ns: u64,
+    /// Readings up to the last change.
+    readings_at_change: u64,
+}
+
+impl Channel {
+    #[inline]
+    fn watch(&mut self, now_ns: u64, code: i32) {
+        self.readings += 1;
+        if code != self.code || self.changes == 0 {
+            *self = Self {
+                code,
+                changes: self.changes + 1,
+                changed_ns: now_ns,
+                readings_at_change: self.readings,
+                ..*self
+            };
+        }
+    }
+
+    fn is_noisy(&self) -> bool {
+        self.changes > 20 && self.changes * 2 > self.readings_at_change
+    }
+
+    /// The first reading counts as a change.
+    fn never_changed(&self) -> bool {
+        self.changes <= 1
+    }
+
+    fn same_readings(&self) -> u64 {
+        self.readings - self.readings_at_change
+    }
+}
+
+impl Freeze {
+    /// Takes a reading in, and says whether the part is frozen now.
+    #[inline]
+    pub fn watch(&mut self, reading: &Reading) -> Option<Frozen> {
+        let now_ns = reading.t_ns;
+        self.rate.watch(now_ns, reading.rate);
+        if let Some(temp) = reading.temp {
+            self.temp.watch(now_ns, temp);
+        }
+        if now_ns.saturating_sub(self.rate.changed_ns) < FROZEN_NS { None } else { self.judge(now_ns) }
+    }
+
+    /// The same judgement at the end of a record, however short it is.
+    #[must_use]
+    pub fn at_end(&self) -> Option<Frozen> {
+        let same = self.rate.same_readings();
+        let stopped = self.rate.is_noisy() && same >= FROZEN_READINGS;
+        let dead = self.rate.never_changed() && self.temp.never_changed() && same >= DEAD_READINGS;
+        (stopped || dead).then(|| self.frozen())
+    }
+
+    #[inline(never)]
+    fn judge(&self, now_ns: u64) -> Option<Frozen> {
+        let (same, same_ns) = (self.rate.same_readings(), now_ns - self.rate.changed_ns);
+        let noisy = self.rate.is_noisy() || self.temp.is_noisy();
+        let stopped = noisy && same >= FROZEN_READINGS;
+        let never = self.rate.never_changed() && self.temp.never_changed() && same >= DEAD_READINGS;
+        let dead_ns = if self.temp.readings > 0 { DEAD_NS } else { DEAD_ALONE_NS };
+        (stopped || never && same_ns >= dead_ns).then(|| self.frozen())
+    }
+
+    fn frozen(&self) -> Frozen {
+        Frozen { since_ns: self.rate.changed_ns, both: self.temp.same_readings() >= FROZEN_READINGS }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Time after which a part that reads one code 100 times a second is frozen.
+    fn frozen_after_s(temp: Option<i32>) -> u64 {
+        let mut freeze = Freeze::default();
+        let reading = |seq: u32| {
+            let t_ns = u64::from(seq) * 10_000_000;
+            Reading { t_ns, seq, rate: 5, temp, out_of_range: false, lost: 0 }
+        };
+        let first = (0..2000).find(|seq| freeze.watch(&reading(*seq)).is_some()).expect("frozen");
+        u64::from(first) / 100
+    }
+
+    #[test]
+    fn a_rate_alone_has_five_times_as_long_to_change() {
+        assert_eq!((frozen_after_s(Some(7)), frozen_after_s(None)), (2, 10));
+    }
+}

@@ -1,0 +1,16 @@
+//! The health of a sensor: which readings are valid, whether they still change, whether the sensor is at rest, and how
+//! the samples come.
+
+pub(crate) mod block_means;
+mod checkup;
+mod freeze;
+mod judge;
+pub mod plausible;
+pub mod resonance;
+pub mod stationarity;
+mod tally;
+
+pub use checkup::{Checkup, Limits};
+pub use freeze::Frozen;
+pub use judge::{Flags, Health, Judged, Marks};
+pub use tally::Tally;

@@ -1,0 +1,173 @@
+//! Durations of the steps of the procedure, and limits of what is accepted.
+
+mod setting;
+mod states;
+
+pub use setting::{Names, Said, Say, Setting};
+pub use states::State;
+pub(crate) use states::{Check, STATES, Until};
+
+use core::fmt;
+
+/// Rotation of the Earth, °/s, on an axis parallel to its own (F-16).
+pub const EARTH_DPS: f64 = 0.00418;
+
+/// A method to find the bias over temperature.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Two averages and the line through them (F-51).
+    #[default]
+    An1042,
+    /// A curve through every block of the recording ([`temperature`](crate::temperature)).
+    Warmup,
+    /// The same curve, through a recording that warms and cools.
+    Cycle,
+}
+
+impl Method {
+    /// All methods.
+    pub const ALL: [Self; 3] = [Self::An1042, Self::Warmup, Self::Cycle];
+
+    /// Name of the method in calibrations.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::An1042 => "an1042",
+            Self::Warmup => "warmup",
+            Self::Cycle => "cycle",
+        }
+    }
+}
+
+/// Durations and limits; the default is F-51.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plan {
+    /// Method of the measurement. All but AN-1042 make one recording of the same total time, without steps.
+    pub method: Method,
+    /// Average of steps 4 and 6, s.
+    pub average_s: f64,
+    /// Warming up by itself, step 5, s.
+    pub warmup_s: f64,
+    /// Settling, step 7, s.
+    pub settle_s: f64,
+    /// Average of step 8, s.
+    pub offset_s: f64,
+    /// Average of the temperature of step 9, s.
+    pub final_temp_s: f64,
+    /// Largest share of lost samples in an average, 0 … 1.
+    pub max_lost: f64,
+    /// Largest standard uncertainty of BTC, °/s/°C.
+    pub max_u_btc_dps_per_c: f64,
+    /// The component of the Earth's rotation on the part's axis, °/s, which is subtracted from the bias (F-16).
+    pub earth_dps: Option<f64>,
+    /// Whether to take the bias as a straight line over temperature, without an allowance for curvature and
+    /// hysteresis.
+    pub assume_linear: bool,
+    /// End the recording once the temperature has settled and the standard uncertainty of the correction, rms over the
+    /// temperatures seen, is no more than this, °/s. It does not apply to AN-1042.
+    pub target_dps: Option<f64>,
+}
+
+impl Default for Plan {
+    fn default() -> Self {
+        Self {
+            method: Method::An1042,
+            average_s: 10.0,
+            warmup_s: 600.0,
+            settle_s: 2400.0,
+            offset_s: 150.0,
+            final_temp_s: 1.0,
+            max_lost: 0.001,
+            max_u_btc_dps_per_c: 0.01,
+            earth_dps: None,
+            assume_linear: false,
+            target_dps: None,
+        }
+    }
+}
+
+/// Converts seconds to nanoseconds, rounded to whole ones.
+pub(crate) fn ns(seconds: f64) -> u64 {
+    libm::round(seconds * 1e9) as u64
+}
+
+impl Plan {
+    /// Duration of the whole procedure, s.
+    #[must_use]
+    #[inline]
+    pub fn total_s(&self) -> f64 {
+        2.0 * self.average_s + self.warmup_s + self.settle_s + self.offset_s + self.final_temp_s
+    }
+
+    /// End of step 8, ns after the initialisation: the correction holds from there.
+    #[must_use]
+    pub fn offset_ends_ns(&self) -> u64 {
+        let steps_s = [self.average_s, self.warmup_s, self.average_s, self.settle_s, self.offset_s];
+        steps_s.into_iter().map(ns).sum()
+    }
+
+    /// Checks that every number is possible for a measurement on Earth.
+    pub(crate) fn check(&self) -> Result<(), PlanError> {
+        let within = |setting, value: f64, least: f64, most: f64, unit| {
+            if (least..=most).contains(&value) { Ok(()) } else { Err(PlanError { setting, value, least, most, unit }) }
+        };
+        within(Setting::Average, self.average_s, 1.0, DAY_S, "s")?;
+        within(Setting::WarmUp, self.warmup_s, 0.0, DAY_S, "s")?;
+        within(Setting::Settle, self.settle_s, 0.0, DAY_S, "s")?;
+        within(Setting::Offset, self.offset_s, 1.0, DAY_S, "s")?;
+        within(Setting::FinalTemperature, self.final_temp_s, 0.1, DAY_S, "s")?;
+        within(Setting::Target, self.target_dps.unwrap_or(1.0), LEAST_TARGET_DPS, MOST_TARGET_DPS, "°/s")?;
+        within(Setting::MaxLost, self.max_lost, 0.0, 1.0, "of all samples")?;
+        within(Setting::MaxUBtc, self.max_u_btc_dps_per_c, LEAST_U_BTC_DPS_PER_C, MOST_U_BTC_DPS_PER_C, "°/s/°C")?;
+        within(Setting::Earth, self.earth_dps.unwrap_or(0.0), -EARTH_DPS, EARTH_DPS, "°/s (F-16)")
+    }
+}
+
+/// Longest step of F-51, s: a day, in which the ambient temperature goes round once.
+const DAY_S: f64 = 86_400.0;
+/// Least uncertainty of BTC that may be asked for, °/s/°C. No day reaches it: the white noise of such a part alone
+/// (F-02) makes ten times as much.
+const LEAST_U_BTC_DPS_PER_C: f64 = 1e-8;
+/// Largest uncertainty of BTC that may be asked for, °/s/°C. It tells nothing: it is 25 times the coefficient itself
+/// (F-05).
+const MOST_U_BTC_DPS_PER_C: f64 = 1.0;
+
+/// Least target, °/s: a thousandth of the flicker floor (M-04), which no hour reaches.
+const LEAST_TARGET_DPS: f64 = 1e-6;
+/// Largest target, °/s. It tells nothing: a part out of the box is as good (M-01).
+const MOST_TARGET_DPS: f64 = 1.0;
+
+/// A plan that cannot be carried out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlanError {
+    /// The setting that is out of range.
+    pub setting: Setting,
+    /// The value that was asked for, in its unit.
+    pub value: f64,
+    /// Least value that makes sense.
+    pub least: f64,
+    /// Largest value that makes sense.
+    pub most: f64,
+    /// Unit of these values.
+    pub unit: &'static str,
+}
+
+impl Say for PlanError {
+    fn say(&self, f: &mut fmt::Formatter<'_>, names: Names) -> fmt::Result {
+        let Self { setting, value, least, most, unit } = self;
+        write!(f, "{} is {value}; it must be a number from {least} to {most} {unit}", names(*setting))?;
+        let in_dps = value / 3600.0;
+        if *setting == Setting::Earth && value.abs() > 0.1 && in_dps.abs() <= EARTH_DPS {
+            write!(f, ": if that was °/h, give {in_dps:.5}")?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for PlanError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.say(f, Setting::name)
+    }
+}
+
+impl core::error::Error for PlanError {}

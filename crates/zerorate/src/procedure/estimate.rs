@@ -1,0 +1,486 @@
+//! Computes PBC, BTC and T3 from the recorded windows, each with its standard uncertainty.
+
+use super::blocks::{Blocks, Second};
+use super::drift_checks::{self, Findings, Question};
+use super::ledger::Summary;
+use crate::correction::Correction;
+use crate::health::block_means::{Adjacent, BLOCK_S};
+use crate::health::{Tally, stationarity};
+use crate::noise::{NoiseModel, Window};
+use crate::notice::{Deviation, Refusal, Warning};
+use crate::part::Axis;
+use crate::plan::{Plan, STATES, State};
+use crate::temperature::BiasCurve;
+use crate::uncertainty::Uncertainty;
+use alloc::vec::Vec;
+use zerorate_allan::FLOOR_PER_B;
+
+/// All data for the result.
+pub(crate) struct Evidence<'a> {
+    pub(crate) axis: &'a Axis,
+    pub(crate) plan: &'a Plan,
+    pub(crate) windows: [Summary; STATES],
+    pub(crate) tally: &'a Tally,
+}
+
+impl Evidence<'_> {
+    fn window(&self, state: State) -> &Summary {
+        &self.windows[state as usize]
+    }
+
+    /// The typical flicker floor. It is zero if it is not known.
+    fn flicker_floor_dps(&self) -> f64 {
+        self.axis.noise.map_or(0.0, |noise| noise.flicker_floor_dps)
+    }
+
+    /// The typical curvature. It is zero for a unit that is known to be linear, and if it is not known.
+    fn curvature_dps_per_c2(&self) -> f64 {
+        if self.plan.assume_linear { 0.0 } else { self.axis.bias.curvature_dps_per_c2.unwrap_or(0.0) }
+    }
+
+    /// The typical noise with the white part as measured.
+    fn noise(&self) -> NoiseModel {
+        NoiseModel { white_dps_per_rt_hz: white_density(self), ..self.axis.typical_noise() }
+    }
+}
+
+/// The result of the procedure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome<W = Vec<Warning>> {
+    /// Means of steps 4 and 6 of F-51. None for another method.
+    pub means: Option<Measured>,
+    /// PBC, BTC and T3.
+    pub correction: Correction,
+    /// Uncertainty of PBC, BTC and T3.
+    pub uncertainty: Uncertainty,
+    /// The noise that the uncertainties are computed from.
+    pub noise: Noise,
+    /// Falling edges of data ready per second.
+    pub rdy_hz: f64,
+    /// Rate samples per second.
+    pub rate_hz: f64,
+    /// Rate samples read.
+    pub samples: u64,
+    /// Rate samples lost.
+    pub lost_samples: u64,
+    /// Readings that are impossible for the part. No mean includes them.
+    pub impossible_readings: u64,
+    /// Time from the first sample to the last, s.
+    pub duration_s: f64,
+    /// Lowest temperature seen (mean over 0.1 s), °C.
+    pub temp_min_c: f64,
+    /// Highest temperature seen (mean over 0.1 s), °C.
+    pub temp_max_c: f64,
+    /// The plan that was carried out.
+    pub plan: Plan,
+    /// The warnings beside the numbers.
+    pub warnings: W,
+    /// The bias over temperature. None for AN-1042.
+    pub curve: Option<BiasCurve>,
+}
+
+/// Means of steps 4 and 6 of F-51.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "file", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[expect(missing_docs, reason = "the names of F-51, with their units")]
+pub struct Measured {
+    pub b1_dps: f64,
+    pub t1_c: f64,
+    pub b2_dps: f64,
+    pub t2_c: f64,
+}
+
+impl Outcome {
+    /// The warnings that the outcomes of all axes of a part share, number for number.
+    pub fn shared_warnings(outcomes: &[Self]) -> impl Iterator<Item = &Warning> {
+        let by_all = |warning: &&Warning| outcomes.iter().all(|outcome| outcome.warnings.contains(warning));
+        outcomes.iter().take(1).flat_map(|first| &first.warnings).filter(by_all)
+    }
+}
+
+/// The noise at the output. White noise is as measured, and the other terms are as far as the record shows them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// The three noises. White noise is always measured.
+    pub model: NoiseModel,
+    /// Whether the flicker was measured. Otherwise it is the part's typical value (M-04), which so short a record
+    /// cannot improve.
+    pub flicker_measured: bool,
+    /// Whether the rate random walk was measured.
+    pub walk_measured: bool,
+}
+
+impl Noise {
+    /// The noise under which a curve was found.
+    pub(crate) fn of_curve(curve: &BiasCurve) -> Self {
+        let [flicker_measured, walk_measured] = curve.noise_told;
+        Self { model: curve.noise, flicker_measured, walk_measured }
+    }
+}
+
+/// Refuses after step 6 if the span of temperature cannot give the wanted uncertainty of BTC.
+pub(crate) fn span_suffices(seen: &Evidence<'_>) -> Result<(), Refusal> {
+    let slope = Slope::new(seen)?;
+    let u_noise = slope.u_noise(&seen.noise());
+    // T3 will be no lower than T2 if the part goes on warming, so this is the least effect of curvature.
+    let u_curvature = slope.u_curvature(seen, slope.t2_c);
+    slope.accept(u_noise, u_curvature, seen.plan)
+}
+
+/// The warnings that need the windows alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WindowWarnings([Option<Warning>; 12]);
+
+impl WindowWarnings {
+    /// The warnings that apply.
+    pub fn iter(&self) -> impl Iterator<Item = &Warning> {
+        self.0.iter().flatten()
+    }
+}
+
+/// The result of a procedure that has reached its end and kept its seconds, which show the deviations of the rate.
+pub(crate) fn outcome_of_hour(seen: &Evidence<'_>, blocks: &Blocks) -> Result<Outcome, Refusal> {
+    let seconds: Vec<Second> = blocks.seconds().collect();
+    let hour = match seen.axis.noise {
+        Some(_) => drift_checks::findings(&seconds, &question(seen)?),
+        None => None,
+    };
+    let eighths = match &hour {
+        // A step looks like flicker, too, and must not hide behind it.
+        Some(hour) => blocks.eighths_less(State::Offset, |start_s, end_s| hour.disturbance_dps(start_s, end_s)),
+        None => seen.window(State::Offset).eighths,
+    };
+    outcome(seen, hour.as_ref(), eighths, |warnings| {
+        let found = hour.iter().flat_map(Findings::distinct).map(Warning::Found);
+        let restless = hour.iter().filter(|hour| hour.unexplained).map(|_| Warning::Restless);
+        warnings.iter().copied().chain(found).chain(restless).collect()
+    })
+}
+
+/// The result of a procedure that has reached its end and kept the windows alone.
+pub(crate) fn outcome_of_windows(seen: &Evidence<'_>) -> Result<Outcome<WindowWarnings>, Refusal> {
+    outcome(seen, None, seen.window(State::Offset).eighths, |warnings| warnings)
+}
+
+/// The question to the checks of the hour.
+fn question(seen: &Evidence<'_>) -> Result<Question, Refusal> {
+    let slope = Slope::new(seen)?;
+    Ok(Question {
+        averages: AVERAGES.map(|state| window(seen, state, 1.0)),
+        span_c: slope.span_c(),
+        t3_c: Level::new(seen, slope.btc_dps_per_c())?.t3_c,
+        noise: seen.noise(),
+        curvature_dps_per_c2: seen.curvature_dps_per_c2(),
+        supply_dps_per_mv: seen.axis.bias.supply_dps_per_mv,
+    })
+}
+
+fn outcome<W>(
+    seen: &Evidence<'_>,
+    hour: Option<&Findings>,
+    eighths: Adjacent,
+    complete: impl FnOnce(WindowWarnings) -> W,
+) -> Result<Outcome<W>, Refusal> {
+    let plan = *seen.plan;
+    let slope = Slope::new(seen)?;
+    let level = Level::new(seen, slope.btc_dps_per_c())?;
+    let noise = measured_noise(seen, eighths);
+    let uncertainty = uncertainty(seen, &slope, &level, &noise.model, hour);
+    accept(seen, &slope, &level, &noise, &uncertainty, hour)?;
+
+    let correction = Correction::line(level.pbc_dps, slope.btc_dps_per_c(), level.t3_c);
+    let warnings = complete(warnings(seen, &level, &uncertainty, &noise, hour));
+    let (tally, (temp_min_c, temp_max_c)) = (seen.tally, temperature_range(seen));
+    Ok(Outcome {
+        means: Some(Measured { b1_dps: slope.b1_dps, t1_c: slope.t1_c, b2_dps: slope.b2_dps, t2_c: slope.t2_c }),
+        correction,
+        uncertainty,
+        noise,
+        rdy_hz: tally.rdy_hz(),
+        rate_hz: tally.rate_hz(),
+        samples: tally.samples,
+        lost_samples: tally.lost,
+        impossible_readings: seen.windows.iter().map(|window| window.spoilt).sum(),
+        duration_s: tally.duration_s(),
+        temp_min_c,
+        temp_max_c,
+        plan,
+        warnings,
+        curve: None,
+    })
+}
+
+/// Refuses a measurement that must not become a calibration, and names the cause. It checks the demands of the plan
+/// first, and then the deviations of this unit.
+fn accept(
+    seen: &Evidence<'_>,
+    slope: &Slope,
+    level: &Level,
+    noise: &Noise,
+    uncertainty: &Uncertainty,
+    hour: Option<&Findings>,
+) -> Result<(), Refusal> {
+    let bias_instability_dps = seen.axis.typical_noise().bias_instability_dps;
+    let typical = NoiseModel { bias_instability_dps, ..noise.model };
+    let u_curvature = slope.u_curvature(seen, level.t3_c);
+    slope.accept(slope.u_noise(&typical), u_curvature, seen.plan)?;
+
+    let wanted_dps_per_c = seen.plan.max_u_btc_dps_per_c;
+    let u_btc_dps_per_c = libm::hypot(slope.u_noise(&noise.model), u_curvature);
+    if u_btc_dps_per_c > wanted_dps_per_c {
+        let floor_dps = FLOOR_PER_B * noise.model.bias_instability_dps;
+        let typical_dps = seen.flicker_floor_dps();
+        return Err(Refusal::Unsteady { floor_dps, typical_dps, u_btc_dps_per_c, wanted_dps_per_c });
+    }
+    let limit_dps = seen.axis.bias.largest_supply_step_dps();
+    for finding in hour.iter().flat_map(|hour| &hour.found) {
+        match finding.deviation {
+            Deviation::Sway { hz, size_dps } if size_dps > limit_dps => {
+                return Err(Refusal::Swaying { hz, size_dps, limit_dps });
+            }
+            _ => {}
+        }
+    }
+    match hour.and_then(Findings::worst_of_btc) {
+        Some(finding) if uncertainty.u_btc_dps_per_c > wanted_dps_per_c => {
+            let u_btc_dps_per_c = uncertainty.u_btc_dps_per_c;
+            Err(Refusal::Found { finding, u_btc_dps_per_c, wanted_dps_per_c })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Steps 4 and 6: two means and the line through them.
+struct Slope {
+    b1_dps: f64,
+    t1_c: f64,
+    b2_dps: f64,
+    t2_c: f64,
+    windows: [Window; 2],
+    u_t_c: f64,
+}
+
+impl Slope {
+    fn new(seen: &Evidence<'_>) -> Result<Self, Refusal> {
+        let (b1_dps, t1_c) = means(seen, State::FirstAverage)?;
+        let (b2_dps, t2_c) = means(seen, State::SecondAverage)?;
+        let windows = [window(seen, State::FirstAverage, -1.0), window(seen, State::SecondAverage, 1.0)];
+        Ok(Self { b1_dps, t1_c, b2_dps, t2_c, windows, u_t_c: u_temp_c(seen, State::SecondAverage) })
+    }
+
+    fn span_c(&self) -> f64 {
+        self.t2_c - self.t1_c
+    }
+
+    /// F-51 step 6: BTC = −(B2 − B1)/(T2 − T1).
+    fn btc_dps_per_c(&self) -> f64 {
+        -(self.b2_dps - self.b1_dps) / self.span_c()
+    }
+
+    /// Uncertainty of BTC by noise of the two rates and of the two temperatures, °/s/°C.
+    fn u_noise(&self, noise: &NoiseModel) -> f64 {
+        let temps_dps = self.btc_dps_per_c() * self.u_t_c * core::f64::consts::SQRT_2;
+        libm::hypot(noise.sd(&self.windows), temps_dps) / self.span_c().abs()
+    }
+
+    /// Uncertainty of BTC by a typical curvature, as the secant through T1 and T2 against the tangent at T3, and by
+    /// two branches of the hysteresis.
+    fn u_curvature(&self, seen: &Evidence<'_>, t3_c: f64) -> f64 {
+        if seen.plan.assume_linear {
+            return 0.0;
+        }
+        let curvature = seen.curvature_dps_per_c2() * (self.t1_c + self.t2_c - 2.0 * t3_c).abs();
+        let branches = 2.0 * seen.axis.bias.hysteresis_dps.unwrap_or(0.0) / libm::sqrt(3.0) / self.span_c().abs();
+        libm::hypot(curvature, branches)
+    }
+
+    /// The same uncertainty, or a larger one if the hour shows more. It is never smaller, because the hour covers only
+    /// a few degrees and depends on a noise model.
+    fn u_curvature_seen(&self, seen: &Evidence<'_>, t3_c: f64, hour: Option<&Findings>) -> f64 {
+        let typical = self.u_curvature(seen, t3_c);
+        hour.map_or(typical, |hour| hour.u_curvature_dps_per_c.max(typical))
+    }
+
+    fn accept(&self, u_noise: f64, u_curvature: f64, plan: &Plan) -> Result<(), Refusal> {
+        let (u_btc_dps_per_c, wanted_dps_per_c) = (libm::hypot(u_noise, u_curvature), plan.max_u_btc_dps_per_c);
+        if u_btc_dps_per_c <= wanted_dps_per_c {
+            Ok(())
+        } else if u_curvature > u_noise {
+            Err(Refusal::Curvature { u_btc_dps_per_c, u_curvature_dps_per_c: u_curvature, wanted_dps_per_c })
+        } else {
+            Err(Refusal::Span { t1_c: self.t1_c, t2_c: self.t2_c, u_btc_dps_per_c, wanted_dps_per_c })
+        }
+    }
+}
+
+/// Steps 8 and 9.
+struct Level {
+    pbc_dps: f64,
+    t3_c: f64,
+    u_t3_c: f64,
+    /// T3 minus the mean temperature of step 8, °C.
+    drift_c: f64,
+    /// Shift of PBC by that drift, °/s.
+    shift_dps: f64,
+    btc_dps_per_c: f64,
+}
+
+impl Level {
+    fn new(seen: &Evidence<'_>, btc_dps_per_c: f64) -> Result<Self, Refusal> {
+        let (rate_dps, mean_c) = means(seen, State::Offset)?;
+        let last = seen.window(State::FinalTemperature);
+        let t3_c = last.temp_c.ok_or(seen.tally.no_temperature(State::FinalTemperature))?;
+        let drift_c = t3_c - mean_c;
+        let pbc_dps = seen.plan.earth_dps.unwrap_or(0.0) - rate_dps;
+        let u_t3_c = u_temp_c(seen, State::FinalTemperature);
+        Ok(Self { pbc_dps, t3_c, u_t3_c, drift_c, shift_dps: -btc_dps_per_c * drift_c, btc_dps_per_c })
+    }
+}
+
+fn uncertainty(
+    seen: &Evidence<'_>,
+    slope: &Slope,
+    level: &Level,
+    noise: &NoiseModel,
+    hour: Option<&Findings>,
+) -> Uncertainty {
+    let steady = noise.without_random_walk();
+    let mean = [window(seen, State::Offset, 1.0)];
+    let t3_dps = slope.btc_dps_per_c() * level.u_t3_c;
+    let u_curvature_dps_per_c = slope.u_curvature_seen(seen, level.t3_c, hour);
+    let (found_pbc, found_btc) = hour.map_or((0.0, 0.0), |hour| (hour.u_pbc_dps, hour.u_btc_dps_per_c));
+    let u_pbc_dps = libm::hypot(u_offset_noise(seen, noise), libm::hypot(level.shift_dps, t3_dps));
+    let u_btc_dps_per_c = libm::hypot(slope.u_noise(noise), u_curvature_dps_per_c);
+    Uncertainty {
+        u_b1_dps: steady.sd(&slope.windows[..1]),
+        u_b2_dps: steady.sd(&slope.windows[1..]),
+        u_t1_c: slope.u_t_c,
+        u_t2_c: slope.u_t_c,
+        u_pbc_dps: libm::hypot(u_pbc_dps, found_pbc),
+        u_btc_dps_per_c: libm::hypot(u_btc_dps_per_c, found_btc),
+        u_curvature_dps_per_c,
+        u_t3_c: level.u_t3_c,
+        cov_pbc_btc: steady.covariance(&mean, &slope.windows) / slope.span_c(),
+        cov_pbc_t3: -slope.btc_dps_per_c() * level.u_t3_c * level.u_t3_c,
+        drift_dps: level.shift_dps,
+    }
+}
+
+/// White noise and flicker of the mean of step 8, and how far the bias walks from that mean to its end, °/s.
+fn u_offset_noise(seen: &Evidence<'_>, noise: &NoiseModel) -> f64 {
+    let mean = window(seen, State::Offset, 1.0);
+    let end = Window { start_s: mean.end_s - 1e-3, end_s: mean.end_s + 1e-3, weight: -1.0 };
+    let walk = NoiseModel { white_dps_per_rt_hz: 0.0, bias_instability_dps: 0.0, ..*noise };
+    libm::hypot(noise.without_random_walk().sd(&[mean]), walk.sd(&[mean, end]))
+}
+
+fn means(seen: &Evidence<'_>, state: State) -> Result<(f64, f64), Refusal> {
+    let summary = seen.window(state);
+    let rate_dps = summary.rate_dps.ok_or(Refusal::TooFew { window: state, samples: 0, needed: 1 })?;
+    Ok((rate_dps, summary.temp_c.ok_or(seen.tally.no_temperature(state))?))
+}
+
+fn window(seen: &Evidence<'_>, state: State, weight: f64) -> Window {
+    let &Summary { start_s, end_s, .. } = seen.window(state);
+    Window { start_s, end_s, weight }
+}
+
+/// Standard uncertainty of the mean temperature of a window, °C, from how much adjacent readings differ.
+fn u_temp_c(seen: &Evidence<'_>, state: State) -> f64 {
+    let temps = seen.window(state).temps;
+    libm::sqrt(temps.variance / temps.count.max(1) as f64)
+}
+
+const AVERAGES: [State; 3] = [State::FirstAverage, State::SecondAverage, State::Offset];
+
+/// White noise density over the averages so far, °/s/√Hz.
+fn white_density(seen: &Evidence<'_>) -> f64 {
+    let (mut squares, mut blocks) = (0.0, 0.0);
+    for state in AVERAGES {
+        let rates = seen.window(state).rates;
+        let density = stationarity::white_density(rates);
+        squares += density * density * rates.count as f64;
+        blocks += rates.count as f64;
+    }
+    libm::sqrt(squares / blocks)
+}
+
+/// Upper 0.1 % point of the normal distribution.
+const SIGNIFICANT_Z: f64 = 3.09;
+
+/// White noise as measured. Flicker is typical, unless step 8 wanders significantly more: then it is as large as step
+/// 8 shows.
+fn measured_noise(seen: &Evidence<'_>, eighths: Adjacent) -> Noise {
+    let typical = seen.noise();
+    let expected = typical.allan_variance(eighths.m as f64 * BLOCK_S);
+    let unknown = seen.axis.noise.is_none();
+    if unknown
+        || eighths.variance <= expected * stationarity::allowance(eighths.count.saturating_sub(1), SIGNIFICANT_Z)
+    {
+        return Noise { model: typical, flicker_measured: false, walk_measured: false };
+    }
+    let floor_dps = seen.flicker_floor_dps();
+    let floor = libm::sqrt(eighths.variance - expected + floor_dps * floor_dps);
+    let model = NoiseModel { bias_instability_dps: floor / FLOOR_PER_B, ..typical };
+    Noise { model, flicker_measured: true, walk_measured: false }
+}
+
+fn temperature_range(seen: &Evidence<'_>) -> (f64, f64) {
+    let ranges = seen.windows.iter().map(|window| window.temp_range_c);
+    ranges.fold((f64::INFINITY, f64::NEG_INFINITY), |all, range| (all.0.min(range.0), all.1.max(range.1)))
+}
+
+fn warnings(
+    seen: &Evidence<'_>,
+    level: &Level,
+    uncertainty: &Uncertainty,
+    noise: &Noise,
+    hour: Option<&Findings>,
+) -> WindowWarnings {
+    let (plan, model) = (seen.plan, &noise.model);
+    let (lost, samples, rate_hz) = (seen.tally.lost, seen.tally.samples, seen.tally.rate_hz());
+    let spoilt: u64 = seen.windows.iter().map(|window| window.spoilt).sum();
+    let bias = &seen.axis.bias;
+    let needed_hz = seen.axis.bandwidth_hz.map(|hz| 2.0 * hz);
+    let known = bias.curvature_dps_per_c2.is_some() && bias.hysteresis_dps.is_some();
+    let unjudged = seen.axis.noise.is_none() || bias.largest_tempco_dps_per_c().is_none();
+    // a finding may hide a temperature coefficient, and it has its own warning
+    let hidden = hour.map_or(0.0, |hour| hour.u_btc_dps_per_c);
+    let flat = bias.least_tempco_dps_per_c().is_some_and(|least| level.btc_dps_per_c.abs() + hidden < least);
+    let when = |condition: bool, warning: Warning| condition.then_some(warning);
+    WindowWarnings([
+        Some(plan.earth_dps.map_or(Warning::EarthIncluded, |earth_dps| Warning::EarthSubtracted { earth_dps })),
+        when(
+            !plan.assume_linear && known,
+            Warning::CurvatureUnseen { u_dps_per_c: uncertainty.u_curvature_dps_per_c },
+        ),
+        when(
+            level.shift_dps.abs() > u_offset_noise(seen, model),
+            Warning::Drifting { drift_c: level.drift_c, shift_dps: level.shift_dps, u_pbc_dps: uncertainty.u_pbc_dps },
+        ),
+        when(
+            seen.axis.noise.is_some() && plan.offset_s < model.best_averaging_s() / 2.0,
+            Warning::ShortAverage { average_s: plan.offset_s, best_s: model.best_averaging_s() },
+        ),
+        needed_hz.filter(|needed_hz| rate_hz < *needed_hz).map(|needed_hz| Warning::Aliased { rate_hz, needed_hz }),
+        when(lost > 0, Warning::Lost { lost, fraction: lost as f64 / (lost + samples) as f64 }),
+        when(
+            noise.flicker_measured,
+            Warning::Wandering {
+                floor_dps: FLOOR_PER_B * model.bias_instability_dps,
+                typical_dps: seen.flicker_floor_dps(),
+            },
+        ),
+        when(spoilt > 0, Warning::Impossible { count: spoilt, fraction: spoilt as f64 / samples as f64 }),
+        when(
+            flat,
+            Warning::Flat {
+                btc_dps_per_c: level.btc_dps_per_c,
+                typical_dps_per_c: -bias.tempco_dps_per_c.unwrap_or(0.0),
+            },
+        ),
+        when(hour.is_none(), Warning::HourUnchecked),
+        when(unjudged, Warning::RestUnjudged),
+        when(!plan.assume_linear && !known, Warning::CurvatureUnknown),
+    ])
+}

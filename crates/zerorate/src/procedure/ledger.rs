@@ -1,0 +1,83 @@
+//! The memory of the procedure for its samples, and the summaries that it takes from it.
+
+use crate::health::Judged;
+use crate::health::block_means::Adjacent;
+use crate::health::stationarity::Verdict;
+use crate::part::Axis;
+use crate::plan::{STATES, State};
+
+/// Keeps the samples of each step, as sums over blocks ([`Blocks`](super::blocks::Blocks)), or as much as fits into
+/// fixed memory ([`Running`](super::running::Running)). Times count from the start of the procedure.
+pub trait Ledger: Clone + core::fmt::Debug {
+    /// Makes an empty ledger for readings of this axis.
+    fn new(axis: &Axis) -> Self;
+
+    /// Begins a step.
+    fn open(&mut self, state: State, start_ns: u64, end_ns: u64);
+
+    /// Takes in a sample of the step that was opened last.
+    fn push(&mut self, state: State, at_ns: u64, judged: &Judged);
+
+    /// Ends a step at this time.
+    fn close(&mut self, state: State, end_ns: u64);
+
+    /// Summarises a step.
+    fn summary(&self, state: State) -> Summary;
+
+    /// Judges whether the part was at rest during the step that was closed last.
+    fn verdict(&self, state: State) -> Verdict;
+
+    /// Summarises every step.
+    fn summaries(&self) -> [Summary; STATES] {
+        State::ALL.map(|state| self.summary(state))
+    }
+}
+
+/// The summary of a step of the procedure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summary {
+    pub(crate) start_s: f64,
+    pub(crate) end_s: f64,
+    pub(crate) samples: u64,
+    pub(crate) lost: u64,
+    pub(crate) overranged: u64,
+    /// Readings that are impossible. No sum includes them.
+    pub(crate) spoilt: u64,
+    /// Mean rate, °/s: the exact sum of the codes, divided once.
+    pub(crate) rate_dps: Option<f64>,
+    /// Mean temperature, °C.
+    pub(crate) temp_c: Option<f64>,
+    /// Allan variance of adjacent block means of the rate.
+    pub(crate) rates: Adjacent,
+    /// Allan variance of adjacent block means of the temperature, °C.
+    pub(crate) temps: Adjacent,
+    /// The same for the rate, in averages of an eighth of the step.
+    pub(crate) eighths: Adjacent,
+    /// Lowest and highest block mean of the temperature, °C; the lowest is above the highest if there is none.
+    pub(crate) temp_range_c: (f64, f64),
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::health::Flags;
+    use crate::part::Reading;
+
+    pub(crate) const RISE_C_PER_S: f64 = 0.5;
+
+    /// A step of 11 s that begins at 3 s, in which the temperature rises.
+    pub(crate) fn rising<L: Ledger>(axis: &Axis, state: State) -> L {
+        let (start_ns, end_ns) = (3_000_000_000, 14_000_000_000);
+        let mut ledger = L::new(axis);
+        ledger.open(state, start_ns, end_ns);
+        for seq in 0..1100_u32 {
+            let t_ns = start_ns + u64::from(seq) * 10_000_000;
+            let temp_c = 25.0 + 0.01 * RISE_C_PER_S * f64::from(seq);
+            let temp = Some((axis.temp.nearest_code(temp_c) - axis.temp.zero_code) as i32);
+            let reading = Reading { t_ns, seq, rate: 0, temp, out_of_range: false, lost: 0 };
+            ledger.push(state, t_ns, &Judged { reading, flags: Flags::default() });
+        }
+        ledger.close(state, end_ns);
+        ledger
+    }
+}

@@ -1,0 +1,20 @@
+//! The calibration of F-51 as a state machine: the procedure for one axis and for all axes of a sensor, its two
+//! memories for samples, and the estimators that turn these into an outcome.
+
+mod all_axes;
+mod blocks;
+mod drift_checks;
+mod estimate;
+mod ledger;
+mod one_axis;
+mod recording;
+mod running;
+mod shape;
+
+pub use all_axes::{AxisRefusal, PartProcedure};
+pub use estimate::{Measured, Noise, Outcome, WindowWarnings};
+pub use one_axis::{Action, Event, FixedProcedure, Procedure, Progress};
+pub use recording::{Forecast, Reached};
+
+pub(crate) use blocks::Second;
+pub(crate) use recording::{Searched, steps_s, sways_hz, taken_out};

@@ -1,0 +1,432 @@
+//! Finds the bias over temperature from one recording of a part at rest. It looks for deviations that stand out, and
+//! then all blocks go into one estimate ([`temperature`](crate::temperature)).
+
+use super::blocks::{Blocks, Second};
+use super::drift_checks::{self, Findings, Question};
+use super::estimate::{Evidence, Noise, Outcome};
+use super::ledger::{Ledger, Summary};
+#[cfg(feature = "std")]
+use crate::health::block_means::BLOCK_S;
+use crate::health::stationarity;
+use crate::noise::{NoiseModel, Window};
+use crate::notice::{Deviation, Finding, Refusal, Warning};
+use crate::part::{Axis, SelfHeating};
+use crate::plan::{Method, Plan, State};
+use crate::temperature::sweeps::covered_c;
+use crate::temperature::{self, Assumed, BiasCurve, Block, Sway};
+use crate::uncertainty::Uncertainty;
+use alloc::vec::Vec;
+#[cfg(feature = "std")]
+use zerorate_allan::{self as allan, FitOptions, Input, Term};
+
+/// Approximate number of blocks of a recording. More of them tell no more.
+const MOST_BLOCKS: f64 = 1600.0;
+/// Shortest block, s.
+const SHORTEST_S: f64 = 2.0;
+
+/// What a recording would state if it ended now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reached {
+    /// Standard uncertainty of the correction, rms over the temperatures seen, °/s.
+    pub u_dps: f64,
+    /// Standard uncertainty of PBC, °/s.
+    pub u_pbc_dps: f64,
+    /// Standard uncertainty of BTC, °/s/°C.
+    pub u_btc_dps_per_c: f64,
+    /// Time until the temperature has settled, s, if it goes on as a self-heating does.
+    pub left_s: f64,
+    /// Whether the temperature has settled: the change to come is inside the margin of the calibration.
+    pub settled: bool,
+}
+
+/// Time constant with which a typical self-heating settles, s (M-03).
+const SETTLING_S: f64 = 600.0;
+/// Time over which the slope of the temperature is taken, s.
+const SLOPE_S: f64 = 60.0;
+
+impl Reached {
+    /// Time of the next look after the one at `looked_s`, s. A look takes as long as the end of a recording, which a
+    /// longer recording makes longer.
+    #[must_use]
+    pub const fn next_look_s(looked_s: f64) -> f64 {
+        looked_s + (looked_s / 10.0).max(60.0)
+    }
+
+    /// The less certain of two axes in each number.
+    pub(crate) fn or_worse(self, other: Self) -> Self {
+        Self {
+            u_dps: self.u_dps.max(other.u_dps),
+            u_pbc_dps: self.u_pbc_dps.max(other.u_pbc_dps),
+            u_btc_dps_per_c: self.u_btc_dps_per_c.max(other.u_btc_dps_per_c),
+            left_s: self.left_s.max(other.left_s),
+            settled: self.settled && other.settled,
+        }
+    }
+}
+
+/// What the recording would state if it ended now: the numbers of its outcome.
+pub(crate) fn reached(seen: &Evidence<'_>, ledger: &Blocks) -> Result<Reached, Refusal> {
+    let Outcome { uncertainty, curve, .. } = outcome(seen, ledger)?;
+    let left_s = settles_in_s(&ledger.seconds().collect::<Vec<_>>(), seen.axis.temp_margin_c());
+    Ok(Reached {
+        u_dps: curve.as_ref().map_or(f64::INFINITY, rms_u_dps),
+        u_pbc_dps: uncertainty.u_pbc_dps,
+        u_btc_dps_per_c: uncertainty.u_btc_dps_per_c,
+        left_s,
+        settled: left_s <= 0.0,
+    })
+}
+
+/// Time until the temperature will change by less than the margin, s, if it goes on as a self-heating does.
+fn settles_in_s(seconds: &[Second], margin_c: f64) -> f64 {
+    let Some(last) = seconds.last() else { return f64::INFINITY };
+    let before = seconds.iter().rev().find(|second| second.at_s <= last.at_s - SLOPE_S);
+    before.map_or(f64::INFINITY, |before| {
+        let to_come_c = (last.temp_c - before.temp_c) / (last.at_s - before.at_s) * SETTLING_S;
+        (SETTLING_S * libm::log(to_come_c.abs() / margin_c)).max(0.0)
+    })
+}
+
+/// The forecast for a recording before it begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Forecast {
+    /// Time at which it ends, s.
+    pub after_s: f64,
+    /// Standard uncertainty of the correction by then, rms over the temperatures of a typical self-heating, °/s.
+    pub u_dps: f64,
+}
+
+impl Axis {
+    /// Time at which a typical unit has settled and its correction reaches a standard uncertainty, °/s. If it never
+    /// does, this is the end of the time, s. None if its noise or its self-heating is not known.
+    #[must_use]
+    pub fn forecast(&self, target_dps: f64, total_s: f64) -> Option<Forecast> {
+        let heating = self.self_heating?;
+        let settled_s = heating.settles_to_s(self.temp_margin_c()).min(total_s);
+        let at = |after_s: f64| Some(Forecast { after_s, u_dps: self.expected_u_dps(&heating, after_s)? });
+        let tried = core::iter::successors(Some(settled_s), |after_s| Some(after_s * 1.25));
+        let forecasts = tried.take_while(|after_s| *after_s < total_s).filter_map(at);
+        forecasts.into_iter().find(|forecast| forecast.u_dps <= target_dps).or_else(|| at(total_s))
+    }
+
+    /// The uncertainty does not depend on the rates, only on the temperatures and the noise.
+    fn expected_u_dps(&self, heating: &SelfHeating, after_s: f64) -> Option<f64> {
+        let noise = self.noise?;
+        let count = libm::floor(after_s / SHORTEST_S) as u32;
+        let block = |k: u32| {
+            let start_s = f64::from(k) * SHORTEST_S;
+            let temp_c = heating.rise_c(start_s + SHORTEST_S / 2.0);
+            Block { start_s, length_s: SHORTEST_S, rate_dps: 0.0, temp_c }
+        };
+        let blocks: Vec<Block> = (0..count).map(block).collect();
+        let assumed = Assumed {
+            axis: self,
+            white_dps_per_rt_hz: noise.white_dps_per_rt_hz,
+            gauss_markov: &[],
+            steps_s: &[],
+            sways_hz: &[],
+            max_order: 1,
+            t3_c: blocks.last()?.temp_c,
+        };
+        temperature::expected(&blocks, &assumed).map(|curve| rms_u_dps(&curve))
+    }
+}
+
+/// The result of a recording that has ended.
+pub(crate) fn outcome(seen: &Evidence<'_>, ledger: &Blocks) -> Result<Outcome, Refusal> {
+    let seconds: Vec<Second> = ledger.seconds().collect();
+    let summary = ledger.summary(State::Recording);
+    turned(seen.plan, &seconds)?;
+    let (low_c, high_c) = summary.temp_range_c;
+    let searched = Searched {
+        axis: seen.axis,
+        white_dps_per_rt_hz: white_density(&summary),
+        times_s: (summary.start_s, summary.end_s),
+        span_c: high_c - low_c,
+    };
+    let hour = searched.findings(&seconds);
+    let suspects = Suspects {
+        steps_s: steps_s(hour.as_ref()),
+        sways_hz: sways_hz(summary.end_s - summary.start_s, hour.as_ref()),
+    };
+    let first = curve(seen, white_density(&summary), &[], &summary, &seconds, &suspects)?;
+    let mut curve = match own_noise(ledger, &first) {
+        Some((white, terms)) => curve(seen, white, &terms, &summary, &seconds, &suspects)?,
+        None => first,
+    };
+    curve.correction.pbc_dps += seen.plan.earth_dps.unwrap_or(0.0);
+    accept(seen, &curve, hour.as_ref())?;
+    let (tally, (temp_min_c, temp_max_c)) = (seen.tally, summary.temp_range_c);
+    Ok(Outcome {
+        means: None,
+        correction: curve.correction,
+        uncertainty: uncertainty_of(&curve),
+        noise: Noise::of_curve(&curve),
+        rdy_hz: tally.rdy_hz(),
+        rate_hz: tally.rate_hz(),
+        samples: tally.samples,
+        lost_samples: tally.lost,
+        impossible_readings: summary.spoilt,
+        duration_s: tally.duration_s(),
+        temp_min_c,
+        temp_max_c,
+        // a recording has no steps
+        plan: Plan { average_s: 0.0, warmup_s: 0.0, settle_s: 0.0, offset_s: 0.0, ..*seen.plan },
+        warnings: warnings(seen, &summary, &curve, hour.as_ref()),
+        curve: Some(curve),
+    })
+}
+
+/// Checks that a cycle shows both branches of a hysteresis: it must cover at least half of its span while rising and
+/// while falling.
+fn turned(plan: &Plan, seconds: &[Second]) -> Result<(), Refusal> {
+    if plan.method != Method::Cycle {
+        return Ok(());
+    }
+    let temps_c = seconds.iter().map(|second| second.temp_c);
+    let (low_c, high_c) = temps_c.clone().fold((f64::MAX, f64::MIN), |(low, high), c| (low.min(c), high.max(c)));
+    let half_c = (high_c - low_c) / 2.0;
+    let (rise_c, fall_c) = covered_c(temps_c);
+    if rise_c >= half_c && fall_c >= half_c && half_c > 0.0 {
+        return Ok(());
+    }
+    Err(Refusal::OneWay { rise_c, fall_c })
+}
+
+/// The stretch of a recording in which deviations of the rate are looked for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Searched<'a> {
+    pub(crate) axis: &'a Axis,
+    pub(crate) white_dps_per_rt_hz: f64,
+    /// Beginning and end, s.
+    pub(crate) times_s: (f64, f64),
+    /// Highest less lowest temperature, °C.
+    pub(crate) span_c: f64,
+}
+
+impl Searched<'_> {
+    /// The deviations. None if the part's noise is not known.
+    pub(crate) fn findings(&self, seconds: &[Second]) -> Option<Findings> {
+        let &Self { axis, white_dps_per_rt_hz, times_s: (start_s, end_s), span_c } = self;
+        axis.noise?;
+        let tenth_s = (end_s - start_s) / 10.0;
+        let window = |start_s: f64| Window { start_s, end_s: start_s + tenth_s, weight: 1.0 };
+        let question = Question {
+            averages: [window(start_s), window(start_s + 4.5 * tenth_s), window(end_s - tenth_s)],
+            span_c: span_c.max(f64::MIN_POSITIVE),
+            t3_c: final_temp_c(seconds)?,
+            noise: NoiseModel { white_dps_per_rt_hz, ..axis.typical_noise() },
+            curvature_dps_per_c2: axis.bias.curvature_dps_per_c2.unwrap_or(0.0),
+            supply_dps_per_mv: axis.bias.supply_dps_per_mv,
+        };
+        drift_checks::findings(seconds, &question)
+    }
+}
+
+/// Times at which the level seems to have changed, s. The models of a curve decide about them.
+pub(crate) fn steps_s(hour: Option<&Findings>) -> Vec<f64> {
+    let found = hour.into_iter().flat_map(|hour| &hour.found);
+    found
+        .filter_map(|finding| if let Deviation::Step { at_s, .. } = finding.deviation { Some(at_s) } else { None })
+        .collect()
+}
+
+/// Suspected steps and sways in a recording. The models of the curve decide about them.
+#[derive(Clone, Debug, Default)]
+struct Suspects {
+    steps_s: Vec<f64>,
+    sways_hz: Vec<f64>,
+}
+
+/// Turns of the slowest and of the fastest sway that is always tried, per recording.
+const SLOW_TURNS: (f64, f64) = (0.25, 4.0);
+/// Ratio of one frequency to the next.
+const SWAY_RATIO: f64 = 1.15;
+
+/// Frequencies at which the platform may sway, Hz, in rising order: slow ones, which look like a bias that wanders,
+/// and those that stand out.
+pub(crate) fn sways_hz(length_s: f64, hour: Option<&Findings>) -> Vec<f64> {
+    let turns = core::iter::successors(Some(SLOW_TURNS.0), |turns| Some(turns * SWAY_RATIO));
+    let mut all: Vec<f64> = turns.take_while(|turns| *turns < SLOW_TURNS.1).map(|turns| turns / length_s).collect();
+    for finding in hour.into_iter().flat_map(|hour| &hour.found) {
+        if let Deviation::Sway { hz, .. } = finding.deviation {
+            all.extend([-0.5, -0.25, 0.0, 0.25, 0.5].map(|turns| hz + turns / length_s));
+        }
+    }
+    all.retain(|hz| *hz * length_s >= SLOW_TURNS.0);
+    all.sort_by(f64::total_cmp);
+    all
+}
+
+/// White noise and Gauss–Markov terms of the recording itself. They come from a model of its residuals after the
+/// curve, without glitches and steps. None if the recording is too short for a model, or follows none.
+#[cfg(feature = "std")]
+fn own_noise(ledger: &Blocks, curve: &BiasCurve) -> Option<(f64, Vec<(f64, f64)>)> {
+    let left = |(k, (rate_dps, temp_c)): (usize, (f64, f64))| {
+        let sway_dps = curve.sway.map_or(0.0, |sway| sway.at((k as f64 + 0.5) * BLOCK_S));
+        rate_dps + curve.correction.at(temp_c) - sway_dps
+    };
+    let left: Vec<f64> = ledger.tenths(State::Recording).enumerate().map(left).collect();
+    let fit = allan::fit(&Input::Rate(&left), 1.0 / BLOCK_S, &FitOptions::default()).ok()?;
+    let term = |term: &Term| match term {
+        Term::GaussMarkov { sigma, tau_s } => Some((sigma.value, tau_s.value)),
+        _ => None,
+    };
+    let terms = fit.terms.iter().filter_map(term).collect();
+    (!fit.is_rejected && fit.n.value > 0.0).then_some((core::f64::consts::SQRT_2 * fit.n.value, terms))
+}
+
+/// Without the feature `std` there is no model of the spectrum, and the white noise comes from adjacent blocks.
+#[cfg(not(feature = "std"))]
+fn own_noise(_: &Blocks, _: &BiasCurve) -> Option<(f64, Vec<(f64, f64)>)> {
+    None
+}
+
+fn curve(
+    seen: &Evidence<'_>,
+    white_dps_per_rt_hz: f64,
+    gauss_markov: &[(f64, f64)],
+    summary: &Summary,
+    seconds: &[Second],
+    suspects: &Suspects,
+) -> Result<BiasCurve, Refusal> {
+    let window = State::Recording;
+    let too_few = |samples| Refusal::TooFew { window, samples, needed: 80 };
+    let t3_c = final_temp_c(seconds).ok_or(seen.tally.no_temperature(window))?;
+    let assumed = Assumed {
+        axis: seen.axis,
+        white_dps_per_rt_hz,
+        gauss_markov,
+        steps_s: &suspects.steps_s,
+        sways_hz: &suspects.sways_hz,
+        max_order: if seen.plan.assume_linear { 1 } else { temperature::TERMS - 1 },
+        t3_c,
+    };
+    temperature::fit(&blocks(seconds), &assumed).map_err(|_| too_few(summary.samples))
+}
+
+/// Takes the uncertainties of PBC and BTC from a curve. The others were not measured, and are zero.
+fn uncertainty_of(curve: &BiasCurve) -> Uncertainty {
+    let covariance = &curve.covariance;
+    Uncertainty {
+        u_b1_dps: 0.0,
+        u_b2_dps: 0.0,
+        u_t1_c: 0.0,
+        u_t2_c: 0.0,
+        u_pbc_dps: libm::sqrt(covariance[0][0]),
+        u_btc_dps_per_c: curve.u_btc_dps_per_c(),
+        u_curvature_dps_per_c: 0.0,
+        u_t3_c: 0.0,
+        cov_pbc_btc: covariance[0][1],
+        cov_pbc_t3: 0.0,
+        drift_dps: 0.0,
+    }
+}
+
+/// T3: the mean temperature of the last second, as in step 9 of F-51.
+fn final_temp_c(seconds: &[Second]) -> Option<f64> {
+    seconds.last().map(|second| second.temp_c)
+}
+
+fn white_density(summary: &Summary) -> f64 {
+    stationarity::white_density(summary.rates)
+}
+
+/// Puts the seconds into blocks of one length. Blocks with less than half of their seconds are left out.
+pub(crate) fn blocks(seconds: &[Second]) -> Vec<Block> {
+    let total_s = seconds.last().map_or(0.0, |second| second.at_s + 1.0);
+    let length_s = libm::ceil(total_s / MOST_BLOCKS).max(SHORTEST_S);
+    let index = |second: &Second| libm::floor((second.at_s + 0.5) / length_s);
+    seconds
+        .chunk_by(|a, b| index(a) == index(b))
+        .filter(|chunk| 2.0 * chunk.len() as f64 >= length_s)
+        .map(|chunk| {
+            let mean = |of: fn(&Second) -> f64| chunk.iter().map(of).sum::<f64>() / chunk.len() as f64;
+            Block {
+                start_s: index(&chunk[0]) * length_s,
+                length_s,
+                rate_dps: mean(|s| s.rate_dps),
+                temp_c: mean(|s| s.temp_c),
+            }
+        })
+        .collect()
+}
+
+/// Standard uncertainty of the correction, rms over the span, °/s.
+fn rms_u_dps(curve: &BiasCurve) -> f64 {
+    let (low_c, high_c) = curve.span_c;
+    let squares = (0..9).map(|k| curve.u_dps(low_c + (high_c - low_c) * f64::from(k) / 8.0)).map(|u| u * u);
+    libm::sqrt(squares.sum::<f64>() / 9.0)
+}
+
+/// Refuses motion, and a slope that is too uncertain.
+fn accept(seen: &Evidence<'_>, curve: &BiasCurve, hour: Option<&Findings>) -> Result<(), Refusal> {
+    let limit_dps = seen.axis.bias.largest_supply_step_dps();
+    if let Some(sway) = curve.sway
+        && sway.size_dps() > limit_dps
+    {
+        return Err(Refusal::Swaying { hz: sway.hz, size_dps: sway.size_dps(), limit_dps });
+    }
+    let wanted_dps_per_c = seen.plan.max_u_btc_dps_per_c;
+    let u_btc_dps_per_c = curve.u_btc_dps_per_c();
+    if u_btc_dps_per_c <= wanted_dps_per_c {
+        return Ok(());
+    }
+    let found = hour.into_iter().flat_map(|hour| &hour.found);
+    let step = found.into_iter().find(|finding| matches!(finding.deviation, Deviation::Step { .. })).copied();
+    // a sway that was taken out does no harm
+    let taken = |sway: Sway| {
+        let deviation = Deviation::Sway { hz: sway.hz, size_dps: sway.size_dps() };
+        Finding { deviation, pbc_dps: 0.0, btc_dps_per_c: 0.0 }
+    };
+    match curve.sway.map(taken).or(step) {
+        Some(finding) => Err(Refusal::StepOrTemperature { finding, u_btc_dps_per_c, wanted_dps_per_c }),
+        None => {
+            let (t1_c, t2_c) = curve.span_c;
+            Err(Refusal::Span { t1_c, t2_c, u_btc_dps_per_c, wanted_dps_per_c })
+        }
+    }
+}
+
+fn warnings(seen: &Evidence<'_>, summary: &Summary, curve: &BiasCurve, hour: Option<&Findings>) -> Vec<Warning> {
+    let (plan, axis, tally) = (seen.plan, seen.axis, seen.tally);
+    let (lost, samples, rate_hz) = (tally.lost, tally.samples, tally.rate_hz());
+    let needed_hz = axis.bandwidth_hz.map(|hz| 2.0 * hz);
+    let u_dps = rms_u_dps(curve);
+    let when = |condition: bool, warning: Warning| condition.then_some(warning);
+    let of_run = [
+        Some(plan.earth_dps.map_or(Warning::EarthIncluded, |earth_dps| Warning::EarthSubtracted { earth_dps })),
+        needed_hz.filter(|needed_hz| rate_hz < *needed_hz).map(|needed_hz| Warning::Aliased { rate_hz, needed_hz }),
+        when(lost > 0, Warning::Lost { lost, fraction: lost as f64 / (lost + samples) as f64 }),
+        when(
+            summary.spoilt > 0,
+            Warning::Impossible { count: summary.spoilt, fraction: summary.spoilt as f64 / samples as f64 },
+        ),
+        when(axis.noise.is_none(), Warning::RestUnjudged),
+        when(hour.is_none(), Warning::HourUnchecked),
+        plan.target_dps.filter(|target| u_dps > *target).map(|target_dps| Warning::TargetMissed { u_dps, target_dps }),
+        when(plan.method == Method::Warmup, branch(axis)),
+        when(
+            curve.is_late && curve.following.lag_s > LAG_WORTH_SAYING_S,
+            Warning::Late { lag_s: curve.following.lag_s },
+        ),
+        when(hour.is_some_and(|hour| hour.unexplained), Warning::Restless),
+    ];
+    of_run.into_iter().flatten().chain(taken_out(curve)).collect()
+}
+
+/// The warnings about steps and a sway that were taken out of a curve.
+pub(crate) fn taken_out(curve: &BiasCurve) -> impl Iterator<Item = Warning> {
+    let taken =
+        |step: temperature::Step| Warning::StepTaken { at_s: step.at_s, size_dps: step.size_dps, u_dps: step.u_dps };
+    let sway = curve.sway.map(|sway| Warning::SwayTaken { hz: sway.hz, size_dps: sway.size_dps() });
+    curve.steps.into_iter().flatten().map(taken).chain(sway)
+}
+
+/// Shortest lag with a warning, s. A shorter one moves a bias by less than its uncertainty.
+const LAG_WORTH_SAYING_S: f64 = 5.0;
+
+/// The warning that one warming shows only one branch of the hysteresis.
+fn branch(axis: &Axis) -> Warning {
+    Warning::OneBranch { hysteresis_dps: axis.bias.hysteresis_dps }
+}

@@ -1,0 +1,118 @@
+//! Shapes over time that a rate may follow beside the temperature, each of size 1.
+
+use super::blocks::Second;
+use crate::noise::Stretch;
+use alloc::vec::Vec;
+use core::f64::consts::PI;
+
+/// A shape that a rate may have over the hour.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Shape {
+    /// A step from 0 to 1 at a time that is known to lie between two others.
+    Step { at_s: f64, from_s: f64, to_s: f64 },
+    /// The square of the temperature over T3, °C².
+    Curved(Series),
+    /// The temperature less what follows it with a time constant, °C.
+    Lagged { lag_s: f64, ahead: Series },
+    /// The temperature less what it drags along by a play of half this width, °C.
+    Held { width_c: f64, ahead: Series },
+    /// A sine.
+    Sway { hz: f64, phase: f64 },
+}
+
+/// A value for each second of the record, as time and value.
+pub(crate) type Series = Vec<(f64, f64)>;
+
+impl Shape {
+    pub(crate) fn step(at_s: f64) -> Self {
+        Self::Step { at_s, from_s: at_s, to_s: at_s }
+    }
+
+    pub(crate) fn curved(seconds: &[Second], t3_c: f64) -> Self {
+        let square = |second: &Second| (second.temp_c - t3_c) * (second.temp_c - t3_c);
+        Self::Curved(seconds.iter().map(|second| (second.at_s, square(second))).collect())
+    }
+
+    fn lagged(seconds: &[Second], lag_s: f64) -> Self {
+        let ahead = followed(seconds, |follower_c, temp_c, passed_s| {
+            follower_c - libm::expm1(-passed_s / lag_s) * (temp_c - follower_c)
+        });
+        Self::Lagged { lag_s, ahead }
+    }
+
+    fn held(seconds: &[Second], width_c: f64) -> Self {
+        let ahead = followed(seconds, |follower_c, temp_c, _| follower_c.clamp(temp_c - width_c, temp_c + width_c));
+        Self::Held { width_c, ahead }
+    }
+
+    /// Mean between two times, s.
+    pub(crate) fn mean(&self, start_s: f64, end_s: f64) -> f64 {
+        let length_s = end_s - start_s;
+        match self {
+            Self::Step { at_s, .. } => ((end_s - at_s) / length_s).clamp(0.0, 1.0),
+            Self::Sway { hz, phase } => {
+                let turn = 2.0 * PI * hz;
+                (libm::cos(turn * start_s + phase) - libm::cos(turn * end_s + phase)) / (turn * length_s)
+            }
+            Self::Curved(series) | Self::Lagged { ahead: series, .. } | Self::Held { ahead: series, .. } => {
+                mean(within(series, start_s, end_s))
+            }
+        }
+    }
+
+    /// Share of the shape that belongs to the bias in balance at a time, s. A level belongs to it, and motion and
+    /// delay do not.
+    pub(crate) fn bias_at(&self, time_s: f64) -> f64 {
+        match self {
+            Self::Step { at_s, .. } => f64::from(u8::from(*at_s < time_s)),
+            Self::Held { ahead, .. } => within(ahead, 0.0, time_s).last().map_or(0.0, |(_, value)| *value),
+            Self::Curved(_) | Self::Lagged { .. } | Self::Sway { .. } => 0.0,
+        }
+    }
+}
+
+/// Means over the stretches of a record.
+pub(crate) fn means<'a>(shape: &'a Shape, stretches: &'a [Stretch]) -> impl Iterator<Item = f64> + 'a {
+    stretches.iter().map(|stretch| shape.mean(f64::from(stretch.start_s), f64::from(stretch.end_s)))
+}
+
+/// All shapes that are looked for in a record of these stretches: a step at each of their ends, and the other shapes
+/// over the scales that the record can show.
+pub(crate) fn all(seconds: &[Second], stretches: &[Stretch], t3_c: f64) -> Vec<Shape> {
+    let total_s = stretches.last().map_or(0.0, |stretch| f64::from(stretch.end_s));
+    let longest_s = stretches.iter().map(Stretch::length_s).fold(1.0, f64::max);
+    let temps = || seconds.iter().map(|second| second.temp_c);
+    let span_c = temps().fold(f64::MIN, f64::max) - temps().fold(f64::MAX, f64::min);
+    let steps = stretches.iter().skip(1).map(|stretch| Shape::step(f64::from(stretch.start_s)));
+    let lags = spread(2.0, total_s, 1.5).map(|lag_s| Shape::lagged(seconds, lag_s));
+    let plays = spread(0.02 * span_c, span_c, 1.3).map(|width_c| Shape::held(seconds, width_c));
+    let sways = (1..).map(|half| f64::from(half) / (2.0 * total_s)).take_while(|hz| hz * longest_s < 0.5);
+    let sways = sways.map(|hz| Shape::Sway { hz, phase: 0.0 });
+    steps.chain([Shape::curved(seconds, t3_c)]).chain(lags).chain(plays).chain(sways).collect()
+}
+
+/// A geometric series.
+fn spread(first: f64, end: f64, ratio: f64) -> impl Iterator<Item = f64> {
+    core::iter::successors(Some(first), move |value| Some(value * ratio)).take_while(move |value| *value < end)
+}
+
+/// The temperature less a follower, which `next` moves on.
+fn followed(seconds: &[Second], next: impl Fn(f64, f64, f64) -> f64) -> Series {
+    let (mut follower_c, mut last_s) = seconds.first().map_or((0.0, 0.0), |second| (second.temp_c, second.at_s));
+    let ahead = |second: &Second| {
+        follower_c = next(follower_c, second.temp_c, second.at_s - last_s);
+        last_s = second.at_s;
+        (second.at_s, second.temp_c - follower_c)
+    };
+    seconds.iter().map(ahead).collect()
+}
+
+fn within(series: &Series, start_s: f64, end_s: f64) -> &[(f64, f64)] {
+    let index = |time_s: f64| series.partition_point(|(at_s, _)| *at_s < time_s);
+    let (start, end) = (index(start_s), index(end_s));
+    &series[start..end.max(start)]
+}
+
+fn mean(values: &[(f64, f64)]) -> f64 {
+    values.iter().map(|(_, value)| value).sum::<f64>() / values.len().max(1) as f64
+}
