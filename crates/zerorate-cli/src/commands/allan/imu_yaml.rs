@@ -1,6 +1,6 @@
 //! `imu.yaml` in the form of Kalibr, for a gyroscope alone. `zerorate imu` has all axes and other readers.
 
-use super::findings;
+use super::words::warnings;
 use crate::column::flag;
 use crate::exit::{Refused, Usage};
 use crate::output::Staged;
@@ -25,7 +25,7 @@ pub fn write(file: Staged, records: &[Record]) -> Result<()> {
     }
     let log = records.iter().map(|record| record.file.display().to_string()).collect::<Vec<_>>().join(", ");
     let names = Names(flag);
-    let warnings = Choice::mattering(findings::condensed(records));
+    let warnings = Choice::mattering(warnings::condensed(records));
     let (combine, rule) = (Combine::Worst, Rule::Covers(None));
     let choice = Choice { log, topic: None, combine, rule, inflate: 1.0, names, warnings };
     let text = Format::Kalibr.file(choice, &Record::axes(records), &Doubts::default(), false)?;

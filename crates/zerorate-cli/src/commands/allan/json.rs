@@ -1,13 +1,13 @@
 //! The result as one JSON object.
 
-use super::advice::advice;
-use super::motion::{self, Motion};
 use super::pool;
-use super::temperature;
-use super::units::{Named, coefficients, deviation_unit};
+use super::words::advice::advice;
+use super::words::units::{DETREND_METHOD, Named, coefficients, deviation_unit};
+use super::words::warnings;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use zerorate_allan::{self as allan, Point, Unavailable};
+use zerorate_allan::{self as allan, MotionKind, Point, Unavailable};
+use zerorate_imu::Moment;
 use zerorate_imu::Record;
 use zerorate_jobs::pool::Pool;
 
@@ -63,8 +63,29 @@ impl<'a> Axes<'a> {
     pub fn new(records: &'a [Record]) -> Self {
         let axis = |record: &'a Record| Axis { name: &record.column, report: Report::new(record) };
         let of_files = records.chunk_by(|a, b| a.file == b.file);
-        Self { axes: records.iter().map(axis).collect(), motion: of_files.flat_map(motion::of).collect() }
+        Self { axes: records.iter().map(axis).collect(), motion: of_files.flat_map(motion).collect() }
     }
+}
+
+/// A moment at which several axes jump or have a glitch.
+#[derive(Serialize)]
+pub struct Motion {
+    at_s: f64,
+    axes: Vec<String>,
+    kind: &'static str,
+}
+
+/// Finds the common events of the axes of one log.
+pub fn motion(axes: &[Record]) -> Vec<Motion> {
+    let found = |Moment { at_s, axes, kind }: Moment| Motion {
+        at_s,
+        axes,
+        kind: match kind {
+            MotionKind::Jump => "jump",
+            MotionKind::Knock => "knock",
+        },
+    };
+    Moment::all(&Record::models(axes)).into_iter().map(found).collect()
 }
 
 /// One log. `fit` is in the unit of the deviations: N in unit·√s, B in unit, K in unit/√s.
@@ -86,7 +107,7 @@ pub struct Report<'a> {
     cleaned: Cleaned,
     advice: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    detrend: Option<temperature::Json>,
+    detrend: Option<Detrend>,
     #[serde(skip_serializing_if = "is_nothing")]
     skipped_s: f64,
     warnings: Vec<String>,
@@ -209,9 +230,9 @@ impl<'a> Report<'a> {
             fit_error: record.fit.as_ref().and_then(|fit| fit.as_ref().err()).map(ToString::to_string),
             cleaned: record.model().map(|fit| cleaned(&fit.cleaned)).unwrap_or_default(),
             advice: advice(record),
-            detrend: temperature::json(record),
+            detrend: detrend(record),
             skipped_s: record.skipped_s,
-            warnings: temperature::warnings(record),
+            warnings: warnings::of_record(record),
         }
     }
 }
@@ -263,4 +284,33 @@ fn term(term: &allan::Term) -> Term {
 fn cleaned(cleaned: &allan::Cleaned) -> Cleaned {
     let steps = cleaned.steps.iter().map(|&allan::Step { at_s, size }| Step { at_s, size }).collect();
     Cleaned { glitches: cleaned.glitches, steps }
+}
+
+/// The polynomial, for scripts.
+#[derive(Serialize)]
+struct Detrend {
+    over: &'static str,
+    order: usize,
+    method: &'static str,
+    /// In the unit of the rate per °C, °C², °C³, about `mean_c`.
+    coefficients: Vec<f64>,
+    mean_c: f64,
+    explained: f64,
+    lost_dof: usize,
+    /// Share of the variance of a random walk that is left.
+    walk_kept: f64,
+}
+
+fn detrend(record: &Record) -> Option<Detrend> {
+    let detrended = record.detrended.as_ref()?;
+    Some(Detrend {
+        over: "temperature",
+        order: detrended.lost_dof,
+        method: DETREND_METHOD,
+        coefficients: detrended.coefficients.clone(),
+        mean_c: detrended.mean_c,
+        explained: detrended.explained,
+        lost_dof: detrended.lost_dof,
+        walk_kept: detrended.walk_kept(),
+    })
 }

@@ -1,16 +1,13 @@
 //! `zerorate allan`: by how much the mean of a rate at rest varies with the averaging time.
 
-mod advice;
-pub mod findings;
 mod imu_yaml;
 pub mod json;
-pub mod motion;
 pub mod page;
 pub mod picture;
 mod pool;
 mod table;
 pub mod temperature;
-pub mod units;
+pub mod words;
 
 use crate::column::ColumnArgs;
 use crate::exit::{Refused, Usage};
@@ -20,6 +17,7 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::PathBuf;
 use temperature::TemperatureArgs;
+use words::{names, warnings};
 use zerorate_allan::{FitOptions, Options, Stat, Taus};
 use zerorate_imu::Doubt;
 use zerorate_imu::{AnalysisOptions, Record};
@@ -208,10 +206,10 @@ pub fn run(args: &AllanArgs) -> Result<()> {
 /// The warnings of a single record, each in full. Several records have a line for each kind of warning.
 fn warnings(args: &AllanArgs, records: &[Record]) -> Vec<String> {
     match records {
-        [only] if !args.column.is_list() => temperature::warnings(only),
+        [only] if !args.column.is_list() => warnings::of_record(only),
         several => {
             let of_files = several.chunk_by(|a, b| a.file == b.file);
-            of_files.flat_map(motion::lines).chain(findings::condensed(several)).collect()
+            of_files.flat_map(warnings::of_motion).chain(warnings::condensed(several)).collect()
         }
     }
 }
@@ -225,7 +223,7 @@ fn check_model(record: &Record) -> Result<()> {
 /// Fits and prints one model of all records.
 fn pooled(args: &AllanArgs, records: &[Record], files: Files) -> Result<()> {
     let pool = zerorate_jobs::pool::pool(records).map_err(pool::failed)?;
-    warn(&temperature::warnings(&pool.record));
+    warn(&warnings::of_record(&pool.record));
     let written = files.write(std::slice::from_ref(&pool.record), Vec::new());
     let printed = print_pool(args, records, &pool);
     written?;
@@ -295,7 +293,7 @@ impl Files {
 /// The head of the page, for all records together. The warnings of a single record are in its own section.
 fn head(records: &[Record], warnings: Vec<String>) -> page::Head {
     let title = match records {
-        [first, ..] if picture::are_axes(records) => first.file.display().to_string(),
+        [first, ..] if names::are_axes(records) => first.file.display().to_string(),
         records => records.iter().map(Record::label).collect::<Vec<_>>().join(", "),
     };
     let warnings = if records.len() > 1 { warnings } else { Vec::new() };
@@ -310,7 +308,7 @@ fn print_records(args: &AllanArgs, records: &[Record]) -> Result<()> {
         _ if args.csv => print(&table::csv(records)?),
         _ => records.iter().try_for_each(|record| {
             say(table::heading(record));
-            temperature::said(record).iter().for_each(say);
+            table::removed(record).iter().for_each(say);
             print_lines(&table::text(record)?)?;
             if args.fit { print_lines(&table::coefficients_text(record)?) } else { Ok(()) }
         }),

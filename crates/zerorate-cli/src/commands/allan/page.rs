@@ -1,12 +1,12 @@
 //! The result as one HTML page.
 
-use super::advice::advice;
 use super::picture::Group;
-use super::temperature;
-use super::units::{self, deviation_unit, noise};
+use super::words::advice::advice;
+use super::words::units::{self, GaussMarkov, deviation_unit, noise};
+use super::words::warnings;
 use crate::output::Staged;
 use anyhow::Result;
-use zerorate_allan::{Estimate, Fit, Line, Term};
+use zerorate_allan::{Estimate, Fit, Line};
 use zerorate_imu::Record;
 use zerorate_view::Interval;
 use zerorate_view::plot::number;
@@ -104,29 +104,22 @@ fn row(title: String, cells: impl Iterator<Item = String>, unit: &str) -> Vec<St
 
 /// The rows of Gauss–Markov terms, two for each term of an axis.
 fn gauss_markov(group: &Group<'_>) -> Vec<Vec<String>> {
-    let of = |record: &Record| -> Vec<(Estimate, Estimate)> {
-        let terms = record.believed().map_or(&[][..], |fit| &fit.terms);
-        let term = |term: &Term| match term {
-            Term::GaussMarkov { sigma, tau_s } => Some((*sigma, *tau_s)),
-            _ => None,
-        };
-        terms.iter().filter_map(term).collect()
+    let of = |record: &Record| -> Vec<GaussMarkov> {
+        record.believed().map_or_else(|_| Vec::new(), |fit| units::gauss_markov(fit, record.quantity).collect())
     };
     let all: Vec<_> = group.records.iter().map(of).collect();
-    let Some((unit, factor)) =
-        group.records.first().and_then(|record| units::B.of(record.quantity).into_iter().next())
-    else {
-        return Vec::new();
-    };
-    let scaled = |estimate: &Estimate, factor: f64| {
-        let &Estimate { value, lo, hi } = estimate;
-        units::stated(Estimate { value: value * factor, lo: lo * factor, hi: hi * factor }, true)
-    };
-    let cell = |said: Option<String>| said.unwrap_or_else(|| NONE.to_owned());
     let rows = (0..all.iter().map(Vec::len).max().unwrap_or(0)).flat_map(|index| {
-        let sigma = all.iter().map(|terms| cell(terms.get(index).map(|(sigma, _)| scaled(sigma, factor))));
-        let tau = all.iter().map(|terms| cell(terms.get(index).map(|(_, tau_s)| scaled(tau_s, 1.0))));
-        [row("Gauss–Markov σ".to_owned(), sigma, &unit), row("its correlation time".to_owned(), tau, "s")]
+        let cells = |stated: fn(&GaussMarkov) -> Estimate| {
+            let cell = move |terms: &Vec<GaussMarkov>| {
+                terms.get(index).map_or_else(|| NONE.to_owned(), |term| units::stated(stated(term), true))
+            };
+            all.iter().map(cell)
+        };
+        let unit = all.iter().find_map(|terms| terms.get(index)).map_or("", |term| &*term.unit);
+        [
+            row("Gauss–Markov σ".to_owned(), cells(|term| term.sigma), unit),
+            row("its correlation time".to_owned(), cells(|term| term.tau_s), "s"),
+        ]
     });
     rows.collect()
 }
@@ -176,7 +169,7 @@ fn section(record: &Record) -> report::Record {
         Fact::new("samples", analysis.samples.to_string()),
         Fact::new("missing", analysis.missing.to_string()),
         Fact::new("sample rate", format!("{:.6} Hz", analysis.rate_hz)),
-        Fact::new("length", super::units::span(analysis.samples as f64 / analysis.rate_hz)),
+        Fact::new("length", units::span(analysis.samples as f64 / analysis.rate_hz)),
     ];
     let row = |point: &zerorate_allan::Point| {
         let &zerorate_allan::Point { tau_s, dev, lo, hi, edf, alpha, n, .. } = point;
@@ -189,7 +182,7 @@ fn section(record: &Record) -> report::Record {
         name: record.label(),
         unit: deviation_unit(record).unwrap_or_default().to_owned(),
         facts: facts.into_iter().chain(model).chain(holds).collect(),
-        warnings: temperature::warnings(record),
+        warnings: warnings::of_record(record),
         advice: advice(record),
         coefficients: units::term_rows(record).into_iter().map(coefficient).collect(),
         points: analysis.points.iter().map(row).collect(),

@@ -1,6 +1,7 @@
 //! The result as a picture.
 
-use super::units::{self, Named, coefficients, deviation_unit};
+use super::words::names::{are_axes, name};
+use super::words::units::{self, GaussMarkov, Named, coefficients, deviation_unit};
 use crate::exit::Usage;
 use crate::output::Staged;
 use anyhow::Result;
@@ -71,16 +72,6 @@ pub fn svg(records: &[Record]) -> String {
             ..plot::Options::default()
         },
     )
-}
-
-/// Whether these are columns of one log.
-pub fn are_axes(records: &[Record]) -> bool {
-    records.len() > 1 && records.windows(2).all(|pair| pair[0].file == pair[1].file)
-}
-
-/// The name that distinguishes a record from the others.
-pub fn name(is_of_one_log: bool, record: &Record) -> String {
-    if is_of_one_log { record.column.clone() } else { record.label() }
 }
 
 /// The averaging times of AN-1042, if a record is from the part that the note describes.
@@ -214,7 +205,12 @@ fn remarks(record: &Record) -> Vec<String> {
         (None, _) => Vec::new(),
         (Some(_), None) => vec!["no model".to_owned()],
         (_, Some(fit)) if fit.is_rejected => vec![format!("rejected: off by {:.0} %", fit.model_error * 100.0)],
-        _ => units::gauss_markov(record).iter().map(|term| format!("{MEMORY} {term}")).collect(),
+        (_, Some(fit)) => {
+            let text = |term: GaussMarkov| {
+                format!("{MEMORY} {} {}, {} s", number(term.sigma.value), term.unit, number(term.tau_s.value))
+            };
+            units::gauss_markov(fit, record.quantity).map(text).collect()
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The result as text and as CSV.
 
-use super::advice::advice;
-use super::units::{self, TermRow, noise};
+use super::words::advice::advice;
+use super::words::units::{self, DETREND_METHOD, TermRow, noise};
 use anyhow::Result;
 use std::fmt::Write;
 use zerorate_allan::Point;
@@ -22,6 +22,26 @@ pub fn heading(record: &Record) -> String {
         record.title(),
         units::interval(record.confidence),
     )
+}
+
+/// Formats what was removed from the record before the analysis, a line each.
+pub fn removed(record: &Record) -> Vec<String> {
+    let skipped = (record.skipped_s > 0.0).then(|| format!("without the first {}", units::span(record.skipped_s)));
+    let unit = units::deviation_unit(record).unwrap_or("");
+    let detrended = record.detrended.as_ref().map(|detrended| {
+        let terms = detrended.coefficients.iter().zip(["/°C", "/°C²", "/°C³"]);
+        let terms = terms.map(|(value, per)| format!("{value:.4e} {unit}{per}")).collect::<Vec<_>>().join(", ");
+        format!(
+            "less a polynomial of order {} over temperature ({DETREND_METHOD}): {terms}; it explains {:.1} % of the slow \
+             variance and took {} of the degrees of freedom. Of a random walk {:.0} % are left, so K is stated \
+             with what was lost, and long averages with fewer degrees of freedom",
+            detrended.lost_dof,
+            detrended.explained * 100.0,
+            detrended.lost_dof,
+            detrended.walk_kept() * 100.0
+        )
+    });
+    skipped.into_iter().chain(detrended).collect()
 }
 
 /// Formats a row for each averaging time, then a line for each time that could not be computed.

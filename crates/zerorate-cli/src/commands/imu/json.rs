@@ -1,8 +1,7 @@
 //! The result as one JSON object.
 
 use super::datasheet::{Comparison, ComparisonRow};
-use crate::commands::allan::json;
-use crate::commands::allan::motion::{self, Motion};
+use crate::commands::allan::json::{self, Motion};
 use serde::Serialize;
 use zerorate_allan::DataSheet;
 use zerorate_imu::Kind;
@@ -60,7 +59,7 @@ impl<'a> Report<'a> {
             samples: first.map_or(0, |analysis| analysis.samples),
             topic,
             warnings,
-            motion: motion::of(axes),
+            motion: json::motion(axes),
             data_sheet: sheet.map(|sheet| Sheet { name: &sheet.name, source: sheet.source.as_deref() }),
             axes: axes.iter().map(of).collect(),
         }

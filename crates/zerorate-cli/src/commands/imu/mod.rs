@@ -4,10 +4,10 @@ mod datasheet;
 mod json;
 mod text;
 
-use super::allan::findings::{self, code, first_of_each};
+use super::allan::page;
 use super::allan::temperature::TemperatureArgs;
-use super::allan::units::span;
-use super::allan::{motion, page};
+use super::allan::words::units::span;
+use super::allan::words::warnings::{self, code, first_of_each};
 use crate::column::{flag, listed, positive, share};
 use crate::exit::Refused;
 use crate::output::{Outputs, Staged, print_json, print_lines, say, warn};
@@ -223,7 +223,7 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     let of_log: Vec<String> = notes.iter().map(LogWarning::coded).chain(absent).collect();
     let compared = sheet.as_ref().map(|sheet| datasheet::compare(sheet, &axes)).unwrap_or_default();
     let (doubts, remarks): (Vec<_>, Vec<_>) = of_log.iter().cloned().partition(|line| DOUBTS.contains(&code(line)));
-    let findings: Vec<String> = motion::lines(&axes).into_iter().chain(findings::condensed(&axes)).collect();
+    let findings: Vec<String> = warnings::of_motion(&axes).into_iter().chain(warnings::condensed(&axes)).collect();
     let with = |doubts: &[String]| [doubts, &findings, &remarks].concat();
     // the reader of stdout may leave, so the files come first
     let written = page.map_or(Ok(()), |page| {

@@ -1,9 +1,9 @@
 //! The result as text.
 
-use crate::commands::allan::units::{B, Named, coefficients, is_without_misfit, span, stated};
+use crate::commands::allan::words::units::{self, GaussMarkov, Named, coefficients, is_without_misfit, span, stated};
 use anyhow::Result;
 use std::fmt::Write;
-use zerorate_allan::{Fit, Term};
+use zerorate_allan::Fit;
 use zerorate_imu::Kind;
 use zerorate_imu::Record;
 use zerorate_view::plot::number;
@@ -68,15 +68,10 @@ fn further(record: &Record, others: &[Named<'_>], fit: &Fit) -> Vec<Vec<String>>
         let value = stated(named.in_unit(0), named.coefficient.identified);
         format!("{} {value} {}", named.letter, named.units[0].0)
     };
-    let (unit, factor) = &B.of(record.quantity)[0];
-    let memory = |term: &Term| match term {
-        Term::GaussMarkov { sigma, tau_s } => {
-            let (sigma, tau_s) = (number(sigma.value * factor), number(tau_s.value));
-            Some(format!("Gauss–Markov σ {sigma} {unit}, T {tau_s} s"))
-        }
-        _ => None,
+    let gauss_markov = |term: GaussMarkov| {
+        format!("Gauss–Markov σ {} {}, T {} s", number(term.sigma.value), term.unit, number(term.tau_s.value))
     };
-    let all = others.iter().map(coefficient).chain(fit.terms.iter().filter_map(memory));
+    let all = others.iter().map(coefficient).chain(units::gauss_markov(fit, record.quantity).map(gauss_markov));
     all.map(|text| vec![String::new(), text]).collect()
 }
 

@@ -74,13 +74,9 @@ pub fn term_rows(record: &Record) -> Vec<TermRow> {
 }
 
 fn of_term(record: &Record, term: &Term) -> TermRow {
-    let rate = B.of(record.quantity);
     let in_rate = |estimate: &Estimate| {
-        let scaled = |(unit, factor): &(String, f64)| {
-            let &Estimate { value, lo, hi } = estimate;
-            (Interval { value: value * factor, lo: lo * factor, hi: hi * factor }, unit.clone())
-        };
-        scaled(&rate[0])
+        let (estimate, unit) = in_rate(*estimate, record.quantity);
+        (interval_of(estimate), unit)
     };
     let exact = |value: f64| Estimate { value, lo: value, hi: value };
     match term {
@@ -126,18 +122,32 @@ pub fn stated(estimate: Estimate, is_identified: bool) -> String {
     }
 }
 
-/// The Gauss–Markov terms of a model in short: `328 µg, 25.9 s`.
-pub fn gauss_markov(record: &Record) -> Vec<String> {
-    let (unit, factor) = &B.of(record.quantity)[0];
-    let terms = record.model().map_or(&[][..], |fit| &fit.terms);
-    let said = |term: &Term| match term {
+/// A Gauss–Markov term, with σ in the first unit of the bias instability.
+pub struct GaussMarkov {
+    pub sigma: Estimate,
+    pub unit: String,
+    pub tau_s: Estimate,
+}
+
+/// The Gauss–Markov terms of a model.
+pub fn gauss_markov(fit: &Fit, quantity: Option<Quantity>) -> impl Iterator<Item = GaussMarkov> {
+    fit.terms.iter().filter_map(move |term| match term {
         Term::GaussMarkov { sigma, tau_s } => {
-            Some(format!("{} {unit}, {} s", number(sigma.value * factor), number(tau_s.value)))
+            let (sigma, unit) = in_rate(*sigma, quantity);
+            Some(GaussMarkov { sigma, unit, tau_s: *tau_s })
         }
         _ => None,
-    };
-    terms.iter().filter_map(said).collect()
+    })
 }
+
+/// An estimate of a rate in the first unit of the bias instability, and that unit.
+fn in_rate(Estimate { value, lo, hi }: Estimate, quantity: Option<Quantity>) -> (Estimate, String) {
+    let (unit, factor) = B.of(quantity).swap_remove(0);
+    (Estimate { value: value * factor, lo: lo * factor, hi: hi * factor }, unit)
+}
+
+/// The method that removes the temperature from a record.
+pub const DETREND_METHOD: &str = "least squares over means of 128 parts";
 
 /// Names the limits of a deviation: `68.3 % intervals`.
 pub fn interval(confidence: f64) -> String {
