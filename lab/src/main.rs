@@ -51,7 +51,7 @@ enum Task {
     Methods(methods::MethodsArgs),
     /// Track many units of the twin for a day in four worlds, and print the table of docs/tracking.md
     ///
-    /// It takes some minutes on two cores. The worlds differ by the share of the moving time in slow turns.
+    /// It takes some minutes on two cores. The worlds differ by the share of the moving time in slow rotations.
     Tracking(tracking::TrackingArgs),
     /// Simulate records at rest and compare the fitted noise coefficients with their truth
     CoverageAllan(coverage_allan::CoverageAllanArgs),

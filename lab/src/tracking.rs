@@ -13,7 +13,7 @@ use world::{Day, HALF, OFTEN};
 
 const HOURS: f64 = 24.0;
 
-/// Worlds by the share of the moving time that slow turns fill, and their frequency.
+/// Worlds by the share of the moving time that slow rotations fill, and their frequency.
 const WORLDS: [(&str, f64); 4] = [("none", 0.0), ("5 %", SELDOM), ("25 %", OFTEN), ("50 %", HALF)];
 
 /// Command line of `cargo xtask tracking`.
@@ -50,13 +50,13 @@ pub struct Tracking {
     pub inside_at_end: f64,
     /// Share of the time at rest that was learned from, %.
     pub learned: f64,
-    /// Share of the time of slow turns that was taken for rest, %. None without slow turns.
+    /// Share of the time of slow rotations that was taken for rest, %. None without slow rotations.
     pub turns_learned: Option<f64>,
     /// Other motion that was taken for rest, s in the mean of all units.
     pub motion_learned_s: f64,
 }
 
-/// Units with everything drawn from their seeds, in a world with so many slow turns.
+/// Units with everything drawn from their seeds, in a world with so many slow rotations.
 pub fn days(seeds: &RangeInclusive<u64>, threads: usize, slow_turns: f64) -> anyhow::Result<Tracking> {
     let days = for_each_seed(seeds, threads, |seed| Ok(world::day(&Spec::from_seed(seed), HOURS, slow_turns)))?;
     Ok(Tracking::of(&days))
@@ -108,7 +108,7 @@ impl Tracking {
 
 fn heading() -> String {
     let names = [
-        "slow turns",
+        "slow rotations",
         "calibration alone, °/h",
         "tracked, °/h",
         "ratio",
@@ -118,7 +118,7 @@ fn heading() -> String {
         "inside ±1.96 u",
         "at the end",
         "rest learned",
-        "turns learned",
+        "rotations learned",
         "other motion learned",
     ];
     format!("| {} |\n|{}", names.join(" | "), "---|".repeat(names.len()))

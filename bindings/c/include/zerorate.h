@@ -781,11 +781,11 @@ typedef struct zerorate_tracker_state {
    */
   float at_c;
   /**
-   * Rests and turns among the quiet stretches, and one of each.
+   * Rests and rotations among the quiet stretches, and one of each.
    */
   float odds[2];
   /**
-   * Seconds that were learned from, that were doubtful, and how often a turn began within a rest.
+   * Seconds that were learned from, that were doubtful, and how often a rotation began within a rest.
    */
   uint32_t counts[3];
 } zerorate_tracker_state;

@@ -4,7 +4,7 @@ use crate::boundary::{self, Object};
 use crate::correction::Correction;
 use crate::status::{self, Status, ZERORATE_E_ARGUMENT};
 use zerorate::Axis;
-use zerorate::track::{COVARIANCES, Counts, Filter, Odds, Phase, Prior, STATES, Saved, TrackerConfig};
+use zerorate::track::{COVARIANCES, Counts, Filter, Phase, Prior, RestPrior, STATES, Saved, TrackerConfig};
 
 /// A bias that is learned whenever the part rests. The memory is the caller's, the contents are private; begin it with
 /// zerorate_tracker_begin or zerorate_tracker_resume. It needs no tear-down.
@@ -43,9 +43,9 @@ pub struct TrackerState {
     pub covariance: [f32; 21],
     /// T - T3 when something was learned last, deg C.
     pub at_c: f32,
-    /// Rests and turns among the quiet stretches, and one of each.
+    /// Rests and rotations among the quiet stretches, and one of each.
     pub odds: [f32; 2],
-    /// Seconds that were learned from, that were doubtful, and how often a turn began within a rest.
+    /// Seconds that were learned from, that were doubtful, and how often a rotation began within a rest.
     pub counts: [u32; 3],
 }
 
@@ -116,12 +116,12 @@ pub unsafe extern "C" fn zerorate_tracker_resume(
         // SAFETY: by the contract.
         let config = config(correction, unsafe { boundary::input(prior) }?);
         // SAFETY: by the contract.
-        let &TrackerState { state, covariance, at_c, odds: [rests, turns], counts } =
+        let &TrackerState { state, covariance, at_c, odds: [rests, rotations], counts } =
             unsafe { boundary::input(state) }?;
         let [learned_s, doubtful_s, rolled_back] = counts;
         let filter = Filter { state, covariance, at_c };
         let counts = Counts { learned_s, doubtful_s, rolled_back };
-        let saved = Saved { filter, odds: Odds { rests, turns }, counts };
+        let saved = Saved { filter, rest_prior: RestPrior { rests, rotations }, counts };
         let resumed = zerorate::track::Tracker::resume(config, &saved, off_s).map_err(|_| ZERORATE_E_ARGUMENT)?;
         // SAFETY: by the contract.
         unsafe { boundary::set_up(tracker, resumed) }
@@ -169,8 +169,8 @@ pub unsafe extern "C" fn zerorate_tracker_bias(tracker: *mut Tracker, temp_c: f6
 pub unsafe extern "C" fn zerorate_tracker_save(tracker: *mut Tracker, state: *mut TrackerState) -> Status {
     // SAFETY: by the contract.
     status::of(unsafe { boundary::state(tracker) }.and_then(|tracker| {
-        let Saved { filter: Filter { state: numbers, covariance, at_c }, odds, counts } = tracker.save();
-        let odds = [odds.rests, odds.turns];
+        let Saved { filter: Filter { state: numbers, covariance, at_c }, rest_prior, counts } = tracker.save();
+        let odds = [rest_prior.rests, rest_prior.rotations];
         let counts = [counts.learned_s, counts.doubtful_s, counts.rolled_back];
         // SAFETY: by the contract.
         unsafe { boundary::output(state, TrackerState { state: numbers, covariance, at_c, odds, counts }) }

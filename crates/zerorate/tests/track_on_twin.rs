@@ -44,10 +44,10 @@ fn a_tracked_bias_is_three_times_better() {
     assert_eq!(mean(|day| day.moving_learned_s), 0.0);
 }
 
-/// Units that walk least or that met the worst turns, with slow turns in a quarter and in half of the moving time. The
-/// calibration alone leaves little, and no rest tells a turn from a change of the bias.
+/// Units that walk least or that met the worst rotations, with slow rotations in a quarter and in half of the moving
+/// time. The calibration alone leaves little, and no rest tells a rotation from a change of the bias.
 #[test]
-fn where_slow_turns_are_frequent_no_unit_gets_worse() {
+fn where_slow_rotations_are_frequent_no_unit_gets_worse() {
     for (often, share, seeds) in [(OFTEN, 0.25, [1, 2, 24, 146]), (HALF, 0.5, [11, 22, 25, 79])] {
         let days: Vec<Day> = seeds.map(|seed| day(&Spec::from_seed(seed), 24.0, often)).into();
         let mean = |of: fn(&Day) -> f64| days.iter().map(of).sum::<f64>() / days.len() as f64;

@@ -10,10 +10,10 @@ const UNIT: &str = "schema = 1\npart = \"ADIS16130\"\nserial = \"SN17\"\n\
 const STATE: &str = include_str!("track/schema-1.state");
 
 #[test]
-fn a_state_of_schema_1_has_seen_one_rest_and_one_turn() {
+fn a_state_of_schema_1_has_seen_one_rest_and_one_rotation() {
     let (calibration, _) = Calibration::parse(UNIT).unwrap();
     let saved = TrackFile::parse(STATE).unwrap().of(&calibration, "rate").unwrap();
-    assert_eq!((saved.odds.rests, saved.odds.turns), (1.0, 1.0));
+    assert_eq!((saved.rest_prior.rests, saved.rest_prior.rotations), (1.0, 1.0));
     assert_eq!(saved.counts, Counts { learned_s: 0, doubtful_s: 512, rolled_back: 1 });
     assert!((saved.filter.covariance[0] - 0.002_605_99).abs() < 1e-9);
 }

@@ -4,7 +4,7 @@ use super::filter::{Drift, Filter, place, sd};
 
 /// Offset, slope and curvature.
 const SHOWN: usize = 3;
-/// Change of the bias that is believed by half if all stretches are turns, in units of the least turn.
+/// Change of the bias that is accepted by half if all stretches are rotations, in units of the least rotation.
 const DOUBTED: f32 = 1.75;
 
 /// The bias that the calibration leaves, of all hypotheses together.
@@ -18,7 +18,7 @@ pub(super) struct Estimate {
 }
 
 impl Estimate {
-    /// Prepares the answer. `excess` is the excess of turns among the quiet stretches.
+    /// Prepares the answer. `excess` is the excess of rotations among the quiet stretches.
     pub(super) fn new(known: &Filter, excess: f32, least_turn_dps: f32) -> Self {
         let [offset, slope, curvature, ..] = known.state;
         let of = |row, column| known.covariance[place(row, column)];
@@ -37,8 +37,7 @@ impl Estimate {
 
     /// Bias beyond the calibration at T − T3 and its standard uncertainty, °/s, so many seconds later.
     ///
-    /// A change m is believed by m²/(m² + τ²), and wholly while turns are few. What is not believed adds to the
-    /// uncertainty.
+    /// A change m is accepted by m²/(m² + τ²), and wholly while rotations are few. The rest adds to the uncertainty.
     pub(super) fn at(&self, d_c: f32, seconds: f32, drift: &Drift) -> (f32, f32) {
         let polynomial = |[a, b, c]: &[f32; SHOWN]| a + d_c * (b + d_c * c);
         let change_dps = polynomial(&self.state);

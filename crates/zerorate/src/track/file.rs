@@ -1,6 +1,6 @@
 //! The state of a tracker as a TOML file, with the check lines of a calibration; specified in `docs/tracking.md`.
 
-use super::{COVARIANCES, Counts, Filter, Odds, Prior, STATES, Saved, TrackerConfig};
+use super::{COVARIANCES, Counts, Filter, Prior, RestPrior, STATES, Saved, TrackerConfig};
 use crate::calibration::{CalibratedAxis, Calibration, CurveRecord};
 use crate::check_lines::{self, Damage};
 use crate::noise::NoiseModel;
@@ -105,13 +105,13 @@ impl TrackFile {
         saved: Option<String>,
         axes: impl IntoIterator<Item = (&'a str, Saved)>,
     ) -> Self {
-        let form = |(name, Saved { filter, odds, counts }): (&str, Saved)| AxisForm {
+        let form = |(name, Saved { filter, rest_prior, counts }): (&str, Saved)| AxisForm {
             name: name.to_string(),
             state: filter.state,
             covariance: filter.covariance,
             at_c: filter.at_c,
-            rests: odds.rests,
-            turns: odds.turns,
+            rests: rest_prior.rests,
+            turns: rest_prior.rotations,
             learned_s: counts.learned_s,
             doubtful_s: counts.doubtful_s,
             rolled_back: counts.rolled_back,
@@ -167,12 +167,14 @@ impl TrackFile {
         let form = form.ok_or_else(|| TrackFileError::NoAxis { axis: axis.to_string() })?;
         let AxisForm { state, covariance, at_c, rests, turns, learned_s, doubtful_s, rolled_back, .. } = *form;
         let filter = Filter { state, covariance, at_c };
-        Ok(Saved { filter, odds: Odds { rests, turns }, counts: Counts { learned_s, doubtful_s, rolled_back } })
+        let (rest_prior, counts) =
+            (RestPrior { rests, rotations: turns }, Counts { learned_s, doubtful_s, rolled_back });
+        Ok(Saved { filter, rest_prior, counts })
     }
 }
 
 /// Assumed uncertainty of PBC for a calibration that states none, such as one written by hand, °/s: a setting. With
-/// it, a first rest within ±0.1 °/s is believed, after others like it.
+/// it, a first rest within ±0.1 °/s is learned from, after others like it.
 const UNSTATED_U_PBC_DPS: f64 = 0.05;
 
 impl Prior {

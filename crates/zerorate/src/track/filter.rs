@@ -164,7 +164,7 @@ impl Filter {
     }
 
     /// Widens the offset by this much, °/s (1 σ), as after a power-up.
-    pub(super) fn jolt(&mut self, u_dps: f64) {
+    pub(super) fn inflate_bias_variance(&mut self, u_dps: f64) {
         *self.variance(OFFSET) += square(u_dps);
     }
 

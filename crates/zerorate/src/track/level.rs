@@ -1,14 +1,15 @@
-//! The probability that the level of a quiet stretch is the bias, and not a slow turn.
+//! The probability that the level of a quiet stretch is the bias, and not a slow rotation.
 //!
-//! A turn that is slower than a possible change of the bias cannot be told from that change. So nothing is decided:
-//! `belief.rs` keeps both possibilities. How frequent turns are is learned from the stretches so far.
+//! A rotation that is slower than a possible change of the bias cannot be told from that change. So nothing is
+//! decided: `hypothesis_bank.rs` keeps both possibilities. The frequency of rotations is learned from the stretches so
+//! far.
 
 use super::filter::{Innovation, sd};
 use libm::expf;
 
-/// Number of rates of quiet turns.
-const TURNS: usize = 9;
-/// Slowest of these rates, in units of the least turn to be told.
+/// Number of rates of quiet rotations.
+const ROTATIONS: usize = 9;
+/// Slowest of these rates, in units of the least rotation to be told.
 const SLOWEST: f32 = 0.7;
 /// Each rate over the one before. All are equally likely, in both directions.
 const RATIO: f32 = core::f32::consts::SQRT_2;
@@ -17,58 +18,58 @@ const SPREAD: f32 = 0.17;
 /// Standard deviations beyond which a bias does not explain a level. Noise exceeds them once in 16 000.
 const MOST: f32 = 4.0;
 
-/// Densities of a level for a part at rest and for one that turns, from its quiet mean and the slowest turn to be
-/// told, °/s. Both lack the factor 1/√2π.
+/// Densities of a level for a sensor at rest and for one that rotates, from its quiet mean and the slowest rotation
+/// to be told, °/s. Both lack the factor 1/√2π.
 pub(super) fn densities(seen: &Innovation, least_turn_dps: f32) -> (f32, f32) {
     let normal = |x_dps: f32, dps2: f32| expf(-0.5 * x_dps * x_dps / dps2) / sd(dps2);
     let rest = if seen.dps.abs() > MOST * sd(seen.dps2) { 0.0 } else { normal(seen.dps, seen.dps2) };
     let rates = core::iter::successors(Some(SLOWEST * least_turn_dps), |rate_dps| Some(RATIO * rate_dps));
-    let fastest_dps = rates.clone().nth(TURNS - 1).unwrap_or(least_turn_dps);
-    // a faster turn is told beyond doubt, and says nothing about the bias
+    let fastest_dps = rates.clone().nth(ROTATIONS - 1).unwrap_or(least_turn_dps);
+    // a faster rotation is told beyond doubt, and says nothing about the bias
     let level_dps = seen.dps.max(-fastest_dps).min(fastest_dps);
     let both = |rate_dps: f32| {
         let dps2 = seen.dps2 + SPREAD * SPREAD * rate_dps * rate_dps;
         normal(level_dps - rate_dps, dps2) + normal(level_dps + rate_dps, dps2)
     };
-    (rest, rates.take(TURNS).map(both).sum::<f32>() / (2 * TURNS) as f32)
+    (rest, rates.take(ROTATIONS).map(both).sum::<f32>() / (2 * ROTATIONS) as f32)
 }
 
-/// How many quiet stretches were rests and turns. A stretch counts by its probabilities.
+/// The prior probability that a quiet stretch is rest, from the stretches so far. Each counts by its probabilities.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Odds {
-    /// Rests so far, and one.
+pub struct RestPrior {
+    /// Number of rests so far, plus one.
     pub rests: f32,
-    /// Turns so far, and one.
-    pub turns: f32,
+    /// Number of rotations so far, plus one.
+    pub rotations: f32,
 }
 
 /// Number of stretches beyond which old ones are forgotten.
 const REMEMBERED: f32 = 100.0;
-/// Share of turns up to which every change of the bias is believed.
+/// Share of rotations up to which every change of the bias is accepted.
 const FEW: f32 = 0.6;
 
-impl Odds {
-    /// Nothing seen yet: even odds.
-    pub const EVEN: Self = Self { rests: 1.0, turns: 1.0 };
+impl RestPrior {
+    /// The prior before the first stretch: one half.
+    pub const EVEN: Self = Self { rests: 1.0, rotations: 1.0 };
 
     /// Share of the stretches that were rests.
-    pub(super) fn rests(&self) -> f32 {
-        self.rests / (self.rests + self.turns)
+    pub(super) fn probability(&self) -> f32 {
+        self.rests / (self.rests + self.rotations)
     }
 
-    /// Excess of turns: 0 while they are few, 1 if all stretches are turns.
-    pub(super) fn excess(&self) -> f32 {
-        ((1.0 - self.rests() - FEW) / (1.0 - FEW)).max(0.0)
+    /// Excess of rotations: 0 while they are few, 1 if all stretches are rotations.
+    pub(super) fn rotation_excess(&self) -> f32 {
+        ((1.0 - self.probability() - FEW) / (1.0 - FEW)).max(0.0)
     }
 
     /// Counts a stretch that was a rest with this probability.
     pub(super) fn count(&mut self, rest: f32) {
-        let forget = (REMEMBERED / (self.rests + self.turns + 1.0)).min(1.0);
-        (self.rests, self.turns) = ((self.rests + rest) * forget, (self.turns + 1.0 - rest) * forget);
+        let forget = (REMEMBERED / (self.rests + self.rotations + 1.0)).min(1.0);
+        (self.rests, self.rotations) = ((self.rests + rest) * forget, (self.rotations + 1.0 - rest) * forget);
     }
 
     /// Whether the counts are possible.
     pub(super) fn is_sound(&self) -> bool {
-        [self.rests, self.turns].iter().all(|count| *count > 0.0 && *count < 2.0 * REMEMBERED)
+        [self.rests, self.rotations].iter().all(|count| *count > 0.0 && *count < 2.0 * REMEMBERED)
     }
 }

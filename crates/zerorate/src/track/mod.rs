@@ -1,8 +1,8 @@
 //! Tracking of the bias: it is learned at rest and predicted in between, on fixed memory.
 //!
 //! A [`Tracker`] takes means over [`BLOCK_S`] of one axis. It tells rest from the rate alone (`rest.rs`), and follows
-//! the bias that the calibration leaves with a Kalman filter (`filter.rs`). A level may also be a slow turn
-//! (`level.rs`), so it keeps a few hypotheses (`belief.rs`), and answers with all of them (`estimate.rs`).
+//! the bias that the calibration leaves with a Kalman filter (`filter.rs`). A level may also be a slow rotation
+//! (`level.rs`), so it keeps a few hypotheses (`hypothesis_bank.rs`), and answers with all of them (`estimate.rs`).
 //! `docs/tracking.md` derives the limits and states what was measured. The tracker uses neither a clock nor
 //! allocation.
 //!
@@ -22,30 +22,30 @@
 //! assert!((0.001..0.004).contains(&tracked.change_dps), "{tracked:?}");
 //! ```
 
-mod belief;
 mod estimate;
 #[cfg(feature = "file")]
 mod file;
 mod filter;
+mod hypothesis_bank;
 mod level;
 mod rest;
 
 #[cfg(feature = "file")]
 pub use file::{TrackFile, TrackFileError};
 pub use filter::{COVARIANCES, Filter, Prior, STATES};
-pub use level::Odds;
+pub use level::RestPrior;
 pub use rest::BLOCK_S;
 
 use crate::correction::{Correction, CorrectionF32};
 use crate::noise::NoiseModel;
 use crate::part::Axis;
-use belief::Belief;
 use estimate::Estimate;
 use filter::Drift;
+use hypothesis_bank::HypothesisBank;
 use rest::{MOST_LATE, Quiet, Seen};
 
-/// Number of quads in a mean that is learned from: 16 s.
-const QUADS_PER_MEAN: u32 = 4;
+/// Number of windows in a mean that is learned from: 16 s.
+const WINDOWS_PER_MEAN: u32 = 4;
 /// Blocks per second.
 const BLOCKS_PER_S: u32 = 10;
 
@@ -63,14 +63,14 @@ pub struct TrackerConfig {
     /// Component of the Earth's rotation on the axis wherever it rests, °/s (F-16), if the calibration has subtracted
     /// it from PBC. Otherwise zero.
     pub earth_dps: f64,
-    /// The slowest turn that must not be taken for bias, °/s.
+    /// The slowest rotation that must not be taken for bias, °/s.
     pub least_turn_dps: f64,
     /// Change of the bias from one power-up to the next, °/s (1 σ).
     pub power_up_dps: f64,
 }
 
 impl TrackerConfig {
-    /// Default of the slowest turn, °/s: a setting.
+    /// Default of the slowest rotation, °/s: a setting.
     pub const LEAST_TURN_DPS: f64 = 0.02;
     /// Default change by a power-up, °/s: a setting, because no source states one for the ADIS16130. Six times the
     /// floor of its flicker (M-04).
@@ -94,14 +94,14 @@ impl TrackerConfig {
 /// The motion of the part, as far as one axis shows it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Phase {
-    /// The part moves, or its readings cannot be believed.
+    /// The part moves, or its readings are not valid.
     #[default]
     Moving,
     /// The part is quiet, for too short a time to say more.
     Quiet,
     /// The part rests, and its bias is learned.
     Rest,
-    /// The part is quiet, but at a level that a slow turn explains better than a change of the bias.
+    /// The part is quiet, but at a level that a slow rotation explains better than a change of the bias.
     Doubtful,
 }
 
@@ -110,7 +110,7 @@ pub enum Phase {
 pub struct Tracked {
     /// Bias beyond the calibration, °/s.
     pub change_dps: f64,
-    /// Standard uncertainty of the bias with its flicker, °/s, at rest or turning.
+    /// Standard uncertainty of the bias with its flicker, °/s, at rest or rotating.
     pub u_dps: f64,
     /// The motion of the part.
     pub phase: Phase,
@@ -121,9 +121,9 @@ pub struct Tracked {
 pub struct Counts {
     /// Seconds of rest from which the tracker learned.
     pub learned_s: u32,
-    /// Quiet seconds whose level a slow turn explains better.
+    /// Quiet seconds whose level a slow rotation explains better.
     pub doubtful_s: u32,
-    /// Times that a turn began within a rest, and the last learning was dropped.
+    /// Times that a rotation began within a rest, and the last learning was dropped.
     pub rolled_back: u32,
 }
 
@@ -132,8 +132,8 @@ pub struct Counts {
 pub struct Saved {
     /// Bias and covariance, of all hypotheses together.
     pub filter: Filter,
-    /// Rests and turns among the quiet stretches.
-    pub odds: Odds,
+    /// Prior probability of rest, from the quiet stretches.
+    pub rest_prior: RestPrior,
     /// Counts so far.
     pub counts: Counts,
 }
@@ -149,12 +149,12 @@ pub struct Tracker {
     correction: CorrectionF32,
     least_turn_dps: f32,
     drift: Drift,
-    belief: Belief,
+    bank: HypothesisBank,
     estimate: Estimate,
-    /// Seconds that the belief has not let pass yet.
+    /// Seconds that have not passed in the bank yet.
     due_s: u32,
     quiet: Quiet,
-    /// Quads of the stretch that were taken in, and those that are sure.
+    /// Windows of the stretch that were taken in, and those that are sure.
     taken: u32,
     sure: u32,
     temp_c: Option<f32>,
@@ -170,14 +170,14 @@ impl Tracker {
     pub fn new(config: TrackerConfig) -> Self {
         let tempco_dps_per_c = config.correction.btc_dps_per_c;
         let drift = Drift::new(&config.noise, tempco_dps_per_c, config.hysteresis_dps);
-        let belief = Belief::new(&Filter::new(&config.prior, &drift), Odds::EVEN);
+        let bank = HypothesisBank::new(&Filter::new(&config.prior, &drift), RestPrior::EVEN);
         let least_turn_dps = config.least_turn_dps as f32;
         Self {
             correction: config.correction.to_f32(),
             least_turn_dps,
             drift,
-            estimate: Estimate::new(&belief.known(), belief.odds.excess(), least_turn_dps),
-            belief,
+            estimate: Estimate::new(&bank.known(), bank.rest_prior.rotation_excess(), least_turn_dps),
+            bank,
             due_s: 0,
             quiet: Quiet::new(&config.noise),
             taken: 0,
@@ -196,19 +196,19 @@ impl Tracker {
     /// # Errors
     /// The state is impossible.
     pub fn resume(config: TrackerConfig, saved: &Saved, off_s: f64) -> Result<Self, Unsound> {
-        if !(saved.filter.is_sound() && saved.odds.is_sound() && off_s >= 0.0 && off_s.is_finite()) {
+        if !(saved.filter.is_sound() && saved.rest_prior.is_sound() && off_s >= 0.0 && off_s.is_finite()) {
             return Err(Unsound);
         }
-        let belief = Belief::new(&saved.filter, saved.odds);
-        let new = Self { belief, counts: saved.counts, ..Self::new(config) };
+        let bank = HypothesisBank::new(&saved.filter, saved.rest_prior);
+        let new = Self { bank, counts: saved.counts, ..Self::new(config) };
         Ok(new.aged(off_s))
     }
 
     /// Ages the tracker for a part that was switched on anew, this many seconds after the calibration.
     #[must_use]
     pub fn aged(mut self, since_s: f64) -> Self {
-        self.belief.wait(since_s, &self.drift);
-        self.belief.jolt(self.config.power_up_dps);
+        self.bank.wait(since_s, &self.drift);
+        self.bank.inflate_bias_variance(self.config.power_up_dps);
         self.prepare();
         self
     }
@@ -216,9 +216,9 @@ impl Tracker {
     /// Returns the state to keep for [`Tracker::resume`].
     #[must_use]
     pub fn save(&self) -> Saved {
-        let mut filter = self.belief.known();
+        let mut filter = self.bank.known();
         filter.wait(&self.drift.over(f64::from(self.due_s)));
-        Saved { filter, odds: self.belief.odds, counts: self.counts() }
+        Saved { filter, rest_prior: self.bank.rest_prior, counts: self.counts() }
     }
 
     /// Takes in the mean rate, °/s, and the mean temperature, °C, of the next [`BLOCK_S`]. They are none if they are
@@ -237,7 +237,7 @@ impl Tracker {
         let seen = self.quiet.push(rate_dps, temp_c - self.correction.t3_c);
         self.moves = matches!(seen, Seen::Moving | Seen::Step(_));
         match seen {
-            Seen::Quad if still => self.quad(),
+            Seen::Window if still => self.window(),
             Seen::Step(late) if still => self.step(late),
             Seen::Open if still => {}
             _ => self.end(),
@@ -255,7 +255,7 @@ impl Tracker {
     pub fn wait(&mut self, seconds: f64) {
         self.end();
         self.pass();
-        self.belief.wait(seconds, &self.drift);
+        self.bank.wait(seconds, &self.drift);
         self.prepare();
     }
 
@@ -278,69 +278,69 @@ impl Tracker {
     pub fn counts(&self) -> Counts {
         let mut counts = self.counts;
         let of = if self.is_doubtful() { &mut counts.doubtful_s } else { &mut counts.learned_s };
-        *of = of.saturating_add(self.belief.seconds() as u32);
+        *of = of.saturating_add(self.bank.seconds() as u32);
         counts
     }
 
     fn is_doubtful(&self) -> bool {
-        self.belief.rest().is_some_and(|rest| rest < 0.5)
+        self.bank.rest().is_some_and(|rest| rest < 0.5)
     }
 
-    fn quad(&mut self) {
+    fn window(&mut self) {
         if self.phase == Phase::Moving {
             self.phase = Phase::Quiet;
         }
-        let quads = self.quiet.quads();
-        // the newest quad waits for one more: a motion that ends a rest may have begun in it
-        if quads > self.taken + QUADS_PER_MEAN {
-            self.take_until(quads - 1);
+        let windows = self.quiet.windows();
+        // the newest window waits for one more: a motion that ends a rest may have begun in it
+        if windows > self.taken + WINDOWS_PER_MEAN {
+            self.take_until(windows - 1);
             self.judge();
         }
-        if quads > self.sure + QUADS_PER_MEAN + MOST_LATE - 2 {
-            let mean = self.quiet.mean(quads - self.sure - QUADS_PER_MEAN, QUADS_PER_MEAN);
-            self.sure += QUADS_PER_MEAN;
-            self.belief.make_sure(&mean, &self.drift);
+        if windows > self.sure + WINDOWS_PER_MEAN + MOST_LATE - 2 {
+            let mean = self.quiet.mean(windows - self.sure - WINDOWS_PER_MEAN, WINDOWS_PER_MEAN);
+            self.sure += WINDOWS_PER_MEAN;
+            self.bank.make_sure(&mean, &self.drift);
         }
     }
 
-    /// Takes in the quads until this one of the stretch, in means of up to 16 s.
+    /// Takes in the windows until this one of the stretch, in means of up to 16 s.
     fn take_until(&mut self, end: u32) {
         self.pass();
         while self.taken < end {
-            let quads = QUADS_PER_MEAN.min(end - self.taken);
-            let mean = self.quiet.mean(self.quiet.quads() - self.taken - quads, quads);
-            self.taken += quads;
-            self.belief.take(&mean, &self.drift);
+            let windows = WINDOWS_PER_MEAN.min(end - self.taken);
+            let mean = self.quiet.mean(self.quiet.windows() - self.taken - windows, windows);
+            self.taken += windows;
+            self.bank.take(&mean, &self.drift);
         }
     }
 
     fn judge(&mut self) {
-        self.belief.judge(self.least_turn_dps, &self.drift);
+        self.bank.judge(self.least_turn_dps, &self.drift);
         self.phase = if self.is_doubtful() { Phase::Doubtful } else { Phase::Rest };
         self.prepare();
     }
 
     /// Lets the time pass that is due.
     fn pass(&mut self) {
-        self.belief.wait(f64::from(core::mem::take(&mut self.due_s)), &self.drift);
+        self.bank.wait(f64::from(core::mem::take(&mut self.due_s)), &self.drift);
     }
 
     fn prepare(&mut self) {
-        self.estimate = Estimate::new(&self.belief.known(), self.belief.odds.excess(), self.least_turn_dps);
+        self.estimate = Estimate::new(&self.bank.known(), self.bank.rest_prior.rotation_excess(), self.least_turn_dps);
     }
 
-    /// Ends the stretch after a motion. All of it counts, except for the last quad.
+    /// Ends the stretch after a motion. All of it counts, except for the last window.
     fn end(&mut self) {
-        self.close(self.quiet.quads().saturating_sub(1), Phase::Moving);
+        self.close(self.quiet.windows().saturating_sub(1), Phase::Moving);
         self.quiet.begin_anew();
     }
 
-    /// Handles a step within a stretch: a turn has begun or ended in its last quads, which are dropped.
+    /// Handles a step within a stretch: a rotation has begun or ended in its last windows, which are dropped.
     fn step(&mut self, late: u32) {
-        let end = self.quiet.quads().saturating_sub(late);
+        let end = self.quiet.windows().saturating_sub(late);
         if end < self.taken {
             self.pass();
-            self.belief.go_back();
+            self.bank.go_back();
             self.taken = self.sure;
             self.counts.rolled_back = self.counts.rolled_back.saturating_add(1);
         }
@@ -348,13 +348,13 @@ impl Tracker {
         self.quiet.begin_stretch();
     }
 
-    /// Closes the stretch after this quad. Its learning counts by the probability that it was rest.
+    /// Closes the stretch after this window. Its learning counts by the probability that it was rest.
     fn close(&mut self, end: u32, phase: Phase) {
-        if self.quiet.quads() > 0 {
+        if self.quiet.windows() > 0 {
             self.take_until(end);
-            self.belief.judge(self.least_turn_dps, &self.drift);
+            self.bank.judge(self.least_turn_dps, &self.drift);
             self.counts = self.counts();
-            self.belief.close(&self.drift);
+            self.bank.close(&self.drift);
             self.prepare();
         }
         (self.taken, self.sure, self.phase) = (0, 0, phase);

@@ -1,8 +1,8 @@
 //! The test whether a part is quiet: its rate varies no more than its own noise, over 0.1 s to 64 s.
 //!
-//! Quiet does not mean at rest, because a steady turn is quiet as well. `mod.rs` judges its level.
+//! Quiet does not mean at rest, because a steady rotation is quiet as well. `mod.rs` judges its level.
 
-use super::belief::Mean;
+use super::hypothesis_bank::Mean;
 use crate::noise::NoiseModel;
 use libm::sqrt;
 
@@ -10,14 +10,14 @@ use libm::sqrt;
 pub const BLOCK_S: f64 = 0.1;
 /// Number of blocks in a second.
 const BLOCKS: u32 = 10;
-/// Length of a quad, the means that are kept, s.
-pub(super) const QUAD_S: u32 = 4;
-/// Number of quads that are kept: twice 64 s, and some that `mod.rs` has not learned from yet.
-const QUADS: usize = 64;
-/// Most quads behind which a change of the rate is found.
+/// Length of a window, whose mean is kept, s.
+pub(super) const WINDOW_S: u32 = 4;
+/// Number of windows that are kept: twice 64 s, and some that `mod.rs` has not learned from yet.
+const WINDOWS: usize = 64;
+/// Most windows behind which a change of the rate is found.
 pub(super) const MOST_LATE: u32 = 32;
 
-/// Tests of adjacent means: the number of quads in each, and the ratio of their difference to its standard deviation
+/// Tests of adjacent means: the number of windows in each, and the ratio of their difference to its standard deviation
 /// beyond which noise does not explain it. Noise exceeds these in one of 10 000, 4600 and 2100 differences, which come
 /// every 4 s.
 const STEPS: [(u32, f64); 3] = [(1, 3.9), (4, 3.7), (16, 3.5)];
@@ -25,7 +25,7 @@ const STEPS: [(u32, f64); 3] = [(1, 3.9), (4, 3.7), (16, 3.5)];
 const SECOND_FACTOR: f64 = 4.0;
 /// χ² of nine degrees of freedom that noise exceeds in one of 33 000 seconds: variance of the ten means of 0.1 s.
 const SECOND_CHI2: f32 = 36.8;
-/// Largest rate, °/s, and temperature, °C, that are believed to be readings.
+/// Largest valid rate, °/s, and temperature, °C.
 const LARGEST: f32 = 1e5;
 
 /// The finding after a block.
@@ -34,10 +34,10 @@ pub(super) enum Seen {
     /// There is nothing to say yet.
     Open,
     /// Another mean over four quiet seconds is complete.
-    Quad,
+    Window,
     /// The part moves, or a block is missing.
     Moving,
-    /// The rate stepped by more than noise explains, within so many of the newest quads.
+    /// The rate stepped by more than noise explains, within so many of the newest windows.
     Step(u32),
 }
 
@@ -55,11 +55,11 @@ pub(super) struct Quiet {
     temps_c: f32,
     last_second_dps: Option<f32>,
     seconds: u32,
-    quad_dps: f32,
-    quad_c: f32,
-    /// Rate and temperature of each quad.
-    ring: [(f32, f32); QUADS],
-    /// Number of quads since the last fresh start.
+    window_dps: f32,
+    window_c: f32,
+    /// Rate and temperature of each window.
+    ring: [(f32, f32); WINDOWS],
+    /// Number of windows since the last fresh start.
     filled: u32,
 }
 
@@ -70,7 +70,8 @@ impl Quiet {
         Self {
             block_dps2: (white * white / (2.0 * BLOCK_S)) as f32,
             second_dps: (SECOND_FACTOR * difference(1.0)) as f32,
-            steps_dps: STEPS.map(|(quads, factor)| (factor * difference(f64::from(QUAD_S) * f64::from(quads))) as f32),
+            steps_dps: STEPS
+                .map(|(windows, factor)| (factor * difference(f64::from(WINDOW_S) * f64::from(windows))) as f32),
             blocks: 0,
             squares_dps2: 0.0,
             first_dps: 0.0,
@@ -78,9 +79,9 @@ impl Quiet {
             temps_c: 0.0,
             last_second_dps: None,
             seconds: 0,
-            quad_dps: 0.0,
-            quad_c: 0.0,
-            ring: [(0.0, 0.0); QUADS],
+            window_dps: 0.0,
+            window_c: 0.0,
+            ring: [(0.0, 0.0); WINDOWS],
             filled: 0,
         }
     }
@@ -107,7 +108,7 @@ impl Quiet {
         (self.blocks, self.seconds, self.filled, self.last_second_dps) = (0, 0, 0, None);
     }
 
-    /// Begins another stretch with the next quad. The part is as quiet as before.
+    /// Begins another stretch with the next window. The part is as quiet as before.
     pub(super) fn begin_stretch(&mut self) {
         self.filled = 0;
     }
@@ -126,38 +127,38 @@ impl Quiet {
             return Seen::Open;
         }
         if self.seconds == 0 {
-            (self.quad_dps, self.quad_c) = (0.0, 0.0);
+            (self.window_dps, self.window_c) = (0.0, 0.0);
         }
-        self.quad_dps += mean_dps / QUAD_S as f32;
-        self.quad_c += mean_c / QUAD_S as f32;
+        self.window_dps += mean_dps / WINDOW_S as f32;
+        self.window_c += mean_c / WINDOW_S as f32;
         self.seconds += 1;
-        if self.seconds < QUAD_S { Seen::Open } else { self.quad() }
+        if self.seconds < WINDOW_S { Seen::Open } else { self.window() }
     }
 
-    fn quad(&mut self) -> Seen {
+    fn window(&mut self) -> Seen {
         self.seconds = 0;
-        self.ring[self.filled as usize % QUADS] = (self.quad_dps, self.quad_c);
+        self.ring[self.filled as usize % WINDOWS] = (self.window_dps, self.window_c);
         self.filled = self.filled.saturating_add(1);
-        for ((quads, _), most_dps) in STEPS.into_iter().zip(self.steps_dps) {
-            let mean_dps = |newer| self.mean(newer, quads).rate_dps;
-            if self.filled >= 2 * quads && (mean_dps(0) - mean_dps(quads)).abs() > most_dps {
-                return Seen::Step(2 * quads);
+        for ((windows, _), most_dps) in STEPS.into_iter().zip(self.steps_dps) {
+            let mean_dps = |newer| self.mean(newer, windows).rate_dps;
+            if self.filled >= 2 * windows && (mean_dps(0) - mean_dps(windows)).abs() > most_dps {
+                return Seen::Step(2 * windows);
             }
         }
-        Seen::Quad
+        Seen::Window
     }
 
-    /// Number of quads of the stretch.
-    pub(super) fn quads(&self) -> u32 {
+    /// Number of windows of the stretch.
+    pub(super) fn windows(&self) -> u32 {
         self.filled
     }
 
-    /// Mean of `quads` quads, behind `newer` newer ones. There are at least so many of the last [`QUADS`].
-    pub(super) fn mean(&self, newer: u32, quads: u32) -> Mean {
+    /// Mean of `windows` windows, behind `newer` newer ones. There are at least so many of the last [`WINDOWS`].
+    pub(super) fn mean(&self, newer: u32, windows: u32) -> Mean {
         let end = self.filled.wrapping_sub(newer);
-        let place = |back: u32| self.ring[end.wrapping_sub(back) as usize % QUADS];
-        let sums = (1..=quads).map(place).fold((0.0, 0.0), |(a, b), (rate_dps, d_c)| (a + rate_dps, b + d_c));
-        let count = quads as f32;
-        Mean { rate_dps: sums.0 / count, d_c: sums.1 / count, length_s: count * QUAD_S as f32 }
+        let place = |back: u32| self.ring[end.wrapping_sub(back) as usize % WINDOWS];
+        let sums = (1..=windows).map(place).fold((0.0, 0.0), |(a, b), (rate_dps, d_c)| (a + rate_dps, b + d_c));
+        let count = windows as f32;
+        Mean { rate_dps: sums.0 / count, d_c: sums.1 / count, length_s: count * WINDOW_S as f32 }
     }
 }

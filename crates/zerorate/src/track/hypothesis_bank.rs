@@ -1,12 +1,12 @@
 //! Several hypotheses about the bias, each with its probability: which of the quiet stretches so far were rests, and
-//! which were turns.
+//! which were rotations.
 //!
-//! A stretch splits each hypothesis in two: it was rest and taught the bias, or it was a turn and taught nothing. When
-//! the stretch is over, the closest hypotheses become one until few are left. A wrong belief therefore does not
-//! outlive the rests that contradict it.
+//! A stretch splits each hypothesis in two: it was rest and taught the bias, or it was a rotation and taught nothing.
+//! When the stretch is over, the closest hypotheses become one until few are left. A wrong hypothesis therefore does
+//! not outlive the rests that contradict it.
 
 use super::filter::{Drift, Filter, Innovation};
-use super::level::{self, Odds};
+use super::level::{self, RestPrior};
 use libm::{expf, logf};
 
 /// Number of hypotheses between two stretches.
@@ -15,11 +15,11 @@ const KEPT: usize = 4;
 const LEAST: f32 = 1e-4;
 /// Information that may be lost where two hypotheses become one, although there is room for both.
 const SAME: f32 = 1e-3;
-/// Power of the probabilities after each stretch. It lets old evidence fade, because the turns of a platform need not
-/// be independent of each other.
+/// Power of the probabilities after each stretch. It lets old evidence fade, because the rotations of a platform
+/// need not be independent of each other.
 const FADING: f32 = 0.97;
 
-/// A mean over some quads at rest.
+/// A mean over some windows at rest.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mean {
     pub(super) rate_dps: f32,
@@ -52,18 +52,18 @@ struct Hypothesis {
     /// Probability before the stretch, zero if it is not used.
     weight: f32,
     before: Filter,
-    /// The lesson without the newest quads, in which a turn may have begun.
+    /// The lesson without the newest windows, in which a rotation may have begun.
     sure: Lesson,
     now: Lesson,
-    /// Probabilities with the stretch: it is rest, or it is a turn.
+    /// Probabilities with the stretch: it is rest, or it is a rotation.
     rest: f32,
-    turn: f32,
+    rotation: f32,
 }
 
 impl Hypothesis {
     fn new(weight: f32, filter: &Filter) -> Self {
         let lesson = Lesson::none(filter);
-        Self { weight, before: *filter, sure: lesson, now: lesson, rest: 0.0, turn: weight }
+        Self { weight, before: *filter, sure: lesson, now: lesson, rest: 0.0, rotation: weight }
     }
 }
 
@@ -72,19 +72,19 @@ type Candidate = (f32, Filter);
 
 /// The hypotheses, and the stretch that they look at.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Belief {
+pub(super) struct HypothesisBank {
     hypotheses: [Hypothesis; KEPT],
-    pub(super) odds: Odds,
+    pub(super) rest_prior: RestPrior,
     seconds: f32,
     sure_s: f32,
     d_c: f32,
 }
 
-impl Belief {
-    pub(super) fn new(filter: &Filter, odds: Odds) -> Self {
+impl HypothesisBank {
+    pub(super) fn new(filter: &Filter, rest_prior: RestPrior) -> Self {
         let mut hypotheses = [Hypothesis::new(0.0, filter); KEPT];
         hypotheses[0] = Hypothesis::new(1.0, filter);
-        Self { hypotheses, odds, seconds: 0.0, sure_s: 0.0, d_c: filter.at_c }
+        Self { hypotheses, rest_prior, seconds: 0.0, sure_s: 0.0, d_c: filter.at_c }
     }
 
     fn used(&mut self) -> impl Iterator<Item = &mut Hypothesis> {
@@ -101,11 +101,11 @@ impl Belief {
         }
     }
 
-    /// Widens the offset of all hypotheses.
-    pub(super) fn jolt(&mut self, u_dps: f64) {
+    /// Adds to the variance of the offset of all hypotheses.
+    pub(super) fn inflate_bias_variance(&mut self, u_dps: f64) {
         for Hypothesis { before, sure, now, .. } in self.used() {
             for filter in [before, &mut sure.filter, &mut now.filter] {
-                filter.jolt(u_dps);
+                filter.inflate_bias_variance(u_dps);
             }
         }
     }
@@ -131,17 +131,17 @@ impl Belief {
 
     /// Judges all hypotheses by the level of the whole stretch.
     pub(super) fn judge(&mut self, least_turn_dps: f32, drift: &Drift) {
-        let (length_s, d_c, rests) = (self.seconds, self.d_c, self.odds.rests());
+        let (length_s, d_c, prior) = (self.seconds, self.d_c, self.rest_prior.probability());
         let mut sum = 0.0;
         for it in self.used().filter(|_| length_s > 0.0) {
             let expected = it.before.innovation(0.0, length_s, d_c, drift);
             let seen = Innovation { dps: it.now.innovation_dps_s / length_s, ..expected };
-            let (rest, turn) = level::densities(&seen, least_turn_dps);
-            (it.rest, it.turn) = (it.weight * rests * rest, it.weight * (1.0 - rests) * turn);
-            sum += it.rest + it.turn;
+            let (rest, rotation) = level::densities(&seen, least_turn_dps);
+            (it.rest, it.rotation) = (it.weight * prior * rest, it.weight * (1.0 - prior) * rotation);
+            sum += it.rest + it.rotation;
         }
         for it in self.used() {
-            (it.rest, it.turn) = if sum > 0.0 { (it.rest / sum, it.turn / sum) } else { (0.0, it.weight) };
+            (it.rest, it.rotation) = if sum > 0.0 { (it.rest / sum, it.rotation / sum) } else { (0.0, it.weight) };
         }
     }
 
@@ -164,7 +164,7 @@ impl Belief {
     /// Ends the stretch.
     pub(super) fn close(&mut self, drift: &Drift) {
         if let Some(rest) = self.rest() {
-            self.odds.count(rest);
+            self.rest_prior.count(rest);
             let mut candidates = self.candidates().map(|(weight, filter)| (faded(weight), filter));
             let sum: f32 = candidates.iter().map(|(weight, _)| weight).sum();
             candidates.iter_mut().for_each(|(weight, _)| *weight /= sum);
@@ -182,7 +182,7 @@ impl Belief {
     fn candidates(&self) -> [Candidate; 2 * KEPT] {
         core::array::from_fn(|at| {
             let it = &self.hypotheses[at % KEPT];
-            if at < KEPT { (it.turn, it.before) } else { (it.rest, it.now.filter) }
+            if at < KEPT { (it.rotation, it.before) } else { (it.rest, it.now.filter) }
         })
     }
 }
@@ -199,7 +199,7 @@ fn united((weight, filter): Candidate, (more, other): Candidate) -> Candidate {
 
 /// Unites the closest hypotheses until there is room for all.
 fn reduce(candidates: &mut [Candidate; 2 * KEPT], d_c: f32, drift: &Drift) {
-    // each turn has one candidate less
+    // each pass has one candidate less
     for _ in 0..candidates.len() {
         let used = candidates.iter().filter(|(weight, _)| *weight > 0.0).count();
         let Some((first, second, loss)) = closest(candidates, d_c, drift) else { return };
