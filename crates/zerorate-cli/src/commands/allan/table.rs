@@ -32,8 +32,8 @@ pub fn removed(record: &Record) -> Vec<String> {
         let terms = detrended.coefficients.iter().zip(["/°C", "/°C²", "/°C³"]);
         let terms = terms.map(|(value, per)| format!("{value:.4e} {unit}{per}")).collect::<Vec<_>>().join(", ");
         format!(
-            "less a polynomial of order {} over temperature ({DETREND_METHOD}): {terms}; it explains {:.1} % of the slow \
-             variance and took {} of the degrees of freedom. Of a random walk {:.0} % are left, so K is stated \
+            "less a polynomial of order {} over temperature ({DETREND_METHOD}): {terms}; it explains {:.1} % of the \
+             slow variance and took {} of the degrees of freedom. Of a random walk {:.0} % are left, so K is stated \
              with what was lost, and long averages with fewer degrees of freedom",
             detrended.lost_dof,
             detrended.explained * 100.0,
