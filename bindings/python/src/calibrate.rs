@@ -10,7 +10,7 @@ use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use zerorate::calibration::Notes;
-use zerorate::{Method, Names, Plan, Progress, Setting};
+use zerorate::{Method, Plan, Progress, Setting, SettingNames};
 use zerorate_host::{DeviceSpec, Pace, Sampling, Setup, SourceWarning, Stop};
 use zerorate_jobs::calibrate::{Files, Kept, Watch, prepare, settle_s};
 use zerorate_jobs::output::Outputs;
@@ -144,7 +144,7 @@ impl Watch for Caller {
         self.said.push(warning);
     }
 
-    fn names(&self) -> Names {
+    fn names(&self) -> SettingNames {
         argument
     }
 }

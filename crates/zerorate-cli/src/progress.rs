@@ -4,7 +4,7 @@
 use crate::output::warn;
 use crate::wording::{coded, flag};
 use indicatif::{ProgressBar, ProgressStyle};
-use zerorate::{Names, Progress, Reached, Setting};
+use zerorate::{Progress, Reached, Setting, SettingNames};
 use zerorate_jobs::JobWarning;
 use zerorate_jobs::calibrate::Watch;
 use zerorate_view::Seconds;
@@ -63,7 +63,7 @@ impl Watch for Meter {
         warn(&[coded(warning)]);
     }
 
-    fn names(&self) -> Names {
+    fn names(&self) -> SettingNames {
         flag
     }
 }

@@ -12,7 +12,7 @@ use anyhow::{Result, bail};
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::{self, SpiDevice};
 use std::time::Instant;
-use zerorate::Names;
+use zerorate::SettingNames;
 use zerorate_record::Row;
 
 /// Reads whose time is taken.
@@ -35,7 +35,7 @@ pub trait Connection {
     fn set_clock(&self, hz: u32) -> Result<u32>;
 
     /// The self-test pins, on the line `gpio` if this computer has one.
-    fn self_test_pin(&self, gpio: &str, names: Names) -> Result<Self::Pin>;
+    fn self_test_pin(&self, gpio: &str, names: SettingNames) -> Result<Self::Pin>;
 
     /// Starts the thread that reads.
     fn start(&self, live: Box<Live<Self::Spi, Self::Edges>>) -> Result<Reader>;
@@ -135,7 +135,7 @@ impl<C: Connection> Source for Connected<C> {
         Ok(self.ask(|live, _| live.registers()).map(Some)?)
     }
 
-    fn self_test(&mut self, gpio: &str, names: Names) -> crate::Result<SelfTest> {
+    fn self_test(&mut self, gpio: &str, names: SettingNames) -> crate::Result<SelfTest> {
         self.state.ready()?;
         let mut pin = self.connection.self_test_pin(gpio, names)?;
         Ok(self.ask(|live, _| live.self_test(&mut pin))?)

@@ -10,7 +10,7 @@ use adis16130::registers::Address;
 use adis16130::{Config, ConversionTime, Framing, SamplerConfig, SelfTest};
 use adis16130_twin::Truth;
 use zerorate::calibration::Notes;
-use zerorate::{Names, Part, Setting};
+use zerorate::{Part, Setting, SettingNames};
 use zerorate_record::{CaptureInfo, Converter, Row};
 
 /// The sampling of a part. A recording has decided that already.
@@ -42,7 +42,7 @@ pub struct Setup {
     /// The temperature around a simulated part; none: as its address says.
     pub ambient: Option<AmbientProfile>,
     /// The names that the front end uses for the settings, for errors.
-    pub names: Names,
+    pub names: SettingNames,
 }
 
 impl Default for Setup {
@@ -78,7 +78,7 @@ pub trait Source {
 
     /// Measures the change of the rate under self-test (F-11). `gpio` is the line of its pins, if this host has one.
     /// To be called before the first sample. Errors call settings by `names`.
-    fn self_test(&mut self, gpio: &str, names: Names) -> Result<SelfTest> {
+    fn self_test(&mut self, gpio: &str, names: SettingNames) -> Result<SelfTest> {
         let _ = gpio;
         let option = names(Setting::SelfTest);
         Err(UserError::request(format!("{option} needs the part itself: twin:, spi:, bridge: or tcp:")).into())

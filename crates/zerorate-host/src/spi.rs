@@ -23,7 +23,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicI32, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use zerorate::{Names, Setting};
+use zerorate::{Setting, SettingNames};
 
 /// SCHED_FIFO priority of the reading thread: above everything ordinary, below the kernel's interrupt threads (50).
 const PRIORITY: i32 = 40;
@@ -131,7 +131,7 @@ impl Connection for Wired {
         Ok(hz)
     }
 
-    fn self_test_pin(&self, gpio: &str, names: Names) -> Result<GpioOutput> {
+    fn self_test_pin(&self, gpio: &str, names: SettingNames) -> Result<GpioOutput> {
         let option = names(Setting::SelfTest);
         let (chip, line) = gpio_line(gpio).map_err(|why| UserError::request(format!("{option}: {why}")))?;
         GpioOutput::open(&chip, line)
@@ -207,7 +207,7 @@ struct SpiBus {
 }
 
 impl SpiBus {
-    fn open(address: &SpiAddress, clock: Arc<AtomicU32>, failed: LastErrno, names: Names) -> Result<Self> {
+    fn open(address: &SpiAddress, clock: Arc<AtomicU32>, failed: LastErrno, names: SettingNames) -> Result<Self> {
         let path = &address.spi;
         let mut spi = Spidev::open(path).map_err(|error| why_no_spi(path, error, names))?;
         flock(spi.inner(), FlockOperation::NonBlockingLockExclusive).map_err(|_| {
@@ -305,7 +305,7 @@ impl Error for SpiError {
     }
 }
 
-fn why_no_spi(path: &Path, error: io::Error, names: Names) -> anyhow::Error {
+fn why_no_spi(path: &Path, error: io::Error, names: SettingNames) -> anyhow::Error {
     let file = path.display();
     let remedy = match error.kind() {
         io::ErrorKind::NotFound => match holder(path) {

@@ -14,7 +14,7 @@ use adis16130_twin::{Profile, Roa, Spec, SpecError, Truth, Twin, TwinSpi};
 use std::borrow::Cow;
 use std::sync::Arc;
 use zerorate::calibration::Notes;
-use zerorate::{Axis, NamedAxis, Names, Part, Scale, Setting};
+use zerorate::{Axis, NamedAxis, Part, Scale, Setting, SettingNames};
 use zerorate_record::{CaptureInfo, Layout, Row};
 
 /// `twin:KEY=VALUE,…`: the unit, and how the driver configures it.
@@ -218,7 +218,7 @@ impl Source for TwinPart {
         Ok(Some(self.live.registers()?))
     }
 
-    fn self_test(&mut self, gpio: &str, names: Names) -> Result<SelfTest> {
+    fn self_test(&mut self, gpio: &str, names: SettingNames) -> Result<SelfTest> {
         if !gpio.is_empty() {
             let why = "takes no GPIO with the twin, whose pins are its own";
             let option = names(Setting::SelfTest);

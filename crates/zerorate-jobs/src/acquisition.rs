@@ -8,7 +8,7 @@ use anyhow::{Result, bail};
 use std::sync::Arc;
 use zerorate::calibration::Notes;
 use zerorate::health::{Frozen, Health, Judged, resonance};
-use zerorate::{Axis, Names, Part, Tally, Warning};
+use zerorate::{Axis, Part, SettingNames, Tally, Warning};
 use zerorate_host::{
     Batch, Bus, DeviceInfo, DeviceSpec, Hub, Losses, LosslessReader, Pace, Setup, SourceWarning, Stop,
 };
@@ -112,7 +112,7 @@ impl Acquisition {
 
     /// Measures the change of the rate under self-test (F-11). To be called before the first sample. Errors call
     /// settings by `names`.
-    pub fn self_test(&self, gpio: &str, names: Names) -> Result<SelfTest> {
+    pub fn self_test(&self, gpio: &str, names: SettingNames) -> Result<SelfTest> {
         let gpio = gpio.to_owned();
         Ok(self.hub.with(move |source| source.self_test(&gpio, names))?)
     }

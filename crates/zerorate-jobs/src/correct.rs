@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::Arc;
 use zerorate::health::Judged;
-use zerorate::{Axis, Calibration, Correction, Corrector, Names, Part, Setting, Tally};
+use zerorate::{Axis, Calibration, Correction, Corrector, Part, Setting, SettingNames, Tally};
 use zerorate_host::Stop;
 use zerorate_record::columns::Rows;
 use zerorate_record::{CALIBRATION_ID, CaptureInfo, CaptureReader, Format, Layout, checked_schema, table, valid};
@@ -61,7 +61,7 @@ impl<'a> Job<'a> {
         output: Staged,
         format: Format,
         stop: &Stop,
-        names: Names,
+        names: SettingNames,
         warn: &mut dyn FnMut(JobWarning),
     ) -> Result<u64> {
         let Self { capture, mut reader, part, calibration } = self;

@@ -6,7 +6,7 @@ use crate::warning::{CodedWarning, JobWarning};
 use adis16130::{Framing, SelfTest};
 use anyhow::{Result, ensure};
 use serde::Serialize;
-use zerorate::{Axis, Checkup, Limits, NamedAxis, Names};
+use zerorate::{Axis, Checkup, Limits, NamedAxis, SettingNames};
 use zerorate_host::Bus;
 use zerorate_view::Seconds;
 
@@ -84,7 +84,7 @@ pub fn probe(
     mut acquisition: Acquisition,
     duration: Seconds,
     gpio: Option<&str>,
-    names: Names,
+    names: SettingNames,
     see: &mut dyn FnMut(f64),
 ) -> Result<Findings> {
     let (revision, bus) = (acquisition.initialise()?, acquisition.try_bus()?);
@@ -114,7 +114,7 @@ fn read(acquisition: &mut Acquisition, duration: Seconds, see: &mut dyn FnMut(f6
 }
 
 impl Findings {
-    fn new(mut acquisition: Acquisition, before: Before, checkups: &[Checkup], names: Names) -> Self {
+    fn new(mut acquisition: Acquisition, before: Before, checkups: &[Checkup], names: SettingNames) -> Self {
         let Before { revision, bus, self_test } = before;
         let of_the_samples = acquisition.warnings();
         let tally = *acquisition.tally();

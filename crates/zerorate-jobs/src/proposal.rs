@@ -1,7 +1,7 @@
 //! Can this host take all samples, and if not, what should it leave out?
 
 use adis16130::Config;
-use zerorate::{Names, Setting};
+use zerorate::{Setting, SettingNames};
 
 /// Reads for a sample: status, rate, temperature.
 const READS: f64 = 3.0;
@@ -15,7 +15,7 @@ const BEARABLE: f64 = 0.001;
 /// What would lose fewer samples, if `taken` is the share that was taken, `read_s` the time of a read, and `mclk_hz`
 /// the clock of the part; it calls settings by `names`. First F-55: temperature less often; if that does not suffice,
 /// F-56: a divider.
-pub fn proposal(taken: f64, read_s: f64, mclk_hz: u32, names: Names) -> Option<String> {
+pub fn proposal(taken: f64, read_s: f64, mclk_hz: u32, names: SettingNames) -> Option<String> {
     if taken >= 1.0 - BEARABLE {
         return None;
     }

@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 use std::fmt;
 use zerorate::health::Flags;
-use zerorate::{Names, Say, Warning};
+use zerorate::{SettingNames, Warning, Wording};
 use zerorate_allan::rows;
 use zerorate_host::SourceWarning;
 use zerorate_record::CaptureWarning;
@@ -64,7 +64,7 @@ pub enum JobWarning {
 impl JobWarning {
     /// The warning as scripts read it, `code: text`, with these names for settings.
     #[must_use]
-    pub fn coded(self, names: Names) -> CodedWarning {
+    pub fn coded(self, names: SettingNames) -> CodedWarning {
         CodedWarning { axis: None, warning: self, names }
     }
 }
@@ -117,10 +117,10 @@ rows!(match JobWarning {
     },
 });
 
-impl Say for JobWarning {
-    fn say(&self, f: &mut fmt::Formatter<'_>, names: Names) -> fmt::Result {
+impl Wording for JobWarning {
+    fn fmt_with(&self, f: &mut fmt::Formatter<'_>, names: SettingNames) -> fmt::Result {
         match self {
-            Self::Measured(warning) => warning.say(f, names),
+            Self::Measured(warning) => warning.fmt_with(f, names),
             Self::OfAxis(name, warning) => write!(f, "axis {name}: {}", warning.with(names)),
             other => other.text(f),
         }
@@ -144,7 +144,7 @@ impl From<Warning> for JobWarning {
 pub struct CodedWarning {
     axis: Option<String>,
     warning: JobWarning,
-    names: Names,
+    names: SettingNames,
 }
 
 impl CodedWarning {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use zerorate::calibration::FileWarning;
 use zerorate::chamber::ChamberRefusal;
 use zerorate::health::Flags;
-use zerorate::{Deviation, Finding, Refusal, Say, Setting, Tone, Warning};
+use zerorate::{Deviation, Finding, Refusal, Setting, Tone, Warning, Wording};
 use zerorate_allan::{AllanWarning, Cause, Misfit, MotionKind, Noise, PoolError};
 use zerorate_host::SourceWarning;
 use zerorate_imu::{Doubt, ImuWarning, Kind, Moment};
@@ -116,7 +116,7 @@ fn of_measurement() -> Vec<Warning> {
         found(Deviation::Curvature { dps_per_c2: -0.001_23 }),
         found(Deviation::Lag { lag_s: 123.0 }),
         found(Deviation::Hysteresis { width_c: 12.3 }),
-        found(Deviation::Sway { hz: 0.000_35, size_dps: 0.0567 }),
+        found(Deviation::BaseMotion { hz: 0.000_35, size_dps: 0.0567 }),
         Warning::Restless,
         Warning::Flat { btc_dps_per_c: -0.0012, typical_dps_per_c: 0.04 },
         Warning::HourUnchecked,
@@ -137,7 +137,7 @@ fn of_measurement() -> Vec<Warning> {
         Warning::NoTemperature { wrong_edge: true },
         Warning::NoTemperature { wrong_edge: false },
         Warning::StepTaken { at_s: 2492.0, size_dps: -0.0384, u_dps: 0.0012 },
-        Warning::SwayTaken { hz: 0.000_35, size_dps: 0.0567 },
+        Warning::BaseMotionRemoved { hz: 0.000_35, size_dps: 0.0567 },
         Warning::Late { lag_s: 123.0 },
         Warning::OneBranch { hysteresis_dps: Some(0.0123) },
         Warning::OneBranch { hysteresis_dps: None },

@@ -28,13 +28,13 @@ pub fn of_axes<'a>(
 }
 
 fn of_readings(health: &Health, samples: u64, start_ns: u64) -> Vec<CaptureWarning> {
-    let marks = health.marks();
-    let impossible = Warning::Impossible { count: marks.spoilt(), fraction: marks.spoilt() as f64 / samples as f64 };
+    let counts = health.fault_counts();
+    let impossible = Warning::Impossible { count: counts.faulty(), fraction: counts.faulty() as f64 / samples as f64 };
     let found = [
         health.frozen_at_end().map(|frozen| CaptureWarning::Frozen(frozen_text(&frozen, start_ns))),
-        (marks.spoilt() > 0).then_some(CaptureWarning::Impossible(impossible)),
-        (marks.out_of_range > 0).then_some(CaptureWarning::OutOfRange(marks.out_of_range)),
-        (2 * marks.unjudged > samples).then(|| CaptureWarning::Unjudged { can_judge: health.can_judge() }),
+        (counts.faulty() > 0).then_some(CaptureWarning::Impossible(impossible)),
+        (counts.out_of_range > 0).then_some(CaptureWarning::OutOfRange(counts.out_of_range)),
+        (2 * counts.unjudged > samples).then(|| CaptureWarning::Unjudged { can_judge: health.can_judge() }),
     ];
     found.into_iter().flatten().collect()
 }

@@ -172,7 +172,7 @@ fn a_guided_calibration_finds_what_the_twin_hides() {
     let (frame, _) = read(&session.frame().unwrap());
     let running = &frame["calibration"];
     assert_eq!(
-        (&running["is"], &running["threats"], running["steps"].as_array().unwrap().len()),
+        (&running["is"], &running["pending_refusals"], running["steps"].as_array().unwrap().len()),
         (&json!("running"), &json!([]), 1)
     );
     assert!((number(&running["left_s"]) - 971.0).abs() < 3.0, "{running}");
@@ -233,8 +233,8 @@ fn what_would_be_refused_is_said_before_it_is() {
     let mut device = Device::open("seed=2,motion=sway,sway_dps=0.5,sway_hz=0.2");
     feed(&mut session, &mut device, 8.0);
     let (frame, _) = read(&session.frame().unwrap());
-    let threat = frame["calibration"]["threats"][0].as_str().unwrap();
-    assert!(threat.contains("the part moves") || threat.contains("shakes"), "{threat}");
+    let refusal = frame["calibration"]["pending_refusals"][0].as_str().unwrap();
+    assert!(refusal.contains("the part moves") || refusal.contains("shakes"), "{refusal}");
     feed(&mut session, &mut device, 4.0);
     let (frame, _) = read(&session.frame().unwrap());
     assert_eq!(frame["calibration"]["is"], "refused");

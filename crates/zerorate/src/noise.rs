@@ -45,7 +45,7 @@ impl NoiseModel {
     /// The random walk has no mean to refer to, so the weights of each sum must add up to zero unless K is zero: a
     /// change, not a level.
     #[must_use]
-    pub fn covariance(&self, a: &[Window], b: &[Window]) -> f64 {
+    pub fn covariance(&self, a: &[WeightedMean], b: &[WeightedMean]) -> f64 {
         let kernel = Kernel::new(self);
         let pairs = a.iter().flat_map(|first| b.iter().map(move |second| (first, second)));
         pairs.map(|(first, second)| kernel.covariance_of_means(first, second)).sum()
@@ -53,26 +53,26 @@ impl NoiseModel {
 
     /// Standard deviation of a weighted sum of window means, °/s.
     #[must_use]
-    pub fn sd(&self, windows: &[Window]) -> f64 {
+    pub fn sd(&self, windows: &[WeightedMean]) -> f64 {
         libm::sqrt(self.covariance(windows, windows).max(0.0))
     }
 
-    /// Lower triangle of the covariance matrix of means over stretches of whole seconds, which follow each other
+    /// Lower triangle of the covariance matrix of means over windows of whole seconds, which follow each other
     /// without overlap; the random walk starts from zero at second 0.
     #[must_use]
-    pub(crate) fn covariances(&self, stretches: &[Stretch]) -> Vec<Vec<f64>> {
-        let (first, last) = (stretches.first().map_or(0, |s| s.start_s), stretches.last().map_or(0, |s| s.end_s));
+    pub(crate) fn covariances(&self, windows: &[Window]) -> Vec<Vec<f64>> {
+        let (first, last) = (windows.first().map_or(0, |s| s.start_s), windows.last().map_or(0, |s| s.end_s));
         let steady = Kernel::new(&self.without_random_walk());
         let kernel: Vec<f64> = (0..=last - first).map(|lag_s| steady.at(f64::from(lag_s))).collect();
         let walk = square(self.rate_random_walk_dps_per_rt_s);
-        let covariance = |a: &Stretch, b: &Stretch| {
+        let covariance = |a: &Window, b: &Window| {
             let at = |x: u32, y: u32| kernel[x.abs_diff(y) as usize];
             let second_difference =
                 at(a.end_s, b.start_s) - at(a.start_s, b.start_s) - at(a.end_s, b.end_s) + at(a.start_s, b.end_s);
             let shared_s = if a == b { f64::from(a.start_s) + a.length_s() / 3.0 } else { b.middle_s() };
             second_difference / (a.length_s() * b.length_s()) + walk * shared_s
         };
-        stretches.iter().enumerate().map(|(i, a)| stretches[..=i].iter().map(|b| covariance(a, b)).collect()).collect()
+        windows.iter().enumerate().map(|(i, a)| windows[..=i].iter().map(|b| covariance(a, b)).collect()).collect()
     }
 
     /// The same model without its random walk: for the level of a mean rather than its change.
@@ -84,7 +84,7 @@ impl NoiseModel {
 
 /// The mean over an interval of time, with the weight it carries in a sum.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Window {
+pub struct WeightedMean {
     /// Start, s.
     pub start_s: f64,
     /// End, s. It is after the start.
@@ -95,12 +95,12 @@ pub struct Window {
 
 /// Whole seconds from a start to an end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Stretch {
+pub(crate) struct Window {
     pub(crate) start_s: u32,
     pub(crate) end_s: u32,
 }
 
-impl Stretch {
+impl Window {
     pub(crate) fn length_s(&self) -> f64 {
         f64::from(self.end_s - self.start_s)
     }
@@ -133,7 +133,7 @@ impl Kernel {
         }
     }
 
-    fn covariance_of_means(&self, a: &Window, b: &Window) -> f64 {
+    fn covariance_of_means(&self, a: &WeightedMean, b: &WeightedMean) -> f64 {
         let second_difference =
             self.at(a.end_s - b.start_s) - self.at(a.start_s - b.start_s) - self.at(a.end_s - b.end_s)
                 + self.at(a.start_s - b.end_s);
@@ -178,8 +178,8 @@ mod tests {
         NoiseModel { white_dps_per_rt_hz: white, bias_instability_dps: b, rate_random_walk_dps_per_rt_s: k }
     }
 
-    fn window(start_s: f64, end_s: f64, weight: f64) -> Window {
-        Window { start_s, end_s, weight }
+    fn window(start_s: f64, end_s: f64, weight: f64) -> WeightedMean {
+        WeightedMean { start_s, end_s, weight }
     }
 
     /// Two adjacent means of τ: half the variance of their difference is the Allan variance.

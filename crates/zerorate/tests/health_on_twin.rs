@@ -66,13 +66,13 @@ fn bit_errors_are_marked_at_rest_and_in_motion_and_nothing_else() {
         let sampling = SamplerConfig::new().with_divider(divider);
         let clean = readings(spec.clone(), config, sampling, 30.0);
         let (_, health) = judged(&clean);
-        assert_eq!(health.marks().spoilt() + health.marks().out_of_range, 0, "{motion:?}: false alarms");
+        assert_eq!(health.fault_counts().faulty() + health.fault_counts().out_of_range, 0, "{motion:?}: false alarms");
         assert_eq!(health.frozen_at_end(), None);
         // twice the errors where fewer samples are read
         let rate = 1e-5 * f64::from(divider);
-        let (spoilt, _) = judged(&readings(with_bit_errors(&spec, rate), config, sampling, 30.0));
+        let (faulty, _) = judged(&readings(with_bit_errors(&spec, rate), config, sampling, 30.0));
         let allowance_dps = if divider == 1 { 2.0 } else { 6.0 };
-        for Judged { reading, flags } in &spoilt {
+        for Judged { reading, flags } in &faulty {
             let Some((rate, temp)) = truth(&clean, reading.t_ns) else { continue };
             let error_dps = AXIS.rate.value(i64::from(reading.rate - rate)).abs();
             if error_dps > allowance_dps {
@@ -110,7 +110,7 @@ fn a_wrapped_code_is_out_of_range() {
     assert!(AXIS.rate.value(samples[100].rate.into()) < -300.0);
     let (judged, health) = judged(&samples);
     assert!(judged.iter().all(|judged| judged.flags == Flags::OUT_OF_RANGE));
-    assert_eq!(health.marks().out_of_range, judged.len() as u64);
+    assert_eq!(health.fault_counts().out_of_range, judged.len() as u64);
 }
 
 /// A line that stutters and a host that is late both lose samples. Only one of them is the host's fault.
@@ -173,15 +173,15 @@ fn short_record(spec: Spec) -> Vec<Reading> {
 }
 
 #[test]
-fn spoilt_readings_are_in_no_mean() {
+fn no_mean_includes_a_faulty_reading() {
     let clean = short_record(Spec::from_seed(6));
     let expected = measure(&clean, SHORT).expect("a good part");
     assert_eq!(expected.impossible_readings, 0);
-    let mut spoilt = clean;
-    for k in (500..spoilt.len()).step_by(997) {
-        spoilt[k].rate = ((spoilt[k].rate + (1 << 23)) ^ (1 << (17 + k % 7))) - (1 << 23);
+    let mut faulty = clean;
+    for k in (500..faulty.len()).step_by(997) {
+        faulty[k].rate = ((faulty[k].rate + (1 << 23)) ^ (1 << (17 + k % 7))) - (1 << 23);
     }
-    let found = measure(&spoilt, SHORT).expect("a good part on a bad line");
+    let found = measure(&faulty, SHORT).expect("a good part on a bad line");
     assert!(found.impossible_readings > 300, "{}", found.impossible_readings);
     let pbc = found.correction.pbc_dps - expected.correction.pbc_dps;
     assert!(pbc.abs() < 1e-4, "PBC moved by {pbc} °/s");

@@ -66,7 +66,7 @@ fn a_platform_at_rest_has_one_uncertainty() {
         let (outcome, truth) = measure(&Spec::from_seed(seed), Method::Warmup).unwrap();
         let (u_dps, sources) = (outcome.uncertainty.u_pbc_dps, outcome.curve.unwrap().sources);
         assert!((0.0018..0.0037).contains(&u_dps), "{seed}: {u_dps}");
-        assert!(sources.sway_probability < 0.05, "{seed}: {sources:?}");
+        assert!(sources.base_motion_probability < 0.05, "{seed}: {sources:?}");
         let error_dps = outcome.correction.pbc_dps - truth.pbc_dps(outcome.correction.t3_c);
         mean_square += (error_dps / u_dps).powi(2) / seeds.len() as f64;
     }

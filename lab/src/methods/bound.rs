@@ -2,7 +2,7 @@
 //! the walk.
 
 use super::unit::{Recording, TEMPS};
-use zerorate::noise::{NoiseModel, Window};
+use zerorate::noise::{NoiseModel, WeightedMean};
 use zerorate::temperature::Block;
 use zerorate_allan::linear::{Cholesky, dot};
 
@@ -37,7 +37,8 @@ fn windows(recording: &Recording) -> Vec<Block> {
 /// Covariance of the means of rates. The distance of the walk from its end counts as noise.
 fn covariance(windows: &[Block], noise: &NoiseModel, end_s: f64) -> Vec<Vec<f64>> {
     let steady = noise.without_random_walk();
-    let one = |block: &Block| [Window { start_s: block.start_s, end_s: block.start_s + block.length_s, weight: 1.0 }];
+    let one =
+        |block: &Block| [WeightedMean { start_s: block.start_s, end_s: block.start_s + block.length_s, weight: 1.0 }];
     let walk = noise.rate_random_walk_dps_per_rt_s.powi(2);
     // windows have one length, so that their distance is enough
     let by_distance: Vec<f64> =

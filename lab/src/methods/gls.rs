@@ -16,7 +16,7 @@ pub fn fit(recording: &Recording) -> Option<Fitted> {
         white_dps_per_rt_hz: axis.noise?.white_dps_per_rt_hz,
         gauss_markov: &[],
         steps_s: &[],
-        sways_hz: &[],
+        motions_hz: &[],
         max_order: MAX_ORDER,
         t3_c: blocks.last()?.temp_c,
     };

@@ -38,14 +38,14 @@ export class Run implements Stage {
   readonly #left = h("p", { class: "left" });
   readonly #bar = h("progress", { max: 1, value: 0, "aria-label": "Progress of the calibration" });
   readonly #steps = h("ol", { class: "steps" });
-  readonly #threats = h("ul", { class: "threats" });
+  readonly #refusals = h("ul", { class: "pending-refusals" });
   readonly #facts = h("dl", { class: "facts" });
   readonly #finish: HTMLButtonElement;
   readonly #watch: HTMLElement;
   readonly #window = new TimeWindow();
   readonly #traces: Strip[];
   #planned = "";
-  #threatened = "";
+  #shown = "";
 
   constructor(readonly app: App) {
     this.#traces = KINDS.map((kind) => this.#strip(kind));
@@ -54,7 +54,7 @@ export class Run implements Stage {
     const card = (name: string, title: string, ...children: Node[]) =>
       h("section", { class: `card ${name}` }, h("h2", {}, title), ...children);
     const title = "What would be refused if it ended now";
-    this.#watch = card("watch", title, h("div", { role: "status" }, this.#threats));
+    this.#watch = card("watch", title, h("div", { role: "status" }, this.#refusals));
     this.element = h(
       "div",
       { class: "run" },
@@ -100,7 +100,7 @@ export class Run implements Stage {
     this.#finish.disabled = !run.can_finish;
     mark(this.#finish, "class", run.is_enough ? "primary" : null);
     this.#plan(run);
-    this.#warn(run.threats);
+    this.#warn(run.pending_refusals);
     facts(this.#facts, temperatures(run));
   }
 
@@ -130,12 +130,12 @@ export class Run implements Stage {
     });
   }
 
-  #warn(threats: string[]): void {
-    const text = JSON.stringify(threats);
-    if (text === this.#threatened) return;
-    this.#threatened = text;
-    const rows = threats.map((threat) => h("li", { class: "threat" }, ...coded(threat)));
-    this.#threats.replaceChildren(...(rows.length > 0 ? rows : [h("li", { class: "none" }, "Nothing.")]));
+  #warn(refusals: string[]): void {
+    const text = JSON.stringify(refusals);
+    if (text === this.#shown) return;
+    this.#shown = text;
+    const rows = refusals.map((refusal) => h("li", { class: "pending-refusal" }, ...coded(refusal)));
+    this.#refusals.replaceChildren(...(rows.length > 0 ? rows : [h("li", { class: "none" }, "Nothing.")]));
   }
 
   #draw(run: Running): void {

@@ -128,7 +128,7 @@ class Calibrated:
     steps: list[dict[str, float]] = field(default_factory=list)
     """Steps of the level that were taken out: ``at_s``, ``size_dps``, ``u_dps``."""
     sway_probability: float | None = None
-    """Posterior probability that the platform sways slowly."""
+    """Posterior probability of a slow base motion."""
     budget: list[dict[str, Any]] = field(default_factory=list)
     """Where the uncertainties come from: ``of`` (PBC or BTC), ``source``, ``u``, ``share`` of the variance."""
     file: str | None = None

@@ -11,7 +11,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
-use zerorate::health::{Health, Marks};
+use zerorate::health::{FaultCounts, Health};
 use zerorate_jobs::{Acquisition, CodedWarning, Recorder};
 use zerorate_record::valid;
 use zerorate_record::{Format, Row};
@@ -127,8 +127,8 @@ fn record(args: &CaptureArgs, acquisition: &mut Acquisition, mut take: impl FnMu
 
 fn summarise(args: &CaptureArgs, acquisition: &mut Acquisition) -> Result<()> {
     let warnings = acquisition.warnings().into_iter().map(coded).collect();
-    let marks: Vec<&Marks> = acquisition.healths().map(Health::marks).collect();
-    let sum = |count: fn(&Marks) -> u64| marks.iter().copied().map(count).sum();
+    let counts: Vec<&FaultCounts> = acquisition.healths().map(Health::fault_counts).collect();
+    let sum = |count: fn(&FaultCounts) -> u64| counts.iter().copied().map(count).sum();
     let tally = acquisition.tally();
     let summary = Summary {
         file: args.output.display().to_string(),
@@ -138,10 +138,10 @@ fn summarise(args: &CaptureArgs, acquisition: &mut Acquisition) -> Result<()> {
         rdy_hz: tally.rdy_hz(),
         duration_s: tally.duration_s(),
         interrupted: interrupt::asked(),
-        impossible_readings: sum(|marks| marks.impossible),
-        impossible_temps: sum(|marks| marks.impossible_temps),
-        out_of_range: sum(|marks| marks.out_of_range),
-        unjudged: sum(|marks| marks.unjudged),
+        impossible_readings: sum(|counts| counts.impossible),
+        impossible_temps: sum(|counts| counts.impossible_temps),
+        out_of_range: sum(|counts| counts.out_of_range),
+        unjudged: sum(|counts| counts.unjudged),
         frozen: acquisition.frozen_at_end().is_some(),
         warnings,
     };

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::{Duration, Instant};
 use tokio::sync::{broadcast, oneshot};
-use zerorate::Say;
+use zerorate::Wording;
 use zerorate_host::{Awaited, Bus, DeviceError, Hub, Losses, Stop};
 use zerorate_jobs::acquisition;
 use zerorate_view::SessionWarning;

@@ -23,7 +23,7 @@ use link::{Link, LinkError};
 use progress::Progress;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
-use zerorate::{Names, Setting};
+use zerorate::{Setting, SettingNames};
 
 /// Opens the port, ends what the bridge was doing before, and sets its SPI clock.
 fn open(address: &BridgeAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Connected<Bridged>> {
@@ -58,7 +58,7 @@ impl Connection for Bridged {
         self.link.set_clock(hz)
     }
 
-    fn self_test_pin(&self, gpio: &str, names: Names) -> Result<SelfTestWire> {
+    fn self_test_pin(&self, gpio: &str, names: SettingNames) -> Result<SelfTestWire> {
         if !gpio.is_empty() {
             let why = "takes no GPIO with a bridge, whose firmware knows the pin";
             let option = names(Setting::SelfTest);
@@ -105,7 +105,7 @@ impl Drop for Bridged {
     }
 }
 
-fn greet(link: &Shared, address: &BridgeAddress, names: Names) -> Result<()> {
+fn greet(link: &Shared, address: &BridgeAddress, names: SettingNames) -> Result<()> {
     link.ask(Ask::Stop, Answer::Stopped.only())?;
     let (protocol, firmware) = link.ask(Ask::Hello, |answer| match answer {
         Answer::Hello { protocol, firmware, .. } => Some((protocol, firmware.to_owned())),
@@ -131,7 +131,7 @@ fn greet(link: &Shared, address: &BridgeAddress, names: Names) -> Result<()> {
 }
 
 /// Tells of a counter in the line of RDY, if there is one: firmware that does not know of any need not understand.
-fn tell_divided(link: &Shared, address: &BridgeAddress, names: Names) -> Result<()> {
+fn tell_divided(link: &Shared, address: &BridgeAddress, names: SettingNames) -> Result<()> {
     let edges = address.part.divided;
     if edges == 1 {
         return Ok(());

@@ -8,8 +8,8 @@ use crate::warning::JobWarning;
 use adis16130_twin::Truth;
 use anyhow::{Result, anyhow};
 use zerorate::{
-    Action, AxisRefusal, Event, Names, Outcome, Part, PartProcedure, Progress, Reached, Refusal, Say, Scan, Setting,
-    State, Warning,
+    Action, AxisRefusal, Event, Outcome, Part, PartProcedure, Progress, Reached, Refusal, Scan, Setting, SettingNames,
+    State, Warning, Wording,
 };
 use zerorate_record::{Layout, Row, SampleHash};
 use zerorate_view::Seconds;
@@ -26,7 +26,7 @@ pub trait Watch {
     fn warn(&mut self, warning: JobWarning);
 
     /// The names that the front end uses for the settings.
-    fn names(&self) -> Names;
+    fn names(&self) -> SettingNames;
 }
 
 pub struct Measurement<'a> {
@@ -203,7 +203,7 @@ impl<'a> Measurement<'a> {
 /// The wording of refusals.
 #[derive(Clone, Copy)]
 struct Words {
-    names: Names,
+    names: SettingNames,
     /// A recording is read, which has no wires to check.
     is_recording: bool,
 }

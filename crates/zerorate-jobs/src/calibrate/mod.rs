@@ -15,7 +15,7 @@ use anyhow::Result;
 use measurement::Measurement;
 use std::path::{Path, PathBuf};
 use zerorate::calibration::Notes;
-use zerorate::{Calibration, Method, Names, Part, PartProcedure, Plan, Say};
+use zerorate::{Calibration, Method, Part, PartProcedure, Plan, SettingNames, Wording};
 use zerorate_record::{CaptureInfo, Format};
 
 /// The fate of the result.
@@ -101,7 +101,7 @@ pub struct Job {
 ///
 /// # Errors
 /// [`InvalidOptions`] where the plan makes no sense for the part.
-pub fn prepare(acquisition: Acquisition, plan: Plan, files: Files, names: Names) -> Result<Job> {
+pub fn prepare(acquisition: Acquisition, plan: Plan, files: Files, names: SettingNames) -> Result<Job> {
     let plan = Plan { earth_dps: plan.earth_dps.or(acquisition.facts().info.earth_dps), ..plan };
     let procedure =
         PartProcedure::new(acquisition.part(), plan).map_err(|error| InvalidOptions(error.with(names).to_string()))?;

@@ -6,7 +6,7 @@ use serde::Serialize;
 use std::path::PathBuf;
 use zerorate::calibration::{CalibratedAxis, Contribution, Run};
 use zerorate::temperature::{BiasCurve, Step, TERMS};
-use zerorate::{Calibration, Names, Outcome, Uncertainty, Warning};
+use zerorate::{Calibration, Outcome, SettingNames, Uncertainty, Warning};
 
 /// The JSON object of `calibrate --json`; the names are a contract.
 #[derive(Clone, Debug, Serialize)]
@@ -98,7 +98,7 @@ pub struct Higher {
     pub bias_instability_dps: f64,
     pub rate_random_walk_dps_per_rt_s: f64,
     pub steps: Vec<StepReport>,
-    /// Posterior probability that the platform sways slowly.
+    /// Posterior probability of a slow base motion.
     pub sway_probability: f64,
 }
 
@@ -204,7 +204,7 @@ impl Higher {
             bias_instability_dps: curve.noise.bias_instability_dps,
             rate_random_walk_dps_per_rt_s: curve.noise.rate_random_walk_dps_per_rt_s,
             steps: curve.steps.into_iter().flatten().map(step).collect(),
-            sway_probability: (1e4 * curve.sources.sway_probability).round() / 1e4,
+            sway_probability: (1e4 * curve.sources.base_motion_probability).round() / 1e4,
         }
     }
 }
@@ -212,7 +212,7 @@ impl Higher {
 impl Report {
     /// The report about all axes of the calibration, in its order. `truths` are the twins' states at the end of step
     /// 8; empty where the part is not a twin.
-    pub fn new(outcomes: &[Outcome], calibration: &Calibration, truths: &[Truth], names: Names) -> Self {
+    pub fn new(outcomes: &[Outcome], calibration: &Calibration, truths: &[Truth], names: SettingNames) -> Self {
         let common: Vec<&Warning> = Outcome::shared_warnings(outcomes).collect();
         let coded = |warning: &Warning| JobWarning::from(*warning).coded(names);
         let mut axes: Vec<AxisReport> = Vec::new();

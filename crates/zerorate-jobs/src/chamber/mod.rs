@@ -21,7 +21,7 @@ use finished_steps::FinishedSteps;
 use std::path::{Path, PathBuf};
 use zerorate::calibration::ChamberRun;
 use zerorate::chamber::{ChamberOutcome, ChamberProcedure, ChamberProgress, ChamberRefusal, Record, Step};
-use zerorate::{Calibration, Names, Part, Warning};
+use zerorate::{Calibration, Part, SettingNames, Warning};
 use zerorate_host::ProfileWriter;
 use zerorate_record::CaptureInfo;
 use zerorate_view::SessionWarning;
@@ -48,7 +48,7 @@ pub trait Watch {
     fn page(&mut self, found: &Found, file: Staged) -> Result<()>;
 
     /// The names that the front end uses for the settings.
-    fn names(&self) -> Names;
+    fn names(&self) -> SettingNames;
 }
 
 /// The options that judge the measurement.
@@ -239,7 +239,7 @@ impl Found {
         plan: &PlanFile,
         options: ChamberOptions,
         is_resumed: bool,
-        names: Names,
+        names: SettingNames,
     ) -> Result<Self> {
         let LoopResult { procedure, acquisition, capture_sha256, truths, .. } = result;
         let ChamberOptions { max_lost, earth_dps, max_order, .. } = options;
@@ -262,7 +262,7 @@ impl Found {
 }
 
 /// The warnings of the axes, which are named where there are several.
-fn of_axes(outcomes: &[ChamberOutcome], part: &Part, names: Names) -> impl Iterator<Item = CodedWarning> {
+fn of_axes(outcomes: &[ChamberOutcome], part: &Part, names: SettingNames) -> impl Iterator<Item = CodedWarning> {
     let several = part.axes.len() > 1;
     let axes = || outcomes.iter().zip(part.axes.iter());
     let own = axes().flat_map(move |(outcome, axis)| {

@@ -6,7 +6,7 @@ use anyhow::Result;
 use std::io::ErrorKind;
 use std::path::Path;
 use zerorate::chamber::{ChamberPlan, SHIPPED};
-use zerorate::{Names, Setting};
+use zerorate::{Setting, SettingNames};
 use zerorate_input::limits::Bytes;
 
 /// A plan of 1000 steps, or a week of a chamber's log.
@@ -28,7 +28,7 @@ impl PlanFile {
     ///
     /// # Errors
     /// [`InvalidOptions`] where the file is not a plan, or why it cannot be read.
-    pub fn read(name: &Path, of_recording: bool, outputs: &mut Outputs, names: Names) -> Result<Self> {
+    pub fn read(name: &Path, of_recording: bool, outputs: &mut Outputs, names: SettingNames) -> Result<Self> {
         let shown = name.display().to_string();
         let text = match shipped(name) {
             Some(text) => text.to_owned(),

@@ -5,7 +5,7 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use zerorate::health::Flags;
-use zerorate::{Calibration, Names, Plan, Progress, Setting};
+use zerorate::{Calibration, Plan, Progress, Setting, SettingNames};
 use zerorate_host::{Cause, DeviceError, Pace, Sampling, Setup, Stop};
 use zerorate_jobs::calibrate::{Done, Files, Kept, Numbers, Watch, prepare};
 use zerorate_jobs::correct;
@@ -73,7 +73,7 @@ impl Watch for Quiet {
 
     fn warn(&mut self, _: JobWarning) {}
 
-    fn names(&self) -> Names {
+    fn names(&self) -> SettingNames {
         Setting::name
     }
 }

@@ -195,8 +195,8 @@ fn out_of_range_means_the_same_everywhere() {
     let (device, file) = ("twin:rotation_dps=360", folder.path("f.arrows"));
     let mut recorded = record(device, Sampling::default(), 0.2, &file);
     assert!(codes(&recorded.warnings()).contains(&"out-of-range"));
-    let marks = recorded.healths().map(Health::marks).map(|marks| marks.out_of_range).sum::<u64>();
-    assert_eq!(marks, recorded.tally().samples);
+    let out_of_range = recorded.healths().map(Health::fault_counts).map(|counts| counts.out_of_range).sum::<u64>();
+    assert_eq!(out_of_range, recorded.tally().samples);
     let flags = flags_of_corrected(&folder, &file, "out-of-range");
     assert!(flags.iter().all(|flags| *flags == Flags::OUT_OF_RANGE.bits()));
     let (streamed, ended) = streamed(device, &line(), 0.1, 0.0);
@@ -213,7 +213,7 @@ fn bit_errors_are_marked_and_named() {
     let (device, file) = ("twin:seed=4,bit_error_rate=0.00002,fault_at_s=0.5", folder.path("f.arrows"));
     let mut recorded = record(device, Sampling::default(), 20.0, &file);
     assert!(codes(&recorded.warnings()).contains(&"impossible-readings"));
-    let impossible = recorded.healths().map(Health::marks).map(|marks| marks.impossible).sum::<u64>();
+    let impossible = recorded.healths().map(Health::fault_counts).map(|counts| counts.impossible).sum::<u64>();
     assert!(impossible > 5, "{impossible}");
     let flags = flags_of_corrected(&folder, &file, "impossible-readings");
     let flagged = flags.iter().filter(|flags| *flags & Flags::IMPOSSIBLE.bits() > 0).count() as u64;

@@ -47,7 +47,7 @@ pub struct Running {
     /// The advice of what to do now.
     pub advice: String,
     /// Refusals that would follow if the step ended now.
-    pub threats: Vec<String>,
+    pub pending_refusals: Vec<String>,
     /// Temperature at the start and now, and the lowest and highest in between, °C.
     pub temps_c: Option<[f64; 4]>,
     /// What it would have stated at the last look; only `warmup` and `cycle` have it, unless it would be refused.

@@ -39,8 +39,8 @@ impl CalibratedAxis {
 impl CurveRecord {
     fn budget(&self) -> Vec<Contribution> {
         let Some(sources) = self.sources else { return Vec::new() };
-        let pbc = [(MODELS, sources.u_models_pbc_dps), (SWAY, sources.u_sway_pbc_dps)];
-        let btc = [(MODELS, sources.u_models_btc_dps_per_c), (SWAY, sources.u_sway_btc_dps_per_c)];
+        let pbc = [(MODELS, sources.u_models_pbc_dps), (BASE_MOTION, sources.u_sway_pbc_dps)];
+        let btc = [(MODELS, sources.u_models_btc_dps_per_c), (BASE_MOTION, sources.u_sway_btc_dps_per_c)];
         let u = |term: usize| libm::sqrt(self.covariance[term][term].max(0.0));
         of("PBC", u(0), &pbc, NOISE).chain(of("BTC", u(1), &btc, NOISE)).collect()
     }
@@ -48,7 +48,7 @@ impl CurveRecord {
 
 const NOISE: &str = "noise of the recording";
 const MODELS: &str = "order, lag, play and steps that the recording leaves open";
-const SWAY: &str = "slow sway of the platform, by its probability";
+const BASE_MOTION: &str = "slow base motion, by its probability";
 
 /// The known sources, and what is left of the variance.
 fn of(

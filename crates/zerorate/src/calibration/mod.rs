@@ -387,13 +387,13 @@ impl From<&BiasCurve> for CurveRecord {
 }
 
 impl From<Sources> for SourcesRecord {
-    fn from(Sources { u_models, u_sway, sway_probability }: Sources) -> Self {
+    fn from(Sources { u_models, u_base_motion, base_motion_probability }: Sources) -> Self {
         Self {
             u_models_pbc_dps: u_models[0],
             u_models_btc_dps_per_c: u_models[1],
-            u_sway_pbc_dps: u_sway[0],
-            u_sway_btc_dps_per_c: u_sway[1],
-            sway_probability: rounded(sway_probability),
+            u_sway_pbc_dps: u_base_motion[0],
+            u_sway_btc_dps_per_c: u_base_motion[1],
+            sway_probability: rounded(base_motion_probability),
         }
     }
 }

@@ -3,11 +3,11 @@
 use super::record::{Record, Soak};
 use super::refusal::ChamberRefusal;
 use crate::correction::Correction;
-use crate::noise::Window;
+use crate::noise::WeightedMean;
 use crate::notice::Warning;
 use crate::part::{Axis, NamedAxis, Part};
 use crate::plan::Plan;
-use crate::procedure::{Searched, Second, steps_s, sways_hz, taken_out};
+use crate::procedure::{Searched, Second, motions_hz, steps_s, taken_out};
 use crate::temperature::{self, Assumed, BiasCurve, Block};
 use alloc::vec::Vec;
 
@@ -31,7 +31,7 @@ impl ChamberOutcome {
     }
 }
 
-/// A corrected mean, without the steps and the sway that were taken out.
+/// A corrected mean, without the steps and the base motion that were removed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Residual {
     /// Middle of the mean, s from the start.
@@ -106,20 +106,20 @@ impl Record {
         let blocks = self.blocks(rates_dps, earth_dps);
         let last = &self.temp_c[self.len().saturating_sub(T3_S)..];
         let white_dps_per_rt_hz = white_density(rates_dps);
-        let (steps_s, sways_hz) = self.suspects(axis, rates_dps, white_dps_per_rt_hz);
+        let (steps_s, motions_hz) = self.suspects(axis, rates_dps, white_dps_per_rt_hz);
         let assumed = Assumed {
             axis,
             white_dps_per_rt_hz,
             gauss_markov: &[],
             steps_s: &steps_s,
-            sways_hz: &sways_hz,
+            motions_hz: &motions_hz,
             max_order,
             t3_c: last.iter().sum::<f64>() / last.len() as f64,
         };
         let curve = temperature::fit(&blocks, &assumed).map_err(ChamberRefusal::NoCurve)?;
         let limit_dps = axis.bias.largest_supply_step_dps();
-        if let Some(sway) = curve.sway.filter(|sway| sway.size_dps() > limit_dps) {
-            return Err(ChamberRefusal::Swaying { hz: sway.hz, size_dps: sway.size_dps(), limit_dps });
+        if let Some(motion) = curve.base_motion.filter(|motion| motion.size_dps() > limit_dps) {
+            return Err(ChamberRefusal::BaseMotion { hz: motion.hz, size_dps: motion.size_dps(), limit_dps });
         }
         let u_btc_dps_per_c = curve.u_btc_dps_per_c();
         let wanted_dps_per_c = Plan::default().max_u_btc_dps_per_c;
@@ -138,7 +138,7 @@ impl Record {
         Ok(ChamberOutcome { curve, residuals, soak_residuals_dps, branches })
     }
 
-    /// Times at which the level of a rate seems to have changed, s, and frequencies at which the platform may sway,
+    /// Times at which the level of a rate seems to have changed, s, and frequencies of possible base motions,
     /// Hz.
     fn suspects(&self, axis: &Axis, rates_dps: &[f64], white_dps_per_rt_hz: f64) -> (Vec<f64>, Vec<f64>) {
         let second = |k: usize| Second { at_s: self.start_s[k], rate_dps: rates_dps[k], temp_c: self.temp_c[k] };
@@ -147,7 +147,7 @@ impl Record {
         let (Some(times_s), Some((low_c, high_c))) = (times_s, self.span_c()) else { return Default::default() };
         let searched = Searched { axis, white_dps_per_rt_hz, times_s, span_c: high_c - low_c };
         let found = searched.findings(&seconds);
-        (steps_s(found.as_ref()), sways_hz(times_s.1 - times_s.0, found.as_ref()))
+        (steps_s(found.as_ref()), motions_hz(times_s.1 - times_s.0, found.as_ref()))
     }
 
     /// Means over stretches of equal length without a gap, in which the part was at rest.
@@ -235,8 +235,8 @@ fn branches(residuals: &[Residual], length_s: f64, curve: &BiasCurve) -> Option<
 }
 
 /// The windows of a weighted sum of residuals. Adjacent residuals with the same share become one window.
-fn windows(residuals: &[Residual], length_s: f64, share: impl Fn(&Residual) -> Option<f64>) -> Vec<Window> {
-    let mut windows: Vec<(f64, Window)> = Vec::new();
+fn windows(residuals: &[Residual], length_s: f64, share: impl Fn(&Residual) -> Option<f64>) -> Vec<WeightedMean> {
+    let mut windows: Vec<(f64, WeightedMean)> = Vec::new();
     for residual in residuals {
         let Some(weight) = share(residual) else { continue };
         let (start_s, end_s) = (residual.at_s - length_s / 2.0, residual.at_s + length_s / 2.0);
@@ -244,7 +244,7 @@ fn windows(residuals: &[Residual], length_s: f64, share: impl Fn(&Residual) -> O
             Some((one, last)) if *one == weight && (last.end_s - start_s).abs() < 0.5 => {
                 (last.end_s, last.weight) = (end_s, last.weight + weight);
             }
-            _ => windows.push((weight, Window { start_s, end_s, weight })),
+            _ => windows.push((weight, WeightedMean { start_s, end_s, weight })),
         }
     }
     windows.into_iter().map(|(_, window)| window).collect()

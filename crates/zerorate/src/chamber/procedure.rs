@@ -336,7 +336,7 @@ impl ChamberProcedure {
 
     /// Numbers of samples, lost samples and impossible readings, including the earlier runs.
     fn counts(&self) -> [u64; 3] {
-        let impossible = self.axes.first().map_or(0, |axis| axis.health.marks().spoilt());
+        let impossible = self.axes.first().map_or(0, |axis| axis.health.fault_counts().faulty());
         let Record { samples, lost, impossible: before, .. } = self.record;
         [samples + self.tally.samples, lost + self.tally.lost, before + impossible]
     }

@@ -58,8 +58,8 @@ impl Record {
         let Self { samples, lost, impossible, .. } = *self;
         let share = move |count: u64| count as f64 / (samples + lost).max(1) as f64;
         let lost = (lost > 0).then(|| Warning::Lost { lost, fraction: share(lost) });
-        let spoilt = (impossible > 0).then(|| Warning::Impossible { count: impossible, fraction: share(impossible) });
-        [Some(earth), lost, spoilt].into_iter().flatten()
+        let faulty = (impossible > 0).then(|| Warning::Impossible { count: impossible, fraction: share(impossible) });
+        [Some(earth), lost, faulty].into_iter().flatten()
     }
 
     /// Number of seconds.

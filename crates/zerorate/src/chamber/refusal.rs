@@ -36,7 +36,7 @@ pub enum ChamberRefusal {
     /// The record does not give a curve.
     NoCurve(ThermalError),
     /// The platform moves slowly, and far.
-    Swaying { hz: f64, size_dps: f64, limit_dps: f64 },
+    BaseMotion { hz: f64, size_dps: f64, limit_dps: f64 },
     /// The part was not at rest for too great a share of the time.
     Restless { share: f64, limit: f64 },
 }
@@ -134,8 +134,8 @@ rows!(match ChamberRefusal {
         code: "no-curve",
         text: format_args!("no bias over temperature explains the rate. Check that the part was at rest"),
     },
-    Self::Swaying { hz, size_dps, limit_dps } =>
-        Row { code: "swaying", text: format_args!("{}", Refusal::Swaying { hz, size_dps, limit_dps }) },
+    Self::BaseMotion { hz, size_dps, limit_dps } =>
+        Row { code: "swaying", text: format_args!("{}", Refusal::BaseMotion { hz, size_dps, limit_dps }) },
     Self::Restless { share, limit } => Row {
         code: "restless",
         text: format_args!(

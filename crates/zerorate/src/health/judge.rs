@@ -92,14 +92,14 @@ impl Judged {
     }
 
     /// Whether its rate or its temperature is impossible.
-    pub(crate) fn is_spoilt(&self) -> bool {
+    pub(crate) fn is_faulty(&self) -> bool {
         self.flags.has(Flags::IMPOSSIBLE) || self.flags.has(Flags::IMPOSSIBLE_TEMP)
     }
 }
 
-/// Numbers of readings with each fault.
+/// Number of readings with each fault.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Marks {
+pub struct FaultCounts {
     /// Rates that the part cannot have measured.
     pub impossible: u64,
     /// Rates beyond the range.
@@ -112,10 +112,10 @@ pub struct Marks {
     pub unjudged: u64,
 }
 
-impl Marks {
-    /// Readings that all means leave out.
+impl FaultCounts {
+    /// Number of faulty readings, which all means leave out.
     #[must_use]
-    pub fn spoilt(&self) -> u64 {
+    pub fn faulty(&self) -> u64 {
         self.impossible + self.impossible_temps
     }
 }
@@ -137,22 +137,22 @@ impl Marks {
 ///     }
 /// }
 /// while health.finish().is_some() {}
-/// assert_eq!(health.marks().impossible, 1);
+/// assert_eq!(health.fault_counts().impossible, 1);
 /// ```
 #[derive(Clone, Debug)]
 pub struct Health {
     plausible: Plausible,
     freeze: Freeze,
     frozen: Option<Frozen>,
-    marks: Marks,
+    fault_counts: FaultCounts,
 }
 
 impl Health {
     /// Makes a judge for readings of this axis.
     #[must_use]
     pub fn new(axis: &Axis) -> Self {
-        let (plausible, freeze, marks) = (Plausible::new(axis), Freeze::default(), Marks::default());
-        Self { plausible, freeze, frozen: None, marks }
+        let fault_counts = FaultCounts::default();
+        Self { plausible: Plausible::new(axis), freeze: Freeze::default(), frozen: None, fault_counts }
     }
 
     /// Whether enough is known of the axis (range, bandwidth, noise) to tell impossible rates from motion.
@@ -196,8 +196,8 @@ impl Health {
 
     /// Counts of the faults so far.
     #[must_use]
-    pub fn marks(&self) -> &Marks {
-        &self.marks
+    pub fn fault_counts(&self) -> &FaultCounts {
+        &self.fault_counts
     }
 
     #[inline]
@@ -205,22 +205,22 @@ impl Health {
         if rate == Verdict::Possible && !temp_impossible && self.frozen.is_none() {
             return Judged { reading, flags: Flags::NONE };
         }
-        self.marked(reading, rate, temp_impossible)
+        self.flagged(reading, rate, temp_impossible)
     }
 
     #[inline(never)]
-    fn marked(&mut self, reading: Reading, rate: Verdict, temp_impossible: bool) -> Judged {
-        let (marks, mut flags) = (&mut self.marks, Flags::NONE);
+    fn flagged(&mut self, reading: Reading, rate: Verdict, temp_impossible: bool) -> Judged {
+        let (counts, mut flags) = (&mut self.fault_counts, Flags::NONE);
         let mut note = |applies: bool, count: &mut u64, flag: Flags| {
             *count += u64::from(applies);
             flags = if applies { flags.and(flag) } else { flags };
         };
-        note(rate == Verdict::Impossible, &mut marks.impossible, Flags::IMPOSSIBLE);
-        note(rate == Verdict::OutOfRange, &mut marks.out_of_range, Flags::OUT_OF_RANGE);
-        note(rate == Verdict::Unjudged, &mut marks.unjudged, Flags::NONE);
-        note(temp_impossible, &mut marks.impossible_temps, Flags::IMPOSSIBLE_TEMP);
+        note(rate == Verdict::Impossible, &mut counts.impossible, Flags::IMPOSSIBLE);
+        note(rate == Verdict::OutOfRange, &mut counts.out_of_range, Flags::OUT_OF_RANGE);
+        note(rate == Verdict::Unjudged, &mut counts.unjudged, Flags::NONE);
+        note(temp_impossible, &mut counts.impossible_temps, Flags::IMPOSSIBLE_TEMP);
         let frozen = self.frozen.is_some_and(|frozen| reading.t_ns >= frozen.since_ns);
-        note(frozen, &mut marks.frozen, Flags::FROZEN);
+        note(frozen, &mut counts.frozen, Flags::FROZEN);
         Judged { reading, flags }
     }
 }

@@ -12,5 +12,5 @@ mod tally;
 
 pub use checkup::{Checkup, Limits};
 pub use freeze::Frozen;
-pub use judge::{Flags, Health, Judged, Marks};
+pub use judge::{FaultCounts, Flags, Health, Judged};
 pub use tally::Tally;

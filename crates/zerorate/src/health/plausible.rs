@@ -229,7 +229,7 @@ impl Plausible {
     }
 
     /// Judges a reading out of range. A part cannot leave its range for one reading only, and be well inside before
-    /// and after. Then the code or the status is spoilt.
+    /// and after. Then the code or the status is faulty.
     #[cold]
     fn beyond(&mut self, limits: &Limits, place: usize) -> Verdict {
         let others = [place.checked_sub(1), Some(place + 1)].map(|other| other.filter(|other| self.is_there(*other)));
@@ -533,8 +533,8 @@ mod tests {
         let turning = (0..30).map(|k| if k < 15 { sample(k, 3.0) } else { over(k) });
         let found = verdicts(turning);
         assert!(found[15..].iter().all(|verdict| *verdict == Verdict::OutOfRange), "{found:?}");
-        let spoilt = (0..30).map(|k| Reading { out_of_range: k == 15, ..sample(k, 3.0) });
-        assert_eq!(marked(&verdicts(spoilt)), [15]);
+        let faulty = (0..30).map(|k| Reading { out_of_range: k == 15, ..sample(k, 3.0) });
+        assert_eq!(marked(&verdicts(faulty)), [15]);
     }
 
     #[test]

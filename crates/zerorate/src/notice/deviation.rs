@@ -30,8 +30,8 @@ pub enum Deviation {
         /// That change, °C.
         width_c: f64,
     },
-    /// The platform moves to and fro.
-    Sway {
+    /// The base, with the sensor, oscillates.
+    BaseMotion {
         /// Frequency, Hz.
         hz: f64,
         /// Peak, °/s.
@@ -71,9 +71,9 @@ rows_with_remedies!(match Deviation {
         text: format_args!("the rate held still until the temperature had changed by about {width_c:.1} °C"),
         remedies: &[Remedy::Chamber, Remedy::CheckNothingMovedSlowly],
     },
-    Self::Sway { hz, size_dps } => Row {
+    Self::BaseMotion { hz, size_dps } => Row {
         code: "swaying",
-        text: format_args!("the part sways with its platform by ±{size_dps:.4} °/s once in {:.0} s", 1.0 / hz),
+        text: format_args!("the base moves by ±{size_dps:.4} °/s once in {:.0} s", 1.0 / hz),
         remedies: &[Remedy::FixToStillPlatform],
     },
 });
@@ -103,7 +103,7 @@ impl fmt::Display for Brief {
             Deviation::Curvature { dps_per_c2 } => write!(f, "bias bends by {dps_per_c2:+.5} °/s/°C²"),
             Deviation::Lag { lag_s } => write!(f, "the rate lags by {lag_s:.0} s"),
             Deviation::Hysteresis { width_c } => write!(f, "rate held for {width_c:.1} °C"),
-            Deviation::Sway { hz, size_dps } => write!(f, "sways ±{size_dps:.4} °/s in {:.0} s", 1.0 / hz),
+            Deviation::BaseMotion { hz, size_dps } => write!(f, "base moves ±{size_dps:.4} °/s in {:.0} s", 1.0 / hz),
         }
     }
 }

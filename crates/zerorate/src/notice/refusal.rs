@@ -1,8 +1,8 @@
 //! Refusals: a measurement that must not become a calibration.
 
-use super::remedy::say_all;
+use super::remedy::write_remedies;
 use super::{Deviation, Finding, Remedy, because_of, more_temperatures, rows_with_remedies};
-use crate::plan::{Names, Say, Setting, State};
+use crate::plan::{Setting, SettingNames, State, Wording};
 use core::fmt;
 
 /// A refusal: the measurement must not become a calibration. `Display` says why, with the numbers, and what to do.
@@ -23,7 +23,7 @@ pub enum Refusal {
     /// A deviation of the rate during the hour makes BTC too uncertain.
     Found { finding: Finding, u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
     /// The platform moves slowly, and far.
-    Swaying { hz: f64, size_dps: f64, limit_dps: f64 },
+    BaseMotion { hz: f64, size_dps: f64, limit_dps: f64 },
     /// The bias wanders so much during step 8 that BTC would be too uncertain.
     Unsteady { floor_dps: f64, typical_dps: f64, u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
     /// Too many samples were lost.
@@ -42,7 +42,7 @@ pub enum Refusal {
     NoTemperature { window: State, wrong_edge: bool },
     /// The temperature did not both rise and fall. The fields are the spans that it covered in each direction.
     OneWay { rise_c: f64, fall_c: f64 },
-    /// A step or a sway of the rate cannot be told from what the temperature did.
+    /// A step or a base motion cannot be told from what the temperature did.
     StepOrTemperature { finding: Finding, u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
 }
 
@@ -96,14 +96,14 @@ rows_with_remedies!(match Refusal {
         ),
         remedies: match deviation {
             Deviation::Step { .. } => &[Remedy::LinearSupply, Remedy::CheckNothingMoved, Remedy::AcceptMoreUBtc],
-            Deviation::Sway { .. } => &[Remedy::FixToStillPlatform, Remedy::AcceptMoreUBtc],
+            Deviation::BaseMotion { .. } => &[Remedy::FixToStillPlatform, Remedy::AcceptMoreUBtc],
             _ => &[Remedy::Chamber, Remedy::CheckNothingMovedSlowly, Remedy::AcceptMoreUBtc],
         },
     },
-    Self::Swaying { hz, size_dps, limit_dps } => Row {
+    Self::BaseMotion { hz, size_dps, limit_dps } => Row {
         code: "swaying",
         text: format_args!(
-            "the part moves: the rate sways by ±{size_dps:.3} °/s once in {:.0} s, above the limit of {limit_dps} °/s",
+            "the part moves: base motion of ±{size_dps:.3} °/s once in {:.0} s is above the limit of {limit_dps} °/s",
             1.0 / hz
         ),
         remedies: &[Remedy::FixToStillPlatform],
@@ -190,22 +190,22 @@ rows_with_remedies!(match Refusal {
             finding.deviation
         ),
         remedies: match finding.deviation {
-            Deviation::Sway { .. } => &[Remedy::FixToStillPlatform],
+            Deviation::BaseMotion { .. } => &[Remedy::FixToStillPlatform],
             _ => &[Remedy::LinearSupply, Remedy::CheckNothingMoved, Remedy::StartCold],
         },
     },
 });
 
-impl Say for Refusal {
-    fn say(&self, f: &mut fmt::Formatter<'_>, names: Names) -> fmt::Result {
+impl Wording for Refusal {
+    fn fmt_with(&self, f: &mut fmt::Formatter<'_>, names: SettingNames) -> fmt::Result {
         self.text(f)?;
-        say_all(self.remedies(), f, names)
+        write_remedies(self.remedies(), f, names)
     }
 }
 
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.say(f, Setting::name)
+        self.fmt_with(f, Setting::name)
     }
 }
 

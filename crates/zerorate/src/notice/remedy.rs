@@ -1,6 +1,6 @@
 //! Remedies: what to do about a warning or a refusal, as values that each front end puts into its own words.
 
-use crate::plan::{Names, Setting};
+use crate::plan::{Setting, SettingNames};
 use core::fmt;
 
 /// A remedy: one thing that the user can do.
@@ -118,7 +118,7 @@ impl Remedy {
 }
 
 /// Writes remedies as the end of a sentence, each with the name of its setting in brackets.
-pub(crate) fn say_all(remedies: &[Remedy], f: &mut fmt::Formatter<'_>, names: Names) -> fmt::Result {
+pub(crate) fn write_remedies(remedies: &[Remedy], f: &mut fmt::Formatter<'_>, names: SettingNames) -> fmt::Result {
     for (index, remedy) in remedies.iter().enumerate() {
         let before = match index {
             0 => "; ",

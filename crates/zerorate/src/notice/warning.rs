@@ -1,16 +1,16 @@
 //! Warnings: the result stands, but the user should know something about it.
 
 use super::deviation::Brief;
-use super::remedy::say_all;
+use super::remedy::write_remedies;
 use super::{Finding, Remedy, more_temperatures, rows_with_remedies};
 use crate::part::Tone;
-use crate::plan::{EARTH_DPS, Names, Say, Setting};
+use crate::plan::{EARTH_DPS, Setting, SettingNames, Wording};
 use crate::uncertainty::Uncertainty;
 use core::fmt;
 
 /// A warning: the result stands, but the user should know something about it. `Display` says what was seen and what to
 /// do, in one line of at most 100 characters with the code before it. docs/codes.md says why it matters and what else
-/// helps. `Display` uses the names of [`Plan`](crate::Plan) for settings, and [`Say`] takes other names.
+/// helps. `Display` uses the names of [`Plan`](crate::Plan) for settings, and [`Wording`] takes other names.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are the numbers that the text shows, with their units")]
@@ -61,8 +61,8 @@ pub enum Warning {
     NoTemperature { wrong_edge: bool },
     /// A step of the rate was taken out.
     StepTaken { at_s: f64, size_dps: f64, u_dps: f64 },
-    /// The platform sways, and the sway was taken out.
-    SwayTaken { hz: f64, size_dps: f64 },
+    /// An oscillation of the base was removed.
+    BaseMotionRemoved { hz: f64, size_dps: f64 },
     /// The bias follows the temperature late. The curve holds for a temperature at rest.
     Late { lag_s: f64 },
     /// One warming shows one branch of the hysteresis.
@@ -196,9 +196,9 @@ rows_with_remedies!(match Warning {
         ),
         remedies: &[Remedy::LinearSupply, Remedy::CheckNothingMoved],
     },
-    Self::SwayTaken { hz, size_dps } => Row {
+    Self::BaseMotionRemoved { hz, size_dps } => Row {
         code: "swaying",
-        text: format_args!("the part sways ±{size_dps:.4} °/s once in {:.0} s, taken out", 1.0 / hz),
+        text: format_args!("base motion of ±{size_dps:.4} °/s once in {:.0} s was removed", 1.0 / hz),
         remedies: &[Remedy::FixToStillPlatform],
     },
     Self::Late { lag_s } => Row {
@@ -223,16 +223,16 @@ rows_with_remedies!(match Warning {
     },
 });
 
-impl Say for Warning {
-    fn say(&self, f: &mut fmt::Formatter<'_>, names: Names) -> fmt::Result {
+impl Wording for Warning {
+    fn fmt_with(&self, f: &mut fmt::Formatter<'_>, names: SettingNames) -> fmt::Result {
         self.text(f)?;
-        say_all(self.remedies().get(..1).unwrap_or_default(), f, names)
+        write_remedies(self.remedies().get(..1).unwrap_or_default(), f, names)
     }
 }
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.say(f, Setting::name)
+        self.fmt_with(f, Setting::name)
     }
 }
 

@@ -3,7 +3,7 @@
 mod setting;
 mod states;
 
-pub use setting::{Names, Said, Say, Setting};
+pub use setting::{Setting, SettingNames, Worded, Wording};
 pub use states::State;
 pub(crate) use states::{Check, STATES, Until};
 
@@ -152,8 +152,8 @@ pub struct PlanError {
     pub unit: &'static str,
 }
 
-impl Say for PlanError {
-    fn say(&self, f: &mut fmt::Formatter<'_>, names: Names) -> fmt::Result {
+impl Wording for PlanError {
+    fn fmt_with(&self, f: &mut fmt::Formatter<'_>, names: SettingNames) -> fmt::Result {
         let Self { setting, value, least, most, unit } = self;
         write!(f, "{} is {value}; it must be a number from {least} to {most} {unit}", names(*setting))?;
         let in_dps = value / 3600.0;
@@ -166,7 +166,7 @@ impl Say for PlanError {
 
 impl fmt::Display for PlanError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.say(f, Setting::name)
+        self.fmt_with(f, Setting::name)
     }
 }
 

@@ -49,34 +49,34 @@ impl Setting {
 }
 
 /// The names that a front end uses for the settings.
-pub type Names = fn(Setting) -> &'static str;
+pub type SettingNames = fn(Setting) -> &'static str;
 
-/// A text that names settings.
-pub trait Say {
+/// A text that names settings. Each front end has its own names for them.
+pub trait Wording {
     /// Writes the text with these names for settings.
     ///
     /// # Errors
     /// Passes on the errors of the writer.
-    fn say(&self, f: &mut fmt::Formatter<'_>, names: Names) -> fmt::Result;
+    fn fmt_with(&self, f: &mut fmt::Formatter<'_>, names: SettingNames) -> fmt::Result;
 
-    /// Binds the names, so that the text can be displayed.
-    fn with(&self, names: Names) -> Said<'_, Self>
+    /// Returns the text with these names, to be displayed.
+    fn with(&self, names: SettingNames) -> Worded<'_, Self>
     where
         Self: Sized,
     {
-        Said { what: self, names }
+        Worded { text: self, names }
     }
 }
 
-/// A text together with the names of its settings.
+/// A text with the setting names of a front end.
 #[derive(Clone, Copy, Debug)]
-pub struct Said<'a, T> {
-    what: &'a T,
-    names: Names,
+pub struct Worded<'a, T> {
+    text: &'a T,
+    names: SettingNames,
 }
 
-impl<T: Say> fmt::Display for Said<'_, T> {
+impl<T: Wording> fmt::Display for Worded<'_, T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.what.say(f, self.names)
+        self.text.fmt_with(f, self.names)
     }
 }

@@ -6,7 +6,7 @@ use super::one_axis::{Action, Event, Procedure, Progress};
 use super::recording::Reached;
 use crate::notice::Refusal;
 use crate::part::{Part, Scan};
-use crate::plan::{Names, Plan, PlanError, Say, Setting, State};
+use crate::plan::{Plan, PlanError, Setting, SettingNames, State, Wording};
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
@@ -89,10 +89,11 @@ impl PartProcedure {
         Ok(())
     }
 
-    /// The refusals of the axes if the present step ended now ([`Procedure::threat`]).
-    pub fn threats(&self) -> impl Iterator<Item = AxisRefusal> + '_ {
-        let threat = |(index, axis): (usize, &Procedure)| Some(AxisRefusal::new(&self.part, index, axis.threat()?));
-        self.axes.iter().enumerate().filter_map(threat)
+    /// The refusals of the axes if the present step ended now ([`Procedure::pending_refusal`]).
+    pub fn pending_refusals(&self) -> impl Iterator<Item = AxisRefusal> + '_ {
+        let of =
+            |(index, axis): (usize, &Procedure)| Some(AxisRefusal::new(&self.part, index, axis.pending_refusal()?));
+        self.axes.iter().enumerate().filter_map(of)
     }
 
     /// Ends the recording here ([`Procedure::end_recording`]).
@@ -146,18 +147,18 @@ impl AxisRefusal {
     }
 }
 
-impl Say for AxisRefusal {
-    fn say(&self, f: &mut fmt::Formatter<'_>, names: Names) -> fmt::Result {
+impl Wording for AxisRefusal {
+    fn fmt_with(&self, f: &mut fmt::Formatter<'_>, names: SettingNames) -> fmt::Result {
         if let Some(axis) = &self.axis {
             write!(f, "axis {axis}: ")?;
         }
-        self.refusal.say(f, names)
+        self.refusal.fmt_with(f, names)
     }
 }
 
 impl fmt::Display for AxisRefusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.say(f, Setting::name)
+        self.fmt_with(f, Setting::name)
     }
 }
 

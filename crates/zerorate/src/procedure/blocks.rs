@@ -1,6 +1,6 @@
 //! The record of a measurement: exact integer sums of codes in blocks of 0.1 s, one run of blocks for each step.
 
-use super::ledger::{Ledger, Summary};
+use super::window_sums::{Summary, WindowSums};
 use crate::health::block_means::{Adjacent, BLOCK_NS, BLOCK_S, adjacent};
 use crate::health::stationarity::{self, Verdict};
 use crate::health::{Flags, Judged};
@@ -9,7 +9,7 @@ use crate::plan::{STATES, State};
 use crate::temperature;
 use alloc::vec::Vec;
 
-/// A ledger that keeps every block of 0.1 s: about a megabyte for the hour of F-51.
+/// Window sums that keep every block of 0.1 s: about a megabyte for the hour of F-51.
 #[derive(Clone, Debug)]
 pub struct Blocks {
     axis: Axis,
@@ -40,7 +40,7 @@ impl Blocks {
     }
 }
 
-impl Ledger for Blocks {
+impl WindowSums for Blocks {
     fn new(axis: &Axis) -> Self {
         Self { axis: *axis, segments: Default::default() }
     }
@@ -112,7 +112,7 @@ struct Segment {
     samples: u64,
     lost: u64,
     overranged: u64,
-    spoilt: u64,
+    faulty: u64,
 }
 
 /// The mean rate and temperature over one second.
@@ -153,7 +153,7 @@ impl Segment {
         self.samples += 1;
         self.lost += u64::from(judged.reading.lost);
         self.overranged += u64::from(judged.flags.has(Flags::OUT_OF_RANGE));
-        self.spoilt += u64::from(judged.is_spoilt());
+        self.faulty += u64::from(judged.is_faulty());
     }
 
     fn summary(&self, axis: &Axis) -> Summary {
@@ -166,7 +166,7 @@ impl Segment {
             samples: self.samples,
             lost: self.lost,
             overranged: self.overranged,
-            spoilt: self.spoilt,
+            faulty: self.faulty,
             rate_dps: all.rate_dps(axis),
             temp_c: all.temp_c(axis),
             eighths: eighths(&rates),
@@ -222,13 +222,13 @@ impl Segment {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::procedure::ledger::tests::{RISE_C_PER_S, rising};
+    use crate::procedure::window_sums::tests::{RISE_C_PER_S, rising};
 
     #[test]
     fn the_slope_is_the_change_of_temperature_over_the_time() {
         let axis = Axis::ADIS16130;
-        let ledger: Blocks = rising(&axis, State::Offset);
-        let slope_c_per_s = ledger.segments[State::Offset as usize].temp_slope_c_per_s(&axis);
+        let sums: Blocks = rising(&axis, State::Offset);
+        let slope_c_per_s = sums.segments[State::Offset as usize].temp_slope_c_per_s(&axis);
         assert!((slope_c_per_s - RISE_C_PER_S).abs() < 1e-3, "{slope_c_per_s}");
     }
 }

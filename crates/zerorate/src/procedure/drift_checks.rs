@@ -7,7 +7,7 @@
 
 use super::blocks::Second;
 use super::shape::{self, Shape};
-use crate::noise::{NoiseModel, Stretch, Window};
+use crate::noise::{NoiseModel, WeightedMean, Window};
 use crate::notice::{Deviation, Finding};
 use crate::temperature::gls::{self, Fit, dot};
 use alloc::vec;
@@ -32,7 +32,7 @@ pub(crate) struct Findings {
 }
 
 impl Findings {
-    /// The strongest deviation of each kind, and all steps. A sway whose frequency wanders is found more than once.
+    /// The strongest deviation of each kind, and all steps. A wandering oscillation is found more than once.
     pub(crate) fn distinct(&self) -> impl Iterator<Item = Finding> + '_ {
         let kind = |finding: &Finding| core::mem::discriminant(&finding.deviation);
         let found = &self.found;
@@ -48,7 +48,7 @@ impl Findings {
 
     /// Mean of the steps and the motion that were found, between two times, °/s.
     pub(crate) fn disturbance_dps(&self, start_s: f64, end_s: f64) -> f64 {
-        let disturbs = |(shape, _): &&(Shape, f64)| matches!(shape, Shape::Step { .. } | Shape::Sway { .. });
+        let disturbs = |(shape, _): &&(Shape, f64)| matches!(shape, Shape::Step { .. } | Shape::Oscillation { .. });
         self.taken.iter().filter(disturbs).map(|(shape, size)| size * shape.mean(start_s, end_s)).sum()
     }
 }
@@ -57,7 +57,7 @@ impl Findings {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Question {
     /// Steps 4, 6 and 8.
-    pub(crate) averages: [Window; 3],
+    pub(crate) averages: [WeightedMean; 3],
     /// T2 − T1, °C.
     pub(crate) span_c: f64,
     pub(crate) t3_c: f64,
@@ -84,9 +84,9 @@ pub(crate) fn findings(seconds: &[Second], question: &Question) -> Option<Findin
     Search::new(seconds, &bins, question)?.run()
 }
 
-/// The means over a stretch.
+/// The means over a window.
 struct Bin {
-    stretch: Stretch,
+    window: Window,
     rate_dps: f64,
     temp_c: f64,
 }
@@ -105,10 +105,10 @@ fn bins(seconds: &[Second]) -> Vec<Bin> {
         let end_s = (start_s + (from_end_s / 8).clamp(1, longest)).min(total_s);
         let inside;
         (inside, rest) = rest.split_at(rest.partition_point(|second| second.at_s < f64::from(end_s)));
-        let stretch = Stretch { start_s, end_s };
-        if 2.0 * inside.len() as f64 > stretch.length_s() {
+        let window = Window { start_s, end_s };
+        if 2.0 * inside.len() as f64 > window.length_s() {
             let mean = |of: fn(&Second) -> f64| inside.iter().map(of).sum::<f64>() / inside.len() as f64;
-            bins.push(Bin { stretch, rate_dps: mean(|s| s.rate_dps), temp_c: mean(|s| s.temp_c) });
+            bins.push(Bin { window, rate_dps: mean(|s| s.rate_dps), temp_c: mean(|s| s.temp_c) });
         }
         start_s = end_s;
     }
@@ -118,7 +118,7 @@ fn bins(seconds: &[Second]) -> Vec<Bin> {
 /// The search, with the model so far.
 struct Search<'a> {
     question: &'a Question,
-    stretches: Vec<Stretch>,
+    windows: Vec<Window>,
     whitener: Cholesky,
     rates: Vec<f64>,
     /// Columns of the model, whitened: level, temperature, then the shapes.
@@ -133,18 +133,18 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn new(seconds: &[Second], bins: &[Bin], question: &'a Question) -> Option<Self> {
-        let stretches: Vec<Stretch> = bins.iter().map(|bin| bin.stretch).collect();
-        let mut covariances = question.noise.covariances(&stretches);
-        let bend: Vec<f64> = shape::means(&Shape::curved(seconds, question.t3_c), &stretches).collect();
+        let windows: Vec<Window> = bins.iter().map(|bin| bin.window).collect();
+        let mut covariances = question.noise.covariances(&windows);
+        let bend: Vec<f64> = shape::means(&Shape::curved(seconds, question.t3_c), &windows).collect();
         add_square(&mut covariances, &bend, question.curvature_dps_per_c2);
         let whitener = gls::whitener(covariances)?;
         let rates = whitener.whiten(bins.iter().map(|bin| bin.rate_dps));
         let level = whitener.whiten(bins.iter().map(|_| 1.0));
         let temps = whitener.whiten(bins.iter().map(|bin| bin.temp_c - question.t3_c));
-        let shapes = shape::all(seconds, &stretches, question.t3_c).into_iter();
-        let candidates = shapes.map(|shape| Candidate::new(shape, &stretches, &whitener)).collect();
+        let shapes = shape::all(seconds, &windows, question.t3_c).into_iter();
+        let candidates = shapes.map(|shape| Candidate::new(shape, &windows, &whitener)).collect();
         let (columns, shapes, units, residual) = (Vec::new(), Vec::new(), Vec::new(), rates.clone());
-        let mut search = Self { question, stretches, whitener, rates, columns, shapes, units, residual, candidates };
+        let mut search = Self { question, windows, whitener, rates, columns, shapes, units, residual, candidates };
         search.add(level);
         search.add(temps);
         Some(search)
@@ -154,7 +154,7 @@ impl<'a> Search<'a> {
         while self.shapes.len() < MOST {
             let Some(strongest) = self.strongest() else { break };
             let shape = self.refined(strongest);
-            self.add(self.whitener.whiten(shape::means(&shape, &self.stretches)));
+            self.add(self.whitener.whiten(shape::means(&shape, &self.windows)));
             self.shapes.push(shape);
         }
         let unexplained = self.shapes.len() == MOST && self.strongest().is_some();
@@ -183,20 +183,20 @@ impl<'a> Search<'a> {
         self.columns.push(column);
     }
 
-    /// The shape with the details that its candidate leaves open: the second of a step, the phase of a sway.
+    /// The shape with the details that its candidate leaves open: the second of a step, the phase of an oscillation.
     fn refined(&self, candidate: &Candidate) -> Shape {
         match candidate.shape {
             Shape::Step { at_s, .. } => self.located(at_s),
-            Shape::Sway { hz, .. } => Shape::Sway { hz, phase: candidate.phase(&self.residual) },
+            Shape::Oscillation { hz, .. } => Shape::Oscillation { hz, phase: candidate.phase(&self.residual) },
             ref shape => shape.clone(),
         }
     }
 
     /// The step at a second near `near_s`, with the first and the last second that fit nearly as well.
     fn located(&self, near_s: f64) -> Shape {
-        let reach = self.stretches.iter().map(Stretch::length_s).fold(1.0, f64::max) as i32;
+        let reach = self.windows.iter().map(Window::length_s).fold(1.0, f64::max) as i32;
         let gain = |at_s: f64| {
-            let mut candidate = Candidate::new(Shape::step(at_s), &self.stretches, &self.whitener);
+            let mut candidate = Candidate::new(Shape::step(at_s), &self.windows, &self.whitener);
             self.units.iter().for_each(|unit| candidate.take_out(unit));
             (at_s, candidate.gain(&self.residual))
         };
@@ -288,13 +288,13 @@ fn alarm(shape: &Shape) -> f64 {
         Shape::Step { .. } => 22.0,
         Shape::Curved(_) => 12.0,
         Shape::Lagged { .. } | Shape::Held { .. } => 20.0,
-        Shape::Sway { .. } => 28.0,
+        Shape::Oscillation { .. } => 28.0,
     }
 }
 
-/// The gain that a shape has by its freedom alone, beside the others: a sway may have any frequency and phase.
+/// The gain that a shape has by its freedom alone: an oscillation may have any frequency and phase.
 fn freedom(shape: &Shape) -> f64 {
-    if matches!(shape, Shape::Sway { .. }) { alarm(shape) - alarm(&Shape::step(0.0)) } else { 0.0 }
+    if matches!(shape, Shape::Oscillation { .. }) { alarm(shape) - alarm(&Shape::step(0.0)) } else { 0.0 }
 }
 
 impl Question {
@@ -307,7 +307,7 @@ impl Question {
             Shape::Curved(_) => Deviation::Curvature { dps_per_c2: size },
             Shape::Lagged { lag_s, .. } => Deviation::Lag { lag_s },
             Shape::Held { width_c, .. } => Deviation::Hysteresis { width_c },
-            Shape::Sway { hz, .. } => Deviation::Sway { hz, size_dps: size.abs() },
+            Shape::Oscillation { hz, .. } => Deviation::BaseMotion { hz, size_dps: size.abs() },
         }
     }
 
@@ -327,20 +327,20 @@ impl Question {
 /// A shape that may be in the rates, whitened and less its part in the model.
 struct Candidate {
     shape: Shape,
-    /// One column, or two for a sway, a quarter of a period apart.
+    /// One column, or two for an oscillation, a quarter of a period apart.
     columns: Vec<Vec<f64>>,
     /// Squares of the columns before anything was taken out.
     full: f64,
 }
 
 impl Candidate {
-    fn new(shape: Shape, stretches: &[Stretch], whitener: &Cholesky) -> Self {
+    fn new(shape: Shape, windows: &[Window], whitener: &Cholesky) -> Self {
         let quarter = match shape {
-            Shape::Sway { hz, phase } => Some(Shape::Sway { hz, phase: phase + PI / 2.0 }),
+            Shape::Oscillation { hz, phase } => Some(Shape::Oscillation { hz, phase: phase + PI / 2.0 }),
             _ => None,
         };
         let shapes = core::iter::once(&shape).chain(&quarter);
-        let columns: Vec<Vec<f64>> = shapes.map(|shape| whitener.whiten(shape::means(shape, stretches))).collect();
+        let columns: Vec<Vec<f64>> = shapes.map(|shape| whitener.whiten(shape::means(shape, windows))).collect();
         let full = columns.iter().map(|column| dot(column, column)).sum();
         Self { shape, columns, full }
     }
@@ -410,7 +410,7 @@ mod tests {
     }
 
     fn asked() -> Question {
-        let average = |start_s, end_s| Window { start_s, end_s, weight: 1.0 };
+        let average = |start_s, end_s| WeightedMean { start_s, end_s, weight: 1.0 };
         Question {
             averages: [average(0.0, 10.0), average(200.0, 210.0), average(850.0, 999.0)],
             span_c: 5.0,
@@ -447,9 +447,9 @@ mod tests {
     }
 
     #[test]
-    fn a_sway_is_found_with_its_period_and_size() {
+    fn a_base_motion_is_found_with_its_period_and_size() {
         let finding = strongest(|at_s| 0.02 * libm::sin(2.0 * PI * 0.006 * at_s));
-        let Deviation::Sway { hz, size_dps } = finding.deviation else { panic!("{finding:?}") };
+        let Deviation::BaseMotion { hz, size_dps } = finding.deviation else { panic!("{finding:?}") };
         assert!((hz - 0.006).abs() < 3e-4 && (size_dps - 0.02).abs() < 0.003, "{finding:?}");
     }
 

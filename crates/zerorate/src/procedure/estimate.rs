@@ -2,11 +2,11 @@
 
 use super::blocks::{Blocks, Second};
 use super::drift_checks::{self, Findings, Question};
-use super::ledger::Summary;
+use super::window_sums::Summary;
 use crate::correction::Correction;
 use crate::health::block_means::{Adjacent, BLOCK_S};
 use crate::health::{Tally, stationarity};
-use crate::noise::{NoiseModel, Window};
+use crate::noise::{NoiseModel, WeightedMean};
 use crate::notice::{Deviation, Refusal, Warning};
 use crate::part::Axis;
 use crate::plan::{Plan, STATES, State};
@@ -200,7 +200,7 @@ fn outcome<W>(
         rate_hz: tally.rate_hz(),
         samples: tally.samples,
         lost_samples: tally.lost,
-        impossible_readings: seen.windows.iter().map(|window| window.spoilt).sum(),
+        impossible_readings: seen.windows.iter().map(|window| window.faulty).sum(),
         duration_s: tally.duration_s(),
         temp_min_c,
         temp_max_c,
@@ -235,8 +235,8 @@ fn accept(
     let limit_dps = seen.axis.bias.largest_supply_step_dps();
     for finding in hour.iter().flat_map(|hour| &hour.found) {
         match finding.deviation {
-            Deviation::Sway { hz, size_dps } if size_dps > limit_dps => {
-                return Err(Refusal::Swaying { hz, size_dps, limit_dps });
+            Deviation::BaseMotion { hz, size_dps } if size_dps > limit_dps => {
+                return Err(Refusal::BaseMotion { hz, size_dps, limit_dps });
             }
             _ => {}
         }
@@ -256,7 +256,7 @@ struct Slope {
     t1_c: f64,
     b2_dps: f64,
     t2_c: f64,
-    windows: [Window; 2],
+    windows: [WeightedMean; 2],
     u_t_c: f64,
 }
 
@@ -369,7 +369,7 @@ fn uncertainty(
 /// White noise and flicker of the mean of step 8, and how far the bias walks from that mean to its end, °/s.
 fn u_offset_noise(seen: &Evidence<'_>, noise: &NoiseModel) -> f64 {
     let mean = window(seen, State::Offset, 1.0);
-    let end = Window { start_s: mean.end_s - 1e-3, end_s: mean.end_s + 1e-3, weight: -1.0 };
+    let end = WeightedMean { start_s: mean.end_s - 1e-3, end_s: mean.end_s + 1e-3, weight: -1.0 };
     let walk = NoiseModel { white_dps_per_rt_hz: 0.0, bias_instability_dps: 0.0, ..*noise };
     libm::hypot(noise.without_random_walk().sd(&[mean]), walk.sd(&[mean, end]))
 }
@@ -380,9 +380,9 @@ fn means(seen: &Evidence<'_>, state: State) -> Result<(f64, f64), Refusal> {
     Ok((rate_dps, summary.temp_c.ok_or(seen.tally.no_temperature(state))?))
 }
 
-fn window(seen: &Evidence<'_>, state: State, weight: f64) -> Window {
+fn window(seen: &Evidence<'_>, state: State, weight: f64) -> WeightedMean {
     let &Summary { start_s, end_s, .. } = seen.window(state);
-    Window { start_s, end_s, weight }
+    WeightedMean { start_s, end_s, weight }
 }
 
 /// Standard uncertainty of the mean temperature of a window, °C, from how much adjacent readings differ.
@@ -439,7 +439,7 @@ fn warnings(
 ) -> WindowWarnings {
     let (plan, model) = (seen.plan, &noise.model);
     let (lost, samples, rate_hz) = (seen.tally.lost, seen.tally.samples, seen.tally.rate_hz());
-    let spoilt: u64 = seen.windows.iter().map(|window| window.spoilt).sum();
+    let faulty: u64 = seen.windows.iter().map(|window| window.faulty).sum();
     let bias = &seen.axis.bias;
     let needed_hz = seen.axis.bandwidth_hz.map(|hz| 2.0 * hz);
     let known = bias.curvature_dps_per_c2.is_some() && bias.hysteresis_dps.is_some();
@@ -471,7 +471,7 @@ fn warnings(
                 typical_dps: seen.flicker_floor_dps(),
             },
         ),
-        when(spoilt > 0, Warning::Impossible { count: spoilt, fraction: spoilt as f64 / samples as f64 }),
+        when(faulty > 0, Warning::Impossible { count: faulty, fraction: faulty as f64 / samples as f64 }),
         when(
             flat,
             Warning::Flat {

@@ -5,11 +5,11 @@ mod all_axes;
 mod blocks;
 mod drift_checks;
 mod estimate;
-mod ledger;
 mod one_axis;
 mod recording;
 mod running;
 mod shape;
+mod window_sums;
 
 pub use all_axes::{AxisRefusal, PartProcedure};
 pub use estimate::{Measured, Noise, Outcome, WindowWarnings};
@@ -17,4 +17,4 @@ pub use one_axis::{Action, Event, FixedProcedure, Procedure, Progress};
 pub use recording::{Forecast, Reached};
 
 pub(crate) use blocks::Second;
-pub(crate) use recording::{Searched, steps_s, sways_hz, taken_out};
+pub(crate) use recording::{Searched, motions_hz, steps_s, taken_out};

@@ -3,9 +3,9 @@
 
 use super::blocks::Blocks;
 use super::estimate::{self, Evidence, Outcome, WindowWarnings};
-use super::ledger::Ledger;
 use super::recording::{self, Reached};
 use super::running::Running;
+use super::window_sums::WindowSums;
 use crate::health::block_means::BLOCK_S;
 use crate::health::stationarity::Verdict;
 use crate::health::{Frozen, Health, Judged, Tally};
@@ -69,7 +69,7 @@ pub struct Progress {
 /// # Ok::<(), zerorate::PlanError>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct Procedure<L = Blocks> {
+pub struct Procedure<S = Blocks> {
     axis: Axis,
     plan: Plan,
     state: State,
@@ -77,7 +77,7 @@ pub struct Procedure<L = Blocks> {
     now_ns: u64,
     /// Time at which the present state ends, from the start of the procedure.
     ends_ns: u64,
-    ledger: L,
+    sums: S,
     tally: Tally,
     health: Health,
 }
@@ -107,7 +107,7 @@ impl Procedure {
     /// # Errors
     /// A duration or limit of the plan makes no sense.
     pub fn new(axis: &Axis, plan: Plan) -> Result<Self, PlanError> {
-        Self::with_ledger(axis, plan)
+        Self::with_sums(axis, plan)
     }
 
     /// Returns the result, once [`Procedure::next`] says [`Action::Done`].
@@ -116,8 +116,8 @@ impl Procedure {
     /// The errors of [`Procedure::handle`] or, before the end, the window that is still short of samples.
     pub fn finish(self) -> Result<Outcome, Refusal> {
         match self.plan.method {
-            Method::An1042 => estimate::outcome_of_hour(&self.seen(), &self.ledger),
-            Method::Warmup | Method::Cycle => recording::outcome(&self.seen(), &self.ledger),
+            Method::An1042 => estimate::outcome_of_hour(&self.seen(), &self.sums),
+            Method::Warmup | Method::Cycle => recording::outcome(&self.seen(), &self.sums),
         }
     }
 
@@ -127,7 +127,7 @@ impl Procedure {
         (self.state == State::Recording).then(|| {
             let mut ahead = self.clone();
             ahead.end_recording()?;
-            recording::reached(&ahead.seen(), &ahead.ledger)
+            recording::reached(&ahead.seen(), &ahead.sums)
         })
     }
 }
@@ -138,7 +138,7 @@ impl FixedProcedure {
     /// # Errors
     /// A duration or limit of the plan makes no sense.
     pub fn on_fixed_memory(axis: &Axis, plan: Plan) -> Result<Self, PlanError> {
-        Self::with_ledger(axis, Plan { method: Method::An1042, ..plan })
+        Self::with_sums(axis, Plan { method: Method::An1042, ..plan })
     }
 
     /// Returns the result, once [`Procedure::next`] says [`Action::Done`]. The procedure stays as it is.
@@ -150,8 +150,8 @@ impl FixedProcedure {
     }
 }
 
-impl<L: Ledger> Procedure<L> {
-    fn with_ledger(axis: &Axis, plan: Plan) -> Result<Self, PlanError> {
+impl<S: WindowSums> Procedure<S> {
+    fn with_sums(axis: &Axis, plan: Plan) -> Result<Self, PlanError> {
         plan.check()?;
         Ok(Self {
             axis: *axis,
@@ -160,7 +160,7 @@ impl<L: Ledger> Procedure<L> {
             started_ns: 0,
             now_ns: 0,
             ends_ns: 0,
-            ledger: L::new(axis),
+            sums: S::new(axis),
             tally: Tally::default(),
             health: Health::new(axis),
         })
@@ -192,10 +192,10 @@ impl<L: Ledger> Procedure<L> {
 
     /// The refusal that would follow if the present step ended now. None in its first two seconds.
     #[must_use]
-    pub fn threat(&self) -> Option<Refusal> {
+    pub fn pending_refusal(&self) -> Option<Refusal> {
         let mut ahead = self.clone();
-        let start_s = self.ledger.summary(self.state).start_s;
-        ahead.ledger.close(self.state, self.now_ns);
+        let start_s = self.sums.summary(self.state).start_s;
+        ahead.sums.close(self.state, self.now_ns);
         let lasted = self.now_ns as f64 * 1e-9 - start_s >= FIRST_LOOK_S;
         lasted.then(|| ahead.check(self.state.row().check).err()).flatten()
     }
@@ -220,7 +220,7 @@ impl<L: Ledger> Procedure<L> {
     }
 
     fn seen(&self) -> Evidence<'_> {
-        Evidence { axis: &self.axis, plan: &self.plan, windows: self.ledger.summaries(), tally: &self.tally }
+        Evidence { axis: &self.axis, plan: &self.plan, windows: self.sums.summaries(), tally: &self.tally }
     }
 
     /// Ends the recording here, because its source has ended. It returns false and does nothing if the method needs
@@ -290,7 +290,7 @@ impl<L: Ledger> Procedure<L> {
 
     #[inline]
     fn record(&mut self, judged: &Judged) {
-        self.ledger.push(self.state, judged.reading.t_ns.saturating_sub(self.started_ns), judged);
+        self.sums.push(self.state, judged.reading.t_ns.saturating_sub(self.started_ns), judged);
     }
 
     #[cold]
@@ -305,19 +305,19 @@ impl<L: Ledger> Procedure<L> {
         if self.state == State::Recording {
             self.ends_ns = self.now_ns;
         }
-        self.ledger.close(self.state, self.ends_ns);
+        self.sums.close(self.state, self.ends_ns);
         self.check(row.check)?;
         self.state = self.state.next(self.plan.method);
         let start_ns = self.ends_ns;
         if let Until::After(duration_s) = self.state.row().until {
             self.ends_ns = start_ns + ns(duration_s(&self.plan));
         }
-        self.ledger.open(self.state, start_ns, self.ends_ns);
+        self.sums.open(self.state, start_ns, self.ends_ns);
         Ok(())
     }
 }
 
-impl<L: Ledger> Procedure<L> {
+impl<S: WindowSums> Procedure<S> {
     /// Checks the window that ends now.
     fn check(&self, check: Check) -> Result<(), Refusal> {
         match check {
@@ -330,14 +330,14 @@ impl<L: Ledger> Procedure<L> {
 
     /// Checks that there are enough samples, few lost, none out of range, and no motion.
     fn at_rest(&self) -> Result<(), Refusal> {
-        let (window, seen) = (self.state, self.ledger.summary(self.state));
+        let (window, seen) = (self.state, self.sums.summary(self.state));
         let (samples, lost, limit) = (seen.samples, seen.lost, self.plan.max_lost);
-        if seen.overranged > seen.spoilt {
+        if seen.overranged > seen.faulty {
             return Err(Refusal::Overranged { window, count: seen.overranged, samples });
         }
         if seen.overranged > 0 {
             // bits flip more often than the range is left, and some of them flip the status
-            let count = seen.spoilt + seen.overranged;
+            let count = seen.faulty + seen.overranged;
             return Err(Refusal::BitErrors { window, count, samples, still_moves: false });
         }
         let needed = libm::ceil(0.8 * (seen.end_s - seen.start_s) / BLOCK_S) as u64;
@@ -347,7 +347,7 @@ impl<L: Ledger> Procedure<L> {
         if lost as f64 > limit * (lost + samples) as f64 {
             return Err(self.lost(window, lost, samples));
         }
-        let count = seen.spoilt;
+        let count = seen.faulty;
         if count as f64 > limit * samples as f64 {
             return Err(Refusal::BitErrors { window, count, samples, still_moves: false });
         }
@@ -356,7 +356,7 @@ impl<L: Ledger> Procedure<L> {
         if let Some(limit_dps) = self.axis.bias.largest_dps().filter(|limit_dps| rate_dps.abs() > *limit_dps) {
             return Err(Refusal::Turning { window, rate_dps, limit_dps });
         }
-        match self.ledger.verdict(window) {
+        match self.sums.verdict(window) {
             Verdict::AtRest | Verdict::Step { .. } => Ok(()),
             _ if count > 0 => Err(Refusal::BitErrors { window, count, samples, still_moves: true }),
             Verdict::Moving { tau_s, seen_dps, limit_dps } => {
@@ -379,7 +379,7 @@ impl<L: Ledger> Procedure<L> {
     }
 
     fn temperature_was_read(&self) -> Result<(), Refusal> {
-        match self.ledger.summary(self.state).temp_c {
+        match self.sums.summary(self.state).temp_c {
             None => Err(self.tally.no_temperature(self.state)),
             Some(_) => Ok(()),
         }
@@ -402,10 +402,10 @@ mod tests {
             let rate = turning + 100 * (seq as i32 % 5);
             let reading = Reading { t_ns, seq, rate, temp: Some(0), out_of_range: false, lost: 0 };
             procedure.handle(Event::Reading(&reading)).unwrap();
-            match procedure.threat() {
-                Some(threat) => assert!(
-                    seq > 300 && matches!(threat, Refusal::Moving { .. } | Refusal::Noisy { .. }),
-                    "{seq} {threat}"
+            match procedure.pending_refusal() {
+                Some(refusal) => assert!(
+                    seq > 300 && matches!(refusal, Refusal::Moving { .. } | Refusal::Noisy { .. }),
+                    "{seq} {refusal}"
                 ),
                 None => assert!(seq < 380, "{seq}"),
             }

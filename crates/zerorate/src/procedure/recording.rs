@@ -4,16 +4,16 @@
 use super::blocks::{Blocks, Second};
 use super::drift_checks::{self, Findings, Question};
 use super::estimate::{Evidence, Noise, Outcome};
-use super::ledger::{Ledger, Summary};
+use super::window_sums::{Summary, WindowSums};
 #[cfg(feature = "std")]
 use crate::health::block_means::BLOCK_S;
 use crate::health::stationarity;
-use crate::noise::{NoiseModel, Window};
+use crate::noise::{NoiseModel, WeightedMean};
 use crate::notice::{Deviation, Finding, Refusal, Warning};
 use crate::part::{Axis, SelfHeating};
 use crate::plan::{Method, Plan, State};
 use crate::temperature::sweeps::covered_c;
-use crate::temperature::{self, Assumed, BiasCurve, Block, Sway};
+use crate::temperature::{self, Assumed, BaseMotion, BiasCurve, Block};
 use crate::uncertainty::Uncertainty;
 use alloc::vec::Vec;
 #[cfg(feature = "std")]
@@ -65,9 +65,9 @@ impl Reached {
 }
 
 /// What the recording would state if it ended now: the numbers of its outcome.
-pub(crate) fn reached(seen: &Evidence<'_>, ledger: &Blocks) -> Result<Reached, Refusal> {
-    let Outcome { uncertainty, curve, .. } = outcome(seen, ledger)?;
-    let left_s = settles_in_s(&ledger.seconds().collect::<Vec<_>>(), seen.axis.temp_margin_c());
+pub(crate) fn reached(seen: &Evidence<'_>, sums: &Blocks) -> Result<Reached, Refusal> {
+    let Outcome { uncertainty, curve, .. } = outcome(seen, sums)?;
+    let left_s = settles_in_s(&sums.seconds().collect::<Vec<_>>(), seen.axis.temp_margin_c());
     Ok(Reached {
         u_dps: curve.as_ref().map_or(f64::INFINITY, rms_u_dps),
         u_pbc_dps: uncertainty.u_pbc_dps,
@@ -124,7 +124,7 @@ impl Axis {
             white_dps_per_rt_hz: noise.white_dps_per_rt_hz,
             gauss_markov: &[],
             steps_s: &[],
-            sways_hz: &[],
+            motions_hz: &[],
             max_order: 1,
             t3_c: blocks.last()?.temp_c,
         };
@@ -133,9 +133,9 @@ impl Axis {
 }
 
 /// The result of a recording that has ended.
-pub(crate) fn outcome(seen: &Evidence<'_>, ledger: &Blocks) -> Result<Outcome, Refusal> {
-    let seconds: Vec<Second> = ledger.seconds().collect();
-    let summary = ledger.summary(State::Recording);
+pub(crate) fn outcome(seen: &Evidence<'_>, sums: &Blocks) -> Result<Outcome, Refusal> {
+    let seconds: Vec<Second> = sums.seconds().collect();
+    let summary = sums.summary(State::Recording);
     turned(seen.plan, &seconds)?;
     let (low_c, high_c) = summary.temp_range_c;
     let searched = Searched {
@@ -147,10 +147,10 @@ pub(crate) fn outcome(seen: &Evidence<'_>, ledger: &Blocks) -> Result<Outcome, R
     let hour = searched.findings(&seconds);
     let suspects = Suspects {
         steps_s: steps_s(hour.as_ref()),
-        sways_hz: sways_hz(summary.end_s - summary.start_s, hour.as_ref()),
+        motions_hz: motions_hz(summary.end_s - summary.start_s, hour.as_ref()),
     };
     let first = curve(seen, white_density(&summary), &[], &summary, &seconds, &suspects)?;
-    let mut curve = match own_noise(ledger, &first) {
+    let mut curve = match own_noise(sums, &first) {
         Some((white, terms)) => curve(seen, white, &terms, &summary, &seconds, &suspects)?,
         None => first,
     };
@@ -166,7 +166,7 @@ pub(crate) fn outcome(seen: &Evidence<'_>, ledger: &Blocks) -> Result<Outcome, R
         rate_hz: tally.rate_hz(),
         samples: tally.samples,
         lost_samples: tally.lost,
-        impossible_readings: summary.spoilt,
+        impossible_readings: summary.faulty,
         duration_s: tally.duration_s(),
         temp_min_c,
         temp_max_c,
@@ -210,7 +210,7 @@ impl Searched<'_> {
         let &Self { axis, white_dps_per_rt_hz, times_s: (start_s, end_s), span_c } = self;
         axis.noise?;
         let tenth_s = (end_s - start_s) / 10.0;
-        let window = |start_s: f64| Window { start_s, end_s: start_s + tenth_s, weight: 1.0 };
+        let window = |start_s: f64| WeightedMean { start_s, end_s: start_s + tenth_s, weight: 1.0 };
         let question = Question {
             averages: [window(start_s), window(start_s + 4.5 * tenth_s), window(end_s - tenth_s)],
             span_c: span_c.max(f64::MIN_POSITIVE),
@@ -231,29 +231,29 @@ pub(crate) fn steps_s(hour: Option<&Findings>) -> Vec<f64> {
         .collect()
 }
 
-/// Suspected steps and sways in a recording. The models of the curve decide about them.
+/// Suspected steps and base motions in a recording. The models of the curve decide about them.
 #[derive(Clone, Debug, Default)]
 struct Suspects {
     steps_s: Vec<f64>,
-    sways_hz: Vec<f64>,
+    motions_hz: Vec<f64>,
 }
 
-/// Turns of the slowest and of the fastest sway that is always tried, per recording.
-const SLOW_TURNS: (f64, f64) = (0.25, 4.0);
+/// Cycles per recording of the slowest and of the fastest base motion that is always tried.
+const SLOW_CYCLES: (f64, f64) = (0.25, 4.0);
 /// Ratio of one frequency to the next.
-const SWAY_RATIO: f64 = 1.15;
+const BASE_MOTION_RATIO: f64 = 1.15;
 
-/// Frequencies at which the platform may sway, Hz, in rising order: slow ones, which look like a bias that wanders,
+/// Frequencies of possible base motions, Hz, in rising order: slow ones, which look like a bias that wanders,
 /// and those that stand out.
-pub(crate) fn sways_hz(length_s: f64, hour: Option<&Findings>) -> Vec<f64> {
-    let turns = core::iter::successors(Some(SLOW_TURNS.0), |turns| Some(turns * SWAY_RATIO));
-    let mut all: Vec<f64> = turns.take_while(|turns| *turns < SLOW_TURNS.1).map(|turns| turns / length_s).collect();
+pub(crate) fn motions_hz(length_s: f64, hour: Option<&Findings>) -> Vec<f64> {
+    let cycles = core::iter::successors(Some(SLOW_CYCLES.0), |cycles| Some(cycles * BASE_MOTION_RATIO));
+    let mut all: Vec<f64> = cycles.take_while(|count| *count < SLOW_CYCLES.1).map(|count| count / length_s).collect();
     for finding in hour.into_iter().flat_map(|hour| &hour.found) {
-        if let Deviation::Sway { hz, .. } = finding.deviation {
-            all.extend([-0.5, -0.25, 0.0, 0.25, 0.5].map(|turns| hz + turns / length_s));
+        if let Deviation::BaseMotion { hz, .. } = finding.deviation {
+            all.extend([-0.5, -0.25, 0.0, 0.25, 0.5].map(|cycles| hz + cycles / length_s));
         }
     }
-    all.retain(|hz| *hz * length_s >= SLOW_TURNS.0);
+    all.retain(|hz| *hz * length_s >= SLOW_CYCLES.0);
     all.sort_by(f64::total_cmp);
     all
 }
@@ -261,12 +261,12 @@ pub(crate) fn sways_hz(length_s: f64, hour: Option<&Findings>) -> Vec<f64> {
 /// White noise and Gauss–Markov terms of the recording itself. They come from a model of its residuals after the
 /// curve, without glitches and steps. None if the recording is too short for a model, or follows none.
 #[cfg(feature = "std")]
-fn own_noise(ledger: &Blocks, curve: &BiasCurve) -> Option<(f64, Vec<(f64, f64)>)> {
+fn own_noise(sums: &Blocks, curve: &BiasCurve) -> Option<(f64, Vec<(f64, f64)>)> {
     let left = |(k, (rate_dps, temp_c)): (usize, (f64, f64))| {
-        let sway_dps = curve.sway.map_or(0.0, |sway| sway.at((k as f64 + 0.5) * BLOCK_S));
-        rate_dps + curve.correction.at(temp_c) - sway_dps
+        let motion_dps = curve.base_motion.map_or(0.0, |motion| motion.at((k as f64 + 0.5) * BLOCK_S));
+        rate_dps + curve.correction.at(temp_c) - motion_dps
     };
-    let left: Vec<f64> = ledger.tenths(State::Recording).enumerate().map(left).collect();
+    let left: Vec<f64> = sums.tenths(State::Recording).enumerate().map(left).collect();
     let fit = allan::fit(&Input::Rate(&left), 1.0 / BLOCK_S, &FitOptions::default()).ok()?;
     let term = |term: &Term| match term {
         Term::GaussMarkov { sigma, tau_s } => Some((sigma.value, tau_s.value)),
@@ -298,7 +298,7 @@ fn curve(
         white_dps_per_rt_hz,
         gauss_markov,
         steps_s: &suspects.steps_s,
-        sways_hz: &suspects.sways_hz,
+        motions_hz: &suspects.motions_hz,
         max_order: if seen.plan.assume_linear { 1 } else { temperature::TERMS - 1 },
         t3_c,
     };
@@ -362,10 +362,10 @@ fn rms_u_dps(curve: &BiasCurve) -> f64 {
 /// Refuses motion, and a slope that is too uncertain.
 fn accept(seen: &Evidence<'_>, curve: &BiasCurve, hour: Option<&Findings>) -> Result<(), Refusal> {
     let limit_dps = seen.axis.bias.largest_supply_step_dps();
-    if let Some(sway) = curve.sway
-        && sway.size_dps() > limit_dps
+    if let Some(motion) = curve.base_motion
+        && motion.size_dps() > limit_dps
     {
-        return Err(Refusal::Swaying { hz: sway.hz, size_dps: sway.size_dps(), limit_dps });
+        return Err(Refusal::BaseMotion { hz: motion.hz, size_dps: motion.size_dps(), limit_dps });
     }
     let wanted_dps_per_c = seen.plan.max_u_btc_dps_per_c;
     let u_btc_dps_per_c = curve.u_btc_dps_per_c();
@@ -374,12 +374,12 @@ fn accept(seen: &Evidence<'_>, curve: &BiasCurve, hour: Option<&Findings>) -> Re
     }
     let found = hour.into_iter().flat_map(|hour| &hour.found);
     let step = found.into_iter().find(|finding| matches!(finding.deviation, Deviation::Step { .. })).copied();
-    // a sway that was taken out does no harm
-    let taken = |sway: Sway| {
-        let deviation = Deviation::Sway { hz: sway.hz, size_dps: sway.size_dps() };
+    // a base motion that was removed does no harm
+    let taken = |motion: BaseMotion| {
+        let deviation = Deviation::BaseMotion { hz: motion.hz, size_dps: motion.size_dps() };
         Finding { deviation, pbc_dps: 0.0, btc_dps_per_c: 0.0 }
     };
-    match curve.sway.map(taken).or(step) {
+    match curve.base_motion.map(taken).or(step) {
         Some(finding) => Err(Refusal::StepOrTemperature { finding, u_btc_dps_per_c, wanted_dps_per_c }),
         None => {
             let (t1_c, t2_c) = curve.span_c;
@@ -399,8 +399,8 @@ fn warnings(seen: &Evidence<'_>, summary: &Summary, curve: &BiasCurve, hour: Opt
         needed_hz.filter(|needed_hz| rate_hz < *needed_hz).map(|needed_hz| Warning::Aliased { rate_hz, needed_hz }),
         when(lost > 0, Warning::Lost { lost, fraction: lost as f64 / (lost + samples) as f64 }),
         when(
-            summary.spoilt > 0,
-            Warning::Impossible { count: summary.spoilt, fraction: summary.spoilt as f64 / samples as f64 },
+            summary.faulty > 0,
+            Warning::Impossible { count: summary.faulty, fraction: summary.faulty as f64 / samples as f64 },
         ),
         when(axis.noise.is_none(), Warning::RestUnjudged),
         when(hour.is_none(), Warning::HourUnchecked),
@@ -415,12 +415,12 @@ fn warnings(seen: &Evidence<'_>, summary: &Summary, curve: &BiasCurve, hour: Opt
     of_run.into_iter().flatten().chain(taken_out(curve)).collect()
 }
 
-/// The warnings about steps and a sway that were taken out of a curve.
+/// The warnings about steps and a base motion that were removed from a curve.
 pub(crate) fn taken_out(curve: &BiasCurve) -> impl Iterator<Item = Warning> {
     let taken =
         |step: temperature::Step| Warning::StepTaken { at_s: step.at_s, size_dps: step.size_dps, u_dps: step.u_dps };
-    let sway = curve.sway.map(|sway| Warning::SwayTaken { hz: sway.hz, size_dps: sway.size_dps() });
-    curve.steps.into_iter().flatten().map(taken).chain(sway)
+    let removed = |motion: BaseMotion| Warning::BaseMotionRemoved { hz: motion.hz, size_dps: motion.size_dps() };
+    curve.steps.into_iter().flatten().map(taken).chain(curve.base_motion.map(removed))
 }
 
 /// Shortest lag with a warning, s. A shorter one moves a bias by less than its uncertainty.

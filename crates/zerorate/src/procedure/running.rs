@@ -1,6 +1,6 @@
 //! The procedure's samples in fixed memory: sums and running Allan variances instead of blocks.
 
-use super::ledger::{Ledger, Summary};
+use super::window_sums::{Summary, WindowSums};
 use crate::health::block_means::{Adjacent, BLOCK_NS};
 use crate::health::stationarity::{self, Verdict};
 use crate::health::{Flags, Judged};
@@ -11,7 +11,7 @@ use crate::plan::{STATES, State};
 /// longer times.
 const RUNGS: usize = 14;
 
-/// A ledger of about 3 KB that never grows.
+/// Window sums of about 3 KB that never grow.
 ///
 /// Means and refusals agree with [`Blocks`](super::blocks::Blocks), with one exception. A single small step of the
 /// rate in a window is refused as motion, because only all blocks together tell the two apart.
@@ -30,7 +30,7 @@ struct Totals {
     samples: u64,
     lost: u64,
     overranged: u64,
-    spoilt: u64,
+    faulty: u64,
     rate: CodeSum,
     temp: CodeSum,
     rates: Adjacent,
@@ -132,7 +132,7 @@ impl Totals {
             samples: self.samples,
             lost: self.lost,
             overranged: self.overranged,
-            spoilt: self.spoilt,
+            faulty: self.faulty,
             rate_dps: self.rate.mean(&axis.rate),
             temp_c: self.temp.mean(&axis.temp),
             rates: self.rates,
@@ -150,7 +150,7 @@ impl Totals {
     }
 }
 
-impl Ledger for Running {
+impl WindowSums for Running {
     fn new(axis: &Axis) -> Self {
         Self { axis: *axis, closed: Default::default(), live: Live::default() }
     }
@@ -184,7 +184,7 @@ impl Ledger for Running {
         totals.samples += 1;
         totals.lost += u64::from(judged.reading.lost);
         totals.overranged += u64::from(judged.flags.has(Flags::OUT_OF_RANGE));
-        totals.spoilt += u64::from(judged.is_spoilt());
+        totals.faulty += u64::from(judged.is_faulty());
     }
 
     fn close(&mut self, state: State, _: u64) {
@@ -208,13 +208,13 @@ impl Ledger for Running {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::procedure::ledger::tests::{RISE_C_PER_S, rising};
+    use crate::procedure::window_sums::tests::{RISE_C_PER_S, rising};
 
     #[test]
     fn the_slope_is_the_change_of_temperature_over_the_time() {
         let axis = Axis::ADIS16130;
-        let ledger: Running = rising(&axis, State::Offset);
-        let slope_c_per_s = ledger.closed[State::Offset as usize].temp_slope_c_per_s(&axis, ledger.live.first_half);
+        let sums: Running = rising(&axis, State::Offset);
+        let slope_c_per_s = sums.closed[State::Offset as usize].temp_slope_c_per_s(&axis, sums.live.first_half);
         assert!((slope_c_per_s - RISE_C_PER_S).abs() < 1e-3, "{slope_c_per_s}");
     }
 }

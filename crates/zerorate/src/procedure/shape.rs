@@ -1,7 +1,7 @@
 //! Shapes over time that a rate may follow beside the temperature, each of size 1.
 
 use super::blocks::Second;
-use crate::noise::Stretch;
+use crate::noise::Window;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
@@ -17,7 +17,7 @@ pub(crate) enum Shape {
     /// The temperature less what it drags along by a play of half this width, °C.
     Held { width_c: f64, ahead: Series },
     /// A sine.
-    Sway { hz: f64, phase: f64 },
+    Oscillation { hz: f64, phase: f64 },
 }
 
 /// A value for each second of the record, as time and value.
@@ -50,7 +50,7 @@ impl Shape {
         let length_s = end_s - start_s;
         match self {
             Self::Step { at_s, .. } => ((end_s - at_s) / length_s).clamp(0.0, 1.0),
-            Self::Sway { hz, phase } => {
+            Self::Oscillation { hz, phase } => {
                 let turn = 2.0 * PI * hz;
                 (libm::cos(turn * start_s + phase) - libm::cos(turn * end_s + phase)) / (turn * length_s)
             }
@@ -66,29 +66,29 @@ impl Shape {
         match self {
             Self::Step { at_s, .. } => f64::from(u8::from(*at_s < time_s)),
             Self::Held { ahead, .. } => within(ahead, 0.0, time_s).last().map_or(0.0, |(_, value)| *value),
-            Self::Curved(_) | Self::Lagged { .. } | Self::Sway { .. } => 0.0,
+            Self::Curved(_) | Self::Lagged { .. } | Self::Oscillation { .. } => 0.0,
         }
     }
 }
 
-/// Means over the stretches of a record.
-pub(crate) fn means<'a>(shape: &'a Shape, stretches: &'a [Stretch]) -> impl Iterator<Item = f64> + 'a {
-    stretches.iter().map(|stretch| shape.mean(f64::from(stretch.start_s), f64::from(stretch.end_s)))
+/// Means over the windows of a record.
+pub(crate) fn means<'a>(shape: &'a Shape, windows: &'a [Window]) -> impl Iterator<Item = f64> + 'a {
+    windows.iter().map(|window| shape.mean(f64::from(window.start_s), f64::from(window.end_s)))
 }
 
-/// All shapes that are looked for in a record of these stretches: a step at each of their ends, and the other shapes
+/// All shapes that are looked for in a record of these windows: a step at each of their ends, and the other shapes
 /// over the scales that the record can show.
-pub(crate) fn all(seconds: &[Second], stretches: &[Stretch], t3_c: f64) -> Vec<Shape> {
-    let total_s = stretches.last().map_or(0.0, |stretch| f64::from(stretch.end_s));
-    let longest_s = stretches.iter().map(Stretch::length_s).fold(1.0, f64::max);
+pub(crate) fn all(seconds: &[Second], windows: &[Window], t3_c: f64) -> Vec<Shape> {
+    let total_s = windows.last().map_or(0.0, |window| f64::from(window.end_s));
+    let longest_s = windows.iter().map(Window::length_s).fold(1.0, f64::max);
     let temps = || seconds.iter().map(|second| second.temp_c);
     let span_c = temps().fold(f64::MIN, f64::max) - temps().fold(f64::MAX, f64::min);
-    let steps = stretches.iter().skip(1).map(|stretch| Shape::step(f64::from(stretch.start_s)));
+    let steps = windows.iter().skip(1).map(|window| Shape::step(f64::from(window.start_s)));
     let lags = spread(2.0, total_s, 1.5).map(|lag_s| Shape::lagged(seconds, lag_s));
     let plays = spread(0.02 * span_c, span_c, 1.3).map(|width_c| Shape::held(seconds, width_c));
-    let sways = (1..).map(|half| f64::from(half) / (2.0 * total_s)).take_while(|hz| hz * longest_s < 0.5);
-    let sways = sways.map(|hz| Shape::Sway { hz, phase: 0.0 });
-    steps.chain([Shape::curved(seconds, t3_c)]).chain(lags).chain(plays).chain(sways).collect()
+    let base_motions = (1..).map(|half| f64::from(half) / (2.0 * total_s)).take_while(|hz| hz * longest_s < 0.5);
+    let base_motions = base_motions.map(|hz| Shape::Oscillation { hz, phase: 0.0 });
+    steps.chain([Shape::curved(seconds, t3_c)]).chain(lags).chain(plays).chain(base_motions).collect()
 }
 
 /// A geometric series.

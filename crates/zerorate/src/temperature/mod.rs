@@ -10,6 +10,7 @@
 //! 14, 1999). The uncertainties of PBC and of the slope at T3 are widened further if models disagree more than a
 //! variance can tell (`interval.rs`).
 
+mod base_motion;
 mod basis;
 mod filter;
 mod follow;
@@ -17,7 +18,6 @@ pub(crate) mod gls;
 mod interval;
 mod model_averaging;
 mod posterior;
-mod sway;
 pub(crate) mod sweeps;
 #[cfg(test)]
 mod tests;
@@ -89,9 +89,9 @@ pub struct Assumed<'a> {
     /// Times at which the level seems to have changed, s, the strongest first. The first [`MOST_STEPS`] are taken, and
     /// the models decide about them.
     pub steps_s: &'a [f64],
-    /// Frequencies at which the platform may sway, Hz, in rising order. The models decide about them. If there are
-    /// none, no sway is looked for.
-    pub sways_hz: &'a [f64],
+    /// Frequencies of possible base motions, Hz, in rising order. The models decide about them. If there are none, no
+    /// base motion is looked for.
+    pub motions_hz: &'a [f64],
     /// The highest order that is tried, 0 to 3.
     pub max_order: usize,
     /// The temperature that the coefficients refer to, °C.
@@ -123,8 +123,8 @@ pub struct BiasCurve {
     pub noise_told: [bool; 2],
     /// Steps that are more likely there than not.
     pub steps: [Option<Step>; MOST_STEPS],
-    /// The sway of the platform, if one is more likely there than not.
-    pub sway: Option<Sway>,
+    /// The base motion, if one is more likely there than not.
+    pub base_motion: Option<BaseMotion>,
     /// Lowest and highest temperature of the blocks, °C.
     pub span_c: (f64, f64),
 }
@@ -136,12 +136,12 @@ impl BiasCurve {
         libm::sqrt(self.covariance[1][1])
     }
 
-    /// Difference of the mean over a block from the level at the end by the steps and the sway that were taken out,
+    /// Difference of the mean over a block from the level at the end by the removed steps and base motion,
     /// °/s.
     pub(crate) fn disturbed_dps(&self, block: &Block) -> f64 {
         let stepped = |step: &Step| step.size_dps * (block.share_after(step.at_s) - 1.0);
-        let swayed_dps = self.sway.map_or(0.0, |sway| sway.at(block.middle_s()));
-        self.steps.iter().flatten().map(stepped).sum::<f64>() + swayed_dps
+        let motion_dps = self.base_motion.map_or(0.0, |motion| motion.at(block.middle_s()));
+        self.steps.iter().flatten().map(stepped).sum::<f64>() + motion_dps
     }
 }
 
@@ -150,10 +150,10 @@ impl BiasCurve {
 pub struct Sources {
     /// Models that disagree: on order, lag, play, steps and strength of the noise.
     pub u_models: [f64; 2],
-    /// A slow sway of the platform, by the weight of the models that have one.
-    pub u_sway: [f64; 2],
-    /// Posterior probability of a sway.
-    pub sway_probability: f64,
+    /// A slow base motion, by the weight of the models that have one.
+    pub u_base_motion: [f64; 2],
+    /// Posterior probability of a base motion.
+    pub base_motion_probability: f64,
 }
 
 /// A change of the level that was taken out.
@@ -167,9 +167,9 @@ pub struct Step {
     pub u_dps: f64,
 }
 
-/// A sway of the platform that was taken out, as in the most likely model.
+/// An oscillation of the base that was removed, as in the most likely model.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sway {
+pub struct BaseMotion {
     /// Frequency, Hz.
     pub hz: f64,
     /// Its sine, of a phase that is zero at the start, °/s.
@@ -178,14 +178,14 @@ pub struct Sway {
     pub cosine_dps: f64,
 }
 
-impl Sway {
+impl BaseMotion {
     /// Peak, °/s.
     #[must_use]
     pub fn size_dps(&self) -> f64 {
         libm::hypot(self.sine_dps, self.cosine_dps)
     }
 
-    /// Rate of the sway at a time, °/s.
+    /// Rate of the base at a time, °/s.
     #[must_use]
     pub fn at(&self, at_s: f64) -> f64 {
         let (sine, cosine) = libm::sincos(2.0 * core::f64::consts::PI * self.hz * at_s);
@@ -347,7 +347,7 @@ fn average(record: &Record<'_>, axis: &Axis, models: &[Weighed]) -> BiasCurve {
         ],
         steps: steps(record, models),
         is_late: mean(|model| f64::from(u8::from(model.hypothesis.following.lag_s > 0.0))) > 0.5,
-        sway: sway(models),
+        base_motion: base_motion(models),
         span_c: record.span_c(),
     }
 }
@@ -383,22 +383,22 @@ fn order_taken(order_weights: &[f64; TERMS]) -> usize {
     high_enough.max_by(|a, b| order_weights[*a].total_cmp(&order_weights[*b])).unwrap_or(0)
 }
 
-/// Posterior probability of a sway.
-fn sway_probability(models: &[Weighed]) -> f64 {
-    models.iter().filter(|model| model.hypothesis.sway_hz.is_some()).fold(0.0, |sum, model| sum + model.weight)
+/// Posterior probability of a base motion.
+fn base_motion_probability(models: &[Weighed]) -> f64 {
+    models.iter().filter(|model| model.hypothesis.motion_hz.is_some()).fold(0.0, |sum, model| sum + model.weight)
 }
 
-/// Probability from which models with a sway are peaks of their own: the stated intervals could miss them. A less
-/// likely sway counts in the variance by its weight. Intervals that hold the rarest sway as well would say nothing of
-/// a platform at rest.
-const SWAY_PEAK: f64 = 1.0 - Uncertainty::COVERAGE;
+/// Probability from which models with a base motion are peaks of their own: the stated intervals could miss them. A
+/// less likely one counts in the variance by its weight. Intervals that hold the rarest one as well would say nothing
+/// of a platform at rest.
+const MOTION_PEAK: f64 = 1.0 - Uncertainty::COVERAGE;
 
 /// Excess variance that a coefficient needs so that its intervals keep their stated probability. Its models are in
-/// peaks: one of each order, or two, without a sway and with it.
+/// peaks: one of each order, or two, without a base motion and with it.
 fn excess(models: &[Weighed], k: usize, value: f64, variance: f64) -> f64 {
-    let is_split = sway_probability(models) > SWAY_PEAK;
+    let is_split = base_motion_probability(models) > MOTION_PEAK;
     let index =
-        |model: &Weighed| 2 * model.posterior.order + usize::from(is_split && model.hypothesis.sway_hz.is_some());
+        |model: &Weighed| 2 * model.posterior.order + usize::from(is_split && model.hypothesis.motion_hz.is_some());
     let peak = |peak: usize| {
         let of_peak = || models.iter().filter(|model| index(model) == peak);
         let weight: f64 = of_peak().map(|model| model.weight).sum();
@@ -414,25 +414,27 @@ fn excess(models: &[Weighed], k: usize, value: f64, variance: f64) -> f64 {
     if u > sd { u * u - variance } else { 0.0 }
 }
 
-/// Splits the variances of PBC and BTC. The noise has what is left if the model is known, and the sway with it. The
-/// sway has what its size leaves open, and the square of the distance between models with and without it. Models that
-/// disagree have the rest. `excess` belongs to the sway if that makes the peaks.
+/// Splits the variances of PBC and BTC. The noise has what is left if the model is known, and the base motion with it.
+/// The base motion has what its size leaves open, and the square of the distance between models with and without it.
+/// Models that disagree have the rest. `excess` belongs to the base motion if that makes the peaks.
 fn sources(models: &[Weighed], variances: [f64; 2], excess: [f64; 2]) -> Sources {
-    let sway_probability = sway_probability(models);
+    let probability = base_motion_probability(models);
     let sum = |of: &dyn Fn(&Weighed) -> f64| models.iter().map(|model| model.weight * of(model)).sum::<f64>();
-    let sways = |model: &Weighed| f64::from(u8::from(model.hypothesis.sway_hz.is_some()));
+    let moves = |model: &Weighed| f64::from(u8::from(model.hypothesis.motion_hz.is_some()));
     let both = [0, 1].map(|k| {
         // of groups of weights w and 1 − w: w (1 − w) times the distance of their means
-        let apart = sum(&|model| (sways(model) - sway_probability) * model.posterior.bias[k]);
-        let product = sway_probability * (1.0 - sway_probability);
+        let apart = sum(&|model| (moves(model) - probability) * model.posterior.bias[k]);
+        let product = probability * (1.0 - probability);
         let between = if product > 0.0 { apart * apart / product } else { 0.0 };
-        let from_sway = sum(&|model| model.posterior.from_sway[k]);
-        let noise = sum(&|model| model.posterior.covariance[k][k]) - from_sway;
-        let (sway, models) = (from_sway + between, variances[k] - noise - from_sway - between);
-        let parts = if sway_probability > SWAY_PEAK { [models, sway + excess[k]] } else { [models + excess[k], sway] };
+        let from_motion = sum(&|model| model.posterior.from_motion[k]);
+        let noise = sum(&|model| model.posterior.covariance[k][k]) - from_motion;
+        let (motion, models) = (from_motion + between, variances[k] - noise - from_motion - between);
+        let parts =
+            if probability > MOTION_PEAK { [models, motion + excess[k]] } else { [models + excess[k], motion] };
         parts.map(|variance| libm::sqrt(variance.max(0.0)))
     });
-    Sources { u_models: both.map(|[models, _]| models), u_sway: both.map(|[_, sway]| sway), sway_probability }
+    let (u_models, u_base_motion) = (both.map(|[models, _]| models), both.map(|[_, motion]| motion));
+    Sources { u_models, u_base_motion, base_motion_probability: probability }
 }
 
 /// The steps that are more likely there than not, with their mean sizes.
@@ -451,13 +453,13 @@ fn steps(record: &Record<'_>, models: &[Weighed]) -> [Option<Step>; MOST_STEPS] 
     core::array::from_fn(|index| if index < record.steps_s.len() { step(index) } else { None })
 }
 
-/// The sway of the most likely model that has one, if a sway is more likely there than not.
-fn sway(models: &[Weighed]) -> Option<Sway> {
-    let with = || models.iter().filter_map(|model| Some((model, model.hypothesis.sway_hz?)));
+/// The base motion of the most likely model that has one, if that is more likely there than not.
+fn base_motion(models: &[Weighed]) -> Option<BaseMotion> {
+    let with = || models.iter().filter_map(|model| Some((model, model.hypothesis.motion_hz?)));
     let weight: f64 = with().map(|(model, _)| model.weight).sum();
     let (model, hz) = with().max_by(|a, b| a.0.weight.total_cmp(&b.0.weight))?;
-    let [sine_dps, cosine_dps] = model.posterior.sway_dps;
-    (weight > 0.5).then_some(Sway { hz, sine_dps, cosine_dps })
+    let [sine_dps, cosine_dps] = model.posterior.motion_dps;
+    (weight > 0.5).then_some(BaseMotion { hz, sine_dps, cosine_dps })
 }
 
 impl BiasCurve {

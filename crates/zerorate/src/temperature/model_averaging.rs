@@ -1,9 +1,9 @@
 //! Averaging over all combinations of unknowns that are not coefficients: the strength of the slow noises, the lag and
 //! the play of the bias, and the steps that are really there. Only combinations that matter are kept.
 
+use super::base_motion::{self, Candidate};
 use super::filter::{Filter, White};
 use super::posterior::{Columns, Posterior, Record};
-use super::sway::{self, Swaying};
 use super::{Assumed, Following, Noise};
 use crate::noise::NoiseModel;
 use crate::part::Axis;
@@ -43,8 +43,8 @@ pub(super) struct Hypothesis {
     pub(super) following: Following,
     /// Number of steps that are there, the strongest first.
     pub(super) steps: usize,
-    /// The platform sways at this frequency, Hz.
-    pub(super) sway_hz: Option<f64>,
+    /// Frequency of the base motion, Hz, if there is one.
+    pub(super) motion_hz: Option<f64>,
     log_prior: f64,
 }
 
@@ -96,12 +96,12 @@ fn score(model: &Weighed) -> f64 {
     model.posterior.log_evidence + model.hypothesis.log_prior
 }
 
-/// A hypothesis about the temperature that the bias follows, the number of steps, and the sway of the platform.
+/// A hypothesis about the temperature that the bias follows, the number of steps, and the base motion.
 #[derive(Clone, Copy, Debug, Default)]
 struct Path {
     following: Following,
     steps: usize,
-    sway: Option<Swaying>,
+    motion: Option<Candidate>,
     /// Logarithm of the number of plays that share the place of one.
     log_finer: f64,
 }
@@ -114,7 +114,7 @@ struct Lattice<'a> {
     gauss_markov: &'a [(f64, f64)],
     paths: Vec<Path>,
     lags: usize,
-    sways_hz: &'a [f64],
+    motions_hz: &'a [f64],
 }
 
 impl<'a> Lattice<'a> {
@@ -136,7 +136,7 @@ impl<'a> Lattice<'a> {
                 .flat_map(|following| (0..=steps).map(move |steps| Path { following, steps, ..Path::default() }))
                 .collect(),
             lags: lags.len(),
-            sways_hz: assumed.sways_hz,
+            motions_hz: assumed.motions_hz,
         }
     }
 
@@ -146,8 +146,8 @@ impl<'a> Lattice<'a> {
         let still: Vec<(f64, Path)> =
             self.paths.iter().map(|path| (self.score(&filter, noise, path), *path)).collect();
         let still = self.finer_plays(&filter, noise, still);
-        let swaying = self.swaying_paths(&filter, noise, &still);
-        relevant_families(still, swaying)
+        let with_motion = self.paths_with_motion(&filter, noise, &still);
+        relevant_families(still, with_motion)
     }
 
     /// Adds finer plays about the best path if its neighbours explain much less. A wide play between two of the
@@ -176,37 +176,37 @@ impl<'a> Lattice<'a> {
         scored
     }
 
-    /// The paths with a sway, with their scores, beside those without: first the sways that explain most on any path,
-    /// at the frequencies that matter there, and then all paths with these. None if no sway matters.
-    fn swaying_paths(&self, filter: &Filter, noise: (i32, i32), still: &[(f64, Path)]) -> Vec<(f64, Path)> {
-        let coarse = self.with_sways(filter, noise, &self.paths, &sway::of(self.sways_hz));
+    /// The paths with a base motion, with their scores, beside those without: first the base motions that explain most
+    /// on any path, at the frequencies that matter there, and then all paths with these. None if none matters.
+    fn paths_with_motion(&self, filter: &Filter, noise: (i32, i32), still: &[(f64, Path)]) -> Vec<(f64, Path)> {
+        let coarse = self.paired(filter, noise, &self.paths, &base_motion::of(self.motions_hz));
         let Some(best) = coarse.iter().copied().max_by(|a, b| a.0.total_cmp(&b.0)) else { return Vec::new() };
         if evidence(&coarse) < evidence(still) - NEGLIGIBLE {
             return Vec::new();
         }
         let on_best = |hz: &[f64]| -> Vec<f64> {
-            let sways: Vec<Swaying> = hz.iter().map(|hz| Swaying { hz: *hz, log_prior: 0.0 }).collect();
-            self.with_sways(filter, noise, &[best.1], &sways).into_iter().map(|(score, _)| score).collect()
+            let motions: Vec<Candidate> = hz.iter().map(|hz| Candidate { hz: *hz, log_prior: 0.0 }).collect();
+            self.paired(filter, noise, &[best.1], &motions).into_iter().map(|(score, _)| score).collect()
         };
-        let refined = sway::of(&sway::refined(self.sways_hz, on_best));
-        let finer = relevant(self.with_sways(filter, noise, &[best.1], &refined));
-        let sways: Vec<Swaying> = finer.iter().filter_map(|path| path.sway).collect();
-        let paths = relevant(self.with_sways(filter, noise, &self.paths, &sways[..sways.len().min(1)]));
-        self.with_sways(filter, noise, &paths, &sways)
+        let refined = base_motion::of(&base_motion::refined(self.motions_hz, on_best));
+        let finer = relevant(self.paired(filter, noise, &[best.1], &refined));
+        let motions: Vec<Candidate> = finer.iter().filter_map(|path| path.motion).collect();
+        let paths = relevant(self.paired(filter, noise, &self.paths, &motions[..motions.len().min(1)]));
+        self.paired(filter, noise, &paths, &motions)
     }
 
-    /// Each of the paths with each of the sways.
-    fn with_sways(&self, filter: &Filter, noise: (i32, i32), paths: &[Path], sways: &[Swaying]) -> Vec<(f64, Path)> {
-        let whites: Vec<[White; 2]> = sways.iter().map(|sway| self.record.sway(filter, sway.hz)).collect();
+    /// Each of the paths with each of the base motions.
+    fn paired(&self, filter: &Filter, noise: (i32, i32), paths: &[Path], motions: &[Candidate]) -> Vec<(f64, Path)> {
+        let whites: Vec<[White; 2]> = motions.iter().map(|motion| self.record.motion(filter, motion.hz)).collect();
         let with = |path: &Path| -> Vec<(f64, Path)> {
             let columns = self.record.columns(filter, path.following, path.steps);
-            let one = |(sway, white): (&Swaying, &[White; 2])| {
-                let path = Path { sway: Some(*sway), ..*path };
+            let one = |(motion, white): (&Candidate, &[White; 2])| {
+                let path = Path { motion: Some(*motion), ..*path };
                 (self.score_of(filter, noise, &path, &columns, white), path)
             };
-            sways.iter().zip(&whites).map(one).collect()
+            motions.iter().zip(&whites).map(one).collect()
         };
-        if sways.is_empty() { Vec::new() } else { paths.iter().flat_map(with).collect() }
+        if motions.is_empty() { Vec::new() } else { paths.iter().flat_map(with).collect() }
     }
 
     /// The noises that matter on a path, the best first: uphill from the middle to the best, and from there outwards
@@ -238,24 +238,24 @@ impl<'a> Lattice<'a> {
 
     fn score(&self, filter: &Filter, noise: (i32, i32), path: &Path) -> f64 {
         let columns = self.record.columns(filter, path.following, path.steps);
-        let sway = path.sway.map(|sway| self.record.sway(filter, sway.hz));
-        self.score_of(filter, noise, path, &columns, sway.as_ref().map_or(&[], |sway| &sway[..]))
+        let motion = path.motion.map(|motion| self.record.motion(filter, motion.hz));
+        self.score_of(filter, noise, path, &columns, motion.as_ref().map_or(&[], |motion| &motion[..]))
     }
 
     /// The score of whitened columns.
-    fn score_of(&self, filter: &Filter, noise: (i32, i32), path: &Path, columns: &Columns, sway: &[White]) -> f64 {
+    fn score_of(&self, filter: &Filter, noise: (i32, i32), path: &Path, columns: &Columns, motion: &[White]) -> f64 {
         let log_prior = self.log_prior(noise, path);
-        let evidences = self.record.log_evidences(filter, columns, sway).into_iter();
+        let evidences = self.record.log_evidences(filter, columns, motion).into_iter();
         log_sum(&evidences.map(|log_evidence| log_evidence + log_prior).collect::<Vec<f64>>())
     }
 
     /// The models of all orders.
     fn models(&self, filter: &Filter, noise: (i32, i32), path: &Path) -> impl Iterator<Item = Weighed> + use<> {
         let columns = self.record.columns(filter, path.following, path.steps);
-        let sway = path.sway.map(|sway| self.record.sway(filter, sway.hz));
-        let sway = sway.as_ref().map_or(&[][..], |sway| &sway[..]);
+        let motion = path.motion.map(|motion| self.record.motion(filter, motion.hz));
+        let motion = motion.as_ref().map_or(&[][..], |motion| &motion[..]);
         let hypothesis = self.hypothesis(noise, path);
-        let posteriors = self.record.posteriors(filter, &columns, sway).into_iter();
+        let posteriors = self.record.posteriors(filter, &columns, motion).into_iter();
         posteriors.map(move |posterior| Weighed { weight: 0.0, hypothesis: hypothesis.clone(), posterior })
     }
 
@@ -269,8 +269,8 @@ impl<'a> Lattice<'a> {
     }
 
     fn hypothesis(&self, noise: (i32, i32), path: &Path) -> Hypothesis {
-        let (sway_hz, log_prior) = (path.sway.map(|sway| sway.hz), self.log_prior(noise, path));
-        Hypothesis { noise: self.noise(noise), following: path.following, steps: path.steps, sway_hz, log_prior }
+        let (motion_hz, log_prior) = (path.motion.map(|motion| motion.hz), self.log_prior(noise, path));
+        Hypothesis { noise: self.noise(noise), following: path.following, steps: path.steps, motion_hz, log_prior }
     }
 
     fn log_prior(&self, (b, k): (i32, i32), path: &Path) -> f64 {
@@ -281,8 +281,8 @@ impl<'a> Lattice<'a> {
         let late = if path.following.lag_s > 0.0 { 0.5 / (self.lags - 1) as f64 } else { 0.5 };
         let step = libm::log(STEP_PROBABILITY / self.record.blocks.len() as f64);
         let noise = off(b, B_RATIO, self.spread[0]) + off(k, K_RATIO, self.spread[1]);
-        let swaying = path.sway.map_or(0.0, |sway| sway.log_prior);
-        noise + libm::log(late) + step * path.steps as f64 + swaying - path.log_finer
+        let moving = path.motion.map_or(0.0, |motion| motion.log_prior);
+        noise + libm::log(late) + step * path.steps as f64 + moving - path.log_finer
     }
 }
 

@@ -23,13 +23,13 @@ pub(super) struct Posterior {
     pub(super) covariance: [Powers; TERMS],
     /// Size and variance of each step.
     pub(super) steps: Vec<(f64, f64)>,
-    /// Sine and cosine of the sway, °/s. They are zero if the model has none.
-    pub(super) sway_dps: [f64; 2],
-    /// Part of the variance of each coefficient that would be gone if the sway were known.
-    pub(super) from_sway: Powers,
+    /// Sine and cosine of the base motion, °/s. They are zero if the model has none.
+    pub(super) motion_dps: [f64; 2],
+    /// Part of the variance of each coefficient that would be gone if the base motion were known.
+    pub(super) from_motion: Powers,
 }
 
-/// The columns of a path without its sway, whitened.
+/// The columns of a path without its base motion, whitened.
 pub(super) struct Columns {
     whites: Whites,
     held: Held,
@@ -55,30 +55,30 @@ const STEP_DPS: f64 = 0.05;
 struct Spread {
     /// The bend of the bias over temperature, as a ratio of the typical one.
     bend: f64,
-    /// The sine and the cosine of a sway, °/s.
-    sway_dps: f64,
+    /// The sine and the cosine of a base motion, °/s.
+    motion_dps: f64,
     /// Logarithm of the probability of this spread.
     log_share: f64,
 }
 
 /// Bends, as ratios of the typical one, and the shares of units with such a bend, the typical one last. Without the
-/// strong bends a slow sway would explain them better.
+/// strong bends a slow base motion would explain them better.
 const BENDS: [(f64, f64); 2] = [(8.0, 0.1), (1.0, 0.9)];
-/// Sizes of a sway, °/s. A small one is as likely as a large one. Without the small ones the random walk of the part
-/// would explain them better.
-const SWAYS_DPS: [f64; 3] = [0.01, 0.03, 0.1];
+/// Sizes of a base motion, °/s. Small and large ones are equally likely. Without small ones the random walk of
+/// the part would explain them better.
+const BASE_MOTIONS_DPS: [f64; 3] = [0.01, 0.03, 0.1];
 
-/// The spreads that are tried for the columns of an order, with a sway or without.
-fn spreads(order: usize, has_sway: bool) -> impl Iterator<Item = Spread> {
+/// The spreads that are tried for the columns of an order, with a base motion or without.
+fn spreads(order: usize, has_motion: bool) -> impl Iterator<Item = Spread> {
     let bends = if order < 2 { &[(1.0, 1.0)][..] } else { &BENDS };
-    let sways_dps = if has_sway { &SWAYS_DPS[..] } else { &[1.0] };
-    let count = sways_dps.len() as f64;
-    let spread = move |&(bend, share): &(f64, f64), sway_dps: f64| Spread {
+    let motions_dps = if has_motion { &BASE_MOTIONS_DPS[..] } else { &[1.0] };
+    let count = motions_dps.len() as f64;
+    let spread = move |&(bend, share): &(f64, f64), motion_dps: f64| Spread {
         bend,
-        sway_dps,
+        motion_dps,
         log_share: libm::log(share / count),
     };
-    bends.iter().flat_map(move |bend| sways_dps.iter().map(move |sway_dps| spread(bend, *sway_dps)))
+    bends.iter().flat_map(move |bend| motions_dps.iter().map(move |motion_dps| spread(bend, *motion_dps)))
 }
 
 impl Record<'_> {
@@ -104,32 +104,32 @@ impl Record<'_> {
         Columns { whites: filter.whites(&series), held, steps }
     }
 
-    /// The columns of a sway: its sine and its cosine.
-    pub(super) fn sway(&self, filter: &Filter, hz: f64) -> [White; 2] {
+    /// The columns of a base motion: its sine and its cosine.
+    pub(super) fn motion(&self, filter: &Filter, hz: f64) -> [White; 2] {
         [libm::sin, libm::cos].map(|wave| {
             let at = |block: &Block| wave(2.0 * PI * hz * block.middle_s());
             filter.whiten(&self.blocks.iter().map(at).collect::<Vec<f64>>())
         })
     }
 
-    /// The posteriors of all orders, with these columns of a sway.
-    pub(super) fn posteriors(&self, filter: &Filter, columns: &Columns, sway: &[White]) -> Vec<Posterior> {
-        let Some(filtered) = filter.filtered(&columns.whites, sway) else { return Vec::new() };
+    /// The posteriors of all orders, with these columns of a base motion.
+    pub(super) fn posteriors(&self, filter: &Filter, columns: &Columns, motion: &[White]) -> Vec<Posterior> {
+        let Some(filtered) = filter.filtered(&columns.whites, motion) else { return Vec::new() };
         let constants = self.constants(&filtered, columns.steps, columns.held);
         self.all_solved(&filtered, columns.steps).map(|solved| solved.posterior(&filtered, &constants)).collect()
     }
 
     /// The logarithms of the evidence of all orders alone.
-    pub(super) fn log_evidences(&self, filter: &Filter, columns: &Columns, sway: &[White]) -> Vec<f64> {
-        let Some(filtered) = filter.filtered(&columns.whites, sway) else { return Vec::new() };
+    pub(super) fn log_evidences(&self, filter: &Filter, columns: &Columns, motion: &[White]) -> Vec<f64> {
+        let Some(filtered) = filter.filtered(&columns.whites, motion) else { return Vec::new() };
         self.all_solved(&filtered, columns.steps).map(|solved| solved.log_evidence).collect()
     }
 
     /// Solves all orders, each with all spreads of its columns.
     fn all_solved(&self, filtered: &Filtered, steps: usize) -> impl Iterator<Item = Solved> {
-        let has_sway = filtered.gram.len() > self.max_order + 2 + steps;
+        let has_motion = filtered.gram.len() > self.max_order + 2 + steps;
         let all =
-            (0..=self.max_order).flat_map(move |order| spreads(order, has_sway).map(move |spread| (order, spread)));
+            (0..=self.max_order).flat_map(move |order| spreads(order, has_motion).map(move |spread| (order, spread)));
         all.filter_map(move |(order, spread)| self.solved(order, spread, filtered, steps))
     }
 
@@ -142,7 +142,7 @@ impl Record<'_> {
             powers
         };
         let steps = (0..steps).map(|_| [1.0, 0.0, 0.0, 0.0]);
-        // a sway is motion, and does not belong to the bias
+        // base motion does not belong to the bias
         let columns = (0..=self.max_order).map(polynomial).chain(steps).chain(core::iter::repeat([0.0; TERMS]));
         let less_walk = |(mut powers, walk): (Powers, &f64)| {
             powers[0] -= walk;
@@ -161,7 +161,7 @@ impl Record<'_> {
                 1.0 / (prior_dps * prior_dps)
             }
             column if column <= self.max_order + steps => 1.0 / (STEP_DPS * STEP_DPS),
-            _ => 1.0 / (spread.sway_dps * spread.sway_dps),
+            _ => 1.0 / (spread.motion_dps * spread.motion_dps),
         };
         let gram = |row: usize, column: usize| filtered.gram[row.max(column)][row.min(column)];
         let information = |(i, row): (usize, &usize)| {
@@ -205,22 +205,22 @@ impl Solved {
                 }
             }
         }
-        let (sways, steps) = (order + 1 + steps, (order + 1..order + 1 + steps).map(|k| (sizes[k], inverse[k][k])));
-        let sway_dps = core::array::from_fn(|k| sizes.get(sways + k).copied().unwrap_or(0.0));
-        let from_sway = from_sway(&inverse, sways, |column| constants[columns[column]]);
-        Posterior { order, log_evidence, bias, covariance, steps: steps.collect(), sway_dps, from_sway }
+        let (motions, steps) = (order + 1 + steps, (order + 1..order + 1 + steps).map(|k| (sizes[k], inverse[k][k])));
+        let motion_dps = core::array::from_fn(|k| sizes.get(motions + k).copied().unwrap_or(0.0));
+        let from_motion = from_motion(&inverse, motions, |column| constants[columns[column]]);
+        Posterior { order, log_evidence, bias, covariance, steps: steps.collect(), motion_dps, from_motion }
     }
 }
 
-/// Variances that the columns from `sways` on explain: c · S⁻¹ · c. S is the covariance of these columns, and c is
+/// Variances that the columns from `motions` on explain: c · S⁻¹ · c. S is the covariance of these columns, and c is
 /// that of a coefficient with them.
-fn from_sway(inverse: &[Vec<f64>], sways: usize, constants: impl Fn(usize) -> Powers) -> Powers {
-    let own = (sways..inverse.len()).map(|row| inverse[row][sways..=row].to_vec()).collect();
+fn from_motion(inverse: &[Vec<f64>], motions: usize, constants: impl Fn(usize) -> Powers) -> Powers {
+    let own = (motions..inverse.len()).map(|row| inverse[row][motions..=row].to_vec()).collect();
     let Some(own) = whitener(own) else { return [0.0; TERMS] };
-    let with = |k: usize, sway: usize| {
-        inverse.iter().enumerate().map(|(column, row)| constants(column)[k] * row[sway]).sum::<f64>()
+    let with = |k: usize, motion: usize| {
+        inverse.iter().enumerate().map(|(column, row)| constants(column)[k] * row[motion]).sum::<f64>()
     };
-    core::array::from_fn(|k| own.whiten((sways..inverse.len()).map(|sway| with(k, sway))).iter().map(|x| x * x).sum())
+    core::array::from_fn(|k| own.whiten((motions..inverse.len()).map(|row| with(k, row))).iter().map(|x| x * x).sum())
 }
 
 fn unit(index: usize, length: usize) -> Vec<f64> {

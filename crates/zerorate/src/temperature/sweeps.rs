@@ -1,8 +1,8 @@
-//! The temperatures that a recording passed while it warmed, and while it cooled.
+//! The sweeps of the temperature: what a recording passed while it warmed, and while it cooled.
 
 use alloc::vec::Vec;
 
-/// Share of the whole span below which a change of direction is a wiggle within a leg. A wiggle is too short to show
+/// Share of the whole span below which a change of direction is a wiggle within a sweep. A wiggle is too short to show
 /// the other branch of a hysteresis.
 const WIGGLE: f64 = 0.125;
 
@@ -13,26 +13,27 @@ type Range = (f64, f64);
 /// in one direction counts once.
 pub(crate) fn covered_c(temps_c: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
     let (low_c, high_c) = temps_c.clone().fold(EMPTY, |(low, high), c| (low.min(c), high.max(c)));
-    let mut legs = Legs { wiggle_c: WIGGLE * (high_c - low_c), seen: EMPTY, rising: None, ranges: Default::default() };
-    temps_c.for_each(|temp_c| legs.push(temp_c));
-    legs.end();
-    let [rises, falls] = legs.ranges;
+    let wiggle_c = WIGGLE * (high_c - low_c);
+    let mut sweeps = TemperatureSweeps { wiggle_c, seen: EMPTY, rising: None, ranges: Default::default() };
+    temps_c.for_each(|temp_c| sweeps.push(temp_c));
+    sweeps.end();
+    let [rises, falls] = sweeps.ranges;
     (length(rises), length(falls))
 }
 
 const EMPTY: Range = (f64::INFINITY, f64::NEG_INFINITY);
 
-struct Legs {
+struct TemperatureSweeps {
     wiggle_c: f64,
-    /// Range of the present leg.
+    /// Range of the present sweep.
     seen: Range,
-    /// The direction of the present leg, once it is known.
+    /// The direction of the present sweep, once it is known.
     rising: Option<bool>,
-    /// Ranges of the rising legs, and of the falling ones.
+    /// Ranges of the rising sweeps, and of the falling ones.
     ranges: [Vec<Range>; 2],
 }
 
-impl Legs {
+impl TemperatureSweeps {
     fn push(&mut self, temp_c: f64) {
         let (low_c, high_c) = self.seen;
         let (risen, fallen) = (temp_c - low_c > self.wiggle_c, high_c - temp_c > self.wiggle_c);
@@ -45,7 +46,7 @@ impl Legs {
         self.seen = (self.seen.0.min(temp_c), self.seen.1.max(temp_c));
     }
 
-    /// A leg in the other direction has begun at the last turning point.
+    /// A sweep in the other direction has begun at the last turning point.
     fn turn(&mut self, begun: Range) {
         self.end();
         self.rising = self.rising.map(|rising| !rising);

@@ -7,7 +7,15 @@ use alloc::vec;
 const AXIS: Axis = Axis::ADIS16130;
 
 fn assumed(steps_s: &[f64], t3_c: f64) -> Assumed<'_> {
-    Assumed { axis: &AXIS, white_dps_per_rt_hz: 0.0125, gauss_markov: &[], steps_s, sways_hz: &[], max_order: 3, t3_c }
+    Assumed {
+        axis: &AXIS,
+        white_dps_per_rt_hz: 0.0125,
+        gauss_markov: &[],
+        steps_s,
+        motions_hz: &[],
+        max_order: 3,
+        t3_c,
+    }
 }
 
 /// The hour of a twin in blocks of 2 s, and its truth at the end.

@@ -5,7 +5,7 @@
 use adis16130_twin::{Means, Spec};
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
-use zerorate::noise::{NoiseModel, Window};
+use zerorate::noise::{NoiseModel, WeightedMean};
 use zerorate::track::{BLOCK_S, Prior, Tracker, TrackerConfig};
 use zerorate::{Axis, Correction};
 
@@ -199,7 +199,7 @@ impl Unit {
 fn stated([t1_c, t2_c, t3_c]: [f64; 3], drift_dps: f64) -> Prior {
     let axis = Axis::ADIS16130;
     let (noise, bias) = (axis.typical_noise(), axis.bias);
-    let window = |start_s, end_s, weight| Window { start_s, end_s, weight };
+    let window = |start_s, end_s, weight| WeightedMean { start_s, end_s, weight };
     let change = [window(0.0, 10.0, -1.0), window(610.0, 620.0, 1.0)];
     let level = noise.without_random_walk().sd(&[window(0.0, 150.0, 1.0)]);
     let walk = walked(&noise, 150.0);

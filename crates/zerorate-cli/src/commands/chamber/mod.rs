@@ -18,7 +18,7 @@ use exit_message::ExitMessage;
 use std::path::PathBuf;
 use std::time::Duration;
 use zerorate::chamber::{ChamberProgress, Step, StepEnd};
-use zerorate::{EARTH_DPS, Names};
+use zerorate::{EARTH_DPS, SettingNames};
 use zerorate_host::{AmbientProfile, ChamberCommands, ChamberSpec, Setup, SimulatedChamber};
 use zerorate_jobs::JobWarning;
 use zerorate_jobs::calibrate::Kept;
@@ -277,7 +277,7 @@ impl Watch for Looking {
         }
     }
 
-    fn names(&self) -> Names {
+    fn names(&self) -> SettingNames {
         flag
     }
 }

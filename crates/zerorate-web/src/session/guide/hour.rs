@@ -5,7 +5,7 @@ use crate::message::{CalibrateCommand, Known, MethodName, Step};
 use zerorate::calibration::Origin;
 use zerorate::health::resonance;
 use zerorate::{
-    Action, AxisRefusal, Calibration, Event, Method, Outcome, Part, PartProcedure, Plan, Reached, Say, Scan, State,
+    Action, AxisRefusal, Calibration, Event, Method, Outcome, Part, PartProcedure, Plan, Reached, Scan, State, Wording,
 };
 
 /// Time from which on a recording can be finished, s of part time.
@@ -14,7 +14,7 @@ const FINISH_FROM_S: f64 = 60.0;
 #[derive(Debug)]
 pub struct Hour {
     procedure: PartProcedure,
-    threats: Vec<String>,
+    pending_refusals: Vec<String>,
     /// The result of a recording that ended at `reached_s`, or why it would be refused.
     reached: Option<Result<Reached, String>>,
     reached_s: f64,
@@ -24,7 +24,7 @@ impl Hour {
     pub fn new(command: &CalibrateCommand, part: &Part, earth_dps: Option<f64>) -> Result<Self, String> {
         let plan = plan(command, earth_dps);
         let procedure = PartProcedure::new(part, plan).map_err(|error| error.with(label).to_string())?;
-        Ok(Self { procedure, threats: Vec::new(), reached: None, reached_s: 0.0 })
+        Ok(Self { procedure, pending_refusals: Vec::new(), reached: None, reached_s: 0.0 })
     }
 
     fn handle(&mut self, event: Event<'_, Scan>) -> Result<(), String> {
@@ -69,11 +69,11 @@ impl GuidedMethod for Hour {
             let reached = self.procedure.reached();
             self.reached = reached.map(|reached| reached.map_err(|refusal| worded(&refusal)));
         }
-        let mut threats: Vec<String> = self.procedure.threats().map(|refusal| worded(&refusal)).collect();
-        if let Some(Err(refused)) = self.reached.as_ref().filter(|_| threats.is_empty()) {
-            threats.push(refused.clone());
+        let mut refusals: Vec<String> = self.procedure.pending_refusals().map(|refusal| worded(&refusal)).collect();
+        if let Some(Err(refused)) = self.reached.as_ref().filter(|_| refusals.is_empty()) {
+            refusals.push(refused.clone());
         }
-        self.threats = threats;
+        self.pending_refusals = refusals;
     }
 
     fn stage(&self, temps_c: Option<[f64; 4]>) -> Stage {
@@ -87,14 +87,14 @@ impl GuidedMethod for Hour {
             elapsed_s: progress.elapsed_s,
             left_s: (progress.total_s - progress.elapsed_s).max(0.0),
             advice: self.advice(progress.state, temps_c),
-            threats: self.threats.clone(),
+            pending_refusals: self.pending_refusals.clone(),
             known: reached.map(|&Reached { u_pbc_dps, u_btc_dps_per_c, .. }| Known {
                 at_s: self.reached_s,
                 u_pbc_dps,
                 u_btc_dps_per_c,
             }),
             can_finish: progress.state == State::Recording && progress.elapsed_s > FINISH_FROM_S,
-            is_enough: self.threats.is_empty() && reached.is_some_and(has_settled),
+            is_enough: self.pending_refusals.is_empty() && reached.is_some_and(has_settled),
         }
     }
 

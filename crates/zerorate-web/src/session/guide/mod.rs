@@ -13,7 +13,7 @@ use adis16130_twin::Truth;
 use chamber::ByHand;
 use hour::Hour;
 use zerorate::calibration::Origin;
-use zerorate::{Calibration, Correction, EARTH_DPS, Part, Say, Scan, Setting, Tally, Warning};
+use zerorate::{Calibration, Correction, EARTH_DPS, Part, Scan, Setting, Tally, Warning, Wording};
 use zerorate_record::{CaptureInfo, Row, SampleHash};
 
 /// Time between two looks at what would be refused, s of part time.
@@ -50,7 +50,7 @@ struct Stage {
     elapsed_s: f64,
     left_s: f64,
     advice: String,
-    threats: Vec<String>,
+    pending_refusals: Vec<String>,
     known: Option<Known>,
     can_finish: bool,
     is_enough: bool,
@@ -140,7 +140,7 @@ impl Guide {
     }
 
     pub fn shown(&self) -> Calibrating {
-        let Stage { steps, elapsed_s, left_s, advice, threats, known, can_finish, is_enough } =
+        let Stage { steps, elapsed_s, left_s, advice, pending_refusals, known, can_finish, is_enough } =
             self.way.stage(self.temps_c);
         Calibrating::Running(Running {
             method: self.method,
@@ -148,7 +148,7 @@ impl Guide {
             elapsed_s,
             left_s,
             advice,
-            threats,
+            pending_refusals,
             temps_c: self.temps_c,
             known,
             can_finish,

@@ -1,4 +1,4 @@
-//! The memory of the procedure for its samples, and the summaries that it takes from it.
+//! Sums over the samples of each window of the procedure, and their summaries.
 
 use crate::health::Judged;
 use crate::health::block_means::Adjacent;
@@ -6,10 +6,11 @@ use crate::health::stationarity::Verdict;
 use crate::part::Axis;
 use crate::plan::{STATES, State};
 
-/// Keeps the samples of each step, as sums over blocks ([`Blocks`](super::blocks::Blocks)), or as much as fits into
-/// fixed memory ([`Running`](super::running::Running)). Times count from the start of the procedure.
-pub trait Ledger: Clone + core::fmt::Debug {
-    /// Makes an empty ledger for readings of this axis.
+/// Sums over the windows of the procedure, one window for each step: over all blocks ([`Blocks`](super::blocks::Blocks)),
+/// or as many as fit into fixed memory ([`Running`](super::running::Running)). Times count from the start of the
+/// procedure.
+pub trait WindowSums: Clone + core::fmt::Debug {
+    /// Makes empty sums for readings of this axis.
     fn new(axis: &Axis) -> Self;
 
     /// Begins a step.
@@ -42,7 +43,7 @@ pub struct Summary {
     pub(crate) lost: u64,
     pub(crate) overranged: u64,
     /// Readings that are impossible. No sum includes them.
-    pub(crate) spoilt: u64,
+    pub(crate) faulty: u64,
     /// Mean rate, °/s: the exact sum of the codes, divided once.
     pub(crate) rate_dps: Option<f64>,
     /// Mean temperature, °C.
@@ -66,18 +67,18 @@ pub(crate) mod tests {
     pub(crate) const RISE_C_PER_S: f64 = 0.5;
 
     /// A step of 11 s that begins at 3 s, in which the temperature rises.
-    pub(crate) fn rising<L: Ledger>(axis: &Axis, state: State) -> L {
+    pub(crate) fn rising<S: WindowSums>(axis: &Axis, state: State) -> S {
         let (start_ns, end_ns) = (3_000_000_000, 14_000_000_000);
-        let mut ledger = L::new(axis);
-        ledger.open(state, start_ns, end_ns);
+        let mut sums = S::new(axis);
+        sums.open(state, start_ns, end_ns);
         for seq in 0..1100_u32 {
             let t_ns = start_ns + u64::from(seq) * 10_000_000;
             let temp_c = 25.0 + 0.01 * RISE_C_PER_S * f64::from(seq);
             let temp = Some((axis.temp.nearest_code(temp_c) - axis.temp.zero_code) as i32);
             let reading = Reading { t_ns, seq, rate: 0, temp, out_of_range: false, lost: 0 };
-            ledger.push(state, t_ns, &Judged { reading, flags: Flags::default() });
+            sums.push(state, t_ns, &Judged { reading, flags: Flags::default() });
         }
-        ledger.close(state, end_ns);
-        ledger
+        sums.close(state, end_ns);
+        sums
     }
 }

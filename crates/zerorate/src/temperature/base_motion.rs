@@ -1,9 +1,9 @@
-//! Sways of the platform as models: the frequencies that are tried, and their prior probabilities.
+//! Base motions as models: the frequencies that are tried, and their prior probabilities.
 
 use alloc::vec::Vec;
 
-/// Prior odds that a platform sways: it is as rare as a step. Less than a turn looks like a level, so likelier sways
-/// would widen PBC of a platform that stands still beyond its error.
+/// Prior odds of a base motion: it is as rare as a step. Less than a cycle looks like a level, so a larger prior would
+/// widen PBC of a base that stands still beyond its error.
 const ODDS: f64 = 0.02;
 /// Difference of the logarithms of the evidence of two frequencies above which another one between them is tried.
 const COARSE: f64 = 1.0;
@@ -14,27 +14,27 @@ const MOST: usize = 96;
 /// Ratio, less 1, below which neighbours are the same frequency.
 const FINEST: f64 = 1e-4;
 
-/// A frequency, and the logarithm of the prior probability of a sway about it.
+/// A frequency, and the logarithm of the prior probability of a base motion about it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Swaying {
+pub(super) struct Candidate {
     pub(super) hz: f64,
     pub(super) log_prior: f64,
 }
 
 /// The frequencies in rising order with their probabilities: all logarithms of frequencies are equally likely, and
 /// each frequency stands for its neighbourhood.
-pub(super) fn of(sways_hz: &[f64]) -> Vec<Swaying> {
-    let (Some(first), Some(last)) = (sways_hz.first(), sways_hz.last()) else { return Vec::new() };
+pub(super) fn of(all_hz: &[f64]) -> Vec<Candidate> {
+    let (Some(first), Some(last)) = (all_hz.first(), all_hz.last()) else { return Vec::new() };
     let range = libm::log(last / first).max(f64::MIN_POSITIVE);
-    let border = |k: usize| libm::log(sways_hz[k.min(sways_hz.len() - 1)] / sways_hz[k.saturating_sub(1)]) / 2.0;
+    let border = |k: usize| libm::log(all_hz[k.min(all_hz.len() - 1)] / all_hz[k.saturating_sub(1)]) / 2.0;
     let share = |k: usize| (border(k) + border(k + 1)) / range;
-    let swaying = |(k, hz): (usize, &f64)| Swaying { hz: *hz, log_prior: libm::log(ODDS * share(k)) };
-    sways_hz.iter().enumerate().map(swaying).collect()
+    let weighted = |(k, hz): (usize, &f64)| Candidate { hz: *hz, log_prior: libm::log(ODDS * share(k)) };
+    all_hz.iter().enumerate().map(weighted).collect()
 }
 
 /// The frequencies, and more of them where the evidence, of which `score` gives the logarithms, changes fast.
-pub(super) fn refined(sways_hz: &[f64], score: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
-    let mut known: Vec<(f64, f64)> = sways_hz.iter().copied().zip(score(sways_hz)).collect();
+pub(super) fn refined(all_hz: &[f64], score: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
+    let mut known: Vec<(f64, f64)> = all_hz.iter().copied().zip(score(all_hz)).collect();
     while known.len() < MOST {
         let best = known.iter().map(|(_, score)| *score).fold(f64::NEG_INFINITY, f64::max);
         let is_coarse = |k: usize| {
