@@ -10,6 +10,7 @@ use clap::Args;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use zerorate::{Calibration, Wording};
+use zerorate_input::limits;
 use zerorate_jobs::JobWarning;
 use zerorate_jobs::correct::Job;
 use zerorate_record::{CaptureInfo, Format};
