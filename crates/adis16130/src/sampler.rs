@@ -3,7 +3,7 @@
 use crate::config::{Channels, Config};
 use crate::quotient::quotient;
 use crate::sample::Edge;
-use crate::timeline::{Comb, Pattern, Timeline};
+use crate::timeline::{EdgeGrid, Pattern, Timeline};
 
 /// How a [`Sampler`] reads.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
@@ -256,7 +256,7 @@ struct Rules {
 }
 
 impl Rules {
-    fn new(sampling: SamplerConfig, config: &Config, mclk_hz: u32) -> (Self, Comb) {
+    fn new(sampling: SamplerConfig, config: &Config, mclk_hz: u32) -> (Self, EdgeGrid) {
         let both = matches!(config.channels(), Channels::Both);
         // after a read of both, the next edge comes two conversions later
         let pairs = both && config.rdyfn();
@@ -270,9 +270,9 @@ impl Rules {
             (true, false) => Pattern::Mixed,
             (false, false) => Pattern::Each,
         };
-        let mut comb = Comb::new(config.conversion_cycles(), mclk_hz, pattern);
+        let mut grid = EdgeGrid::new(config.conversion_cycles(), mclk_hz, pattern);
         if counts_edges {
-            comb = comb.divided(conversions, u32::from(divider) * u32::from(conversions_per_period));
+            grid = grid.divided(conversions, u32::from(divider) * u32::from(conversions_per_period));
         }
         let rules = Self {
             every_temp: if both { sampling.every_temp } else { 0 },
@@ -280,12 +280,12 @@ impl Rules {
             read_status: sampling.read_status || !pairs || counts_edges,
             reads_rate: !matches!(config.channels(), Channels::Temp),
             steady,
-            early_ns: u32::try_from(comb.unread_ns(divider.into())).unwrap_or(u32::MAX),
+            early_ns: u32::try_from(grid.unread_ns(divider.into())).unwrap_or(u32::MAX),
             conversions,
             conversions_per_period,
             counts_edges,
         };
-        (rules, comb)
+        (rules, grid)
     }
 
     /// Readings lost if `ticks` have passed since the sample before, and the tick that the new sample goes by.
@@ -316,10 +316,10 @@ impl Sampler {
     /// Makes a sampler for a part that runs with `config`. `mclk_hz` is the nominal master clock: [`crate::MCLK_HZ`],
     /// unless a better value is known.
     pub fn new(sampling: SamplerConfig, config: &Config, mclk_hz: u32) -> Self {
-        let (rules, comb) = Rules::new(sampling, config, mclk_hz);
+        let (rules, grid) = Rules::new(sampling, config, mclk_hz);
         Self {
             rules,
-            timeline: Timeline::new(comb),
+            timeline: Timeline::new(grid),
             taken: None,
             until_temp: 0,
             suspicious: 0,

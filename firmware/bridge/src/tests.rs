@@ -13,7 +13,7 @@ use std::rc::Rc;
 use std::string::String;
 use std::vec::Vec;
 
-use adis16130::bridge::{Ask, Bus, Continuity, Decoder, MAX_FRAME, Message, Request, WireSample, encode};
+use adis16130::bridge::{Bus, Command, Continuity, Decoder, MAX_FRAME, Message, Request, WireSample, encode};
 use adis16130::{Edge, RdyEdge};
 use adis16130_twin::{Fault, Spec, Twin, TwinSpi};
 use embassy_time::MockDriver;
@@ -26,7 +26,7 @@ use crate::link::SIGN_OF_LIFE;
 use crate::state::State;
 use crate::{Link, port, sampling};
 
-const START: Ask<'static> = Ask::Start { every_temp: 1, divider: 1, mclk_hz: 6_000_000 };
+const START: Command<'static> = Command::Start { every_temp: 1, divider: 1, mclk_hz: 6_000_000 };
 const END_OF_FRAME: &[u8] = &[0];
 
 #[test]
@@ -40,7 +40,7 @@ fn a_host_hears_every_sample() {
         assert_eq!(readings.len(), 1, "sample {number}");
         assert_eq!(continuity.sample(&readings[0]).lost, 0, "sample {number}");
     }
-    assert_eq!(bench.ask(Ask::Stop), ["Answer { tag: 7, answer: Stopped }"]);
+    assert_eq!(bench.ask(Command::Stop), ["Answer { tag: 7, answer: Stopped }"]);
 }
 
 #[test]
@@ -58,7 +58,7 @@ fn what_has_no_room_is_left_out_whole() {
 fn answers_wait_for_room() {
     let mut bench = Bench::full();
     for _ in 0..8 {
-        bench.request(Ask::Stop);
+        bench.request(Command::Stop);
     }
     assert!(bench.link.to_host.is_full());
     let messages = bench.messages();
@@ -70,13 +70,13 @@ fn a_host_that_leaves_leaves_nothing() {
     for waits in [false, true] {
         let mut bench = Bench::full();
         for _ in 0..if waits { 8 } else { 0 } {
-            bench.request(Ask::LastEdge);
+            bench.request(Command::LastEdge);
         }
         bench.link.hang_up();
         bench.poll();
         bench.edge();
         assert_eq!(bench.bytes(), END_OF_FRAME);
-        assert_eq!(bench.ask(Ask::Stop), ["Answer { tag: 7, answer: Stopped }"]);
+        assert_eq!(bench.ask(Command::Stop), ["Answer { tag: 7, answer: Stopped }"]);
     }
 }
 
@@ -85,8 +85,8 @@ fn rubbish_costs_one_request() {
     let mut bench = Bench::new();
     assert_eq!(bench.link.from_host.try_write(&[1; 100]), Ok(100));
     bench.poll();
-    assert_eq!(bench.ask(Ask::Stop), [""; 0]);
-    assert_eq!(bench.ask(Ask::Stop), ["Answer { tag: 7, answer: Stopped }"]);
+    assert_eq!(bench.ask(Command::Stop), [""; 0]);
+    assert_eq!(bench.ask(Command::Stop), ["Answer { tag: 7, answer: Stopped }"]);
 }
 
 #[test]
@@ -133,7 +133,7 @@ fn the_watchdog_is_fed_by_a_living_task_only() {
     let mut idle = Bench::new();
     let mut waits = Bench::full();
     for _ in 0..8 {
-        waits.request(Ask::LastEdge);
+        waits.request(Command::LastEdge);
     }
     let mut hangs = Bench::with_bus(|_| HungBus);
     hangs.request(START);
@@ -156,11 +156,11 @@ fn the_watchdog_is_fed_by_a_living_task_only() {
 fn the_lamp_shows_what_is_done() {
     let mut bench = Bench::new();
     assert_eq!(bench.link.state(), State::Idle);
-    bench.ask(Ask::Hello);
+    bench.ask(Command::Hello);
     assert_eq!(bench.link.state(), State::Ready);
     bench.ask(START);
     assert_eq!(bench.link.state(), State::Sampling);
-    bench.ask(Ask::Stop);
+    bench.ask(Command::Stop);
     assert_eq!(bench.link.state(), State::Ready);
     bench.link.hang_up();
     bench.poll();
@@ -229,15 +229,15 @@ impl Bench {
         self.poll();
     }
 
-    fn request(&mut self, ask: Ask<'_>) {
+    fn request(&mut self, command: Command<'_>) {
         let mut room = [0; MAX_FRAME];
-        let frame = encode(&Request { tag: 7, ask }, &mut room).unwrap();
+        let frame = encode(&Request { tag: 7, command }, &mut room).unwrap();
         assert_eq!(self.link.from_host.try_write(frame), Ok(frame.len()));
         self.poll();
     }
 
-    fn ask(&mut self, ask: Ask<'_>) -> Vec<String> {
-        self.request(ask);
+    fn ask(&mut self, command: Command<'_>) -> Vec<String> {
+        self.request(command);
         self.messages()
     }
 

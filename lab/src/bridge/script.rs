@@ -2,7 +2,7 @@
 
 use super::emulator::Emulator;
 use super::firmware::{Port, serve};
-use adis16130::bridge::{Ask, MAX_FRAME, Request, encode};
+use adis16130::bridge::{Command, MAX_FRAME, Request, encode};
 use adis16130_twin::{Spec, Twin};
 use anyhow::{Context, Result, ensure};
 use std::collections::VecDeque;
@@ -16,9 +16,9 @@ const PATIENCE: Duration = Duration::from_secs(20);
 
 /// Starts both, and returns how many bytes of so many samples are the same. All must be the same.
 pub fn compare(emulator: &Emulator, seed: u64, samples: u32) -> Result<usize> {
-    let start = Ask::Start { every_temp: 1, divider: 1, mclk_hz: adis16130::MCLK_HZ };
+    let start = Command::Start { every_temp: 1, divider: 1, mclk_hz: adis16130::MCLK_HZ };
     let mut room = [0; MAX_FRAME];
-    let request = encode(&Request { tag: 1, ask: start }, &mut room)?;
+    let request = encode(&Request { tag: 1, command: start }, &mut room)?;
     let bytes = samples as usize * LEAST_BYTES;
 
     let mut stream = TcpStream::connect(("127.0.0.1", emulator.port()))?;

@@ -1,6 +1,6 @@
 //! The host's end of the link, without its port and its clock.
 
-use super::{Answer, Ask, Decoder, MAX_FRAME, Message, Refusal, Request, WireSample, encode};
+use super::{Answer, Command, Decoder, MAX_FRAME, Message, Refusal, Request, WireSample, encode};
 use core::fmt::{Display, Formatter, Result as Printed};
 use core::time::Duration;
 use embedded_hal::spi::ErrorKind;
@@ -30,7 +30,7 @@ pub struct Client {
 /// A request to a bridge, sent again until it is answered.
 #[derive(Copy, Clone, Debug)]
 pub struct Pending<'a> {
-    ask: Ask<'a>,
+    command: Command<'a>,
     /// How often it may still be sent.
     attempts: u32,
     deadline: Option<Duration>,
@@ -49,7 +49,7 @@ pub enum Step<T> {
 
 /// The messages of a bridge, without the content of its answers.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub enum Heard {
+pub enum Event {
     /// It answers the last request.
     Answer,
     /// A sample.
@@ -78,8 +78,8 @@ pub struct Frame {
 
 impl<'a> Pending<'a> {
     /// A request that is not sent yet.
-    pub const fn new(ask: Ask<'a>) -> Self {
-        Self { ask, attempts: ATTEMPTS, deadline: None }
+    pub const fn new(command: Command<'a>) -> Self {
+        Self { command, attempts: ATTEMPTS, deadline: None }
     }
 }
 
@@ -103,27 +103,27 @@ impl Client {
         }
         pending.attempts = pending.attempts.checked_sub(1).ok_or(RequestError::Silent)?;
         pending.deadline = Some(now.saturating_add(ANSWER));
-        self.frame(pending.ask).map(Step::Send)
+        self.frame(pending.command).map(Step::Send)
     }
 
-    /// The frame of a request whose answer is only [heard](Self::hear).
-    pub fn frame(&mut self, ask: Ask<'_>) -> Result<Frame, RequestError> {
+    /// The frame of a request whose answer is only an [event](Self::next_event).
+    pub fn frame(&mut self, command: Command<'_>) -> Result<Frame, RequestError> {
         self.tag = self.tag.wrapping_add(1);
         let mut bytes = [0; MAX_FRAME + 1];
         // the zero at the front ends any rubbish that was sent before
         let [_, room @ ..] = &mut bytes;
-        let frame = encode(&Request { tag: self.tag, ask }, room).map_err(|_| RequestError::Unsupported)?;
+        let frame = encode(&Request { tag: self.tag, command }, room).map_err(|_| RequestError::Unsupported)?;
         let len = frame.len().saturating_add(1);
         Ok(Frame { bytes, len })
     }
 
     /// The next message of the bridge in the bytes that came, without answers to earlier requests.
-    pub fn hear(&mut self, received: &mut impl Iterator<Item = u8>) -> Option<Heard> {
+    pub fn next_event(&mut self, received: &mut impl Iterator<Item = u8>) -> Option<Event> {
         let last = self.tag;
         received.find_map(|byte| match self.message(byte)? {
-            Message::Answer { tag, .. } => (tag == last).then_some(Heard::Answer),
-            Message::Sample(reading) => Some(Heard::Sample(reading)),
-            Message::Ended => Some(Heard::Ended),
+            Message::Answer { tag, .. } => (tag == last).then_some(Event::Answer),
+            Message::Sample(reading) => Some(Event::Sample(reading)),
+            Message::Ended => Some(Event::Ended),
         })
     }
 

@@ -11,7 +11,7 @@
 //! would make of its SPI:
 //!
 //! ```
-//! use adis16130::bridge::{Answer, Ask, Bus, Decoder, MAX_FRAME, Message, Request, Station, encode};
+//! use adis16130::bridge::{Answer, Command, Bus, Decoder, MAX_FRAME, Message, Request, Station, encode};
 //! # use core::{convert::Infallible, future::Future, pin::pin, task::{Context, Poll, Waker}};
 //! # use embedded_hal_async::spi::{ErrorType, Operation, SpiDevice};
 //! # struct Spi(adis16130_twin::TwinSpi);
@@ -37,14 +37,14 @@
 //!     }
 //! }
 //!
-//! // the host asks
+//! // the host sends a request
 //! let mut room = [0; MAX_FRAME];
-//! let asked = encode(&Request { tag: 7, ask: Ask::Hello }, &mut room)?;
+//! let request = encode(&Request { tag: 7, command: Command::Hello }, &mut room)?;
 //!
 //! // the bridge answers
 //! let mut station = Station::new(Spi(twin.spi()), 5_000_000, "example 1.0");
 //! let (mut requests, mut room, mut answered) = (Decoder::new(), [0; MAX_FRAME], &[][..]);
-//! for byte in asked {
+//! for byte in request {
 //!     if let Some(Ok(request)) = requests.push::<Request>(*byte) {
 //!         answered = encode(&block_on(station.request(&request)), &mut room)?;
 //!         break;
@@ -52,15 +52,15 @@
 //! }
 //!
 //! // the host understands
-//! let (mut messages, mut heard) = (Decoder::new(), 0);
+//! let (mut messages, mut count) = (Decoder::new(), 0);
 //! for byte in answered {
 //!     if let Some(Ok(message)) = messages.push::<Message>(*byte) {
 //!         let hello = Answer::Hello { protocol: 2, firmware: "example 1.0", sclk_hz: 5_000_000 };
 //!         assert_eq!(message, Message::Answer { tag: 7, answer: hello });
-//!         heard += 1;
+//!         count += 1;
 //!     }
 //! }
-//! assert_eq!(heard, 1);
+//! assert_eq!(count, 1);
 //! # Ok::<(), adis16130::bridge::TooLong>(())
 //! ```
 
@@ -69,7 +69,7 @@ mod frame;
 mod settings;
 mod station;
 
-pub use client::{Client, Frame, GONE, Heard, Pending, RequestError, SILENT, Step};
+pub use client::{Client, Event, Frame, GONE, Pending, RequestError, SILENT, Step};
 pub use frame::{Damaged, Decoder, MAX_FRAME, TooLong, encode};
 pub use settings::Settings;
 pub use station::{Bus, Station};
@@ -83,22 +83,22 @@ use serde::{Deserialize, Serialize};
 /// Version of the protocol that this module speaks.
 pub const PROTOCOL: u16 = 2;
 
-/// Most bytes of one [`Ask::Transfer`]. No command of the part is as long.
+/// Most bytes of one [`Command::Transfer`]. No command of the part is as long.
 pub const MAX_TRANSFER: usize = 8;
 
-/// From host to bridge.
+/// A message from the host to the bridge.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Request<'a> {
     /// A number that comes back with the answer.
     pub tag: u8,
-    /// The request. Everything may be asked twice, so a host that gets no answer asks again.
+    /// The command. A host that gets no answer may send any command again.
     #[serde(borrow)]
-    pub ask: Ask<'a>,
+    pub command: Command<'a>,
 }
 
-/// The requests of a host.
+/// The commands of a host.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Ask<'a> {
+pub enum Command<'a> {
     /// Who is there?
     Hello,
     /// Set the SPI clock to this one, or to the next lower one that the bridge has.
@@ -113,8 +113,8 @@ pub enum Ask<'a> {
     },
     /// What was the last edge of RDY?
     LastEdge,
-    /// Reset the part, initialise it as [`Ask::Configure`] says (F-30 by default), read it back, then sample. Sampling
-    /// that is under way begins anew.
+    /// Reset the part, initialise it as [`Command::Configure`] says (F-30 by default), read it back, then sample.
+    /// Sampling that is under way begins anew.
     Start {
         /// As [`SamplerConfig::every_temp`](crate::SamplerConfig::every_temp).
         every_temp: u16,
@@ -125,22 +125,22 @@ pub enum Ask<'a> {
     },
     /// Stop sampling, and release the self-test pin.
     Stop,
-    /// Sets how the next [`Ask::Start`] configures the part, and how the part is wired. Ends sampling.
+    /// Sets how the next [`Command::Start`] configures the part, and how the part is wired. Ends sampling.
     Configure(Settings),
     /// Make the self-test pins active, or release them (F-11).
     SelfTest {
         /// Whether they are to be active.
         on: bool,
     },
-    /// States that the bridge hears a counter which divides RDY, from the next [`Ask::Start`] on. [`Ask::Configure`]
-    /// takes it back. Ends sampling. Answered by [`Answer::Configured`].
+    /// States that the bridge hears a counter which divides RDY, from the next [`Command::Start`] on.
+    /// [`Command::Configure`] takes it back. Ends sampling. Answered by [`Answer::Configured`].
     Divided {
         /// As [`SamplerConfig::divided`](crate::SamplerConfig::divided).
         edges: u16,
     },
 }
 
-/// From bridge to host.
+/// A message from the bridge to the host.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Message<'a> {
     /// The answer to the request with this tag.
@@ -160,7 +160,7 @@ pub enum Message<'a> {
 /// The answers of a bridge.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Answer<'a> {
-    /// To [`Ask::Hello`].
+    /// To [`Command::Hello`].
     Hello {
         /// [`PROTOCOL`].
         protocol: u16,
@@ -169,32 +169,32 @@ pub enum Answer<'a> {
         /// The SPI clock as it is set, Hz.
         sclk_hz: u32,
     },
-    /// To [`Ask::Clock`].
+    /// To [`Command::Clock`].
     Clock {
         /// The clock as set now, Hz.
         sclk_hz: u32,
     },
-    /// To [`Ask::Transfer`]: the bytes that the part sent, as many as it got.
+    /// To [`Command::Transfer`]: the bytes that the part sent, as many as it got.
     Transfer {
         /// From SDO.
         bytes: &'a [u8],
     },
-    /// To [`Ask::LastEdge`]: all zeros before the first.
+    /// To [`Command::LastEdge`]: all zeros before the first.
     LastEdge {
         /// In ns of the bridge's clock.
         t_ns: u64,
         /// Its running number.
         seq: u32,
     },
-    /// To [`Ask::Start`].
+    /// To [`Command::Start`].
     Started,
-    /// To [`Ask::Stop`].
+    /// To [`Command::Stop`].
     Stopped,
     /// The request was not carried out.
     Refused(Refusal),
-    /// To [`Ask::Configure`].
+    /// To [`Command::Configure`].
     Configured,
-    /// To [`Ask::SelfTest`].
+    /// To [`Command::SelfTest`].
     SelfTest {
         /// Whether they are active now.
         on: bool,
@@ -234,9 +234,9 @@ impl Display for Refusal {
 /// A sample on the wire, its codes on the 24-bit scale: a 16-bit code times 256.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct WireSample {
-    /// Running number of the sample since [`Ask::Start`], from 0.
+    /// Running number of the sample since [`Command::Start`], from 0.
     pub number: u32,
-    /// Samples that the bridge has lost since [`Ask::Start`], before this one (F-33).
+    /// Samples that the bridge has lost since [`Command::Start`], before this one (F-33).
     pub lost: u32,
     /// Time of the edge that announced the sample, in ns of the bridge's clock.
     pub t_ns: u64,
@@ -263,14 +263,14 @@ impl WireSample {
         }
     }
 
-    /// The samples since [`Ask::Start`] before this one, lost or not.
+    /// The samples since [`Command::Start`] before this one, lost or not.
     const fn position(&self) -> u32 {
         self.number.wrapping_add(self.lost)
     }
 }
 
 /// Makes samples of readings, and counts the losses between them: readings that the bridge lost, that did not fit on
-/// the link, and that were damaged there. Make a new one with every [`Ask::Start`].
+/// the link, and that were damaged there. Make a new one with every [`Command::Start`].
 #[derive(Clone, Debug)]
 pub struct Continuity {
     width: Width,

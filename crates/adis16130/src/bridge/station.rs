@@ -1,6 +1,6 @@
 //! The bridge itself, without its pins: how it handles a request and an edge of RDY.
 
-use super::{Answer, Ask, MAX_TRANSFER, Message, PROTOCOL, Refusal, Request, Settings, WireSample};
+use super::{Answer, Command, MAX_TRANSFER, Message, PROTOCOL, Refusal, Request, Settings, WireSample};
 use crate::asynch::Adis16130;
 use crate::config::{Config, RdyEdge};
 use crate::error::{InitError, SampleError};
@@ -70,18 +70,18 @@ impl<S: Bus> Station<S> {
     /// Carries out a request, and returns the answer.
     pub async fn request(&mut self, request: &Request<'_>) -> Message<'_> {
         let tag = request.tag;
-        let answer = match request.ask {
-            Ask::Hello => Answer::Hello { protocol: PROTOCOL, firmware: self.firmware, sclk_hz: self.sclk_hz },
-            Ask::Clock { sclk_hz } => {
+        let answer = match request.command {
+            Command::Hello => Answer::Hello { protocol: PROTOCOL, firmware: self.firmware, sclk_hz: self.sclk_hz },
+            Command::Clock { sclk_hz } => {
                 self.sclk_hz = self.part.bus_mut().set_sclk_hz(sclk_hz);
                 Answer::Clock { sclk_hz: self.sclk_hz }
             }
-            Ask::Transfer { bytes } => match self.transfer(bytes).await {
+            Command::Transfer { bytes } => match self.transfer(bytes).await {
                 Ok(bytes) => Answer::Transfer { bytes },
                 Err(refusal) => Answer::Refused(refusal),
             },
-            Ask::LastEdge => Answer::LastEdge { t_ns: self.last.t_ns, seq: self.last.seq },
-            Ask::Start { every_temp, divider, mclk_hz } => {
+            Command::LastEdge => Answer::LastEdge { t_ns: self.last.t_ns, seq: self.last.seq },
+            Command::Start { every_temp, divider, mclk_hz } => {
                 let sampling = SamplerConfig::new().with_every_temp(every_temp).with_divider(divider);
                 let sampling = sampling.with_divided(self.divided);
                 match self.start(sampling, mclk_hz).await {
@@ -89,18 +89,18 @@ impl<S: Bus> Station<S> {
                     Err(refusal) => Answer::Refused(refusal),
                 }
             }
-            Ask::Stop => {
+            Command::Stop => {
                 self.stop();
                 Answer::Stopped
             }
-            Ask::Configure(settings) => self.configure(settings),
-            Ask::Divided { edges } => {
+            Command::Configure(settings) => self.configure(settings),
+            Command::Divided { edges } => {
                 self.stop();
                 self.divided = edges;
                 Answer::Configured
             }
-            Ask::SelfTest { on } if self.part.bus_mut().set_self_test(on) => Answer::SelfTest { on },
-            Ask::SelfTest { .. } => Answer::Refused(Refusal::NoSuchWire),
+            Command::SelfTest { on } if self.part.bus_mut().set_self_test(on) => Answer::SelfTest { on },
+            Command::SelfTest { .. } => Answer::Refused(Refusal::NoSuchWire),
         };
         Message::Answer { tag, answer }
     }

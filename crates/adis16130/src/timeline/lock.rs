@@ -1,7 +1,7 @@
-//! The lock: whether the edges lie on the comb, and the offset of the clock from their gaps before they can be
+//! The lock: whether the edges lie on the grid, and the offset of the clock from their gaps before they can be
 //! believed.
 
-use super::Comb;
+use super::EdgeGrid;
 use crate::quotient::quotient;
 
 /// Gaps between neighbouring edges, and what they would be with the nominal clock.
@@ -21,9 +21,9 @@ const OFFSET_BITS: u32 = 20;
 impl Gaps {
     /// Adds a gap if it lies near a gap between neighbouring edges, and if the gap before did, too. After a longer gap
     /// the first timestamp may be late.
-    pub(super) fn push(&mut self, comb: &Comb, learned: (i64, i64), gap: i64) {
-        let (nearest, nominal) = comb.nearest_gap(learned, gap);
-        let far = (gap - nearest).abs() > comb.nearness(learned);
+    pub(super) fn push(&mut self, grid: &EdgeGrid, learned: (i64, i64), gap: i64) {
+        let (nearest, nominal) = grid.nearest_gap(learned, gap);
+        let far = (gap - nearest).abs() > grid.nearness(learned);
         if !core::mem::replace(&mut self.far, far) && !far {
             self.count += 1;
             self.nominal += nominal;
@@ -36,9 +36,9 @@ impl Gaps {
     }
 
     /// The difference of the period from the nominal one.
-    pub(super) fn offset(&self, comb: &Comb) -> i64 {
+    pub(super) fn offset(&self, grid: &EdgeGrid) -> i64 {
         let share = quotient(self.excess.unsigned_abs(), (self.nominal >> OFFSET_BITS) as u64) as i64;
-        let offset = (comb.period >> OFFSET_BITS) * share;
+        let offset = (grid.period >> OFFSET_BITS) * share;
         if self.excess < 0 { -offset } else { offset }
     }
 }
@@ -46,9 +46,9 @@ impl Gaps {
 /// How far the edges can be believed.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(super) enum Grip {
-    /// They lie on the comb.
+    /// The edges lie on the grid.
     Firm,
-    /// They did not, and the comb is learned anew.
+    /// The edges did not lie on the grid, which is learned anew.
     Loose,
     /// They lie anywhere. For this many more checks the period stays nominal, and the phase is hardly followed.
     Held(u8),
@@ -69,8 +69,8 @@ impl Grip {
     }
 }
 
-/// Judges after every 256 edges (45 ms with F-31) whether they still lie on the comb. These are twice as many as are
-/// learned from before the loop begins, so that the second check at the latest finds a comb that was learned wrong.
+/// Judges after every 256 edges (45 ms with F-31) whether they still lie on the grid. These are twice as many as are
+/// learned from before the loop begins, so that the second check at the latest finds a grid that was learned wrong.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lock {
     edges: u8,
@@ -79,9 +79,9 @@ pub(super) struct Lock {
 
 impl Lock {
     /// Takes an error. The 256th returns whether the lock is lost.
-    pub(super) fn judge(&mut self, comb: &Comb, error: i64) -> Option<bool> {
+    pub(super) fn judge(&mut self, grid: &EdgeGrid, error: i64) -> Option<bool> {
         self.error += error.abs();
         self.edges = self.edges.wrapping_add(1);
-        (self.edges == 0).then(|| comb.is_missed(core::mem::take(&mut self.error)))
+        (self.edges == 0).then(|| grid.is_missed(core::mem::take(&mut self.error)))
     }
 }

@@ -3,7 +3,7 @@
 //! # The loop
 //!
 //! A digital phase-locked loop of second order, with one step per edge. T̂ is the estimated period and τ̂ the
-//! estimated time of the newest tick, both in ns. e is how much later an edge came than its tooth of the [`Comb`]:
+//! estimated time of the newest tick, both in ns. e is how much later an edge came than its point of the [`EdgeGrid`]:
 //!
 //! ```text
 //! τ̂ ← τ̂ + α·e,   T̂ ← T̂ + β·e,   α = 2^−g,   β = α²/2 = 2^−(2g+1)
@@ -37,22 +37,22 @@
 //!
 //! *Lock range*: T̂ stays within 1/16 of the nominal period, three times the tolerance of MCLK (F-31). Every clock in
 //! that range is acquired. In gear 1, with T̂ still nominal, an offset of T/16 leaves an error of at most (T/16)/α =
-//! T/8, half of the T/4 beyond which the other tooth is nearer. A clock outside belongs to another part or another
+//! T/8, half of the T/4 beyond which the other point is nearer. A clock outside belongs to another part or another
 //! configuration, and is not followed.
 //!
 //! *Gaps*: T̂ carries the phase over up to 4/α periods. Over these its noise grows to 4/α·σ·√(α³/8) = σ·√(2α), less
 //! than the jitter itself. In gear 1 the tolerance of 2 % grows to 16 % of a period. Beyond that the gap is counted by
 //! the clock alone.
 
-mod comb;
+mod edge_grid;
 mod lock;
 #[cfg(test)]
 mod tests;
 
 use crate::quotient::quotient;
 use crate::sample::Edge;
-use comb::Tooth;
-pub(crate) use comb::{Comb, Pattern};
+use edge_grid::EdgeKind;
+pub(crate) use edge_grid::{EdgeGrid, Pattern};
 use lock::{Gaps, Grip, Lock};
 
 /// Times are kept in units of 2⁻¹⁶ ns, so that a period is good to 10⁻⁹ without floating point.
@@ -85,16 +85,16 @@ enum Phase {
 
 /// Learns phase and period of the rate updates from the edges, and numbers them.
 ///
-/// Every honest edge lies on a tooth of the [`Comb`], because RDY only falls when a data register has been updated
+/// Every honest edge lies on a point of the [`EdgeGrid`], because RDY only falls when a data register has been updated
 /// (F-32).
 #[derive(Clone, Debug)]
 pub(crate) struct Timeline {
-    comb: Comb,
+    grid: EdgeGrid,
     /// T̂: time from one tick to the next, as learned.
     period: i64,
     /// Time from a tick to the temperature update after it, as of the last [`settle`](Self::settle); 0 = no update.
     temp: i64,
-    tooth: Tooth,
+    kind: EdgeKind,
     /// Time from the newest tick to the edge before.
     since_tick: i64,
     /// Ticks since the one that the sample before goes by.
@@ -111,11 +111,11 @@ pub(crate) struct Timeline {
 }
 
 impl Timeline {
-    pub(crate) fn new(comb: Comb) -> Self {
+    pub(crate) fn new(grid: EdgeGrid) -> Self {
         Self {
-            period: comb.period,
-            temp: comb.share_of_temp(comb.period),
-            tooth: Tooth::default(),
+            period: grid.period,
+            temp: grid.share_of_temp(grid.period),
+            kind: EdgeKind::default(),
             since_tick: 0,
             ticks: 0,
             last: None,
@@ -126,7 +126,7 @@ impl Timeline {
             grip: Grip::Firm,
             phase: Phase::Assumed,
             restarted: false,
-            comb,
+            grid,
         }
     }
 
@@ -158,7 +158,7 @@ impl Timeline {
     /// Whether the two possible numbers differ: the edges have changed from one kind of update to the other, and it is
     /// unknown which is which.
     pub(crate) fn is_ambiguous(&self) -> bool {
-        self.tooth.on_rate && self.phase != Phase::Known
+        self.kind.is_rate && self.phase != Phase::Known
     }
 
     /// Whether it is known which edges announce rate updates.
@@ -185,7 +185,7 @@ impl Timeline {
         let one_more = self.is_ambiguous() || self.phase == Phase::AnchoredHigh;
         self.phase = Phase::Known;
         self.since_tick = 0;
-        self.tooth.on_rate = true;
+        self.kind.is_rate = true;
         one_more
     }
 
@@ -202,7 +202,7 @@ impl Timeline {
     /// States that the edge just taken, without a new rate, counts as the first one. An edge that may announce a
     /// temperature alone does not.
     pub(crate) fn begin(&mut self) {
-        if self.comb.announces_temps() {
+        if self.grid.announces_temps() {
             return;
         }
         self.assume_first_edge();
@@ -233,14 +233,14 @@ impl Timeline {
         let position = self.since_tick + elapsed;
         let periods = self.periods_in(position);
         let position = position - periods as i64 * self.period;
-        let error = self.tooth.error(&self.comb, (self.period, self.temp), position);
+        let error = self.kind.error(&self.grid, (self.period, self.temp), position);
         self.ticks = self.ticks.saturating_add(periods as i32);
-        self.since_tick = if self.comb.is_divided() { 0 } else { position - (error >> self.gear) };
+        self.since_tick = if self.grid.is_divided() { 0 } else { position - (error >> self.gear) };
         if !matches!(self.grip, Grip::Held(_)) {
             let learned = if self.gear < LOOP_GEAR { self.acquire(elapsed) } else { self.follow(error, periods) };
-            self.period = self.comb.clamped(learned);
+            self.period = self.grid.clamped(learned);
         }
-        let lost = self.lock.judge(&self.comb, error);
+        let lost = self.lock.judge(&self.grid, error);
         if let Some(lost) = lost {
             self.hold(lost);
         }
@@ -251,17 +251,17 @@ impl Timeline {
 
     /// Takes the mean of the gaps as the period, after 16, 32, 64 and 128 of them.
     fn acquire(&mut self, elapsed: i64) -> i64 {
-        self.gaps.push(&self.comb, (self.period, self.temp), elapsed);
+        self.gaps.push(&self.grid, (self.period, self.temp), elapsed);
         if self.gaps.count() < 8 << self.gear {
             return self.period;
         }
         self.gear += 1;
-        self.comb.period + self.gaps.offset(&self.comb)
+        self.grid.period + self.gaps.offset(&self.grid)
     }
 
     /// Moves the period by part of the error, spread over the periods in which it arose.
     fn follow(&mut self, error: i64, periods: u64) -> i64 {
-        if self.gear < self.comb.top_gear() {
+        if self.gear < self.grid.top_gear() {
             self.edges_in_gear += 1;
         }
         let spread = (periods as u32 | 1).ilog2();
@@ -273,7 +273,7 @@ impl Timeline {
         learned
     }
 
-    /// Learns anew if the edges do not lie on the comb. If that does not help, the nominal period holds for a while.
+    /// Learns anew if the edges do not lie on the grid. If that does not help, the nominal period holds for a while.
     #[cold]
     fn hold(&mut self, lost: bool) {
         self.grip = self.grip.after(lost);
@@ -281,7 +281,7 @@ impl Timeline {
             Grip::Firm => return,
             Grip::Loose => FIRST_GEAR,
             Grip::Held(_) => {
-                self.period = self.comb.period;
+                self.period = self.grid.period;
                 LOOP_GEAR
             }
         };
@@ -291,7 +291,7 @@ impl Timeline {
 
     /// Whole periods in `position`. An edge that is early by up to the margin belongs to the update that it announces.
     fn periods_in(&self, position: i64) -> u64 {
-        let position = position + self.comb.margin;
+        let position = position + self.grid.margin;
         if position < 2 * self.period {
             (position >= self.period).into()
         } else {
@@ -307,8 +307,8 @@ impl Timeline {
         let elapsed = elapsed_ns.clamp(0, LONGEST_GAP_NS) << FRACTION_BITS;
         let by_time = self.periods_in(self.since_tick + elapsed);
         let went_back = edges > u32::MAX / 2;
-        let by_clock_alone = went_back || self.comb.is_divided() && by_time > 0;
-        let by_edges = if by_clock_alone { 1 } else { self.comb.periods_of_edges(edges) };
+        let by_clock_alone = went_back || self.grid.is_divided() && by_time > 0;
+        let by_edges = if by_clock_alone { 1 } else { self.grid.periods_of_edges(edges) };
         let by_time = i32::try_from(by_time).unwrap_or(i32::MAX);
         self.ticks = self.ticks.saturating_add(by_time.max(by_edges as i32));
         self.restarted = false;
@@ -320,14 +320,14 @@ impl Timeline {
     /// Sets the phase where it is unknown: the edge is taken for the first one after an initialisation. Where that is
     /// a temperature update, this holds until [`align`](Self::align).
     fn assume_first_edge(&mut self) {
-        let on_rate = self.comb.begins_with_rate();
-        self.since_tick = if on_rate { 0 } else { self.temp };
-        self.tooth.on_rate = on_rate;
-        self.phase = if on_rate { Phase::Known } else { Phase::Assumed };
+        let is_rate = self.grid.begins_with_rate();
+        self.since_tick = if is_rate { 0 } else { self.temp };
+        self.kind.is_rate = is_rate;
+        self.phase = if is_rate { Phase::Known } else { Phase::Assumed };
     }
 
-    /// Moves the temperature tooth along with the period, which changes little by little.
+    /// Moves the temperature updates along with the period, which changes little by little.
     fn settle(&mut self) {
-        self.temp = self.comb.share_of_temp(self.period);
+        self.temp = self.grid.share_of_temp(self.period);
     }
 }

@@ -3,7 +3,7 @@
 
 extern crate std;
 
-use super::{Comb, FIRST_GEAR, FRACTION_BITS, Grip, LOOP_GEAR, Pattern, TOP_GEAR, Timeline};
+use super::{EdgeGrid, FIRST_GEAR, FRACTION_BITS, Grip, LOOP_GEAR, Pattern, TOP_GEAR, Timeline};
 use crate::sample::Edge;
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4, TAU};
 
@@ -22,7 +22,7 @@ struct Bench {
 impl Bench {
     /// A clock that is slow by so many millionths.
     fn new(ppm: f64) -> Self {
-        let timeline = Timeline::new(Comb::new((527, 527), 6_000_000, Pattern::Steady));
+        let timeline = Timeline::new(EdgeGrid::new((527, 527), 6_000_000, Pattern::Steady));
         Self { timeline, seq: 0, t_ns: 1e9, period_ns: PERIOD_NS * (1.0 + ppm * 1e-6) }
     }
 
@@ -123,7 +123,7 @@ fn natural_frequency_and_damping_are_those_of_the_gear() {
 #[test]
 fn edges_of_both_kinds_teach_the_period_and_the_place_of_the_temperature() {
     for (temp_cycles, fast) in [(527, 1.019), (2_319, 0.981)] {
-        let mut timeline = Timeline::new(Comb::new((527, temp_cycles), 6_000_000, Pattern::Each));
+        let mut timeline = Timeline::new(EdgeGrid::new((527, temp_cycles), 6_000_000, Pattern::Each));
         let [rate_ns, temp_ns] = [527, temp_cycles].map(|cycles| f64::from(cycles) / 6e-3 / fast);
         let (mut t_ns, mut seq) = (1e9, 0);
         for _ in 0..200 {
@@ -280,7 +280,7 @@ fn a_divided_period_is_the_mean_of_the_gaps() {
     // every 50th edge is 51 conversions after the one before: 25.5 periods (F-56)
     for ppm in [-20_000.0, 20_000.0] {
         let mut bench = Bench::new(ppm);
-        bench.timeline = Timeline::new(Comb::new((527, 527), 6_000_000, Pattern::Mixed).divided(51, 2));
+        bench.timeline = Timeline::new(EdgeGrid::new((527, 527), 6_000_000, Pattern::Mixed).divided(51, 2));
         bench.period_ns *= 25.5;
         let (mut state, mut sum) = (3, 0.0);
         for k in 0..40_000 {

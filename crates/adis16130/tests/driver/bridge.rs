@@ -4,14 +4,14 @@
 use std::time::Duration;
 
 use adis16130::bridge::{
-    Answer, Ask, Bus, Client, Continuity, Damaged, Decoder, Heard, MAX_FRAME, Message, Pending, Refusal, Request,
+    Answer, Bus, Client, Command, Continuity, Damaged, Decoder, Event, MAX_FRAME, Message, Pending, Refusal, Request,
     RequestError, Settings, Station, Step, WireSample, encode,
 };
 use adis16130::{Config, ConversionTime, Edge, RdyEdge, Width};
 
 use crate::part::{F30, Line, Part, Wire, now};
 
-const START: Ask<'static> = Ask::Start { every_temp: 1, divider: 1, mclk_hz: 6_000_000 };
+const START: Command<'static> = Command::Start { every_temp: 1, divider: 1, mclk_hz: 6_000_000 };
 const READING: WireSample = WireSample {
     number: 3,
     lost: 1,
@@ -24,20 +24,23 @@ const READING: WireSample = WireSample {
 
 /// Requests and their frames; the CRC-32 was computed by another implementation (zlib's).
 const REQUESTS: [(Request<'_>, &[u8]); 5] = [
-    (Request { tag: 7, ask: Ask::Hello }, &[0x02, 0x07, 0x05, 0x38, 0x84, 0x98, 0x0E, 0x00]),
+    (Request { tag: 7, command: Command::Hello }, &[0x02, 0x07, 0x05, 0x38, 0x84, 0x98, 0x0E, 0x00]),
     (
-        Request { tag: 8, ask: Ask::Clock { sclk_hz: 5_000_000 } },
+        Request { tag: 8, command: Command::Clock { sclk_hz: 5_000_000 } },
         &[0x0B, 0x08, 0x01, 0xC0, 0x96, 0xB1, 0x02, 0xEF, 0xDE, 0xF2, 0xFC, 0x00],
     ),
     (
-        Request { tag: 9, ask: Ask::Transfer { bytes: &[0x68, 0x00] } },
+        Request { tag: 9, command: Command::Transfer { bytes: &[0x68, 0x00] } },
         &[0x05, 0x09, 0x02, 0x02, 0x68, 0x05, 0x26, 0x68, 0x9B, 0xCF, 0x00],
     ),
     (
-        Request { tag: 10, ask: START },
+        Request { tag: 10, command: START },
         &[0x0D, 0x0A, 0x04, 0x01, 0x01, 0x80, 0x9B, 0xEE, 0x02, 0xC3, 0x43, 0x7D, 0xC4, 0x00],
     ),
-    (Request { tag: 11, ask: Ask::Divided { edges: 50 } }, &[0x08, 0x0B, 0x08, 0x32, 0x7B, 0xED, 0x1A, 0xF3, 0x00]),
+    (
+        Request { tag: 11, command: Command::Divided { edges: 50 } },
+        &[0x08, 0x0B, 0x08, 0x32, 0x7B, 0xED, 0x1A, 0xF3, 0x00],
+    ),
 ];
 
 const MESSAGES: [(Message<'_>, &[u8]); 4] = [
@@ -96,7 +99,7 @@ fn a_client_asks_three_times_and_takes_the_answer_to_the_last() {
         let ms = 500 * (u64::from(tag) - 1);
         let Ok(Step::Send(frame)) = asked(&mut client, &mut pending, ms, &[]) else { panic!("attempt {tag}") };
         assert_eq!(frame.bytes()[0], 0);
-        assert_eq!(decoded!(Request<'_>, frame.bytes()), [Ok(format!("{:?}", Request { tag, ask: START }))]);
+        assert_eq!(decoded!(Request<'_>, frame.bytes()), [Ok(format!("{:?}", Request { tag, command: START }))]);
         let stale = [answer(tag - 1, Answer::Started), answer(tag, Answer::Stopped), vec![1, 2, 0]].concat();
         let waited = asked(&mut client, &mut pending, ms + 499, &stale);
         assert!(matches!(waited, Ok(Step::Wait(until)) if until == Duration::from_millis(ms + 500)), "{waited:?}");
@@ -110,7 +113,7 @@ fn a_client_asks_three_times_and_takes_the_answer_to_the_last() {
     let mut received = both.iter().copied();
     let answered = client.poll(&mut pending, &mut received, Duration::MAX, Answer::Started.only());
     assert!(matches!(answered, Ok(Step::Answered(()))), "{answered:?}");
-    assert_eq!(client.hear(&mut received), Some(Heard::Sample(READING)), "what follows the answer is left");
+    assert_eq!(client.next_event(&mut received), Some(Event::Sample(READING)), "what follows the answer is left");
 }
 
 #[test]
@@ -128,7 +131,7 @@ fn the_longest_reading_fits() {
     let hello = Answer::Hello { protocol: u16::MAX, firmware: "x".repeat(24).leak(), sclk_hz: u32::MAX };
     assert!(encode(&Message::Answer { tag: 0, answer: hello }, &mut [0; MAX_FRAME]).is_ok());
     let long = [0xFF; 64];
-    let request = Request { tag: 0, ask: Ask::Transfer { bytes: &long } };
+    let request = Request { tag: 0, command: Command::Transfer { bytes: &long } };
     assert!(encode(&request, &mut [0; MAX_FRAME]).is_err());
 }
 
@@ -165,19 +168,19 @@ fn a_host_sees_through_to_the_part() {
     let (part, mut station) = station();
     part.borrow_mut().set(0x28, 0x40);
     let hello = Answer::Hello { protocol: 2, firmware: "test 1", sclk_hz: 1_000_000 };
-    assert_eq!(answer(&mut station, Ask::Hello), Message::Answer { tag: 3, answer: hello });
+    assert_eq!(answer(&mut station, Command::Hello), Message::Answer { tag: 3, answer: hello });
     let clock = Answer::Clock { sclk_hz: 2_000_000 };
-    assert_eq!(answer(&mut station, Ask::Clock { sclk_hz: 2_500_000 }), Message::Answer { tag: 3, answer: clock });
+    assert_eq!(answer(&mut station, Command::Clock { sclk_hz: 2_500_000 }), Message::Answer { tag: 3, answer: clock });
     let hello = Answer::Hello { protocol: 2, firmware: "test 1", sclk_hz: 2_000_000 };
-    assert_eq!(answer(&mut station, Ask::Hello), Message::Answer { tag: 3, answer: hello });
+    assert_eq!(answer(&mut station, Command::Hello), Message::Answer { tag: 3, answer: hello });
     let Message::Answer { answer: Answer::Transfer { bytes }, .. } =
-        answer(&mut station, Ask::Transfer { bytes: &[0x68, 0x00] })
+        answer(&mut station, Command::Transfer { bytes: &[0x68, 0x00] })
     else {
         panic!("no transfer");
     };
     assert_eq!((bytes.len(), bytes[1]), (2, 0x40));
     assert_eq!(part.borrow().frames.last(), Some(&vec![0x68, 0x00]));
-    assert_eq!(refusal(&mut station, Ask::Transfer { bytes: &[0; 9] }), Some(Refusal::TooLong));
+    assert_eq!(refusal(&mut station, Command::Transfer { bytes: &[0; 9] }), Some(Refusal::TooLong));
 }
 
 #[test]
@@ -185,12 +188,12 @@ fn it_samples_between_start_and_stop() {
     let (part, mut station) = station();
     assert_eq!(now(station.edge(Edge { t_ns: 5, seq: 1 })), None);
     let edge = Answer::LastEdge { t_ns: 5, seq: 1 };
-    assert_eq!(answer(&mut station, Ask::LastEdge), Message::Answer { tag: 3, answer: edge });
+    assert_eq!(answer(&mut station, Command::LastEdge), Message::Answer { tag: 3, answer: edge });
     assert_eq!(refusal(&mut station, START), None);
     let written: Vec<Vec<u8>> = F30.chunks(2).map(<[u8]>::to_vec).collect();
     assert_eq!(part.borrow().frames[0], [0x00, 0xFF, 0xFF, 0xFF, 0xFF]);
     assert_eq!(part.borrow().frames[1..=written.len()], written);
-    assert_eq!(refusal(&mut station, Ask::Transfer { bytes: &[0x68, 0x00] }), Some(Refusal::Sampling));
+    assert_eq!(refusal(&mut station, Command::Transfer { bytes: &[0x68, 0x00] }), Some(Refusal::Sampling));
 
     part.borrow_mut().set(0x20, 0x08);
     part.borrow_mut().set(0x08, 0x80_8809);
@@ -205,7 +208,7 @@ fn it_samples_between_start_and_stop() {
         assert_eq!((reading.t_ns, reading.edge, reading.rate), (t_ns, seq, 0x80_8809));
         assert_eq!((reading.status, reading.temp), (Some(0x08), Some(0x80_1EA6)));
     }
-    assert_eq!(answer(&mut station, Ask::Stop), Message::Answer { tag: 3, answer: Answer::Stopped });
+    assert_eq!(answer(&mut station, Command::Stop), Message::Answer { tag: 3, answer: Answer::Stopped });
     assert_eq!(now(station.edge(Edge { t_ns: 9_000_000, seq: 9 })), None);
 }
 
@@ -214,7 +217,7 @@ fn a_host_chooses_the_configuration_of_the_next_start() {
     let (part, mut station) = station();
     let config = Config::new().with_width(Width::Bits16).with_rate_conversion(ConversionTime::new(0x89));
     assert_eq!(Config::from(Settings::from(&config)), config);
-    let configured = answer(&mut station, Ask::Configure(Settings::from(&config)));
+    let configured = answer(&mut station, Command::Configure(Settings::from(&config)));
     assert_eq!(configured, Message::Answer { tag: 3, answer: Answer::Configured });
     assert_eq!(refusal(&mut station, START), None);
     // byte by byte (F-22), with F-30's last byte for 16 bits
@@ -223,7 +226,7 @@ fn a_host_chooses_the_configuration_of_the_next_start() {
     assert!(sent.windows(12).any(|window| window == expected), "{sent:02X?}");
     assert!(part.borrow().frames[1..].iter().all(|frame| frame.len() == 1));
     let rising = Settings::from(&config.with_rdy_edge(RdyEdge::Rising));
-    assert_eq!(refusal(&mut station, Ask::Configure(rising)), Some(Refusal::NoSuchWire), "unless its bus can");
+    assert_eq!(refusal(&mut station, Command::Configure(rising)), Some(Refusal::NoSuchWire), "unless its bus can");
     assert!(!station.is_sampling(), "what is configured anew begins anew");
     let reading = WireSample { rate: 0x80_8800, temp: Some(0x80_1E00), ..READING };
     let sample = Continuity::new(Width::Bits16).sample(&reading);
@@ -232,10 +235,12 @@ fn a_host_chooses_the_configuration_of_the_next_start() {
 
 #[test]
 fn a_counter_in_the_line_loses_nothing_once_the_bridge_knows_of_it() {
-    let lost = |ask: Option<Ask<'static>>| {
+    let lost = |divided: Option<Command<'static>>| {
         let (part, mut station) = station();
-        for ask in [Some(Ask::Configure(Settings::from(&Config::new()))), ask, Some(START)].into_iter().flatten() {
-            assert_eq!(refusal(&mut station, ask), None);
+        for command in
+            [Some(Command::Configure(Settings::from(&Config::new()))), divided, Some(START)].into_iter().flatten()
+        {
+            assert_eq!(refusal(&mut station, command), None);
         }
         let mut lost = 0;
         for n in 1..=100 {
@@ -249,20 +254,20 @@ fn a_counter_in_the_line_loses_nothing_once_the_bridge_knows_of_it() {
         }
         lost
     };
-    assert_eq!(lost(Some(Ask::Divided { edges: 50 })), 0);
+    assert_eq!(lost(Some(Command::Divided { edges: 50 })), 0);
     assert!(lost(None) > 99 * 24, "{}", lost(None));
     let (_, mut station) = station();
-    let divided = answer(&mut station, Ask::Divided { edges: 50 });
+    let divided = answer(&mut station, Command::Divided { edges: 50 });
     assert_eq!(divided, Message::Answer { tag: 3, answer: Answer::Configured });
 }
 
 #[test]
 fn the_self_test_pin_is_released_with_the_host() {
     let mut without = Station::new(Wire(Part::new()), 1_000_000, "test 1");
-    assert_eq!(refusal(&mut without, Ask::SelfTest { on: true }), Some(Refusal::NoSuchWire));
+    assert_eq!(refusal(&mut without, Command::SelfTest { on: true }), Some(Refusal::NoSuchWire));
     let pin = std::rc::Rc::new(std::cell::Cell::new(false));
     let mut station = Station::new(Slow { wire: Wire(Part::new()), pin: Some(pin.clone()) }, 1_000_000, "test 1");
-    let on = answer(&mut station, Ask::SelfTest { on: true });
+    let on = answer(&mut station, Command::SelfTest { on: true });
     assert_eq!(on, Message::Answer { tag: 3, answer: Answer::SelfTest { on: true } });
     assert!(pin.get());
     station.stop();
@@ -283,15 +288,15 @@ fn it_says_when_the_part_is_gone() {
 fn a_temperature_out_of_range_is_no_reason_to_end() {
     let (part, mut station) = station();
     assert_eq!(refusal(&mut station, START), None);
-    let mut heard = |n, temp| {
+    let mut reading = |n, temp| {
         part.borrow_mut().set(0x20, 0x08);
         part.borrow_mut().set(0x08, 0x80_8809);
         part.borrow_mut().set(0x0A, temp);
         now(station.edge(Edge { t_ns: 175_667 * u64::from(n), seq: n }))
     };
-    assert!(matches!(heard(1, 0x80_1EA6), Some(Message::Sample(_))));
-    assert_eq!(heard(2, 0xFF_FFFF), None);
-    assert!(matches!(heard(3, 0x80_1EA6), Some(Message::Sample(reading)) if reading.lost == 1));
+    assert!(matches!(reading(1, 0x80_1EA6), Some(Message::Sample(_))));
+    assert_eq!(reading(2, 0xFF_FFFF), None);
+    assert!(matches!(reading(3, 0x80_1EA6), Some(Message::Sample(reading)) if reading.lost == 1));
 }
 
 #[test]
@@ -378,12 +383,12 @@ impl Bus for Wire {
     }
 }
 
-fn answer<'a>(station: &'a mut Station<impl Bus>, ask: Ask<'_>) -> Message<'a> {
-    now(station.request(&Request { tag: 3, ask }))
+fn answer<'a>(station: &'a mut Station<impl Bus>, command: Command<'_>) -> Message<'a> {
+    now(station.request(&Request { tag: 3, command }))
 }
 
-fn refusal(station: &mut Station<impl Bus>, ask: Ask<'_>) -> Option<Refusal> {
-    match answer(station, ask) {
+fn refusal(station: &mut Station<impl Bus>, command: Command<'_>) -> Option<Refusal> {
+    match answer(station, command) {
         Message::Answer { tag: 3, answer: Answer::Refused(refusal) } => Some(refusal),
         _ => None,
     }

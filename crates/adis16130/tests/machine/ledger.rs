@@ -27,7 +27,7 @@ const REACH_AT_FIRST: f64 = 8.0 - 1.0;
 const REACH: f64 = 128.0 - 1.0;
 const SAMPLES_TO_LEARN: u32 = 300;
 
-/// How early an edge may come, in periods: the margin of the comb with F-30.
+/// How early an edge may come, in periods: the margin of the edge grid with F-30.
 const MARGIN: f64 = 1.0 / 16.0;
 
 /// Periods over which the phase follows the clock: twice 1/α in gear 1.

@@ -1,7 +1,7 @@
 //! Bytes from the wire of a bridge.
 
 use super::edited;
-use adis16130::bridge::{Answer, Ask, Decoder, MAX_FRAME, Message, Request, WireSample, encode};
+use adis16130::bridge::{Answer, Command, Decoder, MAX_FRAME, Message, Request, WireSample, encode};
 
 fn frame(message: &impl serde::Serialize) -> Vec<u8> {
     encode(message, &mut [0; MAX_FRAME]).expect("it fits").to_vec()
@@ -36,8 +36,8 @@ fn bridge_messages() {
 #[test]
 fn bridge_requests() {
     let requests = vec![
-        frame(&Request { tag: 1, ask: Ask::Transfer { bytes: &[1, 2, 3, 4] } }),
-        frame(&Request { tag: 2, ask: Ask::Start { every_temp: 1, divider: 1, mclk_hz: 6_000_000 } }),
+        frame(&Request { tag: 1, command: Command::Transfer { bytes: &[1, 2, 3, 4] } }),
+        frame(&Request { tag: 2, command: Command::Start { every_temp: 1, divider: 1, mclk_hz: 6_000_000 } }),
     ];
     edited(3000, &requests, |bytes| {
         let mut decoder = Decoder::new();

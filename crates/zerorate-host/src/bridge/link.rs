@@ -1,7 +1,7 @@
 //! Requests, answers and samples over a wire.
 
 use crate::wire::Wire;
-use adis16130::bridge::{Answer, Ask, Client, Heard, Pending, RequestError, Step};
+use adis16130::bridge::{Answer, Client, Command, Event, Pending, RequestError, Step};
 use embedded_hal::spi::ErrorKind;
 use std::collections::VecDeque;
 use std::time::Instant;
@@ -36,8 +36,12 @@ impl Link {
     }
 
     /// Sends a request until it is answered.
-    pub fn ask<T>(&mut self, ask: Ask<'_>, take: impl Fn(Answer<'_>) -> Option<T>) -> Result<T, LinkError> {
-        let mut pending = Pending::new(ask);
+    pub fn request<T>(
+        &mut self,
+        command: Command<'_>,
+        take: impl Fn(Answer<'_>) -> Option<T>,
+    ) -> Result<T, LinkError> {
+        let mut pending = Pending::new(command);
         loop {
             let mut received = std::iter::from_fn(|| self.received.pop_front());
             match self.client.poll(&mut pending, &mut received, self.since.elapsed(), &take)? {
@@ -52,11 +56,11 @@ impl Link {
     }
 
     /// The next message; `None` if none comes until then.
-    pub fn hear(&mut self, deadline: Instant) -> Result<Option<Heard>, LinkError> {
+    pub fn next_event(&mut self, deadline: Instant) -> Result<Option<Event>, LinkError> {
         loop {
-            let heard = self.client.hear(&mut std::iter::from_fn(|| self.received.pop_front()));
-            if heard.is_some() || !self.read(deadline)? {
-                return Ok(heard);
+            let event = self.client.next_event(&mut std::iter::from_fn(|| self.received.pop_front()));
+            if event.is_some() || !self.read(deadline)? {
+                return Ok(event);
             }
         }
     }

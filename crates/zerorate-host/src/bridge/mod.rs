@@ -14,7 +14,7 @@ use crate::reader::{Reader, WhenFull};
 use crate::source::{DeviceInfo, Setup};
 use crate::wire::Wire;
 pub use address::BridgeAddress;
-use adis16130::bridge::{Answer, Ask, Continuity, GONE, Heard, PROTOCOL, Refusal, RequestError, SILENT, Settings};
+use adis16130::bridge::{Answer, Command, Continuity, Event, GONE, PROTOCOL, Refusal, RequestError, SILENT, Settings};
 use adis16130::{Edge, Sample, SamplerConfig};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use embedded_hal::digital::{self, OutputPin};
@@ -79,8 +79,8 @@ impl Connection for Bridged {
 
     fn start(&self, live: Box<Live<Transfers, LastEdges>>) -> Result<Reader> {
         let SamplerConfig { every_temp, divider, .. } = live.sampling;
-        let start = Ask::Start { every_temp, divider, mclk_hz: self.address.mclk_hz };
-        let started = self.link.ask(start, Answer::Started.only());
+        let start = Command::Start { every_temp, divider, mclk_hz: self.address.mclk_hz };
+        let started = self.link.request(start, Answer::Started.only());
         started.map_err(|error| self.link.explain(error, &self.address))?;
         let (link, address) = (self.link.clone(), self.address.clone());
         let continuity = Continuity::new(address.part.config.width());
@@ -101,13 +101,13 @@ impl Connection for Bridged {
 impl Drop for Bridged {
     fn drop(&mut self) {
         // a bridge that is gone needs no end
-        let _ = self.link.ask(Ask::Stop, |_| Some(()));
+        let _ = self.link.request(Command::Stop, |_| Some(()));
     }
 }
 
-fn greet(link: &Shared, address: &BridgeAddress, names: SettingNames) -> Result<()> {
-    link.ask(Ask::Stop, Answer::Stopped.only())?;
-    let (protocol, firmware) = link.ask(Ask::Hello, |answer| match answer {
+fn greet(link: &Shared, address: &BridgeAddress, names: Names) -> Result<()> {
+    link.request(Command::Stop, Answer::Stopped.only())?;
+    let (protocol, firmware) = link.request(Command::Hello, |answer| match answer {
         Answer::Hello { protocol, firmware, .. } => Some((protocol, firmware.to_owned())),
         _ => None,
     })?;
@@ -117,8 +117,8 @@ fn greet(link: &Shared, address: &BridgeAddress, names: SettingNames) -> Result<
          bring the older one up to date"
     );
     link.set_clock(address.hz)?;
-    let settings = Ask::Configure(Settings::from(&address.part.config));
-    match link.ask(settings, Answer::Configured.only()) {
+    let settings = Command::Configure(Settings::from(&address.part.config));
+    match link.request(settings, Answer::Configured.only()) {
         Err(LinkError::Request(RequestError::Refused(Refusal::NoSuchWire))) => bail!(
             "{address} is {firmware}, which cannot hear the edge of RDY that was asked for: leave edge= out, or bring \
              its firmware up to date"
@@ -136,7 +136,7 @@ fn tell_divided(link: &Shared, address: &BridgeAddress, names: SettingNames) -> 
     if edges == 1 {
         return Ok(());
     }
-    match link.ask(Ask::Divided { edges }, Answer::Configured.only()) {
+    match link.request(Command::Divided { edges }, Answer::Configured.only()) {
         Err(LinkError::Request(RequestError::Silent)) => bail!(
             "{address} does not know of a counter in the line of RDY (divided={edges}): \
              bring its firmware up to date, or connect RDY itself and use {} {edges}",
@@ -160,17 +160,17 @@ impl Stream {
         let asked = Instant::now();
         let deadline = asked + Duration::from_nanos(self.live.silence_ns());
         while Instant::now() < deadline {
-            match self.link.lock().hear(deadline)? {
-                Some(Heard::Sample(reading)) => {
+            match self.link.lock().next_event(deadline)? {
+                Some(Event::Sample(reading)) => {
                     self.progress.require(reading.t_ns, asked.elapsed())?;
                     return Ok(self.continuity.sample(&reading));
                 }
                 // a second answer to a request that was sent twice
-                Some(Heard::Answer) => {}
-                Some(Heard::Ended) | None => break,
+                Some(Event::Answer) => {}
+                Some(Event::Ended) | None => break,
             }
         }
-        self.link.ask(Ask::Stop, Answer::Stopped.only())?;
+        self.link.request(Command::Stop, Answer::Stopped.only())?;
         Err(self.live.why_silent())
     }
 }
@@ -184,12 +184,12 @@ impl Shared {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn ask<T>(&self, ask: Ask<'_>, take: impl Fn(Answer<'_>) -> Option<T>) -> Result<T, LinkError> {
-        self.lock().ask(ask, take)
+    fn request<T>(&self, command: Command<'_>, take: impl Fn(Answer<'_>) -> Option<T>) -> Result<T, LinkError> {
+        self.lock().request(command, take)
     }
 
     fn set_clock(&self, sclk_hz: u32) -> Result<u32> {
-        let set = self.ask(Ask::Clock { sclk_hz }, |answer| match answer {
+        let set = self.request(Command::Clock { sclk_hz }, |answer| match answer {
             Answer::Clock { sclk_hz } => Some(sclk_hz),
             _ => None,
         });
@@ -243,7 +243,7 @@ impl SpiDevice for Transfers {
 
 impl Transfers {
     fn exchange(&self, bytes: &[u8]) -> Result<Vec<u8>, LinkError> {
-        self.0.ask(Ask::Transfer { bytes }, |answer| match answer {
+        self.0.request(Command::Transfer { bytes }, |answer| match answer {
             Answer::Transfer { bytes: received } if received.len() == bytes.len() => Some(received.to_owned()),
             _ => None,
         })
@@ -255,7 +255,7 @@ struct SelfTestWire(Shared);
 
 impl SelfTestWire {
     fn set(&self, on: bool) -> Result<(), LinkError> {
-        self.0.ask(Ask::SelfTest { on }, Answer::SelfTest { on }.only())
+        self.0.request(Command::SelfTest { on }, Answer::SelfTest { on }.only())
     }
 }
 
@@ -283,7 +283,7 @@ impl Edges for LastEdges {
     fn next(&mut self, timeout_ns: u64) -> Result<Option<Edge>> {
         let deadline = Instant::now() + Duration::from_nanos(timeout_ns);
         loop {
-            let edge = self.link.ask(Ask::LastEdge, |answer| match answer {
+            let edge = self.link.request(Command::LastEdge, |answer| match answer {
                 Answer::LastEdge { t_ns, seq } => Some(Edge { t_ns, seq }),
                 _ => None,
             })?;

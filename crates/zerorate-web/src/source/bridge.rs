@@ -9,7 +9,7 @@ use super::{Next, Source, about_part};
 use crate::registers;
 use crate::session::{About, Said};
 use adis16130::asynch::Adis16130;
-use adis16130::bridge::{Answer, Ask, Continuity, GONE, PROTOCOL, Refusal, RequestError, SILENT, Settings};
+use adis16130::bridge::{Answer, Command, Continuity, GONE, PROTOCOL, Refusal, RequestError, SILENT, Settings};
 use adis16130::{Config, Fault, Framing, MAX_SCLK_HZ, MCLK_HZ, SamplerConfig};
 use std::cell::RefCell;
 use std::convert::Infallible;
@@ -119,14 +119,14 @@ async fn measure(shared: Shared, config: Config) -> Result<Infallible, String> {
     let values = part.read_all().await.map_err(|error| error.to_string())?;
     shared.borrow_mut().opened(registers::described(&config, &values));
     let SamplerConfig { every_temp, divider, .. } = SamplerConfig::new();
-    let start = Ask::Start { every_temp, divider, mclk_hz: MCLK_HZ };
-    wire::ask(&shared, start, Answer::Started.only()).await.map_err(told)?;
+    let start = Command::Start { every_temp, divider, mclk_hz: MCLK_HZ };
+    wire::request(&shared, start, Answer::Started.only()).await.map_err(told)?;
     let mut continuity = Continuity::new(config.width());
     while let Some(reading) = wire::sample(&shared, SILENCE, BLOCKED).await? {
         let row = Row::from(&continuity.sample(&reading));
         shared.borrow_mut().rows.push_back(row);
     }
-    wire::ask(&shared, Ask::Stop, Answer::Stopped.only()).await.map_err(told)?;
+    wire::request(&shared, Command::Stop, Answer::Stopped.only()).await.map_err(told)?;
     match part.diagnose().await {
         Ok(Some(fault)) => Err(fault.to_string()),
         Ok(None) => Err(Fault::NO_NEW_DATA.to_owned()),
@@ -137,8 +137,8 @@ async fn measure(shared: Shared, config: Config) -> Result<Infallible, String> {
 /// Stops the bridge, and sets its clock and what it writes to the part. The inner error says why this bridge cannot be
 /// used.
 async fn greet(shared: &Shared, config: &Config) -> Result<Result<(), String>, RequestError> {
-    wire::ask(shared, Ask::Stop, Answer::Stopped.only()).await?;
-    let hello = wire::ask(shared, Ask::Hello, |answer| match answer {
+    wire::request(shared, Command::Stop, Answer::Stopped.only()).await?;
+    let hello = wire::request(shared, Command::Hello, |answer| match answer {
         Answer::Hello { protocol, firmware, .. } => Some((protocol, firmware.to_owned())),
         _ => None,
     });
@@ -150,10 +150,10 @@ async fn greet(shared: &Shared, config: &Config) -> Result<Result<(), String>, R
         )));
     }
     shared.borrow_mut().firmware = Some(firmware);
-    let clock = Ask::Clock { sclk_hz: SCLK_HZ };
-    wire::ask(shared, clock, |answer| matches!(answer, Answer::Clock { .. }).then_some(())).await?;
-    let settings = Ask::Configure(Settings::from(config));
-    match wire::ask(shared, settings, Answer::Configured.only()).await {
+    let clock = Command::Clock { sclk_hz: SCLK_HZ };
+    wire::request(shared, clock, |answer| matches!(answer, Answer::Clock { .. }).then_some(())).await?;
+    let settings = Command::Configure(Settings::from(config));
+    match wire::request(shared, settings, Answer::Configured.only()).await {
         Err(RequestError::Refused(Refusal::NoSuchWire)) => {
             return Ok(Err("the bridge cannot detect the falling edge of RDY: update its firmware".to_owned()));
         }

@@ -1,7 +1,7 @@
 //! Requests and answers over bytes that are moved by the page.
 
 use crate::message::Register;
-use adis16130::bridge::{Answer, Ask, Client, Heard, Pending, RequestError, Step, WireSample};
+use adis16130::bridge::{Answer, Client, Command, Event, Pending, RequestError, Step, WireSample};
 use embedded_hal::spi::ErrorType;
 use embedded_hal_async::spi::{Operation, SpiDevice};
 use std::cell::RefCell;
@@ -41,8 +41,12 @@ impl Wire {
 }
 
 /// Sends a request until an answer comes that `take` accepts.
-pub async fn ask<T>(shared: &Shared, ask: Ask<'_>, take: impl Fn(Answer<'_>) -> Option<T>) -> Result<T, RequestError> {
-    let mut pending = Pending::new(ask);
+pub async fn request<T>(
+    shared: &Shared,
+    command: Command<'_>,
+    take: impl Fn(Answer<'_>) -> Option<T>,
+) -> Result<T, RequestError> {
+    let mut pending = Pending::new(command);
     poll_fn(|_| {
         let Wire { client, received, to_send, now, .. } = &mut *shared.borrow_mut();
         loop {
@@ -62,17 +66,17 @@ pub async fn ask<T>(shared: &Shared, ask: Ask<'_>, take: impl Fn(Answer<'_>) -> 
 /// The silence may be due to the window that moves the bytes. So the bridge is asked for anything: if it answers, the
 /// part is silent. Otherwise, bytes under way get this much more time.
 pub async fn sample(shared: &Shared, silence: Duration, blocked: Duration) -> Result<Option<WireSample>, String> {
-    let mut heard = hear(shared, silence, |heard| heard != Heard::Answer).await;
-    if heard.is_none() {
+    let mut event = next_event(shared, silence, |event| event != Event::Answer).await;
+    if event.is_none() {
         {
             let wire = &mut *shared.borrow_mut();
-            let frame = wire.client.frame(Ask::LastEdge).map_err(|error| error.to_string())?;
+            let frame = wire.client.frame(Command::LastEdge).map_err(|error| error.to_string())?;
             wire.to_send.extend_from_slice(frame.bytes());
         }
-        heard = hear(shared, blocked, |_| true).await;
+        event = next_event(shared, blocked, |_| true).await;
     }
-    match heard {
-        Some(Heard::Sample(sample)) => Ok(Some(sample)),
+    match event {
+        Some(Event::Sample(sample)) => Ok(Some(sample)),
         Some(_) => Ok(None),
         None => Err(format!(
             "nothing came from the bridge for {} s: the window that reads its port is blocked (by a dialog, or \
@@ -84,13 +88,13 @@ pub async fn sample(shared: &Shared, silence: Duration, blocked: Duration) -> Re
 }
 
 /// Waits at most this long for an item that counts.
-async fn hear(shared: &Shared, within: Duration, counts: impl Fn(Heard) -> bool) -> Option<Heard> {
+async fn next_event(shared: &Shared, within: Duration, counts: impl Fn(Event) -> bool) -> Option<Event> {
     let deadline = shared.borrow().now + within;
     poll_fn(|_| {
         let Wire { client, received, now, .. } = &mut *shared.borrow_mut();
         let mut received = std::iter::from_fn(|| received.pop_front());
-        let heard = std::iter::from_fn(|| client.hear(&mut received)).find(|heard| counts(*heard));
-        if heard.is_some() || *now >= deadline { Poll::Ready(heard) } else { Poll::Pending }
+        let event = std::iter::from_fn(|| client.next_event(&mut received)).find(|event| counts(*event));
+        if event.is_some() || *now >= deadline { Poll::Ready(event) } else { Poll::Pending }
     })
     .await
 }
@@ -121,7 +125,7 @@ impl SpiDevice for Transfers {
 
 impl Transfers {
     async fn exchange(&self, bytes: &[u8]) -> Result<Vec<u8>, RequestError> {
-        ask(&self.0, Ask::Transfer { bytes }, |answer| match answer {
+        request(&self.0, Command::Transfer { bytes }, |answer| match answer {
             Answer::Transfer { bytes: received } if received.len() == bytes.len() => Some(received.to_owned()),
             _ => None,
         })

@@ -1,4 +1,4 @@
-//! The comb: the places where edges can lie, and the tooth that an edge is taken for.
+//! The grid of the times at which edges can come, and the kind of update that an edge announces.
 
 use super::{FRACTION_BITS, LOOP_GEAR, TOP_GEAR};
 use crate::quotient::quotient;
@@ -20,7 +20,7 @@ pub(crate) enum Pattern {
 /// The times of the updates as far as they are known beforehand: a rate update at each tick, a temperature update in
 /// between.
 #[derive(Clone, Debug)]
-pub(crate) struct Comb {
+pub(crate) struct EdgeGrid {
     /// Nominal time from one tick to the next.
     pub(super) period: i64,
     /// Time from a tick to the temperature update after it, as a fraction of the period in 2⁻¹⁶; 0 = there is none.
@@ -35,19 +35,19 @@ pub(crate) struct Comb {
 /// The nominal period is at most 2³⁶ ns, 69 s, so that no sum over the errors of a check overflows.
 const LONGEST_PERIOD: u64 = 1 << (36 + FRACTION_BITS);
 
-impl Comb {
+impl EdgeGrid {
     /// The first argument has the conversion times of rate and temperature in MCLK cycles, 0 for a disabled channel.
     pub(crate) fn new((rate_cycles, temp_cycles): (u32, u32), mclk_hz: u32, pattern: Pattern) -> Self {
         let cycles = u64::from((rate_cycles + temp_cycles).max(1));
         let period = quotient((cycles * 1_000_000_000) << FRACTION_BITS, mclk_hz.max(1_000).into()) as i64;
         let temp_fraction = quotient(u64::from(temp_cycles) << FRACTION_BITS, cycles) as i64;
-        let mut comb = Self { period, temp_fraction, margin: 0, pattern };
-        let from_temp = period - comb.share_of_temp(period);
-        comb.margin = (from_temp >> 3).max((period >> 4).min(from_temp >> 1));
-        comb
+        let mut grid = Self { period, temp_fraction, margin: 0, pattern };
+        let from_temp = period - grid.share_of_temp(period);
+        grid.margin = (from_temp >> 3).max((period >> 4).min(from_temp >> 1));
+        grid
     }
 
-    /// The comb of edges that come from a counter, on average `numerator`/`denominator` periods of this one apart.
+    /// The grid of edges that come from a counter, on average `numerator`/`denominator` periods of this one apart.
     pub(crate) fn divided(self, numerator: u32, denominator: u32) -> Self {
         let ratio = quotient(u64::from(numerator) << FRACTION_BITS, denominator.into());
         let period = ((self.period >> FRACTION_BITS) as u64).saturating_mul(ratio).min(LONGEST_PERIOD) as i64;
@@ -83,7 +83,8 @@ impl Comb {
         if self.is_divided() { LOOP_GEAR } else { TOP_GEAR }
     }
 
-    /// The place of the temperature tooth with this period, to half a ns. A function of its own saves flash.
+    /// The time from a tick to the temperature update with this period, to half a ns. A function of its own saves
+    /// flash.
     #[inline(never)]
     pub(super) const fn share_of_temp(&self, period: i64) -> i64 {
         (period >> FRACTION_BITS) * self.temp_fraction
@@ -123,10 +124,10 @@ impl Comb {
         3 * (shift >> 2)
     }
 
-    /// Whether this sum of 256 absolute errors shows that the edges do not lie on the comb.
+    /// Whether this sum of 256 absolute errors shows that the edges do not lie on the grid.
     ///
-    /// Edges that lie anywhere are off by T/4 on average, or by T/8 if the nearest of two teeth is taken. The limits
-    /// are T/6 and T/9. T/6 is two thirds of T/4, since a tooth is believed for a while. T/9 is three standard
+    /// Edges that lie anywhere are off by T/4 on average, or by T/8 if the nearest of two grid points is taken. The
+    /// limits are T/6 and T/9. T/6 is two thirds of T/4, since a kind is kept for a while. T/9 is three standard
     /// deviations of a mean of 256 below T/8. Normal jitter reaches the limits with a standard deviation of 0.21·T and
     /// 0.14·T.
     pub(super) fn is_missed(&self, error_of_256: i64) -> bool {
@@ -140,28 +141,28 @@ impl Comb {
 /// The kind of update that the edges announce: rate or temperature.
 ///
 /// As long as they announce one kind, a deviation of up to half a period is jitter. The kind changes when the host is
-/// late (F-33): then all edges that follow are off. A change is believed at once if the jitter is small, or else after
+/// late (F-33): then all edges that follow are off. A change is accepted at once if the jitter is small, or else after
 /// some edges.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Tooth {
-    pub(super) on_rate: bool,
+pub(super) struct EdgeKind {
+    pub(super) is_rate: bool,
     doubts: u8,
     /// Mean absolute error of about 16 edges.
     jitter: i64,
 }
 
-/// This many edges in a row must lie nearer to the other tooth before they count as a change. Normal jitter of T/9
-/// puts one of 41 there, and eight in a row once in 10¹³ edges.
+/// This many edges in a row must lie nearer to the other grid point before they count as a change. Normal jitter of
+/// T/9 puts one of 41 there, and eight in a row once in 10¹³ edges.
 const DOUBTS: u8 = 8;
 
-/// A change is believed at once where the mean absolute error is below T/48. With normal jitter of that size the other
-/// tooth, T/4 away, is nearer by chance only beyond ten standard deviations.
+/// A change is accepted at once where the mean absolute error is below T/48. With normal jitter of that size the other
+/// grid point, T/4 away, is nearer by chance only beyond ten standard deviations.
 const SURE: i64 = 48;
 
-impl Tooth {
-    /// The distance to the tooth that the edge is taken for.
-    pub(super) fn error(&mut self, comb: &Comb, (period, temp): (i64, i64), position: i64) -> i64 {
-        let (own, to_other) = if self.on_rate { (position, -temp) } else { (position - temp, temp) };
+impl EdgeKind {
+    /// The distance to the grid point of the kind that the edge is taken for.
+    pub(super) fn error(&mut self, grid: &EdgeGrid, (period, temp): (i64, i64), position: i64) -> i64 {
+        let (own, to_other) = if self.is_rate { (position, -temp) } else { (position - temp, temp) };
         let own = wrapped(own, period);
         let other = wrapped(own + to_other, period);
         if own.abs() <= other.abs() {
@@ -170,11 +171,11 @@ impl Tooth {
             return own;
         }
         self.doubts += 1;
-        let sure = SURE * self.jitter <= comb.period;
-        if matches!(comb.pattern, Pattern::Steady) && self.doubts < DOUBTS && !sure {
+        let sure = SURE * self.jitter <= grid.period;
+        if matches!(grid.pattern, Pattern::Steady) && self.doubts < DOUBTS && !sure {
             return own;
         }
-        self.on_rate = !self.on_rate;
+        self.is_rate = !self.is_rate;
         self.doubts = 0;
         other
     }
