@@ -54,9 +54,9 @@ pub use edf::{edf, finite_difference_edf};
 pub use envelope::Envelope;
 #[cfg(feature = "std")]
 pub use fit::{
-    Apart, Cleaned, Corner, Covering, Differs, Estimate, Expected, FEWEST_SAMPLES, Fit, FitError, FitOptions, Line,
-    MOST_ERROR, Model, Motion, MotionKind, PREDICTS, Pool, PoolError, PoolRecord, Spread, Step, Term, Usage, fit,
-    fit_pool, motion,
+    Cleaned, Corner, Covering, Differs, Estimate, Expected, FEWEST_SAMPLES, Fit, FitError, FitOptions, Line,
+    MOST_ERROR, Model, Motion, MotionKind, Outlier, PREDICTS, Pool, PoolError, PoolRecord, Spread, Step, Term, Usage,
+    fit, fit_pool, motion,
 };
 pub use input::{Gap, Input};
 pub use interval::interval;

@@ -1,7 +1,7 @@
 //! Several records of one type as one.
 
 use serde::Serialize;
-use zerorate_allan::{Apart, Differs, FitError, PoolError, PoolRecord, Spread, fit_pool};
+use zerorate_allan::{Differs, FitError, Outlier, PoolError, PoolRecord, Spread, fit_pool};
 use zerorate_imu::Record;
 use zerorate_logs::LogWarning;
 
@@ -78,7 +78,8 @@ pub fn pool<'a>(records: &'a [Record]) -> Result<Pool, NoPool> {
         why => NoPool::NoCommonModel(why),
     })?;
     let used: Vec<&Record> = pool.used.iter().map(|&i| &records[i]).collect();
-    let apart: Vec<Misfit> = pool.apart.iter().map(|apart| Misfit::of(&records[apart.record], apart)).collect();
+    let apart: Vec<Misfit> =
+        pool.outliers.iter().map(|outlier| Misfit::of(&records[outlier.record], outlier)).collect();
     Ok(Pool {
         spread: pool.spread,
         used: used.iter().map(|record| record.label()).collect(),
@@ -97,8 +98,8 @@ fn check(records: &[Record]) -> Result<(), NoPool> {
 }
 
 impl Misfit {
-    fn of(record: &Record, apart: &Apart) -> Self {
-        let why = match apart.differs {
+    fn of(record: &Record, outlier: &Outlier) -> Self {
+        let why = match outlier.differs {
             Differs::Rejected { error } => format!("has no model of its own (off by {:.0} %)", error * 100.0),
             Differs::White { ratio } => format!("has {ratio:.2} times the N of the others"),
             Differs::Slow { gain } => {
@@ -106,7 +107,7 @@ impl Misfit {
             }
             _ => "differs".to_owned(),
         };
-        Self { record: record.label(), why, is_left_out: apart.is_left_out }
+        Self { record: record.label(), why, is_left_out: outlier.is_left_out }
     }
 
     fn warning(&self) -> LogWarning {

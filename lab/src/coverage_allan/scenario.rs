@@ -18,7 +18,7 @@ pub struct Scenario {
     pub filter: Filter,
     /// σ and T of a Gauss–Markov process.
     pub gauss_markov: Option<(f64, f64)>,
-    pub beside: Beside,
+    pub disturbance: Disturbance,
     pub bounds: Bounds,
 }
 
@@ -36,7 +36,7 @@ pub enum Filter {
 
 /// A disturbance that is not noise.
 #[derive(Clone, Copy)]
-pub enum Beside {
+pub enum Disturbance {
     Nothing,
     /// Amplitude, °/s, and frequency, Hz.
     Sine(f64, f64),
@@ -100,7 +100,7 @@ const HOUR: Scenario = Scenario {
     q: 0.0,
     filter: Filter::None,
     gauss_markov: None,
-    beside: Beside::Nothing,
+    disturbance: Disturbance::Nothing,
     bounds: OTHER,
 };
 
@@ -149,32 +149,32 @@ fn filtered() -> Vec<Scenario> {
     ]
 }
 
-/// The hour with something beside the noise, or with samples lost.
+/// The hour with a disturbance beside the noise, or with samples lost.
 fn disturbed() -> Vec<Scenario> {
-    let with = |name, beside| Scenario { name, beside, ..HOUR };
-    let widened = |name, beside| Scenario { bounds: WIDENED, ..with(name, beside) };
+    let with = |name, disturbance| Scenario { name, disturbance, ..HOUR };
+    let widened = |name, disturbance| Scenario { bounds: WIDENED, ..with(name, disturbance) };
     let jump = |name, size, least| Scenario {
         bounds: Bounds { steps: (least, 100.0), ..OTHER },
-        ..with(name, Beside::Step(size))
+        ..with(name, Disturbance::Step(size))
     };
     vec![
-        with("with a sine", Beside::Sine(0.02, 0.5)),
-        with("with a slow sine", Beside::Sine(0.1, 0.01)),
-        widened("with a resonance", Beside::Resonance(20.0, 1.0, 0.25)),
-        with("outliers 1e-6", Beside::Outliers(1e-6)),
-        with("outliers 1e-5", Beside::Outliers(1e-5)),
-        with("outliers 1e-4", Beside::Outliers(1e-4)),
-        with("outliers 1e-3", Beside::Outliers(1e-3)),
+        with("with a sine", Disturbance::Sine(0.02, 0.5)),
+        with("with a slow sine", Disturbance::Sine(0.1, 0.01)),
+        widened("with a resonance", Disturbance::Resonance(20.0, 1.0, 0.25)),
+        with("outliers 1e-6", Disturbance::Outliers(1e-6)),
+        with("outliers 1e-5", Disturbance::Outliers(1e-5)),
+        with("outliers 1e-4", Disturbance::Outliers(1e-4)),
+        with("outliers 1e-3", Disturbance::Outliers(1e-3)),
         Scenario { bounds: Bounds { steps: (75.0, 100.0), ..NOT_SILENT }, ..jump("step of 0.02", 0.02, 75.0) },
         jump("step of 0.03", 0.03, 95.0),
         jump("step of 0.05", 0.05, 99.0),
-        widened("40 % lost", Beside::Loss(0.4)),
-        widened("lost in bursts", Beside::Bursts(7.0, 60)),
-        widened("lost in short bursts", Beside::Bursts(0.1, 20_000)),
-        widened("lost in long bursts", Beside::Bursts(60.0, 30)),
-        widened("lost at once", Beside::Gap(100.0)),
-        with("coarse codes", Beside::Coarse(1.2)),
-        Scenario { bounds: NOT_SILENT, k: 0.0, ..with("warm-up", Beside::WarmUp(0.05, 600.0)) },
+        widened("40 % lost", Disturbance::Loss(0.4)),
+        widened("lost in bursts", Disturbance::Bursts(7.0, 60)),
+        widened("lost in short bursts", Disturbance::Bursts(0.1, 20_000)),
+        widened("lost in long bursts", Disturbance::Bursts(60.0, 30)),
+        widened("lost at once", Disturbance::Gap(100.0)),
+        with("coarse codes", Disturbance::Coarse(1.2)),
+        Scenario { bounds: NOT_SILENT, k: 0.0, ..with("warm-up", Disturbance::WarmUp(0.05, 600.0)) },
     ]
 }
 
@@ -195,15 +195,15 @@ impl Scenario {
     /// N, B and K as they can be measured: rounding to codes is white, and N is the plateau, which has the tail of a
     /// resonance in it.
     pub fn truth(&self, rate_hz: f64) -> [f64; 3] {
-        if let Beside::Resonance(frequency_hz, half_width_hz, part) = self.beside {
+        if let Disturbance::Resonance(frequency_hz, half_width_hz, part) = self.disturbance {
             let (r, angle) = ((-2.0 * PI * half_width_hz / rate_hz).exp(), 2.0 * PI * frequency_hz / rate_hz);
             let (r2, at_zero) = (r * r, 1.0 - 2.0 * r * angle.cos() + r * r);
             // of the filter's output for white noise of variance 1
             let variance = (1.0 + r2) / ((1.0 - r2) * (1.0 - 2.0 * r2 * (2.0 * angle).cos() + r2 * r2));
             return [self.n * (1.0 + part / (variance * at_zero * at_zero)).sqrt(), self.b, self.k];
         }
-        let step = match self.beside {
-            Beside::Coarse(steps) => steps * self.n * rate_hz.sqrt(),
+        let step = match self.disturbance {
+            Disturbance::Coarse(steps) => steps * self.n * rate_hz.sqrt(),
             _ => 0.0,
         };
         [(self.n * self.n + step * step / 12.0 / rate_hz).sqrt(), self.b, self.k]

@@ -1,6 +1,6 @@
 //! Records whose truth is known.
 
-use super::scenario::{Beside, Filter, Scenario};
+use super::scenario::{Disturbance, Filter, Scenario};
 use rand::rngs::SmallRng;
 use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
@@ -97,51 +97,51 @@ fn low_pass(rate: &mut [f64], keep: f64) {
 fn disturb(rate: &mut [f64], scenario: &Scenario, rng: &mut SmallRng) {
     let len = rate.len();
     let some = |rng: &mut SmallRng, part: f64| rng.random::<f64>() < part;
-    match scenario.beside {
-        Beside::Nothing => {}
-        Beside::Sine(amplitude, frequency_hz) => {
+    match scenario.disturbance {
+        Disturbance::Nothing => {}
+        Disturbance::Sine(amplitude, frequency_hz) => {
             let at = |i: usize| amplitude * (2.0 * PI * frequency_hz * i as f64 / RATE_HZ).sin();
             rate.iter_mut().enumerate().for_each(|(i, rate)| *rate += at(i));
         }
-        Beside::Resonance(frequency_hz, half_width_hz, part) => {
+        Disturbance::Resonance(frequency_hz, half_width_hz, part) => {
             let ring = resonance(len, frequency_hz, half_width_hz, rng);
             let power = ring.iter().map(|value| value * value).sum::<f64>() / len as f64;
             let strength = (part * scenario.n.powi(2) * RATE_HZ / power).sqrt();
             rate.iter_mut().zip(ring).for_each(|(rate, ring)| *rate += strength * ring);
         }
-        Beside::Outliers(part) => {
+        Disturbance::Outliers(part) => {
             // at least one: a record without any is another scenario
             let count = (part * len as f64).round().max(1.0) as usize;
             for _ in 0..count {
                 rate[rng.next_u64() as usize % len] += if some(rng, 0.5) { OUTLIER } else { -OUTLIER };
             }
         }
-        Beside::Step(size) => {
+        Disturbance::Step(size) => {
             let at = (0.1 * len as f64 + 0.8 * len as f64 * rng.random::<f64>()) as usize;
             rate[at..].iter_mut().for_each(|rate| *rate += size);
         }
-        Beside::Loss(part) => rate.iter_mut().for_each(|rate| {
+        Disturbance::Loss(part) => rate.iter_mut().for_each(|rate| {
             if some(rng, part) {
                 *rate = f64::NAN;
             }
         }),
-        Beside::Bursts(longest_s, count) => {
+        Disturbance::Bursts(longest_s, count) => {
             for _ in 0..count {
                 let from = rng.next_u64() as usize % len;
                 let length = (longest_s * RATE_HZ * rng.random::<f64>()) as usize;
                 rate[from..(from + length).min(len)].fill(f64::NAN);
             }
         }
-        Beside::Gap(length_s) => {
+        Disturbance::Gap(length_s) => {
             let length = (length_s * RATE_HZ) as usize;
             let from = rng.next_u64() as usize % (len - length);
             rate[from..from + length].fill(f64::NAN);
         }
-        Beside::Coarse(steps) => {
+        Disturbance::Coarse(steps) => {
             let step = steps * scenario.n * RATE_HZ.sqrt();
             rate.iter_mut().for_each(|rate| *rate = (*rate / step).round() * step);
         }
-        Beside::WarmUp(size, tau_s) => {
+        Disturbance::WarmUp(size, tau_s) => {
             let at = |i: usize| size * (-(i as f64) / RATE_HZ / tau_s).exp();
             rate.iter_mut().enumerate().for_each(|(i, rate)| *rate += at(i));
         }

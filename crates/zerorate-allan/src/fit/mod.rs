@@ -56,7 +56,7 @@ use model::Measured;
 pub use model::Model;
 pub use motion::{Motion, MotionKind, motion};
 use periods::Period;
-pub use pool::{Apart, Differs, Pool, PoolError, PoolRecord, Spread, fit_pool};
+pub use pool::{Differs, Outlier, Pool, PoolError, PoolRecord, Spread, fit_pool};
 use prediction::Doubt;
 use realfft::FftError;
 use remarks::{Raw, remarks};

@@ -40,7 +40,7 @@ pub struct Pool {
     /// The spread of each coefficient from one record to the next, where at least two records identify it.
     pub spread: Vec<Spread>,
     /// The records that do not fit the others.
-    pub apart: Vec<Apart>,
+    pub outliers: Vec<Outlier>,
 }
 
 /// The spread of a coefficient between records.
@@ -60,7 +60,7 @@ pub struct Spread {
 
 /// A record that does not fit the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Apart {
+pub struct Outlier {
     /// The index of the record.
     pub record: usize,
     /// The difference.
@@ -161,30 +161,31 @@ pub fn fit_pool(records: &[PoolRecord<'_>]) -> Result<Pool, PoolError> {
     same_rates(records)?;
     let top_hz = records.iter().map(|record| record.fit.max_freq_hz).fold(f64::INFINITY, f64::min);
     let parts = records.iter().map(|record| parts(record, top_hz)).collect::<Result<Vec<Parts>, FitError>>()?;
-    let mut apart = unlike(records);
-    let mut used: Vec<usize> = (0..records.len()).filter(|i| apart.iter().all(|apart| apart.record != *i)).collect();
+    let mut outliers = outliers_by_own_model(records);
+    let mut used: Vec<usize> =
+        (0..records.len()).filter(|i| outliers.iter().all(|outlier| outlier.record != *i)).collect();
     let chosen = loop {
         if used.len() < 2 {
             return Err(PoolError::NothingInCommon);
         }
         let of_these: Vec<&Table> = used.iter().map(|&i| &parts[i].table).collect();
         let chosen = select(Table::pooled(&of_these), SHAPE_PRICE).ok_or(FitError::NotFinite)?;
-        let beside: Vec<Beside> =
-            used.iter().map(|&i| Beside::of(i, &parts[i].table, &chosen, records[i].fit)).collect();
-        let Some((record, gain)) = odd(&beside) else { break chosen };
+        let own: Vec<RecordFit> =
+            used.iter().map(|&i| RecordFit::of(i, &parts[i].table, &chosen, records[i].fit)).collect();
+        let Some((record, gain)) = farthest_from_median(&own) else { break chosen };
         let is_left_out = used.len() > 2;
-        apart.push(Apart { record, differs: Differs::Slow { gain }, is_left_out });
+        outliers.push(Outlier { record, differs: Differs::Slow { gain }, is_left_out });
         if !is_left_out {
             break chosen;
         }
         used.retain(|i| *i != record);
     };
-    apart.sort_by_key(|apart| apart.record);
+    outliers.sort_by_key(|outlier| outlier.record);
     let alike: Vec<&PoolRecord<'_>> = used.iter().map(|&i| &records[i]).collect();
     let spread: Vec<Spread> = spreads(&alike);
     let mut above: Vec<(f64, f64)> = used.iter().flat_map(|&i| parts[i].above.iter().copied()).collect();
     above.sort_by(|a, b| a.0.total_cmp(&b.0));
-    Ok(Pool { fit: common(&alike, &chosen, &spread, above)?, used, spread, apart })
+    Ok(Pool { fit: common(&alike, &chosen, &spread, above)?, used, spread, outliers })
 }
 
 fn same_rates(records: &[PoolRecord<'_>]) -> Result<(), PoolError> {
@@ -217,10 +218,10 @@ fn parts(record: &PoolRecord<'_>, top_hz: f64) -> Result<Parts, FitError> {
     Ok(Parts { table: table.below(top_hz), above: spectrum.above(top_hz, record.rate_hz) })
 }
 
-/// Records that do not belong to this type, by their own models.
-fn unlike(records: &[PoolRecord<'_>]) -> Vec<Apart> {
-    let believed = records.iter().filter(|record| !record.fit.is_rejected);
-    let middle = median(believed.map(|record| record.fit.n.value).collect());
+/// The records whose own models do not belong to this type.
+fn outliers_by_own_model(records: &[PoolRecord<'_>]) -> Vec<Outlier> {
+    let valid = records.iter().filter(|record| !record.fit.is_rejected);
+    let middle = median(valid.map(|record| record.fit.n.value).collect());
     let of = |(record, PoolRecord { fit, .. }): (usize, &PoolRecord<'_>)| {
         let ratio = fit.n.value / middle;
         let differs = match fit.is_rejected {
@@ -228,13 +229,13 @@ fn unlike(records: &[PoolRecord<'_>]) -> Vec<Apart> {
             false if libm::fabs(libm::log(ratio)) > libm::log1p(MOST_ERROR) => Differs::White { ratio },
             false => return None,
         };
-        Some(Apart { record, differs, is_left_out: true })
+        Some(Outlier { record, differs, is_left_out: true })
     };
     records.iter().enumerate().filter_map(of).collect()
 }
 
-/// A record and the common terms, with values of its own for them.
-struct Beside {
+/// A record with values of its own for the common terms.
+struct RecordFit {
     record: usize,
     problem: Problem,
     own: Found,
@@ -242,7 +243,7 @@ struct Beside {
     common: Vec<f64>,
 }
 
-impl Beside {
+impl RecordFit {
     fn of(record: usize, table: &Table, chosen: &Selection, fit: &Fit) -> Self {
         let problem = Problem::new(table.clone(), chosen.problem.error);
         let (form, mut at) = (chosen.found.form, chosen.found.at.clone());
@@ -271,11 +272,11 @@ impl Beside {
 
 /// The record whose slow noise is farthest from the median of all, and its gain from values of its own; none where the
 /// common values explain each. The common values follow the loudest record, and the median does not.
-fn odd(all: &[Beside]) -> Option<(usize, f64)> {
+fn farthest_from_median(all: &[RecordFit]) -> Option<(usize, f64)> {
     if all.iter().all(|one| one.gain(&one.common) <= SLOW_LIMIT) {
         return None;
     }
-    let from_middle = |one: &Beside| {
+    let from_middle = |one: &RecordFit| {
         let by_each: Vec<Vec<f64>> = all.iter().map(|other| one.by(other)).collect();
         let middle = |row| libm::exp(median(by_each.iter().map(|density| libm::log(density[row])).collect()));
         let middle: Vec<f64> = (0..one.common.len()).map(middle).collect();

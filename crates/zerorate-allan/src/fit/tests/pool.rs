@@ -16,7 +16,7 @@ fn a_pool_is_surer_than_its_records() {
     let rates: Vec<Vec<f64>> = (60..64).map(|seed| HOUR.noise(180_000 + 1000 * seed as usize, seed)).collect();
     let pool = pool_of(&rates).unwrap();
     let one = of(&rates[0]);
-    assert!(pool.used == [0, 1, 2, 3] && pool.apart.is_empty(), "{:?}", pool.apart);
+    assert!(pool.used == [0, 1, 2, 3] && pool.outliers.is_empty(), "{:?}", pool.outliers);
     let width = |c: Coefficient| (c.hi - c.lo) / c.value;
     assert!(width(pool.fit.n) < 0.7 * width(one.n) && width(pool.fit.b) < 0.7 * width(one.b), "{pool:?}");
     for (found, truth) in [(pool.fit.n, HOUR.n), (pool.fit.b, HOUR.b), (pool.fit.k, HOUR.k)] {
@@ -45,7 +45,7 @@ fn a_pool_states_its_spread_and_names_who_does_not_fit() {
     rates.push(Truth { k: 3e-3, ..HOUR }.noise(180_000, 74));
     let pool = pool_of(&rates).unwrap();
     assert_eq!(pool.used, [0, 1, 2]);
-    let [white, slow] = pool.apart[..] else { panic!("{:?}", pool.apart) };
+    let [white, slow] = pool.outliers[..] else { panic!("{:?}", pool.outliers) };
     assert!(matches!(white.differs, Differs::White { ratio } if near(ratio, 2.0, 0.05)), "{white:?}");
     assert!(matches!(slow.differs, Differs::Slow { gain } if gain > 18.5), "{slow:?}");
     assert!((white.record, slow.record) == (3, 4) && white.is_left_out && slow.is_left_out, "{white:?} {slow:?}");
@@ -53,7 +53,7 @@ fn a_pool_states_its_spread_and_names_who_does_not_fit() {
     let pool = pool_of(&rates[3..]);
     assert_eq!(pool.unwrap_err(), PoolError::NothingInCommon);
     let pool = pool_of(&[rates[0].clone(), rates[4].clone()]).unwrap();
-    assert!(pool.used == [0, 1] && pool.apart.len() == 1 && !pool.apart[0].is_left_out, "{:?}", pool.apart);
+    assert!(pool.used == [0, 1] && pool.outliers.len() == 1 && !pool.outliers[0].is_left_out, "{:?}", pool.outliers);
 }
 
 /// The sum of the likelihoods follows the loudest, which once stayed while three that agree were left out.
@@ -65,8 +65,9 @@ fn one_that_drowns_the_others_is_the_exception_and_so_is_one_that_is_still() {
         [([quiet(84), loud(85), quiet(86), quiet(87)], 1), ([loud(88), loud(89), quiet(90), loud(91)], 2)]
     {
         let pool = pool_of(&rates).unwrap();
-        let apart: Vec<(usize, bool)> = pool.apart.iter().map(|apart| (apart.record, apart.is_left_out)).collect();
-        assert_eq!(apart, [(exception, true)], "{:?}", pool.apart);
+        let found: Vec<(usize, bool)> =
+            pool.outliers.iter().map(|outlier| (outlier.record, outlier.is_left_out)).collect();
+        assert_eq!(found, [(exception, true)], "{:?}", pool.outliers);
     }
 }
 
@@ -110,7 +111,7 @@ fn a_pool_has_no_drift_of_one_record() {
     assert!(
         pool.used == [0, 1, 2] && near(pool.fit.b.value, clean.fit.b.value, 0.15),
         "{:?} {:?}",
-        pool.apart,
+        pool.outliers,
         pool.fit.b
     );
     // with the warm-up in it the pool had K = 1e-3
