@@ -26,7 +26,7 @@ const LIVE_BATCH: Duration = Duration::from_millis(20);
 /// Batches that wait for a reader that takes everything.
 const QUEUE: usize = 16;
 
-/// Samples in a row.
+/// Consecutive samples.
 #[derive(Debug, Default)]
 pub struct Batch {
     /// In order of time, as they may stand in a capture.
@@ -56,38 +56,38 @@ pub struct Hub {
 
 /// Takes every sample: the thread waits for it.
 #[derive(Debug)]
-pub struct LosslessReader(Receiver<Delivered>);
+pub struct LosslessReader(Receiver<BatchResult>);
 
 /// Takes what it can: the thread never waits for it.
 #[derive(Debug)]
-pub struct Watcher(Receiver<Watched>);
+pub struct Watcher(Receiver<WatchedBatch>);
 
-/// The samples that a watcher gets.
+/// The samples that a watcher gets, and a count of what it missed.
 #[derive(Clone, Debug)]
-pub struct Watched {
-    /// Samples in a row.
+pub struct WatchedBatch {
+    /// The samples.
     pub batch: Arc<Batch>,
-    /// Samples right before these for which there was no room.
+    /// Number of samples that were dropped before this batch.
     pub missed: u64,
-    /// Samples that were lost in front of the hub before those, which nobody else will tell.
+    /// Number of samples that were lost in front of the hub before the dropped ones. No other count has them.
     pub lost: u64,
 }
 
 /// A batch, or why there are no more.
-type Delivered = Result<Arc<Batch>, DeviceError>;
+type BatchResult = Result<Arc<Batch>, DeviceError>;
 
 /// The result of a wait with a timeout.
 #[derive(Clone, Debug)]
-pub enum Awaited<T> {
-    /// Samples.
+pub enum Poll<T> {
+    /// Samples came.
     Samples(T),
-    /// None came in that time.
+    /// No sample came in that time.
     Nothing,
-    /// There are no more.
+    /// There are no more samples.
     End,
 }
 
-impl<T> Awaited<T> {
+impl<T> Poll<T> {
     fn of(received: Result<T, RecvTimeoutError>) -> Self {
         match received {
             Ok(came) => Self::Samples(came),
@@ -104,8 +104,8 @@ type Subscribers = Arc<Mutex<Vec<Subscriber>>>;
 
 #[derive(Debug)]
 enum Subscriber {
-    LosslessReader(SyncSender<Delivered>),
-    Watcher { queue: SyncSender<Watched>, missed: u64, lost: u64 },
+    LosslessReader(SyncSender<BatchResult>),
+    Watcher { queue: SyncSender<WatchedBatch>, missed: u64, lost: u64 },
 }
 
 type Work = Box<dyn FnOnce(&mut dyn Source) + Send>;
@@ -257,11 +257,11 @@ impl LosslessReader {
     ///
     /// # Errors
     /// As for [`LosslessReader::next`].
-    pub fn next_within(&self, patience: Duration) -> Result<Awaited<Arc<Batch>>> {
-        Ok(match Awaited::of(self.0.recv_timeout(patience)) {
-            Awaited::Samples(given) => Awaited::Samples(given?),
-            Awaited::Nothing => Awaited::Nothing,
-            Awaited::End => Awaited::End,
+    pub fn next_within(&self, patience: Duration) -> Result<Poll<Arc<Batch>>> {
+        Ok(match Poll::of(self.0.recv_timeout(patience)) {
+            Poll::Samples(given) => Poll::Samples(given?),
+            Poll::Nothing => Poll::Nothing,
+            Poll::End => Poll::End,
         })
     }
 }
@@ -269,19 +269,19 @@ impl LosslessReader {
 impl Watcher {
     /// Waits for the next samples. None at the end: a reader that takes everything hears of the end elsewhere.
     #[must_use]
-    pub fn next(&self) -> Option<Watched> {
+    pub fn next(&self) -> Option<WatchedBatch> {
         self.0.recv().ok()
     }
 
     /// The next samples, if they come within so much time. Why there are no more tells [`Hub::failure`].
     #[must_use]
-    pub fn next_within(&self, patience: Duration) -> Awaited<Watched> {
-        Awaited::of(self.0.recv_timeout(patience))
+    pub fn next_within(&self, patience: Duration) -> Poll<WatchedBatch> {
+        Poll::of(self.0.recv_timeout(patience))
     }
 }
 
-/// Rows on their way into batches.
-struct Gathering {
+/// Collects rows into batches.
+struct BatchBuilder {
     /// The clock of simulated or recorded time.
     clock: Option<WallClock>,
     /// Times since the first row at which batches must end.
@@ -290,7 +290,7 @@ struct Gathering {
     start_ns: Option<u64>,
 }
 
-impl Gathering {
+impl BatchBuilder {
     /// Part time of a batch at most, ns; none where nothing passes while nobody reads.
     fn longest_ns(&self) -> Option<u64> {
         self.clock.as_ref().map_or(Some(LIVE_BATCH.as_nanos() as u64), |clock| clock.part_ns(LIVE_BATCH))
@@ -351,17 +351,17 @@ impl Worker {
 
     fn read(&self, source: &mut dyn Source, clock: Option<WallClock>, marks_ns: Vec<u64>) -> Result<()> {
         let marks = marks_ns.into_iter().peekable();
-        let mut gathering = Gathering { clock, marks, admission: Admission::default(), start_ns: None };
+        let mut builder = BatchBuilder { clock, marks, admission: Admission::default(), start_ns: None };
         loop {
             let mut batch = Batch::default();
-            let end = gathering.fill(&mut batch, source, || self.is_over());
-            (batch.notes, batch.doubts) = (source.take_notes(), gathering.admission.warnings().collect());
+            let end = builder.fill(&mut batch, source, || self.is_over());
+            (batch.notes, batch.doubts) = (source.take_notes(), builder.admission.warnings().collect());
             (batch.losses, batch.truths) = (source.losses(), source.truths());
-            let is_heard = self.give(batch);
+            let has_subscribers = self.give(batch);
             if let Some(end) = end {
                 return end;
             }
-            if !is_heard && gathering.longest_ns().is_none() {
+            if !has_subscribers && builder.longest_ns().is_none() {
                 return Ok(());
             }
         }
@@ -371,7 +371,7 @@ impl Worker {
         self.stop.asked() || self.ended.asked()
     }
 
-    /// False where nobody is there.
+    /// Returns false if there are no subscribers.
     fn give(&self, batch: Batch) -> bool {
         let batch = Arc::new(batch);
         // wait for readers that must have everything, but not while new subscribers wait for the lock
@@ -395,7 +395,7 @@ impl Worker {
 }
 
 /// Waits until there is room, or the hub is gone; false if nobody will take it.
-fn wait_for_room(queue: &SyncSender<Delivered>, given: Delivered, ended: &Stop) -> bool {
+fn wait_for_room(queue: &SyncSender<BatchResult>, given: BatchResult, ended: &Stop) -> bool {
     let mut given = given;
     loop {
         match queue.try_send(given) {
@@ -416,7 +416,7 @@ impl Subscriber {
         match self {
             Self::LosslessReader(queue) => wait_for_room(queue, Ok(Arc::clone(batch)), ended),
             Self::Watcher { queue, missed, lost } => {
-                match queue.try_send(Watched { batch: Arc::clone(batch), missed: *missed, lost: *lost }) {
+                match queue.try_send(WatchedBatch { batch: Arc::clone(batch), missed: *missed, lost: *lost }) {
                     Ok(()) => (*missed, *lost) = (0, 0),
                     Err(TrySendError::Full(_)) => {
                         *missed += batch.rows.len() as u64;

@@ -42,7 +42,7 @@ pub use chamber::{
     AmbientProfile, Chamber, ChamberCommands, ChamberSpec, ChamberThread, ProfileWriter, SafeEnd, SimulatedChamber,
 };
 pub use error::{Cause, DeviceError};
-pub use hub::{Awaited, Batch, Hub, LosslessReader, Watched, Watcher};
+pub use hub::{Batch, Hub, LosslessReader, Poll, WatchedBatch, Watcher};
 pub use kinds::{DeviceSpec, KINDS, Kind};
 pub use pace::{Pace, Speed};
 pub use part_log::PartLog;

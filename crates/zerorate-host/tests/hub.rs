@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 use zerorate_host::{
-    AmbientProfile, Awaited, Batch, Cause, DeviceSpec, Hub, LosslessReader, Pace, Sampling, Setup, Stop, Watcher,
+    AmbientProfile, Batch, Cause, DeviceSpec, Hub, LosslessReader, Pace, Poll, Sampling, Setup, Stop, Watcher,
 };
 
 fn hub(device: &str, stop: &Stop) -> Hub {
@@ -198,7 +198,7 @@ fn the_speed_of_time_can_be_changed_while_it_passes() {
     let everything = hub.everything();
     hub.read(Pace::RealTime, Vec::new()).expect("a thread");
     hub.speed().set(0.001);
-    while !matches!(everything.next_within(Duration::from_millis(300)).expect("samples"), Awaited::Nothing) {}
+    while !matches!(everything.next_within(Duration::from_millis(300)).expect("samples"), Poll::Nothing) {}
     hub.speed().set(0.0);
     let mut samples = 0;
     while samples < 20_000 {
@@ -212,7 +212,7 @@ fn a_watcher_learns_from_the_hub_why_there_is_no_more() {
     let (everything, watcher) = (hub.everything(), hub.watch(4));
     hub.read(Pace::Free, Vec::new()).expect("a thread");
     while let Ok(Some(_)) = everything.next() {}
-    while !matches!(watcher.next_within(Duration::from_secs(5)), Awaited::End) {}
+    while !matches!(watcher.next_within(Duration::from_secs(5)), Poll::End) {}
     assert_eq!(hub.failure().expect("it was unplugged").cause(), Cause::Gone);
 }
 
@@ -249,8 +249,8 @@ fn a_part_waits_for_its_air_only_behind_the_mark_at_which_that_moves() {
         let (everything, writer) = (hub.everything(), ambient.writer());
         hub.read(Pace::Free, (0..=400).map(|second| second * SECOND_NS).collect()).expect("it begins");
         for second in 0..400 {
-            let awaited = everything.next_within(Duration::from_secs(60)).expect("samples");
-            let Awaited::Samples(batch) = awaited else { panic!("seed {seed}: no mark after {second} s") };
+            let poll = everything.next_within(Duration::from_secs(60)).expect("samples");
+            let Poll::Samples(batch) = poll else { panic!("seed {seed}: no mark after {second} s") };
             let marked = batch.rows.last().expect("a sample");
             writer.ramp_to(25.0, marked.t_ns + SECOND_NS);
         }

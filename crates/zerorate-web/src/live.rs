@@ -1,7 +1,7 @@
 //! A session with its device, as a browser runs it. Readings are taken in turns, and the page is served between them.
 
 use crate::message::DeviceState;
-use crate::session::{About, Handled, HostCommand, Session};
+use crate::session::{About, HostCommand, RequestResult, Session};
 use crate::source::{Next, Source};
 use zerorate_record::Row;
 
@@ -89,8 +89,8 @@ impl Live {
     /// The answer to a request.
     pub fn ask(&mut self, request: &str, now_ms: f64) -> String {
         let (id, command) = match self.session.ask(request) {
-            Handled::Answer(answer) => return answer,
-            Handled::Host { id, command } => (id, command),
+            RequestResult::Answer(answer) => return answer,
+            RequestResult::Host { id, command } => (id, command),
         };
         let done = match command {
             HostCommand::Speed(factor) => {

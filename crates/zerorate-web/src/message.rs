@@ -5,7 +5,7 @@ mod calibrating;
 mod statistics;
 
 pub use calibrating::{
-    AxisResult, Calibrating, CalibrationEntry, CalibrationResult, CurvePoint, Known, Running, Step,
+    AxisResult, Calibrating, CalibrationEntry, CalibrationResult, CurvePoint, Forecast, Running, Step,
 };
 use serde::{Deserialize, Serialize};
 pub use statistics::{
@@ -125,14 +125,14 @@ pub struct Answer {
     pub id: u32,
     /// The outcome.
     #[serde(flatten)]
-    pub outcome: Answered,
+    pub outcome: AnswerOutcome,
 }
 
 /// The outcome of a request.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "types", derive(TS))]
-pub enum Answered {
+pub enum AnswerOutcome {
     /// It was done.
     Ok(Reply),
     /// It was not done: what is wrong, and what to do.

@@ -6,7 +6,7 @@ use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use std::fmt::Write;
 use zerorate_input::Input;
 use zerorate_web::log::LogReader;
-use zerorate_web::log::message::{AxisKind, LogSetting, LogSettings, Looked, NoiseFileCommand};
+use zerorate_web::log::message::{AxisKind, LogInspection, LogSetting, LogSettings, NoiseFileCommand};
 
 /// White noise of six axes, of standard deviation 0.1.
 fn table(head: &str, rows: usize) -> String {
@@ -26,7 +26,7 @@ fn table(head: &str, rows: usize) -> String {
 
 const HEAD: &str = "t_s,gx_dps,gy_dps,gz_dps,ax_mps2,ay_mps2,az_mps2";
 
-fn look(text: &str, settings: &LogSettings) -> (Looked, Option<LogReader>) {
+fn look(text: &str, settings: &LogSettings) -> (LogInspection, Option<LogReader>) {
     LogReader::look("imu.csv", || Input::from(text.as_bytes().to_vec()), settings)
 }
 
@@ -37,7 +37,7 @@ fn command(format: &str) -> NoiseFileCommand {
 #[test]
 fn six_axes_become_coefficients_pictures_and_a_file() {
     let (looked, reader) = look(&table(HEAD, 20_000), &LogSettings::default());
-    let (Looked::Log(about), Some(mut reader)) = (looked, reader) else { panic!("a log") };
+    let (LogInspection::Log(about), Some(mut reader)) = (looked, reader) else { panic!("a log") };
     assert_eq!((about.form.as_str(), about.samples, about.columns.len()), ("text", 20_000, 6));
     assert!((about.rate_hz - 100.0).abs() < 1e-6 && about.columns[5].kind == Some(AxisKind::Accelerometer));
     let mut axes = Vec::new();
@@ -62,26 +62,26 @@ fn six_axes_become_coefficients_pictures_and_a_file() {
 fn what_a_log_does_not_say_is_asked_and_taken() {
     let text = table("row,gx,gy,gz,ax,ay,az", 2_000);
     let (looked, _) = look(&text, &LogSettings::default());
-    let Looked::Question { text: question, settings, .. } = looked else { panic!("{looked:?}") };
+    let LogInspection::Question { text: question, settings, .. } = looked else { panic!("{looked:?}") };
     assert!(settings.contains(&LogSetting::RateHz) && question.contains("“sample rate”"), "{question}");
     let mut said = LogSettings { rate_hz: Some(100.0), ..LogSettings::default() };
     let (looked, _) = look(&text, &said);
-    let Looked::Question { settings, .. } = looked else { panic!("{looked:?}") };
+    let LogInspection::Question { settings, .. } = looked else { panic!("{looked:?}") };
     assert_eq!(settings, [LogSetting::GyroUnit, LogSetting::AccelUnit]);
     (said.gyro_unit, said.accel_unit) = (Some("rad/s".to_owned()), Some("g".to_owned()));
     said.columns = Some(vec!["gz".to_owned()]);
     let (looked, _) = look(&text, &said);
-    let Looked::Log(about) = looked else { panic!("{looked:?}") };
+    let LogInspection::Log(about) = looked else { panic!("{looked:?}") };
     assert_eq!((about.columns.len(), about.columns[0].name.as_str()), (1, "gz"));
     said.rate_hz = Some(-1.0);
-    assert!(matches!(look(&text, &said).0, Looked::Question { .. } | Looked::Refused { .. }));
+    assert!(matches!(look(&text, &said).0, LogInspection::Question { .. } | LogInspection::Refused { .. }));
 }
 
 #[test]
 fn what_is_no_log_is_refused_in_words() {
     for bytes in [&b"SQLite format 3\0............"[..], b"", b"PAR1 and then nothing", b"\x93NUMPY\x01\x00\xff\xff"] {
         let looked = LogReader::look("x", || Input::from(bytes.to_vec()), &LogSettings::default()).0;
-        assert!(matches!(&looked, Looked::Refused { text } if text.contains('x')), "{looked:?}");
+        assert!(matches!(&looked, LogInspection::Refused { text } if text.contains('x')), "{looked:?}");
     }
 }
 

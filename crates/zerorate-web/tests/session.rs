@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use zerorate::Part;
 use zerorate_record::{CaptureInfo, Converter, Row};
 use zerorate_web::message::DeviceState;
-use zerorate_web::session::{About, Handled, HostCommand, Session};
+use zerorate_web::session::{About, HostCommand, RequestResult, Session};
 
 /// The simulated sensor, read by the driver.
 struct Device {
@@ -67,8 +67,8 @@ fn read(frame: &[u8]) -> (Value, Vec<f32>) {
 
 fn asked(session: &mut Session, request: Value) -> Value {
     match session.ask(&request.to_string()) {
-        Handled::Answer(text) => serde_json::from_str(&text).unwrap(),
-        Handled::Host { .. } => panic!("{request} is the session's own"),
+        RequestResult::Answer(text) => serde_json::from_str(&text).unwrap(),
+        RequestResult::Host { .. } => panic!("{request} is the session's own"),
     }
 }
 
@@ -139,7 +139,7 @@ fn what_is_shown_while_it_runs_is_what_finishing_states() {
     let mut device = Device::open(keys);
     feed(&mut session, &mut device, 610.0);
     let mut shown = Value::Null;
-    let looked_s = |shown: &Value| shown["known"]["at_s"].as_f64().unwrap_or(0.0);
+    let looked_s = |shown: &Value| shown["forecast"]["at_s"].as_f64().unwrap_or(0.0);
     while looked_s(&shown) < 612.0 {
         feed(&mut session, &mut device, 0.5);
         shown = read(&session.frame().unwrap()).0["calibration"].clone();
@@ -150,8 +150,8 @@ fn what_is_shown_while_it_runs_is_what_finishing_states() {
     let (frame, _) = read(&session.frame().unwrap());
     let stated = &frame["calibration"]["axes"][0];
     for u in ["u_pbc_dps", "u_btc_dps_per_c"] {
-        let ratio = number(&shown["known"][u]) / number(&stated[u]);
-        assert!((ratio - 1.0).abs() < 0.02, "{u}: {} shown, {} stated", shown["known"][u], stated[u]);
+        let ratio = number(&shown["forecast"][u]) / number(&stated[u]);
+        assert!((ratio - 1.0).abs() < 0.02, "{u}: {} shown, {} stated", shown["forecast"][u], stated[u]);
     }
 }
 
@@ -162,9 +162,9 @@ fn a_guided_calibration_finds_what_the_twin_hides() {
     session.state(DeviceState::Reading);
     feed(&mut session, &mut Device::open(keys), 5.0);
     let begin = json!({ "id": 1, "do": "calibrate", "method": "warmup", "settle_s": 600.0, "serial": "A 7" });
-    assert_eq!(session.ask(&begin.to_string()), Handled::Host { id: 1, command: HostCommand::Reopen });
+    assert_eq!(session.ask(&begin.to_string()), RequestResult::Host { id: 1, command: HostCommand::Reopen });
     let again = session.ask(&begin.to_string());
-    assert!(matches!(again, Handled::Answer(text) if text.contains("a calibration is running")));
+    assert!(matches!(again, RequestResult::Answer(text) if text.contains("a calibration is running")));
     let mut session = session.reopened(about());
     session.state(DeviceState::Reading);
     let mut device = Device::open(keys);
@@ -246,7 +246,7 @@ fn what_would_be_refused_is_said_before_it_is() {
 fn requests_that_make_no_sense_are_answered() {
     let mut session = Session::new(about());
     let error = |session: &mut Session, request: &str| match session.ask(request) {
-        Handled::Answer(text) => serde_json::from_str::<Value>(&text).unwrap(),
+        RequestResult::Answer(text) => serde_json::from_str::<Value>(&text).unwrap(),
         host => panic!("{host:?}"),
     };
     for (request, id, word) in [
@@ -271,7 +271,7 @@ fn requests_that_make_no_sense_are_answered() {
 fn a_chamber_by_hand() {
     let mut session = Session::new(about());
     let begin = json!({ "id": 1, "do": "calibrate", "method": "chamber", "plan": "f57" });
-    assert_eq!(session.ask(&begin.to_string()), Handled::Host { id: 1, command: HostCommand::Reopen });
+    assert_eq!(session.ask(&begin.to_string()), RequestResult::Host { id: 1, command: HostCommand::Reopen });
     let mut session = session.reopened(about());
     let mut device = Device::open("seed=5,profile=oven,hysteresis=0");
     feed(&mut session, &mut device, 3600.0);
@@ -438,7 +438,7 @@ fn a_calibration_is_not_begun_where_there_is_no_room_for_its_result() {
     assert_eq!(asked(&mut session, remove(&ids[8])), json!({ "id": 2, "ok": {} }));
     assert!(asked(&mut session, remove(&ids[8]))["error"].as_str().unwrap().contains("no calibration"));
     assert_eq!(session.calibrations().count(), 99);
-    assert_eq!(session.ask(&begin.to_string()), Handled::Host { id: 1, command: HostCommand::Reopen });
+    assert_eq!(session.ask(&begin.to_string()), RequestResult::Host { id: 1, command: HostCommand::Reopen });
     assert!(session.add_calibration(&calibration("", 2.0)).is_err(), "the last place is that of the result");
     assert_eq!(asked(&mut session, json!({ "id": 3, "do": "abort-calibration" }))["ok"], json!({}));
     session.add_calibration(&calibration("", 2.0)).unwrap();

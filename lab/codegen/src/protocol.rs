@@ -4,7 +4,7 @@ use anyhow::Result;
 use std::fs;
 use ts_rs::{Config, TS};
 use zerorate_view::export::ExportForm;
-use zerorate_web::log::message::{LogAxis, LogSettings, LogSummary, Looked, NoiseFileCommand};
+use zerorate_web::log::message::{LogAxis, LogInspection, LogSettings, LogSummary, NoiseFileCommand};
 use zerorate_web::message::{Answer, Frame, Request};
 
 const HEAD: &str = "// Made from message.rs and log/message.rs of crates/zerorate-web/src, which say more.\n\n";
@@ -17,7 +17,7 @@ pub fn text() -> Result<String> {
     Answer::export_all(&config)?;
     Frame::export_all(&config)?;
     LogSettings::export_all(&config)?;
-    Looked::export_all(&config)?;
+    LogInspection::export_all(&config)?;
     LogAxis::export_all(&config)?;
     LogSummary::export_all(&config)?;
     NoiseFileCommand::export_all(&config)?;

@@ -154,17 +154,17 @@ export class Run implements Stage {
   }
 }
 
-function temperatures({ method, temps_c, known }: Running): [string, string][] {
+function temperatures({ method, temps_c, forecast }: Running): [string, string][] {
   const names = ["At the beginning", "Now", "Lowest", "Highest"];
   const rows = names.map((name, k): [string, string] => [name, temps_c ? `${value(temps_c[k], 0.02)} °C` : "–"]);
   if (method === "an1042" || method === "chamber") return rows;
   const { scale, unitText } = settings;
   const stated = (u: number | undefined, unit: string) =>
     u === undefined ? "–" : `± ${uncertainty(half(u * scale))} ${unit} (95 %)`;
-  const when = known ? `if it had ended at ${duration(known.at_s)}` : "if it ended now";
+  const when = forecast ? `if it had ended at ${duration(forecast.at_s)}` : "if it ended now";
   return [
     ...rows,
-    [`PBC, ${when}`, stated(known?.u_pbc_dps, unitText)],
-    [`BTC, ${when}`, stated(known?.u_btc_dps_per_c, `${unitText}/°C`)],
+    [`PBC, ${when}`, stated(forecast?.u_pbc_dps, unitText)],
+    [`BTC, ${when}`, stated(forecast?.u_btc_dps_per_c, `${unitText}/°C`)],
   ];
 }

@@ -2,7 +2,7 @@ import type { App, Page } from "../app";
 import { button, h, say } from "../dom";
 import { droppable } from "../drop";
 import { significant } from "../digits";
-import type { LogSettings, Looked } from "../protocol";
+import type { LogSettings, LogInspection } from "../protocol";
 import type { FromLog, ToLog } from "../worker/log-messages";
 import { About } from "./about";
 import { Axes } from "./axes";
@@ -119,7 +119,7 @@ export class Log implements Page {
     else this.#end(why);
   }
 
-  #looked(looked: Looked): void {
+  #looked(looked: LogInspection): void {
     if (looked.is === "refused") return this.#end(looked.text);
     if (looked.is === "question") {
       this.#say("The log does not say enough about itself.");

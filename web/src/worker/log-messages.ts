@@ -1,6 +1,6 @@
 // The messages between the page and the worker that reads a log. The worker is the same in both homes.
 
-import type { Download, LogAxis, LogSettings, LogSummary, Looked, NoiseFileCommand } from "../protocol";
+import type { Download, LogAxis, LogSettings, LogSummary, LogInspection, NoiseFileCommand } from "../protocol";
 
 /** Messages to the worker. A worker that is ended while it works leaves nothing behind. */
 export type ToLog =
@@ -12,7 +12,7 @@ export type ToLog =
 export type FromLog =
   /** Progress of the work: its share (0 … 1, if known), and what is being done. */
   | { is: "progress"; share: number | null; text: string }
-  | { is: "looked"; looked: Looked }
+  | { is: "looked"; looked: LogInspection }
   | { is: "axis"; axis: LogAxis }
   | { is: "summary"; summary: LogSummary }
   | { is: "file"; file: Download }

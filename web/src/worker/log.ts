@@ -1,7 +1,7 @@
 // Reads a log that was dropped on the page, in both homes. The file is read a piece at a time and never loaded as a whole.
 
 import init, { Log } from "../../gen/zerorate_log";
-import type { LogAxis, LogSettings, LogSummary, Looked } from "../protocol";
+import type { LogAxis, LogSettings, LogSummary, LogInspection } from "../protocol";
 import { serveFile } from "./file";
 import type { FromLog, ToLog } from "./log-messages";
 
@@ -18,7 +18,7 @@ function look(file: File, settings: LogSettings): void {
     tell({ is: "progress", share: read / size, text: `reading: ${Math.round(read / 1e6)} MB` });
   });
   log = new Log(file.name, file.size, JSON.stringify(settings));
-  tell({ is: "looked", looked: JSON.parse(log.looked()) as Looked });
+  tell({ is: "looked", looked: JSON.parse(log.looked()) as LogInspection });
 }
 
 function analyse(open: Log): void {

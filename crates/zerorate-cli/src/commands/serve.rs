@@ -18,7 +18,7 @@ use zerorate::Calibration;
 use zerorate_host::iiod;
 use zerorate_input::limits;
 use zerorate_view::SessionWarning;
-use zerorate_web::session::{About, Said};
+use zerorate_web::session::{About, NoticeText};
 
 /// Show a sensor live in the browser, and calibrate it as a guided run
 ///
@@ -110,7 +110,7 @@ pub fn run(args: &ServeArgs) -> Result<()> {
         check_serial(calibration, cal, &opened.about)?;
     }
     let recordings = Recordings::new(args.output.clone(), outputs);
-    let (mut session_thread, visits) =
+    let (mut session_thread, requests) =
         SessionThread::new(opener, opened, recordings, Folder::new(args.folder.clone()));
     shelve(args, &mut session_thread)?;
     let libiio = libiio(args, calibrations.into_iter().next())?;
@@ -127,7 +127,7 @@ pub fn run(args: &ServeArgs) -> Result<()> {
         session_thread.run(stop)
     });
     let session = session.context("starting the session")?;
-    let served = serve::run(listener, guard, visits, stop);
+    let served = serve::run(listener, guard, requests, stop);
     // however the server ended, the recording is completed
     stop.ask();
     served.and(session.join().unwrap_or_else(|_| Err(anyhow!("the session died"))))
@@ -150,7 +150,7 @@ fn libiio(args: &ServeArgs, calibration: Option<Calibration>) -> Result<Option<L
     let listener = match TcpListener::bind(address) {
         Ok(listener) => listener,
         Err(error) if args.iio.is_none() => {
-            warn(&[Said::from(SessionWarning::LibiioUnserved { address, why: error.to_string() })]);
+            warn(&[NoticeText::from(SessionWarning::LibiioUnserved { address, why: error.to_string() })]);
             return Ok(None);
         }
         Err(error) => return Err(error).with_context(|| format!("cannot listen at {address} (--iio)")),
@@ -167,7 +167,7 @@ fn check_serial(calibration: &Calibration, cal: &Path, about: &About) -> Result<
 
 /// Puts the calibrations of the folder and of the command line on file.
 fn shelve(args: &ServeArgs, session_thread: &mut SessionThread) -> Result<()> {
-    let (session, folder) = session_thread.shelf();
+    let (session, folder) = session_thread.calibrations();
     folder.read(session)?;
     for (index, cal) in args.cals.iter().enumerate() {
         let id = folder.add(cal, session)?;

@@ -6,7 +6,9 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::thread;
 use std::time::Duration;
-use zerorate_host::{Awaited, Batch, Bus, DeviceError, DeviceSpec, Hub, LosslessReader, Pace, Setup, Stop, Watcher};
+use zerorate_host::{
+    Bus, DeviceError, DeviceSpec, Hub, LosslessReader, Pace, Poll, Setup, Stop, WatchedBatch, Watcher,
+};
 use zerorate_record::CaptureInfo;
 use zerorate_web::registers;
 use zerorate_web::session::About;
@@ -25,7 +27,7 @@ pub struct Opener {
 }
 
 /// A device that was opened, initialised and checked, and is not read yet.
-pub struct Opened {
+pub struct OpenDevice {
     pub hub: Arc<Hub>,
     pub about: About,
     pub bus: Option<Bus>,
@@ -33,7 +35,7 @@ pub struct Opened {
 
 impl Opener {
     /// Opens the device and checks it as `zerorate probe` does.
-    pub fn open(&self) -> Result<Opened> {
+    pub fn open(&self) -> Result<OpenDevice> {
         let hub = Hub::open(&self.spec, self.setup.clone(), &self.stop)?;
         let revision = hub.with(|source| source.initialise())?;
         let bus = hub.with(|source| source.try_bus())?;
@@ -51,7 +53,7 @@ impl Opener {
             registers: registers.map_or_else(Vec::new, |read| registers::described(&read.config, &read.values)),
             checks: connection_checks(revision, bus),
         };
-        Ok(Opened { hub: Arc::new(hub), about, bus })
+        Ok(OpenDevice { hub: Arc::new(hub), about, bus })
     }
 
     /// The same in a thread of its own, after `before` was dropped.
@@ -69,11 +71,11 @@ impl Opener {
 }
 
 /// A device that is being opened.
-pub struct Opening(Receiver<Result<Opened>>);
+pub struct Opening(Receiver<Result<OpenDevice>>);
 
 impl Opening {
     /// The result, once it is known.
-    pub fn ready(&self) -> Option<Result<Opened>> {
+    pub fn ready(&self) -> Option<Result<OpenDevice>> {
         match self.0.try_recv() {
             Ok(opened) => Some(opened),
             Err(TryRecvError::Empty) => None,
@@ -82,43 +84,32 @@ impl Opening {
     }
 }
 
-/// Samples for the session: all of them, unless a real part would have to wait.
-pub enum Feed {
+/// The samples for the session: all of them, unless a real part would have to wait.
+pub enum SampleFeed {
     /// Simulated and recorded time waits for the session.
     LosslessReader(LosslessReader),
     /// A real part does not wait: samples that do not fit into this queue are missed, and counted.
-    Patient(Watcher),
+    Watcher(Watcher),
 }
 
 /// Length of the queue for a real part, in batches of 20 ms: 20 s, so that only a session that hangs misses samples.
 const PATIENCE: usize = 1024;
 
-/// Samples from a feed.
-pub struct Fed {
-    pub batch: Arc<Batch>,
-    /// Samples before it that were missed.
-    pub missed: u64,
-}
-
-impl Feed {
+impl SampleFeed {
     /// A feed that begins now.
     pub fn of(hub: &Hub) -> Self {
-        if hub.facts().is_real { Self::Patient(hub.watch(PATIENCE)) } else { Self::LosslessReader(hub.everything()) }
+        if hub.facts().is_real { Self::Watcher(hub.watch(PATIENCE)) } else { Self::LosslessReader(hub.everything()) }
     }
 
     /// Waits this long for samples. After the end the hub knows the reason.
-    pub fn next_within(&self, patience: Duration) -> Awaited<Fed> {
+    pub fn next_within(&self, patience: Duration) -> Poll<WatchedBatch> {
         match self {
             Self::LosslessReader(everything) => match everything.next_within(patience) {
-                Ok(Awaited::Samples(batch)) => Awaited::Samples(Fed { batch, missed: 0 }),
-                Ok(Awaited::Nothing) => Awaited::Nothing,
-                Ok(Awaited::End) | Err(_) => Awaited::End,
+                Ok(Poll::Samples(batch)) => Poll::Samples(WatchedBatch { batch, missed: 0, lost: 0 }),
+                Ok(Poll::Nothing) => Poll::Nothing,
+                Ok(Poll::End) | Err(_) => Poll::End,
             },
-            Self::Patient(watcher) => match watcher.next_within(patience) {
-                Awaited::Samples(watched) => Awaited::Samples(Fed { batch: watched.batch, missed: watched.missed }),
-                Awaited::Nothing => Awaited::Nothing,
-                Awaited::End => Awaited::End,
-            },
+            Self::Watcher(watcher) => watcher.next_within(patience),
         }
     }
 }

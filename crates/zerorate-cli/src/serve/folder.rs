@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use zerorate::Calibration;
 use zerorate_input::limits;
 use zerorate_view::SessionWarning;
-use zerorate_web::session::{Said, Session};
+use zerorate_web::session::{NoticeText, Session};
 
 /// The folder that keeps calibrations. Without a path none are kept.
 #[derive(Debug, Default)]
@@ -20,7 +20,7 @@ pub struct Folder {
     known: HashSet<String>,
     /// The files of each id in the folder.
     files: HashMap<String, Vec<PathBuf>>,
-    /// The number of changes of the shelf that were handled.
+    /// The number of changes of the calibrations that were handled.
     seen: u64,
 }
 
@@ -50,7 +50,7 @@ impl Folder {
         for file in files {
             match self.add(&file, session) {
                 Ok(id) => self.files.entry(id).or_default().push(file),
-                Err(error) => warn(&[Said::from(SessionWarning::LeftOut(text(&error)))]),
+                Err(error) => warn(&[NoticeText::from(SessionWarning::LeftOut(text(&error)))]),
             }
         }
         Ok(())
@@ -71,7 +71,7 @@ impl Folder {
     /// Writes new calibrations, if there is a folder, and renames the files of removed ones. Failures are reported on
     /// stderr and on the page.
     pub fn keep(&mut self, session: &mut Session) {
-        let changes = session.shelf_changes();
+        let changes = session.store_changes();
         if std::mem::replace(&mut self.seen, changes) == changes {
             return;
         }
@@ -107,7 +107,7 @@ impl Folder {
                     Ok(removed) => {
                         let note = format!("Calibration {id} was removed; its file is {} now.", removed.display());
                         say(&note);
-                        session.note(Said::plain(note));
+                        session.note(NoticeText::plain(note));
                     }
                     Err(error) => {
                         let why = text(&error);
@@ -121,9 +121,9 @@ impl Folder {
 
 /// Reports a warning on stderr and on the page.
 pub fn tell(session: &mut Session, warning: SessionWarning) {
-    let said = Said::from(warning);
-    warn(&[&said]);
-    session.note(said);
+    let notice = NoticeText::from(warning);
+    warn(&[&notice]);
+    session.note(notice);
 }
 
 /// Gives the file a name by which it is not read again. No file is deleted.

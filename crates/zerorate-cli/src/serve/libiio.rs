@@ -9,7 +9,7 @@ use zerorate::Calibration;
 use zerorate_host::iiod::Server;
 use zerorate_host::{Hub, Stop};
 use zerorate_view::SessionWarning;
-use zerorate_web::session::Said;
+use zerorate_web::session::NoticeText;
 
 /// The listener for clients, and the data that they get.
 pub struct Libiio {
@@ -44,12 +44,12 @@ impl Libiio {
         let (calibration, may_be_written, ends) = (self.calibration.clone(), self.may_be_written, stop.clone());
         let body = move || {
             let server = Server::new(&hub, calibration.as_ref()).or_else(|error| {
-                warn(&[Said::from(SessionWarning::LibiioUncorrected(error.to_string()))]);
+                warn(&[NoticeText::from(SessionWarning::LibiioUncorrected(error.to_string()))]);
                 Server::new(&hub, None)
             });
             let server = server.map(|server| if may_be_written { server.writable() } else { server });
             if let Ok(Err(error)) = server.map(|server| server.serve(&listener, &ends)) {
-                warn(&[Said::from(SessionWarning::LibiioEnded(error.to_string()))]);
+                warn(&[NoticeText::from(SessionWarning::LibiioEnded(error.to_string()))]);
             }
         };
         let thread = thread::Builder::new().name("libiio".to_owned()).spawn(body).context("serving libiio")?;

@@ -17,7 +17,7 @@ pub async fn metrics(server: &Server) -> Answer {
 
 /// The metrics as text; none if the device is not read any more.
 pub async fn text_of(server: &Server) -> Option<String> {
-    let head = watch::snapshot(&server.visits).await.as_deref().and_then(head)?;
+    let head = watch::snapshot(&server.requests).await.as_deref().and_then(head)?;
     Some(text(&head, server.watchers()))
 }
 

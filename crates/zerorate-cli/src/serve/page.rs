@@ -7,7 +7,7 @@ use hyper::header::HeaderValue;
 use hyper::{HeaderMap, StatusCode, Uri, header};
 use std::io::Read;
 use zerorate_view::SessionWarning;
-use zerorate_web::session::Said;
+use zerorate_web::session::NoticeText;
 
 /// A file, packed by gzip. Unlike brotli, browsers accept gzip from any host over plain HTTP.
 struct Asset {
@@ -26,7 +26,7 @@ pub fn is_there() -> bool {
 }
 
 /// The warning that the page is missing.
-pub fn absent() -> Said {
+pub fn absent() -> NoticeText {
     SessionWarning::NoPage.into()
 }
 

@@ -35,20 +35,20 @@ impl Recordings {
         let info = info.clone();
         let (begun, waits) = channel();
         let body = move || {
-            let mut opened = first.map(|file| Opened::create(file, &info)).transpose()?;
+            let mut open = first.map(|file| OpenRecording::create(file, &info)).transpose()?;
             // the receiver still waits
             let _ = begun.send(());
             while let Ok(Some(batch)) = everything.next() {
                 if batch.rows.is_empty() {
                     continue;
                 }
-                let into = match opened.take() {
-                    Some(opened) => opened,
-                    None => Opened::create(lock(&files).next()?, &info)?,
+                let into = match open.take() {
+                    Some(open) => open,
+                    None => OpenRecording::create(lock(&files).next()?, &info)?,
                 };
                 return into.record(&batch, &everything);
             }
-            opened.map_or(Ok(()), Opened::finish)
+            open.map_or(Ok(()), OpenRecording::finish)
         };
         let thread =
             thread::Builder::new().name("recorder".to_owned()).spawn(body).context("starting the recorder")?;
@@ -96,19 +96,19 @@ impl Files {
             self.count += 1;
             match self.outputs.recording(&numbered(&self.path, self.count)) {
                 Err(OutputError::Exists { .. }) if self.count > 1 => {}
-                opened => return Ok(opened?),
+                open => return Ok(open?),
             }
         }
     }
 }
 
 /// A file that is being recorded.
-struct Opened {
+struct OpenRecording {
     name: String,
     recorder: Recorder,
 }
 
-impl Opened {
+impl OpenRecording {
     fn create(file: Recording, info: &CaptureInfo) -> Result<Self> {
         let path = file.path().to_owned();
         let recorder = Recorder::create(file, Format::choose(None, &path)?, info)?;

@@ -3,7 +3,7 @@
 use super::answer::{self, Answer};
 use super::bucket::Bucket;
 use super::guard::{Guard, Refusal};
-use super::session_thread::Visits;
+use super::session_thread::RequestSender;
 use super::small_page::small_page;
 use super::trials::Trials;
 use super::{metrics, page, watch};
@@ -65,7 +65,7 @@ impl Default for Limits {
 
 /// The state that all requests share.
 pub struct Server {
-    pub visits: Visits,
+    pub requests: RequestSender,
     pub seats: Arc<Semaphore>,
     pub limits: Limits,
     guard: Guard,
@@ -84,8 +84,8 @@ impl Server {
         SEATS - self.seats.available_permits()
     }
 
-    fn new(guard: Guard, visits: Visits, limits: Limits) -> Self {
-        Self { visits, seats: Arc::new(Semaphore::new(SEATS)), limits, guard, trials: Trials::new(Instant::now()) }
+    fn new(guard: Guard, requests: RequestSender, limits: Limits) -> Self {
+        Self { requests, seats: Arc::new(Semaphore::new(SEATS)), limits, guard, trials: Trials::new(Instant::now()) }
     }
 
     /// Checks the token, where one is required. Samples and requests need it.
@@ -108,8 +108,8 @@ impl Drop for EndsAll {
 ///
 /// # Errors
 /// The system does not let it serve.
-pub fn run(listener: TcpListener, guard: Guard, visits: Visits, stop: &Stop) -> Result<()> {
-    serve(listener, Server::new(guard, visits, Limits::default()), stop)
+pub fn run(listener: TcpListener, guard: Guard, requests: RequestSender, stop: &Stop) -> Result<()> {
+    serve(listener, Server::new(guard, requests, Limits::default()), stop)
 }
 
 fn serve(listener: TcpListener, server: Server, stop: &Stop) -> Result<()> {

@@ -1,7 +1,7 @@
 //! The thread of the session: it takes samples, sends frames, and answers requests in between.
 
 use super::connection::HostCheck;
-use super::device::{self, Fed, Feed, Opened, Opener, Opening};
+use super::device::{self, OpenDevice, Opener, Opening, SampleFeed};
 use super::folder::tell;
 use super::{Folder, Libiio, Recordings};
 use crate::output::say;
@@ -12,12 +12,12 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::{Duration, Instant};
 use tokio::sync::{broadcast, oneshot};
-use zerorate::Wording;
-use zerorate_host::{Awaited, Bus, DeviceError, Hub, Losses, Stop};
+use zerorate::Say;
+use zerorate_host::{Bus, DeviceError, Hub, Losses, Poll, Stop, WatchedBatch};
 use zerorate_jobs::acquisition;
 use zerorate_view::SessionWarning;
 use zerorate_web::message::DeviceState;
-use zerorate_web::session::{Handled, HostCommand, Said, Session};
+use zerorate_web::session::{HostCommand, NoticeText, RequestResult, Session};
 
 /// Time between two frames.
 const FRAME: Duration = Duration::from_millis(33);
@@ -27,29 +27,29 @@ const TURN: Duration = Duration::from_millis(10);
 const RETRY: Duration = Duration::from_secs(3);
 /// Frames that a browser may be behind: one second.
 pub const BEHIND: usize = 32;
-/// Length of the queue of visits. Each connection has at most one visit in it.
+/// Length of the queue of requests. Each connection has at most one request in it.
 const QUEUE: usize = 256;
-/// Largest number of visits between two looks at the samples.
-const VISITS: usize = 64;
+/// Largest number of requests between two looks at the samples.
+const MOST_REQUESTS: usize = 64;
 
 /// A request to the thread.
-pub enum Visit {
+pub enum SessionRequest {
     /// Answer a request of the page.
     Ask(String, oneshot::Sender<String>),
     /// Send everything so far, and then each new frame.
-    Watch(oneshot::Sender<Begun>),
+    Watch(oneshot::Sender<Subscription>),
 }
 
 /// The state so far, and the frames that follow it.
-pub struct Begun {
+pub struct Subscription {
     pub snapshot: Bytes,
     pub frames: broadcast::Receiver<Bytes>,
 }
 
-/// The sender for visits.
-pub type Visits = SyncSender<Visit>;
+/// The sender for requests.
+pub type RequestSender = SyncSender<SessionRequest>;
 
-/// The session, the device, and the visitors that wait.
+/// The session, the device, and the viewers that wait for their first snapshot.
 pub struct SessionThread {
     session: Session,
     opener: Opener,
@@ -58,10 +58,10 @@ pub struct SessionThread {
     recordings: Recordings,
     folder: Folder,
     libiio: Option<Libiio>,
-    visits: Receiver<Visit>,
+    requests: Receiver<SessionRequest>,
     frames: broadcast::Sender<Bytes>,
-    newcomers: Vec<oneshot::Sender<Begun>>,
-    /// When the next frame is due.
+    pending: Vec<oneshot::Sender<Subscription>>,
+    /// The time at which the next frame is due.
     frame_due: Instant,
     /// The last reason that was printed why the device cannot be read.
     failed: Option<String>,
@@ -70,7 +70,7 @@ pub struct SessionThread {
 }
 
 enum Device {
-    /// Nobody reads it yet.
+    /// The device is open and is not read yet.
     Opened(Arc<Hub>, Option<Bus>),
     Opening(Opening),
     Reading(Box<Reading>),
@@ -83,7 +83,7 @@ enum Device {
 
 struct Reading {
     hub: Arc<Hub>,
-    feed: Feed,
+    feed: SampleFeed,
     host_check: Option<HostCheck>,
     losses: Losses,
     doubts: usize,
@@ -92,14 +92,14 @@ struct Reading {
 impl Reading {
     fn of(hub: Arc<Hub>, bus: Option<Bus>) -> Self {
         let host_check = Some(HostCheck::new(hub.facts(), bus));
-        Self { feed: Feed::of(&hub), hub, host_check, losses: Losses::default(), doubts: 0 }
+        Self { feed: SampleFeed::of(&hub), hub, host_check, losses: Losses::default(), doubts: 0 }
     }
 }
 
 impl SessionThread {
-    /// A thread for a device that was opened and is not read yet, with the sender for visits.
-    pub fn new(opener: Opener, opened: Opened, recordings: Recordings, folder: Folder) -> (Self, Visits) {
-        let (hand_in, visits) = sync_channel(QUEUE);
+    /// A thread for a device that was opened and is not read yet, with the sender for requests.
+    pub fn new(opener: Opener, opened: OpenDevice, recordings: Recordings, folder: Folder) -> (Self, RequestSender) {
+        let (sender, requests) = sync_channel(QUEUE);
         let (frames, _) = broadcast::channel(BEHIND);
         let thread = Self {
             session: Session::new(opened.about),
@@ -109,14 +109,14 @@ impl SessionThread {
             recordings,
             folder,
             libiio: None,
-            visits,
+            requests,
             frames,
-            newcomers: Vec::new(),
+            pending: Vec::new(),
             frame_due: Instant::now(),
             failed: None,
             failure: None,
         };
-        (thread, hand_in)
+        (thread, sender)
     }
 
     /// Adds a server for clients of libiio.
@@ -125,7 +125,7 @@ impl SessionThread {
     }
 
     /// The session and the calibrations on file, before anything is read.
-    pub fn shelf(&mut self) -> (&mut Session, &mut Folder) {
+    pub fn calibrations(&mut self) -> (&mut Session, &mut Folder) {
         (&mut self.session, &mut self.folder)
     }
 
@@ -208,10 +208,10 @@ impl SessionThread {
         let mut patience = self.frame_due.saturating_duration_since(begun).min(TURN);
         while let Device::Reading(reading) = &self.device {
             match reading.feed.next_within(patience) {
-                Awaited::Samples(fed) => self.take(&fed),
-                Awaited::Nothing => return,
-                Awaited::End if stop.asked() => return,
-                Awaited::End => return self.end_reading(),
+                Poll::Samples(watched) => self.take(&watched),
+                Poll::Nothing => return,
+                Poll::End if stop.asked() => return,
+                Poll::End => return self.end_reading(),
             }
             if Instant::now() >= until {
                 return;
@@ -220,11 +220,11 @@ impl SessionThread {
         }
     }
 
-    fn take(&mut self, fed: &Fed) {
+    fn take(&mut self, watched: &WatchedBatch) {
         let Device::Reading(reading) = &mut self.device else { return };
-        let (session, batch) = (&mut self.session, &fed.batch);
-        if fed.missed > 0 {
-            session.missed(fed.missed);
+        let (session, batch) = (&mut self.session, &watched.batch);
+        if watched.missed > 0 {
+            session.missed(watched.missed);
         }
         for row in &batch.rows {
             session.take(row);
@@ -232,7 +232,7 @@ impl SessionThread {
         session.truths(&batch.truths);
         for note in &batch.notes {
             say(format_args!("warning: {}", note.coded()));
-            session.note(Said::new(note.code(), note));
+            session.note(NoticeText::new(note.code(), note));
         }
         for doubt in batch.doubts.iter().skip(reading.doubts) {
             session.note(doubt);
@@ -241,7 +241,7 @@ impl SessionThread {
         if reading.losses != batch.losses {
             reading.losses = batch.losses;
             for lost in acquisition::lost_on_the_way(batch.losses) {
-                session.note(Said::new(lost.code(), lost.with(flag)));
+                session.note(NoticeText::new(lost.code(), lost.with(flag)));
             }
         }
         if let Some(found) = reading.host_check.as_ref().and_then(|check| check.ended(session.tally())) {
@@ -305,7 +305,7 @@ impl SessionThread {
         let Device::Opening(opening) = &self.device else { return self };
         match opening.ready() {
             None => self,
-            Some(Ok(Opened { hub, about, bus })) => {
+            Some(Ok(OpenDevice { hub, about, bus })) => {
                 self.session = self.session.reopened(about);
                 self.note_standing();
                 self.failed = None;
@@ -326,11 +326,11 @@ impl SessionThread {
     }
 
     fn receive(&mut self) {
-        for _ in 0..VISITS {
-            match self.visits.try_recv() {
+        for _ in 0..MOST_REQUESTS {
+            match self.requests.try_recv() {
                 // the client may be gone
-                Ok(Visit::Ask(request, answer)) => drop(answer.send(self.answer(&request))),
-                Ok(Visit::Watch(begin)) => self.newcomers.push(begin),
+                Ok(SessionRequest::Ask(request, answer)) => drop(answer.send(self.answer(&request))),
+                Ok(SessionRequest::Watch(subscriber)) => self.pending.push(subscriber),
                 Err(_) => return,
             }
         }
@@ -338,8 +338,8 @@ impl SessionThread {
 
     fn answer(&mut self, request: &str) -> String {
         match self.session.ask(request) {
-            Handled::Answer(answer) => answer,
-            Handled::Host { id, command } => {
+            RequestResult::Answer(answer) => answer,
+            RequestResult::Host { id, command } => {
                 match command {
                     HostCommand::Speed(factor) => self.set_speed(factor),
                     HostCommand::Reopen => self.open_again(),
@@ -357,7 +357,7 @@ impl SessionThread {
         self.session.speed(factor);
     }
 
-    /// Sends the new frame to all viewers. Newcomers since the last frame share one snapshot of everything.
+    /// Sends the new frame to all viewers. Viewers that came since the last frame share one snapshot of everything.
     fn frame(&mut self) {
         let now = Instant::now();
         let next = self.frame_due + FRAME;
@@ -366,10 +366,10 @@ impl SessionThread {
             // there may be no viewer
             let _ = self.frames.send(frame.into());
         }
-        if !self.newcomers.is_empty() {
+        if !self.pending.is_empty() {
             let snapshot = Bytes::from(self.session.snapshot());
-            for newcomer in self.newcomers.drain(..) {
-                let _ = newcomer.send(Begun { snapshot: snapshot.clone(), frames: self.frames.subscribe() });
+            for subscriber in self.pending.drain(..) {
+                let _ = subscriber.send(Subscription { snapshot: snapshot.clone(), frames: self.frames.subscribe() });
             }
         }
     }

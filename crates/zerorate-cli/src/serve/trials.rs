@@ -20,10 +20,10 @@ const TOO_MANY: Refusal = (StatusCode::TOO_MANY_REQUESTS, "too many tokens were 
 
 /// The tokens that were tried so far.
 #[derive(Debug)]
-pub struct Trials(Mutex<Tried>);
+pub struct Trials(Mutex<TrialLog>);
 
 #[derive(Debug)]
-struct Tried {
+struct TrialLog {
     bucket: Bucket,
     wrong: VecDeque<String>,
 }
@@ -31,7 +31,7 @@ struct Tried {
 impl Trials {
     /// No token was tried yet.
     pub fn new(now: Instant) -> Self {
-        Self(Mutex::new(Tried { bucket: Bucket::new(AT_ONCE, PER_S, now), wrong: VecDeque::new() }))
+        Self(Mutex::new(TrialLog { bucket: Bucket::new(AT_ONCE, PER_S, now), wrong: VecDeque::new() }))
     }
 
     /// Whether one of these is the token. While too many are tried, the right token is refused as well, since the
@@ -42,9 +42,9 @@ impl Trials {
         shown: impl IntoIterator<Item = &'a str>,
         now: Instant,
     ) -> Result<(), Refusal> {
-        let mut tried = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut log = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         for shown in shown {
-            if tried.is(token, shown, now)? {
+            if log.is(token, shown, now)? {
                 return Ok(());
             }
         }
@@ -52,7 +52,7 @@ impl Trials {
     }
 }
 
-impl Tried {
+impl TrialLog {
     fn is(&mut self, token: &Token, shown: &str, now: Instant) -> Result<bool, Refusal> {
         if !TOKEN_LENGTHS.contains(&shown.len()) || self.wrong.iter().any(|wrong| wrong == shown) {
             return Ok(false);

@@ -3,7 +3,7 @@
 use super::answer::{self, Answer};
 use super::bucket::Bucket;
 use super::server::{Connection, Server};
-use super::session_thread::{Begun, Visit, Visits};
+use super::session_thread::{RequestSender, SessionRequest, Subscription};
 use futures_util::{SinkExt, StreamExt};
 use http_body_util::Full;
 use hyper::body::{Bytes, Incoming};
@@ -47,7 +47,7 @@ pub fn watch(server: &Arc<Server>, connection: Arc<Connection>, request: Request
             let config = config.max_message_size(Some(MESSAGE)).max_frame_size(Some(MESSAGE)).write_buffer_size(0);
             let upgraded = TokioIo::new(upgraded);
             let socket = WebSocketStream::from_raw_socket(upgraded, Role::Server, Some(config)).await;
-            Watch { socket, visits: server.visits.clone() }.serve(server.limits.sign_of_life).await;
+            Watch { socket, requests: server.requests.clone() }.serve(server.limits.sign_of_life).await;
         }
         drop((seat, connection));
     });
@@ -55,27 +55,27 @@ pub fn watch(server: &Arc<Server>, connection: Arc<Connection>, request: Request
 }
 
 /// The state so far and the frames that follow; none if the session has closed.
-pub async fn begin(visits: &Visits) -> Option<Begun> {
-    let (begin, begun) = oneshot::channel();
-    visits.try_send(Visit::Watch(begin)).ok()?;
-    begun.await.ok()
+pub async fn subscribe(requests: &RequestSender) -> Option<Subscription> {
+    let (subscriber, subscription) = oneshot::channel();
+    requests.try_send(SessionRequest::Watch(subscriber)).ok()?;
+    subscription.await.ok()
 }
 
 struct Watch {
     socket: WebSocket,
-    visits: Visits,
+    requests: RequestSender,
 }
 
 impl Watch {
     /// Serves the viewer until it leaves, stalls, gives no sign of life, or the session ends. A page that misses
     /// frames gets everything anew.
     async fn serve(mut self, sign_of_life: Duration) {
-        let mut requests = Bucket::new(BURST, REQUESTS_PER_S, Instant::now());
+        let mut allowance = Bucket::new(BURST, REQUESTS_PER_S, Instant::now());
         let mut rounds = time::interval_at(time::Instant::now() + sign_of_life, sign_of_life);
         // after a late turn the answer still has its full time
         rounds.set_missed_tick_behavior(time::MissedTickBehavior::Delay);
         let mut is_alive = true;
-        while let Some(Begun { snapshot, mut frames }) = begin(&self.visits).await {
+        while let Some(Subscription { snapshot, mut frames }) = subscribe(&self.requests).await {
             if !self.send(Message::Binary(snapshot)).await {
                 return;
             }
@@ -101,7 +101,7 @@ impl Watch {
                         if !self.heed(message).await {
                             return;
                         }
-                        reads_at = requests.borrow(Instant::now()).into();
+                        reads_at = allowance.borrow(Instant::now()).into();
                     }
                     _ = rounds.tick() => {
                         if !std::mem::take(&mut is_alive) || !self.send(Message::Ping(Bytes::new())).await {
@@ -123,7 +123,7 @@ impl Watch {
         match message {
             Message::Text(request) => {
                 let (answer, answered) = oneshot::channel();
-                if self.visits.try_send(Visit::Ask(request.to_string(), answer)).is_err() {
+                if self.requests.try_send(SessionRequest::Ask(request.to_string(), answer)).is_err() {
                     return false;
                 }
                 match answered.await {
@@ -167,6 +167,6 @@ async fn next(socket: &mut WebSocket, at: time::Instant) -> Option<Result<Messag
 }
 
 /// The whole state of the session, once.
-pub async fn snapshot(visits: &Visits) -> Option<Bytes> {
-    begin(visits).await.map(|begun| begun.snapshot)
+pub async fn snapshot(requests: &RequestSender) -> Option<Bytes> {
+    subscribe(requests).await.map(|subscription| subscription.snapshot)
 }

@@ -4,8 +4,8 @@ use super::device::Device;
 use super::request::Errno;
 use super::scan::Scanner;
 use super::session::{Open, Session, Step, number, refusal};
-use crate::hub::Awaited;
-use crate::{Hub, Stop, Watched, Watcher};
+use crate::hub::Poll;
+use crate::{Hub, Stop, WatchedBatch, Watcher};
 use std::io::{self, BufRead, BufReader, ErrorKind, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
@@ -105,19 +105,19 @@ impl<'a> Buffer<'a> {
         let begun = Instant::now();
         while self.sent == self.bytes.len() {
             match self.watcher.next_within(POLL) {
-                Awaited::Samples(watched) => self.take(&watched),
-                Awaited::End => return Waited::Gone,
-                Awaited::Nothing if stop.asked() || self.device.is_gone() => return Waited::Gone,
-                Awaited::Nothing if patience.is_some_and(|patience| begun.elapsed() >= patience) => {
+                Poll::Samples(watched) => self.take(&watched),
+                Poll::End => return Waited::Gone,
+                Poll::Nothing if stop.asked() || self.device.is_gone() => return Waited::Gone,
+                Poll::Nothing if patience.is_some_and(|patience| begun.elapsed() >= patience) => {
                     return Waited::Nothing;
                 }
-                Awaited::Nothing => {}
+                Poll::Nothing => {}
             }
         }
         Waited::Samples
     }
 
-    fn take(&mut self, watched: &Watched) {
+    fn take(&mut self, watched: &WatchedBatch) {
         self.bytes.clear();
         self.sent = 0;
         if watched.missed > 0 {

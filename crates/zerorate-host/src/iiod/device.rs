@@ -3,7 +3,7 @@
 use super::request::{Errno, Place};
 use super::scan::{Scan, Scanner, corrected};
 use super::table::{CORRECTED_RAD_PER_S, Channel, Quantity, Table};
-use crate::Watched;
+use crate::WatchedBatch;
 use crate::source::DeviceInfo;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use zerorate::calibration::OtherPart;
@@ -124,7 +124,7 @@ impl Device {
 
     /// Takes rows in. Those that this watcher itself had no room for were read: they count for the rate, and are not
     /// lost.
-    pub fn take(&self, watched: &Watched) {
+    pub fn take(&self, watched: &WatchedBatch) {
         let live = &mut *self.live();
         let (mut missed, mut lost) = (watched.missed, watched.lost);
         for row in &watched.batch.rows {

@@ -15,7 +15,7 @@ mod table;
 mod tests;
 mod xml;
 
-use crate::hub::Awaited;
+use crate::hub::Poll;
 use crate::{Hub, Stop};
 use device::Device;
 use std::io::{self, ErrorKind};
@@ -99,9 +99,9 @@ impl<'a> Server<'a> {
         let watcher = self.hub.watch(connection::QUEUE);
         while !stop.asked() {
             match watcher.next_within(POLL) {
-                Awaited::Samples(watched) => self.device.take(&watched),
-                Awaited::Nothing => {}
-                Awaited::End => return self.device.note_gone(),
+                Poll::Samples(watched) => self.device.take(&watched),
+                Poll::Nothing => {}
+                Poll::End => return self.device.note_gone(),
             }
         }
     }

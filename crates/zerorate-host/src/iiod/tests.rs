@@ -9,7 +9,7 @@ mod harness;
 use super::device::Device;
 use super::session::{Session, Step};
 use super::xml::describe;
-use crate::{Batch, DeviceSpec, Setup, Stop, Watched};
+use crate::{Batch, DeviceSpec, Setup, Stop, WatchedBatch};
 use harness::edited;
 use std::sync::Arc;
 use zerorate::calibration::OtherPart;
@@ -37,8 +37,8 @@ fn calibrated() -> Device {
     device
 }
 
-fn watched(rows: impl Iterator<Item = Row>) -> Watched {
-    Watched { batch: Arc::new(Batch { rows: rows.collect(), ..Batch::default() }), missed: 0, lost: 0 }
+fn watched(rows: impl Iterator<Item = Row>) -> WatchedBatch {
+    WatchedBatch { batch: Arc::new(Batch { rows: rows.collect(), ..Batch::default() }), missed: 0, lost: 0 }
 }
 
 fn reply(session: &mut Session<'_>, line: &str) -> String {
@@ -90,7 +90,7 @@ fn values_are_in_the_units_of_the_kernel() {
 fn what_the_server_itself_missed_is_not_lost() {
     let device = calibrated();
     let last = Row::new(20_000_000, 20, &[8_388_608]).expect("one axis");
-    device.take(&Watched { missed: 8, lost: 2, ..watched([last].into_iter()) });
+    device.take(&WatchedBatch { missed: 8, lost: 2, ..watched([last].into_iter()) });
     let mut session = Session::new(&device);
     assert_eq!(value(&mut session, "READ iio:device0 samples_lost"), "3", "one in a row, two before what was missed");
     // 0 … 20 ms: 10 rows with one lost among them, 8 and 2 that are missing, and the last

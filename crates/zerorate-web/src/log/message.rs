@@ -50,11 +50,11 @@ pub enum LogSetting {
     Decimal,
 }
 
-/// The result of a look into a log.
+/// The result of opening a log.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "is", rename_all = "kebab-case")]
 #[cfg_attr(feature = "types", derive(TS))]
-pub enum Looked {
+pub enum LogInspection {
     /// The log was read and can be analysed.
     Log(LogAbout),
     /// The log does not say enough about itself: ask the user, and look again with the answer.

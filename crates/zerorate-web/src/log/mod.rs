@@ -16,7 +16,7 @@ pub use reader::LogReader;
 
 #[cfg(feature = "readers")]
 mod reader {
-    use super::message::{LogAbout, LogAxis, LogSettings, LogSummary, Looked, NoiseFileCommand};
+    use super::message::{LogAbout, LogAxis, LogInspection, LogSettings, LogSummary, NoiseFileCommand};
     use super::settings::{LABELS, asked_for, combine, format};
     use super::{axis, pictures, settings};
     use crate::message::Download;
@@ -41,19 +41,19 @@ mod reader {
     impl LogReader {
         /// Reads the log of this name and returns its content or a question. `open` gives its bytes, each time from
         /// the start.
-        pub fn look(name: &str, open: impl Fn() -> Input, said: &LogSettings) -> (Looked, Option<Self>) {
+        pub fn look(name: &str, open: impl Fn() -> Input, said: &LogSettings) -> (LogInspection, Option<Self>) {
             let path = Path::new(name);
             match read(path, &open, said) {
-                Ok((about, reader)) => (Looked::Log(about), Some(reader)),
+                Ok((about, reader)) => (LogInspection::Log(about), Some(reader)),
                 Err(LogError::Choose(text, choices)) => {
                     let settings = asked_for(&text);
-                    (Looked::Question { text, choices, settings }, None)
+                    (LogInspection::Question { text, choices, settings }, None)
                 }
                 Err(LogError::Ask(text)) if !asked_for(&text).is_empty() => {
                     let settings = asked_for(&text);
-                    (Looked::Question { text, choices: Vec::new(), settings }, None)
+                    (LogInspection::Question { text, choices: Vec::new(), settings }, None)
                 }
-                Err(error) => (Looked::Refused { text: error.to_string() }, None),
+                Err(error) => (LogInspection::Refused { text: error.to_string() }, None),
             }
         }
 

@@ -50,18 +50,18 @@ pub struct Running {
     pub pending_refusals: Vec<String>,
     /// Temperature at the start and now, and the lowest and highest in between, °C.
     pub temps_c: Option<[f64; 4]>,
-    /// What it would have stated at the last look; only `warmup` and `cycle` have it, unless it would be refused.
-    pub known: Option<Known>,
+    /// The uncertainties if it had ended at the last look. Only `warmup` and `cycle` have them, unless refused.
+    pub forecast: Option<Forecast>,
     /// Whether `finish-calibration` is possible now.
     pub can_finish: bool,
     /// Whether the goal is met: nothing would be refused, and the temperature of a warm-up has settled.
     pub is_enough: bool,
 }
 
-/// What a calibration would have stated if it had ended at a time.
+/// The uncertainties that a calibration would have stated if it had ended at a time.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
-pub struct Known {
+pub struct Forecast {
     /// The time since the start, s.
     pub at_s: f64,
     /// Standard uncertainty of PBC, °/s.

@@ -1,9 +1,9 @@
 //! Requests and their answers, and the guided calibrations that they start and end.
 
-use super::guide::{Guide, Measured};
-use super::{Handled, HostCommand, LiveView, Session};
+use super::guided::{GuidedCalibration, Measurement};
+use super::{HostCommand, LiveView, RequestResult, Session};
 use crate::message::{
-    Answer, Answered, CalibrateCommand, Calibrating, Command, DeviceState, MethodName, Reply, Request, Running,
+    Answer, AnswerOutcome, CalibrateCommand, Calibrating, Command, DeviceState, MethodName, Reply, Request, Running,
 };
 use serde::Deserialize;
 use zerorate::Scan;
@@ -20,7 +20,7 @@ struct Anonymous {
 
 impl Session {
     /// Carries out a request, or says that the owner of the device must.
-    pub fn ask(&mut self, request: &str) -> Handled {
+    pub fn ask(&mut self, request: &str) -> RequestResult {
         let Request { id, command } = match serde_json::from_str(request) {
             Ok(request) => request,
             Err(error) => {
@@ -30,7 +30,7 @@ impl Session {
         };
         match self.command(command) {
             Ok(Outcome::Reply(reply)) => answer(id, Ok(reply)),
-            Ok(Outcome::Host(command)) => Handled::Host { id, command },
+            Ok(Outcome::Host(command)) => RequestResult::Host { id, command },
             Err(why) => answer(id, Err(why)),
         }
     }
@@ -58,20 +58,20 @@ impl Session {
                 return self.calibrate(&command).map(|()| Outcome::Host(HostCommand::Reopen));
             }
             Command::AbortCalibration => self.abort_calibration("it was ended by hand"),
-            Command::FinishCalibration => self.finish_guide()?,
+            Command::FinishCalibration => self.finish_guided()?,
             Command::DismissCalibration => self.dismiss()?,
             Command::Apply { calibration } => self.apply(calibration.as_deref())?,
             Command::AddCalibration { toml } => {
                 let id = self.add_calibration(&toml)?;
-                let entry = self.shelf.entry_of(&id).ok_or("the calibration is not on file")?;
+                let entry = self.store.entry_of(&id).ok_or("the calibration is not on file")?;
                 return Ok(Outcome::Reply(Reply::Calibration(entry)));
             }
             Command::RemoveCalibration { calibration } => {
-                self.shelf.remove(&calibration)?;
+                self.store.remove(&calibration)?;
                 self.changed.calibrations = true;
             }
             Command::Download { calibration, form } => {
-                return Ok(Outcome::Reply(Reply::Download(self.shelf.download(&calibration, &form)?)));
+                return Ok(Outcome::Reply(Reply::Download(self.store.download(&calibration, &form)?)));
             }
             Command::Restart => self.restart_statistics(),
             Command::ZeroAngle => self.live_view.axes.iter_mut().for_each(|axis| axis.angle.zero()),
@@ -99,13 +99,13 @@ impl Session {
         if self.is_calibrating() {
             return Err("a calibration is running: end it first".to_owned());
         }
-        self.shelf.has_room(1)?;
+        self.store.has_room(1)?;
         if let DeviceState::Failed { why } = &self.live_view.state {
             return Err(format!("the device cannot be read: {why}"));
         }
-        let guide = Guide::new(command, &self.live_view.about.part, &self.live_view.about.info)?;
-        self.calibrating = guide.shown();
-        self.wanted = Some(guide);
+        let guided = GuidedCalibration::new(command, &self.live_view.about.part, &self.live_view.about.info)?;
+        self.calibrating = guided.shown();
+        self.wanted = Some(guided);
         self.changed.calibration = true;
         Ok(())
     }
@@ -126,7 +126,7 @@ impl Session {
     /// Ends a calibration that is running or about to begin, without a result, and says why.
     pub fn abort_calibration(&mut self, why: &str) {
         let Some(method) = self.method() else { return };
-        (self.guide, self.wanted) = (None, None);
+        (self.guided, self.wanted) = (None, None);
         self.calibrating = Calibrating::Aborted { method, text: why.to_owned() };
         self.changed.calibration = true;
     }
@@ -140,48 +140,48 @@ impl Session {
         Ok(())
     }
 
-    fn finish_guide(&mut self) -> Result<(), String> {
-        let guide = self.guide.as_mut().ok_or("no calibration is running")?;
-        match guide.end_recording() {
-            Ok(true) => self.complete_guide(),
+    fn finish_guided(&mut self) -> Result<(), String> {
+        let guided = self.guided.as_mut().ok_or("no calibration is running")?;
+        match guided.end_recording() {
+            Ok(true) => self.complete_guided(),
             Ok(false) => return Err("this method has more steps: wait for them, or abort it".to_owned()),
-            Err(why) => self.refuse_guide(why),
+            Err(why) => self.refuse_guided(why),
         }
         Ok(())
     }
 
     /// A recording has ended. Methods that take all of it can finish.
-    pub(super) fn end_guide(&mut self, otherwise: &str) {
-        let Some(guide) = &mut self.guide else { return self.abort_calibration(otherwise) };
-        match guide.end_recording() {
-            Ok(true) => self.complete_guide(),
+    pub(super) fn end_guided(&mut self, otherwise: &str) {
+        let Some(guided) = &mut self.guided else { return self.abort_calibration(otherwise) };
+        match guided.end_recording() {
+            Ok(true) => self.complete_guided(),
             Ok(false) => self.abort_calibration(otherwise),
-            Err(why) => self.refuse_guide(why),
+            Err(why) => self.refuse_guided(why),
         }
     }
 
     #[inline]
-    pub(super) fn guide(&mut self, row: &Row, scan: &Scan) {
-        match self.guide.as_mut().map(|guide| guide.take(row, scan)) {
+    pub(super) fn take_guided(&mut self, row: &Row, scan: &Scan) {
+        match self.guided.as_mut().map(|guided| guided.take(row, scan)) {
             None | Some(Ok(false)) => {}
-            Some(Ok(true)) => self.complete_guide(),
-            Some(Err(why)) => self.refuse_guide(why),
+            Some(Ok(true)) => self.complete_guided(),
+            Some(Err(why)) => self.refuse_guided(why),
         }
     }
 
-    fn refuse_guide(&mut self, text: String) {
-        let Some(guide) = self.guide.take() else { return };
-        self.calibrating = Calibrating::Refused { method: guide.method, text };
+    fn refuse_guided(&mut self, text: String) {
+        let Some(guided) = self.guided.take() else { return };
+        self.calibrating = Calibrating::Refused { method: guided.method, text };
         self.changed.calibration = true;
     }
 
-    fn complete_guide(&mut self) {
-        let Some(guide) = self.guide.take() else { return };
-        let method = guide.method;
+    fn complete_guided(&mut self) {
+        let Some(guided) = self.guided.take() else { return };
+        let method = guided.method;
         let LiveView { about, tally, axes, .. } = &self.live_view;
-        let measured = Measured { info: &about.info, tally, axes, truths: &self.truths };
-        let kept = guide.finish(&measured).and_then(|(result, calibration)| {
-            self.measured = Some(self.shelf.add(calibration)?);
+        let measurement = Measurement { info: &about.info, tally, axes, truths: &self.truths };
+        let kept = guided.finish(&measurement).and_then(|(result, calibration)| {
+            self.measured = Some(self.store.add(calibration)?);
             Ok(result)
         });
         self.calibrating = match kept {
@@ -198,12 +198,12 @@ enum Outcome {
     Host(HostCommand),
 }
 
-fn answer(id: u32, result: Result<Reply, String>) -> Handled {
-    Handled::Answer(written(id, result))
+fn answer(id: u32, result: Result<Reply, String>) -> RequestResult {
+    RequestResult::Answer(written(id, result))
 }
 
 fn written(id: u32, result: Result<Reply, String>) -> String {
-    let outcome = result.map_or_else(Answered::Error, Answered::Ok);
+    let outcome = result.map_or_else(AnswerOutcome::Error, AnswerOutcome::Ok);
     // these are numbers, texts and lists of them, which always serialise
     serde_json::to_string(&Answer { id, outcome }).unwrap_or_default()
 }

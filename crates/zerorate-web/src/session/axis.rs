@@ -167,32 +167,32 @@ impl AxisState {
 
     /// Judges the last 10 s.
     fn judged(&self) -> Rest {
-        let said = |verdict, text: String| Rest { verdict, text };
+        let rest = |verdict, text: String| Rest { verdict, text };
         let blocks = self.newest(JUDGED);
         let rates: Vec<f64> = blocks.iter().map(|block| block.rate_dps).filter(|rate| !rate.is_nan()).collect();
         if self.axis.noise.is_none() || self.axis.bias.largest_tempco_dps_per_c().is_none() {
-            return said(RestVerdict::Unjudged, "the typical noise of this part is unknown".to_owned());
+            return rest(RestVerdict::Unjudged, "the typical noise of this part is unknown".to_owned());
         }
         if rates.len() < JUDGED {
-            return said(RestVerdict::Unjudged, NOT_YET.to_owned());
+            return rest(RestVerdict::Unjudged, NOT_YET.to_owned());
         }
         if let Some(limit_dps) = self.axis.bias.largest_dps()
             && let Some(rate_dps) = mean(rates.iter().copied()).filter(|rate_dps| rate_dps.abs() > limit_dps)
         {
             let text = format!("it turns: {rate_dps:+.2} °/s is more than the largest bias, ±{limit_dps} °/s");
-            return said(RestVerdict::Moving, text);
+            return rest(RestVerdict::Moving, text);
         }
         match judge(&self.axis, &rates, slope_c_per_s(&blocks)) {
-            Verdict::AtRest => said(RestVerdict::AtRest, "noise explains how the rate varies".to_owned()),
+            Verdict::AtRest => rest(RestVerdict::AtRest, "noise explains how the rate varies".to_owned()),
             Verdict::Step { at_s, size_dps } => {
                 let ago_s = rates.len() as f64 * BLOCK_S - at_s;
-                said(RestVerdict::Step, format!("a step of {size_dps:+.4} °/s, {ago_s:.0} s ago"))
+                rest(RestVerdict::Step, format!("a step of {size_dps:+.4} °/s, {ago_s:.0} s ago"))
             }
-            Verdict::Moving { tau_s, seen_dps, limit_dps } => said(
+            Verdict::Moving { tau_s, seen_dps, limit_dps } => rest(
                 RestVerdict::Moving,
                 format!("means over {tau_s:.1} s vary by {seen_dps:.4} °/s, but noise explains {limit_dps:.4} °/s"),
             ),
-            Verdict::Noisy { seen_dps_per_rt_hz, limit_dps_per_rt_hz } => said(
+            Verdict::Noisy { seen_dps_per_rt_hz, limit_dps_per_rt_hz } => rest(
                 RestVerdict::Noisy,
                 format!("noise of {seen_dps_per_rt_hz:.4} °/s/√Hz, above {limit_dps_per_rt_hz:.4} °/s/√Hz"),
             ),

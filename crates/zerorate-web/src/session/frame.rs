@@ -1,10 +1,10 @@
 //! Makes frames, with everything that changed or with everything, as bytes (docs/formats/page.md).
 
 use super::axis::AxisState;
-use super::live_view::{LiveView, Seen};
-use super::notices::Said;
+use super::live_view::{LiveView, ViewChanges};
+use super::notices::NoticeText;
 use super::statistics::Statistics;
-use super::{Changed, Session, strips};
+use super::{Session, SessionChanges, strips};
 use crate::message::{AxisAbout, Device, Durations, Frame, Now, SampleCounts};
 use zerorate::health::Health;
 use zerorate::{Calibration, Plan};
@@ -14,11 +14,11 @@ impl Session {
     /// The frame with everything that changed since the last one, for all windows; `None` if nothing changed.
     pub fn frame(&mut self) -> Option<Vec<u8>> {
         self.recompute();
-        let Changed { statistics, calibration, calibrations } = self.changed;
+        let SessionChanges { statistics, calibration, calibrations } = self.changed;
         if !(statistics || calibration || calibrations || self.live_view.is_changed()) {
             return None;
         }
-        let (frame, payload) = self.live_view.news(self.shelf.applied());
+        let (frame, payload) = self.live_view.news(self.store.applied());
         let changed = std::mem::take(&mut self.changed);
         Some(encode(&self.completed(frame, changed), &payload))
     }
@@ -26,8 +26,8 @@ impl Session {
     /// The frame with everything, for a window that just opened or was too slow.
     #[must_use]
     pub fn snapshot(&self) -> Vec<u8> {
-        let (frame, payload) = self.live_view.everything(self.shelf.applied());
-        encode(&self.completed(frame, Changed::default()), &payload)
+        let (frame, payload) = self.live_view.everything(self.store.applied());
+        encode(&self.completed(frame, SessionChanges::default()), &payload)
     }
 
     /// Work before a frame that takes longer than a reading should.
@@ -41,22 +41,22 @@ impl Session {
         }
         if self.changed.statistics {
             let axes = self.live_view.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
-            let said = valid::of_axes(axes, &self.live_view.tally, self.live_view.start_ns());
-            self.live_view.stand(&said.iter().map(Said::from).collect::<Vec<_>>());
+            let findings = believed::of_axes(axes, &self.live_view.tally, self.live_view.start_ns());
+            self.live_view.set_conditions(&findings.iter().map(NoticeText::from).collect::<Vec<_>>());
         }
-        if let Some(guide) = &self.guide {
-            self.calibrating = guide.shown();
+        if let Some(guided) = &self.guided {
+            self.calibrating = guided.shown();
         }
     }
 
     /// The content of a frame.
-    fn completed(&self, seen: Frame, changed: Changed) -> Frame {
+    fn completed(&self, seen: Frame, changed: SessionChanges) -> Frame {
         let all = seen.snapshot;
         Frame {
             statistics: (all || changed.statistics)
                 .then(|| self.statistics.iter().map(|one| one.shown().clone()).collect()),
             calibration: (all || changed.calibration).then(|| self.calibrating.clone()),
-            calibrations: (all || changed.calibrations).then(|| self.shelf.entries()),
+            calibrations: (all || changed.calibrations).then(|| self.store.entries()),
             ..seen
         }
     }
@@ -71,7 +71,7 @@ impl Session {
 impl LiveView {
     /// Whether anything changed.
     pub fn is_changed(&self) -> bool {
-        let Seen { device, readings, notices, everything } = self.changed;
+        let ViewChanges { device, readings, notices, everything } = self.changed;
         device || readings || notices || everything
     }
 
@@ -86,10 +86,10 @@ impl LiveView {
 
     /// A frame of everything.
     pub fn everything(&self, applied: Option<&Calibration>) -> (Frame, Vec<f32>) {
-        self.told(Seen { everything: true, ..Seen::default() }, applied)
+        self.told(ViewChanges { everything: true, ..ViewChanges::default() }, applied)
     }
 
-    fn told(&self, changed: Seen, applied: Option<&Calibration>) -> (Frame, Vec<f32>) {
+    fn told(&self, changed: ViewChanges, applied: Option<&Calibration>) -> (Frame, Vec<f32>) {
         let all = changed.everything;
         let (mut strips, mut payload) = (Vec::new(), Vec::new());
         for (index, axis) in self.axes.iter().enumerate() {

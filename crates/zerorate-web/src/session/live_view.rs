@@ -3,7 +3,7 @@
 use super::About;
 use super::axis::{Angle, AxisState, BLOCK_NS, Block};
 use super::checkup::Examination;
-use super::notices::{Notices, Said};
+use super::notices::{NoticeText, Notices};
 use crate::message::{CheckResult, DeviceState};
 use zerorate::{Correction, Corrector, Reading, Scan, Tally};
 use zerorate_record::{Layout, Row};
@@ -20,7 +20,7 @@ pub struct LiveView {
     pub(super) speed: f64,
     pub(super) missed: u64,
     pub(super) seq: u32,
-    pub(super) changed: Seen,
+    pub(super) changed: ViewChanges,
     layout: Layout,
     /// The check of the first seconds, until it is done.
     examination: Option<Examination>,
@@ -31,7 +31,7 @@ pub struct LiveView {
 
 /// The parts that the next frame must state.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Seen {
+pub(super) struct ViewChanges {
     pub device: bool,
     pub readings: bool,
     pub notices: bool,
@@ -39,7 +39,7 @@ pub(super) struct Seen {
 }
 
 /// An observer of the valid readings.
-pub trait Onlooker {
+pub trait ReadingObserver {
     /// Takes a reading of an axis; none if it is lost or invalid.
     fn reading(&mut self, axis: usize, code: Option<i32>);
 
@@ -48,7 +48,7 @@ pub trait Onlooker {
 }
 
 /// No observer.
-impl Onlooker for () {
+impl ReadingObserver for () {
     fn reading(&mut self, _: usize, _: Option<i32>) {}
 
     fn block(&mut self, _: usize, _: &Block, _: bool) {}
@@ -76,7 +76,7 @@ impl LiveView {
             last_ns: 0,
             block_ends_ns: BLOCK_NS,
             seq: 0,
-            changed: Seen { everything: true, ..Seen::default() },
+            changed: ViewChanges { everything: true, ..ViewChanges::default() },
             about,
         }
     }
@@ -88,12 +88,12 @@ impl LiveView {
 
     /// Takes a reading, in the order of time. Returns whether blocks ended before it.
     #[inline]
-    pub fn take(&mut self, row: &Row, onlooker: &mut impl Onlooker) -> bool {
+    pub fn take(&mut self, row: &Row, observer: &mut impl ReadingObserver) -> bool {
         let start_ns = *self.start_ns.get_or_insert(row.t_ns);
         let at_ns = row.t_ns.saturating_sub(start_ns);
         let ends_blocks = at_ns >= self.block_ends_ns;
         if ends_blocks {
-            self.close_blocks(at_ns, onlooker);
+            self.close_blocks(at_ns, observer);
         }
         self.last_ns = at_ns;
         let scan = self.layout.scan(row);
@@ -102,7 +102,7 @@ impl LiveView {
         }
         for index in 0..self.axes.len() {
             if let Some(reading) = scan.reading(index) {
-                self.take_axis(index, at_ns, &reading, onlooker);
+                self.take_axis(index, at_ns, &reading, observer);
             }
         }
         self.changed.readings = true;
@@ -115,15 +115,15 @@ impl LiveView {
     }
 
     #[inline]
-    fn take_axis(&mut self, index: usize, at_ns: u64, reading: &Reading, onlooker: &mut impl Onlooker) {
+    fn take_axis(&mut self, index: usize, at_ns: u64, reading: &Reading, observer: &mut impl ReadingObserver) {
         let corrector = self.corrector.as_ref();
         let correct = |rate_dps| corrector.and_then(|corrector| corrector.correct(index, Some(rate_dps)));
         let judged = self.axes[index].show(at_ns, reading, correct);
         for _ in 0..reading.lost.min(MOST_FILLED) {
-            onlooker.reading(index, None);
+            observer.reading(index, None);
         }
         let Some(judged) = judged else { return };
-        onlooker.reading(index, judged.rate());
+        observer.reading(index, judged.rate());
         if let Some(examination) = &mut self.examination {
             examination.push(index, &judged);
         }
@@ -145,13 +145,13 @@ impl LiveView {
 
     /// Ends the blocks that are over at this time.
     #[cold]
-    fn close_blocks(&mut self, at_ns: u64, onlooker: &mut impl Onlooker) {
+    fn close_blocks(&mut self, at_ns: u64, observer: &mut impl ReadingObserver) {
         let over = (at_ns - self.block_ends_ns) / BLOCK_NS + 1;
         self.block_ends_ns += over * BLOCK_NS;
         for _ in 0..over.min(MOST_BLOCKS) {
             for (index, axis) in self.axes.iter_mut().enumerate() {
                 let block = axis.close_block();
-                onlooker.block(index, &block, axis.is_at_rest());
+                observer.block(index, &block, axis.is_at_rest());
             }
         }
         let start_ns = self.start_ns();
@@ -169,14 +169,14 @@ impl LiveView {
     }
 
     /// Adds a notice.
-    pub fn note(&mut self, said: &Said) {
-        self.notices.push(said, self.now_s());
+    pub fn note(&mut self, text: &NoticeText) {
+        self.notices.push(text, self.now_s());
         self.changed.notices = true;
     }
 
     /// Updates all conditions of the readings.
-    pub fn stand(&mut self, findings: &[Said]) {
-        self.changed.notices |= self.notices.stand(findings, self.now_s());
+    pub fn set_conditions(&mut self, findings: &[NoticeText]) {
+        self.changed.notices |= self.notices.set_conditions(findings, self.now_s());
     }
 
     /// Adds results of the connection check to those known before.

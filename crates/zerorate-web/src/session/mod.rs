@@ -2,23 +2,23 @@
 
 mod ask;
 mod axis;
+mod calibration_store;
 mod checkup;
 mod frame;
-mod guide;
+mod guided;
 mod live_view;
 mod notices;
-mod shelf;
 mod statistics;
 mod strips;
 mod temperatures;
 
 use crate::message::{Calibrating, CheckResult, DeviceState, Register};
 use adis16130_twin::Truth;
+use calibration_store::CalibrationStore;
 pub(crate) use frame::encode;
-use guide::Guide;
+use guided::GuidedCalibration;
 pub(crate) use live_view::LiveView;
-pub use notices::Said;
-use shelf::Shelf;
+pub use notices::NoticeText;
 use statistics::Statistics;
 use zerorate::{Calibration, Part, Tally};
 use zerorate_record::{CaptureInfo, Row};
@@ -45,7 +45,7 @@ pub struct About {
 
 /// The outcome of a request.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Handled {
+pub enum RequestResult {
     /// The answer, as text.
     Answer(String),
     /// The owner of the device must do this. [`Session::done`] then makes the answer.
@@ -72,7 +72,7 @@ pub enum HostCommand {
 /// use adis16130::Width;
 /// use zerorate::Part;
 /// use zerorate_record::{CaptureInfo, Layout, Row};
-/// use zerorate_web::session::{About, Handled, Session};
+/// use zerorate_web::session::{About, RequestResult, Session};
 /// let part = Part::ADIS16130;
 /// let info = CaptureInfo::new(Layout::adis16130(Width::Bits24));
 /// let mut session = Session::new(About {
@@ -84,28 +84,28 @@ pub enum HostCommand {
 /// let frame = session.frame().expect("there is something new");
 /// assert!(String::from_utf8_lossy(&frame).contains("\"samples\":1000"));
 /// let asked = session.ask(r#"{"id": 1, "do": "zero-angle"}"#);
-/// assert_eq!(asked, Handled::Answer(r#"{"id":1,"ok":{}}"#.into()));
+/// assert_eq!(asked, RequestResult::Answer(r#"{"id":1,"ok":{}}"#.into()));
 /// ```
 #[derive(Debug)]
 pub struct Session {
     live_view: LiveView,
     statistics: Vec<Statistics>,
-    shelf: Shelf,
+    store: CalibrationStore,
     calibrating: Calibrating,
-    guide: Option<Guide>,
+    guided: Option<GuidedCalibration>,
     /// The calibration that begins with the next reading, after the device was opened again.
-    wanted: Option<Guide>,
+    wanted: Option<GuidedCalibration>,
     /// The calibration that was measured since the device was opened, which certainly belongs to this part.
     measured: Option<String>,
     /// Whether samples are missing before the next one.
     is_torn: bool,
     truths: Vec<Truth>,
-    changed: Changed,
+    changed: SessionChanges,
 }
 
 /// The parts that the next frame must state beside the live view.
 #[derive(Clone, Copy, Debug, Default)]
-struct Changed {
+struct SessionChanges {
     statistics: bool,
     calibration: bool,
     calibrations: bool,
@@ -119,14 +119,14 @@ impl Session {
         Self {
             statistics: live_view.axes.iter().map(|axis| Statistics::new(&axis.axis)).collect(),
             live_view,
-            shelf: Shelf::default(),
+            store: CalibrationStore::default(),
             calibrating: Calibrating::Idle,
-            guide: None,
+            guided: None,
             wanted: None,
             measured: None,
             is_torn: false,
             truths: Vec::new(),
-            changed: Changed::default(),
+            changed: SessionChanges::default(),
         }
     }
 
@@ -140,12 +140,12 @@ impl Session {
     /// that was requested begins; a running one ends.
     #[must_use]
     pub fn reopened(self, about: About) -> Self {
-        let Self { live_view, shelf, calibrating, guide, wanted, .. } = self;
-        let mut anew = Self { live_view: live_view.reopened(about.clone()), shelf, calibrating, ..Self::new(about) };
+        let Self { live_view, store, calibrating, guided, wanted, .. } = self;
+        let mut anew = Self { live_view: live_view.reopened(about.clone()), store, calibrating, ..Self::new(about) };
         anew.apply_again();
         // a bridge is opened when that is requested, and once more when its part has answered
-        anew.guide = wanted.or(guide).filter(|guide| !guide.has_begun());
-        if anew.guide.is_none() {
+        anew.guided = wanted.or(guided).filter(|guided| !guided.has_begun());
+        if anew.guided.is_none() {
             anew.abort_calibration("the device was opened again");
         }
         anew
@@ -153,9 +153,9 @@ impl Session {
 
     /// Applies the previous calibration again, if it fits the part.
     fn apply_again(&mut self) {
-        let applied = self.shelf.applied().map(Calibration::id);
+        let applied = self.store.applied().map(Calibration::id);
         if let Err(why) = self.apply(applied.as_deref()) {
-            self.shelf.apply_none();
+            self.store.apply_none();
             self.note(SessionWarning::NotApplied(why));
         }
     }
@@ -170,9 +170,9 @@ impl Session {
             self.is_torn = false;
             self.restart_statistics();
         }
-        if self.guide.is_some() {
+        if self.guided.is_some() {
             let scan = self.live_view.scan(row);
-            self.guide(row, &scan);
+            self.take_guided(row, &scan);
         }
     }
 
@@ -180,15 +180,15 @@ impl Session {
     #[cold]
     fn look(&mut self) {
         let temp_c = self.live_view.temp_c();
-        if let Some(guide) = &mut self.guide {
-            guide.look(temp_c);
+        if let Some(guided) = &mut self.guided {
+            guided.look(temp_c);
             self.changed.calibration = true;
         }
     }
 
     /// Adds a notice.
-    pub fn note(&mut self, said: impl Into<Said>) {
-        self.live_view.note(&said.into());
+    pub fn note(&mut self, text: impl Into<NoticeText>) {
+        self.live_view.note(&text.into());
     }
 
     /// Reports samples that did not reach the session, although the device did not lose them. Anything that needs
@@ -197,7 +197,7 @@ impl Session {
         self.live_view.missed += samples;
         self.live_view.changed.readings = true;
         self.is_torn = true;
-        if self.guide.is_some() {
+        if self.guided.is_some() {
             let why = "because the computer was too busy. Close other programs, and begin again";
             self.abort_calibration(&format!("{samples} samples did not reach the session, {why}"));
         }
@@ -227,7 +227,7 @@ impl Session {
             return;
         }
         match &state {
-            DeviceState::Ended => self.end_guide("the recording ended before the procedure did"),
+            DeviceState::Ended => self.end_guided("the recording ended before the procedure did"),
             DeviceState::Failed { why } => self.abort_calibration(why),
             DeviceState::Opening | DeviceState::Reading => {}
         }
@@ -240,7 +240,7 @@ impl Session {
     /// # Errors
     /// Describes the fault of the calibration.
     pub fn add_calibration(&mut self, toml: &str) -> Result<String, String> {
-        let id = self.shelf.add_file(toml, usize::from(self.is_calibrating()))?;
+        let id = self.store.add_file(toml, usize::from(self.is_calibrating()))?;
         self.changed.calibrations = true;
         Ok(id)
     }
@@ -251,8 +251,8 @@ impl Session {
     /// If the calibration is not on file, or belongs to another part.
     pub fn apply(&mut self, id: Option<&str>) -> Result<(), String> {
         let stranger = id.filter(|id| self.measured.as_deref() != Some(id));
-        let doubts = stranger.map(|id| self.shelf.doubts(id, &self.live_view.about)).transpose()?;
-        self.live_view.correct(self.shelf.apply(id, &self.live_view.about.part)?);
+        let doubts = stranger.map(|id| self.store.doubts(id, &self.live_view.about)).transpose()?;
+        self.live_view.correct(self.store.apply(id, &self.live_view.about.part)?);
         self.changed.calibrations = true;
         doubts.into_iter().flatten().for_each(|doubt| self.note(doubt));
         Ok(())
@@ -261,17 +261,17 @@ impl Session {
     /// The calibration that is applied.
     #[must_use]
     pub fn applied(&self) -> Option<&Calibration> {
-        self.shelf.applied()
+        self.store.applied()
     }
 
     /// Calibrations on file, the newest last.
     pub fn calibrations(&self) -> impl Iterator<Item = &Calibration> {
-        self.shelf.all()
+        self.store.all()
     }
 
     /// Counts additions to and removals from the file.
     #[must_use]
-    pub const fn shelf_changes(&self) -> u64 {
-        self.shelf.changes()
+    pub const fn store_changes(&self) -> u64 {
+        self.store.changes()
     }
 }

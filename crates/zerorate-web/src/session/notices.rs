@@ -5,35 +5,35 @@ use std::fmt;
 use zerorate_record::CaptureWarning;
 use zerorate_view::SessionWarning;
 
-/// Number of notices that are kept.
+/// Largest number of notices.
 const MOST: usize = 100;
 
 /// The notices, the newest last.
 #[derive(Debug, Default)]
 pub struct Notices {
-    kept: Vec<Kept>,
+    entries: Vec<NoticeEntry>,
 }
 
 #[derive(Debug)]
-struct Kept {
+struct NoticeEntry {
     notice: Notice,
     axis: String,
     /// Whether this is a condition that lasts, and not an event.
-    stands: bool,
+    lasts: bool,
 }
 
-/// A message. Messages with the same code count as the same, even if their numbers differ.
+/// The text of a notice. Texts with the same code count as the same notice, even if their numbers differ.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Said {
-    /// The code that `zerorate explain` knows; empty for a message without one.
+pub struct NoticeText {
+    /// The code that `zerorate explain` knows; empty for a text without one.
     code: &'static str,
     /// The axis, if the part has several.
     axis: String,
     text: String,
 }
 
-impl Said {
-    /// A message with a code.
+impl NoticeText {
+    /// A text with a code.
     pub fn new(code: &'static str, text: impl fmt::Display) -> Self {
         Self { code, axis: String::new(), text: text.to_string() }
     }
@@ -44,7 +44,7 @@ impl Said {
     }
 }
 
-impl fmt::Display for Said {
+impl fmt::Display for NoticeText {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.code {
             "" => f.write_str(&self.text),
@@ -53,13 +53,13 @@ impl fmt::Display for Said {
     }
 }
 
-impl From<SessionWarning> for Said {
+impl From<SessionWarning> for NoticeText {
     fn from(warning: SessionWarning) -> Self {
         Self::new(warning.code(), warning)
     }
 }
 
-impl From<&CaptureWarning> for Said {
+impl From<&CaptureWarning> for NoticeText {
     fn from(warning: &CaptureWarning) -> Self {
         let axis = match warning {
             CaptureWarning::OfAxis { axis, .. } => axis.clone(),
@@ -69,35 +69,35 @@ impl From<&CaptureWarning> for Said {
     }
 }
 
-impl Kept {
-    fn is(&self, said: &Said) -> bool {
+impl NoticeEntry {
+    fn is(&self, new: &NoticeText) -> bool {
         let Notice { code, text, .. } = &self.notice;
-        code == said.code && self.axis == said.axis && (!code.is_empty() || *text == said.text)
+        code == new.code && self.axis == new.axis && (!code.is_empty() || *text == new.text)
     }
 }
 
 impl Notices {
     /// Takes an event. It replaces an older one with the same code and axis.
-    pub fn push(&mut self, said: &Said, at_s: f64) {
-        self.keep(said, at_s, false);
+    pub fn push(&mut self, new: &NoticeText, at_s: f64) {
+        self.keep(new, at_s, false);
     }
 
     /// Takes all present conditions. A condition is counted when it begins, not each time. Returns whether anything is
     /// new.
-    pub fn stand(&mut self, findings: &[Said], at_s: f64) -> bool {
-        for kept in &mut self.kept {
-            kept.stands &= findings.iter().any(|said| kept.is(said));
+    pub fn set_conditions(&mut self, findings: &[NoticeText], at_s: f64) -> bool {
+        for entry in &mut self.entries {
+            entry.lasts &= findings.iter().any(|new| entry.is(new));
         }
         let mut is_new = false;
-        for said in findings {
-            match self.kept.iter_mut().find(|kept| kept.stands && kept.is(said)) {
-                Some(kept) if kept.notice.text == said.text => {}
-                Some(kept) => {
-                    said.text.clone_into(&mut kept.notice.text);
+        for new in findings {
+            match self.entries.iter_mut().find(|entry| entry.lasts && entry.is(new)) {
+                Some(entry) if entry.notice.text == new.text => {}
+                Some(entry) => {
+                    new.text.clone_into(&mut entry.notice.text);
                     is_new = true;
                 }
                 None => {
-                    self.keep(said, at_s, true);
+                    self.keep(new, at_s, true);
                     is_new = true;
                 }
             }
@@ -105,18 +105,19 @@ impl Notices {
         is_new
     }
 
-    fn keep(&mut self, said: &Said, at_s: f64, stands: bool) {
-        let before = self.kept.iter().position(|kept| kept.is(said)).map(|index| self.kept.remove(index).notice);
+    fn keep(&mut self, new: &NoticeText, at_s: f64, lasts: bool) {
+        let before =
+            self.entries.iter().position(|entry| entry.is(new)).map(|index| self.entries.remove(index).notice);
         let (at_s, count) = before.map_or((at_s, 1), |before| (before.at_s, before.count.saturating_add(1)));
-        if self.kept.len() == MOST {
-            self.kept.remove(0);
+        if self.entries.len() == MOST {
+            self.entries.remove(0);
         }
-        let notice = Notice { code: said.code.to_owned(), text: said.text.clone(), at_s, count };
-        self.kept.push(Kept { notice, axis: said.axis.clone(), stands });
+        let notice = Notice { code: new.code.to_owned(), text: new.text.clone(), at_s, count };
+        self.entries.push(NoticeEntry { notice, axis: new.axis.clone(), lasts });
     }
 
     pub fn all(&self) -> Vec<Notice> {
-        self.kept.iter().map(|kept| kept.notice.clone()).collect()
+        self.entries.iter().map(|entry| entry.notice.clone()).collect()
     }
 }
 
@@ -125,16 +126,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_code_is_said_once_with_its_newest_text() {
+    fn a_code_is_listed_once_with_its_newest_text() {
         let mut notices = Notices::default();
-        notices.push(&Said::new("frozen", "since 3 s"), 3.0);
-        notices.push(&Said::plain("The cable: was pulled"), 4.0);
-        notices.push(&Said::new("frozen", "since 4 s"), 5.0);
+        notices.push(&NoticeText::new("frozen", "since 3 s"), 3.0);
+        notices.push(&NoticeText::plain("The cable: was pulled"), 4.0);
+        notices.push(&NoticeText::new("frozen", "since 4 s"), 5.0);
         let all = notices.all();
         assert_eq!(all.len(), 2);
         assert_eq!((&*all[1].text, all[1].at_s, all[1].count), ("since 4 s", 3.0, 2));
         assert_eq!((&*all[0].code, &*all[0].text), ("", "The cable: was pulled"));
-        (0..1000).for_each(|k| notices.push(&Said::plain(k), 6.0));
+        (0..1000).for_each(|k| notices.push(&NoticeText::plain(k), 6.0));
         assert_eq!(notices.all().len(), MOST);
     }
 
@@ -143,7 +144,7 @@ mod tests {
         let mut notices = Notices::default();
         for (axis, text) in [("x", "since 3 s"), ("y", "since 3 s"), ("x", "since 4 s")] {
             let warning = Box::new(CaptureWarning::Frozen(text.to_owned()));
-            notices.push(&Said::from(&CaptureWarning::OfAxis { axis: axis.to_owned(), warning }), 3.0);
+            notices.push(&NoticeText::from(&CaptureWarning::OfAxis { axis: axis.to_owned(), warning }), 3.0);
         }
         let all = notices.all();
         let texts: Vec<&str> = all.iter().map(|notice| &*notice.text).collect();
@@ -151,16 +152,16 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_is_counted_when_it_begins() {
+    fn a_condition_is_counted_when_it_begins() {
         let mut notices = Notices::default();
-        let once = [Said::new("impossible", "1 of 10")];
-        let news: Vec<bool> = (0..3).map(|_| notices.stand(&once, 1.0)).collect();
+        let once = [NoticeText::new("impossible", "1 of 10")];
+        let news: Vec<bool> = (0..3).map(|_| notices.set_conditions(&once, 1.0)).collect();
         assert_eq!(news, [true, false, false]);
-        assert!(notices.stand(&[Said::new("impossible", "1 of 20")], 2.0));
+        assert!(notices.set_conditions(&[NoticeText::new("impossible", "1 of 20")], 2.0));
         let one = |notices: &Notices| notices.all().into_iter().next().map(|one| (one.text, one.count)).unwrap();
         assert_eq!(one(&notices), ("1 of 20".to_owned(), 1));
-        assert!(!notices.stand(&[], 3.0));
-        assert!(notices.stand(&once, 4.0));
+        assert!(!notices.set_conditions(&[], 3.0));
+        assert!(notices.set_conditions(&once, 4.0));
         assert_eq!(one(&notices), ("1 of 10".to_owned(), 2));
     }
 }

@@ -2,7 +2,7 @@
 //! it runs.
 
 use super::axis::{BLOCK_S, Block};
-use super::live_view::Onlooker;
+use super::live_view::ReadingObserver;
 use super::temperatures::Temperatures;
 use crate::message::{AllanPoint, Coefficient, MarkKind, SpectrumMark, SpectrumPoint, Statistics as Shown};
 use std::collections::VecDeque;
@@ -38,7 +38,7 @@ pub struct Statistics {
 }
 
 /// The statistics of each axis.
-impl Onlooker for Vec<Statistics> {
+impl ReadingObserver for Vec<Statistics> {
     #[inline]
     fn reading(&mut self, axis: usize, code: Option<i32>) {
         self[axis].push(code);

@@ -7,7 +7,7 @@ mod wire;
 
 use super::{Next, Source, about_part};
 use crate::registers;
-use crate::session::{About, Said};
+use crate::session::{About, NoticeText};
 use adis16130::asynch::Adis16130;
 use adis16130::bridge::{Answer, Command, Continuity, GONE, PROTOCOL, Refusal, RequestError, SILENT, Settings};
 use adis16130::{Config, Fault, Framing, MAX_SCLK_HZ, MCLK_HZ, SamplerConfig};
@@ -18,14 +18,14 @@ use std::pin::Pin;
 use std::rc::Rc;
 use std::task::{Context, Poll, Waker};
 use std::time::Duration;
-use wire::{Shared, Transfers, Wire};
+use wire::{SharedWire, Transfers, Wire};
 use zerorate_record::Row;
 use zerorate_view::SessionWarning;
 
 /// A part behind a bridge at a serial port.
 pub struct Bridge {
     about: About,
-    shared: Shared,
+    shared: SharedWire,
     work: Pin<Box<dyn Future<Output = Result<Infallible, String>>>>,
     failed: Option<String>,
 }
@@ -44,7 +44,7 @@ impl Bridge {
     #[must_use]
     pub fn open(now_ms: f64) -> Self {
         let config = Config::new().with_framing(Framing::Command);
-        let shared: Shared = Rc::new(RefCell::new(Wire { now: of_page(now_ms), ..Wire::default() }));
+        let shared: SharedWire = Rc::new(RefCell::new(Wire { now: of_page(now_ms), ..Wire::default() }));
         let work = Box::pin(measure(shared.clone(), config));
         let about = about_part("bridge: at a serial port", &config, false, false);
         let mut bridge = Self { about, shared, work, failed: None };
@@ -83,7 +83,7 @@ impl Source for Bridge {
         self.failed.clone().map_or(Ok(Next::Waiting), Err)
     }
 
-    fn notes(&mut self) -> Vec<Said> {
+    fn notes(&mut self) -> Vec<NoticeText> {
         let damaged = std::mem::take(&mut self.shared.borrow_mut().client.damaged);
         (damaged > 0).then(|| SessionWarning::Damaged(damaged).into()).into_iter().collect()
     }
@@ -106,7 +106,7 @@ impl Source for Bridge {
 }
 
 /// Does all work with a bridge, until it can no longer be read.
-async fn measure(shared: Shared, config: Config) -> Result<Infallible, String> {
+async fn measure(shared: SharedWire, config: Config) -> Result<Infallible, String> {
     let told = |error| match error {
         RequestError::Silent => format!("the bridge {SILENT}"),
         other => other.to_string(),
@@ -136,7 +136,7 @@ async fn measure(shared: Shared, config: Config) -> Result<Infallible, String> {
 
 /// Stops the bridge, and sets its clock and what it writes to the part. The inner error says why this bridge cannot be
 /// used.
-async fn greet(shared: &Shared, config: &Config) -> Result<Result<(), String>, RequestError> {
+async fn greet(shared: &SharedWire, config: &Config) -> Result<Result<(), String>, RequestError> {
     wire::request(shared, Command::Stop, Answer::Stopped.only()).await?;
     let hello = wire::request(shared, Command::Hello, |answer| match answer {
         Answer::Hello { protocol, firmware, .. } => Some((protocol, firmware.to_owned())),

@@ -9,7 +9,7 @@ pub use bridge::Bridge;
 pub use replay::Replay;
 pub use twin::TwinSource;
 
-use crate::session::{About, Said};
+use crate::session::{About, NoticeText};
 use adis16130::{Config, MCLK_HZ, SamplerConfig};
 use adis16130_twin::Truth;
 use zerorate::Axis;
@@ -48,7 +48,7 @@ pub trait Source {
     }
 
     /// The messages since the last call.
-    fn notes(&mut self) -> Vec<Said> {
+    fn notes(&mut self) -> Vec<NoticeText> {
         Vec::new()
     }
 

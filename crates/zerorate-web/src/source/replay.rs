@@ -1,7 +1,7 @@
 //! A recording that was dropped on the page.
 
 use super::{Next, Source};
-use crate::session::{About, Said};
+use crate::session::{About, NoticeText};
 use std::path::Path;
 use zerorate_input::Input;
 use zerorate_record::{CaptureError, CaptureInfo, CaptureReader};
@@ -9,8 +9,8 @@ use zerorate_record::{CaptureError, CaptureInfo, CaptureReader};
 /// A recording, which runs as fast as its readings.
 pub struct Replay {
     about: About,
-    reader: CaptureReader,
-    notes: Vec<Said>,
+    reader: RowReader,
+    notes: Vec<NoticeText>,
 }
 
 impl Replay {
@@ -49,13 +49,14 @@ impl Source for Replay {
             Some(Ok(row)) => Ok(Next::Row(row)),
             Some(Err(error)) => Err(error.to_string()),
             None => {
-                self.notes = self.reader.warnings().iter().map(|warning| Said::new(warning.code(), warning)).collect();
+                self.notes =
+                    self.reader.warnings().iter().map(|warning| NoticeText::new(warning.code(), warning)).collect();
                 Ok(Next::Ended)
             }
         }
     }
 
-    fn notes(&mut self) -> Vec<Said> {
+    fn notes(&mut self) -> Vec<NoticeText> {
         std::mem::take(&mut self.notes)
     }
 }

@@ -4,7 +4,7 @@
 use super::file;
 use super::now_ms;
 use crate::live::{Live, Open};
-use crate::session::{Said, Session};
+use crate::session::{NoticeText, Session};
 #[cfg(feature = "wasm-replay")]
 use crate::source::Replay;
 use crate::source::{Bridge, Source, TwinSource};
@@ -84,12 +84,12 @@ impl LiveSession {
 
     /// Adds a notice of the page.
     pub fn note(&mut self, text: &str) {
-        self.session().note(Said::plain(text));
+        self.session().note(NoticeText::plain(text));
     }
 
     /// Notes that a device cannot be opened.
     pub fn cannot_open(&mut self, why: &str) {
-        self.session().note(Said::new("cannot-open", why));
+        self.session().note(NoticeText::new("cannot-open", why));
     }
 
     /// Continues where a first look at the same unit is, this long after its first reading, s.

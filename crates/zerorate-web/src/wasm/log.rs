@@ -29,7 +29,7 @@ impl Log {
         Ok(Self { reader, looked: json(&looked)? })
     }
 
-    /// The result of the look: a `Looked` in JSON.
+    /// The result of the look: a `LogInspection` in JSON.
     pub fn looked(&self) -> String {
         self.looked.clone()
     }

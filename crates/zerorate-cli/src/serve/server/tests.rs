@@ -1,7 +1,7 @@
 //! Bounds that are too long to wait for, made short. The rest is tested from outside: tests/serve/safety.rs.
 
 use super::*;
-use crate::serve::session_thread::{BEHIND, Begun, Visit};
+use crate::serve::session_thread::{BEHIND, SessionRequest, Subscription};
 use hyper::body::Bytes;
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -27,19 +27,19 @@ impl Served {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let (address, stop) = (listener.local_addr().unwrap(), Stop::default());
         let begun = Arc::<AtomicUsize>::default();
-        let (visits, asked) = sync_channel(16);
+        let (requests, asked) = sync_channel(16);
         let counted = Arc::clone(&begun);
         thread::spawn(move || {
             let (frames, _) = broadcast::channel(BEHIND);
-            while let Ok(Visit::Watch(begin)) = asked.recv() {
+            while let Ok(SessionRequest::Watch(subscriber)) = asked.recv() {
                 let watched = frames.subscribe();
                 // a viewer that connects again has caught up
                 let waiting = if counted.fetch_add(1, Ordering::Relaxed) == 0 { frames_waiting } else { 0 };
                 (0..waiting).for_each(|_| drop(frames.send(Bytes::from_static(b"frame"))));
-                let _ = begin.send(Begun { snapshot: Bytes::from_static(b"snapshot"), frames: watched });
+                let _ = subscriber.send(Subscription { snapshot: Bytes::from_static(b"snapshot"), frames: watched });
             }
         });
-        let (server, ends) = (Server::new(Guard::new(address, None, vec![]), visits, limits), stop.clone());
+        let (server, ends) = (Server::new(Guard::new(address, None, vec![]), requests, limits), stop.clone());
         thread::spawn(move || serve(listener, server, &ends));
         Self { address, begun, _ends: EndsAll(stop) }
     }

@@ -13,7 +13,7 @@ use std::time::Duration;
 use zerorate_record::Row;
 
 /// The state that the work on a bridge shares with its owner.
-pub type Shared = Rc<RefCell<Wire>>;
+pub type SharedWire = Rc<RefCell<Wire>>;
 
 /// Both directions of a port.
 #[derive(Default)]
@@ -42,7 +42,7 @@ impl Wire {
 
 /// Sends a request until an answer comes that `take` accepts.
 pub async fn request<T>(
-    shared: &Shared,
+    shared: &SharedWire,
     command: Command<'_>,
     take: impl Fn(Answer<'_>) -> Option<T>,
 ) -> Result<T, RequestError> {
@@ -65,7 +65,7 @@ pub async fn request<T>(
 ///
 /// The silence may be due to the window that moves the bytes. So the bridge is asked for anything: if it answers, the
 /// part is silent. Otherwise, bytes under way get this much more time.
-pub async fn sample(shared: &Shared, silence: Duration, blocked: Duration) -> Result<Option<WireSample>, String> {
+pub async fn sample(shared: &SharedWire, silence: Duration, blocked: Duration) -> Result<Option<WireSample>, String> {
     let mut event = next_event(shared, silence, |event| event != Event::Answer).await;
     if event.is_none() {
         {
@@ -88,7 +88,7 @@ pub async fn sample(shared: &Shared, silence: Duration, blocked: Duration) -> Re
 }
 
 /// Waits at most this long for an item that counts.
-async fn next_event(shared: &Shared, within: Duration, counts: impl Fn(Event) -> bool) -> Option<Event> {
+async fn next_event(shared: &SharedWire, within: Duration, counts: impl Fn(Event) -> bool) -> Option<Event> {
     let deadline = shared.borrow().now + within;
     poll_fn(|_| {
         let Wire { client, received, now, .. } = &mut *shared.borrow_mut();
@@ -100,7 +100,7 @@ async fn next_event(shared: &Shared, within: Duration, counts: impl Fn(Event) ->
 }
 
 /// The bus behind the bridge: a transaction is one transfer.
-pub struct Transfers(pub Shared);
+pub struct Transfers(pub SharedWire);
 
 impl ErrorType for Transfers {
     type Error = RequestError;

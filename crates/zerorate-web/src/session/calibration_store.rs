@@ -8,52 +8,52 @@ use zerorate_view::SessionWarning;
 use zerorate_view::export::{Export, ExportForm, Options};
 use zerorate_view::report;
 
-/// Number of calibrations that are kept.
+/// Number of calibrations that are stored.
 const MOST: usize = 100;
 
 /// Calibrations, the newest last.
 #[derive(Debug, Default)]
-pub struct Shelf {
-    kept: Vec<Kept>,
+pub struct CalibrationStore {
+    stored: Vec<StoredCalibration>,
     applied: Option<String>,
     changes: u64,
 }
 
 #[derive(Debug)]
-struct Kept {
+struct StoredCalibration {
     calibration: Calibration,
     /// Warnings about its file.
     warnings: Vec<FileWarning>,
 }
 
-impl Shelf {
+impl CalibrationStore {
     /// Puts a calibration on file from its TOML, leaving this many places free, and returns its id. A calibration that
     /// is there already stays as it is. One with the same id but other content is refused.
     pub fn add_file(&mut self, toml: &str, free: usize) -> Result<String, String> {
         let (calibration, warnings) = Calibration::parse(toml).map_err(|error| error.to_string())?;
-        self.put(Kept { calibration, warnings }, free)
+        self.put(StoredCalibration { calibration, warnings }, free)
     }
 
     /// Puts a calibration on file that was measured here.
     pub fn add(&mut self, calibration: Calibration) -> Result<String, String> {
-        self.put(Kept { calibration, warnings: Vec::new() }, 0)
+        self.put(StoredCalibration { calibration, warnings: Vec::new() }, 0)
     }
 
-    fn put(&mut self, new: Kept, free: usize) -> Result<String, String> {
+    fn put(&mut self, new: StoredCalibration, free: usize) -> Result<String, String> {
         let id = new.calibration.id();
         if let Some(there) = self.find(&id) {
             let is_same = there.calibration.to_toml() == new.calibration.to_toml();
             return if is_same { Ok(id) } else { Err(other_content(&id)) };
         }
         self.has_room(1 + free)?;
-        self.kept.push(new);
+        self.stored.push(new);
         self.changes += 1;
         Ok(id)
     }
 
     /// Whether this many more can be put on file.
     pub fn has_room(&self, more: usize) -> Result<(), String> {
-        match self.kept.len() + more <= MOST {
+        match self.stored.len() + more <= MOST {
             true => Ok(()),
             false => Err(format!("at most {MOST} calibrations can be on file: remove one that you do not need")),
         }
@@ -65,7 +65,7 @@ impl Shelf {
         if self.is_applied(id) {
             return Err("this calibration is applied: apply another one first, or none".to_owned());
         }
-        self.kept.retain(|kept| kept.calibration.id() != id);
+        self.stored.retain(|stored| stored.calibration.id() != id);
         self.changes += 1;
         Ok(())
     }
@@ -76,13 +76,13 @@ impl Shelf {
     }
 
     pub fn all(&self) -> impl Iterator<Item = &Calibration> {
-        self.kept.iter().map(|kept| &kept.calibration)
+        self.stored.iter().map(|stored| &stored.calibration)
     }
 
     /// The warnings before a calibration from elsewhere is applied to this device. It is an error if the calibration
     /// belongs to another part.
     pub fn doubts(&self, id: &str, about: &About) -> Result<Vec<SessionWarning>, String> {
-        let Kept { calibration, warnings } = self.known(id)?;
+        let StoredCalibration { calibration, warnings } = self.known(id)?;
         let cal = || format!("calibration {id}");
         let of_file = |warning: &FileWarning| SessionWarning::OfCalibration { cal: cal(), warning: *warning };
         let (calibrated, part) = (calibration.serial.as_deref(), (&*about.name, about.info.serial.as_deref()));
@@ -92,7 +92,7 @@ impl Shelf {
 
     /// The calibration that is applied.
     pub fn applied(&self) -> Option<&Calibration> {
-        self.find(self.applied.as_deref()?).map(|kept| &kept.calibration)
+        self.find(self.applied.as_deref()?).map(|stored| &stored.calibration)
     }
 
     /// Makes the corrector that applies a calibration to the axes of a part.
@@ -118,7 +118,7 @@ impl Shelf {
     }
 
     pub fn entry_of(&self, id: &str) -> Option<CalibrationEntry> {
-        self.find(id).map(|kept| entry(&kept.calibration, self.is_applied(id)))
+        self.find(id).map(|stored| entry(&stored.calibration, self.is_applied(id)))
     }
 
     /// A calibration as a file.
@@ -150,11 +150,11 @@ impl Shelf {
         self.applied.as_deref() == Some(id)
     }
 
-    fn find(&self, id: &str) -> Option<&Kept> {
-        self.kept.iter().find(|kept| kept.calibration.id() == id)
+    fn find(&self, id: &str) -> Option<&StoredCalibration> {
+        self.stored.iter().find(|stored| stored.calibration.id() == id)
     }
 
-    fn known(&self, id: &str) -> Result<&Kept, String> {
+    fn known(&self, id: &str) -> Result<&StoredCalibration, String> {
         self.find(id).ok_or_else(|| format!("no calibration {id} is on file"))
     }
 }

@@ -1,7 +1,7 @@
 //! The methods of one recording: the hour of AN-1042, a warm-up, a cycle.
 
-use super::{Found, FoundAxis, GuidedMethod, Measured, Stage, label};
-use crate::message::{CalibrateCommand, Known, MethodName, Step};
+use super::{GuidedAxis, GuidedMethod, GuidedResult, Measurement, Stage, label};
+use crate::message::{CalibrateCommand, Forecast, MethodName, Step};
 use zerorate::calibration::Origin;
 use zerorate::health::resonance;
 use zerorate::{
@@ -87,8 +87,8 @@ impl GuidedMethod for Hour {
             elapsed_s: progress.elapsed_s,
             left_s: (progress.total_s - progress.elapsed_s).max(0.0),
             advice: self.advice(progress.state, temps_c),
-            pending_refusals: self.pending_refusals.clone(),
-            known: reached.map(|&Reached { u_pbc_dps, u_btc_dps_per_c, .. }| Known {
+            threats: self.threats.clone(),
+            forecast: reached.map(|&Reached { u_pbc_dps, u_btc_dps_per_c, .. }| Forecast {
                 at_s: self.reached_s,
                 u_pbc_dps,
                 u_btc_dps_per_c,
@@ -98,20 +98,20 @@ impl GuidedMethod for Hour {
         }
     }
 
-    fn finish(self: Box<Self>, source: &Measured<'_>, origin: Origin) -> Result<Found, String> {
+    fn finish(self: Box<Self>, source: &Measurement<'_>, origin: Origin) -> Result<GuidedResult, String> {
         let (plan, part) = (*self.procedure.plan(), self.procedure.part().clone());
         let mut outcomes = self.procedure.finish().map_err(|refusal| worded(&refusal))?;
         let average_s = plan.average_s.min(plan.offset_s);
         let (rate_hz, edges) = (source.tally.sampling_hz(), source.info.edges_per_reading());
         let tone = part.axes.first().and_then(|first| resonance::warning(&first.axis, rate_hz, edges, average_s));
         outcomes.iter_mut().for_each(|outcome| outcome.warnings.extend(tone));
-        let found = |outcome: &Outcome| FoundAxis {
+        let found = |outcome: &Outcome| GuidedAxis {
             correction: outcome.correction,
             u_pbc_dps: outcome.uncertainty.u_pbc_dps,
             u_btc_dps_per_c: outcome.uncertainty.u_btc_dps_per_c,
             span_c: (outcome.temp_min_c, outcome.temp_max_c),
         };
-        Ok(Found {
+        Ok(GuidedResult {
             calibration: Calibration::new(&part, &outcomes, origin),
             axes: outcomes.iter().map(found).collect(),
             warnings: super::worded(outcomes.iter().flat_map(|outcome| &outcome.warnings)),

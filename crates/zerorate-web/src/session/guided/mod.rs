@@ -4,10 +4,10 @@ mod chamber;
 mod hour;
 
 use super::axis::AxisState;
-use super::notices::Said;
-use super::shelf::entry;
+use super::calibration_store::entry;
+use super::notices::NoticeText;
 use crate::message::{
-    AxisResult, CalibrateCommand, Calibrating, CalibrationResult, CurvePoint, Known, MethodName, Running, Step,
+    AxisResult, CalibrateCommand, Calibrating, CalibrationResult, CurvePoint, Forecast, MethodName, Running, Step,
 };
 use adis16130_twin::Truth;
 use chamber::ByHand;
@@ -41,7 +41,7 @@ trait GuidedMethod: std::fmt::Debug + Send {
     fn stage(&self, temps_c: Option<[f64; 4]>) -> Stage;
 
     /// The result.
-    fn finish(self: Box<Self>, source: &Measured<'_>, origin: Origin) -> Result<Found, String>;
+    fn finish(self: Box<Self>, source: &Measurement<'_>, origin: Origin) -> Result<GuidedResult, String>;
 }
 
 /// The progress of a procedure.
@@ -50,21 +50,21 @@ struct Stage {
     elapsed_s: f64,
     left_s: f64,
     advice: String,
-    pending_refusals: Vec<String>,
-    known: Option<Known>,
+    threats: Vec<String>,
+    forecast: Option<Forecast>,
     can_finish: bool,
     is_enough: bool,
 }
 
 /// The result of a procedure.
-struct Found {
+struct GuidedResult {
     calibration: Calibration,
-    axes: Vec<FoundAxis>,
-    warnings: Vec<Said>,
+    axes: Vec<GuidedAxis>,
+    warnings: Vec<NoticeText>,
 }
 
 /// The result of one axis.
-struct FoundAxis {
+struct GuidedAxis {
     correction: Correction,
     u_pbc_dps: f64,
     u_btc_dps_per_c: f64,
@@ -73,17 +73,17 @@ struct FoundAxis {
 
 /// A running calibration.
 #[derive(Debug)]
-pub struct Guide {
+pub struct GuidedCalibration {
     pub method: MethodName,
     serial: Option<String>,
-    way: Box<dyn GuidedMethod>,
+    procedure: Box<dyn GuidedMethod>,
     begun: bool,
     hash: SampleHash,
     temps_c: Option<[f64; 4]>,
     look_s: f64,
 }
 
-impl Guide {
+impl GuidedCalibration {
     /// Prepares a calibration before the first reading of a part that was just initialised.
     pub fn new(command: &CalibrateCommand, part: &Part, info: &CaptureInfo) -> Result<Self, String> {
         if let Some(deg) = command.latitude_deg.filter(|deg| !(-90.0..=90.0).contains(deg)) {
@@ -91,14 +91,14 @@ impl Guide {
         }
         // on a vertical axis (F-16); a recording may state it for any axis
         let earth_dps = command.latitude_deg.map(|deg| EARTH_DPS * deg.to_radians().sin()).or(info.earth_dps);
-        let way: Box<dyn GuidedMethod> = match command.method {
+        let procedure: Box<dyn GuidedMethod> = match command.method {
             MethodName::Chamber => Box::new(ByHand::new(command, part, earth_dps)?),
             _ => Box::new(Hour::new(command, part, earth_dps)?),
         };
         Ok(Self {
             method: command.method,
             serial: command.serial.clone().filter(|serial| !serial.trim().is_empty()),
-            way,
+            procedure,
             begun: false,
             hash: SampleHash::new(&info.layout),
             temps_c: None,
@@ -110,10 +110,10 @@ impl Guide {
     #[inline]
     pub fn take(&mut self, row: &Row, scan: &Scan) -> Result<bool, String> {
         if !std::mem::replace(&mut self.begun, true) {
-            self.way.begin(row.t_ns)?;
+            self.procedure.begin(row.t_ns)?;
         }
         self.hash.update(row);
-        self.way.take(scan)
+        self.procedure.take(scan)
     }
 
     /// Whether it has taken a reading.
@@ -123,7 +123,7 @@ impl Guide {
 
     /// Ends a recording now. Returns false if the method has more steps.
     pub fn end_recording(&mut self) -> Result<bool, String> {
-        self.way.end_recording()
+        self.procedure.end_recording()
     }
 
     /// Updates the temperature and what would be refused. It is called once in a while.
@@ -132,16 +132,16 @@ impl Guide {
             let [first, _, low, high] = self.temps_c.unwrap_or([now_c; 4]);
             self.temps_c = Some([first, now_c, low.min(now_c), high.max(now_c)]);
         }
-        let elapsed_s = self.way.stage(None).elapsed_s;
+        let elapsed_s = self.procedure.stage(None).elapsed_s;
         if elapsed_s >= self.look_s {
             self.look_s = elapsed_s + LOOK_EVERY_S.max(elapsed_s / 100.0);
-            self.way.look();
+            self.procedure.look();
         }
     }
 
     pub fn shown(&self) -> Calibrating {
-        let Stage { steps, elapsed_s, left_s, advice, pending_refusals, known, can_finish, is_enough } =
-            self.way.stage(self.temps_c);
+        let Stage { steps, elapsed_s, left_s, advice, threats, forecast, can_finish, is_enough } =
+            self.procedure.stage(self.temps_c);
         Calibrating::Running(Running {
             method: self.method,
             steps,
@@ -150,37 +150,38 @@ impl Guide {
             advice,
             pending_refusals,
             temps_c: self.temps_c,
-            known,
+            forecast,
             can_finish,
             is_enough,
         })
     }
 
     /// The result, with the calibration itself.
-    pub fn finish(self, source: &Measured<'_>) -> Result<(CalibrationResult, Calibration), String> {
+    pub fn finish(self, source: &Measurement<'_>) -> Result<(CalibrationResult, Calibration), String> {
         let info = CaptureInfo { serial: self.serial.or_else(|| source.info.serial.clone()), ..source.info.clone() };
-        let Found { calibration, axes, warnings } = self.way.finish(source, info.origin(self.hash.hex()))?;
+        let GuidedResult { calibration, axes, warnings } =
+            self.procedure.finish(source, info.origin(self.hash.hex()))?;
         let shown = axes.iter().enumerate().map(|(index, found)| source.axis(index, found, &calibration));
         let result = CalibrationResult {
             method: self.method,
             entry: entry(&calibration, false),
             axes: shown.collect(),
-            warnings: warnings.iter().map(Said::to_string).collect(),
+            warnings: warnings.iter().map(NoticeText::to_string).collect(),
         };
         Ok((result, calibration))
     }
 }
 
-/// Facts about the measurement of a calibration.
-pub struct Measured<'a> {
+/// The measurement that a calibration is made of.
+pub struct Measurement<'a> {
     pub info: &'a CaptureInfo,
     pub tally: &'a Tally,
     pub axes: &'a [AxisState],
     pub truths: &'a [Truth],
 }
 
-impl Measured<'_> {
-    fn axis(&self, index: usize, found: &FoundAxis, calibration: &Calibration) -> AxisResult {
+impl Measurement<'_> {
+    fn axis(&self, index: usize, found: &GuidedAxis, calibration: &Calibration) -> AxisResult {
         let (truth, axis) = (self.truths.get(index), calibration.axes.get(index));
         let (low_c, high_c) = found.span_c;
         let temps = (0..POINTS).map(|k| low_c + (high_c - low_c) * f64::from(k) / f64::from(POINTS - 1));
@@ -218,12 +219,12 @@ fn label(setting: Setting) -> &'static str {
 }
 
 /// Lists each warning once.
-fn worded<'a>(warnings: impl IntoIterator<Item = &'a Warning>) -> Vec<Said> {
+fn worded<'a>(warnings: impl IntoIterator<Item = &'a Warning>) -> Vec<NoticeText> {
     let mut all = Vec::new();
     for warning in warnings {
-        let said = Said::new(warning.code(), warning.with(label));
-        if !all.contains(&said) {
-            all.push(said);
+        let text = NoticeText::new(warning.code(), warning.with(label));
+        if !all.contains(&text) {
+            all.push(text);
         }
     }
     all

@@ -1,6 +1,6 @@
 //! A chamber that somebody sets by hand, step by step.
 
-use super::{Found, FoundAxis, GuidedMethod, Measured, Stage};
+use super::{GuidedAxis, GuidedMethod, GuidedResult, Measurement, Stage};
 use crate::message::{CalibrateCommand, Step};
 use zerorate::calibration::{ChamberRun, Origin};
 use zerorate::chamber::{
@@ -104,14 +104,14 @@ impl GuidedMethod for ByHand {
             elapsed_s,
             left_s: (at_s - elapsed_s).max(0.0),
             advice: self.advice(),
-            pending_refusals: Vec::new(),
-            known: None,
+            threats: Vec::new(),
+            forecast: None,
             can_finish: false,
             is_enough: false,
         }
     }
 
-    fn finish(self: Box<Self>, source: &Measured<'_>, origin: Origin) -> Result<Found, String> {
+    fn finish(self: Box<Self>, source: &Measurement<'_>, origin: Origin) -> Result<GuidedResult, String> {
         let worded = |refusal: ChamberRefusal| refusal.to_string();
         let (part, earth_dps) = (self.procedure.part().clone(), self.earth_dps);
         let record = self.procedure.finish().map_err(worded)?;
@@ -119,7 +119,7 @@ impl GuidedMethod for ByHand {
         let warnings: Vec<Warning> = record.warnings(earth_dps).collect();
         let run = ChamberRun { tally: source.tally, max_lost: self.max_lost, earth_dps, warnings: &warnings };
         let span_c = record.span_c().unwrap_or_default();
-        let found = |outcome: &ChamberOutcome| FoundAxis {
+        let found = |outcome: &ChamberOutcome| GuidedAxis {
             correction: outcome.curve.correction,
             u_pbc_dps: outcome.curve.covariance[0][0].sqrt(),
             u_btc_dps_per_c: outcome.curve.u_btc_dps_per_c(),
@@ -130,7 +130,7 @@ impl GuidedMethod for ByHand {
         let loops = loops
             .filter_map(|(outcome, axis)| report::wide_loop(outcome, &axis.name))
             .map(|text| SessionWarning::WideLoop(text).into());
-        Ok(Found {
+        Ok(GuidedResult {
             calibration: Calibration::of_chamber(&part, &record, &outcomes, &run, origin),
             axes: outcomes.iter().map(found).collect(),
             warnings: super::worded(warnings.iter().chain(&of_axes)).into_iter().chain(loops).collect(),
