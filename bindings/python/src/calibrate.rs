@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use zerorate::calibration::Notes;
 use zerorate::{Method, Plan, Progress, Setting, SettingNames};
 use zerorate_host::{DeviceSpec, Pace, Sampling, Setup, SourceWarning, Stop};
-use zerorate_jobs::calibrate::{Files, Kept, Watch, prepare, settle_s};
+use zerorate_jobs::calibrate::{Files, OutputOptions, Watch, prepare, settle_s};
 use zerorate_jobs::output::Outputs;
 use zerorate_jobs::{Acquisition, JobWarning};
 use zerorate_view::Seconds;
@@ -116,9 +116,9 @@ fn argument(setting: Setting) -> &'static str {
 
 /// The warnings of the device so far.
 #[derive(Clone, Default)]
-struct Said(Arc<Mutex<Vec<JobWarning>>>);
+struct WarningLog(Arc<Mutex<Vec<JobWarning>>>);
 
-impl Said {
+impl WarningLog {
     fn push(&self, warning: JobWarning) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).push(warning);
     }
@@ -131,7 +131,7 @@ impl Said {
 /// The Python caller, who watches the procedure.
 struct Caller {
     signal: PyResult<()>,
-    said: Said,
+    warnings: WarningLog,
 }
 
 impl Watch for Caller {
@@ -141,7 +141,7 @@ impl Watch for Caller {
     }
 
     fn warn(&mut self, warning: JobWarning) {
-        self.said.push(warning);
+        self.warnings.push(warning);
     }
 
     fn names(&self) -> SettingNames {
@@ -160,15 +160,15 @@ pub fn calibrate<'py>(
 ) -> PyResult<(Bound<'py, PyAny>, Calibration)> {
     let device: DeviceSpec = device.parse().map_err(PyValueError::new_err)?;
     let (plan, sampling) = (options.plan()?, options.sampling()?);
-    let (done, signal, said) = py.detach(|| {
-        let said = Said::default();
-        let mut caller = Caller { signal: Ok(()), said: said.clone() };
+    let (done, signal, warnings) = py.detach(|| {
+        let warnings = WarningLog::default();
+        let mut caller = Caller { signal: Ok(()), warnings: warnings.clone() };
         let done = run(&device, plan, sampling, options, &mut caller);
-        let said = said.take();
-        (done, caller.signal, said)
+        let warnings = warnings.take();
+        (done, caller.signal, warnings)
     });
     signal?;
-    for warning in said {
+    for warning in warnings {
         let text = CString::new(joined(&warning.coded(argument).to_string()).replace('\0', " "))?;
         PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)?;
     }
@@ -185,13 +185,13 @@ fn run(
 ) -> anyhow::Result<(Value, zerorate::Calibration)> {
     let CalibrateOptions { output, log, serial, supply_note, ambient_note, operator, force, .. } = options;
     let notes = Notes { supply: supply_note, ambient: ambient_note, operator, host: None };
-    let files = Files::claim(Outputs::new(force), Kept { output, saves: false, log, serial, notes })?;
-    let said = caller.said.clone();
-    let tell = Box::new(move |warning: &SourceWarning| said.push(JobWarning::Source(warning.clone())));
+    let files = Files::claim(Outputs::new(force), OutputOptions { output, saves: false, log, serial, notes })?;
+    let warnings = caller.warnings.clone();
+    let tell = Box::new(move |warning: &SourceWarning| warnings.push(JobWarning::Source(warning.clone())));
     let setup = Setup { sampling, names: argument, ..Setup::default() };
     let acquisition = Acquisition::open(device, setup, Pace::Free, &Stop::default(), tell)?;
     let done = prepare(acquisition, plan, files, argument)?.run(caller)?;
-    done.kept.map_err(|undelivered| undelivered.error(""))?;
+    done.delivery.map_err(|failure| failure.error(""))?;
     let mut report = serde_json::to_value(&done.report)?;
     if let Some(Value::Array(warnings)) = report.get_mut("warnings") {
         for warning in warnings {

@@ -9,7 +9,7 @@ use clap::Args;
 use std::ops::Deref;
 use std::path::Path;
 use zerorate_host::{DeviceSpec, Pace, Sampling, Setup};
-use zerorate_jobs::{Acquisition, Tell};
+use zerorate_jobs::{Acquisition, WarningSink};
 
 /// The sensor to read.
 #[derive(Args, Debug)]
@@ -61,7 +61,7 @@ impl DeviceArgs {
 }
 
 /// Prints the warnings of a device.
-pub fn tell() -> Tell {
+pub fn tell() -> WarningSink {
     Box::new(|warning| warn(&[warning.coded()]))
 }
 

@@ -16,14 +16,14 @@ use zerorate_record::{CaptureInfo, CaptureWarning, Layout, Row, valid};
 use zerorate_view::SessionWarning;
 
 /// Hears what a device has to say while it is read.
-pub type Tell = Box<dyn FnMut(&SourceWarning)>;
+pub type WarningSink = Box<dyn FnMut(&SourceWarning)>;
 
 /// A device that is being read.
 pub struct Acquisition {
     hub: Hub,
     everything: LosslessReader,
     pace: Pace,
-    tell: Tell,
+    on_warning: WarningSink,
     /// None before the first sample was asked for.
     batch: Option<Arc<Batch>>,
     taken: usize,
@@ -38,11 +38,12 @@ pub struct Acquisition {
 }
 
 impl Acquisition {
-    /// Opens the device. It is read until its end, or until `stop` is asked. `tell` hears what the device has to say.
+    /// Opens the device. It is read until its end, or until `stop` is asked. `on_warning` hears what the device has to
+    /// say.
     ///
     /// # Errors
     /// Why it cannot be opened.
-    pub fn open(device: &DeviceSpec, setup: Setup, pace: Pace, stop: &Stop, tell: Tell) -> Result<Self> {
+    pub fn open(device: &DeviceSpec, setup: Setup, pace: Pace, stop: &Stop, on_warning: WarningSink) -> Result<Self> {
         let hub = Hub::open(device, setup, stop)?;
         let everything = hub.everything();
         let DeviceInfo { info, part, .. } = hub.facts();
@@ -51,7 +52,7 @@ impl Acquisition {
             hub,
             everything,
             pace,
-            tell,
+            on_warning,
             batch: None,
             taken: 0,
             marks_ns: Vec::new(),
@@ -159,7 +160,7 @@ impl Acquisition {
             self.hub.read(self.pace, std::mem::take(&mut self.marks_ns))?;
         }
         let Some(batch) = self.everything.next()? else { return Ok(false) };
-        batch.notes.iter().for_each(|note| (self.tell)(note));
+        batch.notes.iter().for_each(|note| (self.on_warning)(note));
         (self.losses, self.taken) = (batch.losses, 0);
         self.doubts.clone_from(&batch.doubts);
         self.batch = Some(batch);

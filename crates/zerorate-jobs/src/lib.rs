@@ -33,7 +33,7 @@ pub mod stream;
 pub mod temperature;
 mod warning;
 
-pub use acquisition::{Acquisition, Tell};
+pub use acquisition::{Acquisition, WarningSink};
 pub use error::{InvalidOptions, Refused};
 pub use judged::JudgedAxis;
 pub use recorder::Recorder;

@@ -44,13 +44,13 @@ pub struct RepairArgs {
 pub fn run(args: &RepairArgs) -> Result<()> {
     let format = form(args.format, &args.output)?;
     let mut outputs = Outputs::new(args.force).reading([&*args.capture])?;
-    let missing = Kept::of(&args.capture)?;
+    let intact = IntactPart::of(&args.capture)?;
     interrupt::listen();
     let output = outputs.derived(&args.output)?;
     let mut table = open(&args.capture)?;
-    let schema = schema(&table, missing.what.as_deref());
+    let schema = schema(&table, intact.missing.as_deref());
     let mut sink = table::create(&args.output, Box::new(output.file()?), format, &schema)?;
-    while table.found().rows < missing.rows {
+    while table.found().rows < intact.rows {
         ensure!(!interrupt::asked(), "interrupted; nothing written");
         let Some((batch, rows)) = table.next_rows()? else { break };
         sink.write(&rewritten(&schema, &table.info().layout, &batch, &rows)?)?;
@@ -59,18 +59,18 @@ pub fn run(args: &RepairArgs) -> Result<()> {
     output.publish()?;
     warn(&table.warnings().iter().map(CaptureWarning::coded).collect::<Vec<_>>());
     let name = args.output.display();
-    let what = missing.what.map_or_else(|| "nothing was missing".to_owned(), |what| format!("missing: {what}"));
-    print(&format!("{name}: {} rows kept; {what}\n", missing.rows))
+    let what = intact.missing.map_or_else(|| "nothing was missing".to_owned(), |what| format!("missing: {what}"));
+    print(&format!("{name}: {} rows kept; {what}\n", intact.rows))
 }
 
 /// The undamaged part of a capture.
-struct Kept {
+struct IntactPart {
     rows: u64,
-    /// The missing or damaged rest, in words.
-    what: Option<String>,
+    /// A description of the missing or damaged rest.
+    missing: Option<String>,
 }
 
-impl Kept {
+impl IntactPart {
     fn of(path: &Path) -> Result<Self> {
         let mut table = open(path)?;
         let mut rows = 0;
@@ -81,9 +81,8 @@ impl Kept {
                 Err(error) => break Some(error),
             }
         };
-        let stated =
-            table.end().ok().flatten().map(|end| format!("{} of {} rows; ", end.rows.saturating_sub(rows), end.rows));
-        let what = match damage {
+        let stated = table.end().map(|end| format!("{} of {} rows; ", end.rows.saturating_sub(rows), end.rows));
+        let missing = match damage {
             Some(error) if rows == 0 => return Err(error.into()),
             Some(error) => Some(format!("{}{error}", stated.unwrap_or_default())),
             None if table.is_torn() || table.behind_end().is_some() => {
@@ -92,7 +91,7 @@ impl Kept {
             }
             None => None,
         };
-        Ok(Self { rows, what })
+        Ok(Self { rows, missing })
     }
 }
 

@@ -57,7 +57,7 @@ struct Verdict {
     schema: Option<u32>,
     /// What a capture states of its part.
     #[serde(flatten)]
-    stated: Option<Stated>,
+    stated: Option<CaptureFacts>,
     /// Whether checks in the file cover its whole content.
     checked: bool,
     rows: u64,
@@ -79,7 +79,7 @@ struct Verdict {
 
 /// What a capture states of its part.
 #[derive(Serialize)]
-struct Stated {
+struct CaptureFacts {
     part: String,
     serial: Option<String>,
     device: String,
@@ -88,7 +88,7 @@ struct Stated {
     created: String,
 }
 
-impl Stated {
+impl CaptureFacts {
     fn of(info: &CaptureInfo) -> Self {
         let CaptureInfo { serial, device, created, .. } = info.clone();
         Self { part: info.part().name.to_string(), serial, device, simulated: info.is_simulated(), created }
@@ -169,7 +169,7 @@ fn capture(path: &Path, source: Box<dyn BatchSource>) -> Result<Verdict, Capture
     Ok(Verdict {
         form,
         schema: Some(table.info().schema),
-        stated: Some(Stated::of(table.info())),
+        stated: Some(CaptureFacts::of(table.info())),
         checked: table.is_checked() && damage.is_none(),
         rows: found.rows,
         lost: found.lost,

@@ -5,7 +5,9 @@ mod report;
 mod target;
 
 pub use measurement::Watch;
-pub use report::{AxisReport, CurvePoint, Higher, Numbers, POINTS, Report, Rescued, StepReport, TruthReport};
+pub use report::{
+    AxisReport, CurvePoint, Higher, Numbers, POINTS, Report, RescuedCalibration, StepReport, TruthReport,
+};
 
 use crate::acquisition::Acquisition;
 use crate::error::InvalidOptions;
@@ -18,9 +20,9 @@ use zerorate::calibration::Notes;
 use zerorate::{Calibration, Method, Part, PartProcedure, Plan, SettingNames, Wording};
 use zerorate_record::{CaptureInfo, Format};
 
-/// The fate of the result.
+/// Where the result goes, and what is stated with it.
 #[derive(Clone, Debug, Default)]
-pub struct Kept {
+pub struct OutputOptions {
     /// The file of the calibration.
     pub output: Option<PathBuf>,
     /// Without an `output`, the calibration of a real part goes to `calibration-<id>.toml` in the current folder.
@@ -47,7 +49,7 @@ pub fn settle_s(method: Method, is_recorded: bool) -> f64 {
 pub struct Files {
     pub(crate) outputs: Outputs,
     pub(crate) calibration: Option<Staged>,
-    pub(crate) kept: Kept,
+    pub(crate) options: OutputOptions,
 }
 
 impl Files {
@@ -55,14 +57,14 @@ impl Files {
     ///
     /// # Errors
     /// An [`OutputError`](crate::output::OutputError): why one of them is refused, or cannot be written.
-    pub fn claim(mut outputs: Outputs, kept: Kept) -> Result<Self> {
-        let calibration = kept.output.as_deref().map(|path| outputs.derived(path)).transpose()?;
+    pub fn claim(mut outputs: Outputs, options: OutputOptions) -> Result<Self> {
+        let calibration = options.output.as_deref().map(|path| outputs.derived(path)).transpose()?;
         let is_for_samples = |path: &&PathBuf| path.extension().is_some() && Format::choose(None, path).is_ok();
-        if let Some(path) = kept.output.as_ref().filter(is_for_samples) {
+        if let Some(path) = options.output.as_ref().filter(is_for_samples) {
             let why = format!("{}: a calibration is TOML; end its name in .toml", path.display());
             return Err(InvalidOptions(why).into());
         }
-        Ok(Self { outputs, calibration, kept })
+        Ok(Self { outputs, calibration, options })
     }
 
     /// Starts the log, once there is something to record.
@@ -71,12 +73,12 @@ impl Files {
             let format = Format::choose(None, path)?;
             Ok(Recorder::create(self.outputs.recording(path)?, format, info)?)
         };
-        self.kept.log.as_ref().map(start).transpose()
+        self.options.log.as_ref().map(start).transpose()
     }
 
     /// Writes the calibration, where a file is to hold it.
     pub(crate) fn fill(mut self, calibration: &Calibration) -> Result<()> {
-        let file = match (self.calibration, &self.kept.output) {
+        let file = match (self.calibration, &self.options.output) {
             (None, Some(path)) => Some(self.outputs.derived(path)?),
             (claimed, _) => claimed,
         };
@@ -85,7 +87,7 @@ impl Files {
 
     /// The wanted names of the files, the calibration first.
     fn wanted(&self) -> Vec<PathBuf> {
-        self.kept.output.iter().chain(&self.kept.log).cloned().collect()
+        self.options.output.iter().chain(&self.options.log).cloned().collect()
     }
 }
 
@@ -124,8 +126,8 @@ impl Job {
     /// Whether the calibration will be saved although no file was named for it.
     #[must_use]
     pub fn saves(&self) -> bool {
-        let kept = &self.files.kept;
-        kept.output.is_none() && kept.saves && !self.acquisition.facts().info.is_simulated()
+        let options = &self.files.options;
+        options.output.is_none() && options.saves && !self.acquisition.facts().info.is_simulated()
     }
 
     /// Measures. `watch` looks on, and may end it.
@@ -133,11 +135,11 @@ impl Job {
     /// # Errors
     /// [`Refused`](crate::Refused) where the samples must not become a calibration; else why the device or the log
     /// failed, or that `watch` ended it.
-    pub fn run(self, watch: &mut dyn Watch) -> Result<Done> {
+    pub fn run(self, watch: &mut dyn Watch) -> Result<RunResult> {
         let saves = self.saves();
         let Self { mut acquisition, procedure, mut files } = self;
         target::marks_ns(procedure.plan()).for_each(|after_ns| acquisition.mark(after_ns));
-        let stated = acquisition.info(files.kept.serial.as_deref(), &files.kept.notes)?;
+        let stated = acquisition.info(files.options.serial.as_deref(), &files.options.notes)?;
         let info = CaptureInfo { earth_dps: procedure.plan().earth_dps, ..stated };
         let names = watch.names();
         let log = files.log(&info)?;
@@ -146,44 +148,44 @@ impl Job {
         let calibration = Calibration::new(&measured.part, &measured.outcomes, info.origin(measured.capture_sha256));
         let mut report = Report::new(&measured.outcomes, &calibration, &measured.truths, names);
         if saves {
-            files.kept.output = Some(format!("calibration-{}.toml", calibration.id()).into());
+            files.options.output = Some(format!("calibration-{}.toml", calibration.id()).into());
         }
         let wanted = files.wanted();
-        let kept = match measured.log_failed {
+        let delivery = match measured.log_failed {
             Some(error) => Err(error),
             None => {
-                report.file.clone_from(&files.kept.output);
+                report.file.clone_from(&files.options.output);
                 files.fill(&calibration)
             }
         };
-        let kept = kept.map_err(|why| Undelivered::rescue(why, &wanted, &calibration));
-        Ok(Done { report, calibration, kept })
+        let delivery = delivery.map_err(|why| DeliveryFailure::rescue(why, &wanted, &calibration));
+        Ok(RunResult { report, calibration, delivery })
     }
 }
 
-/// A measurement that came to a result.
-pub struct Done {
+/// The result of a measurement.
+pub struct RunResult {
     /// The results.
     pub report: Report,
     /// The calibration.
     pub calibration: Calibration,
-    /// Whether all files that were asked for are there.
-    pub kept: Result<(), Undelivered>,
+    /// Whether all requested files were written.
+    pub delivery: Result<(), DeliveryFailure>,
 }
 
 /// The name of a calibration without a given name.
 const UNNAMED: &str = "calibration.toml";
 
-/// A calibration that is not, or not with all its company, where it was asked for.
+/// A calibration whose files could not all be written where they were requested.
 #[derive(Debug)]
-pub struct Undelivered {
+pub struct DeliveryFailure {
     /// The failure.
     pub why: anyhow::Error,
-    /// The place of the calibration instead; none if no folder took it.
+    /// The file that holds the calibration instead; none if no folder took it.
     pub rescued: Option<PathBuf>,
 }
 
-impl Undelivered {
+impl DeliveryFailure {
     /// Puts the calibration beside what was `wanted`, or where it can.
     #[must_use]
     pub fn rescue(why: anyhow::Error, wanted: &[PathBuf], calibration: &Calibration) -> Self {

@@ -42,7 +42,7 @@ pub struct Report {
     pub axes: Vec<AxisReport>,
     /// The calibration itself, where a file that was asked for could not be written.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub rescued: Option<Rescued>,
+    pub rescued: Option<RescuedCalibration>,
 }
 
 /// One of several axes.
@@ -154,7 +154,7 @@ impl TruthReport {
 
 /// The place of a calibration that could not be written where it was wanted.
 #[derive(Clone, Debug, Serialize)]
-pub struct Rescued {
+pub struct RescuedCalibration {
     /// The file that has it.
     pub file: Option<PathBuf>,
     /// The calibration itself.

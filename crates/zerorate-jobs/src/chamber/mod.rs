@@ -11,7 +11,7 @@ pub use report::{AxisReport, Report};
 pub use set_point_control::{AirListener, AirState, SetPointControl};
 
 use crate::acquisition::{Acquisition, aliasing};
-use crate::calibrate::{self, Kept, Undelivered};
+use crate::calibrate::{self, DeliveryFailure, OutputOptions};
 use crate::error::{InvalidOptions, Refused};
 use crate::output::{Outputs, Slot, Staged};
 use crate::warning::{CodedWarning, JobWarning};
@@ -45,7 +45,7 @@ pub trait Watch {
     ///
     /// # Errors
     /// It cannot be made or written.
-    fn page(&mut self, found: &Found, file: Staged) -> Result<()>;
+    fn page(&mut self, results: &ChamberResults, file: Staged) -> Result<()>;
 
     /// The names that the front end uses for the settings.
     fn names(&self) -> SettingNames;
@@ -90,10 +90,10 @@ impl Files {
     ///
     /// # Errors
     /// An [`OutputError`](crate::output::OutputError): why one of them is refused, or cannot be written.
-    pub fn claim(outputs: Outputs, kept: Kept, page: Option<&Path>, is_replayed: bool) -> Result<Self> {
+    pub fn claim(outputs: Outputs, options: OutputOptions, page: Option<&Path>, is_replayed: bool) -> Result<Self> {
         // a device has no room for files beside it
-        let output = kept.output.clone().filter(|path| !is_replayed && (!path.exists() || path.is_file()));
-        let mut of_calibration = calibrate::Files::claim(outputs, kept)?;
+        let output = options.output.clone().filter(|path| !is_replayed && (!path.exists() || path.is_file()));
+        let mut of_calibration = calibrate::Files::claim(outputs, options)?;
         let outputs = &mut of_calibration.outputs;
         let page = page.map(|path| outputs.derived(path)).transpose()?;
         let steps = output.map(|path| outputs.slot(&FinishedSteps::beside(&path))).transpose()?;
@@ -130,7 +130,7 @@ pub fn prepare(
     if options.moves_air {
         plan.plan.spares(part).map_err(|error| InvalidOptions(error.to_string()))?;
     }
-    let Kept { serial, notes, .. } = &files.of_calibration.kept;
+    let OutputOptions { serial, notes, .. } = &files.of_calibration.options;
     let mut info = acquisition.info(serial.as_deref(), notes)?;
     options.earth_dps = options.earth_dps.or(info.earth_dps);
     info.earth_dps = options.earth_dps;
@@ -170,7 +170,7 @@ impl Job {
     /// # Errors
     /// [`Refused`] where the samples must not become a calibration, or why the part, the chamber or a
     /// file failed.
-    pub fn run(mut self, watch: &mut dyn Watch) -> Result<Done> {
+    pub fn run(mut self, watch: &mut dyn Watch) -> Result<RunResult> {
         if self.options.moves_air && self.part().operating_c.is_none() {
             watch.warn(JobWarning::LimitsUnknown);
         }
@@ -185,20 +185,20 @@ impl Job {
         let running = ChamberLoop::new((control, writer), acquisition, procedure, steps, log, &mut *watch);
         let (mut result, mut steps) = running.run()?;
         let log_failed = result.log_failed.take();
-        let found = Found::new(result, info, &plan, options, resumed.is_some(), watch.names())?;
-        let wanted: Vec<PathBuf> = files.of_calibration.kept.output.iter().cloned().collect();
-        let kept = match log_failed {
+        let results = ChamberResults::new(result, info, &plan, options, resumed.is_some(), watch.names())?;
+        let wanted: Vec<PathBuf> = files.of_calibration.options.output.iter().cloned().collect();
+        let delivery = match log_failed {
             Some(error) => Err(error),
             None => files
                 .page
-                .map_or(Ok(()), |file| watch.page(&found, file))
-                .and_then(|()| files.of_calibration.fill(&found.calibration)),
+                .map_or(Ok(()), |file| watch.page(&results, file))
+                .and_then(|()| files.of_calibration.fill(&results.calibration)),
         };
-        let kept = kept.map_err(|why| Undelivered::rescue(why, &wanted, &found.calibration));
-        if kept.is_ok() {
+        let delivery = delivery.map_err(|why| DeliveryFailure::rescue(why, &wanted, &results.calibration));
+        if delivery.is_ok() {
             steps.forget();
         }
-        Ok(Done { found, kept })
+        Ok(RunResult { results, delivery })
     }
 }
 
@@ -212,16 +212,16 @@ fn mark_ticks(acquisition: &mut Acquisition, procedure: &ChamberProcedure) {
     (0..=most_s).for_each(|second| acquisition.mark(second * TICK_NS));
 }
 
-/// A measurement that came to a result.
-pub struct Done {
+/// The result of a measurement.
+pub struct RunResult {
     /// The results.
-    pub found: Found,
-    /// Whether all files that were asked for are there.
-    pub kept: Result<(), Undelivered>,
+    pub results: ChamberResults,
+    /// Whether all requested files were written.
+    pub delivery: Result<(), DeliveryFailure>,
 }
 
 /// The results of a measurement.
-pub struct Found {
+pub struct ChamberResults {
     /// In numbers.
     pub report: Report,
     /// The calibration.
@@ -232,7 +232,7 @@ pub struct Found {
     pub outcomes: Vec<ChamberOutcome>,
 }
 
-impl Found {
+impl ChamberResults {
     fn new(
         result: LoopResult,
         info: CaptureInfo,

@@ -29,7 +29,7 @@ pub struct Recording {
     /// Bytes written so far.
     written: Arc<AtomicU64>,
     /// None for a pipe or a device, which has no name to lose.
-    watched: Option<Arc<Watched>>,
+    recorded: Option<Arc<RecordedFile>>,
     /// None for a pipe or a device, and once it has failed.
     watch: Option<Watch>,
 }
@@ -51,13 +51,13 @@ impl Recording {
                 (file, Some(target))
             }
         };
-        let watched = target.map(|target| {
+        let recorded = target.map(|target| {
             let file = file.try_clone().map_err(failed)?;
-            Ok(Arc::new(Watched { target, file, written: Arc::clone(&written) }))
+            Ok(Arc::new(RecordedFile { target, file, written: Arc::clone(&written) }))
         });
-        let watched = watched.transpose()?;
-        let watch = watched.clone().map(Watch::of).transpose().map_err(failed)?;
-        Ok(Self { path: path.to_owned(), file, written, watched, watch })
+        let recorded = recorded.transpose()?;
+        let watch = recorded.clone().map(Watch::of).transpose().map_err(failed)?;
+        Ok(Self { path: path.to_owned(), file, written, recorded, watch })
     }
 
     /// The name that was asked for.
@@ -70,7 +70,7 @@ impl Recording {
     /// # Errors
     /// The process has too many files open.
     pub fn writer(&self) -> io::Result<impl Write + Send + 'static> {
-        Ok(Counted { file: self.file.try_clone()?, written: Arc::clone(&self.written) })
+        Ok(CountingWriter { file: self.file.try_clone()?, written: Arc::clone(&self.written) })
     }
 
     /// Asks whether all is well with the file so far.
@@ -90,20 +90,20 @@ impl Recording {
     /// # Errors
     /// The errors of [`Recording::check`], now or before.
     pub fn finish(self) -> io::Result<()> {
-        let Some(watched) = self.watched else { return Ok(()) };
+        let Some(recorded) = self.recorded else { return Ok(()) };
         self.watch.map_or(Ok(()), Watch::finish)?;
-        watched.look()?;
-        watched.file.sync_all()
+        recorded.look()?;
+        recorded.file.sync_all()
     }
 }
 
 /// The open file, and a count of what goes into it.
-struct Counted {
+struct CountingWriter {
     file: File,
     written: Arc<AtomicU64>,
 }
 
-impl Write for Counted {
+impl Write for CountingWriter {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let written = self.file.write(bytes)?;
         self.written.fetch_add(written as u64, Ordering::Release);
@@ -118,14 +118,14 @@ impl Write for Counted {
 /// A file that is looked at while it is recorded into. It is open for appending: after it was cut short, it stays
 /// shorter than what was written.
 #[derive(Debug)]
-struct Watched {
+struct RecordedFile {
     /// The name that the file has.
     target: PathBuf,
     file: File,
     written: Arc<AtomicU64>,
 }
 
-impl Watched {
+impl RecordedFile {
     fn look(&self) -> io::Result<()> {
         let lost = |what: &str| Err(io::Error::other(format!("it was {what} while it was recorded into")));
         let written = self.written.load(Ordering::Acquire);
@@ -177,15 +177,15 @@ struct Watch {
 }
 
 impl Watch {
-    fn of(watched: Arc<Watched>) -> io::Result<Self> {
+    fn of(recorded: Arc<RecordedFile>) -> io::Result<Self> {
         let (stop, stopped) = mpsc::channel();
         let thread = thread::Builder::new().name("capture-sync".to_owned()).spawn(move || {
             let mut looks = 0u32;
             while stopped.recv_timeout(LOOK_EVERY) == Err(RecvTimeoutError::Timeout) {
-                watched.look()?;
+                recorded.look()?;
                 looks = looks.wrapping_add(1);
                 if looks.is_multiple_of(LOOKS_PER_SYNC) {
-                    watched.file.sync_data()?;
+                    recorded.file.sync_data()?;
                 }
             }
             Ok(())

@@ -7,7 +7,7 @@ use tempfile::TempDir;
 use zerorate::health::Flags;
 use zerorate::{Calibration, Plan, Progress, Setting, SettingNames};
 use zerorate_host::{Cause, DeviceError, Pace, Sampling, Setup, Stop};
-use zerorate_jobs::calibrate::{Done, Files, Kept, Numbers, Watch, prepare};
+use zerorate_jobs::calibrate::{Files, Numbers, OutputOptions, RunResult, Watch, prepare};
 use zerorate_jobs::correct;
 use zerorate_jobs::output::Outputs;
 use zerorate_jobs::stream::{Learned, Listener, StreamOptions, StreamRow, stream};
@@ -79,19 +79,19 @@ impl Watch for Quiet {
 }
 
 /// Calibrates into files that may exist.
-pub fn keep(device: &str, plan: Plan, kept: Kept) -> Result<Done> {
+pub fn keep(device: &str, plan: Plan, kept: OutputOptions) -> Result<RunResult> {
     let files = Files::claim(Outputs::new(true), kept)?;
     let done = prepare(open(device), plan, files, Setting::name)?.run(&mut Quiet)?;
-    done.kept.as_ref().unwrap();
+    done.delivery.as_ref().unwrap();
     Ok(done)
 }
 
-pub fn calibrate(device: &str, plan: Plan) -> Result<Done> {
-    keep(device, plan, Kept::default())
+pub fn calibrate(device: &str, plan: Plan) -> Result<RunResult> {
+    keep(device, plan, OutputOptions::default())
 }
 
 /// The numbers of a part with one axis.
-pub fn only(done: &Done) -> &Numbers {
+pub fn only(done: &RunResult) -> &Numbers {
     done.report.only.as_ref().unwrap()
 }
 

@@ -2,7 +2,7 @@
 
 use super::bench::{Folder, calibrate, has, keep, only, refusal, short};
 use zerorate::{Method, Plan};
-use zerorate_jobs::calibrate::{Files, Kept, Numbers};
+use zerorate_jobs::calibrate::{Files, Numbers, OutputOptions};
 use zerorate_jobs::output::{OutputError, Outputs};
 
 fn by(method: Method) -> Plan {
@@ -112,7 +112,7 @@ fn what_cannot_be_calibrated_names_its_cause_and_writes_nothing() {
         let folder = Folder::new();
         folder.write("older.toml", "older");
         for name in ["older.toml", "new.toml"] {
-            let kept = Kept { output: Some(folder.path(name)), ..Kept::default() };
+            let kept = OutputOptions { output: Some(folder.path(name)), ..OutputOptions::default() };
             let error = keep(&format!("twin:{keys}"), by(method), kept).err().unwrap();
             assert_eq!(refusal(&error), code, "{keys}: {error:#}");
             let text = format!("{error:#}");
@@ -130,7 +130,7 @@ fn what_cannot_be_calibrated_names_its_cause_and_writes_nothing() {
 fn a_place_that_takes_no_calibration_is_known_first() {
     let folder = Folder::new();
     let claim = |name: &str| {
-        let kept = Kept { output: Some(folder.path(name)), ..Kept::default() };
+        let kept = OutputOptions { output: Some(folder.path(name)), ..OutputOptions::default() };
         Files::claim(Outputs::new(false), kept).unwrap_err()
     };
     for name in [".", "missing/unit.toml"] {

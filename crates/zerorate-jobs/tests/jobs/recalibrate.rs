@@ -5,11 +5,11 @@ use std::path::Path;
 use zerorate::calibration::Notes;
 use zerorate::{Method, Plan};
 use zerorate_host::Sampling;
-use zerorate_jobs::calibrate::{Kept, settle_s};
+use zerorate_jobs::calibrate::{OutputOptions, settle_s};
 
-fn logged(log: &Path) -> Kept {
+fn logged(log: &Path) -> OutputOptions {
     let notes = Notes { supply: Some("bench 3".to_owned()), ..Notes::default() };
-    Kept { log: Some(log.to_owned()), serial: Some("SN-42".to_owned()), notes, ..Kept::default() }
+    OutputOptions { log: Some(log.to_owned()), serial: Some("SN-42".to_owned()), notes, ..OutputOptions::default() }
 }
 
 /// The method without steps takes the whole recording, without being told its length. The Earth's rotation that was
@@ -79,7 +79,7 @@ fn a_recording_of_another_part_is_refused() {
     let folder = Folder::new();
     let log = folder.path("log.arrows");
     keep("twin:", short(), logged(&log)).unwrap();
-    let kept = Kept { serial: Some("SN7".to_owned()), ..Kept::default() };
+    let kept = OutputOptions { serial: Some("SN7".to_owned()), ..OutputOptions::default() };
     let why = keep(&replay(&log), short(), kept).err().unwrap().to_string();
     assert!(why.contains("the recording is of part SN-42, not of part SN7"), "{why}");
     assert!(open(&replay(&log)).check_serial(Some("SN-42")).is_ok());

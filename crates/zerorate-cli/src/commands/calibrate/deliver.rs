@@ -5,7 +5,7 @@ use crate::output::{print, print_json, print_lines, reader_left, say};
 use crate::wording;
 use anyhow::Result;
 use zerorate::Calibration;
-use zerorate_jobs::calibrate::{Report, Rescued, Undelivered};
+use zerorate_jobs::calibrate::{DeliveryFailure, Report, RescuedCalibration};
 
 /// Prints the result. If printing fails and no file holds the result either, it is rescued.
 pub fn print_result(report: &Report, calibration: &Calibration, args: &ResultArgs) -> Result<()> {
@@ -16,7 +16,7 @@ pub fn print_result(report: &Report, calibration: &Calibration, args: &ResultArg
     match printed {
         Err(why) if report.file.is_none() => {
             let left = reader_left(&why);
-            let error = Undelivered::rescue(why, &[], calibration).error("");
+            let error = DeliveryFailure::rescue(why, &[], calibration).error("");
             if left {
                 say(format_args!("warning: {}", wording::text(&error)));
             }
@@ -29,18 +29,18 @@ pub fn print_result(report: &Report, calibration: &Calibration, args: &ResultArg
 /// Prints the calibration itself: as the text of its file, so that it can be redirected into one, or in the JSON
 /// object.
 pub fn print_undelivered(
-    undelivered: Undelivered,
+    failure: DeliveryFailure,
     mut report: Report,
     calibration: &Calibration,
     json: bool,
 ) -> Result<()> {
     let text = calibration.to_toml();
     let printed = if json {
-        report.rescued = Some(Rescued { file: undelivered.rescued.clone(), calibration: text });
+        report.rescued = Some(RescuedCalibration { file: failure.rescued.clone(), calibration: text });
         print_json(&report)
     } else {
         print(&text)
     };
     let also = if printed.is_ok() { ", and is printed to stdout" } else { "" };
-    Err(undelivered.error(also))
+    Err(failure.error(also))
 }

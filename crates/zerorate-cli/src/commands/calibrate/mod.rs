@@ -19,7 +19,7 @@ use std::path::PathBuf;
 use zerorate::Plan;
 use zerorate_host::{DeviceSpec, Pace, Setup};
 use zerorate_jobs::Acquisition;
-use zerorate_jobs::calibrate::{Files, Job, Kept, prepare};
+use zerorate_jobs::calibrate::{Files, Job, OutputOptions, prepare};
 
 /// Find the bias of a sensor and how it changes with temperature
 ///
@@ -103,9 +103,9 @@ struct ResultArgs {
 }
 
 impl ResultArgs {
-    fn kept(&self, log: Option<PathBuf>, saves: bool) -> Kept {
+    fn output_options(&self, log: Option<PathBuf>, saves: bool) -> OutputOptions {
         let Self { output, serial, notes, .. } = self.clone();
-        Kept { output, log, serial, notes: notes.into(), saves }
+        OutputOptions { output, log, serial, notes: notes.into(), saves }
     }
 
     /// Before anything is read.
@@ -117,7 +117,7 @@ impl ResultArgs {
 pub fn run(args: &CalibrateArgs) -> Result<()> {
     let mut outputs = args.result.outputs();
     let setup = args.device.setup(args.sampling, &mut outputs)?;
-    let files = Files::claim(outputs, args.result.kept(args.log.clone(), !args.no_save))?;
+    let files = Files::claim(outputs, args.result.output_options(args.log.clone(), !args.no_save))?;
     let acquisition = args.device.open(setup)?;
     calibrate(acquisition, args.plan.plan(args.device.file().is_some()), &args.result, files)
 }
@@ -125,7 +125,7 @@ pub fn run(args: &CalibrateArgs) -> Result<()> {
 pub fn run_again(args: &RecalibrateArgs) -> Result<()> {
     let mut outputs = args.result.outputs().reading([&*args.capture])?;
     let setup = Setup { part: args.part.named(&mut outputs)?, names: flag, ..Setup::default() };
-    let files = Files::claim(outputs, args.result.kept(None, false))?;
+    let files = Files::claim(outputs, args.result.output_options(None, false))?;
     interrupt::listen();
     let recording = DeviceSpec::replay(args.capture.clone());
     let acquisition = Acquisition::open(&recording, setup, Pace::Free, interrupt::stop(), device::tell())?;
@@ -152,9 +152,9 @@ fn calibrate(acquisition: Acquisition, plan: Plan, result: &ResultArgs, files: F
     let done = job.run(&mut meter)?;
     drop(meter);
     let warnings = if result.json { Vec::new() } else { text::warnings(&done.report) };
-    let printed = match done.kept {
+    let printed = match done.delivery {
         Ok(()) => deliver::print_result(&done.report, &done.calibration, result),
-        Err(undelivered) => deliver::print_undelivered(undelivered, done.report, &done.calibration, result.json),
+        Err(failure) => deliver::print_undelivered(failure, done.report, &done.calibration, result.json),
     };
     warn(&warnings);
     printed

@@ -21,9 +21,9 @@ use zerorate::chamber::{ChamberProgress, Step, StepEnd};
 use zerorate::{EARTH_DPS, SettingNames};
 use zerorate_host::{AmbientProfile, ChamberCommands, ChamberSpec, Setup, SimulatedChamber};
 use zerorate_jobs::JobWarning;
-use zerorate_jobs::calibrate::Kept;
+use zerorate_jobs::calibrate::OutputOptions;
 use zerorate_jobs::chamber::{
-    ChamberOptions, Files, Found, Job, PlanFile, SetPointControl, UnusableSteps, Watch, prepare,
+    ChamberOptions, ChamberResults, Files, Job, PlanFile, SetPointControl, UnusableSteps, Watch, prepare,
 };
 use zerorate_view::duration::Seconds;
 use zerorate_view::report::over_temperature;
@@ -174,8 +174,8 @@ pub fn run(args: &ChamberArgs) -> Result<()> {
     let setup = args.device.setup(args.sampling, &mut outputs)?;
     let ChamberArgs { output, log, serial, notes, .. } = args;
     let (output, log, serial, notes) = (output.clone(), log.clone(), serial.clone(), notes.clone().into());
-    let kept = Kept { output, log, serial, notes, saves: false };
-    let files = Files::claim(outputs, kept, args.report.as_deref(), args.device.file().is_some())?;
+    let options = OutputOptions { output, log, serial, notes, saves: false };
+    let files = Files::claim(outputs, options, args.report.as_deref(), args.device.file().is_some())?;
     let kind = args.report.as_deref().map(Kind::of).transpose()?.flatten();
     let job = ready(args, chamber, setup, plan, files)?;
     if kind.is_some() && job.part().axes.len() > 1 {
@@ -185,8 +185,8 @@ pub fn run(args: &ChamberArgs) -> Result<()> {
     let mut watch = Looking { meter: Meter::new(job.left_s()), kind };
     let done = job.run(&mut watch)?;
     drop(watch);
-    done.kept.map_err(|undelivered| undelivered.error(""))?;
-    let report = &done.found.report;
+    done.delivery.map_err(|failure| failure.error(""))?;
+    let report = &done.results.report;
     if args.json {
         return print_json(report);
     }
@@ -270,10 +270,12 @@ impl Watch for Looking {
         warn(&[coded(warning)]);
     }
 
-    fn page(&mut self, found: &Found, file: Staged) -> Result<()> {
+    fn page(&mut self, results: &ChamberResults, file: Staged) -> Result<()> {
         match self.kind {
-            Some(kind) => picture::write(kind, file, &found.outcomes.first().map_or(String::new(), over_temperature)),
-            None => Ok(file.fill(text::page(found)?.as_bytes())?),
+            Some(kind) => {
+                picture::write(kind, file, &results.outcomes.first().map_or(String::new(), over_temperature))
+            }
+            None => Ok(file.fill(text::page(results)?.as_bytes())?),
         }
     }
 

@@ -4,7 +4,7 @@ use anyhow::Result;
 use std::path::Path;
 use zerorate::Uncertainty;
 use zerorate_jobs::calibrate::POINTS;
-use zerorate_jobs::chamber::{AxisReport, Found, Report};
+use zerorate_jobs::chamber::{AxisReport, ChamberResults, Report};
 use zerorate_view::PlusMinus;
 use zerorate_view::duration::Seconds;
 use zerorate_view::report::{ChamberPage, Fact, chamber_page};
@@ -33,8 +33,8 @@ pub fn text(report: &Report, file: Option<&Path>) -> String {
 }
 
 /// Formats the result as a page.
-pub fn page(found: &Found) -> Result<String> {
-    let Found { report, calibration, record, outcomes } = found;
+pub fn page(results: &ChamberResults) -> Result<String> {
+    let ChamberResults { report, calibration, record, outcomes } = results;
     let title = format!("{} in a chamber: {}", calibration.part, report.plan);
     let warnings: Vec<String> = report.warnings.iter().map(ToString::to_string).collect();
     let facts = report.all().map(facts).collect();
