@@ -11,7 +11,7 @@ import { Bench } from "./bench/bench";
 import { button, h } from "./dom";
 import { type Framed, unframe } from "./frame";
 import { home, type Home } from "./home";
-import { kept } from "./kept";
+import { storage } from "./storage";
 import { Inside } from "./link/inside";
 import { Served } from "./link/served";
 import { Model } from "./model";
@@ -68,7 +68,7 @@ class Whole {
 
   /** In the static home: opens the port from before a reload, and keeps the page for use without a network. */
   #settle(inside: Inside): void {
-    if (kept.hadPort()) {
+    if (storage.hadPort()) {
       void import("./port").then(({ connectAgain }) => connectAgain(inside)).catch(() => {});
     }
     if ("serviceWorker" in navigator) void navigator.serviceWorker.register("sw.js").catch(() => {});
@@ -87,7 +87,7 @@ class Whole {
   #take(framed: Framed): void {
     this.#app.model.take(framed);
     const { calibrations } = framed.frame;
-    if (calibrations && this.#app.inside) kept.keepCalibrations(calibrations);
+    if (calibrations && this.#app.inside) storage.keepCalibrations(calibrations);
   }
 
   /** A page; undefined if it cannot be loaded, because the server is gone or has another version. */

@@ -1,5 +1,5 @@
 import type { App } from "./app";
-import { kept } from "./kept";
+import { storage } from "./storage";
 import type { Inside } from "./link/inside";
 import { choosePort, knownPort, OpenPort } from "./serial";
 
@@ -31,12 +31,12 @@ async function connect(inside: Inside, port: SerialPort): Promise<void> {
   inside.onserial = (bytes) => own.send(bytes);
   inside.onrelease = () => void close(inside);
   inside.open({ is: "serial" });
-  kept.keepPort(true);
+  storage.keepPort(true);
 }
 
 /** Gives the port back, for example when another device is opened. */
 export async function release(inside: Inside): Promise<void> {
-  kept.keepPort(false);
+  storage.keepPort(false);
   await close(inside);
 }
 

@@ -1,4 +1,4 @@
-import { kept } from "./kept";
+import { storage } from "./storage";
 
 export type Theme = "auto" | "light" | "dark";
 export type Unit = "dps" | "dph";
@@ -8,8 +8,8 @@ const PER_HOUR = 3600;
 
 /** Theme and unit of the page. Views listen for changes. */
 class Settings {
-  theme: Theme = kept.choice("theme", ["auto", "light", "dark"], "auto");
-  unit: Unit = kept.choice("unit", ["dps", "dph"], "dps");
+  theme: Theme = storage.choice("theme", ["auto", "light", "dark"], "auto");
+  unit: Unit = storage.choice("unit", ["dps", "dph"], "dps");
   readonly #listeners: (() => void)[] = [];
 
   onchange(does: () => void): void {
@@ -18,13 +18,13 @@ class Settings {
 
   setTheme(theme: Theme): void {
     this.theme = theme;
-    kept.keepChoice("theme", theme);
+    storage.keepChoice("theme", theme);
     this.apply();
   }
 
   setUnit(unit: Unit): void {
     this.unit = unit;
-    kept.keepChoice("unit", unit);
+    storage.keepChoice("unit", unit);
     this.#tell();
   }
 

@@ -3,7 +3,7 @@ import * as digits from "../digits";
 import { button, h, sure } from "../dom";
 import { downloads } from "../downloads";
 import { droppable } from "../drop";
-import { kept } from "../kept";
+import { storage } from "../storage";
 import type { CalibrationEntry } from "../protocol";
 import { settings } from "../settings";
 
@@ -67,7 +67,7 @@ export class OnFile {
   async #remove({ id, serial, toml }: CalibrationEntry): Promise<void> {
     const name = serial ?? id.slice(0, 12);
     if (!(await sure(`Remove the calibration of ${name} from the list?`, "Remove it", "Keep it"))) return;
-    if (await this.app.ask({ do: "remove-calibration", calibration: id })) kept.forgetCalibration(toml);
+    if (await this.app.ask({ do: "remove-calibration", calibration: id })) storage.forgetCalibration(toml);
   }
 
   async #add(file: File): Promise<void> {

@@ -1,7 +1,7 @@
 import type { App } from "../app";
 import { button, h } from "../dom";
 import { droppable } from "../drop";
-import { kept } from "../kept";
+import { storage } from "../storage";
 import type { Inside } from "../link/inside";
 import { connectChosen, release } from "../port";
 import { canReadPorts, NO_SERIAL } from "../serial";
@@ -30,7 +30,7 @@ export class Opener {
     readonly app: App,
     readonly inside: Inside,
   ) {
-    const opening = kept.opening();
+    const opening = storage.opening();
     this.#keys.value = opening.is === "twin" ? opening.keys : "";
     this.element = h(
       "section",

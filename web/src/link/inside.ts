@@ -1,5 +1,5 @@
 import { Asking, type Command, type Link, type LinkState } from "./link";
-import { kept } from "../kept";
+import { storage } from "../storage";
 import type { FromLive, Opening, ToLive } from "../worker/messages";
 
 interface Port {
@@ -25,7 +25,7 @@ export class Inside implements Link {
     this.onstate({ is: "connecting" });
     this.#port = "SharedWorker" in globalThis ? this.#join() : this.#own();
     this.#port.onmessage = ({ data }) => this.#heard(data);
-    this.tell({ do: "hello", ...kept.calibrations(), open: kept.opening() });
+    this.tell({ do: "hello", ...storage.calibrations(), open: storage.opening() });
     addEventListener("pagehide", () => this.tell({ do: "bye" }));
     addEventListener("pageshow", (event) => {
       if ((event as PageTransitionEvent).persisted) location.reload();
@@ -39,7 +39,7 @@ export class Inside implements Link {
 
   /** Opens another device. */
   open(what: Opening): void {
-    if (what.is === "twin") kept.keepOpening(what);
+    if (what.is === "twin") storage.keepOpening(what);
     this.tell({ do: "open", what });
   }
 

@@ -9,7 +9,7 @@ globalThis.localStorage = {
   getItem: (key) => store.get(key) ?? null,
   setItem: (key, value) => store.set(key, value),
 };
-const { kept } = await bundled({ entryPoints: ["src/kept.ts"] });
+const { storage } = await bundled({ entryPoints: ["src/storage.ts"] });
 
 beforeEach(() => store.clear());
 
@@ -19,22 +19,22 @@ test("what the session did not take stays, and what it has is added once", () =>
     { id: "1", toml: "one", applied: false },
     { id: "2", toml: "two", applied: true },
   ];
-  kept.keepCalibrations(entries);
-  kept.keepCalibrations(entries);
-  assert.deepEqual(kept.calibrations(), { calibrations: ["damaged", "one", "two"], applied: "2" });
+  storage.keepCalibrations(entries);
+  storage.keepCalibrations(entries);
+  assert.deepEqual(storage.calibrations(), { calibrations: ["damaged", "one", "two"], applied: "2" });
 });
 
 test("two windows with a session each keep what both have", () => {
-  kept.keepCalibrations([{ id: "1", toml: "one", applied: false }]);
-  kept.keepCalibrations([{ id: "2", toml: "two", applied: false }]);
-  assert.deepEqual(kept.calibrations().calibrations, ["one", "two"]);
+  storage.keepCalibrations([{ id: "1", toml: "one", applied: false }]);
+  storage.keepCalibrations([{ id: "2", toml: "two", applied: false }]);
+  assert.deepEqual(storage.calibrations().calibrations, ["one", "two"]);
 });
 
-test("what was removed is not kept", () => {
-  kept.keepCalibrations([
+test("a removed calibration leaves the storage", () => {
+  storage.keepCalibrations([
     { id: "1", toml: "one", applied: true },
     { id: "2", toml: "two", applied: false },
   ]);
-  kept.forgetCalibration("two");
-  assert.deepEqual(kept.calibrations(), { calibrations: ["one"], applied: "1" });
+  storage.forgetCalibration("two");
+  assert.deepEqual(storage.calibrations(), { calibrations: ["one"], applied: "1" });
 });

@@ -24,7 +24,7 @@ function write(key: string, value: unknown): void {
 }
 
 /** What this browser keeps between visits. */
-export const kept = {
+export const storage = {
   calibrations(): { calibrations: string[]; applied: string | null } {
     return read(CALIBRATIONS, { calibrations: [], applied: null });
   },
@@ -32,13 +32,13 @@ export const kept = {
   /** Beside what is kept already: the session took none that is damaged, nor what another window's session has. */
   keepCalibrations(entries: CalibrationEntry[]): void {
     const applied = entries.find((entry) => entry.applied)?.id ?? null;
-    const all = new Set([...kept.calibrations().calibrations, ...entries.map((entry) => entry.toml)]);
+    const all = new Set([...storage.calibrations().calibrations, ...entries.map((entry) => entry.toml)]);
     write(CALIBRATIONS, { calibrations: [...all], applied });
   },
 
   /** Forgets a calibration that is no longer on file. */
   forgetCalibration(toml: string): void {
-    const { calibrations, applied } = kept.calibrations();
+    const { calibrations, applied } = storage.calibrations();
     write(CALIBRATIONS, { calibrations: calibrations.filter((one) => one !== toml), applied });
   },
 
