@@ -37,9 +37,9 @@ impl Channel {
 /// The channels that are known to have converted since MODE was written. The reset code can be a reading of these
 /// channels only.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Converted(u8);
+pub(crate) struct ConvertedChannels(u8);
 
-impl Converted {
+impl ConvertedChannels {
     pub(crate) const NOTHING: Self = Self(0);
 
     #[inline]

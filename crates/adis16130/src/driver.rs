@@ -7,7 +7,7 @@ use super::{DelayNs, RdyPin, SpiDevice, bisync};
 
 use embedded_hal::digital::OutputPin;
 
-use crate::channel::{Channel, Converted};
+use crate::channel::{Channel, ConvertedChannels};
 use crate::checksum::WriteCheck;
 use crate::codes::{RateCode, TempCode};
 use crate::config::{Config, Write};
@@ -16,7 +16,7 @@ use crate::error::{
     BusError, InitError, NoReading, OutOfRange, ReadError, SampleError, SelfTestError, VerifyError, WaitError,
 };
 use crate::frame::{Frame, Framing, RESET_FRAME, com_read};
-use crate::readback::{Differences, Written};
+use crate::readback::{ConfigurationImage, Differences};
 use crate::registers::{
     AdcStatus, Address, ChannelStatus, Checksum, Iop, Mode, RateConv, RateCs, RateData, RateStatus, Readable,
     Register, Revision, TempConv, TempCs, TempData, TempStatus, Writable,
@@ -37,8 +37,8 @@ pub struct Adis16130<SPI, RDY> {
     spi: SPI,
     pub(super) rdy: RDY,
     pub(super) config: Config,
-    written: Written,
-    seen: Converted,
+    written: ConfigurationImage,
+    seen: ConvertedChannels,
     /// The command that has begun and is not known to have ended.
     in_flight: Option<Address>,
 }
@@ -47,7 +47,14 @@ impl<SPI, RDY> Adis16130<SPI, RDY> {
     /// Takes the bus ([`crate::SPI_MODE`], at most [`crate::MAX_SCLK_HZ`]) and the RDY pin. Sends nothing:
     /// call [`restart`](Self::restart).
     pub const fn new(spi: SPI, rdy: RDY, config: Config) -> Self {
-        Self { spi, rdy, config, written: Written::NOTHING, seen: Converted::NOTHING, in_flight: None }
+        Self {
+            spi,
+            rdy,
+            config,
+            written: ConfigurationImage::NOTHING,
+            seen: ConvertedChannels::NOTHING,
+            in_flight: None,
+        }
     }
 
     /// Gives bus and pin back. The part goes on converting.
@@ -57,7 +64,7 @@ impl<SPI, RDY> Adis16130<SPI, RDY> {
 
     /// The bus, for settings such as its clock. After commands of your own, call [`restart`](Self::restart).
     pub const fn bus_mut(&mut self) -> &mut SPI {
-        self.seen = Converted::NOTHING;
+        self.seen = ConvertedChannels::NOTHING;
         &mut self.spi
     }
 
@@ -85,8 +92,8 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         let sent = self.spi.write(&RESET_FRAME).await;
         sent.map_err(|error| BusError::Transfer { register: Address::Com, error })?;
         self.in_flight = None;
-        self.written = Written::NOTHING;
-        self.seen = Converted::NOTHING;
+        self.written = ConfigurationImage::NOTHING;
+        self.seen = ConvertedChannels::NOTHING;
         Ok(())
     }
 
@@ -390,7 +397,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
     async fn send(&mut self, write: Write) -> Result<(), BusError<SPI::Error>> {
         self.exchange(write.address, write.frame).await?;
         if self.written.record(write.address, write.frame.answer()) {
-            self.seen = Converted::NOTHING;
+            self.seen = ConvertedChannels::NOTHING;
         }
         Ok(())
     }

@@ -110,7 +110,7 @@ const LONGEST_PAUSE_LOG2: u8 = 10;
 
 /// The sample before.
 #[derive(Copy, Clone, Debug)]
-struct Taken {
+struct LastSample {
     /// Time and number of its edge, in ns.
     t_ns: u32,
     seq: u32,
@@ -220,7 +220,7 @@ struct Taken {
 pub struct Sampler {
     rules: Rules,
     timeline: Timeline,
-    taken: Option<Taken>,
+    taken: Option<LastSample>,
     until_temp: u16,
     /// Samples without temperature in a row, if every edge between them was the next one.
     rates_only: u8,
@@ -376,7 +376,7 @@ impl Sampler {
         }
         self.until_temp = if due.temp { self.rules.every_temp } else { self.until_temp }.saturating_sub(1);
         let first = self.taken.is_none();
-        self.taken = Some(Taken { t_ns: due.edge.t_ns as u32, seq: due.edge.seq, first });
+        self.taken = Some(LastSample { t_ns: due.edge.t_ns as u32, seq: due.edge.seq, first });
         let (lost, goes_by) =
             if first { (0, ticks.saturating_add(self.timeline.anchor().into())) } else { self.rules.lost_in(ticks) };
         self.timeline.count_from(goes_by);

@@ -25,15 +25,15 @@ impl core::error::Error for TooLong {}
 
 /// Bytes between two zeros that do not make a message: their CRC is wrong, or this version does not know them.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub struct Damaged;
+pub struct DamagedFrame;
 
-impl Display for Damaged {
+impl Display for DamagedFrame {
     fn fmt(&self, f: &mut Formatter<'_>) -> Printed {
         f.write_str("a frame was damaged on the way")
     }
 }
 
-impl core::error::Error for Damaged {}
+impl core::error::Error for DamagedFrame {}
 
 /// The frame of a message, written to the front of `room`.
 pub fn encode<'a>(message: &impl Serialize, room: &'a mut [u8; MAX_FRAME]) -> Result<&'a [u8], TooLong> {
@@ -64,7 +64,7 @@ impl Decoder {
 
     /// Takes a byte, and returns the message that ends with it. Two zeros in a row give neither a message nor an
     /// error.
-    pub fn push<'a, M: Deserialize<'a>>(&'a mut self, byte: u8) -> Option<Result<M, Damaged>> {
+    pub fn push<'a, M: Deserialize<'a>>(&'a mut self, byte: u8) -> Option<Result<M, DamagedFrame>> {
         if byte != 0 {
             if let Some(place) = self.bytes.get_mut(self.len) {
                 *place = byte;
@@ -74,13 +74,13 @@ impl Decoder {
         }
         match core::mem::take(&mut self.len) {
             0 => None,
-            len => Some(self.bytes.get_mut(..len).ok_or(Damaged).and_then(decode)),
+            len => Some(self.bytes.get_mut(..len).ok_or(DamagedFrame).and_then(decode)),
         }
     }
 }
 
-fn decode<'a, M: Deserialize<'a>>(frame: &'a mut [u8]) -> Result<M, Damaged> {
-    let len = cobs::decode_in_place(frame).map_err(|_| Damaged)?;
-    let body = frame.get(..len).ok_or(Damaged)?;
-    postcard::from_bytes_crc32(body, CRC.digest()).map_err(|_| Damaged)
+fn decode<'a, M: Deserialize<'a>>(frame: &'a mut [u8]) -> Result<M, DamagedFrame> {
+    let len = cobs::decode_in_place(frame).map_err(|_| DamagedFrame)?;
+    let body = frame.get(..len).ok_or(DamagedFrame)?;
+    postcard::from_bytes_crc32(body, CRC.digest()).map_err(|_| DamagedFrame)
 }

@@ -70,7 +70,7 @@ mod settings;
 mod station;
 
 pub use client::{Client, Event, Frame, GONE, Pending, RequestError, SILENT, Step};
-pub use frame::{Damaged, Decoder, MAX_FRAME, TooLong, encode};
+pub use frame::{DamagedFrame, Decoder, MAX_FRAME, TooLong, encode};
 pub use settings::Settings;
 pub use station::{Bus, Station};
 

@@ -4,8 +4,8 @@
 use std::time::Duration;
 
 use adis16130::bridge::{
-    Answer, Bus, Client, Command, Continuity, Damaged, Decoder, Event, MAX_FRAME, Message, Pending, Refusal, Request,
-    RequestError, Settings, Station, Step, WireSample, encode,
+    Answer, Bus, Client, Command, Continuity, DamagedFrame, Decoder, Event, MAX_FRAME, Message, Pending, Refusal,
+    Request, RequestError, Settings, Station, Step, WireSample, encode,
 };
 use adis16130::{Config, ConversionTime, Edge, RdyEdge, Width};
 
@@ -69,7 +69,7 @@ macro_rules! decoded {
         let messages = $bytes.iter().filter_map(|byte| {
             decoder.push::<$message>(*byte).map(|message| message.map(|message| format!("{message:?}")))
         });
-        messages.collect::<Vec<Result<String, Damaged>>>()
+        messages.collect::<Vec<Result<String, DamagedFrame>>>()
     }};
 }
 
@@ -158,9 +158,9 @@ fn rubbish_is_damaged_and_silence_is_not() {
     assert_eq!(decoded!(Message<'_>, [0; 5]), []);
     assert_eq!(decoded!(Message<'_>, [1; 200]), []);
     let endless = [[1; 200].as_slice(), &[0]].concat();
-    assert_eq!(decoded!(Message<'_>, endless), [Err(Damaged)]);
+    assert_eq!(decoded!(Message<'_>, endless), [Err(DamagedFrame)]);
     // message 9, which does not exist, with its right CRC
-    assert_eq!(decoded!(Message<'_>, [0x06, 0x09, 0x29, 0x57, 0xDE, 0xAB, 0x00]), [Err(Damaged)]);
+    assert_eq!(decoded!(Message<'_>, [0x06, 0x09, 0x29, 0x57, 0xDE, 0xAB, 0x00]), [Err(DamagedFrame)]);
 }
 
 #[test]

@@ -10,7 +10,7 @@ use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{self, InputPin, OutputPin};
 use embedded_hal::spi::{self, SpiDevice};
 
-use crate::part::{Delay, Line, Part, Pin, Refused, Unplugged, Wire};
+use crate::part::{Delay, Line, Part, Pin, PinRefusal, Wire, WireFault};
 
 type Any<SPI, RDY, PIN> =
     Error<<SPI as spi::ErrorType>::Error, <RDY as digital::ErrorType>::Error, <PIN as digital::ErrorType>::Error>;
@@ -31,7 +31,11 @@ fn all<SPI: SpiDevice, RDY: InputPin, PIN: OutputPin>(
     Ok(gyro.read_in_range()?.0)
 }
 
-fn outcome(line: Line, looks: u32, refuses: Option<bool>) -> Result<RateCode, Error<Unplugged, Refused, Refused>> {
+fn outcome(
+    line: Line,
+    looks: u32,
+    refuses: Option<bool>,
+) -> Result<RateCode, Error<WireFault, PinRefusal, PinRefusal>> {
     let (part, rdy, mut pin) = (Part::new(), Pin::default(), Pin::default());
     rdy.0.borrow_mut().looks_until_low = looks;
     pin.0.borrow_mut().refuses = refuses;
@@ -60,7 +64,7 @@ fn each_operation_widens_to_it() {
         VerifyError::<()>::NotInitialised.to_string()
     );
     fn is_error<T: std::error::Error>() {}
-    is_error::<Error<Unplugged, Refused, Refused>>();
+    is_error::<Error<WireFault, PinRefusal, PinRefusal>>();
 }
 
 #[test]

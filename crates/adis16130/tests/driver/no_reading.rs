@@ -5,7 +5,7 @@ use adis16130::blocking::Adis16130;
 use adis16130::registers::{Address, Mode, Operation};
 use adis16130::{Config, Edge, Fault, Framing, MCLK_HZ, NoReading, ReadError, Sampler, SamplerConfig, Width};
 
-use crate::part::{Part, Pin, Unplugged, Wire};
+use crate::part::{Part, Pin, Wire, WireFault};
 use std::{cell::RefCell, rc::Rc};
 
 type Gyro = Adis16130<Wire, Pin>;
@@ -37,7 +37,7 @@ fn convert(part: &Rc<RefCell<Part>>, config: Config, rate: u32, temp: u32) {
     part.set(0x22, 0x48);
 }
 
-fn no_reading<T>(register: Address, mode: Mode) -> Result<T, ReadError<Unplugged>> {
+fn no_reading<T>(register: Address, mode: Mode) -> Result<T, ReadError<WireFault>> {
     Err(ReadError::NoReading(NoReading { register, mode }))
 }
 

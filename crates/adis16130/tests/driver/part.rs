@@ -197,9 +197,9 @@ impl Part {
 }
 
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub struct Unplugged;
+pub struct WireFault;
 
-impl embedded_hal::spi::Error for Unplugged {
+impl embedded_hal::spi::Error for WireFault {
     fn kind(&self) -> ErrorKind {
         ErrorKind::Other
     }
@@ -209,18 +209,18 @@ impl embedded_hal::spi::Error for Unplugged {
 pub struct Wire(pub Rc<RefCell<Part>>);
 
 impl ErrorType for Wire {
-    type Error = Unplugged;
+    type Error = WireFault;
 }
 
 impl SpiDevice for Wire {
-    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Unplugged> {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), WireFault> {
         let mut part = self.0.borrow_mut();
         match &mut part.fails_after {
             Some(0) => {
                 if part.fails_once {
                     part.fails_after = None;
                 }
-                return Err(Unplugged);
+                return Err(WireFault);
             }
             Some(left) => *left -= 1,
             None => {}
@@ -262,44 +262,44 @@ pub struct PinState {
 
 /// The pin refuses.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub struct Refused;
+pub struct PinRefusal;
 
-impl embedded_hal::digital::Error for Refused {
+impl embedded_hal::digital::Error for PinRefusal {
     fn kind(&self) -> embedded_hal::digital::ErrorKind {
         embedded_hal::digital::ErrorKind::Other
     }
 }
 
 impl embedded_hal::digital::ErrorType for Pin {
-    type Error = Refused;
+    type Error = PinRefusal;
 }
 
 impl Pin {
-    fn set(&self, high: bool) -> Result<(), Refused> {
+    fn set(&self, high: bool) -> Result<(), PinRefusal> {
         let mut pin = self.0.borrow_mut();
         pin.levels.push(high);
-        if pin.refuses == Some(high) { Err(Refused) } else { Ok(()) }
+        if pin.refuses == Some(high) { Err(PinRefusal) } else { Ok(()) }
     }
 }
 
 impl embedded_hal::digital::InputPin for Pin {
-    fn is_low(&mut self) -> Result<bool, Refused> {
+    fn is_low(&mut self) -> Result<bool, PinRefusal> {
         let mut pin = self.0.borrow_mut();
         pin.looks += 1;
         Ok(pin.looks > pin.looks_until_low)
     }
 
-    fn is_high(&mut self) -> Result<bool, Refused> {
+    fn is_high(&mut self) -> Result<bool, PinRefusal> {
         self.is_low().map(|low| !low)
     }
 }
 
 impl embedded_hal::digital::OutputPin for Pin {
-    fn set_low(&mut self) -> Result<(), Refused> {
+    fn set_low(&mut self) -> Result<(), PinRefusal> {
         self.set(false)
     }
 
-    fn set_high(&mut self) -> Result<(), Refused> {
+    fn set_high(&mut self) -> Result<(), PinRefusal> {
         self.set(true)
     }
 }
@@ -319,7 +319,7 @@ pub use asynch::now;
 
 #[cfg(feature = "async")]
 mod asynch {
-    use super::{Delay, Operation, Pin, Refused, SpiDevice, Unplugged, Wire};
+    use super::{Delay, Operation, Pin, PinRefusal, SpiDevice, Wire, WireFault};
     use embedded_hal::digital::InputPin;
     use std::future::{Future, pending};
     use std::pin::pin;
@@ -334,29 +334,29 @@ mod asynch {
     }
 
     impl embedded_hal_async::spi::SpiDevice for Wire {
-        async fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Unplugged> {
+        async fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), WireFault> {
             SpiDevice::transaction(self, operations)
         }
     }
 
     impl embedded_hal_async::digital::Wait for Pin {
-        async fn wait_for_low(&mut self) -> Result<(), Refused> {
+        async fn wait_for_low(&mut self) -> Result<(), PinRefusal> {
             if self.is_low()? { Ok(()) } else { pending().await }
         }
 
-        async fn wait_for_high(&mut self) -> Result<(), Refused> {
+        async fn wait_for_high(&mut self) -> Result<(), PinRefusal> {
             if self.is_high()? { Ok(()) } else { pending().await }
         }
 
-        async fn wait_for_rising_edge(&mut self) -> Result<(), Refused> {
+        async fn wait_for_rising_edge(&mut self) -> Result<(), PinRefusal> {
             pending().await
         }
 
-        async fn wait_for_falling_edge(&mut self) -> Result<(), Refused> {
+        async fn wait_for_falling_edge(&mut self) -> Result<(), PinRefusal> {
             pending().await
         }
 
-        async fn wait_for_any_edge(&mut self) -> Result<(), Refused> {
+        async fn wait_for_any_edge(&mut self) -> Result<(), PinRefusal> {
             pending().await
         }
     }

@@ -295,7 +295,7 @@ fn a_missed_reading_behind_a_divider_is_one_loss() {
 
 /// RDY behind a counter that lets every N-th edge through, in conversions: the first edge after a read of both comes
 /// two conversions later, then one per conversion (F-32).
-struct Divided {
+struct DividedRdy {
     sampler: Sampler,
     edges: u32,
     conversion_ns: f64,
@@ -304,7 +304,7 @@ struct Divided {
     is_read: bool,
 }
 
-impl Divided {
+impl DividedRdy {
     fn new(sampling: SamplerConfig, ppm: f64) -> Self {
         let conversion_ns = PAIR_NS / 2.0 * (1.0 + ppm * 1e-6);
         let edges = sampling.divided.into();
@@ -343,7 +343,7 @@ impl Divided {
 fn f56_a_counter_in_the_line_loses_nothing() {
     for ppm in [-20_000.0, 0.0, 20_000.0] {
         for edges in [2, 3, 16, 50, 1_000, u16::MAX] {
-            let mut part = Divided::new(SamplerConfig::new().with_divided(edges), ppm);
+            let mut part = DividedRdy::new(SamplerConfig::new().with_divided(edges), ppm);
             assert_eq!(part.take(400), (400, 0), "every {edges}, {ppm} ppm");
             let error = part.sampler.rate_period_ns() / (2.0 * part.conversion_ns) - 1.0;
             assert!(error.abs() < 3e-6, "every {edges}, {ppm} ppm: {error:e}");
@@ -354,7 +354,7 @@ fn f56_a_counter_in_the_line_loses_nothing() {
 #[test]
 fn a_missing_edge_of_a_counter_is_one_loss() {
     for edges in [2, 3, 50, 1_000] {
-        let mut part = Divided::new(SamplerConfig::new().with_divided(edges), 12_345.0);
+        let mut part = DividedRdy::new(SamplerConfig::new().with_divided(edges), 12_345.0);
         part.take(10);
         part.miss(1);
         assert_eq!(part.take(300), (300, 1), "every {edges}");
@@ -365,7 +365,7 @@ fn a_missing_edge_of_a_counter_is_one_loss() {
         assert_eq!(part.take(300), (300, readings - 1), "every {edges}");
     }
     // a second of silence on the line, once the distance has been learned
-    let mut part = Divided::new(SamplerConfig::new().with_divided(50), 12_345.0);
+    let mut part = DividedRdy::new(SamplerConfig::new().with_divided(50), 12_345.0);
     part.take(1_000);
     part.miss(220);
     assert_eq!(
@@ -378,7 +378,7 @@ fn a_missing_edge_of_a_counter_is_one_loss() {
 #[test]
 fn a_counter_and_a_divider_multiply() {
     for (edges, divider) in [(2_u16, 2_u16), (7, 3), (10, 5)] {
-        let mut part = Divided::new(SamplerConfig::new().with_divided(edges).with_divider(divider), -9_000.0);
+        let mut part = DividedRdy::new(SamplerConfig::new().with_divided(edges).with_divider(divider), -9_000.0);
         assert_eq!(part.take(600 * u32::from(divider)).1, 0, "{edges} × {divider}");
         let conversions = part.conversions;
         let (readings, lost) = part.take(60 * u32::from(divider));

@@ -9,7 +9,7 @@ use embedded_hal::spi::SpiDevice;
 use crate::bus::{Ahead, Trouble};
 use crate::gyro::{Form, Gyro, call, on};
 use crate::judge::{Judge, Verdict};
-use crate::step::{Plan, Read, Start, Step, Written};
+use crate::step::{Plan, ReadCall, Start, Step, WritableRegister};
 
 /// Longer than two conversions of the slowest kind.
 const EDGE_WITHIN_NS: u64 = 20_000_000;
@@ -118,25 +118,25 @@ impl Bench {
 
     // ---- other calls ----
 
-    fn read(&mut self, read: Read) -> Verdict {
+    fn read(&mut self, read: ReadCall) -> Verdict {
         self.judge.read_beside();
         self.judge.begin();
         let (mut rate, mut temp, mut in_range) = (None, None, None);
         let gyro = &mut self.gyro;
         match read {
-            Read::Rate => rate = call!(*gyro, read_rate()).and_then(Result::ok),
-            Read::Temp => temp = call!(*gyro, read_temp()).and_then(Result::ok),
-            Read::Both => (rate, temp) = call!(*gyro, read_both()).and_then(Result::ok).unzip(),
-            Read::RateInRange => in_range = call!(*gyro, read_rate_in_range()).and_then(Result::ok),
-            Read::InRange => (in_range, temp) = call!(*gyro, read_in_range()).and_then(Result::ok).unzip(),
-            Read::RateStatus => _ = call!(*gyro, rate_status()),
-            Read::TempStatus => _ = call!(*gyro, temp_status()),
-            Read::AdcStatus => _ = call!(*gyro, adc_status()),
-            Read::Revision => _ = call!(*gyro, revision()),
-            Read::All => _ = call!(*gyro, read_all()),
-            Read::Raw => _ = call!(*gyro, read_register::<RateData>()),
-            Read::Verify => _ = call!(*gyro, verify()),
-            Read::Diagnose => _ = call!(*gyro, diagnose()),
+            ReadCall::Rate => rate = call!(*gyro, read_rate()).and_then(Result::ok),
+            ReadCall::Temp => temp = call!(*gyro, read_temp()).and_then(Result::ok),
+            ReadCall::Both => (rate, temp) = call!(*gyro, read_both()).and_then(Result::ok).unzip(),
+            ReadCall::RateInRange => in_range = call!(*gyro, read_rate_in_range()).and_then(Result::ok),
+            ReadCall::InRange => (in_range, temp) = call!(*gyro, read_in_range()).and_then(Result::ok).unzip(),
+            ReadCall::RateStatus => _ = call!(*gyro, rate_status()),
+            ReadCall::TempStatus => _ = call!(*gyro, temp_status()),
+            ReadCall::AdcStatus => _ = call!(*gyro, adc_status()),
+            ReadCall::Revision => _ = call!(*gyro, revision()),
+            ReadCall::All => _ = call!(*gyro, read_all()),
+            ReadCall::Raw => _ = call!(*gyro, read_register::<RateData>()),
+            ReadCall::Verify => _ = call!(*gyro, verify()),
+            ReadCall::Diagnose => _ = call!(*gyro, diagnose()),
         }
         self.judge.end(self.ahead.take_struck())?;
         self.judge.readings(rate, in_range, temp)
@@ -205,16 +205,16 @@ impl Bench {
         Ok(())
     }
 
-    fn write(&mut self, register: Written, value: u8) -> Verdict {
+    fn write(&mut self, register: WritableRegister, value: u8) -> Verdict {
         self.judge.bewilder();
         self.judge.begin();
         let gyro = &mut self.gyro;
         match register {
             // DUMP and CONTRD are not for this driver
-            Written::Mode => _ = call!(*gyro, write_register::<Mode>(Mode::new(value & !0x0C))),
-            Written::Iop => _ = call!(*gyro, write_register::<Iop>(Iop::new(value))),
-            Written::RateConv => _ = call!(*gyro, write_register::<RateConv>(ConversionTime::new(value))),
-            Written::TempCs => _ = call!(*gyro, write_register::<TempCs>(ChannelSetup::new(value))),
+            WritableRegister::Mode => _ = call!(*gyro, write_register::<Mode>(Mode::new(value & !0x0C))),
+            WritableRegister::Iop => _ = call!(*gyro, write_register::<Iop>(Iop::new(value))),
+            WritableRegister::RateConv => _ = call!(*gyro, write_register::<RateConv>(ConversionTime::new(value))),
+            WritableRegister::TempCs => _ = call!(*gyro, write_register::<TempCs>(ChannelSetup::new(value))),
         }
         self.judge.end(self.ahead.take_struck())
     }

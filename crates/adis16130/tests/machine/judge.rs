@@ -4,7 +4,7 @@ use adis16130::{Channels, Config, ConversionTime, MIN_SCLK_HZ, RateCode, Sample,
 use adis16130_twin::{Conversion, Fault, Reading, Twin};
 
 use crate::bus::Trouble;
-use crate::ledger::{Handed, Ledger};
+use crate::ledger::{Ledger, SampleRecord};
 
 /// The rule that was broken.
 pub type Verdict = Result<(), String>;
@@ -206,7 +206,7 @@ impl Judge {
         if self.uncounted || !self.counts {
             return Ok(());
         }
-        self.ledger.enter(Handed { lost: sample.lost, edge_ns, conversion }, self.period_ns)
+        self.ledger.enter(SampleRecord { lost: sample.lost, edge_ns, conversion }, self.period_ns)
     }
 
     /// Without the status the driver must believe the edges, so none may be missing, and the bus must be fast enough.

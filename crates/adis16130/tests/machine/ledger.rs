@@ -1,4 +1,4 @@
-//! The rule of `lost`: the conversions that the twin made, less the samples that were handed out.
+//! The rule of `lost`: the conversions that the twin made, less the samples that were sample out.
 //!
 //! The documentation of `Sampler` promises that each reported loss is real, and that each loss is reported within five
 //! samples. A host that reads late gets a newer conversion than its edge announced, so these five are samples that
@@ -41,7 +41,7 @@ const ROUNDING: f64 = 1e-6;
 
 /// A sample of the driver beside the truth.
 #[derive(Copy, Clone, Debug)]
-pub struct Handed {
+pub struct SampleRecord {
     pub lost: u32,
     /// Time of its edge on the twin's clock, in ns.
     pub edge_ns: u64,
@@ -52,7 +52,7 @@ pub struct Handed {
 /// The balance between reported and true losses, in samples.
 #[derive(Clone, Debug, Default)]
 pub struct Ledger {
-    last: Option<Handed>,
+    last: Option<SampleRecord>,
     /// Reported less true losses.
     balance: f64,
     /// What the balance may be once all losses have been reported. Before, it may be lower.
@@ -94,25 +94,25 @@ impl Ledger {
     }
 
     /// Enters a sample. `period_ns` is the true period.
-    pub fn enter(&mut self, handed: Handed, period_ns: f64) -> Result<(), String> {
-        let at_once = handed.conversion.t_ns <= handed.edge_ns;
+    pub fn enter(&mut self, sample: SampleRecord, period_ns: f64) -> Result<(), String> {
+        let at_once = sample.conversion.t_ns <= sample.edge_ns;
         let restarted = std::mem::take(&mut self.restarted);
-        let missing = match self.last.replace(handed) {
-            None => self.begin(&handed, period_ns),
-            Some(last) => self.missing(&last, &handed, restarted, period_ns),
+        let missing = match self.last.replace(sample) {
+            None => self.begin(&sample, period_ns),
+            Some(last) => self.missing(&last, &sample, restarted, period_ns),
         };
         if self.samples == 1 {
             self.lowest -= missing.max(0.0);
         }
-        self.balance += f64::from(handed.lost) - missing;
-        self.calm = if at_once && missing == 0.0 && handed.lost == 0 { self.calm + 1 } else { 0 };
+        self.balance += f64::from(sample.lost) - missing;
+        self.calm = if at_once && missing == 0.0 && sample.lost == 0 { self.calm + 1 } else { 0 };
         self.samples += 1;
         self.learned += 1;
         self.judge()
     }
 
-    fn begin(&mut self, handed: &Handed, period_ns: f64) -> f64 {
-        let late_ns = handed.conversion.t_ns.saturating_sub(handed.edge_ns);
+    fn begin(&mut self, sample: &SampleRecord, period_ns: f64) -> f64 {
+        let late_ns = sample.conversion.t_ns.saturating_sub(sample.edge_ns);
         if late_ns > 0 {
             self.doubt(2.0 + MOST_CLOCK * late_ns as f64 / period_ns);
         }
@@ -120,8 +120,8 @@ impl Ledger {
     }
 
     /// Samples missing between two.
-    fn missing(&mut self, last: &Handed, handed: &Handed, restarted: bool, period_ns: f64) -> f64 {
-        let periods = (handed.conversion.t_ns - last.conversion.t_ns) as f64 / period_ns;
+    fn missing(&mut self, last: &SampleRecord, sample: &SampleRecord, restarted: bool, period_ns: f64) -> f64 {
+        let periods = (sample.conversion.t_ns - last.conversion.t_ns) as f64 / period_ns;
         let reach = if self.learned > SAMPLES_TO_LEARN { REACH } else { REACH_AT_FIRST };
         let clock_off = std::mem::take(&mut self.clock_off);
         if restarted || periods > reach {
@@ -130,7 +130,7 @@ impl Ledger {
         } else if std::mem::take(&mut self.read_beside) || (periods + LAG) * clock_off > MARGIN {
             self.doubt(1.0);
         }
-        if restarted { periods - 1.0 } else { (handed.conversion.number - last.conversion.number - 1) as f64 }
+        if restarted { periods - 1.0 } else { (sample.conversion.number - last.conversion.number - 1) as f64 }
     }
 
     fn doubt(&mut self, samples: f64) {

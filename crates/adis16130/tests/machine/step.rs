@@ -29,14 +29,14 @@ pub enum Step {
     Wait {
         us: u16,
     },
-    Read(Read),
+    Read(ReadCall),
     Start(Start),
     /// Mends everything and initialises the part, as a host does after an error.
     Recover,
     /// Another configuration, with a sampler for it.
     Configure(Config, SamplerConfig),
     SelfTest,
-    Write(Written, u8),
+    Write(WritableRegister, u8),
     /// Bytes of the host's own.
     Raw(Vec<u8>),
     /// The driver gives the bus back, and another one takes it.
@@ -51,7 +51,7 @@ pub enum Step {
 
 /// Calls that read.
 #[derive(Copy, Clone, Debug)]
-pub enum Read {
+pub enum ReadCall {
     Rate,
     Temp,
     Both,
@@ -81,7 +81,7 @@ pub enum Start {
 
 /// Registers that a host may write.
 #[derive(Copy, Clone, Debug)]
-pub enum Written {
+pub enum WritableRegister {
     Mode,
     Iop,
     RateConv,
@@ -185,7 +185,7 @@ fn step() -> impl Strategy<Value = Step> {
         3 => start().prop_map(Step::Start),
         2 => (config(), sampling()).prop_map(|(config, sampling)| Step::Configure(config, sampling)),
         1 => Just(Step::SelfTest),
-        1 => (written(), any::<u8>()).prop_map(|(written, value)| Step::Write(written, value)),
+        1 => (writable(), any::<u8>()).prop_map(|(writable, value)| Step::Write(writable, value)),
     ];
     let strange = prop_oneof![
         2 => Just(Step::Glitch),
@@ -216,8 +216,8 @@ fn fault() -> impl Strategy<Value = Fault> {
     prop::sample::select(&[None, SdoLow, SdoHigh, Frozen, RdyLost, RdyStutter, BitErrors, Brownout, Unplug][..])
 }
 
-fn read() -> impl Strategy<Value = Read> {
-    use Read::*;
+fn read() -> impl Strategy<Value = ReadCall> {
+    use ReadCall::*;
     let all = [
         Rate,
         Temp,
@@ -242,6 +242,8 @@ fn start() -> impl Strategy<Value = Start> {
     prop::sample::select(weighed.to_vec())
 }
 
-fn written() -> impl Strategy<Value = Written> {
-    prop::sample::select(&[Written::Mode, Written::Iop, Written::RateConv, Written::TempCs][..])
+fn writable() -> impl Strategy<Value = WritableRegister> {
+    prop::sample::select(
+        &[WritableRegister::Mode, WritableRegister::Iop, WritableRegister::RateConv, WritableRegister::TempCs][..],
+    )
 }
