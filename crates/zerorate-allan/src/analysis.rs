@@ -2,7 +2,7 @@
 
 use super::kernel::Reason;
 use super::kernels::{Deviation, deviations_and_missing, join};
-use super::noise_id::{Identified, identify};
+use super::noise_id::{NoiseType, identify};
 use super::phase_points::phase_points;
 use super::taus::{longest, nearest};
 use super::{Input, Stat, Taus, edf, interval};
@@ -186,10 +186,10 @@ fn requests(input: &Input<'_>, rate_hz: f64, options: &Options) -> Vec<Request> 
     requests
 }
 
-fn points(input: &Input<'_>, rate_hz: f64, options: &Options, found: Vec<(Deviation, Identified)>) -> Vec<Point> {
+fn points(input: &Input<'_>, rate_hz: f64, options: &Options, found: Vec<(Deviation, NoiseType)>) -> Vec<Point> {
     let stat = options.stat;
     let total = phase_points(input);
-    let point = |(deviation, noise): (Deviation, Identified)| {
+    let point = |(deviation, noise): (Deviation, NoiseType)| {
         let Deviation { m, dev, n } = deviation;
         let dev = dev * options.scale;
         let left = n as f64 / stat.row().kernel.terms(total, m).max(1) as f64;

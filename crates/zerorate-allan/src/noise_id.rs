@@ -47,7 +47,7 @@ pub fn noise_types(input: &Input<'_>, stat: Stat, m: &[u64]) -> Vec<i32> {
 }
 
 /// The noise at one averaging length.
-pub(crate) struct Identified {
+pub(crate) struct NoiseType {
     /// The answer of [`noise_types`].
     pub alpha: i32,
     /// The exponent for the degrees of freedom. Few averages mistake white noise for phase noise too often (10, by B1:
@@ -56,7 +56,7 @@ pub(crate) struct Identified {
     pub cautious: i32,
 }
 
-pub(crate) fn identify(input: &Input<'_>, stat: Stat, m: &[u64]) -> Vec<Identified> {
+pub(crate) fn identify(input: &Input<'_>, stat: Stat, m: &[u64]) -> Vec<NoiseType> {
     let points = phase_points(input);
     let averages = |m: u64| points.saturating_sub(1) / m.max(1);
     let lead = |fewest: u64| {
@@ -79,13 +79,13 @@ pub(crate) fn identify(input: &Input<'_>, stat: Stat, m: &[u64]) -> Vec<Identifi
         if averages(m) >= FOR_CERTAIN || (certain.is_none() && averages(m) >= FOR_LAG1) {
             certain = Some(last);
         }
-        Identified { alpha: last, cautious: last.min(certain.unwrap_or(WHITE)) }
+        NoiseType { alpha: last, cautious: last.min(certain.unwrap_or(WHITE)) }
     });
     all.skip(leads.len()).collect()
 }
 
 /// The phase at every m-th point.
-struct Decimated {
+struct DecimatedPhase {
     m: u64,
     next: u64,
     series: Series,
@@ -113,9 +113,9 @@ struct Stretch<'a> {
     area: f64,
 }
 
-fn decimate(input: &Input<'_>, lengths: &[u64], averages: impl Fn(u64) -> u64) -> Vec<Decimated> {
+fn decimate(input: &Input<'_>, lengths: &[u64], averages: impl Fn(u64) -> u64) -> Vec<DecimatedPhase> {
     let ramp = ramp(input);
-    let new = |&m: &u64| Decimated {
+    let new = |&m: &u64| DecimatedPhase {
         m: m.max(1),
         next: 0,
         sparse: if m <= LONGEST_SPARSE { averages(m).div_ceil(ENOUGH).max(1) } else { 1 },
@@ -124,7 +124,7 @@ fn decimate(input: &Input<'_>, lengths: &[u64], averages: impl Fn(u64) -> u64) -
             false => Series::Short(Short::default()),
         },
     };
-    let mut all: Vec<Decimated> = lengths.iter().map(new).collect();
+    let mut all: Vec<DecimatedPhase> = lengths.iter().map(new).collect();
     let (mut start, mut number, mut area) = (0u64, 0u64, 0.0);
     for_each_run(input, |run| {
         let (count, sum) = match run {
@@ -138,7 +138,7 @@ fn decimate(input: &Input<'_>, lengths: &[u64], averages: impl Fn(u64) -> u64) -
     all
 }
 
-impl Decimated {
+impl DecimatedPhase {
     fn take(&mut self, stretch: &Stretch<'_>) {
         let Stretch { run, span, number, area } = stretch;
         if span.end <= self.next {
@@ -236,8 +236,8 @@ fn sum(points: &[f64]) -> f64 {
 }
 
 /// Decides where B1 has found phase noise: 2 if R(n) says that it is white.
-fn resolve_phase_noise(input: &Input<'_>, all: &[Decimated], found: &[Option<i32>]) -> Vec<Option<i32>> {
-    let question = |(series, alpha): (&Decimated, &Option<i32>)| match &series.series {
+fn resolve_phase_noise(input: &Input<'_>, all: &[DecimatedPhase], found: &[Option<i32>]) -> Vec<Option<i32>> {
+    let question = |(series, alpha): (&DecimatedPhase, &Option<i32>)| match &series.series {
         Series::Short(short) if *alpha == Some(1) => {
             let in_doubt = short.r_at_a_glance(series.m as f64) < 10.0 * r_boundary(series.m as f64);
             in_doubt.then(|| (series.m, allan_variance(&short.phase)))
@@ -373,7 +373,7 @@ mod tests {
     fn few_averages_do_not_make_degrees_of_freedom() {
         let white = white(200 * 5_000);
         let lengths = [32, 122];
-        let at_41: Vec<Identified> =
+        let at_41: Vec<NoiseType> =
             white.chunks(5_000).filter_map(|part| identify(&Input::Rate(part), Stat::Oadev, &lengths).pop()).collect();
         assert!(at_41.iter().any(|found| found.alpha > 0));
         assert!(at_41.iter().filter(|found| found.cautious > 0).count() <= 4);

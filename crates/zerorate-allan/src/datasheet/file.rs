@@ -76,19 +76,19 @@ struct File {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Gyroscope {
-    noise_density: Option<Stated>,
-    angle_random_walk: Option<Stated>,
-    bias_instability: Option<Stated>,
-    rate_random_walk: Option<Stated>,
+    noise_density: Option<FigureEntry>,
+    angle_random_walk: Option<FigureEntry>,
+    bias_instability: Option<FigureEntry>,
+    rate_random_walk: Option<FigureEntry>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Accelerometer {
-    noise_density: Option<Stated>,
-    velocity_random_walk: Option<Stated>,
-    bias_instability: Option<Stated>,
-    acceleration_random_walk: Option<Stated>,
+    noise_density: Option<FigureEntry>,
+    velocity_random_walk: Option<FigureEntry>,
+    bias_instability: Option<FigureEntry>,
+    acceleration_random_walk: Option<FigureEntry>,
     // its scale, for people
     #[serde(rename = "lsb_per_g")]
     _lsb_per_g: Option<IgnoredAny>,
@@ -102,10 +102,10 @@ struct Accelerometer {
     _bandwidth_hz: Option<IgnoredAny>,
 }
 
-/// The statements of a data sheet about one figure.
+/// The entry of one figure in a data sheet.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Stated {
+struct FigureEntry {
     typical: Option<f64>,
     maximum: Option<f64>,
     unit: String,
@@ -157,7 +157,7 @@ fn lines(
     table: Entry<'_>,
     of: Of,
     rows: &[FigureRow; 4],
-    stated: [Option<Stated>; 4],
+    stated: [Option<FigureEntry>; 4],
 ) -> Result<Vec<Line>, EntryError> {
     let mut lines = Vec::new();
     for (row, stated) in rows.iter().zip(stated) {
@@ -177,7 +177,7 @@ fn lines(
 }
 
 impl FigureRow {
-    fn line(&self, of: Of, stated: &Stated, value: f64, is_maximum: bool, printed: &str) -> Result<Line, String> {
+    fn line(&self, of: Of, stated: &FigureEntry, value: f64, is_maximum: bool, printed: &str) -> Result<Line, String> {
         let &Self(_, figure, halves, units) = self;
         let bounds = Bounds::Positive;
         if !bounds.hold(value) {

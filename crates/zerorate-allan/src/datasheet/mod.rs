@@ -56,9 +56,9 @@ pub enum Figure {
     RateRandomWalk,
 }
 
-/// A line beside the measured value, in the line's unit.
+/// The comparison of a measured value with a line of a data sheet, in the line's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Compared {
+pub struct Comparison {
     /// Value and 95 % interval; none without a model that can be trusted.
     pub measured: Option<Estimate>,
     /// The verdict on the sensor.
@@ -84,7 +84,7 @@ const FEWEST_EDF: f64 = 4.0;
 impl Line {
     /// Compares a record with the line. The analysis must be of Allan deviations.
     #[must_use]
-    pub fn compare(&self, fit: Option<&Fit>, analysis: &Analysis) -> Compared {
+    pub fn compare(&self, fit: Option<&Fit>, analysis: &Analysis) -> Comparison {
         let of = |coefficient: &Coefficient, by: f64| {
             let &Coefficient { value, lo, hi, identified, .. } = coefficient;
             Estimate { value: by * value, lo: if identified { by * lo } else { 0.0 }, hi: by * hi }
@@ -102,7 +102,7 @@ impl Line {
             lo: lo / self.factor,
             hi: hi / self.factor,
         });
-        Compared { measured, verdict: measured.map_or(Verdict::Open, |measured| self.verdict(&measured)) }
+        Comparison { measured, verdict: measured.map_or(Verdict::Open, |measured| self.verdict(&measured)) }
     }
 
     fn verdict(&self, measured: &Estimate) -> Verdict {
@@ -179,7 +179,7 @@ mod tests {
         }
         let line = &sheet("angle_random_walk = { typical = 6.0, unit = \"°/√h\" }").gyroscope[0];
         let rejected = Fit { is_rejected: true, ..fit };
-        assert_eq!(line.compare(Some(&rejected), &analysis), Compared { measured: None, verdict: Verdict::Open });
+        assert_eq!(line.compare(Some(&rejected), &analysis), Comparison { measured: None, verdict: Verdict::Open });
         assert_eq!((line.half_digit * 100.0).round(), 5.0, "6.0 is 5.95 to 6.05");
     }
 }

@@ -8,10 +8,10 @@
 use super::MOST_ERROR;
 use super::density::Table;
 use super::profile::marginal_variance;
-use super::scoring::{Found, ModelForm, N2, Problem, SHAPE};
+use super::scoring::{ModelForm, N2, Optimum, Problem, SHAPE};
 use super::select::{
-    DESCENT, MOST_CHOSEN, Priced, fewest_cosines, is_sound, model_error, plateau, priced, start, white, with_corner,
-    with_cosine, with_markov, without_shape,
+    DESCENT, MOST_CHOSEN, PricedModel, fewest_cosines, is_sound, model_error, plateau, priced, start, white,
+    with_corner, with_cosine, with_markov, without_shape,
 };
 use alloc::vec::Vec;
 
@@ -125,7 +125,7 @@ impl Look {
 
 /// Whether the shape wanted no more cosines than it may have. One that wants more leaves a misfit, which a
 /// Gauss–Markov term would take.
-fn has_followed(found: &Found) -> bool {
+fn has_followed(found: &Optimum) -> bool {
     found.form.cosines < MOST_CHOSEN
 }
 
@@ -136,13 +136,13 @@ fn is_held(problem: &Problem) -> bool {
     held_hz > top_hz / 4.0
 }
 
-fn sees_plateau(problem: &Problem, found: &Found) -> bool {
+fn sees_plateau(problem: &Problem, found: &Optimum) -> bool {
     let (rows, at) = (&problem.table.rows, plateau(problem));
     white(&problem.local(found), found, at) > PLATEAU * (found.density[at] - rows[at].bin.response.offset)
 }
 
 /// The order of the shape that is worth its price, up to `most`, from the best of several starts without a shape.
-fn best(problem: &Problem, starts: &[Vec<f64>], markovs: usize, most: usize) -> Option<Priced> {
+fn best(problem: &Problem, starts: &[Vec<f64>], markovs: usize, most: usize) -> Option<PricedModel> {
     let from = |slow: &Vec<f64>| {
         let cosines = fewest_cosines(problem);
         let form = ModelForm { cosines, markovs, ..ModelForm::PLAIN };

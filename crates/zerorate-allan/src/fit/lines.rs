@@ -90,7 +90,7 @@ fn narrow_line((from, to): (usize, usize), power: &[f64], base: &[f64], hz: f64)
 
 /// Running median over an octave to either side of the bins that are not masked. At the ends the slope is taken off.
 fn base_line(bins: &[Bin], mask: &[bool]) -> Vec<f64> {
-    let mut expected = Cached::new(|freedom| chi2_quantile(0.5, freedom) / freedom);
+    let mut expected = Memo::new(|freedom| chi2_quantile(0.5, freedom) / freedom);
     let y: Vec<f64> = bins.iter().map(|bin| libm::log(bin.density() / expected.of(bin.freedom))).collect();
     let x: Vec<f64> = bins.iter().map(|bin| libm::log2(bin.middle())).collect();
     (0..bins.len()).map(|j| libm::exp(level(&x, &y, mask, j))).collect()
@@ -128,7 +128,7 @@ pub(super) fn median(mut values: Vec<f64>) -> f64 {
 /// Bins that stand out of the base line, with their shoulders.
 fn above(bins: &[Bin], base: &[f64]) -> Vec<bool> {
     let alarm = ALARM / bins.len() as f64;
-    let mut limit = Cached::new(|freedom| MARGIN * chi2_quantile(1.0 - alarm, freedom) / freedom);
+    let mut limit = Memo::new(|freedom| MARGIN * chi2_quantile(1.0 - alarm, freedom) / freedom);
     let expected = |bin: &Bin, base: f64| bin.response.offset + bin.response.gain * base;
     let ratio: Vec<f64> = bins.iter().zip(base).map(|(bin, base)| bin.power / expected(bin, *base)).collect();
     let peak: Vec<bool> =
@@ -204,12 +204,12 @@ fn without(bin: &mut Bin, power: &[f64], flag: &mut [bool]) -> bool {
 }
 
 /// A function that is mostly called with the argument of the last call.
-struct Cached<F> {
+struct Memo<F> {
     of: F,
     last: (f64, f64),
 }
 
-impl<F: Fn(f64) -> f64> Cached<F> {
+impl<F: Fn(f64) -> f64> Memo<F> {
     fn new(of: F) -> Self {
         Self { of, last: (f64::NAN, f64::NAN) }
     }

@@ -11,7 +11,7 @@ use alloc::vec::Vec;
 use core::f64::consts::PI;
 
 /// The power of the masked bins above the model.
-pub(super) struct Masked {
+pub(super) struct MaskedBins {
     lines: Vec<Line>,
     /// Variance and frequency of the sines in the model, for each line.
     sines: Vec<Vec<(f64, f64)>>,
@@ -37,7 +37,7 @@ pub(super) fn loud(spectrum: &Spectrum, chosen: &Selection, rate_hz: f64) -> Vec
         let ((first, end), half) = (narrow.run, (narrow.run.1 - narrow.run.0).div_ceil(2));
         (&narrow.line, (first.saturating_sub(half).max(1), end + half))
     });
-    let masked = Masked::of(spectrum, chosen, rate_hz);
+    let masked = MaskedBins::of(spectrum, chosen, rate_hz);
     let broad = masked.lines.iter().zip(masked.runs.iter().copied());
     let stands_out =
         |(line, _): &(&Line, (usize, usize))| line.rms * line.rms > SEEN * line.frequency_hz * chosen.found.at[N2];
@@ -71,7 +71,7 @@ impl Whole {
     }
 }
 
-impl Masked {
+impl MaskedBins {
     /// All lines of the record with their sines. A sine that begins and ends with the record leaks into coefficients
     /// further on. That power belongs to the line of the sine, not to a line of its own.
     pub(super) fn with_narrow(self, narrow: &[Narrow]) -> Vec<Whole> {

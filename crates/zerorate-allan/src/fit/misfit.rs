@@ -3,7 +3,7 @@
 use super::MOST_ERROR;
 use super::curve::{BLOCKS, Curves};
 use super::model::Model;
-use super::scoring::{Found, Problem};
+use super::scoring::{Optimum, Problem};
 use super::select::is_upper;
 use crate::{Cause, Deviation, Misfit, chi2_quantile};
 use alloc::vec::Vec;
@@ -66,7 +66,7 @@ impl Misfit {
     }
 
     pub(super) fn of(
-        (problem, found): (&Problem, &Found),
+        (problem, found): (&Problem, &Optimum),
         off_curve: Option<OffCurve>,
         (curves, model): (&Curves<'_>, &Model),
     ) -> Self {
@@ -87,7 +87,7 @@ impl Misfit {
 }
 
 /// The band in which the spectrum is the farthest off the model, and by what factor.
-fn worst_band(problem: &Problem, found: &Found) -> (f64, f64, f64) {
+fn worst_band(problem: &Problem, found: &Optimum) -> (f64, f64, f64) {
     let rows = problem.table.rows.iter().zip(&found.density).filter(|(row, _)| is_upper(problem, row.f_hz));
     let bins: Vec<(f64, f64, f64)> =
         rows.map(|(row, density)| (row.f_hz, row.bin.power / density - 1.0, row.bin.freedom)).collect();

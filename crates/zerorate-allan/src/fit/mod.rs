@@ -50,9 +50,9 @@ pub use covering::{Covering, Usage};
 use curve::Curves;
 use density::{Drift, Table};
 pub use lines::Line;
-use masked::Masked;
+use masked::MaskedBins;
 use misfit::OffCurve;
-use model::Measured;
+use model::MeasuredSpectrum;
 pub use model::Model;
 pub use motion::{Motion, MotionKind, motion};
 use periods::Period;
@@ -447,14 +447,14 @@ fn described(
     raw: Raw,
     mut warnings: Vec<AllanWarning>,
 ) -> Result<Fit, FitError> {
-    let masked = Masked::of(&spectrum, &chosen, rate_hz);
+    let masked = MaskedBins::of(&spectrum, &chosen, rate_hz);
     let tail_at_zero = masked.tail_at_zero;
     let all = masked.with_narrow(&spectrum.narrow);
     let sines = all.iter().flat_map(|whole| whole.sines.iter().copied()).collect();
     let top_hz = chosen.problem.table.top_hz;
     let lines: Vec<Line> = all.iter().map(|whole| whole.line).filter(|line| line.frequency_hz < top_hz).collect();
     let above = spectrum.above(top_hz, rate_hz);
-    let measured = Measured { rate_hz, record_s: raw.record_s, top_hz, above, sines };
+    let measured = MeasuredSpectrum { rate_hz, record_s: raw.record_s, top_hz, above, sines };
     let model = Model::new(&chosen.found, &measured)?.with_gaps_of(rate);
     let own = &chosen.found;
     let curves = Curves::of(rate, rate_hz);

@@ -2,7 +2,7 @@
 
 use super::density::{Drift, shape_angle};
 use super::prediction::{Doubt, Variances};
-use super::scoring::{B2, Found, K2, N2, Q2, Reading, low_pass_memory, shape};
+use super::scoring::{B2, K2, N2, Optimum, Q2, Reading, low_pass_memory, shape};
 use super::thinning::Thinning;
 use super::transform::autocovariance;
 use crate::FLOOR_PER_B;
@@ -43,7 +43,7 @@ pub struct Model {
 
 /// The record of a model, and the part of its spectrum that is taken as measured.
 #[derive(Clone, Debug)]
-pub(super) struct Measured {
+pub(super) struct MeasuredSpectrum {
     pub(super) rate_hz: f64,
     pub(super) record_s: f64,
     /// The upper end of the model, Hz.
@@ -54,7 +54,7 @@ pub(super) struct Measured {
     pub(super) sines: Vec<(f64, f64)>,
 }
 
-impl Measured {
+impl MeasuredSpectrum {
     /// The density above the upper end, linear between the bins.
     fn density(&self, f_hz: f64) -> Option<f64> {
         let next = self.above.partition_point(|(middle_hz, _)| *middle_hz < f_hz);
@@ -76,9 +76,9 @@ impl Measured {
 }
 
 impl Model {
-    pub(super) fn new(found: &Found, measured: &Measured) -> Result<Self, FftError> {
+    pub(super) fn new(found: &Optimum, measured: &MeasuredSpectrum) -> Result<Self, FftError> {
         let form = &found.form;
-        let &Measured { rate_hz, record_s, top_hz, .. } = measured;
+        let &MeasuredSpectrum { rate_hz, record_s, top_hz, .. } = measured;
         let markov = |index| {
             let place = form.markov(index);
             (found.at[place], libm::exp(found.at[place + 1]))

@@ -2,7 +2,7 @@
 //! random walk.
 
 use super::density::LOW;
-use super::scoring::{Found, K2, N2, Problem};
+use super::scoring::{K2, N2, Optimum, Problem};
 use super::select::{DESCENT, Selection};
 use crate::linear::Square;
 use alloc::vec::Vec;
@@ -49,7 +49,7 @@ fn with(Selection { problem, found, .. }: &Selection, harmonics: usize) -> Optio
     let table = &problem.table;
     let mut now = None;
     for _ in 0..LOOKS {
-        let under: &Found = now.as_ref().map_or(found, |(_, rest, _)| rest);
+        let under: &Optimum = now.as_ref().map_or(found, |(_, rest, _)| rest);
         let tried = (TRIED.start * STEPS..TRIED.end * STEPS).map(|step| f64::from(step) / f64::from(STEPS));
         let left = tried.filter_map(|turns| Some((turns, left(problem, under, turns, harmonics)?)));
         let weighed = |left: &[f64]| left.iter().zip(&under.density).map(|(left, s)| left * left / s).sum::<f64>();
@@ -76,7 +76,7 @@ fn with(Selection { problem, found, .. }: &Selection, harmonics: usize) -> Optio
 }
 
 /// The first coefficients without the best sines of a period of so many half turns over the record.
-fn left(problem: &Problem, under: &Found, turns: f64, harmonics: usize) -> Option<Vec<f64>> {
+fn left(problem: &Problem, under: &Optimum, turns: f64, harmonics: usize) -> Option<Vec<f64>> {
     let table = &problem.table;
     let rows = 0..table.singles();
     let places: Vec<f64> = rows.clone().map(|row| table.rows[row].bin.first as f64).collect();

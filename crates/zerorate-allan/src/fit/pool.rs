@@ -7,10 +7,10 @@
 use super::coefficients::Coefficients;
 use super::curve::Curves;
 use super::density::Table;
-use super::model::{Measured, Model};
+use super::model::{MeasuredSpectrum, Model};
 use super::prediction::Doubt;
 use super::remarks::{Raw, remarks};
-use super::scoring::{B2, Found, N2, Problem, SHAPE_PRICE};
+use super::scoring::{B2, N2, Optimum, Problem, SHAPE_PRICE};
 use super::select::{DESCENT, Selection, chi2, is_upper, select};
 use super::{Cleaned, Fit, FitError, MOST_ERROR, TWO_SIDED_95, fitted, lines::median};
 use crate::chi2::chi2_above;
@@ -238,7 +238,7 @@ fn outliers_by_own_model(records: &[PoolRecord<'_>]) -> Vec<Outlier> {
 struct RecordFit {
     record: usize,
     problem: Problem,
-    own: Found,
+    own: Optimum,
     /// Expected power by the common values of the slow terms.
     common: Vec<f64>,
 }
@@ -324,7 +324,7 @@ fn common(
         own.map_or(0.0, |spread| spread.relative / libm::sqrt(spread.records as f64))
     };
     let (chi2, freedom) = chi2(&chosen.problem, found);
-    let measured = Measured { rate_hz, record_s, top_hz, above, sines: Vec::new() };
+    let measured = MeasuredSpectrum { rate_hz, record_s, top_hz, above, sines: Vec::new() };
     let model = Model::new(found, &measured)?;
     let doubt = Doubt::of((&chosen.problem, found), &model, &measured, None)?;
     let of_no_record = Curves::of(&[], rate_hz);

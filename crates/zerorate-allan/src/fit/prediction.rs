@@ -1,7 +1,7 @@
 //! The uncertainty of a model of one record about another record.
 
-use super::model::{Measured, Model};
-use super::scoring::{Found, Problem, Q2};
+use super::model::{MeasuredSpectrum, Model};
+use super::scoring::{Optimum, Problem, Q2};
 use super::steadiness::Scatter;
 use crate::linear::Square;
 use alloc::vec;
@@ -30,9 +30,9 @@ pub(super) struct Variances {
 impl Doubt {
     /// `scatter` is none for a model of several records.
     pub(super) fn of(
-        (problem, found): (&Problem, &Found),
+        (problem, found): (&Problem, &Optimum),
         model: &Model,
-        measured: &Measured,
+        measured: &MeasuredSpectrum,
         scatter: Option<&Scatter>,
     ) -> Result<Self, FftError> {
         let lengths = super::super::octaves((measured.record_s * measured.rate_hz) as usize);
@@ -52,10 +52,10 @@ impl Doubt {
 /// might be more. Any other parameter at a bound stays there.
 fn own_variance(
     problem: &Problem,
-    found: &Found,
+    found: &Optimum,
     model: &Model,
     lengths: &[u64],
-    measured: &Measured,
+    measured: &MeasuredSpectrum,
 ) -> Result<Vec<f64>, FftError> {
     let curvature = problem.information(found);
     let may_move = |i: usize| i < Q2 || (i > Q2 || found.form.quantised) && problem.is_free(found, i);

@@ -3,7 +3,7 @@
 
 use super::TWO_SIDED_95;
 use super::departure::departure;
-use super::scoring::{Found, Local, ModelForm, Problem};
+use super::scoring::{Local, ModelForm, Optimum, Problem};
 use super::select::DESCENT;
 use crate::linear::Square;
 use alloc::vec::Vec;
@@ -24,19 +24,19 @@ const MOST_CORRECTION: f64 = 1.0;
 /// The likelihood along one parameter.
 pub(super) struct Profile<'a> {
     problem: &'a Problem,
-    best: Found,
+    best: Optimum,
     local: Local,
     place: usize,
     /// The bounds of the parameter.
     bounds: (f64, f64),
     /// The best fit with the parameter at zero, where the best value would be below zero.
-    at_zero: Option<Found>,
+    at_zero: Option<Optimum>,
 }
 
 impl<'a> Profile<'a> {
     /// The profile of a squared coefficient. Its own estimate may be below zero. Those of the others may not, or
     /// absent B and K would trade with a Gauss–Markov term.
-    pub(super) fn of_square(problem: &'a Problem, found: &Found, place: usize) -> Self {
+    pub(super) fn of_square(problem: &'a Problem, found: &Optimum, place: usize) -> Self {
         let best = match found.at[place] > 0.0 {
             true => found.clone(),
             false => problem.descend(ModelForm { signed: Some(place), ..found.form }, &found.at, None, DESCENT),
@@ -46,7 +46,7 @@ impl<'a> Profile<'a> {
     }
 
     /// The profile of any other parameter, between bounds.
-    pub(super) fn between(problem: &'a Problem, found: &Found, place: usize, bounds: (f64, f64)) -> Self {
+    pub(super) fn between(problem: &'a Problem, found: &Optimum, place: usize, bounds: (f64, f64)) -> Self {
         Self { problem, local: problem.local(found), best: found.clone(), place, bounds, at_zero: None }
     }
 
@@ -148,7 +148,7 @@ impl<'a> Profile<'a> {
 
 /// The variance of a parameter where the curvature of D is this and the other free parameters can move. None where
 /// that cannot be told.
-pub(super) fn marginal_variance(problem: &Problem, found: &Found, place: usize, curvature: &Square) -> Option<f64> {
+pub(super) fn marginal_variance(problem: &Problem, found: &Optimum, place: usize, curvature: &Square) -> Option<f64> {
     let free = |i: &usize| curvature.at(*i, *i) > 0.0 && (*i == place || problem.is_free(found, *i));
     let free: Vec<usize> = (0..curvature.n).filter(free).collect();
     let scale = |i: usize| 1.0 / libm::sqrt(curvature.at(i, i));

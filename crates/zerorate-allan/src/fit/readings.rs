@@ -1,6 +1,6 @@
 //! Other readings of a spectrum that a filter or a memory bends.
 
-use super::scoring::{Found, ModelForm, N2, Problem, Reading, SHORTEST};
+use super::scoring::{ModelForm, N2, Optimum, Problem, Reading, SHORTEST};
 use super::select::{DESCENT, LOOK, SURVIVORS, level_near, start, white, with_cosine};
 use alloc::vec::Vec;
 use core::f64::consts::PI;
@@ -18,7 +18,7 @@ const MOST_BESIDE: usize = 2;
 const LEAST_WHITE: f64 = 0.5;
 
 /// White noise behind a low-pass, where slow noise joins, and a memory of few samples.
-pub(super) fn others(problem: &Problem) -> Vec<Found> {
+pub(super) fn others(problem: &Problem) -> Vec<Optimum> {
     let joined = [low_pass(problem), corner(problem)].into_iter().flatten();
     let more =
         |found| core::iter::successors(Some(found), |last| Some(with_cosine(problem, last))).take(1 + MOST_BESIDE);
@@ -26,18 +26,18 @@ pub(super) fn others(problem: &Problem) -> Vec<Found> {
 }
 
 /// The largest share that the white noise has of the density.
-pub(super) fn white_share(problem: &Problem, found: &Found) -> f64 {
+pub(super) fn white_share(problem: &Problem, found: &Optimum) -> f64 {
     let local = problem.local(found);
     (0..local.density.len()).map(|row| white(&local, found, row) / local.density[row]).fold(0.0, f64::max)
 }
 
-fn low_pass(problem: &Problem) -> Option<Found> {
+fn low_pass(problem: &Problem) -> Option<Optimum> {
     let rate_hz = problem.table.rate_hz;
     let start = |samples: f64| joining(problem, rate_hz / (2.0 * PI * samples), &[libm::exp(-1.0 / samples)]);
     best(problem, ModelForm { poles: 1, reading: Reading::Joins, ..ModelForm::PLAIN }, LOW_PASSES.map(start))
 }
 
-fn corner(problem: &Problem) -> Option<Found> {
+fn corner(problem: &Problem) -> Option<Optimum> {
     let table = &problem.table;
     let (low, high) = (PERIODS / table.span_s, table.top_hz / 2.0);
     let start = |step: u32| {
@@ -47,7 +47,7 @@ fn corner(problem: &Problem) -> Option<Found> {
     best(problem, ModelForm { poles: 2, reading: Reading::Joins, ..ModelForm::PLAIN }, (0..CORNERS).map(start))
 }
 
-fn memory(problem: &Problem) -> Option<Found> {
+fn memory(problem: &Problem) -> Option<Optimum> {
     let table = &problem.table;
     let start = |samples: f64| {
         let tau_s = samples / table.rate_hz;
@@ -58,7 +58,7 @@ fn memory(problem: &Problem) -> Option<Found> {
     };
     let found =
         best(problem, ModelForm { markovs: 1, reading: Reading::Short, ..ModelForm::PLAIN }, MEMORIES.map(start));
-    let is_short = |found: &Found| libm::exp(found.at[found.form.markov(0) + 1]) * table.rate_hz < SHORTEST;
+    let is_short = |found: &Optimum| libm::exp(found.at[found.form.markov(0) + 1]) * table.rate_hz < SHORTEST;
     found.filter(|found| is_short(found) && white_share(problem, found) > LEAST_WHITE)
 }
 
@@ -71,8 +71,8 @@ fn joining(problem: &Problem, corner_hz: f64, low_pass: &[f64]) -> Vec<f64> {
 }
 
 /// The best of several starts: from each a short way, and from the best to the end.
-fn best(problem: &Problem, form: ModelForm, starts: impl IntoIterator<Item = Vec<f64>>) -> Option<Found> {
-    let mut looks: Vec<Found> = starts.into_iter().map(|at| problem.descend(form, &at, None, LOOK)).collect();
+fn best(problem: &Problem, form: ModelForm, starts: impl IntoIterator<Item = Vec<f64>>) -> Option<Optimum> {
+    let mut looks: Vec<Optimum> = starts.into_iter().map(|at| problem.descend(form, &at, None, LOOK)).collect();
     looks.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));
     looks.truncate(SURVIVORS);
     let found = looks.iter().map(|found| problem.descend(form, &found.at, None, DESCENT));

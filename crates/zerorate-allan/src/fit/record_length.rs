@@ -2,7 +2,7 @@
 
 use super::bins::all_edges;
 use super::density::Table;
-use super::scoring::{Found, ModelForm, Problem};
+use super::scoring::{ModelForm, Optimum, Problem};
 use super::select::DESCENT;
 
 /// Doublings of the record that are computed. Beyond, the evidence is taken to grow with the length.
@@ -17,7 +17,13 @@ const LONGER: f64 = 1.5;
 ///
 /// It is never as short as the record, which does not show the parameter. `value` is the assumed size of the parameter
 /// at `place`. The length is interpolated between two doublings, linear in logarithms.
-pub(super) fn needed_s(found: &Found, samples: usize, (rate_hz, top_hz): (f64, f64), place: usize, value: f64) -> f64 {
+pub(super) fn needed_s(
+    found: &Optimum,
+    samples: usize,
+    (rate_hz, top_hz): (f64, f64),
+    place: usize,
+    value: f64,
+) -> f64 {
     let length_s = samples as f64 / rate_hz;
     let mut at = found.at.clone();
     at[place] = value;

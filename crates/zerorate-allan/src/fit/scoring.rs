@@ -150,9 +150,9 @@ impl Problem {
     }
 }
 
-/// The best parameters found.
+/// The parameters with the largest likelihood.
 #[derive(Clone, Debug)]
-pub(super) struct Found {
+pub(super) struct Optimum {
     pub(super) form: ModelForm,
     pub(super) at: Vec<f64>,
     pub(super) deviance: f64,
@@ -192,7 +192,7 @@ impl Problem {
         start: &[f64],
         held: Option<usize>,
         (steps, least_gain): (usize, f64),
-    ) -> Found {
+    ) -> Optimum {
         let bound = |(place, &value): (usize, &f64)| match held {
             Some(held) if held == place => value,
             _ => {
@@ -214,7 +214,7 @@ impl Problem {
                 break;
             }
         }
-        Found { form, at, deviance: state.deviance, density: state.density, drift: state.drift }
+        Optimum { form, at, deviance: state.deviance, density: state.density, drift: state.drift }
     }
 
     fn downhill(
@@ -343,23 +343,23 @@ impl Problem {
     }
 
     /// Expected curvature of D at the parameters found.
-    pub(super) fn information(&self, found: &Found) -> Square {
+    pub(super) fn information(&self, found: &Optimum) -> Square {
         self.normal(&found.form, &self.state_of(found)).0
     }
 
     /// Densities and slopes at the parameters found.
-    pub(super) fn local(&self, found: &Found) -> Local {
+    pub(super) fn local(&self, found: &Optimum) -> Local {
         let State { density, slopes, .. } = self.state_of(found);
         Local { density, slopes }
     }
 
-    fn state_of(&self, found: &Found) -> State {
+    fn state_of(&self, found: &Optimum) -> State {
         let template = found.form.drift.map(|drift| drift.coefficients(self.table.span_s, self.table.low.len()));
         self.state(&found.form, &found.at, template.as_deref())
     }
 
     /// Whether a parameter can move.
-    pub(super) fn is_free(&self, found: &Found, place: usize) -> bool {
+    pub(super) fn is_free(&self, found: &Optimum, place: usize) -> bool {
         let (lower, upper) = self.bounds(&found.form, place);
         found.at[place] > lower && found.at[place] < upper
     }

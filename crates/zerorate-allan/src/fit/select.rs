@@ -2,7 +2,7 @@
 
 use super::density::{Drift, MOST_COSINES, Table};
 use super::scoring::{
-    B2, Found, K2, LONGEST, Local, ModelForm, N2, POLES, Problem, Q2, Reading, SHAPE, SHORTEST, low_pass_memory,
+    B2, K2, LONGEST, Local, ModelForm, N2, Optimum, POLES, Problem, Q2, Reading, SHAPE, SHORTEST, low_pass_memory,
 };
 use super::{MOST_ERROR, readings};
 use crate::{Coefficient, chi2_quantile};
@@ -59,7 +59,7 @@ const AT_BOUND: f64 = 1.1;
 #[derive(Clone, Debug)]
 pub(super) struct Selection {
     pub(super) problem: Problem,
-    pub(super) found: Found,
+    pub(super) found: Optimum,
     /// The next best choice of slow terms and how much worse it is, where it differs.
     pub(super) runner_up: Option<(ModelForm, f64)>,
     /// Another reading that explains as much of the whole spectrum, with another N.
@@ -77,16 +77,17 @@ pub(super) struct Other {
 
 impl Other {
     /// A candidate with an N that differs from that of the chosen one by more than [`OTHER_N`].
-    fn of(problem: &Problem, chosen: &Found, candidate: &Found) -> Option<Self> {
+    fn of(problem: &Problem, chosen: &Optimum, candidate: &Optimum) -> Option<Self> {
         let (own, n2) = (chosen.at[N2], candidate.at[N2]);
         if own.max(n2) < OTHER_N * own.min(n2) {
             return None;
         }
-        let low_pass_s = |found: &Found| {
+        let low_pass_s = |found: &Optimum| {
             let (rate_hz, top_hz) = (problem.table.rate_hz, problem.table.top_hz);
             low_pass_memory(&found.form, &found.at, rate_hz, top_hz) / rate_hz
         };
-        let time_s = |found: &Found| loudest(found).map_or_else(|| low_pass_s(found), |index| memory(found, index).1);
+        let time_s =
+            |found: &Optimum| loudest(found).map_or_else(|| low_pass_s(found), |index| memory(found, index).1);
         let tau_s = [candidate, chosen].map(time_s).into_iter().find(|tau_s| *tau_s > 0.0)?;
         Some(Self { tau_s, n: libm::sqrt(n2) })
     }
@@ -125,8 +126,8 @@ impl Selection {
 
 /// A model and its price.
 #[derive(Clone, Debug)]
-pub(super) struct Priced {
-    pub(super) found: Found,
+pub(super) struct PricedModel {
+    pub(super) found: Optimum,
     pub(super) price: f64,
 }
 
@@ -135,7 +136,7 @@ pub(super) fn select(table: Table, shape_price: f64) -> Option<Selection> {
     let ideal = Problem::new(table, 0.0).priced_at(shape_price);
     let families = families(&ideal);
     let others = families.iter().flat_map(|best| other_shapes(&ideal, &best.found));
-    let others: Vec<Found> = others.chain(other_readings(&ideal, &families)).collect();
+    let others: Vec<Optimum> = others.chain(other_readings(&ideal, &families)).collect();
     let all = families.iter().map(|best| &best.found).chain(&others);
     let error = all.map(|found| model_error(&ideal, found)).fold(f64::INFINITY, f64::min);
     let (problem, families) = match error > 0.0 && error.is_finite() {
@@ -148,7 +149,7 @@ pub(super) fn select(table: Table, shape_price: f64) -> Option<Selection> {
     };
     let further = families.iter().flat_map(|best| variants(&problem, best));
     let read = other_readings(&problem, &families).into_iter().map(|found| priced(&problem, found));
-    let mut all: Vec<Priced> = families.iter().cloned().chain(further).chain(read).collect();
+    let mut all: Vec<PricedModel> = families.iter().cloned().chain(further).chain(read).collect();
     all.retain(|candidate| is_sound(&problem, &candidate.found));
     all.sort_by(|a, b| a.price.total_cmp(&b.price));
     let mut best = all.first()?.clone();
@@ -168,8 +169,8 @@ pub(super) fn select(table: Table, shape_price: f64) -> Option<Selection> {
 }
 
 /// Other readings of a whole spectrum that a filter or a memory bends by more than a few cosines can follow.
-fn other_readings(problem: &Problem, families: &[Priced]) -> Vec<Found> {
-    let is_bent = |found: &Found| {
+fn other_readings(problem: &Problem, families: &[PricedModel]) -> Vec<Optimum> {
+    let is_bent = |found: &Optimum| {
         found.form.markovs > 0
             || found.form.shape() > MANY_COSINES
             || model_error(problem, found) > 0.0
@@ -179,7 +180,7 @@ fn other_readings(problem: &Problem, families: &[Priced]) -> Vec<Found> {
     best.filter(|best| is_bent(&best.found)).map_or(Vec::new(), |_| readings::others(problem))
 }
 
-pub(super) fn priced(problem: &Problem, found: Found) -> Priced {
+pub(super) fn priced(problem: &Problem, found: Optimum) -> PricedModel {
     let form = &found.form;
     let drift = match form.drift {
         None => 0.0,
@@ -190,11 +191,11 @@ pub(super) fn priced(problem: &Problem, found: Found) -> Priced {
     let instead = if form.markovs > 0 && !has_flicker(problem, &found) { INSTEAD_OF_FLICKER } else { 0.0 };
     let low_pass = if low_pass(problem, &found).is_some() { INSTEAD_OF_LOW_PASS } else { 0.0 };
     let price = found.deviance + shape + MARKOV_PRICE * form.markovs as f64 + instead + low_pass + drift;
-    Priced { found, price }
+    PricedModel { found, price }
 }
 
 /// Whether flicker gains as much as a coefficient that is identified.
-fn has_flicker(problem: &Problem, found: &Found) -> bool {
+fn has_flicker(problem: &Problem, found: &Optimum) -> bool {
     let mut at = found.at.clone();
     at[B2] = 0.0;
     let without = || problem.descend(found.form, &at, Some(B2), DESCENT).deviance;
@@ -203,9 +204,9 @@ fn has_flicker(problem: &Problem, found: &Found) -> bool {
 
 /// The best shape for zero, one and two Gauss–Markov terms. A second one is looked for only where the first is taken.
 /// The shape is chosen anew for each: chosen before, it swallows a Gauss–Markov term.
-fn families(problem: &Problem) -> Vec<Priced> {
-    let mut found: Vec<Priced> = Vec::new();
-    let mut fewer: Vec<Found> = Vec::new();
+fn families(problem: &Problem) -> Vec<PricedModel> {
+    let mut found: Vec<PricedModel> = Vec::new();
+    let mut fewer: Vec<Optimum> = Vec::new();
     for markovs in 0..=MOST_MARKOVS {
         let (best, all) = family(problem, markovs, &fewer);
         let Some(best) = best else { break };
@@ -220,12 +221,12 @@ fn families(problem: &Problem) -> Vec<Priced> {
 }
 
 /// Shapes of growing order until two in turn were not worth their price.
-fn family(problem: &Problem, markovs: usize, fewer: &[Found]) -> (Option<Priced>, Vec<Found>) {
-    let mut all: Vec<Found> = Vec::new();
-    let mut best: Option<Priced> = None;
+fn family(problem: &Problem, markovs: usize, fewer: &[Optimum]) -> (Option<PricedModel>, Vec<Optimum>) {
+    let mut all: Vec<Optimum> = Vec::new();
+    let mut best: Option<PricedModel> = None;
     let mut worse = 0;
     for (index, cosines) in (fewest_cosines(problem)..=MOST_CHOSEN).enumerate() {
-        let mut tried: Vec<Found> = all.last().map(|before| with_cosine(problem, before)).into_iter().collect();
+        let mut tried: Vec<Optimum> = all.last().map(|before| with_cosine(problem, before)).into_iter().collect();
         match (markovs, fewer.get(index)) {
             (0, _) => {
                 let form = ModelForm { cosines, ..ModelForm::PLAIN };
@@ -275,14 +276,14 @@ pub(super) fn is_upper(problem: &Problem, f_hz: f64) -> bool {
     f_hz > ERROR_ABOVE * problem.table.top_hz
 }
 
-pub(super) fn with_cosine(problem: &Problem, before: &Found) -> Found {
+pub(super) fn with_cosine(problem: &Problem, before: &Optimum) -> Optimum {
     let mut at = before.at.clone();
     at.insert(SHAPE + before.form.cosines, 0.0);
     problem.descend(ModelForm { cosines: before.form.cosines + 1, ..before.form }, &at, None, DESCENT)
 }
 
 /// Adds a Gauss–Markov term: from every start a short way, and from the best to the end.
-pub(super) fn with_markov(problem: &Problem, fewer: &Found) -> Vec<Found> {
+pub(super) fn with_markov(problem: &Problem, fewer: &Optimum) -> Vec<Optimum> {
     let table = &problem.table;
     let (first, last) = (FIRST_START / table.rate_hz, LAST_START * table.span_s);
     if last <= first {
@@ -295,7 +296,7 @@ pub(super) fn with_markov(problem: &Problem, fewer: &Found) -> Vec<Found> {
         let at: Vec<f64> = fewer.at.iter().copied().chain([variance, libm::log(tau_s)]).collect();
         problem.descend(form, &at, None, LOOK)
     };
-    let mut looks: Vec<Found> = (0..STARTS).map(look).collect();
+    let mut looks: Vec<Optimum> = (0..STARTS).map(look).collect();
     looks.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));
     looks.truncate(SURVIVORS);
     looks.iter().map(|found| problem.descend(form, &found.at, None, DESCENT)).collect()
@@ -308,9 +309,9 @@ pub(super) fn level_near(table: &Table, f_hz: f64) -> f64 {
 }
 
 /// Variants with a pole or quantisation of the angle in place of cosines, and each of these with a drift.
-fn variants(problem: &Problem, best: &Priced) -> Vec<Priced> {
+fn variants(problem: &Problem, best: &PricedModel) -> Vec<PricedModel> {
     let shapes = other_shapes(problem, &best.found).into_iter().map(|found| priced(problem, found));
-    let shapes: Vec<Priced> = shapes.filter(|other| other.price < best.price).collect();
+    let shapes: Vec<PricedModel> = shapes.filter(|other| other.price < best.price).collect();
     let least = shapes.iter().min_by(|a, b| a.price.total_cmp(&b.price)).unwrap_or(best);
     let drifts = WARM_UPS.map(|part| Drift::WarmUp { tau_s: part * problem.table.span_s });
     let enough = problem.table.singles() > 4;
@@ -322,7 +323,7 @@ fn variants(problem: &Problem, best: &Priced) -> Vec<Priced> {
 }
 
 /// The model with the time constant, within a factor of 2, at which a warm-up explains the most.
-fn with_refined_warm_up(problem: &Problem, coarse: Found, tau_s: f64) -> Found {
+fn with_refined_warm_up(problem: &Problem, coarse: Optimum, tau_s: f64) -> Optimum {
     let mut best = (coarse, tau_s);
     for step in 1..=WARM_UP_STEPS {
         let factor = libm::exp2(libm::exp2(-f64::from(step)));
@@ -341,7 +342,7 @@ fn with_refined_warm_up(problem: &Problem, coarse: Found, tau_s: f64) -> Found {
 /// Up to this many cosines, no pole and no other reading is tried in their place.
 const MANY_COSINES: usize = 2;
 
-fn other_shapes(problem: &Problem, found: &Found) -> Vec<Found> {
+fn other_shapes(problem: &Problem, found: &Optimum) -> Vec<Optimum> {
     if problem.table.is_cut() {
         return with_corner(problem, found);
     }
@@ -349,7 +350,7 @@ fn other_shapes(problem: &Problem, found: &Found) -> Vec<Found> {
     quantised.into_iter().chain(with_pole(problem, found)).chain(with_corner(problem, found)).collect()
 }
 
-fn quantised(problem: &Problem, found: &Found) -> Found {
+fn quantised(problem: &Problem, found: &Optimum) -> Optimum {
     let mut at = without_shape(found);
     at[Q2] = at[N2] / (problem.table.rate_hz * problem.table.rate_hz);
     problem.descend(ModelForm { cosines: 0, quantised: true, ..found.form }, &at, None, DESCENT)
@@ -357,7 +358,7 @@ fn quantised(problem: &Problem, found: &Found) -> Found {
 
 /// A pole instead of many cosines, or instead of the Gauss–Markov term with the highest plateau, and beside it fewer
 /// cosines than before.
-fn with_pole(problem: &Problem, found: &Found) -> Vec<Found> {
+fn with_pole(problem: &Problem, found: &Optimum) -> Vec<Optimum> {
     let mut form = ModelForm { cosines: 0, poles: 1, ..found.form };
     let mut at = without_shape(found);
     let memories = (0..form.markovs).map(|index| {
@@ -384,7 +385,7 @@ fn with_pole(problem: &Problem, found: &Found) -> Vec<Found> {
 
 /// A low-pass of the second order in place of cosines, and beside it fewer of them than before. Its corner is sought
 /// from where they fall to one half.
-pub(super) fn with_corner(problem: &Problem, found: &Found) -> Vec<Found> {
+pub(super) fn with_corner(problem: &Problem, found: &Optimum) -> Vec<Optimum> {
     if found.form.cosines < 2 {
         return Vec::new();
     }
@@ -402,7 +403,7 @@ pub(super) fn with_corner(problem: &Problem, found: &Found) -> Vec<Found> {
 const MOST_BESIDE_A_CORNER: usize = 3;
 
 /// Whether the record shows the time constants of the Gauss–Markov terms, and of the low-pass.
-pub(super) fn is_sound(problem: &Problem, found: &Found) -> bool {
+pub(super) fn is_sound(problem: &Problem, found: &Optimum) -> bool {
     let table = &problem.table;
     let (shortest, longest) = (AT_BOUND * found.form.shortest() / table.rate_hz, LONGEST * table.span_s / AT_BOUND);
     let tau_s = |index| libm::exp(found.at[found.form.markov(index) + 1]);
@@ -413,7 +414,7 @@ pub(super) fn is_sound(problem: &Problem, found: &Found) -> bool {
 
 /// The Gauss–Markov term that may be white noise behind a low-pass of the first order: it has more power than the
 /// white noise beside it where the plateau of that is looked for, or all the way down beside a slow low-pass.
-pub(super) fn low_pass(problem: &Problem, found: &Found) -> Option<usize> {
+pub(super) fn low_pass(problem: &Problem, found: &Optimum) -> Option<usize> {
     let (local, row) = (problem.local(found), plateau(problem));
     let power = |index| local.slopes[found.form.markov(index)][row] * found.at[found.form.markov(index)];
     let is_slow = found.form.poles == 1 && found.at[SHAPE + found.form.cosines] > libm::exp(-1.0 / SHORTEST);
@@ -422,12 +423,12 @@ pub(super) fn low_pass(problem: &Problem, found: &Found) -> Option<usize> {
 }
 
 /// The Gauss–Markov term with the highest plateau.
-fn loudest(found: &Found) -> Option<usize> {
+fn loudest(found: &Optimum) -> Option<usize> {
     (0..found.form.markovs).max_by(|a, b| memory(found, *a).0.total_cmp(&memory(found, *b).0))
 }
 
 /// The plateau of a Gauss–Markov term below its corner, 2σ²T, and T.
-fn memory(found: &Found, index: usize) -> (f64, f64) {
+fn memory(found: &Optimum, index: usize) -> (f64, f64) {
     let place = found.form.markov(index);
     let tau_s = libm::exp(found.at[place + 1]);
     (2.0 * found.at[place] * tau_s, tau_s)
@@ -440,13 +441,13 @@ pub(super) fn plateau(problem: &Problem) -> usize {
 }
 
 /// The white noise, with its shape, in a bin.
-pub(super) fn white(local: &Local, found: &Found, row: usize) -> f64 {
+pub(super) fn white(local: &Local, found: &Optimum, row: usize) -> f64 {
     local.slopes[N2][row] * found.at[N2]
 }
 
 /// The relative error of the model that makes the bins scatter as they should; 0 if they do. An error that runs of
 /// neighbouring bins share counts as the error that as many bins would have on their own.
-pub(super) fn model_error(problem: &Problem, found: &Found) -> f64 {
+pub(super) fn model_error(problem: &Problem, found: &Optimum) -> f64 {
     let rows = problem.table.rows.iter().zip(&found.density).filter(|(row, _)| is_upper(problem, row.f_hz));
     let off: Vec<(f64, f64)> = rows.map(|(row, density)| (row.bin.power / density - 1.0, row.bin.freedom)).collect();
     RUNS.iter().map(|run| error_of_runs(&off, *run, found.form.shape())).fold(0.0, f64::max)
@@ -484,7 +485,7 @@ fn error_of_runs(off: &[(f64, f64)], run: usize, fitted: usize) -> f64 {
 }
 
 /// χ² of the bins with their model error, and its degrees of freedom.
-pub(super) fn chi2(problem: &Problem, found: &Found) -> (f64, f64) {
+pub(super) fn chi2(problem: &Problem, found: &Optimum) -> (f64, f64) {
     let error = problem.error;
     let term = |(row, density): (&super::density::BinRow, &f64)| {
         let off = row.bin.power / density - 1.0;
@@ -497,7 +498,7 @@ pub(super) fn chi2(problem: &Problem, found: &Found) -> (f64, f64) {
 }
 
 /// The parameters without the shape.
-pub(super) fn without_shape(found: &Found) -> Vec<f64> {
+pub(super) fn without_shape(found: &Optimum) -> Vec<f64> {
     let mut at = found.at.clone();
     at.drain(SHAPE..SHAPE + found.form.shape());
     at

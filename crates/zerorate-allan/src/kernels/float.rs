@@ -1,6 +1,6 @@
 use super::array::Array;
 use super::lanes::Line;
-use super::sweep::Fixed;
+use super::sweep::FixedPoint;
 use super::{Squares, lanes, sweep, threads};
 use crate::kernel::{Kernel, Plain, Reason};
 use alloc::vec;
@@ -87,7 +87,7 @@ fn modified(x: &[f64], m: &[usize]) -> Vec<f64> {
         let step = bounds.step(of_class.iter().copied().max().unwrap_or(0));
         if !class.is_empty() {
             bounds.sum_sums(x, step, &mut sum_of_sums[1..]);
-            let found = sweep::sums::<Fixed>(&sum_of_sums, Plain::OF_SUMS, &of_class);
+            let found = sweep::sums::<FixedPoint>(&sum_of_sums, Plain::OF_SUMS, &of_class);
             class.iter().zip(found).for_each(|(&i, sum)| sums[i] = sum * step * step);
         }
         shortest = longest;

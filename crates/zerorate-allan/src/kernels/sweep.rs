@@ -237,9 +237,9 @@ impl Step for i64 {
 }
 
 /// Fixed point modulo 2^64, whose squares are summed in f64.
-pub(super) enum Fixed {}
+pub(super) enum FixedPoint {}
 
-impl Step for Fixed {
+impl Step for FixedPoint {
     type Number = i64;
     type Sum = f64;
 

@@ -18,16 +18,16 @@ const FINENESS: usize = 4;
 /// Most samples whose gaps are looked at.
 const LOOKED_AT: usize = 1 << 20;
 
-/// What the levels before have measured.
+/// The density and the lines that the levels before have measured.
 #[derive(Default)]
-pub(super) struct Known {
+pub(super) struct MeasuredLevels {
     /// Frequency and density, ascending.
     density: Vec<(f64, f64)>,
     /// Frequency and variance of each narrow line.
     lines: Vec<(f64, f64)>,
 }
 
-impl Known {
+impl MeasuredLevels {
     /// Adds what a level has measured below all that is known.
     pub(super) fn add_below(&mut self, density: impl Iterator<Item = (f64, f64)>, lines: &[Narrow]) {
         let above = core::mem::take(&mut self.density);
@@ -97,7 +97,7 @@ impl<'a> Level<'a> {
     }
 
     /// The density that folds onto a frequency of this level.
-    pub(super) fn folded(&self, f_hz: f64, known: &Known) -> f64 {
+    pub(super) fn folded(&self, f_hz: f64, known: &MeasuredLevels) -> f64 {
         let folds = |(times, sign): (usize, f64)| {
             let from_hz = libm::fabs(f_hz + sign * times as f64 * self.rate_hz());
             if from_hz > self.rate_hz / 2.0 { 0.0 } else { self.gain(from_hz) * known.at(from_hz) }
@@ -106,7 +106,7 @@ impl<'a> Level<'a> {
     }
 
     /// The white density that the scatter of the responses makes.
-    pub(super) fn scattered(&self, known: &Known) -> f64 {
+    pub(super) fn scattered(&self, known: &MeasuredLevels) -> f64 {
         let Some(Gaps { scatter, .. }) = &self.gaps else { return 0.0 };
         let hz = self.rate_hz / 2.0 / (scatter.len() - 1) as f64;
         let ends = |i: usize| if i == 0 || i + 1 == scatter.len() { 0.5 } else { 1.0 };

@@ -18,7 +18,7 @@ use super::transform::{cosine_transform, smooth_length};
 use alloc::borrow::Cow;
 use alloc::vec::Vec;
 use averages::fill_gaps;
-use levels::{Known, Level};
+use levels::{Level, MeasuredLevels};
 use realfft::FftError;
 
 /// A record's cosine spectrum.
@@ -114,7 +114,7 @@ impl Spectrum {
     }
 
     fn of_levels(rate: &[f64], rate_hz: f64) -> Result<Self, FftError> {
-        let (mut parts, mut known) = (Vec::new(), Known::default());
+        let (mut parts, mut known) = (Vec::new(), MeasuredLevels::default());
         let (mut level, mut end_hz) = (Level::first(rate, rate_hz), rate_hz / 2.0);
         loop {
             let is_last = level.step > 1 && level.is_last();
@@ -179,7 +179,7 @@ impl Part {
     }
 
     /// Sets the way from the density of the samples to that of the level.
-    fn respond(&mut self, level: &Level<'_>, known: &Known) {
+    fn respond(&mut self, level: &Level<'_>, known: &MeasuredLevels) {
         let scattered = level.scattered(known);
         for bin in &mut self.bins {
             let f_hz = bin.middle() * self.hz;
