@@ -23,4 +23,4 @@ pub(crate) trait Address: fmt::Debug + Send + Sync {
 }
 
 /// An address, or what is wrong with it.
-pub(crate) type Parsed = Result<Arc<dyn Address>, String>;
+pub(crate) type ParseResult = Result<Arc<dyn Address>, String>;

@@ -55,7 +55,7 @@ pub trait Connection {
 }
 
 /// The part, and the thread that reads it. Dropping it ends the thread before the connection.
-pub struct Connected<C: Connection> {
+pub struct ConnectedPart<C: Connection> {
     state: State<C>,
     connection: C,
     facts: DeviceInfo,
@@ -76,7 +76,7 @@ impl<C: Connection> State<C> {
     }
 }
 
-impl<C: Connection> Connected<C> {
+impl<C: Connection> ConnectedPart<C> {
     pub fn new(connection: C, live: Live<C::Spi, C::Edges>, facts: DeviceInfo) -> Self {
         Self { state: State::Ready(Box::new(live)), connection, facts }
     }
@@ -114,7 +114,7 @@ fn try_bus<C: Connection>(live: &mut Live<C::Spi, C::Edges>, connection: &C) -> 
     Ok(Bus { sclk_hz, fastest_clean_hz, read_s })
 }
 
-impl<C: Connection> Source for Connected<C> {
+impl<C: Connection> Source for ConnectedPart<C> {
     fn facts(&self) -> DeviceInfo {
         self.facts.clone()
     }

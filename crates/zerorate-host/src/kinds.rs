@@ -1,6 +1,6 @@
 //! The kinds of devices, and their addresses.
 
-use crate::address::{Address, Parsed};
+use crate::address::{Address, ParseResult};
 use crate::bridge::BridgeAddress;
 use crate::replay::ReplayAddress;
 use crate::source::{Setup, Source};
@@ -21,7 +21,7 @@ pub struct Kind {
     pub name: &'static str,
     /// The form of its addresses.
     pub form: &'static str,
-    parse: fn(&str) -> Parsed,
+    parse: fn(&str) -> ParseResult,
 }
 
 /// All that there are. A new kind is a file with its address and its source, and a row in here.
@@ -41,7 +41,7 @@ pub const KINDS: &[Kind] = &[
 ];
 
 #[cfg(not(target_os = "linux"))]
-fn only_linux(_: &str) -> Parsed {
+fn only_linux(_: &str) -> ParseResult {
     Err("spi: and iio: devices are read through the kernel of Linux; on this system use bridge:, tcp:, twin: or \
         replay:"
         .to_owned())

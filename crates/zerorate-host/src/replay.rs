@@ -1,6 +1,6 @@
 //! A recording in place of a part.
 
-use crate::address::{Address, Parsed};
+use crate::address::{Address, ParseResult};
 use crate::error::UserError;
 use crate::source::{DeviceInfo, Sampling, Setup, Source, nominal_rate_hz, part_of};
 use crate::warning::SourceWarning;
@@ -18,7 +18,7 @@ pub struct ReplayAddress {
 }
 
 impl ReplayAddress {
-    pub fn parse(path: &str) -> Parsed {
+    pub fn parse(path: &str) -> ParseResult {
         match path {
             "" => Err("replay: needs the file, as in replay:unit.arrows".to_owned()),
             path => Ok(Arc::new(Self { path: path.into() })),

@@ -1,8 +1,8 @@
 //! The part on a Linux SPI bus.
 
 use crate::Stop;
-use crate::address::{Address, Parsed};
-use crate::connected::{Connected, Connection};
+use crate::address::{Address, ParseResult};
+use crate::connected::{ConnectedPart, Connection};
 use crate::error::{Cause, UserError};
 use crate::gpio::{GpioEdges, GpioOutput, errno};
 use crate::live::Live;
@@ -49,7 +49,7 @@ pub struct SpiAddress {
 
 impl SpiAddress {
     /// Reads what follows `spi:`.
-    pub fn parse(text: &str) -> Parsed {
+    pub fn parse(text: &str) -> ParseResult {
         Ok(Arc::new(Self::read(text)?))
     }
 
@@ -89,7 +89,7 @@ impl Address for SpiAddress {
 }
 
 /// Opens both files; sends nothing.
-fn open(address: &SpiAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Connected<Wired>> {
+fn open(address: &SpiAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<ConnectedPart<SpiConnection>> {
     let sampling = setup.sampling.config(address.part.divided);
     let facts = DeviceInfo::of_part(name, &address.part, sampling, address.mclk_hz, setup.part.as_ref())?;
     let (clock, failed) = (Arc::new(AtomicU32::new(address.hz)), LastErrno::default());
@@ -98,13 +98,13 @@ fn open(address: &SpiAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::
     // the commands go as one frame each; where CS is to rise between bytes, the bus splits them
     let config = address.part.config.with_framing(Framing::Command);
     let live = Live::new(bus, edges, config, sampling, address.mclk_hz, stop);
-    let wired = Wired { address: address.clone(), clock, failed, notes: Notes::default() };
-    Ok(Connected::new(wired, live, facts))
+    let wired = SpiConnection { address: address.clone(), clock, failed, notes: Notes::default() };
+    Ok(ConnectedPart::new(wired, live, facts))
 }
 
 /// The part on the bus of this computer.
 #[derive(Clone)]
-struct Wired {
+struct SpiConnection {
     address: SpiAddress,
     clock: Arc<AtomicU32>,
     failed: LastErrno,
@@ -114,7 +114,7 @@ struct Wired {
 /// The warnings of the reading thread.
 type Notes = Arc<Mutex<Vec<SourceWarning>>>;
 
-impl Connection for Wired {
+impl Connection for SpiConnection {
     type Error = SpiError;
     type Spi = SpiBus;
     type Edges = GpioEdges;

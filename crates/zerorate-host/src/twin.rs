@@ -1,6 +1,6 @@
 //! The simulated part, in this process and on simulated time.
 
-use crate::address::{Address, Parsed};
+use crate::address::{Address, ParseResult};
 use crate::chamber::ProfileFollower;
 use crate::edges::Edges;
 use crate::error::UserError;
@@ -29,7 +29,7 @@ pub struct TwinAddress {
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl TwinAddress {
-    pub fn parse(keys: &str) -> Parsed {
+    pub fn parse(keys: &str) -> ParseResult {
         let (mut part, mut axes, mut unit) = (PartOptions::new(), 1, Vec::new());
         for item in keys.split(',') {
             if let Some(text) = item.trim().strip_prefix("axes=") {

@@ -1,6 +1,6 @@
 //! Clients of libiio beside the page. What they get is in `zerorate-host/tests/iiod/`, and in `cargo xtask iiod`.
 
-use super::Served;
+use super::TestServer;
 use crate::harness::Bench;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -10,7 +10,7 @@ fn a_client_finds_the_calibration_and_may_not_write() {
     let bench = Bench::new();
     let correction = "[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n";
     bench.write("unit.toml", format!("schema = 1\npart = \"ADIS16130\"\n{correction}"));
-    let served = Served::start(&bench, "--device twin:seed=6 --cal unit.toml");
+    let served = TestServer::start(&bench, "--device twin:seed=6 --cal unit.toml");
     let line = served.says("libiio: iio_info -u ip:");
     let address = line.rsplit("ip:").next().expect("an address").trim();
     let mut client = BufReader::new(TcpStream::connect(address).expect("a connection"));

@@ -20,7 +20,7 @@ use tungstenite::{Message, WebSocket};
 const LONG: Duration = Duration::from_secs(60);
 
 /// A server of its own, ended with the test.
-struct Served {
+struct TestServer {
     child: Child,
     /// Each with what was said on it.
     stderr: Mutex<Receiver<String>>,
@@ -28,7 +28,7 @@ struct Served {
     port: u16,
 }
 
-impl Served {
+impl TestServer {
     /// The program in this folder with `serve --listen IP:0` and these arguments.
     fn at(bench: &Bench, ip: &str, arguments: &str) -> Self {
         let line = format!("serve --listen {ip}:0 --iio 127.0.0.1:0 {arguments}");
@@ -112,7 +112,7 @@ impl Served {
     }
 }
 
-impl Drop for Served {
+impl Drop for TestServer {
     fn drop(&mut self) {
         // it may have ended
         let _ = self.child.kill();

@@ -1,6 +1,6 @@
 //! The protection of the server: each rule of docs/serve.md is tested with a request that breaks it.
 
-use super::{LONG, Served, Watch};
+use super::{LONG, TestServer, Watch};
 use crate::harness::Bench;
 use serde_json::json;
 use std::io::{Read, Write};
@@ -21,7 +21,7 @@ const UPGRADE: &str = "connection: upgrade\r\nupgrade: websocket\r\nsec-websocke
 
 #[test]
 fn only_its_own_page_under_its_own_name_gets_in() {
-    let served = Served::start(&Bench::new(), "");
+    let served = TestServer::start(&Bench::new(), "");
     let own = format!("origin: http://localhost:{}\r\n", served.port);
     for path in ["/home.json", "/metrics"] {
         assert_eq!(code(&served.ask(&format!("GET {path}"), &own, "")), 200, "{path}");
@@ -46,7 +46,7 @@ fn only_its_own_page_under_its_own_name_gets_in() {
 
 #[test]
 fn every_answer_carries_the_policy() {
-    let served = Served::start(&Bench::new(), "");
+    let served = TestServer::start(&Bench::new(), "");
     let answers = [
         served.get("/"),
         served.get("/nothing"),
@@ -74,7 +74,7 @@ fn every_answer_carries_the_policy() {
 fn no_path_leads_to_a_file() {
     let bench = Bench::new();
     bench.write("secret.txt", "hidden");
-    let served = Served::start(&bench, "");
+    let served = TestServer::start(&bench, "");
     let paths = [
         "/../../../../../../etc/passwd",
         "/%2e%2e/%2e%2e/%2e%2e/etc/passwd",
@@ -95,7 +95,7 @@ fn no_path_leads_to_a_file() {
 
 #[test]
 fn what_is_too_large_is_refused() {
-    let served = Served::start(&Bench::new(), "");
+    let served = TestServer::start(&Bench::new(), "");
     let long = format!("GET / HTTP/1.1\r\nhost: localhost\r\nx: {}\r\n\r\n", "y".repeat(1 << 20));
     let many = format!("GET / HTTP/1.1\r\nhost: localhost\r\n{}\r\n", "x: y\r\n".repeat(1000));
     for request in [long, many] {
@@ -139,7 +139,7 @@ fn close_code(page: &mut Watch) -> Option<u16> {
 
 #[test]
 fn a_page_is_told_how_its_connection_ends() {
-    let served = Served::start(&Bench::new(), "");
+    let served = TestServer::start(&Bench::new(), "");
     let mut leaving = served.watch();
     let frame = CloseFrame { code: CloseCode::Normal, reason: "done".into() };
     leaving.socket.close(Some(frame)).expect("it is sent");
@@ -161,7 +161,7 @@ fn a_page_is_told_how_its_connection_ends() {
 /// Each bound is a least time, which no slow machine makes shorter.
 #[test]
 fn what_comes_too_often_waits_or_is_refused() {
-    let served = Served::start(&Bench::new(), "");
+    let served = TestServer::start(&Bench::new(), "");
     let request = format!("GET /home.json HTTP/1.1\r\nhost: localhost:{}\r\n\r\n", served.port);
     let answers = served.raw(request.repeat(150).as_bytes());
     assert!(answers.contains("HTTP/1.1 200") && answers.contains("HTTP/1.1 429"), "{}", answers.len());
@@ -175,7 +175,7 @@ fn what_comes_too_often_waits_or_is_refused() {
 
 #[test]
 fn who_does_not_go_on_is_not_waited_for() {
-    let served = Served::start(&Bench::new(), "");
+    let served = TestServer::start(&Bench::new(), "");
     let begin = |bytes: &[u8]| {
         let mut stream = served.connect();
         stream.write_all(bytes).expect("it is sent");
@@ -196,7 +196,7 @@ fn no_more_may_connect_than_there_is_room_for() {
     let bench = Bench::new();
     bench.zerorate("capture --samples 100 -o short.arrows").ok();
     // after its end there are no frames, and a viewer that reads none keeps its seat
-    let served = Served::start(&bench, "--device replay:short.arrows");
+    let served = TestServer::start(&bench, "--device replay:short.arrows");
     let pages: Vec<_> = (0..48).map(|_| served.watch()).collect();
     assert!(served.watch_with(&[]).is_err(), "too many viewers");
     let begun = Instant::now();
@@ -217,7 +217,7 @@ fn no_more_may_connect_than_there_is_room_for() {
 
 #[test]
 fn whoever_comes_over_the_network_must_know_the_token() {
-    let served = Served::at(&Bench::new(), "0.0.0.0", "");
+    let served = TestServer::at(&Bench::new(), "0.0.0.0", "");
     let (url, token) = served.url.split_once("#token=").expect("a token");
     assert!(token.len() == 32 && !url.contains('?'), "{url}");
     assert!(served.get("/home.json").ends_with("\"token_needed\":true}"));
@@ -250,7 +250,7 @@ fn whoever_comes_over_the_network_must_know_the_token() {
 fn a_token_of_ones_own_can_be_given() {
     let bench = Bench::new();
     bench.write("token", "correcthorsebattery\n");
-    let served = Served::start(&bench, "--token-file token --host bench.local");
+    let served = TestServer::start(&bench, "--token-file token --host bench.local");
     assert!(served.url.ends_with("/ with the token of token"), "{}", served.url);
     assert_eq!(code(&served.ask("GET /metrics", "host: bench.local:80\r\n", "")), 401);
     let bearer = "host: bench.local:80\r\nauthorization: Bearer correcthorsebattery\r\n";

@@ -1,6 +1,6 @@
 //! Viewers of the page.
 
-use super::{LONG, Served, Watch};
+use super::{LONG, TestServer, Watch};
 use crate::harness::{Bench, Run, command};
 use serde_json::json;
 use std::fs;
@@ -11,7 +11,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 /// The number of a line of `/metrics`.
-fn metric(served: &Served, name: &str) -> f64 {
+fn metric(served: &TestServer, name: &str) -> f64 {
     let text = served.get("/metrics");
     let line = text.lines().find_map(|line| line.strip_prefix(&format!("zerorate_{name} ")));
     line.unwrap_or_else(|| panic!("no {name}:\n{text}")).parse().expect("a number")
@@ -43,7 +43,7 @@ fn follow(page: &mut Watch, over: &AtomicBool) -> usize {
 fn a_recording_that_is_served_ends_when_the_program_is_asked_to() {
     let bench = Bench::new();
     bench.zerorate("capture --device twin:seed=3 --samples 6000 -o a.csv").ok();
-    let served = Served::start(&bench, "--device replay:a.csv");
+    let served = TestServer::start(&bench, "--device replay:a.csv");
     assert_eq!(served.interrupt().code(), Some(0));
 }
 
@@ -52,7 +52,7 @@ fn a_recording_that_is_served_ends_when_the_program_is_asked_to() {
 #[test]
 fn a_recording_that_is_removed_meanwhile_is_said_and_a_failure() {
     let bench = Bench::new();
-    let served = Served::start(&bench, "--device twin:seed=3 -o unit.arrows");
+    let served = TestServer::start(&bench, "--device twin:seed=3 -o unit.arrows");
     let size = || fs::metadata(bench.path("unit.arrows")).map_or(0, |file| file.len());
     assert!(wait_until(|| size() > 10_000));
     fs::remove_file(bench.path("unit.arrows")).expect("a file");
@@ -67,7 +67,7 @@ fn a_recording_that_is_removed_meanwhile_is_said_and_a_failure() {
 #[test]
 fn nobody_who_looks_on_slows_the_recording() {
     let bench = Bench::new();
-    let served = Served::start(&bench, "--device twin:seed=3 -o unit.arrows");
+    let served = TestServer::start(&bench, "--device twin:seed=3 -o unit.arrows");
     let mut pages: Vec<_> = (0..19).map(|_| served.watch()).collect();
     let stalled = served.watch();
     assert!(pages.iter_mut().all(|page| page.frame()["snapshot"] == true));
@@ -101,7 +101,7 @@ fn requests_are_answered_and_calibrations_kept() {
     fs::create_dir(bench.path("shelf")).expect("a folder");
     bench.write("shelf/old.toml", unit.replace("31.5", "30.5"));
     bench.write("shelf/broken.toml", "schema = 7");
-    let served = Served::start(&bench, "--cal first.toml --folder shelf --device twin:seed=4");
+    let served = TestServer::start(&bench, "--cal first.toml --folder shelf --device twin:seed=4");
     let mut page = served.watch();
     let first = page.until(|frame| frame["calibrations"].is_array());
     let all = first["calibrations"].as_array().expect("calibrations");
@@ -136,7 +136,7 @@ fn a_calibration_that_differs_beside_its_coefficients_is_not_taken_for_the_same(
     let unit = "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n";
     let with = |max_c: u32| format!("{unit}[validity]\ntemp_min_c = 20.0\ntemp_max_c = {max_c}.0\n");
     fs::create_dir(bench.path("shelf")).expect("a folder");
-    let served = Served::start(&bench, "--folder shelf --device twin:seed=4");
+    let served = TestServer::start(&bench, "--folder shelf --device twin:seed=4");
     let mut page = served.watch();
     let mut add = |max_c: u32| page.ask(&json!({"id": 7, "do": "add-calibration", "toml": with(max_c)}));
     let id = add(40)["ok"]["id"].as_str().expect("an id").to_owned();
@@ -163,7 +163,7 @@ fn a_calibration_that_differs_beside_its_coefficients_is_not_taken_for_the_same(
 #[test]
 fn a_part_that_is_gone_is_said_to_be_and_can_be_opened_again() {
     let bench = Bench::new();
-    let served = Served::start(&bench, "--device twin:seed=5,fault=unplug,fault_at_s=1 -o unit.csv");
+    let served = TestServer::start(&bench, "--device twin:seed=5,fault=unplug,fault_at_s=1 -o unit.csv");
     let mut page = served.watch();
     let failed = page.until(|frame| frame["device"]["state"]["is"] == "failed");
     let why = failed["device"]["state"]["why"].as_str().expect("a reason");
@@ -195,7 +195,7 @@ fn a_calibration_must_be_that_of_the_part() {
     assert!(why.contains("part A1") && why.contains("part B2"), "{why}");
     let why = bench.zerorate("serve --listen 127.0.0.1:0 --no-iio --cal a1.toml --serial B2").fails(1);
     assert!(why.contains("part A1") && why.contains("part B2"), "{why}");
-    let given = Served::start(&bench, "--cal b2.toml --serial B2 -o given.arrows");
+    let given = TestServer::start(&bench, "--cal b2.toml --serial B2 -o given.arrows");
     let first = given.watch().frame();
     let codes: Vec<_> = first["notices"].as_array().expect("notices").iter().map(|one| &one["code"]).collect();
     assert!(codes.contains(&&json!("no-checksum")) && !codes.contains(&&json!("unknown-serial")), "{codes:?}");
@@ -219,7 +219,7 @@ fn a_calibration_that_was_removed_does_not_come_back() {
     let unit = "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n";
     fs::create_dir(bench.path("shelf")).expect("a folder");
     bench.write("shelf/old.toml", unit);
-    let served = Served::start(&bench, "--folder shelf --device twin:seed=4");
+    let served = TestServer::start(&bench, "--folder shelf --device twin:seed=4");
     let mut page = served.watch();
     let id = page.until(|frame| frame["calibrations"].is_array())["calibrations"][0]["id"].clone();
     let remove = json!({"id": 1, "do": "remove-calibration", "calibration": id});
@@ -259,7 +259,7 @@ fn it_says_what_to_do_where_it_cannot_begin() {
 #[test]
 fn a_server_that_was_restarted_takes_its_port_again() {
     let bench = Bench::new();
-    let served = Served::start(&bench, "");
+    let served = TestServer::start(&bench, "");
     let (mut page, port) = (served.watch(), served.port);
     page.frame();
     assert_eq!(served.interrupt().code(), Some(0));

@@ -2,7 +2,7 @@
 
 use super::open;
 use crate::Stop;
-use crate::address::{Address, Parsed};
+use crate::address::{Address, ParseResult};
 use crate::options::{DEFAULT_HZ, MCLK_RANGE_HZ, PART_OPTIONS, PartOptions, SLOWEST_HZ, number, split};
 use crate::source::{Setup, Source};
 use crate::wire::Port;
@@ -39,7 +39,7 @@ const BAUD_RANGE: RangeInclusive<u32> = 9_600..=12_000_000;
 
 impl BridgeAddress {
     /// Reads what follows `bridge:`.
-    pub fn parse_serial(text: &str) -> Parsed {
+    pub fn parse_serial(text: &str) -> ParseResult {
         Ok(Arc::new(Self::read_serial(text)?))
     }
 
@@ -59,7 +59,7 @@ impl BridgeAddress {
     }
 
     /// Reads what follows `tcp:`.
-    pub fn parse_tcp(text: &str) -> Parsed {
+    pub fn parse_tcp(text: &str) -> ParseResult {
         Ok(Arc::new(Self::read_tcp(text)?))
     }
 

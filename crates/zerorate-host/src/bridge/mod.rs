@@ -5,7 +5,7 @@ mod link;
 mod progress;
 
 use crate::Stop;
-use crate::connected::{Connected, Connection};
+use crate::connected::{ConnectedPart, Connection};
 use crate::edges::Edges;
 use crate::error::{Cause, UserError};
 use crate::live::Live;
@@ -26,23 +26,28 @@ use std::time::{Duration, Instant};
 use zerorate::{Setting, SettingNames};
 
 /// Opens the port, ends what the bridge was doing before, and sets its SPI clock.
-fn open(address: &BridgeAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<Connected<Bridged>> {
+fn open(
+    address: &BridgeAddress,
+    name: &str,
+    setup: &Setup,
+    stop: &Stop,
+) -> crate::Result<ConnectedPart<BridgeConnection>> {
     let sampling = setup.sampling.config(address.part.divided);
     let facts = DeviceInfo::of_part(name, &address.part, sampling, address.mclk_hz, setup.part.as_ref())?;
-    let link = Shared(Arc::new(Mutex::new(Link::new(Wire::open(&address.port)?))));
+    let link = SharedLink(Arc::new(Mutex::new(Link::new(Wire::open(&address.port)?))));
     greet(&link, address, setup.names).map_err(|error| link.explain(error, address))?;
     let edges = LastEdges { link: link.clone(), last: None };
     let live = Live::new(Transfers(link.clone()), edges, address.part.config, sampling, address.mclk_hz, stop);
-    Ok(Connected::new(Bridged { address: address.clone(), link }, live, facts))
+    Ok(ConnectedPart::new(BridgeConnection { address: address.clone(), link }, live, facts))
 }
 
 /// The part behind a bridge, which is told to stop in the end.
-struct Bridged {
+struct BridgeConnection {
     address: BridgeAddress,
-    link: Shared,
+    link: SharedLink,
 }
 
-impl Connection for Bridged {
+impl Connection for BridgeConnection {
     type Error = LinkError;
     type Spi = Transfers;
     type Edges = LastEdges;
@@ -98,14 +103,14 @@ impl Connection for Bridged {
     }
 }
 
-impl Drop for Bridged {
+impl Drop for BridgeConnection {
     fn drop(&mut self) {
         // a bridge that is gone needs no end
         let _ = self.link.request(Command::Stop, |_| Some(()));
     }
 }
 
-fn greet(link: &Shared, address: &BridgeAddress, names: Names) -> Result<()> {
+fn greet(link: &SharedLink, address: &BridgeAddress, names: Names) -> Result<()> {
     link.request(Command::Stop, Answer::Stopped.only())?;
     let (protocol, firmware) = link.request(Command::Hello, |answer| match answer {
         Answer::Hello { protocol, firmware, .. } => Some((protocol, firmware.to_owned())),
@@ -131,7 +136,7 @@ fn greet(link: &Shared, address: &BridgeAddress, names: Names) -> Result<()> {
 }
 
 /// Tells of a counter in the line of RDY, if there is one: firmware that does not know of any need not understand.
-fn tell_divided(link: &Shared, address: &BridgeAddress, names: SettingNames) -> Result<()> {
+fn tell_divided(link: &SharedLink, address: &BridgeAddress, names: Names) -> Result<()> {
     let edges = address.part.divided;
     if edges == 1 {
         return Ok(());
@@ -148,7 +153,7 @@ fn tell_divided(link: &Shared, address: &BridgeAddress, names: SettingNames) -> 
 
 /// The samples of a bridge, in order.
 struct Stream {
-    link: Shared,
+    link: SharedLink,
     live: Box<Live<Transfers, LastEdges>>,
     continuity: Continuity,
     progress: Progress,
@@ -177,9 +182,9 @@ impl Stream {
 
 /// The link, as the bus and the edges of the same part use it in turn.
 #[derive(Clone)]
-struct Shared(Arc<Mutex<Link>>);
+struct SharedLink(Arc<Mutex<Link>>);
 
-impl Shared {
+impl SharedLink {
     fn lock(&self) -> std::sync::MutexGuard<'_, Link> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -217,7 +222,7 @@ impl Shared {
 }
 
 /// The bus behind the bridge: a transaction is one transfer.
-struct Transfers(Shared);
+struct Transfers(SharedLink);
 
 impl ErrorType for Transfers {
     type Error = LinkError;
@@ -251,7 +256,7 @@ impl Transfers {
 }
 
 /// The self-test pins at the bridge. It releases them by itself when the host is gone.
-struct SelfTestWire(Shared);
+struct SelfTestWire(SharedLink);
 
 impl SelfTestWire {
     fn set(&self, on: bool) -> Result<(), LinkError> {
@@ -275,7 +280,7 @@ impl OutputPin for SelfTestWire {
 
 /// The edges of RDY, as far as the bridge tells of them while it does not sample.
 struct LastEdges {
-    link: Shared,
+    link: SharedLink,
     last: Option<Edge>,
 }
 

@@ -12,10 +12,10 @@ use std::time::Duration;
 ///
 /// The first sample comes before the first segment, and the part waits with the second.
 #[derive(Clone, Debug, Default)]
-pub struct AmbientProfile(Arc<Shared>);
+pub struct AmbientProfile(Arc<SharedSegments>);
 
 #[derive(Debug, Default)]
-struct Shared {
+struct SharedSegments {
     segments: Mutex<Segments>,
     changed: Condvar,
 }

@@ -15,13 +15,13 @@ const SLICE: Duration = Duration::from_millis(100);
 /// Any chamber, set and read every 5 s by a thread of its own. [`Chamber::read_c`] returns each reading once.
 /// [`Chamber::set`] fails some seconds after the chamber failed.
 pub struct ChamberThread {
-    shared: Arc<Shared>,
+    shared: Arc<SharedState>,
     halt: Stop,
     thread: Option<JoinHandle<Box<dyn Chamber>>>,
 }
 
 #[derive(Default)]
-struct Shared {
+struct SharedState {
     state: Mutex<State>,
     changed: Condvar,
 }
@@ -35,7 +35,7 @@ struct State {
     ended: bool,
 }
 
-impl Shared {
+impl SharedState {
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -73,7 +73,7 @@ impl ChamberThread {
     /// # Errors
     /// No thread can be started.
     pub fn new(mut chamber: Box<dyn Chamber>) -> Result<Self> {
-        let shared = Arc::new(Shared::default());
+        let shared = Arc::new(SharedState::default());
         let (inner, halt) = (shared.clone(), chamber.halt());
         let body = move || {
             if let Err(error) = inner.serve(chamber.as_mut()) {

@@ -41,8 +41,8 @@ pub fn open(
 ) -> crate::Result<Box<dyn Source>> {
     let device = Device::find(address, name, driver, setup)?;
     match address.hz {
-        None if device.has_buffer() => Ok(Box::new(Buffered::open(device, &dev_file(&address.folder), stop)?)),
-        hz => Ok(Box::new(Polled::new(device, hz.unwrap_or(DEFAULT_POLL_HZ), setup.sampling))),
+        None if device.has_buffer() => Ok(Box::new(BufferedScans::open(device, &dev_file(&address.folder), stop)?)),
+        hz => Ok(Box::new(PolledChannels::new(device, hz.unwrap_or(DEFAULT_POLL_HZ), setup.sampling))),
     }
 }
 
@@ -118,14 +118,14 @@ fn part(driver: &str, axes: &[&str], rates: &[Channel], temp: Option<&Channel>, 
 }
 
 /// Its channels, read one by one at even times. Nobody can tell whether a reading is new.
-struct Polled {
+struct PolledChannels {
     device: Device,
     polls: Polls,
     sampling: Sampling,
     taken: u64,
 }
 
-impl Polled {
+impl PolledChannels {
     fn new(mut device: Device, hz: u32, sampling: Sampling) -> Self {
         device.facts.rate_hz = Some(hz.into());
         Self { device, polls: Polls::new(hz), sampling, taken: 0 }
@@ -143,7 +143,7 @@ impl Polled {
     }
 }
 
-impl Source for Polled {
+impl Source for PolledChannels {
     fn facts(&self) -> DeviceInfo {
         self.device.facts.clone()
     }
@@ -154,7 +154,7 @@ impl Source for Polled {
 }
 
 /// Its scans, as the kernel took them, with their time stamps.
-struct Buffered {
+struct BufferedScans {
     device: Device,
     scans: File,
     /// The place of each rate in a scan, of the temperature, and of the time.
@@ -169,7 +169,7 @@ struct Buffered {
     stop: Stop,
 }
 
-impl Buffered {
+impl BufferedScans {
     fn open(device: Device, file: &Path, stop: &Stop) -> Result<Self> {
         let folder = device.folder.clone();
         // before anything is set: the kernel opens it for one program at a time
@@ -317,7 +317,7 @@ fn places(enabled: &[(&str, Element)]) -> (Vec<usize>, usize) {
     (places, end.next_multiple_of(widest))
 }
 
-impl Source for Buffered {
+impl Source for BufferedScans {
     fn facts(&self) -> DeviceInfo {
         self.device.facts.clone()
     }
@@ -327,7 +327,7 @@ impl Source for Buffered {
     }
 }
 
-impl Drop for Buffered {
+impl Drop for BufferedScans {
     fn drop(&mut self) {
         // a device that is gone needs no end
         let _ = write(&self.device.folder, "buffer/enable", "0");
@@ -398,7 +398,7 @@ mod tests {
         let folder = folder(&[]);
         let device = find(folder.path(), Some(1000), None).expect("a gyroscope");
         assert!(!device.has_buffer());
-        let mut polled = Polled::new(device, 1000, Sampling { every_temp: Some(2), divider: None });
+        let mut polled = PolledChannels::new(device, 1000, Sampling { every_temp: Some(2), divider: None });
         let (one, next) = (polled.poll().expect("a row"), polled.poll().expect("a row"));
         assert_eq!((one.codes(), one.temp_code, next.temp_code), (&[100, -200, 5][..], Some(2500), None));
         let DeviceInfo { info, part, .. } = polled.facts();
@@ -425,7 +425,7 @@ mod tests {
         fs::write(&file, scans.concat()).expect("written");
         let device = find(folder.path(), None, None).expect("a gyroscope");
         assert!(device.has_buffer());
-        let mut buffered = Buffered::open(device, &file, &Stop::default()).expect("a buffer");
+        let mut buffered = BufferedScans::open(device, &file, &Stop::default()).expect("a buffer");
         assert_eq!(buffered.facts().rate_hz, Some(100.0));
         let rows: Vec<Row> = (0..3).map(|_| buffered.read().expect("a scan").expect("a row")).collect();
         assert_eq!((rows[0].codes(), rows[0].temp_code), (&[1, -2, -70_000][..], Some(2500)));
@@ -449,7 +449,7 @@ mod tests {
         let _open = File::options().read(true).write(true).open(&pipe).expect("somebody who could write");
         let stop = Stop::default();
         let device = find(folder.path(), None, None).expect("a gyroscope");
-        let mut buffered = Buffered::open(device, &pipe, &stop).expect("a buffer");
+        let mut buffered = BufferedScans::open(device, &pipe, &stop).expect("a buffer");
         assert_eq!(buffered.silence, SILENCE);
         buffered.silence = Duration::from_millis(1);
         let silent = crate::DeviceError::from(buffered.read().expect_err("no scan"));
@@ -491,14 +491,14 @@ mod tests {
         assert!(fails("", &[("in_anglvel_scale", "0")]).contains("nothing can be converted"));
         let busy = folder(&[BUFFER, &[("buffer/enable", "1")]].concat());
         let device = find(busy.path(), None, None).expect("a gyroscope");
-        let error = Buffered::open(device, &busy.path().join("none"), &Stop::default());
+        let error = BufferedScans::open(device, &busy.path().join("none"), &Stop::default());
         assert_eq!(crate::DeviceError::from(error.map(drop).expect_err("no file")).cause(), Cause::Missing);
         let enable = read_text(busy.path(), "buffer/enable").expect("an attribute");
         assert_eq!(enable, "1", "whoever reads it goes on");
         let idle = folder(&[BUFFER, &[("trigger/current_trigger", "")]].concat());
         let device = find(idle.path(), None, None).expect("a gyroscope");
         fs::write(idle.path().join("dev"), "").expect("written");
-        let error = Buffered::open(device, &idle.path().join("dev"), &Stop::default());
+        let error = BufferedScans::open(device, &idle.path().join("dev"), &Stop::default());
         let error = error.map(drop).expect_err("no trigger").to_string();
         assert!(error.contains("nothing triggers"), "{error}");
     }

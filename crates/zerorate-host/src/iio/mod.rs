@@ -10,7 +10,7 @@ mod generic;
 mod sysfs;
 
 use crate::Stop;
-use crate::address::{Address, Parsed};
+use crate::address::{Address, ParseResult};
 use crate::error::{Cause, UserError};
 use crate::options::{bandwidth, number, split};
 use crate::source::{Setup, Source};
@@ -36,7 +36,7 @@ const DEFAULT_POLL_HZ: u32 = 100;
 
 impl IioAddress {
     /// Reads what follows `iio:`.
-    pub fn parse(text: &str) -> Parsed {
+    pub fn parse(text: &str) -> ParseResult {
         Ok(Arc::new(Self::read(text)?))
     }
 

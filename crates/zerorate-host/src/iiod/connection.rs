@@ -69,7 +69,7 @@ struct Buffer<'a> {
 }
 
 /// The end of a wait for samples.
-enum Waited {
+enum WaitEnd {
     Samples,
     Nothing,
     Gone,
@@ -85,10 +85,10 @@ impl<'a> Buffer<'a> {
         let mut left = bytes;
         while left > 0 {
             match self.wait(patience, peer.stop) {
-                Waited::Samples => {}
-                Waited::Nothing if left == bytes => return peer.send(&refusal(Errno::TIMED_OUT)),
-                Waited::Gone if left == bytes => return peer.send(&refusal(Errno::NO_DEVICE)),
-                Waited::Nothing | Waited::Gone => return peer.send(&number(0)),
+                WaitEnd::Samples => {}
+                WaitEnd::Nothing if left == bytes => return peer.send(&refusal(Errno::TIMED_OUT)),
+                WaitEnd::Gone if left == bytes => return peer.send(&refusal(Errno::NO_DEVICE)),
+                WaitEnd::Nothing | WaitEnd::Gone => return peer.send(&number(0)),
             }
             let chunk = &self.bytes[self.sent..];
             let chunk = &chunk[..chunk.len().min(left)];
@@ -101,20 +101,20 @@ impl<'a> Buffer<'a> {
     }
 
     /// Waits until there is a sample to be sent.
-    fn wait(&mut self, patience: Option<Duration>, stop: &Stop) -> Waited {
+    fn wait(&mut self, patience: Option<Duration>, stop: &Stop) -> WaitEnd {
         let begun = Instant::now();
         while self.sent == self.bytes.len() {
             match self.watcher.next_within(POLL) {
                 Poll::Samples(watched) => self.take(&watched),
-                Poll::End => return Waited::Gone,
-                Poll::Nothing if stop.asked() || self.device.is_gone() => return Waited::Gone,
+                Poll::End => return WaitEnd::Gone,
+                Poll::Nothing if stop.asked() || self.device.is_gone() => return WaitEnd::Gone,
                 Poll::Nothing if patience.is_some_and(|patience| begun.elapsed() >= patience) => {
-                    return Waited::Nothing;
+                    return WaitEnd::Nothing;
                 }
                 Poll::Nothing => {}
             }
         }
-        Waited::Samples
+        WaitEnd::Samples
     }
 
     fn take(&mut self, watched: &WatchedBatch) {

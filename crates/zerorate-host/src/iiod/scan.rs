@@ -106,28 +106,28 @@ impl Packing {
         for (quantity, at) in &self.places {
             let place = &mut out[start + at..];
             match value(layout, scan, *quantity) {
-                Stored::Code(code) => place[..4].copy_from_slice(&(code as u32).to_le_bytes()),
-                Stored::Wide(bits) => place[..8].copy_from_slice(&bits.to_le_bytes()),
+                StoredValue::Code(code) => place[..4].copy_from_slice(&(code as u32).to_le_bytes()),
+                StoredValue::Wide(bits) => place[..8].copy_from_slice(&bits.to_le_bytes()),
             }
         }
     }
 }
 
 /// The type in which a channel is stored.
-enum Stored {
+enum StoredValue {
     /// In 32 bits.
     Code(i64),
     /// In 64 bits.
     Wide(u64),
 }
 
-fn value(layout: &Layout, scan: &Scan, quantity: Quantity) -> Stored {
+fn value(layout: &Layout, scan: &Scan, quantity: Quantity) -> StoredValue {
     match quantity {
-        Quantity::Rate(axis) => Stored::Code(scan.row.codes().get(axis).copied().unwrap_or_default()),
-        Quantity::Temp => Stored::Code(scan.row.temp_code.unwrap_or(layout.temp().codes().0)),
-        Quantity::Corrected(axis) => Stored::Wide(corrected(scan.corrected_dps[axis]) as u64),
-        Quantity::Lost => Stored::Wide(scan.lost),
-        Quantity::Time => Stored::Wide(scan.row.t_ns),
+        Quantity::Rate(axis) => StoredValue::Code(scan.row.codes().get(axis).copied().unwrap_or_default()),
+        Quantity::Temp => StoredValue::Code(scan.row.temp_code.unwrap_or(layout.temp().codes().0)),
+        Quantity::Corrected(axis) => StoredValue::Wide(corrected(scan.corrected_dps[axis]) as u64),
+        Quantity::Lost => StoredValue::Wide(scan.lost),
+        Quantity::Time => StoredValue::Wide(scan.row.t_ns),
     }
 }
 

@@ -22,7 +22,7 @@ pub struct Session<'a> {
     /// Longest wait for samples.
     patience: Option<Duration>,
     /// The attribute that the next value is for.
-    writing: Option<(Owned, String)>,
+    writing: Option<(OwnedPlace, String)>,
 }
 
 /// An open buffer.
@@ -54,7 +54,7 @@ pub enum Step {
 }
 
 /// [`Place`], kept until the value has come.
-enum Owned {
+enum OwnedPlace {
     Device,
     Debug,
     Buffer,
@@ -155,7 +155,7 @@ impl<'a> Session<'a> {
             return Step::HangUp(refusal(Errno::TOO_LARGE));
         }
         // another device has no attributes
-        let place = if self.device.is_called(device) { Owned::of(place) } else { Owned::Debug };
+        let place = if self.device.is_called(device) { OwnedPlace::of(place) } else { OwnedPlace::Debug };
         self.writing = Some((place, attribute.to_owned()));
         Step::Take(bytes)
     }
@@ -193,7 +193,7 @@ impl<'a> Session<'a> {
     }
 }
 
-impl Owned {
+impl OwnedPlace {
     fn of(place: Place<'_>) -> Self {
         match place {
             Place::Device => Self::Device,

@@ -2,7 +2,7 @@
 //! `ZERORATE_IIO_CLIENTS` is set, as `cargo xtask iiod` does once it has installed them. It makes an environment with
 //! pyadi-iio as well, and names its Python in `ZERORATE_ADI_PYTHON`.
 
-use super::served::{Raw, Served};
+use super::served::{Raw, TestServer};
 use std::io::ErrorKind;
 use std::process::{Command, Output};
 
@@ -24,7 +24,7 @@ fn skipped<T>(why: &str) -> Option<T> {
     None
 }
 
-fn client(program: &str, served: &Served, arguments: &[&str]) -> Command {
+fn client(program: &str, served: &TestServer, arguments: &[&str]) -> Command {
     let mut command = Command::new(program);
     command.args(["-u", &served.uri()]).args(arguments);
     command
@@ -46,7 +46,7 @@ fn number(text: &str, word: &str) -> f64 {
 
 #[test]
 fn iio_info_shows_every_attribute() {
-    let served = Served::start();
+    let served = TestServer::start();
     let Some(output) = run(client("iio_info", &served, &[])) else { return };
     let info = text(output);
     for line in [
@@ -74,7 +74,7 @@ fn iio_info_shows_every_attribute() {
 
 #[test]
 fn iio_attr_reads_and_is_refused() {
-    let served = Served::start();
+    let served = TestServer::start();
     let read = |arguments: &[&str]| run(client("iio_attr", &served, arguments)).map(text);
     let Some(offset) = read(&["-c", "iio:device0", "temp0", "offset"]) else { return };
     // 25 °C stand 14093 · 25 codes above 0 °C (F-41)
@@ -90,7 +90,7 @@ fn iio_attr_reads_and_is_refused() {
 
 #[test]
 fn iio_attr_writes_where_that_is_allowed() {
-    let served = Served::writable();
+    let served = TestServer::writable();
     let write = client("iio_attr", &served, &["-c", "iio:device0", "anglvel_z", "calibbias", "0.01"]);
     let Some(written) = run(write).map(text) else { return };
     // it reads back what it wrote; the temperature goes on meanwhile
@@ -101,7 +101,7 @@ fn iio_attr_writes_where_that_is_allowed() {
 
 #[test]
 fn iio_readdev_gets_the_bytes_of_the_hub() {
-    let served = Served::start();
+    let served = TestServer::start();
     let samples = ["-b", "64", "-s", "100000", "iio:device0"];
     let Some(all) = run(client("iio_readdev", &served, &samples)) else { return };
     assert!(all.stderr.is_empty(), "{}", String::from_utf8_lossy(&all.stderr));
@@ -139,7 +139,7 @@ for _ in range(100):
 
 #[test]
 fn python_gets_the_bytes_of_the_hub() {
-    let served = Served::start();
+    let served = TestServer::start();
     let mut python = Command::new(PYTHON);
     python.args(["-c", "import iio"]);
     match run(python) {
@@ -189,7 +189,7 @@ fn pyadi_iio_gets_the_samples_of_the_hub() {
         eprintln!("SKIPPED: pyadi-iio (cargo xtask iiod installs it)");
         return;
     };
-    let served = Served::start();
+    let served = TestServer::start();
     let mut python = Command::new(python);
     python.args(["-c", ADI_SCRIPT, &served.uri()]);
     let output = run(python).expect("it is there");

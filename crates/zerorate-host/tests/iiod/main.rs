@@ -3,7 +3,7 @@
 mod clients;
 mod served;
 
-use served::{Raw, Served};
+use served::{Raw, TestServer};
 use std::io::{Read, Write};
 use std::net::{Shutdown, TcpListener};
 use std::thread;
@@ -18,7 +18,7 @@ const SAMPLE: usize = 32;
 
 #[test]
 fn two_clients_at_once_get_the_samples_of_the_hub_or_are_told() {
-    let served = Served::start();
+    let served = TestServer::start();
     let (mut one, mut other) = (Raw::connect(&served), Raw::connect(&served));
     std::thread::scope(|scope| {
         for client in [&mut one, &mut other] {
@@ -33,7 +33,7 @@ fn two_clients_at_once_get_the_samples_of_the_hub_or_are_told() {
 
 #[test]
 fn who_sleeps_is_told_what_it_missed_and_slows_nobody() {
-    let served = Served::start();
+    let served = TestServer::start();
     let (mut sleeper, mut awake) = (Raw::connect(&served), Raw::connect(&served));
     sleeper.open(ALL);
     let first = sleeper.samples(SAMPLE);
@@ -51,7 +51,7 @@ fn who_sleeps_is_told_what_it_missed_and_slows_nobody() {
 
 #[test]
 fn whoever_dies_leaves_nothing_behind() {
-    let served = Served::start();
+    let served = TestServer::start();
     // more than there may be at a time
     for round in 0..150 {
         let mut client = Raw::connect(&served);
@@ -70,7 +70,7 @@ fn whoever_dies_leaves_nothing_behind() {
 
 #[test]
 fn nobody_takes_all_connections() {
-    let served = Served::start();
+    let served = TestServer::start();
     let mut held: Vec<Raw> = (0..64).map(|_| Raw::connect(&served)).collect();
     held.iter_mut().for_each(|client| assert_eq!(client.number("TIMEOUT 100"), 0));
     assert_eq!(Raw::connect(&served).try_value("READ iio:device0 calibration"), None, "one too many");
@@ -83,7 +83,7 @@ fn nobody_takes_all_connections() {
 
 #[test]
 fn nonsense_harms_nobody_else() {
-    let served = Served::start();
+    let served = TestServer::start();
     let mut client = Raw::connect(&served);
     assert_eq!(client.number("\u{0}\u{1}\u{7f}"), -22);
     assert_eq!(client.number("READBUF iio:device0 64"), -9);
@@ -108,7 +108,7 @@ fn nonsense_harms_nobody_else() {
 
 #[test]
 fn a_server_ends_while_clients_are_there() {
-    let served = Served::start();
+    let served = TestServer::start();
     let mut client = Raw::connect(&served);
     client.open(ALL);
     client.ask(&format!("READBUF iio:device0 {}", 10_000_000 * SAMPLE));
@@ -122,7 +122,7 @@ fn a_server_ends_while_clients_are_there() {
 #[test]
 fn a_device_that_goes_is_said_to_be_gone() {
     // the twin does not wait for a client: a slow host connects within the first 100 s of its time
-    let served = Served::of("twin:seed=9,fault=unplug,fault_at_s=120");
+    let served = TestServer::of("twin:seed=9,fault=unplug,fault_at_s=120");
     let mut client = Raw::connect(&served);
     client.open(ALL);
     let mut bytes = Vec::new();
@@ -155,7 +155,7 @@ fn who_waits_for_samples_is_told_after_its_time() {
 
 #[test]
 fn half_a_value_ends_with_its_client() {
-    let served = Served::writable();
+    let served = TestServer::writable();
     let mut client = Raw::connect(&served);
     client.ask("WRITE iio:device0 INPUT anglvel0 scale 100");
     client.stream.shutdown(Shutdown::Write).expect("it hangs up");

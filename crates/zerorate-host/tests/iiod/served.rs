@@ -20,7 +20,7 @@ const BATCH_TIME: Duration = Duration::from_millis(8);
 type Row = (u64, i64, Option<i64>, u32);
 
 /// A server.
-pub struct Served {
+pub struct TestServer {
     pub address: SocketAddr,
     rows: Arc<Mutex<Vec<Row>>>,
     count: Arc<AtomicUsize>,
@@ -28,7 +28,7 @@ pub struct Served {
     threads: Vec<JoinHandle<()>>,
 }
 
-impl Served {
+impl TestServer {
     pub fn start() -> Self {
         Self::of("twin:seed=8")
     }
@@ -150,7 +150,7 @@ fn field(sample: &[u8], at: usize) -> u64 {
     u64::from_le_bytes(bytes)
 }
 
-impl Drop for Served {
+impl Drop for TestServer {
     fn drop(&mut self) {
         self.stop.ask();
         for thread in self.threads.drain(..) {
@@ -167,7 +167,7 @@ pub struct Raw {
 }
 
 impl Raw {
-    pub fn connect(served: &Served) -> Self {
+    pub fn connect(served: &TestServer) -> Self {
         Self::at(served.address)
     }
 

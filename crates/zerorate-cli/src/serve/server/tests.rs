@@ -16,13 +16,13 @@ const LONG: Duration = Duration::from_secs(60);
 const NEVER: Limits = Limits { head: LONG, lifetime: LONG, sign_of_life: LONG };
 
 /// A server with a session thread that has no device: each page finds so many frames waiting beside the snapshot.
-struct Served {
+struct TestServer {
     address: SocketAddr,
     begun: Arc<AtomicUsize>,
     _ends: EndsAll,
 }
 
-impl Served {
+impl TestServer {
     fn with(limits: Limits, frames_waiting: usize) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let (address, stop) = (listener.local_addr().unwrap(), Stop::default());
@@ -63,7 +63,7 @@ fn ask(stream: &mut TcpStream) -> bool {
 
 #[test]
 fn the_next_request_is_waited_for_so_long() {
-    let served = Served::with(Limits { head: Duration::from_millis(300), ..NEVER }, 0);
+    let served = TestServer::with(Limits { head: Duration::from_millis(300), ..NEVER }, 0);
     let mut stream = served.connect();
     assert!(ask(&mut stream) && ask(&mut stream));
     let begun = Instant::now();
@@ -74,7 +74,7 @@ fn the_next_request_is_waited_for_so_long() {
 #[test]
 fn a_connection_lives_so_long_however_much_is_asked_on_it() {
     let lifetime = Duration::from_millis(700);
-    let served = Served::with(Limits { lifetime, ..NEVER }, 0);
+    let served = TestServer::with(Limits { lifetime, ..NEVER }, 0);
     let (mut stream, begun) = (served.connect(), Instant::now());
     while ask(&mut stream) {
         assert!(begun.elapsed() < LONG / 2, "it goes on");
@@ -91,12 +91,12 @@ fn a_connection_lives_so_long_however_much_is_asked_on_it() {
 #[test]
 fn so_many_frames_wait_for_a_page_and_then_it_gets_everything_anew() {
     let next = |page: &mut WebSocket<TcpStream>| page.read().unwrap().into_data();
-    let in_time = Served::with(NEVER, BEHIND);
+    let in_time = TestServer::with(NEVER, BEHIND);
     let mut page = in_time.watch();
     assert_eq!(next(&mut page), "snapshot");
     assert!((0..BEHIND).all(|_| next(&mut page) == "frame"));
     assert_eq!(in_time.begun.load(Ordering::Relaxed), 1);
-    let late = Served::with(NEVER, BEHIND + 1);
+    let late = TestServer::with(NEVER, BEHIND + 1);
     let mut page = late.watch();
     assert_eq!([next(&mut page), next(&mut page)], ["snapshot", "snapshot"]);
     assert_eq!(late.begun.load(Ordering::Relaxed), 2);
@@ -106,7 +106,7 @@ fn so_many_frames_wait_for_a_page_and_then_it_gets_everything_anew() {
 #[test]
 fn a_page_that_gives_no_sign_of_life_loses_its_seat() {
     let sign_of_life = Duration::from_secs(2);
-    let served = Served::with(Limits { sign_of_life, ..NEVER }, 0);
+    let served = TestServer::with(Limits { sign_of_life, ..NEVER }, 0);
     let (mut lively, mut dead) = (served.watch(), served.watch());
     // what reads answers
     let reads = thread::spawn(move || {
