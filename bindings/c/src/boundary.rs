@@ -12,7 +12,7 @@ pub trait Object: Sized {
 
 /// The contents, with the mark.
 #[repr(C)]
-struct Marked<T> {
+struct MarkedState<T> {
     mark: u32,
     state: T,
 }
@@ -22,11 +22,11 @@ struct Marked<T> {
 /// # Safety
 /// `object` is null or points to writable memory for one, which nothing else uses meanwhile.
 pub unsafe fn set_up<O: Object>(object: *mut O, state: O::State) -> Result<(), Status> {
-    const { assert!(size_of::<Marked<O::State>>() <= size_of::<O>()) };
-    const { assert!(align_of::<Marked<O::State>>() <= align_of::<O>()) };
-    let place = not_null(object)?.cast::<Marked<O::State>>();
+    const { assert!(size_of::<MarkedState<O::State>>() <= size_of::<O>()) };
+    const { assert!(align_of::<MarkedState<O::State>>() <= align_of::<O>()) };
+    let place = not_null(object)?.cast::<MarkedState<O::State>>();
     // SAFETY: not null; by the contract writable and large enough, and aligned as the type of the pointer says.
-    unsafe { place.write(Marked { mark: O::MARK, state }) };
+    unsafe { place.write(MarkedState { mark: O::MARK, state }) };
     Ok(())
 }
 
@@ -36,7 +36,7 @@ pub unsafe fn set_up<O: Object>(object: *mut O, state: O::State) -> Result<(), S
 /// `object` is null or points to readable and writable memory of one, initialised with any bytes, that nothing else
 /// uses during `'a`.
 pub unsafe fn state<'a, O: Object>(object: *mut O) -> Result<&'a mut O::State, Status> {
-    let marked = not_null(object)?.cast::<Marked<O::State>>();
+    let marked = not_null(object)?.cast::<MarkedState<O::State>>();
     // SAFETY: not null and readable; the mark lies at the front.
     if unsafe { marked.cast::<u32>().read() } != O::MARK {
         return Err(ZERORATE_E_STATE);

@@ -38,15 +38,15 @@ pub struct SelfTestPin {
 
 /// The caller's function reported an error, or is missing.
 #[derive(Clone, Copy, Debug)]
-pub struct Refused;
+pub struct CallbackError;
 
-impl spi::Error for Refused {
+impl spi::Error for CallbackError {
     fn kind(&self) -> spi::ErrorKind {
         spi::ErrorKind::Other
     }
 }
 
-impl digital::Error for Refused {
+impl digital::Error for CallbackError {
     fn kind(&self) -> digital::ErrorKind {
         digital::ErrorKind::Other
     }
@@ -59,33 +59,33 @@ const LONGEST_WRITE: usize = 5;
 pub struct Port(pub Bus);
 
 impl Port {
-    fn exchange(&mut self, bytes: &mut [u8]) -> Result<(), Refused> {
-        let transfer = self.0.transfer.ok_or(Refused)?;
+    fn exchange(&mut self, bytes: &mut [u8]) -> Result<(), CallbackError> {
+        let transfer = self.0.transfer.ok_or(CallbackError)?;
         // SAFETY: the caller promised at set-up that this may be called with its context; bytes and length belong
         // together.
         match unsafe { transfer(self.0.context, bytes.as_mut_ptr(), bytes.len()) } {
             0 => Ok(()),
-            _ => Err(Refused),
+            _ => Err(CallbackError),
         }
     }
 }
 
 impl spi::ErrorType for Port {
-    type Error = Refused;
+    type Error = CallbackError;
 }
 
 impl SpiDevice for Port {
     /// The driver's transactions are one transfer in place or one short write each.
-    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), Refused> {
+    fn transaction(&mut self, operations: &mut [Operation<'_, u8>]) -> Result<(), CallbackError> {
         match operations {
             [Operation::TransferInPlace(bytes)] => self.exchange(bytes),
             [Operation::Write(bytes)] => {
                 let mut copy = [0; LONGEST_WRITE];
-                let copy = copy.get_mut(..bytes.len()).ok_or(Refused)?;
+                let copy = copy.get_mut(..bytes.len()).ok_or(CallbackError)?;
                 copy.iter_mut().zip(bytes.iter()).for_each(|(to, from)| *to = *from);
                 self.exchange(copy)
             }
-            _ => Err(Refused),
+            _ => Err(CallbackError),
         }
     }
 }
@@ -94,45 +94,45 @@ impl SpiDevice for Port {
 pub struct Line(pub Bus);
 
 impl digital::ErrorType for Line {
-    type Error = Refused;
+    type Error = CallbackError;
 }
 
 impl InputPin for Line {
-    fn is_high(&mut self) -> Result<bool, Refused> {
-        let rdy = self.0.rdy.ok_or(Refused)?;
+    fn is_high(&mut self) -> Result<bool, CallbackError> {
+        let rdy = self.0.rdy.ok_or(CallbackError)?;
         // SAFETY: as for `transfer`.
         match unsafe { rdy(self.0.context) } {
-            ..0 => Err(Refused),
+            ..0 => Err(CallbackError),
             level => Ok(level != 0),
         }
     }
 
-    fn is_low(&mut self) -> Result<bool, Refused> {
+    fn is_low(&mut self) -> Result<bool, CallbackError> {
         self.is_high().map(|high| !high)
     }
 }
 
 impl SelfTestPin {
-    fn drive(&mut self, level: i32) -> Result<(), Refused> {
-        let set = self.set.ok_or(Refused)?;
+    fn drive(&mut self, level: i32) -> Result<(), CallbackError> {
+        let set = self.set.ok_or(CallbackError)?;
         // SAFETY: the caller of the self-test promised that this may be called with its context.
         match unsafe { set(self.context, level) } {
             0 => Ok(()),
-            _ => Err(Refused),
+            _ => Err(CallbackError),
         }
     }
 }
 
 impl digital::ErrorType for SelfTestPin {
-    type Error = Refused;
+    type Error = CallbackError;
 }
 
 impl OutputPin for SelfTestPin {
-    fn set_low(&mut self) -> Result<(), Refused> {
+    fn set_low(&mut self) -> Result<(), CallbackError> {
         self.drive(0)
     }
 
-    fn set_high(&mut self) -> Result<(), Refused> {
+    fn set_high(&mut self) -> Result<(), CallbackError> {
         self.drive(1)
     }
 }

@@ -1,7 +1,7 @@
 //! F-50 and its curves, in three forms.
 
 use crate::boundary;
-use crate::status::{self, Numbered, Status};
+use crate::status::{self, Status, StatusNumber};
 use adis16130::{RateCode, TempCode, Width};
 
 /// Corrected rate = rate + PBC + d * (BTC + d * (BTC2 + d * BTC3)) with d = temperature - T3. A line (F-50) has BTC2

@@ -3,7 +3,7 @@
 use crate::boundary::{self, Object};
 use crate::bus::{Bus, Delay, Line, Port};
 use crate::status::{
-    self, Numbered, Status, ZERORATE_E_ARGUMENT, ZERORATE_E_NULL, ZERORATE_E_PIN, ZERORATE_E_TIMEOUT,
+    self, Status, StatusNumber, ZERORATE_E_ARGUMENT, ZERORATE_E_NULL, ZERORATE_E_PIN, ZERORATE_E_TIMEOUT,
     ZERORATE_NOTHING, ZERORATE_OK,
 };
 use adis16130::blocking::Adis16130;

@@ -3,7 +3,7 @@
 use crate::boundary::{self, Object};
 use crate::correction::Correction;
 use crate::gyro::Sample;
-use crate::status::{self, Numbered, Status, ZERORATE_E_STATE};
+use crate::status::{self, Status, StatusNumber, ZERORATE_E_STATE};
 use zerorate::{
     Action, Axis, Event, FixedProcedure, Measured, Outcome as CoreOutcome, Plan as CorePlan, Reading, Refusal, Remedy,
     State as CoreState, Warning, WindowWarnings,

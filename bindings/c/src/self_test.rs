@@ -3,7 +3,7 @@
 use crate::boundary;
 use crate::bus::{Delay, SelfTestPin};
 use crate::gyro::{Gyro, State};
-use crate::status::{self, Numbered, Status, ZERORATE_E_MISSING, ZERORATE_E_NULL};
+use crate::status::{self, Status, StatusNumber, ZERORATE_E_MISSING, ZERORATE_E_NULL};
 use adis16130::{SelfTestPlan as DriverPlan, WaitBound};
 
 /// How a self-test measures. Start from zerorate_self_test_plan_default.

@@ -134,12 +134,12 @@ pub fn of(done: Result<(), Status>) -> Status {
 }
 
 /// An error, as a number.
-pub trait Numbered {
+pub trait StatusNumber {
     /// The number.
     fn status(&self) -> Status;
 }
 
-impl<E> Numbered for BusError<E> {
+impl<E> StatusNumber for BusError<E> {
     fn status(&self) -> Status {
         match self {
             Self::Transfer { .. } => ZERORATE_E_BUS,
@@ -148,7 +148,7 @@ impl<E> Numbered for BusError<E> {
     }
 }
 
-impl Numbered for Fault {
+impl StatusNumber for Fault {
     fn status(&self) -> Status {
         match self {
             Self::StuckHigh(_) => ZERORATE_E_STUCK_HIGH,
@@ -159,7 +159,7 @@ impl Numbered for Fault {
     }
 }
 
-impl<E> Numbered for ReadError<E> {
+impl<E> StatusNumber for ReadError<E> {
     fn status(&self) -> Status {
         match self {
             Self::Bus(error) => error.status(),
@@ -170,7 +170,7 @@ impl<E> Numbered for ReadError<E> {
     }
 }
 
-impl<E> Numbered for SampleError<E> {
+impl<E> StatusNumber for SampleError<E> {
     fn status(&self) -> Status {
         match self {
             Self::Bus(error) => error.status(),
@@ -180,7 +180,7 @@ impl<E> Numbered for SampleError<E> {
     }
 }
 
-impl<E> Numbered for InitError<E> {
+impl<E> StatusNumber for InitError<E> {
     fn status(&self) -> Status {
         match self {
             Self::Bus(error) => error.status(),
@@ -189,7 +189,7 @@ impl<E> Numbered for InitError<E> {
     }
 }
 
-impl<E> Numbered for VerifyError<E> {
+impl<E> StatusNumber for VerifyError<E> {
     fn status(&self) -> Status {
         match self {
             Self::Bus(error) => error.status(),
@@ -202,7 +202,7 @@ impl<E> Numbered for VerifyError<E> {
     }
 }
 
-impl<P> Numbered for WaitError<P> {
+impl<P> StatusNumber for WaitError<P> {
     fn status(&self) -> Status {
         match self {
             Self::Pin(_) => ZERORATE_E_PIN,
@@ -211,7 +211,7 @@ impl<P> Numbered for WaitError<P> {
     }
 }
 
-impl<E, R, P> Numbered for SelfTestError<E, R, P> {
+impl<E, R, P> StatusNumber for SelfTestError<E, R, P> {
     fn status(&self) -> Status {
         match self {
             Self::Read(error) => error.status(),
@@ -221,19 +221,19 @@ impl<E, R, P> Numbered for SelfTestError<E, R, P> {
     }
 }
 
-impl Numbered for CurveError {
+impl StatusNumber for CurveError {
     fn status(&self) -> Status {
         ZERORATE_E_COEFFICIENT
     }
 }
 
-impl Numbered for IntegerError {
+impl StatusNumber for IntegerError {
     fn status(&self) -> Status {
         ZERORATE_E_COEFFICIENT
     }
 }
 
-impl Numbered for TableError {
+impl StatusNumber for TableError {
     fn status(&self) -> Status {
         match self {
             Self::NotPositive { .. } | Self::Ragged { .. } | Self::TooLong { .. } => ZERORATE_E_TABLE_LAYOUT,
@@ -243,13 +243,13 @@ impl Numbered for TableError {
     }
 }
 
-impl Numbered for PlanError {
+impl StatusNumber for PlanError {
     fn status(&self) -> Status {
         ZERORATE_E_PLAN
     }
 }
 
-impl Numbered for Refusal {
+impl StatusNumber for Refusal {
     fn status(&self) -> Status {
         match self {
             Self::Moving { .. } => ZERORATE_E_MOVING,

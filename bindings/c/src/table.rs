@@ -2,7 +2,7 @@
 
 use crate::boundary;
 use crate::correction::Correction;
-use crate::status::{self, Numbered, Status, ZERORATE_E_ARGUMENT, ZERORATE_E_NULL, ZERORATE_E_TABLE_OUTSIDE};
+use crate::status::{self, Status, StatusNumber, ZERORATE_E_ARGUMENT, ZERORATE_E_NULL, ZERORATE_E_TABLE_OUTSIDE};
 use zerorate::{Axis, RowIndex};
 
 /// A table of (temperature - T3) * BTC, without PBC, in millionths of a deg/s. The rows are the caller's and must stay

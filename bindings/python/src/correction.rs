@@ -59,7 +59,7 @@ impl Corrector {
         py: Python<'py>,
         rates_dps: PyReadonlyArray1<'py, f64>,
         temps_c: PyReadonlyArray1<'py, f64>,
-    ) -> PyResult<Taken<'py>> {
+    ) -> PyResult<CorrectedArrays<'py>> {
         let (rates, temps) = (rates_dps.as_slice()?, temps_c.as_slice()?);
         if rates.len() != temps.len() * self.inner.axes() {
             let why = format!("{} rates and {} temperatures of {} axes", rates.len(), temps.len(), self.inner.axes());
@@ -85,4 +85,4 @@ impl Corrector {
 }
 
 /// Corrected rates, the temperatures used, and whether they lie outside the span.
-type Taken<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<bool>>);
+type CorrectedArrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<bool>>);

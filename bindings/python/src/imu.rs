@@ -11,7 +11,7 @@ use zerorate_jobs::output::Outputs;
 use zerorate_logs::{Names, TimeUnit, Unit};
 
 /// Name, unit and model of an axis.
-type Modelled<'py> = (String, String, PyRef<'py, Model>);
+type AxisModel<'py> = (String, String, PyRef<'py, Model>);
 
 /// The text of the file for ``format``, and the reasons against its numbers, if there are any.
 ///
@@ -21,7 +21,7 @@ type Modelled<'py> = (String, String, PyRef<'py, Model>);
 #[expect(clippy::too_many_arguments, reason = "the keywords of Imu.to_yaml")]
 pub fn imu_file(
     format: &str,
-    axes: Vec<Modelled<'_>>,
+    axes: Vec<AxisModel<'_>>,
     log: String,
     topic: Option<String>,
     combine: &str,
@@ -76,7 +76,7 @@ pub fn save_text(path: PathBuf, text: &str, force: bool) -> PyResult<()> {
     save().map_err(|error| exception(&error))
 }
 
-fn axis<'a>((name, unit, model): &'a Modelled<'_>) -> PyResult<Axis<'a>> {
+fn axis<'a>((name, unit, model): &'a AxisModel<'_>) -> PyResult<Axis<'a>> {
     let unit: Unit = unit.parse().map_err(PyValueError::new_err)?;
     let kind =
         Kind::of(unit.quantity()).ok_or_else(|| PyValueError::new_err(format!("no axis has the unit {unit}")))?;

@@ -57,7 +57,7 @@ pub struct Options {
 type OfKind = (Vec<String>, Option<String>, Option<f64>);
 
 /// The axes, the topic, and the warnings.
-type Found<'py> = (Vec<Bound<'py, PyDict>>, Option<String>, Vec<String>);
+type AxesOfLog<'py> = (Vec<Bound<'py, PyDict>>, Option<String>, Vec<String>);
 
 /// The names of the options in Python.
 pub fn argument(setting: Setting) -> &'static str {
@@ -108,10 +108,10 @@ pub fn read_columns<'py>(
         Some(names) => Wanted::Listed(names),
     };
     let (path, columns) = match opened(source)? {
-        Opened::Table(path, table) => {
+        OpenSource::Table(path, table) => {
             (path.clone(), py.detach(|| zerorate_logs::read_table(&path, &table, wanted, &options)))
         }
-        Opened::File(path) => {
+        OpenSource::File(path) => {
             let read = || zerorate_logs::read_parts(&path, files::log(&path)?, wanted, &options);
             (path.clone(), py.detach(read))
         }
@@ -133,7 +133,7 @@ pub fn read_temperature<'py>(
     // warnings about the unit of the other columns do not apply to it
     let options = ColumnOptions { unit: None, scale: None, ..options.checked()? };
     let (path, column) = match opened(source)? {
-        Opened::Table(path, table) => {
+        OpenSource::Table(path, table) => {
             let read = |name: &str| {
                 let wanted = [name.to_owned()];
                 zerorate_logs::read_table(&path, &table, Wanted::Listed(&wanted), &options).ok()?.pop()
@@ -141,7 +141,7 @@ pub fn read_temperature<'py>(
             let column = name.map_or_else(|| TEMPERATURE_NAMES.into_iter().find_map(read), read);
             (path, column)
         }
-        Opened::File(path) => {
+        OpenSource::File(path) => {
             let column = py.detach(|| temperature::of_log(&path, name, &options));
             (path, column)
         }
@@ -168,7 +168,7 @@ pub fn read_imu<'py>(
     gyro: OfKind,
     accel: OfKind,
     options: Options,
-) -> PyResult<Found<'py>> {
+) -> PyResult<AxesOfLog<'py>> {
     let said = |(columns, unit, scale): OfKind| {
         Ok::<_, PyErr>(Said { columns, unit: parsed(&unit, "unit")?, scale: positive(scale)? })
     };
@@ -176,13 +176,13 @@ pub fn read_imu<'py>(
     let (gyro_unit, accel_unit) = (gyro.unit, accel.unit);
     let options = ImuOptions { columns: names, gyro, accel, log: options.checked()? };
     let (path, axes) = match opened(source)? {
-        Opened::Table(path, table) => {
+        OpenSource::Table(path, table) => {
             let listed = options.listed();
             let wanted = listed.as_deref().map_or(Wanted::All, Wanted::Listed);
             let read = || Axes::of(&path, zerorate_logs::read_table(&path, &table, wanted, &options.log)?, &options);
             (path.clone(), py.detach(read))
         }
-        Opened::File(path) => (path.clone(), py.detach(|| Axes::read(&path, files::log(&path)?, &options))),
+        OpenSource::File(path) => (path.clone(), py.detach(|| Axes::read(&path, files::log(&path)?, &options))),
     };
     let Axes { columns, topic, warnings } = axes.map_err(|error| exception(&error.into()))?;
     let of_kind = |column: &Column| match column.quantity {
@@ -256,14 +256,14 @@ fn positive(number: Option<f64>) -> PyResult<Option<f64>> {
 }
 
 /// A source that can be read without Python.
-enum Opened {
+enum OpenSource {
     Table(PathBuf, RecordBatch),
     File(PathBuf),
 }
 
-fn opened(source: Source<'_>) -> PyResult<Opened> {
+fn opened(source: Source<'_>) -> PyResult<OpenSource> {
     let (name, columns) = match source {
-        Source::File(path) => return Ok(Opened::File(path)),
+        Source::File(path) => return Ok(OpenSource::File(path)),
         Source::Table(name, columns) => (name, columns),
     };
     let arrays = columns.iter().map(|(_, cells)| cells.array()).collect::<PyResult<Vec<ArrayRef>>>()?;
@@ -272,7 +272,7 @@ fn opened(source: Source<'_>) -> PyResult<Opened> {
     let fields: Vec<Field> = columns.iter().zip(&arrays).map(field).collect();
     let table = RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays);
     let table = table.map_err(|error| PyValueError::new_err(format!("{name}: {error}")))?;
-    Ok(Opened::Table(name.into(), table))
+    Ok(OpenSource::Table(name.into(), table))
 }
 
 impl Cells<'_> {

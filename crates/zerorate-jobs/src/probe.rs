@@ -19,7 +19,7 @@ pub struct Findings {
     pub revision: Option<u8>,
     /// Framing of the bytes by CS (F-22): byte or command; none where this program does not decide it.
     pub framing: Option<&'static str>,
-    pub self_test: Option<SelfTested>,
+    pub self_test: Option<SelfTestResult>,
     /// On an SPI bus.
     pub sclk_hz: Option<u32>,
     /// The fastest of the clocks tried at which the configuration reads back right.
@@ -59,7 +59,7 @@ pub struct AxisFindings {
 /// The change of the rate under self-test.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
-pub struct SelfTested {
+pub struct SelfTestResult {
     pub shift_dps: f32,
     /// Standard uncertainty.
     pub u_dps: f32,
@@ -140,7 +140,11 @@ impl Findings {
                 Framing::PerByte => "byte",
                 Framing::Command => "command",
             }),
-            self_test: self_test.map(|SelfTest { shift_dps, u_dps, n }| SelfTested { shift_dps, u_dps, samples: n }),
+            self_test: self_test.map(|SelfTest { shift_dps, u_dps, n }| SelfTestResult {
+                shift_dps,
+                u_dps,
+                samples: n,
+            }),
             sclk_hz: bus.map(|bus| bus.sclk_hz),
             fastest_clean_sclk_hz: bus.and_then(|bus| bus.fastest_clean_hz),
             read_us: bus.and_then(|bus| bus.read_s).map(|read_s| read_s * 1e6),

@@ -6,7 +6,7 @@ use crate::progress::Meter;
 use crate::wording::flag;
 use anyhow::Result;
 use clap::Args;
-use zerorate_jobs::probe::{AxisFindings, Findings, SelfTested, probe};
+use zerorate_jobs::probe::{AxisFindings, Findings, SelfTestResult, probe};
 use zerorate_view::duration::{self, Seconds};
 
 /// Check that the sensor responds, is wired correctly and delivers samples
@@ -101,7 +101,7 @@ fn framing_text(findings: &Findings) -> &'static str {
 }
 
 fn self_test_text(findings: &Findings) -> String {
-    findings.self_test.map_or(String::new(), |SelfTested { shift_dps, u_dps, samples }| {
+    findings.self_test.map_or(String::new(), |SelfTestResult { shift_dps, u_dps, samples }| {
         format!(
             "  self-test     shifts the rate by {shift_dps:+.4} °/s, u = {u_dps:.4} ({samples} samples without \
              and with; its proper size is not published, F-11)\n"

@@ -30,12 +30,12 @@ fn track(bench: &Bench, duration: &str, more: &str) -> Run {
 }
 
 /// A run that goes no further than its rows are read: some thousand rows ahead.
-struct Halted {
+struct HaltedRun {
     child: Child,
     rows: BufReader<ChildStdout>,
 }
 
-impl Halted {
+impl HaltedRun {
     fn start(bench: &Bench, state: &str) -> Self {
         let line = format!("stream --device {DEVICE} --cal unit.toml --serial A1 --rate 50 --duration 10m");
         let mut child = start(&mut bench.command(&format!("{line} --track --state {state}")));
@@ -67,7 +67,7 @@ const ROWS: usize = 29_999;
 #[test]
 fn a_state_has_one_stream_at_a_time() {
     let bench = bench();
-    let first = Halted::start(&bench, "state.toml");
+    let first = HaltedRun::start(&bench, "state.toml");
     let begun = read(&bench, "state.toml");
     track(&bench, "1s", "").ended_with(2).saying(&["state.toml is being written by another zerorate"]);
     assert_eq!(read(&bench, "state.toml"), begun, "the second has left it");
@@ -84,7 +84,7 @@ fn a_state_has_one_stream_at_a_time() {
 #[test]
 fn a_stream_that_was_killed_leaves_its_state_free() {
     let bench = bench();
-    let mut first = Halted::start(&bench, "state.toml");
+    let mut first = HaltedRun::start(&bench, "state.toml");
     first.child.kill().expect("a process");
     first.child.wait().expect("an end");
     assert_eq!(files(&bench), 3, "it left its claim");
@@ -99,7 +99,7 @@ fn a_state_that_cannot_be_written_ends_no_stream() {
     for comes_back in [true, false] {
         let bench = bench();
         fs::create_dir(bench.path("disk")).expect("a folder");
-        let mut stream = Halted::start(&bench, "disk/state.toml");
+        let mut stream = HaltedRun::start(&bench, "disk/state.toml");
         fs::rename(bench.path("disk"), bench.path("gone")).expect("renamed");
         let read = 15_000;
         stream.read(read);

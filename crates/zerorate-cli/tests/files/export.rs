@@ -116,7 +116,7 @@ fn curved_axes() -> String {
 }
 
 /// A unit whose export is tried, and the codes that it is tried with.
-struct Tried {
+struct Trial {
     file: String,
     /// Prefixes of the functions of each axis.
     axes: &'static [&'static str],
@@ -129,8 +129,8 @@ struct Tried {
 }
 
 /// One axis by each correction, and three axes.
-fn tried() -> Vec<Tried> {
-    let one = |correction: &Correction| Tried {
+fn tried() -> Vec<Trial> {
+    let one = |correction: &Correction| Trial {
         file: measured(correction),
         axes: &[""],
         step_c: 0.02,
@@ -138,7 +138,7 @@ fn tried() -> Vec<Tried> {
         types: ["uint32_t", "u32"],
         codes: codes(),
     };
-    let three = Tried {
+    let three = Trial {
         file: curved_axes(),
         axes: &["x_", "y_", "z_"],
         step_c: 0.2,
@@ -176,7 +176,7 @@ fn codes_of_axes() -> Vec<Vec<i64>> {
     (-2060..2060).map(|temp| [temp].into_iter().chain(scales.map(|(a, b)| of(a - 9, b + 9))).collect()).collect()
 }
 
-impl Tried {
+impl Trial {
     /// The expected output: whether core and calibration know the temperature. Then the corrected code of each axis,
     /// the row of its table nearest to the temperature, whether that holds, and the corrected code of the nearest
     /// temperature that the calibration knows. Codes come from the core, which is tested against exact arithmetic. No

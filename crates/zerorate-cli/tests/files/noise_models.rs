@@ -117,7 +117,7 @@ fn seven_real_axes() {
 #[test]
 fn a_half_predicts_the_other() {
     let Some(folder) = reference_data() else { return };
-    let mut found = [Predicted::default(); 2];
+    let mut found = [PredictionCount::default(); 2];
     for axis in axes() {
         let rate = samples(&axis, &folder);
         let halves = rate.split_at(rate.len() / 2);
@@ -131,18 +131,18 @@ fn a_half_predicts_the_other() {
         found[1].add(&second.0, &first.1);
     }
     println!("first predicts second: {:?}; second predicts first: {:?}", found[0], found[1]);
-    let Predicted { inside, octaves } = found[0];
+    let PredictionCount { inside, octaves } = found[0];
     assert!(inside * 20 >= octaves * 19, "{:?}", found[0]);
 }
 
 /// Octaves that are predicted, and those of them that lie inside.
 #[derive(Clone, Copy, Debug, Default)]
-struct Predicted {
+struct PredictionCount {
     inside: usize,
     octaves: usize,
 }
 
-impl Predicted {
+impl PredictionCount {
     fn add(&mut self, fit: &Fit, other: &[f64]) {
         let points = allan::deviations(&Input::Rate(other), 100.0, Stat::Oadev, &allan::octaves(other.len()));
         for point in points.into_iter().flatten() {

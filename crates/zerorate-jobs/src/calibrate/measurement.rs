@@ -43,7 +43,7 @@ pub struct Measurement<'a> {
 }
 
 /// The result of a measurement.
-pub struct Measured {
+pub struct MeasurementResult {
     pub part: Part,
     /// The outcome of each axis.
     pub outcomes: Vec<Outcome>,
@@ -76,7 +76,7 @@ impl<'a> Measurement<'a> {
         }
     }
 
-    pub fn run(mut self) -> Result<Measured> {
+    pub fn run(mut self) -> Result<MeasurementResult> {
         let fed = self.feed();
         // the log stays whole, even after a failure
         if let Some(Err(error)) = self.log.take().map(Recorder::finish) {
@@ -85,7 +85,7 @@ impl<'a> Measurement<'a> {
         fed?;
         let (plan, words) = (self.procedure.plan(), self.words());
         let resonance = self.acquisition.resonance(plan.average_s.min(plan.offset_s));
-        Ok(Measured {
+        Ok(MeasurementResult {
             resonance,
             part: self.procedure.part().clone(),
             outcomes: self.procedure.finish().map_err(|refusal| words.refused(&refusal))?,

@@ -31,8 +31,8 @@ impl Place {
         for _ in 0..MOST_LINKS {
             match fs::symlink_metadata(&at) {
                 Ok(metadata) if metadata.is_symlink() => match follow(path, &at, &metadata)? {
-                    Followed::Stream(identity) => return Ok(Self::Stream { path: path.to_owned(), identity }),
-                    Followed::To(next) => at = next,
+                    LinkTarget::Stream(identity) => return Ok(Self::Stream { path: path.to_owned(), identity }),
+                    LinkTarget::To(next) => at = next,
                 },
                 Ok(metadata) if metadata.is_dir() => return Err(OutputError::Folder { path: path.to_owned() }),
                 Ok(metadata) if metadata.is_file() => return Self::named(path, &at, Identity::of(&metadata, &at)),
@@ -90,18 +90,18 @@ pub fn pipe(metadata: &Metadata, path: &Path) -> Option<Identity> {
     }
 }
 
-enum Followed {
+enum LinkTarget {
     Stream(Option<Identity>),
     To(PathBuf),
 }
 
 /// One step along a link that `path` has led to.
-fn follow(path: &Path, link: &Path, metadata: &Metadata) -> Result<Followed, OutputError> {
+fn follow(path: &Path, link: &Path, metadata: &Metadata) -> Result<LinkTarget, OutputError> {
     let target = fs::read_link(link).map_err(|error| OutputError::io("write", path, error))?;
     refuse_foreign(path, link, metadata, &target)?;
     match fs::metadata(link) {
-        Ok(end) if !end.is_file() && !end.is_dir() => Ok(Followed::Stream(pipe(&end, link))),
-        Ok(_) => Ok(Followed::To(folder_of(link).join(target))),
+        Ok(end) if !end.is_file() && !end.is_dir() => Ok(LinkTarget::Stream(pipe(&end, link))),
+        Ok(_) => Ok(LinkTarget::To(folder_of(link).join(target))),
         Err(error) if error.kind() == ErrorKind::NotFound => {
             Err(OutputError::Dangling { path: path.to_owned(), target })
         }

@@ -27,7 +27,7 @@ pub fn remove_all_for_good() {
 #[derive(Debug)]
 pub struct Temporary {
     file: NamedTempFile,
-    _listed: Listed,
+    _listed: ListEntry,
 }
 
 impl Temporary {
@@ -46,7 +46,7 @@ impl Temporary {
         let mut all = all();
         let file = builder.tempfile_in(folder)?;
         all.insert(file.path().to_owned());
-        let listed = Listed(file.path().to_owned());
+        let listed = ListEntry(file.path().to_owned());
         Ok(Self { file, _listed: listed })
     }
 
@@ -81,9 +81,9 @@ impl Temporary {
 }
 
 #[derive(Debug)]
-struct Listed(PathBuf);
+struct ListEntry(PathBuf);
 
-impl Drop for Listed {
+impl Drop for ListEntry {
     fn drop(&mut self) {
         all().remove(&self.0);
     }

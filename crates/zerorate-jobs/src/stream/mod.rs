@@ -2,7 +2,7 @@
 
 mod track;
 
-pub use track::{Learned, TrackOptions, TrackedAxis, Tracking, UnusableState};
+pub use track::{LearnedAxis, TrackOptions, TrackedAxis, Tracking, UnusableState};
 
 use crate::acquisition::Acquisition;
 use crate::error::Refused;
@@ -28,7 +28,7 @@ pub trait Listener {
     fn kept_again(&mut self, state: &Path);
 
     /// Hears at the end what was learned of each axis.
-    fn learned(&mut self, learned: &Learned<'_>);
+    fn learned(&mut self, learned: &LearnedAxis<'_>);
 }
 
 /// A corrected row.

@@ -42,7 +42,7 @@ pub struct TrackedAxis {
 
 /// The learned state of an axis.
 #[derive(Debug)]
-pub struct Learned<'a> {
+pub struct LearnedAxis<'a> {
     /// The axis.
     pub name: &'a str,
     /// From how much.
@@ -283,7 +283,7 @@ impl Tracking {
         for (name, tracker) in self.names.iter().zip(&self.trackers) {
             let counts = tracker.save().counts;
             let tracked = temp_c.map(|temp_c| tracker.tracked(temp_c));
-            listener.learned(&Learned { name, counts, tracked });
+            listener.learned(&LearnedAxis { name, counts, tracked });
             if counts.doubtful_s > 0 {
                 listener.warn(JobWarning::SlowTurn { axis: name.clone(), doubtful_s: counts.doubtful_s });
             }

@@ -10,7 +10,7 @@ use zerorate_host::{Cause, DeviceError, Pace, Sampling, Setup, Stop};
 use zerorate_jobs::calibrate::{Files, Numbers, OutputOptions, RunResult, Watch, prepare};
 use zerorate_jobs::correct;
 use zerorate_jobs::output::Outputs;
-use zerorate_jobs::stream::{Learned, Listener, StreamOptions, StreamRow, stream};
+use zerorate_jobs::stream::{LearnedAxis, Listener, StreamOptions, StreamRow, stream};
 use zerorate_jobs::{Acquisition, CodedWarning, JobWarning, Refused};
 use zerorate_logs::LogError;
 use zerorate_record::{CaptureWriter, Format};
@@ -141,12 +141,12 @@ pub fn cells(text: &str) -> Vec<Vec<&str>> {
 
 /// The rows of a stream, and its warnings.
 #[derive(Default)]
-pub struct Streamed {
+pub struct StreamLog {
     pub rows: Vec<StreamRow>,
     pub warnings: Vec<JobWarning>,
 }
 
-impl Listener for Streamed {
+impl Listener for StreamLog {
     fn row(&mut self, row: &StreamRow) -> Result<()> {
         self.rows.push(row.clone());
         Ok(())
@@ -162,10 +162,10 @@ impl Listener for Streamed {
 
     fn kept_again(&mut self, _: &Path) {}
 
-    fn learned(&mut self, _: &Learned<'_>) {}
+    fn learned(&mut self, _: &LearnedAxis<'_>) {}
 }
 
-impl Streamed {
+impl StreamLog {
     /// Rows with such a reading.
     pub fn with(&self, flags: Flags) -> usize {
         self.rows.iter().filter(|row| row.flags.has(flags)).count()
@@ -173,12 +173,12 @@ impl Streamed {
 }
 
 /// Streams for so long, s, a row every so many s; each sample for 0.
-pub fn streamed(device: &str, calibration: &Calibration, seconds: f64, every_s: f64) -> (Streamed, Result<()>) {
+pub fn streamed(device: &str, calibration: &Calibration, seconds: f64, every_s: f64) -> (StreamLog, Result<()>) {
     let acquisition = open(device);
     acquisition.initialise().unwrap();
     let ns = |s: f64| Some((s * 1e9) as u64).filter(|ns| *ns > 0);
     let options = StreamOptions { period_ns: ns(every_s), duration_ns: ns(seconds) };
-    let mut streamed = Streamed::default();
+    let mut streamed = StreamLog::default();
     let ended = stream(acquisition, calibration, options, None, &mut streamed);
     (streamed, ended)
 }

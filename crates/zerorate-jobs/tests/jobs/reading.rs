@@ -1,7 +1,7 @@
 //! Reading a part: `probe`, recordings and streams, of a part that is well and of one that is not.
 
 use super::bench::{
-    Folder, Streamed, calibration, cells, codes, corrected, has, open, record, refusal, replay, sampled, streamed,
+    Folder, StreamLog, calibration, cells, codes, corrected, has, open, record, refusal, replay, sampled, streamed,
 };
 use std::path::Path;
 use zerorate::health::{Flags, Health};
@@ -136,7 +136,7 @@ fn a_stream_is_corrected_row_by_row() {
     let unit = "twin:noise=0,bias_dps=0,tempco_dps_per_c=0,curvature=0,hysteresis=0,warmup_c=0";
     let curve = calibration(3, [0.5, -0.04, 31.5], "btc2_dps_per_c2 = 0.002\nbtc3_dps_per_c3 = -0.0001\n");
     for (calibration, [btc2, btc3]) in [(line(), [0.0, 0.0]), (curve, [0.002, -0.0001])] {
-        let (Streamed { rows, .. }, ended) = streamed(unit, &calibration, 1.0, 0.25);
+        let (StreamLog { rows, .. }, ended) = streamed(unit, &calibration, 1.0, 0.25);
         ended.unwrap();
         assert_eq!(rows.len(), 4, "{rows:?}");
         for row in &rows {

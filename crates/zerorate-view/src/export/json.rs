@@ -62,7 +62,7 @@ struct Axis<'a> {
 #[serde(untagged)]
 enum Integer {
     Line(Line),
-    Curve(Curved),
+    Curve(CurveFields),
 }
 
 /// The fields of `zerorate::IntegerCorrection`.
@@ -79,7 +79,7 @@ struct Line {
 
 /// The fields of `zerorate::IntegerCurve`.
 #[derive(Serialize)]
-struct Curved {
+struct CurveFields {
     terms: [i32; 4],
     fraction: u32,
     temp_shift: u32,
@@ -217,7 +217,7 @@ fn integer(of: &Codes, with_ranges: bool) -> Integer {
         codes::Integer::Curve(curve, form) => {
             let IntegerCurve { terms, t3_code, fraction } = *curve;
             let (temp_shift, bound_codes) = (form.temp_shift, curve.bound_codes());
-            Integer::Curve(Curved { terms, fraction, temp_shift, t3_code, bound_codes, codes })
+            Integer::Curve(CurveFields { terms, fraction, temp_shift, t3_code, bound_codes, codes })
         }
     }
 }

@@ -163,7 +163,7 @@ fn terms(correction: &Correction) -> String {
 }
 
 /// The uncertainty of a correction, as its file states it.
-struct Stated {
+struct StatedUncertainty {
     coverage: f64,
     factor: f64,
     /// Standard uncertainties of PBC, BTC, BTC2 and BTC3; a line has only the first two.
@@ -172,14 +172,14 @@ struct Stated {
     t3_c: Option<f64>,
 }
 
-fn stated(axis: &CalibratedAxis) -> Option<Stated> {
-    let of_curve = |curve: &CurveRecord| Stated {
+fn stated(axis: &CalibratedAxis) -> Option<StatedUncertainty> {
+    let of_curve = |curve: &CurveRecord| StatedUncertainty {
         coverage: curve.coverage,
         factor: curve.coverage_factor,
         terms: std::array::from_fn(|k| Some(curve.covariance[k][k].max(0.0).sqrt())),
         t3_c: None,
     };
-    let of_line = |u: Uncertainties| Stated {
+    let of_line = |u: Uncertainties| StatedUncertainty {
         coverage: u.coverage,
         factor: u.coverage_factor,
         terms: [Some(u.u_pbc_dps), Some(u.u_btc_dps_per_c), None, None],

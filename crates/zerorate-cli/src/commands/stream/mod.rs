@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use track::{TrackArgs, say_learned};
 use zerorate::Calibration;
 use zerorate_host::DeviceInfo;
-use zerorate_jobs::stream::{Learned, Listener, StreamOptions, StreamRow, stream};
+use zerorate_jobs::stream::{LearnedAxis, Listener, StreamOptions, StreamRow, stream};
 use zerorate_jobs::{Acquisition, JobWarning};
 use zerorate_view::duration::Seconds;
 
@@ -203,7 +203,7 @@ impl Listener for RowPrinter {
         say(format_args!("what was learned is in {} again", state.display()));
     }
 
-    fn learned(&mut self, learned: &Learned<'_>) {
+    fn learned(&mut self, learned: &LearnedAxis<'_>) {
         say_learned(learned);
     }
 }

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use zerorate::Calibration;
 use zerorate::track::{Counts, TrackerConfig};
 use zerorate_host::DeviceInfo;
-use zerorate_jobs::stream::{Learned, TrackOptions, Tracking, UnusableState};
+use zerorate_jobs::stream::{LearnedAxis, TrackOptions, Tracking, UnusableState};
 
 /// Options of tracking.
 #[derive(Args, Debug)]
@@ -95,8 +95,8 @@ impl TrackArgs {
 }
 
 /// Says what was learned about an axis.
-pub fn say_learned(learned: &Learned<'_>) {
-    let Learned { name, counts: Counts { learned_s, rolled_back, .. }, tracked } = learned;
+pub fn say_learned(learned: &LearnedAxis<'_>) {
+    let LearnedAxis { name, counts: Counts { learned_s, rolled_back, .. }, tracked } = learned;
     let change = tracked.map_or(String::new(), |tracked| {
         let (change_dps, u_dps) = (tracked.change_dps, 1.96 * tracked.u_dps);
         format!("; the bias is {change_dps:+.4} ± {u_dps:.4} °/s (95 %) from its calibration")
