@@ -2,7 +2,7 @@
 
 use crate::residuals::rms;
 use crate::seeds::{self, for_each_seed};
-use crate::trial::{self, FAULTS, Fault, Judged, Rig, Unit, judge};
+use crate::trial::{self, EstimateError, FAULTS, Fault, Rig, Unit, judge};
 use adis16130::Sample;
 use adis16130_twin::Spec;
 use anyhow::{Context, ensure};
@@ -70,16 +70,17 @@ struct DefaultUnit {
 /// A row of the table of `docs/reference/accuracy.md`.
 fn report_fault(args: &CoverageArgs, fault: &Fault) -> anyhow::Result<()> {
     let ended = for_each_seed(&args.seeds, args.threads, |seed| trial::run((fault.spec)(seed), Plan::default()))?;
-    let count = |is: fn(&trial::Ended) -> bool| ended.iter().filter(|ended| is(ended)).count();
-    let refused = count(|ended| matches!(ended, trial::Ended::Refused));
-    let (silent, wrong) = (count(trial::Ended::is_silent), count(trial::Ended::is_wrong_and_silent));
-    let worst = ended.iter().filter(|ended| ended.is_wrong_and_silent()).map(trial::Ended::worst).fold(0.0, f64::max);
+    let count = |is: fn(&trial::TrialEnd) -> bool| ended.iter().filter(|ended| is(ended)).count();
+    let refused = count(|ended| matches!(ended, trial::TrialEnd::Refused));
+    let (silent, wrong) = (count(trial::TrialEnd::is_silent), count(trial::TrialEnd::is_wrong_and_silent));
+    let worst =
+        ended.iter().filter(|ended| ended.is_wrong_and_silent()).map(trial::TrialEnd::worst).fold(0.0, f64::max);
     let warned = ended.len() - refused - silent;
     println!("| {} | {} | {warned} | {refused} | {wrong} | {worst:.1} u |", fault.name, silent - wrong);
     Ok(())
 }
 
-fn report_intervals(name: &str, unit: &str, results: impl Iterator<Item = Judged> + Clone) {
+fn report_intervals(name: &str, unit: &str, results: impl Iterator<Item = EstimateError> + Clone) {
     let ratios = results.clone().map(|judged| judged.error / judged.u);
     let count = ratios.clone().count() as f64;
     let inside = ratios.clone().filter(|ratio| ratio.abs() <= Uncertainty::FACTOR).count() as f64;

@@ -106,7 +106,7 @@ fn new_sampler(mclk_hz: u32) -> Sampler {
 
 /// The error of an estimate and its stated standard uncertainty.
 #[derive(Clone, Copy, Debug)]
-pub struct Judged {
+pub struct EstimateError {
     pub error: f64,
     pub u: f64,
 }
@@ -114,22 +114,22 @@ pub struct Judged {
 /// Both estimates of one unit.
 #[derive(Clone, Copy, Debug)]
 pub struct Unit {
-    pub pbc: Judged,
-    pub btc: Judged,
+    pub pbc: EstimateError,
+    pub btc: EstimateError,
 }
 
 pub fn judge(outcome: &Outcome, truth: &Truth) -> Unit {
     let Correction { pbc_dps, btc_dps_per_c, t3_c, .. } = outcome.correction;
     let uncertainty = &outcome.uncertainty;
     Unit {
-        pbc: Judged { error: pbc_dps - truth.pbc_dps(t3_c), u: uncertainty.u_pbc_dps },
-        btc: Judged { error: btc_dps_per_c - truth.btc_dps_per_c(t3_c), u: uncertainty.u_btc_dps_per_c },
+        pbc: EstimateError { error: pbc_dps - truth.pbc_dps(t3_c), u: uncertainty.u_pbc_dps },
+        btc: EstimateError { error: btc_dps_per_c - truth.btc_dps_per_c(t3_c), u: uncertainty.u_btc_dps_per_c },
     }
 }
 
 /// How the calibration of a unit ended.
 #[derive(Clone, Debug)]
-pub enum Ended {
+pub enum TrialEnd {
     /// It gave numbers, with the codes of the warnings that report an event.
     Calibrated {
         unit: Unit,
@@ -145,18 +145,18 @@ const STANDING: [&str; 4] = ["earth-included", "earth-subtracted", "curvature-un
 ///
 /// # Errors
 /// The bus failed, or the plan makes no sense.
-pub fn run(spec: Spec, plan: Plan) -> anyhow::Result<Ended> {
+pub fn run(spec: Spec, plan: Plan) -> anyhow::Result<TrialEnd> {
     match Rig::new(spec).calibrate(plan) {
         Ok((outcome, truth)) => {
             let codes = outcome.warnings.iter().map(zerorate::Warning::code);
             let warnings = codes.filter(|code| !STANDING.contains(code)).collect();
-            Ok(Ended::Calibrated { unit: judge(&outcome, &truth), warnings })
+            Ok(TrialEnd::Calibrated { unit: judge(&outcome, &truth), warnings })
         }
-        Err(error) => error.downcast::<Refusal>().map(|_| Ended::Refused),
+        Err(error) => error.downcast::<Refusal>().map(|_| TrialEnd::Refused),
     }
 }
 
-impl Ended {
+impl TrialEnd {
     /// By how many standard uncertainties the worse of PBC and BTC is off; zero where the measurement was refused.
     pub fn worst(&self) -> f64 {
         match self {

@@ -11,7 +11,7 @@ const VERSION: &str = "27.1.0";
 
 /// What `--help` prints.
 pub fn help() -> String {
-    let row = |tried: &Tried| format!("  {:16} one of {}\n", tried.name, tried.share);
+    let row = |tried: &TestedCrate| format!("  {:16} one of {}\n", tried.name, tried.share);
     format!(
         "Builds cargo-mutants once, below target/. It changes one place of a crate at a time, and runs the tests: a \
          mutant that passes them survives. The crates have 15,000 mutants, which take days, so that every Nth is \
@@ -23,7 +23,7 @@ pub fn help() -> String {
 }
 
 /// A crate, with what tests it.
-struct Tried {
+struct TestedCrate {
     name: &'static str,
     /// Tries every N-th mutant.
     share: u32,
@@ -38,11 +38,11 @@ const OWN: &str = "--jobs 2 --minimum-test-timeout 60";
 const OF_THE_PROGRAM: &str =
     "--profile release --timeout 900 --test-package zerorate-jobs --test-package zerorate-cli";
 
-const TRIED: [Tried; 4] = [
-    Tried { name: "adis16130", share: 4, options: OWN },
-    Tried { name: "zerorate", share: 90, options: OWN },
-    Tried { name: "zerorate-allan", share: 100, options: OWN },
-    Tried { name: "zerorate-jobs", share: 12, options: OF_THE_PROGRAM },
+const TRIED: [TestedCrate; 4] = [
+    TestedCrate { name: "adis16130", share: 4, options: OWN },
+    TestedCrate { name: "zerorate", share: 90, options: OWN },
+    TestedCrate { name: "zerorate-allan", share: 100, options: OWN },
+    TestedCrate { name: "zerorate-jobs", share: 12, options: OF_THE_PROGRAM },
 ];
 
 /// Tries a sample of each crate, or of those that are named.
@@ -73,14 +73,14 @@ const MAY_SURVIVE: f64 = 0.1;
 const UNLIKELY: f64 = 0.01;
 
 /// What became of the mutants of a crate.
-struct Found {
+struct MutantCounts {
     killed: usize,
     survived: Vec<String>,
     unviable: usize,
 }
 
-impl Tried {
-    fn run(&self, program: &Path, share: u32, seed: u64) -> Result<Found> {
+impl TestedCrate {
+    fn run(&self, program: &Path, share: u32, seed: u64) -> Result<MutantCounts> {
         let out = Path::new("target/mutants").join(self.name);
         fs::create_dir_all(&out)?;
         let mut mutants = Command::new(program);
@@ -88,11 +88,11 @@ impl Tried {
         mutants.args(["--shard", &format!("{}/{share}", seed % u64::from(share)), "--sharding", "round-robin"]);
         // its exit code says no more than its report: 2 where some survive, 3 where some hang
         mutants.arg("--output").arg(&out).status().context("cargo-mutants")?;
-        Found::read(&out.join("mutants.out"))
+        MutantCounts::read(&out.join("mutants.out"))
     }
 }
 
-impl Found {
+impl MutantCounts {
     /// Reads the lists of cargo-mutants. A mutant that hangs counts as killed.
     fn read(report: &Path) -> Result<Self> {
         let list = |name: &str| -> Result<Vec<String>> {
@@ -125,10 +125,10 @@ impl Found {
 
 #[cfg(test)]
 mod tests {
-    use super::Found;
+    use super::MutantCounts;
 
     fn of_nine(survived: usize) -> f64 {
-        Found { killed: 9 - survived, survived: vec![String::new(); survived], unviable: 0 }.chance_of_so_many()
+        MutantCounts { killed: 9 - survived, survived: vec![String::new(); survived], unviable: 0 }.chance_of_so_many()
     }
 
     #[test]

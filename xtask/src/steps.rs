@@ -180,31 +180,31 @@ fn names(steps: &[Step]) -> String {
 }
 
 /// A step that has run.
-struct Ended<'a> {
+struct StepResult<'a> {
     step: &'a Step,
     ok: bool,
     time: Duration,
 }
 
 /// Runs a step whose output is seen as it comes.
-fn watched(step: &Step) -> Result<Ended<'_>> {
+fn watched(step: &Step) -> Result<StepResult<'_>> {
     let start = Instant::now();
     let status = step.command()?.status().with_context(|| format!("cannot run `{step}`"))?;
-    let ended = Ended { step, ok: status.success(), time: start.elapsed() };
+    let ended = StepResult { step, ok: status.success(), time: start.elapsed() };
     announce(&ended);
     Ok(ended)
 }
 
 /// Runs steps in as many threads as there are cores; the output of each is shown when it ends. What is under way when
 /// a failure stops the run goes on to its end, and nothing is begun.
-fn side_by_side(steps: &[Step], at_failure: AtFailure) -> Result<Vec<Ended<'_>>> {
+fn side_by_side(steps: &[Step], at_failure: AtFailure) -> Result<Vec<StepResult<'_>>> {
     let waiting = Mutex::new(steps.iter());
     let ended = Mutex::new(Vec::new());
     let threads = thread::available_parallelism().map_or(1, usize::from).min(steps.len());
     let work = || -> Result<()> {
         loop {
             let next = waiting.lock().expect("no thread panics").next();
-            let failed = ended.lock().expect("no thread panics").iter().any(|ended: &Ended| !ended.ok);
+            let failed = ended.lock().expect("no thread panics").iter().any(|ended: &StepResult| !ended.ok);
             let stops = failed && at_failure == AtFailure::Stop;
             let Some(step) = next.filter(|_| !stops) else { return Ok(()) };
             let done = unwatched(step)?;
@@ -219,10 +219,10 @@ fn side_by_side(steps: &[Step], at_failure: AtFailure) -> Result<Vec<Ended<'_>>>
 }
 
 /// Runs a step and shows what it printed, errors after the rest.
-fn unwatched(step: &Step) -> Result<Ended<'_>> {
+fn unwatched(step: &Step) -> Result<StepResult<'_>> {
     let start = Instant::now();
     let output = step.command()?.stdin(Stdio::null()).output().with_context(|| format!("cannot run `{step}`"))?;
-    let ended = Ended { step, ok: output.status.success(), time: start.elapsed() };
+    let ended = StepResult { step, ok: output.status.success(), time: start.elapsed() };
     let mut out = stdout().lock();
     writeln!(out, "\n=== {}: {step}", step.name)?;
     out.write_all(&output.stdout)?;
@@ -232,7 +232,7 @@ fn unwatched(step: &Step) -> Result<Ended<'_>> {
     Ok(ended)
 }
 
-fn announce(ended: &Ended) {
+fn announce(ended: &StepResult) {
     let verdict = if ended.ok { "passed" } else { "FAILED" };
     println!("=== {}: {verdict} in {}", ended.step.name, clock(ended.time));
 }

@@ -24,7 +24,7 @@ const OFF_S: f64 = 86_400.0;
 
 /// The tracker's knowledge after a mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Known {
+pub struct TrackerState {
     /// The bias beyond the correction, °/s, bit by bit.
     pub change_bits: u64,
     /// Its standard uncertainty, °/s, bit by bit.
@@ -62,7 +62,7 @@ pub fn tracker() -> Tracker {
 
 /// Tracks the series of a seed; `take` gets the knowledge after each mean, and at last after the time without power.
 /// Returns `None` if the tracker refuses its saved state.
-pub fn run(seed: u64, mut take: impl FnMut(Known)) -> Option<Counts> {
+pub fn run(seed: u64, mut take: impl FnMut(TrackerState)) -> Option<Counts> {
     let mut tracker = tracker();
     let mut last_c = CORRECTION.t3_c;
     for Mean { rate_dps, temp_c } in means(seed) {
@@ -75,9 +75,9 @@ pub fn run(seed: u64, mut take: impl FnMut(Known)) -> Option<Counts> {
     Some(tracker.counts())
 }
 
-fn known(tracker: &Tracker, temp_c: f64) -> Known {
+fn known(tracker: &Tracker, temp_c: f64) -> TrackerState {
     let Tracked { change_dps, u_dps, phase } = tracker.tracked(temp_c);
-    Known { change_bits: change_dps.to_bits(), u_bits: u_dps.to_bits(), phase: phase as u8 }
+    TrackerState { change_bits: change_dps.to_bits(), u_bits: u_dps.to_bits(), phase: phase as u8 }
 }
 
 fn config() -> TrackerConfig {

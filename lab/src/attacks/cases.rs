@@ -6,7 +6,7 @@
 
 /// What must come back for a request with [`SMUGGLED`] behind or inside it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Expected {
+pub enum Expectation {
     /// Nothing, or one refusal. The connection is closed.
     Refused,
     /// One answer, and none to the smuggled request.
@@ -14,14 +14,14 @@ pub enum Expected {
     /// Two answers: there is no doubt where the second request begins.
     Both,
 }
-use Expected::{Both, Once, Refused};
+use Expectation::{Both, Once, Refused};
 
 /// A request, and what must come back.
 #[derive(Clone, Debug)]
 pub struct Case {
     pub name: String,
     pub bytes: Vec<u8>,
-    pub expected: Expected,
+    pub expected: Expectation,
 }
 
 /// A request of its own, whose answer nothing else has.
@@ -51,13 +51,13 @@ pub fn all() -> Vec<Case> {
     all
 }
 
-fn case(name: &str, expected: Expected, bytes: &[&[u8]]) -> Case {
+fn case(name: &str, expected: Expectation, bytes: &[&[u8]]) -> Case {
     Case { name: name.to_owned(), bytes: bytes.concat(), expected }
 }
 
 /// Both lengths at once. In CL.TE the length reaches behind the smuggled request, and the chunks end before it. In
 /// TE.CL it is the other way round.
-fn both_lengths(name: &str, line: &[u8], expected: Expected) -> [Case; 2] {
+fn both_lengths(name: &str, line: &[u8], expected: Expectation) -> [Case; 2] {
     let ended = [b"0\r\n\r\n", SMUGGLED].concat();
     let size = format!("{:x}\r\n", SMUGGLED.len());
     let chunk = [size.as_bytes(), SMUGGLED, b"\r\n0\r\n\r\n"].concat();
@@ -96,7 +96,7 @@ fn special_bytes() -> Vec<Case> {
     places.flatten().collect()
 }
 
-const TRANSFER_ENCODINGS: [(&str, &[u8], Expected); 40] = [
+const TRANSFER_ENCODINGS: [(&str, &[u8], Expectation); 40] = [
     ("vanilla", b"Transfer-Encoding: chunked", Once),
     ("connection", b"Connection: Transfer-Encoding\r\nTransfer-Encoding: chunked", Once),
     ("valueprefix1", b"Transfer-Encoding:  chunked", Once),
@@ -147,7 +147,7 @@ const OTHER_HEADERS: [(&str, &[u8]); 4] = [
     ("removed", b"Nothing-interesting: 1"),
 ];
 
-const CONTENT_LENGTHS: [(&str, &[u8], Expected); 18] = [
+const CONTENT_LENGTHS: [(&str, &[u8], Expectation); 18] = [
     ("vanilla", b"Content-Length: 5", Both),
     ("twice the same", b"Content-Length: 5\r\nContent-Length: 5", Both),
     ("CL-pad", b"Content-Length: 05", Both),
@@ -168,7 +168,7 @@ const CONTENT_LENGTHS: [(&str, &[u8], Expected); 18] = [
     ("a blank before the colon", b"Content-Length : 5", Refused),
 ];
 
-const CHUNKS: [(&str, &[u8], Expected); 20] = [
+const CHUNKS: [(&str, &[u8], Expectation); 20] = [
     ("whole", b"5\r\nhello\r\n0\r\n\r\n", Both),
     ("extension", b"5;a=b\r\nhello\r\n0\r\n\r\n", Both),
     ("zeros before the size", b"000005\r\nhello\r\n0\r\n\r\n", Both),
@@ -191,7 +191,7 @@ const CHUNKS: [(&str, &[u8], Expected); 20] = [
     ("any bytes for a line end", b"5\r\nhelloXX0\r\n\r\n", Refused),
 ];
 
-const HEADS: [(&str, &[u8], Expected); 33] = [
+const HEADS: [(&str, &[u8], Expectation); 33] = [
     ("pipelined", b"GET /home.json HTTP/1.1\r\nHost: localhost\r\n\r\n", Both),
     ("empty lines before", b"\r\n\r\nGET /home.json HTTP/1.1\r\nHost: localhost\r\n\r\n", Both),
     ("LF alone", b"GET /home.json HTTP/1.1\nHost: localhost\n\n", Both),

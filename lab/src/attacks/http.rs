@@ -1,6 +1,6 @@
 //! Each case on a connection of its own, and what came back until the server closed it.
 
-use super::cases::{self, Case, Expected};
+use super::cases::{self, Case, Expectation};
 use super::tally::{Outcome, Tally};
 use crate::server::Server;
 use anyhow::{Context, Result, ensure};
@@ -44,10 +44,10 @@ fn judge(case: &Case, address: &str) -> Outcome {
     };
     let is_smuggled = |answer: &(u16, Vec<u8>)| answer.1.starts_with(b"{\"home\"");
     let is_right = match (case.expected, &answers[..]) {
-        (Expected::Refused, []) => return Outcome::Refused("closed".to_owned()),
-        (Expected::Refused, [(status @ 400.., _)]) => return Outcome::Refused(status.to_string()),
-        (Expected::Once, [(200..300, _)]) => true,
-        (Expected::Both, [(200..300, _), second]) => is_smuggled(second),
+        (Expectation::Refused, []) => return Outcome::Refused("closed".to_owned()),
+        (Expectation::Refused, [(status @ 400.., _)]) => return Outcome::Refused(status.to_string()),
+        (Expectation::Once, [(200..300, _)]) => true,
+        (Expectation::Both, [(200..300, _), second]) => is_smuggled(second),
         _ => false,
     };
     let found: Vec<u16> = answers.iter().map(|answer| answer.0).collect();

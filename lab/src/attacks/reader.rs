@@ -21,7 +21,7 @@ const ROUNDING: f64 = 1e-15;
 /// What a reader says of a file.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Said {
+pub enum Reading {
     /// The columns of numbers, each with its name.
     Columns(Vec<(String, Vec<Option<f64>>)>),
     /// Why it cannot be read.
@@ -35,16 +35,16 @@ pub fn python() -> Option<PathBuf> {
 }
 
 /// What PyArrow says of each file of this form.
-pub fn theirs(python: &Path, form: &str, files: &[PathBuf]) -> Result<Vec<Said>> {
+pub fn theirs(python: &Path, form: &str, files: &[PathBuf]) -> Result<Vec<Reading>> {
     let mut said = Vec::new();
     while said.len() < files.len() {
         let output =
             Command::new(python).args(["lab/src/attacks/oracle.py", form]).args(&files[said.len()..]).output();
         let output = output.context("PyArrow")?;
         let lines = str::from_utf8(&output.stdout)?.lines().map(serde_json::from_str);
-        said.extend(lines.collect::<Result<Vec<Said>, _>>()?);
+        said.extend(lines.collect::<Result<Vec<Reading>, _>>()?);
         if said.len() < files.len() {
-            said.push(Said::Refused(format!("PyArrow ended with {}", output.status)));
+            said.push(Reading::Refused(format!("PyArrow ended with {}", output.status)));
         }
     }
     Ok(said)
@@ -65,7 +65,7 @@ impl Reader {
     }
 
     /// What the library says of a file.
-    fn ours(&self, file: &Path) -> Result<Said> {
+    fn ours(&self, file: &Path) -> Result<Reading> {
         let (_, stdout, _) = confined(Command::new(&self.columns).arg(file), &[0])?;
         Ok(serde_json::from_str(&stdout)?)
     }
@@ -81,7 +81,7 @@ impl Reader {
     }
 
     /// Notes the outcome of each file.
-    pub fn compare(&self, files: &[PathBuf], theirs: &[Said], folder: &Path) -> Tally {
+    pub fn compare(&self, files: &[PathBuf], theirs: &[Reading], folder: &Path) -> Tally {
         let mut tally = Tally::default();
         for (file, theirs) in files.iter().zip(theirs) {
             let name = file.strip_prefix(folder).unwrap_or(file).display().to_string();
@@ -105,15 +105,17 @@ fn confined(reader: &Command, codes: &[i32]) -> Result<(i32, String, String)> {
     }
 }
 
-fn judge(name: &str, ours: Said, theirs: &Said) -> Outcome {
+fn judge(name: &str, ours: Reading, theirs: &Reading) -> Outcome {
     match (ours, theirs) {
-        (Said::Refused(why), _) if why.contains(name) => Outcome::Refused(why),
-        (Said::Refused(why), _) => Outcome::Wrong(format!("the reason does not name the file: {why}")),
-        (Said::Columns(ours), Said::Columns(theirs)) => match ours.iter().find(|ours| !is_one_of(ours, theirs)) {
-            None => Outcome::Right,
-            Some((column, _)) => Outcome::Wrong(format!("column {column} has other numbers than for PyArrow")),
-        },
-        (Said::Columns(_), Said::Refused(why)) => Outcome::Wrong(format!("it is read, and PyArrow says: {why}")),
+        (Reading::Refused(why), _) if why.contains(name) => Outcome::Refused(why),
+        (Reading::Refused(why), _) => Outcome::Wrong(format!("the reason does not name the file: {why}")),
+        (Reading::Columns(ours), Reading::Columns(theirs)) => {
+            match ours.iter().find(|ours| !is_one_of(ours, theirs)) {
+                None => Outcome::Right,
+                Some((column, _)) => Outcome::Wrong(format!("column {column} has other numbers than for PyArrow")),
+            }
+        }
+        (Reading::Columns(_), Reading::Refused(why)) => Outcome::Wrong(format!("it is read, and PyArrow says: {why}")),
     }
 }
 
@@ -138,8 +140,8 @@ fn is_one_of(ours: &(String, Vec<Option<f64>>), theirs: &[(String, Vec<Option<f6
 mod tests {
     use super::*;
 
-    fn said(columns: &[(&str, &[Option<f64>])]) -> Said {
-        Said::Columns(columns.iter().map(|(name, numbers)| ((*name).to_owned(), numbers.to_vec())).collect())
+    fn said(columns: &[(&str, &[Option<f64>])]) -> Reading {
+        Reading::Columns(columns.iter().map(|(name, numbers)| ((*name).to_owned(), numbers.to_vec())).collect())
     }
 
     #[test]
@@ -156,7 +158,7 @@ mod tests {
 
     #[test]
     fn a_reason_names_the_file() {
-        let refused = |why: &str| Said::Refused(why.to_owned());
+        let refused = |why: &str| Reading::Refused(why.to_owned());
         let theirs = refused("damaged");
         assert!(matches!(judge("a/f", refused("x/a/f: damaged"), &theirs), Outcome::Refused(_)));
         assert!(matches!(judge("a/f", refused("damaged"), &theirs), Outcome::Wrong(_)));

@@ -23,7 +23,7 @@ const LEAST: usize = 280;
 
 /// A case, as `suite.py` prints it.
 #[derive(Debug, Deserialize)]
-struct Found {
+struct CaseResult {
     case: String,
     behavior: String,
     closing: String,
@@ -65,7 +65,7 @@ fn install(folder: &Path) -> Result<bool> {
     Ok(pip.arg(folder).arg(SUITE).stderr(Stdio::null()).status().is_ok_and(|status| status.success()))
 }
 
-fn found(output: &Output) -> Result<Vec<Found>> {
+fn found(output: &Output) -> Result<Vec<CaseResult>> {
     let text = str::from_utf8(&output.stderr)?;
     ensure!(output.status.success(), "the suite ended with {}: {text}", output.status);
     let lines = text.lines().filter(|line| line.starts_with('{'));
@@ -73,7 +73,7 @@ fn found(output: &Output) -> Result<Vec<Found>> {
 }
 
 /// The suite's own verdict, but for what the page's server refuses by design: binary messages and those above 1 MiB.
-fn judge(found: &Found) -> Outcome {
+fn judge(found: &CaseResult) -> Outcome {
     let by_design = refusal(&found.case);
     let is_done = matches!(&*found.behavior, "OK" | "NON-STRICT" | "INFORMATIONAL")
         && matches!(&*found.closing, "OK" | "INFORMATIONAL");
@@ -111,7 +111,7 @@ mod tests {
     fn a_verdict_of_the_suite_counts() {
         let found = |case: &str, behavior: &str, closing: &str, code| {
             let [case, behavior, closing] = [case, behavior, closing].map(str::to_owned);
-            judge(&Found { case, behavior, closing, code, what: String::new() })
+            judge(&CaseResult { case, behavior, closing, code, what: String::new() })
         };
         assert!(matches!(found("1.1.1", "OK", "OK", Some(1000)), Outcome::Right));
         assert!(matches!(found("1.1.1", "OK", "UNCLEAN", None), Outcome::Wrong(_)));

@@ -9,7 +9,7 @@ use crate::server::Server;
 use crate::tools::{self, Tool};
 use anyhow::{Result, bail, ensure};
 use page::Frames;
-use samples::{Client, Recorded};
+use samples::{CaptureSummary, Client};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
@@ -58,7 +58,7 @@ pub fn run(args: &BenchServeArgs) -> Result<()> {
     let peak_mb = server.peak_mb()?;
     server.end()?;
     let wall_s = begun.elapsed().as_secs_f64();
-    let recorded = Recorded::of(&program, &capture)?;
+    let recorded = CaptureSummary::of(&program, &capture)?;
     print(&seen, &recorded, wall_s, peak_mb);
     recorded.check(&program, DEVICE, folder.path())?;
     // F-31: within 2 % at any clock
@@ -81,7 +81,7 @@ fn has_iio(args: &BenchServeArgs) -> Result<bool> {
 }
 
 /// The figures of all watchers.
-struct Seen {
+struct Watchers {
     /// Processor time as a share of one core.
     share: f64,
     wall_s: f64,
@@ -90,9 +90,9 @@ struct Seen {
     clients: Vec<Vec<u8>>,
 }
 
-fn look_on(args: &BenchServeArgs, server: &Server, clients: usize) -> Result<Seen> {
+fn look_on(args: &BenchServeArgs, server: &Server, clients: usize) -> Result<Watchers> {
     let (over, shown_ms) = (AtomicBool::new(false), AtomicU64::new(0));
-    thread::scope(|scope| -> Result<Seen> {
+    thread::scope(|scope| -> Result<Watchers> {
         let watch = || scope.spawn(|| page::watch(&server.page, &|| over.load(Ordering::Relaxed), &shown_ms));
         let pages: Vec<_> = (0..args.watchers).map(|_| watch()).collect();
         let readers = (0..clients).map(|_| Client::start(&server.iio_uri)).collect::<Result<Vec<_>>>();
@@ -111,12 +111,12 @@ fn look_on(args: &BenchServeArgs, server: &Server, clients: usize) -> Result<See
         let pages = pages.into_iter().map(|page| page.join().unwrap_or_else(|_| bail!("a page died")));
         let pages = pages.collect::<Result<_>>()?;
         ensure!(is_enough, "the twin gave {} ms in {wall_s:.0} s", shown_ms.load(Ordering::Relaxed));
-        Ok(Seen { share: (later_cpu_s? - cpu_s?) / wall_s, wall_s, pages, clients })
+        Ok(Watchers { share: (later_cpu_s? - cpu_s?) / wall_s, wall_s, pages, clients })
     })
 }
 
-fn print(seen: &Seen, recorded: &Recorded, wall_s: f64, peak_mb: f64) {
-    let Recorded { rows, lost, span_s, .. } = recorded;
+fn print(seen: &Watchers, recorded: &CaptureSummary, wall_s: f64, peak_mb: f64) {
+    let CaptureSummary { rows, lost, span_s, .. } = recorded;
     let rate_hz = *rows as f64 / span_s;
     println!("recorded      {rows} samples over {span_s:.1} s of twin time, {rate_hz:.1} a second, {lost} lost");
     let share = span_s / wall_s;

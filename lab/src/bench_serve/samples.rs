@@ -13,14 +13,14 @@ use std::thread::{self, JoinHandle};
 const SAMPLE: usize = 24;
 
 /// A capture, as `zerorate verify` sees it.
-pub struct Recorded {
+pub struct CaptureSummary {
     pub rows: u64,
     pub lost: u64,
     pub span_s: f64,
     sha256: String,
 }
 
-impl Recorded {
+impl CaptureSummary {
     pub fn of(program: &Path, capture: &Path) -> Result<Self> {
         let report: Value =
             serde_json::from_str(&printed(Command::new(program).args(["verify", "--json"]).arg(capture))?)?;

@@ -29,7 +29,7 @@ impl std::fmt::Display for Error {
     }
 }
 
-pub struct Judged {
+pub struct Score {
     error: Error,
     inside: f64,
     above: f64,
@@ -56,8 +56,8 @@ pub fn share<T>(all: &[T], holds: impl Fn(&T) -> bool) -> f64 {
     100.0 * all.iter().filter(|one| holds(one)).count() as f64 / all.len().max(1) as f64
 }
 
-pub fn judge(column: &[Coefficient], truth: f64) -> Judged {
-    Judged {
+pub fn judge(column: &[Coefficient], truth: f64) -> Score {
+    Score {
         error: Error::of(&column.iter().map(|c| c.value).collect::<Vec<_>>(), truth),
         inside: share(column, |c| c.lo <= truth && truth <= c.hi),
         above: share(column, |c| c.lo > truth),
@@ -67,7 +67,7 @@ pub fn judge(column: &[Coefficient], truth: f64) -> Judged {
     }
 }
 
-impl std::fmt::Display for Judged {
+impl std::fmt::Display for Score {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { error, inside, above, below, identified, .. } = self;
         write!(
@@ -78,7 +78,7 @@ impl std::fmt::Display for Judged {
     }
 }
 
-impl Judged {
+impl Score {
     pub fn misses<'a>(&'a self, scenario: &'a Scenario, which: usize) -> impl Iterator<Item = String> + 'a {
         let Bounds { coverage, rms, identified, .. } = &scenario.bounds;
         // where the truth is zero, an interval can miss on one side only

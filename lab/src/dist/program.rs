@@ -4,7 +4,7 @@
 
 use super::machine::{MACHINES, Machine};
 use super::root::Root;
-use super::trial::{self, Seen};
+use super::trial::{self, Observations};
 use super::{Folder, TARGET_DIR, VERSION, without_paths};
 use crate::tools::available;
 use crate::venv::done;
@@ -55,7 +55,7 @@ fn build(machine: &Machine) -> Result<PathBuf> {
 pub fn check(folder: &Folder) -> Result<()> {
     let inputs = folder.empty("trial")?;
     trial::lay_out(&inputs)?;
-    let mut first: Option<Seen> = None;
+    let mut first: Option<Observations> = None;
     for machine in &MACHINES {
         ensure!(is_static(&folder.of(name(machine)))?, "{} needs shared libraries", name(machine));
         let Some(seen) = try_out(folder, machine, &inputs)? else { continue };
@@ -69,7 +69,7 @@ pub fn check(folder: &Folder) -> Result<()> {
 }
 
 /// Its output and files; none where it cannot run here.
-fn try_out(folder: &Folder, machine: &Machine, inputs: &Path) -> Result<Option<Seen>> {
+fn try_out(folder: &Folder, machine: &Machine, inputs: &Path) -> Result<Option<Observations>> {
     let program = folder.of(name(machine));
     if machine.emulator.is_none() {
         let Some(root) = Root::unpack(folder)? else { return Ok(None) };

@@ -32,7 +32,7 @@ fn steps() -> Vec<(String, i32, &'static [&'static str])> {
 }
 
 /// The observations: each step, and its output or file.
-pub type Seen = Vec<(String, Vec<u8>)>;
+pub type Observations = Vec<(String, Vec<u8>)>;
 
 /// Puts the files of other projects into `here`.
 pub fn lay_out(here: &Path) -> Result<()> {
@@ -44,8 +44,8 @@ pub fn lay_out(here: &Path) -> Result<()> {
 }
 
 /// Runs all steps by `zerorate`, in the folder that is `here` for us.
-pub fn run(zerorate: impl Fn() -> Command, here: &Path) -> Result<Seen> {
-    let mut seen = Seen::new();
+pub fn run(zerorate: impl Fn() -> Command, here: &Path) -> Result<Observations> {
+    let mut seen = Observations::new();
     for (line, code, files) in steps() {
         let output = zerorate().args(line.split(' ')).output().with_context(|| line.clone())?;
         let said = String::from_utf8_lossy(&output.stderr);

@@ -2,7 +2,7 @@
 //! process, and leaves its monotonic clock alone.
 
 use crate::bench_serve::page;
-use crate::bench_serve::samples::Recorded;
+use crate::bench_serve::samples::CaptureSummary;
 use crate::server::Server;
 use crate::tools::{self, Tool};
 use anyhow::{Context, Result, ensure};
@@ -43,11 +43,11 @@ pub fn run(program: &Path, device: &str) -> Result<()> {
     }
     let wall_s = begun.elapsed().as_secs_f64();
     server.end()?;
-    let recorded = Recorded::of(program, &capture)?;
+    let recorded = CaptureSummary::of(program, &capture)?;
     let shown_s = shown_ms.load(Ordering::Relaxed) as f64 * 1e-3;
     ensure!(recorded.span_s <= wall_s + AHEAD_S && shown_s > 0.0, "{} s of the sensor in {wall_s} s", recorded.span_s);
     recorded.check(program, device, folder.path())?;
-    let Recorded { rows, lost, span_s, .. } = recorded;
+    let CaptureSummary { rows, lost, span_s, .. } = recorded;
     println!(
         "clock         set by {STEPS:?} s: {rows} samples over {span_s:.1} s in {wall_s:.1} s, {lost} lost, the twin's"
     );

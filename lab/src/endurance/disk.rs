@@ -2,7 +2,7 @@
 //! again once the device is opened anew (docs/serve.md).
 
 use crate::bench_serve::page;
-use crate::bench_serve::samples::Recorded;
+use crate::bench_serve::samples::CaptureSummary;
 use crate::server::Server;
 use crate::tools::is_root;
 use crate::venv::done;
@@ -67,13 +67,13 @@ pub fn run(program: &Path, device: &str) -> Result<()> {
     fs::copy(&first, &torn)?;
     fs::remove_file(&first)?;
     done(Command::new(program).arg("repair").arg(&torn).arg("-o").arg(&repaired).stdout(Stdio::null()))?;
-    let before = Recorded::of(program, &repaired)?;
+    let before = CaptureSummary::of(program, &repaired)?;
     before.check(program, device, kept.path())?;
     page::ask(&server.page, AGAIN)?;
     wait_until(|| Ok(fs::metadata(&second).is_ok_and(|about| about.len() > 1 << 18)))?;
     let failed = server.end().is_err();
     ensure!(failed, "the exit code does not tell that a recording failed");
-    let after = Recorded::of(program, &second)?;
+    let after = CaptureSummary::of(program, &second)?;
     ensure!(after.lost == 0, "{} samples were lost in the second recording", after.lost);
     println!("disk          {} samples until it was full, {} once it was freed: each whole", before.rows, after.rows);
     Ok(())

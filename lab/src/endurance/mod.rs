@@ -9,7 +9,7 @@ mod tracker;
 
 use crate::app;
 use crate::bench_serve::page;
-use crate::bench_serve::samples::Recorded;
+use crate::bench_serve::samples::CaptureSummary;
 use crate::server::Server;
 use anyhow::{Result, ensure};
 use gauge::Gauge;
@@ -63,8 +63,8 @@ fn long(program: &Path, device: &str, hours: f64, speed: f64) -> Result<()> {
     let wall = begun.elapsed();
     let left = settled(&server, idle)?;
     server.end()?;
-    let recorded = Recorded::of(program, &capture)?;
-    let Recorded { rows, lost, span_s, .. } = recorded;
+    let recorded = CaptureSummary::of(program, &capture)?;
+    let CaptureSummary { rows, lost, span_s, .. } = recorded;
     println!("long run      {:.2} h of the sensor in {:.0} s", span_s / 3600.0, wall.as_secs_f64());
     println!("recorded      {rows} samples, {lost} lost");
     println!("visits        {visits}");

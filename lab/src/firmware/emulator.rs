@@ -1,7 +1,7 @@
 //! The controller in QEMU: its readings and its counts.
 
 use super::scenario::Reading;
-use super::tracking::Known;
+use super::tracking::TrackerState;
 use crate::venv::printed;
 use anyhow::{Context, Result, bail, ensure};
 use std::collections::BTreeMap;
@@ -18,7 +18,7 @@ const TICK_NS: u32 = 40;
 #[derive(Default)]
 pub struct Report {
     pub readings: Vec<Reading>,
-    pub tracked: Vec<Known>,
+    pub tracked: Vec<TrackerState>,
     /// Least and most instructions of each piece of work.
     pub instructions: BTreeMap<String, (u64, u64)>,
     /// Sizes of objects in RAM.
@@ -61,7 +61,7 @@ impl Report {
                     table_udps: number(5)? as i32,
                     corrected_f32_bits: number(6)? as u32,
                 }),
-                ["tracked", ..] => report.tracked.push(Known {
+                ["tracked", ..] => report.tracked.push(TrackerState {
                     change_bits: number(1)? as u64,
                     u_bits: number(2)? as u64,
                     phase: number(3)? as u8,
@@ -108,7 +108,7 @@ mod tests {
         let text = "reading 1 2 3 6 -4 5\ntracked -2 7 1\nticks empty 25 25\nticks work 281 537\nbytes driver 20\n";
         let report = Report::parse(text).unwrap();
         assert_eq!(report.readings[0].table_udps, -4);
-        assert_eq!(report.tracked, [Known { change_bits: u64::MAX - 1, u_bits: 7, phase: 1 }]);
+        assert_eq!(report.tracked, [TrackerState { change_bits: u64::MAX - 1, u_bits: 7, phase: 1 }]);
         assert_eq!((report.instructions["work"], report.bytes["driver"]), ((10, 20), 20));
         assert!(Report::parse("panicked\n").is_err());
         assert!(Report::parse("reading 1 2\n").is_err());

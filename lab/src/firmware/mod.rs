@@ -23,7 +23,7 @@ use image::{Image, Memory};
 use scenario::Reading;
 use serde::Serialize;
 use std::process::Command;
-use tracking::Known;
+use tracking::TrackerState;
 pub use xtask::images::{QEMU, image_of};
 use xtask::images::{TARGET, build};
 
@@ -116,7 +116,7 @@ fn compare(seed: u64, theirs: &[Reading]) -> Result<usize> {
 }
 
 /// Number of means after which the tracker agrees with the host's. It must agree after all.
-fn compare_tracked(seed: u64, theirs: &[Known]) -> Result<usize> {
+fn compare_tracked(seed: u64, theirs: &[TrackerState]) -> Result<usize> {
     let mut ours = Vec::new();
     let counts = tracking::run(seed, |known| ours.push(known)).context("the tracker refuses its own state")?;
     ensure!(counts.learned_s > 0 && counts.rolled_back > 0, "the series shows too little of the tracker: {counts:?}");

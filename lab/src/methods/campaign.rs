@@ -1,6 +1,6 @@
 //! The methods, and the units on which they are compared.
 
-use super::judged::{Fitted, Judged, Summary};
+use super::comparison::{Comparison, MethodResult, Summary};
 use super::unit::{Kind, Recording, TEMPS};
 use super::{an1042, ardupilot, bound, chamber, gls, px4};
 use crate::seeds::for_each_seed;
@@ -13,13 +13,13 @@ use zerorate::{Axis, Correction};
 /// A way from a recording to the bias over temperature.
 pub struct Method {
     pub name: &'static str,
-    recording: Recorded,
-    fit: fn(&Recording) -> Option<Fitted>,
+    recording: RecordingKind,
+    fit: fn(&Recording) -> Option<MethodResult>,
 }
 
 /// The recording that a method gets.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Recorded {
+enum RecordingKind {
     Hour,
     /// A warm-up, and the air cooled and warmed again.
     Cycle,
@@ -27,7 +27,7 @@ enum Recorded {
     Chamber,
 }
 
-impl Recorded {
+impl RecordingKind {
     const ALL: [Self; 3] = [Self::Hour, Self::Cycle, Self::Chamber];
 
     fn of(self, spec: &Spec) -> Recording {
@@ -41,17 +41,21 @@ impl Recorded {
 
 /// All of them, as the page lists them.
 pub const METHODS: [Method; 7] = [
-    Method { name: RAW, recording: Recorded::Hour, fit: |recording| Some(raw(recording).into()) },
-    Method { name: AN1042, recording: Recorded::Hour, fit: |recording| Some(an1042::fit(recording).into()) },
-    Method { name: "PX4-style", recording: Recorded::Hour, fit: |recording| px4::fit(recording).map(Fitted::from) },
+    Method { name: RAW, recording: RecordingKind::Hour, fit: |recording| Some(raw(recording).into()) },
+    Method { name: AN1042, recording: RecordingKind::Hour, fit: |recording| Some(an1042::fit(recording).into()) },
+    Method {
+        name: "PX4-style",
+        recording: RecordingKind::Hour,
+        fit: |recording| px4::fit(recording).map(MethodResult::from),
+    },
     Method {
         name: "ArduPilot-style",
-        recording: Recorded::Hour,
-        fit: |recording| ardupilot::fit(recording).map(Fitted::from),
+        recording: RecordingKind::Hour,
+        fit: |recording| ardupilot::fit(recording).map(MethodResult::from),
     },
-    Method { name: WARMUP, recording: Recorded::Hour, fit: gls::fit },
-    Method { name: CYCLE, recording: Recorded::Cycle, fit: gls::fit },
-    Method { name: CHAMBER, recording: Recorded::Chamber, fit: chamber::fit },
+    Method { name: WARMUP, recording: RecordingKind::Hour, fit: gls::fit },
+    Method { name: CYCLE, recording: RecordingKind::Cycle, fit: gls::fit },
+    Method { name: CHAMBER, recording: RecordingKind::Chamber, fit: chamber::fit },
 ];
 pub const RAW: &str = "raw";
 pub const AN1042: &str = "an1042";
@@ -83,9 +87,9 @@ impl Units<'_> {
         let of_kind = |kind: Kind| {
             let one = |seed| {
                 let spec = kind.spec(seed, self.lag_s);
-                let recordings = Recorded::ALL.map(|recorded| recorded.of(&spec));
+                let recordings = RecordingKind::ALL.map(|kind| kind.of(&spec));
                 let judge = |method: &Method| {
-                    Judged::of(&recordings[method.recording as usize], method.fit)
+                    Comparison::of(&recordings[method.recording as usize], method.fit)
                         .with_context(|| format!("{} gave nothing", method.name))
                 };
                 METHODS.iter().map(judge).collect()
@@ -116,7 +120,7 @@ impl Units<'_> {
     }
 
     /// One summary for each entry of the results of a unit.
-    fn summaries(&self, one: impl Fn(u64) -> anyhow::Result<Vec<Judged>> + Sync) -> anyhow::Result<Vec<Summary>> {
+    fn summaries(&self, one: impl Fn(u64) -> anyhow::Result<Vec<Comparison>> + Sync) -> anyhow::Result<Vec<Summary>> {
         let units = for_each_seed(self.seeds, self.threads, one)?;
         let columns = units.first().map_or(0, Vec::len);
         let column = |index: usize| units.iter().map(|unit| &unit[index]).collect::<Vec<_>>();
@@ -124,8 +128,8 @@ impl Units<'_> {
     }
 }
 
-fn judged_warm_up(recording: &Recording) -> anyhow::Result<Judged> {
-    Judged::of(recording, gls::fit).context("the warm-up gave nothing")
+fn judged_warm_up(recording: &Recording) -> anyhow::Result<Comparison> {
+    Comparison::of(recording, gls::fit).context("the warm-up gave nothing")
 }
 
 /// The least residual of any method for a unit whose bias is known to have this order, °/h. `factor` gives the rate

@@ -1,6 +1,6 @@
 //! `zerorate chamber` on the profile of F-57: its estimate, on means over seconds without its state machine.
 
-use super::judged::Fitted;
+use super::comparison::MethodResult;
 use super::unit::{MEAN_S, Recording};
 use zerorate::Part;
 use zerorate::chamber::Record;
@@ -9,7 +9,7 @@ use zerorate::chamber::Record;
 const MAX_ORDER: usize = 3;
 const MEANS_PER_S: usize = (1.0 / MEAN_S) as usize;
 
-pub fn fit(recording: &Recording) -> Option<Fitted> {
+pub fn fit(recording: &Recording) -> Option<MethodResult> {
     let outcome = record(recording).outcomes(&Part::ADIS16130, None, MAX_ORDER).ok()?.pop()?;
     Some(outcome.curve.into())
 }

@@ -1,6 +1,6 @@
 //! The estimate of `calibrate --method warmup` and `cycle` on their blocks. Steps are left out: none occur here.
 
-use super::judged::Fitted;
+use super::comparison::MethodResult;
 use super::unit::Recording;
 use zerorate::Axis;
 use zerorate::temperature::{self, Assumed};
@@ -8,7 +8,7 @@ use zerorate::temperature::{self, Assumed};
 /// The highest order that is tried.
 const MAX_ORDER: usize = 3;
 
-pub fn fit(recording: &Recording) -> Option<Fitted> {
+pub fn fit(recording: &Recording) -> Option<MethodResult> {
     let blocks = recording.blocks();
     let axis = Axis::ADIS16130;
     let assumed = Assumed {
@@ -20,5 +20,5 @@ pub fn fit(recording: &Recording) -> Option<Fitted> {
         max_order: MAX_ORDER,
         t3_c: blocks.last()?.temp_c,
     };
-    temperature::fit(&blocks, &assumed).ok().map(Fitted::from)
+    thermal::fit(&blocks, &assumed).ok().map(MethodResult::from)
 }

@@ -2,7 +2,7 @@
 
 use super::an1042::Difference;
 use super::campaign::{AN1042, CHAMBER, CYCLE, METHODS, WARMUP};
-use super::judged::Summary;
+use super::comparison::Summary;
 use super::picture;
 use super::table::{self, Goal};
 use super::unit::Kind;

@@ -1,7 +1,7 @@
 //! The pictures of the page: residual and coverage over the temperatures seen.
 
 use super::campaign::{METHODS, RAW};
-use super::judged::Summary;
+use super::comparison::Summary;
 use super::unit::{Kind, TEMPS};
 use zerorate::Uncertainty;
 use zerorate_view::plot::{Lines, Panel, lines};

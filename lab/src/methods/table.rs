@@ -1,7 +1,7 @@
 //! The tables of the page, in Markdown.
 
 use super::campaign::METHODS;
-use super::judged::{Coverage, Summary};
+use super::comparison::{Coverage, Summary};
 use super::unit::Kind;
 use std::fmt::Write;
 

@@ -3,7 +3,7 @@
 use super::SLOW_CAPTURES;
 use super::files::{Files, run_of};
 use super::hid::Hid;
-use super::part::{Record, RegisterRead};
+use super::part::{Record, RegisterReading};
 use crate::twin_usb::Truth;
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 /// The data of both sides.
-pub struct Observed {
+pub struct RigData {
     /// The guest's files.
     pub files: PathBuf,
     pub iio: Record,
@@ -107,7 +107,7 @@ const CYCLES_OF_A_PAIR: f64 = 1054.0;
 const UNREPORTED: f64 = 3.0;
 
 impl Findings {
-    pub fn new(seed: u64, seen: &Observed, duration: Duration) -> Result<Self> {
+    pub fn new(seed: u64, seen: &RigData, duration: Duration) -> Result<Self> {
         let files = Files(&seen.files);
         let kernel_driver = KernelDriver::new(&files, &seen.iio)?;
         let hid = Hid::new(&files)?;
@@ -132,7 +132,7 @@ impl Findings {
         Ok(findings)
     }
 
-    fn check(&mut self, files: &Files, seen: &Observed) -> Result<()> {
+    fn check(&mut self, files: &Files, seen: &RigData) -> Result<()> {
         let driver = &self.kernel_driver;
         let mut checks = Vec::new();
         let mut check = |holds: bool, statement: String| checks.push(Check { holds, statement });
@@ -201,7 +201,7 @@ impl KernelDriver {
     fn new(files: &Files, record: &Record) -> Result<Self> {
         let (rate_codes_guest, temp_codes_guest) = (files.numbers("iio.rate")?, files.numbers("iio.temp")?);
         // the script's readings come first, then zerorate's through the same driver
-        let first = |readings: &[RegisterRead], count: usize| readings.iter().take(count).map(|r| r.code).collect();
+        let first = |readings: &[RegisterReading], count: usize| readings.iter().take(count).map(|r| r.code).collect();
         Ok(Self {
             rate_scale: files.text("iio.in_anglvel_z_scale")?,
             rate_offset: files.text("iio.in_anglvel_z_offset")?,
@@ -223,8 +223,8 @@ impl Stream {
         let sent = run_of(&codes_guest, &record.rates, |read| read.code);
         let (first, last) = (rows.first().context("an empty capture")?, rows.last().context("an empty capture")?);
         let span_s = (last.t_ns - first.t_ns) as f64 * 1e-9;
-        let lost = |readings: &[RegisterRead]| Some(readings.last()?.lost_rate - readings.first()?.lost_rate);
-        let edges = |readings: &[RegisterRead]| Some(readings.last()?.edges - readings.first()?.edges);
+        let lost = |readings: &[RegisterReading]| Some(readings.last()?.lost_rate - readings.first()?.lost_rate);
+        let edges = |readings: &[RegisterReading]| Some(readings.last()?.edges - readings.first()?.edges);
         let pairs_hz = record.summary.mclk_hz / CYCLES_OF_A_PAIR;
         Ok(Self {
             updates: span_s * pairs_hz,
@@ -261,7 +261,7 @@ impl Stream {
 }
 
 impl Calibration {
-    fn new(files: &Files, seen: &Observed) -> Result<Self> {
+    fn new(files: &Files, seen: &RigData) -> Result<Self> {
         let guest: Value = serde_json::from_str(&files.text("calibrate.json")?).context("calibrate.json")?;
         let host = &seen.host;
         let number = |value: &Value, key: &str| value[key].as_f64().with_context(|| format!("{key} in {value}"));

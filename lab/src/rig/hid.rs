@@ -34,12 +34,12 @@ const ENOUGH_LOST: u64 = 4;
 #[derive(Serialize)]
 pub struct Hid {
     buffered: Vec<Stream>,
-    polled: Polled,
+    polled: HidSummary,
     probe: Value,
 }
 
 /// A reading that it handed over.
-struct Sent {
+struct HidReading {
     number: u32,
     codes: Vec<i64>,
     /// Its own clock, before and after.
@@ -64,7 +64,7 @@ struct Stream {
 }
 
 #[derive(Serialize)]
-struct Polled {
+struct HidSummary {
     samples: usize,
     /// Axes whose codes it sent, none older than the one before.
     axes_in_order: usize,
@@ -73,13 +73,14 @@ struct Polled {
 impl Hid {
     pub fn new(files: &Files) -> Result<Self> {
         let text = files.text("hid.sent")?;
-        let sent = text.lines().skip(1).map(|line| Sent::parse(line).with_context(|| format!("hid.sent: {line}")));
-        let sent: Vec<Sent> = sent.collect::<Result<_>>()?;
-        let reports: Vec<&Sent> = sent.iter().filter(|sent| !sent.asked).collect();
+        let sent =
+            text.lines().skip(1).map(|line| HidReading::parse(line).with_context(|| format!("hid.sent: {line}")));
+        let sent: Vec<HidReading> = sent.collect::<Result<_>>()?;
+        let reports: Vec<&HidReading> = sent.iter().filter(|sent| !sent.asked).collect();
         let buffered = BUFFERED.iter().map(|name| Ok(Stream::new(name, &files.rows(name)?, &reports)));
         Ok(Self {
             buffered: buffered.collect::<Result<_>>()?,
-            polled: Polled::new(&files.rows("hidpolled")?, &sent),
+            polled: HidSummary::new(&files.rows("hidpolled")?, &sent),
             probe: serde_json::from_str(&files.text("hidprobe.json")?).context("hidprobe.json")?,
         })
     }
@@ -95,7 +96,7 @@ impl Hid {
         for stream in &self.buffered {
             stream.check(check);
         }
-        let Polled { samples, axes_in_order } = self.polled;
+        let HidSummary { samples, axes_in_order } = self.polled;
         check(samples >= 50 && axes_in_order == 3, format!("polled: {samples} samples of 3 axes are of those it had"));
         let axes: Vec<&Value> =
             self.probe["axes"].as_array().into_iter().flatten().map(|axis| &axis["name"]).collect();
@@ -133,7 +134,7 @@ impl Hid {
     }
 }
 
-impl Sent {
+impl HidReading {
     fn parse(line: &str) -> Option<Self> {
         let fields: Vec<i64> = line.split(',').map(|field| field.parse().ok()).collect::<Option<_>>()?;
         let [number, x, y, z, before_ns, after_ns, asked] = fields[..] else { return None };
@@ -147,12 +148,12 @@ impl Sent {
 }
 
 impl Stream {
-    fn new(name: &'static str, rows: &[GuestRow], reports: &[&Sent]) -> Self {
+    fn new(name: &'static str, rows: &[GuestRow], reports: &[&HidReading]) -> Self {
         let codes: Vec<&[i64]> = rows.iter().map(|row| &row.codes[..]).collect();
         let sent = run_of(&codes, reports, |sent| &sent.codes[..]);
         let pairs = || rows.iter().zip(sent);
-        let before = |(row, sent): (&GuestRow, &&Sent)| row.t_ns as i64 - sent.between_ns.1;
-        let after = |(row, sent): (&GuestRow, &&Sent)| row.t_ns as i64 - sent.between_ns.0;
+        let before = |(row, sent): (&GuestRow, &&HidReading)| row.t_ns as i64 - sent.between_ns.1;
+        let after = |(row, sent): (&GuestRow, &&HidReading)| row.t_ns as i64 - sent.between_ns.0;
         // the kernel's time of a reading lies between when it was handed over and when that was done
         let offset_ns = (pairs().map(before).max().unwrap_or(0), pairs().map(after).min().unwrap_or(0));
         let missing = sent.windows(2).map(|two| u64::from(two[1].number - two[0].number - 1));
@@ -187,8 +188,8 @@ impl Stream {
     }
 }
 
-impl Polled {
-    fn new(rows: &[GuestRow], sent: &[Sent]) -> Self {
+impl HidSummary {
+    fn new(rows: &[GuestRow], sent: &[HidReading]) -> Self {
         let in_order = |axis: &usize| {
             // a code stands for one reading only (`gyro.rs`)
             let number: HashMap<i64, u32> = sent.iter().map(|sent| (sent.codes[*axis], sent.number)).collect();
@@ -205,11 +206,11 @@ mod tests {
     use super::*;
 
     /// Three readings of which the third was withheld, as they were sent and seen.
-    fn seen() -> (Vec<Sent>, Vec<GuestRow>) {
+    fn seen() -> (Vec<HidReading>, Vec<GuestRow>) {
         let sent = |number: u32| {
             let t_ns = i64::from(number) * 10_000_000;
             let codes = [1, 2, 3].map(|axis| axis * i64::from(number)).to_vec();
-            Sent { number, codes, between_ns: (t_ns, t_ns + 2_000), asked: false }
+            HidReading { number, codes, between_ns: (t_ns, t_ns + 2_000), asked: false }
         };
         let row = |number: u32, lost| {
             let t_ns = 5_000_000_000 + u64::from(number) * 10_000_000 + 1_000;
@@ -218,7 +219,7 @@ mod tests {
         ([1, 2, 4, 5].map(sent).into(), vec![row(2, 0), row(4, 1), row(5, 0)])
     }
 
-    fn stream((sent, rows): &(Vec<Sent>, Vec<GuestRow>)) -> Stream {
+    fn stream((sent, rows): &(Vec<HidReading>, Vec<GuestRow>)) -> Stream {
         Stream::new("hid", rows, &sent.iter().collect::<Vec<_>>())
     }
 
@@ -244,10 +245,10 @@ mod tests {
     #[test]
     fn polls_must_not_go_back() {
         let (sent, mut rows) = seen();
-        assert_eq!(Polled::new(&rows, &sent).axes_in_order, 3);
+        assert_eq!(HidSummary::new(&rows, &sent).axes_in_order, 3);
         rows[2].codes[1] = 2;
-        assert_eq!(Polled::new(&rows, &sent).axes_in_order, 2);
+        assert_eq!(HidSummary::new(&rows, &sent).axes_in_order, 2);
         rows[2].codes[0] = 77;
-        assert_eq!(Polled::new(&rows, &sent).axes_in_order, 1);
+        assert_eq!(HidSummary::new(&rows, &sent).axes_in_order, 1);
     }
 }

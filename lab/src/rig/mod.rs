@@ -18,10 +18,10 @@ mod part;
 use crate::app::{ProgramArgs, target_folder};
 use crate::tools::{Tool, available, is_root};
 use anyhow::{Context, Result};
-use checks::{Findings, Observed};
+use checks::{Findings, RigData};
 use kernel::Kernel;
 use machine::Machine;
-use part::{Plugged, Record};
+use part::{Record, UsbTwin};
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -77,7 +77,7 @@ pub fn run(args: &ProgramArgs) -> Result<()> {
 }
 
 /// Boots the guest, plugs in one part after the other as its script asks for them, and collects what both sides saw.
-fn experiment(seed: u64, program: &Path, folder: &Path, kernel: &Kernel) -> Result<Observed> {
+fn experiment(seed: u64, program: &Path, folder: &Path, kernel: &Kernel) -> Result<RigData> {
     let run = folder.join("run");
     if run.exists() {
         fs::remove_dir_all(&run)?;
@@ -90,7 +90,7 @@ fn experiment(seed: u64, program: &Path, folder: &Path, kernel: &Kernel) -> Resu
     let keys = format!("seed={seed},warmup_s={WARMUP_S},roa=10nf");
     let mut stage = |name: &str, arguments: &[&str]| -> Result<Record> {
         let arguments = [&[keys.as_str()], arguments].concat();
-        let plugged = Plugged::plug(&run, name, &socket, &arguments)?;
+        let plugged = UsbTwin::plug(&run, name, &socket, &arguments)?;
         let done = if name == "replug" { "all done".to_owned() } else { format!("{name} done") };
         machine.until(&done, LIMIT)?;
         plugged.unplug()
@@ -108,7 +108,7 @@ fn experiment(seed: u64, program: &Path, folder: &Path, kernel: &Kernel) -> Resu
         as_csv(program, &files, capture)?;
     }
     let host = calibrate_in_process(program, &keys)?;
-    Ok(Observed { files, iio, spi, fast, calibrate, cut, replug, host })
+    Ok(RigData { files, iio, spi, fast, calibrate, cut, replug, host })
 }
 
 fn as_csv(program: &Path, files: &Path, capture: &str) -> Result<()> {

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 /// A plugged-in part: `cargo xtask twin-usb`.
-pub struct Plugged {
+pub struct UsbTwin {
     process: Child,
     summary: PathBuf,
     wire: PathBuf,
@@ -16,7 +16,7 @@ pub struct Plugged {
 
 /// A data register that was read, as it went over the wire.
 #[derive(Clone, Copy, Debug)]
-pub struct RegisterRead {
+pub struct RegisterReading {
     pub code: u32,
     /// Rate readings that were lost before it since power-on.
     pub lost_rate: u64,
@@ -27,11 +27,11 @@ pub struct RegisterRead {
 /// The part's whole record of its time on the bus.
 pub struct Record {
     pub summary: Summary,
-    pub rates: Vec<RegisterRead>,
-    pub temps: Vec<RegisterRead>,
+    pub rates: Vec<RegisterReading>,
+    pub temps: Vec<RegisterReading>,
 }
 
-impl Plugged {
+impl UsbTwin {
     /// Switches a part on and plugs it in. Its files below `folder` are called `name`.
     pub fn plug(folder: &Path, name: &str, socket: &Path, arguments: &[&str]) -> Result<Self> {
         let summary = folder.join(format!("{name}.part.json"));
@@ -54,7 +54,7 @@ impl Plugged {
     }
 }
 
-impl Drop for Plugged {
+impl Drop for UsbTwin {
     fn drop(&mut self) {
         // it has ended already unless something failed
         let _ = self.process.kill();
@@ -63,13 +63,13 @@ impl Drop for Plugged {
 }
 
 /// The 24-bit reads with this COM byte (F-24) in a log of the wire: t_ns,mosi,miso,lost_rate,edges.
-fn reads(wire: &str, com: &str) -> Vec<RegisterRead> {
+fn reads(wire: &str, com: &str) -> Vec<RegisterReading> {
     let frame = |line: &str| {
         let mut fields = line.split(',').skip(1);
         let (mosi, miso, lost, edges) = (fields.next()?, fields.next()?, fields.next()?, fields.next()?);
         let is_read = mosi.len() == 8 && mosi.starts_with(com);
         let code = u32::from_str_radix(miso.get(2..8)?, 16).ok().filter(|_| is_read)?;
-        Some(RegisterRead { code, lost_rate: lost.parse().ok()?, edges: edges.parse().ok()? })
+        Some(RegisterReading { code, lost_rate: lost.parse().ok()?, edges: edges.parse().ok()? })
     };
     wire.lines().filter_map(frame).collect()
 }

@@ -18,10 +18,10 @@ pub struct Bench {
     pub program: PathBuf,
     folder: Folder,
     /// The output of `correct` for the whole recording `rest`, in any form.
-    pub rest: Corrected,
+    pub rest: CorrectedOutput,
 }
 
-pub struct Corrected {
+pub struct CorrectedOutput {
     /// Its rows, without metadata.
     pub rows: String,
     /// Lines on stderr with it.
@@ -105,7 +105,7 @@ impl Run {
 
 impl Bench {
     pub fn new(program: PathBuf) -> Result<Self> {
-        let rest = Corrected { rows: String::new(), words: 0 };
+        let rest = CorrectedOutput { rows: String::new(), words: 0 };
         let mut bench = Self { program, folder: Folder::new("bench")?, rest };
         let (log, unit) = (bench.file("unit.arrows"), bench.file("unit.toml"));
         bench.must(&[&["calibrate", "--log", &log, "-o", &unit], &SHORT[..]].concat())?;
@@ -114,7 +114,7 @@ impl Bench {
         }
         let (run, rows) = bench.corrected(&bench.file("rest.csv"), &bench.file("corrected.csv"))?;
         ensure!(run.code == Some(0), "{}", run.stderr);
-        bench.rest = Corrected { rows, words: run.stderr.lines().count() };
+        bench.rest = CorrectedOutput { rows, words: run.stderr.lines().count() };
         Ok(bench)
     }
 

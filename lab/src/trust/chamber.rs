@@ -114,7 +114,7 @@ fn off_u(other: &Value, result: &Value) -> Result<f64> {
 }
 
 /// An interrupted measurement, and its result if nobody edits it.
-struct Interrupted {
+struct InterruptedRun {
     state: String,
     result: Value,
 }
@@ -125,8 +125,8 @@ fn going_on<'a>(plan: &'a str, output: &'a str) -> [&'a str; 11] {
     ["chamber", plan, "--device", DEVICE, "--divider", "50", "--chamber", "sim:lag_s=15", "--json", "-o", output]
 }
 
-fn interrupted(bench: &Bench) -> Result<&'static Interrupted> {
-    static INTERRUPTED: OnceLock<Interrupted> = OnceLock::new();
+fn interrupted(bench: &Bench) -> Result<&'static InterruptedRun> {
+    static INTERRUPTED: OnceLock<InterruptedRun> = OnceLock::new();
     if let Some(interrupted) = INTERRUPTED.get() {
         return Ok(interrupted);
     }
@@ -136,7 +136,7 @@ fn interrupted(bench: &Bench) -> Result<&'static Interrupted> {
     bench.run(&going_on(&plan, &output))?;
     let state = fs::read_to_string(format!("{output}.chamber")).context("finished steps")?;
     let result = bench.must(&going_on(&plan, &output))?.json()?;
-    Ok(INTERRUPTED.get_or_init(|| Interrupted { state, result }))
+    Ok(INTERRUPTED.get_or_init(|| InterruptedRun { state, result }))
 }
 
 /// Replaces one digit by another.
@@ -149,7 +149,7 @@ pub fn with_another_digit(text: &str, random: &mut StdRng) -> String {
 }
 
 fn edited_steps(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
-    let Interrupted { state, result } = interrupted(bench)?;
+    let InterruptedRun { state, result } = interrupted(bench)?;
     let folder = Folder::new(&format!("steps-{seed}"))?;
     let (plan, output) = (folder.file("plan.toml"), folder.file("unit.toml"));
     fs::write(&plan, PLAN)?;

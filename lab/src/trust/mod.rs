@@ -83,7 +83,7 @@ fn classes() -> Vec<Class> {
 pub fn run(args: &TrustArgs) -> Result<()> {
     let program = args.program.clone().map_or_else(app::program, Ok)?;
     let bench = Bench::new(std::path::absolute(program)?)?;
-    let mut done = Done::read(args.resume.clone())?;
+    let mut done = FinishedClasses::read(args.resume.clone())?;
     let mut counts = Vec::new();
     for class in
         classes().into_iter().filter(|class| args.only.as_deref().is_none_or(|only| class.name.starts_with(only)))
@@ -110,12 +110,12 @@ pub fn run(args: &TrustArgs) -> Result<()> {
 }
 
 /// The finished classes, as lines of JSON in a file.
-struct Done {
+struct FinishedClasses {
     path: Option<PathBuf>,
     counts: BTreeMap<String, Count>,
 }
 
-impl Done {
+impl FinishedClasses {
     fn read(path: Option<PathBuf>) -> Result<Self> {
         let text = path.as_deref().filter(|path| path.exists()).map(std::fs::read_to_string).transpose()?;
         let lines = text.as_deref().unwrap_or_default().lines().map(serde_json::from_str);

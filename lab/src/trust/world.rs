@@ -2,7 +2,7 @@
 
 use super::faults::WRONG_U;
 use super::{Bench, Class, Verdict};
-use crate::trial::{self, Ended, FAULTS, HOUR_S};
+use crate::trial::{self, FAULTS, HOUR_S, TrialEnd};
 use adis16130_twin::{Motion, Roa, Spec};
 use anyhow::{Context, Result};
 use zerorate::{Method, Plan};
@@ -66,11 +66,11 @@ fn calibrate(_: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
     let spec = at_its_rate((FAULTS[index].spec)(seed), seed);
     let ended = trial::run(spec.clone(), Plan::default())?;
     Ok(match &ended {
-        Ended::Refused => Verdict::Refused,
-        Ended::Calibrated { .. } if ended.worst() <= WRONG_U => Verdict::Right,
-        Ended::Calibrated { warnings, .. } if !warnings.is_empty() => Verdict::Warned,
-        Ended::Calibrated { .. } if is_unknowable(&spec) => Verdict::Unknowable,
-        Ended::Calibrated { unit, .. } => Verdict::Silent(format!("off by {:.1} u: {unit:?}", ended.worst())),
+        TrialEnd::Refused => Verdict::Refused,
+        TrialEnd::Calibrated { .. } if ended.worst() <= WRONG_U => Verdict::Right,
+        TrialEnd::Calibrated { warnings, .. } if !warnings.is_empty() => Verdict::Warned,
+        TrialEnd::Calibrated { .. } if is_unknowable(&spec) => Verdict::Unknowable,
+        TrialEnd::Calibrated { unit, .. } => Verdict::Silent(format!("off by {:.1} u: {unit:?}", ended.worst())),
     })
 }
 
@@ -89,10 +89,12 @@ fn record(method: Method, seed: u64) -> Result<Verdict> {
     let sway = format!("{:.4} °/s, {:.2} turns", spec.sway_dps, spec.sway_hz * plan.total_s());
     let ended = trial::run(spec, plan)?;
     Ok(match &ended {
-        Ended::Refused => Verdict::Refused,
-        Ended::Calibrated { .. } if ended.worst() <= WRONG_U => Verdict::Right,
-        Ended::Calibrated { .. } if is_walk => Verdict::Unknowable,
-        Ended::Calibrated { unit, .. } => Verdict::Silent(format!("{sway}: off by {:.1} u: {unit:?}", ended.worst())),
+        TrialEnd::Refused => Verdict::Refused,
+        TrialEnd::Calibrated { .. } if ended.worst() <= WRONG_U => Verdict::Right,
+        TrialEnd::Calibrated { .. } if is_walk => Verdict::Unknowable,
+        TrialEnd::Calibrated { unit, .. } => {
+            Verdict::Silent(format!("{sway}: off by {:.1} u: {unit:?}", ended.worst()))
+        }
     })
 }
 

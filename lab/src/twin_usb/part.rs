@@ -26,13 +26,13 @@ pub struct WallPart {
     switched_on: Instant,
     seed: u64,
     mclk_hz: f64,
-    seen: Served,
+    seen: BusTraffic,
     wire: Option<Wire>,
 }
 
 /// The traffic that the part saw on the bus.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
-pub struct Served {
+pub struct BusTraffic {
     pub spi_frames: u64,
     pub rate_reads: u64,
     pub temp_reads: u64,
@@ -48,7 +48,7 @@ pub struct Summary {
     pub mclk_hz: f64,
     pub duration_s: f64,
     #[serde(flatten)]
-    pub seen: Served,
+    pub seen: BusTraffic,
     pub lost_rate: Losses,
     pub lost_temp: Losses,
     pub truth: Truth,
@@ -81,7 +81,7 @@ impl WallPart {
             let Ok(()) = spi.write(&INITIALISATION);
         }
         let wire = wire.map(Wire::create).transpose()?;
-        Ok(Self { twin, spi, rdy, switched_on: Instant::now(), seed, mclk_hz, seen: Served::default(), wire })
+        Ok(Self { twin, spi, rdy, switched_on: Instant::now(), seed, mclk_hz, seen: BusTraffic::default(), wire })
     }
 
     /// Advances the part to the present, and returns whether RDY has fallen since the last call.

@@ -20,7 +20,7 @@ const BLOCKS_PER_S: usize = 10;
 const READY: [(Address, u8); 3] = [(Address::RateStatus, 0x08), (Address::TempStatus, 0x48), (Address::Mode, 0x22)];
 
 /// The counts, by name.
-type Counted = [(&'static str, Ticks); 14];
+type Counts = [(&'static str, Ticks); 14];
 
 /// Least and most ticks of a piece of work.
 #[derive(Clone, Copy)]
@@ -45,7 +45,7 @@ impl Ticks {
 ///
 /// Each piece of work is a function called through a pointer that the compiler cannot see through, with its operands
 /// in memory. So nothing can be moved out of it, and the count includes call, operands and return.
-pub fn all(readings: &[Reading], corrections: &Corrections, seed: u64, systick: SYST) -> Option<Counted> {
+pub fn all(readings: &[Reading], corrections: &Corrections, seed: u64, systick: SYST) -> Option<Counts> {
     let mut bench = Bench { counter: Counter::new(systick), readings };
     let Corrections { integer, curve, single, .. } = *corrections;
     let table = corrections.table();

@@ -19,7 +19,7 @@ use core::fmt::Write;
 use cortex_m_semihosting::debug;
 use cortex_m_semihosting::hio::{HostStream, hstdout};
 use firmware_qemu::scenario::{self, Reading};
-use firmware_qemu::tracking::{self, Known};
+use firmware_qemu::tracking::{self, TrackerState};
 use firmware_qemu::{arguments, heap};
 use zerorate::track::{Saved, Tracker};
 
@@ -45,7 +45,7 @@ fn run(mut out: HostStream) -> Option<()> {
     }
     let mut all = Vec::new();
     tracking::run(seed, |known| all.push(known))?;
-    for Known { change_bits, u_bits, phase } in all {
+    for TrackerState { change_bits, u_bits, phase } in all {
         writeln!(out, "tracked {} {} {phase}", change_bits as i64, u_bits as i64).ok()?;
     }
     for (name, ticks) in counts::all(&readings, &corrections, seed, peripherals.SYST)? {

@@ -7,7 +7,7 @@ use zerorate::temperature::{self, BiasCurve, TERMS};
 use zerorate::{Correction, Uncertainty};
 
 /// The result of a method on a recording.
-pub struct Fitted {
+pub struct MethodResult {
     pub correction: Correction,
     /// Covariance of its coefficients, where it states one.
     pub covariance: Option<[[f64; TERMS]; TERMS]>,
@@ -15,13 +15,13 @@ pub struct Fitted {
     pub order: Option<usize>,
 }
 
-impl From<Correction> for Fitted {
+impl From<Correction> for MethodResult {
     fn from(correction: Correction) -> Self {
         Self { correction, covariance: None, order: None }
     }
 }
 
-impl From<BiasCurve> for Fitted {
+impl From<BiasCurve> for MethodResult {
     fn from(curve: BiasCurve) -> Self {
         let BiasCurve { correction, covariance, order, .. } = curve;
         Self { correction, covariance: Some(covariance), order: Some(order) }
@@ -29,21 +29,21 @@ impl From<BiasCurve> for Fitted {
 }
 
 /// A result compared with the truth at the end of the recording, at the temperatures seen, the lowest first.
-pub struct Judged {
+pub struct Comparison {
     errors_dps: [f64; TEMPS],
     u_dps: Option<[f64; TEMPS]>,
     order: Option<usize>,
     fit_s: f64,
 }
 
-impl Judged {
+impl Comparison {
     /// None where the method states no uncertainty.
-    pub fn of(recording: &Recording, fit: impl FnOnce(&Recording) -> Option<Fitted>) -> Option<Self> {
+    pub fn of(recording: &Recording, fit: impl FnOnce(&Recording) -> Option<MethodResult>) -> Option<Self> {
         let start = Instant::now();
         let fitted = fit(recording)?;
         let fit_s = start.elapsed().as_secs_f64();
         let temps_c = recording.temps_c();
-        let Fitted { correction, covariance, order } = fitted;
+        let MethodResult { correction, covariance, order } = fitted;
         Some(Self {
             errors_dps: temps_c.map(|temp_c| correction.at(temp_c) + recording.truth.bias_dps(temp_c)),
             u_dps: covariance.map(|all| temps_c.map(|temp_c| temperature::u_dps(&all, temp_c - correction.t3_c))),
@@ -97,8 +97,8 @@ impl Coverage {
 }
 
 impl Summary {
-    pub fn of(all: &[&Judged]) -> Self {
-        let shape = |judged: &&Judged| {
+    pub fn of(all: &[&Comparison]) -> Self {
+        let shape = |judged: &&Comparison| {
             let mean = judged.errors_dps.iter().sum::<f64>() / TEMPS as f64;
             judged.errors_dps.map(|error| error - mean)
         };
@@ -114,7 +114,7 @@ impl Summary {
     }
 }
 
-fn coverage(all: &[&Judged]) -> Option<Coverage> {
+fn coverage(all: &[&Comparison]) -> Option<Coverage> {
     let inside: Vec<[bool; TEMPS]> = all.iter().filter_map(|judged| judged.inside()).collect();
     let share =
         |holds: &dyn Fn(&[bool; TEMPS]) -> bool| percent(inside.iter().filter(|unit| holds(unit)).count(), all);
@@ -127,7 +127,7 @@ fn coverage(all: &[&Judged]) -> Option<Coverage> {
     })
 }
 
-fn orders(all: &[&Judged]) -> Option<[f64; TERMS]> {
+fn orders(all: &[&Comparison]) -> Option<[f64; TERMS]> {
     all.iter().any(|judged| judged.order.is_some()).then(|| {
         std::array::from_fn(|order| percent(all.iter().filter(|judged| judged.order == Some(order)).count(), all))
     })
@@ -147,8 +147,8 @@ fn percent<T>(count: usize, all: &[T]) -> f64 {
 mod tests {
     use super::*;
 
-    fn judged(errors_dps: [f64; TEMPS], u_dps: f64, order: usize) -> Judged {
-        Judged { errors_dps, u_dps: Some([u_dps; TEMPS]), order: Some(order), fit_s: 0.002 }
+    fn judged(errors_dps: [f64; TEMPS], u_dps: f64, order: usize) -> Comparison {
+        Comparison { errors_dps, u_dps: Some([u_dps; TEMPS]), order: Some(order), fit_s: 0.002 }
     }
 
     #[test]
