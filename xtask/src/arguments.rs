@@ -67,7 +67,7 @@ mod tests {
     }
 
     #[test]
-    fn what_nothing_takes_is_refused() {
+    fn unknown_arguments_are_refused() {
         assert!(arguments("--chekc").words().is_err());
         assert!(arguments("word").end().is_err());
         assert!(arguments("--site").value("--site").is_err());

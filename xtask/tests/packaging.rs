@@ -47,7 +47,7 @@ fn every_file_of_packaging_goes_somewhere() {
 }
 
 #[test]
-fn what_the_packages_say_is_what_the_program_has() {
+fn packages_agree_with_the_program() {
     let unit = read("packaging/systemd/zerorate@.service");
     let advice = "AmbientCapabilities=CAP_SYS_NICE CAP_IPC_LOCK";
     assert!(unit.lines().any(|line| line == advice), "the unit lets the program read in real time");
@@ -63,7 +63,7 @@ fn what_the_packages_say_is_what_the_program_has() {
 }
 
 #[test]
-fn what_trials_and_licences_read_is_there() {
+fn files_of_trials_and_licences_exist() {
     let trial = read("lab/src/dist/trial.rs");
     let cited = trial.split('"').filter(|text| text.starts_with("crates/"));
     assert_eq!(cited.filter(|path| root().join(path).is_file()).count(), 1, "the log that every machine reads");

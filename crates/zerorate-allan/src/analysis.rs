@@ -264,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_dropped_silently() {
+    fn each_point_that_is_not_computed_has_a_reason() {
         let times = vec![0.0, 0.29, 0.31, 1.0, 1000.0, f64::NAN, -1.0];
         let analysis = analyse(&Input::Rate(&noise(100)), 10.0, &with(Stat::Oadev, Taus::List(times))).unwrap();
         let computed: Vec<(u64, f64)> = analysis.points.iter().map(|point| (point.m, point.tau_s)).collect();

@@ -398,7 +398,7 @@ mod tests {
 
     /// A line over time leaves 6/15 of a walk's variance.
     #[test]
-    fn what_is_left_of_a_walk() {
+    fn a_line_leaves_six_fifteenths_of_a_walk() {
         let temps: Vec<f64> = (0..4000).map(f64::from).collect();
         let line = detrend(&temps, &temps, 1).unwrap();
         assert!((line.walk_kept() - 6.0 / 15.0).abs() < 0.01, "{}", line.walk_kept());
@@ -431,7 +431,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_is_refused() {
+    fn impossible_inputs_are_refused() {
         let (rates, same) = (vec![0.0; 1000], vec![25.0; 1000]);
         assert_eq!(detrend(&rates, &same, 1), Err(DetrendError::Constant));
         assert_eq!(detrend(&rates, &same[1..], 1), Err(DetrendError::Lengths { rates: 1000, temps: 999 }));

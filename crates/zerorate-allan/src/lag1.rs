@@ -151,7 +151,7 @@ mod tests {
 
     /// Twice the same piece has the correlation of the piece, but for the counts of pairs.
     #[test]
-    fn nothing_is_correlated_across_a_cut() {
+    fn a_cut_separates_the_correlations() {
         let z = series();
         let (mut once, mut twice) = (Lag1::new(0.3), Lag1::new(0.3));
         z.iter().for_each(|&value| once.push(value));

@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_does_not_count() {
+    fn missing_samples_do_not_change_the_density() {
         let mut rate = record(0.0);
         rate.iter_mut().step_by(3).for_each(|value| *value = f64::NAN);
         let density = welch(&rate, 100.0).unwrap();

@@ -164,7 +164,7 @@ mod tests {
     use anyhow::Context;
 
     #[test]
-    fn the_cause_is_told_and_the_words_stay() {
+    fn an_error_has_its_cause_and_keeps_its_text() {
         let gone = Err::<(), _>(io::Error::from(io::ErrorKind::NotFound))
             .context("reading register 8")
             .context(UserError::new(Cause::Gone, "the adapter was unplugged"))

@@ -208,7 +208,7 @@ mod tests {
 
     /// A file of 4 GiB that takes a few blocks is as small as its blocks.
     #[test]
-    fn holes_are_no_bytes_of_a_log() {
+    fn holes_do_not_count_as_bytes_of_a_log() {
         let mut file = tempfile::NamedTempFile::new().expect("a file");
         let middle = 1 << 30;
         file.as_file().set_len(4 << 30).expect("a hole");

@@ -71,7 +71,7 @@ fn the_part_is_configured_alike_wherever_it_is() {
 }
 
 #[test]
-fn what_is_wrong_is_said() {
+fn errors_of_an_address_name_the_remedy() {
     for (text, hint) in [
         ("", "spi:/dev/spidev0.0"),
         ("/dev/spidev0.0", "rdy=CHIP:LINE"),

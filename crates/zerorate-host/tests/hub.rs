@@ -178,7 +178,7 @@ fn a_marked_batch_ends_with_its_sample_and_states_the_truth_of_it() {
 }
 
 #[test]
-fn what_cannot_be_opened_says_why_in_the_thread_that_asked() {
+fn a_failure_to_open_reaches_the_thread_that_asked() {
     let open = |device: &str| {
         let spec: DeviceSpec = device.parse().expect("an address");
         Hub::open(&spec, Setup::default(), &Stop::default()).map(drop).expect_err("nothing is there")
@@ -207,7 +207,7 @@ fn the_speed_of_time_can_be_changed_while_it_passes() {
 }
 
 #[test]
-fn a_watcher_learns_from_the_hub_why_there_is_no_more() {
+fn a_watcher_learns_from_the_hub_why_samples_ended() {
     let hub = hub("twin:seed=9,fault=unplug,fault_at_s=0.5", &Stop::default());
     let (everything, watcher) = (hub.everything(), hub.watch(4));
     hub.read(Pace::Free, Vec::new()).expect("a thread");

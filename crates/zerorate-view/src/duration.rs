@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_shown_reads_back() {
+    fn a_shown_duration_reads_back() {
         for seconds in [0.0, 0.25, 1.0, 150.0, 600.0, 3183.5, 86_400.0] {
             let shown = Seconds(seconds).to_string();
             assert_eq!(shown.parse(), Ok(Seconds(seconds)), "{shown}");

@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_written_reads_back_and_is_said_in_words() {
+    fn written_values_read_back_and_are_explained() {
         let registers = described(&Config::new(), &AFTER_F30);
         assert!(registers.iter().flat_map(|register| &register.fields).all(|field| !field.wrong));
         assert_eq!(meanings(&registers, "RATECONV")[1], "a conversion takes 87.83 µs at 6 MHz (F-31)");
@@ -125,7 +125,7 @@ mod tests {
 
     /// A brown-out resets MODE to 0; a crossed wire shows another channel.
     #[test]
-    fn what_reads_otherwise_is_wrong_and_says_what_was_written() {
+    fn a_register_that_reads_otherwise_states_what_was_written() {
         let read = [(Address::Mode, 0x00), (Address::RateStatus, 0x45), (Address::Iop, 0x38)];
         let registers = described(&Config::new(), &read);
         let wrong: Vec<&str> = registers

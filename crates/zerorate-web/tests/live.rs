@@ -107,7 +107,7 @@ fn a_slow_page_keeps_its_turns_short_and_does_not_catch_up() {
 }
 
 #[test]
-fn opening_again_begins_anew_and_a_fault_is_said() {
+fn opening_again_begins_anew_and_a_fault_is_reported() {
     let mut now_ms = 0.0;
     let mut live = Live::open(twin("seed=7"), now_ms).expect("a twin");
     run(&mut live, &mut now_ms, 500.0, 0.001);

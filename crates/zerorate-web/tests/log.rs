@@ -59,7 +59,7 @@ fn six_axes_become_coefficients_pictures_and_a_file() {
 }
 
 #[test]
-fn what_a_log_does_not_say_is_asked_and_taken() {
+fn facts_that_a_log_lacks_are_asked_for() {
     let text = table("row,gx,gy,gz,ax,ay,az", 2_000);
     let (looked, _) = look(&text, &LogSettings::default());
     let LogInspection::Question { text: question, settings, .. } = looked else { panic!("{looked:?}") };
@@ -78,7 +78,7 @@ fn what_a_log_does_not_say_is_asked_and_taken() {
 }
 
 #[test]
-fn what_is_no_log_is_refused_in_words() {
+fn other_files_are_refused_with_a_reason() {
     for bytes in [&b"SQLite format 3\0............"[..], b"", b"PAR1 and then nothing", b"\x93NUMPY\x01\x00\xff\xff"] {
         let looked = LogReader::look("x", || Input::from(bytes.to_vec()), &LogSettings::default()).0;
         assert!(matches!(&looked, LogInspection::Refused { text } if text.contains('x')), "{looked:?}");
@@ -87,7 +87,7 @@ fn what_is_no_log_is_refused_in_words() {
 
 /// Over 6 °C, x follows by 0.05 °/s per °C; y does not.
 #[test]
-fn a_rate_that_follows_its_temperature_is_said_to() {
+fn a_rate_that_follows_its_temperature_is_reported() {
     let whole = table("t_s,x_dps,y_dps,z_dps,ax_mps2,ay_mps2,az_mps2", 20_000);
     let mut text = "t_s,gx_dps,gy_dps,temp_c\n".to_owned();
     for (row, line) in whole.lines().skip(1).enumerate() {
@@ -107,7 +107,7 @@ fn a_rate_that_follows_its_temperature_is_said_to() {
 }
 
 #[test]
-fn a_dead_axis_is_no_noise() {
+fn a_dead_axis_is_refused_as_frozen() {
     let text = format!("gx_dps\n{}", "0.5\n".repeat(500));
     let said = LogSettings { rate_hz: Some(100.0), ..LogSettings::default() };
     let (_, reader) = look(&text, &said);

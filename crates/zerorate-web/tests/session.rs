@@ -130,7 +130,7 @@ fn a_minute_of_the_twin() {
 
 /// At 11 minutes the page once promised a third of the uncertainty that finishing gave.
 #[test]
-fn what_is_shown_while_it_runs_is_what_finishing_states() {
+fn the_forecast_agrees_with_the_result() {
     let keys = "seed=11";
     let mut session = Session::new(about());
     session.ask(&json!({ "id": 1, "do": "calibrate", "method": "warmup" }).to_string());
@@ -224,7 +224,7 @@ fn its_files_are_there(session: &mut Session, id: &Value) {
 }
 
 #[test]
-fn what_would_be_refused_is_said_before_it_is() {
+fn a_pending_refusal_is_shown_before_the_end() {
     let mut session = Session::new(about());
     session.state(DeviceState::Reading);
     session.ask(r#"{"id": 1, "do": "calibrate", "method": "an1042"}"#);
@@ -425,7 +425,7 @@ fn a_calibration_of_another_part_is_not_applied() {
 }
 
 #[test]
-fn a_calibration_is_not_begun_where_there_is_no_room_for_its_result() {
+fn a_calibration_begins_only_where_its_result_can_be_stored() {
     let mut session = Session::new(about());
     let ids: Vec<String> =
         (0..100).map(|k| session.add_calibration(&calibration("", f64::from(k) * 0.01)).unwrap()).collect();
@@ -445,7 +445,7 @@ fn a_calibration_is_not_begun_where_there_is_no_room_for_its_result() {
 }
 
 #[test]
-fn nothing_is_computed_across_samples_that_were_not_seen() {
+fn missed_samples_restart_what_is_computed() {
     let mut session = Session::new(about());
     session.ask(r#"{"id": 1, "do": "calibrate", "method": "an1042"}"#);
     let mut session = session.reopened(about());

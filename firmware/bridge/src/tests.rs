@@ -44,7 +44,7 @@ fn a_host_hears_every_sample() {
 }
 
 #[test]
-fn what_has_no_room_is_left_out_whole() {
+fn samples_without_room_are_dropped_whole() {
     let mut bench = Bench::full();
     let kept = bench.readings();
     assert!(kept.len() > 900, "{}", kept.len());

@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_marked_and_what_is_no_command_of_ours_is_left() {
+    fn marked_blocks_and_other_commands_are_skipped() {
         let text = "a\n```sh\nzerorate probe\nzerorate x \\\n  --y   # no (exit 3)\n# a word\n```\nso\n\n\
             ```text\n1\n…\n```\n\
             b\n```sh,untried\nzerorate serve\n\

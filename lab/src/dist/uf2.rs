@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_belong_into_flash_is_refused() {
+    fn segments_outside_the_flash_are_refused() {
         let refusal = |address, bytes: &[u8]| convert(&elf(address, bytes), &RP2040).unwrap_err().to_string();
         assert!(refusal(0x2000_0000, &[1]).contains("not in the flash"));
         assert!(refusal(0x10FF_FFFF, &[1, 2]).contains("not in the flash"));

@@ -60,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_leak_is_found_and_a_warm_up_is_none() {
+    fn a_leak_is_told_from_a_warm_up() {
         let gauge = |mb: &dyn Fn(f64) -> f64| Gauge {
             resident_mb: (0..400).map(|second| mb(f64::from(second))).collect(),
             descriptors: vec![],

@@ -179,7 +179,7 @@ fn a_reading_is_known_by_its_conversion() {
 }
 
 #[test]
-fn an_update_of_the_other_channel_is_no_loss() {
+fn an_update_of_the_other_channel_loses_nothing() {
     let mut host = Host::started(quiet());
     host.edge();
     host.send(&[0x4A]);

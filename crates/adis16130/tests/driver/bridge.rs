@@ -285,7 +285,7 @@ fn it_says_when_the_part_is_gone() {
 }
 
 #[test]
-fn a_temperature_out_of_range_is_no_reason_to_end() {
+fn sampling_goes_on_after_a_temperature_out_of_range() {
     let (part, mut station) = station();
     assert_eq!(refusal(&mut station, START), None);
     let mut reading = |n, temp| {
@@ -328,7 +328,7 @@ fn it_goes_on_after_a_failed_transfer_and_counts_it() {
 }
 
 #[test]
-fn what_is_missing_is_counted_once() {
+fn missing_samples_are_counted_once() {
     let mut continuity = Continuity::default();
     // two lost before the first; then one lost by the bridge and three on the way
     let readings = [(0, 2), (1, 2), (5, 3), (6, 3)];

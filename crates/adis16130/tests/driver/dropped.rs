@@ -191,7 +191,7 @@ fn a_dropped_call_never_shifts_what_is_read_next() {
 }
 
 #[test]
-fn nothing_is_sent_until_the_reset() {
+fn an_interrupted_bus_stays_silent_until_the_reset() {
     for config in configs() {
         let mut bench = Bench::new(config);
         now(bench.gyro.read_both()).unwrap();

@@ -40,7 +40,7 @@ impl Bench {
 }
 
 #[test]
-fn a_change_of_the_kind_is_no_measure_of_the_period() {
+fn a_change_of_the_kind_leaves_the_period_alone() {
     // The temperature takes 0.628 of the period, so a change looks nearly like a gap of one.
     let config = Config::new().with_temp_conversion(ConversionTime::new(0x85));
     let mut bench = Bench::new(SamplerConfig::new(), config, 889, 0.0);
@@ -85,7 +85,7 @@ fn a_restart_before_the_first_edge_is_over_with_it() {
 }
 
 #[test]
-fn what_was_missed_before_the_first_sample_is_no_loss() {
+fn samples_before_the_first_one_do_not_count_as_lost() {
     let mut bench = Bench::new(SamplerConfig::new(), Config::new(), 527, 0.0);
     bench.stale(1.0);
     let lost = [1.5, 2.5, 3.5, 4.5, 5.5].map(|periods| bench.lost(periods, 0));

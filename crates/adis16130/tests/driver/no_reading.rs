@@ -61,7 +61,7 @@ fn a_part_that_was_never_initialised_has_none() {
 }
 
 #[test]
-fn there_is_none_before_the_first_conversion() {
+fn a_reading_needs_a_conversion() {
     for (part, mut gyro, config) in benches() {
         for _ in 0..2 {
             gyro.restart().unwrap();
@@ -131,7 +131,7 @@ fn after_a_brown_out_the_configuration_is_lost() {
 }
 
 #[test]
-fn a_brown_out_between_edges_is_no_sample() {
+fn a_brown_out_between_edges_gives_an_error() {
     for read_status in [true, false] {
         for (part, mut gyro, config) in benches() {
             let sampling = SamplerConfig::new().with_read_status(read_status);
@@ -153,7 +153,7 @@ fn a_brown_out_between_edges_is_no_sample() {
 }
 
 #[test]
-fn edges_before_the_first_conversion_are_no_samples() {
+fn edges_before_the_first_conversion_give_no_sample() {
     for read_status in [true, false] {
         for (part, mut gyro, config) in benches() {
             let sampling = SamplerConfig::new().with_read_status(read_status);

@@ -67,7 +67,7 @@ fn without_status_and_temperature_it_reads_the_rate_only() {
 }
 
 #[test]
-fn a_stale_edge_is_no_sample_and_no_loss() {
+fn a_stale_edge_gives_no_sample_and_loses_none() {
     let mut bench = Bench::new(SamplerConfig::new());
     bench.edge(1, 0x08).unwrap().unwrap();
     bench.edge(2, 0x08).unwrap().unwrap();
@@ -77,7 +77,7 @@ fn a_stale_edge_is_no_sample_and_no_loss() {
 }
 
 #[test]
-fn what_a_late_first_sample_overtook_was_lost_before_it() {
+fn samples_overtaken_by_a_late_first_one_are_not_lost() {
     let mut bench = Bench::new(SamplerConfig::new());
     bench.edge(1, 0x08).unwrap().unwrap();
     assert_eq!(bench.edge(2, 0x02), Ok(None), "the reading before took it");

@@ -84,7 +84,7 @@ fn the_same_edge_twice_is_one_edge() {
 }
 
 #[test]
-fn what_was_due_and_not_taken_is_lost_once() {
+fn samples_that_were_due_and_not_taken_are_lost_once() {
     let mut sampler = sampler(SamplerConfig::new());
     losses(&mut sampler, ramp(20));
     assert!(sampler.edge(at(20.0, 20)).is_some(), "due, but the read fails");
@@ -145,7 +145,7 @@ fn learns_the_period_once_the_edges_can_be_believed_again() {
 }
 
 #[test]
-fn jitter_of_the_timestamps_is_no_loss_and_hides_none() {
+fn jitter_of_the_timestamps_neither_adds_nor_hides_losses() {
     for seed in 0..20 {
         let mut random = Random(seed);
         let mut jitter = |sd_us: f64| random.normal() * sd_us * 1e3 / PAIR_NS;
@@ -450,7 +450,7 @@ fn silence_is_found_within_its_bound() {
 }
 
 #[test]
-fn an_edge_that_brings_no_sample_is_no_silence() {
+fn an_edge_without_a_sample_breaks_the_silence() {
     let mut sampler = sampler(SamplerConfig::new().with_divider(50));
     let bound_ns = sampler.silence_ns();
     for seq in 0..1_000 {

@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said() {
+    fn errors_name_the_field_and_the_remedy() {
         for (from, to, said) in [
             ("schema = 1", "schema = 2", "schema 2 is unknown"),
             ("\"°/s/√Hz\"", "\"mg\"", "gyroscope.noise_density: its unit is \"mg\"; use °/s/√Hz"),

@@ -136,7 +136,7 @@ fn a_gauss_markov_process_is_found() {
 /// A few Gauss–Markov terms are flicker, and where both explain a record the rule says flicker: six of a thousand
 /// hours of N + B + K lost B to one.
 #[test]
-fn what_may_be_flicker_is_flicker() {
+fn a_slow_process_that_flicker_explains_is_flicker() {
     let truth = Truth { n: HOUR.n, b: 1.3e-3, k: 1e-4, sigma: 0.0042, tau_s: 10.0, ..HOUR };
     let mut draw = uniform(31);
     let rate = truth.record(360_000, || if draw() < 0.5 { -1.0 } else { 1.0 });
@@ -342,7 +342,7 @@ fn glitches_do_not_hide_each_other() {
 
 /// A strong sine is not a step: its edges at the ends of the record have a score of a hundred.
 #[test]
-fn a_sine_is_no_step() {
+fn a_sine_is_not_taken_for_a_step() {
     let mut rate = Truth { n: 0.1, ..Truth::default() }.noise(100_000, 21);
     rate.iter_mut().enumerate().for_each(|(i, rate)| *rate += 2.0 * (2.0 * PI * 3.0 * i as f64 / RATE_HZ).sin());
     rate[40_000..].iter_mut().for_each(|rate| *rate += 0.5);
@@ -386,7 +386,7 @@ fn a_sine_and_a_resonance_are_left_out() {
 
 /// Ten minutes of warm-up are not identified as a random walk without a warning, and a ramp has its letter.
 #[test]
-fn what_drifts_is_said() {
+fn a_warm_up_and_a_ramp_are_reported() {
     let still = Truth { k: 0.0, ..HOUR }.noise(360_000, 12);
     let warm = |i: usize| 0.05 * (-(i as f64) / RATE_HZ / 600.0).exp();
     let rate: Vec<f64> = still.iter().enumerate().map(|(i, rate)| rate + warm(i)).collect();
@@ -518,7 +518,7 @@ fn unusable_input_is_an_error() {
 
 /// Records of every length, with anything in them, never panic.
 #[test]
-fn nothing_panics() {
+fn records_of_any_length_do_not_panic() {
     let mut draw = normal(20);
     for n in [256, 257, 300, 511, 1000, 1023, 2999] {
         let white: Vec<f64> = (0..n).map(|_| draw()).collect();

@@ -122,7 +122,7 @@ fn everything_follows_the_definition() {
 }
 
 #[test]
-fn what_cannot_be_computed_is_said() {
+fn each_missing_deviation_has_its_reason() {
     let rate = [1.0, 2.0, 4.0, 3.0, 5.0];
     let found = deviations(&Input::Rate(&rate), 1.0, Stat::Oadev, &[0, 1, 2, 3, u64::MAX]);
     assert_eq!(found[0], Err(Reason::ZeroLength));

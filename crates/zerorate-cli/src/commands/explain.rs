@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn whoever_says_a_code_is_a_command() {
+    fn each_code_names_commands_that_exist() {
         let cli = Cli::command();
         let known: Vec<&str> = cli.get_subcommands().map(clap::Command::get_name).collect();
         for one in codes::all() {

@@ -43,7 +43,7 @@ fn sources(folder: &Path, all: &mut Vec<PathBuf>) {
 }
 
 #[test]
-fn nothing_else_opens_a_file() {
+fn only_the_output_modules_open_files() {
     let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/src"));
     let mut all = Vec::new();
     sources(root, &mut all);

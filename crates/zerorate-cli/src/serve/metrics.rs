@@ -90,7 +90,7 @@ mod tests {
     use serde_json::json;
 
     #[test]
-    fn what_is_known_is_told_and_the_rest_left_out() {
+    fn known_values_are_listed_and_unknown_ones_left_out() {
         let header = json!({
             "device": {"state": {"is": "reading"}, "axes": [{"name": "y\"aw"}]},
             "ledger": {"samples": 12, "lost": 1, "rate_hz": 5692.5},

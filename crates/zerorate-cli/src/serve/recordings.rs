@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_left_of_an_earlier_run_is_passed_over() {
+    fn files_of_an_earlier_run_are_skipped() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         for left in ["unit-2.arrows", "unit-3.arrows"] {

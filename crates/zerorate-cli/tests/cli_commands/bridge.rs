@@ -217,7 +217,7 @@ fn a_clock_that_stands_still_ends_every_command() {
 }
 
 #[test]
-fn an_unplugged_part_is_no_unplugged_bridge() {
+fn an_unplugged_sensor_is_told_from_an_unplugged_bridge() {
     let mut spec = Spec::from_seed(7);
     (spec.fault, spec.fault_at_s) = (Fault::Unplug, Some(1.0));
     let (run, bench) = capture(&bridge(spec, Cable::default()), "100000");
@@ -226,7 +226,7 @@ fn an_unplugged_part_is_no_unplugged_bridge() {
 }
 
 #[test]
-fn who_is_no_bridge_is_told_so() {
+fn a_port_without_a_bridge_is_reported() {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = format!("tcp:{}", listener.local_addr().expect("an address"));
     thread::spawn(move || {

@@ -52,7 +52,7 @@ fn soak_points_give_a_curve_within_its_uncertainty_and_the_log_gives_it_again() 
 }
 
 #[test]
-fn by_hand_each_step_is_said() {
+fn each_step_by_hand_is_announced() {
     let bench = bench();
     let line = format!("chamber quick.toml {UNIT} --chamber hand");
     let said = [

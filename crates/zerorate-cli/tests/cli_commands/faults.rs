@@ -16,7 +16,7 @@ fn ends_without_a_result(device: &str, code: i32, reasons: &[&str]) {
 }
 
 #[test]
-fn what_was_measured_but_must_not_be_used_is_3() {
+fn a_refused_measurement_is_3() {
     ends_without_a_result("twin:motion=sway", 3, &["refused: ", "moves", "first average"]);
 }
 

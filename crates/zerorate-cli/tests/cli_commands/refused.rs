@@ -57,7 +57,7 @@ fn of_a_server() {
 }
 
 #[test]
-fn a_file_that_is_no_capture_is_told_from_a_damaged_one() {
+fn another_file_is_told_from_a_damaged_capture() {
     let bench = bench();
     let verdicts = bench.zerorate("verify noise.bin log.csv").ended_with(1).stdout;
     assert!(

@@ -173,7 +173,7 @@ fn a_state_that_cannot_be_taken_up_is_refused_and_kept() {
 }
 
 #[test]
-fn what_makes_no_sense_is_a_usage_error() {
+fn contradictory_options_are_a_usage_error() {
     let bench = bench();
     bench.zerorate("stream --cal unit.toml --state x.toml").ended_with(2).saying(&["--track"]);
     track(&bench, "1s", "--earth-dps 0.1").ended_with(2).saying(&["0.0042", "F-16"]);

@@ -98,7 +98,7 @@ fn gaps_are_not_closed_up_silently() {
 }
 
 #[test]
-fn what_is_wrong_is_named() {
+fn errors_name_the_line_and_the_remedy() {
     let bench = Bench::new();
     bench.write("log.csv", "t,x\n0,1\n1,2\n2,abc\n");
     bench.write("one.csv", "1\n");

@@ -52,7 +52,7 @@ fn every_statistic_at_every_spacing() {
 }
 
 #[test]
-fn what_cannot_be_computed_is_listed() {
+fn deviations_that_are_not_computed_are_listed() {
     let bench = bench();
     let table = bench.zerorate(&format!("allan {LOG} --taus 1,1000000")).ok();
     assert!(table.lines().last().unwrap().contains("not computed"), "{table}");
@@ -61,7 +61,7 @@ fn what_cannot_be_computed_is_listed() {
 }
 
 #[test]
-fn without_fit_there_is_no_model() {
+fn a_model_needs_fit() {
     let report = bench().zerorate(&format!("allan {LOG} --scale 1 --json")).ended_with(0).json();
     assert!(report["fit"].is_null() && report["points"][0]["model"].is_null(), "{report}");
 }
@@ -137,7 +137,7 @@ fn a_picture_may_be_a_png() {
 }
 
 #[test]
-fn what_no_option_takes_is_refused() {
+fn values_out_of_range_are_refused() {
     let bench = bench();
     for (option, said) in [("--plot plot.jpg", ".svg or .png"), ("--confidence 1", "below 1")] {
         let refusal = bench.zerorate(&format!("allan {LOG} {option}")).fails(2);

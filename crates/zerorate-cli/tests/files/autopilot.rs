@@ -148,7 +148,7 @@ fn a_start_of_ardupilot_keeps_the_curve() {
 }
 
 #[test]
-fn what_a_flight_controller_cannot_take_is_refused() {
+fn values_that_a_flight_controller_lacks_are_refused() {
     let bench = Bench::new();
     bench.write("imu.toml", AXES);
     bench.write("one.toml", super::calibration(-0.25, -0.04, 31.5));

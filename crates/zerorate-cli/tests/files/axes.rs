@@ -117,7 +117,7 @@ fn another_part_is_calibrated_corrected_and_exported() {
 
 /// Without the part's file the numbers are the same, and what was not judged is said.
 #[test]
-fn what_nobody_stated_of_a_part_is_not_judged() {
+fn a_sensor_without_stated_noise_is_not_judged() {
     let bench = Bench::new();
     record(&bench.path("imu.arrows"));
     let run = bench.zerorate(&format!("recalibrate imu.arrows {PLAN} -o unit.toml"));

@@ -425,7 +425,7 @@ fn text_of_the_calibration_stays_in_its_comment() {
 }
 
 #[test]
-fn what_cannot_be_exported_is_explained() {
+fn an_impossible_export_is_explained() {
     let bench = Bench::new();
     bench.write("unit.toml", calibration(-0.25, -0.04, 31.5));
     bench.write("steep.toml", calibration(-0.25, 2.0, 31.5));
@@ -473,7 +473,7 @@ fn csv_and_json_of_three_axes() {
 }
 
 #[test]
-fn what_is_missing_of_an_axis_is_named() {
+fn an_export_names_what_an_axis_lacks() {
     let bench = Bench::new();
     let rate = "rate = { lsb_per_dps = 20, zero_code = 0, width_bits = 14 }\n";
     bench.write("bare.toml", super::AXES.replace(rate, ""));

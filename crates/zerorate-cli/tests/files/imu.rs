@@ -71,7 +71,7 @@ fn the_contract_of_json() {
 }
 
 #[test]
-fn what_is_no_axis_is_left_out_and_named() {
+fn columns_that_are_not_axes_are_left_out_and_named() {
     let bench = bench();
     let run = bench.zerorate(LINE);
     let run = run.ended_with(0);
@@ -189,7 +189,7 @@ fn several_imus_are_a_table() {
 /// A gyroscope with an echo, which no model follows, beside one that is well: no file, unless it is forced, and then
 /// the file says what it is worth.
 #[test]
-fn a_rejected_axis_is_no_file_unless_it_is_forced() {
+fn a_rejected_axis_writes_a_file_only_when_forced() {
     let bench = Bench::new();
     let rows: Vec<Vec<f64>> =
         log().lines().skip(1).map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
@@ -236,7 +236,7 @@ fn ctrl_c_leaves_nothing_behind() {
 
 /// Each mistake of a researcher is named with its remedy, and all that is said about the log is true.
 #[test]
-fn what_leads_on() {
+fn each_mistake_is_named_with_its_remedy() {
     let bench = bench();
     let plain = log().replace("t_s,gyro_x_dps,gyro_y_dps,gyro_z_dps", "time,gx,gy,gz");
     bench.write("plain.csv", plain.replace(" [m/s^2]", ""));

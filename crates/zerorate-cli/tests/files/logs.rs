@@ -42,7 +42,7 @@ const CASES: [(&str, i32, &str); 14] = [
 ];
 
 #[test]
-fn what_is_wrong_with_a_log_is_named() {
+fn errors_of_a_log_name_the_cause() {
     let bench = Bench::new();
     for (name, content) in FILES {
         bench.write(name, content);
@@ -54,7 +54,7 @@ fn what_is_wrong_with_a_log_is_named() {
 }
 
 #[test]
-fn a_unit_that_is_not_stated_is_said_so() {
+fn an_unstated_unit_is_reported() {
     let bench = Bench::new();
     bench.write("log.csv", "gz\n0.5\n1.5\n0.25\n2.5\n");
     let run = bench.zerorate("allan log.csv --rate 100 --json");

@@ -120,7 +120,7 @@ fn every_form_gives_the_same_calibration() {
 
 /// The unit is one of angular rate; a bag of ROS has no temperature.
 #[test]
-fn what_a_log_does_not_say_is_asked_for() {
+fn facts_that_a_log_lacks_are_asked_for() {
     let bench = Bench::new();
     bench.write("ardupilot.csv", of_ardupilot());
     let fixtures = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../zerorate-logs/fixtures");

@@ -167,7 +167,7 @@ fn samples(axis: &Axis, folder: &Path) -> Vec<f64> {
 
 /// White noise of a quarter of an hour at 100 Hz with a glitch, a step and losses.
 #[test]
-fn what_was_taken_out_is_said_and_can_be_kept() {
+fn removed_glitches_and_steps_are_reported_and_can_be_kept() {
     let bench = Bench::new();
     let mut rate = white(90_000, 0.06, 7);
     rate[1000] = 250.0;
@@ -202,7 +202,7 @@ fn what_was_taken_out_is_said_and_can_be_kept() {
 
 /// An echo: a comb that no term follows. Nothing of it is a result, and nothing is written.
 #[test]
-fn a_rejected_model_is_no_result() {
+fn a_rejected_model_gives_no_result() {
     let bench = Bench::new();
     let white = white(60_000, 1.0, 7);
     let echo: Vec<f64> = (40..60_000).map(|i| white[i] + 0.9 * white[i - 40]).collect();

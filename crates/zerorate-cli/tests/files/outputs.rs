@@ -123,7 +123,7 @@ fn nor_is_a_standard_stream() {
 }
 
 #[test]
-fn nothing_is_overwritten_without_force() {
+fn only_force_overwrites_a_file() {
     let bench = bench();
     bench.write("mine", "mine");
     for (command, _) in commands() {

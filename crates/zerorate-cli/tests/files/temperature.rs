@@ -9,7 +9,7 @@ fn codes(report: &serde_json::Value) -> Vec<&str> {
 
 /// Seed 4, 40 minutes from power-on.
 #[test]
-fn a_warming_part_is_said_to_follow_its_temperature() {
+fn a_rate_that_follows_the_temperature_is_reported() {
     let bench = Bench::new();
     bench.zerorate("capture --device twin:seed=4 --duration 40m --divider 200 -o a.arrows").ended_with(0);
     let text = bench.zerorate("allan a.arrows --fit").ended_with(0).saying(&["--detrend temp", "--skip 45m"]);
@@ -20,7 +20,7 @@ fn a_warming_part_is_said_to_follow_its_temperature() {
 }
 
 #[test]
-fn what_cannot_be_taken_out_is_said() {
+fn a_trend_that_cannot_be_removed_is_refused() {
     let bench = Bench::new();
     let rows: String = (0..2000).map(|i| format!("{},{}\n", (i * 7919 % 101) as f64 * 0.01, 20 + i / 500)).collect();
     bench.write("log.csv", format!("rate_dps,kelvin\n{rows}"));

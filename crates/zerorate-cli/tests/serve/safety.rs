@@ -94,7 +94,7 @@ fn no_path_leads_to_a_file() {
 }
 
 #[test]
-fn what_is_too_large_is_refused() {
+fn large_requests_are_refused() {
     let served = TestServer::start(&Bench::new(), "");
     let long = format!("GET / HTTP/1.1\r\nhost: localhost\r\nx: {}\r\n\r\n", "y".repeat(1 << 20));
     let many = format!("GET / HTTP/1.1\r\nhost: localhost\r\n{}\r\n", "x: y\r\n".repeat(1000));
@@ -160,7 +160,7 @@ fn a_page_is_told_how_its_connection_ends() {
 
 /// Each bound is a least time, which no slow machine makes shorter.
 #[test]
-fn what_comes_too_often_waits_or_is_refused() {
+fn frequent_requests_wait_or_are_refused() {
     let served = TestServer::start(&Bench::new(), "");
     let request = format!("GET /home.json HTTP/1.1\r\nhost: localhost:{}\r\n\r\n", served.port);
     let answers = served.raw(request.repeat(150).as_bytes());
@@ -174,7 +174,7 @@ fn what_comes_too_often_waits_or_is_refused() {
 }
 
 #[test]
-fn who_does_not_go_on_is_not_waited_for() {
+fn a_stalled_client_is_disconnected() {
     let served = TestServer::start(&Bench::new(), "");
     let begin = |bytes: &[u8]| {
         let mut stream = served.connect();
@@ -192,7 +192,7 @@ fn who_does_not_go_on_is_not_waited_for() {
 }
 
 #[test]
-fn no_more_may_connect_than_there_is_room_for() {
+fn connections_are_limited() {
     let bench = Bench::new();
     bench.zerorate("capture --samples 100 -o short.arrows").ok();
     // after its end there are no frames, and a viewer that reads none keeps its seat
@@ -216,7 +216,7 @@ fn no_more_may_connect_than_there_is_room_for() {
 }
 
 #[test]
-fn whoever_comes_over_the_network_must_know_the_token() {
+fn network_clients_need_the_token() {
     let served = TestServer::at(&Bench::new(), "0.0.0.0", "");
     let (url, token) = served.url.split_once("#token=").expect("a token");
     assert!(token.len() == 32 && !url.contains('?'), "{url}");

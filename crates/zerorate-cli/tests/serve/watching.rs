@@ -50,7 +50,7 @@ fn a_recording_that_is_served_ends_when_the_program_is_asked_to() {
 /// The page goes on, and the terminal and the exit code say that the recording is lost.
 #[cfg(unix)]
 #[test]
-fn a_recording_that_is_removed_meanwhile_is_said_and_a_failure() {
+fn removing_the_recording_is_reported_and_fails() {
     let bench = Bench::new();
     let served = TestServer::start(&bench, "--device twin:seed=3 -o unit.arrows");
     let size = || fs::metadata(bench.path("unit.arrows")).map_or(0, |file| file.len());
@@ -65,7 +65,7 @@ fn a_recording_that_is_removed_meanwhile_is_said_and_a_failure() {
 /// Twenty pages, of which one takes nothing: its connection fills up and is dropped, the others go on, and the
 /// recording has every sample.
 #[test]
-fn nobody_who_looks_on_slows_the_recording() {
+fn viewers_do_not_slow_the_recording() {
     let bench = Bench::new();
     let served = TestServer::start(&bench, "--device twin:seed=3 -o unit.arrows");
     let mut pages: Vec<_> = (0..19).map(|_| served.watch()).collect();
@@ -161,7 +161,7 @@ fn a_calibration_that_differs_beside_its_coefficients_is_not_taken_for_the_same(
 }
 
 #[test]
-fn a_part_that_is_gone_is_said_to_be_and_can_be_opened_again() {
+fn a_lost_device_is_reported_and_can_be_opened_again() {
     let bench = Bench::new();
     let served = TestServer::start(&bench, "--device twin:seed=5,fault=unplug,fault_at_s=1 -o unit.csv");
     let mut page = served.watch();

@@ -64,7 +64,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slow_emulator_and_a_busy_host_are_no_fault() {
+    fn a_slow_emulator_and_a_busy_host_are_tolerated() {
         assert_eq!(found_after(30_000, 8 * PAIR), None, "a bridge in an emulator, 47 times slower than real time");
         assert_eq!(found_after(175_667, Duration::ZERO), None, "a host that never waits, since it is late");
     }

@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_a_number_alone_is_refused() {
+    fn only_a_bare_number_is_a_temperature() {
         for printed in ["23.4 C", "", "nan", "inf", "1e9", "23,4", "set: 23.4"] {
             let mut chamber = chamber("true {temp_c}", &format!("echo '{printed}'"), Duration::ZERO);
             let (_, why) = words(chamber.start().expect_err("no number"));

@@ -463,7 +463,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_known_of_the_part_is_added_by_its_name() {
+    fn a_part_file_adds_facts_to_the_device_of_its_name() {
         let folder = folder(&[]);
         let text = "schema = 1\nname = \"GYRO_3D\"\naxis = [{ name = \"x\" }, { name = \"y\" }, { name = \"z\" }]\n\
             rate = { lsb_per_dps = 1, zero_code = 0, width_bits = 16, range_dps = 500 }\n\
@@ -475,7 +475,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_gyroscope_or_cannot_be_converted_is_refused() {
+    fn a_device_without_rates_or_scale_is_refused() {
         let fails = |remove: &str, more: &[(&str, &str)]| {
             let folder = folder(more);
             for axis in ["x", "y", "z"].into_iter().filter(|_| remove == "rates") {

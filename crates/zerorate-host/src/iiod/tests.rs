@@ -87,7 +87,7 @@ fn values_are_in_the_units_of_the_kernel() {
 
 /// The server looks on as clients do. What it was too slow for was read, and is nobody's loss.
 #[test]
-fn what_the_server_itself_missed_is_not_lost() {
+fn samples_that_the_server_missed_are_not_lost() {
     let device = calibrated();
     let last = Row::new(20_000_000, 20, &[8_388_608]).expect("one axis");
     device.take(&WatchedBatch { missed: 8, lost: 2, ..watched([last].into_iter()) });
@@ -127,7 +127,7 @@ fn all_attributes_at_once_are_framed_as_the_library_reads_them() {
 }
 
 #[test]
-fn nothing_is_written_unless_that_is_allowed() {
+fn writing_needs_permission() {
     let device = calibrated();
     let mut session = Session::new(&device);
     let bias = "WRITE iio:device0 INPUT anglvel_z calibbias 4";

@@ -32,7 +32,7 @@ fn two_clients_at_once_get_the_samples_of_the_hub_or_are_told() {
 }
 
 #[test]
-fn who_sleeps_is_told_what_it_missed_and_slows_nobody() {
+fn a_sleeping_client_learns_its_losses_and_slows_nobody() {
     let served = TestServer::start();
     let (mut sleeper, mut awake) = (Raw::connect(&served), Raw::connect(&served));
     sleeper.open(ALL);
@@ -50,7 +50,7 @@ fn who_sleeps_is_told_what_it_missed_and_slows_nobody() {
 }
 
 #[test]
-fn whoever_dies_leaves_nothing_behind() {
+fn a_client_that_dies_leaves_nothing_behind() {
     let served = TestServer::start();
     // more than there may be at a time
     for round in 0..150 {
@@ -120,7 +120,7 @@ fn a_server_ends_while_clients_are_there() {
 
 /// The part is pulled out: what was read comes whole, then an error.
 #[test]
-fn a_device_that_goes_is_said_to_be_gone() {
+fn a_lost_device_is_reported() {
     // the twin does not wait for a client: a slow host connects within the first 100 s of its time
     let served = TestServer::of("twin:seed=9,fault=unplug,fault_at_s=120");
     let mut client = Raw::connect(&served);
@@ -137,7 +137,7 @@ fn a_device_that_goes_is_said_to_be_gone() {
 
 /// Nobody reads this part, so that no sample comes.
 #[test]
-fn who_waits_for_samples_is_told_after_its_time() {
+fn waiting_for_samples_times_out() {
     let spec = "twin:seed=8".parse().expect("a device");
     let hub = Hub::open(&spec, Setup::default(), &Stop::default()).expect("a hub");
     hub.with(|source| source.initialise()).expect("a part");
@@ -170,7 +170,7 @@ fn half_a_value_ends_with_its_client() {
 /// A socket that takes no connections: the client that is there must not keep that from being said.
 #[cfg(target_os = "linux")]
 #[test]
-fn that_nobody_can_connect_any_more_is_said_at_once() {
+fn a_listener_that_fails_is_reported_at_once() {
     use std::net::UdpSocket;
     use std::os::fd::OwnedFd;
     let spec = "twin:seed=8".parse().expect("a device");

@@ -13,7 +13,7 @@ fn names(folder: &Path) -> Vec<String> {
 /// The kernel keeps the locks: a killed process has none, and a file that is open here has one.
 #[cfg(unix)]
 #[test]
-fn what_killed_runs_left_is_removed_and_nothing_else() {
+fn only_files_of_killed_runs_are_removed() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     let users = ["unit.toml.abcdef.part", "unit.toml.backup", "zerorate.part", "other.zerorate.part.txt"];
@@ -115,7 +115,7 @@ fn a_file_is_known_by_any_name() {
 
 /// Whole, torn, damaged in its description, or without its end: it cannot be had again.
 #[test]
-fn nothing_but_a_recording_replaces_a_capture() {
+fn only_a_recording_replaces_a_capture() {
     let folder = tempfile::tempdir().unwrap();
     let head = "# zerorate.capture_schema = 1\n# zerorate.width_bits = 24\n# zerorate.rate_conversion = 5\n\
         # zerorate.temp_conversion = 5\nt_ns,edge_seq,rate_code,status,temp_code,lost\n";

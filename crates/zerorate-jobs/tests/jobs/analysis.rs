@@ -218,7 +218,7 @@ fn correlated_noise_of_an_axis_is_a_gauss_markov_term() {
 
 /// What a log does not say is asked for; what is no result is refused; what a filter cannot take is an invalid option.
 #[test]
-fn what_makes_no_file_says_why() {
+fn a_run_without_a_file_says_why() {
     let folder = Folder::new();
     let file = |name: &str, content: String| folder.write(name, content);
     let plain = file("plain.csv", log("t_s,wx,wy,wz,ax,ay,az,mag_x", 100));

@@ -107,7 +107,7 @@ const NO_RESULT: [(&str, Method, Option<&str>, &[&str]); 15] = [
 
 /// A run without a result names its cause, leaves no file, and leaves an older calibration as it was.
 #[test]
-fn what_cannot_be_calibrated_names_its_cause_and_writes_nothing() {
+fn a_failed_calibration_names_its_cause_and_writes_nothing() {
     for (keys, method, code, words) in NO_RESULT {
         let folder = Folder::new();
         folder.write("older.toml", "older");

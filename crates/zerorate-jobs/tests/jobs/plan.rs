@@ -25,7 +25,7 @@ fn a_csv_of_what_a_chamber_did_is_a_plan_of_a_recording() {
 }
 
 #[test]
-fn a_file_that_is_no_plan_is_refused_with_its_line() {
+fn a_broken_plan_is_refused_with_its_line() {
     let folder = Folder::new();
     let cases: [(&str, &[u8], &str); 8] = [
         ("did.csv", b"", "columns t_s and temp_c are needed; it has none"),

@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_assumed_or_left_out_is_said() {
+    fn assumptions_and_omissions_are_reported() {
         let by_hand = calibration(31.5, None);
         let layout = Layout::new(&by_hand, None, None);
         assert_eq!((layout.step_c, layout.span_c, layout.stated), (0.02, 9.5, false));

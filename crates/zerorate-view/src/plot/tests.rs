@@ -37,7 +37,7 @@ fn attribute(svg: &str, tag: &str, name: &str) -> Vec<f64> {
 }
 
 #[test]
-fn all_that_is_said_is_text() {
+fn all_labels_are_text() {
     let (title, subtitle) = (Some("A title".into()), Some("a line".into()));
     let options = Options { title, subtitle, marks: an1042(), ..Options::default() };
     let found = texts(&allan(&[fitted()], &options));
@@ -113,7 +113,7 @@ fn marks_off_the_axis_are_left_out() {
 }
 
 #[test]
-fn what_has_no_logarithm_is_left_out() {
+fn points_without_a_logarithm_are_left_out() {
     let strange = [
         (0.0, 1.0, 1.0, 1.0),
         (1.0, f64::NAN, 1.0, 1.0),
@@ -220,7 +220,7 @@ fn a_record_of_any_length_is_its_envelope() {
 }
 
 #[test]
-fn what_stands_out_of_a_spectrum_is_named_once() {
+fn each_tone_of_a_spectrum_is_labelled_once() {
     let point = |k: i32| (10f64.powf(f64::from(k) / 50.0), if k == 50 { 1.0 } else { 0.01 });
     let points: Vec<(f64, f64)> = (-100..100).map(point).collect();
     let tone = |frequency_hz, rms, label: &str| Tone { frequency_hz, rms, label: label.into() };

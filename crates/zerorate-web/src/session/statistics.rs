@@ -316,7 +316,7 @@ mod tests {
 
     /// A part whose code is constant has no deviation at all, however many of its readings are missing.
     #[test]
-    fn what_is_missing_early_makes_no_step() {
+    fn early_missing_readings_make_no_step() {
         let mut statistics = Statistics::new(&Part::ADIS16130.axes[0].axis);
         let constant = |times: usize| std::iter::repeat_n(Some(8_500_000), times);
         let missing = |times: usize| std::iter::repeat_n(None, times);

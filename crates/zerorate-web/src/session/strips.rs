@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_given_is_not_given_again() {
+    fn samples_are_given_once() {
         let mut strips = Strips::default();
         (0..10).for_each(|k| strips.push(k * SHORTEST_NS, rate(k as f64)));
         assert_eq!(level(&strips, 0, false).unwrap().1.len(), 9);

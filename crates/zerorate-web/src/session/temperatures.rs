@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn two_temperatures_are_no_line() {
+    fn two_temperatures_do_not_make_a_line() {
         assert!(of([(25.0, 0.1), (26.0, 0.2)].into_iter()).line.is_none());
         assert!(of(std::iter::repeat_n((25.0, 0.1), 100)).line.is_none());
     }

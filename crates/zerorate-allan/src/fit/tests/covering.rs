@@ -42,7 +42,7 @@ fn chance_is_not_covered() {
 }
 
 #[test]
-fn what_the_model_does_not_know_is_covered() {
+fn the_bound_covers_deviations_above_the_model() {
     let mut fit = of(&HOUR.noise(360_000, 940));
     let off = fit.curve.iter().position(|point| point.m == 4096).unwrap();
     fit.curve[off].dev *= 2.0;
@@ -53,7 +53,7 @@ fn what_the_model_does_not_know_is_covered() {
 
 /// A table that sways, a rate that drifts, and a sensor that warms up, each many times as large as the noise.
 #[test]
-fn what_is_not_noise_is_not_covered() {
+fn the_bound_leaves_motion_and_drift_out() {
     let noise = HOUR.noise(360_000, 950);
     let with = |of: &dyn Fn(f64) -> f64| {
         let added = noise.iter().enumerate().map(|(i, rate)| rate + of(i as f64 / RATE_HZ));

@@ -161,7 +161,7 @@ fn a_shape_of_too_few_cosines_makes_no_memory() {
 }
 
 #[test]
-fn a_slow_low_pass_is_no_memory() {
+fn a_slow_low_pass_is_not_taken_for_a_gauss_markov_term() {
     for seed in 1..3 {
         let fit = of(&slow_pass(&white(360_000, seed), 50.0));
         let has_memory = fit.terms.iter().any(|term| matches!(term, Term::GaussMarkov { .. }));
@@ -171,7 +171,7 @@ fn a_slow_low_pass_is_no_memory() {
 }
 
 #[test]
-fn a_memory_that_may_be_a_low_pass_is_said() {
+fn a_term_that_may_be_a_low_pass_is_reported() {
     let mut told = 0;
     for seed in 1..3 {
         let fit = of(&slow_pass(&white(360_000, seed), 1000.0));

@@ -65,7 +65,7 @@ fn a_line_that_drowns_the_noise_is_taken_out_or_said() {
 
 /// A sine this slow does not become a line, and the spectrum without its first coefficients does not show it.
 #[test]
-fn a_curve_that_the_model_does_not_follow_is_said() {
+fn a_curve_off_the_model_is_reported() {
     let rate = with_sine(100_000, 100.0, 0.02, 0.5);
     let fit = of(&rate);
     // it is off at averages up to 1/128 of the record, where a model has to hold
@@ -116,7 +116,7 @@ fn a_slow_line_beside_gaps_is_taken_out() {
 
 /// Nobody records for nineteen years.
 #[test]
-fn a_length_that_nobody_records_is_no_advice() {
+fn an_impractical_length_is_not_advised() {
     let said = |needed_s| AllanWarning::NotIdentified { noise: Noise::RateRandomWalk, record_s: 60.0, needed_s };
     assert!(said(900.0).to_string().ends_with("record about 900 s"));
     assert!(said(7200.0).to_string().ends_with("record about 2.0 h"));

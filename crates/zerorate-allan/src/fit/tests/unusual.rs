@@ -58,7 +58,7 @@ fn the_advice_is_never_a_record_as_short_as_this_one() {
 
 /// Air conditioning made K 2.4 times too large, and a sine 2.9 times, without a word.
 #[test]
-fn a_period_is_no_random_walk() {
+fn a_period_is_not_taken_for_a_random_walk() {
     let period_of = |rate: &[f64]| {
         of(rate).warnings.into_iter().find_map(|warning| match warning {
             AllanWarning::PeriodOrWalk { period_s, k } => Some((period_s, k)),

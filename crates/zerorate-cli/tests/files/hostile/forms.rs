@@ -25,7 +25,7 @@ fn lengths_in_mcap_are_bounded() {
 
 /// 200 MB of zeros in a few kilobytes.
 #[test]
-fn what_is_unpacked_is_bounded_by_what_is_packed() {
+fn the_packed_size_bounds_the_unpacked_size() {
     let bench = Bench::new();
     let zeros = || io::repeat(b'0').take(200 << 20);
     let mut gz =
@@ -62,7 +62,7 @@ fn a_bag_is_tables_and_no_program() {
 
 /// Groups in groups, 200 000 deep: the library takes them apart by recursion, and no stack is deep enough.
 #[test]
-fn what_ends_the_process_is_reported_by_its_parent() {
+fn the_parent_reports_a_crash_of_the_reader() {
     let bench = Bench::new();
     let depth = 200_000u32;
     // FileMetaData of docs/…/parquet.thrift in the compact protocol: version 1, then the list of the schema's elements
