@@ -2,7 +2,7 @@
 
 use crate::{RATE_LSB_PER_DPS, TEMP_AT_ZERO_CODE_C, TEMP_LSB_PER_C, ZERO_CODE};
 
-/// How many bits a data register holds: bit 24/16 of MODE at the time of the conversion.
+/// The width of a data register in bits: bit 24/16 of MODE at the time of the conversion.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -135,7 +135,7 @@ impl Config {
         self
     }
 
-    /// How CS frames the bytes: per byte unless set (F-22).
+    /// Sets how CS frames the bytes: per byte by default (F-22).
     pub const fn with_framing(mut self, framing: Framing) -> Self {
         self.framing = framing;
         self
@@ -176,7 +176,7 @@ impl Config {
         self.iop.rdyfn()
     }
 
-    /// How CS frames the bytes.
+    /// The framing of the bytes by CS.
     pub const fn framing(&self) -> Framing {
         self.framing
     }
@@ -219,7 +219,7 @@ impl Config {
     }
 }
 
-/// One write of the initialisation: which register gets what.
+/// A write of the initialisation: a register and its value.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Write {

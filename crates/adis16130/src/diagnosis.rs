@@ -25,7 +25,7 @@ impl Display for Mismatch {
     }
 }
 
-/// What is wrong with the line or the part, and the register that shows it.
+/// A fault of the line or the part, with the register that shows it.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -8,7 +8,7 @@ use crate::diagnosis::Fault;
 use crate::readback::Differences;
 use crate::registers::{Address, ChannelStatus, Mode, Operation};
 
-/// Why a command did not go through: the only way in which reading or writing a single register fails.
+/// The error of a command, and so the error of reading or writing a single register.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BusError<E> {
@@ -45,7 +45,7 @@ impl<E: Debug> Display for BusError<E> {
     }
 }
 
-/// Why a checked read gave no value.
+/// The error of a checked read.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ReadError<E> {
@@ -59,7 +59,7 @@ pub enum ReadError<E> {
     NoReading(NoReading),
 }
 
-/// Why an initialisation failed.
+/// The error of an initialisation.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum InitError<E> {
@@ -69,7 +69,7 @@ pub enum InitError<E> {
     Verify(VerifyError<E>),
 }
 
-/// Why the written registers could not be confirmed.
+/// The error of reading the written registers back.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum VerifyError<E> {
@@ -87,7 +87,8 @@ pub enum VerifyError<E> {
     Differs(Differences),
 }
 
-/// Why an edge gave no sample. The next [`Sample`](crate::Sample) counts the rate samples that this cost.
+/// The error of reading a sample at an edge. The next [`Sample`](crate::Sample) counts the rate samples that this
+/// cost.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SampleError<E> {
@@ -100,7 +101,7 @@ pub enum SampleError<E> {
     OutOfRange(OutOfRange),
 }
 
-/// Why waiting for data ended without data.
+/// The error of a wait for data.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum WaitError<P> {
@@ -113,7 +114,7 @@ pub enum WaitError<P> {
     },
 }
 
-/// Why a self-test gave no result. `E` is the error of the bus, `R` of the RDY pin, `P` of the self-test pin. The pin
+/// The error of a self-test. `E` is the error of the bus, `R` of the RDY pin, `P` of the self-test pin. The pin
 /// has been released.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -173,7 +174,7 @@ pub struct OutOfRange {
     pub register: Address,
     /// The code that it read, which does not tell the input.
     pub code: u32,
-    /// How wide it was.
+    /// The width of the register.
     pub width: Width,
     /// The status of the channel where it was asked for (OVR, and SIGN for the side). `None` where the code itself is
     /// the end of the scale.

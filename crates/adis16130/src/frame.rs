@@ -6,7 +6,7 @@ use crate::registers::{Address, Readable, Writable};
 /// The software reset: one CS-low frame with 32 ones in a row, in either framing (F-23).
 pub const RESET_FRAME: [u8; 5] = [0x00, 0xFF, 0xFF, 0xFF, 0xFF];
 
-/// How CS frames the bytes of a command. The part accepts both ways; the note prescribes the default (F-22).
+/// The framing of the bytes of a command by CS. The part accepts both ways; the note prescribes the default (F-22).
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -28,7 +28,7 @@ pub const fn com_write(address: Address) -> u8 {
     address as u8
 }
 
-/// One command: the COM byte and up to three data bytes, full duplex.
+/// A command: the COM byte and up to three data bytes, full duplex.
 ///
 /// A read sends zeros after the COM byte, since 32 ones in a row would reset the part (F-23). The answer takes their
 /// place.

@@ -3,7 +3,7 @@
 use crate::codes::{RateCode, TempCode};
 use crate::registers::ChannelStatus;
 
-/// One edge of RDY as the host has seen it (F-32).
+/// An edge of RDY as the host has seen it (F-32).
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -14,7 +14,7 @@ pub struct Edge {
     pub seq: u32,
 }
 
-/// One reading of the rate, and of the temperature if that was due.
+/// A reading of the rate, and of the temperature if that was due.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

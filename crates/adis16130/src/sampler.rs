@@ -5,7 +5,7 @@ use crate::quotient::quotient;
 use crate::sample::Edge;
 use crate::timeline::{EdgeGrid, Pattern, Timeline};
 
-/// How a [`Sampler`] reads.
+/// The configuration of a [`Sampler`].
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -68,7 +68,7 @@ const fn undivided() -> u16 {
     1
 }
 
-/// What to read at an edge, in this order: status, rate, temperature. The rate is always due.
+/// The registers to read at an edge, in this order: status, rate, temperature. The rate is always due.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Due {
@@ -82,7 +82,7 @@ pub struct Due {
     ticks: i32,
     /// Samples without temperature before this one.
     rates_only: u8,
-    /// This edge can only announce a rate update.
+    /// Whether this edge can only announce a rate update.
     is_rate: bool,
 }
 

@@ -13,7 +13,7 @@ use crate::wait::WaitBound;
 /// too small.
 const BATCHES: u32 = 16;
 
-/// How a self-test measures.
+/// The plan of a self-test.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -2,7 +2,7 @@
 
 use core::num::NonZeroU32;
 
-/// How often a blocking wait looks at the pin.
+/// The interval at which a blocking wait looks at the pin.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -23,7 +23,7 @@ impl PollInterval {
     }
 }
 
-/// How long to wait for data at most.
+/// The longest wait for data.
 ///
 /// ```
 /// use adis16130::WaitBound;
@@ -55,12 +55,12 @@ impl WaitBound {
         self.timeout_us
     }
 
-    /// How often the blocking driver looks at the pin.
+    /// The interval at which the blocking driver looks at the pin.
     pub const fn poll(self) -> PollInterval {
         self.poll
     }
 
-    /// How many delays of the poll interval fill the bound.
+    /// The number of poll intervals that fill the bound.
     pub const fn polls(self) -> u32 {
         self.timeout_us.div_ceil(self.poll.us())
     }

@@ -5,7 +5,7 @@ use super::{AllanWarning, Fit, Term};
 /// Averaging times of AN-1042, s: steps 4 and 8 of F-51.
 pub const AN1042_TAUS_S: [f64; 2] = [10.0, 150.0];
 
-/// How long to average for the bias.
+/// The advised averaging time for the bias.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Averaging {
     /// The curve has its minimum here: longer averages get worse.
@@ -15,7 +15,7 @@ pub enum Averaging {
         /// Fitted deviation there, in the unit of the rate.
         dev: f64,
     },
-    /// From here on, longer averages gain less than 5 %. This record does not show where the curve rises again.
+    /// Longer averages gain less than 5 %. This record does not show where the curve rises again.
     Flat {
         /// Averaging time, s.
         tau_s: f64,
@@ -34,7 +34,7 @@ pub enum Averaging {
 /// The advice that the curve gives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Advice {
-    /// How long to average for the bias.
+    /// The advised averaging time for the bias.
     pub averaging: Averaging,
     /// Fitted deviation at [`AN1042_TAUS_S`], in the unit of the rate (F-51, F-53); none where the fit does not reach
     /// so far.

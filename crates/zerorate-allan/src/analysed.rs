@@ -6,7 +6,7 @@ use crate::{
 };
 use alloc::vec::Vec;
 
-/// How the temperature and the beginning of a record were treated before the analysis.
+/// The treatment of the temperature and the beginning of a record before the analysis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Settled {
     /// The polynomial over temperature that was taken out.
@@ -48,7 +48,7 @@ impl<'a> Analysed<'a> {
     /// loss to the polynomial over temperature widens their intervals. `options.scale` is not used.
     ///
     /// # Errors
-    /// As [`analyse`].
+    /// Returns the errors of [`analyse`].
     pub fn deviations(&self, options: &Options) -> Result<Analysis, AnalysisError> {
         let (input, scale) = match self.cleaned() {
             Some(rate) => (Input::Rate(rate), 1.0),

@@ -30,7 +30,7 @@ impl Default for Options {
     }
 }
 
-/// One averaging time.
+/// The result at one averaging time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
     /// Averaging time τ = m / rate, s, as computed; the request was rounded to whole samples.
@@ -58,7 +58,7 @@ pub struct Point {
 pub struct Unavailable {
     /// Averaging time as asked for, s.
     pub tau_s: f64,
-    /// Why it has no result.
+    /// The reason why it has no result.
     pub reason: Reason,
 }
 
@@ -149,7 +149,7 @@ pub fn analyse(input: &Input<'_>, rate_hz: f64, options: &Options) -> Result<Ana
 struct Request {
     tau_s: f64,
     m: u64,
-    /// This is the first request of its length.
+    /// Whether this is the first request of its length.
     is_first: bool,
 }
 

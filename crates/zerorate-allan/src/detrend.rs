@@ -19,7 +19,7 @@ const SIGNIFICANT: f64 = 20.0;
 /// A line that explains a smaller share of the slow variance does not count.
 const LEAST_EXPLAINED: f64 = 0.25;
 
-/// How a rate follows the temperature.
+/// The dependence of a rate on the temperature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Follows {
     /// Share of the variance of the slow rate that a line over temperature explains.
@@ -50,7 +50,7 @@ pub struct Detrended {
     samples_per_part: f64,
 }
 
-/// Why the temperature cannot be judged.
+/// The reasons why the temperature cannot be judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DetrendError {
     /// The numbers of rates and of temperatures differ.
@@ -102,7 +102,8 @@ pub fn follows_temperature(rates: &[f64], temps: &[f64]) -> Option<Follows> {
 /// these the temperature is taken as a straight line, so that its noise does not enter the rate.
 ///
 /// # Errors
-/// [`DetrendError`] for arguments that do not fit.
+/// Returns [`DetrendError`] for an order out of range, series of different lengths or too few samples, or a constant
+/// temperature.
 pub fn detrend(rates: &[f64], temps: &[f64], order: usize) -> Result<Detrended, DetrendError> {
     if !(1..=MOST_ORDER).contains(&order) {
         return Err(DetrendError::Order(order));

@@ -76,7 +76,7 @@ struct Terms {
     ratio: f64,
 }
 
-/// One power law seen through one order of difference.
+/// A power law seen through one order of difference.
 struct Case {
     alpha: i32,
     d: u32,

@@ -44,7 +44,7 @@ pub struct Entry<'d> {
     /// The value; none where the entry is missing.
     value: Option<&'d Spanned<DeValue<'d>>>,
     key: &'static str,
-    /// Where the entry begins, or the table that lacks it. None where the whole file lacks it.
+    /// The place of the entry, or of the table that lacks it. `None` if the whole file lacks it.
     byte: Option<usize>,
 }
 
@@ -77,7 +77,7 @@ impl<'t> Document<'t> {
     /// Finds the tables of a text.
     ///
     /// # Errors
-    /// The text is not TOML.
+    /// Returns an error if the text is not TOML.
     pub fn parse(text: &'t str) -> Result<Self, EntryError> {
         let root = DeTable::parse(text).map_err(|error| EntryError::syntax(text, &error))?;
         Ok(Self { text, root: Spanned::new(root.span(), DeValue::Table(root.into_inner())) })
@@ -86,7 +86,7 @@ impl<'t> Document<'t> {
     /// The whole text as a type.
     ///
     /// # Errors
-    /// A field is unknown, missing or of another type.
+    /// Returns an error if a field is unknown, missing or of another type.
     pub fn fields<T: DeserializeOwned>(&self) -> Result<T, EntryError> {
         toml::from_str(self.text).map_err(|error| {
             let axis = self.axis_at(start(&error));
@@ -103,7 +103,7 @@ impl<'t> Document<'t> {
     /// Calls `judge` with every key and its value, in the root and in all tables below.
     ///
     /// # Errors
-    /// The first objection of `judge`, with its line.
+    /// Returns the first objection of `judge`, with its line.
     pub fn each(&self, judge: impl Fn(&str, &DeValue<'_>) -> Result<(), String>) -> Result<(), EntryError> {
         let mut tables: Vec<&DeTable<'_>> = self.root.get_ref().as_table().into_iter().collect();
         while let Some(table) = tables.pop() {
@@ -151,7 +151,7 @@ impl<'d> Entry<'d> {
     /// Checks that this table has no other keys.
     ///
     /// # Errors
-    /// It has one; the error names it.
+    /// Returns an error that names the first other key.
     pub fn only(self, keys: &[&str]) -> Result<(), EntryError> {
         let table = self.value.and_then(|value| value.get_ref().as_table());
         match table.and_then(|table| table.iter().find(|(name, _)| !keys.contains(&&**name.get_ref()))) {
@@ -170,7 +170,7 @@ impl<'d> Entry<'d> {
         Self { value, byte: value.map_or(self.byte, |value| Some(value.span().start)), ..self }
     }
 
-    /// Its key, or the key of its list.
+    /// The key of the entry, or of its list.
     #[must_use]
     pub fn key(self) -> &'static str {
         self.key
@@ -191,7 +191,7 @@ impl<'d> Entry<'d> {
     /// The value of this entry, if it is within its bounds.
     ///
     /// # Errors
-    /// [`EntryError`] if it is not.
+    /// Returns [`EntryError`] if the value is out of bounds.
     pub fn number(self, value: f64, bounds: &Bounds) -> Result<f64, EntryError> {
         match bounds.hold(value) {
             true => Ok(value),
@@ -202,7 +202,7 @@ impl<'d> Entry<'d> {
     /// Returns the error `why` for this entry if `holds` is false.
     ///
     /// # Errors
-    /// [`EntryError`] if `holds` is false.
+    /// Returns [`EntryError`] if `holds` is false.
     pub fn require(self, holds: bool, why: impl FnOnce() -> String) -> Result<(), EntryError> {
         if holds { Ok(()) } else { Err(self.error(why())) }
     }

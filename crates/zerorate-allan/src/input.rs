@@ -5,7 +5,7 @@ pub enum Input<'a> {
     Codes {
         /// One code for each sample that was taken.
         codes: &'a [i32],
-        /// Where samples were lost, sorted by `at`.
+        /// The places where samples were lost, sorted by `at`.
         gaps: &'a [Gap],
     },
     /// Rate; NaN is a missing sample.

@@ -109,7 +109,7 @@ impl Plain {
         if self.overlapping { overlapping } else { overlapping.div_ceil(m) }
     }
 
-    /// One more than the last point at which a term may start.
+    /// The index after the last point at which a term may start.
     pub fn starts_end(self, points: usize, m: usize) -> usize {
         let terms = self.terms(points as u64, m as u64) as usize;
         terms.checked_sub(1).map_or(0, |last| last * self.stride(m) + 1)
@@ -132,7 +132,7 @@ pub struct Difference {
     pub modified: bool,
 }
 
-/// Why an averaging time has no deviation.
+/// The reasons why an averaging time has no deviation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
     /// The averages have no length.
@@ -144,7 +144,7 @@ pub enum Reason {
     },
     /// Too much is missing: no term is left, or less than 1/16 of the record is there.
     Gaps,
-    /// It rounds to as many samples as another averaging time, which has the result.
+    /// The time rounds to as many samples as another averaging time, which has the result.
     SameLength {
         /// Samples in each average.
         m: u64,

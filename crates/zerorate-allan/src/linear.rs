@@ -21,7 +21,7 @@ impl Square {
         self.cells[row * self.n + column]
     }
 
-    /// Its Cholesky factor; none where the matrix is not positive definite.
+    /// The Cholesky factor; none if the matrix is not positive definite.
     pub(super) fn cholesky(&self) -> Option<Cholesky> {
         Cholesky::new((0..self.n).map(|i| self.cells[i * self.n..=i * self.n + i].to_vec()).collect(), 0.0)
     }

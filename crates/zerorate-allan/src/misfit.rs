@@ -1,4 +1,4 @@
-//! Where and why a noise model does not hold.
+//! The place and the cause of a misfit of a noise model.
 
 use alloc::format;
 use core::fmt;
@@ -10,13 +10,13 @@ pub struct Misfit {
     pub from_hz: f64,
     /// The highest of them, Hz.
     pub to_hz: f64,
-    /// The power there over that of the model.
+    /// Measured power over modelled power in that band.
     pub ratio: f64,
     /// The likely cause.
     pub cause: Cause,
 }
 
-/// Why a record is off its model.
+/// The causes why a record is off its model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
     /// The power there comes and goes.
@@ -27,12 +27,12 @@ pub enum Cause {
     Filter,
     /// Most samples repeat the one before.
     CoarseCodes,
-    /// None of these.
+    /// None of these causes.
     Unknown,
 }
 
 impl fmt::Display for Misfit {
-    /// Where the power is off, and what to do.
+    /// Tells where the power is off, and what to do.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { from_hz, to_hz, ratio, cause } = *self;
         let what = match cause {

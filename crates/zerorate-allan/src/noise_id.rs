@@ -89,7 +89,7 @@ struct DecimatedPhase {
     m: u64,
     next: u64,
     series: Series,
-    /// One run in this many is looked at.
+    /// Uses one run in this many.
     sparse: u64,
 }
 

@@ -1,4 +1,4 @@
-//! One row for each warning and refusal: its code and its text. docs/codes.md explains the codes.
+//! Defines warnings and refusals by one row each: code and text. docs/codes.md explains the codes.
 
 /// Makes `code()`, `text()` and `codes()` of an enum from one row for each variant.
 ///

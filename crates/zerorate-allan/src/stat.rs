@@ -22,7 +22,7 @@ pub(super) struct StatRow {
     pub fewest_averages: u64,
     /// Largest exponent α of the noise that lengths with still fewer averages take over from shorter ones.
     pub carried_alpha: i32,
-    /// Its expected square is the Allan variance, so that a [`Fit`](super::Fit) models it.
+    /// Whether the expected square is the Allan variance, so that a [`Fit`](super::Fit) models it.
     pub is_allan: bool,
 }
 
@@ -52,7 +52,7 @@ macro_rules! statistics {
         pub enum Stat {$($(#[$doc])* $stat,)*}
 
         impl Stat {
-            /// All of them.
+            /// All statistics.
             pub const ALL: [Self; TABLE.len()] = [$(Self::$stat),*];
         }
 
@@ -122,12 +122,12 @@ impl Stat {
         &TABLE[self as usize]
     }
 
-    /// Its name in lower case: `oadev`.
+    /// The name in lower case: `oadev`.
     pub const fn name(self) -> &'static str {
         self.row().name
     }
 
-    /// Its name in words: `overlapping Allan deviation`.
+    /// The name in words: `overlapping Allan deviation`.
     pub const fn title(self) -> &'static str {
         self.row().title
     }

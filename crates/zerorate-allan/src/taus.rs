@@ -16,12 +16,12 @@ pub enum Taus {
     Fine,
     /// 1, 2, 4, 10, 20, 40, 100 … samples.
     Decade,
-    /// This many lengths, evenly spaced in the logarithm from one sample to the longest. Lengths that round to the
+    /// A number of lengths, evenly spaced in the logarithm from one sample to the longest. Lengths that round to the
     /// same number of samples are one, so there may be fewer.
     Log(u32),
     /// Every number of samples.
     All,
-    /// These times, s. A time is rounded to the nearest whole number of samples. A length that comes up twice is
+    /// A list of times, s. A time is rounded to the nearest whole number of samples. A length that comes up twice is
     /// computed once and reported for the other.
     List(Vec<f64>),
 }

@@ -28,7 +28,7 @@ const FIRST: usize = 2;
 /// out. Empty for less than 256 samples.
 ///
 /// # Errors
-/// No error is known: the lengths fit together.
+/// Returns an error if the Fourier transform fails. The lengths fit together, so this is not expected.
 pub fn welch(rate: &[f64], rate_hz: f64) -> Result<Vec<Density>, FftError> {
     let most = (rate.len() / SEGMENTS).min(*LENGTHS.end());
     let Some(length) = (0..usize::BITS).rev().map(|k| 1usize << k).find(|length| *length <= most) else {

@@ -18,7 +18,7 @@ use zerorate_record::Row;
 /// Reads whose time is taken.
 const TIMED_READS: u32 = 200;
 
-/// What lies between the part and this program.
+/// The connection between the part and this program.
 pub trait Connection {
     type Error: spi::Error + Send + Sync + 'static;
     type Spi: SpiDevice<Error = Self::Error>;

@@ -1,4 +1,4 @@
-//! Why a device cannot be read: a cause that a program can act on, and words that a person can.
+//! The error of a device: a cause for programs, and a text for people.
 
 use adis16130::Fault;
 use std::error::Error;
@@ -8,7 +8,7 @@ use zerorate_logs::LogError;
 use zerorate_record::CaptureError;
 use zerorate_record::admission::Disbelief;
 
-/// Why a device cannot be read. Its text and the texts of its sources say what was seen and what to do.
+/// The error of a device that cannot be read. Its text and the texts of its sources say what was seen and what to do.
 #[derive(Debug)]
 pub struct DeviceError {
     cause: Cause,
@@ -21,15 +21,15 @@ pub struct DeviceError {
 pub enum Cause {
     /// The request makes no sense at this device.
     Request,
-    /// It is not there.
+    /// The device is not there.
     Missing,
     /// We may not open it.
     Permission,
     /// Somebody else has it.
     Busy,
-    /// It was there, and is no more: a cable was pulled, a driver unbound.
+    /// The device has gone: a cable was pulled, or a driver unbound.
     Gone,
-    /// It is there and says nothing.
+    /// The device does not answer.
     Silent,
     /// The part itself shows a fault.
     Part,
@@ -37,7 +37,7 @@ pub enum Cause {
     File,
     /// The content must not become a measurement; the code says why.
     Refused(&'static str),
-    /// It was asked to stop.
+    /// A stop was requested.
     Stopped,
     /// Anything else.
     Other,

@@ -14,9 +14,9 @@ use zerorate_record::{CaptureError, CaptureReader};
 /// they are opened, which may wait for ever.
 ///
 /// # Errors
-/// Why that cannot be.
-pub fn open(path: &Path) -> Result<Input, InputError> {
-    let failed = |error| InputError::io("read", path, error);
+/// Returns an error if the file is not a regular file or cannot be opened.
+pub fn open(path: &Path) -> Result<Input, CaptureError> {
+    let failed = |error| CaptureError::io("read", path, error);
     let metadata = path.metadata().map_err(failed)?;
     if !metadata.is_file() && !metadata.is_dir() {
         let how = "it is a pipe or a device: copy it into a file, or pipe a log into `zerorate allan -`";
@@ -52,7 +52,7 @@ fn holes(mut file: &File) -> std::io::Result<u64> {
     Ok(length.saturating_sub(stored))
 }
 
-/// Elsewhere holes count as bytes.
+/// On other systems holes count as bytes.
 #[cfg(not(any(target_os = "linux", target_os = "macos")))]
 fn holes(_: &File) -> std::io::Result<u64> {
     Ok(0)
@@ -62,8 +62,8 @@ fn holes(_: &File) -> std::io::Result<u64> {
 /// more than `most` are taken, and one more that tells.
 ///
 /// # Errors
-/// Why that cannot be: there are more ([`ErrorKind::FileTooLarge`]), or they are not text
-/// ([`ErrorKind::InvalidData`]).
+/// Returns [`ErrorKind::FileTooLarge`] for a larger file, [`ErrorKind::InvalidData`] if it is not text, or the error
+/// of the file system.
 pub fn text(path: &Path, most: Bytes) -> std::io::Result<String> {
     let mut bytes = Vec::new();
     File::open(path)?.take(most.0.saturating_add(1)).read_to_end(&mut bytes)?;
@@ -81,9 +81,9 @@ pub const STDIN: &str = "-";
 /// files. Each comes with its name.
 ///
 /// # Errors
-/// Why that cannot be.
-pub fn log(path: &Path) -> Result<Parts, InputError> {
-    let failed = |error| InputError::io("read", path, error);
+/// Returns an error if the log cannot be opened.
+pub fn log(path: &Path) -> Result<Parts, CaptureError> {
+    let failed = |error| CaptureError::io("read", path, error);
     if path == Path::new(STDIN) {
         return Ok(vec![(path.to_owned(), spooled(std::io::stdin().lock()).map_err(failed)?)].into());
     }
@@ -169,7 +169,7 @@ fn described(metadata: &str) -> impl Iterator<Item = &str> {
     bare.filter_map(|name| Path::new(name).file_name()?.to_str())
 }
 
-/// How many messages of each topic there are, by the description of a bag: the list `topics_with_message_count`, where
+/// The number of messages of each topic, by the description of a bag: the list `topics_with_message_count`, where
 /// the count of a topic follows behind its name.
 fn stated(metadata: &str) -> Vec<(String, u64)> {
     let lines = metadata.lines().map(|line| line.trim().trim_start_matches("- "));
@@ -188,7 +188,7 @@ fn stated(metadata: &str) -> Vec<(String, u64)> {
 /// Opens a capture, in any of its forms.
 ///
 /// # Errors
-/// Why that cannot be, or what is wrong with its description.
+/// Returns an error if the file cannot be opened, or if its description is not valid.
 pub fn capture(path: &Path) -> Result<CaptureReader, CaptureError> {
     CaptureReader::open(path, open(path)?)
 }
@@ -196,7 +196,7 @@ pub fn capture(path: &Path) -> Result<CaptureReader, CaptureError> {
 /// Opens a capture, or a log of the part that is given (docs/formats/part.md).
 ///
 /// # Errors
-/// Why that cannot be, or what is wrong with it.
+/// Returns an error if the file cannot be opened, or if its content is not valid.
 pub fn rows(path: &Path, part: Option<&Part>) -> Result<RowReader, LogError> {
     RowReader::open(path, open(path)?, part, &ColumnOptions::default())
 }

@@ -1,4 +1,4 @@
-//! One thread reads a device, for everybody.
+//! One thread reads a device for all readers.
 //!
 //! A reader that must have every sample (a recorder, the procedure) subscribes to [`LosslessReader`], and the thread
 //! waits for it. Samples that are lost then are lost in front of the thread, and the later samples count them. The
@@ -54,11 +54,11 @@ pub struct Hub {
     thread: Option<JoinHandle<()>>,
 }
 
-/// Takes every sample: the thread waits for it.
+/// A reader that gets every sample: the thread waits for it.
 #[derive(Debug)]
 pub struct LosslessReader(Receiver<BatchResult>);
 
-/// Takes what it can: the thread never waits for it.
+/// A reader that may miss samples: the thread never waits for it.
 #[derive(Debug)]
 pub struct Watcher(Receiver<WatchedBatch>);
 
@@ -97,7 +97,7 @@ impl<T> Poll<T> {
     }
 }
 
-/// Why the reading ended, where it failed.
+/// The error that ended the reading, if it failed.
 type Failure = Arc<Mutex<Option<DeviceError>>>;
 
 type Subscribers = Arc<Mutex<Vec<Subscriber>>>;
@@ -121,7 +121,7 @@ impl Hub {
     /// recording ended there.
     ///
     /// # Errors
-    /// Why it cannot be opened.
+    /// Returns an error if the device cannot be opened.
     pub fn open(spec: &DeviceSpec, setup: Setup, stop: &Stop) -> Result<Self> {
         let (spec, inner) = (spec.clone(), stop.clone());
         Self::start(move || spec.open(&setup, &inner), stop)
@@ -130,7 +130,7 @@ impl Hub {
     /// Starts a hub for a source that `open` makes in the thread, so it need not be `Send`.
     ///
     /// # Errors
-    /// Why it cannot be opened.
+    /// Returns an error if the device cannot be opened.
     pub fn start(open: impl FnOnce() -> Result<Box<dyn Source>> + Send + 'static, stop: &Stop) -> Result<Self> {
         let (requests, wanted) = channel();
         let (tell, told) = channel();
@@ -175,16 +175,16 @@ impl Hub {
         &self.speed
     }
 
-    /// Why the device cannot be read any more, if that is why there are no more samples.
+    /// The error that ended the samples, if the device cannot be read any more.
     #[must_use]
     pub fn failure(&self) -> Option<DeviceError> {
         lock(&self.failure).as_ref().map(DeviceError::again)
     }
 
-    /// Does something with the source, in its thread. To be called before [`Hub::read`].
+    /// Runs `work` with the source, in its thread. Call it before [`Hub::read`].
     ///
     /// # Errors
-    /// The error of `work`, or that the device is being read already.
+    /// Returns the error of `work`, or an error if the device is already being read.
     pub fn with<T: Send + 'static>(
         &self,
         work: impl FnOnce(&mut dyn Source) -> Result<T> + Send + 'static,
@@ -195,7 +195,7 @@ impl Hub {
         told.recv().map_err(|_| anyhow!("the device is being read already"))?
     }
 
-    /// From here on every sample, until the queue is dropped. Who subscribes before [`Hub::read`] has all of them.
+    /// Subscribes to every sample from now on. A reader that subscribes before [`Hub::read`] gets all of them.
     #[must_use]
     pub fn everything(&self) -> LosslessReader {
         let (queue, batches) = sync_channel(QUEUE);
@@ -203,7 +203,7 @@ impl Hub {
         LosslessReader(batches)
     }
 
-    /// From here on what fits into a queue of so many batches.
+    /// Subscribes to the samples that fit into a queue of so many batches, from now on.
     #[must_use]
     pub fn watch(&self, queue: usize) -> Watcher {
         let (queue, batches) = sync_channel(queue.max(1));
@@ -219,7 +219,7 @@ impl Hub {
     /// `marks_ns` in ascending order, so that what it states (the truth) is of that sample.
     ///
     /// # Errors
-    /// The thread has ended.
+    /// Returns an error if the thread has ended.
     pub fn read(&self, pace: Pace, marks_ns: Vec<u64>) -> Result<()> {
         self.speed.set(pace.factor());
         let begun = self.requests.send(Request::Read { marks_ns });
@@ -245,18 +245,18 @@ fn died() -> anyhow::Error {
 }
 
 impl LosslessReader {
-    /// The next samples; waits for them. None at the end of a recording, and when the reading was stopped.
+    /// Waits for the next samples. `None` at the end of a recording, and when the reading was stopped.
     ///
     /// # Errors
-    /// Why the device cannot be read any more.
+    /// Returns an error if the device cannot be read any more.
     pub fn next(&self) -> Result<Option<Arc<Batch>>> {
         self.0.recv().map_or(Ok(None), |given| given.map(Some))
     }
 
-    /// The next samples, if they come within so much time.
+    /// Waits so long for the next samples.
     ///
     /// # Errors
-    /// As for [`LosslessReader::next`].
+    /// Returns the errors of [`LosslessReader::next`].
     pub fn next_within(&self, patience: Duration) -> Result<Poll<Arc<Batch>>> {
         Ok(match Poll::of(self.0.recv_timeout(patience)) {
             Poll::Samples(given) => Poll::Samples(given?),
@@ -267,13 +267,13 @@ impl LosslessReader {
 }
 
 impl Watcher {
-    /// Waits for the next samples. None at the end: a reader that takes everything hears of the end elsewhere.
+    /// Waits for the next samples. `None` at the end; [`Hub::failure`] has the reason.
     #[must_use]
     pub fn next(&self) -> Option<WatchedBatch> {
         self.0.recv().ok()
     }
 
-    /// The next samples, if they come within so much time. Why there are no more tells [`Hub::failure`].
+    /// Waits so long for the next samples. After the end [`Hub::failure`] has the reason.
     #[must_use]
     pub fn next_within(&self, patience: Duration) -> Poll<WatchedBatch> {
         Poll::of(self.0.recv_timeout(patience))
@@ -383,7 +383,7 @@ impl Worker {
         !all.is_empty()
     }
 
-    /// Who must have everything is told why there is no more; everybody else may ask the hub.
+    /// Tells readers that must have everything why there is no more. Watchers may ask the hub.
     fn fail(&self, error: &DeviceError) {
         *lock(&self.failure) = Some(error.again());
         for subscriber in std::mem::take(&mut *lock(&self.subscribers)) {

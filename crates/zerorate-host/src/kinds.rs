@@ -24,7 +24,7 @@ pub struct Kind {
     parse: fn(&str) -> ParseResult,
 }
 
-/// All that there are. A new kind is a file with its address and its source, and a row in here.
+/// All kinds of devices. A new kind is a file with its address and its source, and a row here.
 pub const KINDS: &[Kind] = &[
     Kind { name: "twin", form: "twin:, twin:KEY=VALUE,…", parse: TwinAddress::parse },
     Kind { name: "replay", form: "replay:FILE", parse: ReplayAddress::parse },
@@ -77,7 +77,7 @@ impl DeviceSpec {
     /// Opens the device; sends nothing to the part yet. `stop` ends every long wait.
     ///
     /// # Errors
-    /// Why it cannot be opened.
+    /// Returns an error if the device cannot be opened.
     pub fn open(&self, setup: &Setup, stop: &Stop) -> Result<Box<dyn Source>> {
         self.address.open(&self.text, setup, stop)
     }

@@ -115,7 +115,7 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         Ok(())
     }
 
-    /// All registers as they are; the edge at which they are read brings no sample.
+    /// Reads all registers. The edge at which they are read gives no sample.
     pub fn registers(&mut self) -> Result<Registers> {
         Ok(Registers { config: self.config, values: self.part.read_all()?.to_vec() })
     }

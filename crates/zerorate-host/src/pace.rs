@@ -53,7 +53,7 @@ impl Speed {
         f64::from_bits(self.bits())
     }
 
-    /// One relaxed load: fit for the path of every sample.
+    /// Loads the bits with one relaxed access, which is cheap enough for every sample.
     #[inline]
     fn bits(&self) -> u64 {
         self.0.load(Ordering::Relaxed)

@@ -10,7 +10,7 @@ use std::fmt;
 /// Longest single wait for an edge, ns.
 const LOOK_NS: u64 = 1_000_000;
 
-/// Why a pin could not be set or heard.
+/// The error of a pin that cannot be set or read.
 pub struct PinError(String);
 
 impl PinError {

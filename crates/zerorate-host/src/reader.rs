@@ -13,9 +13,9 @@ const QUEUE: usize = 1 << 16;
 /// Policy for a sample for which the queue has no room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WhenFull {
-    /// It is lost, and counted: reading the part cannot wait.
+    /// The sample is dropped and counted, because reading the part cannot wait.
     Drop,
-    /// It waits: its sender keeps, or counts, what comes meanwhile.
+    /// The sample waits. Its sender keeps or counts what comes meanwhile.
     Wait,
 }
 

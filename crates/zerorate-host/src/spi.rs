@@ -37,7 +37,7 @@ pub struct SpiAddress {
     pub spi: PathBuf,
     /// The file of the GPIO chip that RDY is connected to.
     pub chip: PathBuf,
-    /// Its line there.
+    /// The line of that chip.
     pub line: u32,
     /// SPI clock, Hz.
     pub hz: u32,
@@ -227,7 +227,7 @@ impl SpiBus {
         Ok(Self { spi, clock, failed, split: address.part.config.framing() == Framing::PerByte })
     }
 
-    /// One message to the kernel: one frame of CS, or one per byte.
+    /// Sends one message to the kernel: one frame of CS, or one per byte.
     fn message(&self, operations: &mut [Operation<'_, u8>]) -> io::Result<()> {
         let mut transfers = Vec::with_capacity(8);
         for operation in operations.iter_mut() {

@@ -251,7 +251,7 @@ fn told_mclk_hz(mclk_hz: f64) -> u32 {
     if (mclk_hz / nominal_hz - 1.0).abs() < 0.05 { MCLK_HZ } else { mclk_hz.round() as u32 }
 }
 
-/// Its data-ready line, with a counter in it where there is one.
+/// The data-ready line of the twin, with a counter in it where there is one.
 struct TwinEdges {
     twin: Twin,
     /// The driver is told of rising edges.

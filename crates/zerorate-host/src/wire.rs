@@ -15,7 +15,7 @@ const PATIENCE: Duration = Duration::from_secs(3);
 pub enum Port {
     /// At a serial port; USB ignores the baud rate.
     Serial {
-        /// Its file, or its name on systems where ports are not files.
+        /// The file of the port, or its name on systems where ports are not files.
         path: String,
         /// Baud rate of a UART.
         baud: u32,

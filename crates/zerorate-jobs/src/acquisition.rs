@@ -15,7 +15,7 @@ use zerorate_host::{
 use zerorate_record::{CaptureInfo, CaptureWarning, Layout, Row, valid};
 use zerorate_view::SessionWarning;
 
-/// Hears what a device has to say while it is read.
+/// Receives the warnings of a device while it is read.
 pub type WarningSink = Box<dyn FnMut(&SourceWarning)>;
 
 /// A device that is being read.
@@ -24,7 +24,7 @@ pub struct Acquisition {
     everything: LosslessReader,
     pace: Pace,
     on_warning: WarningSink,
-    /// None before the first sample was asked for.
+    /// `None` before the first sample was requested.
     batch: Option<Arc<Batch>>,
     taken: usize,
     marks_ns: Vec<u64>,
@@ -42,7 +42,7 @@ impl Acquisition {
     /// say.
     ///
     /// # Errors
-    /// Why it cannot be opened.
+    /// Returns an error if the device cannot be opened.
     pub fn open(device: &DeviceSpec, setup: Setup, pace: Pace, stop: &Stop, on_warning: WarningSink) -> Result<Self> {
         let hub = Hub::open(device, setup, stop)?;
         let everything = hub.everything();
@@ -79,7 +79,7 @@ impl Acquisition {
     /// The description of the capture. A given note replaces that of the recording; a serial number must be the same.
     ///
     /// # Errors
-    /// The recording is of another part.
+    /// Returns an error if the recording belongs to another part.
     pub fn info(&self, serial: Option<&str>, notes: &Notes) -> Result<CaptureInfo> {
         self.check_serial(serial)?;
         let mut info = self.facts().info.clone();
@@ -91,7 +91,7 @@ impl Acquisition {
     /// Refuses a recording that states another serial number than the one that is given.
     ///
     /// # Errors
-    /// The recording is of another part.
+    /// Returns an error if the recording belongs to another part.
     pub fn check_serial(&self, serial: Option<&str>) -> Result<()> {
         match (serial, self.facts().info.serial.as_deref()) {
             (Some(given), Some(recorded)) if given != recorded => {
@@ -207,7 +207,7 @@ impl Acquisition {
         &self.facts().part
     }
 
-    /// Its axes, as they are judged.
+    /// The checks of each axis.
     pub fn healths(&self) -> impl Iterator<Item = &Health> {
         self.axes.iter().map(|axis| &axis.health)
     }

@@ -23,16 +23,16 @@ pub struct AllanOptions {
 pub enum Columns {
     /// The one that its options name, or the only one.
     Single,
-    /// These.
+    /// The columns with these names.
     Listed(Vec<String>),
-    /// All with numbers.
+    /// All columns of numbers.
     All,
 }
 
 /// Analyses columns of each of these logs, one pass over each.
 ///
 /// # Errors
-/// A log cannot be read, or a column cannot be analysed.
+/// Returns an error if a log cannot be read, or a column cannot be analysed.
 pub fn allan(logs: &[PathBuf], options: &AllanOptions) -> Result<Vec<Record>> {
     let wanted = match &options.columns {
         Columns::Single => Wanted::One(options.log.column.as_deref()),

@@ -16,7 +16,7 @@ pub struct Recording {
     pub edge_seq: Vec<u32>,
     /// The part.
     pub part: String,
-    /// Its axes.
+    /// The axes.
     pub axes: Vec<RecordedAxis>,
     /// Status register (of an ADIS16130: of the channel, F-35); −1 where it was not read.
     pub status: Vec<i64>,
@@ -37,7 +37,7 @@ pub struct Recording {
 /// The readings of one axis.
 #[derive(Clone, Debug)]
 pub struct RecordedAxis {
-    /// Its name in the part.
+    /// The name of the axis in the part.
     pub name: String,
     /// Rate code.
     pub codes: Vec<i64>,
@@ -52,7 +52,7 @@ pub struct RecordedAxis {
 /// Reads a capture, in any of its forms.
 ///
 /// # Errors
-/// Why the file cannot be read, or what in it is wrong and where.
+/// Returns an error if the file cannot be read, or if its content is not valid. The error names the place.
 pub fn read_capture(path: &Path) -> Result<Recording> {
     let mut reader = files::capture(path)?;
     let info = reader.info().clone();

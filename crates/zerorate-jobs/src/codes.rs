@@ -25,7 +25,7 @@ pub struct Explanation {
     pub by: Vec<String>,
     /// The observation.
     pub seen: String,
-    /// Why it matters.
+    /// The reason why it matters.
     pub matters: String,
     /// The remedy.
     pub remedy: String,

@@ -28,7 +28,7 @@ impl<'a> Job<'a> {
     /// Makes the correction of `capture` ready, which is read from `reader`.
     ///
     /// # Errors
-    /// The capture is corrected already.
+    /// Returns an error if the capture is already corrected.
     pub fn new(
         capture: &'a Path,
         reader: CaptureReader,
@@ -55,7 +55,7 @@ impl<'a> Job<'a> {
     /// Corrects the capture. Messages call settings by `names`.
     ///
     /// # Errors
-    /// The capture is damaged, it holds no temperature, or the file cannot be written.
+    /// Returns an error if the capture is damaged, if it holds no temperature, or if the file cannot be written.
     pub fn run(
         self,
         output: Staged,

@@ -1,4 +1,4 @@
-//! Why a job ends without a result, beside what fails below it.
+//! The errors that end a job without a result, beside errors of the layers below.
 
 /// The measurement was refused: the numbers exist, but they must not become a calibration.
 #[derive(Debug, thiserror::Error)]

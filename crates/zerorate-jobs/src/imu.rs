@@ -35,7 +35,7 @@ pub struct ImuNoise {
 /// Analyses all axes of the IMU in a log, one pass over it.
 ///
 /// # Errors
-/// The log cannot be read, it lacks axes or the axes of the file, or an axis cannot be analysed.
+/// Returns an error if the log cannot be read or lacks axes, or if an axis cannot be analysed.
 pub fn imu(log: &Path, options: &ImuNoiseOptions) -> Result<ImuNoise> {
     let axes = Axes::read(log, files::log(log)?, &options.axes)?;
     let absent = axes.absent(&options.axes).collect();

@@ -6,11 +6,11 @@ use zerorate::{Axis, NamedAxis};
 
 /// An axis, and its readings that are judged and not taken yet.
 pub struct JudgedAxis {
-    /// Its name in the part.
+    /// The name of the axis in the part.
     pub name: String,
     /// The known facts about the axis.
     pub axis: Axis,
-    /// Its judge.
+    /// The checks of its readings.
     pub health: Health,
     /// Readings that are judged and not taken yet.
     pub judged: VecDeque<Judged>,

@@ -7,7 +7,7 @@ use zerorate_logs::LogWarning;
 
 /// The model that several records have in common.
 pub struct Pool {
-    /// It, as a record of its own.
+    /// The model, as a record of its own.
     pub record: Record,
     /// The distance of the records beyond their own intervals.
     pub spread: Vec<Spread>,
@@ -20,37 +20,37 @@ pub struct Pool {
 /// A record that does not fit the others.
 #[derive(Serialize)]
 pub struct Misfit {
-    /// Its name.
+    /// The name of the record.
     pub record: String,
-    /// In what it differs.
+    /// The difference.
     pub why: String,
-    /// It is not in the common model.
+    /// Whether it is missing from the common model.
     #[serde(rename = "left_out")]
     pub is_left_out: bool,
 }
 
-/// Why records have no common model.
+/// The reasons why records have no common model.
 #[derive(Debug, thiserror::Error)]
 pub enum NoPool {
     /// A record is among them more than once.
     #[error("{0} is given twice, which would count its noise twice; give each record once")]
     Twice(String),
-    /// These two are of different quantities.
+    /// Two records are of different quantities.
     #[error("{0} and {1} are of different quantities; pool records of one kind")]
     Mixed(String, String),
-    /// They are too few, or were sampled differently.
+    /// The records are too few, or were sampled differently.
     #[error("{0}")]
     Unfit(PoolError),
-    /// One has no model of its own.
+    /// A record has no model of its own.
     #[error("{0}: {1}")]
     NoModel(String, FitError),
-    /// They are not alike, or cannot be fitted.
+    /// The records are not alike, or cannot be fitted.
     #[error("no common model: {0}")]
     NoCommonModel(PoolError),
 }
 
 impl NoPool {
-    /// The code of a refusal for it; none: other records are to be given.
+    /// The code of the refusal. `None` if the user has to give other records.
     #[must_use]
     pub const fn code(&self) -> Option<&'static str> {
         match self {
@@ -64,7 +64,7 @@ impl NoPool {
 /// Fits one model to all of these records, whose rates were kept.
 ///
 /// # Errors
-/// Why they have none.
+/// Returns [`NoPool`] if the records have no common model.
 pub fn pool<'a>(records: &'a [Record]) -> Result<Pool, NoPool> {
     check(records)?;
     let input = |record: &'a Record| {

@@ -79,7 +79,7 @@ struct Before {
 /// `see` hears how many s are read, with every 4096th sample. Messages call settings by `names`.
 ///
 /// # Errors
-/// Why the part cannot be read, or that it was interrupted.
+/// Returns an error if the part cannot be read, or if the probe is interrupted.
 pub fn probe(
     mut acquisition: Acquisition,
     duration: Seconds,

@@ -21,7 +21,7 @@ pub fn of_log(path: &Path, name: Option<&str>, options: &ColumnOptions) -> Optio
 /// has none.
 ///
 /// # Errors
-/// The log has no temperature, but one was named, or a polynomial over it is to be taken out.
+/// Returns an error if the log has no temperature, but one was named or a polynomial over it is to be taken out.
 pub fn required(
     path: &Path,
     name: Option<&str>,

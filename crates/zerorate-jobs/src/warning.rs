@@ -48,7 +48,7 @@ pub enum JobWarning {
     StepsNotKept(String),
     /// The part does not state at which temperatures it may operate.
     LimitsUnknown,
-    /// How a chamber was left, which may go on heating or cooling.
+    /// The chamber was left in this state, and may go on heating or cooling.
     ChamberLeft(String),
     /// A measurement in a chamber was interrupted.
     Resumed,

@@ -7,7 +7,7 @@ use embedded_hal::spi::ErrorKind;
 
 /// A bridge answers within this.
 const ANSWER: Duration = Duration::from_millis(500);
-/// How often a request is sent before the bridge counts as silent.
+/// Number of times that a request is sent before the bridge counts as silent.
 const ATTEMPTS: u32 = 3;
 
 /// The text about the silence of a bridge, to follow its name.
@@ -31,7 +31,7 @@ pub struct Client {
 #[derive(Copy, Clone, Debug)]
 pub struct Pending<'a> {
     command: Command<'a>,
-    /// How often it may still be sent.
+    /// Number of attempts that are left.
     attempts: u32,
     deadline: Option<Duration>,
 }
@@ -43,14 +43,14 @@ pub enum Step<T> {
     Send(Frame),
     /// Come back with the next bytes, or at this time.
     Wait(Duration),
-    /// It was answered.
+    /// The request was answered.
     Answered(T),
 }
 
 /// The messages of a bridge, without the content of its answers.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Event {
-    /// It answers the last request.
+    /// The answer to the last request.
     Answer,
     /// A sample.
     Sample(WireSample),
@@ -58,14 +58,14 @@ pub enum Event {
     Ended,
 }
 
-/// Why a request failed.
+/// The reasons why a request failed.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum RequestError {
     /// The bridge does not answer.
     Silent,
-    /// The bridge did not carry it out.
+    /// The bridge refused the request.
     Refused(Refusal),
-    /// It does not fit in a frame, or the protocol has no such transfer.
+    /// The request does not fit in a frame, or the protocol has no such transfer.
     Unsupported,
 }
 

@@ -99,7 +99,7 @@ pub struct Request<'a> {
 /// The commands of a host.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Command<'a> {
-    /// Who is there?
+    /// Ask for the protocol and the firmware.
     Hello,
     /// Set the SPI clock to this one, or to the next lower one that the bridge has.
     Clock {
@@ -111,7 +111,7 @@ pub enum Command<'a> {
         /// At most [`MAX_TRANSFER`].
         bytes: &'a [u8],
     },
-    /// What was the last edge of RDY?
+    /// Ask for the last edge of RDY.
     LastEdge,
     /// Reset the part, initialise it as [`Command::Configure`] says (F-30 by default), read it back, then sample.
     /// Sampling that is under way begins anew.
@@ -147,7 +147,7 @@ pub enum Message<'a> {
     Answer {
         /// The tag of the request.
         tag: u8,
-        /// Its content.
+        /// The content of the answer.
         #[serde(borrow)]
         answer: Answer<'a>,
     },
@@ -176,14 +176,14 @@ pub enum Answer<'a> {
     },
     /// To [`Command::Transfer`]: the bytes that the part sent, as many as it got.
     Transfer {
-        /// From SDO.
+        /// Bytes from SDO.
         bytes: &'a [u8],
     },
     /// To [`Command::LastEdge`]: all zeros before the first.
     LastEdge {
         /// In ns of the bridge's clock.
         t_ns: u64,
-        /// Its running number.
+        /// Running number of the edge.
         seq: u32,
     },
     /// To [`Command::Start`].
@@ -201,7 +201,7 @@ pub enum Answer<'a> {
     },
 }
 
-/// Why a request was not carried out.
+/// The reasons why a request was not carried out.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Refusal {
     /// The bridge is sampling: stop first.

@@ -5,13 +5,13 @@
 pub struct Field {
     /// The name in docs/facts.md section 3.
     pub name: &'static str,
-    /// Its bits.
+    /// The bits of the field.
     pub mask: u32,
-    /// How to read its values.
+    /// The meaning of its values.
     pub meaning: Meaning,
 }
 
-/// How to read the values of a field.
+/// The meaning of the values of a field.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Meaning {
     /// A bit: clear, set.

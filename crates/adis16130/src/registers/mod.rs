@@ -24,7 +24,7 @@ impl core::fmt::Display for Address {
     }
 }
 
-/// How many bytes a register has on the wire.
+/// The size of a register on the wire.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Size {
@@ -51,9 +51,9 @@ impl Size {
 pub trait Register {
     /// The value of the register.
     type Value: Copy;
-    /// Its address.
+    /// The address of the register.
     const ADDRESS: Address;
-    /// Its size on the wire.
+    /// The size of the register on the wire.
     const SIZE: Size;
     /// The value after a reset. IOP also shows the levels of its pins, and the data registers are 16 bits wide then.
     const RESET: Self::Value;
@@ -75,11 +75,11 @@ pub trait Writable: Register {
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Access {
-    /// It can only be read.
+    /// The register can only be read.
     ReadOnly,
-    /// It can only be written.
+    /// The register can only be written.
     WriteOnly,
-    /// It can be read and written.
+    /// The register can be read and written.
     ReadWrite,
 }
 
@@ -108,7 +108,7 @@ macro_rules! registers {
                 match self {$(Self::$register => $name,)*}
             }
 
-            /// What the register is for, in one sentence.
+            /// The purpose of the register, in one sentence.
             pub const fn description(self) -> &'static str {
                 match self {$(Self::$register => $description.trim_ascii(),)*}
             }
@@ -118,7 +118,7 @@ macro_rules! registers {
                 match self {$(Self::$register => Access::$access,)*}
             }
 
-            /// Its size on the wire. For COM, the size of a command byte.
+            /// The size on the wire. For COM, the size of a command byte.
             pub const fn size(self) -> Size {
                 match self {
                     $($(Self::$register => Size::$size,)?)*

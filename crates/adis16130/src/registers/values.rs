@@ -26,7 +26,7 @@ macro_rules! byte_value {
         pub struct $name(u8);
 
         impl $name {
-            /// Its fields, in the order in which a table lists them.
+            /// The fields, in the order in which a table lists them.
             pub const FIELDS: &'static [Field] =
                 &[$(Field { name: $label, mask: $mask, meaning: $meaning }),*];
 

@@ -3,17 +3,17 @@
 use super::{FRACTION_BITS, LOOP_GEAR, TOP_GEAR};
 use crate::quotient::quotient;
 
-/// How the edges follow each other.
+/// The pattern in which edges follow each other.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Pattern {
-    /// They announce one kind of update, rate or temperature, as long as the host is prompt.
+    /// The edges announce one kind of update, rate or temperature, as long as the host is prompt.
     Steady,
-    /// They may announce any update, and begin with a temperature after an initialisation.
+    /// The edges may announce any update, and begin with a temperature after an initialisation.
     Mixed,
-    /// They announce each update, and begin with a rate.
+    /// The edges announce each update, and begin with a rate.
     Each,
-    /// They come from a counter that divides RDY. They are so far apart that each has a phase of its own, and each is
-    /// a tick.
+    /// The edges come from a counter that divides RDY. They are so far apart that each has a phase of its own, and
+    /// each is a tick.
     Divided,
 }
 
@@ -25,9 +25,10 @@ pub(crate) struct EdgeGrid {
     pub(super) period: i64,
     /// Time from a tick to the temperature update after it, as a fraction of the period in 2⁻¹⁶; 0 = there is none.
     temp_fraction: i64,
-    /// How early an edge may come and still belong to its tick: an eighth of the time from the temperature update to
-    /// it, or a sixteenth of the period if that is more and lies behind the middle of that time. This is more than
-    /// MCLK, off by 2 %, shifts an edge in a period. It is half a period where edges have a phase of their own.
+    /// The time by which an edge may come early and still belong to its tick: an eighth of the time from the
+    /// temperature update to it, or a sixteenth of the period if that is more and lies behind the middle of that time.
+    /// This is more than MCLK, off by 2 %, shifts an edge in a period. It is half a period where edges have a phase of
+    /// their own.
     pub(super) margin: i64,
     pattern: Pattern,
 }
@@ -117,8 +118,9 @@ impl EdgeGrid {
         nearest
     }
 
-    /// How far from a gap between neighbouring edges another one may be: 3/8 of a period. Where edges announce one
-    /// kind of update, a change of the kind is not such a gap. So it is 3/4 of what a change adds or takes away.
+    /// The largest distance of another gap from a gap between neighbouring edges: 3/8 of a period. Where edges
+    /// announce one kind of update, a change of the kind is not such a gap. So it is 3/4 of what a change adds or
+    /// takes away.
     pub(super) fn nearness(&self, (period, temp): (i64, i64)) -> i64 {
         let shift = if matches!(self.pattern, Pattern::Steady) { temp.min(period - temp) } else { period >> 1 };
         3 * (shift >> 2)

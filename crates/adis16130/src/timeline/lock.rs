@@ -43,14 +43,14 @@ impl Gaps {
     }
 }
 
-/// How far the edges can be believed.
+/// The trust in the edges.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(super) enum Grip {
     /// The edges lie on the grid.
     Firm,
     /// The edges did not lie on the grid, which is learned anew.
     Loose,
-    /// They lie anywhere. For this many more checks the period stays nominal, and the phase is hardly followed.
+    /// The edges lie anywhere. For this many more checks the period stays nominal, and the phase is hardly followed.
     Held(u8),
 }
 

@@ -1,4 +1,4 @@
-//! Where the rate updates lie in time, learned from the edges of RDY.
+//! Learns the times of the rate updates from the edges of RDY.
 //!
 //! # The loop
 //!
@@ -72,14 +72,14 @@ const LOOP_GEAR: u32 = 5;
 /// jitter.
 const TOP_GEAR: u32 = 10;
 
-/// How the phase is known, that is which edges announce rates.
+/// The knowledge of the phase, that is of which edges announce rates.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 enum Phase {
-    /// By an assumption.
+    /// The phase is assumed.
     Assumed,
-    /// So, and the samples count from the higher of two possible numbers.
+    /// The phase is assumed, and the samples count from the higher of two possible numbers.
     AnchoredHigh,
-    /// From more than an assumption.
+    /// The phase is known.
     Known,
 }
 
@@ -289,7 +289,8 @@ impl Timeline {
         self.gaps = Gaps::default();
     }
 
-    /// Whole periods in `position`. An edge that is early by up to the margin belongs to the update that it announces.
+    /// Counts the whole periods in `position`. An edge that is early by up to the margin belongs to the update that it
+    /// announces.
     fn periods_in(&self, position: i64) -> u64 {
         let position = position + self.grid.margin;
         if position < 2 * self.period {

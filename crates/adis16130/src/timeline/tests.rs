@@ -55,7 +55,7 @@ impl Bench {
         left / (1.0 - alpha(self.timeline.gear))
     }
 
-    /// By how much the period is wrong, ns.
+    /// The error of the period, ns.
     fn period_error_ns(&self) -> f64 {
         self.timeline.period_ns() - self.period_ns
     }

@@ -29,7 +29,7 @@ impl DataSheet {
     /// ```
     ///
     /// # Errors
-    /// [`DataSheetError`] with the line and the problem, if the file is not valid.
+    /// Returns [`DataSheetError`] with the line and the problem if the file is not valid.
     pub fn parse(text: &str) -> Result<Self, DataSheetError> {
         let document = Document::parse(text)?;
         let (root, file) = (document.root(), document.fields::<File>()?);
@@ -63,7 +63,7 @@ impl fmt::Display for DataSheetError {
 
 impl core::error::Error for DataSheetError {}
 
-/// What a data sheet needs of the file of a part.
+/// The fields of a part file that a data sheet needs.
 #[derive(Deserialize)]
 struct File {
     schema: u32,

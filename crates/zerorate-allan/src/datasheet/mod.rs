@@ -65,7 +65,7 @@ pub struct Comparison {
     pub verdict: Verdict,
 }
 
-/// How a sensor compares with a line.
+/// The verdict on a sensor beside a line of its data sheet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// As stated: the interval holds a typical value, as far as it was rounded, or ends below a maximum.

@@ -11,7 +11,7 @@ pub(super) const LINEAR: usize = 160;
 pub(super) struct Bin {
     /// The first of them.
     pub(super) first: usize,
-    /// One past the last.
+    /// Index after the last coefficient.
     pub(super) end: usize,
     /// χ² degrees of freedom: the number of coefficients, less where samples or lines were taken out.
     pub(super) freedom: f64,
@@ -47,7 +47,7 @@ impl Bin {
         ((self.power - self.response.offset) / self.response.gain).max(LEAST_DENSITY * self.power)
     }
 
-    /// Its middle, in coefficients.
+    /// The middle of the bin, in coefficients.
     pub(super) fn middle(&self) -> f64 {
         (self.first + self.end - 1) as f64 / 2.0
     }

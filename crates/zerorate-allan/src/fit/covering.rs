@@ -18,10 +18,10 @@ const STEPS: u32 = 60;
 /// The way in which a reader uses N and K.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Usage {
-    /// It runs for long: N may grow up to twice the fitted one, and the horizon is at most 1000 s.
+    /// A filter that runs for long: N may grow up to twice the fitted one, and the horizon is at most 1000 s.
     Filter,
-    /// It weighs a record of a minute or two as a whole: N is the fitted one, K is lifted from the fitted one until
-    /// nine tenths of the variance are covered, and the horizon is at most 100 s.
+    /// A batch estimator that weighs a minute or two as a whole: N is the fitted one, K is lifted from the fitted one
+    /// until nine tenths of the variance are covered, and the horizon is at most 100 s.
     Batch,
 }
 
@@ -60,7 +60,7 @@ pub struct Covering {
     pub k: f64,
     /// The longest averaging time that is covered, s. The shortest is 1 s.
     pub horizon_s: f64,
-    /// The geometric mean of the variance that they claim over that of the noise.
+    /// Geometric mean of the claimed variance over the variance of the noise.
     pub excess: f64,
 }
 

@@ -73,7 +73,7 @@ impl Table {
         !is_below(self.rate_hz / 2.0, self.top_hz)
     }
 
-    /// All rows of several records, from the lowest frequency on. The phase of drifts is not used.
+    /// Joins the rows of several records, from the lowest frequency on. The phase of drifts is not used.
     pub(super) fn pooled(tables: &[&Self]) -> Self {
         let mut rows: Vec<BinRow> = tables.iter().flat_map(|table| table.rows.iter().cloned()).collect();
         rows.sort_by(|a, b| a.f_hz.total_cmp(&b.f_hz));

@@ -108,7 +108,7 @@ fn present(rate: &[f64]) -> Vec<usize> {
     (0..rate.len()).filter(|&i| !rate[i].is_nan()).collect()
 }
 
-/// All windows of three widths.
+/// The windows of three widths over a record.
 struct Windows<'a> {
     values: &'a [f64],
     /// The places of the values in a record with gaps, otherwise empty.
@@ -138,7 +138,7 @@ impl Windows<'_> {
         sides.map(|((s0, s1), (s2, s3))| ((s2 - s1) - ((s1 - s0) + (s3 - s2)) / 2.0) / width).collect()
     }
 
-    /// By how many missing samples a window is wider.
+    /// The number of missing samples by which a window is wider.
     fn class(&self, window: usize) -> usize {
         if self.there.is_empty() {
             return 0;

@@ -9,9 +9,9 @@ use core::ops::Range;
 /// A disturbance or a resonance. It does not enter the fit, and its power is kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
-    /// Its frequency, Hz. A disturbance above half the rate has the frequency to which it folds.
+    /// Frequency, Hz. A disturbance above half the rate has the frequency to which it folds.
     pub frequency_hz: f64,
-    /// How broad it is, Hz.
+    /// Width, Hz.
     pub width_hz: f64,
     /// Root mean square, in the unit of the rate.
     pub rms: f64,
@@ -42,7 +42,7 @@ pub(super) fn broad(bins: &[Bin]) -> (Vec<bool>, Vec<f64>) {
 #[derive(Clone, Debug)]
 pub(super) struct Narrow {
     pub(super) line: Line,
-    /// Its first coefficient, and one past its last: no bin has any of them.
+    /// The first coefficient of the line, and one past its last. No bin has any of them.
     pub(super) run: (usize, usize),
     /// Variance and frequency of the line's sines in the model, a quarter of its power each.
     pub(super) sines: [(f64, f64); 4],

@@ -1,4 +1,4 @@
-//! Where and why a model does not hold.
+//! Finds where and why a model does not hold.
 
 use super::MOST_ERROR;
 use super::curve::{BLOCKS, Curves};
@@ -21,7 +21,7 @@ const MOVES: f64 = 0.3;
 /// Share of the records whose curve is off though chance explains it.
 const OFF_BY_CHANCE: f64 = 1e-3;
 
-/// Where the curve is off the model by more than [`MOST_ERROR`] and chance.
+/// The part of the curve that is off the model by more than [`MOST_ERROR`] and chance.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OffCurve {
     /// The averaging time at which it is off the most, s, and the measured deviation over the model's.
@@ -47,7 +47,7 @@ impl OffCurve {
         Some(Self { tau_s: worst.m as f64 / curves.rate_hz, ratio: ratio(worst), octaves: off.len() })
     }
 
-    /// How far it is off, as a share.
+    /// The deviation from the model, as a share.
     pub(super) fn error(self) -> f64 {
         libm::fabs(self.ratio - 1.0)
     }

@@ -183,7 +183,7 @@ pub struct Fit {
     pub p_value: f64,
     /// The model is wrong by more than [`MOST_ERROR`]: nothing is identified.
     pub is_rejected: bool,
-    /// Where and why, if it is rejected.
+    /// The place and the cause of the misfit, if the model is rejected.
     pub misfit: Option<Misfit>,
     /// The measured overlapping Allan deviations of averages of 1, 2, 4 … samples, without what was taken out. Empty
     /// for a pool.
@@ -265,7 +265,7 @@ const MOST_STEPS: usize = 3;
 /// Limit of a step's score: 1 of 200 hours without a step has a larger one.
 const STEP_LIMIT: f64 = 5.0;
 
-/// Why there is no model.
+/// The reasons why a record has no model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum FitError {
@@ -346,8 +346,7 @@ impl From<FftError> for FitError {
 /// ```
 ///
 /// # Errors
-///
-/// [`FitError`] for too few samples, samples that do not change, and numbers beyond the range of f64.
+/// Returns [`FitError`] for too few samples, samples that do not change, and numbers beyond the range of f64.
 pub fn fit(input: &Input<'_>, rate_hz: f64, options: &FitOptions) -> Result<Fit, FitError> {
     enough(input.len() - input.missing(), input.len())?;
     let mut rate = rates(input, rate_hz, options.scale);

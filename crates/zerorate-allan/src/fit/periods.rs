@@ -15,7 +15,7 @@ pub(super) struct Period {
     pub(super) period_s: f64,
     /// K beside it, unit/√s.
     pub(super) k: f64,
-    /// By how much it lowers −2 ln L beyond the price of its sines.
+    /// The decrease of −2 ln L beyond the price of the sines.
     gain: f64,
 }
 

@@ -1,4 +1,4 @@
-//! One model of several records of one type: the terms are common, the likelihoods are added.
+//! Fits one model to several records of one type. The terms are common, and the likelihoods are added.
 //!
 //! Units of one type differ, and a sum of likelihoods that takes them for the same is too sure of itself. So the
 //! spread between the records is stated, and the intervals include it (Guerrier, Skaloud et al. ask the same of
@@ -26,7 +26,7 @@ pub struct PoolRecord<'a> {
     pub rate: &'a [f64],
     /// Samples per second.
     pub rate_hz: f64,
-    /// Its own model.
+    /// The model of this record alone.
     pub fit: &'a Fit,
 }
 
@@ -69,28 +69,28 @@ pub struct Outlier {
     pub is_left_out: bool,
 }
 
-/// How a record differs.
+/// The way in which a record differs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Differs {
-    /// Its own model is rejected.
+    /// The own model of the record is rejected.
     Rejected {
-        /// Its model error ε.
+        /// Model error ε of that model.
         error: f64,
     },
-    /// Its white noise differs.
+    /// The white noise of the record differs.
     White {
-        /// Its N over the median of all.
+        /// N of the record over the median of all.
         ratio: f64,
     },
-    /// Its slower noise differs: flicker, random walk, Gauss–Markov terms.
+    /// The slower noise of the record differs: flicker, random walk, Gauss–Markov terms.
     Slow {
         /// The gain in −2 ln L from slow terms of its own, over the median of all.
         gain: f64,
     },
 }
 
-/// Why several records have no common model.
+/// The reasons why several records have no common model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum PoolError {
@@ -155,8 +155,7 @@ const SLOW_LIMIT: f64 = 18.5;
 /// has them; lines and glitches were.
 ///
 /// # Errors
-///
-/// [`PoolError`] where fewer than two records are alike, or rates differ.
+/// Returns [`PoolError`] if fewer than two records are alike, or if their rates differ.
 pub fn fit_pool(records: &[PoolRecord<'_>]) -> Result<Pool, PoolError> {
     same_rates(records)?;
     let top_hz = records.iter().map(|record| record.fit.max_freq_hz).fold(f64::INFINITY, f64::min);

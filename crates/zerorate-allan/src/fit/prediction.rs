@@ -14,7 +14,7 @@ const SMALL: f64 = 1e-3;
 /// The uncertainty of ln σ²(τ) in another record.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Doubt {
-    /// By averaging time, in samples: octaves.
+    /// The variances at each octave of the averaging time, in samples.
     by_length: Vec<(u64, Variances)>,
 }
 

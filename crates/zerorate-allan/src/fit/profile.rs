@@ -54,7 +54,7 @@ impl<'a> Profile<'a> {
         self.best.at[self.place]
     }
 
-    /// How far the best value is above this one, in standard deviations of a normal distribution.
+    /// The distance of the best value above this one, in standard deviations of a normal distribution.
     ///
     /// r = ±√(D − D_min) is normal where there is much data. For a parameter that rests on a few coefficients it is
     /// not, but r + ln(u/r)/r is (Barndorff-Nielsen, Biometrika 73, 1986). Its [`departure`] u allows for the other

@@ -29,7 +29,7 @@ pub(super) struct ModelForm {
     pub(super) signed: Option<usize>,
 }
 
-/// What bends the spectrum at its upper end.
+/// The explanation of a spectrum that bends at its upper end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Reading {
     /// A shape that all noise has.
@@ -89,7 +89,7 @@ pub(super) const SHORTEST: f64 = 20.0;
 const SHORTEST_OF_ALL: f64 = 2.0;
 /// A Gauss–Markov term longer than this, in records, is a random walk.
 pub(super) const LONGEST: f64 = 0.25;
-/// What a cosine of the shape costs in −2 ln L, unless it is otherwise said: the 1.4 % point of χ² with one degree of
+/// The default price of a cosine of the shape, in −2 ln L: the 1.4 % point of χ² with one degree of
 /// freedom.
 pub(super) const SHAPE_PRICE: f64 = 6.0;
 /// Largest cosine of the shape.
@@ -130,7 +130,7 @@ impl Problem {
         Self { table, nu, error, shape_price: SHAPE_PRICE, least_white }
     }
 
-    /// With another price of a cosine.
+    /// The same problem with another price of a cosine.
     pub(super) fn priced_at(self, shape_price: f64) -> Self {
         Self { shape_price, ..self }
     }

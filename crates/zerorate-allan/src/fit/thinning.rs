@@ -16,7 +16,7 @@ const LONGEST: usize = 4096;
 const LOOKED_AT: usize = 1 << 16;
 const LOOKS: (usize, usize) = (8, 512);
 
-/// What gaps do to the Allan variance of the short noise.
+/// The effect of gaps on the Allan variance of the short noise.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Thinning {
     /// The factor on it for averages of 1, 2, 4 … samples; empty without gaps.
@@ -37,7 +37,7 @@ impl Thinning {
         Self { factors: lengths.map(|m| factor(&is_there, m, covariance)).collect(), missing }
     }
 
-    /// What averages of `m` samples have beyond it, which the deviations subtract.
+    /// The variance that gaps add to averages of `m` samples. The deviations subtract it.
     pub(super) fn added(&self, m: u64) -> f64 {
         let present = (1.0 - self.missing).max(COUNTS);
         if m > 1 { 1.0 / present - 1.0 } else { 0.0 }

@@ -181,7 +181,7 @@ impl Sums {
 /// A mean over the samples present.
 struct Average {
     mean: f64,
-    /// How much the square of its error exceeds the complete average's, on average. None where one sample stands for
+    /// The mean excess of its squared error over the complete average's. None where one sample stands for
     /// several.
     excess: Option<f64>,
 }

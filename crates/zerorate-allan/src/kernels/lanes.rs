@@ -59,7 +59,7 @@ impl Line {
     }
 }
 
-/// How far phase goes from a line.
+/// The largest distance of the phase from a line.
 pub(super) struct Reach {
     /// The largest distance.
     pub level: f64,

@@ -1,4 +1,4 @@
-//! All averaging times in one walk over the running sum.
+//! Computes all averaging times in one pass over the running sum.
 //!
 //! A block of starts is taken through every averaging time before the next block is. So the data that two averaging
 //! times share come from memory once. The blocks are cut at fixed places and their sums added in their order: any
@@ -22,7 +22,7 @@ const ROW: usize = 1 << 16;
 /// Bytes of a row that are taken at a time. The second cache holds nearly all rows of 10^8 samples.
 const COLUMN_BYTES: usize = 2048;
 
-/// How differences of a running sum are formed and their squares summed.
+/// Forms differences of a running sum, and sums their squares.
 pub(super) trait Step {
     /// A value of the running sum.
     type Number: Number + Default + Send + Sync;

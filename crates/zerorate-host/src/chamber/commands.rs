@@ -28,11 +28,11 @@ const LONGEST_ENDING_WAIT: Duration = Duration::from_secs(1);
 const SLICE: Duration = Duration::from_millis(50);
 
 impl ChamberCommands {
-    /// `set` contains `{temp_c}` in place of the temperature; `read` prints the temperature of the air, °C. A command
-    /// that fails is run again for `retry`.
+    /// Makes a chamber of two commands. `set` contains `{temp_c}` in place of the temperature; `read` prints the
+    /// temperature of the air, °C. A command that fails is run again for `retry`.
     ///
     /// # Errors
-    /// A command is empty, or `set` does not contain `{temp_c}`.
+    /// Returns an error if a command is empty, or if `set` does not contain `{temp_c}`.
     pub fn new(set: &str, read: &str, retry: Duration) -> Result<Self, String> {
         if !set.contains(PLACEHOLDER) {
             return Err(format!("`{set}` has no {PLACEHOLDER}; write it where the temperature goes"));
@@ -74,7 +74,7 @@ pub(super) struct CommandedChamber {
     air_c: Option<f64>,
 }
 
-/// Why a command did not do what it should.
+/// The failure of a command.
 struct Failure(String);
 
 impl Failure {

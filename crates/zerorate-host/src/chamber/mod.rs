@@ -21,7 +21,7 @@ pub trait Chamber: Send {
     /// Checks that the chamber answers. It does not change the temperature.
     ///
     /// # Errors
-    /// It does not answer.
+    /// Returns an error if the chamber does not answer.
     fn start(&mut self) -> Result<()> {
         Ok(())
     }
@@ -30,13 +30,13 @@ pub trait Chamber: Send {
     /// obeyed a command that failed.
     ///
     /// # Errors
-    /// It cannot be set, and could not be set again within the time for retries.
+    /// Returns an error if the temperature cannot be set within the time for retries.
     fn set(&mut self, temp_c: f64) -> Result<()>;
 
     /// Reads the temperature of the air, °C; none if there is no new reading.
     ///
     /// # Errors
-    /// It cannot be read, as for [`Chamber::set`].
+    /// Returns an error if the temperature cannot be read within the time for retries.
     fn read_c(&mut self) -> Result<Option<f64>>;
 
     /// Simulated time goes on.
@@ -55,20 +55,20 @@ pub trait Chamber: Send {
 /// The result of the last set point.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SafeEnd {
-    /// Why the chamber did not confirm it; none: it did.
+    /// The reason why the chamber did not confirm it; none if it did.
     pub failed: Option<String>,
     /// The last reading of the air, °C.
     pub air_c: Option<f64>,
 }
 
-/// How a chamber is controlled.
+/// The control of a chamber.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ChamberSpec {
     /// Somebody turns its knobs.
     Hand,
     /// A simulated one, on simulated time.
     Simulated(SimulatedChamber),
-    /// One that commands of the user set and read.
+    /// A chamber that commands of the user set and read.
     Commands(ChamberCommands),
 }
 

@@ -1,4 +1,4 @@
-//! One command line of the user: run by the shell in a process group of its own, with bounds on time and output.
+//! Runs a command line of the user: by the shell, in a process group of its own, with bounds on time and output.
 
 use std::io::{self, Read};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -15,7 +15,7 @@ const SLICE: Duration = Duration::from_millis(20);
 /// A process that the command left behind may hold its pipes. They are read for this long after the command's end.
 const AFTERMATH: Duration = Duration::from_secs(1);
 
-/// Why a command failed.
+/// The error of a command.
 #[derive(Debug, thiserror::Error)]
 pub enum ShellError {
     #[error("the shell cannot be started: {0}")]

@@ -47,7 +47,7 @@ impl SimulatedChamber {
     /// Reads `key=value` pairs, separated by commas.
     ///
     /// # Errors
-    /// An unknown key, or a value that makes no sense.
+    /// Returns an error for an unknown key or an invalid value.
     pub fn parse(keys: &str) -> Result<Self, String> {
         let mut chamber = Self::default();
         for item in keys.split(',').map(str::trim).filter(|item| !item.is_empty()) {

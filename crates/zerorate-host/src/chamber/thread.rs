@@ -71,7 +71,7 @@ impl ChamberThread {
     /// Starts the thread, and the chamber in it.
     ///
     /// # Errors
-    /// No thread can be started.
+    /// Returns an error if no thread can be started.
     pub fn new(mut chamber: Box<dyn Chamber>) -> Result<Self> {
         let shared = Arc::new(SharedState::default());
         let (inner, halt) = (shared.clone(), chamber.halt());

@@ -12,7 +12,7 @@ pub struct Channel {
     pub name: String,
     /// Raw values to °/s, or to °C.
     pub scale: Scale,
-    /// Its place in the buffer, if the driver has a buffer with this channel.
+    /// The place in the buffer, if the driver has a buffer with this channel.
     pub element: Option<Element>,
 }
 
@@ -61,7 +61,7 @@ impl Channel {
 }
 
 impl Element {
-    /// None where there is no such channel in the buffer, or no buffer.
+    /// Reads the form of a channel in the buffer. `None` if the buffer lacks it, or without a buffer.
     pub fn read(folder: &Path, channel: &str) -> Result<Option<Self>> {
         let elements = folder.join("scan_elements");
         if !elements.join(format!("{channel}_type")).exists() {

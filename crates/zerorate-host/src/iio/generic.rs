@@ -46,7 +46,7 @@ pub fn open(
     }
 }
 
-/// Its file in `/dev` has the name of its folder.
+/// The file of a device in `/dev`, which has the name of its folder.
 fn dev_file(folder: &Path) -> PathBuf {
     Path::new("/dev").join(folder.file_name().unwrap_or_default())
 }
@@ -117,7 +117,7 @@ fn part(driver: &str, axes: &[&str], rates: &[Channel], temp: Option<&Channel>, 
     }
 }
 
-/// Its channels, read one by one at even times. Nobody can tell whether a reading is new.
+/// Channels that are read one by one at even times. Whether a reading is new is unknown.
 struct PolledChannels {
     device: Device,
     polls: Polls,
@@ -153,7 +153,7 @@ impl Source for PolledChannels {
     }
 }
 
-/// Its scans, as the kernel took them, with their time stamps.
+/// Scans as the kernel took them, with their time stamps.
 struct BufferedScans {
     device: Device,
     scans: File,

@@ -26,7 +26,7 @@ pub const QUEUE: usize = 128;
 /// Serves a client until it hangs up, or the wish to end.
 ///
 /// # Errors
-/// The client went away in the middle, or did not heed the limits.
+/// Returns an error if the client left in the middle of a request or exceeded a limit.
 pub fn serve(stream: &TcpStream, hub: &Hub, device: &Device, stop: &Stop) -> io::Result<()> {
     let mut peer = Peer::new(stream, stop)?;
     let mut session = Session::new(device);

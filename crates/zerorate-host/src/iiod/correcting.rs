@@ -13,7 +13,7 @@ pub struct Correcting {
 }
 
 impl Correcting {
-    /// For a sensor with these axes, before the first row.
+    /// The correction of a sensor with these axes, before the first row.
     pub fn new(layout: &Layout, axes: &[Axis], corrector: Corrector<Vec<Correction>>) -> Self {
         let axes = axes.iter().map(|axis| (*axis, Health::new(axis))).collect();
         Self { layout: layout.clone(), axes, corrector }

@@ -28,11 +28,11 @@ const LARGEST_BIAS_RAD_PER_S: f64 = 100.0;
 /// The device.
 #[derive(Debug)]
 pub struct Device {
-    /// Its name for clients: the part in small letters.
+    /// The name for clients: the part in small letters.
     pub name: String,
     /// The attributes of the context, beside the channels.
     pub context: Vec<(&'static str, String)>,
-    /// Its channels.
+    /// The channels.
     pub table: Table,
     /// The meaning of its codes.
     pub layout: Layout,
@@ -65,7 +65,7 @@ impl Device {
     /// The device that a hub reads, with its corrected rates if there is a calibration.
     ///
     /// # Errors
-    /// The calibration is of another part.
+    /// Returns [`OtherPart`] if the calibration belongs to another part.
     pub fn new(facts: &DeviceInfo, calibration: Option<&Calibration>) -> Result<Self, OtherPart> {
         let DeviceInfo { info, part, .. } = facts;
         let names = || part.axes.iter().map(|axis| &*axis.name);
@@ -162,7 +162,7 @@ impl Device {
     /// The value of an attribute now.
     ///
     /// # Errors
-    /// No attribute has this name, nothing was read yet, or the device is gone.
+    /// Returns an error if no attribute has this name, nothing was read yet, or the device is gone.
     pub fn read(&self, place: Place<'_>, attribute: &str) -> Result<String, Errno> {
         match place {
             Place::Device => self.read_own(attribute),
@@ -172,7 +172,7 @@ impl Device {
         }
     }
 
-    /// All attributes that stand there, in the order of the description.
+    /// The attributes of a place, in the order of the description.
     pub fn attributes(&self, place: Place<'_>) -> &'static [&'static str] {
         match place {
             Place::Device => &ATTRIBUTES,
@@ -185,7 +185,8 @@ impl Device {
     /// Writes an attribute.
     ///
     /// # Errors
-    /// No attribute has this name, it cannot be written, writing is not allowed, or the value makes no sense.
+    /// Returns an error if no attribute has this name, it cannot be written, writing is not allowed, or the value is
+    /// not valid.
     pub fn write(&self, place: Place<'_>, attribute: &str, value: &[u8]) -> Result<(), Errno> {
         if !self.attributes(place).contains(&attribute) {
             return Err(Errno::NOT_FOUND);
@@ -273,7 +274,7 @@ impl Device {
         Ok(live.scanner.correction_dps(axis).ok_or(Errno::TRY_AGAIN)? + live.trims_dps[axis])
     }
 
-    /// From here on the value is what is added at the temperature of now; it follows the temperature as before.
+    /// Sets the correction at the present temperature. It follows the temperature as before.
     fn trim(&self, axis: usize, value: &[u8]) -> Result<(), Errno> {
         let text = std::str::from_utf8(value).map_err(|_| Errno::NONSENSE)?;
         let wanted: f64 = text.trim_end_matches('\0').trim().parse().map_err(|_| Errno::NONSENSE)?;

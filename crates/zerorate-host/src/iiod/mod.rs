@@ -31,7 +31,7 @@ pub const PORT: u16 = 30431;
 
 /// Connections at a time; a client has one, and one more for a buffer.
 const MOST_CONNECTIONS: usize = 64;
-/// Who connects is waited for in steps of this.
+/// The interval between two looks for new connections.
 const POLL: Duration = Duration::from_millis(20);
 /// A client reads all attributes at once, so the first one waits this long for a first sample.
 const FIRST_SAMPLE: Duration = Duration::from_secs(2);
@@ -46,7 +46,7 @@ impl<'a> Server<'a> {
     /// Makes a server of the device that a hub reads; with a calibration, it serves corrected rates beside the codes.
     ///
     /// # Errors
-    /// The calibration is of another part.
+    /// Returns [`OtherPart`] if the calibration belongs to another part.
     pub fn new(hub: &'a Hub, calibration: Option<&Calibration>) -> Result<Self, OtherPart> {
         Ok(Self { hub, device: Device::new(hub.facts(), calibration)? })
     }
@@ -61,8 +61,8 @@ impl<'a> Server<'a> {
     /// is being read, or will be soon.
     ///
     /// # Errors
-    /// Nobody can connect any more. It asks `stop` then, so that this is known at once and not when the last client
-    /// has gone.
+    /// Returns an error if the listener accepts no more connections. It then asks `stop`, so that the error is known
+    /// at once and not when the last client has gone.
     pub fn serve(&self, listener: &TcpListener, stop: &Stop) -> io::Result<()> {
         listener.set_nonblocking(true)?;
         let (device, connections) = (&self.device, AtomicUsize::new(0));
@@ -123,7 +123,7 @@ impl Drop for Place<'_> {
     }
 }
 
-/// Nobody connects, the client has gone, or there is no room right now.
+/// Whether the error passes by itself: nobody connects, the client has gone, or there is no room right now.
 fn is_passing(error: &io::Error) -> bool {
     let no_descriptor = [23, 24]; // ENFILE, EMFILE
     let kinds =

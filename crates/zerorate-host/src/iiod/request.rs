@@ -3,12 +3,12 @@
 use std::str::SplitAsciiWhitespace;
 use std::time::Duration;
 
-/// Why a request is not granted, as Linux numbers it; a client is told the number with a minus sign.
+/// The reason why a request is refused, as Linux numbers it. A client gets the number with a minus sign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Errno(pub i32);
 
 impl Errno {
-    /// Nothing is called that.
+    /// Nothing has this name.
     pub const NOT_FOUND: Self = Self(2);
     /// No buffer is open that could be closed.
     pub const NOT_OPENED: Self = Self(6);
@@ -16,17 +16,17 @@ impl Errno {
     pub const NOT_OPEN: Self = Self(9);
     /// No reading has come yet.
     pub const TRY_AGAIN: Self = Self(11);
-    /// It would take too much memory.
+    /// The request would take too much memory.
     pub const TOO_LARGE: Self = Self(12);
-    /// It cannot be written, or nobody allowed that.
+    /// The attribute cannot be written, or writing is not allowed.
     pub const DENIED: Self = Self(13);
     /// A buffer is open already.
     pub const BUSY: Self = Self(16);
     /// There is no such device, or it is gone.
     pub const NO_DEVICE: Self = Self(19);
-    /// It makes no sense.
+    /// The request is malformed.
     pub const NONSENSE: Self = Self(22);
-    /// This server does not do that.
+    /// This server does not support the request.
     pub const NOT_DONE: Self = Self(38);
     /// No sample came in time.
     pub const TIMED_OUT: Self = Self(110);
@@ -45,7 +45,7 @@ pub enum Request<'a> {
     Read {
         device: &'a str,
         place: Place<'a>,
-        /// None: all that there are.
+        /// The attribute; `None` for all.
         attribute: Option<&'a str>,
     },
     /// A value of this many bytes follows, whether it is accepted or not.
@@ -79,7 +79,7 @@ pub enum Request<'a> {
     },
 }
 
-/// Whose attribute is meant.
+/// The owner of an attribute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place<'a> {
     Device,
@@ -93,7 +93,7 @@ impl<'a> Request<'a> {
     /// Understands a line, which may end in any white space.
     ///
     /// # Errors
-    /// The line makes no sense, or asks for something that this server does not do.
+    /// Returns an error if the line is malformed, or asks for something that this server does not do.
     pub fn parse(line: &'a [u8]) -> Result<Self, Errno> {
         let text = std::str::from_utf8(line).map_err(|_| Errno::NONSENSE)?;
         let mut words = Words(text.split_ascii_whitespace());
@@ -163,7 +163,7 @@ impl<'a> Words<'a> {
         Ok((ms > 0).then(|| Duration::from_millis(ms.into())))
     }
 
-    /// Whose attribute follows; where it is the device's own, that word is the attribute.
+    /// Reads the owner of the attribute. For an attribute of the device itself, that word is the attribute.
     fn place(&mut self) -> Result<(Place<'a>, Option<&'a str>), Errno> {
         let Some(word) = self.0.next() else { return Ok((Place::Device, None)) };
         Ok(match Keyword::of(word).0.as_str() {

@@ -30,14 +30,14 @@ pub struct Session<'a> {
 pub struct Open {
     /// The layout of its samples.
     pub packing: Packing,
-    /// Its mask, as it is sent.
+    /// The mask, as it is sent.
     pub mask: u32,
 }
 
 /// The next step of a connection.
 #[derive(Debug)]
 pub enum Step {
-    /// Nothing.
+    /// Send nothing.
     Nothing,
     /// Send this.
     Reply(Vec<u8>),
@@ -53,7 +53,7 @@ pub enum Step {
     HangUp(Vec<u8>),
 }
 
-/// [`Place`], kept until the value has come.
+/// A [`Place`] that owns its text, kept until the value has come.
 enum OwnedPlace {
     Device,
     Debug,
@@ -131,8 +131,8 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// All attributes, one after the other. Each begins with the length of its value, or the error, in four bytes with
-    /// the highest first. The value follows with a NUL, filled up to a multiple of four bytes.
+    /// Reads all attributes, one after the other. Each begins with the length of its value, or the error, in four
+    /// bytes with the highest first. The value follows with a NUL, filled up to a multiple of four bytes.
     fn read_all(&self, place: Place<'_>) -> Vec<u8> {
         let mut all = Vec::new();
         for attribute in self.device.attributes(place) {
@@ -182,7 +182,7 @@ impl<'a> Session<'a> {
         self.buffer.take().map(|_| Step::Close).ok_or(Errno::NOT_OPENED)
     }
 
-    /// Whole samples only.
+    /// Fills a buffer with whole samples.
     fn fill(&self, device: &str, bytes: usize) -> Result<Step, Errno> {
         self.named(device)?;
         let size = self.buffer.as_ref().ok_or(Errno::NOT_OPEN)?.packing.size();
@@ -233,7 +233,7 @@ pub fn number(value: usize) -> Vec<u8> {
     format!("{value}\n").into_bytes()
 }
 
-/// Why not, as a line.
+/// The line that refuses a request.
 pub fn refusal(Errno(errno): Errno) -> Vec<u8> {
     format!("-{errno}\n").into_bytes()
 }

@@ -11,13 +11,13 @@ pub struct Table(Vec<Channel>);
 /// A channel.
 #[derive(Clone, Debug)]
 pub struct Channel {
-    /// Its id in libiio, whose start gives the type of the channel: `anglvel_z`.
+    /// The id in libiio, whose start gives the type of the channel: `anglvel_z`.
     pub id: String,
     /// A name beside, where the id says too little.
     pub name: Option<&'static str>,
-    /// Its quantity.
+    /// The quantity.
     pub quantity: Quantity,
-    /// Its form in the buffer: `le:u24/32>>0`.
+    /// The form in the buffer: `le:u24/32>>0`.
     pub format: String,
     /// Bytes that it takes there; it stands at a multiple of them.
     pub bytes: usize,
@@ -40,10 +40,10 @@ pub enum Quantity {
     Time,
 }
 
-/// One unit of a corrected rate in a buffer, rad/s: finer than any code.
+/// The unit of a corrected rate in a buffer, rad/s. It is finer than any code.
 pub const CORRECTED_RAD_PER_S: f64 = 1e-9;
 
-/// All bits of a mask have a place in one word.
+/// A mask fits into one word.
 const _: () = assert!(2 * MAX_AXES + 3 <= u32::BITS as usize);
 
 const CODE: &[&str] = &["raw", "scale", "offset"];
@@ -71,7 +71,7 @@ impl Table {
         Self(all)
     }
 
-    /// All of them.
+    /// All channels.
     pub fn channels(&self) -> &[Channel] {
         &self.0
     }

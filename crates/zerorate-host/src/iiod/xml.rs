@@ -23,7 +23,7 @@ const DOCTYPE: &str = concat!(
     "<!ATTLIST debug-attribute name CDATA #REQUIRED><!ATTLIST buffer-attribute name CDATA #REQUIRED>]>",
 );
 
-/// One line, as the library's own server sends it.
+/// The description in one line, as the library's own server sends it.
 pub fn describe(device: &Device) -> String {
     let (major, minor, git) = VERSION;
     let title = escaped(&format!("{}, {}", zerorate::SOFTWARE, device.name));

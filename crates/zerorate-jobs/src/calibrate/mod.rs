@@ -53,10 +53,10 @@ pub struct Files {
 }
 
 impl Files {
-    /// Claims them.
+    /// Claims the files.
     ///
     /// # Errors
-    /// An [`OutputError`](crate::output::OutputError): why one of them is refused, or cannot be written.
+    /// Returns an [`OutputError`](crate::output::OutputError) if a file is refused or cannot be written.
     pub fn claim(mut outputs: Outputs, options: OutputOptions) -> Result<Self> {
         let calibration = options.output.as_deref().map(|path| outputs.derived(path)).transpose()?;
         let is_for_samples = |path: &&PathBuf| path.extension().is_some() && Format::choose(None, path).is_ok();
@@ -102,8 +102,8 @@ pub struct Job {
 /// recording may.
 ///
 /// # Errors
-/// [`InvalidOptions`] where the plan makes no sense for the part.
-pub fn prepare(acquisition: Acquisition, plan: Plan, files: Files, names: SettingNames) -> Result<Job> {
+/// Returns [`InvalidOptions`] if the plan does not fit the part.
+pub fn prepare(acquisition: Acquisition, plan: Plan, files: Files, names: Names) -> Result<Job> {
     let plan = Plan { earth_dps: plan.earth_dps.or(acquisition.facts().info.earth_dps), ..plan };
     let procedure =
         PartProcedure::new(acquisition.part(), plan).map_err(|error| InvalidOptions(error.with(names).to_string()))?;
@@ -117,7 +117,7 @@ impl Job {
         self.procedure.part()
     }
 
-    /// How.
+    /// The plan of the measurement.
     #[must_use]
     pub fn plan(&self) -> &Plan {
         self.procedure.plan()
@@ -133,8 +133,8 @@ impl Job {
     /// Measures. `watch` looks on, and may end it.
     ///
     /// # Errors
-    /// [`Refused`](crate::Refused) where the samples must not become a calibration; else why the device or the log
-    /// failed, or that `watch` ended it.
+    /// Returns [`Refused`](crate::Refused) if the samples must not become a calibration. Returns another error if the
+    /// device or the log fails, or if `watch` ends the measurement.
     pub fn run(self, watch: &mut dyn Watch) -> Result<RunResult> {
         let saves = self.saves();
         let Self { mut acquisition, procedure, mut files } = self;

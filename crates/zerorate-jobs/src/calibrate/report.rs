@@ -45,7 +45,7 @@ pub struct Report {
     pub rescued: Option<RescuedCalibration>,
 }
 
-/// One of several axes.
+/// The results of one of several axes.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
 pub struct AxisReport {
@@ -75,7 +75,7 @@ pub struct Numbers {
     pub u_btc_dps_per_c: f64,
     pub u_t3_c: f64,
     pub cov_pbc_btc_dps2_per_c: f64,
-    /// Where the uncertainties come from.
+    /// The contributions to the uncertainties.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub budget: Vec<Contribution>,
     pub impossible_readings: u64,

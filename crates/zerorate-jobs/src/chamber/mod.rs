@@ -41,10 +41,10 @@ pub trait Watch {
     /// Hears what goes wrong on the way, while the measurement goes on.
     fn warn(&mut self, warning: JobWarning);
 
-    /// Writes the page that was asked for.
+    /// Writes the requested page.
     ///
     /// # Errors
-    /// It cannot be made or written.
+    /// Returns an error if the page cannot be made or written.
     fn page(&mut self, results: &ChamberResults, file: Staged) -> Result<()>;
 
     /// The names that the front end uses for the settings.
@@ -86,10 +86,10 @@ pub struct Files {
 }
 
 impl Files {
-    /// Claims them, with a `page` beside; finished steps of a recording are not kept.
+    /// Claims the files, with a `page` beside them. Finished steps of a recording are not kept.
     ///
     /// # Errors
-    /// An [`OutputError`](crate::output::OutputError): why one of them is refused, or cannot be written.
+    /// Returns an [`OutputError`](crate::output::OutputError) if a file is refused or cannot be written.
     pub fn claim(outputs: Outputs, options: OutputOptions, page: Option<&Path>, is_replayed: bool) -> Result<Self> {
         // a device has no room for files beside it
         let output = options.output.clone().filter(|path| !is_replayed && (!path.exists() || path.is_file()));
@@ -118,7 +118,8 @@ pub struct Job {
 /// Makes a measurement ready; the writer sets the temperature around a simulated sensor.
 ///
 /// # Errors
-/// [`InvalidOptions`] where the plan makes no sense for the part, [`UnusableSteps`], or why a file cannot be read.
+/// Returns [`InvalidOptions`] if the plan does not fit the part, [`UnusableSteps`], or an error if a file cannot be
+/// read.
 pub fn prepare(
     acquisition: Acquisition,
     (control, writer): (SetPointControl, Option<ProfileWriter>),
@@ -168,8 +169,8 @@ impl Job {
     /// Measures. `watch` looks on.
     ///
     /// # Errors
-    /// [`Refused`] where the samples must not become a calibration, or why the part, the chamber or a
-    /// file failed.
+    /// Returns [`Refused`] if the samples must not become a calibration, or another error if the part, the chamber or
+    /// a file fails.
     pub fn run(mut self, watch: &mut dyn Watch) -> Result<RunResult> {
         if self.options.moves_air && self.part().operating_c.is_none() {
             watch.warn(JobWarning::LimitsUnknown);
@@ -222,11 +223,11 @@ pub struct RunResult {
 
 /// The results of a measurement.
 pub struct ChamberResults {
-    /// In numbers.
+    /// The results in numbers.
     pub report: Report,
     /// The calibration.
     pub calibration: Calibration,
-    /// All that was measured.
+    /// The record of all measurements.
     pub record: Record,
     /// The outcome of each axis.
     pub outcomes: Vec<ChamberOutcome>,

@@ -17,18 +17,18 @@ const LARGEST: Bytes = Bytes(64 << 20);
 pub struct PlanFile {
     /// The plan.
     pub plan: ChamberPlan,
-    /// Its text.
+    /// The text of the file.
     pub text: String,
     /// The given name of the plan.
     pub name: String,
 }
 
 impl PlanFile {
-    /// Reads it; a CSV of what a chamber did is a plan of a recording only. Errors call settings by `names`.
+    /// Reads a plan. A CSV of what a chamber did is a plan of a recording only. Errors call settings by `names`.
     ///
     /// # Errors
-    /// [`InvalidOptions`] where the file is not a plan, or why it cannot be read.
-    pub fn read(name: &Path, of_recording: bool, outputs: &mut Outputs, names: SettingNames) -> Result<Self> {
+    /// Returns [`InvalidOptions`] if the file is not a plan, or an error if it cannot be read.
+    pub fn read(name: &Path, of_recording: bool, outputs: &mut Outputs, names: Names) -> Result<Self> {
         let shown = name.display().to_string();
         let text = match shipped(name) {
             Some(text) => text.to_owned(),

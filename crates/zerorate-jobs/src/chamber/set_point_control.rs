@@ -27,7 +27,7 @@ pub struct AirState {
     pub set_c: Option<f64>,
 }
 
-/// What sets the temperature.
+/// The means of setting the temperature.
 pub(super) enum Control {
     /// A recording has decided that already.
     Recording,
@@ -52,7 +52,7 @@ impl SetPointControl {
     /// Prepares the control. No command is run yet.
     ///
     /// # Errors
-    /// No thread can be started.
+    /// Returns an error if no thread can be started.
     pub fn new(
         spec: Option<&ChamberSpec>,
         is_simulated: bool,
@@ -75,7 +75,7 @@ impl SetPointControl {
     /// Checks that a chamber answers.
     ///
     /// # Errors
-    /// It does not answer.
+    /// Returns an error if the chamber does not answer.
     pub fn start(&mut self) -> Result<()> {
         if self.state.by_hand {
             self.listener.set_pending(&self.state);

@@ -1,9 +1,9 @@
-//! Why a file is not written.
+//! The errors of outputs.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Why an output is refused, or failed.
+/// The reasons why an output is refused or fails.
 #[derive(Debug, thiserror::Error)]
 #[expect(missing_docs, reason = "the fields are what the text shows")]
 pub enum OutputError {
@@ -48,11 +48,11 @@ pub enum OutputError {
              file itself", path.display(), target.display())]
     ForeignLink { path: PathBuf, target: PathBuf, uid: u32 },
 
-    /// Elsewhere that is stdout; here results for people are printed there.
+    /// `-` was given as the output. Other programs write to stdout then; this one prints results for people there.
     #[error("`-` is not a file, and stdout is for what the command prints; give the file a name")]
     Dash,
 
-    /// Nothing here writes that format.
+    /// The output is a PDF, which the program does not write.
     #[error("{}: zerorate writes no PDF; name a page .html, and print it from a browser", path.display())]
     Pdf { path: PathBuf },
 

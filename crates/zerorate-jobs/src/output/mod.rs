@@ -38,7 +38,7 @@ use zerorate_record::CaptureReader;
 /// The files of one run of a command.
 #[derive(Debug)]
 pub struct Outputs {
-    /// None: the command has no such option.
+    /// `None` if the command has no such option.
     force: Option<bool>,
     inputs: Vec<(Identity, PathBuf)>,
     /// Outputs so far, and the standard streams.
@@ -63,19 +63,19 @@ impl Outputs {
         self
     }
 
-    /// The run reads these logs. What does not exist fails when it is read, with a better message.
+    /// Notes that the run reads these logs. A log that does not exist fails later, with a better message.
     ///
     /// # Errors
-    /// The outputs of a run that reads these inputs, as with [`Outputs::reads`].
+    /// Returns the errors of [`Outputs::reads`].
     pub fn reading<'a>(mut self, inputs: impl IntoIterator<Item = &'a Path>) -> Result<Self, OutputError> {
         inputs.into_iter().try_for_each(|path| self.reads(path))?;
         Ok(self)
     }
 
-    /// The run reads this file, the files of this folder, or, where it is called `-`, what comes in.
+    /// Notes that the run reads this file, the files of this folder or, for `-`, its standard input.
     ///
     /// # Errors
-    /// [`OutputError::IsInput`] where an output, or stdout or stderr, goes into one of them.
+    /// Returns [`OutputError::IsInput`] if an output, stdout or stderr goes into one of these files.
     pub fn reads(&mut self, path: &Path) -> Result<(), OutputError> {
         let piped = streams::stdin_file().filter(|_| path == Path::new(files::STDIN));
         let listed = files::listed(path).into_iter().filter_map(|file| Some((Identity::of_file(&file)?, file)));
@@ -86,7 +86,7 @@ impl Outputs {
     /// Reads a file of text whole, which has no more than `most` bytes.
     ///
     /// # Errors
-    /// The errors of [`Outputs::reads`], or why the file cannot be read.
+    /// Returns the errors of [`Outputs::reads`], or an error if the file cannot be read.
     pub fn text(&mut self, path: &Path, most: Bytes) -> anyhow::Result<String> {
         self.try_text(path, most)?.with_context(|| format!("cannot read {}", path.display()))
     }
@@ -94,7 +94,7 @@ impl Outputs {
     /// Reads a text, for a caller that has its own words for what goes wrong with the file.
     ///
     /// # Errors
-    /// The errors of [`Outputs::reads`].
+    /// Returns the errors of [`Outputs::reads`].
     pub fn try_text(&mut self, path: &Path, most: Bytes) -> Result<io::Result<String>, OutputError> {
         self.reads(path)?;
         Ok(files::text(path, most))
@@ -103,7 +103,7 @@ impl Outputs {
     /// Opens a capture.
     ///
     /// # Errors
-    /// The errors of [`Outputs::reads`], or the damage of the capture.
+    /// Returns the errors of [`Outputs::reads`], or an error if the capture is damaged.
     pub fn capture(&mut self, path: &Path) -> anyhow::Result<CaptureReader> {
         self.reads(path)?;
         Ok(files::capture(path)?)
@@ -112,7 +112,7 @@ impl Outputs {
     /// Claims a file for what can be computed again: it takes its name when it is complete.
     ///
     /// # Errors
-    /// Why it is refused ([`OutputError::is_refusal`]), or why it cannot be written.
+    /// Returns an error if the file is refused ([`OutputError::is_refusal`]) or cannot be written.
     pub fn derived(&mut self, path: &Path) -> Result<Staged, OutputError> {
         if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("pdf")) {
             return Err(OutputError::Pdf { path: path.to_owned() });
@@ -128,7 +128,7 @@ impl Outputs {
     /// cut.
     ///
     /// # Errors
-    /// The errors of [`Outputs::derived`].
+    /// Returns the errors of [`Outputs::derived`].
     pub fn recording(&mut self, path: &Path) -> Result<Recording, OutputError> {
         let place = self.claim(path)?;
         Recording::new(path, place)
@@ -138,7 +138,7 @@ impl Outputs {
     /// exist.
     ///
     /// # Errors
-    /// The errors of [`Outputs::derived`].
+    /// Returns the errors of [`Outputs::derived`].
     pub fn slot(&mut self, path: &Path) -> Result<Slot, OutputError> {
         let place = self.claim_over(path, true)?;
         if place.exists() {

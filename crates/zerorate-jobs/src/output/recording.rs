@@ -28,9 +28,9 @@ pub struct Recording {
     file: File,
     /// Bytes written so far.
     written: Arc<AtomicU64>,
-    /// None for a pipe or a device, which has no name to lose.
+    /// `None` for a pipe or a device, which has no name to lose.
     recorded: Option<Arc<RecordedFile>>,
-    /// None for a pipe or a device, and once it has failed.
+    /// `None` for a pipe or a device, and once it has failed.
     watch: Option<Watch>,
 }
 
@@ -65,18 +65,18 @@ impl Recording {
         &self.path
     }
 
-    /// To write to.
+    /// The writer of the file.
     ///
     /// # Errors
-    /// The process has too many files open.
+    /// Returns an error if the process has too many open files.
     pub fn writer(&self) -> io::Result<impl Write + Send + 'static> {
         Ok(CountingWriter { file: self.file.try_clone()?, written: Arc::clone(&self.written) })
     }
 
-    /// Asks whether all is well with the file so far.
+    /// Checks that the file is intact so far.
     ///
     /// # Errors
-    /// It was removed, replaced or cut short, or what was written did not get onto the disk.
+    /// Returns an error if the file was removed, replaced or cut short, or if data did not reach the disk.
     #[inline]
     pub fn check(&mut self) -> io::Result<()> {
         match self.watch.take_if(|watch| watch.thread.is_finished()) {
@@ -85,10 +85,10 @@ impl Recording {
         }
     }
 
-    /// Everything was written: puts it onto the disk.
+    /// Puts the complete file onto the disk.
     ///
     /// # Errors
-    /// The errors of [`Recording::check`], now or before.
+    /// Returns the errors of [`Recording::check`], now or before.
     pub fn finish(self) -> io::Result<()> {
         let Some(recorded) = self.recorded else { return Ok(()) };
         self.watch.map_or(Ok(()), Watch::finish)?;
@@ -193,7 +193,7 @@ impl Watch {
         Ok(Self { stop, thread })
     }
 
-    /// Ends, and says whether something was wrong.
+    /// Ends the watch, and returns its error.
     fn finish(self) -> io::Result<()> {
         drop(self.stop);
         self.thread.join().unwrap_or_else(|_| Err(io::Error::other("the syncing thread died")))

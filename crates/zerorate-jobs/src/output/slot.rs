@@ -43,7 +43,7 @@ impl Slot {
     /// The content, with at most `most` bytes; none where the file does not exist.
     ///
     /// # Errors
-    /// Why it cannot be read.
+    /// Returns an error if the file cannot be read.
     pub fn content(&self, most: Bytes) -> io::Result<Option<String>> {
         match files::text(&self.target(), most) {
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
@@ -54,7 +54,7 @@ impl Slot {
     /// Replaces the content. Where that fails, the older content stays, and the caller can try again.
     ///
     /// # Errors
-    /// The error of the file system, or that something else has written there meanwhile.
+    /// Returns the error of the file system, or an error if another program has written there since.
     pub fn put(&mut self, content: &[u8]) -> Result<(), OutputError> {
         let target = self.target();
         let found = Identity::of_file(&target);

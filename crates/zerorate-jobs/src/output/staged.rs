@@ -44,10 +44,10 @@ impl Staged {
         &self.path
     }
 
-    /// To write to.
+    /// The file to write to.
     ///
     /// # Errors
-    /// The process has too many files open.
+    /// Returns an error if the process has too many open files.
     pub fn file(&self) -> Result<File, OutputError> {
         let file = match &self.destination {
             Destination::File { unfinished, .. } => unfinished.file(),
@@ -59,16 +59,16 @@ impl Staged {
     /// Writes the whole content and publishes it.
     ///
     /// # Errors
-    /// The errors of [`Staged::publish`].
+    /// Returns the errors of [`Staged::publish`].
     pub fn fill(self, content: &[u8]) -> Result<(), OutputError> {
         self.file()?.write_all(content).map_err(|error| OutputError::io("write", &self.path, error))?;
         self.publish()
     }
 
-    /// The file is complete: onto the disk with it, then the name, then the name onto the disk.
+    /// Publishes the complete file: puts it onto the disk, gives it its name, and puts the name onto the disk.
     ///
     /// # Errors
-    /// The error of the file system, or that something else took the name meanwhile.
+    /// Returns the error of the file system, or an error if another program has taken the name since.
     pub fn publish(self) -> Result<(), OutputError> {
         let path = self.path;
         let failed = |error| OutputError::io("write", &path, error);

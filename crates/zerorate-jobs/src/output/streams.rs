@@ -37,19 +37,19 @@ fn metadata(stream: impl std::os::fd::AsFd) -> Option<std::fs::Metadata> {
     std::fs::File::from(owned).metadata().ok()
 }
 
-/// Elsewhere the streams have no names as files.
+/// On other systems the streams have no names as files.
 #[cfg(not(unix))]
 pub fn files() -> Vec<(Identity, &'static str)> {
     Vec::new()
 }
 
-/// Elsewhere the streams have no names as files.
+/// On other systems the streams have no names as files.
 #[cfg(not(unix))]
 pub fn stdout_pipe() -> Option<Identity> {
     None
 }
 
-/// Elsewhere the streams have no names as files.
+/// On other systems the streams have no names as files.
 #[cfg(not(unix))]
 pub fn stdin_file() -> Option<Identity> {
     None

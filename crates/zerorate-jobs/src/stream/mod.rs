@@ -18,7 +18,7 @@ pub trait Listener {
     /// Takes a row. An error ends the stream.
     fn row(&mut self, row: &StreamRow) -> Result<()>;
 
-    /// All rows are there.
+    /// Called after the last row.
     fn end(&mut self) -> Result<()>;
 
     /// Hears a warning.
@@ -69,7 +69,7 @@ pub struct StreamOptions {
 /// Streams the corrected rate until the part, the time or `listener` ends it.
 ///
 /// # Errors
-/// [`Refused`] where the part is frozen, or why the part cannot be read or `listener` takes no row.
+/// Returns [`Refused`] if the part is frozen, or an error if the part cannot be read or `listener` takes no row.
 pub fn stream(
     mut acquisition: Acquisition,
     calibration: &Calibration,

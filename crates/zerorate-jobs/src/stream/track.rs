@@ -45,7 +45,7 @@ pub struct TrackedAxis {
 pub struct LearnedAxis<'a> {
     /// The axis.
     pub name: &'a str,
-    /// From how much.
+    /// The amount of data that it learned from.
     pub counts: Counts,
     /// The change of its bias at the last temperature.
     pub tracked: Option<Tracked>,
@@ -85,7 +85,8 @@ impl Tracking {
     /// Begins to track the part that `facts` tell of, from the state that is there or else from its calibration.
     ///
     /// # Errors
-    /// [`UnusableState`], that the noise of an axis is not known, or why the state cannot be read or written.
+    /// Returns [`UnusableState`], or an error if the noise of an axis is unknown, or if the state cannot be read or
+    /// written.
     pub fn begin(
         options: &TrackOptions,
         facts: &DeviceInfo,

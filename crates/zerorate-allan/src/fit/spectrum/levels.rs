@@ -59,9 +59,9 @@ pub(super) struct Level<'a> {
 
 /// The responses of means with gaps, at equal steps from 0 to half the rate.
 struct Gaps {
-    /// Of the mean of all.
+    /// The gain of the mean of all.
     gain: Vec<f64>,
-    /// Of the scatter about it.
+    /// The gain of the scatter about that mean.
     scatter: Vec<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! From a record to its bins.
+//! Turns a record into the bins of its spectrum.
 //!
 //! A complete record is one cosine transform. A longer one, and one with gaps, goes through levels: its samples, means
 //! of some of them, means of more of them. Segments of a level give the upper part of its band, and the next level
@@ -162,7 +162,7 @@ struct Part {
 }
 
 impl Part {
-    /// One transform of all values.
+    /// Transforms all values at once.
     fn transform(values: &[f64], rate_hz: f64, edges: Vec<Bin>) -> Result<Self, FftError> {
         let coefficients = cosine_transform(&centred(values))?;
         let power: Vec<f64> = coefficients.iter().map(|c| c * c / rate_hz).collect();
