@@ -15,7 +15,7 @@ pub struct SamplerConfig {
     /// Read on every n-th edge of RDY (F-56); 0 counts as 1. With both channels and RDYFN = 1, reading both on every
     /// N-th edge gives f_conv/(N + 1), since the first edge after a read of both comes two conversions later.
     pub divider: u16,
-    /// The host hears a counter, which lets every n-th edge of RDY through (F-56). 1 = the host hears RDY itself, and
+    /// A counter before the host lets every n-th edge of RDY through (F-56). 1 = the host sees RDY itself, and
     /// 0 counts as 1. A divider counts the edges behind that counter.
     #[cfg_attr(feature = "serde", serde(default = "undivided"))]
     pub divided: u16,
@@ -78,7 +78,7 @@ pub struct Due {
     /// Whether to read the temperature last.
     pub temp: bool,
     edge: Edge,
-    /// Ticks of the timeline since the one that the sample before goes by.
+    /// Ticks of the timeline since the tick of the sample before.
     ticks: i32,
     /// Samples without temperature before this one.
     rates_only: u8,
@@ -288,7 +288,7 @@ impl Rules {
         (rules, grid)
     }
 
-    /// Readings lost if `ticks` have passed since the sample before, and the tick that the new sample goes by.
+    /// Readings lost if `ticks` have passed since the sample before, and the tick of the new sample.
     ///
     /// A sample whose edge was numbered too low still advances by one: the edge before had a late timestamp, and the
     /// surplus that it counted is not counted again. But a sample is never far ahead of its edge, so that no loss is

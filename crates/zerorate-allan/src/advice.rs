@@ -80,8 +80,9 @@ fn least(fit: &Fit) -> f64 {
 }
 
 /// Averaging times from the shortest that tells how far from the bias it is, to the longest. Behind a filter, and
-/// within a memory, averages differ little from their neighbours, and are as far from the bias as longer ones: the
-/// curve rises, and falls again. So it does over a warm-up, whose end is no better to average over than its beginning.
+/// within the correlation time of noise, averages differ little from their neighbours, and are as far from the bias as
+/// longer ones: the curve rises, and falls again. It does the same over a warm-up, whose end is not a better time to
+/// average than its beginning.
 fn taus(fit: &Fit) -> impl Iterator<Item = f64> {
     let (first, last) = fit.span_s;
     let octaves = libm::log2(last / first);

@@ -12,7 +12,7 @@ use libm::{exp2, log, sqrt};
 const BLOCKS: usize = 128;
 /// Highest order of the polynomial.
 pub const MOST_ORDER: usize = 3;
-/// Twice the gain in log-likelihood from which on the rate follows the temperature. χ² of one degree of freedom
+/// The rate follows the temperature if twice the gain in log-likelihood is at least this. χ² of one degree of freedom
 /// exceeds it once in 130 000. Against walks, flicker and white noise beside a warm-up, fewer than one record in 400
 /// exceeded it (the tests below).
 const SIGNIFICANT: f64 = 20.0;

@@ -176,7 +176,7 @@ impl<'d> Entry<'d> {
         self.key
     }
 
-    /// The line on which it begins, or the table that lacks it. None where the whole file lacks it.
+    /// The line of the entry, or of the table that lacks it. `None` if the whole file lacks it.
     #[must_use]
     pub fn line(self) -> Option<usize> {
         self.byte.map(|byte| line_of(self.document.text, byte))

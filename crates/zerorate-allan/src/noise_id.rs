@@ -19,9 +19,9 @@ const FOR_CERTAIN: u64 = 128;
 /// Averages of τ beyond which more would not make the answer more certain (r1 to 0.004). Then only some blocks of the
 /// record are looked at, evenly spaced.
 const ENOUGH: u64 = 1 << 16;
-/// Averaging length up to which a block has enough points to stand for its stretch of the record.
+/// Longest averaging length at which a block has enough points to represent its part of the record.
 const LONGEST_SPARSE: u64 = 64;
-/// δ from which the series is not stationary and is differenced once more.
+/// A series with this δ or more is not stationary and is differenced once more.
 const NOT_STATIONARY: f64 = 0.25;
 const WHITE: i32 = 0;
 
@@ -368,7 +368,8 @@ mod tests {
         assert_eq!(noise_types(&Input::Rate(&[1.0, 2.0]), Stat::Totdev, &[]), vec![0; 0]);
     }
 
-    /// A white record of 41 averages is taken for phase noise one time of ten; its degrees of freedom never.
+    /// A white record of 41 averages is taken for phase noise one time of ten. It never gets the degrees of freedom of
+    /// one.
     #[test]
     fn few_averages_do_not_make_degrees_of_freedom() {
         let white = white(200 * 5_000);

@@ -34,7 +34,8 @@ pub enum AllanWarning {
     WarmUp { size: f64, tau_s: f64 },
     /// Another number of Gauss–Markov terms fits about as well.
     MemoryOrFlicker { markovs: usize, others: usize, worse: f64 },
-    /// A memory and white noise behind a low-pass explain the record: N of the other reading, unit·√s.
+    /// A Gauss–Markov term and white noise behind a low-pass explain the record alike. `n` belongs to the other
+    /// reading, unit·√s.
     MemoryOrFilter { tau_s: f64, n: f64 },
     /// A drift and a random walk fit about as well.
     DriftOrWalk { has_drift: bool, worse: f64 },

@@ -6,13 +6,13 @@ use std::time::Duration;
 
 /// A source of data-ready edges.
 pub trait Edges {
-    /// The newest edge not handed out yet, or else the next; `None` if none comes within so many ns.
+    /// The newest edge not handed out yet, or else the next; `None` if none comes within this time, ns.
     fn next(&mut self, timeout_ns: u64) -> Result<Option<Edge>>;
 
     /// The time in words, for messages.
     fn now(&self) -> String;
 
-    /// Lets so many ns pass.
+    /// Waits for this time, ns.
     fn pause(&mut self, ns: u64) {
         std::thread::sleep(Duration::from_nanos(ns));
     }

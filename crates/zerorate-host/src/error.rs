@@ -19,7 +19,7 @@ pub struct DeviceError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Cause {
-    /// The request makes no sense at this device.
+    /// The device does not support the request.
     Request,
     /// The device is not there.
     Missing,

@@ -86,7 +86,7 @@ impl Edges for GpioEdges {
     }
 }
 
-/// A line that drives the self-test pins, inactive at first; the kernel lets it go when the program ends.
+/// A line that drives the self-test pins, inactive at first. The kernel releases it when the program ends.
 pub struct GpioOutput {
     request: Request,
     line: u32,

@@ -215,8 +215,8 @@ impl Hub {
         lock(&self.subscribers).push(subscriber);
     }
 
-    /// Begins to read samples. A batch ends with the first sample so many ns after the very first, for each of
-    /// `marks_ns` in ascending order, so that what it states (the truth) is of that sample.
+    /// Begins to read samples. A batch ends at the first sample after each of `marks_ns`: times since the very first
+    /// sample, in ascending order. The truth of the batch then belongs to that sample.
     ///
     /// # Errors
     /// Returns an error if the thread has ended.
@@ -291,7 +291,7 @@ struct BatchBuilder {
 }
 
 impl BatchBuilder {
-    /// Part time of a batch at most, ns; none where nothing passes while nobody reads.
+    /// Longest part time of a batch, ns; `None` if time stands still while nobody reads.
     fn longest_ns(&self) -> Option<u64> {
         self.clock.as_ref().map_or(Some(LIVE_BATCH.as_nanos() as u64), |clock| clock.part_ns(LIVE_BATCH))
     }
@@ -394,7 +394,7 @@ impl Worker {
     }
 }
 
-/// Waits until there is room, or the hub is gone; false if nobody will take it.
+/// Waits until there is room. Returns false if the reader or the hub is gone.
 fn wait_for_room(queue: &SyncSender<BatchResult>, given: BatchResult, ended: &Stop) -> bool {
     let mut given = given;
     loop {

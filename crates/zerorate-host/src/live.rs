@@ -107,7 +107,7 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         Ok(tested)
     }
 
-    /// Reads a register so many times.
+    /// Reads a register this many times.
     pub fn read_often(&mut self, times: u32) -> Result<()> {
         for _ in 0..times {
             self.part.adc_status()?;

@@ -65,7 +65,7 @@ pub(crate) trait Clock {
     /// Time since an arbitrary moment.
     fn now(&self) -> Duration;
 
-    /// Lets so much time pass.
+    /// Waits for this time.
     fn sleep(&self, time: Duration);
 }
 
@@ -110,7 +110,7 @@ impl<C: Clock> WallClock<C> {
         Self { clock, speed, bits, started: None, due_ns: 0 }
     }
 
-    /// Part time that passes in so much wall time, ns; none where nothing holds it.
+    /// Part time that passes in this wall time, ns; `None` if its speed is not limited.
     pub fn part_ns(&self, wall: Duration) -> Option<u64> {
         let factor = self.speed.factor();
         (factor > 0.0).then_some((wall.as_nanos() as f64 * factor) as u64)

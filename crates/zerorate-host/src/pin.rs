@@ -31,7 +31,7 @@ impl Error for PinError {
     }
 }
 
-/// RDY as a level: low, as for a falling edge, when an edge has come that nobody has looked at.
+/// RDY as a level. It is low, as after a falling edge, if an edge has come that was not read yet.
 pub struct Ready<'a, E> {
     pub edges: &'a RefCell<&'a mut E>,
     pub stop: &'a Stop,

@@ -65,20 +65,20 @@ pub trait Source {
     /// The next sample; `None` at the end of a recording.
     fn next(&mut self) -> Result<Option<Row>>;
 
-    /// Tries the bus, if there is one. To be called before the first sample; leaves the part configured.
+    /// Tests the bus, if there is one, and leaves the part configured. Call it before the first sample.
     fn try_bus(&mut self) -> Result<Option<Bus>> {
         Ok(None)
     }
 
     /// The registers of the part, if it has some and we can read them; for several parts, the registers of the first.
-    /// To be called before the first sample.
+    /// Call it before the first sample.
     fn registers(&mut self) -> Result<Option<Registers>> {
         Ok(None)
     }
 
     /// Measures the change of the rate under self-test (F-11). `gpio` is the line of its pins, if this host has one.
-    /// To be called before the first sample. Errors call settings by `names`.
-    fn self_test(&mut self, gpio: &str, names: SettingNames) -> Result<SelfTest> {
+    /// Call it before the first sample. Errors call settings by `names`.
+    fn self_test(&mut self, gpio: &str, names: Names) -> Result<SelfTest> {
         let _ = gpio;
         let option = names(Setting::SelfTest);
         Err(UserError::request(format!("{option} needs the part itself: twin:, spi:, bridge: or tcp:")).into())
@@ -189,7 +189,7 @@ pub struct Bus {
 /// Losses between the part and here; the samples' `lost` counts them as well.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Losses {
-    /// Samples that were read, but nobody took in time.
+    /// Samples that were read but not taken in time.
     pub overflowed: u64,
     /// Frames of a bridge that arrived damaged.
     pub damaged: u64,

@@ -114,7 +114,7 @@ impl Address for TwinAddress {
     }
 }
 
-/// A part with so many of an ADIS16130's axes, in codes of this width.
+/// A part with several axes of an ADIS16130, in codes of this width.
 fn several(axes: usize, width: Width) -> Part {
     let in_width = |scale: Scale| scale.without_low_bits(width.dropped_bits() as u8);
     let one = &Part::ADIS16130.axes[0];
@@ -256,7 +256,7 @@ struct TwinEdges {
     twin: Twin,
     /// The driver is told of rising edges.
     rising: bool,
-    /// The counter gives an edge for so many of the part.
+    /// Number of edges of the part for one edge of the counter.
     divided: u32,
     /// Edges that it has given.
     counted: u32,

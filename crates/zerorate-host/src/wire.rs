@@ -40,7 +40,7 @@ impl Wire {
         }
     }
 
-    /// At a serial port, which nobody else may open meanwhile.
+    /// Opens a serial port exclusively.
     fn serial(path: &str, baud: u32) -> io::Result<Self> {
         let mut serial = SerialPort::open(path, baud)?;
         #[cfg(unix)]

@@ -38,8 +38,8 @@ pub struct Acquisition {
 }
 
 impl Acquisition {
-    /// Opens the device. It is read until its end, or until `stop` is asked. `on_warning` hears what the device has to
-    /// say.
+    /// Opens the device. It is read until its end, or until `stop` is asked. `on_warning` receives the warnings of
+    /// the device.
     ///
     /// # Errors
     /// Returns an error if the device cannot be opened.
@@ -101,24 +101,24 @@ impl Acquisition {
         }
     }
 
-    /// Resets the part, initialises it, and reads everything back. Returns the revision, where there is one.
+    /// Resets the part, initialises it, and reads everything back. Returns the revision if the part has one.
     pub fn initialise(&self) -> Result<Option<u8>> {
         Ok(self.hub.with(|source| source.initialise())?)
     }
 
-    /// Tries the bus, if there is one. To be called before the first sample; leaves the part configured.
+    /// Tests the bus, if there is one, and leaves the part configured. Call it before the first sample.
     pub fn try_bus(&self) -> Result<Option<Bus>> {
         Ok(self.hub.with(|source| source.try_bus())?)
     }
 
-    /// Measures the change of the rate under self-test (F-11). To be called before the first sample. Errors call
+    /// Measures the change of the rate under self-test (F-11). Call it before the first sample. Errors call
     /// settings by `names`.
     pub fn self_test(&self, gpio: &str, names: SettingNames) -> Result<SelfTest> {
         let gpio = gpio.to_owned();
         Ok(self.hub.with(move |source| source.self_test(&gpio, names))?)
     }
 
-    /// Asks for the twin's truth at the first sample so many ns after the very first.
+    /// Asks for the twin's truth at the first sample this time after the very first, ns.
     pub fn mark(&mut self, after_ns: u64) {
         self.marks_ns.push(after_ns);
     }

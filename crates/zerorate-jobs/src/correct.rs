@@ -51,8 +51,8 @@ impl<'a> Job<'a> {
         self.reader.info()
     }
 
-    /// Writes the corrected capture in this form; its number of rows. `warn` hears what is found, and `stop` ends it.
-    /// Corrects the capture. Messages call settings by `names`.
+    /// Writes the corrected capture in this form, and returns its number of rows. `warn` receives warnings, and `stop`
+    /// ends it. Messages call settings by `names`.
     ///
     /// # Errors
     /// Returns an error if the capture is damaged, if it holds no temperature, or if the file cannot be written.

@@ -16,7 +16,7 @@ impl Refused {
     }
 }
 
-/// The options make no sense together, or with what is measured.
+/// The options contradict each other, or do not fit what is measured.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct InvalidOptions(pub String);

@@ -16,7 +16,7 @@ pub struct ImuNoiseOptions {
     pub temperature: Option<String>,
     /// The options of the analysis of each axis.
     pub analysis: AnalysisOptions,
-    /// The consumer of a noise file; none: no file.
+    /// The consumer of the noise file; `None` for no file.
     pub format: Option<Format>,
 }
 

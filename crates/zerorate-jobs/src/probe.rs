@@ -75,8 +75,8 @@ struct Before {
     self_test: Option<SelfTest>,
 }
 
-/// Resets the part, initialises it and reads samples for so long; with `gpio` it tries the self-test on that line.
-/// `see` hears how many s are read, with every 4096th sample. Messages call settings by `names`.
+/// Resets the part, initialises it and reads samples for `duration`. With `gpio` it tries the self-test on that line.
+/// Calls `see` with the seconds read, every 4096 samples. Messages call settings by `names`.
 ///
 /// # Errors
 /// Returns an error if the part cannot be read, or if the probe is interrupted.

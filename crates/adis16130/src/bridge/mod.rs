@@ -125,14 +125,14 @@ pub enum Command<'a> {
     },
     /// Stop sampling, and release the self-test pin.
     Stop,
-    /// Sets how the next [`Command::Start`] configures the part, and how the part is wired. Ends sampling.
+    /// Set how the next [`Command::Start`] configures the part, and how the part is wired. Ends sampling.
     Configure(Settings),
     /// Make the self-test pins active, or release them (F-11).
     SelfTest {
         /// Whether they are to be active.
         on: bool,
     },
-    /// States that the bridge hears a counter which divides RDY, from the next [`Command::Start`] on.
+    /// State that a counter divides RDY before the bridge, from the next [`Command::Start`] on.
     /// [`Command::Configure`] takes it back. Ends sampling. Answered by [`Answer::Configured`].
     Divided {
         /// As [`SamplerConfig::divided`](crate::SamplerConfig::divided).
@@ -212,7 +212,7 @@ pub enum Refusal {
     Part,
     /// A transfer of more than [`MAX_TRANSFER`] bytes.
     TooLong,
-    /// The bridge has no such wire: no self-test pin, or no way to hear the other edge of RDY.
+    /// The bridge has no such wire: no self-test pin, or no way to detect the other edge of RDY.
     NoSuchWire,
 }
 

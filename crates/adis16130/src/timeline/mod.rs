@@ -97,7 +97,7 @@ pub(crate) struct Timeline {
     kind: EdgeKind,
     /// Time from the newest tick to the edge before.
     since_tick: i64,
-    /// Ticks since the one that the sample before goes by.
+    /// Ticks since the tick of the sample before.
     ticks: i32,
     last: Option<Edge>,
     gear: u32,
@@ -273,7 +273,8 @@ impl Timeline {
         learned
     }
 
-    /// Learns anew if the edges do not lie on the grid. If that does not help, the nominal period holds for a while.
+    /// Learns the grid anew if the edges do not lie on it. If that does not help, the nominal period holds for a
+    /// while.
     #[cold]
     fn hold(&mut self, lost: bool) {
         self.grip = self.grip.after(lost);

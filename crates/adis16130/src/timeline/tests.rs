@@ -20,7 +20,7 @@ struct Bench {
 }
 
 impl Bench {
-    /// A clock that is slow by so many millionths.
+    /// A clock that is slow by this many millionths.
     fn new(ppm: f64) -> Self {
         let timeline = Timeline::new(EdgeGrid::new((527, 527), 6_000_000, Pattern::Steady));
         Self { timeline, seq: 0, t_ns: 1e9, period_ns: PERIOD_NS * (1.0 + ppm * 1e-6) }

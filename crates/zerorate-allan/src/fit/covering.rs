@@ -67,8 +67,8 @@ pub struct Covering {
 impl Fit {
     /// The N and K with which N²/τ + K²τ/3 covers the Allan variance of the noise from 1 s to `horizon_s`, with the
     /// least mean excess of its logarithm. The variance is the model's without lines, drift and warm-up, or the
-    /// measured one where that lies outside the 95 % band of the model. Unless it is given, the horizon is a third of
-    /// the record and at most that of the usage. None where there is no point between.
+    /// measured one where that lies outside the 95 % band of the model. The default horizon is a third of the
+    /// record, and at most the horizon of the usage. `None` if no averaging time lies between.
     ///
     /// docs/imu.md shows how sure a reader with these numbers is, and with those that are fitted.
     #[must_use]

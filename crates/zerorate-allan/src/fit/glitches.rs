@@ -21,10 +21,10 @@ const CLIP: f64 = 4.0;
 const CLIPPED: f64 = 0.99946;
 const ITERATIONS: usize = 20;
 /// Windows without gaps, with few missing samples, with more; and the fewest windows that have a scale of their own.
-/// Fewer have that of samples that are not correlated.
+/// Fewer windows get the scale of uncorrelated samples.
 const CLASSES: usize = 3;
 const FEWEST_IN_CLASS: usize = 100;
-/// The variance of such a window is at most this many times that of a sample.
+/// Variance of a window of uncorrelated samples over the variance of a sample, at most.
 const NOT_CORRELATED: f64 = 1.5;
 /// A longer record is scaled by parts of it, about this many windows.
 const SCALED_BY: usize = 1 << 18;
@@ -34,14 +34,14 @@ const SIGMA_PER_MAD: f64 = 1.4826;
 
 /// Windows beyond this share of the limit show whether the tail of the noise goes on there.
 const TAIL: f64 = 0.75;
-/// Share of the windows beyond the limit from which they matter to N: fewer are cut as glitches, whatever they are.
+/// Windows beyond the limit are cut as glitches below this share of all windows. More would matter to N.
 const OFTEN: f64 = 1e-4;
 /// Share of the records of normal noise whose tail seems to go on.
 const HEAVY_BY_CHANCE: f64 = 1e-3;
 /// Share of the records of a heavy tail in which a gap within the tail is taken for one that isolates glitches.
 const GAP_BY_CHANCE: f64 = 0.05;
 
-/// Size of a sample, in usual ones, from which it is damage whatever the noise is.
+/// A sample this many times as large as usual is damaged, with any noise.
 const ABSURD: f64 = 1e9;
 
 /// Windows that are looked at together.
@@ -51,12 +51,12 @@ const PIECE: usize = 1 << 14;
 /// many.
 ///
 /// The mean of w samples is compared with the means of the w before and the w after. That is linear, so the rate of
-/// false alarms holds for noise with a memory as well: a median against its window gave 270 times as many. The
+/// false alarms holds for correlated noise as well: a median against its window gave 270 times as many. The
 /// narrowest width comes first, and finds are replaced before the next look. Otherwise one sample would take eight
 /// with it, and hide the one beside it.
 ///
 /// Missing samples are closed up for this: lines in their place would scatter less than noise does. Where the noise
-/// has a memory, the samples beside a gap differ by more, so windows with gaps have scales of their own.
+/// is correlated, the samples beside a gap differ by more, so windows with gaps have scales of their own.
 ///
 /// Noise with a heavy tail has windows at every size up to the limit and beyond. There only what a gap isolates is a
 /// glitch. To cut such a tail at the limit lowered N of Student's t with 3 degrees of freedom by a tenth.

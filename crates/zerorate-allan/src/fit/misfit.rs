@@ -12,13 +12,13 @@ use alloc::vec::Vec;
 const TOGETHER: usize = 8;
 /// A steady excess in a band of fewer octaves is a resonance.
 const NARROW: f64 = 2.0;
-/// A band that goes on to this share of the upper end is that of a filter.
+/// A band that reaches this share of the upper end belongs to a filter.
 const TO_THE_END: f64 = 0.9;
-/// The share of samples that repeat the one before, from which the codes are coarse.
+/// Codes are coarse if this share of the samples or more repeats the sample before.
 const REPEATED: f64 = 0.5;
-/// The standard deviation of the power from one eighth of the record to the next, as a share, from which it moves.
+/// The sensor moves if the power of the eighths of a record has this relative standard deviation or more.
 const MOVES: f64 = 0.3;
-/// Share of the records whose curve is off though chance explains it.
+/// Share of the records whose curve is rejected although chance explains it.
 const OFF_BY_CHANCE: f64 = 1e-3;
 
 /// The part of the curve that is off the model by more than [`MOST_ERROR`] and chance.
@@ -52,7 +52,7 @@ impl OffCurve {
         libm::fabs(self.ratio - 1.0)
     }
 
-    /// An average hears about an octave of frequencies.
+    /// The band of an average, about an octave of frequencies.
     fn band(self) -> (f64, f64, f64) {
         (0.25 / self.tau_s, 0.5 / self.tau_s, self.ratio * self.ratio)
     }

@@ -102,7 +102,7 @@ pub struct Estimate {
 /// A term that a record has beside N, B, K, Q and R.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Term {
-    /// Noise with a memory: a Gauss–Markov process of first order.
+    /// Correlated noise: a Gauss–Markov process of first order.
     GaussMarkov {
         /// Standard deviation, in the unit of the rate.
         sigma: Estimate,
@@ -176,12 +176,12 @@ pub struct Fit {
     pub terms: Vec<Term>,
     /// The Allan variance that the terms predict.
     pub model: Model,
-    /// ε: the spectrum scatters about the model as if the model were wrong by this share. 0 where chance explains all
-    /// of it. Where the curve is off the model by more than chance, it is that share if it is larger.
+    /// Model error ε: the spectrum scatters about the model as if the model were wrong by this share. 0 if chance
+    /// explains the scatter. The error of the curve beyond chance counts instead if it is larger.
     pub model_error: f64,
     /// Probability of a scatter larger than the measured one, ε included.
     pub p_value: f64,
-    /// The model is wrong by more than [`MOST_ERROR`]: nothing is identified.
+    /// Whether the model is wrong by more than [`MOST_ERROR`]. Nothing is identified then.
     pub is_rejected: bool,
     /// The place and the cause of the misfit, if the model is rejected.
     pub misfit: Option<Misfit>,
@@ -189,11 +189,11 @@ pub struct Fit {
     /// for a pool.
     pub curve: Vec<Deviation>,
     /// The frequency up to which the model holds, Hz. Above it the sensor's filter shapes the noise, and the Allan
-    /// variance is that of the measured spectrum.
+    /// variance is computed from the measured spectrum.
     pub max_freq_hz: f64,
     /// Shortest and longest averaging time that the model covers, s.
     pub span_s: (f64, f64),
-    /// The glitches and steps that were taken out before.
+    /// The glitches and steps that were taken out before the fit.
     pub cleaned: Cleaned,
     /// The warnings about this record.
     pub warnings: Vec<AllanWarning>,
@@ -202,11 +202,11 @@ pub struct Fit {
 /// The prediction of a model for one averaging time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Expected {
-    /// The fitted deviation; in a record with gaps that of averages over the samples that are there.
+    /// The fitted deviation. In a record with gaps, averages run over the samples that exist.
     pub dev: f64,
     /// Lower end of the band in which the model expects 95 % of the measured deviations.
     pub lo: f64,
-    /// Upper end of it.
+    /// Upper end of that band.
     pub hi: f64,
 }
 

@@ -66,8 +66,8 @@ impl MeasuredSpectrum {
         Some(from + (to - from) * (f_hz - from_hz) / (to_hz - from_hz))
     }
 
-    /// Lags of the shaped noise: until a shape that ends at `top_hz`, or the memory of its low-pass in samples, is
-    /// forgotten.
+    /// Lags of the shaped noise: until the response of a shape that ends at `top_hz`, or of its low-pass, has died
+    /// away. `memory` is the time constant of the low-pass in samples.
     fn lags(&self, memory: f64) -> usize {
         let fineness = self.rate_hz / 2.0 / self.top_hz;
         let octaves = libm::ceil(libm::log2(fineness.max(MEMORIES / LAGS as f64 * memory)) - 1e-3);
@@ -275,7 +275,7 @@ impl Model {
         (0..=last).step_by(step as usize).map(at).collect()
     }
 
-    /// Limits of another deviation than the overlapping one, by its own degrees of freedom.
+    /// The band of a deviation that is not the overlapping one, from its own degrees of freedom.
     pub(super) fn band_of(&self, m: u64, edf: f64) -> (f64, f64) {
         let dev = libm::sqrt(self.measured_variance(m));
         let (lo, hi) = interval(dev, edf, 0.95);

@@ -18,15 +18,15 @@ pub struct Motion {
 /// The reaction of several axes at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MotionKind {
-    /// Their level jumps and stays: something tilted.
+    /// The levels of the axes jump and stay: something tilted.
     Jump,
-    /// They have a glitch: a knock, or one sample of all axes that was damaged on its way.
+    /// The axes have a glitch: a knock, or one damaged sample of all axes.
     Knock,
 }
 
 /// Jumps this near to each other are one. The time of a jump is certain to some tenths of a second at best.
 const JUMP_TOGETHER_S: f64 = 1.0;
-/// Glitches this near to each other are one, or this many samples if these take longer.
+/// Glitches within this time are one. At low rates the time is this many samples.
 const KNOCK_TOGETHER_S: f64 = 0.05;
 const KNOCK_TOGETHER_SAMPLES: f64 = 2.0;
 /// Glitches that fall together by chance with more than this probability do not count as motion.

@@ -31,7 +31,7 @@ const LEAST_MORE: f64 = 1.0;
 const LEAST_GAIN: f64 = 10.0;
 /// The share of the white noise at the period, beyond which a random walk has nothing to do with it.
 const MOST_WHITE: f64 = 0.5;
-/// Share of K² from which the noise without a period is sought as well: −2 ln L has a second minimum there.
+/// A second search for the noise without a period starts at this share of K², where −2 ln L has another minimum.
 const LESS: f64 = 0.03;
 /// Looks at all frequencies, each under the noise that the last one leaves.
 const LOOKS: usize = 3;
@@ -44,7 +44,7 @@ pub(super) fn period(chosen: &Selection) -> Option<Period> {
     best.filter(|period| period.gain > LEAST_GAIN)
 }
 
-/// The best period of so many sines.
+/// The best period with this number of sines.
 fn with(Selection { problem, found, .. }: &Selection, harmonics: usize) -> Option<Period> {
     let table = &problem.table;
     let mut now = None;

@@ -8,7 +8,7 @@ use super::select::DESCENT;
 use crate::linear::Square;
 use alloc::vec::Vec;
 
-/// How near to an end it is found, steps until it is, and doublings until it is enclosed.
+/// Precision of an end of the interval, most steps to find it, and most doublings to enclose it.
 const NEAR: f64 = 2e-3;
 const STEPS: usize = 16;
 const DOUBLINGS: usize = 40;
@@ -34,8 +34,8 @@ pub(super) struct Profile<'a> {
 }
 
 impl<'a> Profile<'a> {
-    /// The profile of a squared coefficient. Its own estimate may be below zero. Those of the others may not, or
-    /// absent B and K would trade with a Gauss–Markov term.
+    /// The profile of a squared coefficient. Its own estimate may be below zero. The estimates of the others may
+    /// not, or absent B and K would trade with a Gauss–Markov term.
     pub(super) fn of_square(problem: &'a Problem, found: &Optimum, place: usize) -> Self {
         let best = match found.at[place] > 0.0 {
             true => found.clone(),

@@ -1,23 +1,23 @@
-//! Other readings of a spectrum that a filter or a memory bends.
+//! Other readings of a spectrum that a filter or a Gauss–Markov term bends.
 
 use super::scoring::{ModelForm, N2, Optimum, Problem, Reading, SHORTEST};
 use super::select::{DESCENT, LOOK, SURVIVORS, level_near, start, white, with_cosine};
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
-/// Time constants of low-passes of the first order, and of memories, that are tried, in samples.
+/// The time constants that are tried for low-passes of the first order and for Gauss–Markov terms, in samples.
 const LOW_PASSES: [f64; 7] = [2.0, 4.0, 8.0, 16.0, 50.0, 150.0, 450.0];
-const MEMORIES: [f64; 4] = [3.0, 6.0, 12.0, 24.0];
-/// Corners of low-passes of the second order that are tried, from so many periods in the record to half of the upper
-/// end.
+const SHORT_MARKOVS: [f64; 4] = [3.0, 6.0, 12.0, 24.0];
+/// Number of corners that are tried for low-passes of the second order, from this many periods in the record to half
+/// of the upper end.
 const CORNERS: u32 = 12;
 const PERIODS: f64 = 25.0;
 /// Cosines that are tried beside a low-pass.
 const MOST_BESIDE: usize = 2;
-/// The white noise beside a memory of few samples is at least this share of the density somewhere.
+/// The white noise beside a Gauss–Markov term of few samples is at least this share of the density somewhere.
 const LEAST_WHITE: f64 = 0.5;
 
-/// White noise behind a low-pass, where slow noise joins, and a memory of few samples.
+/// Fits white noise behind a low-pass, where slow noise joins, and a Gauss–Markov term of few samples.
 pub(super) fn others(problem: &Problem) -> Vec<Optimum> {
     let joined = [low_pass(problem), corner(problem)].into_iter().flatten();
     let more =
@@ -57,7 +57,7 @@ fn memory(problem: &Problem) -> Option<Optimum> {
         at
     };
     let found =
-        best(problem, ModelForm { markovs: 1, reading: Reading::Short, ..ModelForm::PLAIN }, MEMORIES.map(start));
+        best(problem, ModelForm { markovs: 1, reading: Reading::Short, ..ModelForm::PLAIN }, SHORT_MARKOVS.map(start));
     let is_short = |found: &Optimum| libm::exp(found.at[found.form.markov(0) + 1]) * table.rate_hz < SHORTEST;
     found.filter(|found| is_short(found) && white_share(problem, found) > LEAST_WHITE)
 }

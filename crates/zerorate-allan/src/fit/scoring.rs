@@ -34,7 +34,7 @@ pub(super) struct ModelForm {
 pub(super) enum Reading {
     /// A shape that all noise has.
     Usual,
-    /// A shape of the white noise alone: slow noise joins behind it.
+    /// A shape of the white noise alone. The slow noise is added after the filter.
     Joins,
     /// A Gauss–Markov term of few samples.
     Short,
@@ -111,7 +111,7 @@ const HALVINGS: usize = 12;
 #[derive(Clone, Debug)]
 pub(super) struct Problem {
     pub(super) table: Table,
-    /// Degrees of freedom of each row: those of its bin, less the share that the model error takes.
+    /// Degrees of freedom of each row: of its bin, less the share that the model error takes.
     pub(super) nu: Vec<f64>,
     /// Relative error of the model, ε.
     pub(super) error: f64,

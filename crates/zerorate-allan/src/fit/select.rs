@@ -28,12 +28,12 @@ const MOST_MARKOVS: usize = 2;
 const STARTS: u32 = 18;
 const FIRST_START: f64 = 25.0;
 const LAST_START: f64 = 1.0 / 6.0;
-/// The number of best starts that go on.
+/// The number of best starts from which a descent goes on.
 pub(super) const SURVIVORS: usize = 3;
 /// Time constants of a warm-up that are tried, in records. A shorter one is over before any slow noise can be seen.
 const WARM_UPS: [f64; 5] = [0.03, 0.06, 0.12, 0.25, 0.5];
-/// Steps in which the time constant of a warm-up is refined, to a share of 2^(1/2^STEPS). What one that is a few
-/// percent off leaves of the warm-up would be random walk.
+/// Steps in which the time constant of a warm-up is refined, to a share of 2^(1/2^STEPS). A time constant that is a
+/// few percent off would leave a part of the warm-up that looks like random walk.
 const WARM_UP_STEPS: u32 = 8;
 /// Steps of a first look and of a descent, with the gain at which they end.
 pub(super) const LOOK: (usize, f64) = (8, 1e-2);
@@ -50,7 +50,7 @@ const SKEW: f64 = 2.0;
 const REJECTED_BY_CHANCE: f64 = 1e-4;
 /// Two choices of terms that differ by less in price cannot be told apart.
 pub(super) const CLOSE: f64 = 6.0;
-/// The ratio of two N² from which both are given.
+/// Both N are given if their squares differ by this factor or more.
 const OTHER_N: f64 = 1.5;
 /// A Gauss–Markov term within this factor of a bound is dropped.
 const AT_BOUND: f64 = 1.1;
@@ -66,17 +66,17 @@ pub(super) struct Selection {
     pub(super) other: Option<Other>,
 }
 
-/// Another reading: a memory in place of a low-pass of the white noise, or the other way round.
+/// Another reading: a Gauss–Markov term in place of a low-pass of the white noise, or the other way round.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Other {
-    /// The time constant of memory or low-pass.
+    /// The time constant of the Gauss–Markov term or low-pass.
     pub(super) tau_s: f64,
     /// N in this reading.
     pub(super) n: f64,
 }
 
 impl Other {
-    /// A candidate with an N that differs from that of the chosen one by more than [`OTHER_N`].
+    /// A candidate whose N differs from the chosen N by more than [`OTHER_N`].
     fn of(problem: &Problem, chosen: &Optimum, candidate: &Optimum) -> Option<Self> {
         let (own, n2) = (chosen.at[N2], candidate.at[N2]);
         if own.max(n2) < OTHER_N * own.min(n2) {
@@ -94,7 +94,7 @@ impl Other {
 }
 
 impl Selection {
-    /// Whether the model holds without cosines, which follow any filter for a while.
+    /// Whether the model holds without cosines, which can follow any filter over a part of the spectrum.
     pub(super) fn has_plain_form(&self) -> bool {
         let form = &self.found.form;
         match form.reading {
@@ -103,7 +103,7 @@ impl Selection {
         }
     }
 
-    /// The reading of the model's own memory as a low-pass, or of its slow low-pass as a memory.
+    /// The reading of the model's own Gauss–Markov term as a low-pass, or the other way round.
     fn own_other(&self) -> Option<Other> {
         let (found, n2) = (&self.found, self.found.at[N2]);
         if let (Reading::Joins, [pole]) = (found.form.reading, &found.at[SHAPE + found.form.cosines..]) {
@@ -168,7 +168,7 @@ pub(super) fn select(table: Table, shape_price: f64) -> Option<Selection> {
     best.price.is_finite().then_some(Selection { problem, found: best.found, runner_up, other })
 }
 
-/// Other readings of a whole spectrum that a filter or a memory bends by more than a few cosines can follow.
+/// Other readings of a whole spectrum that bends by more than a few cosines can follow.
 fn other_readings(problem: &Problem, families: &[PricedModel]) -> Vec<Optimum> {
     let is_bent = |found: &Optimum| {
         found.form.markovs > 0

@@ -1,4 +1,4 @@
-//! Sines that last as long as the record. A transform of the record hears such a sine at all frequencies, since it
+//! Sines that last as long as the record. A transform of the record shows such a sine at all frequencies, since it
 //! begins and ends with the record. So a strong one is taken out of the samples before.
 
 use crate::linear::Cholesky;

@@ -16,7 +16,7 @@ const FEWEST_IN_WINDOW: usize = 20;
 const FEWEST_WINDOWS: usize = 10;
 /// The share of the windows that is left out at either end.
 const OUTSIDE: f64 = 0.1;
-/// Ratio of the standard deviations in the windows from which a sensor is not at rest.
+/// A sensor moves if the standard deviations in the windows have this ratio or more.
 const MOVES: f64 = 10.0;
 
 /// The ratio of the standard deviations of the samples in windows of ten seconds, without the tenth of the windows

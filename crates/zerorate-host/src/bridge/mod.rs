@@ -41,7 +41,7 @@ fn open(
     Ok(ConnectedPart::new(BridgeConnection { address: address.clone(), link }, live, facts))
 }
 
-/// The part behind a bridge, which is told to stop in the end.
+/// The part behind a bridge. Sampling stops when it is dropped.
 struct BridgeConnection {
     address: BridgeAddress,
     link: SharedLink,
@@ -135,7 +135,8 @@ fn greet(link: &SharedLink, address: &BridgeAddress, names: Names) -> Result<()>
     Ok(())
 }
 
-/// Tells of a counter in the line of RDY, if there is one: firmware that does not know of any need not understand.
+/// Tells the bridge of a counter in the line of RDY, if there is one. Without one, old firmware need not know the
+/// command.
 fn tell_divided(link: &SharedLink, address: &BridgeAddress, names: Names) -> Result<()> {
     let edges = address.part.divided;
     if edges == 1 {
@@ -278,7 +279,7 @@ impl OutputPin for SelfTestWire {
     }
 }
 
-/// The edges of RDY, as far as the bridge tells of them while it does not sample.
+/// The edges of RDY that the bridge reports while it does not sample.
 struct LastEdges {
     link: SharedLink,
     last: Option<Edge>,

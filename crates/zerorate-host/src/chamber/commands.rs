@@ -56,7 +56,7 @@ struct Limits {
     command: Duration,
     /// The same after a stop, and for the last try of the safe temperature.
     grace: Duration,
-    /// The safe temperature is tried for so long.
+    /// The time for retries of the safe temperature.
     ending: Duration,
 }
 

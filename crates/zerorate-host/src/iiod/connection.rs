@@ -14,16 +14,16 @@ use std::time::{Duration, Instant};
 const LONGEST_LINE: usize = 1024;
 /// A line or a value that began has come by then.
 const LONGEST_LINE_TIME: Duration = Duration::from_secs(10);
-/// A client that asks for nothing for so long is gone.
+/// A client that sends no request for this time is gone.
 const LONGEST_SILENCE: Duration = Duration::from_secs(3600);
-/// A client that takes no data for so long is gone.
+/// A client that takes no data for this time is gone.
 const LONGEST_STALL: Duration = Duration::from_secs(10);
 /// A wish to end is heeded at least this often.
 const POLL: Duration = Duration::from_millis(100);
 /// Batches that wait for a client: 2.5 s of a part that is live.
 pub const QUEUE: usize = 128;
 
-/// Serves a client until it hangs up, or the wish to end.
+/// Serves a client until it hangs up or `stop` is asked.
 ///
 /// # Errors
 /// Returns an error if the client left in the middle of a request or exceeded a limit.
@@ -57,7 +57,7 @@ pub fn serve(stream: &TcpStream, hub: &Hub, device: &Device, stop: &Stop) -> io:
     Ok(())
 }
 
-/// A client's buffer: a watcher of the hub, which is told what it missed.
+/// A client's buffer. It is a watcher of the hub and learns what it missed.
 struct Buffer<'a> {
     watcher: Watcher,
     device: &'a Device,
@@ -80,7 +80,7 @@ impl<'a> Buffer<'a> {
         Self { watcher: hub.watch(QUEUE), device, scanner: device.scanner(), open, bytes: Vec::new(), sent: 0 }
     }
 
-    /// Sends samples as they come, until it is so many bytes, or nothing came in time.
+    /// Sends samples as they come, up to this many bytes, or until none comes in time.
     fn fill(&mut self, peer: &mut Peer<'_>, bytes: usize, patience: Option<Duration>) -> io::Result<()> {
         let mut left = bytes;
         while left > 0 {

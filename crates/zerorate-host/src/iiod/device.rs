@@ -122,7 +122,7 @@ impl Device {
         self.live().trims_dps
     }
 
-    /// Takes rows in. Those that this watcher itself had no room for were read: they count for the rate, and are not
+    /// Takes rows. Rows that this watcher itself had no room for were read: they count for the rate, and are not
     /// lost.
     pub fn take(&self, watched: &WatchedBatch) {
         let live = &mut *self.live();
@@ -138,7 +138,7 @@ impl Device {
         }
     }
 
-    /// Notes that a buffer had no room for so many samples.
+    /// Notes the number of samples that a buffer had no room for.
     pub fn note_missed(&self, missed: u64) {
         let live = &mut *self.live();
         live.missed = live.missed.saturating_add(missed);

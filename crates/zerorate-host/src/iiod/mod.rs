@@ -57,8 +57,8 @@ impl<'a> Server<'a> {
         Self { device: self.device.writable(), ..self }
     }
 
-    /// Serves clients until the wish to end: each in a thread of its own, and none of them is ever waited for. The hub
-    /// is being read, or will be soon.
+    /// Serves clients until `stop` is asked: each in a thread of its own, without ever waiting for one of them. The
+    /// caller reads the hub.
     ///
     /// # Errors
     /// Returns an error if the listener accepts no more connections. It then asks `stop`, so that the error is known

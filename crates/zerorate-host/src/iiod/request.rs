@@ -90,7 +90,7 @@ pub enum Place<'a> {
 }
 
 impl<'a> Request<'a> {
-    /// Understands a line, which may end in any white space.
+    /// Parses a line, which may end in any white space.
     ///
     /// # Errors
     /// Returns an error if the line is malformed, or asks for something that this server does not do.

@@ -47,7 +47,7 @@ impl Scanner {
         self.correcting.as_ref()?.correction_dps(axis)
     }
 
-    /// Takes a row, before which so many were missed; `trims_dps` is added to each corrected rate.
+    /// Takes a row, before which `missed` were missed. `trims_dps` is added to each corrected rate.
     pub fn push(&mut self, row: &Row, missed: u64, trims_dps: &[f64; MAX_AXES]) -> Option<Scan> {
         self.lost = self.lost.saturating_add(missed).saturating_add(row.lost.into());
         self.waiting.push_back((*row, self.lost));

@@ -45,7 +45,7 @@ pub enum Step {
     Take(usize),
     /// Begin to watch the device, then send 0.
     Open(Open),
-    /// Send samples of the open buffer, so many bytes at most.
+    /// Send samples of the open buffer, at most this many bytes.
     Fill(usize),
     /// End watching, then send 0.
     Close,

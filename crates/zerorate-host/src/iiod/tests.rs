@@ -85,7 +85,7 @@ fn values_are_in_the_units_of_the_kernel() {
     assert_eq!(value(&mut session, "READ adis16130 INPUT samples_lost raw"), "1", "by its name as well");
 }
 
-/// The server looks on as clients do. What it was too slow for was read, and is nobody's loss.
+/// The server is a watcher. Samples that it was too slow for were read, and do not count as lost.
 #[test]
 fn samples_that_the_server_missed_are_not_lost() {
     let device = calibrated();

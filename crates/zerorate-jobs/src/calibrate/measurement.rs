@@ -14,15 +14,15 @@ use zerorate::{
 use zerorate_record::{Layout, Row, SampleHash};
 use zerorate_view::Seconds;
 
-/// Looks on while the procedure runs.
+/// Receives the events of a calibration.
 pub trait Watch {
-    /// Sees how far it is, with every 4096th sample (1.4 times a second of part time); false asks it to end.
+    /// Receives the progress, every 4096 samples (1.4 times a second of part time). Returns false to end it.
     fn see(&mut self, progress: &Progress) -> bool;
 
-    /// Sees how far it is from its target, where there is one: what the recording would state if it ended now.
+    /// Receives the uncertainties that the recording would state if it ended now, if there is a target for them.
     fn approach(&mut self, _reached: Reached) {}
 
-    /// Hears what goes wrong on the way, while the measurement goes on.
+    /// Receives a warning while the measurement goes on.
     fn warn(&mut self, warning: JobWarning);
 
     /// The names that the front end uses for the settings.

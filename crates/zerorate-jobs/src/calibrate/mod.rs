@@ -130,7 +130,7 @@ impl Job {
         options.output.is_none() && options.saves && !self.acquisition.facts().info.is_simulated()
     }
 
-    /// Measures. `watch` looks on, and may end it.
+    /// Measures. `watch` receives the events, and may end it.
     ///
     /// # Errors
     /// Returns [`Refused`](crate::Refused) if the samples must not become a calibration. Returns another error if the

@@ -2,7 +2,7 @@
 
 use zerorate::{Method, PartProcedure, Plan, Reached};
 
-/// The target is looked at after multiples of so many s of the recording.
+/// The target is checked after multiples of this time of the recording, s.
 const EVERY_S: f64 = 60.0;
 
 /// When the twin is asked for its truth, ns after the first sample: where the correction may hold from.
@@ -23,7 +23,7 @@ pub struct Target {
 }
 
 impl Target {
-    /// Whether it is time for the next look, at a whole minute, where the twin says its truth.
+    /// Whether the next check is due: at a whole minute, at which the twin states its truth.
     #[inline]
     pub fn is_due(&self, procedure: &PartProcedure) -> bool {
         procedure.progress().elapsed_s >= whole_minutes(Reached::next_look_s(self.looked_s))

@@ -55,7 +55,7 @@ impl FinishedSteps {
         Ok(Some((saved, gap_s)))
     }
 
-    /// Keeps the steps that are over, whole or not at all. The measurement is worth more than the way back to it.
+    /// Saves the finished steps, whole or not at all. A failure is a warning, because the measurement can go on.
     pub fn keep(&mut self, procedure: &ChamberProcedure) -> Option<JobWarning> {
         let slot = self.slot.as_mut()?;
         let (record, steps) = procedure.finished_steps();

@@ -27,18 +27,18 @@ use zerorate_record::CaptureInfo;
 use zerorate_view::SessionWarning;
 use zerorate_view::report::wide_loop;
 
-/// Looks on while a measurement in a chamber runs.
+/// Receives the events of a measurement in a chamber.
 pub trait Watch {
-    /// Sees how far it is, with every 4096th sample.
+    /// Receives the progress, every 4096 samples.
     fn see(&mut self, progress: &ChamberProgress);
 
-    /// Hears that `steps` of `all` steps are finished, which ended `gap_s` before.
+    /// The measurement continues after `steps` of `all` steps, which ended `gap_s` before.
     fn resume(&mut self, steps: usize, all: usize, gap_s: f64);
 
-    /// Hears what is to be set by hand.
+    /// A person has to set this step by hand.
     fn step(&mut self, progress: &ChamberProgress, step: &Step);
 
-    /// Hears what goes wrong on the way, while the measurement goes on.
+    /// Receives a warning while the measurement goes on.
     fn warn(&mut self, warning: JobWarning);
 
     /// Writes the requested page.
@@ -66,7 +66,7 @@ pub struct ChamberOptions {
     pub moves_air: bool,
 }
 
-/// The finished steps that are kept are of another measurement.
+/// The saved steps belong to another measurement.
 #[derive(Debug, thiserror::Error)]
 #[error("{} does not go on with this measurement: {why}", path.display())]
 pub struct UnusableSteps {
@@ -166,7 +166,7 @@ impl Job {
         self.procedure.progress().left_s
     }
 
-    /// Measures. `watch` looks on.
+    /// Measures. `watch` receives the events.
     ///
     /// # Errors
     /// Returns [`Refused`] if the samples must not become a calibration, or another error if the part, the chamber or

@@ -1,25 +1,25 @@
 //! Control of the set point. After any end of a measurement the chamber is set to its safe temperature, and the user
-//! hears whether the chamber confirmed that.
+//! learns whether the chamber confirmed that.
 
 use anyhow::Result;
 use zerorate_host::{Chamber, ChamberSpec, ChamberThread, SafeEnd, Stop};
 
-/// Hears what becomes of the air.
+/// Receives the events of the air in the chamber.
 pub trait AirListener {
-    /// Hears what is true if the program ends from here on.
+    /// Receives the state of the air in which the chamber would be left if the program ended now.
     fn set_pending(&self, air: &AirState);
 
-    /// Hears that a stop was asked, and that the chamber is being set to its safe temperature.
+    /// A stop was requested, and the chamber is being set to its safe temperature.
     fn leaving(&self, air: &AirState);
 
-    /// Hears how a chamber ended; a chamber that is set by hand has no end. None if there is nothing to say.
+    /// Receives the end of a chamber; a chamber that is set by hand has none. `None` if there is nothing to say.
     fn settle(&self, air: Option<(&AirState, Option<&SafeEnd>)>);
 }
 
-/// The known facts about the air.
+/// The state of the air as far as it is known.
 #[derive(Clone, Debug)]
 pub struct AirState {
-    /// Somebody sets the chamber by hand.
+    /// Whether a person sets the chamber by hand.
     pub by_hand: bool,
     /// The safe temperature, °C.
     pub safe_c: f64,
@@ -31,7 +31,7 @@ pub struct AirState {
 pub(super) enum Control {
     /// A recording has decided that already.
     Recording,
-    /// Somebody at the knobs, who hears of each step.
+    /// A person sets the temperature, and is told each step.
     Hand,
     /// A chamber.
     Chamber(Box<dyn Chamber>),
@@ -106,7 +106,7 @@ impl SetPointControl {
         Ok(())
     }
 
-    /// Sets the safe temperature, once, and settles what the user hears last.
+    /// Sets the safe temperature once, and decides the last message to the user.
     pub(super) fn leave(&mut self) {
         if std::mem::replace(&mut self.is_left, true) {
             return;

@@ -129,7 +129,7 @@ pub fn lock(file: &File) -> io::Result<()> {
     }
 }
 
-/// There, the lock would keep readers out too.
+/// Does nothing on other systems, where a lock would keep readers out too.
 #[cfg(not(unix))]
 pub fn lock(_: &File) -> io::Result<()> {
     Ok(())

@@ -134,8 +134,8 @@ impl Outputs {
         Recording::new(path, place)
     }
 
-    /// Claims a file that the run writes again and again. What an earlier run left there is taken up, so that it may
-    /// exist.
+    /// Claims a file that the run writes again and again. The file may exist: the run continues from the content of an
+    /// earlier run.
     ///
     /// # Errors
     /// Returns the errors of [`Outputs::derived`].

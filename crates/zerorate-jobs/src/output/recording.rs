@@ -1,5 +1,5 @@
 //! A file that is recorded into: under its final name from the start, onto the disk once a second, by one writer. A
-//! thread looks whether it is still there.
+//! thread checks that it still exists.
 
 use super::OutputError;
 use super::disk::{claim, lock, open_to_lock, sync_folder};
@@ -15,10 +15,10 @@ use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// Time between two looks at the file.
+/// Time between two checks of the file.
 const LOOK_EVERY: Duration = Duration::from_millis(250);
 
-/// Looks between two requests to put the file onto the disk: one request a second.
+/// Checks between two requests to put the file onto the disk: one request a second.
 const LOOKS_PER_SYNC: u32 = 4;
 
 /// A file to record into. It is locked until it and its clones are closed, so that no other run records into it.
@@ -115,8 +115,8 @@ impl Write for CountingWriter {
     }
 }
 
-/// A file that is looked at while it is recorded into. It is open for appending: after it was cut short, it stays
-/// shorter than what was written.
+/// A file that is checked while it is recorded into. It is open for appending: once cut short, it stays shorter than
+/// what was written.
 #[derive(Debug)]
 struct RecordedFile {
     /// The name that the file has.

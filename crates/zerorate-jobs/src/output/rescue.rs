@@ -7,7 +7,7 @@ use std::ffi::OsStr;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Characters that make its name one of its own.
+/// Random characters that make the name unique.
 const RANDOM: usize = 6;
 
 /// Writes `content` beside the first of `wanted` where that is possible, or else to the folder for temporary files,

@@ -31,8 +31,8 @@ pub struct Temporary {
 }
 
 impl Temporary {
-    /// In `folder`, to be kept under another name, with the permissions of any new file, and open for appending. Its
-    /// name has so many `random` characters between `start` and `end`.
+    /// A file in `folder` that will be kept under another name. It has the permissions of any new file, and is open
+    /// for appending. Its name has `random` random characters between `start` and `end`.
     pub fn for_keeps(folder: &Path, start: &str, end: &str, random: usize) -> io::Result<Self> {
         let mut builder = Builder::new();
         builder.prefix(start).suffix(end).rand_bytes(random).append(true);

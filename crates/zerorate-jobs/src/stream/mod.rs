@@ -13,7 +13,7 @@ use zerorate::health::{Flags, Judged};
 use zerorate::{Axis, Calibration, CodeSum, Correction, Corrector};
 use zerorate_record::valid;
 
-/// Takes the rows of a stream, and hears what goes on.
+/// Receives the rows and the events of a stream.
 pub trait Listener {
     /// Takes a row. An error ends the stream.
     fn row(&mut self, row: &StreamRow) -> Result<()>;
@@ -21,13 +21,13 @@ pub trait Listener {
     /// Called after the last row.
     fn end(&mut self) -> Result<()>;
 
-    /// Hears a warning.
+    /// Receives a warning.
     fn warn(&mut self, warning: JobWarning);
 
-    /// Hears that the state, which could not be written to this file for a while, is in it again.
+    /// The state could not be written to this file for a while, and is written again.
     fn kept_again(&mut self, state: &Path);
 
-    /// Hears at the end what was learned of each axis.
+    /// Receives the learned state of each axis, at the end.
     fn learned(&mut self, learned: &LearnedAxis<'_>);
 }
 
@@ -60,7 +60,7 @@ pub struct TrackedRow {
 /// The rows of a stream.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StreamOptions {
-    /// Each row is the mean of so many ns; none: a row for each sample.
+    /// The time over which each row is the mean, ns; `None` gives a row for each sample.
     pub period_ns: Option<u64>,
     /// The duration of the stream.
     pub duration_ns: Option<u64>,

@@ -26,7 +26,7 @@ pub struct TrackOptions {
     pub power_up_dps: f64,
 }
 
-/// A state that cannot be taken up: it must be deleted, or another be named.
+/// A saved state that cannot be used. The user deletes it, or names another file.
 #[derive(Debug, thiserror::Error)]
 #[error("{0:#}")]
 pub struct UnusableState(pub anyhow::Error);
@@ -82,7 +82,7 @@ struct Store {
 }
 
 impl Tracking {
-    /// Begins to track the part that `facts` tell of, from the state that is there or else from its calibration.
+    /// Begins to track the part of `facts`, from the saved state if there is one, or else from its calibration.
     ///
     /// # Errors
     /// Returns [`UnusableState`], or an error if the noise of an axis is unknown, or if the state cannot be read or
@@ -236,7 +236,7 @@ impl Tracking {
         }
     }
 
-    /// The rows are worth more than the state: a disk may have room again within the next minute.
+    /// A failure does not end the stream: the disk may have room again within the next minute.
     fn save_or_warn(&mut self, after_s: u64, listener: &mut dyn Listener) {
         let saved = self.save(after_s);
         let Some(store) = &mut self.store else { return };

@@ -86,7 +86,7 @@ impl<'a> Level<'a> {
         self.rate_hz / self.step as f64
     }
 
-    /// The share of the density at a frequency of the samples that a mean hears.
+    /// The share of the density at a frequency of the samples that passes a mean.
     pub(super) fn gain(&self, f_hz: f64) -> f64 {
         if let Some(Gaps { gain, .. }) = &self.gaps {
             return at(gain, f_hz / self.rate_hz * 2.0 * (gain.len() - 1) as f64);

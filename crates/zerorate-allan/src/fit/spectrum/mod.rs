@@ -33,7 +33,7 @@ pub(super) struct Spectrum {
     pub(super) samples: usize,
     /// The lines that were sines. They left the samples as well.
     sines: Vec<Sine>,
-    /// Whether it is not one transform.
+    /// Whether the spectrum has more than one transform.
     pub(super) has_levels: bool,
 }
 
@@ -42,8 +42,8 @@ const LONGEST: usize = 1 << 20;
 /// The last level has this share of its values, or fewer values than this.
 const NEARLY_COMPLETE: f64 = 0.99;
 const FEW: usize = 256;
-/// Segments are used from this share of their length on, and from this coefficient on. Below, they hear the jumps at
-/// their ends.
+/// Segments are used from this share of their length on, and from this coefficient on. Below, the jumps at their ends
+/// disturb them.
 const USED_FROM: usize = 128;
 const FIRST: usize = 4;
 /// Rounds of the search for sines: a strong one hides weak ones.
@@ -205,7 +205,8 @@ impl Level<'_> {
         values < FEW || values <= LONGEST && self.present > NEARLY_COMPLETE
     }
 
-    /// Values in a mean of the next level: its band reaches well above the frequency from which segments are used.
+    /// Values in a mean of the next level. The band of that level reaches well above the first frequency of the
+    /// segments.
     fn next(&self) -> usize {
         (segments::length(self.values.len()) / (USED_FROM / FIRST)).clamp(2, NEXT)
     }

@@ -28,7 +28,7 @@ const WANDER: usize = 512;
 pub(super) struct Power {
     /// The mean squares, over the share of the power that gaps leave where it is.
     pub(super) raw: Vec<f64>,
-    /// The same without what gaps add: unbiased, whatever the colour of the noise.
+    /// The same without what gaps add. It is unbiased for noise of any colour.
     pub(super) fair: Vec<f64>,
     /// Segments.
     pub(super) count: f64,

@@ -34,7 +34,7 @@ fn resonant(x: &[f64], hz: f64, q: f64) -> Vec<f64> {
     x.iter().map(|x| next(*x)).collect()
 }
 
-/// A low-pass of the first order with a time constant of so many samples.
+/// A low-pass of the first order with a time constant in samples.
 fn slow_pass(x: &[f64], samples: f64) -> Vec<f64> {
     let keep = (-1.0 / samples).exp();
     x.iter()
@@ -76,7 +76,7 @@ fn white_noise_behind_a_filter_is_not_rejected() {
     assert!(inside * 10 >= all * 9, "{inside} of {all}");
 }
 
-/// A quarter of the samples of noise with a memory of three samples, lost one by one and in bursts.
+/// Noise correlated over three samples, of which a quarter is lost one by one and in bursts.
 #[test]
 fn gaps_of_any_length_leave_n_alone() {
     let mut inside = 0;
@@ -224,7 +224,7 @@ fn a_slow_low_pass_of_the_second_order_leaves_n() {
     assert!(inside >= 4, "{inside} of 6");
 }
 
-/// One sample behind a filter, or within a memory, was said to be enough, since the next one differs so little.
+/// One sample behind a filter, or of correlated noise, was advised as enough, since the next one differs so little.
 #[test]
 fn a_filter_does_not_shorten_the_average_for_the_bias() {
     let averaging_s = |rate: &[f64]| match advice(&of(rate)).unwrap().averaging {
@@ -294,7 +294,7 @@ fn white_noise_that_is_nowhere_seen_is_not_identified() {
     }
 }
 
-/// The density of a memory of five samples is that of a filter: N was twice the truth, and sure.
+/// Noise correlated over five samples has the density of a filter: N was twice the truth, with a narrow interval.
 #[test]
 fn a_memory_of_few_samples_gives_both_n() {
     let tau_s = 5.0 / RATE_HZ;
