@@ -8,8 +8,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyNone, PyTuple, PyType};
 use std::fmt::Display;
 use zerorate_allan::{
-    Analysed, Analysis, AnalysisError, Coefficient, Estimate, Expected, Fit, FitOptions, Gap, Input, Options, Settled,
-    Stat, Taus, Term, deviations as of_input,
+    Analysis, AnalysisError, Coefficient, Estimate, Fit, FitOptions, FittedRecord, Gap, Input, Options, Prediction,
+    Preparation, Stat, Taus, Term, deviations as of_input,
 };
 
 /// The noise model of a record in the core's form, for the files that are made from it.
@@ -95,11 +95,11 @@ pub fn analyse<'py>(
         max_freq_hz,
     });
     let found = py.detach(|| {
-        let analysed = Analysed::new(input, rate_hz, scale, asked, &settled);
+        let analysed = FittedRecord::new(input, rate_hz, scale, asked, &settled);
         Ok((analysed.deviations(&options)?, analysed.into_fit(), settling::frozen(input, rate_hz, name)))
     });
     let (analysis, fit, frozen) = found.map_err(|error: AnalysisError| refused(error))?;
-    let Settled { detrended, follows, skipped_s } = settled;
+    let Preparation { detrended, follows, skipped_s } = settled;
     let result = PyDict::new(py);
     columns(&result, &analysis)?;
     result.set_item("skipped_s", skipped_s)?;
@@ -124,15 +124,15 @@ pub fn analyse<'py>(
 /// nothing for statistics that the model does not cover.
 fn expected(result: &Bound<'_, PyDict>, analysis: &Analysis, fit: &Fit) -> PyResult<()> {
     let py = result.py();
-    let points: Option<Vec<Expected>> = analysis.points.iter().map(|point| fit.expected(analysis, point)).collect();
+    let points: Option<Vec<Prediction>> = analysis.points.iter().map(|point| fit.expected(analysis, point)).collect();
     let Some(points) = points else { return Ok(()) };
     result.set_item("model", PyArray1::from_iter(py, points.iter().map(|point| point.dev)))?;
     result.set_item("model_lo", PyArray1::from_iter(py, points.iter().map(|point| point.lo)))?;
     result.set_item("model_hi", PyArray1::from_iter(py, points.iter().map(|point| point.hi)))?;
     let is_covered = analysis.stat == Stat::Oadev;
-    let predicted: Vec<Option<Expected>> =
+    let predicted: Vec<Option<Prediction>> =
         analysis.points.iter().map(|point| fit.predicted(point.m, analysis.samples).filter(|_| is_covered)).collect();
-    let limits = |of: fn(Expected) -> f64| predicted.iter().map(move |band| band.map_or(f64::NAN, of));
+    let limits = |of: fn(Prediction) -> f64| predicted.iter().map(move |band| band.map_or(f64::NAN, of));
     result.set_item("predicted_lo", PyArray1::from_iter(py, limits(|band| band.lo)))?;
     result.set_item("predicted_hi", PyArray1::from_iter(py, limits(|band| band.hi)))
 }

@@ -8,7 +8,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::Path;
-use zerorate_allan::{AllanWarning, Detrended, Gap, Input, Settled};
+use zerorate_allan::{AllanWarning, DetrendedRate, Gap, Input, Preparation};
 use zerorate_logs::{self as logs, Column, Names, Series};
 
 /// The name of a record in memory, for messages.
@@ -33,7 +33,7 @@ impl Settling<'_> {
         gaps: &[Gap],
         rate_hz: f64,
         scale: f64,
-    ) -> PyResult<(Column, Settled)> {
+    ) -> PyResult<(Column, Preparation)> {
         let series = match record {
             Record::Codes(codes) => Series::Codes(codes.as_slice()?.to_vec()),
             Record::Numbers(numbers) => Series::Numbers(numbers.as_slice()?.to_vec()),
@@ -77,7 +77,7 @@ pub fn text(warning: &AllanWarning) -> String {
 }
 
 /// The polynomial that was subtracted, as a dictionary.
-pub fn dict<'py>(py: Python<'py>, detrended: &Detrended) -> PyResult<Bound<'py, PyDict>> {
+pub fn dict<'py>(py: Python<'py>, detrended: &DetrendedRate) -> PyResult<Bound<'py, PyDict>> {
     let result = PyDict::new(py);
     result.set_item("order", detrended.lost_dof)?;
     result.set_item("coefficients", &detrended.coefficients)?;

@@ -32,7 +32,7 @@ pub struct Follows {
 
 /// A rate without a polynomial over temperature.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Detrended {
+pub struct DetrendedRate {
     /// The rate less the polynomial, about the mean; NaN where it was missing.
     pub residual: Vec<f64>,
     /// Coefficients of (T − [`mean_c`](Self::mean_c)), from the first power on: unit of the rate per °C, °C², …
@@ -104,7 +104,7 @@ pub fn follows_temperature(rates: &[f64], temps: &[f64]) -> Option<Follows> {
 /// # Errors
 /// Returns [`DetrendError`] for an order out of range, series of different lengths or too few samples, or a constant
 /// temperature.
-pub fn detrend(rates: &[f64], temps: &[f64], order: usize) -> Result<Detrended, DetrendError> {
+pub fn detrend(rates: &[f64], temps: &[f64], order: usize) -> Result<DetrendedRate, DetrendError> {
     if !(1..=MOST_ORDER).contains(&order) {
         return Err(DetrendError::Order(order));
     }
@@ -117,7 +117,7 @@ pub fn detrend(rates: &[f64], temps: &[f64], order: usize) -> Result<Detrended, 
     let residual = rates.iter().enumerate().map(|(at, rate)| rate - slow(parts.temp(at) - mean_c) + level).collect();
     let (kept, walk_kept) = kept(&basis);
     let explained = explained(&parts.rates, &basis);
-    Ok(Detrended {
+    Ok(DetrendedRate {
         residual,
         coefficients,
         mean_c,
@@ -129,7 +129,7 @@ pub fn detrend(rates: &[f64], temps: &[f64], order: usize) -> Result<Detrended, 
     })
 }
 
-impl Detrended {
+impl DetrendedRate {
     /// The share of a random walk's Allan variance that is left in averages of `m` samples. The polynomial takes part
     /// of any noise that has most of its power at the same frequencies as the temperature. 1 for short averages.
     #[must_use]
@@ -388,7 +388,7 @@ mod tests {
     fn a_polynomial_is_taken_out_and_what_that_costs_is_known() {
         let temps: Vec<f64> = (0..4000).map(|i| 25.0 + 8.0 * (1.0 - (-f64::from(i) / 1000.0).exp())).collect();
         let rates: Vec<f64> = temps.iter().map(|t| 0.3 + 0.04 * (t - 30.0) + 0.001 * (t - 30.0).powi(2)).collect();
-        let Detrended { residual, coefficients, explained, mean_c, lost_dof, .. } =
+        let DetrendedRate { residual, coefficients, explained, mean_c, lost_dof, .. } =
             detrend(&rates, &temps, 2).unwrap();
         let level = mean(&residual);
         assert!(residual.iter().all(|left| (left - level).abs() < 3e-4), "as far as a part is a straight line");

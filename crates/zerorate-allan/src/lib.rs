@@ -7,8 +7,6 @@ extern crate std;
 
 #[cfg(feature = "std")]
 mod advice;
-#[cfg(feature = "std")]
-mod analysed;
 mod analysis;
 mod chi2;
 mod coefficient;
@@ -22,6 +20,8 @@ pub mod entry;
 mod envelope;
 #[cfg(feature = "std")]
 mod fit;
+#[cfg(feature = "std")]
+mod fitted_record;
 mod input;
 mod interval;
 mod kernel;
@@ -42,22 +42,22 @@ mod welch;
 
 #[cfg(feature = "std")]
 pub use advice::{AN1042_TAUS_S, Advice, Averaging, advice};
-#[cfg(feature = "std")]
-pub use analysed::{Analysed, Settled};
 pub use analysis::{Analysis, AnalysisError, Options, Point, Unavailable, analyse};
 pub use chi2::chi2_quantile;
 pub use coefficient::Coefficient;
 #[cfg(all(feature = "file", feature = "std"))]
 pub use datasheet::{DataSheet, DataSheetError};
-pub use detrend::{DetrendError, Detrended, Follows, MOST_ORDER, detrend, follows_temperature};
+pub use detrend::{DetrendError, DetrendedRate, Follows, MOST_ORDER, detrend, follows_temperature};
 pub use edf::{edf, finite_difference_edf};
 pub use envelope::Envelope;
 #[cfg(feature = "std")]
 pub use fit::{
-    Cleaned, Corner, Covering, Differs, Estimate, Expected, FEWEST_SAMPLES, Fit, FitError, FitOptions, Line,
-    MOST_ERROR, Model, Motion, MotionKind, Outlier, PREDICTS, Pool, PoolError, PoolRecord, Spread, Step, Term, Usage,
-    fit, fit_pool, motion,
+    Cleaning, Corner, Covering, Differs, Estimate, FEWEST_SAMPLES, Fit, FitError, FitOptions, Line, MOST_ERROR, Model,
+    Motion, MotionKind, Outlier, PREDICTS, Pool, PoolError, PoolRecord, Prediction, Spread, Step, Term, Usage, fit,
+    fit_pool, motion,
 };
+#[cfg(feature = "std")]
+pub use fitted_record::{FittedRecord, Preparation};
 pub use input::{Gap, Input};
 pub use interval::interval;
 pub use kernel::{Difference, Reason};

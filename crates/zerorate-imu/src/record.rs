@@ -6,8 +6,8 @@ use crate::{Axis, Doubt, Doubts, Kind};
 use crate::{Settling, SettlingError};
 use std::path::{Path, PathBuf};
 use zerorate_allan::{
-    self as allan, AllanWarning, Analysed, Analysis, AnalysisError, Averaging, Density, Detrended, Envelope, Expected,
-    Fit, FitError, FitOptions, Input, Line, Options, Point, Settled, Stat, Taus, interval,
+    self as allan, AllanWarning, Analysis, AnalysisError, Averaging, Density, DetrendedRate, Envelope, Fit, FitError,
+    FitOptions, FittedRecord, Input, Line, Options, Point, Prediction, Preparation, Stat, Taus, interval,
 };
 use zerorate_logs::{Column, LogError, LogWarning, Quantity};
 
@@ -36,7 +36,7 @@ pub struct Record {
     /// The picture beside its curve; none unless it was asked for, and only of a rate.
     pub look: Option<Look>,
     /// The polynomial over temperature that was taken out.
-    pub detrended: Option<Detrended>,
+    pub detrended: Option<DetrendedRate>,
     /// The time left out at its beginning, s.
     pub skipped_s: f64,
 }
@@ -122,7 +122,7 @@ impl Record {
         let phase = options.is_phase.then(|| column.points(file)).transpose()?;
         let input = phase.as_deref().map_or_else(|| column.input(), Input::Phase);
         notes.extend(column.stopped(file)?);
-        let analysed = Analysed::new(input, column.rate_hz, column.scale, options.fit, &settled);
+        let analysed = FittedRecord::new(input, column.rate_hz, column.scale, options.fit, &settled);
         let analyse = |taus: &Taus| {
             let deviations = Options { taus: taus.clone(), ..options.deviations };
             let failed = |why| RecordError::Analysis(file.display().to_string(), why);
@@ -137,7 +137,7 @@ impl Record {
         if let (Some(Ok(fit)), false) = (&mut fit, options.keeps_rate) {
             fit.cleaned.rate = None;
         }
-        let Settled { detrended, follows, skipped_s } = settled;
+        let Preparation { detrended, follows, skipped_s } = settled;
         let follows = follows.filter(|_| !matches!(fit, Some(Ok(_))));
         Ok(Self {
             file: file.to_owned(),
@@ -275,13 +275,13 @@ impl Record {
     }
 
     /// The value of the model at a point, if a model exists and describes this statistic.
-    pub fn expected(&self, point: &Point) -> Option<Expected> {
+    pub fn expected(&self, point: &Point) -> Option<Prediction> {
         self.model()?.expected(&self.analysis, point)
     }
 
     /// The band in which another record of this sensor lies at a point, of the same length; none beyond what the model
     /// predicts.
-    pub fn predicted(&self, point: &Point) -> Option<Expected> {
+    pub fn predicted(&self, point: &Point) -> Option<Prediction> {
         let model = self.model().filter(|_| self.analysis.stat == Stat::Oadev)?;
         model.predicted(point.m, self.analysis.samples)
     }

@@ -2,8 +2,7 @@
 
 use crate::span;
 use std::path::Path;
-use zerorate_allan::{AllanWarning, DetrendError, Follows, Settled, detrend, follows_temperature};
-use zerorate_logs::{Column, LogError, Names, Series, Setting};
+use zerorate_allan::{AllanWarning, DetrendError, Follows, Preparation, detrend, follows_temperature};
 
 /// Preparation of a record before the analysis.
 #[derive(Clone, Copy, Debug, Default)]
@@ -40,14 +39,14 @@ impl Settling {
         column: &mut Column,
         file: &Path,
         temperature: Option<&Column>,
-    ) -> Result<Settled, SettlingError> {
+    ) -> Result<Preparation, SettlingError> {
         let skipped_s = self.skip(column, file)?;
         let Some(temperature) = temperature.filter(|temperature| temperature.name != column.name) else {
-            return Ok(Settled { skipped_s, ..Settled::default() });
+            return Ok(Preparation { skipped_s, ..Preparation::default() });
         };
         let rates = match column.points(file) {
             // so many are lost that the record cannot be written out; nothing was asked that needs it
-            Err(_) if self.order.is_none() => return Ok(Settled { skipped_s, ..Settled::default() }),
+            Err(_) if self.order.is_none() => return Ok(Preparation { skipped_s, ..Preparation::default() }),
             rates => rates?,
         };
         let mut temps = temperature.points(file)?;
@@ -55,7 +54,11 @@ impl Settling {
         // what was skipped of a gap is not in the column
         let temps = &temps[temps.len().saturating_sub(rates.len())..];
         let Some(order) = self.order else {
-            return Ok(Settled { follows: follows(&rates, temps, column.scale), skipped_s, ..Settled::default() });
+            return Ok(Preparation {
+                follows: follows(&rates, temps, column.scale),
+                skipped_s,
+                ..Preparation::default()
+            });
         };
         let of_columns = || {
             let setting = self.names.of(Setting::Detrend);
@@ -64,7 +67,7 @@ impl Settling {
         let mut detrended = detrend(&rates, temps, order).map_err(|why| SettlingError::Detrend(of_columns(), why))?;
         column.replace(Series::Numbers(std::mem::take(&mut detrended.residual)));
         detrended.coefficients.iter_mut().for_each(|coefficient| *coefficient *= column.scale);
-        Ok(Settled { detrended: Some(detrended), follows: None, skipped_s })
+        Ok(Preparation { detrended: Some(detrended), follows: None, skipped_s })
     }
 
     /// Leaves the beginning out. Returns how long it was, s.

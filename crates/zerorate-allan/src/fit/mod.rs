@@ -144,7 +144,7 @@ pub struct Corner {
 
 /// The glitches and steps that were taken out of the record before the fit.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Cleaned {
+pub struct Cleaning {
     /// Glitches whose samples were replaced. Neighbouring samples are one glitch.
     pub glitches: u64,
     /// When each began, s from the start of the record.
@@ -194,14 +194,14 @@ pub struct Fit {
     /// Shortest and longest averaging time that the model covers, s.
     pub span_s: (f64, f64),
     /// The glitches and steps that were taken out before the fit.
-    pub cleaned: Cleaned,
+    pub cleaned: Cleaning,
     /// The warnings about this record.
     pub warnings: Vec<AllanWarning>,
 }
 
 /// The prediction of a model for one averaging time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Expected {
+pub struct Prediction {
     /// The fitted deviation. In a record with gaps, averages run over the samples that exist.
     pub dev: f64,
     /// Lower end of the band in which the model expects 95 % of the measured deviations.
@@ -221,13 +221,13 @@ impl Fit {
     /// band is the model's own for the overlapping deviation. For the others it follows from the point's degrees of
     /// freedom.
     #[must_use]
-    pub fn expected(&self, analysis: &Analysis, point: &Point) -> Option<Expected> {
+    pub fn expected(&self, analysis: &Analysis, point: &Point) -> Option<Prediction> {
         let (lo, hi) = match analysis.stat {
             stat if !stat.is_allan() => return None,
             Stat::Oadev => self.model.band(point.m, point.n, analysis.samples),
             _ => self.model.band_of(point.m, point.edf),
         };
-        Some(Expected { dev: libm::sqrt(self.model.measured_variance(point.m)), lo, hi })
+        Some(Prediction { dev: libm::sqrt(self.model.measured_variance(point.m)), lo, hi })
     }
 
     /// The band in which 95 % of the overlapping Allan deviations of averages of `m` samples lie in *another* record
@@ -236,7 +236,7 @@ impl Fit {
     /// 1/[`PREDICTS`] of the record: nothing is known about their steadiness. docs/reference/allan.md states how often
     /// it holds. The model of a pool does not know how steady its records are, nor how far another unit is from them.
     #[must_use]
-    pub fn predicted(&self, m: u64, samples: u64) -> Option<Expected> {
+    pub fn predicted(&self, m: u64, samples: u64) -> Option<Prediction> {
         if m as f64 > self.model.samples() / PREDICTS {
             return None;
         }
@@ -248,7 +248,7 @@ impl Fit {
             let known = libm::sqrt(chance * chance + TWO_SIDED_95 * TWO_SIDED_95 * doubt.own);
             (known + TWO_SIDED_95 * libm::sqrt(doubt.scatter)) / 2.0
         };
-        Some(Expected { dev, lo: dev * libm::exp(-limit(0.025)), hi: dev * libm::exp(limit(0.975)) })
+        Some(Prediction { dev, lo: dev * libm::exp(-limit(0.025)), hi: dev * libm::exp(limit(0.975)) })
     }
 }
 
@@ -355,7 +355,7 @@ pub fn fit(input: &Input<'_>, rate_hz: f64, options: &FitOptions) -> Result<Fit,
     check(&rate)?;
     let raw = Raw { record_s: rate.len() as f64 / rate_hz, missing: rate.len() - present };
     let mut warnings = Vec::new();
-    let mut cleaned = Cleaned::default();
+    let mut cleaned = Cleaning::default();
     if options.cut_glitches {
         let firsts = cut_glitches(&mut rate, &mut warnings);
         cleaned.glitches = firsts.len() as u64;
@@ -388,7 +388,7 @@ fn without_steps(
     rate_hz: f64,
     first: (Spectrum, Selection),
     max_freq_hz: Option<f64>,
-    cleaned: &mut Cleaned,
+    cleaned: &mut Cleaning,
 ) -> Result<(Spectrum, Selection), FitError> {
     let (mut whole, mut now, mut steps) = (None, first.clone(), Vec::new());
     while let Some(step) = steps::largest(rate, rate_hz, &now)?.filter(|step| libm::fabs(step.score) > STEP_LIMIT) {
@@ -490,7 +490,7 @@ fn described(
         curve,
         max_freq_hz: top_hz,
         span_s: (1.0 / rate_hz, raw.record_s / 2.0),
-        cleaned: Cleaned::default(),
+        cleaned: Cleaning::default(),
         warnings: Vec::new(),
     };
     let leakage = masked::leakage(&all, &chosen.problem.table.rows, rate_hz / (2.0 * spectrum.samples as f64));

@@ -12,7 +12,7 @@ use super::prediction::Doubt;
 use super::remarks::{Raw, remarks};
 use super::scoring::{B2, N2, Optimum, Problem, SHAPE_PRICE};
 use super::select::{DESCENT, Selection, chi2, is_upper, select};
-use super::{Cleaned, Fit, FitError, MOST_ERROR, TWO_SIDED_95, fitted, lines::median};
+use super::{Cleaning, Fit, FitError, MOST_ERROR, TWO_SIDED_95, fitted, lines::median};
 use crate::chi2::chi2_above;
 use crate::{Coefficient, Misfit, Noise};
 use alloc::vec::Vec;
@@ -344,7 +344,7 @@ fn common(
         curve: Vec::new(),
         max_freq_hz: top_hz,
         span_s: (1.0 / rate_hz, record_s / 2.0),
-        cleaned: Cleaned::default(),
+        cleaned: Cleaning::default(),
         warnings: Vec::new(),
     };
     let warnings = remarks(&fit, (chosen, other), &of_no_record, None, Raw { record_s, missing: 0 });

@@ -3,7 +3,7 @@
 use super::axis::coefficients;
 use super::message::LogPicture;
 use std::path::Path;
-use zerorate_allan::{Expected, Fit, Line};
+use zerorate_allan::{Fit, Line, Prediction};
 use zerorate_imu::Named;
 use zerorate_imu::{Look, Record};
 use zerorate_logs::Quantity;
@@ -57,11 +57,11 @@ fn curves(path: &Path, heading: &str, unit: &str, axes: &[Record]) -> String {
 fn curve(axis: &Record) -> Curve {
     let points = axis.analysis.points.iter();
     let expected = axis.analysis.points.iter().filter_map(|point| {
-        let Expected { dev, lo, hi } = axis.expected(point)?;
+        let Prediction { dev, lo, hi } = axis.expected(point)?;
         Some(plot::Point { tau_s: point.tau_s, dev, lo, hi })
     });
     let predicted = axis.analysis.points.iter().filter_map(|point| {
-        let Expected { dev, lo, hi } = axis.predicted(point)?;
+        let Prediction { dev, lo, hi } = axis.predicted(point)?;
         Some(plot::Point { tau_s: point.tau_s, dev, lo, hi })
     });
     let believed = if axis.believed().is_ok() { coefficients(axis) } else { Vec::new() };

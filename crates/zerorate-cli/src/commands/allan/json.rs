@@ -281,7 +281,7 @@ fn term(term: &allan::Term) -> Term {
     }
 }
 
-fn cleaned(cleaned: &allan::Cleaned) -> Cleaned {
+fn cleaned(cleaned: &allan::Cleaning) -> Cleaned {
     let steps = cleaned.steps.iter().map(|&allan::Step { at_s, size }| Step { at_s, size }).collect();
     Cleaned { glitches: cleaned.glitches, steps }
 }

@@ -6,8 +6,7 @@ use crate::exit::Usage;
 use crate::output::Staged;
 use anyhow::Result;
 use std::path::Path;
-use zerorate_allan::{Expected, Fit, Line};
-use zerorate_imu::Record;
+use zerorate_allan::{Fit, Line, Prediction};
 use zerorate_logs::Quantity;
 use zerorate_view::plot::{self, Curve, Minimum, PowerLaw, Signal, Spectrum, Tone, number};
 
@@ -258,11 +257,11 @@ fn curve(record: &Record) -> Curve {
     let laws = drawn(record).into_iter().map(law).collect();
     let minimum = record.minimum().map(|(tau_s, dev)| Minimum { tau_s, dev });
     let expected = record.drawn().points.iter().filter_map(|point| {
-        let Expected { dev, lo, hi } = record.model()?.expected(record.drawn(), point)?;
+        let Prediction { dev, lo, hi } = record.model()?.expected(record.drawn(), point)?;
         Some(plot::Point { tau_s: point.tau_s, dev, lo, hi })
     });
     let predicted = record.drawn().points.iter().filter_map(|point| {
-        let Expected { dev, lo, hi } = record.predicted(point)?;
+        let Prediction { dev, lo, hi } = record.predicted(point)?;
         Some(plot::Point { tau_s: point.tau_s, dev, lo, hi })
     });
     let (points, model, predicted) = (points.collect(), expected.collect(), predicted.collect());

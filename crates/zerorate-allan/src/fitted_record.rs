@@ -1,16 +1,16 @@
 //! The way of a record at rest to its deviations and its noise model, the same for every front end.
 
 use crate::{
-    AllanWarning, Analysis, AnalysisError, Detrended, Fit, FitError, FitOptions, Input, Line, Options, Term, analyse,
-    fit,
+    AllanWarning, Analysis, AnalysisError, DetrendedRate, Fit, FitError, FitOptions, Input, Line, Options, Term,
+    analyse, fit,
 };
 use alloc::vec::Vec;
 
 /// The treatment of the temperature and the beginning of a record before the analysis.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Settled {
+pub struct Preparation {
     /// The polynomial over temperature that was taken out.
-    pub detrended: Option<Detrended>,
+    pub detrended: Option<DetrendedRate>,
     /// The warning that the rate follows the temperature, where it does and nothing was taken out.
     pub follows: Option<AllanWarning>,
     /// Time left out at the beginning, s.
@@ -18,21 +18,27 @@ pub struct Settled {
 }
 
 /// A record with its noise model, from which deviations are computed.
-pub struct Analysed<'a> {
+pub struct FittedRecord<'a> {
     input: Input<'a>,
     rate_hz: f64,
     scale: f64,
-    detrended: Option<Detrended>,
+    detrended: Option<DetrendedRate>,
     fit: Option<Result<Fit, FitError>>,
 }
 
-impl<'a> Analysed<'a> {
+impl<'a> FittedRecord<'a> {
     /// Fits the noise model, if there are options for it. `scale` is the size of one input step in the unit of the
     /// result.
     #[must_use]
-    pub fn new(input: Input<'a>, rate_hz: f64, scale: f64, options: Option<FitOptions>, settled: &Settled) -> Self {
+    pub fn new(
+        input: Input<'a>,
+        rate_hz: f64,
+        scale: f64,
+        options: Option<FitOptions>,
+        settled: &Preparation,
+    ) -> Self {
         let mut fit = options.map(|options| fit(&input, rate_hz, &FitOptions { scale, ..options }));
-        let Settled { detrended, follows, .. } = settled;
+        let Preparation { detrended, follows, .. } = settled;
         if let Some(Ok(fit)) = &mut fit {
             if let Some(detrended) = detrended {
                 fit.k = detrended.widened_walk(&fit.k);
@@ -113,17 +119,17 @@ mod tests {
         let (rates, temps) = warming();
         let detrended = detrend(&rates, &temps, 1).unwrap();
         let residual = detrended.residual.clone();
-        let settled = Settled { detrended: Some(detrended), ..Settled::default() };
+        let settled = Preparation { detrended: Some(detrended), ..Preparation::default() };
         let options = Options::default();
-        let analysed = Analysed::new(Input::Rate(&residual), 100.0, 2.0, Some(FitOptions::default()), &settled);
+        let analysed = FittedRecord::new(Input::Rate(&residual), 100.0, 2.0, Some(FitOptions::default()), &settled);
         let curve = analysed.deviations(&options).unwrap();
         // by the definition, of the samples without the glitch, in twice their unit
         let mut plain = residual.clone();
         plain[30_000] = (plain[29_999] + plain[30_001]) / 2.0;
         let expected = deviations(&Input::Rate(&plain), 100.0, Stat::Oadev, &[1])[0].unwrap();
         assert!((curve.points[0].dev / (2.0 * expected.dev) - 1.0).abs() < 1e-3, "{:?}", curve.points[0]);
-        let unsettled = Analysed::new(Input::Rate(&residual), 100.0, 2.0, None, &Settled::default());
-        let last = |analysed: &Analysed<'_>| *analysed.deviations(&options).unwrap().points.last().unwrap();
+        let unsettled = FittedRecord::new(Input::Rate(&residual), 100.0, 2.0, None, &Preparation::default());
+        let last = |analysed: &FittedRecord<'_>| *analysed.deviations(&options).unwrap().points.last().unwrap();
         assert!(last(&analysed).edf < last(&unsettled).edf, "what the line took is missing from the last averages");
         assert!(analysed.cleaned().is_some() && unsettled.cleaned().is_none() && unsettled.into_fit().is_none());
     }
@@ -132,8 +138,8 @@ mod tests {
     fn a_model_says_that_its_rate_follows_the_temperature() {
         let (rates, _) = warming();
         let follows = AllanWarning::FollowsTemperature { explained: 0.9, slope: 0.05, span_c: 6.0 };
-        let settled = Settled { follows: Some(follows), ..Settled::default() };
-        let analysed = Analysed::new(Input::Rate(&rates), 100.0, 1.0, Some(FitOptions::default()), &settled);
+        let settled = Preparation { follows: Some(follows), ..Preparation::default() };
+        let analysed = FittedRecord::new(Input::Rate(&rates), 100.0, 1.0, Some(FitOptions::default()), &settled);
         let fit = analysed.into_fit().unwrap().unwrap();
         assert_eq!(fit.warnings[0], follows);
     }
