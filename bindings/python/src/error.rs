@@ -19,7 +19,7 @@ create_exception!(
 /// text is the same as on the command line, but names arguments.
 pub fn exception(error: &anyhow::Error) -> PyErr {
     let text = joined(&format!("{error:#}"));
-    if error.is::<zerorate_jobs::Refused>() || matches!(error.downcast_ref(), Some(LogError::Refused(..))) {
+    if error.is::<zerorate_jobs::CodedRefusal>() || matches!(error.downcast_ref(), Some(LogError::Refused(..))) {
         return Refused::new_err(text);
     }
     if is_refusal(error) {

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use zerorate_host::{Cause, DeviceError};
 use zerorate_input::InputError;
 use zerorate_jobs::output::is_refusal;
-pub use zerorate_jobs::{InvalidOptions as Usage, Refused};
+pub use zerorate_jobs::{CodedRefusal, InvalidOptions as Usage};
 use zerorate_logs::LogError;
 use zerorate_record::CaptureError;
 
@@ -56,7 +56,7 @@ fn refusal(error: &anyhow::Error) -> Option<&'static str> {
         Some(LogError::Refused(code, _)) => Some(*code),
         _ => None,
     };
-    error.downcast_ref().map(|refused: &Refused| refused.code).or(of_log).or(of_device)
+    error.downcast_ref().map(|refused: &CodedRefusal| refused.code).or(of_log).or(of_device)
 }
 
 /// Whether other words on the command line, or another build, would do.
@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn each_kind_of_failure_has_its_code() {
-        let refused: anyhow::Error = Refused::new("moving", "it moves").into();
+        let refused: anyhow::Error = CodedRefusal::new("moving", "it moves").into();
         let usage: anyhow::Error = Usage("no".into()).into();
         let failed = anyhow::anyhow!("bus");
         let pipe =
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn context_keeps_the_kind() {
-        let error = anyhow::Error::from(Refused::new("moving", "it moves")).context("step 4");
+        let error = anyhow::Error::from(CodedRefusal::new("moving", "it moves")).context("step 4");
         assert_eq!(report(&error), ExitCode::from(3));
     }
 }

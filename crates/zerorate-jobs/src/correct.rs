@@ -1,7 +1,7 @@
 //! A capture, corrected, with its raw columns as they were.
 
 use crate::judged::JudgedAxis;
-use crate::output::Staged;
+use crate::output::StagedOutput;
 use crate::warning::JobWarning;
 use anyhow::{Result, bail, ensure};
 use arrow_array::builder::Float64Builder;
@@ -58,7 +58,7 @@ impl<'a> Job<'a> {
     /// Returns an error if the capture is damaged, if it holds no temperature, or if the file cannot be written.
     pub fn run(
         self,
-        output: Staged,
+        output: StagedOutput,
         format: Format,
         stop: &Stop,
         names: SettingNames,

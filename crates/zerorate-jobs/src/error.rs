@@ -3,13 +3,13 @@
 /// The measurement was refused: the numbers exist, but they must not become a calibration.
 #[derive(Debug, thiserror::Error)]
 #[error("{why}")]
-pub struct Refused {
+pub struct CodedRefusal {
     /// The code, for scripts and for `zerorate explain`.
     pub code: &'static str,
     why: String,
 }
 
-impl Refused {
+impl CodedRefusal {
     /// A refusal with its code and its text.
     pub fn new(code: &'static str, why: impl Into<String>) -> Self {
         Self { code, why: why.into() }

@@ -34,7 +34,7 @@ pub mod temperature;
 mod warning;
 
 pub use acquisition::{Acquisition, WarningSink};
-pub use error::{InvalidOptions, Refused};
+pub use error::{CodedRefusal, InvalidOptions};
 pub use judged::JudgedAxis;
 pub use recorder::Recorder;
 pub use warning::{CodedWarning, JobWarning};

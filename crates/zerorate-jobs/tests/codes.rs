@@ -45,7 +45,7 @@ fn refusals() -> BTreeSet<String> {
     let no_pool = NoPool::NoCommonModel(PoolError::NothingInCommon).code();
     let of_core = Refusal::codes().chain(Deviation::codes()).chain(ChamberRefusal::codes());
     let of_enums = of_core.chain(doubts).chain(no_pool).map(str::to_owned);
-    of_enums.chain(made_with(&["Refused::new(", "LogError::Refused("], &["moving", "times-uneven"])).collect()
+    of_enums.chain(made_with(&["CodedRefusal::new(", "LogError::Refused("], &["moving", "times-uneven"])).collect()
 }
 
 /// No line of a warning is longer, with its code.

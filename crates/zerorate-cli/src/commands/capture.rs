@@ -2,7 +2,7 @@
 
 use super::serial::{NotesArgs, one_line};
 use crate::device::{DeviceArgs, SamplingArgs};
-use crate::exit::Refused;
+use crate::exit::CodedRefusal;
 use crate::interrupt;
 use crate::output::{Outputs, print_json, print_lines, warn};
 use crate::progress::Meter;
@@ -160,9 +160,12 @@ fn refuse_frozen(args: &CaptureArgs, acquisition: &Acquisition) -> Result<()> {
     match acquisition.frozen_at_end() {
         None => Ok(()),
         Some(frozen) => {
-            let why = valid::frozen_text(&frozen, acquisition.start_ns());
-            Err(Refused::new("frozen", format!("{why}; {} holds the raw codes up to the end", args.output.display()))
-                .into())
+            let why = believed::frozen_text(&frozen, acquisition.start_ns());
+            Err(CodedRefusal::new(
+                "frozen",
+                format!("{why}; {} holds the raw codes up to the end", args.output.display()),
+            )
+            .into())
         }
     }
 }

@@ -7,4 +7,4 @@ mod tests;
 
 pub use print::{print, print_json, print_lines, warn};
 pub use stdio::{Stdout, reader_left, say};
-pub use zerorate_jobs::output::{Outputs, Staged, remove_all_for_good};
+pub use zerorate_jobs::output::{Outputs, StagedOutput, remove_all_for_good};

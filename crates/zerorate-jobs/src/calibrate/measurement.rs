@@ -2,7 +2,7 @@
 
 use super::target::Target;
 use crate::acquisition::Acquisition;
-use crate::error::Refused;
+use crate::error::CodedRefusal;
 use crate::recorder::Recorder;
 use crate::warning::JobWarning;
 use adis16130_twin::Truth;
@@ -210,7 +210,7 @@ struct Words {
 
 impl Words {
     fn refused(self, refusal: &AxisRefusal) -> anyhow::Error {
-        Refused::new(refusal.refusal.code(), self.text(refusal)).into()
+        CodedRefusal::new(refusal.refusal.code(), self.text(refusal)).into()
     }
 
     fn text(self, refusal: &AxisRefusal) -> String {

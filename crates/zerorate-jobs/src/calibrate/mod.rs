@@ -11,7 +11,7 @@ pub use report::{
 
 use crate::acquisition::Acquisition;
 use crate::error::InvalidOptions;
-use crate::output::{Outputs, Staged, rescue};
+use crate::output::{Outputs, StagedOutput, rescue};
 use crate::recorder::Recorder;
 use anyhow::Result;
 use measurement::Measurement;
@@ -48,7 +48,7 @@ pub fn settle_s(method: Method, is_recorded: bool) -> f64 {
 #[derive(Debug)]
 pub struct Files {
     pub(crate) outputs: Outputs,
-    pub(crate) calibration: Option<Staged>,
+    pub(crate) calibration: Option<StagedOutput>,
     pub(crate) options: OutputOptions,
 }
 
@@ -133,8 +133,8 @@ impl Job {
     /// Measures. `watch` receives the events, and may end it.
     ///
     /// # Errors
-    /// Returns [`Refused`](crate::Refused) if the samples must not become a calibration. Returns another error if the
-    /// device or the log fails, or if `watch` ends the measurement.
+    /// Returns [`CodedRefusal`](crate::CodedRefusal) if the samples must not become a calibration. Returns another
+    /// error if the device or the log fails, or if `watch` ends the measurement.
     pub fn run(self, watch: &mut dyn Watch) -> Result<RunResult> {
         let saves = self.saves();
         let Self { mut acquisition, procedure, mut files } = self;

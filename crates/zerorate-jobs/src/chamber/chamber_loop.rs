@@ -4,7 +4,7 @@ use super::Watch;
 use super::finished_steps::FinishedSteps;
 use super::set_point_control::{Control, SetPointControl};
 use crate::acquisition::Acquisition;
-use crate::error::Refused;
+use crate::error::CodedRefusal;
 use crate::recorder::Recorder;
 use crate::warning::JobWarning;
 use adis16130_twin::Truth;
@@ -205,7 +205,7 @@ impl<'a> ChamberLoop<'a> {
 
     #[cold]
     fn refused(&self, why: &ChamberRefusal) -> anyhow::Error {
-        Refused::new(why.code(), format!("{why}{}", self.steps.hint(self.procedure.steps_done()))).into()
+        CodedRefusal::new(why.code(), format!("{why}{}", self.steps.hint(self.procedure.steps_done()))).into()
     }
 
     #[cold]

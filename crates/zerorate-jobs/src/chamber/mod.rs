@@ -12,8 +12,8 @@ pub use set_point_control::{AirListener, AirState, SetPointControl};
 
 use crate::acquisition::{Acquisition, aliasing};
 use crate::calibrate::{self, DeliveryFailure, OutputOptions};
-use crate::error::{InvalidOptions, Refused};
-use crate::output::{Outputs, Slot, Staged};
+use crate::error::{CodedRefusal, InvalidOptions};
+use crate::output::{Outputs, Slot, StagedOutput};
 use crate::warning::{CodedWarning, JobWarning};
 use anyhow::Result;
 use chamber_loop::{ChamberLoop, LoopResult, TICK_NS};
@@ -45,7 +45,7 @@ pub trait Watch {
     ///
     /// # Errors
     /// Returns an error if the page cannot be made or written.
-    fn page(&mut self, results: &ChamberResults, file: Staged) -> Result<()>;
+    fn page(&mut self, results: &ChamberResults, file: StagedOutput) -> Result<()>;
 
     /// The names that the front end uses for the settings.
     fn names(&self) -> SettingNames;
@@ -80,7 +80,7 @@ pub struct UnusableSteps {
 #[derive(Debug)]
 pub struct Files {
     of_calibration: calibrate::Files,
-    page: Option<Staged>,
+    page: Option<StagedOutput>,
     /// The file that keeps finished steps.
     steps: Option<Slot>,
 }
@@ -169,8 +169,8 @@ impl Job {
     /// Measures. `watch` receives the events.
     ///
     /// # Errors
-    /// Returns [`Refused`] if the samples must not become a calibration, or another error if the part, the chamber or
-    /// a file fails.
+    /// Returns [`CodedRefusal`] if the samples must not become a calibration, or another error if the part, the
+    /// chamber or a file fails.
     pub fn run(mut self, watch: &mut dyn Watch) -> Result<RunResult> {
         if self.options.moves_air && self.part().operating_c.is_none() {
             watch.warn(JobWarning::LimitsUnknown);
@@ -245,7 +245,7 @@ impl ChamberResults {
         let LoopResult { procedure, acquisition, capture_sha256, truths, .. } = result;
         let ChamberOptions { max_lost, earth_dps, max_order, .. } = options;
         let (part, tally) = (procedure.part().clone(), *procedure.tally());
-        let refused = |refusal: ChamberRefusal| Refused::new(refusal.code(), refusal.to_string());
+        let refused = |refusal: ChamberRefusal| CodedRefusal::new(refusal.code(), refusal.to_string());
         let record = procedure.finish().map_err(refused)?;
         let outcomes = record.outcomes(&part, earth_dps, max_order).map_err(refused)?;
         let aliased = part.axes.first().and_then(|axis| aliasing(&axis.axis, &tally));

@@ -20,7 +20,7 @@ pub use error::OutputError;
 pub use recording::Recording;
 pub use rescue::rescue;
 pub use slot::Slot;
-pub use staged::Staged;
+pub use staged::StagedOutput;
 pub use temporary::remove_all_for_good;
 
 use anyhow::Context;
@@ -113,7 +113,7 @@ impl Outputs {
     ///
     /// # Errors
     /// Returns an error if the file is refused ([`OutputError::is_refusal`]) or cannot be written.
-    pub fn derived(&mut self, path: &Path) -> Result<Staged, OutputError> {
+    pub fn derived(&mut self, path: &Path) -> Result<StagedOutput, OutputError> {
         if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("pdf")) {
             return Err(OutputError::Pdf { path: path.to_owned() });
         }
@@ -121,7 +121,7 @@ impl Outputs {
         if place.exists() {
             refuse_capture(path)?;
         }
-        Staged::new(path, place)
+        StagedOutput::new(path, place)
     }
 
     /// Claims a file to record into, under its final name from the start, so that what was recorded survives a power

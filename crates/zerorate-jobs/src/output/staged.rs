@@ -9,9 +9,9 @@ use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
-/// A claimed output. Dropped before [`Staged::publish`], it leaves everything as it was.
+/// A claimed output. Dropped before [`StagedOutput::publish`], it leaves everything as it was.
 #[derive(Debug)]
-pub struct Staged {
+pub struct StagedOutput {
     /// The path as it was asked for.
     path: PathBuf,
     destination: Destination,
@@ -23,7 +23,7 @@ enum Destination {
     Stream(File),
 }
 
-impl Staged {
+impl StagedOutput {
     /// Makes sure that the output can be written: a pipe or a device is opened, and beside a name an unfinished file
     /// is made.
     pub(super) fn new(path: &Path, place: Place) -> Result<Self, OutputError> {
@@ -59,7 +59,7 @@ impl Staged {
     /// Writes the whole content and publishes it.
     ///
     /// # Errors
-    /// Returns the errors of [`Staged::publish`].
+    /// Returns the errors of [`StagedOutput::publish`].
     pub fn fill(self, content: &[u8]) -> Result<(), OutputError> {
         self.file()?.write_all(content).map_err(|error| OutputError::io("write", &self.path, error))?;
         self.publish()

@@ -5,7 +5,7 @@ mod track;
 pub use track::{LearnedAxis, TrackOptions, TrackedAxis, Tracking, UnusableState};
 
 use crate::acquisition::Acquisition;
-use crate::error::Refused;
+use crate::error::CodedRefusal;
 use crate::warning::JobWarning;
 use anyhow::Result;
 use std::path::Path;
@@ -69,7 +69,7 @@ pub struct StreamOptions {
 /// Streams the corrected rate until the part, the time or `listener` ends it.
 ///
 /// # Errors
-/// Returns [`Refused`] if the part is frozen, or an error if the part cannot be read or `listener` takes no row.
+/// Returns [`CodedRefusal`] if the part is frozen, or an error if the part cannot be read or `listener` takes no row.
 pub fn stream(
     mut acquisition: Acquisition,
     calibration: &Calibration,
@@ -184,7 +184,7 @@ impl<'a> RowMaker<'a> {
             if let Some(frozen) = acquisition.frozen() {
                 mean.flags = mean.flags.and(Flags::FROZEN);
                 self.write(&mut mean)?;
-                return Err(Refused::new("frozen", valid::frozen_text(&frozen, acquisition.start_ns())).into());
+                return Err(CodedRefusal::new("frozen", believed::frozen_text(&frozen, acquisition.start_ns())).into());
             }
         }
         if options.period_ns.is_none() { self.write(&mut mean) } else { Ok(()) }

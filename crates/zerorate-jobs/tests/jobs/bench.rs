@@ -11,7 +11,7 @@ use zerorate_jobs::calibrate::{Files, Numbers, OutputOptions, RunResult, Watch, 
 use zerorate_jobs::correct;
 use zerorate_jobs::output::Outputs;
 use zerorate_jobs::stream::{LearnedAxis, Listener, StreamOptions, StreamRow, stream};
-use zerorate_jobs::{Acquisition, CodedWarning, JobWarning, Refused};
+use zerorate_jobs::{Acquisition, CodedRefusal, CodedWarning, JobWarning};
 use zerorate_logs::LogError;
 use zerorate_record::{CaptureWriter, Format};
 
@@ -201,5 +201,5 @@ pub fn refusal(error: &Error) -> Option<&'static str> {
         Some(Cause::Refused(code)) => Some(code),
         _ => None,
     };
-    error.downcast_ref().map(|refused: &Refused| refused.code).or(of_log).or(of_device)
+    error.downcast_ref().map(|refused: &CodedRefusal| refused.code).or(of_log).or(of_device)
 }

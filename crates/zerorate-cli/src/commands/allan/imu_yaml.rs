@@ -2,22 +2,22 @@
 
 use super::words::warnings;
 use crate::column::flag;
-use crate::exit::{Refused, Usage};
-use crate::output::Staged;
+use crate::exit::{CodedRefusal, Usage};
+use crate::output::StagedOutput;
 use anyhow::Result;
 use zerorate_imu::Record;
 use zerorate_imu::{Choice, Combine, Doubts, Format, Rule};
 use zerorate_logs::{Names, Quantity};
 
 /// Writes the gyroscope's part of the file. Of several logs it takes the worst values.
-pub fn write(file: Staged, records: &[Record]) -> Result<()> {
+pub fn write(file: StagedOutput, records: &[Record]) -> Result<()> {
     if let Some(other) = records.iter().find(|record| record.quantity != Some(Quantity::AngularRate)) {
         let why = "the column does not state a unit of angular rate, and imu.yaml needs rad/s; give --unit or --scale";
         return Err(Usage(format!("{}: {why}", other.label())).into());
     }
     let doubt = records.iter().find_map(|record| Some((record, record.believed().err()?)));
     if let Some((record, why)) = doubt {
-        return Err(Refused::new(
+        return Err(CodedRefusal::new(
             why.code(),
             format!("{}: imu.yaml needs the noise coefficients: {why}", record.label()),
         )

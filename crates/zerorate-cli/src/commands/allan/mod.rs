@@ -10,8 +10,8 @@ pub mod temperature;
 pub mod words;
 
 use crate::column::ColumnArgs;
-use crate::exit::{Refused, Usage};
-use crate::output::{Outputs, Staged, print, print_json, print_lines, say, warn};
+use crate::exit::{CodedRefusal, Usage};
+use crate::output::{Outputs, StagedOutput, print, print_json, print_lines, say, warn};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
@@ -216,7 +216,7 @@ fn warnings(args: &AllanArgs, records: &[Record]) -> Vec<String> {
 
 /// Refuses a record whose coefficients must not become a result.
 fn check_model(record: &Record) -> Result<()> {
-    let refused = |doubt: Doubt| Refused::new(doubt.code(), format!("{}: {doubt}", record.label()));
+    let refused = |doubt: Doubt| CodedRefusal::new(doubt.code(), format!("{}: {doubt}", record.label()));
     Ok(record.believed().map(drop).map_err(refused)?)
 }
 
@@ -254,9 +254,9 @@ fn check_units(args: &AllanArgs, records: &[Record]) -> Result<(), Usage> {
 
 /// The files to write, claimed before hours of data are read.
 struct Files {
-    pictures: Vec<(picture::Kind, Staged)>,
-    page: Option<Staged>,
-    imu_yaml: Option<Staged>,
+    pictures: Vec<(picture::Kind, StagedOutput)>,
+    page: Option<StagedOutput>,
+    imu_yaml: Option<StagedOutput>,
 }
 
 impl Files {

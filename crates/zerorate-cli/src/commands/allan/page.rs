@@ -1,10 +1,9 @@
 //! The result as one HTML page.
 
 use super::picture::Group;
-use super::words::advice::advice;
-use super::words::units::{self, GaussMarkov, deviation_unit, noise};
-use super::words::warnings;
-use crate::output::Staged;
+use super::temperature;
+use super::units::{self, deviation_unit, noise};
+use crate::output::StagedOutput;
 use anyhow::Result;
 use zerorate_allan::{Estimate, Fit, Line};
 use zerorate_imu::Record;
@@ -22,7 +21,7 @@ pub struct Head {
 }
 
 /// Writes the page of all records, with a group for each quantity.
-pub fn write(file: Staged, head: Head, records: &[Record]) -> Result<()> {
+pub fn write(file: StagedOutput, head: Head, records: &[Record]) -> Result<()> {
     let Head { title, facts, warnings, tables } = head;
     let first = records.first();
     let page = AllanPage {

@@ -3,7 +3,7 @@
 use super::words::names::{are_axes, name};
 use super::words::units::{self, GaussMarkov, Named, coefficients, deviation_unit};
 use crate::exit::Usage;
-use crate::output::Staged;
+use crate::output::StagedOutput;
 use anyhow::Result;
 use std::path::Path;
 use zerorate_allan::{Fit, Line, Prediction};
@@ -39,7 +39,7 @@ impl Kind {
 }
 
 /// Writes a picture in its form.
-pub fn write(kind: Kind, file: Staged, svg: &str) -> Result<()> {
+pub fn write(kind: Kind, file: StagedOutput, svg: &str) -> Result<()> {
     match kind {
         Kind::Svg => Ok(file.fill(svg.as_bytes())?),
         #[cfg(feature = "png")]

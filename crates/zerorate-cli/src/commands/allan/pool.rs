@@ -1,6 +1,6 @@
 //! `--pool`: one model of several records of one type.
 
-use crate::exit::{Refused, Usage};
+use crate::exit::{CodedRefusal, Usage};
 use anyhow::Result;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -51,7 +51,7 @@ pub fn json(pool: &Pool) -> Json<'_> {
 
 pub fn failed(why: NoPool) -> anyhow::Error {
     match why.code() {
-        Some(code) => Refused::new(code, why.to_string()).into(),
+        Some(code) => CodedRefusal::new(code, why.to_string()).into(),
         None => Usage(format!("--pool: {why}")).into(),
     }
 }

@@ -9,7 +9,7 @@ use super::serial::{NotesArgs, one_line};
 use crate::device::{DeviceArgs, SamplingArgs};
 use crate::exit::Usage;
 use crate::interrupt;
-use crate::output::{Outputs, Staged, print_json, print_lines, say, warn};
+use crate::output::{Outputs, StagedOutput, print_json, print_lines, say, warn};
 use crate::progress::Meter;
 use crate::wording::{coded, flag};
 use anyhow::{Error, Result};
@@ -270,7 +270,7 @@ impl Watch for Looking {
         warn(&[coded(warning)]);
     }
 
-    fn page(&mut self, results: &ChamberResults, file: Staged) -> Result<()> {
+    fn page(&mut self, results: &ChamberResults, file: StagedOutput) -> Result<()> {
         match self.kind {
             Some(kind) => {
                 picture::write(kind, file, &results.outcomes.first().map_or(String::new(), over_temperature))

@@ -9,8 +9,8 @@ use super::allan::temperature::TemperatureArgs;
 use super::allan::words::units::span;
 use super::allan::words::warnings::{self, code, first_of_each};
 use crate::column::{flag, listed, positive, share};
-use crate::exit::Refused;
-use crate::output::{Outputs, Staged, print_json, print_lines, say, warn};
+use crate::exit::CodedRefusal;
+use crate::output::{Outputs, StagedOutput, print_json, print_lines, say, warn};
 use anyhow::Result;
 use clap::Args;
 use clap::builder::BoolishValueParser;
@@ -293,12 +293,12 @@ fn deliver(
     args: &ImuArgs,
     axes: &[Record],
     (topic, warnings): (Option<String>, Vec<String>),
-    file: Option<Staged>,
+    file: Option<StagedOutput>,
 ) -> Result<Vec<String>> {
     let doubts = Record::doubts(axes);
     let mut lines = Vec::new();
     if let Some(code) = doubts.code() {
-        let refused = Refused::new(code, format!("{}: {doubts}", args.log.display()));
+        let refused = CodedRefusal::new(code, format!("{}: {doubts}", args.log.display()));
         if !doubts.allow(args.accept_rejected) {
             return Err(refused.into());
         }
