@@ -1,7 +1,7 @@
 //! Several records of one type as one.
 
 use serde::Serialize;
-use zerorate_allan::{Differs, FitError, Outlier, PoolError, PoolRecord, Spread, fit_pool};
+use zerorate_allan::{self as allan, Differs, FitError, PoolError, PoolRecord, Spread, fit_pool};
 use zerorate_imu::Record;
 use zerorate_logs::LogWarning;
 
@@ -12,14 +12,14 @@ pub struct Pool {
     /// The distance of the records beyond their own intervals.
     pub spread: Vec<Spread>,
     /// The records that do not fit.
-    pub apart: Vec<Misfit>,
+    pub outliers: Vec<Outlier>,
     /// The records that the model describes, by name.
     pub used: Vec<String>,
 }
 
 /// A record that does not fit the others.
 #[derive(Serialize)]
-pub struct Misfit {
+pub struct Outlier {
     /// The name of the record.
     pub record: String,
     /// The difference.
@@ -78,13 +78,13 @@ pub fn pool<'a>(records: &'a [Record]) -> Result<Pool, NoPool> {
         why => NoPool::NoCommonModel(why),
     })?;
     let used: Vec<&Record> = pool.used.iter().map(|&i| &records[i]).collect();
-    let apart: Vec<Misfit> =
-        pool.outliers.iter().map(|outlier| Misfit::of(&records[outlier.record], outlier)).collect();
+    let outliers: Vec<Outlier> =
+        pool.outliers.iter().map(|outlier| Outlier::of(&records[outlier.record], outlier)).collect();
     Ok(Pool {
         spread: pool.spread,
         used: used.iter().map(|record| record.label()).collect(),
-        record: Record::together(&used, pool.fit, apart.iter().map(Misfit::warning).collect()),
-        apart,
+        record: Record::together(&used, pool.fit, outliers.iter().map(Outlier::warning).collect()),
+        outliers,
     })
 }
 
@@ -97,8 +97,8 @@ fn check(records: &[Record]) -> Result<(), NoPool> {
     mixed.map_or(Ok(()), |pair| Err(NoPool::Mixed(pair[0].label(), pair[1].label())))
 }
 
-impl Misfit {
-    fn of(record: &Record, outlier: &Outlier) -> Self {
+impl Outlier {
+    fn of(record: &Record, outlier: &allan::Outlier) -> Self {
         let why = match outlier.differs {
             Differs::Rejected { error } => format!("has no model of its own (off by {:.0} %)", error * 100.0),
             Differs::White { ratio } => format!("has {ratio:.2} times the N of the others"),

@@ -111,12 +111,12 @@ fn a_pool_of_logs_is_one_model() {
     assert!((2e-4..8e-4).contains(&(n.hi - n.lo)), "the spread is in the interval: {n:?}");
     let spread = pool.spread.iter().find(|spread| spread.noise == Noise::AngleRandomWalk).unwrap();
     assert!((spread.relative / 0.017 - 1.0).abs() < 0.3, "{}", spread.relative);
-    assert_eq!((pool.used.len(), pool.apart.len()), (3, 1));
-    let apart = &pool.apart[0];
+    assert_eq!((pool.used.len(), pool.outliers.len()), (3, 1));
+    let outlier = &pool.outliers[0];
     assert!(
-        apart.is_left_out && apart.record.contains("9.f64") && apart.why.contains("1.99 times the N"),
+        outlier.is_left_out && outlier.record.contains("9.f64") && outlier.why.contains("1.99 times the N"),
         "{}",
-        apart.why
+        outlier.why
     );
 }
 

@@ -6,7 +6,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use zerorate_allan::{self as allan, Stat};
-use zerorate_jobs::pool::{Misfit, NoPool, Pool};
+use zerorate_jobs::pool::{NoPool, Outlier, Pool};
 
 /// Formats the spread between the records, a line for each coefficient.
 pub fn text(pool: &Pool) -> Result<String> {
@@ -28,7 +28,7 @@ pub fn text(pool: &Pool) -> Result<String> {
 pub struct Json<'a> {
     records: &'a [String],
     spread: BTreeMap<char, Spread>,
-    apart: &'a [Misfit],
+    apart: &'a [Outlier],
 }
 
 #[derive(Serialize)]
@@ -46,7 +46,7 @@ pub fn json(pool: &Pool) -> Json<'_> {
         let letter = spread.noise.name().chars().last().unwrap_or_default();
         (letter.to_ascii_lowercase(), Spread { records, relative, least, largest })
     };
-    Json { records: &pool.used, spread: pool.spread.iter().map(of).collect(), apart: &pool.apart }
+    Json { records: &pool.used, spread: pool.spread.iter().map(of).collect(), apart: &pool.outliers }
 }
 
 pub fn failed(why: NoPool) -> anyhow::Error {
