@@ -15,8 +15,8 @@ use zerorate_record::{CaptureError, CaptureReader};
 ///
 /// # Errors
 /// Returns an error if the file is not a regular file or cannot be opened.
-pub fn open(path: &Path) -> Result<Input, CaptureError> {
-    let failed = |error| CaptureError::io("read", path, error);
+pub fn open(path: &Path) -> Result<Input, InputError> {
+    let failed = |error| InputError::io("read", path, error);
     let metadata = path.metadata().map_err(failed)?;
     if !metadata.is_file() && !metadata.is_dir() {
         let how = "it is a pipe or a device: copy it into a file, or pipe a log into `zerorate allan -`";
@@ -82,8 +82,8 @@ pub const STDIN: &str = "-";
 ///
 /// # Errors
 /// Returns an error if the log cannot be opened.
-pub fn log(path: &Path) -> Result<Parts, CaptureError> {
-    let failed = |error| CaptureError::io("read", path, error);
+pub fn log(path: &Path) -> Result<Parts, InputError> {
+    let failed = |error| InputError::io("read", path, error);
     if path == Path::new(STDIN) {
         return Ok(vec![(path.to_owned(), spooled(std::io::stdin().lock()).map_err(failed)?)].into());
     }

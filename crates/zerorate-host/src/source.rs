@@ -78,7 +78,7 @@ pub trait Source {
 
     /// Measures the change of the rate under self-test (F-11). `gpio` is the line of its pins, if this host has one.
     /// Call it before the first sample. Errors call settings by `names`.
-    fn self_test(&mut self, gpio: &str, names: Names) -> Result<SelfTest> {
+    fn self_test(&mut self, gpio: &str, names: SettingNames) -> Result<SelfTest> {
         let _ = gpio;
         let option = names(Setting::SelfTest);
         Err(UserError::request(format!("{option} needs the part itself: twin:, spi:, bridge: or tcp:")).into())

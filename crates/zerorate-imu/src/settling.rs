@@ -3,6 +3,7 @@
 use crate::span;
 use std::path::Path;
 use zerorate_allan::{AllanWarning, DetrendError, Follows, Preparation, detrend, follows_temperature};
+use zerorate_logs::{Column, LogError, Names, Series, Setting};
 
 /// Preparation of a record before the analysis.
 #[derive(Clone, Copy, Debug, Default)]

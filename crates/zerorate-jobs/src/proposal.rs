@@ -15,7 +15,7 @@ const BEARABLE: f64 = 0.001;
 /// Proposes settings that lose fewer samples, if `taken` is the share that was taken, `read_s` the time of a read, and
 /// `mclk_hz` the clock of the part; it calls settings by `names`. First F-55: temperature less often; if that does not
 /// suffice, F-56: a divider.
-pub fn proposal(taken: f64, read_s: f64, mclk_hz: u32, names: Names) -> Option<String> {
+pub fn proposal(taken: f64, read_s: f64, mclk_hz: u32, names: SettingNames) -> Option<String> {
     if taken >= 1.0 - BEARABLE {
         return None;
     }

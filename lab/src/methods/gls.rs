@@ -20,5 +20,5 @@ pub fn fit(recording: &Recording) -> Option<MethodResult> {
         max_order: MAX_ORDER,
         t3_c: blocks.last()?.temp_c,
     };
-    thermal::fit(&blocks, &assumed).ok().map(MethodResult::from)
+    temperature::fit(&blocks, &assumed).ok().map(MethodResult::from)
 }

@@ -160,7 +160,7 @@ fn refuse_frozen(args: &CaptureArgs, acquisition: &Acquisition) -> Result<()> {
     match acquisition.frozen_at_end() {
         None => Ok(()),
         Some(frozen) => {
-            let why = believed::frozen_text(&frozen, acquisition.start_ns());
+            let why = valid::frozen_text(&frozen, acquisition.start_ns());
             Err(CodedRefusal::new(
                 "frozen",
                 format!("{why}; {} holds the raw codes up to the end", args.output.display()),

@@ -81,7 +81,8 @@ impl IntactPart {
                 Err(error) => break Some(error),
             }
         };
-        let stated = table.end().map(|end| format!("{} of {} rows; ", end.rows.saturating_sub(rows), end.rows));
+        let stated =
+            table.end().ok().flatten().map(|end| format!("{} of {} rows; ", end.rows.saturating_sub(rows), end.rows));
         let missing = match damage {
             Some(error) if rows == 0 => return Err(error.into()),
             Some(error) => Some(format!("{}{error}", stated.unwrap_or_default())),

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::{Duration, Instant};
 use tokio::sync::{broadcast, oneshot};
-use zerorate::Say;
+use zerorate::Wording;
 use zerorate_host::{Bus, DeviceError, Hub, Losses, Poll, Stop, WatchedBatch};
 use zerorate_jobs::acquisition;
 use zerorate_view::SessionWarning;

@@ -110,7 +110,7 @@ impl Drop for BridgeConnection {
     }
 }
 
-fn greet(link: &SharedLink, address: &BridgeAddress, names: Names) -> Result<()> {
+fn greet(link: &SharedLink, address: &BridgeAddress, names: SettingNames) -> Result<()> {
     link.request(Command::Stop, Answer::Stopped.only())?;
     let (protocol, firmware) = link.request(Command::Hello, |answer| match answer {
         Answer::Hello { protocol, firmware, .. } => Some((protocol, firmware.to_owned())),
@@ -137,7 +137,7 @@ fn greet(link: &SharedLink, address: &BridgeAddress, names: Names) -> Result<()>
 
 /// Tells the bridge of a counter in the line of RDY, if there is one. Without one, old firmware need not know the
 /// command.
-fn tell_divided(link: &SharedLink, address: &BridgeAddress, names: Names) -> Result<()> {
+fn tell_divided(link: &SharedLink, address: &BridgeAddress, names: SettingNames) -> Result<()> {
     let edges = address.part.divided;
     if edges == 1 {
         return Ok(());

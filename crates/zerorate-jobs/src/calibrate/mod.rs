@@ -103,7 +103,7 @@ pub struct Job {
 ///
 /// # Errors
 /// Returns [`InvalidOptions`] if the plan does not fit the part.
-pub fn prepare(acquisition: Acquisition, plan: Plan, files: Files, names: Names) -> Result<Job> {
+pub fn prepare(acquisition: Acquisition, plan: Plan, files: Files, names: SettingNames) -> Result<Job> {
     let plan = Plan { earth_dps: plan.earth_dps.or(acquisition.facts().info.earth_dps), ..plan };
     let procedure =
         PartProcedure::new(acquisition.part(), plan).map_err(|error| InvalidOptions(error.with(names).to_string()))?;

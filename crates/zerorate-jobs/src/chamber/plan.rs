@@ -28,7 +28,7 @@ impl PlanFile {
     ///
     /// # Errors
     /// Returns [`InvalidOptions`] if the file is not a plan, or an error if it cannot be read.
-    pub fn read(name: &Path, of_recording: bool, outputs: &mut Outputs, names: Names) -> Result<Self> {
+    pub fn read(name: &Path, of_recording: bool, outputs: &mut Outputs, names: SettingNames) -> Result<Self> {
         let shown = name.display().to_string();
         let text = match shipped(name) {
             Some(text) => text.to_owned(),

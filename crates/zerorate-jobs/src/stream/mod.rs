@@ -184,7 +184,7 @@ impl<'a> RowMaker<'a> {
             if let Some(frozen) = acquisition.frozen() {
                 mean.flags = mean.flags.and(Flags::FROZEN);
                 self.write(&mut mean)?;
-                return Err(CodedRefusal::new("frozen", believed::frozen_text(&frozen, acquisition.start_ns())).into());
+                return Err(CodedRefusal::new("frozen", valid::frozen_text(&frozen, acquisition.start_ns())).into());
             }
         }
         if options.period_ns.is_none() { self.write(&mut mean) } else { Ok(()) }

@@ -41,7 +41,7 @@ impl Session {
         }
         if self.changed.statistics {
             let axes = self.live_view.axes.iter().map(|axis| (axis.name.as_str(), &axis.health));
-            let findings = believed::of_axes(axes, &self.live_view.tally, self.live_view.start_ns());
+            let findings = valid::of_axes(axes, &self.live_view.tally, self.live_view.start_ns());
             self.live_view.set_conditions(&findings.iter().map(NoticeText::from).collect::<Vec<_>>());
         }
         if let Some(guided) = &self.guided {

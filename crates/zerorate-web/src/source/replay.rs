@@ -9,7 +9,7 @@ use zerorate_record::{CaptureError, CaptureInfo, CaptureReader};
 /// A recording, which runs as fast as its readings.
 pub struct Replay {
     about: About,
-    reader: RowReader,
+    reader: CaptureReader,
     notes: Vec<NoticeText>,
 }
 

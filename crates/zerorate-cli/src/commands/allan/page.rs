@@ -1,8 +1,9 @@
 //! The result as one HTML page.
 
 use super::picture::Group;
-use super::temperature;
-use super::units::{self, deviation_unit, noise};
+use super::words::advice::advice;
+use super::words::units::{self, GaussMarkov, deviation_unit, noise};
+use super::words::warnings;
 use crate::output::StagedOutput;
 use anyhow::Result;
 use zerorate_allan::{Estimate, Fit, Line};

@@ -7,6 +7,7 @@ use crate::output::StagedOutput;
 use anyhow::Result;
 use std::path::Path;
 use zerorate_allan::{Fit, Line, Prediction};
+use zerorate_imu::Record;
 use zerorate_logs::Quantity;
 use zerorate_view::plot::{self, Curve, Minimum, PowerLaw, Signal, Spectrum, Tone, number};
 

@@ -104,7 +104,7 @@ impl GuidedMethod for ByHand {
             elapsed_s,
             left_s: (at_s - elapsed_s).max(0.0),
             advice: self.advice(),
-            threats: Vec::new(),
+            pending_refusals: Vec::new(),
             forecast: None,
             can_finish: false,
             is_enough: false,

@@ -87,7 +87,7 @@ impl GuidedMethod for Hour {
             elapsed_s: progress.elapsed_s,
             left_s: (progress.total_s - progress.elapsed_s).max(0.0),
             advice: self.advice(progress.state, temps_c),
-            threats: self.threats.clone(),
+            pending_refusals: self.pending_refusals.clone(),
             forecast: reached.map(|&Reached { u_pbc_dps, u_btc_dps_per_c, .. }| Forecast {
                 at_s: self.reached_s,
                 u_pbc_dps,

@@ -50,7 +50,7 @@ struct Stage {
     elapsed_s: f64,
     left_s: f64,
     advice: String,
-    threats: Vec<String>,
+    pending_refusals: Vec<String>,
     forecast: Option<Forecast>,
     can_finish: bool,
     is_enough: bool,
@@ -140,7 +140,7 @@ impl GuidedCalibration {
     }
 
     pub fn shown(&self) -> Calibrating {
-        let Stage { steps, elapsed_s, left_s, advice, threats, forecast, can_finish, is_enough } =
+        let Stage { steps, elapsed_s, left_s, advice, pending_refusals, forecast, can_finish, is_enough } =
             self.procedure.stage(self.temps_c);
         Calibrating::Running(Running {
             method: self.method,
