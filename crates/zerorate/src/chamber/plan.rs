@@ -5,6 +5,9 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
 
+/// Distance from the set point at which the air has reached it, °C.
+pub(super) const REACHED_C: f64 = 3.0;
+
 /// The steps of a measurement in a chamber. `docs/formats/plan.md` specifies the file form.
 ///
 /// ```

@@ -1,19 +1,16 @@
 //! The measurement in a chamber as a state machine without clock, bus or chamber: readings and times go in, and the
 //! set point of the air comes out.
 //!
-//! All transitions stand in one table (`procedure/table.rs`), and the judgements (`procedure/judging.rs`) say when
+//! All transitions stand in one table (`states.rs`), and the judgements (`procedure/judging.rs`) say when
 //! they are due. Samples alone decide them. The chamber's reading of its air can only end a measurement, so a
 //! recording of the samples gives the same result.
 
 mod judging;
-mod table;
 
-pub(super) use judging::REACHED_C;
-pub use table::ChamberState;
-
-use super::plan::ChamberPlan;
+use super::plan::{ChamberPlan, StepEnd};
 use super::record::Record;
 use super::refusal::ChamberRefusal;
+use super::states::{ChamberState, To, Until};
 use crate::health::block_means::BLOCK_NS;
 use crate::health::{Flags, Health, Judged, Tally};
 use crate::part::{Axis, CodeSum, NamedAxis, Part, Scan};
@@ -385,6 +382,37 @@ impl ChamberProcedure {
             self.record.temp_c.push(means[0].1);
             self.record.at_rest.push(true);
             self.record.rates_dps.iter_mut().zip(&means).for_each(|(rates, (rate_dps, _))| rates.push(*rate_dps));
+        }
+    }
+}
+
+impl ChamberProcedure {
+    /// Leaves a state that is over for the next one.
+    fn leave(&mut self, disturbed: bool) {
+        let row = self.state.row();
+        if let (true, Some(back)) = (disturbed, row.disturbed) {
+            return self.enter(back);
+        }
+        match row.to {
+            To::State(state) => self.enter(state),
+            To::ByStep { hold, average } => {
+                let is_held = matches!(self.plan.steps[self.step].end, StepEnd::Hold(_));
+                self.enter(if is_held { hold } else { average });
+            }
+            To::Next { step, end } => {
+                (self.step, self.disturbed) = (self.step + 1, 0);
+                self.enter(if self.step < self.plan.steps.len() { step } else { end });
+            }
+        }
+    }
+
+    fn enter(&mut self, state: ChamberState) {
+        // earlier motion does not belong to the new state
+        let _ = self.judge_rest();
+        self.state = state;
+        self.present = Present { began_s: self.now_s(), first: self.record.len(), ..Present::default() };
+        if matches!(self.state.row().until, Until::Arrived) {
+            self.arrived(0.0);
         }
     }
 }

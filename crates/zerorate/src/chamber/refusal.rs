@@ -1,6 +1,7 @@
 //! Refusals of a measurement in a chamber: the reasons why it ends without a result.
 
-use super::procedure::ChamberState;
+use super::plan::REACHED_C;
+use super::states::ChamberState;
 use crate::notice::{Refusal, because_of};
 use crate::temperature::ThermalError;
 use core::fmt;
@@ -192,7 +193,7 @@ struct Air(f64, Option<f64>);
 impl fmt::Display for Air {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self(set_c, Some(air_c)) if (air_c - set_c).abs() > super::procedure::REACHED_C => write!(
+            Self(set_c, Some(air_c)) if (air_c - set_c).abs() > REACHED_C => write!(
                 f,
                 "the chamber's air is only at {air_c:.1} °C, so close its door, and check that it is on and can reach \
                  {set_c:.1} °C"

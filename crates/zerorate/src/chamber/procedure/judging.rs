@@ -1,19 +1,17 @@
 //! Judgement of a measurement in a chamber, second by second: silence, an open door, the dwell at a set point, and
 //! rest.
 
-use super::table::Until;
-use super::{ChamberProcedure, ChamberState, Coming, Present};
-use crate::chamber::plan::StepEnd;
+use super::{ChamberProcedure, Coming, Present};
+use crate::chamber::plan::{REACHED_C, StepEnd};
 use crate::chamber::record::{Drift, Soak};
 use crate::chamber::refusal::{ChamberRefusal, Disturbance};
+use crate::chamber::states::{ChamberState, Until};
 use crate::health::block_means::{BLOCK_S, adjacent};
 use crate::health::stationarity::{self, Verdict};
 use crate::temperature::gls::{dot, take_out};
 
 use alloc::vec::Vec;
 
-/// Distance from the set point at which the air has reached it, °C.
-pub(in crate::chamber) const REACHED_C: f64 = 3.0;
 /// Readings beyond the limits that end the measurement. A single one may be an error of the line.
 const BEYOND: u32 = 2;
 /// Time in which the air must reach the set point, s, once the ramp has ended. Chambers take an hour for a hundred

@@ -1,8 +1,5 @@
 //! The states of a measurement in a chamber, as a table: the event that ends each state, and the state that follows.
 
-use super::{ChamberProcedure, Present};
-use crate::chamber::plan::StepEnd;
-
 use core::fmt;
 
 /// A state of the measurement. `Display` names it as a user would.
@@ -34,7 +31,7 @@ pub(super) enum Until {
 
 /// The state that follows.
 #[derive(Clone, Copy)]
-enum To {
+pub(super) enum To {
     State(ChamberState),
     /// The state depends on how the step ends.
     ByStep {
@@ -53,8 +50,8 @@ pub(super) struct StateRow {
     from: ChamberState,
     name: &'static str,
     pub(super) until: Until,
-    to: To,
-    disturbed: Option<ChamberState>,
+    pub(super) to: To,
+    pub(super) disturbed: Option<ChamberState>,
 }
 
 const STATES: usize = 6;
@@ -93,36 +90,5 @@ impl ChamberState {
 impl fmt::Display for ChamberState {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.row().name)
-    }
-}
-
-impl ChamberProcedure {
-    /// Leaves a state that is over for the next one.
-    pub(super) fn leave(&mut self, disturbed: bool) {
-        let row = self.state.row();
-        if let (true, Some(back)) = (disturbed, row.disturbed) {
-            return self.enter(back);
-        }
-        match row.to {
-            To::State(state) => self.enter(state),
-            To::ByStep { hold, average } => {
-                let is_held = matches!(self.plan.steps[self.step].end, StepEnd::Hold(_));
-                self.enter(if is_held { hold } else { average });
-            }
-            To::Next { step, end } => {
-                (self.step, self.disturbed) = (self.step + 1, 0);
-                self.enter(if self.step < self.plan.steps.len() { step } else { end });
-            }
-        }
-    }
-
-    pub(super) fn enter(&mut self, state: ChamberState) {
-        // earlier motion does not belong to the new state
-        let _ = self.judge_rest();
-        self.state = state;
-        self.present = Present { began_s: self.now_s(), first: self.record.len(), ..Present::default() };
-        if matches!(self.state.row().until, Until::Arrived) {
-            self.arrived(0.0);
-        }
     }
 }
