@@ -103,7 +103,7 @@ impl fmt::Display for Brief {
             Deviation::Curvature { dps_per_c2 } => write!(f, "bias bends by {dps_per_c2:+.5} °/s/°C²"),
             Deviation::Lag { lag_s } => write!(f, "the rate lags by {lag_s:.0} s"),
             Deviation::Hysteresis { width_c } => write!(f, "rate held for {width_c:.1} °C"),
-            Deviation::BaseMotion { hz, size_dps } => write!(f, "base moves ±{size_dps:.4} °/s in {:.0} s", 1.0 / hz),
+            Deviation::BaseMotion { hz, size_dps } => write!(f, "moves ±{size_dps:.4} °/s in {:.0} s", 1.0 / hz),
         }
     }
 }
