@@ -6,9 +6,8 @@ use crate::health::stationarity::Verdict;
 use crate::part::Axis;
 use crate::plan::{STATES, State};
 
-/// Sums over the windows of the procedure, one window for each step: over all blocks ([`Blocks`](super::blocks::Blocks)),
-/// or as many as fit into fixed memory ([`Running`](super::running::Running)). Times count from the start of the
-/// procedure.
+/// Sums over the windows of the procedure, one for each step: over all blocks ([`Blocks`](super::blocks::Blocks)), or
+/// over as many as fit into fixed memory ([`Running`](super::running::Running)). Times count from the start.
 pub trait WindowSums: Clone + core::fmt::Debug {
     /// Makes empty sums for readings of this axis.
     fn new(axis: &Axis) -> Self;
