@@ -16,7 +16,7 @@ use crate::error::{
     BusError, InitError, NoReading, OutOfRange, ReadError, SampleError, SelfTestError, VerifyError, WaitError,
 };
 use crate::frame::{Frame, Framing, RESET_FRAME, com_read};
-use crate::readback::{ConfigurationImage, Differences};
+use crate::readback::{Differences, WriteLog};
 use crate::registers::{
     AdcStatus, Address, ChannelStatus, Checksum, Iop, Mode, RateConv, RateCs, RateData, RateStatus, Readable,
     Register, Revision, TempConv, TempCs, TempData, TempStatus, Writable,
@@ -37,7 +37,7 @@ pub struct Adis16130<SPI, RDY> {
     spi: SPI,
     pub(super) rdy: RDY,
     pub(super) config: Config,
-    written: ConfigurationImage,
+    written: WriteLog,
     seen: ConvertedChannels,
     /// The command that has begun and is not known to have ended.
     in_flight: Option<Address>,
@@ -47,14 +47,7 @@ impl<SPI, RDY> Adis16130<SPI, RDY> {
     /// Takes the bus ([`crate::SPI_MODE`], at most [`crate::MAX_SCLK_HZ`]) and the RDY pin. Sends nothing:
     /// call [`restart`](Self::restart).
     pub const fn new(spi: SPI, rdy: RDY, config: Config) -> Self {
-        Self {
-            spi,
-            rdy,
-            config,
-            written: ConfigurationImage::NOTHING,
-            seen: ConvertedChannels::NOTHING,
-            in_flight: None,
-        }
+        Self { spi, rdy, config, written: WriteLog::NOTHING, seen: ConvertedChannels::NOTHING, in_flight: None }
     }
 
     /// Gives bus and pin back. The part goes on converting.
@@ -92,7 +85,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         let sent = self.spi.write(&RESET_FRAME).await;
         sent.map_err(|error| BusError::Transfer { register: Address::Com, error })?;
         self.in_flight = None;
-        self.written = ConfigurationImage::NOTHING;
+        self.written = WriteLog::NOTHING;
         self.seen = ConvertedChannels::NOTHING;
         Ok(())
     }

@@ -11,14 +11,14 @@ const CONFIGURED: [Address; 6] =
 
 /// The values written with success to the configuration registers since the reset.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub(crate) struct ConfigurationImage {
+pub(crate) struct WriteLog {
     /// In the order of [`CONFIGURED`]. MODE resets to 0; the others mean nothing until written.
     values: [u8; CONFIGURED.len()],
     /// Bit n is set when the n-th register has been written.
     known: u8,
 }
 
-impl ConfigurationImage {
+impl WriteLog {
     pub(crate) const NOTHING: Self = Self { values: [Mode::RESET.bits(); CONFIGURED.len()], known: 0 };
 
     /// Notes a successful write, and returns whether it begins the conversions anew, as a write of MODE does.

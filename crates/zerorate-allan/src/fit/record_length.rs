@@ -18,16 +18,16 @@ const LONGER: f64 = 1.5;
 /// It is never as short as the record, which does not show the parameter. `value` is the assumed size of the parameter
 /// at `place`. The length is interpolated between two doublings, linear in logarithms.
 pub(super) fn needed_s(
-    found: &Optimum,
+    best: &Optimum,
     samples: usize,
     (rate_hz, top_hz): (f64, f64),
     place: usize,
     value: f64,
 ) -> f64 {
     let length_s = samples as f64 / rate_hz;
-    let mut at = found.at.clone();
+    let mut at = best.at.clone();
     at[place] = value;
-    let form = ModelForm { drift: None, ..found.form };
+    let form = ModelForm { drift: None, ..best.form };
     let gain = |doublings: i32| {
         let longer = samples.saturating_mul(1 << doublings);
         evidence(form, &at, Table::new(all_edges(longer).into_iter(), &[], longer, rate_hz).below(top_hz), place)

@@ -26,28 +26,23 @@ use std::time::{Duration, Instant};
 use zerorate::{Setting, SettingNames};
 
 /// Opens the port, ends what the bridge was doing before, and sets its SPI clock.
-fn open(
-    address: &BridgeAddress,
-    name: &str,
-    setup: &Setup,
-    stop: &Stop,
-) -> crate::Result<ConnectedPart<BridgeConnection>> {
+fn open(address: &BridgeAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<ConnectedPart<BridgePart>> {
     let sampling = setup.sampling.config(address.part.divided);
     let facts = DeviceInfo::of_part(name, &address.part, sampling, address.mclk_hz, setup.part.as_ref())?;
     let link = SharedLink(Arc::new(Mutex::new(Link::new(Wire::open(&address.port)?))));
     greet(&link, address, setup.names).map_err(|error| link.explain(error, address))?;
     let edges = LastEdges { link: link.clone(), last: None };
     let live = Live::new(Transfers(link.clone()), edges, address.part.config, sampling, address.mclk_hz, stop);
-    Ok(ConnectedPart::new(BridgeConnection { address: address.clone(), link }, live, facts))
+    Ok(ConnectedPart::new(BridgePart { address: address.clone(), link }, live, facts))
 }
 
 /// The part behind a bridge. Sampling stops when it is dropped.
-struct BridgeConnection {
+struct BridgePart {
     address: BridgeAddress,
     link: SharedLink,
 }
 
-impl Connection for BridgeConnection {
+impl Connection for BridgePart {
     type Error = LinkError;
     type Spi = Transfers;
     type Edges = LastEdges;
@@ -103,7 +98,7 @@ impl Connection for BridgeConnection {
     }
 }
 
-impl Drop for BridgeConnection {
+impl Drop for BridgePart {
     fn drop(&mut self) {
         // a bridge that is gone needs no end
         let _ = self.link.request(Command::Stop, |_| Some(()));
