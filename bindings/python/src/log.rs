@@ -14,7 +14,8 @@ use zerorate_imu::{Axes, ImuOptions, Said};
 use zerorate_jobs::temperature;
 use zerorate_logs::TEMPERATURE_NAMES;
 use zerorate_logs::{
-    Column, ColumnOptions, Decimal, LogWarning, Names, Quantity, RawType, Series, Setting, TimeUnit, Unit, Wanted,
+    Column, ColumnOptions, ColumnSelection, Decimal, LogWarning, Names, Quantity, RawType, Series, Setting, TimeUnit,
+    Unit,
 };
 
 /// The source of numbers.
@@ -103,9 +104,9 @@ pub fn read_columns<'py>(
 ) -> PyResult<Vec<Bound<'py, PyDict>>> {
     let (options, given) = (options.checked()?, options.unit()?);
     let wanted = match &names {
-        None if every => Wanted::All,
-        None => Wanted::One(None),
-        Some(names) => Wanted::Listed(names),
+        None if every => ColumnSelection::All,
+        None => ColumnSelection::One(None),
+        Some(names) => ColumnSelection::Listed(names),
     };
     let (path, columns) = match opened(source)? {
         OpenSource::Table(path, table) => {
@@ -136,7 +137,7 @@ pub fn read_temperature<'py>(
         OpenSource::Table(path, table) => {
             let read = |name: &str| {
                 let wanted = [name.to_owned()];
-                zerorate_logs::read_table(&path, &table, Wanted::Listed(&wanted), &options).ok()?.pop()
+                zerorate_logs::read_table(&path, &table, ColumnSelection::Listed(&wanted), &options).ok()?.pop()
             };
             let column = name.map_or_else(|| TEMPERATURE_NAMES.into_iter().find_map(read), read);
             (path, column)
@@ -178,7 +179,7 @@ pub fn read_imu<'py>(
     let (path, axes) = match opened(source)? {
         OpenSource::Table(path, table) => {
             let listed = options.listed();
-            let wanted = listed.as_deref().map_or(Wanted::All, Wanted::Listed);
+            let wanted = listed.as_deref().map_or(ColumnSelection::All, ColumnSelection::Listed);
             let read = || Axes::of(&path, zerorate_logs::read_table(&path, &table, wanted, &options.log)?, &options);
             (path.clone(), py.detach(read))
         }

@@ -3,7 +3,7 @@
 use super::{ImuWarning, Kind, plausible};
 use crate::increments;
 use std::path::Path;
-use zerorate_logs::{Column, ColumnOptions, LogError, LogWarning, Parts, Quantity, Setting, Unit, Wanted};
+use zerorate_logs::{Column, ColumnOptions, ColumnSelection, LogError, LogWarning, Parts, Quantity, Setting, Unit};
 
 /// Facts about the axes that a log may not state itself.
 #[derive(Clone, Debug, Default)]
@@ -49,7 +49,7 @@ impl Axes {
     /// As for [`zerorate_logs::read_parts`], and where no column is an axis, or the unit of an axis is not known.
     pub fn read(path: &Path, parts: impl Into<Parts>, options: &ImuOptions) -> zerorate_logs::Result<Self> {
         let listed = options.listed();
-        let wanted = listed.as_deref().map_or(Wanted::All, Wanted::Listed);
+        let wanted = listed.as_deref().map_or(ColumnSelection::All, ColumnSelection::Listed);
         let (columns, no_rate) = zerorate_logs::read_without_rate(path, parts, wanted, &options.log)?;
         match (no_rate, Self::of(path, columns, options)) {
             (None, axes) => axes,

@@ -5,7 +5,7 @@ use anyhow::Result;
 use std::path::{Path, PathBuf};
 use zerorate_host::files;
 use zerorate_imu::{AnalysisOptions, Record, RecordError, SettlingError, increments};
-use zerorate_logs::{Column, ColumnOptions, Wanted};
+use zerorate_logs::{Column, ColumnOptions, ColumnSelection};
 
 /// The columns of logs to analyse, and the options of the analysis.
 pub struct AllanOptions {
@@ -35,9 +35,9 @@ pub enum Columns {
 /// Returns an error if a log cannot be read, or a column cannot be analysed.
 pub fn allan(logs: &[PathBuf], options: &AllanOptions) -> Result<Vec<Record>> {
     let wanted = match &options.columns {
-        Columns::Single => Wanted::One(options.log.column.as_deref()),
-        Columns::Listed(names) => Wanted::Listed(names),
-        Columns::All => Wanted::All,
+        Columns::Single => ColumnSelection::One(options.log.column.as_deref()),
+        Columns::Listed(names) => ColumnSelection::Listed(names),
+        Columns::All => ColumnSelection::All,
     };
     let mut records = Vec::new();
     for log in logs {

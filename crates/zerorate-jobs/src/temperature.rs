@@ -4,7 +4,7 @@ use crate::InvalidOptions;
 use std::path::Path;
 use zerorate_host::files;
 use zerorate_imu::Settling;
-use zerorate_logs::{Column, ColumnOptions, Setting, TEMPERATURE_NAMES, Wanted};
+use zerorate_logs::{Column, ColumnOptions, ColumnSelection, Setting, TEMPERATURE_NAMES};
 
 /// The temperature of the log at `path`: the column `name`, or a column with a usual name; none where the log has
 /// neither. The unit and scale in `options` are for other columns and do not apply to it.
@@ -13,7 +13,7 @@ pub fn of_log(path: &Path, name: Option<&str>, options: &ColumnOptions) -> Optio
     let options = ColumnOptions { column: None, unit: None, scale: None, ..options.clone() };
     let bytes = files::open(path).ok();
     zerorate_logs::temperature(name, bytes, |names| {
-        zerorate_logs::read_parts(path, files::log(path)?, Wanted::Listed(names), &options)
+        zerorate_logs::read_parts(path, files::log(path)?, ColumnSelection::Listed(names), &options)
     })
 }
 

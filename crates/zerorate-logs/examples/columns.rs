@@ -8,7 +8,7 @@
 use serde_json::{Value, json};
 use std::fs::File;
 use std::path::Path;
-use zerorate_logs::{ColumnOptions, InputError, LogError, Wanted, read_all};
+use zerorate_logs::{ColumnOptions, ColumnSelection, InputError, LogError, read_all};
 
 fn main() {
     let path = std::env::args().nth(1).expect("the name of a log");
@@ -20,7 +20,7 @@ fn columns(path: &Path) -> Result<Value, LogError> {
     let file = File::open(path).map_err(|error| InputError::io("read", path, error))?;
     // the rate changes no number
     let options = ColumnOptions { rate: Some(1.0), ..ColumnOptions::default() };
-    let columns = read_all(path, file.into(), Wanted::All, &options)?;
+    let columns = read_all(path, file.into(), ColumnSelection::All, &options)?;
     let pair = columns.iter().map(|column| Ok((&*column.name, column.points(path)?)));
     Ok(json!({"columns": pair.collect::<Result<Vec<_>, LogError>>()?}))
 }

@@ -3,12 +3,13 @@
 
 use super::tests::{numbers, options};
 use super::*;
+use std::path::Path;
 
 /// The content of a log: name and bits of each column, its rate, and the warnings.
 type Read = (Vec<(String, Vec<u64>)>, u64, Vec<LogWarning>);
 
 fn read(bytes: &[u8], said: &str) -> Result<Read> {
-    let columns = read_all(Path::new("log"), bytes.to_vec().into(), Wanted::All, &options(said))?;
+    let columns = read_all(Path::new("log"), bytes.to_vec().into(), ColumnSelection::All, &options(said))?;
     let rate = columns.first().map_or(0, |first| first.rate_hz.to_bits());
     let notes = columns.iter().flat_map(|column| column.warnings.clone()).collect();
     let bits = |column: &Column| numbers(column).into_iter().map(f64::to_bits).collect();

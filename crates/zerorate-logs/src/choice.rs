@@ -1,6 +1,9 @@
 //! The choice of columns of a file.
 
-use super::{ColumnOptions, LogError, LogWarning, Names, Result, Setting};
+use crate::error::{LogError, Result};
+use crate::options::ColumnOptions;
+use crate::setting::{Names, Setting};
+use crate::warning::LogWarning;
 use std::path::Path;
 use zerorate_input::{Quantity, TimeUnit, Unit, is_celsius};
 
@@ -9,7 +12,7 @@ const LISTED: usize = 100;
 
 /// The wanted columns of a log, each by its name or its number counted from 0.
 #[derive(Clone, Copy, Debug)]
-pub enum Wanted<'a> {
+pub enum ColumnSelection<'a> {
     /// This one; none: the rate of a capture, or the only column.
     One(Option<&'a str>),
     /// These, in this order.
@@ -76,9 +79,9 @@ pub struct Choice {
 
 impl Columns<'_> {
     /// The columns that were asked for; where nobody says which, those in `default` go before all others.
-    pub fn choose(&self, wanted: Wanted<'_>, args: &ColumnOptions, default: &[usize]) -> Result<Choice> {
+    pub fn choose(&self, wanted: ColumnSelection<'_>, args: &ColumnOptions, default: &[usize]) -> Result<Choice> {
         let lacks_rate = args.rate.is_none() && args.time_column.is_none() && self.stated_time(&[]).is_none();
-        let asks_rate = lacks_rate && default.is_empty() && !matches!(wanted, Wanted::Described(_));
+        let asks_rate = lacks_rate && default.is_empty() && !matches!(wanted, ColumnSelection::Described(_));
         self.chosen(wanted, args, default).map_err(|error| match error {
             // both questions in one run
             LogError::Ask(question) if asks_rate => {
@@ -89,38 +92,40 @@ impl Columns<'_> {
         })
     }
 
-    fn chosen(&self, wanted: Wanted<'_>, args: &ColumnOptions, default: &[usize]) -> Result<Choice> {
+    fn chosen(&self, wanted: ColumnSelection<'_>, args: &ColumnOptions, default: &[usize]) -> Result<Choice> {
         let time = args.time_column.as_deref().map(|wanted| self.position(wanted, Setting::TimeColumn)).transpose()?;
         let only = args.only.as_ref().map(|only| self.position(&only.column, Setting::Where)).transpose()?;
         let is_open = args.rate.is_none() && time.is_none();
-        let is_any = matches!((wanted, default), (Wanted::All | Wanted::One(None), []));
+        let is_any = matches!((wanted, default), (ColumnSelection::All | ColumnSelection::One(None), []));
         let time = if is_open && is_any { self.stated_time(&[]) } else { time };
         let values = match (wanted, default) {
-            (Wanted::One(Some(wanted)), _) => vec![self.position(wanted, Setting::Column)?],
-            (Wanted::One(None), [only]) => vec![*only],
-            (Wanted::One(None), _) => vec![self.only(time)?],
-            (Wanted::Listed(names), _) => {
+            (ColumnSelection::One(Some(wanted)), _) => vec![self.position(wanted, Setting::Column)?],
+            (ColumnSelection::One(None), [only]) => vec![*only],
+            (ColumnSelection::One(None), _) => vec![self.only(time)?],
+            (ColumnSelection::Listed(names), _) => {
                 names.iter().map(|wanted| self.position(wanted, Setting::Column)).collect::<Result<_>>()?
             }
-            (Wanted::All, []) => self.all(time).into_iter().filter(|at| Some(*at) != only).collect(),
-            (Wanted::All, rates) => rates.to_vec(),
-            (Wanted::Described(columns), _) => {
+            (ColumnSelection::All, []) => self.all(time).into_iter().filter(|at| Some(*at) != only).collect(),
+            (ColumnSelection::All, rates) => rates.to_vec(),
+            (ColumnSelection::Described(columns), _) => {
                 columns.iter().map(|column| self.described(column)).collect::<Result<_>>()?
             }
         };
         // a capture counts its samples itself
-        let are_named =
-            matches!((wanted, default), (Wanted::Described(_), _) | (Wanted::Listed(_) | Wanted::One(Some(_)), []));
+        let are_named = matches!(
+            (wanted, default),
+            (ColumnSelection::Described(_), _) | (ColumnSelection::Listed(_) | ColumnSelection::One(Some(_)), [])
+        );
         let time = if is_open && are_named { self.stated_time(&values) } else { time };
         self.check(&values, time)?;
         Ok(Choice { values, time, only })
     }
 
     /// Names the columns that hold no numbers, where all were asked for.
-    pub fn left_out(&self, wanted: Wanted<'_>, time: Option<usize>) -> Option<LogWarning> {
+    pub fn left_out(&self, wanted: ColumnSelection<'_>, time: Option<usize>) -> Option<LogWarning> {
         let is_left = |at: &usize| !self.numeric[*at] && Some(*at) != time;
         let left: Vec<&str> = (0..self.names.len()).filter(is_left).map(|at| self.names[at]).collect();
-        let is_said = matches!(wanted, Wanted::All) && !left.is_empty();
+        let is_said = matches!(wanted, ColumnSelection::All) && !left.is_empty();
         is_said.then(|| LogWarning::NoNumbers { path: self.path.display().to_string(), names: left.join(", ") })
     }
 

@@ -1,7 +1,8 @@
 //! The time column of a log: how fast it was sampled, and where samples are missing.
 
 use super::series::{join, missing_in};
-use super::{Gap, Names, Setting};
+use crate::setting::{Names, Setting};
+use zerorate_allan::Gap;
 use zerorate_input::TimeUnit;
 
 /// Root mean square of what is between a timestamp and an even clock, in sampling intervals, from which it is said.
@@ -140,7 +141,7 @@ impl Times {
     }
 
     /// Rate and gaps, if the clock is even enough for both to be beyond doubt. `names` is what options are called.
-    pub fn beat(&self, unit: TimeUnit, names: Names) -> Result<Beat, String> {
+    pub fn time_base(&self, unit: TimeUnit, names: Names) -> Result<TimeBase, String> {
         let rate = names.of(Setting::Rate);
         let interval = self.interval();
         let interval =
@@ -179,7 +180,7 @@ impl Times {
             true => steps as f64 * unit.per_s() / self.since_first[rows - 1],
             false => unit.per_s() / self.slope(&gaps),
         };
-        Ok(Beat { rate_hz, gaps, jitter, as_losses: is_coarse.then_some(unit.per_s() / interval) })
+        Ok(TimeBase { rate_hz, gaps, jitter, as_losses: is_coarse.then_some(unit.per_s() / interval) })
     }
 
     /// Jitter, gaps and steps of a clock that counts in steps a little shorter than the interval. A double step is no
@@ -319,7 +320,7 @@ pub fn median(numbers: &mut [f64]) -> f64 {
 
 /// The findings about a clock.
 #[derive(Debug, PartialEq)]
-pub struct Beat {
+pub struct TimeBase {
     /// Mean rate, lost samples included.
     pub rate_hz: f64,
     /// Before row `at`, `missing` samples were lost.
@@ -333,7 +334,7 @@ pub struct Beat {
 /// A relative error of a deviation that nobody notices.
 const NO_ERROR: f64 = 0.01;
 
-impl Beat {
+impl TimeBase {
     /// The text of a warning, if the jitter is large. The samples are taken as evenly spaced. If they were really
     /// taken when the timestamps say, each is w(t + δ) in place of w(t), with δ of rms j intervals τ₀:
     ///
@@ -396,12 +397,12 @@ impl Tracking {
 mod tests {
     use super::*;
 
-    fn beat(times: impl IntoIterator<Item = f64>) -> Result<Beat, String> {
+    fn time_base(times: impl IntoIterator<Item = f64>) -> Result<TimeBase, String> {
         let mut all = Times::new();
         for time in times {
             all.push_number(time)?;
         }
-        all.beat(TimeUnit::S, Names::default())
+        all.time_base(TimeUnit::S, Names::default())
     }
 
     /// Numbers of a normal distribution, nearly: sums of twelve.
@@ -416,7 +417,7 @@ mod tests {
 
     #[test]
     fn an_even_clock() {
-        let found = beat((0..1000).map(|i| 1.7e9 + f64::from(i) / 200.0)).unwrap();
+        let found = time_base((0..1000).map(|i| 1.7e9 + f64::from(i) / 200.0)).unwrap();
         assert!((found.rate_hz - 200.0).abs() < 1e-4 && found.gaps.is_empty());
     }
 
@@ -426,14 +427,14 @@ mod tests {
         for i in 0..100 {
             times.push_integer(1_700_000_000_000_000_000 + i * 175_439);
         }
-        assert!((times.beat(TimeUnit::Ns, Names::default()).unwrap().rate_hz * 175_439e-9 - 1.0).abs() < 1e-15);
+        assert!((times.time_base(TimeUnit::Ns, Names::default()).unwrap().rate_hz * 175_439e-9 - 1.0).abs() < 1e-15);
     }
 
     /// Rows 300..305 and 700 are missing.
     #[test]
     fn gaps_are_counted() {
         let there = (0..1000).filter(|i| !(300..305).contains(i) && *i != 700);
-        let found = beat(there.map(|i| f64::from(i) * 0.01)).unwrap();
+        let found = time_base(there.map(|i| f64::from(i) * 0.01)).unwrap();
         assert_eq!(found.gaps, [Gap { at: 300, missing: 5 }, Gap { at: 695, missing: 1 }]);
         assert!((found.rate_hz - 100.0).abs() < 1e-9);
     }
@@ -442,7 +443,7 @@ mod tests {
     #[test]
     fn a_clock_that_rounds() {
         for rate in [400.0, 640.0] {
-            let found = beat((0..2000).map(|i| (f64::from(i) / rate * 1e3).floor() * 1e-3)).unwrap();
+            let found = time_base((0..2000).map(|i| (f64::from(i) / rate * 1e3).floor() * 1e-3)).unwrap();
             assert!(found.gaps.is_empty(), "{rate} Hz: {:?}", found.gaps);
             assert!((found.rate_hz / rate - 1.0).abs() < 1e-3, "{}", found.rate_hz);
         }
@@ -454,29 +455,29 @@ mod tests {
     fn coarse_stamps_are_no_losses() {
         for rate in [667.0, 833.0, 952.0, 990.0, 1666.0] {
             let there = (0..60_000).filter(|i| !(30_000..30_500).contains(i));
-            let found = beat(there.map(|i| (f64::from(i) / rate * 1e3).floor() * 1e-3)).unwrap();
+            let found = time_base(there.map(|i| (f64::from(i) / rate * 1e3).floor() * 1e-3)).unwrap();
             assert!((found.rate_hz / rate - 1.0).abs() < 1e-4, "{rate} Hz: {}", found.rate_hz);
             assert!(missing_in(&found.gaps).abs_diff(500) < 3, "{rate} Hz: {:?}", found.gaps);
         }
-        let text = beat((0..60_000).map(|i| (f64::from(i) * 1.2).floor())).unwrap().jitter_text().unwrap();
+        let text = time_base((0..60_000).map(|i| (f64::from(i) * 1.2).floor())).unwrap().jitter_text().unwrap();
         assert!(text.contains("count in steps (or even losses at 1 Hz)"), "{text}");
         // as many losses by chance
         let mut late = normal(60_000);
         let there = (0..60_000).filter(|_| late.next().is_some_and(|z| z < 1.0));
-        let found = beat(there.map(|i| f64::from(i) * 1e-3)).unwrap();
+        let found = time_base(there.map(|i| f64::from(i) * 1e-3)).unwrap();
         assert!((found.rate_hz - 1000.0).abs() < 1e-3 && found.as_losses.is_none(), "{}", found.rate_hz);
     }
 
     /// A crystal that drifts by 200 ppm is followed.
     #[test]
     fn a_clock_that_drifts() {
-        let found = beat((0..100_000).map(|i| f64::from(i) * 0.01 * (1.0 + 2e-9 * f64::from(i)))).unwrap();
+        let found = time_base((0..100_000).map(|i| f64::from(i) * 0.01 * (1.0 + 2e-9 * f64::from(i)))).unwrap();
         assert!(found.gaps.is_empty());
     }
 
     #[test]
     fn one_late_row_is_no_gap() {
-        let found = beat((0..1000).map(|i| f64::from(i) + if i == 500 { 0.6 } else { 0.0 })).unwrap();
+        let found = time_base((0..1000).map(|i| f64::from(i) + if i == 500 { 0.6 } else { 0.0 })).unwrap();
         assert!(found.gaps.is_empty());
     }
 
@@ -491,16 +492,16 @@ mod tests {
                 times.sort_by(f64::total_cmp);
                 times
             };
-            let whole = beat(stamps(0..0)).unwrap();
+            let whole = time_base(stamps(0..0)).unwrap();
             assert!(whole.gaps.is_empty(), "{:?}", whole.gaps);
             assert!((whole.rate_hz / 200.0 - 1.0).abs() < 2e-6, "{}", whole.rate_hz);
             let text = whole.jitter_text().unwrap();
             assert!(text.contains("off an even clock by") && text.contains("judge from"), "{text}");
-            let found = beat(stamps(9_000..9_007)).unwrap();
+            let found = time_base(stamps(9_000..9_007)).unwrap();
             assert_eq!(missing_in(&found.gaps), 7, "{:?}", found.gaps);
             assert!(found.gaps.iter().all(|gap| gap.at.abs_diff(9_000) < 3), "{:?}", found.gaps);
         }
-        assert_eq!(beat((0..1000).map(f64::from)).unwrap().jitter_text(), None);
+        assert_eq!(time_base((0..1000).map(f64::from)).unwrap().jitter_text(), None);
     }
 
     /// The bound of the text holds for a simulated random walk, from one interval on.
@@ -536,32 +537,32 @@ mod tests {
             500..=504 => 504.0 + 0.01 * f64::from(i - 500),
             _ => f64::from(i),
         };
-        let found = beat((0..1000).map(time)).unwrap();
+        let found = time_base((0..1000).map(time)).unwrap();
         assert!(found.gaps.is_empty() && (found.rate_hz - 1.0).abs() < 1e-9, "{:?}", found.gaps);
         // beside some that are really missing, four of ten by chance
         let there = |i: &i32| i % 1000 == 0 || (i * i % 1009 * 7919) % 97 < 58;
-        let found = beat((0..=10_000).filter(there).map(|i| (f64::from(i) * 2.5).floor())).unwrap();
+        let found = time_base((0..=10_000).filter(there).map(|i| (f64::from(i) * 2.5).floor())).unwrap();
         assert!((found.rate_hz * 2.5 - 1.0).abs() < 1e-4, "{}", found.rate_hz);
     }
 
     #[test]
     fn clocks_without_a_beat_are_refused() {
-        assert!(beat([0.0]).unwrap_err().contains("fewer than two rows"));
-        assert!(beat([]).unwrap_err().contains("fewer than two rows"));
+        assert!(time_base([0.0]).unwrap_err().contains("fewer than two rows"));
+        assert!(time_base([]).unwrap_err().contains("fewer than two rows"));
         // rows that arrive in bursts of ten
         let bursts = (0..1000).map(|i| f64::from(i / 10) + f64::from(i % 10) * 0.002);
-        let said = beat(bursts).unwrap_err();
+        let said = time_base(bursts).unwrap_err();
         assert!(said.contains("unsteady: intervals of 0.002000 s to 0.982000 s around 0.002000 s"), "{said}");
         assert!(said.contains("samples would be missing in 99 places") && said.contains("give rate"), "{said}");
         // a clock that was set while it ran
-        let said = beat((0..1000).map(|i| f64::from(i) + if i < 600 { 0.0 } else { 1.7e9 })).unwrap_err();
+        let said = time_base((0..1000).map(|i| f64::from(i) + if i < 600 { 0.0 } else { 1.7e9 })).unwrap_err();
         assert!(said.contains("leaps forward by 1700000001.000 s at row 600"), "{said}");
         // intervals of any length: nothing is even
         let random = normal(5000).scan(0.0, |sum, z| {
             *sum += z * z;
             Some(*sum)
         });
-        let said = beat(random).unwrap_err();
+        let said = time_base(random).unwrap_err();
         assert!(said.contains("% of an interval (at most 50 %)"), "{said}");
     }
 }

@@ -1,10 +1,10 @@
 //! A column of a log, and what is known about it.
 
 use crate::column_checks::ColumnFacts;
+use crate::error::{Result, too_many};
 use crate::series::{Series, missing_in, with_gaps};
 use crate::setting::Names;
 use crate::warning::LogWarning;
-use crate::{Result, too_many};
 use std::path::Path;
 use zerorate_allan::{Gap, Input};
 use zerorate_input::Quantity;

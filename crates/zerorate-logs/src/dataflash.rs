@@ -6,7 +6,11 @@ use super::clock::Times;
 use super::open::{ARDUPILOT, Log};
 use super::series::SeriesBuilder;
 use super::topics::{Survey, several};
-use super::{Clock, ColumnQuery, Found, FoundColumn, LogError, Result, Setting, Wanted};
+use crate::choice::ColumnSelection;
+use crate::error::{LogError, Result};
+use crate::query::ColumnQuery;
+use crate::raw_columns::{Clock, RawColumn, RawColumns};
+use crate::setting::Setting;
 use crate::warning::LogWarning;
 use std::collections::BTreeMap;
 use std::io::{self, BufReader, Read};
@@ -25,7 +29,7 @@ const BUFFER: usize = 1 << 18;
 const PIECE: u64 = 1024;
 
 /// Reads fields of one kind of message, of one instance of the sensor.
-pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
+pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let Log { path, input, room, .. } = log;
     let mut topics = Topics::default();
     let mut messages = Messages::new(path, input);
@@ -61,12 +65,12 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
         let (path, bytes, places) = (path.display(), again.skipped, again.places);
         format!("{path}: {bytes} bytes in {places} places are no messages, and are skipped")
     });
-    let columns = chosen.fields.iter().zip(values).map(|(field, values)| FoundColumn {
+    let columns = chosen.fields.iter().zip(values).map(|(field, values)| RawColumn {
         stated: stated(&field.name),
-        ..FoundColumn::new(format!("{}.{}", chosen.topic, field.name), values)
+        ..RawColumn::new(format!("{}.{}", chosen.topic, field.name), values)
     });
     let clock = Clock::Column(format!("{}.{}", chosen.topic, chosen.time.0.name), times);
-    Ok(Found { columns: columns.collect(), clock, warnings: LogWarning::torn(lost), sample: Vec::new() })
+    Ok(RawColumns { columns: columns.collect(), clock, warnings: LogWarning::torn(lost), sample: Vec::new() })
 }
 
 /// The quantity of a field: rad/s and m/s² in all versions.
@@ -282,10 +286,10 @@ impl Topics {
 
     fn choose(&self, path: &Path, asked: &ColumnQuery<'_>) -> Result<Chosen> {
         let wanted: Option<Vec<&str>> = match asked.wanted {
-            Wanted::One(Some(name)) => Some(vec![name]),
-            Wanted::Listed(names) => Some(names.iter().map(String::as_str).collect()),
-            Wanted::Described(columns) => Some(columns.iter().map(|column| column.name.as_str()).collect()),
-            Wanted::One(None) | Wanted::All => None,
+            ColumnSelection::One(Some(name)) => Some(vec![name]),
+            ColumnSelection::Listed(names) => Some(names.iter().map(String::as_str).collect()),
+            ColumnSelection::Described(columns) => Some(columns.iter().map(|column| column.name.as_str()).collect()),
+            ColumnSelection::One(None) | ColumnSelection::All => None,
         };
         let of_name = |name: &&str| self.0.iter().find(|(topic, _)| name.starts_with(&format!("{topic}.")));
         let named = wanted.as_ref().and_then(|names| names.iter().find_map(of_name));
@@ -296,7 +300,9 @@ impl Topics {
         };
         let axes = || topic.form.fields.iter().filter(|field| is_axis(field));
         let fields = match &wanted {
-            None if matches!(asked.wanted, Wanted::One(_)) => return Err(unknown(path, asked, None, name, topic)),
+            None if matches!(asked.wanted, ColumnSelection::One(_)) => {
+                return Err(unknown(path, asked, None, name, topic));
+            }
             None => axes().cloned().collect(),
             Some(names) => names
                 .iter()

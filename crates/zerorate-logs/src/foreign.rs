@@ -5,6 +5,7 @@ use super::tests::{
     ULOG, numbers, options, there,
 };
 use super::*;
+use std::path::Path;
 use std::path::PathBuf;
 
 /// Holds a column against what was written.
@@ -70,7 +71,7 @@ fn bags_of_several_files() {
         let parts = files.iter().zip(0..).map(|(file, at)| (path.join(format!("{at}.mcap")), file.to_vec().into()));
         parts.collect::<Vec<(PathBuf, Input)>>()
     };
-    let read = |parts, said: &str| read_parts(path, parts, Wanted::One(Some("z")), &options(said));
+    let read = |parts, said: &str| read_parts(path, parts, ColumnSelection::One(Some("z")), &options(said));
     is_z(&read(parts(), "").unwrap()[0], "/imu.angular_velocity.z");
     assert_eq!(read(parts(), "--rate 5").unwrap()[0].series.len(), 19);
     let mut mixed = parts();
@@ -163,13 +164,15 @@ fn logs_of_px4() {
     is_z(&folder.read(ULOG, "--column sensor_combined.gyro_rad[2]").unwrap(), "sensor_combined.gyro_rad[2]");
     assert_eq!(numbers(&folder.read(ULOG, "--column sensor_gyro#1.z --rate 1").unwrap())[2], 1.0);
     assert_eq!(numbers(&folder.read(ULOG, "--column sensor_gyro#0.device_id").unwrap())[0], 7.0);
-    let all = read_all(Path::new("log"), ULOG.to_vec().into(), Wanted::All, &options("")).unwrap();
+    let all = read_all(Path::new("log"), ULOG.to_vec().into(), ColumnSelection::All, &options("")).unwrap();
     let names: Vec<&str> = all.iter().map(|column| column.name.as_str()).collect();
     assert_eq!((names.len(), names[3]), (6, "sensor_combined.accelerometer_m_s2[0]"));
     assert_eq!(all[5].quantity, Some(Quantity::Acceleration));
-    let of_topic = read_all(Path::new("log"), ULOG.to_vec().into(), Wanted::All, &options("--topic sensor_gyro#0"));
+    let of_topic =
+        read_all(Path::new("log"), ULOG.to_vec().into(), ColumnSelection::All, &options("--topic sensor_gyro#0"));
     assert_eq!(of_topic.unwrap()[2].name, "sensor_gyro#0.z");
-    let said = read_all(Path::new("log"), ULOG.to_vec().into(), Wanted::All, &options("--topic chat")).unwrap_err();
+    let said =
+        read_all(Path::new("log"), ULOG.to_vec().into(), ColumnSelection::All, &options("--topic chat")).unwrap_err();
     let rows: Vec<Vec<String>> =
         said.to_string().lines().map(|line| line.split_whitespace().map(str::to_owned).collect()).collect();
     let row = rows.iter().find(|row| row[0] == "sensor_gyro#0").expect("the row of a topic");
@@ -188,10 +191,11 @@ fn logs_of_ardupilot() {
     is_z(&column, "IMU[0].GyrZ");
     assert_eq!(column.scale, 1f64.to_degrees());
     assert_eq!(numbers(&folder.read(DATAFLASH, "--topic IMU[1] --column GyrZ").unwrap())[2], -0.5);
-    let of_topic = read_all(Path::new("log"), DATAFLASH.to_vec().into(), Wanted::All, &options("--topic IMU[1]"));
+    let of_topic =
+        read_all(Path::new("log"), DATAFLASH.to_vec().into(), ColumnSelection::All, &options("--topic IMU[1]"));
     let names: Vec<String> = of_topic.unwrap().into_iter().map(|column| column.name).collect();
     assert_eq!((names.len(), &*names[3]), (6, "IMU[1].AccX"));
-    let said = read_all(Path::new("log"), DATAFLASH.to_vec().into(), Wanted::All, &options("")).unwrap_err();
+    let said = read_all(Path::new("log"), DATAFLASH.to_vec().into(), ColumnSelection::All, &options("")).unwrap_err();
     let said = said.to_string();
     assert!(said.contains("several IMUs") && said.contains("IMU[0]") && !said.contains("BARO"), "{said}");
     assert!(folder.fails(DATAFLASH, "--column IMU[0].Nothing").contains("one of: IMU[0].GyrX"));

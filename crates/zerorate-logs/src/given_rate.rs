@@ -1,7 +1,8 @@
 //! A rate that the user gave, compared with the stamps of the log.
 
 use crate::sample::Sampled;
-use crate::{LogWarning, Names};
+use crate::setting::Names;
+use crate::warning::LogWarning;
 use std::path::Path;
 
 /// A relative difference between a rate that was given and the rate of the stamps that is said: a clock and a sensor
@@ -32,7 +33,7 @@ pub fn of_stamps(all_hz: Option<f64>, sample: &[Sampled]) -> Option<(f64, f64)> 
     let times = column.times()?;
     let rows = times.since_first();
     if rows.is_sorted_by(|one, next| one < next) {
-        return times.beat(unit, Names::default()).ok().map(|beat| (beat.rate_hz, RATE_OFF));
+        return times.time_base(unit, Names::default()).ok().map(|time_base| (time_base.rate_hz, RATE_OFF));
     }
     let steps = rows.windows(2).filter(|pair| pair[0] < pair[1]).count();
     let rate_hz = (rows.len() - 1) as f64 * unit.per_s() / rows.last()?;

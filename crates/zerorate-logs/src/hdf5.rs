@@ -3,13 +3,15 @@
 //! Data sets of numbers have their path as a name: `imu/gyro`, or in MATLAB `imu.gyro`. Numbers in data sets of
 //! compounds, as PyTables writes tables, are called `table.gz`. Other data sets are ignored.
 
-use super::choice::{Choice, Columns, same_length};
 use super::clock::Times;
 use super::number::Number;
 use super::open::Log;
 use super::series::SeriesBuilder;
-use super::{Clock, ColumnQuery, Found, FoundColumn, Result};
 use super::{hdf5_index, lzf};
+use crate::choice::{Choice, Columns, same_length};
+use crate::error::Result;
+use crate::query::ColumnQuery;
+use crate::raw_columns::{Clock, RawColumn, RawColumns};
 use crate::warning::LogWarning;
 use hdf5_reader::datatype_api::CompoundField;
 use hdf5_reader::error::{ByteOrder, Error};
@@ -45,7 +47,7 @@ const CACHE: usize = 64 << 20;
 const MAX_HEADER: usize = 1 << 22;
 
 /// Reads columns of its data sets.
-pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
+pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let Log { path, input, room, .. } = log;
     let behind = end(&input).map(|end| InputWarning::behind_end(path, &input, end)).transpose()?.flatten();
     let sets = sets(path, input, room)?;
@@ -72,10 +74,10 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
         }
     }
     let clock = time.map_or(Clock::Silent, |time| Clock::Column(columns[time].name.clone(), times));
-    let name = |(at, values): (usize, SeriesBuilder)| FoundColumn::new(wanted[at].name.clone(), values);
+    let name = |(at, values): (usize, SeriesBuilder)| RawColumn::new(wanted[at].name.clone(), values);
     let columns = values.into_iter().enumerate().map(name).collect();
     let warnings = behind.map(LogWarning::from).into_iter().collect();
-    Ok(Found { columns, clock, warnings, sample: Vec::new() })
+    Ok(RawColumns { columns, clock, warnings, sample: Vec::new() })
 }
 
 /// The data sets of numbers, in the order of their names, because a file lists them in any order.

@@ -4,11 +4,15 @@
 use super::clock::Times;
 use super::message::{Body, Encoding, is_imu};
 use super::nested::{self, Place};
-use super::parts::miscounted;
 use super::series::SeriesBuilder;
 use super::topics::{Survey, Topic, several};
-use super::{Clock, ColumnOptions, ColumnQuery, Found, FoundColumn, LogError, Names, Result, Setting, Wanted, wrong};
+use crate::choice::ColumnSelection;
+use crate::error::{LogError, Result, wrong};
+use crate::options::ColumnOptions;
+use crate::query::ColumnQuery;
+use crate::raw_columns::{Clock, RawColumn, RawColumns};
 use crate::sample::Sampled;
+use crate::setting::{Names, Setting};
 use crate::warning::LogWarning;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -89,10 +93,10 @@ impl Quantities {
         survey: impl FnOnce() -> Survey,
     ) -> Result<Self> {
         let names: Vec<Option<&str>> = match asked.wanted {
-            Wanted::One(name) => vec![name],
-            Wanted::Listed(names) => names.iter().map(|name| Some(name.as_str())).collect(),
-            Wanted::Described(columns) => columns.iter().map(|column| Some(column.name.as_str())).collect(),
-            Wanted::All => QUANTITIES.iter().map(|(name, _)| Some(*name)).collect(),
+            ColumnSelection::One(name) => vec![name],
+            ColumnSelection::Listed(names) => names.iter().map(|name| Some(name.as_str())).collect(),
+            ColumnSelection::Described(columns) => columns.iter().map(|column| Some(column.name.as_str())).collect(),
+            ColumnSelection::All => QUANTITIES.iter().map(|(name, _)| Some(*name)).collect(),
         };
         let only = match &asked.args.topic {
             Some(topic) => topics.get_key_value(topic),
@@ -147,7 +151,7 @@ pub fn without_imu(path: &Path, others: &BTreeMap<String, String>) -> LogError {
 
 /// A quantity that messages do not have, or that was not named.
 fn unknown(path: &Path, topic: &str, wanted: Option<&str>, names: Names) -> LogError {
-    if wanted == Some(super::choice::TEMPERATURE_COLUMN) {
+    if wanted == Some(crate::choice::TEMPERATURE_COLUMN) {
         return LogError::Ask(format!(
             "{}: a message of sensor_msgs/Imu holds no temperature, and a part is calibrated over its temperature; \
              join the temperature of another topic to it in a table, such as CSV or Parquet",
@@ -233,10 +237,12 @@ impl<'a> Collector<'a> {
 
     /// All messages were read; `of_end` says what is wrong with the end of the file, and `stated` how many messages
     /// there are by its own account.
-    pub fn finish(self, of_end: Option<InputWarning>, stated: Option<u64>) -> Found {
+    pub fn finish(self, of_end: Option<InputWarning>, stated: Option<u64>) -> RawColumns {
         let Self { path, wanted, values, mut times, messages, has_rate } = self;
         let miscounted = match (&of_end, stated) {
-            (None, Some(stated)) if stated != messages => Some(miscounted(path, &wanted.name, stated, messages)),
+            (None, Some(stated)) if stated != messages => {
+                Some(LogWarning::miscounted(path, &wanted.name, stated, messages))
+            }
             _ => None,
         };
         times.unit = Some(TimeUnit::Ns);
@@ -245,7 +251,7 @@ impl<'a> Collector<'a> {
             true => (Clock::Silent, vec![Sampled::of_times(&stamps, &times)]),
             false => (Clock::Column(stamps, times), Vec::new()),
         };
-        let column = |((quantity, _), values): ((&str, usize), SeriesBuilder)| FoundColumn {
+        let column = |((quantity, _), values): ((&str, usize), SeriesBuilder)| RawColumn {
             name: format!("{}.{quantity}", wanted.name),
             values,
             // REP-103 of ROS
@@ -259,7 +265,7 @@ impl<'a> Collector<'a> {
         };
         let columns = wanted.all.into_iter().zip(values).map(column).collect();
         let warnings = of_end.map(LogWarning::from).into_iter().chain(miscounted).collect();
-        Found { columns, clock, warnings, sample }
+        RawColumns { columns, clock, warnings, sample }
     }
 }
 

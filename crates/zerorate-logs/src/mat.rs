@@ -4,11 +4,13 @@
 //! Packed data carries a check (Adler-32), other data carries none. A matrix of numbers that contradicts itself is an
 //! error: if it were left out, nobody would miss its columns.
 
-use super::choice::{Choice, Columns, same_length};
 use super::clock::Times;
 use super::open::{Log, MATLAB};
 use super::series::SeriesBuilder;
-use super::{Clock, ColumnQuery, Found, FoundColumn, Result};
+use crate::choice::{Choice, Columns, same_length};
+use crate::error::Result;
+use crate::query::ColumnQuery;
+use crate::raw_columns::{Clock, RawColumn, RawColumns};
 use crate::warning::LogWarning;
 use flate2::read::ZlibDecoder;
 use std::io::{BufReader, Read};
@@ -40,7 +42,7 @@ const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
 
 /// Reads columns of its matrices.
-pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
+pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let Log { path, input, room, .. } = log;
     let mut file = BufReader::with_capacity(BUFFER, input);
     let (variables, of_end) = variables(path, &mut file, room)?;
@@ -60,7 +62,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
         None => Clock::Silent,
     };
     let warnings = of_end.map(LogWarning::from).into_iter().collect();
-    Ok(Found { columns: found, clock, warnings, sample: Vec::new() })
+    Ok(RawColumns { columns: found, clock, warnings, sample: Vec::new() })
 }
 
 /// The variables of a file, unpacked, up to where it is torn or another file follows, which is said.
@@ -340,7 +342,7 @@ impl Variable<'_> {
         })
     }
 
-    fn values(&self, path: &Path, room: MemoryBudget, sharing: usize) -> Result<FoundColumn, InputError> {
+    fn values(&self, path: &Path, room: MemoryBudget, sharing: usize) -> Result<RawColumn, InputError> {
         let mut values = SeriesBuilder::sharing(room, sharing);
         values.check_room(self.rows() as u64).map_err(|why| InputError::over_budget(path, why))?;
         for (row, cell) in self.cells().enumerate() {
@@ -350,7 +352,7 @@ impl Variable<'_> {
                 Value::Number(_) => return Err(self.wrong(path, row, "it is infinite, which cannot be averaged")),
             }
         }
-        Ok(FoundColumn::new(self.name.clone(), values))
+        Ok(RawColumn::new(self.name.clone(), values))
     }
 
     fn times(&self, path: &Path) -> Result<Times, InputError> {
@@ -367,6 +369,6 @@ impl Variable<'_> {
     }
 
     fn wrong(&self, path: &Path, row: usize, what: &str) -> InputError {
-        super::wrong(path, format_args!("column {}, row {row}", self.name), what)
+        crate::error::wrong(path, format_args!("column {}, row {row}", self.name), what)
     }
 }

@@ -6,7 +6,9 @@ use super::imu_messages::{Collector, Quantities, Sources, sources, without_imu};
 use super::message::Encoding;
 use super::open::Log;
 use super::topics::Survey;
-use super::{ColumnQuery, Found, Result};
+use crate::error::Result;
+use crate::query::ColumnQuery;
+use crate::raw_columns::RawColumns;
 use mcap::Channel;
 use messages::{Messages, Torn};
 use std::borrow::Cow;
@@ -17,7 +19,7 @@ use zerorate_input::limits::MemoryBudget;
 use zerorate_input::{Input, InputError, InputWarning};
 
 /// Reads quantities of the IMU messages.
-pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
+pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let (path, mut file) = (log.path, log.input);
     let (topics, others) = topics(path, &mut file, log.room)?;
     if topics.is_empty() {

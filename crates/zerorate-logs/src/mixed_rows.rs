@@ -6,8 +6,10 @@
 //! axes of which level or noise differ from value to value.
 
 use crate::clock::{Times, median};
+use crate::error::{LogError, Result};
+use crate::raw_columns::{Clock, RawColumns, first_rows};
 use crate::sample::{Cell, Sampled};
-use crate::{Clock, Found, LogError, Names, Result, Setting};
+use crate::setting::{Names, Setting};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -80,8 +82,8 @@ const NO_IDS: [&str; 18] = [
 ///
 /// # Errors
 /// The column that tells the sensors apart, and how many rows share a stamp.
-pub fn check(found: &Found, path: &Path, names: Names) -> Result<()> {
-    let sample = Sampled::of(&found.sample, &found.columns);
+pub fn check(found: &RawColumns, path: &Path, names: Names) -> Result<()> {
+    let sample = first_rows(&found.sample, &found.columns);
     let stated = sample.iter().find(|column| column.stated_time().is_some()).and_then(Sampled::times);
     let times = if let Clock::Column(_, times) = &found.clock { Some(times) } else { stated.as_ref() };
     let read = found.columns.iter().map(|column| &*column.name).collect();

@@ -3,11 +3,13 @@
 
 mod header;
 
-use super::choice::{Choice, Columns, same_length};
 use super::clock::Times;
 use super::open::Log;
 use super::series::SeriesBuilder;
-use super::{Clock, ColumnQuery, Found, FoundColumn, Result, wrong};
+use crate::choice::{Choice, Columns, same_length};
+use crate::error::{Result, wrong};
+use crate::query::ColumnQuery;
+use crate::raw_columns::{Clock, RawColumn, RawColumns};
 use crate::warning::LogWarning;
 use header::{Element, Form, Header, Kind};
 use std::io::{BufReader, Read, Seek, SeekFrom};
@@ -19,7 +21,7 @@ use zerorate_input::{Input, InputError, InputWarning, TimeUnit};
 const BUFFER: usize = 1 << 18;
 
 /// Reads columns of an array.
-pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
+pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let Log { path, mut input, room, .. } = log;
     let length = input.length().map_err(|error| InputError::io("read", path, error))?;
     let array = Array::new(path, &mut input, length, "")?;
@@ -72,7 +74,7 @@ pub fn read_arrays(
     arrays: &[Array],
     asked: &ColumnQuery<'_>,
     mut open: impl FnMut(usize, bool) -> Result<Option<Input>, InputError>,
-) -> Result<Found> {
+) -> Result<RawColumns> {
     let of_array = |(at, array): (usize, &Array)| (0..array.fields.len()).map(move |field| (at, field));
     let places: Vec<(usize, usize)> = arrays.iter().enumerate().flat_map(of_array).collect();
     let field = |at: &usize| &arrays[places[*at].0].fields[places[*at].1];
@@ -108,9 +110,9 @@ pub fn read_arrays(
         })?;
     }
     let clock = time.map_or(Clock::Silent, |_| Clock::Column(names[chosen.len()].clone(), times));
-    let columns = names.into_iter().zip(values).map(|(name, values)| FoundColumn::new(name, values));
+    let columns = names.into_iter().zip(values).map(|(name, values)| RawColumn::new(name, values));
     let warnings = left_out.into_iter().collect();
-    Ok(Found { columns: columns.collect(), clock, warnings, sample: Vec::new() })
+    Ok(RawColumns { columns: columns.collect(), clock, warnings, sample: Vec::new() })
 }
 
 /// The row among the rows at hand, and the error.

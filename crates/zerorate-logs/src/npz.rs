@@ -3,7 +3,9 @@
 
 use super::npy::{self, Array};
 use super::open::{Log, Unpacking};
-use super::{ColumnQuery, Found, Result};
+use crate::error::Result;
+use crate::query::ColumnQuery;
+use crate::raw_columns::RawColumns;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
 use zerorate_input::catch_panic::catch_panic;
@@ -19,7 +21,7 @@ const BUFFER: usize = 1 << 18;
 const MAX_COLUMNS: usize = 1 << 16;
 
 /// Reads columns of the arrays of an archive, each by the name of its array.
-pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
+pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let Log { path, input, room, .. } = log;
     let again = input.try_clone().map_err(|error| InputError::io("read", path, error))?;
     let (archive, names) = open(path, input)?;

@@ -1,6 +1,14 @@
 //! Numbers as people write them: with a decimal point or a decimal comma, or not there at all.
 
-use super::Decimal;
+/// A decimal mark.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+pub enum Decimal {
+    /// 1.5
+    Point,
+    /// 1,5
+    Comma,
+}
 
 /// The content of a cell of text.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! The rows of a table that are read.
 
-use crate::LogError;
+use crate::error::LogError;
 use std::path::Path;
 use std::str::FromStr;
 

@@ -2,8 +2,8 @@
 //! sorted, and rows that are there twice are dropped. A clock that was set back is followed. Each of these is counted
 //! and said. Where it happens too often, the log is refused, with the place.
 
-use super::FoundColumn;
 use super::clock::Times;
+use crate::raw_columns::RawColumn;
 
 /// The values at which counters wrap around, in their own unit: counters of 16, 24 and 32 bits, of 32 bits in µs that
 /// was written in s or ms, and times of a day and of a week.
@@ -44,7 +44,7 @@ const MAX_STEPS: f64 = 0.001;
 const COARSE: f64 = 0.05;
 
 /// Puts rows in the order of their times. What was done is said; `Err` tells why nothing can be.
-pub fn mend(times: &mut Times, columns: &mut [FoundColumn]) -> Result<Vec<String>, String> {
+pub fn repair_times(times: &mut Times, columns: &mut [RawColumn]) -> Result<Vec<String>, String> {
     if times.since_first().is_sorted_by(|one, next| one < next) {
         return Ok(Vec::new());
     }
@@ -182,7 +182,7 @@ fn late(rows: &[TimedRow], row: usize, interval: f64) -> Option<(usize, usize)> 
 }
 
 /// Drops rows that are there twice, and gives the others that share a stamp times of their own.
-fn separate(rows: &mut Vec<TimedRow>, columns: &[FoundColumn], interval: f64) -> Result<Vec<String>, String> {
+fn separate(rows: &mut Vec<TimedRow>, columns: &[RawColumn], interval: f64) -> Result<Vec<String>, String> {
     let shared = rows.windows(2).filter(|pair| pair[0].time == pair[1].time).count();
     if shared == 0 {
         return Ok(Vec::new());
@@ -274,8 +274,8 @@ mod tests {
             times.push_number(*time)?;
             values.push_number(*value);
         }
-        let mut columns = [FoundColumn::new("x".to_owned(), values)];
-        let said = mend(&mut times, &mut columns)?;
+        let mut columns = [RawColumn::new("x".to_owned(), values)];
+        let said = repair_times(&mut times, &mut columns)?;
         let [column] = columns;
         let Ok((Series::Numbers(values), _)) = column.values.finish(&[]) else { panic!("numbers") };
         Ok((times.since_first().to_vec(), values, said.join("; ")))

@@ -4,7 +4,9 @@ use super::open::Log;
 use super::sample::ROWS;
 use super::series::ROW_BYTES;
 use super::tabular::TableColumns;
-use super::{ColumnQuery, Found, Result};
+use crate::error::Result;
+use crate::query::ColumnQuery;
+use crate::raw_columns::RawColumns;
 use arrow_array::{ArrayRef, RecordBatch};
 use arrow_schema::{DataType, Field, FieldRef, Schema};
 use bytes::{Buf, Bytes, buf};
@@ -27,7 +29,7 @@ use zerorate_input::{Input, InputError};
 const PIECE: usize = 1 << 16;
 
 /// Reads columns.
-pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
+pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let Log { path, input: file, room, .. } = log;
     let metadata = guarded(path, || ArrowReaderMetadata::load(&file, ArrowReaderOptions::default()))?;
     refuse_joined(path, metadata.metadata(), &file)?;

@@ -1,6 +1,12 @@
 //! A log that lies in several files, one behind the other: a bag of ROS 2 that was split.
 
-use super::{Clock, Column, ColumnOptions, ColumnQuery, Found, LogError, Result, Wanted, find};
+use crate::choice::ColumnSelection;
+use crate::column::Column;
+use crate::error::{LogError, Result};
+use crate::options::ColumnOptions;
+use crate::query::ColumnQuery;
+use crate::raw_columns::{Clock, RawColumns};
+use crate::read::find;
 use crate::warning::LogWarning;
 use std::path::{Path, PathBuf};
 use zerorate_input::Input;
@@ -24,7 +30,7 @@ impl From<Vec<(PathBuf, Input)>> for Parts {
 pub fn read_parts(
     path: &Path,
     parts: impl Into<Parts>,
-    wanted: Wanted<'_>,
+    wanted: ColumnSelection<'_>,
     args: &ColumnOptions,
 ) -> Result<Vec<Column>> {
     let (columns, no_rate) = read_without_rate(path, parts, wanted, args)?;
@@ -35,7 +41,7 @@ pub fn read_parts(
 pub fn read_without_rate(
     path: &Path,
     parts: impl Into<Parts>,
-    wanted: Wanted<'_>,
+    wanted: ColumnSelection<'_>,
     args: &ColumnOptions,
 ) -> Result<(Vec<Column>, Option<LogError>)> {
     found(path, parts.into(), &ColumnQuery::of(wanted, args))?.finish_without_rate(path, args)
@@ -45,7 +51,7 @@ pub fn read_without_rate(
 pub fn read_with_temperature(
     path: &Path,
     parts: impl Into<Parts>,
-    wanted: Wanted<'_>,
+    wanted: ColumnSelection<'_>,
     args: &ColumnOptions,
 ) -> Result<(Vec<Column>, Option<Column>)> {
     // a unit and a scale are for the columns that are wanted
@@ -57,9 +63,9 @@ pub fn read_with_temperature(
     Ok((columns, temperature))
 }
 
-fn found(path: &Path, parts: Parts, asked: &ColumnQuery<'_>) -> Result<Found> {
+fn found(path: &Path, parts: Parts, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let Parts { files, messages } = parts;
-    let mut all: Option<Found> = None;
+    let mut all: Option<RawColumns> = None;
     for (part, input) in files {
         let found = find(&part, input, asked)?;
         match &mut all {
@@ -72,14 +78,14 @@ fn found(path: &Path, parts: Parts, asked: &ColumnQuery<'_>) -> Result<Found> {
     Ok(all)
 }
 
-impl Found {
+impl RawColumns {
     /// Says so where the topic that was read has another number of messages than the description of its bag states.
     fn hold_against(&mut self, path: &Path, stated: &[(String, u64)]) {
         let Some(column) = self.columns.first() else { return };
         let is_read = |topic: &str| column.name.strip_prefix(topic).is_some_and(|rest| rest.starts_with('.'));
         let found = column.values.rows();
         let differs = stated.iter().find(|(topic, stated)| is_read(topic) && *stated != found);
-        self.warnings.extend(differs.map(|(topic, stated)| miscounted(path, topic, *stated, found)));
+        self.warnings.extend(differs.map(|(topic, stated)| LogWarning::miscounted(path, topic, *stated, found)));
     }
 
     /// Adds what the next file of the same log holds.
@@ -100,9 +106,4 @@ impl Found {
         self.warnings.extend(next.warnings);
         Ok(())
     }
-}
-
-/// A bag states how many messages of a topic it has, and has another number of them.
-pub fn miscounted(path: &Path, topic: &str, stated: u64, found: u64) -> LogWarning {
-    LogWarning::Miscounted { path: path.display().to_string(), topic: topic.to_owned(), stated, found }
 }

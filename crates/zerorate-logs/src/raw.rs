@@ -2,7 +2,9 @@
 
 use super::open::Log;
 use super::series::SeriesBuilder;
-use super::{Clock, Found, FoundColumn, Names, Result, Setting, wrong};
+use crate::error::{Result, wrong};
+use crate::raw_columns::{Clock, RawColumn, RawColumns};
+use crate::setting::{Names, Setting};
 use std::io::{ErrorKind, Read};
 use zerorate_input::InputError;
 
@@ -46,7 +48,7 @@ impl RawType {
 }
 
 /// Reads the whole file as one column.
-pub fn read(log: Log<'_>, raw: RawType, names: Names) -> Result<Found> {
+pub fn read(log: Log<'_>, raw: RawType, names: Names) -> Result<RawColumns> {
     let setting = names.of(Setting::Raw);
     let failed = |error| InputError::io("read", log.path, error);
     let bytes = log.input.length().map_err(failed)?;
@@ -80,8 +82,8 @@ pub fn read(log: Log<'_>, raw: RawType, names: Names) -> Result<Found> {
             wrong(log.path, format_args!("number {}", first + at as u64), what)
         })?;
     }
-    let columns = vec![FoundColumn::new("raw".to_owned(), values)];
-    Ok(Found { columns, clock: Clock::Silent, warnings: Vec::new(), sample: Vec::new() })
+    let columns = vec![RawColumn::new("raw".to_owned(), values)];
+    Ok(RawColumns { columns, clock: Clock::Silent, warnings: Vec::new(), sample: Vec::new() })
 }
 
 fn numbers<const N: usize, T>(block: &[u8], decode: impl Fn([u8; N]) -> T) -> impl ExactSizeIterator<Item = T> {

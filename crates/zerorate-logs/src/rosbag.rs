@@ -5,7 +5,9 @@ use super::imu_messages::{Collector, Quantities, Sources, sources, without_imu};
 use super::message::Encoding;
 use super::open::{Log, ROS_BAG};
 use super::topics::Survey;
-use super::{ColumnQuery, Found, Result};
+use crate::error::Result;
+use crate::query::ColumnQuery;
+use crate::raw_columns::RawColumns;
 use std::collections::BTreeMap;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
@@ -25,7 +27,7 @@ const CHUNK_INFO: u8 = 6;
 const CONNECTION: u8 = 7;
 
 /// Reads quantities of the IMU messages.
-pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
+pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let (path, room) = (log.path, log.room);
     let mut file = BufReader::with_capacity(BUFFER, log.input);
     let (topics, others) = topics(path, &mut file, room)?;

@@ -1,12 +1,10 @@
 //! The first rows of a table with all their columns: what columns that nobody asked for tell of the rows.
 
-use crate::FoundColumn;
 use crate::clock::Times;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Int64Type;
 use arrow_array::{Array, ArrayRef};
 use arrow_schema::{DataType, Field, TimeUnit as ArrowUnit};
-use std::borrow::Cow;
 use zerorate_input::cells::{floats, integers};
 use zerorate_input::{TimeUnit, Unit};
 
@@ -72,13 +70,6 @@ impl Sampled {
     pub fn of_times(name: &str, times: &Times) -> Self {
         let cells = times.since_first().iter().take(ROWS).map(|time| Cell::number(*time)).collect();
         Self { cells, time_unit: times.unit, ..Self::new(name) }
-    }
-
-    /// The first rows of a log, if its reader saw all its columns, or else those of the columns that were read.
-    pub fn of<'a>(seen: &'a [Self], columns: &[FoundColumn]) -> Cow<'a, [Self]> {
-        let cells = |column: &FoundColumn| column.values.first_rows(ROWS).into_iter().map(Cell::number).collect();
-        let read = |column: &FoundColumn| Self { cells: cells(column), ..Self::new(&column.name) };
-        if seen.is_empty() { Cow::Owned(columns.iter().map(read).collect()) } else { Cow::Borrowed(seen) }
     }
 
     /// Adds rows of a table, up to [`ROWS`].

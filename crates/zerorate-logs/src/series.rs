@@ -1,6 +1,6 @@
 //! Numbers in a row, some of them missing.
 
-use super::Gap;
+use zerorate_allan::Gap;
 use zerorate_allan::Input;
 use zerorate_input::limits::{MemoryBudget, OverBudget};
 

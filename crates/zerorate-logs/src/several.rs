@@ -2,11 +2,16 @@
 
 use super::tests::{imu, mcap_packed, npy, options, sqlite_bag, tables};
 use super::*;
+use crate::series::SeriesBuilder;
+use arrow_array::RecordBatch;
 use arrow_array::{ArrayRef, DurationNanosecondArray, Float64Array, Int32Array, Int64Array, NullArray, StringArray};
+use std::path::Path;
 use std::path::PathBuf;
 use std::sync::Arc;
+use zerorate_allan::Gap;
+use zerorate_input::Input;
 
-fn all(content: &[u8], wanted: Wanted<'_>, said: &str) -> Result<Vec<Column>> {
+fn all(content: &[u8], wanted: ColumnSelection<'_>, said: &str) -> Result<Vec<Column>> {
     read_all(Path::new("log"), content.to_vec().into(), wanted, &options(said))
 }
 
@@ -20,12 +25,12 @@ fn same(content: &[u8], names: &[&str], said: &str) -> Vec<Column> {
         read(Path::new("log"), content.to_vec().into(), &options).unwrap()
     };
     for names in [&names, &backwards] {
-        let together = all(content, Wanted::Listed(names), said).unwrap();
+        let together = all(content, ColumnSelection::Listed(names), said).unwrap();
         let alone: Vec<Column> = names.iter().map(one).collect();
         // NaN is not equal to itself
         assert_eq!(format!("{together:?}"), format!("{alone:?}"));
     }
-    all(content, Wanted::Listed(&names), said).unwrap()
+    all(content, ColumnSelection::Listed(&names), said).unwrap()
 }
 
 /// A table in memory is read like a file: names, time, gaps and cells that are not numbers.
@@ -40,10 +45,10 @@ fn a_table_in_memory_is_a_log() {
     let table =
         RecordBatch::try_from_iter_with_nullable(columns.into_iter().map(|(name, of)| (name, of, true))).unwrap();
     let read = |wanted, said| read_table(Path::new("the table"), &table, wanted, &options(said));
-    let [gz] = &read(Wanted::All, "--time-column index").unwrap()[..] else { panic!("not one column") };
+    let [gz] = &read(ColumnSelection::All, "--time-column index").unwrap()[..] else { panic!("not one column") };
     assert_eq!((gz.name.as_str(), gz.rate_hz, gz.missing()), ("gz [rad/s]", 100.0, 3));
     assert_eq!((gz.quantity, gz.scale), (Some(Quantity::AngularRate), 1f64.to_degrees()));
-    let error = read(Wanted::One(Some("label")), "--rate 100").unwrap_err();
+    let error = read(ColumnSelection::One(Some("label")), "--rate 100").unwrap_err();
     assert!(error.to_string().contains("the table holds no numbers in `label`"), "{error}");
 }
 
@@ -65,7 +70,7 @@ fn columns_of_tables() {
         assert!(columns.iter().all(|column| (column.rate_hz - 100.0).abs() < 1e-9));
         assert_eq!(columns.iter().map(Column::missing).collect::<Vec<_>>(), [2, 2, 3]);
         assert_eq!((columns[0].quantity, columns[1].quantity), (Some(Quantity::AngularRate), None));
-        let found = all(&content, Wanted::All, "--time-column t_ms").unwrap();
+        let found = all(&content, ColumnSelection::All, "--time-column t_ms").unwrap();
         assert_eq!(found.iter().map(|column| column.name.as_str()).collect::<Vec<_>>(), ["x", "y", "z_dps"]);
     }
 }
@@ -83,13 +88,13 @@ fn rows_of_two_sensors_in_tables() {
         ("x", Arc::new(Float64Array::from(values))),
     ];
     for content in tables(&log) {
-        for wanted in [Wanted::One(Some("x")), Wanted::All] {
+        for wanted in [ColumnSelection::One(Some("x")), ColumnSelection::All] {
             let said = all(&content, wanted, "--time-column t_ms").unwrap_err().to_string();
             assert!(said.contains("column `SensorId` is 0, 1 in turn, and 200 of 400 rows repeat"), "{said}");
         }
         for only in ["SensorId=1", "sensor=b"] {
             let options = format!("--time-column t_ms --where {only}");
-            let x = &all(&content, Wanted::One(Some("x")), &options).unwrap()[0];
+            let x = &all(&content, ColumnSelection::One(Some("x")), &options).unwrap()[0];
             assert_eq!((x.rate_hz, x.series.len(), super::tests::numbers(x)[1]), (100.0, 200, 100.1));
         }
     }
@@ -101,11 +106,11 @@ fn columns_of_text() {
     let columns = same(text.as_bytes(), &["y", "x", "z_dps"], "--time-column t_ms");
     assert_eq!(columns[0].gaps, [Gap { at: 1, missing: 2 }]);
     assert_eq!((&columns[1].series, columns[1].missing()), (&Series::Codes(vec![1, 2, 3, 4]), 1));
-    assert_eq!(all(text.as_bytes(), Wanted::All, "--time-column t_ms").unwrap().len(), 3);
+    assert_eq!(all(text.as_bytes(), ColumnSelection::All, "--time-column t_ms").unwrap().len(), 3);
     // of a line that is cut short nothing is kept
-    let cut = all("x,y\n1,2\n3,4\n5,".as_bytes(), Wanted::All, "--rate 1").unwrap();
+    let cut = all("x,y\n1,2\n3,4\n5,".as_bytes(), ColumnSelection::All, "--rate 1").unwrap();
     assert_eq!(cut.iter().map(|column| column.series.len()).collect::<Vec<_>>(), [3, 2]);
-    let cut = all("x,y\n1,2\n3,4\n5".as_bytes(), Wanted::All, "--rate 1").unwrap();
+    let cut = all("x,y\n1,2\n3,4\n5".as_bytes(), ColumnSelection::All, "--rate 1").unwrap();
     assert_eq!(cut.iter().map(|column| column.series.len()).collect::<Vec<_>>(), [2, 2]);
 }
 
@@ -117,12 +122,15 @@ fn columns_of_arrays() {
         let columns = same(&array, &["3", "0", "2"], "--time-column 1 --time-unit s");
         let expected = if order == "True" { [54, 57, 60] } else { [9, 21, 33] };
         assert!(matches!(&columns[0].series, Series::Codes(codes) if codes[..3] == expected), "{columns:?}");
-        assert_eq!(all(&array, Wanted::All, "--rate 1").unwrap().len(), 4);
+        assert_eq!(all(&array, ColumnSelection::All, "--rate 1").unwrap().len(), 4);
     }
     let fields = "[('t', '<u2'), ('name', '|S2'), ('x', '>i2'), ('y', '<f4'), ('more', '|S2')]";
     let array = npy(&format!("{{'descr': {fields}, 'fortran_order': False, 'shape': (4,), }}"), &data);
     same(&array, &["y", "x"], "--rate 5");
-    assert_eq!(all(&array, Wanted::All, "--time-column t --time-unit s").map(|columns| columns.len()).unwrap(), 2);
+    assert_eq!(
+        all(&array, ColumnSelection::All, "--time-column t --time-unit s").map(|columns| columns.len()).unwrap(),
+        2
+    );
 }
 
 #[test]
@@ -138,11 +146,11 @@ fn quantities_of_bags() {
             (columns[2].name.as_str(), columns[2].quantity),
             ("/imu.linear_acceleration.y", Some(Quantity::Acceleration))
         );
-        assert_eq!(all(&bag, Wanted::All, "").unwrap().len(), 6);
+        assert_eq!(all(&bag, ColumnSelection::All, "").unwrap().len(), 6);
     }
     let two = mcap_packed(None, &["/one", "/two"], "cdr", |i| imu(true, false, i * 10_000_000, i as f64));
     let names = ["/one.angular_velocity.x", "/two.angular_velocity.x"].map(str::to_owned);
-    assert!(all(&two, Wanted::Listed(&names), "").unwrap_err().to_string().contains("two topics"));
+    assert!(all(&two, ColumnSelection::Listed(&names), "").unwrap_err().to_string().contains("two topics"));
 }
 
 /// A table that does not describe itself has no temperature beside the columns that are asked for.
@@ -150,7 +158,7 @@ fn quantities_of_bags() {
 fn a_table_has_no_temperature_beside_its_columns() {
     let parts = vec![(PathBuf::from("log"), Input::from(b"temp_c,x\n1,2\n3,4\n".to_vec()))];
     let (_, beside) =
-        read_with_temperature(Path::new("log"), parts, Wanted::One(Some("x")), &options("--rate 1")).unwrap();
+        read_with_temperature(Path::new("log"), parts, ColumnSelection::One(Some("x")), &options("--rate 1")).unwrap();
     assert_eq!(beside, None);
 }
 
@@ -158,7 +166,7 @@ fn a_table_has_no_temperature_beside_its_columns() {
 fn a_column_is_chosen_once_and_by_a_name_that_exists() {
     let error = |wanted: &[&str]| {
         let wanted: Vec<String> = wanted.iter().map(|name| (*name).to_owned()).collect();
-        all(b"x,y,t\n1,2,3\n4,5,6\n", Wanted::Listed(&wanted), "--time-column t").unwrap_err().to_string()
+        all(b"x,y,t\n1,2,3\n4,5,6\n", ColumnSelection::Listed(&wanted), "--time-column t").unwrap_err().to_string()
     };
     assert!(error(&["x", "w"]).contains("no column `w`"));
     assert!(error(&["x", "x"]).contains("asked twice for `x`"));

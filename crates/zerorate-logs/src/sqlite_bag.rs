@@ -4,7 +4,9 @@ use super::imu_messages::{Collector, Quantities, Sources, sources, without_imu};
 use super::message::Encoding;
 use super::open::Log;
 use super::topics::Survey;
-use super::{ColumnQuery, Found, Result};
+use crate::error::Result;
+use crate::query::ColumnQuery;
+use crate::raw_columns::RawColumns;
 use rusqlite::config::DbConfig;
 use rusqlite::limits::Limit;
 use rusqlite::{Connection, OpenFlags, types::ValueRef};
@@ -12,7 +14,7 @@ use std::io::Seek;
 use zerorate_input::{Input, InputError, InputWarning};
 
 /// Reads quantities of the IMU messages.
-pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
+pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let (path, room) = (log.path, log.room);
     let failed = |error: rusqlite::Error| {
         let remedy = "if it is a bag of ROS 2, `ros2 bag convert` or `ros2 bag reindex` may help";

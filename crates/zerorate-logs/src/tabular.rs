@@ -1,16 +1,20 @@
 //! Columns of a table with names and types: an Arrow stream or file, Parquet, or a table that describes itself.
 
-use super::choice::{Choice, Columns};
 use super::clock::Times;
 use super::sample::{self, Sampled};
 use super::series::SeriesBuilder;
-use super::{Clock, ColumnQuery, Found, FoundColumn, Gap, LogError, Only, Result, wrong};
+use crate::choice::{Choice, Columns};
+use crate::error::{LogError, Result, wrong};
+use crate::only::Only;
+use crate::query::ColumnQuery;
+use crate::raw_columns::{Clock, RawColumn, RawColumns};
 use crate::warning::LogWarning;
 use arrow_array::types::{Int32Type, Int64Type};
 use arrow_array::{Array, ArrayRef, BooleanArray, RecordBatch};
 use arrow_schema::Schema;
 use arrow_select::filter::filter;
 use std::path::Path;
+use zerorate_allan::Gap;
 use zerorate_input::cells::{floats, integers};
 use zerorate_input::limits::MemoryBudget;
 use zerorate_input::table::{BatchSource, DESCRIPTION, Described, DescribedTable};
@@ -22,7 +26,7 @@ pub fn read(
     mut source: Box<dyn BatchSource>,
     budget: MemoryBudget,
     asked: &ColumnQuery<'_>,
-) -> Result<Found> {
+) -> Result<RawColumns> {
     let schema = source.stated().schema.clone();
     let mut reading = TableColumns::start(path, &schema, budget, asked, None)?;
     while let Some(batch) = source.next_batch()? {
@@ -37,7 +41,7 @@ pub fn read_described(
     table: Box<dyn DescribedTable>,
     budget: MemoryBudget,
     asked: &ColumnQuery<'_>,
-) -> Result<Found> {
+) -> Result<RawColumns> {
     let mut reading = TableColumns::start(path, &table.schema(), budget, asked, Some(&*table))?;
     let columns = reading.columns.clone();
     let validates = reading.time.is_none();
@@ -176,7 +180,7 @@ impl<'a> TableColumns<'a> {
     }
 
     /// All rows were read.
-    pub fn finish(self, warning: Option<InputWarning>) -> Result<Found> {
+    pub fn finish(self, warning: Option<InputWarning>) -> Result<RawColumns> {
         let clock = match self.time {
             Some((name, times)) => Clock::Column(name, times),
             None => Clock::Silent,
@@ -185,7 +189,7 @@ impl<'a> TableColumns<'a> {
             return Err(only.without_rows(self.path));
         }
         let columns = self.values.into_iter().map(|column| column.finish(Vec::new())).collect();
-        Ok(Found {
+        Ok(RawColumns {
             columns,
             clock,
             warnings: warning.into_iter().map(LogWarning::File).collect(),
@@ -194,7 +198,7 @@ impl<'a> TableColumns<'a> {
     }
 
     /// All rows of a table that describes itself were read.
-    fn finish_described(self, described: Described) -> Result<Found> {
+    fn finish_described(self, described: Described) -> Result<RawColumns> {
         let Described { rate_hz, lost, warnings, of_columns, refused } = described;
         if let Some((code, why)) = refused {
             return Err(LogError::Refused(code, why));
@@ -209,7 +213,7 @@ impl<'a> TableColumns<'a> {
         let of_columns = of_columns.into_iter().map(|warnings| warnings.into_iter().map(of_readings).collect());
         let columns = self.values.into_iter().zip(of_columns).map(|(column, warnings)| column.finish(warnings));
         let warnings = warnings.into_iter().map(|(code, text)| LogWarning::OfTable { code, text }).collect();
-        Ok(Found { columns: columns.collect(), clock, warnings, sample: self.sample })
+        Ok(RawColumns { columns: columns.collect(), clock, warnings, sample: self.sample })
     }
 }
 
@@ -220,9 +224,9 @@ impl TableColumn {
             .map_err(|(row, what)| wrong(path, format_args!("column {}, row {}", self.name, first + row as u64), what))
     }
 
-    fn finish(self, warnings: Vec<LogWarning>) -> FoundColumn {
+    fn finish(self, warnings: Vec<LogWarning>) -> RawColumn {
         let Self { name, values, stated, is_beside } = self;
-        FoundColumn { stated, warnings, is_beside, ..FoundColumn::new(name, values) }
+        RawColumn { stated, warnings, is_beside, ..RawColumn::new(name, values) }
     }
 }
 

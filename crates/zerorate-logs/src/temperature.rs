@@ -1,6 +1,7 @@
 //! The column of a log that is its temperature.
 
-use crate::{Column, Result};
+use crate::column::Column;
+use crate::error::Result;
 use std::io::{Read, Seek, SeekFrom};
 use zerorate_input::Input;
 

@@ -15,6 +15,7 @@ use std::fs::{self, File};
 use std::path::PathBuf;
 use std::sync::Arc;
 use tempfile::TempDir;
+use zerorate_allan::Gap;
 
 /// Options as one types them.
 pub fn options(text: &str) -> ColumnOptions {

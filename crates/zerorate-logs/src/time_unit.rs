@@ -1,7 +1,8 @@
 //! A unit of time that makes the rate or the date absurd: another is meant.
 
 use crate::clock::Times;
-use crate::{LogError, Names, Setting};
+use crate::error::LogError;
+use crate::setting::{Names, Setting};
 use std::path::Path;
 use zerorate_input::TimeUnit;
 

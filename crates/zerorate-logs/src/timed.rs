@@ -1,10 +1,14 @@
 //! Columns as they stand in a log, with the time of each row.
 
+use crate::choice::ColumnSelection;
 use crate::choice::ColumnSpec;
-use crate::clock::Beat;
-use crate::{
-    Clock, ColumnOptions, ColumnQuery, Found, FoundColumn, LogError, LogWarning, Result, Wanted, find, no_rate,
-};
+use crate::clock::TimeBase;
+use crate::error::{LogError, Result, no_rate};
+use crate::options::ColumnOptions;
+use crate::query::ColumnQuery;
+use crate::raw_columns::{Clock, RawColumn, RawColumns};
+use crate::read::find;
+use crate::warning::LogWarning;
 use std::path::Path;
 use zerorate_allan::Gap;
 use zerorate_input::{Input, Quantity};
@@ -39,11 +43,11 @@ pub struct TimedColumn {
 /// # Errors
 /// The file cannot be read, it lacks a column or the time, or its times do not increase.
 pub fn read_timed(path: &Path, input: Input, specs: &[ColumnSpec], args: &ColumnOptions) -> Result<TimedColumns> {
-    let mut found = find(path, input, &ColumnQuery::of(Wanted::Described(specs), args))?;
-    found.mend(path, args)?;
-    let Found { columns, clock, warnings, .. } = found;
+    let mut found = find(path, input, &ColumnQuery::of(ColumnSelection::Described(specs), args))?;
+    found.repair_times(path, args)?;
+    let RawColumns { columns, clock, warnings, .. } = found;
     let columns = columns.into_iter().map(|column| {
-        let FoundColumn { name, values, stated, warnings, .. } = column;
+        let RawColumn { name, values, stated, warnings, .. } = column;
         TimedColumn { name, values: values.into_rows(), stated, warnings }
     });
     let columns: Vec<TimedColumn> = columns.collect();
@@ -57,8 +61,8 @@ fn times(path: &Path, clock: Clock, rows: usize, args: &ColumnOptions) -> Result
     let silent = |rate_hz: f64| (0..rows).map(|row| (row as f64 * 1e9 / rate_hz).round() as u64).collect();
     let (t_ns, gaps): (Vec<u64>, Vec<Gap>) = match (args.rate, clock) {
         (Some(rate_hz), _) => (silent(rate_hz), Vec::new()),
-        (None, clock) => match (clock.beat(path, args)?, clock) {
-            (Some((unit, Beat { gaps, .. })), Clock::Column(_, times)) => (times.nanoseconds(unit), gaps),
+        (None, clock) => match (clock.time_base(path, args)?, clock) {
+            (Some((unit, TimeBase { gaps, .. })), Clock::Column(_, times)) => (times.nanoseconds(unit), gaps),
             _ => return Err(no_rate(path, &[], args.names)),
         },
     };

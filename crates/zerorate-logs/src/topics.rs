@@ -1,6 +1,8 @@
 //! The topics of a bag: the IMUs that it offers, as a table, or what it has in their place.
 
-use super::{ColumnQuery, LogError, Setting};
+use crate::error::LogError;
+use crate::query::ColumnQuery;
+use crate::setting::Setting;
 use std::collections::BTreeMap;
 use std::path::Path;
 

@@ -1,12 +1,16 @@
 //! Logs of PX4 in ULog (<https://docs.px4.io/main/en/dev_log/ulog_file_format.html>): formats that name the fields of
 //! messages, subscriptions that name topics, and data. Times are µs since the start of the flight controller.
 
-use super::choice::{ColumnSpec, TEMPERATURE_COLUMN};
 use super::clock::Times;
 use super::open::{Log, ULOG};
 use super::series::SeriesBuilder;
 use super::topics::{Survey, several};
-use super::{Clock, ColumnQuery, Found, FoundColumn, LogError, Result, Setting, Wanted, wrong};
+use crate::choice::ColumnSelection;
+use crate::choice::{ColumnSpec, TEMPERATURE_COLUMN};
+use crate::error::{LogError, Result, wrong};
+use crate::query::ColumnQuery;
+use crate::raw_columns::{Clock, RawColumn, RawColumns};
+use crate::setting::Setting;
 use crate::warning::LogWarning;
 use std::collections::BTreeMap;
 use std::io::{self, BufReader, Read};
@@ -42,7 +46,7 @@ const IMUS: [(&str, &str, Unit); 6] = [
 const GYRO: &str = "sensor_gyro";
 
 /// Reads fields of a topic.
-pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
+pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let Log { path, input, room, .. } = log;
     let mut messages = Messages::new(path, BufReader::with_capacity(BUFFER, input))?;
     let mut topics = Topics::default();
@@ -76,13 +80,13 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<Found> {
     })?;
     full.map_or(Ok(()), |why| Err(InputError::over_budget(path, why)))?;
     let name = format!("{}.{}", chosen.topic, chosen.time.name);
-    let columns = chosen.fields.into_iter().zip(values).map(|((name, field), values)| FoundColumn {
+    let columns = chosen.fields.into_iter().zip(values).map(|((name, field), values)| RawColumn {
         stated: stated(&chosen.topic, &field.name).or_else(|| temperature(&chosen.topic, &field.name)),
-        ..FoundColumn::new(name, values)
+        ..RawColumn::new(name, values)
     });
     let clock = Clock::Column(name, times);
     let warnings = of_end.map(LogWarning::from).into_iter().collect();
-    Ok(Found { columns: columns.collect(), clock, warnings, sample: Vec::new() })
+    Ok(RawColumns { columns: columns.collect(), clock, warnings, sample: Vec::new() })
 }
 
 /// The content of a field by PX4's definition.
@@ -283,17 +287,17 @@ impl Topics {
     fn choose(&self, path: &Path, asked: &ColumnQuery<'_>) -> Result<Chosen> {
         let names = self.names();
         let wanted: Vec<String> = match asked.wanted {
-            Wanted::One(Some(name)) => vec![name.to_owned()],
-            Wanted::Listed(names) => names.to_vec(),
-            Wanted::Described(columns) => columns.iter().map(of_driver).collect(),
-            Wanted::One(None) | Wanted::All => Vec::new(),
+            ColumnSelection::One(Some(name)) => vec![name.to_owned()],
+            ColumnSelection::Listed(names) => names.to_vec(),
+            ColumnSelection::Described(columns) => columns.iter().map(of_driver).collect(),
+            ColumnSelection::One(None) | ColumnSelection::All => Vec::new(),
         };
         let ask = |why: String| {
             let option = asked.args.names.of(Setting::Column);
             LogError::Ask(format!("{} {why}; choose with {option} one of: {}", path.display(), self.offered()))
         };
         if wanted.is_empty() {
-            if !matches!(asked.wanted, Wanted::All) {
+            if !matches!(asked.wanted, ColumnSelection::All) {
                 return Err(ask("has several columns".to_owned()));
             }
             let topic = asked.args.topic.as_deref().unwrap_or("sensor_combined");

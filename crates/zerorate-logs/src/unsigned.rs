@@ -1,6 +1,6 @@
 //! Codes with a sign that were written without one: 65530 in place of -6.
 
-use crate::Series;
+use crate::series::Series;
 
 /// The usual widths of codes, bits.
 const WIDTHS: [i32; 7] = [12, 14, 16, 18, 20, 24, 32];

@@ -1,6 +1,7 @@
 //! Warnings about a log.
 
 use std::fmt;
+use std::path::Path;
 use zerorate_allan::rows;
 use zerorate_input::InputWarning;
 
@@ -151,6 +152,11 @@ rows!(match LogWarning {
 });
 
 impl LogWarning {
+    /// The warning about a bag that states another number of messages of a topic than it has.
+    pub(crate) fn miscounted(path: &Path, topic: &str, stated: u64, found: u64) -> Self {
+        Self::Miscounted { path: path.display().to_string(), topic: topic.to_owned(), stated, found }
+    }
+
     /// The warning about a file whose end is missing; empty where the end is there.
     pub(crate) fn torn(text: Option<String>) -> Vec<Self> {
         text.map(|text| InputWarning::Torn(text).into()).into_iter().collect()

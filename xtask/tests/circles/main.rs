@@ -1,7 +1,8 @@
 //! No module of a crate reaches itself through another.
 //!
 //! A module is one that the root of the crate declares, together with everything below it. The root may name every
-//! module. A name that the root gives out counts for the module that the name comes from. Tests are left out.
+//! module. A name that the root gives out counts for the module that the name comes from. What the root defines itself
+//! makes it a module like any other. Tests are left out.
 
 mod graph;
 mod rust;
@@ -63,11 +64,18 @@ fn uses(sources: &[Source]) -> Graph {
     let roots: Vec<Vec<Token>> = sources.iter().filter(|file| file.is_root()).map(Source::tokens).collect();
     let modules: BTreeSet<&str> = roots.iter().flat_map(|root| rust::declared(root)).collect();
     let given: BTreeMap<&str, &str> = roots.iter().flat_map(|root| rust::given(root)).collect();
+    let defined: BTreeSet<&str> = roots.iter().flat_map(|root| rust::defined(root)).collect();
     let mut graph = Graph::default();
+    for (name, module) in roots.iter().flat_map(|root| rust::used_by_items(root)) {
+        graph.add("root", module, format!("the root, by `{name}`"));
+    }
     for file in sources.iter().filter(|file| !file.is_root() && !file.is_test()) {
         let inside = file.modules();
         let tokens = file.tokens();
         for (name, line) in rust::names_of_the_root(&tokens, inside.len()) {
+            if defined.contains(name) {
+                graph.add(inside[0], "root", format!("src/{}:{line}", file.path));
+            }
             let target = modules.get(name).or_else(|| given.get(name)).filter(|module| modules.contains(**module));
             if let Some(target) = target.filter(|target| modules.contains(inside[0]) && **target != inside[0]) {
                 graph.add(inside[0], target, format!("src/{}:{line}", file.path));
@@ -138,6 +146,16 @@ fn a_circle_is_named_with_the_lines_that_close_it() {
                     fire uses air (src/fire/log.rs:1)";
     assert_eq!(circles_of(&[root, air, fire, log, water]), [expected]);
     assert!(circles_of(&[root, air, fire, water]).is_empty());
+}
+
+#[test]
+fn a_root_that_defines_what_its_modules_use_is_in_a_circle() {
+    let root = ("lib.rs", "mod air;\nuse air::Wind;\npub struct Sky(Wind);");
+    let expected = "air root\n    air uses root (src/air.rs:1)\n    root uses air (the root, by `Wind`)";
+    assert_eq!(circles_of(&[root, ("air.rs", "use crate::Sky;")]), [expected]);
+    assert!(circles_of(&[root, ("air.rs", "pub struct Wind;")]).is_empty());
+    let names_only = ("lib.rs", "mod air;\npub use air::Wind;");
+    assert!(circles_of(&[names_only, ("air.rs", "use crate::Wind;")]).is_empty());
 }
 
 #[test]

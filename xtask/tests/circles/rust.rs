@@ -169,6 +169,25 @@ pub fn given<'a>(root: &[Token<'a>]) -> Vec<(&'a str, &'a str)> {
     found
 }
 
+/// The types, traits and functions that a root defines itself.
+pub fn defined<'a>(root: &[Token<'a>]) -> Vec<&'a str> {
+    let mut depth = 0;
+    let mut found = Vec::new();
+    for (at, token) in root.iter().enumerate() {
+        depth += bracket(token.text);
+        if depth == 0 && matches!(token.text, "struct" | "enum" | "trait" | "fn") {
+            found.extend(root.get(at + 1).map(|name| name.text));
+        }
+    }
+    found
+}
+
+/// The names that the items of a root use, each with the module that it comes from.
+pub fn used_by_items<'a>(root: &[Token<'a>]) -> Vec<(&'a str, &'a str)> {
+    let is_used = |name: &str| root.iter().filter(|token| token.text == name).count() > 1;
+    given(root).into_iter().filter(|(name, module)| name != module && is_used(name)).collect()
+}
+
 /// What a file that lies `depth` modules below the root names of it, by `crate::` or `super::`, with the lines.
 pub fn names_of_the_root<'a>(tokens: &[Token<'a>], depth: usize) -> Vec<(&'a str, usize)> {
     let mut found = Vec::new();

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use zerorate_allan::Gap;
 use zerorate_input::{Input, Quantity};
-use zerorate_logs::{Column, ColumnOptions, Result, Wanted, read_all, read_with_temperature};
+use zerorate_logs::{Column, ColumnOptions, ColumnSelection, Result, read_all, read_with_temperature};
 use zerorate_record::{CaptureInfo, CaptureWriter, Converter, Format, Row};
 
 const FORMATS: &[Format] = &[
@@ -20,7 +20,7 @@ fn options() -> ColumnOptions {
     ColumnOptions { described: Some(zerorate_record::open_described), ..ColumnOptions::default() }
 }
 
-fn read(content: &[u8], wanted: Wanted<'_>) -> Result<Vec<Column>> {
+fn read(content: &[u8], wanted: ColumnSelection<'_>) -> Result<Vec<Column>> {
     read_all(Path::new("log"), content.to_vec().into(), wanted, &options())
 }
 
@@ -47,12 +47,12 @@ fn several_columns_in_one_pass_are_each_by_itself() {
     for format in FORMATS {
         let content = capture(*format);
         let names = ["temp_code", "rate_code", "status"].map(str::to_owned);
-        let columns = read(&content, Wanted::Listed(&names)).unwrap();
+        let columns = read(&content, ColumnSelection::Listed(&names)).unwrap();
         let alone: Vec<Column> =
-            names.iter().map(|name| read(&content, Wanted::One(Some(name))).unwrap().remove(0)).collect();
+            names.iter().map(|name| read(&content, ColumnSelection::One(Some(name))).unwrap().remove(0)).collect();
         // NaN is not equal to itself
         assert_eq!(format!("{columns:?}"), format!("{alone:?}"));
-        assert_eq!(columns[1], read(&content, Wanted::All).unwrap().remove(0), "the rates");
+        assert_eq!(columns[1], read(&content, ColumnSelection::All).unwrap().remove(0), "the rates");
     }
 }
 
@@ -65,12 +65,12 @@ fn the_temperature_of_a_capture_comes_with_its_rate() {
             let parts = vec![(PathBuf::from("log"), Input::from(content.clone()))];
             read_with_temperature(Path::new("log"), parts, wanted, &options()).unwrap()
         };
-        let (columns, temperature) = together(Wanted::One(None));
-        assert_eq!(columns, read(&content, Wanted::One(None)).unwrap());
-        let alone = read(&content, Wanted::One(Some("temp_code"))).unwrap();
+        let (columns, temperature) = together(ColumnSelection::One(None));
+        assert_eq!(columns, read(&content, ColumnSelection::One(None)).unwrap());
+        let alone = read(&content, ColumnSelection::One(Some("temp_code"))).unwrap();
         let temperature = temperature.unwrap();
         assert_eq!((&temperature.series, &temperature.gaps), (&alone[0].series, &alone[0].gaps));
-        let (asked, beside) = together(Wanted::One(Some("temp_code")));
+        let (asked, beside) = together(ColumnSelection::One(Some("temp_code")));
         assert_eq!((asked[0].name.as_str(), asked.len(), beside), ("temp_code", 1, None));
     }
 }
@@ -80,7 +80,7 @@ fn losses_of_a_capture_are_gaps() {
     let head = "# zerorate.capture_schema = 1\n# zerorate.width_bits = 24\n# zerorate.rate_conversion = 5\n# \
         zerorate.temp_conversion = 5\n\
                 t_ns,edge_seq,rate_code,status,temp_code,lost\n";
-    let read = |rows: &str| read(format!("{head}{rows}").as_bytes(), Wanted::One(None));
+    let read = |rows: &str| read(format!("{head}{rows}").as_bytes(), ColumnSelection::One(None));
     // 7 before the first row do not matter: the record had not begun
     let rows = "0,1,8388608,8,8400000,7\n10000000,2,8388610,8,,0\n40000000,5,8388609,8,,2\n50000000,6,8388611,8,,0\n";
     let mut column = read(rows).unwrap().remove(0);
@@ -100,7 +100,8 @@ fn losses_of_a_capture_are_gaps() {
 fn a_capture_without_its_reader_is_refused() {
     for format in FORMATS {
         let content = capture(*format);
-        let why = read_all(Path::new("log"), content.into(), Wanted::All, &ColumnOptions::default()).unwrap_err();
+        let why =
+            read_all(Path::new("log"), content.into(), ColumnSelection::All, &ColumnOptions::default()).unwrap_err();
         assert!(why.to_string().contains("set `described` to its reader"), "{why}");
     }
 }

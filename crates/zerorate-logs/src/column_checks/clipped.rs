@@ -99,8 +99,8 @@ impl Outermost {
 
 #[cfg(test)]
 pub mod tests {
-    use crate::Series;
     use crate::column_checks::ColumnChecks;
+    use crate::series::Series;
     use rand_xoshiro::Xoshiro256PlusPlus;
     use rand_xoshiro::rand_core::{Rng, SeedableRng};
 

@@ -70,9 +70,9 @@ impl Coarse {
 
 #[cfg(test)]
 mod tests {
-    use crate::Series;
     use crate::column_checks::ColumnChecks;
     use crate::column_checks::clipped::tests::noise;
+    use crate::series::Series;
 
     fn doubt(series: &Series) -> Option<String> {
         ColumnChecks::of(&series.input(&[])).coarse.text()

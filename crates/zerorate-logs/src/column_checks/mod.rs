@@ -10,7 +10,7 @@ pub mod coarse;
 pub mod resampled;
 mod stopped;
 
-use crate::Result;
+use crate::error::Result;
 use crate::warning::LogWarning;
 use block::{Block, for_each_block};
 use clipped::Clipped;

@@ -124,8 +124,8 @@ fn excess(part: &[f64], step: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use crate::Series;
     use crate::column_checks::ColumnChecks;
+    use crate::series::Series;
 
     fn doubt(series: &Series) -> Option<String> {
         ColumnChecks::of(&series.input(&[])).resampled.text()

@@ -1,8 +1,8 @@
 //! A sensor that stopped while it was recorded.
 
 use super::block::{BLOCK, Block};
+use crate::error::{LogError, Result};
 use crate::warning::LogWarning;
-use crate::{LogError, Result};
 use std::path::Path;
 use zerorate_allan::Gap;
 

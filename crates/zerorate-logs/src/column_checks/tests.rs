@@ -2,7 +2,7 @@
 
 use super::clipped::tests::noise;
 use super::*;
-use crate::Series;
+use crate::series::Series;
 use std::path::Path;
 
 fn checks(samples: &[f64]) -> ColumnChecks {

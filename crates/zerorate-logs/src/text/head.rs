@@ -1,9 +1,12 @@
 //! The start of a text: lines printed before the data, a header of one line or two, and the cuts of its rows.
 
 use super::super::number::{Number, Numerals};
-use super::super::{ColumnOptions, Decimal, LogError, Result, Setting};
 use super::scales::Scales;
 use super::sentence;
+use crate::error::{LogError, Result};
+use crate::number::Decimal;
+use crate::options::ColumnOptions;
+use crate::setting::Setting;
 use std::path::Path;
 use zerorate_input::delimited::Delimiter;
 use zerorate_input::{InputError, TimeUnit, Unit};

@@ -9,12 +9,17 @@ mod survey;
 #[cfg(test)]
 mod tests;
 
-use super::choice::{Choice, Columns};
 use super::clock::Times;
 use super::number::Numerals;
 use super::sample::Sampled;
 use super::series::SeriesBuilder;
-use super::{Clock, ColumnOptions, ColumnQuery, Found, FoundColumn, LogError, Result, Setting, Wanted};
+use crate::choice::ColumnSelection;
+use crate::choice::{Choice, Columns};
+use crate::error::{LogError, Result};
+use crate::options::ColumnOptions;
+use crate::query::ColumnQuery;
+use crate::raw_columns::{Clock, RawColumn, RawColumns};
+use crate::setting::Setting;
 use crate::warning::LogWarning;
 use blocks::{Block, Blocks};
 use head::{Head, Open};
@@ -30,7 +35,7 @@ use zerorate_input::{Input, InputError, TimeUnit};
 const AT_ONCE: usize = 2;
 
 /// Reads columns of text.
-pub fn read(path: &Path, mut input: Input, room: MemoryBudget, asked: &ColumnQuery<'_>) -> Result<Found> {
+pub fn read(path: &Path, mut input: Input, room: MemoryBudget, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let failed = |error| InputError::io("read", path, error);
     let head = head(path, &mut input, asked)?;
     input.rewind().map_err(failed)?;
@@ -82,7 +87,7 @@ fn head(path: &Path, input: &mut Input, asked: &ColumnQuery<'_>) -> Result<Head>
     head.stamps = stamps;
     // a caller that asks for a second column, or for a time, knows that there are two
     let one = match asked.wanted {
-        Wanted::One(name) => name.is_none_or(|name| name == "0") && asked.args.time_column.is_none(),
+        ColumnSelection::One(name) => name.is_none_or(|name| name == "0") && asked.args.time_column.is_none(),
         _ => false,
     };
     if head.open == Open::OneNameLess || head.open == Open::TwoOrDecimals && one {
@@ -178,7 +183,7 @@ impl<'a> TextColumns<'a> {
         self.columns.first().map_or(0, SeriesBuilder::rows)
     }
 
-    fn finish(self, head: Head, asked: &ColumnQuery<'_>) -> Result<Found> {
+    fn finish(self, head: Head, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
         let rows = self.rows();
         let Self { cut, columns, times, numerals, broken, torn, sample, .. } = self;
         let (path, names) = (cut.path, asked.args.names);
@@ -209,13 +214,13 @@ impl<'a> TextColumns<'a> {
             Clock::Column(name, times)
         });
         let columns = cut.names.iter().zip(columns).map(|(name, values)| {
-            let column = FoundColumn::new(name.clone(), values);
+            let column = RawColumn::new(name.clone(), values);
             match head.scales.of_column(name) {
                 Some((unit, step)) => column.in_steps(unit, step),
                 None => column,
             }
         });
-        Ok(Found { columns: columns.collect(), clock, warnings, sample })
+        Ok(RawColumns { columns: columns.collect(), clock, warnings, sample })
     }
 }
 

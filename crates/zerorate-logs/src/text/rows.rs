@@ -1,10 +1,11 @@
 //! Rows of a text: the cells that are wanted of each line of a block, as numbers.
 
 use super::super::number::{Number, Numerals};
-use super::super::{MAX_BAD, wrong};
 use super::blocks::Block;
 use super::head::{Head, is_comment};
 use super::sentence;
+use crate::error::wrong;
+use crate::options::MAX_BAD;
 use crate::sample::{Cell, ROWS, Sampled};
 use memchr::{memchr, memchr_iter};
 use std::borrow::Cow;

@@ -1,8 +1,8 @@
 //! Scales in the lines above the data. Those of Gyroflow's logs (.gcsv) are used, and others are named.
 
-use crate::Unit;
 use crate::clock::Times;
 use zerorate_input::TimeUnit;
+use zerorate_input::Unit;
 
 /// The column with the time in Gyroflow's logs.
 pub const TIME: &str = "t";

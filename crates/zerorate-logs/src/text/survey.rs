@@ -1,12 +1,14 @@
 //! Questions that only a whole text can answer: whether its first column is an index, and whether its commas mark
 //! decimals.
 
-use super::super::ColumnOptions;
 use super::super::number::Numerals;
-use super::super::{Decimal, LogError, Result, Setting};
 use super::blocks::Blocks;
 use super::head::{Head, Open, is_comment};
 use super::sentence;
+use crate::error::{LogError, Result};
+use crate::number::Decimal;
+use crate::options::ColumnOptions;
+use crate::setting::Setting;
 use std::path::Path;
 use zerorate_input::delimited::Delimiter;
 use zerorate_input::{Input, InputError};

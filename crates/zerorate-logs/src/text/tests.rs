@@ -1,8 +1,9 @@
 //! Texts as people have them: headers that do not fit, decimal commas, serial logs.
 
 use super::super::tests::{Folder, numbers, there};
-use super::super::{Column, Series};
-use crate::LogWarning;
+use crate::column::Column;
+use crate::series::Series;
+use crate::warning::LogWarning;
 
 fn read(text: &str, options: &str) -> Column {
     Folder::new().read(text, options).unwrap_or_else(|error| panic!("{text:?}: {error}"))

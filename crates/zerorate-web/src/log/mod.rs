@@ -26,7 +26,7 @@ mod reader {
     use zerorate_imu::{AnalysisOptions, Record};
     use zerorate_imu::{Axes, Choice, ImuOptions, ImuWarning, NoNoiseFile, Rule};
     use zerorate_input::Input;
-    use zerorate_logs::{Column, LogError, LogWarning, Wanted};
+    use zerorate_logs::{Column, ColumnSelection, LogError, LogWarning};
 
     /// A log that was read.
     pub struct LogReader {
@@ -124,10 +124,10 @@ mod reader {
     ) -> zerorate_logs::Result<(LogAbout, LogReader)> {
         let form = zerorate_logs::kind(path, open())?;
         let options = settings::options(said)?;
-        let wanted = options.columns.as_deref().map_or(Wanted::All, Wanted::Listed);
+        let wanted = options.columns.as_deref().map_or(ColumnSelection::All, ColumnSelection::Listed);
         let columns = zerorate_logs::read_all(path, open(), wanted, &options.log)?;
         let temperature = zerorate_logs::temperature(None, Some(open()), |names| {
-            zerorate_logs::read_all(path, open(), Wanted::Listed(names), &options.log)
+            zerorate_logs::read_all(path, open(), ColumnSelection::Listed(names), &options.log)
         });
         let axes = of_imu_or_any(path, columns, &options)?;
         let first = axes.columns.first();

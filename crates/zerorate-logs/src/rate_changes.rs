@@ -1,7 +1,7 @@
 //! A sensor whose rate of samples changes within the log: one rate is then wrong for most of the log.
 
-use super::Gap;
 use super::clock::median;
+use zerorate_allan::Gap;
 use zerorate_input::TimeUnit;
 
 /// Rows of a span. Its length tells the interval within a hundredth, even where the clock counts in steps as long as
@@ -21,7 +21,7 @@ const LONG: f64 = 1.5;
 const SAID: f64 = 0.02;
 
 /// The text about times of rows that come faster in one part of the log than in another. Lost samples are no change.
-pub fn doubt(times: &[f64], gaps: &[Gap], unit: TimeUnit) -> Option<String> {
+pub fn find(times: &[f64], gaps: &[Gap], unit: TimeUnit) -> Option<String> {
     let rows = (times.len() / PARTS).max(PART);
     let parts = times.chunks_exact(rows).enumerate();
     let rates: Vec<f64> = parts.map(|(index, part)| unit.per_s() / interval(part, index * rows, gaps)).collect();
@@ -60,16 +60,16 @@ fn without_gaps(times: &[f64], begin: usize, gaps: &[Gap]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Names;
     use crate::clock::Times;
     use crate::column_checks::clipped::tests::noise;
+    use crate::setting::Names;
 
     /// Whether a log with these times is refused, or its change of rate is said.
     fn said(times: &[f64]) -> bool {
         let mut clock = Times::new();
         clock.replace(times.to_vec());
-        let beat = clock.beat(TimeUnit::S, Names::default());
-        beat.map_or(true, |beat| doubt(times, &beat.gaps, TimeUnit::S).is_some())
+        let time_base = clock.time_base(TimeUnit::S, Names::default());
+        time_base.map_or(true, |time_base| find(times, &time_base.gaps, TimeUnit::S).is_some())
     }
 
     /// Times of 20,000 rows, 100 a second at first, and `change` times as many from row 12,000 on.
@@ -82,9 +82,9 @@ mod tests {
     fn a_change_is_said() {
         for change in [1.03, 1.1, 1.5, 2.0, 0.5, 0.9, 0.97] {
             let times = changing(change);
-            assert!(said(&times) && doubt(&times, &[], TimeUnit::S).is_some(), "{change}");
+            assert!(said(&times) && find(&times, &[], TimeUnit::S).is_some(), "{change}");
         }
-        let text = doubt(&changing(1.1), &[], TimeUnit::S).unwrap();
+        let text = find(&changing(1.1), &[], TimeUnit::S).unwrap();
         assert_eq!(text, "100.0 to 110.0 rows a second (100.0 at first, 110.0 at the end)");
     }
 
@@ -100,7 +100,7 @@ mod tests {
         }
         let two_at_once: Vec<f64> = row().map(|row| 0.02 * (row / 2.0).floor() + 0.006 * (row % 2.0)).collect();
         assert!(!said(&two_at_once));
-        assert!(![0, 1, 600].into_iter().any(|rows| doubt(&changing(1.5)[..rows], &[], TimeUnit::S).is_some()));
+        assert!(![0, 1, 600].into_iter().any(|rows| find(&changing(1.5)[..rows], &[], TimeUnit::S).is_some()));
     }
 
     #[test]

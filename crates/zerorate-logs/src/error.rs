@@ -1,0 +1,62 @@
+//! Errors of reading a log, and the questions that a front end asks.
+
+use crate::setting::{Names, Setting};
+use std::path::Path;
+use zerorate_input::InputError;
+
+/// Why a column cannot be had.
+#[derive(Debug, thiserror::Error)]
+pub enum LogError {
+    /// The file cannot be read, or is damaged.
+    #[error(transparent)]
+    File(#[from] InputError),
+    /// It does not say enough, or has nothing of what was asked for.
+    #[error("{0}")]
+    Ask(String),
+    /// It has several of what was asked for: the question, and a table with a head to choose from.
+    #[error("{0}\n{table}", table = .1.join("\n"))]
+    Choose(String, Vec<String>),
+    /// The numbers are there, but must not become a result: a code for scripts, and why.
+    #[error("{1}")]
+    Refused(&'static str, String),
+}
+
+/// The result of reading a log.
+pub type Result<T, E = LogError> = std::result::Result<T, E>;
+
+pub fn no_time_unit(path: &Path, column: &str, names: Names) -> LogError {
+    let why = format!("does not state the unit of its time column `{column}`");
+    LogError::Ask(format!("{} {why}; give {} s, ms, us or ns", path.display(), names.of(Setting::TimeUnit)))
+}
+
+pub fn unsteady(path: &Path, column: &str, why: &str) -> LogError {
+    LogError::Refused("times-uneven", format!("{}, column {column}: {why}", path.display()))
+}
+
+/// The error where the rate is missing. It names the columns that may hold the time.
+pub fn no_rate(path: &Path, columns: &[&str], names: Names) -> LogError {
+    let [rate, time, unit] = [Setting::Rate, Setting::TimeColumn, Setting::TimeUnit].map(|setting| names.of(setting));
+    let is_like_time = |name: &str| {
+        let name = name.to_lowercase();
+        name == "t" || name.contains("time") || name.contains("stamp")
+    };
+    let remedy = match columns.iter().find(|name| is_like_time(name)) {
+        Some(column) => format!("give {rate} in Hz, or {time} with {unit} if `{column}` is the time"),
+        None => format!("give {rate} in Hz, or {time} if a column holds the time"),
+    };
+    LogError::Ask(format!("{} does not say how fast it was sampled: {remedy}", path.display()))
+}
+
+/// More samples are missing than can be written out.
+pub fn too_many(path: &Path, missing: u64, names: Names) -> LogError {
+    let remedy = format!("cut the log at its longest gap, or give {} and no time column", names.of(Setting::Rate));
+    LogError::Refused(
+        "mostly-missing",
+        format!("{}: {missing} samples are missing between its rows; {remedy}", path.display()),
+    )
+}
+
+/// An error in a column of the file at `path`.
+pub fn wrong(path: &Path, place: std::fmt::Arguments<'_>, what: impl Into<String>) -> InputError {
+    InputError::damaged(path, place.to_string(), what)
+}

@@ -1,0 +1,156 @@
+//! From the columns of a file to columns with a unit, a rate and gaps.
+
+use crate::clock::TimeBase;
+use crate::column::Column;
+use crate::column_checks::ColumnChecks;
+use crate::error::{LogError, Result, no_rate, no_time_unit, too_many, unsteady};
+use crate::options::ColumnOptions;
+use crate::raw_columns::{Clock, RawColumn, RawColumns, first_rows};
+use crate::series::Series;
+use crate::setting::Setting;
+use crate::warning::LogWarning;
+use crate::{given_rate, mixed_rows, order, rate_changes, time_unit, unsigned};
+use std::path::Path;
+use zerorate_allan::Gap;
+use zerorate_input::{Quantity, TimeUnit};
+
+impl Clock {
+    /// The unit of the times, and what they tell.
+    pub fn time_base(&self, path: &Path, args: &ColumnOptions) -> Result<Option<(TimeUnit, TimeBase)>> {
+        let Self::Column(name, times) = self else { return Ok(None) };
+        if let (Some(asked), Some(stated)) = (args.time_unit, times.unit)
+            && asked != stated
+        {
+            let setting = args.names.of(Setting::TimeUnit);
+            let why = format!("column {name} states by its type that it is in {}", stated.name());
+            return Err(LogError::Ask(format!(
+                "{}: {why}, not in {}; leave {setting} out",
+                path.display(),
+                asked.name()
+            )));
+        }
+        let unit = times.unit.or(args.time_unit).or_else(|| TimeUnit::of_column(name));
+        let unit = unit.ok_or_else(|| no_time_unit(path, name, args.names))?;
+        let time_base = times.time_base(unit, args.names).map_err(|why| unsteady(path, name, &why))?;
+        if args.rate.is_none() {
+            time_unit::check((path, name), times, unit, time_base.rate_hz, args.names)?;
+        }
+        Ok(Some((unit, time_base)))
+    }
+}
+
+impl RawColumns {
+    /// Puts the rows in the order of their times, and says what of those is not as it should be.
+    pub fn repair_times(&mut self, path: &Path, args: &ColumnOptions) -> Result<()> {
+        mixed_rows::check(self, path, args.names)?;
+        let Clock::Column(name, times) = &mut self.clock else { return Ok(()) };
+        let said = order::repair_times(times, &mut self.columns).map_err(|why| {
+            let rate = args.names.of(Setting::Rate);
+            let remedy = "two logs in one file, or a clock that was set? Cut the log there";
+            let or = format!("give {rate} and no time column if the samples are evenly spaced all the same");
+            LogError::Refused(
+                "times-disordered",
+                format!("{}, column {name}: {why} ({remedy}, or {or})", path.display()),
+            )
+        })?;
+        let (path, column) = (path.display().to_string(), &*name);
+        let warning = |how| LogWarning::TimesMended { path: path.clone(), column: column.clone(), how };
+        self.warnings.extend(said.into_iter().map(warning));
+        Ok(())
+    }
+
+    pub fn finish(self, path: &Path, args: &ColumnOptions) -> Result<Vec<Column>> {
+        let (columns, no_rate) = self.finish_without_rate(path, args)?;
+        no_rate.map_or(Ok(columns), Err)
+    }
+
+    /// The columns, and the question for the rate where nothing tells it. Their rate is then 1 Hz, so that the caller
+    /// can find out what else it has to ask.
+    pub fn finish_without_rate(
+        mut self,
+        path: &Path,
+        args: &ColumnOptions,
+    ) -> Result<(Vec<Column>, Option<LogError>)> {
+        self.repair_times(path, args)?;
+        let time_base = self.clock.time_base(path, args)?;
+        if let (Some((unit, time_base)), Clock::Column(_, times)) = (&time_base, &self.clock) {
+            let path = || path.display().to_string();
+            let jitter = time_base.jitter_text().map(|how| LogWarning::TimesJitter { path: path(), how });
+            let rate_changes = rate_changes::find(times.since_first(), &time_base.gaps, *unit);
+            self.warnings.extend(jitter);
+            self.warnings.extend(rate_changes.map(|how| LogWarning::RateChanges { path: path(), how }));
+        }
+        let Self { columns, clock, mut warnings, sample } = self;
+        let (measured, lost) = match (time_base, clock) {
+            (Some((_, TimeBase { rate_hz, gaps, .. })), _) => (Some(rate_hz), gaps),
+            (None, Clock::Counted { rate_hz, gaps }) => (rate_hz, gaps),
+            (None, _) => (None, Vec::new()),
+        };
+        let stamps = || given_rate::of_stamps(measured, &first_rows(&sample, &columns));
+        warnings.extend(args.rate.and_then(|rate_hz| given_rate::doubt(path, rate_hz, stamps()?)));
+        let told = args.rate.or(measured);
+        let no_rate = told.is_none().then(|| {
+            let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+            no_rate(path, &names, args.names)
+        });
+        let rate_hz = told.unwrap_or(1.0);
+        let mut of_file = warnings;
+        let finish = |mut column: RawColumn| {
+            // what is of the file is said once, with its first column
+            column.warnings.splice(..0, of_file.drain(..));
+            column.finish(path, rate_hz, &lost, args)
+        };
+        Ok((columns.into_iter().map(finish).collect::<Result<_>>()?, no_rate))
+    }
+}
+
+impl RawColumn {
+    fn finish(self, path: &Path, rate_hz: f64, lost: &[Gap], args: &ColumnOptions) -> Result<Column> {
+        let Self { name, values, stated, step, mut warnings, .. } = self;
+        let (mut series, gaps) = values.finish(lost).map_err(|missing| too_many(path, missing, args.names))?;
+        warnings.extend(unsigned::unwrap(&mut series).map(|bits| {
+            let (path, column) = (path.display().to_string(), name.clone());
+            LogWarning::CodesUnsigned { path, column, bits }
+        }));
+        let stated = stated.or_else(|| Quantity::of_column(&name));
+        if let Some(unit) = args.unit {
+            args.agrees(path, &name, unit, Setting::Unit)?;
+        }
+        let given = args.unit.map(|unit| (unit.quantity(), unit.in_results() * step));
+        let declared = match args.scale {
+            None => given.or(stated),
+            Some(scale) => {
+                // what a capture states of its codes is a scale, and no unit
+                let of_file = stated.map(|(quantity, per_step)| match &series {
+                    Series::Codes(_) if step == 1.0 => (quantity, 1.0),
+                    _ => (quantity, per_step / step),
+                });
+                let given = args.unit.map(|unit| (unit.quantity(), unit.in_results()));
+                let unit = given.or_else(|| Quantity::of_column(&name)).or(of_file);
+                let (quantity, per_unit) = unit.unwrap_or((Quantity::AngularRate, 1.0));
+                Some((quantity, scale * per_unit))
+            }
+        };
+        let (of_samples, facts) = ColumnChecks::of(&series.input(&gaps)).finish(path, &name);
+        warnings.extend(of_samples);
+        warnings.extend(declared.is_none().then(|| {
+            let [unit, scale] = [Setting::Unit, Setting::Scale].map(|of| args.names.of(of));
+            let (path, column) = (path.display().to_string(), name.clone());
+            LogWarning::UnitUnknown { path, column, unit, scale }
+        }));
+        Ok(Column {
+            name,
+            series,
+            gaps,
+            rate_hz,
+            quantity: declared.map(|(quantity, _)| quantity),
+            scale: declared.map_or(1.0, |(quantity, scale)| match quantity {
+                Quantity::Temperature => scale,
+                _ => scale * args.per_second(rate_hz),
+            }),
+            step,
+            warnings,
+            facts: Some(facts),
+        })
+    }
+}

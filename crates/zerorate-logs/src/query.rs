@@ -1,0 +1,19 @@
+//! The columns that a reader is asked for.
+
+use crate::choice::ColumnSelection;
+use crate::options::ColumnOptions;
+
+/// The wanted columns, and the known facts about them.
+pub struct ColumnQuery<'a> {
+    pub wanted: ColumnSelection<'a>,
+    pub args: &'a ColumnOptions,
+    /// Whether the temperature of a capture is to be read in the same pass. It comes last.
+    pub with_temperature: bool,
+}
+
+impl<'a> ColumnQuery<'a> {
+    /// Without a temperature beside them.
+    pub fn of(wanted: ColumnSelection<'a>, args: &'a ColumnOptions) -> Self {
+        Self { wanted, args, with_temperature: false }
+    }
+}

@@ -1,0 +1,60 @@
+//! Columns as their reader finds them in a file, before units and times are applied.
+
+use crate::clock::Times;
+use crate::sample::{Cell, ROWS, Sampled};
+use crate::series::SeriesBuilder;
+use crate::warning::LogWarning;
+use std::borrow::Cow;
+use zerorate_allan::Gap;
+use zerorate_input::{Quantity, Unit};
+
+/// Columns as they stand in their file.
+pub struct RawColumns {
+    pub columns: Vec<RawColumn>,
+    pub clock: Clock,
+    pub warnings: Vec<LogWarning>,
+    /// The first rows in all columns of the file, where its reader sees all; empty: those of `columns`.
+    pub sample: Vec<Sampled>,
+}
+
+/// One of them.
+pub struct RawColumn {
+    pub name: String,
+    pub values: SeriesBuilder,
+    /// Its quantity, and a step in the unit of its results, where the form defines them.
+    pub stated: Option<(Quantity, f64)>,
+    /// The size of a step of 1 that the log states, in its unit.
+    pub step: f64,
+    pub warnings: Vec<LogWarning>,
+    /// Whether it was not wanted, and is the temperature beside those that were.
+    pub is_beside: bool,
+}
+
+impl RawColumn {
+    /// A column of which nothing else is known.
+    pub fn new(name: String, values: SeriesBuilder) -> Self {
+        Self { name, values, stated: None, step: 1.0, warnings: Vec::new(), is_beside: false }
+    }
+
+    /// The column of a log that states its unit and the size of its steps.
+    pub fn in_steps(self, unit: Unit, step: f64) -> Self {
+        Self { stated: Some((unit.quantity(), unit.in_results() * step)), step, ..self }
+    }
+}
+
+/// The statements of a file about time.
+pub enum Clock {
+    /// Nothing.
+    Silent,
+    /// The name of a column, and the times in it.
+    Column(String, Times),
+    /// Rate and gaps, as the writer of the file counted them.
+    Counted { rate_hz: Option<f64>, gaps: Vec<Gap> },
+}
+
+/// The first rows of a log, if its reader saw all its columns, or else those of the columns that were read.
+pub fn first_rows<'a>(seen: &'a [Sampled], columns: &[RawColumn]) -> Cow<'a, [Sampled]> {
+    let cells = |column: &RawColumn| column.values.first_rows(ROWS).into_iter().map(Cell::number).collect();
+    let read = |column: &RawColumn| Sampled { cells: cells(column), ..Sampled::new(&column.name) };
+    if seen.is_empty() { Cow::Owned(columns.iter().map(read).collect()) } else { Cow::Borrowed(seen) }
+}
