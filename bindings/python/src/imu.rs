@@ -6,7 +6,9 @@ use crate::log::{argument, label};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::path::PathBuf;
-use zerorate_imu::{Axis, Choice, Combine, Doubt, Doubts, Format, ImuWarning, Kind, NoNoiseFile, Rule};
+use zerorate_imu::{
+    Axis, Combine, Format, ImuWarning, Kind, NoNoiseFile, NoiseFileOptions, Rejection, Rejections, Rule,
+};
 use zerorate_jobs::output::Outputs;
 use zerorate_logs::{Names, TimeUnit, Unit};
 
@@ -33,11 +35,11 @@ pub fn imu_file(
 ) -> PyResult<(String, Vec<String>)> {
     let format = named("format", format, Format::ALL, Format::name)?;
     let combine = named("combine", combine, [Combine::Worst, Combine::Mean], Combine::name)?;
-    let doubts = Doubts::about(axes.iter().map(|(name, _, model)| (name.as_str(), Doubt::about(&model.fit))));
+    let doubts = Rejections::about(axes.iter().map(|(name, _, model)| (name.as_str(), Rejection::about(&model.fit))));
     let axes: Vec<Axis<'_>> = axes.iter().map(axis).collect::<PyResult<_>>()?;
     let rule = if as_fitted { Rule::AsFitted } else { Rule::Covers(horizon_s) };
-    let (names, warnings) = (Names(argument), Choice::mattering(warnings));
-    let choice = Choice { log, topic, combine, rule, inflate, names, warnings };
+    let (names, warnings) = (Names(argument), NoiseFileOptions::mattering(warnings));
+    let choice = NoiseFileOptions { log, topic, combine, rule, inflate, names, warnings };
     Ok((format.file(choice, &axes, &doubts, accept_rejected).map_err(no_file)?, doubts.texts()))
 }
 
@@ -85,7 +87,7 @@ fn axis<'a>((name, unit, model): &'a AxisModel<'_>) -> PyResult<Axis<'a>> {
 
 fn no_file(why: NoNoiseFile) -> PyErr {
     match why {
-        NoNoiseFile::Doubted(doubts) => Refused::new_err(doubts.to_string()),
+        NoNoiseFile::Rejected(doubts) => Refused::new_err(doubts.to_string()),
         NoNoiseFile::Inflate(inflate) => PyValueError::new_err(format!("inflate={inflate}: give a number above zero")),
         NoNoiseFile::NotThree(kind, count, format) => {
             let (name, format) = (kind.name(), format.name());

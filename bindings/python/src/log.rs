@@ -10,7 +10,7 @@ use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zerorate_host::files;
-use zerorate_imu::{Axes, ImuOptions, Said};
+use zerorate_imu::{Axes, ImuOptions, KindOptions};
 use zerorate_jobs::temperature;
 use zerorate_logs::TEMPERATURE_NAMES;
 use zerorate_logs::{
@@ -171,7 +171,7 @@ pub fn read_imu<'py>(
     options: Options,
 ) -> PyResult<AxesOfLog<'py>> {
     let said = |(columns, unit, scale): OfKind| {
-        Ok::<_, PyErr>(Said { columns, unit: parsed(&unit, "unit")?, scale: positive(scale)? })
+        Ok::<_, PyErr>(KindOptions { columns, unit: parsed(&unit, "unit")?, scale: positive(scale)? })
     };
     let (gyro, accel) = (said(gyro)?, said(accel)?);
     let (gyro_unit, accel_unit) = (gyro.unit, accel.unit);

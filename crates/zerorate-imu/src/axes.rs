@@ -11,16 +11,16 @@ pub struct ImuOptions {
     /// The columns, by name or number; none: all that are axes, or those that a kind has.
     pub columns: Option<Vec<String>>,
     /// Facts about the gyroscope.
-    pub gyro: Said,
+    pub gyro: KindOptions,
     /// Facts about the accelerometer.
-    pub accel: Said,
+    pub accel: KindOptions,
     /// Topic, rate, time and names of the options.
     pub log: ColumnOptions,
 }
 
 /// The columns, unit and scale of a kind of axis, as the user states them.
 #[derive(Clone, Debug, Default)]
-pub struct Said {
+pub struct KindOptions {
     /// Its columns, by name or number, whatever they are called.
     pub columns: Vec<String>,
     /// Their unit.
@@ -147,7 +147,7 @@ fn without_blanks(path: &Path, axes: &mut Vec<(Kind, Column)>) -> Option<LogWarn
 }
 
 impl ImuOptions {
-    fn said(&self, kind: Kind) -> &Said {
+    fn said(&self, kind: Kind) -> &KindOptions {
         match kind {
             Kind::Gyroscope => &self.gyro,
             Kind::Accelerometer => &self.accel,
@@ -211,7 +211,7 @@ impl Kind {
 fn check_units(options: &ImuOptions, path: &Path, axes: &[(Kind, Column)]) -> zerorate_logs::Result<()> {
     let mut unknown = Vec::new();
     for kind in Kind::ALL {
-        let &Said { unit, scale, .. } = options.said(kind);
+        let &KindOptions { unit, scale, .. } = options.said(kind);
         for (_, column) in axes.iter().filter(|(of, _)| *of == kind) {
             unit.map_or(Ok(()), |unit| options.log.agrees(path, &column.name, unit, kind.unit_setting()))?;
         }
@@ -254,7 +254,7 @@ fn too_many(path: &Path, kind: Kind, axes: &[(Kind, Column)], column: &'static s
 
 /// The unit that was given, where the log states none.
 fn give_unit(options: &ImuOptions, kind: Kind, mut column: Column, warnings: &mut Vec<LogWarning>) -> Column {
-    let &Said { unit, scale, .. } = options.said(kind);
+    let &KindOptions { unit, scale, .. } = options.said(kind);
     if unit.is_some() || scale.is_some() {
         column.warnings.retain(|warning| !matches!(warning, LogWarning::UnitUnknown { .. }));
         let step = unit.map_or(1.0, Unit::in_results) * scale.unwrap_or(column.step);

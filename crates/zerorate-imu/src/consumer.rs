@@ -2,7 +2,7 @@
 //!
 //! `docs/imu.md` states which number goes where, and the source of each rule.
 
-use super::numbers::{AxisNumbers, Choice, Chosen, Memory, Numbers, Sensor};
+use super::numbers::{AxisNumbers, Chosen, Memory, NoiseFileOptions, Numbers, Sensor};
 use zerorate_allan::Usage;
 use zerorate_input::plain;
 
@@ -231,7 +231,7 @@ impl Text {
     /// Writes what the file is, how its numbers were chosen, and what supports them.
     fn head(&mut self, numbers: &Numbers, format: Format, meaning: &str) {
         let (reader, is_by_axis) = (format.reader(), format.is_by_axis());
-        let Choice { log, combine, rule, inflate, names, warnings, .. } = &numbers.choice;
+        let NoiseFileOptions { log, combine, rule, inflate, names, warnings, .. } = &numbers.choice;
         self.line(&format!("# Noise of an IMU for {reader}, by {} from {}.", SOFTWARE, plain::line(log)));
         self.line(&format!("# {meaning}."));
         if !is_by_axis {

@@ -3,25 +3,25 @@
 mod axes;
 mod coefficients;
 mod consumer;
-mod doubt;
 pub mod increments;
 mod kind;
 mod noise_file;
 mod numbers;
 mod plausible;
 mod record;
+mod rejection;
 mod settling;
 #[cfg(test)]
 mod tests;
 mod warning;
 
-pub use axes::{Axes, ImuOptions, Said};
+pub use axes::{Axes, ImuOptions, KindOptions};
 pub use coefficients::{B, Named, Units, coefficients, span};
 pub use consumer::Format;
-pub use doubt::{Doubt, Doubts};
 pub use kind::Kind;
 pub use noise_file::NoNoiseFile;
-pub use numbers::{Axis, Choice, Combine, Rule};
-pub use record::{AnalysisOptions, Look, Record, RecordError};
+pub use numbers::{Axis, Combine, NoiseFileOptions, Rule};
+pub use record::{AnalysisOptions, PlotData, Record, RecordError};
+pub use rejection::{Rejection, Rejections};
 pub use settling::{Settling, SettlingError};
 pub use warning::{ImuWarning, Moment};

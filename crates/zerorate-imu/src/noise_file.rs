@@ -1,7 +1,7 @@
 //! Whether there is a file for a filter.
 
 use super::numbers::Numbers;
-use super::{Axis, Choice, Doubts, Format, Kind};
+use super::{Axis, Format, Kind, NoiseFileOptions, Rejections};
 
 /// Why no file for a filter can be written.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -14,7 +14,7 @@ pub enum NoNoiseFile {
     Inflate(f64),
     /// Its numbers would be no result.
     #[error("{0}")]
-    Doubted(Doubts),
+    Rejected(Rejections),
     /// The reader takes a number for each of three axes, and this kind has so many.
     #[error("{count} {kind} {axes}, and {reader} takes three; choose three",
         kind = .0.name(), count = .1, axes = if *.1 == 1 { "axis" } else { "axes" }, reader = .2.reader())]
@@ -43,16 +43,16 @@ impl Format {
     /// Why there is none.
     pub fn file(
         self,
-        choice: Choice,
+        choice: NoiseFileOptions,
         axes: &[Axis<'_>],
-        doubts: &Doubts,
+        doubts: &Rejections,
         accept_rejected: bool,
     ) -> Result<String, NoNoiseFile> {
         if !(choice.inflate > 0.0 && choice.inflate.is_finite()) {
             return Err(NoNoiseFile::Inflate(choice.inflate));
         }
         if !doubts.allow(accept_rejected) {
-            return Err(NoNoiseFile::Doubted(doubts.clone()));
+            return Err(NoNoiseFile::Rejected(doubts.clone()));
         }
         if axes.is_empty() {
             return Err(NoNoiseFile::NoAxis);

@@ -1,6 +1,6 @@
 //! From fitted models to the numbers that filters take.
 
-use super::{Doubts, Kind};
+use super::{Kind, Rejections};
 use zerorate_allan::{Coefficient, Covering, FLOOR_PER_B, Fit, Term, Usage};
 use zerorate_logs::{Names, Setting};
 
@@ -39,7 +39,7 @@ pub struct Axis<'a> {
 }
 
 /// The source of the numbers, and the rules by which they are chosen.
-pub struct Choice {
+pub struct NoiseFileOptions {
     /// The log that was read.
     pub log: String,
     /// The topic of a bag.
@@ -56,7 +56,7 @@ pub struct Choice {
     pub warnings: Vec<String>,
 }
 
-impl Default for Choice {
+impl Default for NoiseFileOptions {
     /// The worst axis of a kind, and numbers that cover the noise over the horizon of the reader.
     fn default() -> Self {
         Self {
@@ -71,7 +71,7 @@ impl Default for Choice {
     }
 }
 
-impl Choice {
+impl NoiseFileOptions {
     /// The warnings about a log or its axes that matter to the reader of the file: not those about what was left out.
     pub fn mattering(warnings: impl IntoIterator<Item = String>) -> Vec<String> {
         // the name of an axis may stand before the code
@@ -86,7 +86,7 @@ const BESIDE: [&str; 4] = ["columns-left-out", "kind-absent", "lines-skipped", "
 /// The numbers of the file, in rad/s and m/s².
 pub struct Numbers {
     /// The source of the numbers.
-    pub choice: Choice,
+    pub choice: NoiseFileOptions,
     /// How the reader uses N and K.
     pub usage: Usage,
     /// The doubts that were overruled.
@@ -263,7 +263,7 @@ const PEAK: f64 = 0.617;
 
 impl Numbers {
     /// Makes the numbers of these axes.
-    pub fn new(choice: Choice, usage: Usage, doubts: &Doubts, axes: &[Axis<'_>]) -> Self {
+    pub fn new(choice: NoiseFileOptions, usage: Usage, doubts: &Rejections, axes: &[Axis<'_>]) -> Self {
         let memory = Memory::of(axes);
         let of_kind = |kind| axes.iter().filter(move |axis| axis.kind == kind);
         let sensor = |kind| Sensor::new((&choice, usage), of_kind(kind), memory.tau_s);
@@ -295,7 +295,7 @@ impl Memory {
 
 impl Sensor {
     fn new<'a>(
-        (choice, usage): (&Choice, Usage),
+        (choice, usage): (&NoiseFileOptions, Usage),
         axes: impl Iterator<Item = &'a Axis<'a>>,
         tau_s: f64,
     ) -> Option<Self> {

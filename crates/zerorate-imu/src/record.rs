@@ -2,7 +2,7 @@
 //!
 //! The command line and the page take this way. Python analyses arrays in place, and takes the pieces.
 
-use crate::{Axis, Doubt, Doubts, Kind};
+use crate::{Axis, Kind, Rejection, Rejections};
 use crate::{Settling, SettlingError};
 use std::path::{Path, PathBuf};
 use zerorate_allan::{
@@ -34,7 +34,7 @@ pub struct Record {
     /// The rate follows the temperature, and the record has no model that would say so.
     pub follows: Option<AllanWarning>,
     /// The picture beside its curve; none unless it was asked for, and only of a rate.
-    pub look: Option<Look>,
+    pub plot_data: Option<PlotData>,
     /// The polynomial over temperature that was taken out.
     pub detrended: Option<DetrendedRate>,
     /// The time left out at its beginning, s.
@@ -42,14 +42,14 @@ pub struct Record {
 }
 
 /// A record as one looks at it.
-pub struct Look {
+pub struct PlotData {
     /// The samples as they were read.
     pub envelope: Envelope,
     /// Without what was taken out before the fit.
     pub spectrum: Vec<Density>,
 }
 
-impl Look {
+impl PlotData {
     fn of(column: &Column, file: &Path, cleaned: Option<&[f64]>) -> Result<Self, RecordError> {
         let mut samples = column.points(file)?;
         samples.iter_mut().for_each(|sample| *sample *= column.scale);
@@ -132,7 +132,7 @@ impl Record {
         let finer = options.draws_finely.then(|| analyse(&Taus::Fine)).transpose()?;
         let rate = (options.keeps_rate && analysed.cleaned().is_none()).then(|| analysed.rates());
         let draws = options.draws && !options.is_phase;
-        let look = draws.then(|| Look::of(&column, file, analysed.cleaned())).transpose()?;
+        let look = draws.then(|| PlotData::of(&column, file, analysed.cleaned())).transpose()?;
         let mut fit = analysed.into_fit();
         if let (Some(Ok(fit)), false) = (&mut fit, options.keeps_rate) {
             fit.cleaned.rate = None;
@@ -183,7 +183,7 @@ impl Record {
             rate: None,
             notes,
             follows: None,
-            look: None,
+            plot_data: None,
             detrended: None,
             skipped_s: 0.0,
         }
@@ -239,11 +239,11 @@ impl Record {
     ///
     /// # Errors
     /// Why there is none that is believed.
-    pub fn believed(&self) -> Result<&Fit, Doubt> {
+    pub fn valid_model(&self) -> Result<&Fit, Rejection> {
         match &self.fit {
-            Some(Ok(fit)) => Doubt::about(fit).map_or(Ok(fit), Err),
-            Some(Err(why)) => Err(Doubt::NoModel(why.to_string())),
-            None => Err(Doubt::NoModel("no noise model was asked for".to_owned())),
+            Some(Ok(fit)) => Rejection::about(fit).map_or(Ok(fit), Err),
+            Some(Err(why)) => Err(Rejection::NoModel(why.to_string())),
+            None => Err(Rejection::NoModel("no noise model was asked for".to_owned())),
         }
     }
 
@@ -264,9 +264,9 @@ impl Record {
     }
 
     /// Why axes of an IMU among several records have no result.
-    pub fn doubts(records: &[Self]) -> Doubts {
+    pub fn doubts(records: &[Self]) -> Rejections {
         let axes = records.iter().filter(|record| record.kind().is_some());
-        Doubts::about(axes.map(|record| (record.column.as_str(), record.believed().err())))
+        Rejections::about(axes.map(|record| (record.column.as_str(), record.valid_model().err())))
     }
 
     /// The models of several records, each by the name of its column.
@@ -289,7 +289,7 @@ impl Record {
     /// Averaging time and deviation of the minimum: from the fit, or from the points where the fit describes another
     /// statistic.
     pub fn minimum(&self) -> Option<(f64, f64)> {
-        if let (true, Ok(fit)) = (self.analysis.stat.is_allan(), self.believed()) {
+        if let (true, Ok(fit)) = (self.analysis.stat.is_allan(), self.valid_model()) {
             return match allan::advice(fit)?.averaging {
                 Averaging::Minimum { tau_s, dev } => Some((tau_s, dev)),
                 _ => None,

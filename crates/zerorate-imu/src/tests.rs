@@ -1,6 +1,6 @@
 //! How sure each reader is that takes its numbers from its file.
 
-use super::{Axis, Choice, Combine, Doubts, Format, Kind, Rule};
+use super::{Axis, Combine, Format, Kind, NoiseFileOptions, Rejections, Rule};
 use std::f64::consts::PI;
 use zerorate_allan::{Fit, FitOptions, Input, fit};
 use zerorate_logs::{Names, Setting};
@@ -67,8 +67,8 @@ impl Belief {
         let axis = |name| Axis { name, kind: Kind::Gyroscope, rate_hz: RATE_HZ, fit: model, scale: 1.0 };
         let (names, warnings) = (Names(Setting::name), Vec::new());
         let (log, combine) = (String::from("log"), Combine::Worst);
-        let choice = Choice { log, topic: None, combine, rule, inflate: 1.0, names, warnings };
-        let text = format.file(choice, &["x", "y", "z"].map(axis), &Doubts::default(), false).unwrap();
+        let choice = NoiseFileOptions { log, topic: None, combine, rule, inflate: 1.0, names, warnings };
+        let text = format.file(choice, &["x", "y", "z"].map(axis), &Rejections::default(), false).unwrap();
         let number = |key: &str| -> f64 {
             let line = text.lines().find_map(|line| line.trim_start().strip_prefix(key)?.strip_prefix(": ")).unwrap();
             let end = |c: char| c == ',' || c.is_whitespace();

@@ -9,7 +9,7 @@ use zerorate::health::Flags;
 use zerorate::{Deviation, Finding, Refusal, Setting, Tone, Warning, Wording};
 use zerorate_allan::{AllanWarning, Cause, Misfit, MotionKind, Noise, PoolError};
 use zerorate_host::SourceWarning;
-use zerorate_imu::{Doubt, ImuWarning, Kind, Moment};
+use zerorate_imu::{ImuWarning, Kind, Moment, Rejection};
 use zerorate_input::InputWarning;
 use zerorate_jobs::JobWarning;
 use zerorate_jobs::codes;
@@ -41,7 +41,7 @@ fn warnings() -> BTreeSet<String> {
 }
 
 fn refusals() -> BTreeSet<String> {
-    let doubts = [Doubt::NoModel(String::new()), Doubt::Rejected(0.5)].map(|doubt| doubt.code());
+    let doubts = [Rejection::NoModel(String::new()), Rejection::Rejected(0.5)].map(|doubt| doubt.code());
     let no_pool = NoPool::NoCommonModel(PoolError::NothingInCommon).code();
     let of_core = Refusal::codes().chain(Deviation::codes()).chain(ChamberRefusal::codes());
     let of_enums = of_core.chain(doubts).chain(no_pool).map(str::to_owned);

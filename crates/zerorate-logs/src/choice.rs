@@ -256,12 +256,24 @@ impl Columns<'_> {
 }
 
 #[cfg(any(feature = "hdf5", feature = "matlab", feature = "numpy"))]
-/// Checks that columns which may be of any length are of one log.
-pub fn same_length<'a>(path: &Path, mut columns: impl Iterator<Item = (&'a str, u64)>) -> Result<()> {
-    let Some((one, rows)) = columns.next() else { return Ok(()) };
-    let Some((other, two)) = columns.find(|(_, other)| *other != rows) else { return Ok(()) };
-    let why = format!("`{one}` has {rows} rows and `{other}` has {two}: they are not of one log");
-    Err(LogError::Ask(format!("{}: {why}; read one at a time", path.display())))
+impl Columns<'_> {
+    /// The columns that were asked for, and the number of rows that all of them have; `rows` tells it of each.
+    pub fn choose_alike(
+        &self,
+        wanted: ColumnSelection<'_>,
+        args: &ColumnOptions,
+        rows: impl Fn(usize) -> u64,
+    ) -> Result<(Choice, u64)> {
+        let choice = self.choose(wanted, args, &[])?;
+        let mut wanted = choice.values.iter().chain(&choice.time).copied();
+        let Some(one) = wanted.next() else { return Ok((choice, 0)) };
+        if let Some(other) = wanted.find(|other| rows(*other) != rows(one)) {
+            let [one, other] = [one, other].map(|at| format!("`{}` has {}", self.names[at], rows(at)));
+            let why = format!("{one} rows and {other}: they are not of one log");
+            return Err(LogError::Ask(format!("{}: {why}; read one at a time", self.path.display())));
+        }
+        Ok((choice, rows(one)))
+    }
 }
 
 /// Whether a column has no name but its number.

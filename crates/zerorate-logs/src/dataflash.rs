@@ -69,8 +69,8 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
         stated: stated(&field.name),
         ..RawColumn::new(format!("{}.{}", chosen.topic, field.name), values)
     });
-    let clock = Clock::Column(format!("{}.{}", chosen.topic, chosen.time.0.name), times);
-    Ok(RawColumns { columns: columns.collect(), clock, warnings: LogWarning::torn(lost), sample: Vec::new() })
+    let time = (format!("{}.{}", chosen.topic, chosen.time.0.name), times);
+    Ok(RawColumns::new(columns, Some(time), LogWarning::torn(lost)))
 }
 
 /// The quantity of a field: rad/s and m/s² in all versions.

@@ -8,7 +8,7 @@ use super::number::Number;
 use super::open::Log;
 use super::series::SeriesBuilder;
 use super::{hdf5_index, lzf};
-use crate::choice::{Choice, Columns, same_length};
+use crate::choice::{Choice, Columns};
 use crate::error::Result;
 use crate::query::ColumnQuery;
 use crate::raw_columns::{Clock, RawColumn, RawColumns};
@@ -54,10 +54,9 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let columns: Vec<SetColumn<'_>> = sets.iter().flat_map(Set::columns).collect();
     let names = columns.iter().map(|column| column.name.as_str()).collect();
     let all = Columns { path, names, numeric: vec![true; columns.len()], settings: asked.args.names };
-    let Choice { values: chosen, time, .. } = all.choose(asked.wanted, asked.args, &[])?;
+    let (Choice { values: chosen, time, .. }, rows) =
+        all.choose_alike(asked.wanted, asked.args, |at| columns[at].rows)?;
     let wanted: Vec<&SetColumn<'_>> = chosen.iter().chain(&time).map(|at| &columns[*at]).collect();
-    same_length(path, wanted.iter().map(|column| (column.name.as_str(), column.rows)))?;
-    let rows = wanted.first().map_or(0, |first| first.rows);
     let mut values: Vec<_> = chosen.iter().map(|_| SeriesBuilder::sharing(room, chosen.len())).collect();
     values.iter().try_for_each(|values| values.check_room(rows)).map_err(|why| InputError::over_budget(path, why))?;
     let mut times = Times::new();
@@ -73,11 +72,9 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
             taken.map_err(wrong)?;
         }
     }
-    let clock = time.map_or(Clock::Silent, |time| Clock::Column(columns[time].name.clone(), times));
-    let name = |(at, values): (usize, SeriesBuilder)| RawColumn::new(wanted[at].name.clone(), values);
-    let columns = values.into_iter().enumerate().map(name).collect();
-    let warnings = behind.map(LogWarning::from).into_iter().collect();
-    Ok(RawColumns { columns, clock, warnings, sample: Vec::new() })
+    let time = time.map(|time| (columns[time].name.clone(), times));
+    let name = |(column, values): (&&SetColumn<'_>, SeriesBuilder)| RawColumn::new(column.name.clone(), values);
+    Ok(RawColumns::new(wanted.iter().zip(values).map(name), time, behind.map(LogWarning::from)))
 }
 
 /// The data sets of numbers, in the order of their names, because a file lists them in any order.

@@ -7,7 +7,7 @@
 use super::clock::Times;
 use super::open::{Log, MATLAB};
 use super::series::SeriesBuilder;
-use crate::choice::{Choice, Columns, same_length};
+use crate::choice::{Choice, Columns};
 use crate::error::Result;
 use crate::query::ColumnQuery;
 use crate::raw_columns::{Clock, RawColumn, RawColumns};
@@ -52,17 +52,12 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     }
     let names = columns.iter().map(|column| column.name.as_str()).collect();
     let all = Columns { path, names, numeric: vec![true; columns.len()], settings: asked.args.names };
-    let Choice { values: chosen, time, .. } = all.choose(asked.wanted, asked.args, &[])?;
-    let wanted: Vec<&Variable<'_>> = chosen.iter().chain(&time).map(|at| &columns[*at]).collect();
-    same_length(path, wanted.iter().map(|column| (column.name.as_str(), column.rows() as u64)))?;
+    let (Choice { values: chosen, time, .. }, _) =
+        all.choose_alike(asked.wanted, asked.args, |at| columns[at].rows() as u64)?;
     let found = chosen.iter().map(|at| columns[*at].values(path, room, chosen.len()));
     let found = found.collect::<Result<Vec<_>, _>>()?;
-    let clock = match time.map(|time| &columns[time]) {
-        Some(time) => Clock::Column(time.name.clone(), time.times(path)?),
-        None => Clock::Silent,
-    };
-    let warnings = of_end.map(LogWarning::from).into_iter().collect();
-    Ok(RawColumns { columns: found, clock, warnings, sample: Vec::new() })
+    let time = time.map(|time| Ok::<_, InputError>((columns[time].name.clone(), columns[time].times(path)?)));
+    Ok(RawColumns::new(found, time.transpose()?, of_end.map(LogWarning::from)))
 }
 
 /// The variables of a file, unpacked, up to where it is torn or another file follows, which is said.

@@ -6,7 +6,7 @@ mod header;
 use super::clock::Times;
 use super::open::Log;
 use super::series::SeriesBuilder;
-use crate::choice::{Choice, Columns, same_length};
+use crate::choice::{Choice, Columns};
 use crate::error::{Result, wrong};
 use crate::query::ColumnQuery;
 use crate::raw_columns::{Clock, RawColumn, RawColumns};
@@ -82,19 +82,15 @@ pub fn read_arrays(
     let numeric = fields.iter().map(|field| field.kind.is_some_and(|kind| kind != Kind::Time)).collect();
     let names: Vec<&str> = fields.iter().map(|field| field.name.as_str()).collect();
     let columns = Columns { path, names, numeric, settings: asked.args.names };
-    let Choice { values: chosen, time, .. } = columns.choose(asked.wanted, asked.args, &[])?;
+    let (Choice { values: chosen, time, .. }, rows) =
+        columns.choose_alike(asked.wanted, asked.args, |at| arrays[places[at].0].rows)?;
     let left_out = columns.left_out(asked.wanted, time);
     let wanted: Vec<usize> = chosen.iter().chain(&time).copied().collect();
     let names: Vec<String> = wanted.iter().map(|at| field(at).name.clone()).collect();
-    let rows: Vec<u64> = wanted.iter().map(|at| arrays[places[*at].0].rows).collect();
-    same_length(path, names.iter().map(String::as_str).zip(rows.iter().copied()))?;
     let mut values: Vec<_> = chosen.iter().map(|_| SeriesBuilder::sharing(room, chosen.len())).collect();
-    values
-        .iter()
-        .try_for_each(|values| values.check_room(rows[0]))
-        .map_err(|why| InputError::over_budget(path, why))?;
+    values.iter().try_for_each(|values| values.check_room(rows)).map_err(|why| InputError::over_budget(path, why))?;
     for (values, at) in values.iter_mut().zip(&chosen) {
-        values.reserve(rows[0] as usize, field(at).kind != Some(Kind::Float));
+        values.reserve(rows as usize, field(at).kind != Some(Kind::Float));
     }
     let mut times = Times::new();
     times.unit = time.and_then(|time| field(&time).time_unit);
@@ -109,10 +105,9 @@ pub fn read_arrays(
             None => push_times(&mut times, cells, of_here[column]),
         })?;
     }
-    let clock = time.map_or(Clock::Silent, |_| Clock::Column(names[chosen.len()].clone(), times));
+    let time = time.map(|_| (names[chosen.len()].clone(), times));
     let columns = names.into_iter().zip(values).map(|(name, values)| RawColumn::new(name, values));
-    let warnings = left_out.into_iter().collect();
-    Ok(RawColumns { columns: columns.collect(), clock, warnings, sample: Vec::new() })
+    Ok(RawColumns::new(columns, time, left_out))
 }
 
 /// The row among the rows at hand, and the error.

@@ -82,8 +82,7 @@ pub fn read(log: Log<'_>, raw: RawType, names: Names) -> Result<RawColumns> {
             wrong(log.path, format_args!("number {}", first + at as u64), what)
         })?;
     }
-    let columns = vec![RawColumn::new("raw".to_owned(), values)];
-    Ok(RawColumns { columns, clock: Clock::Silent, warnings: Vec::new(), sample: Vec::new() })
+    Ok(RawColumns::new([RawColumn::new("raw".to_owned(), values)], None, []))
 }
 
 fn numbers<const N: usize, T>(block: &[u8], decode: impl Fn([u8; N]) -> T) -> impl ExactSizeIterator<Item = T> {

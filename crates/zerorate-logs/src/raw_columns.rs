@@ -17,6 +17,19 @@ pub struct RawColumns {
     pub sample: Vec<Sampled>,
 }
 
+impl RawColumns {
+    /// Columns, and the column of the times with its name, of a reader that saw no others.
+    pub fn new(
+        columns: impl IntoIterator<Item = RawColumn>,
+        time: Option<(String, Times)>,
+        warnings: impl IntoIterator<Item = LogWarning>,
+    ) -> Self {
+        let clock = time.map_or(Clock::Silent, |(name, times)| Clock::Column(name, times));
+        let (columns, warnings) = (columns.into_iter().collect(), warnings.into_iter().collect());
+        Self { columns, clock, warnings, sample: Vec::new() }
+    }
+}
+
 /// One of them.
 pub struct RawColumn {
     pub name: String,

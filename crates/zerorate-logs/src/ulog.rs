@@ -84,9 +84,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
         stated: stated(&chosen.topic, &field.name).or_else(|| temperature(&chosen.topic, &field.name)),
         ..RawColumn::new(name, values)
     });
-    let clock = Clock::Column(name, times);
-    let warnings = of_end.map(LogWarning::from).into_iter().collect();
-    Ok(RawColumns { columns: columns.collect(), clock, warnings, sample: Vec::new() })
+    Ok(RawColumns::new(columns, Some((name, times)), of_end.map(LogWarning::from)))
 }
 
 /// The content of a field by PX4's definition.

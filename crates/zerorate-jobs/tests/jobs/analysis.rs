@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use zerorate_allan::{Fit, FitOptions, Noise, Term};
 use zerorate_host::Sampling;
 use zerorate_imu::{AnalysisOptions, Record, Settling};
-use zerorate_imu::{Choice, Combine, Format, ImuOptions, Kind, Rule, Said};
+use zerorate_imu::{Combine, Format, ImuOptions, Kind, KindOptions, NoiseFileOptions, Rule};
 use zerorate_jobs::InvalidOptions;
 use zerorate_jobs::allan::{AllanOptions, Columns, allan};
 use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
@@ -160,7 +160,7 @@ fn of(log: &Path, axes: ImuOptions, format: Option<Format>) -> anyhow::Result<Im
 fn in_file(format: Format, noise: &ImuNoise, rule: Rule, combine: Combine) -> (f64, f64, String) {
     let names = Names(Setting::name);
     let (log, warnings) = ("imu.csv".to_owned(), Vec::new());
-    let choice = Choice { log, topic: None, combine, rule, inflate: 1.0, names, warnings };
+    let choice = NoiseFileOptions { log, topic: None, combine, rule, inflate: 1.0, names, warnings };
     let doubts = Record::doubts(&noise.axes);
     let text = format.file(choice, &Record::axes(&noise.axes), &doubts, false).unwrap();
     let number = |key: &str| -> f64 {
@@ -224,7 +224,7 @@ fn a_run_without_a_file_says_why() {
     let plain = file("plain.csv", log("t_s,wx,wy,wz,ax,ay,az,mag_x", 100));
     let asked = of(&plain, ImuOptions::default(), None).err().unwrap();
     assert!(matches!(asked.downcast_ref(), Some(LogError::Ask(_))) && asked.to_string().contains("state no unit"));
-    let [gyro, accel] = ["dps", "m/s²"].map(|unit| Said { unit: unit.parse().ok(), ..Said::default() });
+    let [gyro, accel] = ["dps", "m/s²"].map(|unit| KindOptions { unit: unit.parse().ok(), ..KindOptions::default() });
     of(&plain, ImuOptions { gyro, accel, ..ImuOptions::default() }, None).unwrap();
     let short = file("short.csv", log(HEAD, 20));
     let doubts = Record::doubts(&of(&short, ImuOptions::default(), None).unwrap().axes);

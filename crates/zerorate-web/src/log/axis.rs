@@ -30,7 +30,7 @@ pub fn message(record: &Record) -> LogAxis {
         coefficients: coefficients(record).iter().map(coefficient).collect(),
         terms: terms(record),
         model_error: model.map(|fit| fit.model_error),
-        doubt: record.believed().err().map(|doubt| doubt.to_string()),
+        doubt: record.valid_model().err().map(|doubt| doubt.to_string()),
         warnings: record.notes.iter().map(ToString::to_string).chain(of_noise).collect(),
     }
 }

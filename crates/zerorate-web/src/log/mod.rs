@@ -24,7 +24,7 @@ mod reader {
     use std::vec::IntoIter;
     use zerorate_allan::{FitOptions, Options, Taus};
     use zerorate_imu::{AnalysisOptions, Record};
-    use zerorate_imu::{Axes, Choice, ImuOptions, ImuWarning, NoNoiseFile, Rule};
+    use zerorate_imu::{Axes, ImuOptions, ImuWarning, NoNoiseFile, NoiseFileOptions, Rule};
     use zerorate_input::Input;
     use zerorate_logs::{Column, ColumnSelection, LogError, LogWarning};
 
@@ -107,8 +107,8 @@ mod reader {
             let (axes, doubts) = (Record::axes(&self.analysed), Record::doubts(&self.analysed));
             let (log, topic) = (self.path.display().to_string(), self.topic.clone());
             let (inflate, rule) = (command.inflate, Rule::Covers(None));
-            let warnings = Choice::mattering(self.warnings.iter().cloned().chain(self.findings()));
-            let choice = Choice { log, topic, combine, rule, inflate, names: LABELS, warnings };
+            let warnings = NoiseFileOptions::mattering(self.warnings.iter().cloned().chain(self.findings()));
+            let choice = NoiseFileOptions { log, topic, combine, rule, inflate, names: LABELS, warnings };
             Ok(Download {
                 name: format!("imu-{}.yaml", format.name()),
                 media_type: "application/yaml".to_owned(),

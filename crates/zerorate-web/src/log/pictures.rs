@@ -5,7 +5,7 @@ use super::message::LogPicture;
 use std::path::Path;
 use zerorate_allan::{Fit, Line, Prediction};
 use zerorate_imu::Named;
-use zerorate_imu::{Look, Record};
+use zerorate_imu::{PlotData, Record};
 use zerorate_logs::Quantity;
 use zerorate_view::plot::{self, Curve, PowerLaw, Signal, Spectrum, Tone, number};
 
@@ -64,7 +64,7 @@ fn curve(axis: &Record) -> Curve {
         let Prediction { dev, lo, hi } = axis.predicted(point)?;
         Some(plot::Point { tau_s: point.tau_s, dev, lo, hi })
     });
-    let believed = if axis.believed().is_ok() { coefficients(axis) } else { Vec::new() };
+    let believed = if axis.valid_model().is_ok() { coefficients(axis) } else { Vec::new() };
     Curve {
         label: axis.column.clone(),
         points: points
@@ -90,7 +90,7 @@ fn law(named: &Named<'_>) -> PowerLaw {
 
 fn spectrum(axis: &Record, unit: &str) -> Option<Spectrum> {
     let amplitude = |density: f64| (2.0 * density).sqrt();
-    let (Look { spectrum: all, .. }, rate_hz) = (axis.look.as_ref()?, axis.analysis.rate_hz);
+    let (PlotData { spectrum: all, .. }, rate_hz) = (axis.plot_data.as_ref()?, axis.analysis.rate_hz);
     let model = |fit: &Fit| {
         let of_model = |hz: f64| (hz, amplitude(fit.density(hz, rate_hz)));
         let holds = all.iter().filter(|one| one.frequency_hz <= fit.max_freq_hz);
@@ -112,7 +112,7 @@ fn signal(axis: &Record) -> Signal {
     let steps = axis.model().map_or(&[][..], |fit| &fit.cleaned.steps);
     Signal {
         label: axis.column.clone(),
-        envelope: axis.look.as_ref().map(|look| look.envelope.clone()).unwrap_or_default(),
+        envelope: axis.plot_data.as_ref().map(|look| look.envelope.clone()).unwrap_or_default(),
         marks_s: steps.iter().map(|step| step.at_s).collect(),
     }
 }

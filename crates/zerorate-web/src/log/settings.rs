@@ -1,7 +1,7 @@
 //! Converts settings of the page to what the readers take, and questions of the readers to settings of the page.
 
 use super::message::{LogSetting, LogSettings};
-use zerorate_imu::{Combine, Format, ImuOptions, Said};
+use zerorate_imu::{Combine, Format, ImuOptions, KindOptions};
 use zerorate_logs::{ColumnOptions, Decimal, LogError, Names, Setting, TimeUnit, Unit};
 
 /// The names that messages use for the settings: the labels of the page's fields.
@@ -59,7 +59,7 @@ pub fn options(said: &LogSettings) -> Result<ImuOptions, LogError> {
         names: LABELS,
         ..ColumnOptions::default()
     };
-    let kind = |unit, scale| Said { columns: Vec::new(), unit, scale };
+    let kind = |unit, scale| KindOptions { columns: Vec::new(), unit, scale };
     let gyro = kind(unit(&said.gyro_unit)?, above_zero("gyroscope scale", said.gyro_scale)?);
     let accel = kind(unit(&said.accel_unit)?, above_zero("accelerometer scale", said.accel_scale)?);
     Ok(ImuOptions { columns: said.columns.clone(), gyro, accel, log })

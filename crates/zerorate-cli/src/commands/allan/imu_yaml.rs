@@ -6,7 +6,7 @@ use crate::exit::{CodedRefusal, Usage};
 use crate::output::StagedOutput;
 use anyhow::Result;
 use zerorate_imu::Record;
-use zerorate_imu::{Choice, Combine, Doubts, Format, Rule};
+use zerorate_imu::{Combine, Format, NoiseFileOptions, Rejections, Rule};
 use zerorate_logs::{Names, Quantity};
 
 /// Writes the gyroscope's part of the file. Of several logs it takes the worst values.
@@ -15,7 +15,7 @@ pub fn write(file: StagedOutput, records: &[Record]) -> Result<()> {
         let why = "the column does not state a unit of angular rate, and imu.yaml needs rad/s; give --unit or --scale";
         return Err(Usage(format!("{}: {why}", other.label())).into());
     }
-    let doubt = records.iter().find_map(|record| Some((record, record.believed().err()?)));
+    let doubt = records.iter().find_map(|record| Some((record, record.valid_model().err()?)));
     if let Some((record, why)) = doubt {
         return Err(CodedRefusal::new(
             why.code(),
@@ -25,9 +25,9 @@ pub fn write(file: StagedOutput, records: &[Record]) -> Result<()> {
     }
     let log = records.iter().map(|record| record.file.display().to_string()).collect::<Vec<_>>().join(", ");
     let names = Names(flag);
-    let warnings = Choice::mattering(warnings::condensed(records));
+    let warnings = NoiseFileOptions::mattering(warnings::condensed(records));
     let (combine, rule) = (Combine::Worst, Rule::Covers(None));
-    let choice = Choice { log, topic: None, combine, rule, inflate: 1.0, names, warnings };
-    let text = Format::Kalibr.file(choice, &Record::axes(records), &Doubts::default(), false)?;
+    let choice = NoiseFileOptions { log, topic: None, combine, rule, inflate: 1.0, names, warnings };
+    let text = Format::Kalibr.file(choice, &Record::axes(records), &Rejections::default(), false)?;
     Ok(file.fill(text.as_bytes())?)
 }

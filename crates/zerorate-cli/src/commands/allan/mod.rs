@@ -19,7 +19,7 @@ use std::path::PathBuf;
 use temperature::TemperatureArgs;
 use words::{names, warnings};
 use zerorate_allan::{FitOptions, Options, Stat, Taus};
-use zerorate_imu::Doubt;
+use zerorate_imu::Rejection;
 use zerorate_imu::{AnalysisOptions, Record};
 use zerorate_jobs::allan::{AllanOptions, allan};
 use zerorate_jobs::pool::Pool;
@@ -216,8 +216,8 @@ fn warnings(args: &AllanArgs, records: &[Record]) -> Vec<String> {
 
 /// Refuses a record whose coefficients must not become a result.
 fn check_model(record: &Record) -> Result<()> {
-    let refused = |doubt: Doubt| CodedRefusal::new(doubt.code(), format!("{}: {doubt}", record.label()));
-    Ok(record.believed().map(drop).map_err(refused)?)
+    let refused = |doubt: Rejection| CodedRefusal::new(doubt.code(), format!("{}: {doubt}", record.label()));
+    Ok(record.valid_model().map(drop).map_err(refused)?)
 }
 
 /// Fits and prints one model of all records.

@@ -105,7 +105,7 @@ fn row(title: String, cells: impl Iterator<Item = String>, unit: &str) -> Vec<St
 /// The rows of Gauss–Markov terms, two for each term of an axis.
 fn gauss_markov(group: &Group<'_>) -> Vec<Vec<String>> {
     let of = |record: &Record| -> Vec<GaussMarkov> {
-        record.believed().map_or_else(|_| Vec::new(), |fit| units::gauss_markov(fit, record.quantity).collect())
+        record.valid_model().map_or_else(|_| Vec::new(), |fit| units::gauss_markov(fit, record.quantity).collect())
     };
     let all: Vec<_> = group.records.iter().map(of).collect();
     let rows = (0..all.iter().map(Vec::len).max().unwrap_or(0)).flat_map(|index| {

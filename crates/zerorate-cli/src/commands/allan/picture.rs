@@ -123,7 +123,7 @@ impl<'a> Group<'a> {
     /// Draws a panel for each of several axes.
     fn multiples(&self) -> String {
         let panel = |(record, label): (&Record, String)| {
-            let laws = believed(record).iter().map(law).collect();
+            let laws = valid_coefficients(record).iter().map(law).collect();
             Curve { label, laws, remarks: remarks(record), ..curve(record) }
         };
         let curves: Vec<Curve> = self.records.iter().zip(self.names()).map(panel).collect();
@@ -156,7 +156,7 @@ impl<'a> Group<'a> {
     fn signals(&self) -> Option<String> {
         let signal = |(record, label): (&Record, String)| {
             let steps = record.model().map_or(&[][..], |fit| &fit.cleaned.steps);
-            let envelope = record.look.as_ref()?.envelope.clone();
+            let envelope = record.plot_data.as_ref()?.envelope.clone();
             Some(Signal { label, envelope, marks_s: steps.iter().map(|step| step.at_s).collect() })
         };
         let all: Vec<Signal> = self.records.iter().zip(self.names()).map(signal).collect::<Option<_>>()?;
@@ -166,7 +166,7 @@ impl<'a> Group<'a> {
 
 fn spectrum(record: &Record, label: String, unit: &str) -> Option<Spectrum> {
     let amplitude = |density: f64| (2.0 * density).sqrt();
-    let look = record.look.as_ref().filter(|look| !look.spectrum.is_empty())?;
+    let look = record.plot_data.as_ref().filter(|look| !look.spectrum.is_empty())?;
     let points = look.spectrum.iter().map(|one| (one.frequency_hz, amplitude(one.density)));
     let rate_hz = record.analysis.rate_hz;
     let model = |fit: &Fit| {
@@ -271,12 +271,12 @@ fn curve(record: &Record) -> Curve {
 
 /// The coefficients that have a line in the picture: Allan deviations only, and values above zero.
 fn drawn(record: &Record) -> Vec<Named<'_>> {
-    believed(record).into_iter().filter(|named| named.coefficient.value > 0.0).collect()
+    valid_coefficients(record).into_iter().filter(|named| named.coefficient.value > 0.0).collect()
 }
 
 /// The coefficients of Allan deviations, if the model is not rejected.
-fn believed(record: &Record) -> Vec<Named<'_>> {
-    match record.analysis.stat.is_allan() && record.believed().is_ok() {
+fn valid_coefficients(record: &Record) -> Vec<Named<'_>> {
+    match record.analysis.stat.is_allan() && record.valid_model().is_ok() {
         true => coefficients(record),
         false => Vec::new(),
     }

@@ -18,7 +18,7 @@ use datasheet::Comparison;
 use std::path::PathBuf;
 use zerorate_allan::{DataSheet, FitOptions};
 use zerorate_imu::{AnalysisOptions, Record};
-use zerorate_imu::{Choice, Combine, Format, ImuOptions, ImuWarning, Rule, Said};
+use zerorate_imu::{Combine, Format, ImuOptions, ImuWarning, KindOptions, NoiseFileOptions, Rule};
 use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
 use zerorate_logs::{ColumnOptions, Decimal, LogWarning, Names, Only, Setting, TimeUnit, Unit};
 use zerorate_view::report::Fact;
@@ -178,8 +178,8 @@ impl ImuArgs {
         };
         let axes = ImuOptions {
             columns: self.column.as_deref().and_then(listed),
-            gyro: Said { columns: names(&self.gyro), unit: self.gyro_unit, scale: self.gyro_scale },
-            accel: Said { columns: names(&self.accel), unit: self.accel_unit, scale: self.accel_scale },
+            gyro: KindOptions { columns: names(&self.gyro), unit: self.gyro_unit, scale: self.gyro_scale },
+            accel: KindOptions { columns: names(&self.accel), unit: self.accel_unit, scale: self.accel_scale },
             log,
         };
         let analysis = AnalysisOptions {
@@ -230,7 +230,7 @@ pub fn run(args: &ImuArgs) -> Result<()> {
         let head = head(args, &axes, topic.as_deref(), sheet.as_ref(), &compared, with(&doubts));
         page::write(page, head, &axes)
     });
-    let mattering = Choice::mattering(with(&first_of_each(&doubts)));
+    let mattering = NoiseFileOptions::mattering(with(&first_of_each(&doubts)));
     let written = written.and_then(|()| deliver(args, &axes, (topic.clone(), mattering), file));
     let printed = if args.json {
         print_json(&json::Report::new((topic.as_deref(), &of_log), &axes, sheet.as_ref(), &compared))
@@ -308,7 +308,7 @@ fn deliver(
     let ImuArgs { combine, inflate, .. } = *args;
     let rule = if args.as_fitted { Rule::AsFitted } else { Rule::Covers(args.horizon) };
     let (log, names) = (args.log.display().to_string(), Names(option));
-    let choice = Choice { log, topic, combine, rule, inflate, names, warnings };
+    let choice = NoiseFileOptions { log, topic, combine, rule, inflate, names, warnings };
     file.fill(args.format.file(choice, &Record::axes(axes), &doubts, args.accept_rejected)?.as_bytes())?;
     let chosen = match args.format.is_by_axis() {
         true => "each axis by itself".to_owned(),

@@ -54,7 +54,7 @@ fn of_group(kind: Kind, axes: &[&Record]) -> Result<String> {
             false => format!("{:.1} %", fit.model_error * 100.0),
         }));
         rows.push(row);
-        match record.believed() {
+        match record.valid_model() {
             Ok(fit) => rows.extend(further(record, others, fit)),
             Err(why) => rows.push(vec![String::new(), format!("NOT A RESULT: {why}")]),
         }

@@ -36,7 +36,7 @@ pub fn holds_below(record: &Record) -> Option<String> {
 
 /// How near another record of the sensor is expected, and up to which averages.
 pub fn predicts(record: &Record) -> Option<String> {
-    record.believed().ok()?;
+    record.valid_model().ok()?;
     let points = record.analysis.points.iter();
     let bands: Vec<_> = points.filter_map(|point| Some((point.tau_s, record.predicted(point)?))).collect();
     let (longest_s, _) = bands.last()?;

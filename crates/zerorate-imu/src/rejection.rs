@@ -5,14 +5,14 @@ use zerorate_allan::Fit;
 
 /// Why the coefficients of an axis must not become a result.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Doubt {
+pub enum Rejection {
     /// The record has no noise model.
     NoModel(String),
     /// It is off by so much, as a share.
     Rejected(f64),
 }
 
-impl Doubt {
+impl Rejection {
     /// About a model, if there is one.
     #[must_use]
     pub fn about(fit: &Fit) -> Option<Self> {
@@ -34,9 +34,9 @@ impl Doubt {
     }
 }
 
-impl std::error::Error for Doubt {}
+impl std::error::Error for Rejection {}
 
-impl fmt::Display for Doubt {
+impl fmt::Display for Rejection {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NoModel(why) => f.write_str(why),
@@ -50,12 +50,12 @@ impl fmt::Display for Doubt {
 
 /// The doubts about several axes, each kind with the axes that have it.
 #[derive(Clone, Debug, Default)]
-pub struct Doubts(Vec<Vec<(String, Doubt)>>);
+pub struct Rejections(Vec<Vec<(String, Rejection)>>);
 
-impl Doubts {
+impl Rejections {
     /// About axes by name.
-    pub fn about<'a>(axes: impl IntoIterator<Item = (&'a str, Option<Doubt>)>) -> Self {
-        let mut all: Vec<Vec<(String, Doubt)>> = Vec::new();
+    pub fn about<'a>(axes: impl IntoIterator<Item = (&'a str, Option<Rejection>)>) -> Self {
+        let mut all: Vec<Vec<(String, Rejection)>> = Vec::new();
         for (name, doubt) in axes.into_iter().filter_map(|(name, doubt)| Some((name.to_owned(), doubt?))) {
             match all.iter_mut().find(|kind| kind[0].1.is_as(&doubt)) {
                 Some(kind) => kind.push((name, doubt)),
@@ -65,20 +65,20 @@ impl Doubts {
         Self(all)
     }
 
-    fn each(&self) -> impl Iterator<Item = &Doubt> {
+    fn each(&self) -> impl Iterator<Item = &Rejection> {
         self.0.iter().flatten().map(|(_, doubt)| doubt)
     }
 
     /// The code of a refusal for them; none: there is no doubt.
     #[must_use]
     pub fn code(&self) -> Option<&'static str> {
-        self.each().next().map(Doubt::code)
+        self.each().next().map(Rejection::code)
     }
 
     /// Whether a file with the numbers may be written. With `accept_rejected`, only a missing model forbids it.
     #[must_use]
     pub fn allow(&self, accept_rejected: bool) -> bool {
-        self.each().all(|doubt| accept_rejected && matches!(doubt, Doubt::Rejected(_)))
+        self.each().all(|doubt| accept_rejected && matches!(doubt, Rejection::Rejected(_)))
     }
 
     /// Each reason with the axes that have it.
@@ -89,13 +89,13 @@ impl Doubts {
 }
 
 /// A doubt about one or more axes.
-fn of_kind(kind: &[(String, Doubt)]) -> String {
-    let axes = |named: fn(&(String, Doubt)) -> String| kind.iter().map(named).collect::<Vec<_>>().join(", ");
+fn of_kind(kind: &[(String, Rejection)]) -> String {
+    let axes = |named: fn(&(String, Rejection)) -> String| kind.iter().map(named).collect::<Vec<_>>().join(", ");
     match kind {
-        [(_, Doubt::Rejected(_)), _, ..] => {
+        [(_, Rejection::Rejected(_)), _, ..] => {
             let axes = axes(|(name, doubt)| match doubt {
-                Doubt::Rejected(error) => format!("{name} by {:.0} %", error * 100.0),
-                Doubt::NoModel(_) => name.clone(),
+                Rejection::Rejected(error) => format!("{name} by {:.0} %", error * 100.0),
+                Rejection::NoModel(_) => name.clone(),
             });
             format!("the noise model is off ({axes}), so none of its coefficients is a result")
         }
@@ -104,7 +104,7 @@ fn of_kind(kind: &[(String, Doubt)]) -> String {
     }
 }
 
-impl fmt::Display for Doubts {
+impl fmt::Display for Rejections {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.texts().join("; "))
     }
