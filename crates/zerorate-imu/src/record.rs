@@ -132,7 +132,7 @@ impl Record {
         let finer = options.draws_finely.then(|| analyse(&Taus::Fine)).transpose()?;
         let rate = (options.keeps_rate && analysed.cleaned().is_none()).then(|| analysed.rates());
         let draws = options.draws && !options.is_phase;
-        let look = draws.then(|| PlotData::of(&column, file, analysed.cleaned())).transpose()?;
+        let plot_data = draws.then(|| PlotData::of(&column, file, analysed.cleaned())).transpose()?;
         let mut fit = analysed.into_fit();
         if let (Some(Ok(fit)), false) = (&mut fit, options.keeps_rate) {
             fit.cleaned.rate = None;
@@ -150,7 +150,7 @@ impl Record {
             rate,
             notes,
             follows,
-            look,
+            plot_data,
             detrended,
             skipped_s,
         })

@@ -11,7 +11,7 @@ use super::{hdf5_index, lzf};
 use crate::choice::{Choice, Columns};
 use crate::error::Result;
 use crate::query::ColumnQuery;
-use crate::raw_columns::{Clock, RawColumn, RawColumns};
+use crate::raw_columns::{RawColumn, RawColumns};
 use crate::warning::LogWarning;
 use hdf5_reader::datatype_api::CompoundField;
 use hdf5_reader::error::{ByteOrder, Error};

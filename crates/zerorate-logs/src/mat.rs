@@ -10,7 +10,7 @@ use super::series::SeriesBuilder;
 use crate::choice::{Choice, Columns};
 use crate::error::Result;
 use crate::query::ColumnQuery;
-use crate::raw_columns::{Clock, RawColumn, RawColumns};
+use crate::raw_columns::{RawColumn, RawColumns};
 use crate::warning::LogWarning;
 use flate2::read::ZlibDecoder;
 use std::io::{BufReader, Read};

@@ -9,7 +9,7 @@ use super::series::SeriesBuilder;
 use crate::choice::{Choice, Columns};
 use crate::error::{Result, wrong};
 use crate::query::ColumnQuery;
-use crate::raw_columns::{Clock, RawColumn, RawColumns};
+use crate::raw_columns::{RawColumn, RawColumns};
 use crate::warning::LogWarning;
 use header::{Element, Form, Header, Kind};
 use std::io::{BufReader, Read, Seek, SeekFrom};

@@ -3,7 +3,7 @@
 use super::open::Log;
 use super::series::SeriesBuilder;
 use crate::error::{Result, wrong};
-use crate::raw_columns::{Clock, RawColumn, RawColumns};
+use crate::raw_columns::{RawColumn, RawColumns};
 use crate::setting::{Names, Setting};
 use std::io::{ErrorKind, Read};
 use zerorate_input::InputError;

@@ -9,7 +9,7 @@ use crate::choice::ColumnSelection;
 use crate::choice::{ColumnSpec, TEMPERATURE_COLUMN};
 use crate::error::{LogError, Result, wrong};
 use crate::query::ColumnQuery;
-use crate::raw_columns::{Clock, RawColumn, RawColumns};
+use crate::raw_columns::{RawColumn, RawColumns};
 use crate::setting::Setting;
 use crate::warning::LogWarning;
 use std::collections::BTreeMap;
