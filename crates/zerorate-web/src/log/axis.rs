@@ -2,8 +2,7 @@
 
 use super::message::{AxisKind, LogAxis, LogCoefficient, LogColumn, LogPoint, LogValue};
 use zerorate_allan::{Line, Term};
-use zerorate_imu::Record;
-use zerorate_imu::{self, B, Kind, Named};
+use zerorate_imu::{B, Kind, Named, Record};
 use zerorate_logs::{Column, Quantity};
 use zerorate_view::plot::number;
 
@@ -51,7 +50,7 @@ fn points(record: &Record) -> Vec<LogPoint> {
 
 /// The deviations of a model, if there is one.
 pub fn coefficients(record: &Record) -> Vec<Named<'_>> {
-    record.model().map_or_else(Vec::new, |fit| imu::coefficients(fit, record.quantity))
+    record.model().map_or_else(Vec::new, |fit| zerorate_imu::coefficients(fit, record.quantity))
 }
 
 /// The terms of a model beside its coefficients, and how far up it holds, in words.
@@ -75,7 +74,7 @@ fn term(quantity: Option<Quantity>, term: &Term) -> Option<String> {
             Some(format!("line at {} Hz, {} rms, left out", number(*frequency_hz), size(*rms)))
         }
         Term::WarmUp { size: step, tau_s } => {
-            Some(format!("warm-up: {}, time constant {}", size(step.value), imu::span(*tau_s)))
+            Some(format!("warm-up: {}, time constant {}", size(step.value), zerorate_imu::span(*tau_s)))
         }
         Term::BandShape { .. } => None,
     }
