@@ -1,6 +1,7 @@
 //! A file of a form that is not built in says which feature adds it, and never that it is damaged.
 
 use super::*;
+use std::path::Path;
 use zerorate_input::NotBuiltIn;
 
 #[track_caller]
