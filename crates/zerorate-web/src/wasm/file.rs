@@ -35,5 +35,5 @@ fn words(why: &JsValue) -> String {
 
 /// The worker's file, with this length.
 pub fn input(length: f64) -> Input {
-    Input::elsewhere(Arc::new(File { length: length as u64 }))
+    Input::remote(Arc::new(File { length: length as u64 }))
 }
