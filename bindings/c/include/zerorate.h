@@ -336,7 +336,7 @@ typedef struct zerorate_correction_integer {
  */
 typedef struct zerorate_correction_curve {
   /**
-   * What is added at T3, and the terms of order 1, 2 and 3 over (temperature code - t3_code) * 2^10 / 2^32, in rate
+   * The constant at T3, and the terms of order 1, 2 and 3 over (temperature code - t3_code) * 2^10 / 2^32, in rate
    * codes times 2^fraction.
    */
   int32_t terms[4];
@@ -448,7 +448,7 @@ typedef struct zerorate_gyro {
 } zerorate_gyro;
 
 /**
- * How the part is reached: functions of the caller, each of which gets `context` back.
+ * The caller's functions that reach the part. Each gets `context` back.
  *
  * They are called from inside the function that needs them, in the same thread or interrupt, and must not call a
  * function on the same object. `context` must stay valid as long as the object that was set up with it is used.
@@ -552,7 +552,7 @@ typedef struct zerorate_plan {
    */
   double offset_s;
   /**
-   * Average of the temperature of step 9, s: 1.
+   * Time to average TEMP in step 9, s: 1.
    */
   double final_temp_s;
   /**

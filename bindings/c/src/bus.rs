@@ -5,7 +5,7 @@ use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{self, InputPin, OutputPin};
 use embedded_hal::spi::{self, Operation, SpiDevice};
 
-/// How the part is reached: functions of the caller, each of which gets `context` back.
+/// The caller's functions that reach the part. Each gets `context` back.
 ///
 /// They are called from inside the function that needs them, in the same thread or interrupt, and must not call a
 /// function on the same object. `context` must stay valid as long as the object that was set up with it is used.

@@ -68,7 +68,7 @@ pub struct CorrectionInteger {
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct CorrectionCurve {
-    /// What is added at T3, and the terms of order 1, 2 and 3 over (temperature code - t3_code) * 2^10 / 2^32, in rate
+    /// The constant at T3, and the terms of order 1, 2 and 3 over (temperature code - t3_code) * 2^10 / 2^32, in rate
     /// codes times 2^fraction.
     pub terms: [i32; 4],
     /// T3 as a temperature code.

@@ -41,7 +41,7 @@ pub struct Plan {
     pub settle_s: f64,
     /// Average of step 8, s: 150.
     pub offset_s: f64,
-    /// Average of the temperature of step 9, s: 1.
+    /// Time to average TEMP in step 9, s: 1.
     pub final_temp_s: f64,
     /// Largest share of lost samples in an average, 0 to 1: 0.001.
     pub max_lost: f64,

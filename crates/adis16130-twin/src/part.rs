@@ -26,7 +26,7 @@ pub(crate) struct Part {
     faults: WireFaults,
     switched_on: bool,
     supplied: bool,
-    /// The bytes need neither recording nor spoiling.
+    /// Bytes are neither recorded nor altered.
     plain: bool,
     /// RDY cannot fall, in any state of the converter.
     rdy_masked: bool,

@@ -27,7 +27,7 @@ pub struct LastRead {
     pub temp: Option<Reading>,
 }
 
-/// What a read of a data register gave, whatever became of it on the wires.
+/// A read of a data register, before any fault of the wires.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct Reading {
     /// The content of the register in 24 bits.
@@ -49,7 +49,7 @@ pub struct Conversion {
     pub t_ns: u64,
 }
 
-/// What is counted for a channel, and outlasts a reset.
+/// Counts of a channel that outlast a reset.
 #[derive(Copy, Clone, Default)]
 pub(crate) struct Tally {
     pub(crate) conversions: u64,

@@ -126,7 +126,7 @@ impl Twin {
         self.part.borrow().chip.adc.lost_unread()
     }
 
-    /// What the last reads of the data registers gave, and which conversions that was.
+    /// The last reads of the data registers, with their conversions.
     pub fn last_read(&self) -> LastRead {
         self.part.borrow().chip.adc.last_read()
     }

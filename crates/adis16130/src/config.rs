@@ -109,8 +109,7 @@ impl Config {
         self
     }
 
-    /// RDYFN: `true`, as in F-30, = RDY tells that all enabled channels hold unread data; `false` = any channel does
-    /// (F-32).
+    /// Sets RDYFN. If `true` (F-30), RDY signals unread data in all enabled channels; if `false`, in any (F-32).
     pub const fn with_rdyfn(mut self, all_channels: bool) -> Self {
         self.iop = self.iop.with_rdyfn(all_channels);
         self

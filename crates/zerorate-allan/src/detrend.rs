@@ -130,8 +130,8 @@ pub fn detrend(rates: &[f64], temps: &[f64], order: usize) -> Result<DetrendedRa
 }
 
 impl DetrendedRate {
-    /// The share of a random walk's Allan variance that is left in averages of `m` samples. The polynomial takes part
-    /// of any noise that has most of its power at the same frequencies as the temperature. 1 for short averages.
+    /// The share of a random walk's Allan variance that is left in averages of `m` samples; 1 for short averages. The
+    /// polynomial also removes noise at the frequencies of the temperature.
     #[must_use]
     pub fn kept(&self, m: u64) -> f64 {
         let parts = m as f64 / self.samples_per_part;

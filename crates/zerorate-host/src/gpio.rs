@@ -45,7 +45,7 @@ impl GpioEdges {
         Ok(Self { request, name: format!("{} line {line}", chip.display()), buffer, first_ns: None, last_ns: 0 })
     }
 
-    /// The newest of the edges that wait in the kernel. It counts them all, also those that it had no room for.
+    /// The newest edge that waits in the kernel. Its number counts all edges, dropped ones included.
     fn newest(&mut self) -> Result<Option<Edge>> {
         let size = self.request.edge_event_u64_size();
         let mut newest = None;

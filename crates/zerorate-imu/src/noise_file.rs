@@ -12,7 +12,7 @@ pub enum NoNoiseFile {
     /// The factor on all noise is not a number above zero.
     #[error("the factor on all noise must be a number above zero")]
     Inflate(f64),
-    /// Its numbers would be no result.
+    /// The numbers are not valid.
     #[error("{0}")]
     Rejected(Rejections),
     /// The reader takes a number for each of three axes, and this kind has so many.

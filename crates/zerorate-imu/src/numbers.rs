@@ -91,7 +91,7 @@ pub struct Numbers {
     pub usage: Usage,
     /// The doubts that were overruled.
     pub doubts: Vec<String>,
-    /// What no number contains, for each axis where that is something.
+    /// Effects that the numbers leave out, per affected axis.
     pub left_out: Vec<String>,
     /// Samples per second.
     pub rate_hz: f64,
@@ -241,7 +241,7 @@ impl Axis<'_> {
         largest.map(|(_, tau_s)| tau_s)
     }
 
-    /// σ of a process whose Allan deviation has its peak where and as high as that of the noise without N.
+    /// σ of a process with correlation time `tau_s` whose Allan peak is as high as the noise without N.
     fn sigma_at(&self, tau_s: f64) -> f64 {
         let peak_s = PEAK_AT * tau_s;
         let m = (peak_s * self.rate_hz).round().max(1.0);
@@ -262,7 +262,7 @@ const PEAK_AT: f64 = 1.89;
 const PEAK: f64 = 0.617;
 
 impl Numbers {
-    /// Makes the numbers of these axes.
+    /// The noise numbers of these axes.
     pub fn new(choice: NoiseFileOptions, usage: Usage, doubts: &Rejections, axes: &[Axis<'_>]) -> Self {
         let memory = Memory::of(axes);
         let of_kind = |kind| axes.iter().filter(move |axis| axis.kind == kind);

@@ -11,7 +11,7 @@ const WITHIN: f64 = 0.2;
 const SUBTRACTED_M_S2: f64 = 0.3;
 /// No gyroscope has such a bias, °/s: the data sheet of the MPU-6050 allows 20, and most allow less.
 const NO_BIAS_DPS: f64 = 50.0;
-/// Nobody logs in steps as coarse as these: whole °/s and, with some room, whole g in m/s².
+/// Steps too coarse for a log: whole °/s and, with a margin, whole g in m/s².
 const WHOLE_DPS: f64 = 1.0;
 const WHOLE_M_S2: f64 = 9.0;
 

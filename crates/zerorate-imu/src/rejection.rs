@@ -8,7 +8,7 @@ use zerorate_allan::Fit;
 pub enum Rejection {
     /// The record has no noise model.
     NoModel(String),
-    /// It is off by so much, as a share.
+    /// Relative error of the model.
     Rejected(f64),
 }
 

@@ -169,7 +169,7 @@ impl Input {
         Ok(None)
     }
 
-    /// What `fill` writes: to a nameless file where this is a file, into memory where it is in memory.
+    /// The output of `fill`, in a nameless file if this input is a file, else in memory.
     pub fn unpacked<E: From<io::Error>>(
         &self,
         fill: impl FnOnce(&mut dyn io::Write) -> Result<(), E>,

@@ -138,7 +138,7 @@ impl Correcting {
         })
     }
 
-    /// Takes a batch in, and gives those that are judged.
+    /// Takes a batch. Returns newly judged batches.
     fn take(&mut self, rows: Rows, schema: &SchemaRef) -> Result<Vec<RecordBatch>> {
         for row in rows.iter() {
             self.start_ns.get_or_insert(row.t_ns);

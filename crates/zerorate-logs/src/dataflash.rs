@@ -94,7 +94,7 @@ struct Messages<'a> {
     path: &'a Path,
     file: BufReader<Input>,
     forms: BTreeMap<u8, Form>,
-    /// Bytes that are no messages, and in how many places.
+    /// Skipped bytes, and the number of their places.
     skipped: u64,
     places: u64,
 }
@@ -105,7 +105,7 @@ impl<'a> Messages<'a> {
         Self { path, file, forms: BTreeMap::new(), skipped: 0, places: 0 }
     }
 
-    /// Calls `take` with each message but FMT until it says no. What is no message is skipped up to the next one.
+    /// Calls `take` with each message but FMT until it returns false. Skips bytes outside messages.
     fn all(&mut self, mut take: impl FnMut(u8, &Form, &[u8]) -> bool) -> Result<(), InputError> {
         let (mut head, mut body) = ([0; HEAD], [0; u8::MAX as usize]);
         let mut is_lost = false;

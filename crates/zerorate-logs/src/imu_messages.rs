@@ -292,7 +292,7 @@ pub struct Head {
 }
 
 impl Head {
-    /// None of what is no such message.
+    /// `None` for any other message.
     fn of(encoding: Encoding, source: &Source, message: &[u8]) -> Option<Self> {
         let unpacked;
         let message = if message.starts_with(&ZSTD) {

@@ -76,7 +76,7 @@ impl<'a> Body<'a> {
         Some(if self.big_endian { f64::from_be_bytes(bytes) } else { f64::from_le_bytes(bytes) })
     }
 
-    /// Of the IMU, ns since the epoch.
+    /// IMU stamp, ns since the epoch.
     pub fn stamp_ns(&self) -> Option<i64> {
         let (sec, nanosec) = (self.u32_at(self.start)? as i32, self.u32_at(self.start + 4)?);
         Some(i64::from(sec) * 1_000_000_000 + i64::from(nanosec))

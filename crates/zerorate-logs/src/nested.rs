@@ -19,7 +19,7 @@ pub struct Place {
     before: Vec<Field>,
 }
 
-/// What stands before the IMU, as far as its length matters.
+/// A field before the IMU, by what sets its length.
 #[derive(Clone, Debug, PartialEq)]
 enum Field {
     /// Numbers of a size in bytes.

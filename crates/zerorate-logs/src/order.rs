@@ -80,7 +80,7 @@ struct TimedRow {
     time: f64,
 }
 
-/// Gives rows whose stamp is not between those around them, where there is room for just one row, a time there.
+/// Restamps a row whose time is not between its neighbours, if just one row fits between them.
 fn restamp(rows: &mut [TimedRow], interval: f64) -> Option<String> {
     let is_stray = |around: &[TimedRow]| {
         let [before, time, next] = [around[0].time, around[1].time, around[2].time];

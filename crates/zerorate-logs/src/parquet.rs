@@ -166,7 +166,7 @@ impl Groups<'_> {
     }
 }
 
-/// Rows that room is made for at once: more than the longest record of one part, less than a machine's memory.
+/// Most rows to reserve at once: more than the longest record of one part, less than a machine's memory.
 const MAX_RESERVED: usize = 1 << 26;
 
 /// A piece of a file, under the offsets of the whole.

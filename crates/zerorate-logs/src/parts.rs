@@ -79,7 +79,7 @@ fn found(path: &Path, parts: Parts, asked: &ColumnQuery<'_>) -> Result<RawColumn
 }
 
 impl RawColumns {
-    /// Says so where the topic that was read has another number of messages than the description of its bag states.
+    /// Warns if the topic that was read has another number of messages than its bag states.
     fn hold_against(&mut self, path: &Path, stated: &[(String, u64)]) {
         let Some(column) = self.columns.first() else { return };
         let is_read = |topic: &str| column.name.strip_prefix(topic).is_some_and(|rest| rest.starts_with('.'));

@@ -39,7 +39,7 @@ pub struct RawColumn {
     /// The size of a step of 1 that the log states, in its unit.
     pub step: f64,
     pub warnings: Vec<LogWarning>,
-    /// Whether it was not wanted, and is the temperature beside those that were.
+    /// Whether this is an unrequested temperature beside requested columns.
     pub is_beside: bool,
 }
 

@@ -248,7 +248,7 @@ impl Records<'_> {
         Ok(true)
     }
 
-    /// Whether what is no record is another bag.
+    /// The stop, if another bag starts `here`.
     fn another_bag(&self, here: u64, length: u64) -> Option<Stop> {
         let start = self.file.get_ref().bytes_at(here, ROS_BAG.len()).ok()?;
         (&start[..] == ROS_BAG).then_some(Stop::Early(EarlyEnd::AnotherBag(length - here)))

@@ -60,7 +60,7 @@ impl SeriesBuilder {
         Self::sharing(room, 1)
     }
 
-    /// The same, of so many series in one room, which grow together.
+    /// As `new`, for `series` series that share the memory budget.
     pub fn sharing(room: MemoryBudget, series: usize) -> Self {
         let sharing = series.max(1) as u64;
         Self { series: Series::Codes(Vec::new()), gaps: Vec::new(), rows: 0, room, sharing }
@@ -138,7 +138,7 @@ impl SeriesBuilder {
         }
     }
 
-    /// Adds numbers. `Err` says which is the first that is infinite; then nothing is added.
+    /// Adds numbers. If one is infinite, adds nothing and returns the index of the first.
     pub fn extend_numbers(&mut self, added: impl ExactSizeIterator<Item = f64>) -> Result<(), usize> {
         let (rows, numbers) = (added.len() as u64, self.numbers());
         let before = numbers.len();

@@ -42,7 +42,7 @@ const IMUS: [(&str, &str, Unit); 6] = [
     ("vehicle_acceleration", "xyz", Unit::MPerS2),
 ];
 
-/// The topic with the readings of a gyroscope as its driver makes them.
+/// The topic of a gyroscope driver's own readings.
 const GYRO: &str = "sensor_gyro";
 
 /// Reads fields of a topic.

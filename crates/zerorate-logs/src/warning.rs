@@ -20,7 +20,7 @@ pub enum LogWarning {
     Miscounted { path: String, topic: String, stated: u64, found: u64 },
     /// Rows of the log of a part lack the value of an axis.
     RowsIncomplete { path: String, lacking: usize, rows: usize },
-    /// Values of a column were rounded to codes, by so much of this unit.
+    /// Values of a column were rounded to codes, by up to `by` `unit`.
     OffCodes { path: String, column: String, by: f64, unit: &'static str, codes: f64 },
     /// The last samples of a column are equal.
     Stopped { path: String, column: String, same: usize, len: usize },

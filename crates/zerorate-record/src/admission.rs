@@ -19,16 +19,16 @@ pub struct Admission {
     jumped: u64,
 }
 
-/// The device cannot be believed any more.
+/// The data of the device is not valid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Disbelief {
-    /// Its clock.
+    /// Bad clock.
     #[error(
         "the clock of the device stands still or went back: {0} samples in a row are not later than the one before \
          ({1}); check its time source, and start again"
     )]
     Clock(u32, Break),
-    /// Its count of losses.
+    /// Bad loss count.
     #[error("the device cannot be believed: {0}; reset it, and start again")]
     Losses(Break),
 }

@@ -110,7 +110,7 @@ impl Checked {
         self.source.stated().torn
     }
 
-    /// What is said of bytes that follow the end, once all rows were read.
+    /// The warning about bytes after the end, once all rows were read.
     pub fn behind_end(&self) -> Option<&InputWarning> {
         let warning = self.source.stated().warning.as_ref();
         warning.filter(|warning| matches!(warning, InputWarning::BytesBehindEnd { .. }))

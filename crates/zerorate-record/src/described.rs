@@ -191,7 +191,7 @@ struct Valid {
 }
 
 impl AxisValidation {
-    /// Of an axis by its number; none if the part has no such axis.
+    /// For an axis, by number; none if the part lacks it.
     fn new(axis: usize, info: &CaptureInfo) -> Option<Self> {
         let health = Health::new(&info.part().axes.get(axis)?.axis);
         Some(Self { axis, layout: info.layout.clone(), health, tally: Tally::default(), start_ns: None })
@@ -279,7 +279,7 @@ impl Readings {
         Some(Self { axis, channel, tail: None })
     }
 
-    /// Takes the values of more rows in. Gives those that are judged by now, in their order.
+    /// Takes the values of more rows. Returns the newly judged ones, in order.
     fn take(&mut self, values: &ArrayRef, valid: &[Valid]) -> Result<ArrayRef, ArrowError> {
         let valid = self.of_channel(valid);
         let values = match self.tail.take() {

@@ -7,7 +7,7 @@ use zerorate::MAX_AXES;
 
 /// Head of the hash of one axis with a status of eight bits.
 const ONE_AXIS: &str = "zerorate.samples.v1\n";
-/// Head of the hash of all other layouts; their names follow.
+/// Hash prefix of other layouts. The axis names follow it.
 const AXES: &str = "zerorate.samples.v2 ";
 
 /// Bytes of the longest row.

@@ -50,7 +50,7 @@ pub enum LayoutError {
     /// The number of axes is out of range.
     #[error("{0} axes; a capture has 1 to {MAX_AXES}")]
     Axes(usize),
-    /// A name that cannot be one.
+    /// An invalid name.
     #[error("{0:?} is not a name; use up to {LONGEST_NAME} letters, digits, -, _ and .")]
     Name(String),
     /// Two columns of one name.

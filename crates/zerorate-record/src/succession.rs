@@ -32,7 +32,7 @@ pub struct Mark {
     pub t_ns: u64,
     /// `edge_seq`
     pub edge_seq: u32,
-    /// `lost`; `u32::MAX` is that many or more.
+    /// `lost`, saturating at `u32::MAX`.
     pub lost: u32,
 }
 

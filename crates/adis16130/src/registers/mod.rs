@@ -113,7 +113,7 @@ macro_rules! registers {
                 match self {$(Self::$register => $description.trim_ascii(),)*}
             }
 
-            /// Whether it can be read, written or both.
+            /// The access: read, write or both.
             pub const fn access(self) -> Access {
                 match self {$(Self::$register => Access::$access,)*}
             }

@@ -219,7 +219,7 @@ impl Timeline {
         self.period as f64 / (1u64 << FRACTION_BITS) as f64
     }
 
-    /// This many eighths of that time, in whole ns.
+    /// Eighths of the tick period, in whole ns.
     pub(crate) fn eighths_of_period_ns(&self, eighths: u32) -> u64 {
         ((self.period >> 3) as u64 * u64::from(eighths)) >> FRACTION_BITS
     }

@@ -68,9 +68,9 @@ impl Fit {
     /// The N and K with which N²/τ + K²τ/3 covers the Allan variance of the noise from 1 s to `horizon_s`, with the
     /// least mean excess of its logarithm. The variance is the model's without lines, drift and warm-up, or the
     /// measured one where that lies outside the 95 % band of the model. The default horizon is a third of the
-    /// record, and at most the horizon of the usage. `None` if no averaging time lies between.
+    /// record, and at most the horizon of the usage. `None` if no averaging time lies in the range.
     ///
-    /// docs/imu.md shows how sure a reader with these numbers is, and with those that are fitted.
+    /// docs/imu.md shows how sure a filter is with these numbers, and with the fitted ones.
     #[must_use]
     pub fn covering(&self, usage: Usage, horizon_s: Option<f64>) -> Option<Covering> {
         let (dt_s, half_s) = self.span_s;

@@ -17,7 +17,7 @@ const CELLS: u32 = 30;
 const BEYOND_THE_INTERVAL: f64 = 2.0;
 /// A descent beside the best parameters.
 const BESIDE: (usize, f64) = (30, 1e-5);
-/// Nearer to the best value the root needs no correction, and the correction is never more than this.
+/// The least likelihood root |r| that is corrected, and the largest correction.
 const LEAST_ROOT: f64 = 0.05;
 const MOST_CORRECTION: f64 = 1.0;
 

@@ -449,7 +449,7 @@ fn low_pass(form: &ModelForm, at: &[f64], cosine: f64) -> (f64, [f64; 2]) {
 }
 
 /// Density of a low-pass of the second order over its level at frequency 0, 1/(1 + cx + x²) with x = sin²(θ/2)/e^u,
-/// and the slopes of its logarithm. Its damping c is 0 for Butterworth's and 2 for two equal poles.
+/// and the slopes of its logarithm. Damping c: 0 for a Butterworth filter, 2 for two equal poles.
 fn two_poles(u: f64, c: f64, cosine: f64) -> (f64, [f64; 2]) {
     let x = -cosine / 2.0 / libm::exp(u);
     let under = 1.0 + c * x + x * x;

@@ -22,7 +22,7 @@ fn latitude(text: &str) -> Result<f64, String> {
 }
 
 impl EarthArgs {
-    /// What is to be subtracted, °/s; none where nothing was said.
+    /// The rate to subtract, °/s; none if no option was given.
     pub fn dps(self) -> Option<f64> {
         self.earth_dps.or(self.latitude.map(|degrees| EARTH_DPS * degrees.to_radians().sin()))
     }

@@ -55,7 +55,7 @@ struct Verdict {
     /// `OTHER` if it is neither a capture nor a calibration; empty if it cannot be read.
     form: &'static str,
     schema: Option<u32>,
-    /// What a capture states of its part.
+    /// A capture's facts about its part.
     #[serde(flatten)]
     stated: Option<CaptureFacts>,
     /// Whether checks in the file cover its whole content.
@@ -65,7 +65,7 @@ struct Verdict {
     first_ns: Option<u64>,
     last_ns: Option<u64>,
     samples_sha256: Option<String>,
-    /// Whether its end is missing.
+    /// Whether the end is missing.
     torn: bool,
     /// What is wrong, and where.
     damage: Option<String>,
@@ -77,7 +77,7 @@ struct Verdict {
     unread: bool,
 }
 
-/// What a capture states of its part.
+/// A capture's facts about its part.
 #[derive(Serialize)]
 struct CaptureFacts {
     part: String,

@@ -201,7 +201,7 @@ impl SharedLink {
         self.lock().damaged()
     }
 
-    /// Says that the bridge is gone, where that was the cause.
+    /// Names a bridge that is gone or silent as the cause.
     fn explain(&self, error: impl Into<anyhow::Error>, address: &BridgeAddress) -> anyhow::Error {
         let error = error.into();
         match self.lock().why_gone() {

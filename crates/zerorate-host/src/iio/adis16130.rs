@@ -79,7 +79,7 @@ impl Source for Adis16130 {
     }
 }
 
-/// Checks the scale, and says what must be added to a raw reading so that `zero` is the code at the channel's zero.
+/// Checks the scale. Returns the number to add to a raw reading so that the channel's zero is `zero`.
 fn shift(folder: &Path, channel: &str, expected_scale: f64, zero: i64) -> Result<i64> {
     let scale: f64 = read(folder, &format!("{channel}_scale"))?;
     let offset: i64 = read(folder, &format!("{channel}_offset"))?;

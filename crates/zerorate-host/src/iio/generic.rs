@@ -28,7 +28,7 @@ const SILENT_PERIODS: f64 = 20.0;
 const UNKNOWN_SILENCE: Duration = Duration::from_secs(10);
 /// A wish to end is heeded at least this often.
 const STOP_POLL: Timespec = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
-/// Any other clock of the kernel may step back, as the time of day does, where `t_ns` of a capture never does.
+/// As `t_ns` of a capture must, this kernel clock never steps back. Others may.
 const CLOCK: &str = "monotonic";
 
 /// Opens the device, through its buffer where it has one and no polls were asked for.

@@ -55,7 +55,7 @@ struct Live {
     lost: u64,
     /// There is nothing more to come.
     is_gone: bool,
-    /// Samples that buffers had no room for, all together.
+    /// Number of samples dropped by full buffers.
     missed: u64,
     /// Offsets that clients added to the corrected rate of each axis, °/s.
     trims_dps: [f64; MAX_AXES],
@@ -138,7 +138,7 @@ impl Device {
         }
     }
 
-    /// Notes the number of samples that a buffer had no room for.
+    /// Adds the number of samples that a full buffer dropped.
     pub fn note_missed(&self, missed: u64) {
         let live = &mut *self.live();
         live.missed = live.missed.saturating_add(missed);

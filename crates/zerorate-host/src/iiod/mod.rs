@@ -107,7 +107,7 @@ impl<'a> Server<'a> {
     }
 }
 
-/// A connection among those that there may be.
+/// One of the [`MOST_CONNECTIONS`] places.
 struct Place<'a>(&'a AtomicUsize);
 
 impl<'a> Place<'a> {

@@ -15,7 +15,7 @@ const MORE: u64 = 3;
 #[derive(Default)]
 pub struct Clipped {
     largest: Outermost,
-    /// Of the negated samples.
+    /// From negated samples.
     least: Outermost,
     count: u64,
 }

@@ -10,13 +10,13 @@ const SAID: f64 = 0.577;
 /// many samples is at least 1/62 of the square of their range.
 const WIDE: f64 = 5.0;
 
-/// The steps of a column, and its noise in windows of it.
+/// Step size of a column, and its noise per window.
 pub struct Coarse {
-    /// The least that neighbours differ by.
+    /// Smallest nonzero step.
     step: f64,
     /// Windows whose noise is known.
     windows: usize,
-    /// The variances of those with less noise than is said, as far as the steps are known by then.
+    /// The variances of windows with noise below [`SAID`], by the step known at the time.
     small: Vec<f64>,
 }
 

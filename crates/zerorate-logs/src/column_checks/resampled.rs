@@ -22,8 +22,8 @@ const FINE: f64 = 100.0;
 /// few sizes, and repeat by chance.
 const SIZES: usize = 100;
 
-/// Usual difference between samples, in steps, from which repeats are told from chance: noise then repeats as often
-/// as it moves by a step.
+/// Least usual difference between samples, in steps, at which excess repeats show. There, noise repeats as often as
+/// it moves by a step.
 const COARSE: f64 = 3.0;
 
 /// Sizes of differences, in steps, whose mean share is that of repeats by chance.

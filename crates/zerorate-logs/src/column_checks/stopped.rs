@@ -25,7 +25,7 @@ struct Run {
 pub struct Changes {
     /// Samples that are there.
     len: usize,
-    /// The same, with those that are missing among numbers.
+    /// All samples, with those that are NaN among numbers.
     total: usize,
     /// Changes from one to the next.
     count: usize,

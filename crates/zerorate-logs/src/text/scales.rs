@@ -18,7 +18,7 @@ pub struct Scales {
 }
 
 impl Scales {
-    /// The scales in these lines, above columns of these names.
+    /// The scales in the lines above the columns `names`.
     pub fn of<'a>(lines: impl Iterator<Item = &'a str>, names: &[String]) -> Self {
         let mut scales = Self::default();
         let has = |column: &str| names.iter().any(|name| name == column);
@@ -40,7 +40,7 @@ impl Scales {
         self.time_s.or(self.gyro_rad_s).or(self.accel_g).is_some()
     }
 
-    /// Whether the time is known to be in [`TIME`].
+    /// Whether the log states a scale of [`TIME`].
     pub fn have_time(&self) -> bool {
         self.time_s.is_some()
     }

@@ -93,7 +93,7 @@ mod reader {
             LogSummary { pictures: pictures::of(&self.path, &self.analysed), warnings: self.findings(), no_noise_file }
         }
 
-        /// What happens to several axes at once.
+        /// Warnings about several axes at once.
         fn findings(&self) -> Vec<String> {
             ImuWarning::of_motion(&Record::models(&self.analysed)).iter().map(ImuWarning::coded).collect()
         }

@@ -227,7 +227,7 @@ fn check_within(
 /// Whether a matrix can be a covariance: it is symmetric, and no sum of its quantities has a variance below 0, but for
 /// rounding.
 fn is_covariance<const N: usize>(matrix: &[[f64; N]; N]) -> bool {
-    /// Numbers that were rounded to seven digits leave so much of a correlation.
+    /// Error of a correlation whose inputs were rounded to seven digits.
     const ROUNDING: f64 = 1e-6;
     let sd = |k: usize| if matrix[k][k] > 0.0 { libm::sqrt(matrix[k][k]) } else { 1.0 };
     let correlation = |i: usize, j: usize| matrix[i][j] / sd(i) / sd(j);

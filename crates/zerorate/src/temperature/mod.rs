@@ -227,7 +227,7 @@ pub fn fit(blocks: &[Block], assumed: &Assumed<'_>) -> Result<BiasCurve, Thermal
     if models.is_empty() { Err(ThermalError::Degenerate) } else { Ok(average(&record, assumed.axis, &models)) }
 }
 
-/// The rates less the polynomial over temperature that fits them best, noise or not.
+/// The rates less the best polynomial over temperature, significant or not.
 pub(crate) fn without_temperature(blocks: &[Block]) -> Vec<f64> {
     let basis = Basis::over(blocks);
     let mut left: Vec<f64> = blocks.iter().map(|block| block.rate_dps).collect();

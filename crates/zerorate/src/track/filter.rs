@@ -46,7 +46,7 @@ pub(super) struct Drift {
 }
 
 impl Drift {
-    /// Three processes with corners evenly spread over the logarithm of the frequency, as `noise.rs` has 34 of them.
+    /// Models the flicker as three processes, with corners evenly spaced in log frequency (`noise.rs` has 34).
     pub(super) fn new(noise: &NoiseModel, tempco_dps_per_c: f64, hysteresis_dps: f64) -> Self {
         let density = noise.bias_instability_dps * noise.bias_instability_dps / PI;
         let cell = log(FLICKER_TOP_HZ / FLICKER_CUTOFF_HZ) / FLICKERS as f64;
@@ -80,7 +80,7 @@ impl Drift {
         self.walk_dps2_per_s * seconds
     }
 
-    /// What so much time does to any bias.
+    /// Effect of `seconds` on any bias.
     pub(super) fn over(&self, seconds: f64) -> Passing {
         let seconds = seconds.clamp(0.0, LONGEST_S) as f32;
         let decays = self.flicker_per_s.map(|rate| expf(-rate * seconds));

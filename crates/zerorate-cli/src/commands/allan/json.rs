@@ -193,7 +193,7 @@ struct Missing {
 
 #[derive(Serialize)]
 struct Coefficient {
-    /// These three are none without a model.
+    /// `value` to `hi` need a model.
     value: Option<f64>,
     lo: Option<f64>,
     hi: Option<f64>,

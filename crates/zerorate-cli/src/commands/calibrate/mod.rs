@@ -132,7 +132,7 @@ pub fn run_again(args: &RecalibrateArgs) -> Result<()> {
     calibrate(acquisition, args.plan.plan(true), &args.result, files)
 }
 
-/// What becomes of the result, said before an hour is spent on it.
+/// Where the result will go. Printed before the long run.
 fn whereto(job: &Job) -> &'static str {
     match job.saves() {
         true => "the result will be saved as calibration-<id>.toml in this folder; -o FILE names it",
