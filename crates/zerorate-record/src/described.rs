@@ -5,7 +5,7 @@ use crate::columns::Rows;
 use crate::layout::{CodedAxis, Layout};
 use crate::succession::Mark;
 use crate::table::recognise;
-use crate::{CaptureError, CaptureInfo, CaptureWarning, Checked, is_capture, valid};
+use crate::{CaptureInfo, CaptureWarning, Checked, valid};
 use arrow_array::{Array, ArrayRef, BooleanArray, RecordBatch};
 use arrow_schema::{ArrowError, SchemaRef};
 use arrow_select::concat::concat;
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use zerorate::Tally;
 use zerorate::health::{Health, Judged};
 use zerorate_input::Opened;
-use zerorate_input::table::{Described, DescribedTable};
+use zerorate_input::table::{DESCRIPTION, Described, DescribedTable};
 use zerorate_input::{Input, InputError, Quantity};
 
 /// The column of the temperature.
@@ -25,14 +25,12 @@ const TEMP_CODE: &str = "temp_code";
 /// # Errors
 /// The file cannot be read, or its description is wrong.
 pub fn open_described(path: &Path, input: Input) -> Result<Option<Box<dyn DescribedTable>>, InputError> {
-    match recognise(path, input) {
-        Ok(Opened::Table(source)) if is_capture(source.stated().schema.metadata()) => {
-            let capture = Checked::new(path, source)?;
-            Ok(Some(Box::new(DescribedCapture { path: path.to_owned(), capture })))
-        }
-        Ok(_) | Err(CaptureError::NotACapture { .. }) => Ok(None),
-        Err(error) => Err(error.into()),
+    let Opened::Table(source) = recognise(path, input)? else { return Ok(None) };
+    if !source.stated().schema.metadata().keys().any(|key| key.starts_with(DESCRIPTION)) {
+        return Ok(None);
     }
+    let capture = Checked::new(path, source)?;
+    Ok(Some(Box::new(DescribedCapture { path: path.to_owned(), capture })))
 }
 
 struct DescribedCapture {

@@ -105,3 +105,16 @@ fn a_capture_without_its_reader_is_refused() {
         assert!(why.to_string().contains("set `described` to its reader"), "{why}");
     }
 }
+
+/// One broken letter in the description: the codes must not become numbers without a unit.
+#[test]
+fn a_capture_with_a_broken_description_is_refused() {
+    for format in FORMATS {
+        let mut content = capture(*format);
+        let key = b"zerorate.capture_schema";
+        let places: Vec<usize> = (0..content.len() - key.len()).filter(|at| content[*at..].starts_with(key)).collect();
+        assert!(!places.is_empty());
+        places.iter().for_each(|at| content[at + 12] = b'x');
+        assert!(read(&content, ColumnSelection::One(Some("rate_code"))).is_err(), "{format:?}");
+    }
+}
