@@ -26,6 +26,8 @@ use crate::rosbag;
 use crate::sqlite_bag;
 use crate::{dataflash, raw, tabular, text, ulog, wide};
 use arrow_array::RecordBatch;
+use arrow_ipc::writer::StreamWriter;
+use arrow_schema::ArrowError;
 use std::path::Path;
 use zerorate_input::limits::MemoryBudget;
 use zerorate_input::table::{DESCRIPTION, DescribedTable};
@@ -55,9 +57,26 @@ pub fn read_table(
 ) -> Result<Vec<Column>> {
     let room = MemoryBudget::of(table.get_array_memory_size() as u64);
     let query = ColumnQuery::of(wanted, args);
+    if let Some(open) = args.described.filter(|_| table.schema_ref().metadata().keys().any(describes_itself)) {
+        let stream = arrow_stream(table).map_err(|error| InputError::arrow("read", path, error))?;
+        if let Some(described) = open(path, stream.into())? {
+            return tabular::read_described(path, described, room, &query)?.finish(path, args);
+        }
+    }
     let mut columns = tabular::TableColumns::start(path, &table.schema(), room, &query, None)?;
     columns.take(table)?;
     columns.finish(None)?.finish(path, args)
+}
+
+fn describes_itself(key: &String) -> bool {
+    key.starts_with(DESCRIPTION)
+}
+
+/// The table as the bytes of a file.
+fn arrow_stream(table: &RecordBatch) -> Result<Vec<u8>, ArrowError> {
+    let mut writer = StreamWriter::try_new(Vec::new(), table.schema_ref())?;
+    writer.write(table)?;
+    writer.into_inner()
 }
 
 /// The columns as they stand in the file.

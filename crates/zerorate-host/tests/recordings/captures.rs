@@ -1,12 +1,13 @@
 //! A capture that is read as a log: codes with their scale, losses as gaps, and its temperature.
 
 use adis16130::Width;
+use arrow_ipc::reader::StreamReader;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use zerorate_allan::Gap;
 use zerorate_input::{Input, Quantity};
-use zerorate_logs::{Column, ColumnOptions, ColumnSelection, Result, read_all, read_with_temperature};
+use zerorate_logs::{Column, ColumnOptions, ColumnSelection, Result, read_all, read_table, read_with_temperature};
 use zerorate_record::{CaptureInfo, CaptureWriter, Converter, Format, Row};
 
 const FORMATS: &[Format] = &[
@@ -73,6 +74,17 @@ fn the_temperature_of_a_capture_comes_with_its_rate() {
         let (asked, beside) = together(ColumnSelection::One(Some("temp_code")));
         assert_eq!((asked[0].name.as_str(), asked.len(), beside), ("temp_code", 1, None));
     }
+}
+
+#[test]
+fn a_capture_as_a_table_in_memory_keeps_its_scale_and_its_rate() {
+    let content = capture(Format::Arrows);
+    let batch = StreamReader::try_new(content.as_slice(), None).unwrap().next().unwrap().unwrap();
+    let read = |options: ColumnOptions| read_table(Path::new("table"), &batch, ColumnSelection::One(None), &options);
+    let column = read(options()).unwrap().remove(0);
+    assert_eq!((column.scale, column.quantity), (1.0 / 23_488.0, Some(Quantity::AngularRate)));
+    assert!((column.rate_hz / 5692.7 - 1.0).abs() < 1e-3, "{} Hz", column.rate_hz);
+    assert!(read(ColumnOptions { rate: Some(1.0), ..ColumnOptions::default() }).is_err(), "not as codes");
 }
 
 #[test]
