@@ -2,11 +2,16 @@
 
 use crate::{Input, InputError, InputWarning, Quantity};
 use arrow_array::{ArrayRef, RecordBatch};
-use arrow_schema::SchemaRef;
+use arrow_schema::{Schema, SchemaRef};
 use std::path::Path;
 
 /// The start of the metadata keys of a table that describes itself.
 pub const DESCRIPTION: &str = "zerorate.";
+
+/// Whether the metadata of a table describe what its columns mean.
+pub fn describes_itself(schema: &Schema) -> bool {
+    schema.metadata().keys().any(|key| key.starts_with(DESCRIPTION))
+}
 
 /// The start of the keys of checks that a writer puts beside the rows.
 pub const CHECKS: &str = "zerorate.check.";

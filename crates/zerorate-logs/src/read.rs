@@ -30,7 +30,7 @@ use arrow_ipc::writer::StreamWriter;
 use arrow_schema::ArrowError;
 use std::path::Path;
 use zerorate_input::limits::MemoryBudget;
-use zerorate_input::table::{DESCRIPTION, DescribedTable};
+use zerorate_input::table::{DESCRIPTION, DescribedTable, describes_itself};
 use zerorate_input::{Input, InputError, Opened, open_table};
 
 /// Reads a column of a log in any form, packed or not; `path` names it in messages.
@@ -57,7 +57,7 @@ pub fn read_table(
 ) -> Result<Vec<Column>> {
     let room = MemoryBudget::of(table.get_array_memory_size() as u64);
     let query = ColumnQuery::of(wanted, args);
-    if let Some(open) = args.described.filter(|_| table.schema_ref().metadata().keys().any(describes_itself)) {
+    if let Some(open) = args.described.filter(|_| describes_itself(table.schema_ref())) {
         let stream = arrow_stream(table).map_err(|error| InputError::arrow("read", path, error))?;
         if let Some(described) = open(path, stream.into())? {
             return tabular::read_described(path, described, room, &query)?.finish(path, args);
@@ -66,10 +66,6 @@ pub fn read_table(
     let mut columns = tabular::TableColumns::start(path, &table.schema(), room, &query, None)?;
     columns.take(table)?;
     columns.finish(None)?.finish(path, args)
-}
-
-fn describes_itself(key: &String) -> bool {
-    key.starts_with(DESCRIPTION)
 }
 
 /// The table as the bytes of a file.

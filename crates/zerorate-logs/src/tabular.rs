@@ -17,7 +17,7 @@ use std::path::Path;
 use zerorate_allan::Gap;
 use zerorate_input::cells::{floats, integers};
 use zerorate_input::limits::MemoryBudget;
-use zerorate_input::table::{BatchSource, DESCRIPTION, Described, DescribedTable};
+use zerorate_input::table::{BatchSource, Described, DescribedTable, describes_itself};
 use zerorate_input::{InputError, InputWarning, Quantity};
 
 /// Reads columns of a table.
@@ -80,7 +80,7 @@ impl<'a> TableColumns<'a> {
         described: Option<&dyn DescribedTable>,
     ) -> Result<Self> {
         let names: Vec<&str> = schema.fields().iter().map(|field| field.name().as_str()).collect();
-        if asked.args.described.is_none() && schema.metadata().keys().any(|key| key.starts_with(DESCRIPTION)) {
+        if asked.args.described.is_none() && describes_itself(schema) {
             return Err(needs_reader(path));
         }
         let default = described.map_or_else(Vec::new, |table| table.default_columns());

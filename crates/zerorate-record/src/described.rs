@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use zerorate::Tally;
 use zerorate::health::{Health, Judged};
 use zerorate_input::Opened;
-use zerorate_input::table::{DESCRIPTION, Described, DescribedTable};
+use zerorate_input::table::{Described, DescribedTable, describes_itself};
 use zerorate_input::{Input, InputError, Quantity};
 
 /// The column of the temperature.
@@ -26,7 +26,7 @@ const TEMP_CODE: &str = "temp_code";
 /// The file cannot be read, or its description is wrong.
 pub fn open_described(path: &Path, input: Input) -> Result<Option<Box<dyn DescribedTable>>, InputError> {
     let Opened::Table(source) = recognise(path, input)? else { return Ok(None) };
-    if !source.stated().schema.metadata().keys().any(|key| key.starts_with(DESCRIPTION)) {
+    if !describes_itself(&source.stated().schema) {
         return Ok(None);
     }
     let capture = Checked::new(path, source)?;
