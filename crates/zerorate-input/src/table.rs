@@ -122,5 +122,13 @@ pub struct Described {
     pub refused: Option<(&'static str, String)>,
 }
 
-/// Opens a file as a described table; none if it is another file.
-pub type OpenDescribed = fn(&Path, Input) -> Result<Option<Box<dyn DescribedTable>>, InputError>;
+/// What may be a described table.
+pub enum Source {
+    /// A file that was not looked into.
+    File(Input),
+    /// A table whose schema was read.
+    Table(Box<dyn BatchSource>),
+}
+
+/// Opens a described table; none if the file is another one. A table comes only if it describes itself.
+pub type OpenDescribed = fn(&Path, Source) -> Result<Option<Box<dyn DescribedTable>>, InputError>;

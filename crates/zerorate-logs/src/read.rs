@@ -30,7 +30,7 @@ use arrow_ipc::writer::StreamWriter;
 use arrow_schema::ArrowError;
 use std::path::Path;
 use zerorate_input::limits::MemoryBudget;
-use zerorate_input::table::{DESCRIPTION, DescribedTable, describes_itself};
+use zerorate_input::table::{DESCRIPTION, DescribedTable, Source, describes_itself};
 use zerorate_input::{Input, InputError, Opened, open_table};
 
 /// Reads a column of a log in any form, packed or not; `path` names it in messages.
@@ -59,7 +59,7 @@ pub fn read_table(
     let query = ColumnQuery::of(wanted, args);
     if let Some(open) = args.described.filter(|_| describes_itself(table.schema_ref())) {
         let stream = arrow_stream(table).map_err(|error| InputError::arrow("read", path, error))?;
-        if let Some(described) = open(path, stream.into())? {
+        if let Some(described) = open(path, Source::File(stream.into()))? {
             return tabular::read_described(path, described, room, &query)?.finish(path, args);
         }
     }
@@ -149,5 +149,5 @@ fn described(log: &Log<'_>, form: LogForm, asked: &ColumnQuery<'_>) -> Result<Op
         return if describes_itself { Err(tabular::needs_reader(log.path)) } else { Ok(None) };
     };
     let input = log.input.try_clone().map_err(|error| InputError::io("read", log.path, error))?;
-    Ok(open(log.path, input)?)
+    Ok(open(log.path, Source::File(input))?)
 }

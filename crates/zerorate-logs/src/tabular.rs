@@ -17,7 +17,7 @@ use std::path::Path;
 use zerorate_allan::Gap;
 use zerorate_input::cells::{floats, integers};
 use zerorate_input::limits::MemoryBudget;
-use zerorate_input::table::{BatchSource, Described, DescribedTable, describes_itself};
+use zerorate_input::table::{BatchSource, Described, DescribedTable, Source, describes_itself};
 use zerorate_input::{InputError, InputWarning, Quantity};
 
 /// Reads columns of a table.
@@ -28,6 +28,12 @@ pub fn read(
     asked: &ColumnQuery<'_>,
 ) -> Result<RawColumns> {
     let schema = source.stated().schema.clone();
+    if let Some(open) = asked.args.described.filter(|_| describes_itself(&schema)) {
+        return match open(path, Source::Table(source))? {
+            Some(table) => read_described(path, table, budget, asked),
+            None => Err(needs_reader(path)),
+        };
+    }
     let mut reading = TableColumns::start(path, &schema, budget, asked, None)?;
     while let Some(batch) = source.next_batch()? {
         reading.take(&batch)?;

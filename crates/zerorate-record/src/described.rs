@@ -14,8 +14,8 @@ use std::path::{Path, PathBuf};
 use zerorate::Tally;
 use zerorate::health::{Health, Judged};
 use zerorate_input::Opened;
-use zerorate_input::table::{Described, DescribedTable, describes_itself};
-use zerorate_input::{Input, InputError, Quantity};
+use zerorate_input::table::{Described, DescribedTable, Source, describes_itself};
+use zerorate_input::{InputError, Quantity};
 
 /// The column of the temperature.
 const TEMP_CODE: &str = "temp_code";
@@ -24,8 +24,12 @@ const TEMP_CODE: &str = "temp_code";
 ///
 /// # Errors
 /// The file cannot be read, or its description is wrong.
-pub fn open_described(path: &Path, input: Input) -> Result<Option<Box<dyn DescribedTable>>, InputError> {
-    let Opened::Table(source) = recognise(path, input)? else { return Ok(None) };
+pub fn open_described(path: &Path, source: Source) -> Result<Option<Box<dyn DescribedTable>>, InputError> {
+    let opened = match source {
+        Source::File(input) => recognise(path, input)?,
+        Source::Table(source) => Opened::Table(source),
+    };
+    let Opened::Table(source) = opened else { return Ok(None) };
     if !describes_itself(&source.stated().schema) {
         return Ok(None);
     }

@@ -2,6 +2,7 @@
 
 use adis16130::Width;
 use arrow_ipc::reader::StreamReader;
+use arrow_ipc::writer::FileWriter;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -85,6 +86,21 @@ fn a_capture_as_a_table_in_memory_keeps_its_scale_and_its_rate() {
     assert_eq!((column.scale, column.quantity), (1.0 / 23_488.0, Some(Quantity::AngularRate)));
     assert!((column.rate_hz / 5692.7 - 1.0).abs() < 1e-3, "{} Hz", column.rate_hz);
     assert!(read(ColumnOptions { rate: Some(1.0), ..ColumnOptions::default() }).is_err(), "not as codes");
+}
+
+/// Other software writes a capture again as an Arrow file. Its batches keep no checks, and its description stays.
+#[test]
+fn a_capture_as_an_arrow_file_keeps_its_scale_and_its_rate() {
+    let content = capture(Format::Arrows);
+    let batches: Vec<_> = StreamReader::try_new(content.as_slice(), None).unwrap().map(Result::unwrap).collect();
+    let mut writer = FileWriter::try_new(Vec::new(), &batches[0].schema()).unwrap();
+    batches.iter().for_each(|batch| writer.write(batch).unwrap());
+    let file = writer.into_inner().unwrap();
+    let column = read(&file, ColumnSelection::One(None)).unwrap().remove(0);
+    let original = read(&content, ColumnSelection::One(None)).unwrap().remove(0);
+    assert_eq!((column.scale, column.rate_hz, &column.gaps), (original.scale, original.rate_hz, &original.gaps));
+    assert_eq!(column.series, original.series);
+    assert!(column.warnings.iter().any(|warning| warning.code() == "not-checked"), "{:?}", column.warnings);
 }
 
 #[test]
