@@ -22,7 +22,7 @@ impl RowReader {
     /// messages. `args` are for logs alone.
     ///
     /// # Errors
-    /// It cannot be read, or is wrong in itself; without a part, it is not a capture.
+    /// The file cannot be read or is damaged, or no part is given and it is not a capture.
     pub fn open(path: &Path, mut input: Input, part: Option<&Part>, args: &ColumnOptions) -> Result<Self, LogError> {
         let failed = |error| InputError::io("read", path, error);
         let again = input.try_clone().map_err(failed)?;

@@ -25,7 +25,7 @@ impl Format {
     /// Checks that each kind of axis has three or none, where the reader takes a number for each.
     ///
     /// # Errors
-    /// One has not.
+    /// Returns `NotThree` for a kind with another number of axes.
     pub fn check(self, axes: impl Iterator<Item = Kind> + Clone) -> Result<(), NoNoiseFile> {
         for kind in Kind::ALL {
             let count = axes.clone().filter(|of| *of == kind).count();
@@ -40,7 +40,7 @@ impl Format {
     /// and the file says so.
     ///
     /// # Errors
-    /// Why there is none.
+    /// Returns the reason why no file can be written.
     pub fn file(
         self,
         choice: NoiseFileOptions,

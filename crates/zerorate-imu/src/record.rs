@@ -238,7 +238,7 @@ impl Record {
     /// The model, if it is not rejected: what may be called a result and go into files.
     ///
     /// # Errors
-    /// Why there is none that is believed.
+    /// Returns a [`Rejection`] if there is no model, or the model is rejected.
     pub fn valid_model(&self) -> Result<&Fit, Rejection> {
         match &self.fit {
             Some(Ok(fit)) => Rejection::about(fit).map_or(Ok(fit), Err),

@@ -77,7 +77,7 @@ pub fn open(path: &Path, input: Input) -> Result<Log<'_>, InputError> {
 /// The kind of a file in words, recognised by its start; `path` names it in messages.
 ///
 /// # Errors
-/// It cannot be read, or is of a kind that nobody reads here.
+/// The file cannot be read, or is not a log in any supported format.
 pub fn kind(path: &Path, input: Input) -> Result<String, InputError> {
     let (input, start) = marked(input).map_err(|error| InputError::io("read", path, error))?;
     let room = MemoryBudget::of(0);

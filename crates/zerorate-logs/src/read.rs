@@ -34,6 +34,9 @@ use zerorate_input::table::{DESCRIPTION, DescribedTable, Source, describes_itsel
 use zerorate_input::{Input, InputError, Opened, open_table};
 
 /// Reads a column of a log in any form, packed or not; `path` names it in messages.
+///
+/// # Errors
+/// The file cannot be read, does not say enough about the column, or its numbers must not become a result.
 pub fn read(path: &Path, input: Input, args: &ColumnOptions) -> Result<Column> {
     let columns = read_all(path, input, ColumnSelection::One(args.column.as_deref()), args)?;
     columns.into_iter().next().ok_or_else(|| LogError::Ask(format!("{} has no column", path.display())))
@@ -41,6 +44,9 @@ pub fn read(path: &Path, input: Input, args: &ColumnOptions) -> Result<Column> {
 
 /// Reads the `wanted` columns in one pass over the file and ignores `args.column`. All have one rate. The first
 /// carries the warnings about the file as a whole.
+///
+/// # Errors
+/// The same errors as for [`read`].
 pub fn read_all(path: &Path, input: Input, wanted: ColumnSelection<'_>, args: &ColumnOptions) -> Result<Vec<Column>> {
     find(path, input, &ColumnQuery::of(wanted, args))?.finish(path, args)
 }

@@ -23,7 +23,7 @@ const ALL: [TimeUnit; 4] = [TimeUnit::S, TimeUnit::Ms, TimeUnit::Us, TimeUnit::N
 /// Checks that times in this unit, in a column of a log, make sense.
 ///
 /// # Errors
-/// The rate in this unit, and in the unit that fits.
+/// Returns a question that states the rate in this unit and in the unit that fits.
 pub fn check(
     (path, column): (&Path, &str),
     times: &Times,
