@@ -6,11 +6,13 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyNone, PyTuple, PyType};
+use pythonize::pythonize;
 use std::fmt::Display;
 use zerorate_allan::{
-    Analysis, AnalysisError, Coefficient, Estimate, Fit, FitOptions, FittedRecord, Gap, Input, Options, Prediction,
-    Preparation, Stat, Taus, Term, deviations as of_input,
+    Analysis, AnalysisError, Fit, FitOptions, FittedRecord, Gap, Input, Options, Prediction, Preparation, Stat, Taus,
+    deviations as of_input,
 };
+use zerorate_imu::{CleanedReport, DetrendReport, FitReport};
 
 /// The noise model of a record in the core's form, for the files that are made from it.
 #[pyclass(module = "zerorate._zerorate", frozen)]
@@ -103,15 +105,16 @@ pub fn analyse<'py>(
     let result = PyDict::new(py);
     columns(&result, &analysis)?;
     result.set_item("skipped_s", skipped_s)?;
-    result.set_item("detrended", detrended.map(|detrended| settling::dict(py, &detrended)).transpose()?)?;
+    let detrended = detrended.map(|detrended| pythonize(py, &DetrendReport::new(&detrended))).transpose()?;
+    result.set_item("detrended", detrended)?;
     let follows = follows.filter(|_| !matches!(fit, Some(Ok(_))));
     result.set_item("warnings", frozen.into_iter().chain(follows.iter().map(settling::text)).collect::<Vec<_>>())?;
     match fit {
         Some(Ok(fit)) => {
             expected(&result, &analysis, &fit)?;
-            result.set_item("fit", fit_dict(py, &fit)?)?;
-            let steps: Vec<(f64, f64)> = fit.cleaned.steps.iter().map(|step| (step.at_s, step.size)).collect();
-            result.set_item("cleaned", (fit.cleaned.glitches, steps))?;
+            result.set_item("fit", pythonize(py, &FitReport::new(Some(&fit), None))?)?;
+            result.set_item("fit_warnings", fit.warnings.iter().map(settling::text).collect::<Vec<_>>())?;
+            result.set_item("cleaned", pythonize(py, &CleanedReport::new(&fit.cleaned))?)?;
             result.set_item("core", Model { fit, rate_hz })?;
         }
         Some(Err(error)) => result.set_item("no_fit", error.to_string())?,
@@ -155,66 +158,6 @@ fn columns(result: &Bound<'_, PyDict>, analysis: &Analysis) -> PyResult<()> {
     let unavailable: Vec<(f64, String)> =
         analysis.unavailable.iter().map(|point| (point.tau_s, point.reason.to_string())).collect();
     result.set_item("unavailable", unavailable)
-}
-
-fn fit_dict<'py>(py: Python<'py>, fit: &Fit) -> PyResult<Bound<'py, PyDict>> {
-    let result = PyDict::new(py);
-    for (name, coefficient) in [("n", &fit.n), ("b", &fit.b), ("k", &fit.k)] {
-        result.set_item(name, coefficient_dict(py, coefficient)?)?;
-    }
-    for (name, coefficient) in [("q", &fit.q), ("r", &fit.r)] {
-        let coefficient = coefficient.as_ref().map(|found| coefficient_dict(py, found)).transpose()?;
-        result.set_item(name, coefficient)?;
-    }
-    result.set_item("model_error", fit.model_error)?;
-    result.set_item("p_value", fit.p_value)?;
-    result.set_item("f_max_hz", fit.max_freq_hz)?;
-    result.set_item("rejected", fit.is_rejected)?;
-    result.set_item("terms", fit.terms.iter().map(|term| term_dict(py, term)).collect::<PyResult<Vec<_>>>()?)?;
-    result.set_item("warnings", fit.warnings.iter().map(settling::text).collect::<Vec<_>>())?;
-    Ok(result)
-}
-
-fn term_dict<'py>(py: Python<'py>, term: &Term) -> PyResult<Bound<'py, PyDict>> {
-    let result = PyDict::new(py);
-    let limits = |&Estimate { value, lo, hi }: &Estimate| (value, lo, hi);
-    match term {
-        Term::GaussMarkov { sigma, tau_s } => {
-            result.set_item("kind", "gauss-markov")?;
-            result.set_item("sigma", limits(sigma))?;
-            result.set_item("tau_s", limits(tau_s))?;
-        }
-        Term::BandShape { cosines, pole, corner, of_white } => {
-            result.set_item("kind", "band-shape")?;
-            result.set_item("cosines", cosines)?;
-            result.set_item("pole", pole)?;
-            result.set_item("of_white", of_white)?;
-            result.set_item("corner", corner.map(|corner| (corner.frequency_hz, corner.damping)))?;
-        }
-        Term::Line(line) => {
-            result.set_item("kind", "line")?;
-            result.set_item("frequency_hz", line.frequency_hz)?;
-            result.set_item("width_hz", line.width_hz)?;
-            result.set_item("rms", line.rms)?;
-        }
-        Term::WarmUp { size, tau_s } => {
-            result.set_item("kind", "warm-up")?;
-            result.set_item("size", limits(size))?;
-            result.set_item("tau_s", tau_s)?;
-        }
-    }
-    Ok(result)
-}
-
-fn coefficient_dict<'py>(py: Python<'py>, coefficient: &Coefficient) -> PyResult<Bound<'py, PyDict>> {
-    let &Coefficient { value, lo, hi, identified, needed_s } = coefficient;
-    let result = PyDict::new(py);
-    result.set_item("value", value)?;
-    result.set_item("lo", lo)?;
-    result.set_item("hi", hi)?;
-    result.set_item("identified", identified)?;
-    result.set_item("needed_s", needed_s)?;
-    Ok(result)
 }
 
 /// Deviations alone, and the terms in each, at the averaging lengths ``m``; NaN and 0 where there is none.

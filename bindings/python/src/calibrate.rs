@@ -2,9 +2,9 @@
 
 use crate::calibration::Calibration;
 use crate::error::{exception, joined};
-use crate::native::native;
 use pyo3::exceptions::{PyUserWarning, PyValueError};
 use pyo3::prelude::*;
+use pythonize::pythonize;
 use serde_json::Value;
 use std::ffi::CString;
 use std::path::PathBuf;
@@ -173,7 +173,7 @@ pub fn calibrate<'py>(
         PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)?;
     }
     let (report, calibration) = done.map_err(|error| exception(&error))?;
-    Ok((native(py, &report)?, Calibration::of(calibration)))
+    Ok((pythonize(py, &report)?, Calibration::of(calibration)))
 }
 
 fn run(

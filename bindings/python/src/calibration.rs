@@ -1,8 +1,8 @@
 //! A calibration as the package holds it.
 
-use crate::native::native;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pythonize::pythonize;
 use serde_json::{Value, json};
 use zerorate::Scale;
 use zerorate::calibration::CalibratedAxis;
@@ -58,7 +58,7 @@ impl Calibration {
             fields.insert("temp".to_owned(), self.known.temp.as_ref().map_or(Value::Null, scale));
             fields.insert("axes".to_owned(), self.known.axes.iter().map(axis).collect());
         }
-        native(py, &fields)
+        Ok(pythonize(py, &fields)?)
     }
 
     /// The warning if temperatures from ``low_c`` to ``high_c`` leave the span of the calibration.

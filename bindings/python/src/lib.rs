@@ -11,7 +11,6 @@ mod correction;
 mod error;
 mod imu;
 mod log;
-mod native;
 mod record;
 mod settling;
 mod twin;

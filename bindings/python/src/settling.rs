@@ -6,9 +6,8 @@ use crate::record::Record;
 use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use std::path::Path;
-use zerorate_allan::{AllanWarning, DetrendedRate, Gap, Input, Preparation};
+use zerorate_allan::{AllanWarning, Gap, Input, Preparation};
 use zerorate_logs::{self as logs, Column, Names, Series};
 
 /// The name of a record in memory, for messages.
@@ -69,21 +68,5 @@ pub fn frozen(input: Input<'_>, rate_hz: f64, name: &str) -> Option<String> {
 
 /// A warning, with the arguments that help.
 pub fn text(warning: &AllanWarning) -> String {
-    let help = match warning {
-        AllanWarning::FollowsTemperature { .. } => " (detrend=1, skip=\"45m\")",
-        _ => "",
-    };
-    joined(&format!("{}: {warning}{help}", warning.code()))
-}
-
-/// The polynomial that was subtracted, as a dictionary.
-pub fn dict<'py>(py: Python<'py>, detrended: &DetrendedRate) -> PyResult<Bound<'py, PyDict>> {
-    let result = PyDict::new(py);
-    result.set_item("order", detrended.lost_dof)?;
-    result.set_item("coefficients", &detrended.coefficients)?;
-    result.set_item("mean_c", detrended.mean_c)?;
-    result.set_item("explained", detrended.explained)?;
-    result.set_item("lost_dof", detrended.lost_dof)?;
-    result.set_item("walk_kept", detrended.walk_kept())?;
-    Ok(result)
+    joined(&zerorate_imu::coded(warning, Names(argument)))
 }

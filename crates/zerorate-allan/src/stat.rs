@@ -49,6 +49,7 @@ macro_rules! statistics {
         /// of samples in each average. N is the number of points of x, one more than samples of the rate. The
         /// differences are d₂ = x\[i+2m\] − 2x\[i+m\] + x\[i\] and d₃ = x\[i+3m\] − 3x\[i+2m\] + 3x\[i+m\] − x\[i\].
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "lowercase"))]
         pub enum Stat {$($(#[$doc])* $stat,)*}
 
         impl Stat {

@@ -25,6 +25,7 @@ mod interrupt;
 mod memory;
 mod output;
 mod part;
+mod picture;
 mod progress;
 mod reference;
 #[cfg(feature = "serve")]

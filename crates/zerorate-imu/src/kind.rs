@@ -1,10 +1,13 @@
 //! The kind of an axis of an IMU, by the unit or the name of its column.
 
 use crate::increments;
+use serde::Serialize;
 use zerorate_logs::{Column, Quantity};
 
 /// The kind of an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "types", derive(ts_rs::TS), ts(rename = "AxisKind"))]
 pub enum Kind {
     /// Angular rate.
     Gyroscope,

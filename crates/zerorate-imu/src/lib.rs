@@ -10,6 +10,7 @@ mod numbers;
 mod plausible;
 mod record;
 mod rejection;
+mod report;
 mod settling;
 #[cfg(test)]
 mod tests;
@@ -23,5 +24,9 @@ pub use noise_file::NoNoiseFile;
 pub use numbers::{Axis, Combine, NoiseFileOptions, Rule};
 pub use record::{AnalysisOptions, PlotData, Record, RecordError};
 pub use rejection::{Rejection, Rejections};
+pub use report::{
+    AllanReport, AxisReport, CleanedReport, CoefficientReport, DetrendReport, FitReport, ImuReport, LineReport,
+    MotionReport, PointReport, SheetReport, UnavailableReport, UnitReport,
+};
 pub use settling::{Settling, SettlingError};
-pub use warning::{ImuWarning, Moment};
+pub use warning::{ImuWarning, Moment, coded};

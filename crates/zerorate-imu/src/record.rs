@@ -2,14 +2,14 @@
 //!
 //! The command line and the page take this way. Python analyses arrays in place, and takes the pieces.
 
-use crate::{Axis, Kind, Rejection, Rejections};
+use crate::{Axis, Kind, Rejection, Rejections, coded};
 use crate::{Settling, SettlingError};
 use std::path::{Path, PathBuf};
 use zerorate_allan::{
     self as allan, AllanWarning, Analysis, AnalysisError, Averaging, Density, DetrendedRate, Envelope, Fit, FitError,
     FitOptions, FittedRecord, Input, Line, Options, Point, Prediction, Preparation, Stat, Taus, interval,
 };
-use zerorate_logs::{Column, LogError, LogWarning, Quantity};
+use zerorate_logs::{Column, LogError, LogWarning, Names, Quantity};
 
 /// A column of a log and what was found in it.
 pub struct Record {
@@ -39,6 +39,8 @@ pub struct Record {
     pub detrended: Option<DetrendedRate>,
     /// The time left out at its beginning, s.
     pub skipped_s: f64,
+    /// The names of the settings in messages.
+    names: Names,
 }
 
 /// A record as one looks at it.
@@ -153,6 +155,7 @@ impl Record {
             plot_data,
             detrended,
             skipped_s,
+            names: options.settling.names,
         })
     }
 
@@ -186,6 +189,7 @@ impl Record {
             plot_data: None,
             detrended: None,
             skipped_s: 0.0,
+            names: first.names,
         }
     }
 
@@ -197,6 +201,16 @@ impl Record {
     /// The warnings about its noise: that it follows the temperature, and the warnings about the model.
     pub fn of_noise(&self) -> impl Iterator<Item = &AllanWarning> {
         self.follows.iter().chain(self.of_model())
+    }
+
+    /// All its warnings as scripts read them, `code: text`, those about the log first.
+    pub fn warnings(&self) -> Vec<String> {
+        self.notes.iter().map(LogWarning::coded).chain(self.noise_warnings()).collect()
+    }
+
+    /// The warnings about its noise as scripts read them.
+    pub fn noise_warnings(&self) -> impl Iterator<Item = String> {
+        self.of_noise().map(|warning| coded(warning, self.names))
     }
 
     /// The label that tells this log from others: the file, and the column.

@@ -2,7 +2,8 @@
 
 use super::Kind;
 use std::fmt;
-use zerorate_allan::{Fit, MotionKind, motion, rows};
+use zerorate_allan::{AllanWarning, Fit, MotionKind, motion, rows};
+use zerorate_logs::{Names, Setting};
 
 /// A warning about several axes.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +33,18 @@ impl Moment {
         let names = |found: Vec<usize>| found.into_iter().map(|axis| axes[axis].0.to_owned()).collect();
         motion(&fits).into_iter().map(|of| Self { at_s: of.at_s, axes: names(of.axes), kind: of.kind }).collect()
     }
+}
+
+/// A warning about a record as scripts read it, `code: text`, with the names of the settings that help.
+#[must_use]
+pub fn coded(warning: &AllanWarning, names: Names) -> String {
+    let help = match warning {
+        AllanWarning::FollowsTemperature { .. } => {
+            format!(" ({}, {})", names.of(Setting::Detrend), names.of(Setting::Skip))
+        }
+        _ => String::new(),
+    };
+    format!("{}: {warning}{help}", warning.code())
 }
 
 impl ImuWarning {

@@ -18,7 +18,7 @@ pub struct Pool {
 }
 
 /// A record that does not fit the others.
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 pub struct Outlier {
     /// The name of the record.
     pub record: String,

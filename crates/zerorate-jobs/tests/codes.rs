@@ -99,7 +99,7 @@ fn option(setting: Setting) -> &'static str {
 /// The options that the command line and the Python package name at the end of a warning.
 fn options(warning: &AllanWarning) -> &'static str {
     match warning {
-        AllanWarning::FollowsTemperature { .. } => " (--detrend temp, --skip 45m)",
+        AllanWarning::FollowsTemperature { .. } => " (--detrend, --skip)",
         _ => "",
     }
 }

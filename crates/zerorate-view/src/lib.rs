@@ -3,6 +3,7 @@
 pub mod duration;
 pub mod export;
 mod interval;
+pub mod noise;
 pub mod plot;
 mod printable;
 pub mod report;

@@ -4,9 +4,10 @@
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use std::fmt::Write;
+use zerorate_imu::Kind;
 use zerorate_input::Input;
 use zerorate_web::log::LogReader;
-use zerorate_web::log::message::{AxisKind, LogInspection, LogSetting, LogSettings, NoiseFileCommand};
+use zerorate_web::log::message::{LogInspection, LogSetting, LogSettings, NoiseFileCommand};
 
 /// White noise of six axes, of standard deviation 0.1.
 fn table(head: &str, rows: usize) -> String {
@@ -39,16 +40,20 @@ fn six_axes_become_coefficients_pictures_and_a_file() {
     let (looked, reader) = look(&table(HEAD, 20_000), &LogSettings::default());
     let (LogInspection::Log(about), Some(mut reader)) = (looked, reader) else { panic!("a log") };
     assert_eq!((about.form.as_str(), about.samples, about.columns.len()), ("text", 20_000, 6));
-    assert!((about.rate_hz - 100.0).abs() < 1e-6 && about.columns[5].kind == Some(AxisKind::Accelerometer));
+    assert!((about.rate_hz - 100.0).abs() < 1e-6 && about.columns[5].kind == Some(Kind::Accelerometer));
     let mut axes = Vec::new();
     while let Some(axis) = reader.analyse().expect("an axis") {
         axes.push(axis);
     }
-    let n = &axes[0].coefficients[0];
     // 0.1 °/s at 100 Hz: 0.01 °/√s, 0.6 °/√h
-    assert_eq!((n.symbol.as_str(), n.values[0].unit.as_str(), n.identified), ("N", "°/√h", true));
-    assert!((n.values[0].value / 0.6 - 1.0).abs() < 0.05, "{}", n.values[0].value);
-    assert!((axes[0].points[0].dev / 0.1 - 1.0).abs() < 0.05 && axes[0].points[0].model.is_some());
+    let report = &axes[0].axis.report;
+    let n = &report.fit.as_ref().expect("a model").n;
+    let in_use = n.in_unit(0).expect("a value").value;
+    assert_eq!((n.units[0].unit.as_str(), n.identified), ("°/√h", true));
+    assert!((in_use / 0.6 - 1.0).abs() < 0.05, "{in_use}");
+    assert!((report.points[0].dev / 0.1 - 1.0).abs() < 0.05 && report.points[0].model.is_some());
+    let words = &axes[0].terms[0];
+    assert_eq!((words.name.as_str(), words.values.len(), words.identified), ("N  angle random walk", 3, true));
     let summary = reader.summary();
     assert_eq!(summary.pictures.len(), 6);
     assert!(summary.pictures.iter().all(|picture| picture.svg.starts_with("<svg")));
@@ -100,7 +105,7 @@ fn a_rate_that_follows_its_temperature_is_reported() {
         let mut reader = reader.expect("a log");
         let mut follows = || {
             let axis = reader.analyse().expect("a noise model").expect("an axis");
-            axis.warnings.iter().any(|warning| warning.starts_with("follows-temperature: "))
+            axis.axis.report.warnings.iter().any(|warning| warning.starts_with("follows-temperature: "))
         };
         assert_eq!([follows(), follows()], [true, false]);
     }

@@ -1,7 +1,7 @@
 import { Allan } from "../chart/allan";
 import { significant } from "../digits";
 import { h } from "../dom";
-import type { LogAxis, LogCoefficient, LogPoint, LogValue } from "../protocol";
+import type { LogAxis, LogTerm, PointReport } from "../protocol";
 import { warnings } from "./about";
 
 /** The deviation of a column of a log, in its own unit. */
@@ -29,14 +29,19 @@ export class Axes {
     this.element.replaceChildren();
   }
 
-  add(axis: LogAxis): void {
-    const { name, unit } = axis.column;
-    const figure = new LogAllan(name, unit ?? "its own unit");
+  add({ axis, terms }: LogAxis): void {
+    const figure = new LogAllan(axis.name, axis.unit ?? "its own unit");
     this.#figures.push(figure);
     this.element.append(
-      h("section", { class: "card", "aria-label": name }, figure.element, coefficients(axis), ...remarks(axis)),
+      h(
+        "section",
+        { class: "card", "aria-label": axis.name },
+        figure.element,
+        table(axis.name, terms),
+        ...remarks(axis),
+      ),
     );
-    figure.show(axis.points.map(point));
+    figure.show(axis.points.filter(({ m }) => Number.isInteger(Math.log2(m))).map(point));
   }
 
   restyle(): void {
@@ -44,50 +49,47 @@ export class Axes {
   }
 }
 
-function point({ tau_s, dev, lo, hi, model }: LogPoint) {
+function point({ tau_s, dev, lo, hi, model }: PointReport) {
   return { tau_s, dev_dps: dev, lo_dps: lo, hi_dps: hi, model_dps: model };
 }
 
-function coefficients({ column, coefficients }: LogAxis): HTMLElement {
+function table(name: string, terms: LogTerm[]): HTMLElement {
   const head = ["Coefficient", "Value with 95 % interval", "State"].map((words) =>
     h("th", { scope: "col" }, words),
   );
   return h(
     "div",
-    { class: "coefficients wide", tabindex: 0, role: "region", "aria-label": `Coefficients of ${column.name}` },
+    { class: "coefficients wide", tabindex: 0, role: "region", "aria-label": `Coefficients of ${name}` },
     h(
       "table",
       {},
-      h("caption", { class: "unseen" }, `Noise coefficients of ${column.name}`),
+      h("caption", { class: "unseen" }, `Noise coefficients of ${name}`),
       h("thead", {}, h("tr", {}, ...head)),
-      h("tbody", {}, ...coefficients.map(row)),
+      h("tbody", {}, ...terms.map(row)),
     ),
   );
 }
 
-function row(coefficient: LogCoefficient): HTMLElement {
-  const { symbol, name, values, identified, remark } = coefficient;
+function row({ name, values, identified, remark }: LogTerm): HTMLElement {
+  const [letter = name, words] = name.split("  ");
   return h(
     "tr",
     {},
-    h("th", { scope: "row" }, symbol, h("span", { class: "other" }, name)),
-    h("td", { class: "values" }, ...values.map((value) => h("div", {}, words(coefficient, value)))),
-    h("td", {}, h("span", { class: identified ? "state good" : "state" }, identified ? "identified" : remark)),
+    h("th", { scope: "row" }, letter, ...(words === undefined ? [] : [h("span", { class: "other" }, words)])),
+    h("td", { class: "values" }, ...values.map((value) => h("div", {}, value))),
+    h("td", {}, h("span", { class: identified && !remark ? "state good" : "state" }, remark || "identified")),
   );
 }
 
-function words({ identified }: LogCoefficient, { value, lo, hi, unit }: LogValue): string {
-  if (!identified) return `below ${significant(hi, 2)} ${unit}`;
-  return `${significant(value, 3)} (${significant(lo, 3)} … ${significant(hi, 3)}) ${unit}`;
-}
-
-function remarks({ terms, model_error, doubt, warnings: texts }: LogAxis): HTMLElement[] {
+function remarks({ fit, rate_hz, rejection, warnings: texts }: LogAxis["axis"]): HTMLElement[] {
+  const error = fit?.model_error ?? 0;
+  const holds = fit?.f_max_hz ?? rate_hz;
   const said = [
-    ...terms,
-    ...(model_error === null || model_error < 0.005
-      ? []
-      : [`The model may be off by ${significant(100 * model_error, 2)} %.`]),
+    ...(holds < 0.499 * rate_hz
+      ? [`The noise model holds below ${significant(holds, 3)} Hz; above it the sensor's filter shapes the noise.`]
+      : []),
+    ...(error < 0.005 || rejection !== null ? [] : [`The model may be off by ${significant(100 * error, 2)} %.`]),
   ];
-  const doubted = doubt === null ? [] : [h("p", { class: "doubt" }, doubt)];
+  const doubted = rejection === null ? [] : [h("p", { class: "doubt" }, rejection)];
   return [...doubted, ...said.map((text) => h("p", { class: "note" }, text)), warnings(texts)];
 }

@@ -13,7 +13,7 @@ import numpy as np
 
 from . import _log, _records, _zerorate
 from ._capture import Capture
-from ._model import Cleaned, Detrended, fitted
+from ._model import cleaned, detrended, fitted
 from ._result import Allan, Unavailable
 from ._settling import Settling
 
@@ -129,18 +129,18 @@ class AnalysisOptions:
             self.asked_fit,
             None if self.settling is None else self.settling.asked(name, temperature),
         )
-        model, cleaned, core = (found.pop(key, None) for key in ("fit", "cleaned", "core"))
-        detrended, warned = found.pop("detrended"), found.pop("warnings")
+        model, taken_out, core = (found.pop(key, None) for key in ("fit", "cleaned", "core"))
+        polynomial, warned, of_fit = (found.pop(key, None) for key in ("detrended", "warnings", "fit_warnings"))
         unavailable = [Unavailable(*point) for point in found.pop("unavailable")]
         return Allan(
             **found,
             unavailable=unavailable,
             confidence=self.confidence,
-            fit=None if model is None else fitted(model, unit),
-            cleaned=None if cleaned is None else Cleaned(*cleaned),
+            fit=None if model is None else fitted(model, of_fit, unit),
+            cleaned=None if taken_out is None else cleaned(taken_out),
             name=name,
             unit=unit,
-            detrended=None if detrended is None else Detrended(**detrended),
+            detrended=None if polynomial is None else detrended(polynomial),
             warnings=(said or []) + warned,
             _core=core,
         )

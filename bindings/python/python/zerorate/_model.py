@@ -156,20 +156,37 @@ class Fit:
     """Warnings, each ``code: text``: what was seen and what to do."""
 
 
-def fitted(found: _zerorate._Fit, unit: str) -> Fit:
+def fitted(found: _zerorate._Fit, warnings: list[str], unit: str) -> Fit:
     """The fit of the extension, with the units of its coefficients."""
     units = {"n": f"{unit}·√s", "b": unit, "k": f"{unit}/√s", "q": f"{unit}·s", "r": f"{unit}/s"}
-    values: dict[str, Any] = dict(found)
-    coefficients = {
-        name: None if values[name] is None else Coefficient(**values[name], unit=units[name]) for name in units
-    }
-    others = {name: values[name] for name in ("model_error", "p_value", "f_max_hz", "rejected", "warnings")}
-    return Fit(**coefficients, **others, terms=[_term(**term) for term in values["terms"]])  # type: ignore[arg-type]
+    coefficients: dict[str, Any] = {name: _coefficient(found.get(name), units[name]) for name in units}
+    others: dict[str, Any] = {name: found.get(name) for name in ("model_error", "p_value", "f_max_hz", "rejected")}
+    return Fit(**coefficients, **others, terms=[_term(**term) for term in found["terms"]], warnings=warnings)
+
+
+def _coefficient(found: Any, unit: str) -> Coefficient | None:
+    if found is None:
+        return None
+    of = {name: found[name] for name in ("value", "lo", "hi", "identified", "needed_s")}
+    return Coefficient(unit=unit, **of)
+
+
+def cleaned(found: dict[str, Any]) -> Cleaned:
+    """The glitches and steps of the extension."""
+    return Cleaned(found["glitches"], [(step["at_s"], step["size"]) for step in found["steps"]])
+
+
+def detrended(found: dict[str, Any]) -> Detrended:
+    """The polynomial of the extension."""
+    return Detrended(**{name: found[name] for name in Detrended.__dataclass_fields__})
 
 
 def _term(kind: str, **values: Any) -> Term:
     if kind == "gauss-markov":
-        return GaussMarkov(Estimate(*values["sigma"]), Estimate(*values["tau_s"]))
+        return GaussMarkov(Estimate(**values["sigma"]), Estimate(**values["tau_s"]))
     if kind == "warm-up":
-        return WarmUp(Estimate(*values["size"]), values["tau_s"])
-    return BandShape(**values) if kind == "band-shape" else Line(**values)
+        return WarmUp(Estimate(**values["size"]), values["tau_s"])
+    if kind == "line":
+        return Line(**values)
+    corner = values.pop("corner")
+    return BandShape(**values, corner=corner and (corner["frequency_hz"], corner["damping"]))

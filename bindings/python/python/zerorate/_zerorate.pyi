@@ -109,24 +109,8 @@ class _Columns(TypedDict):
     calibration_id: str | None
     warning: str | None
 
-class _Coefficient(TypedDict):
-    value: float
-    lo: float
-    hi: float
-    identified: bool
-    needed_s: float | None
-
-class _Fit(TypedDict):
-    n: _Coefficient
-    b: _Coefficient
-    k: _Coefficient
-    q: _Coefficient | None
-    r: _Coefficient | None
-    model_error: float
-    p_value: float
-    rejected: bool
-    terms: list[dict[str, Any]]
-    warnings: list[str]
+_Fit = dict[str, Any]
+"""The ``fit`` of ``zerorate allan --json``."""
 
 class _Settling(TypedDict):
     temps_c: NDArray[np.float64] | None

@@ -8,6 +8,7 @@ use core::ops::Range;
 
 /// A disturbance or a resonance. It does not enter the fit, and its power is kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Line {
     /// Frequency, Hz. A disturbance above half the rate has the frequency to which it folds.
     pub frequency_hz: f64,

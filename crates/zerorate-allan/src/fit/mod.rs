@@ -90,6 +90,7 @@ impl Default for FitOptions {
 
 /// A parameter with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Estimate {
     /// The most likely value.
     pub value: f64,
@@ -101,6 +102,8 @@ pub struct Estimate {
 
 /// A term that a record has beside N, B, K, Q and R.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(tag = "kind", rename_all = "kebab-case"))]
 pub enum Term {
     /// Correlated noise: a Gauss–Markov process of first order.
     GaussMarkov {
@@ -135,6 +138,7 @@ pub enum Term {
 
 /// A low-pass of the second order: 1/(1 + cx + x²) with x = (sin πf·dt/sin πf_c·dt)².
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Corner {
     /// f_c, Hz.
     pub frequency_hz: f64,

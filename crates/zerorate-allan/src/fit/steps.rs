@@ -14,6 +14,7 @@ use realfft::FftError;
 
 /// A jump of the level.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Step {
     /// The time, s from the start of the record. It is certain to some tenths of a second at best; the size is
     /// certain.

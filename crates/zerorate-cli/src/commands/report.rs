@@ -1,9 +1,9 @@
 //! `zerorate report`: a calibration as one page to read, print and file.
 
-use super::allan::picture::{self, Kind};
 use super::correct::load;
 use crate::exit::Usage;
 use crate::output::{Outputs, print};
+use crate::picture::{self, Kind};
 use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;

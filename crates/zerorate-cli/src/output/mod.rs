@@ -5,6 +5,6 @@ mod stdio;
 #[cfg(test)]
 mod tests;
 
-pub use print::{print, print_json, print_lines, warn};
+pub use print::{command_line, print, print_json, print_lines, warn};
 pub use stdio::{Stdout, reader_left, say};
 pub use zerorate_jobs::output::{Outputs, StagedOutput, remove_all_for_good};

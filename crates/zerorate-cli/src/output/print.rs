@@ -29,3 +29,8 @@ pub fn warn<T: Display>(warnings: &[T]) {
         say(format_args!("warning: {warning}"));
     }
 }
+
+/// The command line as the user gave it, for a page.
+pub fn command_line() -> String {
+    std::iter::once("zerorate".to_owned()).chain(std::env::args().skip(1)).collect::<Vec<_>>().join(" ")
+}

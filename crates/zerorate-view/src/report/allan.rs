@@ -1,45 +1,30 @@
 //! The page of an Allan analysis.
 
+mod tables;
+
 use super::Fact;
+use crate::noise::{self, Group, TermRow, holds_below, misfit, term_rows};
 use crate::plot::number;
 use crate::printable;
 use anyhow::Result;
 use askama::Template;
+use zerorate_imu::{AllanReport, PointReport, Record, span};
 
 /// The content of the page.
-#[derive(Clone, Debug, Default)]
-pub struct AllanPage {
+#[derive(Default)]
+pub struct AllanPage<'a> {
     /// The heading.
     pub title: String,
     /// The command line that made it.
     pub command: String,
-    /// The quantity in the tables, such as `overlapping Allan deviation`.
-    pub quantity: String,
-    /// The kind of the deviations' intervals, such as `68.3 % interval`.
-    pub interval: String,
-    /// The kind of the coefficients' intervals.
-    pub coefficient_interval: String,
     /// Facts about the log as a whole.
     pub facts: Vec<Fact>,
     /// Warnings that concern several axes.
     pub warnings: Vec<String>,
     /// Tables about the whole log, such as the comparison with a data sheet.
     pub tables: Vec<Table>,
-    /// Records that belong together.
-    pub groups: Vec<Group>,
     /// A record for each file or axis.
-    pub records: Vec<Record>,
-}
-
-/// Records of one quantity.
-#[derive(Clone, Debug, Default)]
-pub struct Group {
-    /// The heading; an empty name has none.
-    pub name: String,
-    /// Tables of the group, such as the coefficients by axis.
-    pub tables: Vec<Table>,
-    /// SVG as [`crate::plot`] makes it; the page includes it unchanged.
-    pub pictures: Vec<String>,
+    pub records: &'a [Record],
 }
 
 /// A table of words and numbers.
@@ -55,76 +40,74 @@ pub struct Table {
     pub note: String,
 }
 
-/// The results of one file or axis.
-#[derive(Clone, Debug, Default)]
-pub struct Record {
-    /// The name of the file.
-    pub name: String,
-    /// The unit of the deviations; with °/s, the table also has °/h.
-    pub unit: String,
-    /// Facts of the record: column, samples, rate, losses.
-    pub facts: Vec<Fact>,
-    /// Warnings about the record or the result.
-    pub warnings: Vec<String>,
-    /// How to read the result.
-    pub advice: Vec<String>,
-    /// The coefficients of the fit, if there was one.
-    pub coefficients: Vec<Coefficient>,
-    /// The deviations, by averaging time.
-    pub points: Vec<AllanRow>,
-    /// Averaging times without a deviation, with the reason.
-    pub unavailable: Vec<Fact>,
+/// Records of one quantity.
+struct Section {
+    /// The heading; an empty name has none.
+    name: &'static str,
+    tables: Vec<Table>,
+    /// SVG, which the page includes unchanged.
+    pictures: Vec<String>,
 }
 
-/// A noise coefficient in several units.
-#[derive(Clone, Debug, Default)]
-pub struct Coefficient {
-    /// The name, such as `N, angle random walk`.
-    pub name: String,
-    /// The same value in each unit.
-    pub values: Vec<CoefficientValue>,
-    /// A remark such as `not identified: record 3 h`; it may be empty.
-    pub remark: String,
-}
-
-/// A coefficient in one unit.
-#[derive(Clone, Debug, Default)]
-pub struct CoefficientValue {
-    /// The value.
-    pub value: String,
-    /// Lower and upper end of its interval, where it has one.
-    pub limits: Option<[String; 2]>,
-    /// The unit.
-    pub unit: String,
-}
-
-/// A deviation.
-#[derive(Clone, Debug, Default)]
-#[expect(missing_docs, reason = "as the fields of `zerorate_allan::Point`")]
-pub struct AllanRow {
-    pub tau_s: f64,
-    pub dev: f64,
-    pub lo: f64,
-    pub hi: f64,
-    pub edf: f64,
-    pub n: u64,
-    /// Name of the noise type.
-    pub noise: String,
-}
-
-impl Record {
-    fn hourly(&self) -> bool {
-        self.unit == "°/s"
+impl Section {
+    /// A single record has its coefficients in its own section.
+    fn new(group: &Group<'_>, is_one_of_several: bool) -> Self {
+        let tables = match is_one_of_several {
+            true => [tables::by_axis(group), tables::lines(group)].into(),
+            false => Vec::new(),
+        };
+        Self {
+            name: if is_one_of_several { group.heading() } else { "" },
+            tables: tables.into_iter().filter(|table| !table.rows.is_empty()).collect(),
+            pictures: group.pictures().into_iter().map(|picture| picture.svg).collect(),
+        }
     }
 }
 
-impl AllanRow {
+/// The results of one file or axis.
+struct Single {
+    name: String,
+    facts: Vec<Fact>,
+    terms: Vec<TermRow>,
+    unavailable: Vec<Fact>,
+    report: AllanReport,
+}
+
+impl Single {
+    fn new(report: AllanReport) -> Self {
+        let facts = [
+            Fact::new("samples", report.samples.to_string()),
+            Fact::new("missing", report.missing.to_string()),
+            Fact::new("sample rate", format!("{:.6} Hz", report.rate_hz)),
+            Fact::new("length", span(report.samples as f64 / report.rate_hz)),
+        ];
+        let model = report.model().map(|fit| Fact::new("noise model", misfit(fit)));
+        let holds = holds_below(&report).map(|hz| Fact::new("it holds below", format!("{} Hz", number(hz))));
+        let unavailable = report.unavailable.iter();
+        Self {
+            name: report.label(),
+            facts: facts.into_iter().chain(model).chain(holds).collect(),
+            terms: term_rows(&report),
+            unavailable: unavailable.map(|at| Fact::new(format!("{} s", number(at.tau_s)), &*at.reason)).collect(),
+            report,
+        }
+    }
+
+    fn unit(&self) -> &str {
+        self.report.unit.unwrap_or_default()
+    }
+
+    /// Whether the table has °/h as well.
+    fn is_hourly(&self) -> bool {
+        self.unit() == "°/s"
+    }
+
     /// The numbers of a row, in the order of the head of the table.
-    fn cells(&self, hourly: bool) -> Vec<String> {
-        let interval = format!("{} … {}", number(self.lo), number(self.hi));
-        let per_hour = hourly.then(|| number(self.dev * 3600.0));
-        let left = [six_digits(self.tau_s), number(self.dev), interval].into_iter();
-        left.chain(per_hour).chain([number(self.edf), self.n.to_string()]).collect()
+    fn cells(&self, point: &PointReport) -> Vec<String> {
+        let interval = format!("{} … {}", number(point.lo), number(point.hi));
+        let per_hour = self.is_hourly().then(|| number(point.dev * 3600.0));
+        let left = [six_digits(point.tau_s), number(point.dev), interval].into_iter();
+        left.chain(per_hour).chain([number(point.edf), point.n.to_string()]).collect()
     }
 }
 
@@ -138,84 +121,30 @@ fn six_digits(value: f64) -> String {
 struct Page<'a> {
     title: &'a str,
     software: &'a str,
-    page: &'a AllanPage,
+    page: &'a AllanPage<'a>,
+    /// The quantity in the tables, such as `overlapping Allan deviation`.
+    quantity: &'a str,
+    /// The kind of the deviations' intervals, such as `68.3 % intervals`.
+    interval: String,
+    sections: Vec<Section>,
+    records: Vec<Single>,
 }
 
 /// The page as HTML.
 ///
 /// # Errors
 /// No error is known, because the template is compiled.
-pub fn allan_page(page: &AllanPage) -> Result<String> {
-    let page = Page { title: &page.title, software: zerorate::SOFTWARE, page };
+pub fn allan_page(page: &AllanPage<'_>) -> Result<String> {
+    let (records, first) = (page.records, page.records.first());
+    let sections = Group::all(records);
+    let page = Page {
+        title: &page.title,
+        software: zerorate::SOFTWARE,
+        page,
+        quantity: first.map(Record::title).unwrap_or_default(),
+        interval: first.map(|record| noise::interval(record.confidence)).unwrap_or_default(),
+        sections: sections.iter().map(|group| Section::new(group, records.len() > 1)).collect(),
+        records: records.iter().map(|record| Single::new(AllanReport::new(record))).collect(),
+    };
     Ok(printable::page(&page.render()?))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn page() -> AllanPage {
-        let row =
-            AllanRow { tau_s: 0.01, dev: 0.0937, lo: 0.09, hi: 0.1, edf: 1e6, n: 360_000, noise: "white".into() };
-        let value = CoefficientValue {
-            value: "0.557".into(),
-            limits: Some(["0.55".into(), "0.56".into()]),
-            unit: "°/√h".into(),
-        };
-        let record = Record {
-            name: "<img src=x onerror=alert(1)>.csv".into(),
-            facts: vec![Fact::new("samples", "360000")],
-            warnings: vec!["too <short>".into()],
-            advice: vec!["average for 46 s".into()],
-            coefficients: vec![Coefficient { name: "N".into(), values: vec![value], remark: "identified".into() }],
-            points: vec![row],
-            unit: "°/s".into(),
-            unavailable: vec![Fact::new("4096 s", "the record is too short")],
-        };
-        let table = Table {
-            title: "Beside <b>".into(),
-            head: vec!["axis".into()],
-            rows: vec![vec!["gyro x".into(), "<i>".into()]],
-            note: "a note".into(),
-        };
-        let pictures = vec!["<svg><path/></svg>".into()];
-        AllanPage {
-            title: "of <u>".into(),
-            facts: vec![Fact::new("length", "2.8 h")],
-            warnings: vec!["three <axes>".into()],
-            tables: vec![table.clone()],
-            groups: vec![Group { name: "Gyroscope".into(), tables: vec![table], pictures }],
-            command: "zerorate allan '\"><script>'".into(),
-            quantity: "overlapping Allan deviation".into(),
-            interval: "68.3 % interval".into(),
-            coefficient_interval: "95 % interval".into(),
-            records: vec![record],
-        }
-    }
-
-    #[test]
-    fn the_page_has_everything_and_escapes_what_others_named() {
-        let html = allan_page(&page()).unwrap();
-        for expected in [
-            "<svg><path/></svg>",
-            "360000",
-            "average for 46 s",
-            "0.557",
-            "°/√h",
-            "0.0937",
-            "337", // °/h
-            "the record is too short",
-            "68.3 % interval",
-            "<h2>Gyroscope</h2>",
-            "2.8 h",
-            "a note",
-            "gyro x",
-        ] {
-            assert!(html.contains(expected), "{expected} in {html}");
-        }
-        for hostile in ["<img", "<script", "<short>", "<axes>", "<b>", "<i>", "<u>"] {
-            assert!(!html.contains(hostile), "{hostile} in {html}");
-        }
-        assert!(!html.contains("http"), "no external resource");
-    }
 }

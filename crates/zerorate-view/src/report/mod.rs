@@ -4,7 +4,7 @@ mod allan;
 mod calibration;
 mod chamber;
 
-pub use allan::{AllanPage, AllanRow, Coefficient, CoefficientValue, Group, Record, Table, allan_page};
+pub use allan::{AllanPage, Table, allan_page};
 pub use calibration::{calibration_page, calibration_picture};
 pub use chamber::{ChamberPage, chamber_page, over_temperature, over_time, wide_loop};
 

@@ -1,95 +1,50 @@
 //! The results of a column of a log, for the page.
 
-use super::message::{AxisKind, LogAxis, LogCoefficient, LogColumn, LogPoint, LogValue};
-use zerorate_allan::{Line, Term};
-use zerorate_imu::{B, Kind, Named, Record};
+use super::message::{LogAxis, LogColumn, LogPicture, LogTerm};
+use zerorate_imu::{AxisReport, Kind, Record};
 use zerorate_logs::{Column, Quantity};
+use zerorate_view::noise::{Group, TermRow, term_rows};
 use zerorate_view::plot::number;
 
 /// A column, for the page.
 pub fn column(column: &Column) -> LogColumn {
-    about(&column.name, column.quantity, column.missing())
-}
-
-fn about(name: &str, quantity: Option<Quantity>, missing: u64) -> LogColumn {
-    let kind = quantity.and_then(Kind::of).map(|kind| match kind {
-        Kind::Gyroscope => AxisKind::Gyroscope,
-        Kind::Accelerometer => AxisKind::Accelerometer,
-    });
-    LogColumn { name: name.to_owned(), kind, unit: quantity.map(|of| of.unit().to_owned()), missing }
+    let (quantity, missing) = (column.quantity, column.missing());
+    let unit = quantity.map(|of| of.unit().to_owned());
+    LogColumn { name: column.name.clone(), kind: quantity.and_then(Kind::of), unit, missing }
 }
 
 /// The results of a column that was analysed, for the page.
 pub fn message(record: &Record) -> LogAxis {
-    let model = record.model();
-    let of_noise = record.of_noise().map(|warning| format!("{}: {warning}", warning.code()));
-    LogAxis {
-        column: about(&record.column, record.quantity, record.analysis.missing),
-        points: points(record),
-        coefficients: coefficients(record).iter().map(coefficient).collect(),
-        terms: terms(record),
-        model_error: model.map(|fit| fit.model_error),
-        doubt: record.valid_model().err().map(|doubt| doubt.to_string()),
-        warnings: record.notes.iter().map(ToString::to_string).chain(of_noise).collect(),
-    }
+    let axis = AxisReport::new(record, None);
+    let terms = term_rows(&axis.report).into_iter().map(term).collect();
+    LogAxis { axis, terms }
 }
 
-/// Averages of 1, 2, 4 … samples; the pictures have more.
-fn points(record: &Record) -> Vec<LogPoint> {
-    let octaves = record.analysis.points.iter().filter(|point| point.m.is_power_of_two());
-    octaves
-        .map(|point| LogPoint {
-            tau_s: point.tau_s,
-            dev: point.dev,
-            lo: point.lo,
-            hi: point.hi,
-            model: record.expected(point).map(|expected| expected.dev),
-        })
-        .collect()
-}
-
-/// The deviations of a model, if there is one.
-pub fn coefficients(record: &Record) -> Vec<Named<'_>> {
-    record.model().map_or_else(Vec::new, |fit| zerorate_imu::coefficients(fit, record.quantity))
-}
-
-/// The terms of a model beside its coefficients, and how far up it holds, in words.
-fn terms(record: &Record) -> Vec<String> {
-    let terms = record.model().into_iter().flat_map(|fit| &fit.terms);
-    let holds = |hz: f64| {
-        format!("The noise model holds below {} Hz; above it the sensor's filter shapes the noise.", number(hz))
+fn term(row: TermRow) -> LogTerm {
+    let value = |(interval, unit): (zerorate_view::Interval, String)| match row.is_identified {
+        true => format!("{interval} {unit}"),
+        false => format!("< {} {unit}", number(interval.hi)),
     };
-    terms.filter_map(|one| term(record.quantity, one)).chain(record.max_freq_hz().map(holds)).collect()
+    let (name, identified, remark) = (row.name, row.is_identified, row.remark);
+    LogTerm { name, values: row.values.into_iter().map(value).collect(), identified, remark }
 }
 
-/// A term in words.
-fn term(quantity: Option<Quantity>, term: &Term) -> Option<String> {
-    let (unit, factor) = B.of(quantity).swap_remove(0);
-    let size = |value: f64| format!("{} {unit}", number(value * factor));
-    match term {
-        Term::GaussMarkov { sigma, tau_s } => {
-            Some(format!("Gauss–Markov: σ {}, correlation time {} s", size(sigma.value), number(tau_s.value)))
-        }
-        Term::Line(Line { frequency_hz, rms, .. }) => {
-            Some(format!("line at {} Hz, {} rms, left out", number(*frequency_hz), size(*rms)))
-        }
-        Term::WarmUp { size: step, tau_s } => {
-            Some(format!("warm-up: {}, time constant {}", size(step.value), zerorate_imu::span(*tau_s)))
-        }
-        Term::BandShape { .. } => None,
-    }
+/// The pictures of all columns: for each quantity the curves, the spectra and the records.
+pub fn pictures(axes: &[Record]) -> Vec<LogPicture> {
+    Group::all(axes).iter().flat_map(of_group).collect()
 }
 
-fn coefficient(named: &Named<'_>) -> LogCoefficient {
-    let value = |index: usize| {
-        let found = named.in_unit(index);
-        LogValue { value: found.value, lo: found.lo, hi: found.hi, unit: named.units[index].0.clone() }
+fn of_group(group: &Group<'_>) -> Vec<LogPicture> {
+    let (heading, name) = match group.records.first().and_then(|record| record.quantity) {
+        Some(Quantity::AngularRate) => ("Gyroscope", "gyroscope"),
+        Some(Quantity::Acceleration) => ("Accelerometer", "accelerometer"),
+        Some(Quantity::Temperature) => ("Temperature", "temperature"),
+        None => ("Columns", "columns"),
     };
-    LogCoefficient {
-        symbol: named.letter.to_string(),
-        name: named.name.to_owned(),
-        values: (0..named.units.len()).map(value).collect(),
-        identified: named.coefficient.identified,
-        remark: named.remark(),
-    }
+    let picture = |picture: zerorate_view::noise::Picture| LogPicture {
+        name: format!("{name}-{}.svg", picture.what),
+        title: format!("{heading}: {}", picture.title()),
+        svg: picture.svg,
+    };
+    group.pictures().into_iter().map(picture).collect()
 }

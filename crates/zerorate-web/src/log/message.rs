@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 #[cfg(feature = "types")]
 use ts_rs::TS;
+use zerorate_imu::{AxisReport, Kind};
 
 /// The user's statements about a log. The rest is taken from the log itself.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -94,16 +95,6 @@ pub struct LogAbout {
     pub warnings: Vec<String>,
 }
 
-/// The quantity of an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-#[cfg_attr(feature = "types", derive(TS))]
-#[expect(missing_docs, reason = "the names say it")]
-pub enum AxisKind {
-    Gyroscope,
-    Accelerometer,
-}
-
 /// A column of a log.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
@@ -111,7 +102,7 @@ pub struct LogColumn {
     /// The name, or the number of a column without one.
     pub name: String,
     /// The quantity; none: neither of them, and no file for a filter can take the column.
-    pub kind: Option<AxisKind>,
+    pub kind: Option<Kind>,
     /// The unit of the results; none: the unit of the column, which nobody stated.
     pub unit: Option<String>,
     /// Number of missing samples.
@@ -123,66 +114,24 @@ pub struct LogColumn {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct LogAxis {
-    /// The column.
-    pub column: LogColumn,
-    /// Overlapping Allan deviation at octaves, in the unit of the column.
-    pub points: Vec<LogPoint>,
-    /// The coefficients of the noise model: N, B, K and others.
-    pub coefficients: Vec<LogCoefficient>,
-    /// Other terms of the model, in words.
-    pub terms: Vec<String>,
-    /// The possible error of the model, as a share; none: without a model.
-    pub model_error: Option<f64>,
-    /// Why the coefficients are not a valid result, if so.
-    pub doubt: Option<String>,
-    /// Warnings: `code: text`.
-    pub warnings: Vec<String>,
+    /// Deviations and noise model, as `zerorate imu --json` has them.
+    pub axis: AxisReport,
+    /// The terms of the noise model in words, the coefficients first.
+    pub terms: Vec<LogTerm>,
 }
 
-/// A point of an Allan deviation, in the unit of its column.
+/// A term of a noise model in words.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
-pub struct LogPoint {
-    /// Averaging time, s.
-    pub tau_s: f64,
-    /// The deviation.
-    pub dev: f64,
-    /// Lower end of the one-sigma interval.
-    pub lo: f64,
-    /// Upper end of the one-sigma interval.
-    pub hi: f64,
-    /// The deviation of the model.
-    pub model: Option<f64>,
-}
-
-/// A coefficient of a noise model.
-#[derive(Clone, Debug, Serialize)]
-#[cfg_attr(feature = "types", derive(TS))]
-pub struct LogCoefficient {
-    /// `N`, `B`, `K`, `Q` or `R`, as IEEE Std 952 names them.
-    pub symbol: String,
-    /// The name in words.
+pub struct LogTerm {
+    /// Its name.
     pub name: String,
-    /// The value in each unit, the usual one first.
-    pub values: Vec<LogValue>,
-    /// Whether the value is identified; if not, only `hi` means something.
+    /// The same value with its 95 % interval in each unit, or several values.
+    pub values: Vec<String>,
+    /// Whether the record tells it from zero.
     pub identified: bool,
-    /// A remark on a coefficient that is not identified.
+    /// What is to be said beside it; it may be empty.
     pub remark: String,
-}
-
-/// A number with its 95 % interval.
-#[derive(Clone, Debug, Serialize)]
-#[cfg_attr(feature = "types", derive(TS))]
-pub struct LogValue {
-    /// The value.
-    pub value: f64,
-    /// Lower end.
-    pub lo: f64,
-    /// Upper end.
-    pub hi: f64,
-    /// Unit of all three.
-    pub unit: String,
 }
 
 /// The summary of all axes, after the last one.

@@ -7,8 +7,6 @@
 mod axis;
 pub mod message;
 #[cfg(feature = "readers")]
-mod pictures;
-#[cfg(feature = "readers")]
 mod settings;
 
 #[cfg(feature = "readers")]
@@ -18,7 +16,7 @@ pub use reader::LogReader;
 mod reader {
     use super::message::{LogAbout, LogAxis, LogInspection, LogSettings, LogSummary, NoiseFileCommand};
     use super::settings::{LABELS, asked_for, combine, format};
-    use super::{axis, pictures, settings};
+    use super::{axis, settings};
     use crate::message::Download;
     use std::path::{Path, PathBuf};
     use std::vec::IntoIter;
@@ -90,7 +88,7 @@ mod reader {
                 Some(_) => Some(doubts.to_string()),
                 None => Record::axes(&self.analysed).is_empty().then(|| NoNoiseFile::NoAxis.to_string()),
             };
-            LogSummary { pictures: pictures::of(&self.path, &self.analysed), warnings: self.findings(), no_noise_file }
+            LogSummary { pictures: axis::pictures(&self.analysed), warnings: self.findings(), no_noise_file }
         }
 
         /// Warnings about several axes at once.

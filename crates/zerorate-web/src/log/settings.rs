@@ -26,6 +26,8 @@ fn label(setting: Setting) -> &'static str {
     match setting {
         Setting::ForceUnit => "rename the column",
         Setting::Where => "only rows with",
+        Setting::Detrend => "`zerorate allan --detrend temp`",
+        Setting::Skip => "`--skip`",
         Setting::Increments => "rates in place of increments",
         Setting::NoIncrements => "rename the columns",
         _ => field.map_or_else(|| setting.name(), |(_, label, _)| label),

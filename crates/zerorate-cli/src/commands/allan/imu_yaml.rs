@@ -1,6 +1,6 @@
 //! `imu.yaml` in the form of Kalibr, for a gyroscope alone. `zerorate imu` has all axes and other readers.
 
-use super::words::warnings;
+use super::warnings;
 use crate::column::flag;
 use crate::exit::{CodedRefusal, Usage};
 use crate::output::StagedOutput;

@@ -1,28 +1,27 @@
 //! `zerorate allan`: by how much the mean of a rate at rest varies with the averaging time.
 
 mod imu_yaml;
-pub mod json;
-pub mod page;
-pub mod picture;
 mod pool;
 mod table;
 pub mod temperature;
-pub mod words;
+pub mod warnings;
 
 use crate::column::ColumnArgs;
 use crate::exit::{CodedRefusal, Usage};
-use crate::output::{Outputs, StagedOutput, print, print_json, print_lines, say, warn};
+use crate::output::{Outputs, StagedOutput, command_line, print, print_json, print_lines, say, warn};
+use crate::picture;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
+use pool::PoolReport;
 use serde::Serialize;
 use std::path::PathBuf;
 use temperature::TemperatureArgs;
-use words::{names, warnings};
 use zerorate_allan::{FitOptions, Options, Stat, Taus};
-use zerorate_imu::Rejection;
-use zerorate_imu::{AnalysisOptions, Record};
+use zerorate_imu::{AllanReport, AnalysisOptions, AxisReport, MotionReport, Record, Rejection};
 use zerorate_jobs::allan::{AllanOptions, allan};
 use zerorate_jobs::pool::Pool;
+use zerorate_view::noise::{are_axes, svg};
+use zerorate_view::report::{AllanPage, allan_page};
 
 /// Compute the Allan deviation of a log at rest, and fit a noise model
 ///
@@ -206,7 +205,7 @@ pub fn run(args: &AllanArgs) -> Result<()> {
 /// The warnings of a single record, each in full. Several records have a line for each kind of warning.
 fn warnings(args: &AllanArgs, records: &[Record]) -> Vec<String> {
     match records {
-        [only] if !args.column.is_list() => warnings::of_record(only),
+        [only] if !args.column.is_list() => only.warnings(),
         several => {
             let of_files = several.chunk_by(|a, b| a.file == b.file);
             of_files.flat_map(warnings::of_motion).chain(warnings::condensed(several)).collect()
@@ -223,7 +222,7 @@ fn check_model(record: &Record) -> Result<()> {
 /// Fits and prints one model of all records.
 fn pooled(args: &AllanArgs, records: &[Record], files: Files) -> Result<()> {
     let pool = zerorate_jobs::pool::pool(records).map_err(pool::failed)?;
-    warn(&warnings::of_record(&pool.record));
+    warn(&pool.record.warnings());
     let written = files.write(std::slice::from_ref(&pool.record), Vec::new());
     let printed = print_pool(args, records, &pool);
     written?;
@@ -232,14 +231,15 @@ fn pooled(args: &AllanArgs, records: &[Record], files: Files) -> Result<()> {
 }
 
 fn print_pool(args: &AllanArgs, records: &[Record], pool: &Pool) -> Result<()> {
+    let report = AllanReport::new(&pool.record);
     if args.json {
-        return print_json(&json::Pooled::new(records, pool));
+        return print_json(&Reports { files: reports(records), pool: Some(PoolReport::new(report, pool)) });
     }
     if args.csv {
-        return print(&table::csv(std::slice::from_ref(&pool.record))?);
+        return print(&table::csv(&[report])?);
     }
-    say(table::heading(&pool.record));
-    let texts = [table::text(&pool.record)?, table::coefficients_text(&pool.record)?, pool::text(pool)?];
+    say(table::heading(&report));
+    let texts = [table::text(&report)?, table::coefficients_text(&report)?, pool::text(pool)?];
     texts.iter().try_for_each(|text| print_lines(text))
 }
 
@@ -278,10 +278,10 @@ impl Files {
 
     fn write(self, records: &[Record], warnings: Vec<String>) -> Result<()> {
         for (kind, file) in self.pictures {
-            picture::write(kind, file, &picture::svg(records))?;
+            picture::write(kind, file, &svg(records))?;
         }
         if let Some(file) = self.page {
-            page::write(file, head(records, warnings), records)?;
+            file.fill(allan_page(&page(records, warnings))?.as_bytes())?;
         }
         if let Some(file) = self.imu_yaml {
             imu_yaml::write(file, records)?;
@@ -290,27 +290,60 @@ impl Files {
     }
 }
 
-/// The head of the page, for all records together. The warnings of a single record are in its own section.
-fn head(records: &[Record], warnings: Vec<String>) -> page::Head {
+/// The page of all records. The warnings of a single record are in its own section.
+fn page(records: &[Record], warnings: Vec<String>) -> AllanPage<'_> {
     let title = match records {
-        [first, ..] if names::are_axes(records) => first.file.display().to_string(),
+        [first, ..] if are_axes(records) => first.file.display().to_string(),
         records => records.iter().map(Record::label).collect::<Vec<_>>().join(", "),
     };
     let warnings = if records.len() > 1 { warnings } else { Vec::new() };
-    page::Head { title: format!("Allan analysis of {title}"), warnings, ..page::Head::default() }
+    let (title, command) = (format!("Allan analysis of {title}"), command_line());
+    AllanPage { title, command, warnings, records, ..AllanPage::default() }
+}
+
+/// Several columns as JSON.
+#[derive(Serialize)]
+struct AxesReport {
+    axes: Vec<AxisReport>,
+    motion: Vec<MotionReport>,
+}
+
+impl AxesReport {
+    fn new(records: &[Record]) -> Self {
+        let of_files = records.chunk_by(|a, b| a.file == b.file);
+        Self {
+            axes: records.iter().map(|record| AxisReport::new(record, None)).collect(),
+            motion: of_files.flat_map(MotionReport::all).collect(),
+        }
+    }
+}
+
+/// Several logs as JSON, and their common model.
+#[derive(Serialize)]
+struct Reports {
+    files: Vec<AllanReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pool: Option<PoolReport>,
+}
+
+fn reports(records: &[Record]) -> Vec<AllanReport> {
+    records.iter().map(AllanReport::new).collect()
 }
 
 fn print_records(args: &AllanArgs, records: &[Record]) -> Result<()> {
-    match records {
-        _ if args.json && args.column.is_list() => print_json(&json::Axes::new(records)),
-        [only] if args.json => print_json(&json::Report::new(only)),
-        _ if args.json => print_json(&json::Reports::new(records)),
-        _ if args.csv => print(&table::csv(records)?),
-        _ => records.iter().try_for_each(|record| {
-            say(table::heading(record));
-            table::removed(record).iter().for_each(say);
-            print_lines(&table::text(record)?)?;
-            if args.fit { print_lines(&table::coefficients_text(record)?) } else { Ok(()) }
+    if args.json && args.column.is_list() {
+        return print_json(&AxesReport::new(records));
+    }
+    let files = reports(records);
+    match &*files {
+        [only] if args.json => print_json(only),
+        _ if args.json => print_json(&Reports { files, pool: None }),
+        _ if args.csv => print(&table::csv(&files)?),
+        _ => files.iter().try_for_each(|report| {
+            say(table::heading(report));
+            table::removed(report).iter().for_each(say);
+            print_lines(&table::text(report)?)?;
+            if args.fit { print_lines(&table::coefficients_text(report)?) } else { Ok(()) }
         }),
     }
 }

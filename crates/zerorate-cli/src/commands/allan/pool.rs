@@ -6,6 +6,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use zerorate_allan::{self as allan, Stat};
+use zerorate_imu::AllanReport;
 use zerorate_jobs::pool::{NoPool, Outlier, Pool};
 
 /// Formats the spread between the records, a line for each coefficient.
@@ -23,12 +24,14 @@ pub fn text(pool: &Pool) -> Result<String> {
     Ok(text)
 }
 
-/// The fields that a pool adds to the report of its model.
+/// The report of the common model, and the spread of the records.
 #[derive(Serialize)]
-pub struct Json<'a> {
-    records: &'a [String],
+pub struct PoolReport {
+    #[serde(flatten)]
+    report: AllanReport,
+    records: Vec<String>,
     spread: BTreeMap<char, Spread>,
-    apart: &'a [Outlier],
+    apart: Vec<Outlier>,
 }
 
 #[derive(Serialize)]
@@ -39,14 +42,17 @@ struct Spread {
     largest: f64,
 }
 
-pub fn json(pool: &Pool) -> Json<'_> {
-    let of = |spread: &allan::Spread| {
-        let &allan::Spread { records, relative, least, largest, .. } = spread;
-        // a name ends with its letter
-        let letter = spread.noise.name().chars().last().unwrap_or_default();
-        (letter.to_ascii_lowercase(), Spread { records, relative, least, largest })
-    };
-    Json { records: &pool.used, spread: pool.spread.iter().map(of).collect(), apart: &pool.outliers }
+impl PoolReport {
+    pub fn new(report: AllanReport, pool: &Pool) -> Self {
+        let of = |spread: &allan::Spread| {
+            let &allan::Spread { records, relative, least, largest, .. } = spread;
+            // a name ends with its letter
+            let letter = spread.noise.name().chars().last().unwrap_or_default();
+            (letter.to_ascii_lowercase(), Spread { records, relative, least, largest })
+        };
+        let spread = pool.spread.iter().map(of).collect();
+        Self { report, records: pool.used.clone(), spread, apart: pool.outliers.clone() }
+    }
 }
 
 pub fn failed(why: NoPool) -> anyhow::Error {

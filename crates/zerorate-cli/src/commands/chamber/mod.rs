@@ -3,13 +3,13 @@
 mod exit_message;
 mod text;
 
-use super::allan::picture::{self, Kind};
 use super::earth::EarthArgs;
 use super::serial::{NotesArgs, one_line};
 use crate::device::{DeviceArgs, SamplingArgs};
 use crate::exit::Usage;
 use crate::interrupt;
 use crate::output::{Outputs, StagedOutput, print_json, print_lines, say, warn};
+use crate::picture::{self, Kind};
 use crate::progress::Meter;
 use crate::wording::{coded, flag};
 use anyhow::{Error, Result};

@@ -1,27 +1,25 @@
 //! `zerorate imu`: turns the log of an IMU at rest into the noise file of a filter.
 
 mod datasheet;
-mod json;
 mod text;
 
-use super::allan::page;
 use super::allan::temperature::TemperatureArgs;
-use super::allan::words::units::span;
-use super::allan::words::warnings::{self, code, first_of_each};
+use super::allan::warnings::{self, code, first_of_each};
 use crate::column::{flag, listed, positive, share};
 use crate::exit::CodedRefusal;
-use crate::output::{Outputs, StagedOutput, print_json, print_lines, say, warn};
+use crate::output::{Outputs, StagedOutput, command_line, print_json, print_lines, say, warn};
 use anyhow::Result;
 use clap::Args;
 use clap::builder::BoolishValueParser;
-use datasheet::Comparison;
 use std::path::PathBuf;
-use zerorate_allan::{DataSheet, FitOptions};
-use zerorate_imu::{AnalysisOptions, Record};
-use zerorate_imu::{Combine, Format, ImuOptions, ImuWarning, KindOptions, NoiseFileOptions, Rule};
+use zerorate_allan::FitOptions;
+use zerorate_imu::{
+    AnalysisOptions, Combine, Format, ImuOptions, ImuReport, ImuWarning, KindOptions, NoiseFileOptions, Record, Rule,
+    span,
+};
 use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
 use zerorate_logs::{ColumnOptions, Decimal, LogWarning, Names, Only, Setting, TimeUnit, Unit};
-use zerorate_view::report::Fact;
+use zerorate_view::report::{AllanPage, Fact, allan_page};
 
 /// Turn the log of an IMU at rest into the noise file of a filter, such as imu.yaml
 ///
@@ -221,22 +219,20 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     let ImuNoise { axes, topic, notes, absent } = imu(&args.log, &args.options())?;
     let absent = absent.iter().map(ImuWarning::coded);
     let of_log: Vec<String> = notes.iter().map(LogWarning::coded).chain(absent).collect();
-    let compared = sheet.as_ref().map(|sheet| datasheet::compare(sheet, &axes)).unwrap_or_default();
+    let report = ImuReport::new(&axes, topic.as_deref(), &of_log, sheet.as_ref());
     let (doubts, remarks): (Vec<_>, Vec<_>) = of_log.iter().cloned().partition(|line| DOUBTS.contains(&code(line)));
     let findings: Vec<String> = warnings::of_motion(&axes).into_iter().chain(warnings::condensed(&axes)).collect();
     let with = |doubts: &[String]| [doubts, &findings, &remarks].concat();
     // the reader of stdout may leave, so the files come first
-    let written = page.map_or(Ok(()), |page| {
-        let head = head(args, &axes, topic.as_deref(), sheet.as_ref(), &compared, with(&doubts));
-        page::write(page, head, &axes)
-    });
+    let written =
+        page.map_or(Ok(()), |file| Ok(file.fill(allan_page(&self::page(&report, &axes, with(&doubts)))?.as_bytes())?));
     let mattering = NoiseFileOptions::mattering(with(&first_of_each(&doubts)));
     let written = written.and_then(|()| deliver(args, &axes, (topic.clone(), mattering), file));
     let printed = if args.json {
-        print_json(&json::Report::new((topic.as_deref(), &of_log), &axes, sheet.as_ref(), &compared))
+        print_json(&report)
     } else {
-        let compared = sheet.as_ref().map(|sheet| text::comparison(&datasheet::table(sheet, &compared)));
-        print_lines(&(text::table(&axes)? + &compared.unwrap_or_default()))
+        let compared = datasheet::table(&report).as_ref().map(text::comparison);
+        print_lines(&(text::table(&report)? + &compared.unwrap_or_default()))
     };
     warn(&at_most(LINES, &with(&first_of_each(&doubts))));
     written?.iter().for_each(say);
@@ -261,30 +257,22 @@ fn at_most(lines: usize, warnings: &[String]) -> Vec<String> {
     shown.iter().cloned().chain([more]).collect()
 }
 
-/// The head of the page, about the log as a whole.
-fn head(
-    args: &ImuArgs,
-    axes: &[Record],
-    topic: Option<&str>,
-    sheet: Option<&DataSheet>,
-    compared: &[Comparison<'_>],
-    warnings: Vec<String>,
-) -> page::Head {
-    let log = args.log.display().to_string();
-    let of_axis = axes.first().map(|axis| {
-        let (samples, rate_hz) = (axis.analysis.samples, axis.analysis.rate_hz);
-        [
-            Fact::new("samples", samples.to_string()),
-            Fact::new("sample rate", format!("{rate_hz:.6} Hz")),
-            Fact::new("length", span(samples as f64 / rate_hz)),
-        ]
-    });
-    let topic = topic.map(|topic| Fact::new("topic", topic));
-    page::Head {
+/// The page, with facts about the log as a whole.
+fn page<'a>(report: &ImuReport, records: &'a [Record], warnings: Vec<String>) -> AllanPage<'a> {
+    let log = report.axes.first().map_or("", |axis| &axis.report.file);
+    let topic = report.topic.as_deref().map(|topic| Fact::new("topic", topic));
+    let of_axes = [
+        Fact::new("samples", report.samples.to_string()),
+        Fact::new("sample rate", format!("{:.6} Hz", report.rate_hz)),
+        Fact::new("length", span(report.samples as f64 / report.rate_hz)),
+    ];
+    AllanPage {
         title: format!("Noise of the IMU in {log}"),
-        facts: topic.into_iter().chain(of_axis.into_iter().flatten()).collect(),
+        command: command_line(),
+        facts: topic.into_iter().chain(of_axes).collect(),
         warnings,
-        tables: sheet.map(|sheet| datasheet::table(sheet, compared)).into_iter().collect(),
+        tables: datasheet::table(report).into_iter().collect(),
+        records,
     }
 }
 

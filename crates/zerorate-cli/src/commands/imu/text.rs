@@ -1,27 +1,25 @@
 //! The result as text.
 
-use crate::commands::allan::words::units::{self, GaussMarkov, Named, coefficients, is_without_misfit, span, stated};
 use anyhow::Result;
 use std::fmt::Write;
-use zerorate_allan::Fit;
-use zerorate_imu::Kind;
-use zerorate_imu::Record;
+use zerorate_imu::{AxisReport, CoefficientReport, FitReport, ImuReport, Kind, span};
+use zerorate_view::noise::{GaussMarkov, gauss_markov, is_without_misfit, stated};
 use zerorate_view::plot::number;
 use zerorate_view::report::Table;
 
 /// Formats a table for each kind of sensor, with a row for each axis.
-pub fn table(axes: &[Record]) -> Result<String> {
+pub fn table(report: &ImuReport) -> Result<String> {
     let mut text = String::new();
-    if let Some(record) = axes.first() {
-        let (samples, rate_hz) = (record.analysis.samples, record.analysis.rate_hz);
+    if let Some(axis) = report.axes.first() {
+        let ImuReport { samples, rate_hz, .. } = *report;
         let length = span(samples as f64 / rate_hz);
-        writeln!(text, "{}: {samples} samples at {rate_hz:.6} Hz, {length}", record.file.display())?;
+        writeln!(text, "{}: {samples} samples at {rate_hz:.6} Hz, {length}", axis.report.file)?;
         writeln!(text, "value [95 % interval]; < upper limit where it cannot be told from zero")?;
     }
     for kind in Kind::ALL {
-        let of_kind: Vec<&Record> = axes.iter().filter(|axis| axis.quantity == Some(kind.quantity())).collect();
+        let of_kind: Vec<&AxisReport> = report.axes.iter().filter(|axis| axis.kind == Some(kind)).collect();
         if !of_kind.is_empty() {
-            write!(text, "\n{}", of_group(kind, &of_kind)?)?;
+            write!(text, "\n{}", of_group(kind, &of_kind))?;
         }
     }
     Ok(text)
@@ -34,44 +32,43 @@ pub fn comparison(table: &Table) -> String {
 }
 
 /// Formats N, B and K side by side, and the other terms of a model below.
-fn of_group(kind: Kind, axes: &[&Record]) -> Result<String> {
+fn of_group(kind: Kind, axes: &[&AxisReport]) -> String {
     let mut rows = vec![vec![kind.name().to_owned()]];
-    for record in axes {
-        let all = coefficients(record);
+    for AxisReport { name, report, .. } in axes {
+        let all: Vec<_> = report.model().into_iter().flat_map(FitReport::coefficients).collect();
         let (columns, others) = all.split_at(all.len().min(3));
         if rows[0].len() == 1 {
-            rows[0].extend(columns.iter().map(|named| format!("{}, {}", named.letter, named.units[0].0)));
+            rows[0].extend(columns.iter().map(|(letter, of)| format!("{letter}, {}", of.units[0].unit)));
             rows[0].extend((!columns.is_empty()).then(|| "model misfit".to_owned()));
         }
-        let mut row = vec![record.column.clone()];
-        let is_rejected = record.model().is_some_and(|fit| fit.is_rejected);
-        row.extend(columns.iter().map(|named| match is_rejected {
-            true => "–".to_owned(),
-            false => stated(named.in_unit(0), named.coefficient.identified),
-        }));
-        row.extend(record.model().map(|fit| match is_without_misfit(fit) {
-            true => "none found".to_owned(),
-            false => format!("{:.1} %", fit.model_error * 100.0),
+        let mut row = vec![name.clone()];
+        let is_rejected = report.model().is_some_and(|fit| fit.rejected);
+        row.extend(columns.iter().map(|(_, of)| if is_rejected { "–".to_owned() } else { value(of) }));
+        row.extend(report.model().map(|fit| match fit.model_error {
+            Some(error) if !is_without_misfit(fit) => format!("{:.1} %", error * 100.0),
+            _ => "none found".to_owned(),
         }));
         rows.push(row);
-        match record.valid_model() {
-            Ok(fit) => rows.extend(further(record, others, fit)),
-            Err(why) => rows.push(vec![String::new(), format!("NOT A RESULT: {why}")]),
+        match (&report.rejection, report.valid_model()) {
+            (Some(why), _) => rows.push(vec![String::new(), format!("NOT A RESULT: {why}")]),
+            (None, fit) => rows.extend(fit.into_iter().flat_map(|fit| further(others, fit))),
         }
     }
-    Ok(aligned(&rows))
+    aligned(&rows)
+}
+
+fn value(of: &CoefficientReport) -> String {
+    of.in_unit(0).map_or_else(String::new, |value| stated(value, of.identified))
 }
 
 /// The terms of a model beside N, B and K, a row each.
-fn further(record: &Record, others: &[Named<'_>], fit: &Fit) -> Vec<Vec<String>> {
-    let coefficient = |named: &Named<'_>| {
-        let value = stated(named.in_unit(0), named.coefficient.identified);
-        format!("{} {value} {}", named.letter, named.units[0].0)
-    };
-    let gauss_markov = |term: GaussMarkov| {
+fn further(others: &[(char, &CoefficientReport)], fit: &FitReport) -> Vec<Vec<String>> {
+    let coefficient =
+        |(letter, of): &(char, &CoefficientReport)| format!("{letter} {} {}", value(of), of.units[0].unit);
+    let gauss_markov_text = |term: GaussMarkov| {
         format!("Gauss–Markov σ {} {}, T {} s", number(term.sigma.value), term.unit, number(term.tau_s.value))
     };
-    let all = others.iter().map(coefficient).chain(units::gauss_markov(fit, record.quantity).map(gauss_markov));
+    let all = others.iter().map(coefficient).chain(gauss_markov(fit).map(gauss_markov_text));
     all.map(|text| vec![String::new(), text]).collect()
 }
 

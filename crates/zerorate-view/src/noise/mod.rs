@@ -1,13 +1,23 @@
-//! Names that distinguish records from each other.
+//! The noise of columns of logs: in words and in pictures, which all front ends share.
+
+mod pictures;
+mod words;
+
+pub use pictures::{Group, Picture, svg};
+pub use words::{
+    GaussMarkov, TermRow, gauss_markov, holds_below, interval, is_without_misfit, misfit, predicts, stated, term_rows,
+};
 
 use zerorate_imu::Record;
 
 /// Whether these are columns of one log.
+#[must_use]
 pub fn are_axes(records: &[Record]) -> bool {
     records.len() > 1 && records.windows(2).all(|pair| pair[0].file == pair[1].file)
 }
 
 /// The name that distinguishes a record from the others.
+#[must_use]
 pub fn name(is_of_one_log: bool, record: &Record) -> String {
     if is_of_one_log { record.column.clone() } else { record.label() }
 }

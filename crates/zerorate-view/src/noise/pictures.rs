@@ -1,60 +1,19 @@
-//! The result as a picture.
+//! The noise of columns of logs in pictures.
 
-use super::words::names::{are_axes, name};
-use super::words::units::{self, GaussMarkov, Named, coefficients, deviation_unit};
-use crate::exit::Usage;
-use crate::output::StagedOutput;
-use anyhow::Result;
-use std::path::Path;
+use super::{GaussMarkov, are_axes, gauss_markov, interval, name};
+use crate::plot::{self, Curve, Minimum, PowerLaw, Signal, Spectrum, Tone, number};
 use zerorate_allan::{Fit, Line, Prediction};
-use zerorate_imu::Record;
+use zerorate_imu::{FitReport, Named, Record, coefficients};
 use zerorate_logs::Quantity;
-use zerorate_view::plot::{self, Curve, Minimum, PowerLaw, Signal, Spectrum, Tone, number};
 
-/// The form of a picture.
-#[derive(Clone, Copy, Debug)]
-pub enum Kind {
-    Svg,
-    #[cfg(feature = "png")]
-    Png,
-}
-
-impl Kind {
-    /// The form that the name states; none where it is not the name of a picture.
-    ///
-    /// # Errors
-    /// The form is not built in.
-    pub fn of(path: &Path) -> Result<Option<Self>, Usage> {
-        match path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase).as_deref() {
-            Some("svg") => Ok(Some(Self::Svg)),
-            #[cfg(feature = "png")]
-            Some("png") => Ok(Some(Self::Png)),
-            #[cfg(not(feature = "png"))]
-            Some("png") => {
-                let missing = zerorate_input::NotBuiltIn { what: "PNG", feature: "png" };
-                Err(Usage(format!("{}: {missing}", path.display())))
-            }
-            _ => Ok(None),
-        }
-    }
-}
-
-/// Writes a picture in its form.
-pub fn write(kind: Kind, file: StagedOutput, svg: &str) -> Result<()> {
-    match kind {
-        Kind::Svg => Ok(file.fill(svg.as_bytes())?),
-        #[cfg(feature = "png")]
-        Kind::Png => Ok(file.fill(&plot::png(svg)?)?),
-    }
-}
-
-/// Draws all records. The fit describes Allan deviations, so another statistic is drawn without it.
+/// Draws all records in one picture. The fit describes Allan deviations, so another statistic is drawn without it.
+#[must_use]
 pub fn svg(records: &[Record]) -> String {
     let is_of_one_log = are_axes(records);
     let named = |record: &Record| Curve { label: name(is_of_one_log, record), ..curve(record) };
     let curves: Vec<Curve> = records.iter().map(named).collect();
     let quantity = records.first().map(Record::title).unwrap_or_default().to_owned();
-    let unit = records.first().and_then(deviation_unit).unwrap_or_default();
+    let unit = records.first().and_then(Record::deviation_unit).unwrap_or_default();
     let title = match records {
         [only] => Some(only.label()),
         [first, ..] if is_of_one_log => Some(first.file.display().to_string()),
@@ -79,14 +38,36 @@ fn marks(records: &[Record]) -> Vec<plot::Mark> {
     if records.iter().any(Record::is_of_adis16130) { plot::an1042() } else { Vec::new() }
 }
 
+/// A picture of a group.
+pub struct Picture {
+    /// Its subject: `allan`, `spectrum` or `record`.
+    pub what: &'static str,
+    /// The picture as SVG.
+    pub svg: String,
+}
+
+impl Picture {
+    /// Its subject in words.
+    #[must_use]
+    pub fn title(&self) -> &'static str {
+        match self.what {
+            "allan" => "Allan deviation",
+            "spectrum" => "spectrum",
+            _ => "the record",
+        }
+    }
+}
+
 /// Records of one quantity, among all that a page shows.
 pub struct Group<'a> {
+    /// The records.
     pub records: &'a [Record],
     is_of_one_log: bool,
 }
 
 impl<'a> Group<'a> {
     /// Groups consecutive records of one quantity.
+    #[must_use]
     pub fn all(records: &'a [Record]) -> Vec<Self> {
         let is_of_one_log = are_axes(records);
         let groups = records.chunk_by(|a, b| a.quantity == b.quantity);
@@ -94,11 +75,13 @@ impl<'a> Group<'a> {
     }
 
     /// The names that distinguish the records from each other.
+    #[must_use]
     pub fn names(&self) -> Vec<String> {
         self.records.iter().map(|record| name(self.is_of_one_log, record)).collect()
     }
 
     /// The kind of sensor that the records come from.
+    #[must_use]
     pub fn heading(&self) -> &'static str {
         match self.records.first().and_then(|record| record.quantity) {
             Some(Quantity::AngularRate) => "Gyroscope",
@@ -109,15 +92,18 @@ impl<'a> Group<'a> {
     }
 
     /// The unit of the recorded quantity.
+    #[must_use]
     pub fn unit(&self) -> &'static str {
         self.records.first().and_then(|record| record.quantity).map_or("unit", Quantity::unit)
     }
 
     /// Draws the curves, the spectra and the records over time.
-    pub fn pictures(&self) -> Vec<String> {
+    #[must_use]
+    pub fn pictures(&self) -> Vec<Picture> {
         let is_of_axes = self.is_of_one_log && self.records.len() > 1;
         let curves = if is_of_axes { self.multiples() } else { svg(self.records) };
-        std::iter::once(curves).chain(self.spectra()).chain(self.signals()).collect()
+        let drawn = [("allan", Some(curves)), ("spectrum", self.spectra()), ("record", self.signals())];
+        drawn.into_iter().filter_map(|(what, svg)| Some(Picture { what, svg: svg? })).collect()
     }
 
     /// Draws a panel for each of several axes.
@@ -128,7 +114,7 @@ impl<'a> Group<'a> {
         };
         let curves: Vec<Curve> = self.records.iter().zip(self.names()).map(panel).collect();
         let (first, heading) = (self.records.first(), self.heading());
-        let interval = first.map(|record| units::interval(record.confidence)).unwrap_or_default();
+        let interval = first.map(|record| interval(record.confidence)).unwrap_or_default();
         let has_memory = curves.iter().flat_map(|curve| &curve.remarks).any(|remark| remark.starts_with(MEMORY));
         let memory = if has_memory { "; GM: Gauss–Markov σ and time" } else { "" };
         let options = plot::Options {
@@ -137,7 +123,7 @@ impl<'a> Group<'a> {
                 "{interval}; black: model, grey: 95 % of other records, dotted: of this; B is drawn at 0.664 B{memory}"
             )),
             quantity: "deviation".to_owned(),
-            unit: first.and_then(deviation_unit).unwrap_or_default().to_owned(),
+            unit: first.and_then(Record::deviation_unit).unwrap_or_default().to_owned(),
             marks: marks(self.records),
             ..plot::Options::default()
         };
@@ -209,7 +195,7 @@ fn remarks(record: &Record) -> Vec<String> {
             let text = |term: GaussMarkov| {
                 format!("{MEMORY} {} {}, {} s", number(term.sigma.value), term.unit, number(term.tau_s.value))
             };
-            units::gauss_markov(fit, record.quantity).map(text).collect()
+            gauss_markov(&FitReport::new(Some(fit), record.quantity)).map(text).collect()
         }
     }
 }
@@ -217,7 +203,7 @@ fn remarks(record: &Record) -> Vec<String> {
 /// What the picture shows, and what was left out.
 fn subtitle(records: &[Record]) -> String {
     let Some(first) = records.first() else { return String::new() };
-    let interval = units::interval(first.confidence);
+    let interval = interval(first.confidence);
     let mut text = if records.len() > 1 { interval } else { format!("{}, {interval}", first.title()) };
     let models = || records.iter().filter_map(Record::model);
     let counted = [
@@ -277,7 +263,12 @@ fn drawn(record: &Record) -> Vec<Named<'_>> {
 /// The coefficients of Allan deviations, if the model is not rejected.
 fn valid_coefficients(record: &Record) -> Vec<Named<'_>> {
     match record.analysis.stat.is_allan() && record.valid_model().is_ok() {
-        true => coefficients(record),
+        true => named(record),
         false => Vec::new(),
     }
+}
+
+/// The coefficients of the model, if there is one.
+fn named(record: &Record) -> Vec<Named<'_>> {
+    record.model().map_or_else(Vec::new, |fit| coefficients(fit, record.quantity))
 }

@@ -1,8 +1,7 @@
 //! The advice that follows from a noise model, in words.
 
-use super::units;
+use crate::{Record, span};
 use zerorate_allan::{self as allan, Averaging};
-use zerorate_imu::Record;
 use zerorate_logs::{Quantity, STANDARD_GRAVITY};
 
 /// The advice of the fit, one sentence each. A rejected fit gives none.
@@ -13,17 +12,17 @@ pub fn advice(record: &Record) -> Vec<String> {
         Averaging::Minimum { tau_s, dev } => format!(
             "To find the bias, average for about {}: the curve has its minimum there, {}; longer averages get \
              worse.",
-            units::span(tau_s),
+            span(tau_s),
             at_rest(dev)
         ),
         Averaging::Flat { tau_s, dev } => format!(
             "To find the bias, average for about {}: {}; averaging longer gains less than 5 %.",
-            units::span(tau_s),
+            span(tau_s),
             at_rest(dev)
         ),
         Averaging::Falling { tau_s, dev } => format!(
             "To find the bias, average as long as you can: the curve still falls at {}, {}.",
-            units::span(tau_s),
+            span(tau_s),
             at_rest(dev)
         ),
     };

@@ -1,10 +1,8 @@
 //! Warnings about records in words: each in full, or a line for each code, the important ones first.
 
-use super::names;
-use zerorate_allan::AllanWarning;
-use zerorate_imu::ImuWarning;
-use zerorate_imu::Record;
+use zerorate_imu::{ImuWarning, Record};
 use zerorate_logs::LogWarning;
+use zerorate_view::noise;
 
 /// Codes of findings about the model, the most damaging first. Findings with other codes come before all: they concern
 /// the log.
@@ -32,20 +30,6 @@ const BY_WEIGHT: [&str; 18] = [
 /// A longer line about the model of an axis goes without its advice, which `explain` has as well.
 const MOST_CHARS: usize = 100;
 
-/// The warnings about a record, those about the log first.
-pub fn of_record(record: &Record) -> Vec<String> {
-    record.notes.iter().map(LogWarning::coded).chain(record.of_noise().map(text)).collect()
-}
-
-/// Formats a warning, with the options that help.
-fn text(warning: &AllanWarning) -> String {
-    let help = match warning {
-        AllanWarning::FollowsTemperature { .. } => " (--detrend temp, --skip 45m)",
-        _ => "",
-    };
-    format!("{}: {warning}{help}", warning.code())
-}
-
 /// Formats the events that several axes of one log show at once: the jumps as one line, the knocks as another.
 pub fn of_motion(axes: &[Record]) -> Vec<String> {
     ImuWarning::of_motion(&Record::models(axes)).iter().map(ImuWarning::coded).collect()
@@ -53,11 +37,11 @@ pub fn of_motion(axes: &[Record]) -> Vec<String> {
 
 /// Formats the warnings about all records, a line for each code.
 pub fn condensed(records: &[Record]) -> Vec<String> {
-    let is_of_one_log = records.len() == 1 || names::are_axes(records);
+    let is_of_one_log = records.len() == 1 || noise::are_axes(records);
     let of_record = |record: &Record| -> Vec<String> {
-        let name = names::name(is_of_one_log, record);
+        let name = noise::name(is_of_one_log, record);
         let named = |line: String| line.replacen(": ", &format!(": {name}: "), 1);
-        let of_axis = record.of_noise().map(text).map(named);
+        let of_axis = record.noise_warnings().map(named);
         record.notes.iter().map(LogWarning::coded).chain(of_axis).collect()
     };
     let mut lines: Vec<String> = records.iter().flat_map(of_record).collect();

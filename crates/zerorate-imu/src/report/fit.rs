@@ -1,0 +1,135 @@
+//! The noise model as plain data.
+
+use crate::{B, Named, coefficients};
+use serde::Serialize;
+#[cfg(feature = "types")]
+use ts_rs::TS;
+use zerorate_allan::{Coefficient, Estimate, Fit, Term};
+use zerorate_logs::Quantity;
+
+/// A noise model.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "types", derive(TS))]
+pub struct FitReport {
+    /// Angle random walk, or velocity random walk.
+    pub n: CoefficientReport,
+    /// Bias instability.
+    pub b: CoefficientReport,
+    /// Rate random walk, or acceleration random walk.
+    pub k: CoefficientReport,
+    /// Quantisation, where it is significant.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "types", ts(optional))]
+    pub q: Option<CoefficientReport>,
+    /// Ramp, where it is significant.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "types", ts(optional))]
+    pub r: Option<CoefficientReport>,
+    /// ε: the spectrum scatters about the model as if it were off by this share.
+    pub model_error: Option<f64>,
+    /// Probability of more scatter than was seen, with ε included.
+    pub p_value: Option<f64>,
+    /// The frequency up to which the model holds, Hz.
+    pub f_max_hz: Option<f64>,
+    /// Whether the error is too large: nothing is identified.
+    pub rejected: bool,
+    /// The other terms, in the unit of the rate.
+    #[cfg_attr(feature = "types", ts(type = "({ kind: string } & Record<string, unknown>)[]"))]
+    pub terms: Vec<Term>,
+    /// The units that people use for a value in the unit of the rate, the usual one first.
+    pub rate_units: Vec<UnitReport>,
+}
+
+/// A coefficient with its 95 % interval.
+#[derive(Clone, Debug, Default, Serialize)]
+#[cfg_attr(feature = "types", derive(TS))]
+pub struct CoefficientReport {
+    /// The name.
+    pub name: &'static str,
+    /// The value; none: without a model.
+    pub value: Option<f64>,
+    /// Lower end.
+    pub lo: Option<f64>,
+    /// Upper end.
+    pub hi: Option<f64>,
+    /// Unit of these three.
+    pub unit: String,
+    /// Whether the record shows this noise: zero is outside of the interval. If not, only `hi` says something.
+    pub identified: bool,
+    /// The length of a record that would identify it, s.
+    pub needed_s: Option<f64>,
+    /// What is to be said where it is not identified.
+    pub remark: String,
+    /// The units that people use for it, the usual one first.
+    pub units: Vec<UnitReport>,
+}
+
+/// A unit that people use.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "types", derive(TS))]
+pub struct UnitReport {
+    /// The unit.
+    pub unit: String,
+    /// The number of this unit in one unit of the report.
+    pub factor: f64,
+}
+
+impl FitReport {
+    /// Reports on the model of a record of this quantity; none: there is no model, and no coefficient has numbers.
+    #[must_use]
+    pub fn new(fit: Option<&Fit>, quantity: Option<Quantity>) -> Self {
+        let named = fit.map_or_else(Vec::new, |fit| coefficients(fit, quantity));
+        let of = |letter: char| named.iter().find(|named| named.letter == letter).map(CoefficientReport::new);
+        Self {
+            n: of('N').unwrap_or_default(),
+            b: of('B').unwrap_or_default(),
+            k: of('K').unwrap_or_default(),
+            q: of('Q'),
+            r: of('R'),
+            model_error: fit.map(|fit| fit.model_error),
+            p_value: fit.map(|fit| fit.p_value),
+            f_max_hz: fit.map(|fit| fit.max_freq_hz),
+            rejected: fit.is_some_and(|fit| fit.is_rejected),
+            terms: fit.map(|fit| fit.terms.clone()).unwrap_or_default(),
+            rate_units: units(&B.of(quantity)),
+        }
+    }
+}
+
+impl FitReport {
+    /// The coefficients with their letters in IEEE Std 952-1997; N, B and K come first.
+    pub fn coefficients(&self) -> impl Iterator<Item = (char, &CoefficientReport)> {
+        let always = [('N', &self.n), ('B', &self.b), ('K', &self.k)].into_iter();
+        always.chain(self.q.iter().map(|q| ('Q', q))).chain(self.r.iter().map(|r| ('R', r)))
+    }
+}
+
+impl CoefficientReport {
+    /// Value and limits in the unit at `index`; none: without a model.
+    #[must_use]
+    pub fn in_unit(&self, index: usize) -> Option<Estimate> {
+        let factor = self.units.get(index)?.factor;
+        Some(Estimate { value: self.value? * factor, lo: self.lo? * factor, hi: self.hi? * factor })
+    }
+
+    fn new(named: &Named<'_>) -> Self {
+        let &Coefficient { value, lo, hi, identified, needed_s } = named.coefficient;
+        let [value, lo, hi] = [value, lo, hi].map(Some);
+        let base = named.units.iter().find(|(_, factor)| *factor == 1.0);
+        Self {
+            name: named.name,
+            value,
+            lo,
+            hi,
+            unit: base.map(|(unit, _)| unit.clone()).unwrap_or_default(),
+            identified,
+            needed_s,
+            remark: named.remark(),
+            units: units(&named.units),
+        }
+    }
+}
+
+fn units(units: &[(String, f64)]) -> Vec<UnitReport> {
+    units.iter().map(|(unit, factor)| UnitReport { unit: unit.clone(), factor: *factor }).collect()
+}

@@ -1,0 +1,288 @@
+//! The report of a column: every number, interval, verdict and warning that a front end shows, as plain data.
+
+mod advice;
+mod fit;
+mod imu;
+
+pub use fit::{CoefficientReport, FitReport, UnitReport};
+pub use imu::{AxisReport, ImuReport, LineReport, MotionReport, SheetReport};
+
+use crate::Record;
+use serde::Serialize;
+#[cfg(feature = "types")]
+use ts_rs::TS;
+use zerorate_allan::{self as allan, DetrendedRate, Stat, Unavailable};
+use zerorate_logs::Quantity;
+
+/// The deviations of a column and its noise model. Scripts read it as the JSON of `zerorate allan --json`.
+///
+/// Deviations and parameters of the model are in [`unit`](Self::unit): N in unit·√s, B in unit, K in unit/√s.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "types", derive(TS))]
+pub struct AllanReport {
+    /// The log.
+    pub file: String,
+    /// The name of the column.
+    pub column: String,
+    /// Samples per second, Hz.
+    pub rate_hz: f64,
+    /// Samples from the first to the last, including missing ones.
+    #[cfg_attr(feature = "types", ts(type = "number"))]
+    pub samples: u64,
+    /// Missing samples.
+    #[cfg_attr(feature = "types", ts(type = "number"))]
+    pub missing: u64,
+    /// The statistic.
+    #[cfg_attr(feature = "types", ts(type = "string"))]
+    pub stat: Stat,
+    /// The unit of the deviations; none: nobody stated the unit of the column.
+    pub unit: Option<&'static str>,
+    /// The probability that an interval contains the true deviation.
+    pub confidence: f64,
+    /// The deviation at each averaging time.
+    pub points: Vec<PointReport>,
+    /// The averaging times without a deviation.
+    pub unavailable: Vec<UnavailableReport>,
+    /// The noise model; none: nobody asked for one.
+    pub fit: Option<FitReport>,
+    /// Why there is no noise model, if one was asked for.
+    pub fit_error: Option<String>,
+    /// Why the coefficients are no result, if a model was asked for: there is none, or it is rejected.
+    pub rejection: Option<String>,
+    /// What was taken out of the record before the fit.
+    pub cleaned: CleanedReport,
+    /// The averaging times that the model advises, a sentence each.
+    pub advice: Vec<String>,
+    /// The polynomial over temperature that was taken out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub detrend: Option<DetrendReport>,
+    /// The time left out at the beginning, s.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub skipped_s: f64,
+    /// The warnings, each `code: text`, those about the log first.
+    pub warnings: Vec<String>,
+}
+
+fn is_zero(seconds: &f64) -> bool {
+    *seconds == 0.0
+}
+
+/// A deviation, and the model there.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "types", derive(TS))]
+pub struct PointReport {
+    /// Averaging time, s.
+    pub tau_s: f64,
+    /// Samples in an average.
+    #[cfg_attr(feature = "types", ts(type = "number"))]
+    pub m: u64,
+    /// The deviation.
+    pub dev: f64,
+    /// Lower end of its interval.
+    pub lo: f64,
+    /// Upper end of its interval.
+    pub hi: f64,
+    /// Equivalent degrees of freedom.
+    pub edf: f64,
+    /// Exponent α of the noise S(f) ∝ f^α that dominates.
+    pub alpha: i32,
+    /// Terms that entered.
+    #[cfg_attr(feature = "types", ts(type = "number"))]
+    pub n: u64,
+    /// The name of that noise; none: the record is too short to tell.
+    pub noise: Option<&'static str>,
+    /// The deviation of the model.
+    pub model: Option<f64>,
+    /// Lower end of the band in which the model expects 95 % of the deviations of this record.
+    pub model_lo: Option<f64>,
+    /// Upper end of that band.
+    pub model_hi: Option<f64>,
+    /// The deviation that the model predicts for another record of this sensor, up to 1/128 of the record.
+    pub predicted: Option<f64>,
+    /// Lower end of the band in which 95 % of them lie.
+    pub predicted_lo: Option<f64>,
+    /// Upper end of that band.
+    pub predicted_hi: Option<f64>,
+}
+
+/// An averaging time without a deviation.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "types", derive(TS))]
+pub struct UnavailableReport {
+    /// The averaging time, s.
+    pub tau_s: f64,
+    /// Why it has none.
+    pub reason: String,
+}
+
+/// What was taken out of a record before the fit.
+#[derive(Clone, Debug, Default, Serialize)]
+#[cfg_attr(feature = "types", derive(TS))]
+pub struct CleanedReport {
+    /// Glitches whose samples were replaced.
+    #[cfg_attr(feature = "types", ts(type = "number"))]
+    pub glitches: u64,
+    /// Jumps of the level.
+    #[cfg_attr(feature = "types", ts(type = "{ at_s: number, size: number }[]"))]
+    pub steps: Vec<allan::Step>,
+}
+
+/// A polynomial over temperature that was taken out of a record.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "types", derive(TS))]
+pub struct DetrendReport {
+    /// The variable: `temperature`.
+    pub over: &'static str,
+    /// The order.
+    pub order: usize,
+    /// The method.
+    pub method: &'static str,
+    /// In the unit of the rate per °C, °C², °C³, about `mean_c`.
+    pub coefficients: Vec<f64>,
+    /// Mean temperature, °C.
+    pub mean_c: f64,
+    /// Share of the variance of the slow rate that it explains.
+    pub explained: f64,
+    /// Degrees of freedom that it took beside the mean.
+    pub lost_dof: usize,
+    /// Share of the variance of a random walk that is left.
+    pub walk_kept: f64,
+}
+
+impl AllanReport {
+    /// The label that tells this column from others: the log, and the column.
+    #[must_use]
+    pub fn label(&self) -> String {
+        format!("{}, column {}", self.file, self.column)
+    }
+
+    /// The model, if there is one.
+    #[must_use]
+    pub fn model(&self) -> Option<&FitReport> {
+        self.fit.as_ref().filter(|fit| fit.model_error.is_some())
+    }
+
+    /// The model, if its coefficients are a result.
+    #[must_use]
+    pub fn valid_model(&self) -> Option<&FitReport> {
+        self.model().filter(|fit| !fit.rejected)
+    }
+
+    /// Reports on a column.
+    #[must_use]
+    pub fn new(record: &Record) -> Self {
+        let analysis = &record.analysis;
+        let unavailable =
+            |&Unavailable { tau_s, reason }: &Unavailable| UnavailableReport { tau_s, reason: reason.to_string() };
+        let asked = record.fit.as_ref();
+        Self {
+            file: record.file.display().to_string(),
+            column: record.column.clone(),
+            rate_hz: analysis.rate_hz,
+            samples: analysis.samples,
+            missing: analysis.missing,
+            stat: analysis.stat,
+            unit: record.deviation_unit(),
+            confidence: record.confidence,
+            points: analysis.points.iter().map(|point| PointReport::new(record, point)).collect(),
+            unavailable: analysis.unavailable.iter().map(unavailable).collect(),
+            fit: asked.map(|_| FitReport::new(record.model(), record.quantity)),
+            fit_error: asked.and_then(|fit| fit.as_ref().err()).map(ToString::to_string),
+            rejection: asked.and_then(|_| record.valid_model().err()).map(|why| why.to_string()),
+            cleaned: record.model().map(|fit| CleanedReport::new(&fit.cleaned)).unwrap_or_default(),
+            advice: advice::advice(record),
+            detrend: record.detrended.as_ref().map(DetrendReport::new),
+            skipped_s: record.skipped_s,
+            warnings: record.warnings(),
+        }
+    }
+}
+
+impl PointReport {
+    fn new(record: &Record, point: &allan::Point) -> Self {
+        let &allan::Point { tau_s, m, dev, lo, hi, edf, alpha, n } = point;
+        let is_told = record.analysis.samples as f64 >= TELLING * m as f64;
+        let (model, predicted) = (record.expected(point), record.predicted(point));
+        Self {
+            tau_s,
+            m,
+            dev,
+            lo,
+            hi,
+            edf,
+            alpha,
+            n,
+            noise: is_told.then(|| noise(alpha, record.quantity)),
+            model: model.map(|band| band.dev),
+            model_lo: model.map(|band| band.lo),
+            model_hi: model.map(|band| band.hi),
+            predicted: predicted.map(|band| band.dev),
+            predicted_lo: predicted.map(|band| band.lo),
+            predicted_hi: predicted.map(|band| band.hi),
+        }
+    }
+}
+
+/// Averages in the record from which the exponent of its noise can be told: the exponent is found to about 2/√averages
+/// and rounded to a whole number, which 62 averages get right 19 times of 20.
+const TELLING: f64 = 62.0;
+
+/// The usual name of the noise whose spectral density has the exponent α.
+fn noise(alpha: i32, quantity: Option<Quantity>) -> &'static str {
+    match alpha {
+        2 if quantity == Some(Quantity::Acceleration) => "white velocity",
+        1 if quantity == Some(Quantity::Acceleration) => "flicker velocity",
+        0 if quantity == Some(Quantity::Acceleration) => "velocity random walk",
+        -2 if quantity == Some(Quantity::Acceleration) => "acceleration random walk",
+        2 => "white angle",
+        1 => "flicker angle",
+        0 => "angle random walk",
+        -1 => "bias instability",
+        -2 => "rate random walk",
+        _ => "ramp or drift",
+    }
+}
+
+impl CleanedReport {
+    /// Reports on a cleaning.
+    #[must_use]
+    pub fn new(cleaned: &allan::Cleaning) -> Self {
+        Self { glitches: cleaned.glitches, steps: cleaned.steps.clone() }
+    }
+}
+
+impl DetrendReport {
+    /// The method.
+    pub const METHOD: &str = "least squares over means of 128 parts";
+
+    /// Reports on a polynomial.
+    #[must_use]
+    pub fn new(detrended: &DetrendedRate) -> Self {
+        Self {
+            over: "temperature",
+            order: detrended.lost_dof,
+            method: Self::METHOD,
+            coefficients: detrended.coefficients.clone(),
+            mean_c: detrended.mean_c,
+            explained: detrended.explained,
+            lost_dof: detrended.lost_dof,
+            walk_kept: detrended.walk_kept(),
+        }
+    }
+}
+
+impl Record {
+    /// The unit of the deviations; none: nobody stated the unit of the column.
+    #[must_use]
+    pub fn deviation_unit(&self) -> Option<&'static str> {
+        let quantity = self.quantity?;
+        if !self.analysis.stat.is_times_s() {
+            return Some(quantity.unit());
+        }
+        Some(match quantity {
+            Quantity::AngularRate => "°",
+            Quantity::Acceleration => "m/s",
+            Quantity::Temperature => "°C·s",
+        })
+    }
+}

@@ -1,0 +1,153 @@
+//! Noise models in words.
+
+use crate::Interval;
+use crate::plot::number;
+use zerorate_allan::{Corner, Estimate, Line, Term};
+use zerorate_imu::{AllanReport, CoefficientReport, FitReport, span};
+
+/// Whether chance explains how the spectrum scatters about the model, to the digit that is shown.
+#[must_use]
+pub fn is_without_misfit(fit: &FitReport) -> bool {
+    fit.model_error.is_some_and(|error| error < 0.0005)
+}
+
+/// How far the model is from the spectrum, as a phrase.
+#[must_use]
+pub fn misfit(fit: &FitReport) -> String {
+    let percent = fit.model_error.unwrap_or_default() * 100.0;
+    match fit.rejected {
+        true => format!("off by {percent:.1} % of the spectrum, rejected"),
+        false if is_without_misfit(fit) => "no misfit found".to_owned(),
+        false => format!("may be off by {percent:.1} % of the spectrum"),
+    }
+}
+
+/// The frequency up to which the model holds, Hz, where a filter shapes the noise above.
+#[must_use]
+pub fn holds_below(report: &AllanReport) -> Option<f64> {
+    report.fit.as_ref()?.f_max_hz.filter(|hz| *hz < 0.499 * report.rate_hz)
+}
+
+/// How near another record of the sensor is expected, and up to which averages.
+#[must_use]
+pub fn predicts(report: &AllanReport) -> Option<String> {
+    report.valid_model()?;
+    let points = report.points.iter();
+    let bands: Vec<_> =
+        points.filter_map(|at| Some((at.tau_s, at.predicted?, at.predicted_lo?, at.predicted_hi?))).collect();
+    let (longest_s, ..) = bands.last()?;
+    let widest = bands.iter().map(|(_, dev, lo, hi)| (hi / dev).max(dev / lo)).fold(1.0, f64::max);
+    Some(format!(
+        "95 % of other records of this sensor lie within {:.0} % of the model, for averages up to {}; longer ones are \
+         not predicted.",
+        (widest - 1.0) * 100.0,
+        span(*longest_s)
+    ))
+}
+
+/// The row of a coefficient or another term in a table: value, limits and unit, in each unit.
+pub struct TermRow {
+    /// The name.
+    pub name: String,
+    /// The same value in each unit, or several values.
+    pub values: Vec<(Interval, String)>,
+    /// Whether the value is a result; if not, only its upper limit says something.
+    pub is_identified: bool,
+    /// What is to be said beside it; it may be empty.
+    pub remark: String,
+}
+
+/// All terms of the model, the coefficients first.
+#[must_use]
+pub fn term_rows(report: &AllanReport) -> Vec<TermRow> {
+    let Some(fit) = report.model() else { return Vec::new() };
+    let values = |of: &CoefficientReport| {
+        let units = of.units.iter().enumerate();
+        units.filter_map(|(index, in_unit)| Some((interval_of(of.in_unit(index)?), in_unit.unit.clone()))).collect()
+    };
+    let coefficient = |(letter, of): (char, &CoefficientReport)| TermRow {
+        name: format!("{letter}  {}", of.name),
+        values: values(of),
+        is_identified: of.identified,
+        remark: if fit.rejected { "model rejected".to_owned() } else { of.remark.clone() },
+    };
+    fit.coefficients().map(coefficient).chain(fit.terms.iter().map(|term| of_term(fit, term))).collect()
+}
+
+fn of_term(fit: &FitReport, term: &Term) -> TermRow {
+    let in_rate = |estimate: &Estimate| {
+        let (estimate, unit) = in_rate(fit, *estimate);
+        (interval_of(estimate), unit)
+    };
+    let exact = |value: f64| Estimate { value, lo: value, hi: value };
+    let (name, values, remark) = match term {
+        Term::GaussMarkov { sigma, tau_s } => {
+            ("Gauss–Markov σ, T", vec![in_rate(sigma), (interval_of(*tau_s), "s".to_owned())], String::new())
+        }
+        Term::BandShape { cosines, pole, corner, of_white } => {
+            let noise = if *of_white { "white noise" } else { "noise" };
+            let order = cosines.len() + usize::from(pole.is_some());
+            let remark = match corner {
+                Some(Corner { frequency_hz, .. }) => {
+                    format!("a low-pass of the second order at {frequency_hz:.3} Hz shapes the {noise}")
+                }
+                None => format!("of order {order}: a filter shapes the {noise}"),
+            };
+            ("band shape", Vec::new(), remark)
+        }
+        Term::Line(Line { frequency_hz, width_hz, rms }) => {
+            ("line, left out", vec![in_rate(&exact(*rms))], format!("at {frequency_hz:.4} Hz, {width_hz:.4} Hz wide"))
+        }
+        Term::WarmUp { size, tau_s } => {
+            ("warm-up", vec![in_rate(size)], format!("with a time constant of {}", span(*tau_s)))
+        }
+    };
+    TermRow { name: name.to_owned(), values, is_identified: true, remark }
+}
+
+/// An estimate, to be shown.
+fn interval_of(Estimate { value, lo, hi }: Estimate) -> Interval {
+    Interval { value, lo, hi }
+}
+
+/// An estimate with its interval, or its upper limit where it is not identified.
+#[must_use]
+pub fn stated(estimate: Estimate, is_identified: bool) -> String {
+    match is_identified {
+        true => interval_of(estimate).to_string(),
+        false => format!("< {}", number(estimate.hi)),
+    }
+}
+
+/// A Gauss–Markov term, with σ in the first unit of the bias instability.
+pub struct GaussMarkov {
+    /// Standard deviation.
+    pub sigma: Estimate,
+    /// Its unit.
+    pub unit: String,
+    /// Correlation time, s.
+    pub tau_s: Estimate,
+}
+
+/// The Gauss–Markov terms of a model.
+pub fn gauss_markov(fit: &FitReport) -> impl Iterator<Item = GaussMarkov> {
+    fit.terms.iter().filter_map(|term| match term {
+        Term::GaussMarkov { sigma, tau_s } => {
+            let (sigma, unit) = in_rate(fit, *sigma);
+            Some(GaussMarkov { sigma, unit, tau_s: *tau_s })
+        }
+        _ => None,
+    })
+}
+
+/// An estimate of a rate in the first unit of the bias instability, and that unit.
+fn in_rate(fit: &FitReport, Estimate { value, lo, hi }: Estimate) -> (Estimate, String) {
+    let (unit, factor) = fit.rate_units.first().map_or(("", 1.0), |unit| (&*unit.unit, unit.factor));
+    (Estimate { value: value * factor, lo: lo * factor, hi: hi * factor }, unit.to_owned())
+}
+
+/// Names the limits of a deviation: `68.3 % intervals`.
+#[must_use]
+pub fn interval(confidence: f64) -> String {
+    format!("{} % intervals", (confidence * 1e6).round() / 1e4)
+}
