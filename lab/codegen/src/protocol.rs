@@ -7,7 +7,7 @@ use zerorate_view::export::ExportForm;
 use zerorate_web::log::message::{LogAxis, LogInspection, LogSettings, LogSummary, NoiseFileCommand};
 use zerorate_web::message::{Answer, Frame, Request};
 
-const HEAD: &str = "// Made from crates/zerorate-web/src/message.rs, log/message.rs and crates/zerorate-imu/src/report/.\n\n";
+const HEAD: &str = "// Made from zerorate-web/src/message.rs and log/message.rs, and zerorate-imu/src/report/.\n\n";
 
 /// The text of `web/src/protocol.ts`.
 pub fn text() -> Result<String> {
