@@ -10,7 +10,7 @@ use std::ffi::CString;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use zerorate::calibration::Notes;
-use zerorate::{Method, Plan, Progress, Setting, SettingNames};
+use zerorate::{Method, Plan, Progress, Setting, SettingName, SettingNames};
 use zerorate_host::{DeviceSpec, Pace, Sampling, Setup, SourceWarning, Stop};
 use zerorate_jobs::calibrate::{Files, OutputOptions, Watch, prepare, settle_s};
 use zerorate_jobs::output::Outputs;
@@ -97,20 +97,11 @@ impl Duration {
 }
 
 /// The name of a setting in ``zerorate.calibrate``.
-fn argument(setting: Setting) -> &'static str {
+fn argument(setting: Setting) -> SettingName {
+    let suffix = if setting == Setting::AssumeLinear { "=True" } else { "=" };
     match setting {
-        Setting::Average => "average=",
-        Setting::WarmUp => "warmup=",
-        Setting::Settle => "settle=",
-        Setting::Offset => "offset=",
-        Setting::MaxLost => "max_lost=",
-        Setting::MaxUBtc => "max_u_btc=",
-        Setting::Earth => "earth_dps=",
-        Setting::AssumeLinear => "assume_linear=True",
-        Setting::EveryTemp => "every_temp=",
-        Setting::Divider => "divider=",
-        Setting::Target => "target_dph=",
-        other => other.name(),
+        Setting::FinalTemperature | Setting::Edge | Setting::Device | Setting::SelfTest => setting.name(),
+        other => SettingName { suffix, ..SettingName::text(other.word()) },
     }
 }
 

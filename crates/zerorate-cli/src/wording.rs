@@ -1,7 +1,7 @@
 //! Settings, warnings and errors in the words of the command line.
 
 use std::path::Path;
-use zerorate::Setting;
+use zerorate::{Setting, SettingName};
 use zerorate_jobs::output::could_be_forced;
 use zerorate_jobs::{CodedWarning, InvalidOptions, JobWarning};
 use zerorate_record::{CaptureError, Format};
@@ -30,22 +30,10 @@ fn remedy(error: &anyhow::Error) -> &'static str {
 }
 
 /// Returns the option of a setting.
-pub fn flag(setting: Setting) -> &'static str {
+pub fn flag(setting: Setting) -> SettingName {
     match setting {
-        Setting::Average => "--average",
-        Setting::WarmUp => "--warmup",
-        Setting::Settle => "--settle",
-        Setting::Offset => "--offset",
-        Setting::MaxLost => "--max-lost",
-        Setting::MaxUBtc => "--max-u-btc",
-        Setting::Earth => "--earth-dps",
-        Setting::AssumeLinear => "--assume-linear",
-        Setting::Target => "--target-dph",
-        Setting::EveryTemp => "--every-temp",
-        Setting::Divider => "--divider",
-        Setting::Edge => "edge=rising or edge=falling in --device",
-        Setting::Device => "--device",
-        Setting::SelfTest => "--self-test",
-        other => other.name(),
+        Setting::Edge => SettingName::text("edge=rising or edge=falling in --device"),
+        Setting::FinalTemperature => setting.name(),
+        other => SettingName { prefix: "--", word: other.word(), joint: '-', suffix: "" },
     }
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use zerorate::calibration::FileWarning;
 use zerorate::chamber::ChamberRefusal;
 use zerorate::health::Flags;
-use zerorate::{Deviation, Finding, Refusal, Setting, Tone, Warning, Wording};
+use zerorate::{Deviation, Finding, Refusal, Setting, SettingName, Tone, Warning, Wording};
 use zerorate_allan::{AllanWarning, Cause, Misfit, MotionKind, Noise, PoolError};
 use zerorate_host::SourceWarning;
 use zerorate_imu::{ImuWarning, Kind, Moment, Rejection};
@@ -82,8 +82,8 @@ fn lines() -> Vec<String> {
 }
 
 /// The options of the command line.
-fn option(setting: Setting) -> &'static str {
-    match setting {
+fn option(setting: Setting) -> SettingName {
+    SettingName::text(match setting {
         Setting::Earth => "--earth-dps",
         Setting::AssumeLinear => "--assume-linear",
         Setting::Settle => "--settle",
@@ -93,7 +93,7 @@ fn option(setting: Setting) -> &'static str {
         Setting::EveryTemp => "--every-temp",
         Setting::Edge => "edge=rising or edge=falling in --device",
         other => panic!("what is the option of {other:?}?"),
-    }
+    })
 }
 
 /// The options that the command line and the Python package name at the end of a warning.

@@ -185,7 +185,9 @@ impl<'a> Measurement<'a> {
         }
         let progress = self.procedure.progress();
         let (elapsed, total) = (Seconds(progress.elapsed_s), Seconds(progress.total_s));
-        let times = [Setting::Average, Setting::WarmUp, Setting::Settle, Setting::Offset].map(self.watch.names());
+        let names = self.watch.names();
+        let times =
+            [Setting::Average, Setting::WarmUp, Setting::Settle, Setting::Offset].map(|of| names(of).to_string());
         anyhow!(
             "the recording ends after {elapsed}, during {}, but the procedure takes {total}: give the durations it \
              was recorded for ({})",

@@ -1,55 +1,83 @@
 //! The settings of a measurement, and texts that name them as each front end does.
 
-use core::fmt;
+use core::fmt::{self, Write as _};
 
-/// A setting of a measurement, for which each front end has its own name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-#[expect(missing_docs, reason = "the fields of `Plan`; which device is read, how often, and whether it is tested")]
-pub enum Setting {
-    Average,
-    WarmUp,
-    Settle,
-    Offset,
-    FinalTemperature,
-    MaxLost,
-    MaxUBtc,
-    Earth,
-    AssumeLinear,
-    Target,
-    EveryTemp,
-    Divider,
-    Edge,
-    Device,
-    SelfTest,
+/// Makes [`Setting`] from a row for each: its variant, its word, and its field.
+macro_rules! settings {
+    ($($setting:ident $word:literal $field:literal),* $(,)?) => {
+        /// A setting of a measurement, for which each front end has its own name.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[non_exhaustive]
+        #[expect(missing_docs, reason = "the fields of `Plan`; which device is read, how often, and whether it is tested")]
+        pub enum Setting { $($setting),* }
+
+        impl Setting {
+            /// The word from which front ends make its name: `max_u_btc`.
+            #[must_use]
+            pub const fn word(self) -> &'static str {
+                match self { $(Self::$setting => $word),* }
+            }
+
+            /// Its name as a field of [`Plan`](crate::Plan) or of the reader of the sensor: `max_u_btc_dps_per_c`.
+            #[must_use]
+            pub const fn name(self) -> SettingName {
+                SettingName::text(match self { $(Self::$setting => $field),* })
+            }
+        }
+    };
 }
 
-impl Setting {
-    /// Name of the setting as a field of [`Plan`](crate::Plan) or of the reader of the part.
+settings! {
+    Average "average" "average_s",
+    WarmUp "warmup" "warmup_s",
+    Settle "settle" "settle_s",
+    Offset "offset" "offset_s",
+    FinalTemperature "final_temp" "final_temp_s",
+    MaxLost "max_lost" "max_lost",
+    MaxUBtc "max_u_btc" "max_u_btc_dps_per_c",
+    Earth "earth_dps" "earth_dps",
+    AssumeLinear "assume_linear" "assume_linear",
+    Target "target_dph" "target_dps",
+    EveryTemp "every_temp" "every_temp",
+    Divider "divider" "divider",
+    Edge "edge" "rdy_edge",
+    Device "device" "device",
+    SelfTest "self_test" "self_test",
+}
+
+/// The name of a setting in a front end: a word between two affixes, such as `--max-u-btc` or `max_u_btc=`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SettingName {
+    /// What stands before the word.
+    pub prefix: &'static str,
+    /// The word.
+    pub word: &'static str,
+    /// What stands in place of `_` in the word.
+    pub joint: char,
+    /// What stands behind the word.
+    pub suffix: &'static str,
+}
+
+impl SettingName {
+    /// A name as it is.
     #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Average => "average_s",
-            Self::WarmUp => "warmup_s",
-            Self::Settle => "settle_s",
-            Self::Offset => "offset_s",
-            Self::FinalTemperature => "final_temp_s",
-            Self::MaxLost => "max_lost",
-            Self::MaxUBtc => "max_u_btc_dps_per_c",
-            Self::Earth => "earth_dps",
-            Self::AssumeLinear => "assume_linear",
-            Self::Target => "target_dps",
-            Self::EveryTemp => "every_temp",
-            Self::Divider => "divider",
-            Self::Edge => "rdy_edge",
-            Self::Device => "device",
-            Self::SelfTest => "self_test",
+    pub const fn text(text: &'static str) -> Self {
+        Self { prefix: "", word: text, joint: '_', suffix: "" }
+    }
+}
+
+impl fmt::Display for SettingName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.prefix)?;
+        for letter in self.word.chars() {
+            f.write_char(if letter == '_' { self.joint } else { letter })?;
         }
+        f.write_str(self.suffix)
     }
 }
 
 /// The names that a front end uses for the settings.
-pub type SettingNames = fn(Setting) -> &'static str;
+pub type SettingNames = fn(Setting) -> SettingName;
 
 /// A text that names settings. Each front end has its own names for them.
 pub trait Wording {

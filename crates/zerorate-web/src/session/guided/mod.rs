@@ -13,7 +13,7 @@ use adis16130_twin::Truth;
 use chamber::ByHand;
 use hour::Hour;
 use zerorate::calibration::Origin;
-use zerorate::{Calibration, Correction, EARTH_DPS, Part, Scan, Setting, Tally, Warning, Wording};
+use zerorate::{Calibration, Correction, EARTH_DPS, Part, Scan, Setting, SettingName, Tally, Warning, Wording};
 use zerorate_record::{CaptureInfo, Row, SampleHash};
 
 /// Time between two looks at what would be refused, s of part time.
@@ -207,15 +207,15 @@ impl Measurement<'_> {
 }
 
 /// The name of a setting on the page.
-fn label(setting: Setting) -> &'static str {
-    match setting {
+fn label(setting: Setting) -> SettingName {
+    SettingName::text(match setting {
         Setting::Average => "the two averages",
         Setting::WarmUp => "the warm-up",
         Setting::Settle => "settling",
         Setting::Offset => "the offset average",
         Setting::Earth => "latitude",
-        other => other.name(),
-    }
+        other => return other.name(),
+    })
 }
 
 /// Lists each warning once.
