@@ -6,7 +6,8 @@ mod target;
 
 pub use measurement::Watch;
 pub use report::{
-    AxisReport, CurvePoint, Higher, Numbers, POINTS, Report, RescuedCalibration, StepReport, TruthReport,
+    AxisNumbers, AxisReport, CalibrationReport, CurvePoint, CurveTerms, POINTS, RescuedCalibration, StepReport,
+    TruthReport,
 };
 
 use crate::acquisition::Acquisition;
@@ -146,7 +147,7 @@ impl Job {
         let mut measured = Measurement::new(acquisition, procedure, log, watch).run()?;
         measured.outcomes.iter_mut().for_each(|outcome| outcome.warnings.extend(measured.resonance));
         let calibration = Calibration::new(&measured.part, &measured.outcomes, info.origin(measured.capture_sha256));
-        let mut report = Report::new(&measured.outcomes, &calibration, &measured.truths, names);
+        let mut report = CalibrationReport::new(&measured.outcomes, &calibration, &measured.truths, names);
         if saves {
             files.options.output = Some(format!("calibration-{}.toml", calibration.id()).into());
         }
@@ -166,7 +167,7 @@ impl Job {
 /// The result of a measurement.
 pub struct RunResult {
     /// The results.
-    pub report: Report,
+    pub report: CalibrationReport,
     /// The calibration.
     pub calibration: Calibration,
     /// Whether all requested files were written.

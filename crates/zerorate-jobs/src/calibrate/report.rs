@@ -11,10 +11,10 @@ use zerorate::{Calibration, Outcome, SettingNames, Uncertainty, Warning};
 /// The JSON object of `calibrate --json`; the names are a contract.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
-pub struct Report {
+pub struct CalibrationReport {
     /// The axis of a part with one axis; otherwise see `axes`.
     #[serde(flatten)]
-    pub only: Option<Numbers>,
+    pub only: Option<AxisNumbers>,
     pub coverage: f64,
     pub coverage_factor: f64,
     pub rdy_hz: f64,
@@ -51,7 +51,7 @@ pub struct Report {
 pub struct AxisReport {
     pub name: String,
     #[serde(flatten)]
-    pub numbers: Numbers,
+    pub numbers: AxisNumbers,
     /// Warnings about this axis alone.
     pub warnings: Vec<CodedWarning>,
 }
@@ -59,7 +59,7 @@ pub struct AxisReport {
 /// The results of an axis.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
-pub struct Numbers {
+pub struct AxisNumbers {
     /// Steps 4 and 6 of AN-1042; null by another method.
     pub b1_dps: Option<f64>,
     pub t1_c: Option<f64>,
@@ -70,7 +70,7 @@ pub struct Numbers {
     pub t3_c: f64,
     /// The terms of a curve.
     #[serde(flatten)]
-    pub higher: Option<Higher>,
+    pub higher: Option<CurveTerms>,
     pub u_pbc_dps: f64,
     pub u_btc_dps_per_c: f64,
     pub u_t3_c: f64,
@@ -88,7 +88,7 @@ pub struct Numbers {
 /// The terms of a curve beside PBC and BTC.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
-pub struct Higher {
+pub struct CurveTerms {
     pub order: usize,
     pub order_weights: [f64; TERMS],
     pub btc2_dps_per_c2: f64,
@@ -161,7 +161,7 @@ pub struct RescuedCalibration {
     pub calibration: String,
 }
 
-impl Numbers {
+impl AxisNumbers {
     fn new(outcome: &Outcome, axis: &CalibratedAxis, truth: Option<&Truth>) -> Self {
         let t3_c = outcome.correction.t3_c;
         let (low_c, high_c) = (outcome.temp_min_c, outcome.temp_max_c);
@@ -175,7 +175,7 @@ impl Numbers {
             t1_c: outcome.means.map(|means| means.t1_c),
             b2_dps: outcome.means.map(|means| means.b2_dps),
             t2_c: outcome.means.map(|means| means.t2_c),
-            higher: outcome.curve.as_ref().map(Higher::new),
+            higher: outcome.curve.as_ref().map(CurveTerms::new),
             curve: CurvePoint::temps_c(low_c, high_c).map(point).collect(),
             btc_dps_per_c: outcome.correction.btc_dps_per_c,
             pbc_dps: outcome.correction.pbc_dps,
@@ -191,7 +191,7 @@ impl Numbers {
     }
 }
 
-impl Higher {
+impl CurveTerms {
     fn new(curve: &BiasCurve) -> Self {
         let step = |step: Step| StepReport { at_s: step.at_s, size_dps: step.size_dps, u_dps: step.u_dps };
         Self {
@@ -209,7 +209,7 @@ impl Higher {
     }
 }
 
-impl Report {
+impl CalibrationReport {
     /// The report about all axes of the calibration, in its order. `truths` are the twins' states at the end of step
     /// 8; empty where the part is not a twin.
     pub fn new(outcomes: &[Outcome], calibration: &Calibration, truths: &[Truth], names: SettingNames) -> Self {
@@ -220,7 +220,7 @@ impl Report {
             let own = outcome.warnings.iter().filter(|warning| !common.contains(warning));
             axes.push(AxisReport {
                 name: axis.name.clone(),
-                numbers: Numbers::new(outcome, axis, truths.get(index)),
+                numbers: AxisNumbers::new(outcome, axis, truths.get(index)),
                 warnings: own.map(coded).collect(),
             });
         }

@@ -7,7 +7,7 @@ mod report;
 mod set_point_control;
 
 pub use plan::PlanFile;
-pub use report::{AxisReport, Report};
+pub use report::{AxisReport, ChamberReport};
 pub use set_point_control::{AirListener, AirState, SetPointControl};
 
 use crate::acquisition::{Acquisition, aliasing};
@@ -224,7 +224,7 @@ pub struct RunResult {
 /// The results of a measurement.
 pub struct ChamberResults {
     /// The results in numbers.
-    pub report: Report,
+    pub report: ChamberReport,
     /// The calibration.
     pub calibration: Calibration,
     /// The record of all measurements.
@@ -257,7 +257,7 @@ impl ChamberResults {
         let of_run = warnings.into_iter().map(JobWarning::from).chain(acquisition.disbelief());
         let of_run = of_run.chain(is_resumed.then_some(JobWarning::Resumed)).map(|warning| warning.coded(names));
         let said = of_run.chain(of_axes(&outcomes, &part, names)).collect();
-        let report = Report::new(&plan.name, &calibration, &record, &outcomes, &truths, said);
+        let report = ChamberReport::new(&plan.name, &calibration, &record, &outcomes, &truths, said);
         Ok(Self { report, calibration, record, outcomes })
     }
 }

@@ -10,7 +10,7 @@ use zerorate::{Calibration, Correction, Uncertainty};
 /// The JSON object of `chamber --json`; the names are a contract.
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "the names and units are a contract; docs/formats states them")]
-pub struct Report {
+pub struct ChamberReport {
     /// The axis of a part with one axis; otherwise see `axes`.
     #[serde(flatten)]
     pub only: Option<AxisReport>,
@@ -86,7 +86,7 @@ pub struct Loop {
     pub temp_max_c: f64,
 }
 
-impl Report {
+impl ChamberReport {
     pub(super) fn new(
         plan: &str,
         calibration: &Calibration,

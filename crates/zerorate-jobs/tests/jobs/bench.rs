@@ -7,7 +7,7 @@ use tempfile::TempDir;
 use zerorate::health::Flags;
 use zerorate::{Calibration, Plan, Progress, Setting, SettingNames};
 use zerorate_host::{Cause, DeviceError, Pace, Sampling, Setup, Stop};
-use zerorate_jobs::calibrate::{Files, Numbers, OutputOptions, RunResult, Watch, prepare};
+use zerorate_jobs::calibrate::{AxisNumbers, Files, OutputOptions, RunResult, Watch, prepare};
 use zerorate_jobs::correct;
 use zerorate_jobs::output::Outputs;
 use zerorate_jobs::stream::{LearnedAxis, Listener, StreamOptions, StreamRow, stream};
@@ -91,7 +91,7 @@ pub fn calibrate(device: &str, plan: Plan) -> Result<RunResult> {
 }
 
 /// The numbers of a part with one axis.
-pub fn only(done: &RunResult) -> &Numbers {
+pub fn only(done: &RunResult) -> &AxisNumbers {
     done.report.only.as_ref().unwrap()
 }
 

@@ -2,7 +2,7 @@
 
 use super::bench::{Folder, calibrate, has, keep, only, refusal, short};
 use zerorate::{Method, Plan};
-use zerorate_jobs::calibrate::{Files, Numbers, OutputOptions};
+use zerorate_jobs::calibrate::{AxisNumbers, Files, OutputOptions};
 use zerorate_jobs::output::{OutputError, Outputs};
 
 fn by(method: Method) -> Plan {
@@ -10,7 +10,7 @@ fn by(method: Method) -> Plan {
 }
 
 /// The largest error of the correction at nine temperatures, in standard uncertainties.
-fn worst_of_curve(numbers: &Numbers) -> f64 {
+fn worst_of_curve(numbers: &AxisNumbers) -> f64 {
     let truth = &numbers.truth.as_ref().unwrap().curve;
     assert_eq!((numbers.curve.len(), truth.len()), (9, 9));
     let off = numbers.curve.iter().zip(truth).map(|(found, truth)| {

@@ -5,10 +5,10 @@ use crate::output::{print, print_json, print_lines, reader_left, say};
 use crate::wording;
 use anyhow::Result;
 use zerorate::Calibration;
-use zerorate_jobs::calibrate::{DeliveryFailure, Report, RescuedCalibration};
+use zerorate_jobs::calibrate::{CalibrationReport, DeliveryFailure, RescuedCalibration};
 
 /// Prints the result. If printing fails and no file holds the result either, it is rescued.
-pub fn print_result(report: &Report, calibration: &Calibration, args: &ResultArgs) -> Result<()> {
+pub fn print_result(report: &CalibrationReport, calibration: &Calibration, args: &ResultArgs) -> Result<()> {
     let printed = match args.json {
         true => print_json(report),
         false => print_lines(&text::text(report, report.file.as_deref(), calibration.serial.as_deref())),
@@ -30,7 +30,7 @@ pub fn print_result(report: &Report, calibration: &Calibration, args: &ResultArg
 /// object.
 pub fn print_undelivered(
     failure: DeliveryFailure,
-    mut report: Report,
+    mut report: CalibrationReport,
     calibration: &Calibration,
     json: bool,
 ) -> Result<()> {

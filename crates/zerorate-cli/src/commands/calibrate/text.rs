@@ -2,12 +2,12 @@
 
 use std::path::Path;
 use zerorate::temperature::TERMS;
-use zerorate_jobs::calibrate::{Higher, Numbers, POINTS, Report};
+use zerorate_jobs::calibrate::{AxisNumbers, CalibrationReport, CurveTerms, POINTS};
 use zerorate_view::PlusMinus;
 use zerorate_view::duration::Seconds;
 
 /// Formats the result; `file` holds the calibration.
-pub fn text(report: &Report, file: Option<&Path>, serial: Option<&str>) -> String {
+pub fn text(report: &CalibrationReport, file: Option<&Path>, serial: Option<&str>) -> String {
     let mut text = head(report);
     for axis in &report.axes {
         text += &format!("axis {}\n{}\n", axis.name, found(&axis.numbers, report.coverage_factor));
@@ -23,12 +23,12 @@ pub fn text(report: &Report, file: Option<&Path>, serial: Option<&str>) -> Strin
 }
 
 /// All warnings. A warning about one axis carries its name.
-pub fn warnings(report: &Report) -> Vec<String> {
+pub fn warnings(report: &CalibrationReport) -> Vec<String> {
     let own = report.axes.iter().flat_map(|axis| axis.warnings.iter().map(|one| format!("axis {}: {one}", axis.name)));
     report.warnings.iter().map(ToString::to_string).chain(own).collect()
 }
 
-fn head(report: &Report) -> String {
+fn head(report: &CalibrationReport) -> String {
     let device = report.device.as_deref().unwrap_or_default();
     format!(
         "{}Calibration {} of {device}\n{} samples in {}, {:.1} a second, {} lost\n\n",
@@ -41,7 +41,7 @@ fn head(report: &Report) -> String {
     )
 }
 
-fn meaning(report: &Report) -> String {
+fn meaning(report: &CalibrationReport) -> String {
     let numbers = report.only.iter().chain(report.axes.iter().map(|axis| &axis.numbers));
     let order = numbers.filter_map(|numbers| numbers.higher.as_ref()).map(|higher| higher.order).max();
     let more = match order {
@@ -74,8 +74,8 @@ fn what_next(file: Option<&Path>, serial: Option<&str>) -> String {
     }
 }
 
-fn found(numbers: &Numbers, factor: f64) -> String {
-    let Numbers { btc_dps_per_c, pbc_dps, t3_c, .. } = numbers;
+fn found(numbers: &AxisNumbers, factor: f64) -> String {
+    let AxisNumbers { btc_dps_per_c, pbc_dps, t3_c, .. } = numbers;
     let pbc = PlusMinus { value: *pbc_dps, half: numbers.u_pbc_dps * factor };
     let btc = PlusMinus { value: *btc_dps_per_c, half: numbers.u_btc_dps_per_c * factor };
     let line = format!("  PBC  {pbc} °/s at T3 = {t3_c:.2} °C\n  BTC  {btc} °/s/°C\n");
@@ -85,12 +85,12 @@ fn found(numbers: &Numbers, factor: f64) -> String {
 }
 
 /// Formats the averages of steps 4 and 6.
-fn means(numbers: &Numbers) -> Option<String> {
+fn means(numbers: &AxisNumbers) -> Option<String> {
     let (b1_dps, t1_c, b2_dps, t2_c) = (numbers.b1_dps?, numbers.t1_c?, numbers.b2_dps?, numbers.t2_c?);
     Some(format!("  B1   {b1_dps:+.4} °/s at T1 = {t1_c:.2} °C\n  B2   {b2_dps:+.4} °/s at T2 = {t2_c:.2} °C\n"))
 }
 
-fn against_truth(numbers: &Numbers) -> Option<String> {
+fn against_truth(numbers: &AxisNumbers) -> Option<String> {
     let truth = numbers.truth.as_ref()?;
     if numbers.higher.is_some() {
         let off = numbers.curve.iter().zip(&truth.curve).map(|(one, other)| one.correction_dps - other.correction_dps);
@@ -106,7 +106,7 @@ fn against_truth(numbers: &Numbers) -> Option<String> {
     ))
 }
 
-fn curve(higher: &Higher, numbers: &Numbers, factor: f64) -> String {
+fn curve(higher: &CurveTerms, numbers: &AxisNumbers, factor: f64) -> String {
     let squares: f64 = numbers.curve.iter().filter_map(|point| point.u_dps).map(|u_dps| u_dps * u_dps).sum();
     let u_dph = 3600.0 * (squares / f64::from(POINTS)).sqrt();
     let kind = ["a constant", "a line", "a curve of order 2", "a curve of order 3"][higher.order.min(TERMS - 1)];
@@ -162,14 +162,14 @@ mod tests {
         }
     }
 
-    fn report(axes: &str, outcomes: &[Outcome]) -> Report {
+    fn report(axes: &str, outcomes: &[Outcome]) -> CalibrationReport {
         let text = format!(
             "schema = 1\nname = \"P\"\naxis = [{axes}]\n\
              rate = {{ lsb_per_dps = 20, zero_code = 0, width_bits = 16 }}\n\
              temperature = {{ lsb_per_c = 7.14, zero_code = 0, zero_c = 25, width_bits = 12 }}\n"
         );
         let calibration = Calibration::new(&Part::parse(&text).unwrap(), outcomes, Origin::default());
-        Report::new(outcomes, &calibration, &[], zerorate::Setting::name)
+        CalibrationReport::new(outcomes, &calibration, &[], zerorate::Setting::name)
     }
 
     /// Several axes are in a list, each with its warnings. A single axis is at the top level, as in earlier versions.

@@ -4,13 +4,13 @@ use anyhow::Result;
 use std::path::Path;
 use zerorate::Uncertainty;
 use zerorate_jobs::calibrate::POINTS;
-use zerorate_jobs::chamber::{AxisReport, ChamberResults, Report};
+use zerorate_jobs::chamber::{AxisReport, ChamberReport, ChamberResults};
 use zerorate_view::PlusMinus;
 use zerorate_view::duration::Seconds;
 use zerorate_view::report::{ChamberPage, Fact, chamber_page};
 
 /// Formats the result for people; `file` holds the calibration.
-pub fn text(report: &Report, file: Option<&Path>) -> String {
+pub fn text(report: &ChamberReport, file: Option<&Path>) -> String {
     let mut text = format!(
         "Calibration {} of {}, {}\n{} samples in {}, {} lost, part between {:.1} and {:.1} °C\n",
         report.calibration_id,
