@@ -19,6 +19,7 @@ mod error;
 mod finish;
 #[cfg(all(test, feature = "full"))]
 mod foreign;
+mod forms;
 #[cfg(test)]
 mod fuzz;
 mod given_rate;
@@ -86,9 +87,9 @@ pub use choice::{ColumnSelection, ColumnSpec, TEMPERATURE_COLUMN};
 pub use column::Column;
 pub use column_checks::stopped;
 pub use error::{LogError, Result};
+pub use forms::kind;
 pub use number::Decimal;
 pub use only::Only;
-pub use open::kind;
 pub use options::{ColumnOptions, MAX_BAD};
 pub use parts::{Parts, read_parts, read_with_temperature, read_without_rate};
 pub use raw::RawType;

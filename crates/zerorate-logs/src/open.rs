@@ -23,35 +23,6 @@ pub struct Log<'a> {
     pub start: Vec<u8>,
 }
 
-/// The form of a log.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LogForm {
-    /// Parquet.
-    Parquet,
-    /// An Arrow file, also called Feather.
-    ArrowFile,
-    /// A NumPy array.
-    Npy,
-    /// NumPy arrays in a zip archive.
-    Npz,
-    /// MCAP.
-    Mcap,
-    /// A bag of ROS 1.
-    RosBag,
-    /// A log of PX4.
-    ULog,
-    /// A log of ArduPilot.
-    DataFlash,
-    /// A MATLAB file of version 5 to 7.2.
-    Mat,
-    /// HDF5, which MATLAB from version 7.3 on writes behind a head of its own.
-    Hdf5,
-    /// A SQLite database.
-    Sqlite,
-    /// An Arrow stream, a capture or text.
-    Other,
-}
-
 /// Looks at how a log begins, and unpacks it if it is packed.
 pub fn open(path: &Path, input: Input) -> Result<Log<'_>, InputError> {
     let failed = |error| InputError::io("read", path, error);
@@ -74,89 +45,25 @@ pub fn open(path: &Path, input: Input) -> Result<Log<'_>, InputError> {
     }
 }
 
-/// The kind of a file in words, recognised by its start; `path` names it in messages.
-///
-/// # Errors
-/// The file cannot be read, or is not a log in any supported format.
-pub fn kind(path: &Path, input: Input) -> Result<String, InputError> {
+/// Looks at how a file begins.
+pub fn looked_at(path: &Path, input: Input) -> Result<Log<'_>, InputError> {
     let (input, start) = marked(input).map_err(|error| InputError::io("read", path, error))?;
-    let room = MemoryBudget::of(0);
-    Ok(match Packing::of(&start) {
-        Some(packing) => format!("packed by {packing:?}"),
-        None if start.starts_with(&ARROW_STREAM) => "Arrow stream".to_owned(),
-        None => Log { path, input, room, start }.form()?.words().to_owned(),
-    })
+    Ok(Log { path, input, room: MemoryBudget::of(0), start })
 }
 
-/// The mark before each message of an Arrow stream.
-const ARROW_STREAM: [u8; 4] = [0xFF; 4];
-
-impl LogForm {
-    const fn words(self) -> &'static str {
-        match self {
-            Self::Parquet => "Parquet",
-            Self::ArrowFile => "Arrow file (Feather)",
-            Self::Npy => "NumPy array (.npy)",
-            Self::Npz => "NumPy arrays (.npz)",
-            Self::Mcap => "MCAP",
-            Self::RosBag => "bag of ROS 1",
-            Self::ULog => "log of PX4 (ULog)",
-            Self::DataFlash => "log of ArduPilot (DataFlash)",
-            Self::Mat => "MATLAB 5 to 7.2",
-            Self::Hdf5 => "HDF5, as MATLAB 7.3 writes it",
-            Self::Sqlite => "SQLite bag of ROS 2",
-            Self::Other => "text",
-        }
-    }
-}
-
-impl LogForm {
-    /// The reader of the form that is not built in.
-    pub const fn missing(self) -> Option<NotBuiltIn> {
-        match self {
-            Self::Hdf5 if cfg!(not(feature = "hdf5")) => Some(NotBuiltIn { what: "HDF5", feature: "hdf5" }),
-            Self::Mat if cfg!(not(feature = "matlab")) => {
-                Some(NotBuiltIn { what: "the reader of MATLAB files", feature: "matlab" })
-            }
-            Self::Mcap if cfg!(not(feature = "mcap")) => Some(NotBuiltIn { what: "MCAP", feature: "mcap" }),
-            Self::Npy if cfg!(not(feature = "numpy")) => {
-                Some(NotBuiltIn { what: "the reader of NumPy arrays", feature: "numpy" })
-            }
-            Self::Npz if cfg!(not(feature = "npz")) => {
-                Some(NotBuiltIn { what: "the reader of .npz archives", feature: "npz" })
-            }
-            Self::Parquet if cfg!(not(feature = "parquet")) => Some(NotBuiltIn::PARQUET),
-            Self::RosBag if cfg!(not(feature = "ros")) => {
-                Some(NotBuiltIn { what: "the reader of ROS 1 bags", feature: "ros" })
-            }
-            Self::Sqlite if cfg!(not(feature = "sqlite")) => {
-                Some(NotBuiltIn { what: "SQLite, in which older ROS 2 bags lie", feature: "sqlite" })
-            }
-            _ => None,
-        }
-    }
+/// The packing of a file in words, by its first bytes.
+pub fn packing(start: &[u8]) -> Option<String> {
+    Packing::of(start).map(|packing| format!("packed by {packing:?}"))
 }
 
 impl Log<'_> {
-    /// Recognises the form; the error for an unsupported form says what to do.
-    pub fn form(&self) -> Result<LogForm, InputError> {
-        let starts = |mark: &[u8]| self.start.starts_with(mark);
-        let foreign = FOREIGN.iter().find(|(mark, _)| starts(mark));
+    /// Refuses a file that is empty, or of a form that people have but nobody reads here.
+    pub fn check(&self) -> Result<(), InputError> {
+        let foreign = FOREIGN.iter().find(|(mark, _)| self.start.starts_with(mark));
         match foreign {
             Some((_, advice)) => Err(InputError::not_a_log(self.path, *advice)),
             None if self.start.is_empty() => Err(InputError::not_a_log(self.path, "it is empty")),
-            None if starts(b"PAR1") => Ok(LogForm::Parquet),
-            None if starts(b"ARROW1") => Ok(LogForm::ArrowFile),
-            None if starts(b"\x93NUMPY") => Ok(LogForm::Npy),
-            None if starts(b"PK\x03\x04") => Ok(LogForm::Npz),
-            None if starts(b"\x89MCAP0\r\n") => Ok(LogForm::Mcap),
-            None if starts(ROS_BAG) => Ok(LogForm::RosBag),
-            None if starts(ULOG) => Ok(LogForm::ULog),
-            None if starts(&ARDUPILOT) => Ok(LogForm::DataFlash),
-            None if starts(MATLAB) => Ok(LogForm::Mat),
-            None if starts(b"\x89HDF\r\n\x1A\n") || starts(b"MATLAB 7.3 MAT") => Ok(LogForm::Hdf5),
-            None if starts(b"SQLite format 3\0") => Ok(LogForm::Sqlite),
-            None => Ok(LogForm::Other),
+            None => Ok(()),
         }
     }
 }

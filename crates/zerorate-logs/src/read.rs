@@ -1,30 +1,14 @@
-//! The reader of each form of log.
+//! Reads columns of a log in any form.
 
-use crate::arrow_file::ArrowFile;
 use crate::choice::ColumnSelection;
 use crate::column::Column;
 use crate::error::{LogError, Result};
-#[cfg(feature = "hdf5")]
-use crate::hdf5;
-#[cfg(feature = "matlab")]
-use crate::mat;
-#[cfg(feature = "mcap")]
-use crate::mcap_bag;
-#[cfg(feature = "numpy")]
-use crate::npy;
-#[cfg(feature = "npz")]
-use crate::npz;
-use crate::open::{self, Log, LogForm};
+use crate::forms::{Content, Form};
+use crate::open::{self, Log};
 use crate::options::ColumnOptions;
-#[cfg(feature = "parquet")]
-use crate::parquet;
 use crate::query::ColumnQuery;
 use crate::raw_columns::RawColumns;
-#[cfg(feature = "ros")]
-use crate::rosbag;
-#[cfg(feature = "sqlite")]
-use crate::sqlite_bag;
-use crate::{dataflash, raw, tabular, text, ulog, wide};
+use crate::{raw, tabular, text, wide};
 use arrow_array::RecordBatch;
 use arrow_ipc::writer::StreamWriter;
 use arrow_schema::ArrowError;
@@ -91,52 +75,22 @@ pub fn find(path: &Path, input: Input, asked: &ColumnQuery<'_>) -> Result<RawCol
 }
 
 fn found(mut log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
-    let form = log.form()?;
-    if form == LogForm::Other {
+    let form = Form::of(&log)?;
+    if form.is_none() {
         log.input = wide::narrowed(log.path, log.input, log.room)?;
     }
-    if let Some(table) = described(&log, form, asked)? {
+    let may_describe_itself = form.is_none_or(|form| form.content == Content::DescribedTable && form.reader.is_ok());
+    if let Some(table) = described(&log, may_describe_itself, asked)? {
         return tabular::read_described(log.path, table, log.room, asked);
     }
-    if asked.args.only.is_some() && !matches!(form, LogForm::Other | LogForm::ArrowFile | LogForm::Parquet) {
+    if asked.args.only.is_some() && form.is_some_and(|form| form.content == Content::Messages) {
         return Err(asked.args.only_of_tables(log.path));
     }
-    match (reader(form), form.missing()) {
-        (Some(read), _) => read(log, asked),
-        (None, Some(missing)) => Err(InputError::not_built_in(log.path, missing).into()),
-        (None, None) => read_table_or_text(log, asked),
+    match form.map(|form| form.reader) {
+        Some(Ok(read)) => read(log, asked),
+        Some(Err(missing)) => Err(InputError::not_built_in(log.path, missing).into()),
+        None => read_table_or_text(log, asked),
     }
-}
-
-/// The reader of a form that needs a reader of its own, where it is built in.
-fn reader(form: LogForm) -> Option<fn(Log<'_>, &ColumnQuery<'_>) -> Result<RawColumns>> {
-    match form {
-        LogForm::ArrowFile => Some(read_arrow_file),
-        LogForm::ULog => Some(ulog::read),
-        LogForm::DataFlash => Some(dataflash::read),
-        #[cfg(feature = "hdf5")]
-        LogForm::Hdf5 => Some(hdf5::read),
-        #[cfg(feature = "matlab")]
-        LogForm::Mat => Some(mat::read),
-        #[cfg(feature = "mcap")]
-        LogForm::Mcap => Some(mcap_bag::read),
-        #[cfg(feature = "numpy")]
-        LogForm::Npy => Some(npy::read),
-        #[cfg(feature = "npz")]
-        LogForm::Npz => Some(npz::read),
-        #[cfg(feature = "parquet")]
-        LogForm::Parquet => Some(parquet::read),
-        #[cfg(feature = "ros")]
-        LogForm::RosBag => Some(rosbag::read),
-        #[cfg(feature = "sqlite")]
-        LogForm::Sqlite => Some(sqlite_bag::read),
-        _ => None,
-    }
-}
-
-fn read_arrow_file(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
-    let source = ArrowFile::open(log.path, log.input, log.room)?;
-    tabular::read(log.path, Box::new(source), log.room, asked)
 }
 
 fn read_table_or_text(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
@@ -148,8 +102,7 @@ fn read_table_or_text(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumn
 }
 
 /// The log as a table that describes itself, if it is one.
-fn described(log: &Log<'_>, form: LogForm, asked: &ColumnQuery<'_>) -> Result<Option<Box<dyn DescribedTable>>> {
-    let is_possible = form == LogForm::Other || form == LogForm::Parquet && form.missing().is_none();
+fn described(log: &Log<'_>, is_possible: bool, asked: &ColumnQuery<'_>) -> Result<Option<Box<dyn DescribedTable>>> {
     let Some(open) = asked.args.described.filter(|_| is_possible) else {
         let describes_itself = log.start.starts_with(format!("# {DESCRIPTION}").as_bytes());
         return if describes_itself { Err(tabular::needs_reader(log.path)) } else { Ok(None) };
