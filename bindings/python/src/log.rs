@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use zerorate_allan::SettingName;
 use zerorate_host::files;
 use zerorate_imu::{Axes, ImuOptions, KindOptions};
 use zerorate_jobs::temperature;
@@ -61,31 +62,19 @@ type OfKind = (Vec<String>, Option<String>, Option<f64>);
 type AxesOfLog<'py> = (Vec<Bound<'py, PyDict>>, Option<String>, Vec<String>);
 
 /// The names of the options in Python.
-pub fn argument(setting: Setting) -> &'static str {
+pub fn argument(setting: Setting) -> SettingName {
+    let name = SettingName { suffix: "=", ..SettingName::text(setting.word()) };
     match setting {
-        Setting::Column => "column=",
-        Setting::Topic => "topic=",
-        Setting::TimeColumn => "time_column=",
-        Setting::TimeUnit => "time_unit=",
-        Setting::Rate => "rate_hz=",
-        Setting::Unit => "unit=",
-        Setting::Scale => "scale=",
-        Setting::Decimal => "decimal=",
-        Setting::Raw => "raw=",
-        Setting::MaxBad => "max_bad=",
-        Setting::Gyro => "gyro=",
-        Setting::Accel => "accel=",
-        Setting::GyroUnit => "gyro_unit=",
-        Setting::AccelUnit => "accel_unit=",
-        Setting::ForceUnit => "give force_unit=True",
-        Setting::Horizon => "horizon_s=",
-        Setting::AsFitted => "as_fitted=True",
-        Setting::Where => "only rows with",
-        Setting::Increments => "increments=True",
-        Setting::NoIncrements => "increments=False",
-        Setting::Skip => "skip=",
-        Setting::Detrend => "detrend=",
-        other => other.name(),
+        Setting::Rate | Setting::Horizon => {
+            SettingName { suffix: if setting == Setting::Rate { "_hz=" } else { "_s=" }, ..name }
+        }
+        Setting::ForceUnit => SettingName { prefix: "give ", suffix: "=True", ..name },
+        Setting::AsFitted | Setting::Increments => SettingName { suffix: "=True", ..name },
+        Setting::NoIncrements => SettingName::text("increments=False"),
+        Setting::Where => SettingName::text("only rows with"),
+        Setting::TempColumn => SettingName::text("temp_c="),
+        Setting::Combine | Setting::Format => setting.name(),
+        _ => name,
     }
 }
 

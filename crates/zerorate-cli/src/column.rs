@@ -2,6 +2,7 @@
 
 use clap::Args;
 use clap::builder::BoolishValueParser;
+use zerorate_allan::SettingName;
 use zerorate_jobs::allan::Columns;
 use zerorate_logs::{ColumnOptions, Decimal, Names, Only, RawType, Setting, TimeUnit, Unit};
 
@@ -117,35 +118,17 @@ pub fn listed(list: &str) -> Option<Vec<String>> {
 }
 
 /// Returns the option of a setting.
-pub fn flag(setting: Setting) -> &'static str {
+pub fn flag(setting: Setting) -> SettingName {
     match setting {
-        Setting::Column => "--column",
-        Setting::Topic => "--topic",
-        Setting::TimeColumn => "--time-column",
-        Setting::TimeUnit => "--time-unit",
-        Setting::Rate => "--rate",
-        Setting::Unit => "--unit",
-        Setting::Scale => "--scale",
-        Setting::Decimal => "--decimal",
-        Setting::Raw => "--raw",
-        Setting::MaxBad => "--max-bad",
-        Setting::Gyro => "--gyro",
-        Setting::Accel => "--accel",
-        Setting::GyroUnit => "--gyro-unit",
-        Setting::AccelUnit => "--accel-unit",
-        Setting::ForceUnit => "give --force-unit",
-        Setting::Combine => "--combine",
-        Setting::Horizon => "--horizon",
-        Setting::AsFitted => "--as-fitted",
-        Setting::Format => "--format",
-        Setting::Skip => "--skip",
-        Setting::Detrend => "--detrend",
-        Setting::TempColumn => "--temp-column",
-        Setting::Where => "--where",
-        Setting::Increments => "--increments",
-        Setting::NoIncrements => "--increments=no",
-        other => other.name(),
+        Setting::ForceUnit => SettingName { prefix: "give --", ..flag_of(setting.word()) },
+        Setting::NoIncrements => SettingName::text("--increments=no"),
+        other => flag_of(other.word()),
     }
+}
+
+/// The option with this word: `--max-bad`.
+pub const fn flag_of(word: &'static str) -> SettingName {
+    SettingName { prefix: "--", word, joint: '-', suffix: "" }
 }
 
 pub fn share(text: &str) -> Result<f64, String> {

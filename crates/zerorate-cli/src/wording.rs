@@ -1,7 +1,9 @@
 //! Settings, warnings and errors in the words of the command line.
 
+use crate::column::flag_of;
 use std::path::Path;
-use zerorate::{Setting, SettingName};
+use zerorate::Setting;
+use zerorate_allan::SettingName;
 use zerorate_jobs::output::could_be_forced;
 use zerorate_jobs::{CodedWarning, InvalidOptions, JobWarning};
 use zerorate_record::{CaptureError, Format};
@@ -34,6 +36,6 @@ pub fn flag(setting: Setting) -> SettingName {
     match setting {
         Setting::Edge => SettingName::text("edge=rising or edge=falling in --device"),
         Setting::FinalTemperature => setting.name(),
-        other => SettingName { prefix: "--", word: other.word(), joint: '-', suffix: "" },
+        other => flag_of(other.word()),
     }
 }

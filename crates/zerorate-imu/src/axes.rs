@@ -3,6 +3,7 @@
 use super::{ImuWarning, Kind, plausible};
 use crate::increments;
 use std::path::Path;
+use zerorate_allan::SettingName;
 use zerorate_logs::{Column, ColumnOptions, ColumnSelection, LogError, LogWarning, Parts, Quantity, Setting, Unit};
 
 /// Facts about the axes that a log may not state itself.
@@ -246,7 +247,7 @@ fn check_units(options: &ImuOptions, path: &Path, axes: &[(Kind, Column)]) -> ze
 const AXES: usize = 3;
 
 /// The warning about more axes than one IMU can have.
-fn too_many(path: &Path, kind: Kind, axes: &[(Kind, Column)], column: &'static str) -> Option<LogWarning> {
+fn too_many(path: &Path, kind: Kind, axes: &[(Kind, Column)], column: SettingName) -> Option<LogWarning> {
     let count = axes.iter().filter(|(of, _)| *of == kind).count();
     let path = path.display().to_string();
     (count > AXES).then(|| LogWarning::SeveralImus { path, count, kinds: kind.plural(), column })

@@ -2,7 +2,7 @@
 
 use super::Kind;
 use std::fmt;
-use zerorate_allan::{AllanWarning, Fit, MotionKind, motion, rows};
+use zerorate_allan::{AllanWarning, Fit, MotionKind, SettingName, motion, rows};
 use zerorate_logs::{Names, Setting};
 
 /// A warning about several axes.
@@ -11,7 +11,7 @@ pub enum ImuWarning {
     /// The same happens to several axes at once, at these moments.
     Motion(MotionKind, Vec<Moment>),
     /// The log has no column of a kind. The name is of the setting that chose the columns, if one did.
-    KindAbsent(Kind, Option<&'static str>),
+    KindAbsent(Kind, Option<SettingName>),
 }
 
 /// A moment at which several axes jump, or have a glitch.

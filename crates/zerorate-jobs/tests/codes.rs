@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use zerorate::calibration::FileWarning;
 use zerorate::chamber::ChamberRefusal;
 use zerorate::health::Flags;
-use zerorate::{Deviation, Finding, Refusal, Setting, SettingName, Tone, Warning, Wording};
-use zerorate_allan::{AllanWarning, Cause, Misfit, MotionKind, Noise, PoolError};
+use zerorate::{Deviation, Finding, Refusal, Setting, Tone, Warning, Wording};
+use zerorate_allan::{AllanWarning, Cause, Misfit, MotionKind, Noise, PoolError, SettingName};
 use zerorate_host::SourceWarning;
 use zerorate_imu::{ImuWarning, Kind, Moment, Rejection};
 use zerorate_input::InputWarning;
@@ -232,6 +232,7 @@ fn of_jobs() -> Vec<JobWarning> {
 
 fn of_logs() -> Vec<LogWarning> {
     let [path, column] = [|| "log.csv".to_owned(), || "gz_dps".to_owned()];
+    let [unit, scale] = ["--unit", "--scale"].map(SettingName::text);
     let names = || "mag_x, mag_y, mag_z, temp_c".to_owned();
     let gaps = |are_closed| LogWarning::Gaps { path: path(), missing: 1200, among: 720_000, are_closed };
     vec![
@@ -263,11 +264,16 @@ fn of_logs() -> Vec<LogWarning> {
         LogWarning::RateContradicts { path: path(), given_hz: 200.0, stamps_hz: 100.0 },
         LogWarning::LinesBroken("log.csv: 12 of 720000 lines are broken, and skipped; look at line 3456".to_owned()),
         LogWarning::Implausible { path: path(), what: "gravity is 1.003 m/s²".to_owned() },
-        LogWarning::UnitUnknown { path: path(), column: "gz".to_owned(), unit: "--unit", scale: "--scale" },
+        LogWarning::UnitUnknown { path: path(), column: "gz".to_owned(), unit, scale },
         LogWarning::ColumnsLeftOut { path: path(), names: names() },
         LogWarning::NoNumbers { path: path(), names: names() },
         LogWarning::BlanksLeftOut { path: path(), names: names() },
-        LogWarning::SeveralImus { path: path(), count: 6, kinds: "accelerometers", column: "--column" },
+        LogWarning::SeveralImus {
+            path: path(),
+            count: 6,
+            kinds: "accelerometers",
+            column: SettingName::text("--column"),
+        },
         gaps(true),
         gaps(false),
         LogWarning::NotAlike(
@@ -333,7 +339,7 @@ fn of_imu() -> [ImuWarning; 4] {
         together(MotionKind::Jump),
         together(MotionKind::Knock),
         ImuWarning::KindAbsent(Kind::Accelerometer, None),
-        ImuWarning::KindAbsent(Kind::Accelerometer, Some("--column")),
+        ImuWarning::KindAbsent(Kind::Accelerometer, Some(SettingName::text("--column"))),
     ]
 }
 

@@ -2,7 +2,7 @@
 
 use super::series::{join, missing_in};
 use crate::setting::{Names, Setting};
-use zerorate_allan::Gap;
+use zerorate_allan::{Gap, SettingName};
 use zerorate_input::TimeUnit;
 
 /// Root mean square of what is between a timestamp and an even clock, in sampling intervals, from which it is said.
@@ -277,7 +277,7 @@ impl Times {
         both / square
     }
 
-    fn unsteady(&self, unit: TimeUnit, why: &str, rate: &str) -> String {
+    fn unsteady(&self, unit: TimeUnit, why: &str, rate: SettingName) -> String {
         let shortest = self.intervals().fold(f64::INFINITY, f64::min);
         let longest = self.intervals().fold(0.0, f64::max);
         let [shortest, usual, longest] =

@@ -1,5 +1,7 @@
 //! Numbers as people write them: with a decimal point or a decimal comma, or not there at all.
 
+use zerorate_allan::SettingName;
+
 /// A decimal mark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
@@ -83,7 +85,7 @@ impl Numerals {
     }
 
     /// A cell that could be read in two ways, with what to do about it; `option` is what the decimal mark is called.
-    pub fn doubt(&self, option: &str) -> Option<(u64, String)> {
+    pub fn doubt(&self, option: SettingName) -> Option<(u64, String)> {
         let (line, cell) = self.doubtful.as_ref().filter(|_| self.decimal.is_none())?;
         let (decimal, thousand) = (cell.replace(',', "."), cell.replace(',', ""));
         Some((
@@ -215,7 +217,7 @@ mod tests {
     fn read(cells: &[&str]) -> (Numbers, Option<(u64, String)>) {
         let mut numerals = Numerals::new(None);
         let numbers = cells.iter().zip(1..).map(|(cell, line)| numerals.read(cell, line)).collect();
-        (numbers, numerals.doubt("--decimal"))
+        (numbers, numerals.doubt(SettingName::text("--decimal")))
     }
 
     #[test]
@@ -267,7 +269,10 @@ mod tests {
         assert_eq!(line, 2);
         assert!(what.contains("`1,234` is 1.234 or 1234") && what.contains("--decimal comma"), "{what}");
         let mut declared = Numerals::new(Some(Decimal::Comma));
-        assert_eq!((declared.read("1,234", 1), declared.doubt("--decimal")), (Ok(Number::Decimal(1.234)), None));
+        assert_eq!(
+            (declared.read("1,234", 1), declared.doubt(SettingName::text("--decimal"))),
+            (Ok(Number::Decimal(1.234)), None)
+        );
     }
 
     /// The fast way gives what the slow one of the standard library gives, to the last bit.

@@ -1,6 +1,7 @@
 //! The names of the options of a column, so that a message can say which to give.
 
 use std::fmt;
+use zerorate_allan::SettingName;
 
 /// An option of [`ColumnOptions`](super::ColumnOptions), for which each front end has its own name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,7 +38,13 @@ pub enum Setting {
 impl Setting {
     /// Its name as a field of [`ColumnOptions`](super::ColumnOptions).
     #[must_use]
-    pub const fn name(self) -> &'static str {
+    pub const fn name(self) -> SettingName {
+        SettingName::text(self.word())
+    }
+
+    /// The word from which front ends make its name: `time_column`.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
         match self {
             Self::Column => "column",
             Self::Topic => "topic",
@@ -70,12 +77,12 @@ impl Setting {
 
 /// The name of an option in a front end: its field, unless the front end says otherwise.
 #[derive(Clone, Copy)]
-pub struct Names(pub fn(Setting) -> &'static str);
+pub struct Names(pub fn(Setting) -> SettingName);
 
 impl Names {
     /// The name of one.
     #[must_use]
-    pub fn of(self, setting: Setting) -> &'static str {
+    pub fn of(self, setting: Setting) -> SettingName {
         (self.0)(setting)
     }
 }

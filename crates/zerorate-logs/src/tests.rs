@@ -16,6 +16,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use tempfile::TempDir;
 use zerorate_allan::Gap;
+use zerorate_allan::SettingName;
 
 /// Options as one types them.
 pub fn options(text: &str) -> ColumnOptions {
@@ -50,16 +51,8 @@ pub fn options(text: &str) -> ColumnOptions {
 }
 
 /// The names of the options on a command line.
-fn flag(setting: Setting) -> &'static str {
-    match setting {
-        Setting::Column => "--column",
-        Setting::TimeColumn => "--time-column",
-        Setting::TimeUnit => "--time-unit",
-        Setting::Topic => "--topic",
-        Setting::Decimal => "--decimal",
-        Setting::MaxBad => "--max-bad",
-        other => other.name(),
-    }
+fn flag(setting: Setting) -> SettingName {
+    SettingName { prefix: "--", joint: '-', ..setting.name() }
 }
 
 pub struct Folder(TempDir);

@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::path::Path;
-use zerorate_allan::rows;
+use zerorate_allan::{SettingName, rows};
 use zerorate_input::InputWarning;
 
 /// A warning about a log, which was read. `path` names the file.
@@ -51,7 +51,7 @@ pub enum LogWarning {
     /// The means of an IMU's axes are not those of a sensor at rest, as the text says.
     Implausible { path: String, what: String },
     /// A column does not state its unit; `unit` and `scale` are the names of settings.
-    UnitUnknown { path: String, column: String, unit: &'static str, scale: &'static str },
+    UnitUnknown { path: String, column: String, unit: SettingName, scale: SettingName },
     /// These columns are not axes of an IMU.
     ColumnsLeftOut { path: String, names: String },
     /// These columns hold no numbers.
@@ -59,7 +59,7 @@ pub enum LogWarning {
     /// Nothing measures these columns.
     BlanksLeftOut { path: String, names: String },
     /// More columns are of a kind than an IMU has axes; `column` is the name of a setting.
-    SeveralImus { path: String, count: usize, kinds: &'static str, column: &'static str },
+    SeveralImus { path: String, count: usize, kinds: &'static str, column: SettingName },
     /// Samples are missing.
     Gaps { path: String, missing: u64, among: usize, are_closed: bool },
     /// A record differs from the others by more than chance, as the text says.

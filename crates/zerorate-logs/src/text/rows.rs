@@ -11,6 +11,7 @@ use memchr::{memchr, memchr_iter};
 use std::borrow::Cow;
 use std::mem::take;
 use std::path::Path;
+use zerorate_allan::SettingName;
 use zerorate_input::InputError;
 use zerorate_input::delimited::Delimiter;
 
@@ -341,7 +342,7 @@ impl Broken {
     /// The text of a warning about them; an error if more lines are broken than may be skipped.
     ///
     /// `most` is the share of the rows that may be skipped, and `option` the name of its setting.
-    pub fn judge(self, path: &Path, most: Option<f64>, option: &str) -> Result<Option<String>, InputError> {
+    pub fn judge(self, path: &Path, most: Option<f64>, option: SettingName) -> Result<Option<String>, InputError> {
         let Self { rows, bad, first } = self;
         let Some((line, what)) = first else { return Ok(None) };
         let most = most.unwrap_or(MAX_BAD);

@@ -1,6 +1,7 @@
 //! Converts settings of the page to what the readers take, and questions of the readers to settings of the page.
 
 use super::message::{LogSetting, LogSettings};
+use zerorate_allan::SettingName;
 use zerorate_imu::{Combine, Format, ImuOptions, KindOptions};
 use zerorate_logs::{ColumnOptions, Decimal, LogError, Names, Setting, TimeUnit, Unit};
 
@@ -21,17 +22,17 @@ const FIELDS: [(Setting, &str, LogSetting); 10] = [
     (Setting::Scale, "“gyroscope scale” or “accelerometer scale”", LogSetting::GyroScale),
 ];
 
-fn label(setting: Setting) -> &'static str {
+fn label(setting: Setting) -> SettingName {
     let field = FIELDS.iter().find(|(of, ..)| *of == setting);
-    match setting {
+    SettingName::text(match setting {
         Setting::ForceUnit => "rename the column",
         Setting::Where => "only rows with",
         Setting::Detrend => "`zerorate allan --detrend temp`",
         Setting::Skip => "`--skip`",
         Setting::Increments => "rates in place of increments",
         Setting::NoIncrements => "rename the columns",
-        _ => field.map_or_else(|| setting.name(), |(_, label, _)| label),
-    }
+        _ => field.map_or_else(|| setting.word(), |(_, label, _)| label),
+    })
 }
 
 /// The fields that a message names.

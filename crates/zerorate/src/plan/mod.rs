@@ -3,7 +3,7 @@
 mod setting;
 mod states;
 
-pub use setting::{Setting, SettingName, SettingNames, Worded, Wording};
+pub use setting::{Setting, SettingNames, Worded, Wording};
 pub use states::State;
 pub(crate) use states::{Check, STATES, Until};
 

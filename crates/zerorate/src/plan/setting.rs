@@ -1,6 +1,7 @@
 //! The settings of a measurement, and texts that name them as each front end does.
 
-use core::fmt::{self, Write as _};
+use core::fmt;
+use zerorate_allan::SettingName;
 
 /// Makes [`Setting`] from a row for each: its variant, its word, and its field.
 macro_rules! settings {
@@ -8,7 +9,7 @@ macro_rules! settings {
         /// A setting of a measurement, for which each front end has its own name.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[non_exhaustive]
-        #[expect(missing_docs, reason = "the fields of `Plan`; which device is read, how often, and whether it is tested")]
+        #[expect(missing_docs, reason = "the fields of `Plan`; which device is read, and how")]
         pub enum Setting { $($setting),* }
 
         impl Setting {
@@ -43,37 +44,6 @@ settings! {
     Edge "edge" "rdy_edge",
     Device "device" "device",
     SelfTest "self_test" "self_test",
-}
-
-/// The name of a setting in a front end: a word between two affixes, such as `--max-u-btc` or `max_u_btc=`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SettingName {
-    /// What stands before the word.
-    pub prefix: &'static str,
-    /// The word.
-    pub word: &'static str,
-    /// What stands in place of `_` in the word.
-    pub joint: char,
-    /// What stands behind the word.
-    pub suffix: &'static str,
-}
-
-impl SettingName {
-    /// A name as it is.
-    #[must_use]
-    pub const fn text(text: &'static str) -> Self {
-        Self { prefix: "", word: text, joint: '_', suffix: "" }
-    }
-}
-
-impl fmt::Display for SettingName {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.prefix)?;
-        for letter in self.word.chars() {
-            f.write_char(if letter == '_' { self.joint } else { letter })?;
-        }
-        f.write_str(self.suffix)
-    }
 }
 
 /// The names that a front end uses for the settings.

@@ -12,7 +12,7 @@ use anyhow::Result;
 use clap::Args;
 use clap::builder::BoolishValueParser;
 use std::path::PathBuf;
-use zerorate_allan::FitOptions;
+use zerorate_allan::{FitOptions, SettingName};
 use zerorate_imu::{
     AnalysisOptions, Combine, Format, ImuOptions, ImuReport, ImuWarning, KindOptions, NoiseFileOptions, Record, Rule,
     span,
@@ -202,13 +202,13 @@ fn horizon(text: &str) -> Result<f64, String> {
 }
 
 /// Returns the option of a setting. Unit and scale belong to a kind of sensor, and plain numbers have no axes.
-fn option(setting: Setting) -> &'static str {
-    match setting {
+fn option(setting: Setting) -> SettingName {
+    SettingName::text(match setting {
         Setting::Unit => "--gyro-unit or --accel-unit",
         Setting::Scale => "--gyro-scale or --accel-scale",
         Setting::Raw => "`zerorate allan --raw`",
-        other => flag(other),
-    }
+        other => return flag(other),
+    })
 }
 
 pub fn run(args: &ImuArgs) -> Result<()> {

@@ -13,7 +13,8 @@ use adis16130_twin::Truth;
 use chamber::ByHand;
 use hour::Hour;
 use zerorate::calibration::Origin;
-use zerorate::{Calibration, Correction, EARTH_DPS, Part, Scan, Setting, SettingName, Tally, Warning, Wording};
+use zerorate::{Calibration, Correction, EARTH_DPS, Part, Scan, Setting, Tally, Warning, Wording};
+use zerorate_allan::SettingName;
 use zerorate_record::{CaptureInfo, Row, SampleHash};
 
 /// Time between two looks at what would be refused, s of part time.
