@@ -1,7 +1,7 @@
-//! An Arrow file, also called Feather: a stream between two marks, with an index behind it that is not needed.
+//! Arrow files, also called Feather: a stream between two marks. The index behind the stream is not needed.
 //!
-//! The stream is read by the same frames as a capture, because the library's reader of files takes lengths and offsets
-//! for granted.
+//! The reader uses the framing of captures, because the library's file reader trusts the lengths and offsets in a
+//! file.
 
 use arrow_array::RecordBatch;
 use arrow_ipc::reader::StreamDecoder;
@@ -16,25 +16,25 @@ use zerorate_input::{Input, InputError, InputWarning};
 /// The mark at the start is padded with zeros to a multiple of this.
 const ALIGNMENT: usize = 8;
 
-/// The most padding that is looked at; Rust's writer pads to 64.
+/// Largest padding that is searched, in bytes; Rust's writer pads to 64.
 const MAX_PADDING: u64 = 1024;
 
-/// The length of the index, and the mark behind it.
+/// Bytes at the end of the file: the length of the index, and the mark.
 const END: u64 = 4 + MARK.len() as u64;
 
 const MARK: &[u8] = b"ARROW1";
 
-/// Bytes that a read asks the system for.
+/// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
 
 /// Reads an Arrow file, batch by batch.
 pub struct ArrowFile {
     path: PathBuf,
-    /// Offset of the stream.
+    /// Offset of the stream in the file.
     start: u64,
-    /// Latest end of the stream.
+    /// Largest possible offset of the end of the stream.
     end: u64,
-    /// The same file once more, to look behind the stream.
+    /// A second handle of the file, to check the bytes behind the stream.
     rest: Input,
     messages: Messages<BufReader<Take<Input>>>,
     decoder: StreamDecoder,
@@ -63,7 +63,7 @@ impl ArrowFile {
         Ok(Self { path: path.to_owned(), start, end, rest, messages, decoder, room, stated })
     }
 
-    /// The stream was closed. The index of the file follows, and nothing else should.
+    /// Checks that only the index of the file follows the closed stream.
     fn end_of_stream(&mut self) -> Result<(), InputError> {
         self.stated.ended = true;
         let end = self.start + self.messages.position();
@@ -76,7 +76,7 @@ impl ArrowFile {
     }
 }
 
-/// Offset of the stream: behind the mark and zeros, which no message begins with.
+/// Offset of the stream, behind the mark and its padding of zeros. No message begins with zeros.
 fn stream_start(file: &mut Input) -> io::Result<u64> {
     let mut head = Vec::new();
     file.rewind()?;
@@ -86,7 +86,7 @@ fn stream_start(file: &mut Input) -> io::Result<u64> {
     Ok((ALIGNMENT * (1 + padding)) as u64)
 }
 
-/// Latest end of the stream: the index, or the place where the file was cut off.
+/// Largest possible end of the stream: the start of the index, or the end of a file that was cut off.
 fn stream_end(file: &mut Input) -> io::Result<u64> {
     let length = file.length()?;
     let mut end = Vec::new();

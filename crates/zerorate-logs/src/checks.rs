@@ -1,4 +1,4 @@
-//! Logs that carry checks, by other people's writers (`fixtures/make_checked.py`): a flipped bit must never pass
+//! Logs by other people's writers that carry checksums (`fixtures/make_checked.py`): a flipped bit must never pass
 //! unnoticed.
 
 use super::tests::{numbers, options};
@@ -16,7 +16,7 @@ fn read(bytes: &[u8], said: &str) -> Result<Read> {
     Ok((columns.iter().map(|column| (column.name.clone(), bits(column))).collect(), rate, notes))
 }
 
-/// Flips a bit in so many bytes, spread over the places, and gives those where another result came without a word.
+/// Flips bits spread over `places`. Returns the flips that change the result without an error or a warning.
 fn silent(whole: &[u8], said: &str, places: std::ops::Range<usize>) -> Vec<(usize, u32)> {
     let (columns, rate, notes) = read(whole, said).unwrap();
     let flips = std::env::var("ZERORATE_FLIPS").ok().and_then(|flips| flips.parse().ok()).unwrap_or(FLIPS);
@@ -43,7 +43,7 @@ macro_rules! fixture {
     };
 }
 
-/// Flips bits of these files.
+/// Asserts that each flipped bit of these files is noticed.
 #[track_caller]
 fn never_silent(files: &[(&str, &[u8])], said: &str) {
     for (name, file) in files {
@@ -83,7 +83,7 @@ fn of_hdf5() {
     never_silent(&[fixture!("fletcher.h5"), fixture!("gzip.h5"), fixture!("lzf.h5")], "--time-column t_ns");
 }
 
-/// Without packing, only the description and the index carry checks; the index of `x` has two pages.
+/// An unpacked file has checksums only in its description and its index; the index of `x` has two pages.
 #[test]
 fn of_indices_of_hdf5() {
     let (_, file) = fixture!("paged.h5");
@@ -111,7 +111,7 @@ fn of_bags_of_ros_1() {
     never_silent(&[fixture!("bz2.bag"), fixture!("lz4.bag")], "");
 }
 
-/// Each packing holds the same samples, and all columns are there.
+/// Each compression holds the same samples, and all columns are there.
 #[test]
 fn every_fixture_is_read() {
     let of =
@@ -129,7 +129,7 @@ fn every_fixture_is_read() {
     }
 }
 
-/// A variable that is damaged is an error, and no column that nobody misses.
+/// A damaged variable is an error, so that no column vanishes silently.
 #[test]
 fn no_column_vanishes() {
     let (_, file) = fixture!("packed.mat");
@@ -144,7 +144,7 @@ fn no_column_vanishes() {
     assert!(said.contains("variable 2 of a MATLAB file: it cannot be unpacked"), "{said}");
 }
 
-/// An index that counts more messages than there are, of a bag without any other check.
+/// The index of a bag without other checksums counts more messages than the bag has.
 #[test]
 fn a_bag_that_lost_a_chunk() {
     let (_, bag) = fixture!("lz4.bag");

@@ -7,31 +7,31 @@ use crate::warning::LogWarning;
 use std::path::Path;
 use zerorate_input::{Quantity, TimeUnit, Unit, is_celsius};
 
-/// Columns that a message lists.
+/// Largest number of columns that a message lists.
 const LISTED: usize = 100;
 
 /// The wanted columns of a log, each by its name or its number counted from 0.
 #[derive(Clone, Copy, Debug)]
 pub enum ColumnSelection<'a> {
-    /// This one; none: the rate of a capture, or the only column.
+    /// This column; `None` selects the rate of a capture, or the only column.
     One(Option<&'a str>),
-    /// These, in this order.
+    /// These columns, in this order.
     Listed(&'a [String]),
-    /// The rates of a capture, the six quantities of a bag's IMU, or else all that hold numbers but for the time.
+    /// The rates of a capture, the six quantities of a bag's IMU, or otherwise all numeric columns except the time.
     All,
-    /// The one that each of these describes, in this order.
+    /// The columns that fit these descriptions, in this order.
     Described(&'a [ColumnSpec]),
 }
 
-/// The name of the temperature beside the axes of a sensor, where nothing else is stated.
+/// Name of the temperature column of a sensor, unless another is stated.
 pub const TEMPERATURE_COLUMN: &str = "temp";
 
-/// A column that is described by something else than the user's word.
+/// A description of a column, such as the column of a sensor's axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColumnSpec {
-    /// Its role, for messages: `axis x`.
+    /// The role of the column in messages: `axis x`.
     pub what: String,
-    /// Its name.
+    /// The name of the column.
     pub name: String,
     /// Whether the name must match to the letter, except for a unit in brackets that the file does not have. If not,
     /// `_code` or a unit may follow, as in `x_dps` or `x [rad/s]`.
@@ -39,14 +39,14 @@ pub struct ColumnSpec {
 }
 
 impl ColumnSpec {
-    /// The name that a file without units has, of one to the letter: `GyrX` of `GyrX [rad/s]`.
+    /// The name without its unit, where an exact name states one: `GyrX` of `GyrX [rad/s]`.
     pub fn without_unit(&self) -> Option<&str> {
         let (name, _) = self.name.rsplit_once(['[', '(']).filter(|_| self.is_exact)?;
         let name = name.trim_end();
         (Quantity::of_column(&self.name).is_some() && !name.is_empty()).then_some(name)
     }
 
-    /// Whether a column of this name may be meant, the name to the letter aside.
+    /// Whether `column` is the described name followed by `_code` or a unit.
     fn fits(&self, column: &str) -> bool {
         let rest = column.strip_prefix(&self.name).filter(|_| !self.is_exact);
         let states_unit = Unit::of_column(column).is_some() || is_celsius(column);
@@ -54,13 +54,13 @@ impl ColumnSpec {
     }
 }
 
-/// The columns of a file, as there are to choose from.
+/// The columns of a file from which columns are chosen.
 pub struct Columns<'a> {
     /// The file.
     pub path: &'a Path,
-    /// Their names, or their numbers.
+    /// The names of the columns, or their numbers.
     pub names: Vec<&'a str>,
-    /// Whether each holds numbers.
+    /// Whether each column holds numbers.
     pub numeric: Vec<bool>,
     /// The names of the options in messages.
     pub settings: Names,
@@ -69,16 +69,16 @@ pub struct Columns<'a> {
 /// The columns that were chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
-    /// The columns with the numbers, in the order in which they were asked for.
+    /// The columns with the numbers, in the requested order.
     pub values: Vec<usize>,
-    /// The one with the time.
+    /// The column with the time.
     pub time: Option<usize>,
-    /// The one that tells which rows are read.
+    /// The column that selects the rows to read.
     pub only: Option<usize>,
 }
 
 impl Columns<'_> {
-    /// The columns that were asked for; where nobody says which, those in `default` go before all others.
+    /// Chooses the wanted columns. Where the request is open, columns in `default` have precedence over all others.
     pub fn choose(&self, wanted: ColumnSelection<'_>, args: &ColumnOptions, default: &[usize]) -> Result<Choice> {
         let lacks_rate = args.rate.is_none() && args.time_column.is_none() && self.stated_time(&[]).is_none();
         let asks_rate = lacks_rate && default.is_empty() && !matches!(wanted, ColumnSelection::Described(_));
@@ -121,7 +121,7 @@ impl Columns<'_> {
         Ok(Choice { values, time, only })
     }
 
-    /// Names the columns that hold no numbers, where all were asked for.
+    /// The warning about columns without numbers, if all columns were requested.
     pub fn left_out(&self, wanted: ColumnSelection<'_>, time: Option<usize>) -> Option<LogWarning> {
         let is_left = |at: &usize| !self.numeric[*at] && Some(*at) != time;
         let left: Vec<&str> = (0..self.names.len()).filter(is_left).map(|at| self.names[at]).collect();
@@ -129,7 +129,7 @@ impl Columns<'_> {
         is_said.then(|| LogWarning::NoNumbers { path: self.path.display().to_string(), names: left.join(", ") })
     }
 
-    /// The only other column whose name states a unit of time.
+    /// The only column outside `values` whose name states a unit of time.
     fn stated_time(&self, values: &[usize]) -> Option<usize> {
         let states = |index: &usize| {
             let name = self.names[*index];
@@ -160,7 +160,7 @@ impl Columns<'_> {
         Ok(())
     }
 
-    /// All that hold numbers, without the time and what has no name among names: an index.
+    /// All columns of numbers, except the time and an unnamed column among named ones: an index.
     fn all(&self, time: Option<usize>) -> Vec<usize> {
         let are_named = self.names.iter().any(|name| !name.is_empty());
         let is_meant = |index: &usize| !(are_named && self.names[*index].is_empty());
@@ -176,7 +176,7 @@ impl Columns<'_> {
         }
     }
 
-    /// A name to the letter goes before one with a unit behind it.
+    /// The column that fits a description. An exact name has precedence over a name followed by a unit.
     fn described(&self, wanted: &ColumnSpec) -> Result<usize> {
         let all = || self.names.iter().enumerate();
         let exact: Vec<usize> = all().filter(|(_, name)| **name == wanted.name).map(|(at, _)| at).collect();
@@ -193,9 +193,9 @@ impl Columns<'_> {
         }
     }
 
-    /// A name goes before a number.
+    /// The column of this name or number. A name has precedence over a number.
     fn position(&self, wanted: &str, setting: Setting) -> Result<usize> {
-        // a header in a comment may be asked for as it stands there
+        // a name may be given as a header in a comment has it
         let bare = wanted.trim_start_matches(['#', '%', ' ']);
         let is_named = |(_, name): &(usize, &&str)| **name == wanted || !bare.is_empty() && **name == bare;
         let mut named = self.names.iter().enumerate().filter(is_named).map(|(at, _)| at);
@@ -214,7 +214,7 @@ impl Columns<'_> {
         }
     }
 
-    /// The column that has the same letters and digits in its name, or more or fewer at one end.
+    /// The column whose name has the same letters and digits, apart from more or fewer at one end.
     fn nearest(&self, wanted: &str) -> Option<&str> {
         let plain = |name: &str| name.to_lowercase().replace(|c: char| !c.is_alphanumeric(), "");
         let wanted = plain(wanted);
@@ -226,7 +226,7 @@ impl Columns<'_> {
         self.names.iter().filter(is_near).min_by_key(|name| name.len().abs_diff(wanted.len())).copied()
     }
 
-    /// Says which columns there are to choose from.
+    /// The error that lists the columns to choose from.
     fn ambiguous(&self, why: &str, setting: Setting) -> LogError {
         let (path, option) = (self.path.display(), self.settings.of(setting));
         LogError::Ask(match self.names[..] {
@@ -257,7 +257,7 @@ impl Columns<'_> {
 
 #[cfg(any(feature = "hdf5", feature = "matlab", feature = "numpy"))]
 impl Columns<'_> {
-    /// The columns that were asked for, and the number of rows that all of them have; `rows` tells it of each.
+    /// Chooses columns of equal length, and returns that length. `rows` is the number of rows of each column.
     pub fn choose_alike(
         &self,
         wanted: ColumnSelection<'_>,
@@ -276,7 +276,7 @@ impl Columns<'_> {
     }
 }
 
-/// Whether a column has no name but its number.
+/// Whether the name of a column is only its number.
 fn is_number(name: &str, number: usize) -> bool {
     name.parse() == Ok(number)
 }

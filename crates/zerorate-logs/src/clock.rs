@@ -5,36 +5,36 @@ use crate::setting::{Names, Setting};
 use zerorate_allan::{Gap, SettingName};
 use zerorate_input::TimeUnit;
 
-/// Root mean square of what is between a timestamp and an even clock, in sampling intervals, from which it is said.
+/// Jitter of timestamps from which a warning is given: RMS deviation from an even clock, in sampling intervals.
 const SAID_JITTER: f64 = 0.1;
 
-/// The same, up to which each row by itself tells whether samples are missing before it. A clock that counts in steps
-/// of 0.69 intervals has as much from rounding alone.
+/// Largest jitter at which a row by itself tells whether samples are missing before it. A clock that counts in steps
+/// of 0.69 intervals has this jitter from rounding alone.
 const CLEAR_JITTER: f64 = 0.2;
 
-/// The same, up to which that is told by the rows around. Beyond, half of the rows are nearer to the place of another.
+/// Largest jitter at which the rows around tell it. Beyond, half of the rows are nearer to the place of another row.
 const MAX_JITTER: f64 = 0.5;
 
-/// A timestamp may be this much of an interval early before the sample before it counts as missing no more.
+/// A row behind a missing sample may come this fraction of an interval early; the sample still counts as missing.
 const EARLY: f64 = 0.35;
 
 /// Rows that arrive in bursts look like gaps. So gaps count as gaps only below this share of the rows, or if fewer
 /// samples are missing than are there.
 const MAX_GAPS: f64 = 0.05;
 
-/// One gap of more than so many times the rows is none: a clock that was set, or another log.
+/// A single gap of more than this many times the rows is not a gap: the clock was set, or another log follows.
 const MAX_LEAP: u64 = 100;
 
-/// The speed at which the even clock follows the timestamps: it forgets an offset within some ten samples.
+/// Share of each deviation by which the even clock follows the timestamps. It forgets an offset in some ten samples.
 const FOLLOW: f64 = 0.1;
 
-/// A clock that counts in steps has intervals of one step and of two.
+/// Longest interval, in steps, of a clock that counts in steps: its intervals are one step or two.
 const LONGEST_STEP: f64 = 2.5;
 
-/// Spans of rows that differ from the usual one by no more than this, in intervals, have no gap.
+/// A span of rows has no gap if it differs from the usual span by no more than this, in intervals.
 const NEAR: f64 = 1.75;
 
-/// Rows on each side of a place that tell whether samples are missing there: their median has a fifth of the jitter.
+/// Rows on each side of a place whose median tells whether samples are missing there. It has a fifth of the jitter.
 const AROUND: usize = 32;
 
 /// Single losses in this many blocks of rows tell a clock that counts in steps from a sensor that loses samples: the
@@ -43,7 +43,7 @@ const FEWEST_BLOCKS: usize = 8;
 const IN_A_BLOCK: usize = 8;
 const EVEN_BLOCKS: f64 = 0.9;
 
-/// A row that comes less than this later than expected, in intervals, has no gap before it.
+/// Delay of a row, in intervals, below which there is no gap before the row.
 const LEAP: f64 = 0.25;
 
 /// Times of rows, relative to the first, in the unit of the file.
@@ -54,7 +54,7 @@ pub struct Times {
     pub unit: Option<TimeUnit>,
 }
 
-/// The first time: as exact as the file has it, because an epoch in nanoseconds does not fit an f64.
+/// The first time, exactly as in the file, because an epoch in nanoseconds does not fit an f64.
 #[derive(Clone, Copy)]
 enum Origin {
     Integer(i64),
@@ -62,7 +62,7 @@ enum Origin {
 }
 
 impl Times {
-    /// No row yet.
+    /// Creates an empty list of times.
     pub fn new() -> Self {
         Self { origin: None, since_first: Vec::new(), unit: None }
     }
@@ -120,7 +120,7 @@ impl Times {
         &self.since_first
     }
 
-    /// Puts other times in their place, which begin at zero.
+    /// Replaces the times with others, which begin at zero.
     pub fn replace(&mut self, since_first: Vec<f64>) {
         self.since_first = since_first;
     }
@@ -140,7 +140,7 @@ impl Times {
         self.since_first.iter().map(|since| first_ns.saturating_add((since * ns_per_unit).round() as u64)).collect()
     }
 
-    /// Rate and gaps, if the clock is even enough for both to be beyond doubt. `names` is what options are called.
+    /// Rate and gaps, if the clock is even enough to determine both. `names` are the names of options in messages.
     pub fn time_base(&self, unit: TimeUnit, names: Names) -> Result<TimeBase, String> {
         let rate = names.of(Setting::Rate);
         let interval = self.interval();
@@ -183,8 +183,8 @@ impl Times {
         Ok(TimeBase { rate_hz, gaps, jitter, as_losses: is_coarse.then_some(unit.per_s() / interval) })
     }
 
-    /// Jitter, gaps and steps of a clock that counts in steps a little shorter than the interval. A double step is no
-    /// gap.
+    /// Jitter, gaps and steps of a clock that counts in steps a little shorter than the interval. A double step is not
+    /// a gap.
     fn in_steps(&self, step: f64, double: &[Gap]) -> (f64, Vec<Gap>, u64) {
         let short = self.intervals().filter(|interval| *interval <= LONGEST_STEP * step);
         let steps_per_sample = mean(short) / step;
@@ -196,7 +196,7 @@ impl Times {
         (1.0 / steps_per_sample / 12f64.sqrt(), gaps, steps)
     }
 
-    /// The usual interval: the mean of those near the median, which is exact for a clock that rounds, too.
+    /// The usual interval: the mean of the intervals near the median. It is exact for a clock that rounds, too.
     pub fn interval(&self) -> Option<f64> {
         let mut intervals: Vec<f64> = self.intervals().filter(|interval| *interval > 0.0).collect();
         let middle = intervals.len().checked_sub(1)? / 2;
@@ -209,14 +209,14 @@ impl Times {
         self.since_first.windows(2).map(|pair| pair[1] - pair[0])
     }
 
-    /// Jitter, gaps and steps of a clock of which single rows are late by as much as a missing sample would make them.
-    /// A late row is one row; behind a missing sample all rows are later, which the medians of the rows around show.
+    /// Jitter, gaps and steps of a clock whose single rows may be as late as a missing sample would make them. A late
+    /// row stands alone. Behind a missing sample all rows are later, which the medians of the rows around show.
     fn among_late_rows(&self) -> (f64, Vec<Gap>, u64) {
         let times = &self.since_first;
         let span = AROUND.min(times.len() / 2).max(1);
         let mut over: Vec<f64> = times.windows(span + 1).map(|rows| (rows[span] - rows[0]) / span as f64).collect();
         let middle = median(&mut over);
-        // of a clock that counts in steps the mean is exact, and the median not
+        // the mean is exact for a clock that counts in steps, and the median is not
         let is_near = |over: &f64| (over - middle).abs() * span as f64 <= NEAR * middle;
         let interval = mean(over.into_iter().filter(is_near));
         // how late each row is, in intervals
@@ -246,7 +246,7 @@ impl Times {
             }
             let (before, after) = around(row);
             let missing = (after - before).round();
-            // the rows around a gap see it as well; it is where the leap is widest
+            // the rows around a gap see the leap as well; the gap is where the leap is widest
             let is_new = gaps.last().is_none_or(|last| row > last.at + AROUND / 2);
             if missing >= 1.0 && (is_new || leap > widest) {
                 if !is_new {
@@ -260,7 +260,7 @@ impl Times {
         ((squares / (times.len() - 1) as f64).sqrt(), gaps, steps)
     }
 
-    /// Time from sample to sample, by least squares: what the first and the last row are late by does not count.
+    /// Time from sample to sample by least squares, so that delays of the first and the last row do not matter.
     fn slope(&self, gaps: &[Gap]) -> f64 {
         let (mut missing, mut gaps) = (0, gaps.iter().peekable());
         let place = self.since_first.iter().enumerate().map(|(row, time)| {
@@ -312,33 +312,33 @@ fn mean(numbers: impl Iterator<Item = f64>) -> f64 {
     sum / f64::from(count)
 }
 
-/// The number in the middle, or 0 of none.
+/// The median, the upper one of two, or 0 without numbers.
 pub fn median(numbers: &mut [f64]) -> f64 {
     let middle = numbers.len() / 2;
     if numbers.is_empty() { 0.0 } else { *numbers.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
-/// The findings about a clock.
+/// The rate and the gaps of a log, as its timestamps tell them.
 #[derive(Debug, PartialEq)]
 pub struct TimeBase {
     /// Mean rate, lost samples included.
     pub rate_hz: f64,
     /// Before row `at`, `missing` samples were lost.
     pub gaps: Vec<Gap>,
-    /// Root mean square of what is between the timestamps and an even clock, in intervals.
+    /// Root mean square deviation of the timestamps from an even clock, in intervals.
     pub jitter: f64,
-    /// The rate, if the longer steps of a clock that counts in steps are single losses instead.
+    /// The rate that holds if the longer steps of a clock that counts in steps are single lost samples instead.
     pub as_losses: Option<f64>,
 }
 
-/// A relative error of a deviation that nobody notices.
+/// A negligible relative error of a deviation.
 const NO_ERROR: f64 = 0.01;
 
 impl TimeBase {
     /// The text of a warning, if the jitter is large. The samples are taken as evenly spaced. If they were really
     /// taken when the timestamps say, each is w(t + δ) in place of w(t), with δ of rms j intervals τ₀:
     ///
-    /// * White noise has no memory, so nothing changes.
+    /// * White noise is uncorrelated, so nothing changes.
     /// * A random walk differs by a variance of K²·E|δ| ≤ K²·j·τ₀, independent from sample to sample. The mean of m
     ///   samples differs by that over m, beside an Allan variance of K²·m·τ₀/3: the deviation by 3·j/m²/2 at most.
     /// * Flicker noise up to the Nyquist frequency differs by a variance of π/4·j²·B², beside 2·ln 2/π·B²: the

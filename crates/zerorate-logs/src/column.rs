@@ -12,28 +12,28 @@ use zerorate_input::Quantity;
 /// A column, and what is known about it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// Its name, or its number where columns have no names.
+    /// The name of the column, or its number where columns have no names.
     pub name: String,
-    /// The numbers in order. Missing samples are NaN among numbers.
+    /// The samples in order. A missing sample among floating-point numbers is NaN.
     pub series: Series,
-    /// Missing samples among codes.
+    /// The gaps where samples are missing among integer codes.
     pub gaps: Vec<Gap>,
-    /// Mean rate of the samples, those that are missing included.
+    /// Mean sampling rate in Hz; missing samples count.
     pub rate_hz: f64,
-    /// Its quantity, if the file states its unit, or a unit or a scale was given.
+    /// The quantity of the column, if the file states its unit, or a unit or a scale was given.
     pub quantity: Option<Quantity>,
-    /// The size of a step in the unit of that quantity's results; 1 if the unit is not known.
+    /// Factor from a sample to the unit in which results of the quantity are given; 1 if the unit is not known.
     pub scale: f64,
-    /// The size of a step of 1 that the log states, in its unit; 1 unless the log states it beside the unit.
+    /// Factor from a sample to the unit of the log, if the log states the factor beside the unit; otherwise 1.
     pub step: f64,
-    /// The warnings about the file: a tail that was torn off, a unit that is not known.
+    /// The warnings about the file, such as a torn end or an unknown unit.
     pub warnings: Vec<LogWarning>,
-    /// The findings in these samples; none where the samples were changed since they were checked.
+    /// The results of the checks of the samples; `None` if the samples were changed since.
     pub(crate) facts: Option<ColumnFacts>,
 }
 
 impl Column {
-    /// A column of which nothing else is known. Its samples are not checked.
+    /// Creates a column with neither gaps nor a unit. Its samples are not checked.
     pub fn new(name: &str, series: Series, rate_hz: f64) -> Self {
         let (name, gaps, warnings) = (name.to_owned(), Vec::new(), Vec::new());
         Self { name, series, gaps, rate_hz, quantity: None, scale: 1.0, step: 1.0, warnings, facts: None }
@@ -55,24 +55,24 @@ impl Column {
     /// The warning where the column stops changing.
     ///
     /// # Errors
-    /// Refuses a column that never changes, as [`crate::stopped`].
+    /// Returns `LogError::Refused` if the column never changes, as [`crate::stopped`] does.
     pub fn stopped(&self, path: &Path) -> Result<Option<LogWarning>> {
         self.facts().changes.stopped(&self.gaps, self.rate_hz, path, &self.name)
     }
 
-    /// The findings in the samples, which are read again only if they were changed.
+    /// The results of the checks of the samples, which are read again only if they were changed.
     pub fn facts(&self) -> ColumnFacts {
         self.facts.unwrap_or_else(|| ColumnFacts::of(&self.input()))
     }
 
-    /// Puts other samples in the place of these, without gaps beside them.
+    /// Replaces the samples, and removes the gaps.
     pub fn replace(&mut self, series: Series) {
         self.series = series;
         self.gaps.clear();
         self.facts = None;
     }
 
-    /// Whether it is 0 in every row.
+    /// Whether the column is 0 in every row.
     pub fn is_blank(&self) -> bool {
         match &self.series {
             Series::Codes(codes) => codes.iter().all(|code| *code == 0),
@@ -80,7 +80,7 @@ impl Column {
         }
     }
 
-    /// A number for each sample of the log in the file `path`, NaN where it is missing.
+    /// One number for each sample, NaN where a sample is missing. `path` names the file in messages.
     pub fn points(&self, path: &Path) -> Result<Vec<f64>> {
         match &self.series {
             Series::Numbers(numbers) => Ok(numbers.clone()),
@@ -90,7 +90,7 @@ impl Column {
         }
     }
 
-    /// Leaves out the first so many samples, those that are missing counted.
+    /// Removes this many samples from the start; missing samples count.
     pub fn skip(&mut self, samples: u64) {
         self.facts = None;
         match &mut self.series {
@@ -105,7 +105,7 @@ impl Column {
                 });
                 self.gaps.drain(..before.count());
                 let skipped = codes.len().min((samples - missing) as usize);
-                // one that the cut goes through leaves its codes behind it
+                // a gap that the cut goes through leaves the codes behind it
                 let skipped = self.gaps.first().map_or(skipped, |gap| skipped.min(gap.at));
                 codes.drain(..skipped);
                 self.gaps.iter_mut().for_each(|gap| gap.at -= skipped);

@@ -1,6 +1,5 @@
-//! Logs of ArduPilot in DataFlash form (`.bin`): FMT messages that name the fields of other messages, and these
-//! messages. The letters of the types are in
-//! <https://ardupilot.org/dev/docs/code-overview-adding-a-new-log-message.html>.
+//! Logs of ArduPilot in DataFlash form (`.bin`). FMT messages name the fields of the other messages. The letters of
+//! the types are in <https://ardupilot.org/dev/docs/code-overview-adding-a-new-log-message.html>.
 
 use super::clock::Times;
 use super::open::{ARDUPILOT, Log};
@@ -17,18 +16,18 @@ use std::io::{self, BufReader, Read};
 use std::path::Path;
 use zerorate_input::{Input, InputError, Quantity, TimeUnit, Unit};
 
-/// The form of FMT, which describes itself first.
+/// The type number of an FMT message.
 const FMT: u8 = 128;
 /// Bytes of a message before its fields.
 const HEAD: usize = 3;
 /// Bytes of the fields of FMT.
 const FMT_BODY: usize = 86;
-/// Bytes that a read asks the system for.
+/// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
-/// Messages between two looks at how much room is left.
+/// Number of messages between two checks of the memory limit.
 const PIECE: u64 = 1024;
 
-/// Reads fields of one kind of message, of one instance of the sensor.
+/// Reads fields of one type of message, and of one instance of the sensor.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let Log { path, input, room, .. } = log;
     let mut topics = Topics::default();
@@ -73,7 +72,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     Ok(RawColumns::new(columns, Some(time), LogWarning::torn(lost)))
 }
 
-/// The quantity of a field: rad/s and m/s² in all versions.
+/// The quantity of a field. Its unit is rad/s or m/s² in all versions of ArduPilot.
 fn stated(field: &str) -> Option<(Quantity, f64)> {
     let unit = match field {
         "GyrX" | "GyrY" | "GyrZ" => Unit::RadPerS,
@@ -94,7 +93,7 @@ struct Messages<'a> {
     path: &'a Path,
     file: BufReader<Input>,
     forms: BTreeMap<u8, Form>,
-    /// Skipped bytes, and the number of their places.
+    /// Number of skipped bytes, and number of places with such bytes.
     skipped: u64,
     places: u64,
 }
@@ -136,7 +135,7 @@ impl<'a> Messages<'a> {
         Ok(())
     }
 
-    /// Whether the file has as many bytes as are to be filled.
+    /// Fills the buffer; false if the file has too few bytes.
     fn fill(&mut self, bytes: &mut [u8]) -> Result<bool, InputError> {
         match self.file.read_exact(bytes) {
             Ok(()) => Ok(true),
@@ -145,7 +144,7 @@ impl<'a> Messages<'a> {
         }
     }
 
-    /// The input, from its start.
+    /// A copy of the input, rewound to its start.
     fn rewound(&self) -> Result<Input, InputError> {
         let failed = |error| InputError::io("read", self.path, error);
         let mut input = self.file.get_ref().try_clone().map_err(failed)?;
@@ -154,11 +153,11 @@ impl<'a> Messages<'a> {
     }
 }
 
-/// The form of a message.
+/// The layout of a message.
 #[derive(Clone, Debug)]
 struct Form {
     name: String,
-    /// Bytes of its fields.
+    /// Length of all fields in bytes.
     length: usize,
     fields: Vec<Field>,
 }
@@ -166,13 +165,13 @@ struct Form {
 #[derive(Clone, Debug, PartialEq)]
 struct Field {
     name: String,
-    /// The letter of its type.
+    /// The letter of the field's type.
     kind: u8,
     at: usize,
 }
 
 impl Form {
-    /// From the fields of FMT: number, length, name, letters, labels. None where they do not fit together.
+    /// Parses the fields of FMT: number, length, name, letters, labels. `None` if they contradict each other.
     fn parse(body: &[u8]) -> Option<(u8, Self)> {
         let text = |range: std::ops::Range<usize>| {
             let bytes = body.get(range)?;
@@ -206,7 +205,7 @@ impl Form {
     }
 }
 
-/// Bytes of a type.
+/// Size of a type in bytes.
 fn size(kind: u8) -> Option<usize> {
     Some(match kind {
         b'b' | b'B' | b'M' => 1,
@@ -220,7 +219,7 @@ fn size(kind: u8) -> Option<usize> {
 }
 
 impl Field {
-    /// Its number; none for text. The letters c, C, e and E stand for hundredths.
+    /// The value of the field; `None` for text. The letters c, C, e and E stand for hundredths.
     fn number(&self, body: &[u8]) -> Option<f64> {
         let rest = body.get(self.at..)?;
         let integer = |bytes: usize, signed: bool| {
@@ -249,7 +248,7 @@ impl Field {
     }
 }
 
-/// The kinds of messages with an IMU, by topic: the name, and the number of the sensor in brackets.
+/// The messages with an IMU by topic: the name of the type and, in brackets, the number of the sensor.
 #[derive(Default)]
 struct Topics(BTreeMap<String, Topic>);
 
@@ -259,7 +258,7 @@ struct Topic {
     instance: Option<u8>,
     form: Form,
     messages: u64,
-    /// Times of the first and the last, ns.
+    /// Times of the first and the last message, ns.
     span_ns: [i64; 2],
 }
 

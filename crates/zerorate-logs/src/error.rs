@@ -4,19 +4,19 @@ use crate::setting::{Names, Setting};
 use std::path::Path;
 use zerorate_input::InputError;
 
-/// Why a column cannot be had.
+/// The reason why a column cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum LogError {
     /// The file cannot be read, or is damaged.
     #[error(transparent)]
     File(#[from] InputError),
-    /// It does not say enough, or has nothing of what was asked for.
+    /// The file does not say enough, or does not have the requested columns.
     #[error("{0}")]
     Ask(String),
-    /// It has several of what was asked for: the question, and a table with a head to choose from.
+    /// The file has several candidates: the question, and a table with a header to choose from.
     #[error("{0}\n{table}", table = .1.join("\n"))]
     Choose(String, Vec<String>),
-    /// The numbers are there, but must not become a result: a code for scripts, and why.
+    /// The numbers are readable, but must not become a result: a code for scripts, and the reason.
     #[error("{1}")]
     Refused(&'static str, String),
 }
@@ -33,7 +33,7 @@ pub fn unsteady(path: &Path, column: &str, why: &str) -> LogError {
     LogError::Refused("times-uneven", format!("{}, column {column}: {why}", path.display()))
 }
 
-/// The error where the rate is missing. It names the columns that may hold the time.
+/// The error for a missing rate. It names the columns that may hold the time.
 pub fn no_rate(path: &Path, columns: &[&str], names: Names) -> LogError {
     let [rate, time, unit] = [Setting::Rate, Setting::TimeColumn, Setting::TimeUnit].map(|setting| names.of(setting));
     let is_like_time = |name: &str| {
@@ -47,7 +47,7 @@ pub fn no_rate(path: &Path, columns: &[&str], names: Names) -> LogError {
     LogError::Ask(format!("{} does not say how fast it was sampled: {remedy}", path.display()))
 }
 
-/// More samples are missing than can be written out.
+/// The error for more missing samples than can be filled in.
 pub fn too_many(path: &Path, missing: u64, names: Names) -> LogError {
     let remedy = format!("cut the log at its longest gap, or give {} and no time column", names.of(Setting::Rate));
     LogError::Refused(

@@ -1,4 +1,4 @@
-//! From the columns of a file to columns with a unit, a rate and gaps.
+//! Gives the columns of a file their unit, rate and gaps.
 
 use crate::clock::TimeBase;
 use crate::column::Column;
@@ -15,7 +15,7 @@ use zerorate_allan::Gap;
 use zerorate_input::{Quantity, TimeUnit};
 
 impl Clock {
-    /// The unit of the times, and what they tell.
+    /// The unit of the times, and the rate and gaps that they tell; `None` without a time column.
     pub fn time_base(&self, path: &Path, args: &ColumnOptions) -> Result<Option<(TimeUnit, TimeBase)>> {
         let Self::Column(name, times) = self else { return Ok(None) };
         if let (Some(asked), Some(stated)) = (args.time_unit, times.unit)
@@ -40,7 +40,7 @@ impl Clock {
 }
 
 impl RawColumns {
-    /// Puts the rows in the order of their times, and says what of those is not as it should be.
+    /// Puts the rows in the order of their times, and warns about times that were irregular.
     pub fn repair_times(&mut self, path: &Path, args: &ColumnOptions) -> Result<()> {
         mixed_rows::check(self, path, args.names)?;
         let Clock::Column(name, times) = &mut self.clock else { return Ok(()) };
@@ -64,8 +64,8 @@ impl RawColumns {
         no_rate.map_or(Ok(columns), Err)
     }
 
-    /// The columns, and the question for the rate where nothing tells it. Their rate is then 1 Hz, so that the caller
-    /// can find out what else it has to ask.
+    /// The columns, and the question for the rate if the log does not tell it. The rate is then 1 Hz, so that the
+    /// caller can find out what else it has to ask.
     pub fn finish_without_rate(
         mut self,
         path: &Path,
@@ -96,7 +96,7 @@ impl RawColumns {
         let rate_hz = told.unwrap_or(1.0);
         let mut of_file = warnings;
         let finish = |mut column: RawColumn| {
-            // what is of the file is said once, with its first column
+            // warnings about the file are given once, with its first column
             column.warnings.splice(..0, of_file.drain(..));
             column.finish(path, rate_hz, &lost, args)
         };
@@ -120,7 +120,7 @@ impl RawColumn {
         let declared = match args.scale {
             None => given.or(stated),
             Some(scale) => {
-                // what a capture states of its codes is a scale, and no unit
+                // a capture states a scale of its codes, and not a unit
                 let of_file = stated.map(|(quantity, per_step)| match &series {
                     Series::Codes(_) if step == 1.0 => (quantity, 1.0),
                     _ => (quantity, per_step / step),

@@ -8,7 +8,7 @@ use super::*;
 use std::path::Path;
 use std::path::PathBuf;
 
-/// Holds a column against what was written.
+/// Compares a column with the samples that were written.
 #[track_caller]
 fn is_z(column: &Column, name: &str) {
     let expected: Vec<Option<f64>> = (0..20).map(|n| (n != 12).then_some(0.25 * f64::from(n))).collect();
@@ -16,7 +16,7 @@ fn is_z(column: &Column, name: &str) {
     assert!((column.rate_hz - 200.0).abs() < 1e-9, "{}", column.rate_hz);
 }
 
-/// Cut anywhere, nothing panics.
+/// Asserts that a file that is cut anywhere never makes the reader panic.
 fn cut(bytes: &[u8], options: &str) {
     let folder = Folder::new();
     (0..bytes.len()).step_by(97).for_each(|at| drop(folder.read(&bytes[..at], options)));
@@ -255,7 +255,7 @@ fn packed_by_bzip2_and_lz4() {
     assert!(folder.fails(&bzip2[..20], "--rate 1").contains("as Bzip2: it cannot be unpacked"));
 }
 
-/// EuRoC's recordings as they are, their columns asked for as their header has them.
+/// EuRoC's recordings as they are. Columns are requested by their names in the header.
 #[test]
 fn names_as_they_stand_in_a_comment() {
     let text = "#timestamp [ns],w_RS_S_x [rad s^-1],a_RS_S_x [m s^-2]\n1403636579758555392,-0.0991,0.1473\n\

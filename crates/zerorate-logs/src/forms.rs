@@ -89,7 +89,7 @@ impl Form {
 /// The kind of a file in words, recognised by its start; `path` names it in messages.
 ///
 /// # Errors
-/// The file cannot be read, or is not a log in any supported format.
+/// Returns an error if the file cannot be read, or is not a log in any supported format.
 pub fn kind(path: &Path, input: Input) -> Result<String, InputError> {
     let log = open::looked_at(path, input)?;
     match open::packing(&log.start) {

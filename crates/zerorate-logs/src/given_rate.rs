@@ -5,25 +5,25 @@ use crate::setting::Names;
 use crate::warning::LogWarning;
 use std::path::Path;
 
-/// A relative difference between a rate that was given and the rate of the stamps that is said: a clock and a sensor
-/// differ by less.
+/// Relative difference between a given rate and the rate of the stamps from which a warning is given. A clock and a
+/// sensor differ by less.
 const RATE_OFF: f64 = 0.02;
 
-/// The same where rows share stamps, which tell the rate less well.
+/// The same limit where rows share stamps, which tell the rate less precisely.
 const COARSE_RATE_OFF: f64 = 0.1;
 
-/// Steps of a coarse clock that tell its rate.
+/// Least number of steps of a coarse clock that tell its rate.
 const FEWEST_STEPS: usize = 20;
 
-/// The warning about a rate that the stamps contradict, which tell another as well as this.
+/// The warning about a given rate that differs from the rate of the stamps by more than the fraction `within`.
 pub fn doubt(path: &Path, given_hz: f64, (stamps_hz, within): (f64, f64)) -> Option<LogWarning> {
     let path = path.display().to_string();
     let differs = (given_hz / stamps_hz - 1.0).abs() > within;
     differs.then_some(LogWarning::RateContradicts { path, given_hz, stamps_hz })
 }
 
-/// The rate of the stamps, Hz, and how far off it may be: that of all, if they were read, or else that of the first
-/// rows, in the only column whose type or name states a unit of time.
+/// The rate of the stamps in Hz, and its relative tolerance. It is that of all stamps if they were read, or else of
+/// the first rows in the only column whose type or name states a unit of time.
 pub fn of_stamps(all_hz: Option<f64>, sample: &[Sampled]) -> Option<(f64, f64)> {
     if let Some(rate_hz) = all_hz {
         return Some((rate_hz, RATE_OFF));

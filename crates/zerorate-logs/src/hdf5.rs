@@ -1,7 +1,7 @@
 //! HDF5, which MATLAB writes as `-v7.3`.
 //!
-//! Data sets of numbers have their path as a name: `imu/gyro`, or in MATLAB `imu.gyro`. Numbers in data sets of
-//! compounds, as PyTables writes tables, are called `table.gz`. Other data sets are ignored.
+//! A data set of numbers is named by its path: `imu/gyro`, or in MATLAB `imu.gyro`. A field of a compound data set, as
+//! PyTables writes tables, is named `table.gz`. Other data sets are ignored.
 
 use super::clock::Times;
 use super::number::Number;
@@ -25,28 +25,28 @@ use zerorate_input::catch_panic::catch_panic;
 use zerorate_input::limits::MemoryBudget;
 use zerorate_input::{Input, InputError, InputWarning};
 
-/// The number of h5py's own way to pack, as the HDF Group lists them.
+/// The number of h5py's own compression filter in the list of the HDF Group.
 const LZF: u16 = 32000;
 
-/// Columns of a data set at most: with more it is rather an image.
+/// Largest number of columns of a data set; one with more is probably an image.
 const MAX_COLUMNS: u64 = 4096;
 
 /// Greatest depth of nested groups.
 const MAX_DEPTH: usize = 8;
 
-/// Data sets that are looked at.
+/// Largest number of data sets that are examined.
 const MAX_SETS: usize = 10_000;
 
-/// Rows that are read at once.
+/// Number of rows that are read at once.
 const ROWS: usize = 1 << 16;
 
-/// Unpacked chunks that are kept for the other columns in them, in bytes.
+/// Largest size of unpacked chunks that are kept for the other columns in them, in bytes.
 const CACHE: usize = 64 << 20;
 
-/// The largest object header, in which attributes stand.
+/// Largest size of an object header, which holds attributes, in bytes.
 const MAX_HEADER: usize = 1 << 22;
 
-/// Reads columns of its data sets.
+/// Reads columns of the data sets of an HDF5 file.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let Log { path, input, room, .. } = log;
     let behind = end(&input).map(|end| InputWarning::behind_end(path, &input, end)).transpose()?.flatten();
@@ -109,7 +109,7 @@ fn filters(most: usize) -> FilterRegistry {
     filters
 }
 
-/// The text of an error. For an unknown packing it says what to do.
+/// The text of an error. For an unknown compression it says what to do.
 fn said(error: &Error) -> String {
     match error {
         Error::UnsupportedFilter(_) => {
@@ -147,11 +147,11 @@ fn starts_as_matlab(input: &Input) -> bool {
     input.bytes_at(0, 6).is_ok_and(|start| &start[..] == b"MATLAB")
 }
 
-/// Bytes of MATLAB's head, before the form itself.
+/// Size of MATLAB's own header before the HDF5 content, in bytes.
 const MATLAB_HEAD: u64 = 512;
 
-/// The end of the file as its first block states it, counted from the start of the file. None where addresses are not
-/// of eight bytes.
+/// The end of the file that its superblock states, counted from the start of the file. `None` if addresses do not have
+/// eight bytes.
 fn end(input: &Input) -> Option<u64> {
     let start = if starts_as_matlab(input) { MATLAB_HEAD } else { 0 };
     let block = input.bytes_at(start, 52).ok()?;
@@ -185,7 +185,7 @@ impl Storage for Bytes {
 
 impl Bytes {
     fn bytes(&self, offset: u64, len: usize) -> Result<Vec<u8>, Error> {
-        // a file that states more than it has is no reason for memory
+        // do not allocate memory for bytes that the file does not have
         if offset.checked_add(len as u64).is_none_or(|end| end > self.length) {
             return Err(Error::InvalidData(format!("{len} bytes at {offset} are not there: it was cut short")));
         }
@@ -214,7 +214,7 @@ fn collect(group: &Group, name: &str, cut: char, depth: usize, sets: &mut Vec<Se
     }
     for group in groups {
         let own = group.name().rsplit('/').next().unwrap_or_default().to_owned();
-        // what MATLAB keeps for itself
+        // MATLAB's internal data
         if !own.starts_with('#') {
             collect(&group, &below(&own), cut, depth, sets)?;
         }
@@ -222,7 +222,7 @@ fn collect(group: &Group, name: &str, cut: char, depth: usize, sets: &mut Vec<Se
     Ok(())
 }
 
-/// MATLAB writes texts and the sizes of what is empty as numbers, and says so.
+/// Whether a data set holds numbers. MATLAB writes texts and sizes of empty arrays as numbers, and marks them as such.
 fn is_of_numbers(set: &Dataset) -> bool {
     let class = set.attribute("MATLAB_class").and_then(|class| class.read_string());
     let is_text = class.is_ok_and(|class| class.trim_end_matches('\0') == "char");
@@ -234,14 +234,15 @@ struct SetColumn<'a> {
     name: String,
     set: &'a Dataset,
     rows: u64,
-    /// The column of a data set of two dimensions, and whether the rows of the log are its first dimension.
+    /// In a two-dimensional data set, the index of the column, and whether the first dimension counts the log's rows.
     at: Option<(u64, bool)>,
     /// The field of a compound.
     field: Option<&'a CompoundField>,
 }
 
 impl Set {
-    /// A vector is one column, whichever way it lies; of a matrix, what is longer are the samples.
+    /// The columns of a data set. A vector is one column, whichever way it lies. A matrix has samples along its longer
+    /// side.
     fn columns(&self) -> Vec<SetColumn<'_>> {
         let Self { name, set } = self;
         let of = |name: String, rows: u64, at: Option<(u64, bool)>| SetColumn { name, set, rows, at, field: None };
@@ -289,7 +290,7 @@ impl SetColumn<'_> {
     }
 }
 
-/// Bytes of a number of this type, if it is one.
+/// Size of this type in bytes, if it is a number.
 fn size(of: &Datatype) -> Option<usize> {
     match of {
         Datatype::FixedPoint { size: size @ (1 | 2 | 4 | 8), .. } => Some((*size).into()),
@@ -298,7 +299,7 @@ fn size(of: &Datatype) -> Option<usize> {
     }
 }
 
-/// The number with which these bytes begin.
+/// Decodes the number at the start of these bytes.
 fn number(bytes: &[u8], of: &Datatype) -> Option<Number> {
     let bytes = bytes.get(..size(of)?)?;
     let mut wide = [0; 8];

@@ -1,6 +1,5 @@
-//! Checks that stand in the index of a chunked data set, where the index is an array (HDF5 1.10 and later,
-//! `libver="latest"`). The library reads past them: a changed bit there leaves out a filter, and the values come out
-//! wrong.
+//! Verifies the checksums in the index of a chunked data set, where the index is an array (HDF5 1.10 and later,
+//! `libver="latest"`). The library skips them: a changed bit there leaves out a filter, and the values come out wrong.
 //!
 //! The HDF Group, HDF5 File Format Specification 3.0, VII.D (fixed array) and VII.E (extensible array). The
 //! blocks of data of an extensible array are not checked.
@@ -8,17 +7,17 @@
 use hdf5_reader::checksum::jenkins_lookup3;
 use hdf5_reader::error::Error;
 
-/// Bytes of a check.
+/// Size of a checksum in bytes.
 const CHECK: usize = 4;
 
-/// Bytes of the head of a fixed array, where offsets and lengths have eight.
+/// Size of the header of a fixed array in bytes, where offsets and lengths have eight bytes.
 const FIXED_HEAD: usize = 28;
 
-/// Bytes of its data block before the entries or, of one with pages, before the map of those that are there.
+/// Bytes of a fixed array's data block before its entries or, if it has pages, before the bitmap of its pages.
 const BLOCK_HEAD: usize = 14;
 
-/// Holds what was read against the check in it, if it is the head of such an index or a block that ends with a check;
-/// `read` gives bytes at another place.
+/// Verifies the checksum of `bytes`, if they are the header of such an index or a block that ends with a checksum.
+/// `read` gives bytes at another offset.
 pub fn check(bytes: &[u8], read: impl Fn(u64, usize) -> Result<Vec<u8>, Error>) -> Result<(), Error> {
     match bytes.first_chunk() {
         Some(b"FAHD") if bytes.len() == FIXED_HEAD => {
@@ -30,11 +29,11 @@ pub fn check(bytes: &[u8], read: impl Fn(u64, usize) -> Result<Vec<u8>, Error>) 
     }
 }
 
-/// The data block of a fixed array.
+/// Verifies the data block of a fixed array.
 fn check_block(head: &[u8], read: impl Fn(u64, usize) -> Result<Vec<u8>, Error>) -> Result<(), Error> {
     let number = |at: usize| head[at..].first_chunk().map_or(u64::MAX, |bytes| u64::from_le_bytes(*bytes));
     let (size, page_bits, entries, block) = (u64::from(head[6]), u32::from(head[7]), number(8), number(16));
-    // no chunk was written yet, or places are counted from elsewhere, as behind a head of the user
+    // no chunk was written yet, or offsets count from elsewhere, as behind a user block
     if block == u64::MAX || read(block, 4)? != b"FADB" {
         return Ok(());
     }
@@ -59,7 +58,7 @@ fn check_block(head: &[u8], read: impl Fn(u64, usize) -> Result<Vec<u8>, Error>)
     Ok(())
 }
 
-/// Whether a block is as it was written.
+/// Verifies the checksum at the end of a block.
 fn whole(block: &[u8]) -> Result<(), Error> {
     let Some((block, check)) = block.split_last_chunk::<CHECK>() else { return Ok(()) };
     let (expected, actual) = (u32::from_le_bytes(*check), jenkins_lookup3(block));

@@ -32,13 +32,13 @@ const QUANTITIES: [(&str, usize); 6] = [
     ("linear_acceleration.z", 27),
 ];
 
-/// Numbers after the header.
+/// Number of values after the header.
 const NUMBERS: usize = 37;
 
-/// The first bytes of Zstandard: a bag may pack each message.
+/// The first bytes of Zstandard data. A bag may compress each message.
 const ZSTD: [u8; 4] = [0x28, 0xB5, 0x2F, 0xFD];
 
-/// The longest message: a frame name and 37 numbers, with much to spare.
+/// Size of the longest message in bytes: a frame name and 37 numbers, with much to spare.
 #[cfg(feature = "zstd")]
 const MAX_MESSAGE: usize = 1 << 16;
 
@@ -47,7 +47,7 @@ const MAX_MESSAGE: usize = 1 << 16;
 pub struct Source {
     /// The topic of the messages.
     pub topic: String,
-    /// Their field, where the topic is of another type.
+    /// The field with the IMU, where the messages are of another type.
     place: Option<Place>,
 }
 
@@ -76,16 +76,16 @@ pub fn sources(topic: &str, kind: &str, definition: &str) -> Sources {
 /// The wanted quantities of an IMU.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantities {
-    /// The IMU's name.
+    /// The name of the IMU.
     name: String,
-    /// Where it is.
+    /// The topic of the IMU, and its place in the messages.
     pub source: Source,
-    /// Names, and where they stand in a message.
+    /// The quantities by name, with their places in a message.
     all: Vec<(&'static str, usize)>,
 }
 
 impl Quantities {
-    /// Chooses the quantities that are wanted, all of one topic. Where it is open which, `survey` says what there is.
+    /// Chooses the wanted quantities of one topic. If the topic is open, `survey` finds the topics to choose from.
     pub fn choose(
         path: &Path,
         topics: &Sources,
@@ -120,7 +120,7 @@ impl Quantities {
         Ok(Self { name, source, all: chosen.into_iter().flat_map(|one| one.all).collect() })
     }
 
-    /// Finds a quantity, with or without its topic; x, y and z mean angular_velocity.
+    /// Finds a quantity, with or without its topic. The names x, y and z mean angular_velocity.
     fn choose_one(topics: &Sources, only: Option<&str>, wanted: Option<&str>) -> Option<Self> {
         let wanted = wanted?;
         let of_topic = topics
@@ -133,9 +133,9 @@ impl Quantities {
     }
 }
 
-/// A bag without an IMU; `others` are the types of its topics, by name.
+/// The error for a bag without an IMU; `others` are the types of its topics, by name.
 pub fn without_imu(path: &Path, others: &BTreeMap<String, String>) -> LogError {
-    /// Topics that are named: a bag may have thousands.
+    /// Largest number of topics that are named: a bag may have thousands.
     const NAMED: usize = 20;
     let named = others.iter().take(NAMED).map(|(topic, kind)| format!("{topic} ({kind})").escape_debug().to_string());
     let mut named: Vec<String> = named.collect();
@@ -149,7 +149,7 @@ pub fn without_imu(path: &Path, others: &BTreeMap<String, String>) -> LogError {
     InputError::not_a_log(path, format!("it is a bag without a topic of type sensor_msgs/msg/Imu; {has}")).into()
 }
 
-/// A quantity that messages do not have, or that was not named.
+/// The error for a quantity that messages do not have, or that was not named.
 fn unknown(path: &Path, topic: &str, wanted: Option<&str>, names: Names) -> LogError {
     if wanted == Some(crate::choice::TEMPERATURE_COLUMN) {
         return LogError::Ask(format!(
@@ -168,12 +168,12 @@ fn unknown(path: &Path, topic: &str, wanted: Option<&str>, names: Names) -> LogE
 }
 
 impl Survey {
-    /// A topic that is there, with messages or without.
+    /// Adds a topic, with messages or without.
     pub fn topic(&mut self, name: &str, kind: &str) {
         self.0.entry(name.to_owned()).or_insert_with(|| Topic { kind: kind.to_owned(), ..Topic::default() });
     }
 
-    /// A message with an IMU; one that makes no sense is counted.
+    /// Counts a message with an IMU, even if it cannot be decoded.
     pub fn message(
         &mut self,
         (name, source): (&str, &Source),
@@ -199,12 +199,12 @@ pub struct Collector<'a> {
     values: Vec<SeriesBuilder>,
     messages: u64,
     times: Times,
-    /// A rate was given, which the stamps are only compared with.
+    /// Whether a rate was given. The stamps are then only compared with it.
     has_rate: bool,
 }
 
 impl<'a> Collector<'a> {
-    /// No message yet.
+    /// Creates a collector without messages.
     pub fn new(path: &'a Path, wanted: Quantities, room: MemoryBudget, args: &ColumnOptions) -> Self {
         let values = wanted.all.iter().map(|_| SeriesBuilder::sharing(room, wanted.all.len())).collect();
         Self { path, wanted, values, messages: 0, times: Times::new(), has_rate: args.rate.is_some() }
@@ -235,8 +235,8 @@ impl<'a> Collector<'a> {
         Ok(())
     }
 
-    /// All messages were read; `of_end` says what is wrong with the end of the file, and `stated` how many messages
-    /// there are by its own account.
+    /// The columns, after all messages were read. `of_end` is the warning about the end of the file, and `stated` the
+    /// number of messages that the file states.
     pub fn finish(self, of_end: Option<InputWarning>, stated: Option<u64>) -> RawColumns {
         let Self { path, wanted, values, mut times, messages, has_rate } = self;
         let miscounted = match (&of_end, stated) {
@@ -284,7 +284,7 @@ struct Imu {
     numbers: [f64; NUMBERS],
 }
 
-/// The header of a message: when, and in which frame.
+/// The header of a message: stamp and frame.
 #[derive(Debug, PartialEq)]
 pub struct Head {
     pub stamp_ns: i64,
@@ -292,7 +292,7 @@ pub struct Head {
 }
 
 impl Head {
-    /// `None` for any other message.
+    /// Decodes the header; `None` if the message does not hold this IMU.
     fn of(encoding: Encoding, source: &Source, message: &[u8]) -> Option<Self> {
         let unpacked;
         let message = if message.starts_with(&ZSTD) {
@@ -309,7 +309,7 @@ impl Head {
     }
 }
 
-/// `std_msgs/Header header; Quaternion orientation; float64[9]; Vector3 angular_velocity; float64[9]; Vector3
+/// Decodes `std_msgs/Header header; Quaternion orientation; float64[9]; Vector3 angular_velocity; float64[9]; Vector3
 /// linear_acceleration; float64[9]`.
 fn decode(encoding: Encoding, source: &Source, message: &[u8]) -> Option<Imu> {
     let body = source.body(encoding, message)?;

@@ -1,5 +1,5 @@
-//! Files of every form joined end to end, as `cat` does it: the second part is read, or it is said how much of it is
-//! not.
+//! Files of every form joined end to end, as `cat` does it. The second part is read, or a warning says how much of it
+//! is not.
 
 use super::tests::{DATAFLASH, HDF5, HDF5_LATEST, MAT, MAT_73, MAT_PACKED, NPZ, NPZ_PACKED, ROSBAG, ROSBAG_BZ2, ULOG};
 use super::tests::{Folder, npy, tables, there};
@@ -38,7 +38,7 @@ fn with_an_end() -> Vec<(Vec<u8>, &'static str)> {
     files.into_iter().map(|(bytes, options)| (bytes.to_vec(), options)).chain(made()).collect()
 }
 
-/// The bytes behind the end of this content that are said.
+/// The number of bytes behind the end of the first file, as the warning states it.
 fn behind(content: impl AsRef<[u8]>, options: &str) -> Option<u64> {
     let column = Folder::new().read(content, options).unwrap();
     column.warnings.iter().find_map(|warning| match warning {
@@ -81,7 +81,8 @@ fn what_follows_the_end_of_a_form_is_said_with_its_length() {
     }
 }
 
-/// Their index stands at the end and counts from the start of the last file: it would read the pages of the first.
+/// The index of these files is at the end. It counts from the start of the last file, and would read the first's
+/// pages.
 #[test]
 fn where_the_first_file_would_be_lost_the_place_of_the_second_is_named() {
     let parquet =
@@ -96,7 +97,7 @@ fn where_the_first_file_would_be_lost_the_place_of_the_second_is_named() {
     }
 }
 
-/// Forms that are read on behind a joint: rows that come twice are there, or their times are refused.
+/// Forms whose reader continues behind a joint: repeated rows are there, or their times are refused.
 #[test]
 fn what_can_be_read_on_is_not_lost() {
     let twice = Folder::new().fails([DATAFLASH, DATAFLASH].concat(), "--column IMU[0].GyrZ");

@@ -1,11 +1,11 @@
-//! Columns of numbers out of any gyroscope's log, with their rate, their gaps and their units: all that are wanted in
-//! one pass over the file.
+//! Reads columns of numbers from any gyroscope's log, with their rate, gaps and units: all wanted columns in one pass
+//! over the file.
 //!
-//! Nothing is guessed: what a file does not state must be given as an option, or is said to be unknown. Each form is
-//! recognised by its content, not by its name, and nothing here opens a file ([`Input`]).
+//! Nothing is guessed: facts that a file does not state must be given as options, or are reported as unknown. A format
+//! is recognised by its content, not by its name, and nothing here opens a file ([`Input`]).
 //!
-//! Text, raw numbers, Arrow, PX4's logs and captures are always read. A feature adds each other form, and a file of a
-//! form that is not built in says so ([`NotBuiltIn`](zerorate_input::NotBuiltIn)).
+//! Text, raw numbers, Arrow, PX4's logs and captures are always read. Cargo features add the other formats. The error
+//! for a format that is not built in names its feature ([`NotBuiltIn`](zerorate_input::NotBuiltIn)).
 
 mod arrow_file;
 #[cfg(all(test, feature = "full"))]

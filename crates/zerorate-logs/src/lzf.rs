@@ -1,7 +1,7 @@
-//! LZF, by which h5py packs a data set (`compression="lzf"`): the format of Marc Lehmann's LibLZF. It has no head and
-//! no check.
+//! LZF, by which h5py packs a data set (`compression="lzf"`): the format of Marc Lehmann's LibLZF. It has neither a
+//! header nor a checksum.
 
-/// Unpacks a chunk. None of what makes no sense, or has more than `most` bytes.
+/// Unpacks a chunk. `None` if the chunk is invalid, or has more than `most` bytes.
 pub fn unpacked(mut packed: &[u8], most: usize) -> Option<Vec<u8>> {
     let mut bytes: Vec<u8> = Vec::new();
     while let Some((&control, rest)) = packed.split_first() {
@@ -15,7 +15,7 @@ pub fn unpacked(mut packed: &[u8], most: usize) -> Option<Vec<u8>> {
             let more = if length == 7 { usize::from(taken(&mut packed)?) } else { 0 };
             let back = (high << 8) + usize::from(taken(&mut packed)?) + 1;
             let from = bytes.len().checked_sub(back)?;
-            // what is repeated may reach into itself
+            // a repeated range may overlap the copy
             (from..from + length + more + 2).for_each(|at| bytes.push(bytes[at]));
         }
         if bytes.len() > most {

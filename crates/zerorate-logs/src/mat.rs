@@ -1,8 +1,8 @@
 //! MATLAB files of version 5 to 7.2 (MathWorks, MAT-File Format, R2023b): matrices of real numbers, by the name of the
 //! variable, and in structures of one element by `variable.field`. Other variables are ignored.
 //!
-//! Packed data carries a check (Adler-32), other data carries none. A matrix of numbers that contradicts itself is an
-//! error: if it were left out, nobody would miss its columns.
+//! Compressed data carries a checksum (Adler-32), other data carries none. A matrix of numbers that contradicts itself
+//! is an error: if it were left out, nobody would miss its columns.
 
 use super::clock::Times;
 use super::open::{Log, MATLAB};
@@ -18,16 +18,16 @@ use std::path::Path;
 use zerorate_input::limits::MemoryBudget;
 use zerorate_input::{InputError, InputWarning};
 
-/// Bytes that a read asks the system for.
+/// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
 
-/// Text, and what tells the order of bytes.
+/// Size of the file header in bytes: text, and the mark of the byte order.
 const HEAD: usize = 128;
 
-/// Type and length of an element.
+/// Size of an element's tag in bytes: type and length.
 const TAG: usize = 8;
 
-/// Columns of a matrix at most: with more it is rather an image.
+/// Largest number of columns of a matrix; one with more is probably an image.
 const MAX_COLUMNS: usize = 4096;
 
 /// Greatest depth of nested structures.
@@ -41,7 +41,7 @@ const UINT64: u32 = 13;
 const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
 
-/// Reads columns of its matrices.
+/// Reads columns of the matrices of a MATLAB file.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let Log { path, input, room, .. } = log;
     let mut file = BufReader::with_capacity(BUFFER, input);
@@ -60,7 +60,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     Ok(RawColumns::new(found, time.transpose()?, of_end.map(LogWarning::from)))
 }
 
-/// The variables of a file, unpacked, up to where it is torn or another file follows, which is said.
+/// The unpacked variables of a file, and the warning if it is torn or another file follows.
 fn variables(
     path: &Path,
     file: &mut BufReader<zerorate_input::Input>,
@@ -101,7 +101,7 @@ fn damaged(path: &Path, before: usize, what: &str) -> InputError {
     InputError::damaged(path, format!("variable {} of a MATLAB file", before + 1), what)
 }
 
-/// The order of bytes, which the head tells.
+/// Whether numbers are big endian, as the header of the file states.
 fn is_big_endian(path: &Path, file: &mut BufReader<zerorate_input::Input>) -> Result<bool, InputError> {
     let mut head = [0; HEAD];
     let damaged = |what: &str| InputError::damaged(path, "as a MATLAB file", what);
@@ -116,14 +116,14 @@ fn is_big_endian(path: &Path, file: &mut BufReader<zerorate_input::Input>) -> Re
 /// An element as it stands in the file.
 struct Packed {
     kind: u32,
-    /// The number of bytes of data that it states.
+    /// Number of data bytes that the element states.
     length: usize,
-    /// The bytes that are there.
+    /// The data bytes that the file has.
     data: Vec<u8>,
 }
 
 impl Packed {
-    /// None at the end of the file. One whose tag is cut off has no data.
+    /// Reads the next element; `None` at the end of the file. An element whose tag is cut off has no data.
     fn next(
         path: &Path,
         file: &mut BufReader<zerorate_input::Input>,
@@ -146,7 +146,7 @@ impl Packed {
 
 fn unpacked(packed: &[u8], room: MemoryBudget) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
-    // what is too much is found by its length
+    // one byte over the limit shows that there is too much
     let read = ZlibDecoder::new(packed).take(room.bytes().saturating_add(1)).read_to_end(&mut bytes);
     read.map(|_| bytes).map_err(|error| format!("it cannot be unpacked ({error}): take another copy of the file"))
 }
@@ -159,7 +159,7 @@ fn number(bytes: &[u8], big_endian: bool) -> u32 {
     }
 }
 
-/// The parts of a matrix: type and bytes.
+/// Iterates over the parts of a matrix: type and bytes.
 struct Parts<'a> {
     bytes: &'a [u8],
     big_endian: bool,
@@ -191,14 +191,14 @@ impl<'a> Parts<'a> {
     }
 }
 
-/// A variable: its bytes.
+/// The bytes of a variable.
 struct Element {
     data: Vec<u8>,
     big_endian: bool,
 }
 
 impl Element {
-    /// Adds its columns, of what has any.
+    /// Adds the columns of the variable, if it has any.
     fn columns<'a>(&'a self, found: &mut Vec<Variable<'a>>) -> Result<(), String> {
         collect(Parts { bytes: &self.data, big_endian: self.big_endian }, "", MAX_DEPTH, found)
     }
@@ -221,8 +221,8 @@ const STRUCTURE: u8 = 2;
 const NUMBERS: std::ops::RangeInclusive<u8> = 6..=15;
 const COMPLEX: u8 = 0x08;
 
-/// Finds the columns of a matrix, whose name is `name` if it has none itself. What is neither a structure of one
-/// element nor a matrix of real numbers has none.
+/// Finds the columns of a matrix. `name` is its name if it has none itself. Only structures of one element and
+/// matrices of real numbers have columns.
 fn collect<'a>(mut parts: Parts<'a>, name: &str, depth: usize, found: &mut Vec<Variable<'a>>) -> Result<(), String> {
     let big_endian = parts.big_endian;
     let Some(depth) = depth.checked_sub(1) else { return Ok(()) };
@@ -275,7 +275,7 @@ fn collect_fields<'a>(
     Ok(())
 }
 
-/// A vector is one column, whichever way it lies; of a matrix, what is longer are the samples.
+/// Splits a matrix into columns. A vector is one column, whichever way it lies. Samples run along the longer side.
 fn split<'a>(
     name: &str,
     kind: u32,
@@ -285,7 +285,7 @@ fn split<'a>(
     found: &mut Vec<Variable<'a>>,
 ) {
     let (count, len) = (rows.min(columns), rows.max(columns));
-    // a single number is none of the log's columns
+    // a single number is not a column of the log
     if len < 2 || count > MAX_COLUMNS {
         return;
     }

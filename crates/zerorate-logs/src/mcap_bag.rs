@@ -51,8 +51,8 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     Ok(collector.finish(cut.or(behind), stated))
 }
 
-/// The IMUs, and the types of the other topics. A channel stands anywhere before its first message, so the file is
-/// read for them.
+/// The IMUs, and the types of the other topics. A channel may stand anywhere before its first message, so the whole
+/// file is read.
 fn topics(path: &Path, file: &mut Input, room: MemoryBudget) -> Result<(Sources, BTreeMap<String, String>)> {
     let (mut imus, mut others, mut seen) = (Sources::new(), BTreeMap::new(), BTreeSet::new());
     let mut first = true;
@@ -80,7 +80,7 @@ fn topics(path: &Path, file: &mut Input, room: MemoryBudget) -> Result<(Sources,
     Ok((imus, others))
 }
 
-/// The IMUs, as far as the file is whole.
+/// The IMUs in the undamaged part of the file.
 fn survey(file: &mut Input, room: MemoryBudget, imus: &Sources) -> Survey {
     let mut survey = Survey::default();
     if file.rewind().is_err() {

@@ -1,4 +1,4 @@
-//! The bytes of a message of ROS that has a `sensor_msgs/Imu`.
+//! The bytes of a ROS message that contains a `sensor_msgs/Imu`.
 
 /// The encoding of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,12 +20,12 @@ impl Encoding {
     }
 }
 
-/// Whether a message type is the one.
+/// Whether a message type is `sensor_msgs/Imu`.
 pub fn is_imu(type_name: &str) -> bool {
     matches!(type_name, "sensor_msgs/msg/Imu" | "sensor_msgs/Imu")
 }
 
-/// The bytes after the mark of the encoding.
+/// The body of a message: the bytes after the mark of the encoding.
 pub struct Body<'a> {
     bytes: &'a [u8],
     encoding: Encoding,
@@ -35,7 +35,7 @@ pub struct Body<'a> {
 }
 
 impl<'a> Body<'a> {
-    /// None where the mark is none.
+    /// `None` if the mark of the encoding is invalid.
     pub fn of(encoding: Encoding, message: &'a [u8]) -> Option<Self> {
         let (big_endian, bytes) = match encoding {
             Encoding::Ros1 => (false, message),
@@ -47,7 +47,7 @@ impl<'a> Body<'a> {
         Some(Self { bytes, encoding, big_endian, start: 0 })
     }
 
-    /// The same, for an IMU that begins at this byte. A header of ROS 1 begins with a number of its own.
+    /// The body for an IMU that begins at this byte. A header of ROS 1 begins with a sequence number.
     pub fn at(self, start: usize) -> Option<Self> {
         let start = match self.encoding {
             Encoding::Ros1 => start.checked_add(4)?,
@@ -56,12 +56,12 @@ impl<'a> Body<'a> {
         Some(Self { start, ..self })
     }
 
-    /// The first byte from `at` on where a number of this size may stand.
+    /// The first offset from `at` on where a number of `size` bytes may stand.
     pub fn aligned(&self, at: usize, size: usize) -> usize {
         if self.encoding == Encoding::Cdr { at.next_multiple_of(size) } else { at }
     }
 
-    /// Whether a byte is in the body, or its end.
+    /// Whether an offset is in the body, or at its end.
     pub fn holds(&self, at: usize) -> bool {
         at <= self.bytes.len()
     }
@@ -82,7 +82,7 @@ impl<'a> Body<'a> {
         Some(i64::from(sec) * 1_000_000_000 + i64::from(nanosec))
     }
 
-    /// The name of the frame, and where the numbers begin.
+    /// The name of the frame, and the offset of the numbers.
     pub fn frame(&self) -> Option<(&'a [u8], usize)> {
         let begin = self.start + 12;
         let end = (self.u32_at(self.start + 8)? as usize).checked_add(begin)?;

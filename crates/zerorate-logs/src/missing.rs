@@ -1,4 +1,4 @@
-//! A file of a form that is not built in says which feature adds it, and never that it is damaged.
+//! The error for a format that is not built in names the feature that adds it, and never calls the file damaged.
 
 use super::*;
 use std::path::Path;

@@ -1,9 +1,9 @@
-//! Rows of several sensors in one table, as the rows of one: a column tells them apart, by number or by name.
+//! Detects rows of several sensors in one table, where a column tells the sensors apart by number or by name.
 //!
-//! Columns of flags, counters and coarse readings also hold few values. So two things are asked of a column. Without
-//! the rows of the others, the rows of each value come in even steps: a flag is set within the rows of one sensor, and
-//! leaves holes in them. And there is evidence beside that: words, a name such as `SensorId`, times that overlap, or
-//! axes of which level or noise differ from value to value.
+//! Columns of flags, counters and coarse readings also have few values. So a column must meet two conditions. First,
+//! the rows of each value come in even steps by themselves. A flag is set within the rows of one sensor, and leaves
+//! holes in them. Second, there is other evidence: words, a name such as `SensorId`, times that overlap, or axes whose
+//! level or noise differs from value to value.
 
 use crate::clock::{Times, median};
 use crate::error::{LogError, Result};
@@ -13,40 +13,40 @@ use crate::setting::{Names, Setting};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Values of a column that tells sensors apart, at most.
+/// Largest number of values in a column that tells sensors apart.
 const MOST: usize = 16;
 
-/// Rows of a value that count, as a number and as a share of all.
+/// Least number of rows of a value that counts, and their least share of all rows.
 const FEWEST: usize = 8;
 const SHARE: f64 = 0.02;
 
 /// Share of the rows that may have other values.
 const OTHERS: f64 = 0.05;
 
-/// Steps of a value that are not even, for each time that its rows are interrupted. A flag has one for each.
+/// Uneven steps of a value for each time that its rows are interrupted. A flag has one for each interruption.
 const UNEVEN: f64 = 0.25;
 
-/// Share of the rows that are before the row above from which the times of several sensors overlap.
+/// Share of the rows with a time before that of the row above, from which the times of several sensors overlap.
 const OVERLAP: f64 = 0.05;
 
-/// Rows of a value from which their level and their noise are compared.
+/// Number of rows of a value from which its level and its noise are compared.
 const COMPARED: usize = 50;
 
-/// Levels of two sensors differ by more than this, in standard deviations of a sample.
+/// Least difference between the levels of two sensors, in standard deviations of a sample.
 const LEVELS: f64 = 0.5;
 
-/// The noise of two sensors differs by more than this factor.
+/// Least ratio between the noise of two sensors.
 const NOISES: f64 = 1.4;
 
-/// The same differences, in standard deviations of what chance makes of so many samples.
+/// Least significance of these differences, in standard deviations that chance causes in so many samples.
 const SURE: f64 = 6.0;
 
-/// Standard deviations of a median, and relative ones of [`PER_MEDIAN`] times the median of what samples are off it,
-/// of one normal sample. Both fall as the root of the number of samples.
+/// Standard deviation of a median, and relative standard deviation of [`PER_MEDIAN`] times the median absolute
+/// deviation, for one normal sample. Both fall as the root of the number of samples.
 const OF_MEDIAN: f64 = 1.253;
 const OF_NOISE: f64 = 1.167;
 
-/// A standard deviation of white noise in medians of what samples are off their median.
+/// Standard deviation of white noise over its median absolute deviation.
 const PER_MEDIAN: f64 = 1.4826;
 
 /// Words in the names of columns that tell sensors apart.
@@ -56,7 +56,7 @@ const IDS: [&str; 31] = [
     "chip", "port", "probe", "slot", "i",
 ];
 
-/// Words in the names of columns that do not.
+/// Words in the names of columns that do not tell sensors apart.
 const NO_IDS: [&str; 18] = [
     "seq",
     "sequence",
@@ -78,10 +78,10 @@ const NO_IDS: [&str; 18] = [
     "temperature",
 ];
 
-/// Refuses rows of several sensors as the rows of one.
+/// Refuses a table that mixes the rows of several sensors.
 ///
 /// # Errors
-/// The column that tells the sensors apart, and how many rows share a stamp.
+/// Returns a question that names the column that tells the sensors apart, and how many rows share a stamp.
 pub fn check(found: &RawColumns, path: &Path, names: Names) -> Result<()> {
     let sample = first_rows(&found.sample, &found.columns);
     let stated = sample.iter().find(|column| column.stated_time().is_some()).and_then(Sampled::times);
@@ -108,12 +108,12 @@ pub fn check(found: &RawColumns, path: &Path, names: Names) -> Result<()> {
 /// A column that tells the sensors of a table apart.
 struct Mixed {
     column: String,
-    /// In the order of the file.
+    /// The values of the column, in the order of the file.
     values: Vec<String>,
 }
 
 /// The column that tells sensors apart in the first rows of a table, of which these `columns` are read. `times` are
-/// those of the rows, where they are known.
+/// the times of the rows, where they are known.
 fn find(sample: &[Sampled], columns: &BTreeSet<&str>, times: Option<&[f64]>) -> Option<Mixed> {
     let rows = sample.iter().map(|column| column.cells.len()).min()?;
     let numbers: Vec<f64> = (0..rows).map(|row| row as f64).collect();
@@ -134,7 +134,7 @@ fn find(sample: &[Sampled], columns: &BTreeSet<&str>, times: Option<&[f64]>) -> 
     Some(Mixed { column: column.name.clone(), values: labels.values.iter().map(|cell| worded(cell)).collect() })
 }
 
-/// A value in words.
+/// A value as text.
 fn worded(cell: &Cell) -> String {
     match cell {
         Cell::Number(number) => number.to_string(),
@@ -162,14 +162,14 @@ fn words(name: &str) -> Vec<String> {
 
 /// A column of few values.
 struct Labels<'a> {
-    /// Those that count, in the order of the file.
+    /// The values that count, in the order of the file.
     values: Vec<&'a Cell>,
-    /// The value of each row, by its number; none: one that does not count.
+    /// The index of each row's value; `None` if the value does not count.
     rows: Vec<Option<usize>>,
 }
 
 impl<'a> Labels<'a> {
-    /// None where the column has too many values, or only one.
+    /// `None` if the column has too many values, or only one.
     fn of(cells: &'a [Cell]) -> Option<Self> {
         let (mut all, mut rows): (Vec<(&Cell, usize)>, Vec<usize>) = (Vec::new(), Vec::new());
         for cell in cells {

@@ -1,12 +1,12 @@
-//! Where a `sensor_msgs/Imu` stands inside a message of another type, by the definition of that type in the bag.
+//! Finds a `sensor_msgs/Imu` inside a message of another type, by the definition of that type in the bag.
 //!
-//! A definition is the text of the message's own file, and behind `===` and `MSG: name` the texts of those that it
-//! uses.
+//! A definition is the text of the message's own file. The texts of the types that it uses follow, each behind `===`
+//! and `MSG: name`.
 
 use super::message::{Body, is_imu};
 use std::collections::BTreeMap;
 
-/// Messages in messages, fields, and IMUs of one message, up to which a definition is followed.
+/// Limits up to which a definition is followed: depth of nested messages, fields, and IMUs of one message.
 const DEPTH: usize = 16;
 const FIELDS: usize = 10_000;
 const IMUS: usize = 64;
@@ -14,27 +14,27 @@ const IMUS: usize = 64;
 /// An IMU inside a message of another type.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// The names of the fields that lead to it: `state.imu`.
+    /// The names of the fields that lead to the IMU: `state.imu`.
     pub path: String,
     before: Vec<Field>,
 }
 
-/// A field before the IMU, by what sets its length.
+/// A field before the IMU, classified by what sets its length.
 #[derive(Clone, Debug, PartialEq)]
 enum Field {
-    /// Numbers of a size in bytes.
+    /// `count` numbers of `size` bytes each.
     Numbers {
         size: usize,
         count: usize,
     },
     Text,
-    /// A known number of elements, each of these fields.
+    /// A known number of elements, each with these fields.
     Array(usize, Vec<Field>),
-    /// Elements behind their number.
+    /// Elements with these fields, behind the number of elements.
     Sequence(Vec<Field>),
 }
 
-/// The IMUs that a definition shows; none of what makes no sense. An IMU in an array is not one of them.
+/// The IMUs that a definition shows; none if the definition is invalid. An IMU in an array does not count.
 pub fn places(kind: &str, definition: &str) -> Vec<Place> {
     let mut definitions = Definitions { by_name: BTreeMap::new(), fields: 0 };
     for (at, part) in definition.split("\n===").enumerate() {
@@ -56,7 +56,7 @@ fn short(name: &str) -> String {
 
 struct Definitions<'a> {
     by_name: BTreeMap<String, &'a str>,
-    /// Fields that were read.
+    /// Number of fields that were read.
     fields: usize,
 }
 
@@ -102,7 +102,7 @@ impl Definitions<'_> {
         Some(())
     }
 
-    /// The full name of a type: `Header` is of `std_msgs`, and others of the package that names them.
+    /// The full name of a type. `Header` belongs to `std_msgs`, and other types to the package that names them.
     fn resolve(&self, name: &str, package: &str) -> Option<String> {
         let name = short(name);
         let candidates = [name.clone(), format!("{package}/{name}"), format!("std_msgs/{name}")];
@@ -110,7 +110,7 @@ impl Definitions<'_> {
     }
 }
 
-/// Type and name of a field; none of constants, comments and empty lines.
+/// Type and name of a field; `None` for constants, comments and empty lines.
 fn declaration(line: &str) -> Option<(&str, &str)> {
     let line = line.split('#').next()?.trim();
     let (kind, rest) = line.split_once(char::is_whitespace)?;
@@ -136,7 +136,7 @@ impl Many {
     }
 }
 
-/// `float64[9]`, `float64[]` and `float64[<=9]`.
+/// Splits an array type into element and count: `float64[9]`, `float64[]` and `float64[<=9]`.
 fn split_array(kind: &str) -> Option<(&str, Many)> {
     let Some((element, count)) = kind.strip_suffix(']').and_then(|kind| kind.rsplit_once('[')) else {
         return Some((kind, Many::One));
@@ -148,7 +148,7 @@ fn split_array(kind: &str) -> Option<(&str, Many)> {
     }
 }
 
-/// A type of the language itself.
+/// A built-in type of the message language.
 fn plain(kind: &str) -> Option<Field> {
     let size = match kind {
         "bool" | "byte" | "char" | "int8" | "uint8" => 1,
@@ -164,13 +164,13 @@ fn plain(kind: &str) -> Option<Field> {
 }
 
 impl Place {
-    /// The byte of the body at which the IMU begins.
+    /// The offset in the body at which the IMU begins.
     pub fn start(&self, body: &Body<'_>) -> Option<usize> {
         skip(&self.before, body, 0)
     }
 }
 
-/// The first byte behind these fields.
+/// The offset behind these fields.
 fn skip(fields: &[Field], body: &Body<'_>, mut at: usize) -> Option<usize> {
     for field in fields {
         at = match field {

@@ -1,5 +1,5 @@
-//! Columns of NumPy arrays: one dimension, a column of two, or a field of a structured array; of one array, or of
-//! several that lie together.
+//! Columns of NumPy arrays: one dimension, a column of two dimensions, or a field of a structured array. The columns
+//! are of one array, or of several arrays of an archive.
 
 mod header;
 
@@ -17,7 +17,7 @@ use std::path::Path;
 use zerorate_input::limits::MemoryBudget;
 use zerorate_input::{Input, InputError, InputWarning, TimeUnit};
 
-/// Bytes that a read asks the system for.
+/// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
 
 /// Reads columns of an array.
@@ -36,13 +36,13 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
 pub struct Array {
     fields: Vec<Field>,
     rows: u64,
-    /// Offset of its data, and of what follows them.
+    /// Offset of the data in the file, and offset behind the data.
     start: u64,
     end: u64,
 }
 
 impl Array {
-    /// Reads its header. `length` is the number of bytes of the file, and `name` the array's name in its archive.
+    /// Reads the header of an array. `length` is the file's size in bytes, and `name` the array's name in its archive.
     pub fn new(path: &Path, file: &mut impl Read, length: u64, name: &str) -> Result<Self, InputError> {
         let place = if name.is_empty() { "as an NPY file".to_owned() } else { format!("array {name}") };
         let (header, start) = header(file).map_err(|what| InputError::damaged(path, place, what))?;
@@ -59,15 +59,15 @@ impl Array {
         Ok(Self { fields, rows, start, end })
     }
 
-    /// The number of its columns.
+    /// The number of columns.
     #[cfg(feature = "npz")]
     pub fn columns(&self) -> usize {
         self.fields.len()
     }
 }
 
-/// Reads columns of arrays. `open` gives the file of an array, by its number; it is called once for each, and told
-/// whether a column of it is wanted.
+/// Reads columns of arrays. `open` gives the file of an array, by its number. It is called once for each array, with
+/// whether a column of the array is wanted.
 pub fn read_arrays(
     path: &Path,
     room: MemoryBudget,
@@ -110,7 +110,7 @@ pub fn read_arrays(
     Ok(RawColumns::new(columns, time, left_out))
 }
 
-/// The row among the rows at hand, and the error.
+/// An error: the row among the rows at hand, and the text.
 type Wrong = (usize, String);
 
 fn push_values(values: &mut SeriesBuilder, cells: &Cells<'_>, field: &Field) -> Result<(), Wrong> {
@@ -145,7 +145,7 @@ fn push_times(times: &mut Times, cells: &Cells<'_>, field: &Field) -> Result<(),
     Ok(())
 }
 
-/// Reads the header behind its length. The data starts behind.
+/// Reads the header behind its length. Returns it with the offset of the data.
 fn header(file: &mut impl Read) -> Result<(Header, u64), String> {
     let mut bytes = [0; START];
     file.read_exact(&mut bytes).map_err(|error| error.to_string())?;
@@ -165,16 +165,16 @@ fn header(file: &mut impl Read) -> Result<(Header, u64), String> {
     Ok((header, (START + of_length + text.len()) as u64))
 }
 
-/// The mark and the version.
+/// Size of the mark and the version in bytes.
 const START: usize = 8;
 
-/// Bytes of a header at most. NumPy itself reads 10 000 unless told otherwise.
+/// Largest size of a header in bytes. NumPy itself reads 10 000 unless told otherwise.
 const MAX_HEADER: u32 = 1 << 14;
 
-/// Depth of its brackets at most: a dictionary, with a list of fields, each in brackets, with its shape in brackets.
+/// Largest depth of brackets: a dictionary, with a list of fields, each in brackets, with its shape in brackets.
 const MAX_DEPTH: usize = 6;
 
-/// The depth of nested brackets; none where a backslash leaves open what is a string.
+/// The depth of nested brackets; `None` if a backslash leaves open where a string ends.
 fn depth(header: &[u8]) -> Option<usize> {
     let (mut now, mut most, mut quote) = (0usize, 0, None);
     for byte in header {
@@ -194,11 +194,11 @@ fn depth(header: &[u8]) -> Option<usize> {
 /// A column of an array.
 struct Field {
     name: String,
-    /// None if it holds no numbers of a kind that is read.
+    /// The type of the numbers; `None` if the type is not supported.
     kind: Option<Kind>,
     big_endian: bool,
     size: usize,
-    /// Offset of the first number, from the start of the data, and from each to the next.
+    /// Offset of the first number from the start of the data, and distance between numbers, in bytes.
     offset: u64,
     stride: u64,
     time_unit: Option<TimeUnit>,
@@ -213,7 +213,7 @@ impl Field {
         Self { name, kind, big_endian, size, offset, stride, time_unit }
     }
 
-    /// The same, of an array with a name: a column of two dimensions by the name and its number.
+    /// Names a column of a named array: in two dimensions, by the array's name and the column's number.
     fn of(self, array: &str, shape: &[u64]) -> Self {
         let name = match (shape, self.name.parse::<u64>()) {
             ([_], Ok(0)) => array.to_owned(),
@@ -222,12 +222,12 @@ impl Field {
         Self { name, ..self }
     }
 
-    /// Whether it holds f64 in the order of bytes of nearly all machines.
+    /// Whether the column holds f64 in the byte order of nearly all machines.
     fn is_plain(&self) -> bool {
         self.kind == Some(Kind::Float) && self.size == 8 && !self.big_endian
     }
 
-    /// The number in these bytes.
+    /// Decodes the number in these bytes.
     fn decode(&self, bytes: &[u8]) -> Cell {
         // little endian, extended to eight bytes
         let mut wide = [0; 8];
@@ -280,10 +280,10 @@ fn fields(path: &Path, header: &Header) -> Result<Vec<Field>, InputError> {
     }
 }
 
-/// Columns of an array of two dimensions at most: with more it is rather an image, or the array lies on its side.
+/// Largest number of columns of a two-dimensional array. One with more is probably an image, or lies on its side.
 const MAX_COLUMNS: u64 = 4096;
 
-/// The number of bytes of data, which must be there.
+/// The size of the data in bytes; all of it must be there.
 fn check_length(path: &Path, header: &Header, there: u64) -> Result<u64, InputError> {
     let size = header.element.size.unwrap_or_default();
     let expected = header.shape.iter().try_fold(size, |product, n| product.checked_mul(*n));
@@ -302,7 +302,7 @@ enum Cell {
 
 /// Cells of a column in some rows, one behind the other.
 struct Cells<'a> {
-    /// From the first on.
+    /// The bytes from the first cell on.
     bytes: &'a [u8],
     stride: usize,
     size: usize,
@@ -325,7 +325,7 @@ impl Cells<'_> {
     }
 }
 
-/// Calls `take` with some cells of these columns after the other: in one pass, where a row stands in one place.
+/// Calls `take` with blocks of cells. All columns take one pass if the cells of a row are next to each other.
 fn each(
     path: &Path,
     file: &mut BufReader<Input>,
@@ -341,12 +341,12 @@ fn each(
     if span(fields) <= fields.first().map_or(0, |field| field.stride) {
         return array.each_block(fields, take);
     }
-    // one column behind the other
+    // one column after the other
     let mut columns = fields.iter().enumerate();
     columns.try_for_each(|(column, field)| array.each_block(&[*field], |_, cells| take(column, cells)))
 }
 
-/// Bytes from the start of the first of these columns to the end of the last, in a row.
+/// Bytes of a row from the start of the first of these columns to the end of the last.
 fn span(fields: &[&Field]) -> u64 {
     let end = fields.iter().map(|field| field.offset.saturating_add(field.size as u64)).max().unwrap_or_default();
     end - fields.iter().map(|field| field.offset).min().unwrap_or_default()

@@ -1,5 +1,5 @@
-//! Several NumPy arrays in a zip archive (`.npz`): each member carries a check (CRC-32), and the index at the end
-//! repeats what stands before each member.
+//! Several NumPy arrays in a zip archive (`.npz`). Each member carries a checksum (CRC-32), and the index at the end
+//! repeats the header of each member.
 
 use super::npy::{self, Array};
 use super::open::{Log, Unpacking};
@@ -14,13 +14,13 @@ use zerorate_input::{Input, InputError};
 use zip::ZipArchive;
 use zip::result::{ZipError, ZipResult};
 
-/// Bytes that a read asks the system for.
+/// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
 
-/// Columns of all arrays together at most.
+/// Largest number of columns of all arrays together.
 const MAX_COLUMNS: usize = 1 << 16;
 
-/// Reads columns of the arrays of an archive, each by the name of its array.
+/// Reads columns of the arrays of an archive, named after their arrays.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let Log { path, input, room, .. } = log;
     let again = input.try_clone().map_err(|error| InputError::io("read", path, error))?;
@@ -43,7 +43,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
             let unpacked = again.unpacked(|out| archive.unpack(name, out));
             return unpacked.map(Some).map_err(|why| why.in_file(path, &place(name)));
         }
-        // one that was damaged might have been a column
+        // a damaged array might have been a column
         archive.unpack(name, &mut io::sink()).map(|()| None).map_err(|why| why.in_file(path, &place(name)))
     })
 }
@@ -85,12 +85,12 @@ struct Archive<'a> {
     path: &'a Path,
     archive: ZipArchive<BufReader<Input>>,
     room: MemoryBudget,
-    /// Bytes that were unpacked so far.
+    /// Number of bytes that were unpacked so far.
     bytes: u64,
 }
 
 impl Archive<'_> {
-    /// Reads the header of an array and no more.
+    /// Reads only the header of an array.
     fn header(&mut self, name: &str) -> Result<Array, InputError> {
         let Self { path, archive, .. } = self;
         let senseless = || InputError::damaged(path, place(name), "its content makes no sense");
@@ -103,7 +103,7 @@ impl Archive<'_> {
         read.ok_or_else(senseless)?
     }
 
-    /// Unpacks an array, and holds it against its check.
+    /// Unpacks an array, and verifies its checksum.
     fn unpack(&mut self, name: &str, out: &mut dyn io::Write) -> Result<(), Unpacking> {
         let Self { archive, room, bytes, .. } = self;
         let copied = catch_panic(|| {

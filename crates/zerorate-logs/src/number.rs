@@ -15,7 +15,7 @@ pub enum Decimal {
 /// The content of a cell of text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Number {
-    /// Nothing, or a word for nothing.
+    /// An empty cell, or a word for a missing value.
     Missing,
     /// An integer.
     Integer(i64),
@@ -24,7 +24,7 @@ pub enum Number {
 }
 
 impl Number {
-    /// Whether there is one.
+    /// Whether the cell holds a number.
     pub fn is_there(self) -> bool {
         self != Self::Missing
     }
@@ -34,17 +34,17 @@ impl Number {
 #[derive(Clone, Debug)]
 pub struct Numerals {
     decimal: Option<Decimal>,
-    /// A line and a cell in it that may have either mark, as long as no other cell tells.
+    /// The line and the text of a cell that fits both marks, as long as no other cell decides.
     doubtful: Option<(u64, String)>,
 }
 
 impl Numerals {
-    /// A text with this decimal mark, if it is known.
+    /// Reads a text with this decimal mark; `None` if the mark is not known.
     pub fn new(decimal: Option<Decimal>) -> Self {
         Self { decimal, doubtful: None }
     }
 
-    /// The mark, as far as it is known by now.
+    /// The decimal mark, if it is known by now.
     pub fn decimal(&self) -> Option<Decimal> {
         self.decimal
     }
@@ -74,7 +74,7 @@ impl Numerals {
         Ok(Number::Decimal(number))
     }
 
-    /// Takes in what other lines have told, `lines` behind the start; false if they tell the other mark.
+    /// Adds the evidence of other lines, which begin `lines` lines behind the start; false if they show another mark.
     pub fn join(&mut self, other: Self, lines: u64) -> bool {
         if self.doubtful.is_none() {
             self.doubtful = other.doubtful.map(|(line, cell)| (line + lines, cell));
@@ -84,7 +84,7 @@ impl Numerals {
         !differ
     }
 
-    /// A cell that could be read in two ways, with what to do about it; `option` is what the decimal mark is called.
+    /// The line of an ambiguous cell, and what to do about it; `option` is the setting of the decimal mark.
     pub fn doubt(&self, option: SettingName) -> Option<(u64, String)> {
         let (line, cell) = self.doubtful.as_ref().filter(|_| self.decimal.is_none())?;
         let (decimal, thousand) = (cell.replace(',', "."), cell.replace(',', ""));
@@ -140,9 +140,9 @@ const TENS: [f64; 23] = [
 /// Digits that always fit a u64.
 const DIGITS: usize = 18;
 
-/// A number of a sign, digits and a point at most, which is what nearly all are. An integer over a power of ten, both
-/// exact, is rounded once, as the slow way rounds it (W. D. Clinger, How to read floating point numbers accurately,
-/// PLDI 1990).
+/// Reads a number of only a sign, digits and a point, as nearly all are. An integer over a power of ten, both exact,
+/// is rounded once, with the same result as the slow way (W. D. Clinger, How to read floating point numbers
+/// accurately, PLDI 1990).
 fn plain(cell: &[u8]) -> Option<Number> {
     let (negative, digits) = match cell {
         [b'-', rest @ ..] => (true, rest),
@@ -191,7 +191,7 @@ fn of_fortran(cell: &str) -> Option<f64> {
     is_one.then(|| cell.replacen(['d', 'D'], "e", 1).parse().ok())?
 }
 
-/// 1,234 could be; 0,123 and 1,5 and 1,234e5 could not.
+/// Whether a comma may separate thousands. It may in 1,234, but not in 0,123, 1,5 or 1,234e5.
 fn could_be_thousands(cell: &str) -> bool {
     let is_digits = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
     cell.trim_start_matches(['+', '-']).split_once(',').is_some_and(|(before, after)| {

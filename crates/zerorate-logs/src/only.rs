@@ -1,4 +1,4 @@
-//! The rows of a table that are read.
+//! The choice of the rows of a table.
 
 use crate::error::LogError;
 use std::path::Path;
@@ -14,7 +14,7 @@ pub struct Only {
 }
 
 impl Only {
-    /// No row has the value.
+    /// The error for a value that no row has.
     pub(crate) fn without_rows(&self, path: &Path) -> LogError {
         LogError::Ask(format!("{}: column `{}` is `{}` in no row", path.display(), self.column, self.value))
     }

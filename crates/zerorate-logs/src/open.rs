@@ -6,24 +6,24 @@ use zerorate_input::catch_panic::catch_panic;
 use zerorate_input::limits::{MemoryBudget, OverBudget};
 use zerorate_input::{Input, InputError, NotBuiltIn};
 
-/// Bytes of the longest mark at a file's start.
+/// Length of the longest mark at a file's start, in bytes.
 const MARK: u64 = 16;
 
-/// Bytes that a read asks the system for.
+/// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
 
 /// An opened log.
 pub struct Log<'a> {
-    /// Its name, for messages.
+    /// The name of the log, for messages.
     pub path: &'a Path,
-    /// Its content, from the start.
+    /// The content of the log, from the start.
     pub input: Input,
-    /// The limit of memory for reading it.
+    /// The memory limit for reading the log.
     pub room: MemoryBudget,
     pub start: Vec<u8>,
 }
 
-/// Looks at how a log begins, and unpacks it if it is packed.
+/// Opens a log, and unpacks it if it is compressed.
 pub fn open(path: &Path, input: Input) -> Result<Log<'_>, InputError> {
     let failed = |error| InputError::io("read", path, error);
     if input.is_directory().map_err(failed)? {
@@ -45,7 +45,7 @@ pub fn open(path: &Path, input: Input) -> Result<Log<'_>, InputError> {
     }
 }
 
-/// Looks at how a file begins.
+/// Opens a file and reads its first bytes.
 pub fn looked_at(path: &Path, input: Input) -> Result<Log<'_>, InputError> {
     let (input, start) = marked(input).map_err(|error| InputError::io("read", path, error))?;
     Ok(Log { path, input, room: MemoryBudget::of(0), start })
@@ -80,7 +80,7 @@ pub const ULOG: &[u8] = b"ULog\x01\x12\x35";
 /// The start of a bag of ROS 1.
 pub const ROS_BAG: &[u8] = b"#ROSBAG V2.0\n";
 
-/// The starts of files that people have but nobody reads here, and what to do with them.
+/// The starts of common files that are not supported, and what to do with them.
 const FOREIGN: &[(&[u8], &str)] = &[
     (b"#ROSBAG V1", "it is a bag of ROS 1 in its old version 1; convert it with `rosbag fix FILE NEW.bag`"),
     (b"7z\xBC\xAF\x27\x1C", "it is a 7z archive; unpack it and name a file in it"),
@@ -101,7 +101,7 @@ const JSON: &str = "it is JSON; convert it to a table: in Python `pandas.read_js
 
 const PICKLE: &str = "it is a pickle of Python, which runs what is in it; save a table there: `to_csv`, `numpy.save`";
 
-/// The packing of a file.
+/// The compression of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Packing {
     Bzip2,
@@ -123,7 +123,7 @@ impl Packing {
         }
     }
 
-    /// The unpacker that is not built in.
+    /// The missing feature, if the unpacker is not built in.
     const fn missing(self) -> Option<NotBuiltIn> {
         match self {
             Self::Zstd if cfg!(feature = "zstd") => None,
@@ -136,7 +136,7 @@ impl Packing {
         }
     }
 
-    /// Unpacks all of it, because some forms are not read from start to end.
+    /// Unpacks the whole file, because some forms are not read from start to end.
     fn unpack(self, packed: &Input, room: MemoryBudget) -> Result<Input, Unpacking> {
         let most = if packed.is_file() { room.bytes_on_disk() } else { room.bytes() };
         packed.unpacked(|unpacked| {
@@ -159,7 +159,7 @@ impl Packing {
             Self::Lz4 => Ok(Box::new(Lz4Frames(lz4_flex::frame::FrameDecoder::new(packed)))),
             #[cfg(feature = "packed")]
             Self::Xz => Ok(Box::new(lzma_rust2::XzReader::new_mem_limit(packed, true, MAX_WINDOW_KB))),
-            // its own limit is the same
+            // the decoder's own limit is the same
             #[cfg(feature = "zstd")]
             Self::Zstd => Ok(Box::new(zstd::Decoder::with_buffer(packed)?)),
             #[cfg(not(all(feature = "packed", feature = "zstd")))]
@@ -168,7 +168,7 @@ impl Packing {
     }
 }
 
-/// All frames of a file. The decoder stops behind each.
+/// Decodes all frames of a file. The library's decoder stops behind each frame.
 #[cfg(feature = "packed")]
 struct Lz4Frames(lz4_flex::frame::FrameDecoder<BufReader<Input>>);
 
@@ -187,14 +187,14 @@ impl Read for Lz4Frames {
 
 /// Why a file could not be unpacked.
 pub enum Unpacking {
-    /// It holds more than it may.
+    /// The file holds more than the memory limit allows.
     OverBudget(OverBudget),
-    /// It is damaged.
+    /// The file is damaged.
     Failed(io::Error),
 }
 
 impl Unpacking {
-    /// The same, of the file at `path`.
+    /// Turns the failure into an error about the file at `path`.
     pub fn in_file(self, path: &Path, place: &str) -> InputError {
         match self {
             Self::OverBudget(why) => InputError::over_budget(path, why),
@@ -211,11 +211,11 @@ impl From<io::Error> for Unpacking {
     }
 }
 
-/// The largest window of a packer: 128 MiB, twice the window of `xz -9`, and the largest of `zstd` without `--ultra`.
+/// Largest window of a compressor: 128 MiB, twice the window of `xz -9`, and the largest of `zstd` without `--ultra`.
 #[cfg(feature = "packed")]
 const MAX_WINDOW_KB: u32 = 128 << 10;
 
-/// Bytes and how they start.
+/// The input, and its first bytes.
 fn marked(mut input: Input) -> io::Result<(Input, Vec<u8>)> {
     let mut start = Vec::new();
     (&mut input).take(MARK).read_to_end(&mut start)?;

@@ -12,51 +12,52 @@ use zerorate_input::{TimeUnit, Unit};
 /// The wanted numbers of a log, and facts that the log does not state itself.
 #[derive(Clone, Debug, Default)]
 pub struct ColumnOptions {
-    /// The column, by its name or its number counted from 0; none: the rate of a capture, or the only column.
+    /// The column, by its name or its number counted from 0; `None` selects the rate of a capture, or the only column.
     ///
     /// In a ROS bag x, y or z (of angular_velocity), or TOPIC.angular_velocity.z where there are several IMUs.
     pub column: Option<String>,
 
-    /// The topic of the log that columns are of; none: the only one with an IMU.
+    /// The topic of the log that has the columns; `None` selects the only topic with an IMU.
     pub topic: Option<String>,
 
     /// The column with the time of each row: it tells the rate, and where samples are missing.
     pub time_column: Option<String>,
 
-    /// The rows that are read; none: all.
+    /// The rows that are read; `None` reads all rows.
     pub only: Option<Only>,
 
-    /// The unit of the time column; none: the one that its name or type states, as in t_ns or `timestamp [ms]`.
+    /// The unit of the time column; `None` takes it from the column's name or type, as in t_ns or `timestamp [ms]`.
     pub time_unit: Option<TimeUnit>,
 
-    /// Samples per second; none: as the time column, the timestamps of a capture or the stamps of a bag tell. With it,
-    /// the stamps of a bag are not looked at.
+    /// Samples per second; `None` takes the rate from the time column, the timestamps of a capture or the stamps of a
+    /// bag. With a given rate, the stamps of a bag are only compared with it.
     pub rate: Option<f64>,
 
-    /// The unit of the column; none: the one that its name states, as in gyro_z_dps or `gz [rad/s]`.
+    /// The unit of the column; `None` takes the unit that its name states, as in gyro_z_dps or `gz [rad/s]`.
     pub unit: Option<Unit>,
 
-    /// The size of a step of 1 in the column, in its unit: the one that is given, or else the one that its name or the
-    /// log states, or else °/s. None: 1, or the scale of the part for the codes of a capture.
+    /// The size of a step of 1 in the column. Its unit is the given one, or else the one that the column's name or the
+    /// log states, or else °/s. `None` means 1, or the scale of the sensor for the codes of a capture.
     pub scale: Option<f64>,
 
-    /// Whether each value is the angle or the velocity of a sample, in place of its rate; none: not, but names and
-    /// gravity that tell of it become a question. The unit is then that of the increment in a second: rad/s for rad.
+    /// Whether each value is an angle or a velocity increment over a sample, and not a rate; `None` means no, but
+    /// evidence in names and gravity becomes a question. `unit` is then the increment's unit per second: rad/s for
+    /// rad.
     pub increments: Option<bool>,
 
-    /// Takes the unit that is given where the name of a column states another; without it that is an error.
+    /// Uses the given unit even if the name of a column states another, which is otherwise an error.
     pub force_unit: bool,
 
-    /// The decimal mark of a text file; none: a point, or a comma where nothing else is possible.
+    /// The decimal mark of a text file; `None` means a point, or a comma where nothing else is possible.
     pub decimal: Option<Decimal>,
 
-    /// The file is nothing but numbers of this type, little endian.
+    /// The type of the numbers, if the file is nothing but little-endian numbers.
     pub raw: Option<RawType>,
 
-    /// Broken lines of a text file that are skipped and counted, as a share of all; none: [`MAX_BAD`].
+    /// Share of broken lines of a text file that are skipped and counted; `None` means [`MAX_BAD`].
     pub max_bad: Option<f64>,
 
-    /// Opens tables that describe themselves, such as captures; none: they are tables like any other.
+    /// Opens tables that describe themselves, such as captures; `None` reads them like any other table.
     pub described: Option<OpenDescribed>,
 
     /// The names of these options in messages.
@@ -68,18 +69,18 @@ pub struct ColumnOptions {
 pub const MAX_BAD: f64 = 0.01;
 
 impl ColumnOptions {
-    /// A rate in one of its values.
+    /// The rate that corresponds to a value of 1: `rate_hz` for increments, and 1 for rates.
     pub fn per_second(&self, rate_hz: f64) -> f64 {
         if self.increments == Some(true) { rate_hz } else { 1.0 }
     }
 
-    /// Rows cannot be chosen in a log of another form.
+    /// The error for a choice of rows in a log that is not a table.
     pub(crate) fn only_of_tables(&self, path: &Path) -> LogError {
         let option = self.names.of(Setting::Where);
         LogError::Ask(format!("{}: {option} chooses rows of text and of tables only; leave it out", path.display()))
     }
 
-    /// That a `unit`, given by `setting`, is the one that the name of the column states, if it states one.
+    /// Checks that `unit`, given by `setting`, is the unit that the name of the column states, if it states one.
     pub fn agrees(&self, path: &Path, column: &str, unit: Unit, setting: Setting) -> Result<()> {
         let Some(stated) = Unit::of_column(column).filter(|stated| *stated != unit && !self.force_unit) else {
             return Ok(());

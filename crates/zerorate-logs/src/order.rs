@@ -1,6 +1,6 @@
-//! Puts rows in order whose times are not. A counter that wrapped around is unwrapped. Rows that were swapped are
-//! sorted, and rows that are there twice are dropped. A clock that was set back is followed. Each of these is counted
-//! and said. Where it happens too often, the log is refused, with the place.
+//! Repairs rows whose times are out of order. A counter that wrapped around is unwrapped. Rows that were swapped are
+//! sorted, and duplicate rows are dropped. A clock that was set back is followed. Each repair is counted and reported.
+//! If repairs are too frequent, the log is refused, and the error names the place.
 
 use super::clock::Times;
 use crate::raw_columns::RawColumn;
@@ -22,28 +22,28 @@ const MODULI: [f64; 12] = [
     6.048e11,
 ];
 
-/// Intervals before and behind the place where a counter wraps within which the rows around it lie.
+/// The rows around a wrap of a counter lie within this many intervals of the place where it wraps.
 const AT_WRAP: f64 = 1000.0;
 
-/// Rows by which one may be too late: what a queue of a bag reorders.
+/// Largest number of rows by which one may be late: what a queue of a bag reorders.
 const NEAR: usize = 64;
 
 /// Share of the rows that may be out of order.
 const MAX_SWAPPED: f64 = 0.05;
 
-/// Share of the rows whose stamps may be of no use: what a bad cable breaks.
+/// Share of the rows whose stamps may be useless, as a bad cable makes them.
 const MAX_STRAY: f64 = 0.01;
 
-/// Share of the whole time by which a clock may be set back: more is rather another log.
+/// Share of the whole time by which a clock may be set back; after a larger step it is probably another log.
 const MAX_STEP: f64 = 0.01;
 
 /// Share of the rows at which a clock may be set back.
 const MAX_STEPS: f64 = 0.001;
 
-/// Share of the rows with the stamp of the row before from which the clock is a coarse one.
+/// Share of the rows with the stamp of the row before from which the clock counts as coarse.
 const COARSE: f64 = 0.05;
 
-/// Puts rows in the order of their times. What was done is said; `Err` tells why nothing can be.
+/// Puts rows in the order of their times. Returns the texts about the repairs; `Err` tells why repair is impossible.
 pub fn repair_times(times: &mut Times, columns: &mut [RawColumn]) -> Result<Vec<String>, String> {
     if times.since_first().is_sorted_by(|one, next| one < next) {
         return Ok(Vec::new());
@@ -93,7 +93,7 @@ fn restamp(rows: &mut [TimedRow], interval: f64) -> Option<String> {
     Some(format!("{} rows have a wrong stamp, which is replaced (the first: row {first})", stray.len()))
 }
 
-/// Adds what a counter lost when it wrapped around: one that counts from zero, or from less than that as far up.
+/// Unwraps a counter that counts from zero, or from minus to plus half of its modulus.
 fn unwrap(rows: &mut [TimedRow], first: f64, interval: f64) -> Option<String> {
     let margin = AT_WRAP * interval;
     let (mut added, mut found) = (0.0, Vec::new());
@@ -181,7 +181,7 @@ fn late(rows: &[TimedRow], row: usize, interval: f64) -> Option<(usize, usize)> 
     has_hole.then_some((from, to))
 }
 
-/// Drops rows that are there twice, and gives the others that share a stamp times of their own.
+/// Drops duplicate rows, and gives other rows that share a stamp times of their own.
 fn separate(rows: &mut Vec<TimedRow>, columns: &[RawColumn], interval: f64) -> Result<Vec<String>, String> {
     let shared = rows.windows(2).filter(|pair| pair[0].time == pair[1].time).count();
     if shared == 0 {
@@ -246,8 +246,8 @@ fn said_of(dropped: &[usize], wrong: &[usize], is_coarse: bool) -> Vec<String> {
 }
 
 /// The interval of the samples under a clock of coarse steps: the total time of the steps of usual length over the
-/// number of rows in them. The first and the last step do not count, because they may not be whole. None without
-/// others.
+/// number of rows in them. The first and the last step do not count, because they may not be whole. `None` without
+/// other steps.
 fn fine_interval(rows: &[TimedRow]) -> Option<f64> {
     let starts: Vec<usize> =
         (0..rows.len()).filter(|at| *at == 0 || rows[*at].time > rows[at - 1].time).skip(1).collect();

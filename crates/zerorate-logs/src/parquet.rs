@@ -28,7 +28,7 @@ use zerorate_input::{Input, InputError};
 /// Rows per piece.
 const PIECE: usize = 1 << 16;
 
-/// Reads columns.
+/// Reads columns of a Parquet file.
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let Log { path, input: file, room, .. } = log;
     let metadata = guarded(path, || ArrowReaderMetadata::load(&file, ArrowReaderOptions::default()))?;
@@ -63,7 +63,7 @@ struct Groups<'a> {
     file: Mutex<Input>,
     metadata: ArrowReaderMetadata,
     columns: Vec<usize>,
-    /// Bytes of a row of all columns.
+    /// Bytes of a row of all wanted columns.
     row_bytes: u64,
     room: MemoryBudget,
     /// Rows of all groups that were decoded so far: a page of a few bytes may state any number of them.
@@ -75,13 +75,13 @@ impl Groups<'_> {
         self.metadata.metadata().num_row_groups()
     }
 
-    /// The rows that the file claims to have, within reason.
+    /// The number of rows that the file states, up to [`MAX_RESERVED`].
     fn rows(&self) -> usize {
         let stated = self.metadata.metadata().file_metadata().num_rows();
         usize::try_from(stated).unwrap_or_default().min(MAX_RESERVED)
     }
 
-    /// The first rows, of as many row groups as it takes.
+    /// The first rows, from as many row groups as needed.
     fn first_rows(&self) -> Vec<RecordBatch> {
         let mut rows = 0;
         let next = |group: usize| {
@@ -92,8 +92,8 @@ impl Groups<'_> {
         (0..self.len()).map_while(next).collect()
     }
 
-    /// The first rows of a row group in all columns with numbers or words; none where one cannot be read, which nobody
-    /// asked for.
+    /// The first rows of a row group in all columns with numbers or words; `None` if one of them cannot be read,
+    /// because nobody asked for it.
     fn first_rows_of(&self, group: usize) -> Option<RecordBatch> {
         let fits = |field: &Field| {
             let of = field.data_type();
@@ -166,10 +166,10 @@ impl Groups<'_> {
     }
 }
 
-/// Most rows to reserve at once: more than the longest record of one part, less than a machine's memory.
+/// Most rows to reserve at once: more than the longest record of one sensor, less than a machine's memory.
 const MAX_RESERVED: usize = 1 << 26;
 
-/// A piece of a file, under the offsets of the whole.
+/// A piece of a file, addressed by offsets in the whole file.
 struct Chunk {
     start: u64,
     bytes: Bytes,

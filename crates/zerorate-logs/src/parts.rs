@@ -1,4 +1,4 @@
-//! A log that lies in several files, one behind the other: a bag of ROS 2 that was split.
+//! A log in several consecutive files: a bag of ROS 2 that was split.
 
 use crate::choice::ColumnSelection;
 use crate::column::Column;
@@ -14,7 +14,7 @@ use zerorate_input::Input;
 /// The files of a log.
 #[derive(Debug, Default)]
 pub struct Parts {
-    /// Each with its name, in their order.
+    /// The files with their names, in order.
     pub files: Vec<(PathBuf, Input)>,
     /// The number of messages of each topic in all files, as the description of the bag states.
     pub messages: Vec<(String, u64)>,
@@ -26,7 +26,7 @@ impl From<Vec<(PathBuf, Input)>> for Parts {
     }
 }
 
-/// Reads the columns that are wanted of a log in several files. `path` names the log in messages.
+/// Reads the wanted columns of a log in several files. `path` names the log in messages.
 pub fn read_parts(
     path: &Path,
     parts: impl Into<Parts>,
@@ -37,7 +37,7 @@ pub fn read_parts(
     no_rate.map_or(Ok(columns), Err)
 }
 
-/// The same, with the question for the rate beside the columns where the log does not tell it.
+/// Reads columns as [`read_parts`] does. Returns the question for the rate as well, if the log does not tell it.
 pub fn read_without_rate(
     path: &Path,
     parts: impl Into<Parts>,
@@ -47,14 +47,14 @@ pub fn read_without_rate(
     found(path, parts.into(), &ColumnQuery::of(wanted, args))?.finish_without_rate(path, args)
 }
 
-/// Reads the columns that are wanted, and where the log is a capture, its temperature in the same pass.
+/// Reads the wanted columns and, if the log is a capture, its temperature in the same pass.
 pub fn read_with_temperature(
     path: &Path,
     parts: impl Into<Parts>,
     wanted: ColumnSelection<'_>,
     args: &ColumnOptions,
 ) -> Result<(Vec<Column>, Option<Column>)> {
-    // a unit and a scale are for the columns that are wanted
+    // a unit and a scale apply to the wanted columns
     let with_temperature = args.unit.is_none() && args.scale.is_none();
     let found = found(path, parts.into(), &ColumnQuery { wanted, args, with_temperature })?;
     let is_there = found.columns.last().is_some_and(|column| column.is_beside);
@@ -88,7 +88,7 @@ impl RawColumns {
         self.warnings.extend(differs.map(|(topic, stated)| LogWarning::miscounted(path, topic, *stated, found)));
     }
 
-    /// Adds what the next file of the same log holds.
+    /// Appends the rows of the next file of the same log.
     fn append(&mut self, part: &Path, next: Self) -> Result<()> {
         let names = |found: &Self| found.columns.iter().map(|column| column.name.clone()).collect::<Vec<_>>();
         let (mine, others) = (names(self), names(&next));

@@ -12,7 +12,7 @@ pub struct ColumnQuery<'a> {
 }
 
 impl<'a> ColumnQuery<'a> {
-    /// Without a temperature beside them.
+    /// Asks for these columns without a temperature beside them.
     pub fn of(wanted: ColumnSelection<'a>, args: &'a ColumnOptions) -> Self {
         Self { wanted, args, with_temperature: false }
     }

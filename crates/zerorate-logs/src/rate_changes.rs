@@ -1,26 +1,26 @@
-//! A sensor whose rate of samples changes within the log: one rate is then wrong for most of the log.
+//! Detects a sampling rate that changes within the log. A single rate is then wrong for most of the log.
 
 use super::clock::median;
 use zerorate_allan::Gap;
 use zerorate_input::TimeUnit;
 
-/// Rows of a span. Its length tells the interval within a hundredth, even where the clock counts in steps as long as
-/// the interval.
+/// Rows of a span. Its length gives the interval to one percent, even where the clock counts in steps as long as the
+/// interval.
 const SPAN: usize = 128;
 
-/// Rows of a part of the log, at the least: the middle of so many spans is not one with a gap.
+/// Least number of rows of a part of the log. The median of its spans is then not a span with a gap.
 const PART: usize = 4 * SPAN;
 
-/// Parts that are compared.
+/// Number of parts that are compared.
 const PARTS: usize = 8;
 
-/// In a gap, an interval is longer than so many of the usual intervals around.
+/// An interval of more than this many usual intervals is a gap.
 const LONG: f64 = 1.5;
 
-/// A relative difference between rates that nobody notices in a deviation, nor finds in a good clock.
+/// Relative difference between rates that is reported. A good clock changes less, and deviations hardly show less.
 const SAID: f64 = 0.02;
 
-/// The text about times of rows that come faster in one part of the log than in another. Lost samples are no change.
+/// The text of the warning if rows come faster in one part of the log than in another. Lost samples do not count.
 pub fn find(times: &[f64], gaps: &[Gap], unit: TimeUnit) -> Option<String> {
     let rows = (times.len() / PARTS).max(PART);
     let parts = times.chunks_exact(rows).enumerate();
@@ -33,7 +33,7 @@ pub fn find(times: &[f64], gaps: &[Gap], unit: TimeUnit) -> Option<String> {
     })
 }
 
-/// The usual interval between rows of a part, of which the first is row `begin` of the log.
+/// The usual interval between rows of a part; its first row is row `begin` of the log.
 fn interval(times: &[f64], begin: usize, gaps: &[Gap]) -> f64 {
     let first = gaps.partition_point(|gap| gap.at <= begin);
     let last = gaps.partition_point(|gap| gap.at < begin + times.len());

@@ -35,7 +35,7 @@ impl RawType {
         }
     }
 
-    /// Adds the numbers of a block; `Err` says which is the first that is infinite.
+    /// Adds the numbers of a block; `Err` is the index of the first infinite number.
     fn append(self, values: &mut SeriesBuilder, block: &[u8]) -> Result<(), usize> {
         match self {
             Self::I16 => values.extend_codes(numbers(block, |bytes| i16::from_le_bytes(bytes).into())),

@@ -13,12 +13,12 @@ pub struct RawColumns {
     pub columns: Vec<RawColumn>,
     pub clock: Clock,
     pub warnings: Vec<LogWarning>,
-    /// The first rows in all columns of the file, where its reader sees all; empty: those of `columns`.
+    /// The first rows of all columns of the file; empty if the reader saw only `columns`.
     pub sample: Vec<Sampled>,
 }
 
 impl RawColumns {
-    /// Columns, and the column of the times with its name, of a reader that saw no others.
+    /// Columns, and the named column of the times, from a reader that saw no other columns.
     pub fn new(
         columns: impl IntoIterator<Item = RawColumn>,
         time: Option<(String, Times)>,
@@ -30,13 +30,13 @@ impl RawColumns {
     }
 }
 
-/// One of them.
+/// A column of [`RawColumns`].
 pub struct RawColumn {
     pub name: String,
     pub values: SeriesBuilder,
-    /// Its quantity, and a step in the unit of its results, where the form defines them.
+    /// The quantity, and the size of a step in the unit of its results, where the form defines them.
     pub stated: Option<(Quantity, f64)>,
-    /// The size of a step of 1 that the log states, in its unit.
+    /// The size of a step of 1 in the unit of the log, as the log states it.
     pub step: f64,
     pub warnings: Vec<LogWarning>,
     /// Whether this is an unrequested temperature beside requested columns.
@@ -44,7 +44,7 @@ pub struct RawColumn {
 }
 
 impl RawColumn {
-    /// A column of which nothing else is known.
+    /// A column without a unit and without warnings.
     pub fn new(name: String, values: SeriesBuilder) -> Self {
         Self { name, values, stated: None, step: 1.0, warnings: Vec::new(), is_beside: false }
     }
@@ -55,9 +55,9 @@ impl RawColumn {
     }
 }
 
-/// The statements of a file about time.
+/// The information of a file about time.
 pub enum Clock {
-    /// Nothing.
+    /// The file states nothing.
     Silent,
     /// The name of a column, and the times in it.
     Column(String, Times),

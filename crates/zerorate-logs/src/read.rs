@@ -17,28 +17,28 @@ use zerorate_input::limits::MemoryBudget;
 use zerorate_input::table::{DESCRIPTION, DescribedTable, Source, describes_itself};
 use zerorate_input::{Input, InputError, Opened, open_table};
 
-/// Reads a column of a log in any form, packed or not; `path` names it in messages.
+/// Reads a column of a log in any supported form, compressed or not; `path` names the log in messages.
 ///
 /// # Errors
-/// The file cannot be read, does not say enough about the column, or its numbers must not become a result.
+/// Returns an error if the file cannot be read, says too little about the column, or holds numbers that are refused.
 pub fn read(path: &Path, input: Input, args: &ColumnOptions) -> Result<Column> {
     let columns = read_all(path, input, ColumnSelection::One(args.column.as_deref()), args)?;
     columns.into_iter().next().ok_or_else(|| LogError::Ask(format!("{} has no column", path.display())))
 }
 
-/// Reads the `wanted` columns in one pass over the file and ignores `args.column`. All have one rate. The first
-/// carries the warnings about the file as a whole.
+/// Reads the `wanted` columns in one pass over the file and ignores `args.column`. All columns have the same rate. The
+/// first column carries the warnings about the whole file.
 ///
 /// # Errors
-/// The same errors as for [`read`].
+/// Returns the same errors as [`read`].
 pub fn read_all(path: &Path, input: Input, wanted: ColumnSelection<'_>, args: &ColumnOptions) -> Result<Vec<Column>> {
     find(path, input, &ColumnQuery::of(wanted, args))?.finish(path, args)
 }
 
-/// Reads columns of a table in memory; `path` is what messages call them.
+/// Reads columns of a table in memory; `path` names the table in messages.
 ///
 /// # Errors
-/// The same errors as for a file.
+/// Returns the same errors as [`read`].
 pub fn read_table(
     path: &Path,
     table: &RecordBatch,
@@ -58,7 +58,7 @@ pub fn read_table(
     columns.finish(None)?.finish(path, args)
 }
 
-/// The table as the bytes of a file.
+/// The table as the bytes of an Arrow stream.
 fn arrow_stream(table: &RecordBatch) -> Result<Vec<u8>, ArrowError> {
     let mut writer = StreamWriter::try_new(Vec::new(), table.schema_ref())?;
     writer.write(table)?;

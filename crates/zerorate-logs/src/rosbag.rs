@@ -15,10 +15,10 @@ use zerorate_input::catch_panic::catch_panic;
 use zerorate_input::limits::{MemoryBudget, OverBudget};
 use zerorate_input::{Input, InputError, InputWarning};
 
-/// Bytes that a read asks the system for.
+/// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
 
-/// The longest head of a record: a connection names a topic and a type.
+/// Longest header of a record in bytes: a connection names a topic and a type.
 const MAX_HEAD: u32 = 1 << 16;
 
 const MESSAGE: u8 = 2;
@@ -88,7 +88,7 @@ fn topics(path: &Path, file: &mut BufReader<Input>, room: MemoryBudget) -> Resul
 /// Topics by the number of their connection, and types by the name of their topic.
 type Topics = (BTreeMap<u32, Topic>, BTreeMap<String, String>);
 
-/// The topics with an IMU, as far as the file is whole.
+/// The topics with an IMU in the undamaged part of the file.
 fn survey(records: &mut Records<'_>, topics: &BTreeMap<u32, Topic>) -> Survey {
     let mut survey = Survey::default();
     topics.values().for_each(|topic| topic.imus.keys().for_each(|name| survey.topic(name, &topic.kind)));
@@ -106,7 +106,7 @@ fn survey(records: &mut Records<'_>, topics: &BTreeMap<u32, Topic>) -> Survey {
     survey
 }
 
-/// The head of a record and what follows it.
+/// The header of a record and its data.
 struct Record {
     head: Vec<u8>,
     data: Vec<u8>,
@@ -138,7 +138,7 @@ impl Record {
     }
 }
 
-/// The value of a field among `length name=value` of any number.
+/// The value of the `wanted` field in a list of `length name=value`.
 fn field<'a>(mut fields: &'a [u8], wanted: &[u8]) -> Option<&'a [u8]> {
     loop {
         let (length, rest) = fields.split_first_chunk()?;
@@ -155,21 +155,21 @@ struct Records<'a> {
     path: &'a Path,
     file: &'a mut BufReader<Input>,
     room: MemoryBudget,
-    /// Bytes of all chunks after unpacking.
+    /// Number of bytes of all chunks after unpacking.
     bytes: u64,
 }
 
-/// Why there are no more records.
+/// The reason why there are no more records.
 enum Stop {
     Early(EarlyEnd),
     Failed(InputError),
 }
 
-/// Why the records end before the file does.
+/// The reason why the records end before the file does.
 enum EarlyEnd {
     /// The file is torn or damaged, as the text says.
     Torn(String),
-    /// Another bag follows, of so many bytes.
+    /// Another bag of so many bytes follows.
     AnotherBag(u64),
 }
 
@@ -201,7 +201,8 @@ impl From<io::Error> for Stop {
 }
 
 impl Records<'_> {
-    /// Calls `take` with each record, those in chunks as well unless they are skipped; gives why it ended early.
+    /// Calls `take` with each record, and with those in chunks unless they are skipped. Returns the reason for an
+    /// early end.
     fn each(
         &mut self,
         skip_chunks: bool,
@@ -254,14 +255,14 @@ impl Records<'_> {
         (&start[..] == ROS_BAG).then_some(Stop::Early(EarlyEnd::AnotherBag(length - here)))
     }
 
-    /// Bytes behind their length.
+    /// Reads a length, and then as many bytes.
     fn piece(&mut self, end: u64, most: Option<u32>) -> Result<Vec<u8>, Stop> {
         let mut bytes = vec![0; self.length(end, most)? as usize];
         self.file.read_exact(&mut bytes)?;
         Ok(bytes)
     }
 
-    /// The number of bytes that follow, which must be there.
+    /// Reads a length; as many bytes must follow.
     fn length(&mut self, end: u64, most: Option<u32>) -> Result<u32, Stop> {
         let mut length = [0; 4];
         self.file.read_exact(&mut length)?;

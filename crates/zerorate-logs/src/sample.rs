@@ -1,4 +1,4 @@
-//! The first rows of a table with all their columns: what columns that nobody asked for tell of the rows.
+//! The first rows of a table in all columns. Columns that nobody asked for tell about the rows, too.
 
 use crate::clock::Times;
 use arrow_array::cast::AsArray;
@@ -8,43 +8,43 @@ use arrow_schema::{DataType, Field, TimeUnit as ArrowUnit};
 use zerorate_input::cells::{floats, integers};
 use zerorate_input::{TimeUnit, Unit};
 
-/// Rows that are kept at most.
+/// Largest number of rows that are kept.
 pub const ROWS: usize = 2048;
 
 /// A cell of the first rows.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
-    /// A number that is finite.
+    /// A finite number.
     Number(f64),
-    /// Anything else.
+    /// A word.
     Word(String),
-    /// Nothing.
+    /// An empty cell, or a number that is not finite.
     Missing,
 }
 
 /// A column of the first rows.
 #[derive(Clone, Debug)]
 pub struct Sampled {
-    /// Its name, or its number.
+    /// The name of the column, or its number.
     pub name: String,
-    /// Its cells.
+    /// The cells of the column.
     pub cells: Vec<Cell>,
-    /// The unit of time that its type states.
+    /// The unit of time that the type of the column states.
     pub time_unit: Option<TimeUnit>,
 }
 
 impl Cell {
-    /// A number, or nothing where it is not finite.
+    /// A number, or a missing value if it is not finite.
     pub fn number(number: f64) -> Self {
         if number.is_finite() { Self::Number(number) } else { Self::Missing }
     }
 
-    /// The number.
+    /// The number, if the cell holds one.
     pub fn as_number(&self) -> Option<f64> {
         if let Self::Number(number) = self { Some(*number) } else { None }
     }
 
-    /// Whether it has the value that a user wrote: the same word, or the same number.
+    /// Whether the cell has the value that a user wrote: the same word, or the same number.
     pub fn is(&self, value: &str) -> bool {
         match self {
             Self::Number(number) => value.parse() == Ok(*number),
@@ -55,17 +55,17 @@ impl Cell {
 }
 
 impl Sampled {
-    /// A column without a row.
+    /// A column without rows.
     pub fn new(name: &str) -> Self {
         Self { name: name.to_owned(), cells: Vec::new(), time_unit: None }
     }
 
-    /// A column of a table without a row.
+    /// A column of a table, without rows.
     pub fn of_field(field: &Field) -> Self {
         Self { time_unit: time_unit(field.data_type()), ..Self::new(field.name()) }
     }
 
-    /// The first of these times, since the first of all.
+    /// A column of the first of these times, counted from the first row.
     #[cfg(any(feature = "mcap", feature = "ros", feature = "sqlite"))]
     pub fn of_times(name: &str, times: &Times) -> Self {
         let cells = times.since_first().iter().take(ROWS).map(|time| Cell::number(*time)).collect();
@@ -78,13 +78,13 @@ impl Sampled {
         self.cells.extend(cells(&column.slice(0, rows)));
     }
 
-    /// The unit of time that its type or its name states.
+    /// The unit of time that the type or the name of the column states.
     pub fn stated_time(&self) -> Option<TimeUnit> {
         let by_name = || TimeUnit::of_column(&self.name).filter(|_| Unit::of_column(&self.name).is_none());
         self.time_unit.or_else(by_name)
     }
 
-    /// Its cells as times; none where one is not a number.
+    /// The cells as times; `None` if one is not a number.
     pub fn times(&self) -> Option<Times> {
         let mut times = Times::new();
         for cell in &self.cells {
@@ -116,7 +116,7 @@ pub fn cells(column: &ArrayRef) -> Vec<Cell> {
     (0..column.len()).map(|row| word(row).unwrap_or(Cell::Missing)).collect()
 }
 
-/// The unit of a type that states one.
+/// The unit of time that a type states.
 pub fn time_unit(data_type: &DataType) -> Option<TimeUnit> {
     let (DataType::Timestamp(unit, _) | DataType::Duration(unit)) = data_type else {
         return None;

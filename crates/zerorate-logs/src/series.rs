@@ -1,22 +1,22 @@
-//! Numbers in a row, some of them missing.
+//! A series of numbers, some of which are missing.
 
 use zerorate_allan::Gap;
 use zerorate_allan::Input;
 use zerorate_input::limits::{MemoryBudget, OverBudget};
 
-/// Missing samples that are filled in at most: a bound on memory where a clock leaps.
+/// Largest number of missing samples that are filled in: a bound on memory if a clock leaps.
 const MAX_FILLED: u64 = 10_000_000;
 
-/// Bytes of a row: a code, its result, and the same again while both grow. A number with a time costs twice as much;
-/// where that is too much, the limit of the process stops it.
+/// Memory per row in bytes: a code, its result, and both again while they grow. A number with a time needs twice as
+/// much; if that is too much, the memory limit of the process stops it.
 pub const ROW_BYTES: u64 = 16;
 
 /// Numbers, as exact as the file has them.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Series {
-    /// Integers. Missing samples are gaps beside them.
+    /// Integer codes. Gaps beside them mark missing samples.
     Codes(Vec<i32>),
-    /// Anything else: finite, or NaN where a sample is missing.
+    /// Other numbers: finite, or NaN where a sample is missing.
     Numbers(Vec<f64>),
 }
 
@@ -29,7 +29,7 @@ impl Series {
         }
     }
 
-    /// Whether there is none.
+    /// Whether the series has no sample.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -43,36 +43,36 @@ impl Series {
     }
 }
 
-/// A series that grows. It holds integers until something else comes.
+/// A series that grows. It holds integers until another number is added.
 pub struct SeriesBuilder {
     series: Series,
-    /// Beside codes only: numbers hold NaN instead.
+    /// The gaps among codes. Other numbers hold NaN instead.
     gaps: Vec<Gap>,
     rows: u64,
     room: MemoryBudget,
-    /// The number of series that share the room.
+    /// The number of series that share the memory limit.
     sharing: u64,
 }
 
 impl SeriesBuilder {
-    /// No number yet.
+    /// Creates an empty series.
     pub fn new(room: MemoryBudget) -> Self {
         Self::sharing(room, 1)
     }
 
-    /// As `new`, for `series` series that share the memory budget.
+    /// Creates one of `series` series that share the memory limit.
     pub fn sharing(room: MemoryBudget, series: usize) -> Self {
         let sharing = series.max(1) as u64;
         Self { series: Series::Codes(Vec::new()), gaps: Vec::new(), rows: 0, room, sharing }
     }
 
-    /// Bytes of a row of all series.
+    /// Bytes of a row of all series that share the limit.
     fn row_bytes(&self) -> u64 {
         ROW_BYTES.saturating_mul(self.sharing)
     }
 
-    /// Whether there is room for `more` rows. To be asked before rows are added that the file need not hold byte for
-    /// byte.
+    /// Checks whether there is memory for `more` rows. Call it before rows are added that may take fewer bytes in the
+    /// file than in memory.
     pub fn check_room(&self, more: u64) -> Result<(), OverBudget> {
         self.room.check(self.rows.saturating_add(more).saturating_mul(self.row_bytes()))
     }
@@ -100,7 +100,7 @@ impl SeriesBuilder {
         }
     }
 
-    /// Adds a number; false, and nothing is added, if it is infinite. NaN is a missing sample.
+    /// Adds a number; NaN is a missing sample. Returns false and adds nothing if the number is infinite.
     pub fn push_number(&mut self, value: f64) -> bool {
         if value.is_infinite() {
             return false;
@@ -110,7 +110,7 @@ impl SeriesBuilder {
         true
     }
 
-    /// Adds numbers that are finite, or NaN where one is missing; `are_codes` if all that are there are codes.
+    /// Adds numbers that are finite, or NaN where one is missing; `are_codes` tells whether all of them are codes.
     pub fn extend_cells(&mut self, added: &[f64], are_codes: bool) {
         self.rows += added.len() as u64;
         if !are_codes {
@@ -143,7 +143,7 @@ impl SeriesBuilder {
         let (rows, numbers) = (added.len() as u64, self.numbers());
         let before = numbers.len();
         numbers.extend(added);
-        // a loop without an exit is a fast one
+        // a loop without an early exit is faster
         if numbers[before..].iter().fold(false, |found, number| found | number.is_infinite()) {
             let first = numbers[before..].iter().position(|number| number.is_infinite());
             numbers.truncate(before);
@@ -165,8 +165,8 @@ impl SeriesBuilder {
         }
     }
 
-    /// The series, with samples missing between its rows as well: before row `at`, empty rows counted, `missing` were
-    /// lost. `Err` is how many they are, should that be more than can be filled in.
+    /// The series, including samples missing between rows: before row `at`, counting empty rows, `missing` were lost.
+    /// `Err` is the number of missing samples, if they are too many to be filled in.
     pub fn finish(mut self, between_rows: &[Gap]) -> Result<(Series, Vec<Gap>), u64> {
         let row_bytes = self.row_bytes();
         let gaps = match &mut self.series {
@@ -185,7 +185,7 @@ impl SeriesBuilder {
         matches!(self.series, Series::Codes(_))
     }
 
-    /// A number for each row, NaN where it has none.
+    /// A number for each row, NaN for an empty row.
     pub fn rows_as_numbers(&self) -> Vec<f64> {
         match &self.series {
             Series::Numbers(numbers) => numbers.clone(),
@@ -193,7 +193,7 @@ impl SeriesBuilder {
         }
     }
 
-    /// The first rows as numbers, NaN where they have none.
+    /// The first rows as numbers, NaN for an empty row.
     pub fn first_rows(&self, most: usize) -> Vec<f64> {
         match &self.series {
             Series::Numbers(numbers) => numbers[..numbers.len().min(most)].to_vec(),
@@ -207,7 +207,7 @@ impl SeriesBuilder {
         }
     }
 
-    /// These rows in this order, and no others.
+    /// Keeps only these rows, in this order.
     pub fn reorder(&mut self, order: &[usize]) {
         let are_codes = self.are_codes();
         let all = self.rows_as_numbers();
@@ -218,12 +218,12 @@ impl SeriesBuilder {
         self.extend_cells(&rows, are_codes);
     }
 
-    /// The same, of all rows.
+    /// All rows as numbers, NaN for an empty row.
     pub fn into_rows(mut self) -> Vec<f64> {
         std::mem::take(self.numbers())
     }
 
-    /// The numbers; integers become numbers here.
+    /// The numbers of the series. Integers become floating-point numbers here.
     fn numbers(&mut self) -> &mut Vec<f64> {
         if let Series::Codes(codes) = &self.series {
             let mut numbers = spread(codes, &self.gaps);
@@ -289,8 +289,7 @@ fn inner(mut gaps: Vec<Gap>, len: usize) -> Vec<Gap> {
     gaps
 }
 
-/// Codes as numbers, with a NaN for each sample that is missing between them. `Err` is how many they are, should that
-/// be too many.
+/// Codes as numbers, with a NaN for each missing sample. `Err` is the number of missing samples, if they are too many.
 pub fn with_gaps(codes: &[i32], gaps: &[Gap]) -> Result<Vec<f64>, u64> {
     let numbers: Vec<f64> = codes.iter().map(|code| f64::from(*code)).collect();
     filled(&numbers, gaps, MemoryBudget::of(codes.len() as u64), ROW_BYTES)

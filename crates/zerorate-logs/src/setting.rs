@@ -1,4 +1,4 @@
-//! The names of the options of a column, so that a message can say which to give.
+//! The names of the options of a column, as messages name them.
 
 use std::fmt;
 use zerorate_allan::SettingName;
@@ -36,7 +36,7 @@ pub enum Setting {
 }
 
 impl Setting {
-    /// Its name as a field of [`ColumnOptions`](super::ColumnOptions).
+    /// The name of the option as a field of [`ColumnOptions`](super::ColumnOptions).
     #[must_use]
     pub const fn name(self) -> SettingName {
         SettingName::text(self.word())
@@ -75,12 +75,12 @@ impl Setting {
     }
 }
 
-/// The name of an option in a front end: its field, unless the front end says otherwise.
+/// The names of the options in a front end.
 #[derive(Clone, Copy)]
 pub struct Names(pub fn(Setting) -> SettingName);
 
 impl Names {
-    /// The name of one.
+    /// The name of an option.
     #[must_use]
     pub fn of(self, setting: Setting) -> SettingName {
         (self.0)(setting)

@@ -15,7 +15,7 @@ fn all(content: &[u8], wanted: ColumnSelection<'_>, said: &str) -> Result<Vec<Co
     read_all(Path::new("log"), content.to_vec().into(), wanted, &options(said))
 }
 
-/// Reads these columns at once and one by one, forwards and backwards.
+/// Reads these columns at once and one by one, forwards and backwards, and compares them.
 #[track_caller]
 fn same(content: &[u8], names: &[&str], said: &str) -> Vec<Column> {
     let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
@@ -107,7 +107,7 @@ fn columns_of_text() {
     assert_eq!(columns[0].gaps, [Gap { at: 1, missing: 2 }]);
     assert_eq!((&columns[1].series, columns[1].missing()), (&Series::Codes(vec![1, 2, 3, 4]), 1));
     assert_eq!(all(text.as_bytes(), ColumnSelection::All, "--time-column t_ms").unwrap().len(), 3);
-    // of a line that is cut short nothing is kept
+    // nothing of a line that is cut short is kept
     let cut = all("x,y\n1,2\n3,4\n5,".as_bytes(), ColumnSelection::All, "--rate 1").unwrap();
     assert_eq!(cut.iter().map(|column| column.series.len()).collect::<Vec<_>>(), [3, 2]);
     let cut = all("x,y\n1,2\n3,4\n5".as_bytes(), ColumnSelection::All, "--rate 1").unwrap();
@@ -174,7 +174,7 @@ fn a_column_is_chosen_once_and_by_a_name_that_exists() {
     assert!(error(&[]).contains("no column of numbers"));
 }
 
-/// More columns take more of the room that the file has.
+/// More columns take more of the memory limit of the file.
 #[test]
 fn memory_is_that_of_all_columns() {
     let one = SeriesBuilder::new(zerorate_input::limits::MemoryBudget::of(0));

@@ -52,8 +52,8 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     Ok(collector.finish(behind, None))
 }
 
-/// The end of the database as its head states it: the number of its pages. None where an old version of SQLite wrote
-/// last, which states none.
+/// The end of the database, from the number of pages in its header. `None` if an old version of SQLite wrote last,
+/// which does not state the number.
 fn end(input: &Input) -> Option<u64> {
     let head = input.bytes_at(0, 100).ok()?;
     let number = |at: usize| head[at..].first_chunk().map_or(0, |bytes| u32::from_be_bytes(*bytes));
@@ -65,10 +65,10 @@ fn end(input: &Input) -> Option<u64> {
     (changes == valid_for).then(|| u64::from(number(28)) * page).filter(|end| *end > 0)
 }
 
-/// Opens a bag as a set of tables and nothing more: its schema is somebody else's program.
+/// Opens a bag as plain tables, because its schema is a program from an untrusted source.
 fn open(log: Log<'_>, failed: impl Fn(rusqlite::Error) -> InputError) -> Result<Connection, InputError> {
     let bag = if !log.input.has_name() {
-        // a database is opened by its name, and what was unpacked has none
+        // a database is opened by its name, and an unpacked one has none
         let length = log.input.length().map_err(|error| InputError::io("read", log.path, error))?;
         log.room.check(length).map_err(|why| InputError::over_budget(log.path, why))?;
         let mut bag = Connection::open_in_memory().map_err(&failed)?;
@@ -106,7 +106,7 @@ fn topics_of(bag: &Connection) -> rusqlite::Result<Vec<Topic>> {
     topics.collect()
 }
 
-/// The text that defines a type. Bags have it since Iron.
+/// The definition of a message type, which bags contain since Iron.
 fn definition(bag: &Connection, kind: &str) -> String {
     let query = "SELECT encoded_message_definition FROM message_definitions WHERE topic_type = ?1";
     bag.query_row(query, [kind], |row| row.get(0)).unwrap_or_default()

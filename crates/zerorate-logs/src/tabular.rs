@@ -58,17 +58,17 @@ pub fn read_described(
 /// Columns being read, with their time.
 pub struct TableColumns<'a> {
     path: &'a Path,
-    /// The columns to be read: the numbers, and behind them the time.
+    /// The columns to be read: the numbers, behind them the time, and the column of `only`.
     pub columns: Vec<usize>,
     values: Vec<TableColumn>,
     time: Option<(String, Times)>,
-    /// The rows that are read, by the last of `columns`, and its name; none: all.
+    /// The choice of rows by the last of `columns`, and the name of that column; `None` reads all rows.
     only: Option<(&'a Only, String)>,
     /// The first rows of all columns of a table.
     sample: Vec<Sampled>,
 }
 
-/// One of them.
+/// A column of a table that is being read.
 struct TableColumn {
     name: String,
     values: SeriesBuilder,
@@ -130,7 +130,7 @@ impl<'a> TableColumns<'a> {
         self.values.len()
     }
 
-    /// Makes room for so many rows.
+    /// Makes room for this many rows.
     #[cfg(feature = "parquet")]
     pub fn reserve(&mut self, rows: usize, schema: &Schema) {
         for (column, index) in self.values.iter_mut().zip(&self.columns) {
@@ -159,7 +159,7 @@ impl<'a> TableColumns<'a> {
         Ok(())
     }
 
-    /// The rows that are wanted. The last column tells them.
+    /// The wanted rows, as the last column tells them.
     fn wanted_rows(&self, columns: Vec<ArrayRef>) -> Result<Vec<ArrayRef>, InputError> {
         let (Some((only, _)), Some(last)) = (&self.only, columns.last()) else { return Ok(columns) };
         let wanted: BooleanArray = sample::cells(last).iter().map(|cell| Some(cell.is(&only.value))).collect();
@@ -185,7 +185,7 @@ impl<'a> TableColumns<'a> {
         self.values.iter_mut().zip(columns).try_for_each(|(column, values)| column.append(self.path, values))
     }
 
-    /// All rows were read.
+    /// The columns, after all rows were read.
     pub fn finish(self, warning: Option<InputWarning>) -> Result<RawColumns> {
         let clock = match self.time {
             Some((name, times)) => Clock::Column(name, times),
@@ -203,7 +203,7 @@ impl<'a> TableColumns<'a> {
         })
     }
 
-    /// All rows of a table that describes itself were read.
+    /// The columns of a table that describes itself, after all rows were read.
     fn finish_described(self, described: Described) -> Result<RawColumns> {
         let Described { rate_hz, lost, warnings, of_columns, refused } = described;
         if let Some((code, why)) = refused {
@@ -236,15 +236,15 @@ impl TableColumn {
     }
 }
 
-/// Codes must not be read without their scale.
+/// The error for a table that describes itself without its reader: codes must not be read without their scale.
 pub fn needs_reader(path: &Path) -> LogError {
     LogError::Ask(format!("{} describes itself; set `described` to its reader", path.display()))
 }
 
-/// A row in a piece, and what is wrong there.
+/// An error: the row in a piece, and the text.
 type Wrong = (usize, String);
 
-/// Integers go in as such, as far as they are small enough to be codes.
+/// Adds values. Integers stay integers if they are small enough to be codes.
 fn append_values(values: &mut SeriesBuilder, column: &ArrayRef) -> Result<(), Wrong> {
     if column.data_type().is_integer() {
         if let Ok(codes) = integers::<Int32Type>(column) {

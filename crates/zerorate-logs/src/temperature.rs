@@ -1,4 +1,4 @@
-//! The column of a log that is its temperature.
+//! Finds the temperature column of a log.
 
 use crate::column::Column;
 use crate::error::Result;
@@ -8,11 +8,11 @@ use zerorate_input::Input;
 /// The usual names of a temperature in logs.
 pub const TEMPERATURE_NAMES: [&str; 4] = ["temp_code", "temp_c", "temp", "temperature"];
 
-/// Bytes at both ends of a file in which columns name themselves.
+/// Number of bytes at each end of a file that are searched for column names.
 const ENDS: u64 = 1 << 16;
 
-/// The temperature of a log: the column `name`, or a column with a usual name; none where the log has neither. `read`
-/// reads columns by their names. `bytes` is the size of the file: none where it cannot be read twice, as a pipe.
+/// The temperature of a log: the column `name`, or a column with a usual name; `None` if the log has neither. `read`
+/// reads columns by their names. `bytes` is the content of the file; `None` if it cannot be read twice, as a pipe.
 pub fn temperature(
     name: Option<&str>,
     bytes: Option<Input>,
@@ -26,7 +26,7 @@ pub fn temperature(
     }
 }
 
-/// Whether a file names something like a temperature near its beginning or its end, so that a second look is worth it.
+/// Whether a file mentions a temperature near its beginning or its end, so that a second look is worth it.
 fn speaks_of_temperature(mut input: Input) -> bool {
     let mut ends = || -> std::io::Result<Vec<u8>> {
         let (mut bytes, len) = (Vec::new(), input.length()?);

@@ -1,4 +1,4 @@
-//! A unit of time that makes the rate or the date absurd: another is meant.
+//! Detects a unit of time that makes the rate or the date absurd.
 
 use crate::clock::Times;
 use crate::error::LogError;
@@ -49,7 +49,7 @@ pub fn check(
     )))
 }
 
-/// A number of any size in few digits.
+/// Formats a number of any size in few digits.
 fn short(number: f64) -> String {
     if (1e-3..1e7).contains(&number) { format!("{number:.3}") } else { format!("{number:.1e}") }
 }

@@ -27,9 +27,9 @@ pub struct TimedColumns {
 
 /// A column of [`TimedColumns`].
 pub struct TimedColumn {
-    /// Its name.
+    /// The name of the column.
     pub name: String,
-    /// The value of each row, NaN where it has none.
+    /// The value of each row, NaN for an empty row.
     pub values: Vec<f64>,
     /// The quantity and the size of a step of 1 in the unit of its results, where the form of the log states them.
     pub stated: Option<(Quantity, f64)>,
@@ -41,7 +41,7 @@ pub struct TimedColumn {
 /// column nor rate is given, the time is the only other column whose name states a unit of time, as in `t_ns`.
 ///
 /// # Errors
-/// The file cannot be read, it lacks a column or the time, or its times do not increase.
+/// Returns an error if the file cannot be read, it lacks a column or the time, or its times do not increase.
 pub fn read_timed(path: &Path, input: Input, specs: &[ColumnSpec], args: &ColumnOptions) -> Result<TimedColumns> {
     let mut found = find(path, input, &ColumnQuery::of(ColumnSelection::Described(specs), args))?;
     found.repair_times(path, args)?;
@@ -56,7 +56,7 @@ pub fn read_timed(path: &Path, input: Input, specs: &[ColumnSpec], args: &Column
     Ok(TimedColumns { columns, t_ns, gaps, warnings })
 }
 
-/// Time of each row, and what was lost between rows.
+/// Time of each row in ns, and the samples lost between rows.
 fn times(path: &Path, clock: Clock, rows: usize, args: &ColumnOptions) -> Result<(Vec<u64>, Vec<Gap>)> {
     let silent = |rate_hz: f64| (0..rows).map(|row| (row as f64 * 1e9 / rate_hz).round() as u64).collect();
     let (t_ns, gaps): (Vec<u64>, Vec<Gap>) = match (args.rate, clock) {

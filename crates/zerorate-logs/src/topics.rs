@@ -1,4 +1,4 @@
-//! The topics of a bag: the IMUs that it offers, as a table, or what it has in their place.
+//! The topics of a bag that have an IMU, as a table to choose from.
 
 use crate::error::LogError;
 use crate::query::ColumnQuery;
@@ -16,18 +16,18 @@ pub struct Topic {
     pub kind: String,
     pub frame: Option<String>,
     pub messages: u64,
-    /// Stamps of the first and the last message.
+    /// Stamps of the first and the last message, ns.
     pub span_ns: Option<(i64, i64)>,
 }
 
 impl Survey {
-    /// A topic whose messages were counted elsewhere, with the times of the first and the last.
+    /// Adds a topic whose messages were counted elsewhere, with the times of the first and the last message.
     pub fn counted(&mut self, name: &str, kind: &str, messages: u64, [first_ns, last_ns]: [i64; 2]) {
         let span_ns = (messages > 0).then_some((first_ns, last_ns));
         self.0.insert(name.to_owned(), Topic { kind: kind.to_owned(), frame: None, messages, span_ns });
     }
 
-    /// A head, and a row for each topic.
+    /// A table with a header and a row for each topic.
     pub fn table(&self) -> Vec<String> {
         let head = ["topic", "type", "messages", "rate", "duration", "frame_id"].map(str::to_owned);
         let rows: Vec<[String; 6]> = self.0.iter().map(|(name, topic)| topic.row(name)).collect();
@@ -42,7 +42,7 @@ impl Survey {
     }
 }
 
-/// Several IMUs, and none of them was meant.
+/// The error for several IMUs, if none of them was chosen.
 pub fn several(path: &Path, asked: &ColumnQuery<'_>, survey: &Survey) -> LogError {
     let (path, option) = (path.display(), asked.args.names.of(Setting::Topic));
     let why = match &asked.args.topic {

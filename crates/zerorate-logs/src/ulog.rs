@@ -17,19 +17,19 @@ use std::io::{self, BufReader, Read};
 use std::path::Path;
 use zerorate_input::{Input, InputError, InputWarning, Quantity, TimeUnit, Unit};
 
-/// Bytes that a read asks the system for.
+/// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
 
-/// The mark, a version and a time.
+/// Size of the file header in bytes: the mark, a version and a time.
 const HEAD: usize = 16;
 
-/// Rows between two looks at how much room is left.
+/// Number of rows between two checks of the memory limit.
 const PIECE: u64 = 1024;
 
 /// Greatest depth of nested types.
 const MAX_DEPTH: usize = 8;
 
-/// Fields of a topic at most: the longest of PX4 have some hundreds.
+/// Largest number of fields of a topic; the longest topics of PX4 have some hundreds.
 const MAX_FIELDS: usize = 4096;
 
 /// Topics with the readings of an IMU, and the units of their fields: topics of the drivers, and the filtered one.
@@ -87,7 +87,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     Ok(RawColumns::new(columns, Some((name, times)), of_end.map(LogWarning::from)))
 }
 
-/// The content of a field by PX4's definition.
+/// The quantity of a field, and its unit, by PX4's definition.
 fn stated(topic: &str, field: &str) -> Option<(Quantity, f64)> {
     let topic = topic.split('#').next().unwrap_or(topic);
     let is_axis = |rest: &str| matches!(rest, "x" | "y" | "z" | "[0]" | "[1]" | "[2]");
@@ -95,12 +95,12 @@ fn stated(topic: &str, field: &str) -> Option<(Quantity, f64)> {
     found.map(|(_, _, unit)| (unit.quantity(), unit.in_results()))
 }
 
-/// The temperature of a sensor, °C.
+/// The quantity of a temperature field of a sensor, °C.
 fn temperature(topic: &str, field: &str) -> Option<(Quantity, f64)> {
     (topic.starts_with("sensor_") && field == "temperature").then_some((Quantity::Temperature, 1.0))
 }
 
-/// The field of an axis or the temperature, where the part does not name it: a field of the only gyroscope.
+/// The field of an axis or the temperature. If its name is not exact, it is a field of the only gyroscope.
 fn of_driver(column: &ColumnSpec) -> String {
     match (column.is_exact, column.name.as_str()) {
         (true, name) => name.to_owned(),
@@ -122,8 +122,8 @@ impl<'a> Messages<'a> {
         Ok(Self { path, file })
     }
 
-    /// Calls `take` with each message until it says no; gives the input, from its start. `of_end` says why it ended
-    /// early.
+    /// Calls `take` with each message until it returns false. Returns the input, from its start. `of_end` receives the
+    /// warning about an early end.
     fn all(
         &mut self,
         of_end: &mut Option<InputWarning>,
@@ -162,12 +162,12 @@ impl<'a> Messages<'a> {
     }
 }
 
-/// The statements of a log about its topics.
+/// The topics of a log, as the log states them.
 #[derive(Default)]
 struct Topics {
-    /// Fields by the name of a format, as they are written.
+    /// The fields of each format, as they are written, by the name of the format.
     formats: BTreeMap<String, Vec<(String, String)>>,
-    /// Name and instance by the number in messages.
+    /// Name and instance of each topic, by its number in messages.
     logged: BTreeMap<u16, (String, u8)>,
     /// The number of messages of each topic, and the times of the first and the last, µs.
     seen: BTreeMap<u16, (u64, i64, i64)>,
@@ -327,7 +327,7 @@ impl Topics {
         self.chosen(path, &topic, id, found.into_iter().map(|(_, _, field)| field).collect())
     }
 
-    /// With the time at which the sensor was read or, where that is not logged, at which the message was made.
+    /// The chosen fields, with the time of the sensor's reading or, where that is not logged, the time of the message.
     fn chosen(&self, path: &Path, topic: &str, id: u16, fields: Vec<(String, Field)>) -> Result<Chosen> {
         let all = self.fields(id).unwrap_or_default();
         let named = |name: &str| all.iter().find(|field| field.name == name).cloned();
@@ -336,7 +336,7 @@ impl Topics {
         Ok(Chosen { id, topic: topic.to_owned(), time, fields })
     }
 
-    /// No topic was meant, or none with an IMU.
+    /// The error if no topic was chosen, or none with an IMU.
     fn several(&self, path: &Path, asked: &ColumnQuery<'_>) -> LogError {
         let mut survey = Survey::default();
         for (topic, id) in self.names() {
@@ -349,7 +349,7 @@ impl Topics {
         several(path, asked, &survey)
     }
 
-    /// The readings of IMUs; any other field can be asked for as well.
+    /// Lists the readings of IMUs; any other field can be asked for as well.
     fn offered(&self) -> String {
         let of_topic = |(topic, id): (&String, &u16)| {
             let fields = self.fields(*id).unwrap_or_default().into_iter();
@@ -365,7 +365,7 @@ impl Topics {
 }
 
 impl Kind {
-    /// A basic type: what it is, if it is a number, and its size.
+    /// Looks up a basic type: the kind of number, if it is one, and the size in bytes.
     fn of(name: &str) -> Option<(Option<Self>, usize)> {
         Some(match name {
             "int8_t" => (Some(Self::Signed(1)), 1),

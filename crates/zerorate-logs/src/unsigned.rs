@@ -1,4 +1,4 @@
-//! Codes with a sign that were written without one: 65530 in place of -6.
+//! Detects signed codes that were written without a sign: 65530 in place of -6.
 
 use crate::series::Series;
 
@@ -8,10 +8,10 @@ const WIDTHS: [i32; 7] = [12, 14, 16, 18, 20, 24, 32];
 /// The share of the range at each end in which codes that wrapped around lie: a sensor at rest is near zero.
 const END: f64 = 0.125;
 
-/// The share of the samples that may lie between.
+/// The share of the samples that may lie between the two ends.
 const BETWEEN: f64 = 0.001;
 
-/// The hole around zero, as a share of what the samples spread over, and in codes: noise has no hole.
+/// Largest hole around zero, as a share of the spread of the samples, and in codes; noise has no hole.
 const HOLE: f64 = 0.25;
 const HOLE_CODES: f64 = 2.0;
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use zerorate_allan::{SettingName, rows};
 use zerorate_input::InputWarning;
 
-/// A warning about a log, which was read. `path` names the file.
+/// A warning about a log that was read. `path` names the file.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are what the text shows")]
@@ -14,11 +14,11 @@ pub enum LogWarning {
     File(InputWarning),
     /// A warning of a table that describes itself.
     OfTable { code: &'static str, text: String },
-    /// A warning of such a table about a column of it.
+    /// A warning about a column of a table that describes itself.
     OfReadings { path: String, code: &'static str, text: String },
     /// A bag does not hold as many messages as it states.
     Miscounted { path: String, topic: String, stated: u64, found: u64 },
-    /// Rows of the log of a part lack the value of an axis.
+    /// Rows of the log of a sensor lack the value of an axis.
     RowsIncomplete { path: String, lacking: usize, rows: usize },
     /// Values of a column were rounded to codes, by up to `by` `unit`.
     OffCodes { path: String, column: String, by: f64, unit: &'static str, codes: f64 },
@@ -56,7 +56,7 @@ pub enum LogWarning {
     ColumnsLeftOut { path: String, names: String },
     /// These columns hold no numbers.
     NoNumbers { path: String, names: String },
-    /// Nothing measures these columns.
+    /// These columns are 0 in every row.
     BlanksLeftOut { path: String, names: String },
     /// More columns are of a kind than an IMU has axes; `column` is the name of a setting.
     SeveralImus { path: String, count: usize, kinds: &'static str, column: SettingName },
@@ -162,7 +162,7 @@ impl LogWarning {
         text.map(|text| InputWarning::Torn(text).into()).into_iter().collect()
     }
 
-    /// Whether it is about the log as a whole, and not about one of its columns.
+    /// Whether the warning is about the log as a whole, and not about one of its columns.
     #[must_use]
     pub fn is_of_log(&self) -> bool {
         match self {

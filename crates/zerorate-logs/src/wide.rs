@@ -1,14 +1,14 @@
-//! Text in UTF-16, as Windows and LabVIEW write it, as text in UTF-8.
+//! Converts text in UTF-16, as Windows and LabVIEW write it, to UTF-8.
 
 use std::io::{self, BufReader, Read, Seek};
 use std::path::Path;
 use zerorate_input::limits::MemoryBudget;
 use zerorate_input::{Input, InputError};
 
-/// Bytes that a read asks the system for.
+/// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 16;
 
-/// Whether text of two bytes for each character has the higher one first; none if it is other text.
+/// Whether UTF-16 text is big endian; `None` if the text is not in UTF-16.
 fn order(start: &[u8]) -> Option<bool> {
     let ascii = |at: usize| start[2..].iter().skip(at).step_by(2).all(|byte| (1..0x80).contains(byte));
     let zeros = |at: usize| start[2..].iter().skip(at).step_by(2).all(|byte| *byte == 0);

@@ -3,39 +3,39 @@
 use std::cell::Cell;
 use zerorate_allan::Input;
 
-/// Samples of a block.
+/// Number of samples of a block.
 pub const BLOCK: usize = 512;
-/// Samples of a window of a block.
+/// Number of samples of a window of a block.
 pub const WINDOW: usize = 32;
 const WINDOWS: usize = BLOCK / WINDOW;
 const LANES: usize = 16;
 
-/// Samples in a block with facts are smaller, so that no sum or square of them is infinite.
+/// Bound on samples in a block with facts, so that no sum or square of them is infinite.
 const LARGEST: f64 = 1e150;
 
 /// Consecutive samples. All blocks but the last have [`BLOCK`] samples.
 pub struct Block<'a> {
     samples: &'a [f64],
-    /// The sample before them; none before the first block.
+    /// The sample before the block; `None` before the first block.
     before: Option<f64>,
-    /// None where a sample is missing or too large, where a block is short, and in the first block.
+    /// `None` if a sample is missing or too large, if the block is short, and for the first block.
     pub facts: Option<Facts>,
     looked_at: Cell<u64>,
 }
 
-/// The facts of a block of which each sample and the sample before are finite.
+/// The facts of a block in which each sample and the sample before are finite.
 pub struct Facts {
     /// The largest sample.
     pub largest: f64,
     /// The least sample.
     pub least: f64,
-    /// Their sum.
+    /// The sum of the samples.
     pub sum: f64,
     /// The least difference between neighbours that is not 0; infinite if all are equal.
     pub step: f64,
-    /// Samples that differ from the one before.
+    /// Number of samples that differ from the one before.
     pub changes: usize,
-    /// Largest less least sample of each window.
+    /// Range of each window: its largest minus its least sample.
     pub ranges: [f64; WINDOWS],
 }
 
@@ -57,13 +57,13 @@ impl<'a> Block<'a> {
         self.samples.len()
     }
 
-    /// The samples, to look at one by one: where the facts suffice, that is not needed.
+    /// The samples, for a check that needs more than the facts.
     pub fn samples(&self) -> &'a [f64] {
         self.looked_at.set(self.looked_at.get() + self.samples.len() as u64);
         self.samples
     }
 
-    /// Each sample behind the one before it, which is NaN before the first of all.
+    /// Each sample after the one before it, which is NaN for the first sample of all.
     pub fn pairs(&self) -> impl DoubleEndedIterator<Item = (f64, f64)> + ExactSizeIterator + '_ {
         let before = self.before.unwrap_or(f64::NAN);
         self.samples.iter().enumerate().map(move |(at, sample)| {
@@ -90,7 +90,7 @@ impl<'a> Block<'a> {
     }
 }
 
-/// Hands all samples of a column over, block by block. Samples that are missing among codes are left out.
+/// Calls `feed` with all samples of a column, block by block. Samples that are missing among codes are left out.
 pub fn for_each_block(input: &Input<'_>, mut feed: impl FnMut(&Block<'_>)) {
     match input {
         Input::Rate(numbers) | Input::Phase(numbers) => {
@@ -111,7 +111,7 @@ pub fn for_each_block(input: &Input<'_>, mut feed: impl FnMut(&Block<'_>)) {
     }
 }
 
-/// Facts about all samples but the first, which is the one before them. The sum is not finite if one of all is not.
+/// Facts about all samples but the first, which precedes the block. The sum is not finite if any sample is not.
 #[multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn facts(samples: &[f64; BLOCK + 1]) -> Facts {
     let (mut step, mut changes, mut sums) = ([f64::INFINITY; LANES], [0.0; LANES], [0.0; LANES]);
@@ -147,7 +147,7 @@ fn facts(samples: &[f64; BLOCK + 1]) -> Facts {
     }
 }
 
-/// All samples of a window as one, in halves.
+/// Joins all samples of a window into one, by halves.
 #[inline(always)]
 fn folded(window: &[f64; WINDOW], join: impl Fn(f64, f64) -> f64) -> f64 {
     let mut lanes: [f64; WINDOW / 2] = std::array::from_fn(|lane| join(window[lane], window[lane + WINDOW / 2]));

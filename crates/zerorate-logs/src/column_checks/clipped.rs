@@ -1,27 +1,27 @@
-//! Samples that stand at their largest or least value as noise does not: a sensor at its limit, or a mark for what is
-//! missing.
+//! Detects samples that pile up at the largest or the least value, as noise does not: a sensor at its limit, or a mark
+//! for missing samples.
 
 use super::block::Block;
 
-/// Samples at the limit from which it is said, and their least share of all.
+/// Number of samples at the limit from which a warning is given, and their least share of all samples.
 const ENOUGH: u64 = 50;
 const SAID: f64 = 1e-3;
 
-/// This many times as many are at the limit as at any of the next values. Noise has fewer at its limits than inside,
-/// and a sine in coarse codes has at most 2.4 times as many.
+/// Least ratio of the samples at the limit to those at any of the next values. Noise has fewer samples at its limits
+/// than inside, and a sine in coarse codes has at most 2.4 times as many.
 const MORE: u64 = 3;
 
 /// The samples at the limits of a column.
 #[derive(Default)]
 pub struct Clipped {
     largest: Outermost,
-    /// From negated samples.
+    /// The least values, from negated samples.
     least: Outermost,
     count: u64,
 }
 
 impl Clipped {
-    /// Takes the next samples in.
+    /// Adds the samples of a block.
     pub fn feed(&mut self, block: &Block<'_>) {
         let Some(facts) = &block.facts else {
             return block.samples().iter().filter(|sample| sample.is_finite()).for_each(|sample| {
@@ -39,7 +39,7 @@ impl Clipped {
         }
     }
 
-    /// The text about samples that are all the largest, or the least. None where that may be chance.
+    /// The text of the warning about samples at the largest or the least value; `None` if that may be chance.
     pub fn text(&self) -> Option<String> {
         let count = self.count as f64;
         let side = |(value, at): (f64, u64), name| {
@@ -53,7 +53,7 @@ impl Clipped {
     }
 }
 
-/// The largest values, and how often each was there.
+/// The largest values, and the number of samples at each.
 struct Outermost([(f64, u64); 4]);
 
 impl Default for Outermost {
@@ -77,7 +77,7 @@ impl Outermost {
         }
     }
 
-    /// A value that left the four for larger ones never comes back.
+    /// Counts one of the largest values. A value that left the four for larger ones never comes back.
     fn count(&mut self, sample: f64) {
         match self.0.iter().position(|(value, _)| *value <= sample) {
             Some(at) if self.0[at].0 == sample => self.0[at].1 += 1,
@@ -89,7 +89,7 @@ impl Outermost {
         }
     }
 
-    /// The largest value and its count, if that is no chance.
+    /// The largest value and its count, if the count is not due to chance.
     fn limit(&self) -> Option<(f64, u64)> {
         let [found, inside @ ..] = self.0;
         let most = inside.iter().map(|(_, count)| *count).max().unwrap_or(0);

@@ -1,8 +1,8 @@
-//! Samples in steps that the noise does not reach across: rounding decides which noise is left.
+//! Detects steps that are larger than the noise. Rounding then decides which noise is left.
 
 use super::block::{Block, WINDOW};
 
-/// Below this many steps, the noise of a rounded column is below half a step before it is rounded: rounding adds a
+/// Noise of a rounded column, in steps, below which the noise before rounding is below half a step: rounding adds a
 /// variance of 1/12 of a step squared.
 const SAID: f64 = 0.577;
 
@@ -14,7 +14,7 @@ const WIDE: f64 = 5.0;
 pub struct Coarse {
     /// Smallest nonzero step.
     step: f64,
-    /// Windows whose noise is known.
+    /// Number of windows whose noise is known.
     windows: usize,
     /// The variances of windows with noise below [`SAID`], by the step known at the time.
     small: Vec<f64>,
@@ -27,7 +27,7 @@ impl Default for Coarse {
 }
 
 impl Coarse {
-    /// Takes the next samples in.
+    /// Adds the samples of a block.
     pub fn feed(&mut self, block: &Block<'_>) {
         let differences = || block.pairs().map(|(before, sample)| (sample - before).abs());
         let step = || differences().filter(|difference| *difference > 0.0).fold(f64::INFINITY, f64::min);
@@ -52,7 +52,7 @@ impl Coarse {
         }
     }
 
-    /// The text about a column whose noise is hidden by its steps: the usual standard deviation of a few samples.
+    /// The text of the warning about steps that hide the noise: the usual standard deviation of a few samples.
     pub fn text(mut self) -> Option<String> {
         if !self.step.is_finite() {
             return None;

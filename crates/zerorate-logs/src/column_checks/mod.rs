@@ -1,8 +1,8 @@
-//! What the samples of a column tell of the log, from one pass over them: samples at a limit, steps that hide the
-//! noise, samples that were made up, and a sensor that stopped.
+//! Checks of the samples of a column in one pass: samples at a limit, steps that hide the noise, samples that were not
+//! measured, and a sensor that stopped.
 //!
 //! Each check is fed the same [`Block`]s. Their facts are computed once, so that a check looks at single samples only
-//! where the facts do not suffice. Noise costs no check more than that.
+//! where the facts do not suffice. For plain noise they always suffice.
 
 mod block;
 pub mod clipped;
@@ -20,11 +20,11 @@ use std::path::Path;
 use stopped::Changes;
 use zerorate_allan::Input;
 
-/// The warning about the column `name` of a log where it stops changing: a log of another part need not have stopped
-/// with it. `path` names the log in messages.
+/// The warning if the column `name` of a log stops changing. The log of another sensor may go on. `path` names the log
+/// in messages.
 ///
 /// # Errors
-/// Refuses a column of one value all along: a dead sensor, not noise.
+/// Returns [`LogError::Refused`](crate::LogError::Refused) if the column never changes: a dead sensor, not noise.
 pub fn stopped(input: Input<'_>, rate_hz: f64, path: &Path, name: &str) -> Result<Option<LogWarning>> {
     let gaps = if let Input::Codes { gaps, .. } = input { gaps } else { &[] };
     ColumnFacts::of(&input).changes.stopped(gaps, rate_hz, path, name)
@@ -37,18 +37,18 @@ pub struct ColumnChecks {
     coarse: Coarse,
     resampled: Resampled,
     facts: ColumnFacts,
-    /// Samples that were read.
+    /// Number of samples that were read.
     #[cfg(test)]
     read: u64,
-    /// Samples that checks looked at one by one.
+    /// Number of samples that checks looked at one by one.
     #[cfg(test)]
     looked_at: u64,
 }
 
-/// The findings that are needed later.
+/// The results of the checks that are needed later.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ColumnFacts {
-    /// Where the column stands still.
+    /// The changes of the column, and where it stands still.
     pub changes: Changes,
     /// The sum of the samples that are finite.
     sum: f64,
@@ -95,7 +95,7 @@ impl ColumnFacts {
         facts
     }
 
-    /// The mean of the samples that are finite; not finite if there is none.
+    /// The mean of the finite samples; not finite if there is none.
     pub fn mean(&self) -> f64 {
         self.sum / self.finite as f64
     }

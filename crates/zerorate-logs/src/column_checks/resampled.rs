@@ -5,21 +5,21 @@ use super::block::Block;
 use crate::clock::median;
 use std::ops::RangeInclusive;
 
-/// Samples that are looked at.
+/// Number of samples that are examined.
 const LOOKED_AT: usize = 1 << 17;
 
-/// Samples from which on a share says something.
+/// Least number of samples for a meaningful share.
 const ENOUGH: usize = 500;
 
-/// Share of the samples from which it is said.
+/// Share of the samples from which a warning is given.
 const SAID: f64 = 0.02;
 
-/// Number of steps in the usual difference between samples. Above it, equal samples do not come by chance: with
-/// Gaussian differences, 1 in 370 then.
+/// Usual difference between samples, in steps, above which equal samples are not due to chance: with Gaussian
+/// differences, 1 in 370 is.
 const FINE: f64 = 100.0;
 
-/// Different sizes of differences from which numbers are fine. Coarse codes that were printed with more digits have
-/// few sizes, and repeat by chance.
+/// Least number of sizes of differences in fine numbers. Coarse codes that were printed with more digits have few
+/// sizes, and repeat by chance.
 const SIZES: usize = 100;
 
 /// Least usual difference between samples, in steps, at which excess repeats show. There, noise repeats as often as
@@ -41,7 +41,7 @@ const PARTS: usize = 8;
 pub struct Resampled(Vec<f64>);
 
 impl Resampled {
-    /// Takes the next samples in.
+    /// Adds the samples of a block.
     pub fn feed(&mut self, block: &Block<'_>) {
         if self.0.len() < LOOKED_AT {
             self.0.extend_from_slice(block.samples());
@@ -49,7 +49,7 @@ impl Resampled {
     }
 
     /// The text about samples that repeat the one before, or lie on the line between their neighbours, to the last
-    /// digit. None where the numbers are too coarse to tell.
+    /// digit. `None` if the numbers are too coarse to tell.
     pub fn text(&self) -> Option<String> {
         doubt(&self.0)
     }
@@ -77,7 +77,7 @@ fn doubt(samples: &[f64]) -> Option<String> {
     Some(format!("{:.0} % of the samples {how}; use the raw log", 100.0 * share))
 }
 
-/// Share of the differences that are none, if that is much, and all others are so large that none is by chance.
+/// Share of differences up to `none`, if it is large and the others are so large that these are not due to chance.
 fn share(differences: &[f64], step: f64, none: f64) -> Option<f64> {
     let others = || differences.iter().copied().filter(|difference| *difference > none);
     let count = others().count();
@@ -93,7 +93,7 @@ fn share(differences: &[f64], step: f64, none: f64) -> Option<f64> {
     (usual >= FINE * step.max(none) && is_fine).then_some(share)
 }
 
-/// Share of the samples that repeat the one before beyond those by chance, in samples of few steps.
+/// Share of the samples that repeat the one before, less the share by chance, in samples of few steps.
 fn coarse_share(samples: &[f64], step: f64) -> Option<f64> {
     let size = samples.len() / PARTS;
     let shares: Vec<f64> = samples.chunks_exact(size.max(ENOUGH)).map(|part| excess(part, step)).collect();

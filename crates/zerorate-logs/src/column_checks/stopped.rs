@@ -1,4 +1,4 @@
-//! A sensor that stopped while it was recorded.
+//! Detects a sensor that stopped while it was recorded.
 
 use super::block::{BLOCK, Block};
 use crate::error::{LogError, Result};
@@ -6,42 +6,42 @@ use crate::warning::LogWarning;
 use std::path::Path;
 use zerorate_allan::Gap;
 
-/// A column that changes more often than not, and then no more for so many samples, has stopped.
+/// A column that changes more often than not, and then stays the same for this many samples, has stopped.
 const STOPPED_SAMPLES: usize = 1000;
 
-/// Samples of one value, one after the other.
+/// Consecutive samples of one value.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Run {
     /// Index of the first stopped sample.
     start: usize,
     /// The number of stopped samples.
     len: usize,
-    /// The same, with the missing samples between and behind them.
+    /// The number of stopped samples, including missing samples between and behind them.
     samples: usize,
 }
 
 /// The changes of a column.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Changes {
-    /// Samples that are there.
+    /// Number of samples that are not missing.
     len: usize,
-    /// All samples, with those that are NaN among numbers.
+    /// Number of all samples, including NaN.
     total: usize,
-    /// Changes from one to the next.
+    /// Number of changes from one sample to the next.
     count: usize,
-    /// The last sample that is there.
+    /// The last sample that is not missing.
     before: Option<f64>,
-    /// The stretch without a change at the end.
+    /// The run without a change at the end.
     run: Run,
-    /// The longest stretch without a change. Those within a block are not looked at.
+    /// The longest run without a change. Runs within a block are not looked at.
     longest: Run,
 }
 
-// the checks may skip stretches within a block
+// the checks may skip runs within a block
 const _: () = assert!(BLOCK < STOPPED_SAMPLES);
 
 impl Changes {
-    /// Takes the next samples in.
+    /// Adds the samples of a block.
     pub fn feed(&mut self, block: &Block<'_>) {
         match &block.facts {
             Some(facts) => self.take(block, facts.changes),
@@ -54,7 +54,7 @@ impl Changes {
         self.total - self.len
     }
 
-    /// Takes samples of which none is missing, nor the one before.
+    /// Adds a block in which no sample is missing, nor the sample before.
     fn take(&mut self, block: &Block<'_>, changes: usize) {
         let len = block.len();
         if changes > 0 {
@@ -87,7 +87,7 @@ impl Changes {
         self.total += 1;
     }
 
-    /// So many samples more are as the one before.
+    /// Extends the current run by this many samples.
     fn grow(&mut self, samples: usize) {
         self.run.len += samples;
         self.run.samples += samples;
@@ -96,10 +96,10 @@ impl Changes {
         }
     }
 
-    /// The warning about the column `name` of the log at `path` where it stops changing. `gaps` are those among codes.
+    /// The warning if the column `name` of the log at `path` stops changing. `gaps` are the gaps among codes.
     ///
     /// # Errors
-    /// Refuses a column of one value all along.
+    /// Returns [`LogError::Refused`] if the column never changes.
     pub fn stopped(&self, gaps: &[Gap], rate_hz: f64, path: &Path, name: &str) -> Result<Option<LogWarning>> {
         let &Self { len, total, count, longest: Run { start, len: same, samples }, .. } = self;
         if count == 0 {
@@ -109,7 +109,7 @@ impl Changes {
         }
         let is_frozen = same >= STOPPED_SAMPLES && count * 2 > len - same;
         let is_last = start + samples == total;
-        // among codes what is missing stands beside them
+        // missing samples among codes are listed in the gaps
         let lost: u64 = gaps.iter().filter(|gap| gap.at <= start).map(|gap| gap.missing).sum();
         let from_s = (start as u64 + lost) as f64 / rate_hz;
         let (path, column) = (path.display().to_string(), name.to_owned());

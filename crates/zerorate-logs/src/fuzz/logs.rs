@@ -12,8 +12,7 @@ use std::path::Path;
 use std::sync::Arc;
 use zerorate_input::limits::MemoryBudget;
 
-/// Reads a log in each of these ways. What it is taken for is up to the log; what comes out fits into the room that it
-/// has.
+/// Reads a log in each of these ways. Each may succeed or fail; a result must fit into the memory limit of the log.
 pub fn read(bytes: &[u8], ways: &[&str]) {
     for way in ways {
         let read = crate::read(Path::new("edited"), bytes.to_vec().into(), &options(way));

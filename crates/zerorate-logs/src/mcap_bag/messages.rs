@@ -9,10 +9,10 @@ use zerorate_input::Input;
 use zerorate_input::catch_panic::catch_panic;
 use zerorate_input::limits::{MemoryBudget, OverBudget};
 
-/// Bytes that a read asks the system for.
+/// Size of the read buffer in bytes.
 const BUFFER: usize = 1 << 18;
 
-/// Kind and length of a record.
+/// Size of a record's kind and length in bytes.
 const RECORD_HEAD: usize = 9;
 
 /// The kind of the last record.
@@ -25,16 +25,16 @@ pub struct Messages<R> {
     bytes: u64,
 }
 
-/// Why there are no more messages.
+/// The reason why there are no more messages.
 #[derive(Debug, thiserror::Error)]
 pub enum Torn {
-    /// It ends where it should not, or is damaged.
+    /// The file ends too early, or is damaged.
     #[error(transparent)]
     Format(#[from] McapError),
     /// The decoder gave up.
     #[error("a record makes no sense")]
     Nonsense,
-    /// There is more in it than may be read.
+    /// The file holds more than the memory limit allows.
     #[error(transparent)]
     OverBudget(#[from] OverBudget),
 }
@@ -47,12 +47,12 @@ impl Torn {
     }
 }
 
-/// Bytes of a message besides its data: the head of its record.
+/// Size of a message record without the message's data, in bytes.
 const MESSAGE_HEAD: u64 = 31;
 
 impl<R: Read> Messages<R> {
-    /// A record is at most as long as the room, even if it states more. The file must pass its checks: of each
-    /// chunk behind its messages, and of all in front of its end.
+    /// Creates a reader. No record may be longer than the memory limit. The file must pass its checksums: one behind
+    /// the messages of each chunk, and one of all data, in front of the end.
     pub fn new(file: R, room: MemoryBudget) -> Self {
         let longest = usize::try_from(room.bytes()).unwrap_or(usize::MAX);
         let options = LinearReaderOptions::default()
@@ -77,7 +77,7 @@ impl<R: Read> Messages<R> {
     }
 }
 
-/// The end of a file by its records; none where it was not closed.
+/// The end of a file by its records; `None` if it was not closed.
 pub fn end(file: &Input) -> io::Result<Option<u64>> {
     let mut records = BufReader::with_capacity(BUFFER, file.try_clone()?);
     let mut at = MAGIC.len() as u64;
@@ -102,8 +102,8 @@ pub fn end(file: &Input) -> io::Result<Option<u64>> {
     }
 }
 
-/// The number of messages of each topic that a file states at its end; empty where the file was not closed, or does
-/// not say.
+/// The number of messages of each topic that a file states at its end; empty if the file was not closed, or does not
+/// state them.
 pub fn stated(file: &mut Input, room: MemoryBudget) -> BTreeMap<String, u64> {
     let summary = catch_panic(|| summary(file, room)).and_then(Result::ok).flatten();
     let Some((counts, summary)) = summary.and_then(|summary| Some((summary.stats.clone()?, summary))) else {

@@ -7,7 +7,7 @@ use winnow::token::take_till;
 use winnow::{Parser, Result};
 use zerorate_input::TimeUnit;
 
-/// The statements of a header.
+/// The content of a header.
 pub struct Header {
     pub element: Element,
     /// Whether the first index runs fastest.
@@ -17,16 +17,16 @@ pub struct Header {
 
 /// The type of an element.
 pub struct Element {
-    /// Its bytes, if their number is fixed.
+    /// The size of the element in bytes, if it is fixed.
     pub size: Option<u64>,
     pub form: Form,
 }
 
 /// The parts of an element.
 pub enum Form {
-    /// One value: its kind, if it is a number of a kind that is read.
+    /// One value: its kind, if it is a supported number.
     Value { kind: Option<Kind>, big_endian: bool, time_unit: Option<TimeUnit> },
-    /// Fields, one behind the other.
+    /// Fields, one after the other.
     Fields(Vec<(String, Element)>),
     /// Several values of one type.
     Array,
@@ -43,7 +43,7 @@ pub enum Kind {
 }
 
 impl Header {
-    /// Reads the text of a header. None if it is not one as NumPy writes it.
+    /// Parses the text of a header; `None` if NumPy does not write a header like it.
     pub fn parse(text: &[u8]) -> Option<Self> {
         let Literal::Table(entries) = literal.parse(str::from_utf8(text).ok()?).ok()? else { return None };
         let entry = |key| entries.iter().rfind(|(name, _)| name == key).map(|(_, value)| value);
@@ -66,7 +66,7 @@ impl Element {
         }
     }
 
-    /// A value by its code, such as `<f8` or `<M8[us]`.
+    /// Parses the code of a value, such as `<f8` or `<M8[us]`.
     fn value(code: &str) -> Option<Self> {
         let (code, unit) = match code.strip_suffix(']') {
             Some(code) => code.split_once('[').map(|(code, unit)| (code, Some(unit)))?,
@@ -95,12 +95,12 @@ impl Element {
             Some("ns") => Some(TimeUnit::Ns),
             _ => None,
         };
-        // a letter of Unicode has four bytes
+        // a Unicode character has four bytes
         let size = number.checked_mul(if letter == 'U' { 4 } else { 1 });
         Some(Self { size, form: Form::Value { kind, big_endian: order == '>', time_unit } })
     }
 
-    /// A field: its name, its type, and its shape, if it has several values.
+    /// Parses a field: its name, its type, and its shape, if it has several values.
     fn field(literal: &Literal) -> Option<(String, Self)> {
         let Literal::Sequence(parts) = literal else { return None };
         let (name, kind, several) = match parts.as_slice() {
@@ -149,13 +149,13 @@ fn literal(input: &mut &str) -> Result<Literal> {
     spaced(literal).parse_next(input)
 }
 
-/// Without escapes.
+/// Parses a quoted text without escapes.
 fn text(input: &mut &str) -> Result<String> {
     let quoted = |quote| delimited(quote, take_till(0.., quote), quote);
     alt((quoted('\''), quoted('"'))).map(str::to_owned).parse_next(input)
 }
 
-/// Items between commas, of which one may stand at the end.
+/// Parses items between commas. A comma may follow the last item.
 fn list<'a, T>(item: impl Parser<&'a str, T, ContextError>) -> impl Parser<&'a str, Vec<T>, ContextError> {
     terminated(separated(0.., item, ','), (opt(','), multispace0))
 }

@@ -6,38 +6,38 @@ use std::io::{ErrorKind, Read};
 use std::path::Path;
 use zerorate_input::{Input, InputError};
 
-/// Bytes of a block, unless a line is longer.
+/// Size of a block in bytes, unless a line is longer.
 #[cfg(not(test))]
 const BLOCK: usize = 1 << 22;
-/// Small enough that small texts have several.
+/// A small size, so that small texts have several blocks.
 #[cfg(test)]
 const BLOCK: usize = 1 << 12;
 
-/// The longest line, a bound on memory when a file is not text at all.
+/// Length of the longest line in bytes: a bound on memory when a file is not text at all.
 const MAX_LINE: usize = 1 << 20;
 
 /// Bytes of whole lines. The last line of a text may lack its line feed.
 pub struct Block {
     buffer: Vec<u8>,
-    /// The end of the lines in the buffer.
+    /// The end of the whole lines in the buffer.
     end: usize,
-    /// Whether the text ends with it.
+    /// Whether the text ends with this block.
     pub is_last: bool,
 }
 
 impl Block {
-    /// Its lines.
+    /// The bytes of the lines.
     pub fn bytes(&self) -> &[u8] {
         &self.buffer[..self.end]
     }
 
-    /// Its text. Bytes that are not UTF-8 are replaced, so that a line that a cable broke is one broken line.
+    /// The text of the lines. Bytes that are not UTF-8 are replaced, so that a line that a cable broke stays one line.
     pub fn text(&self) -> Cow<'_, str> {
-        // to look first is fast where all is as it should be
+        // to validate first is fast for valid text
         std::str::from_utf8(self.bytes()).map_or_else(|_| String::from_utf8_lossy(self.bytes()), Cow::Borrowed)
     }
 
-    /// The same, with what may be Latin-1 read as that, as Excel writes `°/s`: for names.
+    /// The text for names: lines that may be Latin-1 are read as Latin-1, in which Excel writes `°/s`.
     pub fn legible(&self) -> Cow<'_, str> {
         let of_line = |line: &[u8]| {
             let is_text = line.iter().all(|byte| matches!(byte, b'\t' | b'\r' | b'\n' | b' '..=b'~' | 0xA0..));
@@ -55,17 +55,17 @@ impl Block {
 pub struct Blocks<'a> {
     path: &'a Path,
     input: Input,
-    /// The start of a line that is not whole yet.
+    /// The start of a line that is not complete yet.
     rest: Vec<u8>,
     ended: bool,
     /// Buffers of used blocks: new memory costs as much as reading into it.
     spare: Vec<Vec<u8>>,
-    /// The delimiter with which a stamp is put before the line that it is of, where stamps have lines of their own.
+    /// The delimiter that is put between a stamp and its line, where stamps have lines of their own.
     stamps: Option<u8>,
 }
 
 impl<'a> Blocks<'a> {
-    /// Blocks of `input`, which `path` names in messages.
+    /// Reads blocks of `input`, which `path` names in messages.
     pub fn new(path: &'a Path, input: Input) -> Self {
         Self { path, input, rest: Vec::new(), ended: false, spare: Vec::new(), stamps: None }
     }
@@ -75,12 +75,12 @@ impl<'a> Blocks<'a> {
         Self { stamps, ..self }
     }
 
-    /// Takes blocks back.
+    /// Takes blocks back to reuse their buffers.
     pub fn reuse(&mut self, blocks: Vec<Block>) {
         self.spare.extend(blocks.into_iter().map(|block| block.buffer));
     }
 
-    /// The next block; none behind the last.
+    /// The next block; `None` behind the last.
     pub fn next(&mut self) -> Result<Option<Block>, InputError> {
         if self.ended {
             return Ok(None);
@@ -111,7 +111,7 @@ impl<'a> Blocks<'a> {
         }
     }
 
-    /// The end of the whole lines, behind `before`; a stamp stays with the line that follows.
+    /// The end of the whole lines, behind `before`. A stamp stays with the line that follows it.
     fn end(&self, buffer: &[u8], before: usize) -> Option<usize> {
         let end = before + memrchr(b'\n', &buffer[before..])? + 1;
         let Some(stamps) = self.stamps else { return Some(end) };
@@ -120,7 +120,7 @@ impl<'a> Blocks<'a> {
         (end > 0).then_some(end)
     }
 
-    /// Puts stamps before the lines that they are of.
+    /// Puts each stamp in front of its line.
     fn join(&self, lines: &mut [u8]) {
         let Some(stamps) = self.stamps else { return };
         let mut start = 0;
@@ -146,7 +146,7 @@ impl<'a> Blocks<'a> {
         Ok(filled)
     }
 
-    /// The next blocks, up to `count`.
+    /// The next blocks, `count` at most.
     pub fn several(&mut self, count: usize) -> Result<Vec<Block>, InputError> {
         let mut blocks = Vec::with_capacity(count);
         while blocks.len() < count

@@ -1,4 +1,4 @@
-//! The start of a text: lines printed before the data, a header of one line or two, and the cuts of its rows.
+//! The start of a text: lines printed before the data, a header of one line or two, and the layout of the rows.
 
 use super::super::number::{Number, Numerals};
 use super::scales::Scales;
@@ -11,7 +11,7 @@ use std::path::Path;
 use zerorate_input::delimited::Delimiter;
 use zerorate_input::{InputError, TimeUnit, Unit};
 
-/// Lines that are looked at: more than what a board prints while it starts.
+/// Number of lines that are examined: more than a board prints while it starts.
 const LINES: usize = 1000;
 
 /// A line with its number, counted from 1.
@@ -20,15 +20,15 @@ type Numbered<'a> = (u64, &'a str);
 /// The layout of a text.
 #[derive(Clone, Debug)]
 pub struct Head {
-    /// The delimiter of a row.
+    /// The delimiter of the cells of a row.
     pub delimiter: Delimiter,
-    /// Cells of a row.
+    /// Number of cells of a row.
     pub width: usize,
     /// The names of the columns, or their numbers.
     pub names: Vec<String>,
     /// Whether each column holds numbers.
     pub numeric: Vec<bool>,
-    /// Lines before the first row.
+    /// Number of lines before the first row.
     pub lines: u64,
     /// The number of these lines that are neither header nor comment, and the first of them.
     pub skipped: Option<(usize, String)>,
@@ -36,22 +36,22 @@ pub struct Head {
     pub sentence: Option<String>,
     /// The delimiter of the lines between stamps, where stamps have lines of their own.
     pub stamps: Option<u8>,
-    /// The decimal mark, as far as these lines tell.
+    /// The decimal mark, if these lines show it.
     pub decimal: Option<Decimal>,
-    /// Commas seem to cut numbers as well as rows, for a cell begins like the decimals of a number: `05`.
+    /// Whether commas seem to cut numbers as well as rows, because a cell begins like the decimals of a number: `05`.
     cuts_numbers: bool,
-    /// The first cell of a row is an index, which has no name.
+    /// Whether the first cell of a row is an index, which has no name.
     pub index: bool,
     /// The scales in the lines above the data.
     pub scales: Scales,
-    /// Questions that only the whole text can answer.
+    /// The question that only the whole text can answer.
     pub open: Open,
 }
 
 /// A question that the first lines leave open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Open {
-    /// Nothing.
+    /// No question is open.
     Nothing,
     /// The header has one name less than the rows have cells.
     OneNameLess,
@@ -66,7 +66,7 @@ struct Shape {
     width: usize,
 }
 
-/// Whether a line is none of the data.
+/// Whether a line is a comment.
 pub fn is_comment(line: &str) -> bool {
     line.starts_with(['#', '%'])
 }
@@ -123,7 +123,7 @@ impl Head {
         Ok(head)
     }
 
-    /// Takes the scales out of the lines above the data that are not a header.
+    /// Reads the scales from the lines above the data that are not a header.
     fn skip(&mut self, skipped: &[Numbered<'_>], comments: &[&str]) {
         let lines = skipped.iter().map(|(_, line)| *line).chain(comments.iter().copied());
         self.scales = Scales::of(lines, &self.names);
@@ -132,7 +132,7 @@ impl Head {
         }
     }
 
-    /// A header and nothing else is a log that was just begun.
+    /// The head of a file with nothing but a header: a log that was just begun.
     fn without_rows(path: &Path, first: &str, (some, lines): (usize, u64), args: &ColumnOptions) -> Result<Self> {
         let delimiter = delimiter(first, args.decimal);
         let names: Vec<String> = delimiter.cells(first).map(str::to_owned).collect();
@@ -166,12 +166,12 @@ impl Head {
         Err(InputError::damaged(path, "as a text file", what).into())
     }
 
-    /// Takes the names out of the lines above the data, or out of the comments there; gives how many lines that took.
+    /// Takes the names from the lines above the data, or from the comments there. Returns the number of lines used.
     fn name(&mut self, path: &Path, above: &[Numbered<'_>], comments: &[&str]) -> Result<usize> {
         let cells = |line: &str| self.delimiter.cells(line).map(str::to_owned).collect::<Vec<_>>();
         let Some((number, last)) = above.last() else {
             let fit = |names: &Vec<String>| names.len() == self.width && names.iter().all(|cell| is_word(cell));
-            // what is cut at blanks may be a sentence, except where names use to stand
+            // a line that is cut at blanks may be a sentence, except where names usually stand
             let looked_at = if self.delimiter == Delimiter::Blanks { 1 } else { comments.len() };
             let comments = comments.iter().rev().take(looked_at);
             let mut named = comments.map(|line| cells(line.trim_start_matches(['#', '%', ' ']))).filter(fit);
@@ -182,7 +182,7 @@ impl Head {
         };
         let mut names = cells(last);
         let before = above.len().checked_sub(2).map(|at| cells(above[at].1));
-        // what ends with a delimiter has no name more
+        // a line that ends with a delimiter has no further name
         while names.len() > self.width && names.last().is_some_and(String::is_empty) {
             names.pop();
         }
@@ -242,7 +242,7 @@ pub fn stamps(text: &str) -> Option<u8> {
     alternate.then(|| delimiter.byte().unwrap_or(b' '))
 }
 
-/// Why a file cannot be read whose commas cut the numbers as well as the rows.
+/// The error for a file whose commas cut the numbers as well as the rows.
 const CLASH: &str = "decimal commas and comma separators clash in this file. Export it with \";\" or with decimal \
                      points";
 
@@ -254,7 +254,7 @@ impl Shape {
         cells.iter().any(|cell| is_number(cell)).then_some(Self { delimiter, width: cells.len() })
     }
 
-    /// The shape that most of these lines have; of several the first.
+    /// The most frequent shape of these lines; the first one of several.
     fn most(lines: &[Numbered<'_>], decimal: Option<Decimal>) -> Option<Self> {
         let mut votes: Vec<(Self, usize)> = Vec::new();
         for shape in lines.iter().filter_map(|(_, line)| Self::of(line, decimal)) {
@@ -277,9 +277,9 @@ struct Rows {
     numeric: Vec<bool>,
     all_integers: bool,
     decimal: Option<Decimal>,
-    /// Some cell begins like the decimals of a number, as [`Head`] has it.
+    /// Whether some cell begins like the decimals of a number, as [`Head`] has it.
     cuts_numbers: bool,
-    /// Each second cell looks like the decimals of the cell before.
+    /// Whether every second cell looks like the decimals of the cell before.
     all_are_cut: bool,
 }
 
@@ -332,7 +332,7 @@ impl Rows {
     }
 }
 
-/// Names that are an empty one and then 0, 1, 2 …, as pandas writes them.
+/// Whether the names are an empty one and then 0, 1, 2 …, as pandas writes them.
 fn is_numbered(row: &[&str]) -> bool {
     row.len() > 1 && row[0].is_empty() && row[1..].iter().zip(0..).all(|(cell, at)| cell.parse() == Ok(at))
 }

@@ -31,7 +31,7 @@ use std::path::Path;
 use zerorate_input::limits::MemoryBudget;
 use zerorate_input::{Input, InputError, TimeUnit};
 
-/// Blocks for each thread: with a single one, who reads the next ones is late with his.
+/// Number of blocks per thread. With one block per thread, the thread that reads ahead finishes late.
 const AT_ONCE: usize = 2;
 
 /// Reads columns of text.
@@ -57,7 +57,7 @@ pub fn read(path: &Path, mut input: Input, room: MemoryBudget, asked: &ColumnQue
     while !several.is_empty() {
         pieces.iter_mut().for_each(|piece| piece.clear(Numerals::new(head.decimal)));
         let read = |(at, (block, piece)): (usize, (&Block, &mut Piece))| cut.read(block, is_first && at == 0, piece);
-        // the next are read, and those before put away, while these are taken apart
+        // the next blocks are read, and the previous ones stored, while these are parsed
         let ((), (next, is_away)) = rayon::join(
             || several.par_iter().zip(&mut pieces).enumerate().for_each(read),
             || (blocks.several(at_once), reading.append(&before)),
@@ -144,7 +144,7 @@ impl<'a> TextColumns<'a> {
         pieces.iter().try_for_each(|piece| self.learn(piece))
     }
 
-    /// Takes in the findings of a piece beside its numbers.
+    /// Adds the findings of a piece, except its numbers.
     fn learn(&mut self, piece: &Piece) -> Result<(), InputError> {
         let path = self.cut.path;
         let Piece { times, lines, rows, bad, first_bad, fatal, cut, numerals, .. } = piece;

@@ -1,4 +1,4 @@
-//! Rows of a text: the cells that are wanted of each line of a block, as numbers.
+//! Reads the rows of a text: the wanted cells of each line of a block, as numbers.
 
 use super::super::number::{Number, Numerals};
 use super::blocks::Block;
@@ -23,21 +23,21 @@ pub struct Cut<'a> {
     pub delimiter: Delimiter,
     /// The number of cells of a line.
     pub width: usize,
-    /// Places in a line, in their order, and which of the wanted ones each is.
+    /// The places of the wanted cells in a line, in order, each with its index among the wanted cells.
     pub wanted: Vec<(usize, usize)>,
     /// The index of the time among the wanted cells.
     pub time: Option<usize>,
-    /// Names of the wanted ones.
+    /// The names of the wanted cells.
     pub names: Vec<String>,
-    /// Lines at the start that are none of the data.
+    /// Number of lines at the start that are not data.
     pub head: u64,
     /// The sentence that is read, as in [`Head`].
     pub sentence: Option<String>,
-    /// Cells in front of the first column.
+    /// Number of cells in front of the first column.
     shift: usize,
     /// The names of all columns.
     all: Vec<String>,
-    /// The place of a cell, and the value of it in the rows that are read; none: all rows.
+    /// The place of a cell, and its value in the rows to read; `None` reads all rows.
     pub only: Option<(usize, String)>,
 }
 
@@ -47,15 +47,15 @@ pub struct Piece {
     pub columns: Vec<(Vec<f64>, bool)>,
     /// Times of the rows, if they are wanted.
     pub times: Vec<Time>,
-    /// Lines of any kind.
+    /// Number of lines of any kind.
     pub lines: u64,
-    /// Rows and broken lines.
+    /// Number of rows, including broken lines.
     pub rows: u64,
-    /// Broken lines.
+    /// Number of broken lines.
     pub bad: u64,
-    /// The line of the first, counted from 1 in this block, and what is wrong with it.
+    /// The first broken line, counted from 1 in this block, and the error in it.
     pub first_bad: Option<Wrong>,
-    /// A value that must not be skipped.
+    /// An error in a value that must not be skipped.
     pub fatal: Option<Wrong>,
     /// The error in the last line, which lacks its end.
     pub cut: Option<Wrong>,
@@ -65,15 +65,15 @@ pub struct Piece {
     pub sample: Vec<Sampled>,
 }
 
-/// A line, and what is wrong in it.
+/// The number of a line, and the error in it.
 pub type Wrong = (u64, String);
 
 /// The time of a row.
 #[derive(Clone, Copy)]
 pub enum Time {
-    /// In the unit of the column.
+    /// An integer in the unit of the column.
     Integer(i64),
-    /// The same.
+    /// A number in the unit of the column.
     Number(f64),
     /// A date with a time of day, in ns since the epoch.
     Date(i64),
@@ -109,7 +109,7 @@ impl Piece {
 }
 
 impl Cut<'_> {
-    /// Reads the lines of a block into a piece that is clear.
+    /// Reads the lines of a block into an empty piece.
     pub fn read(&self, block: &Block, is_first: bool, piece: &mut Piece) {
         let text = block.text();
         let has_quotes = memchr(b'"', text.as_bytes()).is_some();
@@ -136,7 +136,7 @@ impl Cut<'_> {
 
 struct Reading<'a, 't> {
     cut: &'a Cut<'a>,
-    /// The delimiter, where nothing is in quotes.
+    /// The delimiter, if no cell is in quotes.
     plain: Option<u8>,
     cells: Vec<&'t str>,
     values: Vec<Number>,
@@ -168,7 +168,7 @@ impl<'t> Reading<'_, 't> {
         self.piece.bad += 1;
         self.piece.first_bad.get_or_insert(wrong);
         if self.cut.time.is_none() {
-            // a line that is lost is a sample that is lost
+            // a lost line is a lost sample
             self.piece.columns.iter_mut().for_each(|(column, _)| column.push(f64::NAN));
             self.sample("");
         }
@@ -180,7 +180,7 @@ impl<'t> Reading<'_, 't> {
         if let Some((_, at)) = self.cut.wanted.iter().find(|(place, _)| *place >= width) {
             return Err(named(*at, "the line ends before this cell"));
         }
-        // of a line that was cut off the last cell may be cut as well
+        // if a line was cut off, its last cell may be cut as well
         let is_half = width < self.cut.width && self.cut.wanted.last().is_some_and(|(place, _)| place + 1 == width);
         if width > self.cut.width || is_half {
             return Err(format!("it has {width} cells, and the others have {}", self.cut.width));
@@ -243,7 +243,7 @@ impl<'t> Reading<'_, 't> {
         self.piece.sample.iter_mut().zip(cells).for_each(|(column, cell)| column.cells.push(cell));
     }
 
-    /// Finds the cells that are wanted; gives how many there are.
+    /// Finds the wanted cells. Returns the number of all cells of the line.
     fn split(&mut self, line: &'t str) -> usize {
         match self.plain {
             Some(delimiter) => self.split_plain(line, delimiter),
@@ -264,9 +264,9 @@ impl<'t> Reading<'_, 't> {
                 (start, is_whole) = end.map_or((start, true), |end| (end + 1, false));
             }
         }
-        // the rest is counted, which is faster than to look at each
+        // the rest is counted, which is faster than to examine each cell
         let width = if is_whole { width } else { width + ends.count() + 1 };
-        // what ends with a delimiter has no cell more
+        // a line that ends with a delimiter has no further cell
         let ends_empty = line.as_bytes().last() == Some(&delimiter);
         if ends_empty && width == self.cut.width + 1 { width - 1 } else { width }
     }
@@ -286,7 +286,7 @@ impl<'t> Reading<'_, 't> {
     }
 }
 
-/// A cell without blanks around it; most have none.
+/// A cell without blanks around it. Most cells have none.
 fn trimmed(cell: &str) -> &str {
     match cell.as_bytes() {
         [b'!'..=b'~', .., b'!'..=b'~'] | [b'!'..=b'~'] => cell,
@@ -294,7 +294,7 @@ fn trimmed(cell: &str) -> &str {
     }
 }
 
-/// A time is a number, or a date with a time of day.
+/// Reads a time: a number, or a date with a time of day.
 fn read_time(numerals: &mut Numerals, cell: &str, line: u64) -> Result<Time, String> {
     let unreadable = match numerals.read(cell, line) {
         Ok(Number::Integer(time)) => return Ok(Time::Integer(time)),
@@ -306,7 +306,7 @@ fn read_time(numerals: &mut Numerals, cell: &str, line: u64) -> Result<Time, Str
     date(cell).or_else(|| time_of_day(cell)).map(Time::Date).ok_or_else(no_time)
 }
 
-/// ns since the epoch. A date without a zone is taken as UTC, which matters to no interval.
+/// The time of a date in ns since the epoch. A date without a zone is taken as UTC, which no interval depends on.
 fn date(cell: &str) -> Option<i64> {
     let is_slashed = cell.get(4..5) == Some("/") && cell.get(7..8) == Some("/");
     let cell = if is_slashed { Cow::Owned(cell.replacen('/', "-", 2)) } else { Cow::Borrowed(cell) };
@@ -318,7 +318,7 @@ fn date(cell: &str) -> Option<i64> {
     i64::try_from(stamp.as_nanosecond()).ok()
 }
 
-/// ns since midnight.
+/// The time of day in ns since midnight.
 fn time_of_day(cell: &str) -> Option<i64> {
     let is_short = cell.get(1..2) == Some(":");
     let cell = if is_short { Cow::Owned(format!("0{cell}")) } else { Cow::Borrowed(cell) };
@@ -327,19 +327,19 @@ fn time_of_day(cell: &str) -> Option<i64> {
     Some(s * 1_000_000_000 + i64::from(time.subsec_nanosecond()))
 }
 
-/// Broken lines of a text so far.
+/// The number of broken lines of a text so far, and the first one.
 #[derive(Default)]
 pub struct Broken {
-    /// Rows, and broken lines.
+    /// Number of rows, including broken lines.
     pub rows: u64,
-    /// Broken lines.
+    /// Number of broken lines.
     pub bad: u64,
-    /// The first.
+    /// The first broken line.
     pub first: Option<Wrong>,
 }
 
 impl Broken {
-    /// The text of a warning about them; an error if more lines are broken than may be skipped.
+    /// The text of a warning about broken lines, or an error if more lines are broken than may be skipped.
     ///
     /// `most` is the share of the rows that may be skipped, and `option` the name of its setting.
     pub fn judge(self, path: &Path, most: Option<f64>, option: SettingName) -> Result<Option<String>, InputError> {
@@ -362,7 +362,7 @@ impl Broken {
     }
 }
 
-/// An error in a line: where it names a column, that is part of the place.
+/// An error in a line. If `what` names a column, the column becomes part of the place.
 pub fn at_line(path: &Path, line: u64, what: &str) -> InputError {
     match what.strip_prefix("column ").and_then(|rest| rest.split_once(": ")) {
         Some((column, what)) => wrong(path, format_args!("line {line}, column {column}"), what),
@@ -370,7 +370,7 @@ pub fn at_line(path: &Path, line: u64, what: &str) -> InputError {
     }
 }
 
-/// The cells of the columns that were chosen.
+/// The places of the chosen columns in a line.
 pub fn cut<'a>(path: &'a Path, head: &Head, chosen: &[usize], time: Option<usize>) -> Cut<'a> {
     let shift = usize::from(head.index);
     let mut wanted: Vec<(usize, usize)> =

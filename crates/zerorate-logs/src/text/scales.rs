@@ -1,4 +1,4 @@
-//! Scales in the lines above the data. Those of Gyroflow's logs (.gcsv) are used, and others are named.
+//! Scales in the lines above the data. Scales of Gyroflow's logs (.gcsv) are used, and other scales are reported.
 
 use crate::clock::Times;
 use zerorate_input::TimeUnit;
@@ -54,7 +54,7 @@ impl Scales {
         }
     }
 
-    /// Gives times in a column of this name their unit.
+    /// Gives the times their unit, if their column is [`TIME`].
     pub fn give_unit(&self, name: &str, times: &mut Times) {
         if let Some(step_s) = self.time_s.filter(|_| name == TIME && times.unit.is_none()) {
             times.scale(step_s);
@@ -63,7 +63,7 @@ impl Scales {
     }
 }
 
-/// A word and a number above zero: `gscale,0.00122`.
+/// Parses a word and a number above zero: `gscale,0.00122`.
 fn pair(line: &str) -> Option<(String, f64)> {
     let (key, value) = line.split_once([',', '=', ':', ';', '\t'])?;
     let value: f64 = value.trim().parse().ok()?;

@@ -4,19 +4,19 @@
 use crc::{CRC_16_XMODEM, Crc};
 use std::collections::BTreeMap;
 
-/// The sum that `*` announces at the end of a sentence, and the bytes that it covers.
+/// The body of a sentence, and the checksum that `*` announces. The checksum covers the body.
 fn parts(line: &str) -> Option<(&str, &str)> {
     let (body, sum) = line.strip_prefix('$')?.rsplit_once('*')?;
     let is_sum = matches!(sum.len(), 2 | 4) && sum.bytes().all(|byte| byte.is_ascii_hexdigit());
     is_sum.then_some((body, sum))
 }
 
-/// A line without the sum of a sentence.
+/// A line without the checksum of a sentence.
 pub fn without_sum(line: &str) -> &str {
     parts(line).map_or(line, |(body, _)| &line[..=body.len()])
 }
 
-/// The same, if the sum is right or the line has none.
+/// A line without its checksum. `Err` if the checksum is wrong.
 pub fn checked(line: &str) -> Result<&str, String> {
     let Some((body, stated)) = parts(line) else { return Ok(line) };
     let found = match stated.len() {
@@ -34,7 +34,7 @@ fn tag(line: &str) -> Option<&str> {
     line.starts_with('$').then(|| line.split(',').next().unwrap_or(line))
 }
 
-/// The most frequent sentence of these lines. A receiver sends several, and one is the log.
+/// The most frequent sentence of these lines. A receiver sends several kinds, of which one is the log.
 pub fn most<'a>(lines: impl Iterator<Item = &'a str>) -> Option<String> {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     lines.filter_map(tag).for_each(|tag| *counts.entry(tag).or_default() += 1);

@@ -16,20 +16,20 @@ use zerorate_input::{Input, InputError};
 /// The facts that hold for every row.
 struct Survey {
     rows: u64,
-    /// The first cell counts the rows, from 0 or from 1.
+    /// Whether the first cell counts the rows, from 0 or from 1.
     is_index: bool,
     start: i64,
-    /// Each row is one number with a decimal comma or none.
+    /// Whether each row is one number, with or without a decimal comma.
     is_decimal: bool,
-    /// Each row ends with a delimiter.
+    /// Whether each row ends with a delimiter.
     ends_empty: bool,
-    /// The first cell never falls, or never rises.
+    /// Whether the first cell never falls, and whether it never rises.
     rises: bool,
     falls: bool,
     last: i64,
-    /// A cell shows that the commas mark decimals: `-0,25` or `1,05`.
+    /// Whether a cell shows that the commas mark decimals: `-0,25` or `1,05`.
     shows_decimals: bool,
-    /// A row is not two cells.
+    /// Whether some row does not have two cells.
     uneven: bool,
 }
 
@@ -68,7 +68,7 @@ pub fn settle(path: &Path, input: Input, head: &mut Head, args: &ColumnOptions) 
 }
 
 impl Head {
-    /// One column, with decimal commas.
+    /// Reads the text as one column with decimal commas.
     fn read_as_decimals(&mut self) {
         (self.delimiter, self.width, self.numeric) = (Delimiter::Semicolon, 1, vec![true]);
         (self.names.len() > 1).then(|| self.names.truncate(1));
