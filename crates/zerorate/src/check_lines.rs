@@ -1,5 +1,5 @@
-//! The two check lines of a file: a digest of everything else, and two bytes of a digest for each, so that a changed
-//! line can be named.
+//! The two check lines of a file: a digest of all other lines, and two bytes of a digest for each of them, so that a
+//! changed line can be named.
 
 use alloc::format;
 use alloc::string::String;
@@ -10,10 +10,10 @@ use sha2::{Digest, Sha256};
 
 const CHECKSUM: &str = "checksum = \"sha256:";
 const LINE_CHECKS: &str = "line_checks = \"";
-/// Hexadecimal digits for each line.
+/// Number of hexadecimal digits for each line.
 const DIGITS: usize = 4;
 
-/// Damage of a file whose check lines do not hold. Lines count from 1.
+/// The damage that the check lines of a file show. Lines count from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the field is the number of a line")]
 pub enum Damage {
@@ -46,14 +46,14 @@ pub(crate) fn with_checks(header: &str, fields: &str) -> String {
     [header, &lines_for(&[header, fields].concat()), fields].concat()
 }
 
-/// The two lines, each with its line end, for a body of lines.
+/// The two check lines, each with its line end, for these lines.
 fn lines_for(body: &str) -> String {
     let lines: Vec<&str> = normal(body).map(|(_, line)| line).collect();
     let checks: String = lines.iter().map(|line| short(line)).collect();
     format!("{CHECKSUM}{}\"\n{LINE_CHECKS}{checks}\"\n", digest(&checks, &lines))
 }
 
-/// Whether the file has check lines, and whether they hold.
+/// Whether the file has check lines. `Err` if they do not match the other lines.
 pub(crate) fn verify(text: &str) -> Result<bool, Damage> {
     let checksum = value_of(text, CHECKSUM);
     let line_checks = value_of(text, LINE_CHECKS);
@@ -83,7 +83,7 @@ pub(crate) fn sha256_hex(text: &str) -> String {
     })
 }
 
-/// Finds the first line that is not what was written. None if it must be a check line itself.
+/// Finds the first changed line. `None` if a check line itself must have changed.
 fn locate(body: &[(usize, &str)], line_checks: &str) -> Option<Damage> {
     let mut expected = line_checks.as_bytes().chunks(DIGITS);
     for (line, text) in body {

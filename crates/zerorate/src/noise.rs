@@ -154,8 +154,8 @@ impl Process {
     }
 }
 
-/// Corner frequencies evenly spread over the logarithm from the cutoff to the top, each at the middle of its cell;
-/// each cell's variance is what S(f) = B²/(πf) holds inside it.
+/// Corner frequencies evenly spread over the logarithm from the cutoff to the top, each at the middle of its cell. The
+/// variance of a cell is the integral of S(f) = B²/(πf) over the cell.
 fn flicker_processes(bias_instability_dps: f64) -> [Process; CELLS] {
     let octaves_per_cell = libm::log2(FLICKER_TOP_HZ / FLICKER_CUTOFF_HZ) / CELLS as f64;
     let variance = square(bias_instability_dps) / PI * LN_2 * octaves_per_cell;

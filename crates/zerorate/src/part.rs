@@ -18,7 +18,7 @@ pub use file::PartError;
 pub(crate) use file::is_word;
 pub use reading::{Reading, Scan};
 
-/// Largest number of axes of a part. Its readings take that much room.
+/// Largest number of axes of a part. Each of its readings takes memory for this many axes.
 pub const MAX_AXES: usize = 8;
 
 /// Allowed distance of a temperature from the span of a calibration if its noise is not known, °C. For the ADIS16130
@@ -34,7 +34,7 @@ pub struct Part {
     pub axes: Cow<'static, [NamedAxis]>,
     /// Column of the temperature in logs, if it is not `temp`.
     pub temp_column: Option<Cow<'static, str>>,
-    /// Coldest and warmest air in which it may operate, °C.
+    /// Coldest and warmest air in which the part may operate, °C.
     pub operating_c: Option<(f64, f64)>,
 }
 
@@ -47,7 +47,7 @@ pub struct NamedAxis {
     pub column: Option<Cow<'static, str>>,
     /// The numbers of the axis.
     pub axis: Axis,
-    /// Sources of its typical noise.
+    /// Sources of the axis's typical noise.
     pub sources: NoiseSources,
 }
 
@@ -61,7 +61,7 @@ pub struct NoiseSources {
 }
 
 impl Part {
-    /// The part that this software knows by itself, at its own bandwidth (F-03).
+    /// The built-in part, at its own bandwidth (F-03).
     pub const ADIS16130: Self = Self {
         name: Cow::Borrowed("ADIS16130"),
         axes: Cow::Borrowed(&[NamedAxis {
@@ -82,26 +82,26 @@ impl Part {
 /// needs it is left out. If the user has to know that, a warning says so.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
-    /// Codes to °/s.
+    /// Scale of the rate codes, °/s.
     pub rate: Scale,
-    /// Codes to °C.
+    /// Scale of the temperature codes, °C.
     pub temp: Scale,
     /// Noise of a single reading of the temperature, °C.
     pub temp_noise_c: Option<f64>,
-    /// Largest rate that it measures, °/s, in both directions.
+    /// Largest rate that the axis measures, °/s, in both directions.
     pub range_dps: Option<f64>,
-    /// −3 dB frequency of its response, Hz, as it is set.
+    /// −3 dB frequency of the response as configured, Hz.
     pub bandwidth_hz: Option<f64>,
-    /// Typical noise of its rate.
+    /// Typical noise of the rate.
     pub noise: Option<TypicalNoise>,
     /// Typical bias, and its dependence on other quantities.
     pub bias: TypicalBias,
-    /// How a typical unit warms itself after it is switched on.
+    /// Self-heating of a typical unit after it is switched on.
     pub self_heating: Option<SelfHeating>,
     /// A tone that sampling may fold to zero.
     pub resonance: Option<Tone>,
-    /// One converter takes rate and temperature in turn, so that reading every N-th edge gives 1/(N + 1) of its
-    /// conversions.
+    /// Whether one converter takes rate and temperature in turn, so that reading every N-th edge gives 1/(N + 1) of
+    /// its conversions.
     pub alternates: bool,
 }
 
@@ -226,7 +226,7 @@ impl SelfHeating {
         -self.fast_c * libm::expm1(-after_s / self.fast_s) - self.slow_c * libm::expm1(-after_s / self.slow_s)
     }
 
-    /// Time from which less than `rest_c` of the rise is to come, s. By then the fast share is over.
+    /// Time after which less than `rest_c` of the rise is left, s. By then the fast share is over.
     #[must_use]
     pub fn settles_to_s(&self, rest_c: f64) -> f64 {
         (self.slow_s * libm::log(self.slow_c / rest_c)).max(0.0)
@@ -280,11 +280,11 @@ impl TypicalBias {
 /// A tone that the part adds to its rate, and the tolerance of its frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tone {
-    /// Its frequency, Hz.
+    /// Frequency of the tone, Hz.
     pub hz: f64,
     /// Tolerance of that frequency, Hz: half of the last digit that is printed.
     pub tolerance_hz: f64,
-    /// Its rms before sampling, °/s.
+    /// Rms of the tone before sampling, °/s.
     pub rms_dps: f64,
 }
 
@@ -343,7 +343,7 @@ impl Axis {
         resonance: Some(Tone { hz: 14_300.0, tolerance_hz: 50.0, rms_dps: 0.02 }),                 // F-07, M-08
         alternates: true,                                                                          // F-56
     };
-    /// An axis with known scales, of which nothing else is known.
+    /// An axis of which only the scales are known.
     #[must_use]
     pub fn unknown(rate: Scale, temp: Scale) -> Self {
         Self {
@@ -363,14 +363,14 @@ impl Axis {
     /// Bandwidth of the ADIS16130 with 0.01 µF between ROA1 and ROA2, Hz (F-04).
     pub const ADIS16130_ROA_10NF_HZ: f64 = 50.0;
 
-    /// Distance from the span of a calibration at which a temperature is still unremarked, °C. It is ten times the
+    /// Distance beyond the span of a calibration up to which a temperature gives no warning, °C. It is ten times the
     /// noise of a reading, or [`Validity::MARGIN_C`](crate::Validity::MARGIN_C) if that is not known.
     #[must_use]
     pub fn temp_margin_c(&self) -> f64 {
         self.temp_noise_c.map_or(UNKNOWN_MARGIN_C, |noise_c| 10.0 * noise_c)
     }
 
-    /// The typical noise as a model. Without one, the model has no noise beside the measured one.
+    /// The typical noise as a model. If the noise is not known, all terms are zero.
     #[must_use]
     pub fn typical_noise(&self) -> NoiseModel {
         const NONE: TypicalNoise =

@@ -50,7 +50,7 @@ const NOISE: &str = "noise of the recording";
 const MODELS: &str = "order, lag, play and steps that the recording leaves open";
 const BASE_MOTION: &str = "slow base motion, by its probability";
 
-/// The known sources, and what is left of the variance.
+/// The contributions of the known sources, and of `rest`, which has the rest of the variance.
 fn of(
     name: &'static str,
     u: f64,

@@ -11,7 +11,7 @@ use crate::procedure::Noise;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-/// How a chamber's run went, beside its record.
+/// The data of a chamber's run that its record does not have.
 #[derive(Clone, Debug)]
 pub struct ChamberRun<'a> {
     /// Samples of this run, for its rates.
@@ -80,7 +80,7 @@ fn validity(part: &Part, record: &Record) -> Option<Validity> {
     Some(Validity { temp_min_c, temp_max_c, margin_c: part.axes.first()?.axis.temp_margin_c() })
 }
 
-/// A chamber's run has none of the steps of F-51.
+/// The data of the run. A chamber's run has none of the steps of F-51.
 fn of_run(record: &Record, run: &ChamberRun<'_>) -> Run {
     let &ChamberRun { tally, max_lost, earth_dps, .. } = run;
     let ends = record.start_s.first().zip(record.start_s.last());

@@ -1,6 +1,6 @@
 //! Times as RFC 3339 writes them.
 
-/// Whether a text is a time as in RFC 3339, section 5.6, such as `2026-03-01T12:00:00Z`, on a day that there is.
+/// Whether a text is a time as in RFC 3339, section 5.6, such as `2026-03-01T12:00:00Z`, on an existing day.
 #[must_use]
 pub fn is_rfc3339(text: &str) -> bool {
     text.split_once(['T', 't', ' ']).is_some_and(|(date, time)| is_date(date) && is_time(time))
@@ -14,7 +14,7 @@ fn is_date(date: &str) -> bool {
     }
 }
 
-/// Days of a month; none if there is no such month.
+/// Number of days of a month; 0 if there is no such month.
 const fn days(year: u32, month: u32) -> u32 {
     match month {
         2 if year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400)) => 29,
@@ -36,7 +36,7 @@ fn is_time(time: &str) -> bool {
     is_clock && is_offset && number(fraction, fraction.len()).is_some()
 }
 
-/// Numbers of two digits with a mark between them.
+/// Reads numbers of two digits with a mark between them.
 fn pairs<const N: usize>(text: &str, mark: char) -> Option<[u32; N]> {
     let mut parts = text.split(mark);
     let mut numbers = [0; N];
@@ -46,7 +46,7 @@ fn pairs<const N: usize>(text: &str, mark: char) -> Option<[u32; N]> {
     parts.next().is_none().then_some(numbers)
 }
 
-/// A number of so many digits. Beyond 32 bits it counts as the largest one.
+/// Reads a number of this many digits. A number beyond 32 bits counts as the largest one.
 fn number(text: &str, digits: usize) -> Option<u32> {
     let is_number = digits > 0 && text.len() == digits && text.bytes().all(|byte| byte.is_ascii_digit());
     is_number.then(|| text.parse().unwrap_or(u32::MAX))

@@ -24,7 +24,7 @@ pub enum FileError {
     Newer { line: usize, schema: u32 },
     /// The text has changed since it was written.
     Edited { line: usize },
-    /// The end is missing.
+    /// The end of the text is missing.
     Truncated { line: usize },
     /// A value belongs to another part, or a number is impossible.
     Value { line: usize, axis: Option<String>, name: &'static str, why: String },
@@ -98,7 +98,7 @@ impl Calibration {
     /// Reads a calibration file.
     ///
     /// # Errors
-    /// Returns what is wrong, with the line.
+    /// Returns the first error in the text, with its line.
     ///
     /// ```
     /// use zerorate::calibration::{Calibration, FileWarning};
@@ -122,14 +122,14 @@ impl Calibration {
         Ok((form.into_calibration(), if checked { Vec::new() } else { [FileWarning::NoChecksum].into() }))
     }
 
-    /// Writes the text of the file, with its check lines. Numbers come back bit for bit.
+    /// Writes the text of the file, with its check lines. [`Calibration::parse`] gives the same numbers bit for bit.
     #[must_use]
     pub fn to_toml(&self) -> String {
         check_lines::file(HEADER, self)
     }
 }
 
-/// The one field that is read of a newer file before it is refused.
+/// The only field that is read from a newer file before the file is refused.
 #[derive(Deserialize)]
 struct Head {
     schema: Option<u32>,

@@ -14,7 +14,7 @@ pub(super) const SEVERAL: u32 = 2;
 /// The first schema with the terms of a curve, in either form.
 pub(super) const CURVED: u32 = 3;
 
-/// The schema that brought the notes beside that on the supply, in either form.
+/// The first schema with notes other than the supply, in either form.
 pub(super) const NOTED: u32 = 4;
 
 /// Every key of all schemas, in the order in which they are written.

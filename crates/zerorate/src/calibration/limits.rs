@@ -20,7 +20,7 @@ const NUMBERS: RangeInclusive<f64> = -1e9..=1e9;
 const SIZES: RangeInclusive<f64> = 0.0..=1e9;
 /// Shares of a whole.
 const SHARES: RangeInclusive<f64> = 0.0..=1.0;
-/// Excess of a sum of squares over the square that it was split from.
+/// Share by which rounding may let a sum of squares exceed the square that it was split from.
 const ROUNDING: f64 = 1e-9;
 /// Temperatures that a sensor may state, °C.
 const TEMPS_C: RangeInclusive<f64> = -100.0..=200.0;
@@ -169,7 +169,7 @@ impl CalibrationForm {
 }
 
 impl SourcesRecord {
-    /// `variances` are those of PBC and BTC.
+    /// Checks the sources against `variances`, the variances of PBC and BTC.
     fn check(&self, table: Entry<'_>, variances: [f64; 2]) -> Result<(), EntryError> {
         check_within(table, &SHARES, &[("sway_probability", self.sway_probability)])?;
         let of_pbc = [("u_models_pbc_dps", self.u_models_pbc_dps), ("u_sway_pbc_dps", self.u_sway_pbc_dps)];
@@ -193,7 +193,7 @@ fn curved() -> String {
 
 const COVARIANCE: &str = "is not a covariance: it must be symmetric, and no sum may have a variance below 0";
 
-/// Checks what both forms state of an axis beside its correction.
+/// Checks the tables of an axis that both forms have, except its correction.
 fn check_of_axis(
     axis: Entry<'_>,
     measured: Option<&Measured>,

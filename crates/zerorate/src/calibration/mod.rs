@@ -33,7 +33,7 @@ use zerorate_allan::FLOOR_PER_B;
 /// The newest version of the file form that this software reads and writes.
 pub const SCHEMA: u32 = 4;
 
-/// Stands where a date would: the part was the software twin.
+/// Value of [`Calibration::created`] in place of a date, if the part was the software twin.
 pub const SIMULATED: &str = "SIMULATED";
 
 /// The calibration of one unit. Part and corrections are mandatory, and a measured calibration has everything.
@@ -47,7 +47,7 @@ pub struct Calibration {
     pub created: Option<String>,
     /// Method of the measurement. `an1042` is F-51, and `warmup` and `cycle` use every block of a recording.
     pub method: Option<String>,
-    /// The software that measured it.
+    /// The software that made the measurement.
     pub software: Option<String>,
     /// The device that the samples came from.
     pub device: Option<String>,
@@ -82,7 +82,7 @@ pub struct CalibratedAxis {
     pub correction: Correction,
     /// The means that AN-1042 is computed from.
     pub measured: Option<Measured>,
-    /// Standard uncertainties and covariances, of AN-1042.
+    /// Standard uncertainties and covariances of a calibration by AN-1042.
     pub uncertainty: Option<Uncertainties>,
     /// Uncertainties of a curve, and its basis.
     pub curve: Option<CurveRecord>,
@@ -132,7 +132,7 @@ pub struct CurveRecord {
     pub play_c: f64,
     /// Steps that were taken out: time, s, and size, °/s.
     pub steps: Vec<[f64; 2]>,
-    /// Sources of the uncertainties of PBC and BTC; none in older files.
+    /// Sources of the uncertainties of PBC and BTC; `None` in older files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sources: Option<SourcesRecord>,
 }
@@ -163,7 +163,7 @@ pub struct NoiseRecord {
     pub rate_random_walk_source: String,
 }
 
-/// How the measurement went.
+/// Facts about the run of the measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(missing_docs, reason = "as the fields of `Outcome` and `Plan`")]
@@ -179,7 +179,7 @@ pub struct Run {
     pub offset_s: f64,
     pub max_lost: f64,
     pub max_u_btc_dps_per_c: f64,
-    /// Component of the Earth's rotation that was subtracted (F-16); none if it is part of PBC.
+    /// Component of the Earth's rotation that was subtracted (F-16); `None` if it is part of PBC.
     pub earth_dps: Option<f64>,
     pub assume_linear: bool,
 }
@@ -203,21 +203,21 @@ pub struct Origin {
     pub notes: Notes,
 }
 
-/// Circumstances of a measurement, for its reader: nothing is computed from them.
+/// Circumstances of a measurement, for information only. No number depends on them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Notes {
     /// The supply, as the user describes it.
     pub supply: Option<String>,
     /// The surroundings, as the user describes them.
     pub ambient: Option<String>,
-    /// Who measured.
+    /// The person who measured.
     pub operator: Option<String>,
-    /// Name of the computer; none for a simulated part, whose files depend on the seed alone.
+    /// Name of the computer; `None` for a simulated part, whose files depend on the seed alone.
     pub host: Option<String>,
 }
 
 impl Notes {
-    /// These notes, and those of `other` where these are silent.
+    /// These notes, with the notes of `other` in place of missing ones.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self {
@@ -278,7 +278,7 @@ impl Calibration {
     /// Builds a corrector for these axes of a part, in their order.
     ///
     /// # Errors
-    /// The calibration belongs to another part, or has no such axis.
+    /// Returns [`OtherPart`] if the calibration belongs to another part, or has no such axis.
     pub fn corrector<'a>(
         &self,
         part: &str,
@@ -296,7 +296,7 @@ impl Calibration {
         }
     }
 
-    /// Short name of 12 hexadecimal digits, the same for the same unit and numbers. Corrected data carry it.
+    /// An identifier of 12 hexadecimal digits, the same for the same unit and numbers. Corrected data carry it.
     #[must_use]
     pub fn id(&self) -> String {
         let part = &self.part;
@@ -317,7 +317,7 @@ impl Calibration {
     }
 }
 
-/// The calibration does not belong to the data that it should correct.
+/// The error for a calibration that does not belong to the data to be corrected.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the fields are the names that the text shows")]
 pub enum OtherPart {
@@ -360,7 +360,7 @@ impl CalibratedAxis {
         let u = self.uncertainty.as_ref()?;
         let d = temp_c - self.correction.t3_c;
         let alone = u.u_pbc_dps * u.u_pbc_dps + (d * u.u_btc_dps_per_c) * (d * u.u_btc_dps_per_c);
-        // rounding, or a file by hand whose covariances are impossible, may leave less than nothing
+        // rounding, or impossible covariances in a file written by hand, may make this negative
         Some(libm::sqrt((alone + 2.0 * d * u.cov_pbc_btc_dps2_per_c).max(0.0)))
     }
 }
@@ -419,7 +419,7 @@ impl From<Uncertainty> for Uncertainties {
     }
 }
 
-/// A text of the file form: control characters are written as Rust writes them, `\n` for a line break.
+/// Writes a text on one line: control characters are written as Rust writes them, `\n` for a line break.
 fn one_line(text: &str) -> String {
     let mut line = String::with_capacity(text.len());
     for character in text.chars() {

@@ -10,10 +10,10 @@ use zerorate_allan::entry::{Bounds, Document, Entry, EntryError};
 
 /// Version of the file form, and the newest that is read.
 const SCHEMA: u32 = 1;
-/// Steps of all cycles at most: a week of them.
+/// Largest number of steps of all cycles: a week of them.
 pub(super) const MAX_STEPS: usize = 1000;
 
-/// Set points of any plan, °C.
+/// Possible set points of a plan, °C.
 pub(super) const SET_POINTS_C: RangeInclusive<f64> = -100.0..=250.0;
 const TO_C: Bounds = Bounds::Within(SET_POINTS_C, "°C");
 const SAFE_C: Bounds = Bounds::Within(-40.0..=60.0, "°C");
@@ -66,7 +66,7 @@ impl ChamberPlan {
     /// Reads the file of a plan.
     ///
     /// # Errors
-    /// The text is not a plan: the error has the line, the key, and what to do.
+    /// Returns the line, the key and the remedy if the text is not a plan.
     pub fn parse(text: &str) -> Result<Self, ChamberPlanError> {
         let document = Document::parse(text)?;
         let (root, file) = (document.root(), document.fields::<File>()?);
@@ -92,7 +92,7 @@ impl ChamberPlan {
     }
 }
 
-/// Returns none for `"auto"`, and for an absent value.
+/// Returns `None` for `"auto"`, and for an absent value.
 fn auto(entry: Entry<'_>, value: Option<&Number>, bounds: &Bounds) -> Result<Option<f64>, EntryError> {
     match value {
         Some(Number::Known(number)) => entry.number(*number, bounds).map(Some),
@@ -121,7 +121,7 @@ impl StepForm {
     }
 }
 
-/// Returns how many times the steps are repeated.
+/// Returns the number of times that the steps are run.
 fn cycles(root: Entry<'_>, cycles: Option<u32>, steps: usize) -> Result<usize, EntryError> {
     root.require(steps > 0, || {
         "there is no [[step]]; give at least two, each with to_c = the temperature of the chamber in °C".into()

@@ -16,16 +16,16 @@ use alloc::vec::Vec;
 pub struct ChamberOutcome {
     /// The bias over temperature at the end of the measurement.
     pub curve: BiasCurve,
-    /// The data of the curve, for pictures: means over some seconds each, with their residuals after the correction.
+    /// The data of the curve for plots: means over some seconds each, with their residuals after the correction.
     pub residuals: Vec<Residual>,
-    /// Residual of each soak point after the correction and without what was taken out, °/s.
+    /// Residual of each soak point after the correction, without the removed steps and base motion, °/s.
     pub soak_residuals_dps: Vec<f64>,
-    /// The distance between warming and cooling. None if the part was not at the same temperature in both directions.
+    /// The hysteresis loop; `None` if the part was not at the same temperature in both directions.
     pub branches: Option<Branches>,
 }
 
 impl ChamberOutcome {
-    /// The warnings of the result: what was taken out.
+    /// The warnings about steps and base motion that were removed.
     pub fn warnings(&self) -> impl Iterator<Item = Warning> {
         taken_out(&self.curve)
     }
@@ -59,9 +59,9 @@ pub struct Branches {
     pub span_c: (f64, f64),
 }
 
-/// Approximate number of means for a curve. More of them cost time and tell nothing.
+/// Approximate number of means for a curve. More means cost time and add no information.
 const MOST_BLOCKS: usize = 1600;
-/// Shortest and longest mean, s: short against everything that is slow in a part.
+/// Shortest and longest mean, s: short compared with all slow effects in a part.
 const BLOCK_S: (usize, usize) = (2, 60);
 /// Largest change of temperature within a mean, °C. A mean over more belongs to no single temperature.
 const BLOCK_SPAN_C: f64 = 5.0;
@@ -79,7 +79,7 @@ impl Record {
     /// on the axis, °/s, which is subtracted, and `max_order` the highest order that is tried.
     ///
     /// # Errors
-    /// The temperature hardly changed, or there is too little of the record.
+    /// Returns a refusal if the temperature hardly changed, or there is too little of the record.
     pub fn outcomes(
         &self,
         part: &Part,

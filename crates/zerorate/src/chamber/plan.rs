@@ -35,11 +35,11 @@ pub struct ChamberPlan {
     pub drift_c_per_min: Option<f64>,
     /// Time over which that drift is measured, s.
     pub window_s: f64,
-    /// Time limit for settling, s from when the set point was reached.
+    /// Time limit for settling after the set point was reached, s.
     pub settle_timeout_s: f64,
     /// How far the air may go beyond the coldest and the warmest set point, °C.
     pub overshoot_c: f64,
-    /// Temperature at which the chamber is left, °C.
+    /// Temperature of the chamber after the measurement, °C.
     pub safe_c: f64,
 }
 
@@ -48,13 +48,13 @@ pub struct ChamberPlan {
 pub struct Step {
     /// Set point, °C.
     pub to_c: f64,
-    /// Speed of the set point, °C/min. None lets it jump.
+    /// Speed of the set point, °C/min. `None` lets the set point jump.
     pub c_per_min: Option<f64>,
-    /// When the step is over.
+    /// The end of the step.
     pub end: StepEnd,
 }
 
-/// When a step is over.
+/// The condition that ends a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepEnd {
     /// The step ends this long after the set point was reached, s.
@@ -65,7 +65,7 @@ pub enum StepEnd {
 }
 
 impl Step {
-    /// Time that the set point takes from another temperature, s.
+    /// Duration of the ramp from another temperature to the set point, s.
     #[must_use]
     pub fn ramp_s(&self, from_c: f64) -> f64 {
         self.c_per_min.map_or(0.0, |c_per_min| (self.to_c - from_c).abs() / c_per_min * 60.0)
@@ -83,7 +83,7 @@ impl ChamberPlan {
     /// them becomes a ramp.
     ///
     /// # Errors
-    /// Fewer than two rows, times that do not rise, or more than 1000 such stretches.
+    /// Returns an error for fewer than two rows, times that do not rise, or more than 1000 such stretches.
     pub fn of_course(course: &[(f64, f64)]) -> Result<Self, ChamberPlanError> {
         let row = |index: usize| alloc::format!("row {}", index + 1);
         if let Some(index) = course.windows(2).position(|pair| pair[0].0.partial_cmp(&pair[1].0) != Some(LESS)) {
@@ -177,7 +177,7 @@ impl ChamberPlan {
     /// Checks that a part can be measured by this plan.
     ///
     /// # Errors
-    /// An average of `auto` for a part whose noise is not known.
+    /// Returns an error if an average is `auto` and the noise of the part is not known.
     pub fn fits(&self, part: &Part) -> Result<(), ChamberPlanError> {
         let auto = self.steps.iter().any(|step| step.end == StepEnd::Average(None));
         match part.axes.iter().find(|axis| axis.axis.noise.is_none()) {
@@ -194,10 +194,10 @@ impl ChamberPlan {
 
 impl ChamberPlan {
     /// Checks that the part bears every temperature of this plan. Call this before anything is heated or cooled. A
-    /// recording has happened already.
+    /// recording needs no such check, because it has happened already.
     ///
     /// # Errors
-    /// A set point, or the temperature at which the chamber is left, is beyond [`Part::operating_c`].
+    /// Returns an error if a set point, or the temperature after the measurement, is beyond [`Part::operating_c`].
     pub fn spares(&self, part: &Part) -> Result<(), ChamberPlanError> {
         let Some((low_c, high_c)) = part.operating_c else { return Ok(()) };
         let set_points = self.steps.iter().enumerate().map(|(index, step)| (Some(index + 1), step.to_c));
@@ -218,7 +218,7 @@ const STAYS_C: f64 = 1.0;
 const STAYS_S: f64 = 300.0;
 const MAX_STRETCHES: usize = 1000;
 
-/// First and last row of each stretch at rest, each as long as it can be.
+/// First and last row of each stretch at rest, as long as possible.
 fn stays(course: &[(f64, f64)]) -> Vec<(usize, usize)> {
     let (mut stays, mut from) = (Vec::new(), 0);
     while from < course.len() {

@@ -47,9 +47,9 @@ pub struct ChamberProgress {
     pub temp_c: Option<f64>,
 }
 
-/// Largest share of the time without rest.
+/// Largest allowed share of the time in which the part is not at rest.
 const MAX_RESTLESS: f64 = 0.1;
-/// Ten blocks are a second.
+/// Length of a second, ns: ten blocks.
 const SECOND_NS: u64 = 10 * BLOCK_NS;
 
 /// Sums of a block of 0.1 s of one axis.
@@ -70,23 +70,23 @@ struct AxisState {
     white_dps_per_rt_hz: Option<f64>,
 }
 
-/// How the air comes to the span of the plan. At first it may be outside.
+/// The way of the air into the span of the plan. At first the air may be outside.
 #[derive(Clone, Copy, Debug, Default)]
 enum Coming {
-    /// The chamber has not said yet where its air is.
+    /// The chamber has not reported an air temperature yet.
     #[default]
     Unknown,
     /// The air comes from this temperature, °C, during this step.
     From { air_c: f64, step: usize },
-    /// The air has come, or its time is over.
+    /// The air has reached the span, or the time for that is over.
     Over,
 }
 
-/// The events of the present state.
+/// The data of the present state.
 #[derive(Clone, Copy, Debug, Default)]
 struct Present {
     began_s: f64,
-    /// Index of its first second in the record.
+    /// Index in the record of the first second of the state.
     first: usize,
     /// Length of the average, s, if the state is one.
     average_s: f64,
@@ -135,7 +135,7 @@ pub struct ChamberProcedure {
     disturbed: u32,
     /// Set point and temperature of the last soak point at which the part had settled.
     settled_at_c: Option<(f64, f64)>,
-    /// Last air temperature that the chamber said, °C.
+    /// Last air temperature that the chamber reported, °C.
     air_c: Option<f64>,
     coming: Coming,
     beyond: u32,
@@ -145,7 +145,7 @@ impl ChamberProcedure {
     /// Prepares a measurement of this part. A share of at most `max_lost` of all samples may be lost.
     ///
     /// # Errors
-    /// The plan does not fit the part.
+    /// Returns an error if the plan does not fit the part.
     pub fn new(part: &Part, plan: ChamberPlan, max_lost: f64) -> Result<Self, super::ChamberPlanError> {
         plan.fits(part)?;
         let axis = |axis: &NamedAxis| AxisState {
@@ -282,7 +282,7 @@ impl ChamberProcedure {
     /// Takes in a reading of all axes. A refusal is final.
     ///
     /// # Errors
-    /// The measurement must not become a calibration.
+    /// Returns a refusal if the measurement must not become a calibration.
     #[inline]
     pub fn take(&mut self, scan: &Scan) -> Result<(), ChamberRefusal> {
         if matches!(self.state, ChamberState::Start | ChamberState::Done) {
@@ -306,10 +306,10 @@ impl ChamberProcedure {
         Ok(())
     }
 
-    /// Returns the record, once [`ChamberProcedure::next`] says [`ChamberAction::Done`].
+    /// Returns the record, once [`ChamberProcedure::next`] returns [`ChamberAction::Done`].
     ///
     /// # Errors
-    /// Samples were lost, or the part was not at rest, for too great a share of the time.
+    /// Returns a refusal if samples were lost, or the part was not at rest, for too great a share of the time.
     pub fn finish(mut self) -> Result<Record, ChamberRefusal> {
         let [samples, lost, impossible] = self.counts();
         (self.record.samples, self.record.lost, self.record.impossible) = (samples, lost, impossible);

@@ -68,7 +68,7 @@ impl Record {
         self.start_s.len()
     }
 
-    /// Lowest and highest temperature, °C. None if the record is empty.
+    /// Lowest and highest temperature, °C. `None` if the record is empty.
     #[must_use]
     pub fn span_c(&self) -> Option<(f64, f64)> {
         let low_c = self.temp_c.iter().copied().reduce(f64::min)?;
@@ -88,7 +88,7 @@ impl Record {
         moving as f64 / self.len().max(1) as f64
     }
 
-    /// The first second that begins at or after a time.
+    /// Index of the first second that begins at or after a time.
     pub(super) fn index_of(&self, start_s: f64) -> usize {
         self.start_s.partition_point(|at_s| *at_s < start_s)
     }

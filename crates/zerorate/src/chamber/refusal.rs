@@ -36,7 +36,7 @@ pub enum ChamberRefusal {
     Uncertain { u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
     /// The record does not give a curve.
     NoCurve(ThermalError),
-    /// The platform moves slowly, and far.
+    /// The platform moves slowly, and by more than the limit.
     BaseMotion { hz: f64, size_dps: f64, limit_dps: f64 },
     /// The part was not at rest for too great a share of the time.
     Restless { share: f64, limit: f64 },

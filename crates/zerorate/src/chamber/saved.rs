@@ -17,7 +17,7 @@ const HEADER: &str =
     "# An interrupted measurement in a chamber: zerorate chamber goes on with it (docs/chamber.md).\n";
 /// Longest time of a record, s: ten years, including the pauses of a resumed measurement.
 const LONGEST_S: f64 = 3.2e8;
-/// More samples than ten years have, and few enough to be added.
+/// Largest number of samples: more than ten years have, and small enough to be added.
 const MOST_SAMPLES: u64 = 1 << 50;
 /// Possible drifts of the temperature of a part, °C/min.
 const DRIFTS_C_PER_MIN: RangeInclusive<f64> = -1e4..=1e4;
@@ -29,7 +29,7 @@ pub struct Saved {
     pub record: Record,
     /// Number of finished steps of the plan.
     pub steps: usize,
-    /// Time at which the last of them ended, RFC 3339. None for a simulated part.
+    /// Time at which the last step ended, RFC 3339. `None` for a simulated part.
     pub ended: Option<String>,
 }
 
@@ -45,7 +45,7 @@ pub enum SavedError {
     Unchecked,
     /// Lists have different lengths.
     Damaged,
-    /// A number that no measurement gives.
+    /// A number is impossible for a measurement.
     Impossible { what: &'static str },
     /// The text belongs to another measurement.
     Other { what: &'static str, saved: String, wanted: String },
@@ -89,7 +89,7 @@ struct SavedForm {
     impossible: u64,
     start_s: Vec<f64>,
     temp_c: Vec<f64>,
-    /// A digit for each second.
+    /// A digit for each second: whether the part was at rest.
     at_rest: String,
     #[serde(default)]
     soak: Vec<Soak>,
@@ -112,7 +112,7 @@ pub(super) struct Identity<'a> {
 }
 
 impl Saved {
-    /// Writes the text. `device` and `serial` say what was measured, and `plan_text` is the file of the plan.
+    /// Writes the text. `device` and `serial` identify the measured unit, and `plan_text` is the file of the plan.
     #[must_use]
     pub fn to_toml(&self, plan_text: &str, part: &Part, device: &str, serial: &str) -> String {
         let Record { start_s, temp_c, rates_dps, at_rest, soaks, samples, lost, impossible } = self.record.clone();
@@ -137,10 +137,10 @@ impl Saved {
         check_lines::file(HEADER, &form)
     }
 
-    /// Reads such a text, if it is whole and belongs to the same measurement.
+    /// Reads the text of an interrupted measurement, if it is whole and belongs to this one.
     ///
     /// # Errors
-    /// The reason why the text cannot continue this measurement.
+    /// Returns the reason why the text cannot continue this measurement.
     pub fn parse(text: &str, plan_text: &str, part: &Part, device: &str, serial: &str) -> Result<Self, SavedError> {
         let is_checked = check_lines::verify(text).map_err(SavedError::Altered)?;
         let fields = check_lines::without_checks(text);

@@ -45,7 +45,7 @@ pub(super) enum To {
     },
 }
 
-/// One line of the table: in `from` until `until`, then into `to`, and into `disturbed` where it was disturbed.
+/// One row of the table: `until` ends the state `from`. The next state is `to`, or `disturbed` after a disturbance.
 pub(super) struct StateRow {
     from: ChamberState,
     name: &'static str,
@@ -72,7 +72,7 @@ const TABLE: [StateRow; STATES] = {
     ]
 };
 
-/// Each state finds its row by its number.
+/// The number of a state is the index of its row.
 const _: () = {
     let mut index = 0;
     while index < STATES {

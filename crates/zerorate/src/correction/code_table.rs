@@ -46,8 +46,8 @@ impl<'a> CodeTable<'a> {
         self.rows_udps.get(row).copied()
     }
 
-    /// The same row, held at the first or last one beyond the table. There it is wrong by BTC times the distance to
-    /// that row. A table without rows corrects nothing.
+    /// The nearest row, which is the first or the last one for a temperature beyond the table. There it is wrong by
+    /// BTC times the distance to that row. A table without rows corrects nothing.
     #[inline]
     #[must_use]
     pub fn look_up_held_udps(&self, temp_code: u32) -> i32 {
@@ -103,7 +103,7 @@ impl Correction {
     /// fills the first rows of `rows_udps` and returns their number. The other rows stay as they are.
     ///
     /// # Errors
-    /// The errors of [`Correction::table`], a table that does not fit, or a correction beyond ±2147 °/s.
+    /// Returns the errors of [`Correction::table`], or an error if the table does not fit or exceeds ±2147 °/s.
     pub fn fill_table(&self, step_c: f64, span_c: f64, rows_udps: &mut [i32]) -> Result<usize, TableError> {
         let rows = self.rows(step_c, span_c)?;
         let needed = rows.len();

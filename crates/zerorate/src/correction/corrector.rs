@@ -13,7 +13,7 @@ pub struct CorrectorConfig<C = [Correction; 1]> {
     pub validity: Option<Validity>,
 }
 
-/// Applies a correction to each axis of a part. A rate without a temperature takes the last one that was read.
+/// Applies a correction to each axis of a part. A rate without a temperature takes the last temperature.
 ///
 /// ```
 /// use zerorate::{Correction, Corrector, CorrectorConfig, Validity};
@@ -41,7 +41,7 @@ pub struct Corrector<C = [Correction; 1]> {
 /// A reading of one axis, corrected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corrected {
-    /// Rate corrected by F-50, °/s. None without a rate that is believed, and before the first temperature.
+    /// Rate corrected by F-50, °/s. `None` without a valid rate, and before the first temperature.
     pub rate_dps: Option<f64>,
     /// The temperature that was used, °C.
     pub temp_c: Option<f64>,
@@ -56,13 +56,13 @@ impl<C: AsRef<[Correction]>> Corrector<C> {
         Self { config, temp_c: None, range_c: None }
     }
 
-    /// Number of axes that it corrects.
+    /// Number of axes that have a correction.
     #[must_use]
     pub fn axes(&self) -> usize {
         self.config.corrections.as_ref().len()
     }
 
-    /// Takes in the temperature, °C, that was read with the rates that come next, if one was.
+    /// Takes in the temperature, °C, for the rates that come next. `None` keeps the last temperature.
     #[inline]
     pub fn read(&mut self, read_c: Option<f64>) {
         if let Some(read_c) = read_c {
@@ -71,7 +71,7 @@ impl<C: AsRef<[Correction]>> Corrector<C> {
         }
     }
 
-    /// Corrects a rate of an axis, °/s, or a mean of rates: F-50. None without a rate, before the first temperature,
+    /// Corrects a rate of an axis, °/s, or a mean of rates: F-50. `None` without a rate, before the first temperature,
     /// and for an axis that has no correction.
     #[inline]
     #[must_use]

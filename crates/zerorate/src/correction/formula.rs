@@ -109,7 +109,7 @@ impl Correction {
     /// beside PBC, which is (TEMP − T3) × BTC for a line.
     ///
     /// # Errors
-    /// A step or span that is not positive, a span that is not a whole number of steps, or more than 100 001 rows.
+    /// Returns an error unless step and span are positive, and the span is a whole number of at most 50 000 steps.
     pub fn table(&self, step_c: f64, span_c: f64) -> Result<Vec<TableRow>, TableError> {
         Ok(self.rows(step_c, span_c)?.collect())
     }

@@ -105,9 +105,9 @@ impl Correction {
     /// Converts the correction to the codes of an axis, see [`IntegerCorrection`] and [`IntegerForm`].
     ///
     /// # Errors
-    /// The correction is a curve, or a coefficient does not fit. These fit: |BTC| up to 2³¹⁻q rate codes per
-    /// temperature code (1.2 °/s/°C for the ADIS16130), PBC within the span of the rate's codes, and T3 within the
-    /// temperature's codes and 32 bits.
+    /// Returns an error if the correction is a curve, or a coefficient does not fit. These fit: |BTC| up to 2³¹⁻q rate
+    /// codes per temperature code (1.2 °/s/°C for the ADIS16130), PBC within the span of the rate's codes, and T3
+    /// within the temperature's codes and 32 bits.
     pub fn to_integer(&self, rate: &Scale, temp: &Scale) -> Result<IntegerCorrection, IntegerError> {
         let form = IntegerForm::new(rate, temp);
         let per_lsb = rate.lsb_per_unit / temp.lsb_per_unit;

@@ -115,8 +115,8 @@ impl Correction {
     /// [`Correction::to_integer`] takes fewer instructions.
     ///
     /// # Errors
-    /// The terms come to more than 2²⁹ codes within the reach (22 857 °/s for the ADIS16130), T3 is outside the codes
-    /// of the temperature, or the temperature has more than 2²⁴ codes in 1 °C.
+    /// Returns an error if the terms come to more than 2²⁹ codes within the reach (22 857 °/s for the ADIS16130), T3
+    /// is outside the codes of the temperature, or the temperature has more than 2²⁴ codes in 1 °C.
     pub fn to_integer_curve(&self, rate: &Scale, temp: &Scale) -> Result<IntegerCurve, CurveError> {
         let form = CurveForm::new(rate, temp);
         let (first, last) = form.temp_codes;

@@ -10,7 +10,7 @@ pub struct Validity {
     pub temp_min_c: f64,
     /// Highest temperature seen while measuring, °C.
     pub temp_max_c: f64,
-    /// Distance from the span at which a temperature is still unremarked, °C.
+    /// Distance beyond the span up to which a temperature gives no warning, °C.
     pub margin_c: f64,
 }
 

@@ -4,15 +4,15 @@ use alloc::vec::Vec;
 
 /// Length of a block, s. Long against the filter of the part (F-03, F-04), short against everything that drifts.
 pub(crate) const BLOCK_S: f64 = 0.1;
-/// The same, ns.
+/// Length of a block, ns.
 pub(crate) const BLOCK_NS: u64 = 100_000_000;
 
 /// Averages of `m` blocks, and how adjacent ones differ.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Adjacent {
-    /// Blocks in an average.
+    /// Number of blocks in an average.
     pub(crate) m: usize,
-    /// Averages.
+    /// Number of averages.
     pub(crate) count: usize,
     /// Half the mean square of their differences, the Allan variance.
     pub(crate) variance: f64,

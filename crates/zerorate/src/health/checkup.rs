@@ -7,7 +7,7 @@ use crate::part::{Axis, CodeSum};
 use alloc::vec::Vec;
 use zerorate_allan::{self as allan, Gap, Input, Stat};
 
-/// The limits beyond which a part is remarkable.
+/// The limits of a healthy part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// Least white noise, as a ratio to the typical one. A part below it is too quiet to sense.
@@ -50,7 +50,7 @@ impl Default for Limits {
 pub struct Checkup {
     /// Rate codes less the zero code.
     rate_codes: Vec<i32>,
-    /// Places of readings that are missing or not to be believed.
+    /// Places of missing or invalid readings.
     gaps: Vec<Gap>,
     rates: CodeSum,
     temps: CodeSum,
@@ -109,7 +109,7 @@ impl Checkup {
         }
     }
 
-    /// The warnings about how the samples come. `nominal_hz` is the expected sample rate, if it is known.
+    /// The warnings about losses, sample rate and temperature. `nominal_hz` is the expected rate, if it is known.
     #[must_use]
     pub fn warnings(&self, tally: &Tally, nominal_hz: Option<f64>, limits: &Limits) -> Vec<Warning> {
         let rate_hz = tally.rate_hz();

@@ -4,10 +4,10 @@ use crate::part::Reading;
 
 /// Time without a change after which a noisy channel is frozen, if it was read [`FROZEN_READINGS`] times meanwhile.
 const FROZEN_NS: u64 = 100_000_000;
-/// Readings for that. Noise gives the same code twice with a probability below 0.2, even in 16 bits and behind the
-/// filter of F-04. So this many equal codes have a probability below 10⁻²².
+/// Number of readings for [`FROZEN_NS`]. Noise gives the same code twice with a probability below 0.2, even in 16 bits
+/// and behind the filter of F-04. So this many equal codes have a probability below 10⁻²².
 const FROZEN_READINGS: u64 = 32;
-/// Time after which two channels that have never changed are frozen, with as many readings.
+/// Time and number of readings after which two channels that have never changed are frozen.
 const DEAD_NS: u64 = 2_000_000_000;
 const DEAD_READINGS: u64 = 100;
 /// Time after which a rate alone that has never changed is frozen.
@@ -16,7 +16,7 @@ const DEAD_ALONE_NS: u64 = 10_000_000_000;
 /// The time since which the readings have not changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frozen {
-    /// Time of the first reading of the code that is there now, ns.
+    /// Time of the first reading of the present code, ns.
     pub since_ns: u64,
     /// Whether the temperature does not change either.
     pub both: bool,
@@ -36,7 +36,7 @@ struct Channel {
     readings: u64,
     changes: u64,
     changed_ns: u64,
-    /// Readings up to the last change.
+    /// Number of readings up to the last change.
     readings_at_change: u64,
 }
 
@@ -59,7 +59,7 @@ impl Channel {
         self.changes > 20 && self.changes * 2 > self.readings_at_change
     }
 
-    /// The first reading counts as a change.
+    /// Whether the code has never changed. The first reading counts as a change.
     fn never_changed(&self) -> bool {
         self.changes <= 1
     }
@@ -70,7 +70,7 @@ impl Channel {
 }
 
 impl Freeze {
-    /// Takes a reading in, and says whether the part is frozen now.
+    /// Takes a reading in, and returns since when the part has been frozen, if it is.
     #[inline]
     pub fn watch(&mut self, reading: &Reading) -> Option<Frozen> {
         let now_ns = reading.t_ns;
@@ -81,7 +81,7 @@ impl Freeze {
         if now_ns.saturating_sub(self.rate.changed_ns) < FROZEN_NS { None } else { self.judge(now_ns) }
     }
 
-    /// The same judgement at the end of a record, however short it is.
+    /// Whether the part is frozen at the end of a record, however short the record is.
     #[must_use]
     pub fn at_end(&self) -> Option<Frozen> {
         let same = self.rate.same_readings();

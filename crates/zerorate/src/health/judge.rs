@@ -1,11 +1,11 @@
-//! Judgement of which readings of a stream to believe: one judge for everything that takes samples.
+//! Judges which readings of a stream are valid, for everything that takes samples.
 
 use super::freeze::{Freeze, Frozen};
 use super::plausible::{Plausible, Verdict};
 use crate::part::{Axis, Reading};
 use core::fmt;
 
-/// The faults of a reading, or none if it is to be believed. `Display` names them, for scripts: `impossible+frozen`.
+/// The faults of a reading. A valid reading has none. `Display` names them, for scripts: `impossible+frozen`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Flags(u8);
 
@@ -46,13 +46,13 @@ impl Flags {
         self.0 & other.0 == other.0
     }
 
-    /// Whether the rate is to be believed.
+    /// Whether the rate is valid.
     #[must_use]
     pub fn rate_is_good(self) -> bool {
         self.0 & (Self::IMPOSSIBLE.0 | Self::OUT_OF_RANGE.0 | Self::FROZEN.0) == 0
     }
 
-    /// Whether the temperature, if one was read, is to be believed.
+    /// Whether the temperature, if one was read, is valid.
     #[must_use]
     pub fn temp_is_good(self) -> bool {
         self.0 & Self::IMPOSSIBLE_TEMP.0 == 0
@@ -77,21 +77,21 @@ pub struct Judged {
 }
 
 impl Judged {
-    /// Code of the rate less the zero code, if it is to be believed.
+    /// Code of the rate less the zero code, if the rate is valid.
     #[must_use]
     #[inline]
     pub fn rate(&self) -> Option<i32> {
         self.flags.rate_is_good().then_some(self.reading.rate)
     }
 
-    /// Code of the temperature less the zero code, if one was read and is to be believed.
+    /// Code of the temperature less the zero code, if one was read and is valid.
     #[must_use]
     #[inline]
     pub fn temp(&self) -> Option<i32> {
         self.reading.temp.filter(|_| self.flags.temp_is_good())
     }
 
-    /// Whether its rate or its temperature is impossible.
+    /// Whether the rate or the temperature is impossible.
     pub(crate) fn is_faulty(&self) -> bool {
         self.flags.has(Flags::IMPOSSIBLE) || self.flags.has(Flags::IMPOSSIBLE_TEMP)
     }
@@ -120,7 +120,7 @@ impl FaultCounts {
     }
 }
 
-/// Judges a stream of readings of one axis: hands each on, two readings late, with its faults.
+/// Judges a stream of readings of one axis, and hands on each reading with its faults, two readings late.
 ///
 /// [`plausible`](crate::health::plausible) says what counts as impossible, and how often that is a false alarm.
 ///
@@ -161,7 +161,7 @@ impl Health {
         self.plausible.has_limits()
     }
 
-    /// Takes a reading in, and hands on the one that came two before it.
+    /// Takes a reading in, and hands on the reading that came two before it.
     #[inline]
     pub fn push(&mut self, reading: &Reading) -> Option<Judged> {
         self.frozen = self.freeze.watch(reading);
@@ -188,7 +188,7 @@ impl Health {
         self.frozen
     }
 
-    /// The same judgement at the end of a record, however short it is.
+    /// Whether the part is frozen at the end of a record, however short the record is.
     #[must_use]
     pub fn frozen_at_end(&self) -> Option<Frozen> {
         self.frozen.or_else(|| self.freeze.at_end())

@@ -1,5 +1,5 @@
-//! The health of a sensor: which readings are valid, whether they still change, whether the sensor is at rest, and how
-//! the samples come.
+//! The health of a sensor: which readings are valid, whether they still change, whether the sensor is at rest, and
+//! whether samples are lost.
 
 pub(crate) mod block_means;
 mod checkup;

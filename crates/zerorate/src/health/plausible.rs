@@ -38,9 +38,9 @@
 //!
 //! # Temperatures
 //!
-//! A temperature is impossible if it differs from each of the last two good ones by more than 1 °C and 2 °C/s. The
+//! A temperature is impossible if it differs from each of the last two good ones by more than 1 °C plus 2 °C/s. The
 //! noise of M-05 has 0.053 °C in a reading, so this is 13 deviations, and F-55 expects up to 1 °C/s. A second one in a
-//! row that agrees with it is believed.
+//! row that agrees with the first is valid.
 
 use crate::part::{Axis, Reading};
 use core::num::NonZeroU64;
@@ -98,15 +98,15 @@ impl Limits {
 
 /// Ratio by which a reading must be rougher than its past.
 const ROUGHNESS: u32 = 4;
-/// Divisor of a mark's size in the past of the readings after it.
+/// Divisor of a mark's size where the mark counts for the past of later readings.
 const MARK_SHARE: u32 = 2;
 /// Judgements after a mark during which it counts for the past. A shock is in the readings' own past after three.
 const SHOCK_LASTS: u8 = 8;
 /// log₂ of the readings over which the past fades.
 const FADING: u32 = 5;
-/// Readings that are kept.
+/// Number of readings that are kept.
 const KEPT: usize = 8;
-/// Readings that a judgement waits for.
+/// Number of readings that a judgement waits for.
 const AHEAD: usize = 2;
 /// Index of the reading that is judged with all its neighbours.
 const JUDGED: usize = KEPT - 1 - AHEAD;
@@ -125,7 +125,7 @@ pub(crate) enum Verdict {
     Impossible,
     /// The rate is beyond the range of the converter (F-35).
     OutOfRange,
-    /// Its neighbours are too far away to tell.
+    /// The neighbours of the rate are too far away to tell.
     Unjudged,
 }
 
@@ -154,7 +154,7 @@ pub(crate) struct Plausible {
 #[derive(Clone, Copy, Debug, Default)]
 struct Shock {
     roughness: u32,
-    /// Judgements for which it still counts. After them the past of the readings shows the roughness of a shock.
+    /// Number of judgements for which the mark still counts. Then the past of the readings has a shock's roughness.
     left: u8,
 }
 
@@ -181,7 +181,7 @@ impl Plausible {
         self.limits.is_some()
     }
 
-    /// Takes a reading in, and judges the one that came two before it.
+    /// Takes a reading in, and judges the reading that came two before it.
     #[inline]
     pub(crate) fn push(&mut self, reading: &Reading) -> Option<(Reading, Finding)> {
         self.codes.copy_within(1.., 0);
@@ -337,7 +337,7 @@ fn six_times_deviation(codes: &[i32; KEPT], place: usize) -> u32 {
 struct Temps {
     /// Allowance for noise and quantisation: 1 °C.
     step_codes: u64,
-    /// 2 °C/s.
+    /// Largest slope: 2 °C/s.
     codes_per_s: u64,
     good: Option<Temp>,
     before: Option<Temp>,

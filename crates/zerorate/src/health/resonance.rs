@@ -10,7 +10,7 @@ use crate::notice::Warning;
 use crate::part::Axis;
 
 /// Warns if the resonance looks like a bias. The samples come at `rate_hz`, as measured, with every `divider`-th edge
-/// of data ready read, in means over `average_s`. None for a part whose resonance or noise is not known.
+/// of data ready read, in means over `average_s`. `None` for a part whose resonance or noise is not known.
 #[must_use]
 pub fn warning(axis: &Axis, rate_hz: f64, divider: u16, average_s: f64) -> Option<Warning> {
     let (tone, white) = (axis.resonance?, axis.noise?.white_dps_per_rt_hz);
@@ -26,7 +26,7 @@ pub fn warning(axis: &Axis, rate_hz: f64, divider: u16, average_s: f64) -> Optio
     })
 }
 
-/// The good divider nearest to this one, or the lower of two. None if there is none up to four times this one.
+/// The good divider nearest to this one, or the lower of two. `None` if there is none up to four times this one.
 fn nearest(divider: u16, good: impl Fn(u16) -> bool) -> Option<u16> {
     (1..=divider.saturating_mul(3))
         .flat_map(|apart| [divider.checked_sub(apart), divider.checked_add(apart)])

@@ -11,7 +11,7 @@ pub struct Tally {
     pub samples: u64,
     /// Rate samples lost.
     pub lost: u64,
-    /// Times that samples were lost.
+    /// Number of gaps, in each of which samples were lost.
     pub gaps: u64,
     /// Gaps in which two or more samples were lost, and no edge of data ready was counted.
     pub silent_gaps: u64,

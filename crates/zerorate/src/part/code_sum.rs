@@ -33,19 +33,19 @@ impl CodeSum {
         Self { from_zero: self.from_zero + other.from_zero, count: self.count + other.count }
     }
 
-    /// Takes a part out of the sum.
+    /// Subtracts a part of the sum.
     #[must_use]
     pub(crate) fn without(self, part: Self) -> Self {
         Self { from_zero: self.from_zero - part.from_zero, count: self.count - part.count }
     }
 
-    /// Codes in the sum.
+    /// Number of codes in the sum.
     #[must_use]
     pub fn count(&self) -> u32 {
         self.count
     }
 
-    /// Mean of the codes as a value, divided once. None without codes.
+    /// Mean of the codes as a value, divided once. `None` without codes.
     #[must_use]
     pub fn mean(&self, scale: &Scale) -> Option<f64> {
         let lsb = f64::from(self.count) * scale.lsb_per_unit;

@@ -28,7 +28,7 @@ impl Part {
     /// ```
     ///
     /// # Errors
-    /// The text does not describe a part: the error says where, and what is wrong.
+    /// Returns the place and the cause if the text does not describe a part.
     pub fn parse(text: &str) -> Result<Self, PartError> {
         Self::parse_at(text, None)
     }
@@ -36,7 +36,7 @@ impl Part {
     /// Reads the file of a part that is set to a full scale of `range_dps`, °/s, instead of its default one.
     ///
     /// # Errors
-    /// As [`Part::parse`]; or the file has no such full scale, and the error names those that it has.
+    /// Returns the errors of [`Part::parse`], or the full scales of the file if it does not have this one.
     pub fn parse_at(text: &str, range_dps: Option<f64>) -> Result<Self, PartError> {
         let document = Document::parse(text)?;
         let (root, file) = (document.root(), document.fields::<File>()?);
@@ -79,7 +79,7 @@ impl fmt::Display for PartError {
 
 impl core::error::Error for PartError {}
 
-/// What a [`Part`] needs of the file.
+/// The fields of the file from which a [`Part`] is made.
 #[derive(Deserialize)]
 struct File {
     schema: u32,

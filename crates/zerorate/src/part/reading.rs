@@ -8,8 +8,8 @@ use super::MAX_AXES;
 pub struct Reading {
     /// Time, in ns of a clock that runs evenly. Its zero does not matter.
     pub t_ns: u64,
-    /// Running number of the edge of data ready that announced it, which may wrap. For a part without data ready it is
-    /// the number of the reading.
+    /// Running number of the edge of data ready that announced the reading, which may wrap. For a part without data
+    /// ready it is the number of the reading.
     pub seq: u32,
     /// Code of the rate less the zero code ([`Scale`](crate::Scale)).
     pub rate: i32,
@@ -21,8 +21,8 @@ pub struct Reading {
     pub lost: u32,
 }
 
-/// One reading of all axes of a part at one time, in codes as the part gave them: a [`Reading`] for each axis, with
-/// the parts that they share. It always has room for [`MAX_AXES`] axes, so that it needs no memory of its own.
+/// One reading of all axes of a part at one time, in codes as the part gave them. It holds a rate for each axis, and
+/// always has room for [`MAX_AXES`] axes, so that it needs no memory of its own.
 ///
 /// ```
 /// use zerorate::Scan;
@@ -43,7 +43,7 @@ pub struct Scan {
     pub temp: Option<i32>,
     rates: [i32; MAX_AXES],
     axes: u8,
-    /// A bit for each axis.
+    /// A bit for each axis: whether the rate is out of range.
     out_of_range: u8,
 }
 
@@ -52,7 +52,7 @@ const _: () = assert!(MAX_AXES <= u8::BITS as usize);
 
 impl Scan {
     /// Makes a scan from the code of each axis less its zero code, without a temperature, with none lost and none out
-    /// of range. None if there are more than [`MAX_AXES`].
+    /// of range. `None` if there are more than [`MAX_AXES`].
     #[must_use]
     #[inline]
     pub fn new(t_ns: u64, seq: u32, rates: &[i32]) -> Option<Self> {
@@ -68,7 +68,7 @@ impl Scan {
         Self { temp, ..self }
     }
 
-    /// Sets the number of readings lost before it.
+    /// Sets the number of readings lost before the scan.
     #[must_use]
     #[inline]
     pub fn with_lost(self, lost: u32) -> Self {

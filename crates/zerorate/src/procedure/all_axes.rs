@@ -34,7 +34,7 @@ impl PartProcedure {
     /// Prepares a procedure for this part.
     ///
     /// # Errors
-    /// A duration or limit of the plan makes no sense.
+    /// Returns an error if a duration or limit of the plan is impossible.
     pub fn new(part: &Part, plan: Plan) -> Result<Self, PlanError> {
         let axes = part.axes.iter().map(|axis| Procedure::new(&axis.axis, plan)).collect::<Result<_, _>>()?;
         Ok(Self { part: part.clone(), plan, axes })
@@ -72,7 +72,7 @@ impl PartProcedure {
     /// time.
     ///
     /// # Errors
-    /// The measurement of an axis must not become a calibration.
+    /// Returns a refusal if the measurement of an axis must not become a calibration.
     #[inline]
     pub fn handle(&mut self, event: Event<'_, Scan>) -> Result<(), AxisRefusal> {
         for (index, procedure) in self.axes.iter_mut().enumerate() {
@@ -99,7 +99,7 @@ impl PartProcedure {
     /// Ends the recording here ([`Procedure::end_recording`]).
     ///
     /// # Errors
-    /// As [`PartProcedure::handle`].
+    /// Returns the same errors as [`PartProcedure::handle`].
     pub fn end_recording(&mut self) -> Result<bool, AxisRefusal> {
         let mut ended = !self.axes.is_empty();
         for (index, procedure) in self.axes.iter_mut().enumerate() {
@@ -108,7 +108,7 @@ impl PartProcedure {
         Ok(ended)
     }
 
-    /// What the recording would state of the least certain axis if it ended now ([`Procedure::reached`]).
+    /// The result for the least certain axis if the recording ended now ([`Procedure::reached`]).
     pub fn reached(&self) -> Option<Result<Reached, AxisRefusal>> {
         let of = |(index, axis): (usize, &Procedure)| {
             Some(axis.reached()?.map_err(|refusal| AxisRefusal::new(&self.part, index, refusal)))
@@ -117,10 +117,10 @@ impl PartProcedure {
         all?.map(|all| all.into_iter().reduce(Reached::or_worse)).transpose()
     }
 
-    /// Returns the outcomes of the axes, in the order of the part, once [`PartProcedure::next`] says [`Action::Done`].
+    /// Returns the outcomes in the order of the axes, once [`PartProcedure::next`] returns [`Action::Done`].
     ///
     /// # Errors
-    /// The errors of [`PartProcedure::handle`] or, before the end, the window that is still short of samples.
+    /// Returns the errors of [`PartProcedure::handle`] or, before the end, the window that is still short of samples.
     pub fn finish(self) -> Result<Vec<Outcome>, AxisRefusal> {
         let Self { part, axes, .. } = self;
         let finish = |(index, procedure): (usize, Procedure)| {
@@ -130,10 +130,10 @@ impl PartProcedure {
     }
 }
 
-/// The measurement must not become a calibration, because of one axis.
+/// The refusal of a measurement because of one axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxisRefusal {
-    /// Name of the axis. None if the part has one axis only.
+    /// Name of the axis. `None` if the part has one axis only.
     pub axis: Option<String>,
     /// The refusal.
     pub refusal: Refusal,

@@ -22,7 +22,7 @@ impl Blocks {
         self.segments.iter().flat_map(|segment| segment.seconds(&self.axis))
     }
 
-    /// Rates, °/s, and temperatures, °C, of every block of a step; NaN if a block has none.
+    /// Rate, °/s, and temperature, °C, of every block of a step; NaN for a value that the block lacks.
     #[cfg(feature = "std")]
     pub(crate) fn tenths(&self, state: State) -> impl Iterator<Item = (f64, f64)> + '_ {
         let or_none = |value: Option<f64>| value.unwrap_or(f64::NAN);
@@ -30,8 +30,8 @@ impl Blocks {
         blocks.map(move |block| (or_none(block.rate_dps(&self.axis)), or_none(block.temp_c(&self.axis))))
     }
 
-    /// The eighths of a step (`Summary::eighths`) after something was taken out of the rate: `less` gives the mean of
-    /// that something between two times.
+    /// The eighths of a step (`Summary::eighths`) after a disturbance was removed from the rate: `less` gives the mean
+    /// of the disturbance between two times.
     pub(crate) fn eighths_less(&self, state: State, less: impl Fn(f64, f64) -> f64) -> Adjacent {
         let segment = &self.segments[state as usize];
         let start_s = |k: usize| segment.start_s() + k as f64 * BLOCK_S;
@@ -196,7 +196,7 @@ impl Segment {
         self.blocks.iter().filter_map(|block| block.rate_dps(axis)).collect()
     }
 
-    /// Mean temperatures of the blocks that hold one, °C.
+    /// Mean temperatures of the blocks that hold a temperature, °C.
     fn block_temps_c(&self, axis: &Axis) -> Vec<f64> {
         self.blocks.iter().filter_map(|block| block.temp_c(axis)).collect()
     }

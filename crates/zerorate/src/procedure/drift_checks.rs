@@ -1,5 +1,5 @@
-//! Comparison of the whole hour with one line over temperature. It finds what else the rate did, from a step to a lag,
-//! and the errors that this makes in PBC and BTC.
+//! Compares the whole hour with one line over temperature. Finds other changes of the rate, from a step to a lag, and
+//! the errors that they make in PBC and BTC.
 //!
 //! The means over seconds are put together into some 300 bins and whitened by the part's noise (`gls.rs`). The shape
 //! (`shape.rs`) that explains most of the rate is taken into the model. This repeats until noise alone could explain
@@ -20,7 +20,7 @@ use zerorate_allan::linear::Cholesky;
 pub(crate) struct Findings {
     /// The deviations that are beyond doubt, the strongest first.
     pub(crate) found: Vec<Finding>,
-    /// Whether the rate still does more than [`MOST`] of them explain.
+    /// Whether [`MOST`] deviations do not explain the rate.
     pub(crate) unexplained: bool,
     /// Share of certain and suspected deviations in the uncertainty of PBC, °/s.
     pub(crate) u_pbc_dps: f64,
@@ -41,7 +41,7 @@ impl Findings {
         (0..found.len()).filter(move |k| !repeats(*k)).map(|k| found[k])
     }
 
-    /// The deviation that spoils BTC most.
+    /// The deviation with the largest error of BTC.
     pub(crate) fn worst_of_btc(&self) -> Option<Finding> {
         self.found.iter().copied().max_by(|a, b| a.btc_dps_per_c.abs().total_cmp(&b.btc_dps_per_c.abs()))
     }
@@ -75,7 +75,7 @@ const FEWEST: usize = 40;
 /// Standard deviations from which a deviation is suspected, and widens the uncertainty.
 const SUSPECT: f64 = 3.0;
 
-/// Looks for deviations. None if the record is too short or has too many holes.
+/// Looks for deviations. `None` if the record is too short or has too many holes.
 pub(crate) fn findings(seconds: &[Second], question: &Question) -> Option<Findings> {
     let bins = bins(seconds);
     if bins.len() < FEWEST {
@@ -169,7 +169,7 @@ impl<'a> Search<'a> {
         beyond_doubt.max_by(|a, b| rank(a).total_cmp(&rank(b))).map(|(_, candidate)| candidate)
     }
 
-    /// Adds a column to the model, and takes it out of everything else.
+    /// Adds a column to the model, and removes it from the residual and the candidates.
     fn add(&mut self, column: Vec<f64>) {
         let mut left = column.clone();
         self.units.iter().for_each(|unit| gls::take_out(&mut left, unit));

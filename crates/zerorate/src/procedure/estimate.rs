@@ -47,7 +47,7 @@ impl Evidence<'_> {
 /// The result of the procedure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome<W = Vec<Warning>> {
-    /// Means of steps 4 and 6 of F-51. None for another method.
+    /// Means of steps 4 and 6 of F-51. `None` for another method.
     pub means: Option<Measured>,
     /// PBC, BTC and T3.
     pub correction: Correction,
@@ -75,7 +75,7 @@ pub struct Outcome<W = Vec<Warning>> {
     pub plan: Plan,
     /// The warnings beside the numbers.
     pub warnings: W,
-    /// The bias over temperature. None for AN-1042.
+    /// The bias over temperature. `None` for AN-1042.
     pub curve: Option<BiasCurve>,
 }
 
@@ -98,7 +98,7 @@ impl Outcome {
     }
 }
 
-/// The noise at the output. White noise is as measured, and the other terms are as far as the record shows them.
+/// The noise at the output. White noise is measured, and the other terms are measured as far as the record allows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
     /// The three noises. White noise is always measured.

@@ -105,15 +105,15 @@ impl Procedure {
     /// Prepares a procedure for this axis.
     ///
     /// # Errors
-    /// A duration or limit of the plan makes no sense.
+    /// Returns an error if a duration or limit of the plan is impossible.
     pub fn new(axis: &Axis, plan: Plan) -> Result<Self, PlanError> {
         Self::with_sums(axis, plan)
     }
 
-    /// Returns the result, once [`Procedure::next`] says [`Action::Done`].
+    /// Returns the result, once [`Procedure::next`] returns [`Action::Done`].
     ///
     /// # Errors
-    /// The errors of [`Procedure::handle`] or, before the end, the window that is still short of samples.
+    /// Returns the errors of [`Procedure::handle`] or, before the end, the window that is still short of samples.
     pub fn finish(self) -> Result<Outcome, Refusal> {
         match self.plan.method {
             Method::An1042 => estimate::outcome_of_hour(&self.seen(), &self.sums),
@@ -121,8 +121,8 @@ impl Procedure {
         }
     }
 
-    /// What the recording would state if it ended now, or why it would be refused. None outside of a recording, as by
-    /// AN-1042. It takes as long as [`Procedure::finish`].
+    /// The result of the recording if it ended now, or the refusal. `None` outside of a recording, as by AN-1042. It
+    /// takes as long as [`Procedure::finish`].
     pub fn reached(&self) -> Option<Result<Reached, Refusal>> {
         (self.state == State::Recording).then(|| {
             let mut ahead = self.clone();
@@ -136,15 +136,15 @@ impl FixedProcedure {
     /// Prepares a procedure for this axis.
     ///
     /// # Errors
-    /// A duration or limit of the plan makes no sense.
+    /// Returns an error if a duration or limit of the plan is impossible.
     pub fn on_fixed_memory(axis: &Axis, plan: Plan) -> Result<Self, PlanError> {
         Self::with_sums(axis, Plan { method: Method::An1042, ..plan })
     }
 
-    /// Returns the result, once [`Procedure::next`] says [`Action::Done`]. The procedure stays as it is.
+    /// Returns the result, once [`Procedure::next`] returns [`Action::Done`]. The procedure stays as it is.
     ///
     /// # Errors
-    /// The errors of [`Procedure::handle`] or, before the end, the window that is still short of samples.
+    /// Returns the errors of [`Procedure::handle`] or, before the end, the window that is still short of samples.
     pub fn outcome(&self) -> Result<Outcome<WindowWarnings>, Refusal> {
         estimate::outcome_of_windows(&self.seen())
     }
@@ -190,7 +190,7 @@ impl<S: WindowSums> Procedure<S> {
         Progress { state: self.state, elapsed_s: self.now_ns as f64 * 1e-9, total_s: self.plan.total_s() }
     }
 
-    /// The refusal that would follow if the present step ended now. None in its first two seconds.
+    /// The refusal that would follow if the present step ended now. `None` in the first two seconds of the step.
     #[must_use]
     pub fn pending_refusal(&self) -> Option<Refusal> {
         let mut ahead = self.clone();
@@ -203,7 +203,7 @@ impl<S: WindowSums> Procedure<S> {
     /// Takes in an event. A refusal is final: the measurement is over.
     ///
     /// # Errors
-    /// The measurement must not become a calibration.
+    /// Returns a refusal if the measurement must not become a calibration.
     #[inline]
     pub fn handle(&mut self, event: Event<'_>) -> Result<(), Refusal> {
         match event {
@@ -227,7 +227,7 @@ impl<S: WindowSums> Procedure<S> {
     /// steps that are still to come.
     ///
     /// # Errors
-    /// As [`Procedure::handle`].
+    /// Returns the same errors as [`Procedure::handle`].
     pub fn end_recording(&mut self) -> Result<bool, Refusal> {
         if self.state != State::Recording {
             return Ok(false);

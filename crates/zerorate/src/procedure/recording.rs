@@ -19,12 +19,12 @@ use alloc::vec::Vec;
 #[cfg(feature = "std")]
 use zerorate_allan::{self as allan, FitOptions, Input, Term};
 
-/// Approximate number of blocks of a recording. More of them tell no more.
+/// Approximate number of blocks of a recording. More blocks add no information.
 const MOST_BLOCKS: f64 = 1600.0;
 /// Shortest block, s.
 const SHORTEST_S: f64 = 2.0;
 
-/// What a recording would state if it ended now.
+/// The numbers of a recording if it ended now.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reached {
     /// Standard uncertainty of the correction, rms over the temperatures seen, °/s.
@@ -45,8 +45,8 @@ const SETTLING_S: f64 = 600.0;
 const SLOPE_S: f64 = 60.0;
 
 impl Reached {
-    /// Time of the next look after the one at `looked_s`, s. A look takes as long as the end of a recording, which a
-    /// longer recording makes longer.
+    /// Time of the next estimate after the one at `looked_s`, s. An estimate takes as long as the end of a recording,
+    /// and longer in a longer recording.
     #[must_use]
     pub const fn next_look_s(looked_s: f64) -> f64 {
         looked_s + (looked_s / 10.0).max(60.0)
@@ -64,7 +64,7 @@ impl Reached {
     }
 }
 
-/// What the recording would state if it ended now: the numbers of its outcome.
+/// The numbers of the outcome if the recording ended now.
 pub(crate) fn reached(seen: &Evidence<'_>, sums: &Blocks) -> Result<Reached, Refusal> {
     let Outcome { uncertainty, curve, .. } = outcome(seen, sums)?;
     let left_s = settles_in_s(&sums.seconds().collect::<Vec<_>>(), seen.axis.temp_margin_c());
@@ -90,7 +90,7 @@ fn settles_in_s(seconds: &[Second], margin_c: f64) -> f64 {
 /// The forecast for a recording before it begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forecast {
-    /// Time at which it ends, s.
+    /// Time at which the recording ends, s.
     pub after_s: f64,
     /// Standard uncertainty of the correction by then, rms over the temperatures of a typical self-heating, °/s.
     pub u_dps: f64,
@@ -98,7 +98,7 @@ pub struct Forecast {
 
 impl Axis {
     /// Time at which a typical unit has settled and its correction reaches a standard uncertainty, °/s. If it never
-    /// does, this is the end of the time, s. None if its noise or its self-heating is not known.
+    /// does, this is the end of the time, s. `None` if its noise or its self-heating is not known.
     #[must_use]
     pub fn forecast(&self, target_dps: f64, total_s: f64) -> Option<Forecast> {
         let heating = self.self_heating?;
@@ -109,7 +109,7 @@ impl Axis {
         forecasts.into_iter().find(|forecast| forecast.u_dps <= target_dps).or_else(|| at(total_s))
     }
 
-    /// The uncertainty does not depend on the rates, only on the temperatures and the noise.
+    /// The expected uncertainty, °/s. It does not depend on the rates, only on the temperatures and the noise.
     fn expected_u_dps(&self, heating: &SelfHeating, after_s: f64) -> Option<f64> {
         let noise = self.noise?;
         let count = libm::floor(after_s / SHORTEST_S) as u32;
@@ -205,7 +205,7 @@ pub(crate) struct Searched<'a> {
 }
 
 impl Searched<'_> {
-    /// The deviations. None if the part's noise is not known.
+    /// The deviations. `None` if the part's noise is not known.
     pub(crate) fn findings(&self, seconds: &[Second]) -> Option<Findings> {
         let &Self { axis, white_dps_per_rt_hz, times_s: (start_s, end_s), span_c } = self;
         axis.noise?;
@@ -259,7 +259,7 @@ pub(crate) fn motions_hz(length_s: f64, hour: Option<&Findings>) -> Vec<f64> {
 }
 
 /// White noise and Gauss–Markov terms of the recording itself. They come from a model of its residuals after the
-/// curve, without glitches and steps. None if the recording is too short for a model, or follows none.
+/// curve, without outliers and steps. `None` if the recording is too short for a model, or follows none.
 #[cfg(feature = "std")]
 fn own_noise(sums: &Blocks, curve: &BiasCurve) -> Option<(f64, Vec<(f64, f64)>)> {
     let left = |(k, (rate_dps, temp_c)): (usize, (f64, f64))| {

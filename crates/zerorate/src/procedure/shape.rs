@@ -12,9 +12,9 @@ pub(crate) enum Shape {
     Step { at_s: f64, from_s: f64, to_s: f64 },
     /// The square of the temperature over T3, °C².
     Curved(Series),
-    /// The temperature less what follows it with a time constant, °C.
+    /// The temperature less a follower with a time constant, °C.
     Lagged { lag_s: f64, ahead: Series },
-    /// The temperature less what it drags along by a play of half this width, °C.
+    /// The temperature less a follower with a play of half this width, °C.
     Held { width_c: f64, ahead: Series },
     /// A sine.
     Oscillation { hz: f64, phase: f64 },

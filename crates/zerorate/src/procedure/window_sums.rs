@@ -51,7 +51,7 @@ pub struct Summary {
     pub(crate) rates: Adjacent,
     /// Allan variance of adjacent block means of the temperature, °C.
     pub(crate) temps: Adjacent,
-    /// The same for the rate, in averages of an eighth of the step.
+    /// Allan variance of the rate in averages of an eighth of the step.
     pub(crate) eighths: Adjacent,
     /// Lowest and highest block mean of the temperature, °C; the lowest is above the highest if there is none.
     pub(crate) temp_range_c: (f64, f64),

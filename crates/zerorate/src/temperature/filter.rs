@@ -1,5 +1,5 @@
-//! Least squares under noise with a memory: a Kalman filter whose states are the noise, run over the rates and over
-//! every column of the model at once.
+//! Least squares under correlated noise: a Kalman filter whose states are the noise, run over the rates and over every
+//! column of the model at once.
 //!
 //! The gains of a Kalman filter do not depend on the data, so it is a linear map of a series to its innovations, which
 //! are white. The innovations of all series give the normal equations of generalised least squares, in a time that is
@@ -14,7 +14,7 @@ use core::f64::consts::{LN_2, PI};
 
 /// Highest frequency at which flicker is modelled, Hz.
 const FLICKER_TOP_HZ: f64 = 10.0;
-/// Ratio of the length of a block to the memory of a process from which that process counts as white.
+/// Ratio of the length of a block to the correlation time of a process from which that process counts as white.
 const WHITE_FROM: f64 = 3.0;
 
 /// The part of a filter run over the blocks of a recording that does not depend on the data: gains, and the variances
@@ -107,7 +107,7 @@ impl Filter {
         Whites { gram: (0..series.len()).map(row).collect(), series }
     }
 
-    /// Combines these series and `more`. None if a number is not finite.
+    /// Combines these series and `more`. `None` if a number is not finite.
     pub(super) fn filtered(&self, whites: &Whites, more: &[White]) -> Option<Filtered> {
         let mut gram = whites.gram.clone();
         for (k, one) in more.iter().enumerate() {
@@ -218,7 +218,7 @@ impl Process {
         self.variance * 2.0 * (libm::expm1(-x) + x) / (x * x)
     }
 
-    /// The process as means over such a time show it.
+    /// The process as it appears in means over this time.
     fn of_means(&self, length_s: f64) -> Self {
         Self { variance: self.mean_variance(length_s), ..*self }
     }

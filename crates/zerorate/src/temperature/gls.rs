@@ -5,10 +5,10 @@ use alloc::vec::Vec;
 use zerorate_allan::linear::Cholesky;
 pub(crate) use zerorate_allan::linear::dot;
 
-/// Share of its diagonal element below which a pivot is rounding.
+/// Share of its diagonal element below which a pivot counts as rounding error.
 const LEAST_PIVOT: f64 = 1e-12;
 
-/// Factors a covariance matrix, given by the rows of its lower triangle. None if it is not positive definite.
+/// Factors a covariance matrix, given by the rows of its lower triangle. `None` if it is not positive definite.
 pub(crate) fn whitener(rows: Vec<Vec<f64>>) -> Option<Cholesky> {
     Cholesky::new(rows, LEAST_PIVOT)
 }
@@ -20,7 +20,7 @@ pub(crate) struct Fit {
 }
 
 impl Fit {
-    /// Finds the coefficients that leave least of `values`. None if the columns depend on each other.
+    /// Finds the least-squares coefficients of `values`. `None` if the columns depend on each other.
     pub(crate) fn new(columns: &[Vec<f64>], values: &[f64]) -> Option<Self> {
         let products =
             |(i, column): (usize, &Vec<f64>)| columns[..=i].iter().map(|other| dot(column, other)).collect();

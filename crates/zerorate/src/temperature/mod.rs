@@ -42,9 +42,9 @@ pub const TERMS: usize = 4;
 /// between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block {
-    /// Its beginning, s.
+    /// Start of the block, s.
     pub start_s: f64,
-    /// Its length, s.
+    /// Length of the block, s.
     pub length_s: f64,
     /// Mean rate, °/s.
     pub rate_dps: f64,
@@ -84,7 +84,7 @@ pub struct Assumed<'a> {
     pub axis: &'a Axis,
     /// One-sided density of the white noise of this recording, °/s/√Hz.
     pub white_dps_per_rt_hz: f64,
-    /// Gauss–Markov processes in it: standard deviation, °/s, and correlation time, s.
+    /// Gauss–Markov processes in the noise: standard deviation, °/s, and correlation time, s.
     pub gauss_markov: &'a [(f64, f64)],
     /// Times at which the level seems to have changed, s, the strongest first. The first [`MOST_STEPS`] are taken, and
     /// the models decide about them.
@@ -172,9 +172,9 @@ pub struct Step {
 pub struct BaseMotion {
     /// Frequency, Hz.
     pub hz: f64,
-    /// Its sine, of a phase that is zero at the start, °/s.
+    /// Amplitude of the sine, °/s. The phase of the sine is zero at the start.
     pub sine_dps: f64,
-    /// Its cosine, °/s.
+    /// Amplitude of the cosine, °/s.
     pub cosine_dps: f64,
 }
 
@@ -213,7 +213,7 @@ const FEWEST: usize = 40;
 /// Finds the bias over temperature at the end of a recording.
 ///
 /// # Errors
-/// There are too few blocks, or no model can explain them.
+/// Returns an error if there are too few blocks, or no model can explain them.
 pub fn fit(blocks: &[Block], assumed: &Assumed<'_>) -> Result<BiasCurve, ThermalError> {
     if blocks.len() < FEWEST {
         return Err(ThermalError::TooFew { blocks: blocks.len(), needed: FEWEST });

@@ -36,7 +36,7 @@ const UNKNOWN_SPREAD: [f64; 2] = [1.0, 1.5];
 /// Prior probability of a step in a recording.
 const STEP_PROBABILITY: f64 = 0.02;
 
-/// One combination.
+/// One combination of the unknowns.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Hypothesis {
     pub(super) noise: Noise,
@@ -55,7 +55,7 @@ pub(super) struct Weighed {
     pub(super) posterior: Posterior,
 }
 
-/// All models that matter. Empty where none can be computed.
+/// All models that matter. Empty if none can be computed.
 pub(super) fn weigh(record: &Record<'_>, assumed: &Assumed<'_>) -> Vec<Weighed> {
     let lattice = Lattice::new(record, assumed);
     let (mut noises, mut paths) = (Vec::from([(0, 0)]), Vec::from([Path::default()]));
@@ -108,7 +108,7 @@ struct Path {
 
 struct Lattice<'a> {
     record: &'a Record<'a>,
-    /// The middle of the noises.
+    /// The noise at the middle of the lattice.
     noise: NoiseModel,
     spread: [f64; 2],
     gauss_markov: &'a [(f64, f64)],

@@ -1,4 +1,4 @@
-//! The sweeps of the temperature: what a recording passed while it warmed, and while it cooled.
+//! The ranges of the temperature that a recording covered while it warmed, and while it cooled.
 
 use alloc::vec::Vec;
 

@@ -1,8 +1,8 @@
-//! The answer to the question for the bias, prepared so that asking costs little.
+//! The estimate of the bias, prepared so that a query costs little.
 
 use super::filter::{Drift, Filter, place, sd};
 
-/// Offset, slope and curvature.
+/// Number of states in the estimate: offset, slope and curvature.
 const SHOWN: usize = 3;
 /// Change of the bias that is accepted by half if all stretches are rotations, in units of the least rotation.
 const DOUBTED: f32 = 1.75;
@@ -35,7 +35,7 @@ impl Estimate {
         }
     }
 
-    /// Bias beyond the calibration at T − T3 and its standard uncertainty, °/s, so many seconds later.
+    /// Bias beyond the calibration at T − T3 and its standard uncertainty, °/s, `seconds` later.
     ///
     /// A change m is accepted by m²/(m² + τ²), and wholly while rotations are few. The rest adds to the uncertainty.
     pub(super) fn at(&self, d_c: f32, seconds: f32, drift: &Drift) -> (f32, f32) {

@@ -21,13 +21,13 @@ const SCHEMA: u32 = 2;
 #[serde(deny_unknown_fields)]
 pub struct TrackFile {
     schema: u32,
-    /// Id of the calibration that it continues.
+    /// Id of the calibration that the file continues.
     pub calibration: String,
     /// Name of the kind of part.
     pub part: String,
     /// Serial number of the unit.
     pub serial: Option<String>,
-    /// Time at which the file was written, RFC 3339. None for a simulated part.
+    /// Time at which the file was written, RFC 3339. `None` for a simulated part.
     pub saved: Option<String>,
     axis: Vec<AxisForm>,
 }
@@ -39,7 +39,7 @@ struct AxisForm {
     state: [f32; STATES],
     covariance: [f32; COVARIANCES],
     at_c: f32,
-    /// Schema 1 has neither of the two.
+    /// Schema 1 has neither `rests` nor `turns`.
     #[serde(default = "one")]
     rests: f32,
     #[serde(default = "one")]
@@ -126,10 +126,10 @@ impl TrackFile {
         }
     }
 
-    /// Reads a state that is whole.
+    /// Reads a state, and checks that it is whole.
     ///
     /// # Errors
-    /// Returns what is wrong, with the line.
+    /// Returns the first error in the text, with its line.
     pub fn parse(text: &str) -> Result<Self, TrackFileError> {
         let checked = check_lines::verify(text).map_err(TrackFileError::Altered)?;
         let fields = check_lines::without_checks(text);
@@ -150,7 +150,7 @@ impl TrackFile {
     /// Returns the state of an axis, if it belongs to that calibration.
     ///
     /// # Errors
-    /// The state belongs to something else, or lacks the axis.
+    /// Returns an error if the state belongs to another calibration or unit, or lacks the axis.
     pub fn of(&self, calibration: &Calibration, axis: &str) -> Result<Saved, TrackFileError> {
         let given = calibration.id();
         if self.calibration != given {
@@ -209,8 +209,8 @@ impl Prior {
 
 impl TrackerConfig {
     /// Makes the configuration for an axis of a calibration. It takes the noise and the uncertainties of the
-    /// calibration, or of the part if the calibration states none. None if nobody states the noise, because noise
-    /// tells rest.
+    /// calibration, or of the part if the calibration states none. `None` if neither states the noise, because the
+    /// test for rest compares with it.
     #[must_use]
     pub fn of_calibration(calibrated: &CalibratedAxis, axis: &Axis) -> Option<Self> {
         let noise = match &calibrated.noise {

@@ -9,7 +9,7 @@ use libm::{exp, expf, log, sqrtf};
 
 use crate::noise::{FLICKER_CUTOFF_HZ, NoiseModel};
 
-/// Offset, slope, curvature, and the three parts of the flicker.
+/// Number of states: offset, slope, curvature, and the three parts of the flicker.
 pub const STATES: usize = 6;
 /// Number of different elements of a symmetric matrix of that size.
 pub const COVARIANCES: usize = STATES * (STATES + 1) / 2;
@@ -115,13 +115,13 @@ pub struct Prior {
 pub struct Filter {
     /// Offset (°/s), slope (°/s/°C), curvature (°/s/°C²) and flicker (°/s).
     pub state: [f32; STATES],
-    /// Lower triangle of their covariance, row by row.
+    /// Lower triangle of the covariance of the state, row by row.
     pub covariance: [f32; COVARIANCES],
     /// T − T3 at the last mean that was taken in, °C.
     pub at_c: f32,
 }
 
-/// A mean at rest against what the filter expected.
+/// A mean at rest compared with the value that the filter expected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Innovation {
     /// The mean less its expected value, °/s.

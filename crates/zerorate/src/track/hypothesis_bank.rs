@@ -27,11 +27,11 @@ pub(super) struct Mean {
     pub(super) length_s: f32,
 }
 
-/// What a stretch teaches if it is rest.
+/// The filter after a stretch, if the stretch is rest.
 #[derive(Clone, Copy, Debug)]
 struct Lesson {
     filter: Filter,
-    /// Sum over its seconds of the means less their expected values.
+    /// Sum over the seconds of the stretch: the means less their expected values.
     innovation_dps_s: f32,
 }
 
@@ -123,7 +123,7 @@ impl HypothesisBank {
         self.sure_s += mean.length_s;
     }
 
-    /// Drops what is not sure.
+    /// Drops the windows that are not sure.
     pub(super) fn go_back(&mut self) {
         self.used().for_each(|it| it.now = it.sure);
         self.seconds = self.sure_s;
@@ -145,12 +145,12 @@ impl HypothesisBank {
         }
     }
 
-    /// Probability that the stretch is rest. None without a mean of it.
+    /// Probability that the stretch is rest. `None` without a mean of the stretch.
     pub(super) fn rest(&self) -> Option<f32> {
         (self.seconds > 0.0).then(|| self.hypotheses.iter().map(|it| it.rest).sum())
     }
 
-    /// Seconds of the stretch.
+    /// Length of the stretch, s.
     pub(super) fn seconds(&self) -> f32 {
         self.seconds
     }

@@ -138,7 +138,7 @@ pub struct Saved {
     pub counts: Counts,
 }
 
-/// A saved state is impossible: not finite, or with an impossible covariance.
+/// The error for an impossible saved state: not finite, or with an impossible covariance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unsound;
 
@@ -194,7 +194,7 @@ impl Tracker {
     /// Makes a tracker that continues from a saved state after a power-down of `off_s` seconds.
     ///
     /// # Errors
-    /// The state is impossible.
+    /// Returns [`Unsound`] if the state is impossible.
     pub fn resume(config: TrackerConfig, saved: &Saved, off_s: f64) -> Result<Self, Unsound> {
         if !(saved.filter.is_sound() && saved.rest_prior.is_sound() && off_s >= 0.0 && off_s.is_finite()) {
             return Err(Unsound);
@@ -221,8 +221,8 @@ impl Tracker {
         Saved { filter, rest_prior: self.bank.rest_prior, counts: self.counts() }
     }
 
-    /// Takes in the mean rate, °/s, and the mean temperature, °C, of the next [`BLOCK_S`]. They are none if they are
-    /// missing. A rate without a temperature takes the last one. `still`: no other axis of the part
+    /// Takes in the mean rate, °/s, and the mean temperature, °C, of the next [`BLOCK_S`]. A missing mean is `None`. A
+    /// rate without a temperature takes the last temperature. `still` means that no other axis of the part
     /// [moves](Self::moves).
     pub fn push(&mut self, rate_dps: Option<f64>, temp_c: Option<f64>, still: bool) -> Phase {
         self.blocks += 1;

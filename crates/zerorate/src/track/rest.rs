@@ -14,7 +14,7 @@ const BLOCKS: u32 = 10;
 pub(super) const WINDOW_S: u32 = 4;
 /// Number of windows that are kept: twice 64 s, and some that `mod.rs` has not learned from yet.
 const WINDOWS: usize = 64;
-/// Most windows behind which a change of the rate is found.
+/// Largest number of windows from a change of the rate until it is found.
 pub(super) const MOST_LATE: u32 = 32;
 
 /// Tests of adjacent means: the number of windows in each, and the ratio of their difference to its standard deviation
@@ -31,7 +31,7 @@ const LARGEST: f32 = 1e5;
 /// The finding after a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Seen {
-    /// There is nothing to say yet.
+    /// There is no finding yet.
     Open,
     /// Another mean over four quiet seconds is complete.
     Window,
@@ -86,8 +86,8 @@ impl Quiet {
         }
     }
 
-    /// Takes in the mean of a block, less the calibrated bias. It is none if the block is missing. After a motion, the
-    /// caller begins anew.
+    /// Takes in the mean of a block, less the calibrated bias. `None` means that the block is missing. After a motion,
+    /// the caller begins anew.
     pub(super) fn push(&mut self, rate_dps: Option<f32>, d_c: f32) -> Seen {
         let Some(rate_dps) = rate_dps.filter(|rate| rate.abs() < LARGEST && d_c.abs() < LARGEST) else {
             return Seen::Moving;
@@ -153,7 +153,7 @@ impl Quiet {
         self.filled
     }
 
-    /// Mean of `windows` windows, behind `newer` newer ones. There are at least so many of the last [`WINDOWS`].
+    /// Mean of `windows` windows before the `newer` newest ones. All of them must be among the last [`WINDOWS`].
     pub(super) fn mean(&self, newer: u32, windows: u32) -> Mean {
         let end = self.filled.wrapping_sub(newer);
         let place = |back: u32| self.ring[end.wrapping_sub(back) as usize % WINDOWS];

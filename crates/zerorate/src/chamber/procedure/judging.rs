@@ -12,7 +12,7 @@ use crate::temperature::gls::{dot, take_out};
 
 use alloc::vec::Vec;
 
-/// Readings beyond the limits that end the measurement. A single one may be an error of the line.
+/// Number of readings beyond the limits that ends the measurement. A single one may be a transmission error.
 const BEYOND: u32 = 2;
 /// Time in which the air must reach the set point, s, once the ramp has ended. Chambers take an hour for a hundred
 /// degrees.
@@ -28,15 +28,15 @@ const REST_S: usize = 100;
 const SELF_HEATING_C: (f64, f64) = (-5.0, 25.0);
 /// Time without a reading after which the measurement ends, s.
 const SILENT_S: u64 = 60;
-/// Time within which a part must tell its temperature, s.
+/// Time within which a part must give its temperature, s.
 const TEMPERATURE_S: f64 = 30.0;
 
 impl ChamberProcedure {
-    /// Takes in the air temperature that the chamber reads, °C. It is never needed, and it only ends a measurement
-    /// that cannot succeed.
+    /// Takes in the air temperature that the chamber reads, °C. This is optional: it only ends a measurement that
+    /// cannot succeed.
     ///
     /// # Errors
-    /// The chamber does not follow its set point.
+    /// Returns a refusal if the chamber does not follow its set point.
     pub fn air(&mut self, air_c: f64) -> Result<(), ChamberRefusal> {
         self.air_c = Some(air_c);
         let step = self.step + 1;
@@ -58,9 +58,9 @@ impl ChamberProcedure {
         Ok(())
     }
 
-    /// The range in which the plan allows the air, °C. It covers the set points and the temperature at which the
-    /// chamber is left, because an open door lets the air go there. At first the air may be outside, until it has come
-    /// to the plan, and for no longer than the first step takes.
+    /// The range in which the plan allows the air, °C. It covers the set points and the temperature after the
+    /// measurement, because an open door lets the air go there. At first the air may be outside, until it has reached
+    /// this range, and for no longer than the first step takes.
     fn air_may_be_c(&mut self, air_c: f64) -> (f64, f64) {
         let ((low_c, high_c), safe_c) = (self.plan.span_c(), self.plan.safe_c);
         let (low_c, high_c) = (low_c.min(safe_c), high_c.max(safe_c));
@@ -159,8 +159,8 @@ impl ChamberProcedure {
         Ok(())
     }
 
-    /// Whether a part whose temperature rests does so at this set point. Its self-heating is as at the last set point.
-    /// At the first one it may be anything that parts have.
+    /// Whether a part of steady temperature is near this set point, given the self-heating at the last set point. At
+    /// the first set point, any self-heating of real parts is allowed.
     fn is_near(&self, drift: &Drift) -> bool {
         let set_c = self.plan.course_c(self.step).1;
         match self.settled_at_c {
