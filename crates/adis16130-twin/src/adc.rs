@@ -5,7 +5,7 @@ use crate::registers::{Channel, Registers};
 use crate::registers::{IOP_RDYFN, MODE_CLAMP, MODE_CONTINUOUS, MODE_MD, MODE_SINGLE};
 use crate::tally::{Conversion, LastRead, LostUnread, Reading, Tally};
 
-/// Never.
+/// The time of an event that never comes.
 pub(crate) const NEVER: u64 = u64::MAX;
 
 /// A data register with the state of its content.
@@ -36,7 +36,7 @@ pub(crate) struct Adc {
     converting: Channel,
     /// When the running conversion ends, in ps, or [`NEVER`].
     pub(crate) next_update_ps: u64,
-    /// The data registers keep their codes.
+    /// Whether the data registers keep their codes.
     pub(crate) frozen: bool,
 }
 
@@ -84,9 +84,9 @@ impl Plan {
 /// The effects of an update besides the stored code.
 #[derive(Copy, Clone, PartialEq, Eq)]
 pub(crate) struct Update {
-    /// The condition for a low RDY holds, so the level falls.
+    /// Whether the condition for a low RDY holds, so that the level falls.
     pub(crate) rdy_falls: bool,
-    /// The last conversion of the single mode is done.
+    /// Whether the last conversion of the single mode is done.
     pub(crate) single_done: bool,
 }
 
@@ -104,7 +104,7 @@ impl Adc {
         }
     }
 
-    /// Sets the reset values. What is counted stays.
+    /// Sets the reset values. Counts keep their values.
     pub(crate) fn reset(&mut self) {
         self.data = self.data.map(|data| Data::reset(data.tally));
         self.unread = 0;
@@ -114,7 +114,7 @@ impl Adc {
     }
 
     /// Takes new register contents. `restart` begins the sequence anew (a write to MODE, SYNC let go). Otherwise a
-    /// running conversion ends as it was begun. `held` is a low SYNC pin.
+    /// running conversion ends as it was begun. `held` tells whether the SYNC pin is low.
     pub(crate) fn plan(&mut self, registers: &Registers, held: bool, restart: bool, now_ps: u64) {
         self.plan = Plan::of(registers, self.mclk_hz, held);
         if !self.plan.running {
@@ -218,7 +218,7 @@ impl Adc {
         code
     }
 
-    /// The last byte of a read is out.
+    /// Ends a read, when its last byte is out.
     #[inline]
     pub(crate) fn end_read(&mut self) {
         self.reading = None;
@@ -251,7 +251,7 @@ impl Adc {
     }
 }
 
-/// A 24-bit code in 16 bits: nearest, ties away from the middle, never past the end (F-43).
+/// Converts a 24-bit code to 16 bits: to nearest, ties away from the middle, never past the end (F-43).
 pub(crate) fn to_16_bits(code24: u32) -> u16 {
     let distance = i64::from(code24) - i64::from(facts::ZERO_CODE);
     let rounded = (distance.abs() + 128) >> 8;

@@ -11,9 +11,9 @@ const RESET_ONES: u32 = 32;
 enum Phase {
     /// The next byte is a COM byte (F-24).
     Command,
-    /// Data bytes of a write to come.
+    /// Data bytes of a write are still to come.
     Write { register: Register, left: u8, value: u16 },
-    /// Data bytes of a read to go out, the next one on top.
+    /// Data bytes of a read are still to go out, the next one on top.
     Read { left: u8, shift: u32 },
 }
 
@@ -21,7 +21,7 @@ enum Phase {
 #[derive(Copy, Clone, PartialEq, Eq)]
 pub(crate) enum Effect {
     None,
-    /// A register was written or everything was reset. RDY was low before or not.
+    /// A register was written, or everything was reset.
     Changed {
         rdy_was_low: bool,
     },
@@ -41,7 +41,7 @@ impl Chip {
         Self { registers: Registers::RESET, adc: Adc::new(mclk_hz), phase: Phase::Command, ones: 0, sync_high: true }
     }
 
-    /// Reset values everywhere; the part waits for a COM byte.
+    /// Sets reset values everywhere. The part then waits for a COM byte.
     pub(crate) fn reset(&mut self) {
         self.registers = Registers::RESET;
         self.adc.reset();
@@ -152,7 +152,7 @@ impl Chip {
         self.plan(false, now_ps);
     }
 
-    /// Sets the level of pin 18. With IOP.SYNC = 1 low holds the conversions, and letting go begins the sequence anew.
+    /// Sets the level of pin 18. With IOP.SYNC = 1, low holds the conversions, and its rise restarts the sequence.
     pub(crate) fn set_sync(&mut self, high: bool, now_ps: u64) {
         let rises = high && !self.sync_high;
         self.sync_high = high;

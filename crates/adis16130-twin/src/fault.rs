@@ -5,14 +5,14 @@ use crate::normal::{Process, Uniform};
 /// Bit error rate of [`Fault::BitErrors`] when the specification does not set it.
 pub const DEFAULT_BIT_ERROR_RATE: f64 = 1e-6;
 
-/// A fault.
+/// A fault of the wiring or of the part.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Fault {
-    /// Nothing.
+    /// No fault.
     None,
-    /// SDO is stuck at 0; the part still hears and obeys.
+    /// SDO is stuck at 0. The part still executes commands.
     SdoLow,
-    /// SDO is stuck at 1; the part still hears and obeys.
+    /// SDO is stuck at 1. The part still executes commands.
     SdoHigh,
     /// The data registers keep their codes for ever; RDY goes on as if they were updated.
     Frozen,
@@ -110,7 +110,7 @@ impl WireFaults {
         byte
     }
 
-    /// Good bits before the next bad one: geometric.
+    /// Draws the number of good bits before the next bad one, which is geometric.
     fn draw_gap(&mut self) -> u64 {
         if self.bit_error_rate <= 0.0 {
             return u64::MAX;

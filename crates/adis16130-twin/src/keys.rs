@@ -177,7 +177,7 @@ pub const KEYS: &[Key] = &[
     }),
 ];
 
-/// Why a text does not specify a unit.
+/// The reason why a text does not specify a unit.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SpecError {
     /// The key does not exist.
@@ -187,7 +187,7 @@ pub enum SpecError {
         /// The known key that is most like it.
         nearest: Option<&'static str>,
     },
-    /// An item without `=`.
+    /// An item has no `=`.
     NoValue {
         /// The item as written.
         item: String,

@@ -35,9 +35,9 @@ pub struct Means {
 /// The average of a block.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Mean {
-    /// Its beginning, in s from the start.
+    /// Start of the block, in s from the start.
     pub start_s: f64,
-    /// Its length, in s.
+    /// Length of the block, in s.
     pub length_s: f64,
     /// Rate at the output, in °/s.
     pub rate_dps: f64,
@@ -60,7 +60,7 @@ impl Means {
         }
     }
 
-    /// The next block.
+    /// Returns the averages of the next block.
     pub fn next_mean(&mut self) -> Mean {
         let start_ps = self.now_ps;
         let (mut rate_dps, mut temp_c) = (0.0, 0.0);

@@ -90,7 +90,7 @@ impl Normal {
     }
 }
 
-/// Where the tail begins, and the area of each layer, for 256 layers.
+/// Start of the tail, and area of each layer, for 256 layers.
 const TAIL: f64 = 3.654_152_885_361_009;
 const AREA: f64 = 0.004_928_673_233_974_655;
 

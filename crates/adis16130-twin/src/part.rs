@@ -26,9 +26,9 @@ pub(crate) struct Part {
     faults: WireFaults,
     switched_on: bool,
     supplied: bool,
-    /// Bytes are neither recorded nor altered.
+    /// Whether bytes are neither recorded nor altered.
     plain: bool,
-    /// RDY cannot fall, in any state of the converter.
+    /// Whether RDY cannot fall, in any state of the converter.
     rdy_masked: bool,
     edge_seq: u32,
     edge_ps: u64,
@@ -139,7 +139,7 @@ impl Part {
         }
     }
 
-    /// The edge that does not announce new data, where the scaling time begins.
+    /// The next edge where the scaling time begins. It does not announce new data.
     fn next_scaling(&mut self, timeout_ps: u64) -> Option<(u64, u32)> {
         let deadline_ps = self.now_ps.saturating_add(timeout_ps).min(NEVER - 1);
         while self.next_event_ps <= deadline_ps || self.chip.adc.scaling_from_ps() <= deadline_ps {
@@ -161,12 +161,12 @@ impl Part {
         self.next_event_ps
     }
 
-    /// Forgets edges that nobody asked for yet.
+    /// Drops edges that were not reported yet.
     pub(crate) fn clear_latched_edge(&mut self) {
         self.reported_seq = self.edge_seq;
     }
 
-    /// Runs until `done(level before, level now)` of RDY, `true` being high, or for `limit_ps`. Returns which.
+    /// Runs until `done(level before, level now)` of RDY holds, `true` being high. Returns false after `limit_ps`.
     pub(crate) fn wait_rdy(&mut self, limit_ps: u64, done: impl Fn(bool, bool) -> bool) -> bool {
         let deadline_ps = self.now_ps.saturating_add(limit_ps).min(NEVER - 1);
         let mut before = self.rdy_high();
@@ -319,7 +319,7 @@ impl Part {
         }
     }
 
-    /// Handles any change: works out anew what depends on it, and notices an edge of RDY.
+    /// Handles any change: updates the state that depends on it, and detects an edge of RDY.
     fn changed(&mut self, rdy_was_high: bool) {
         self.note_plain();
         self.gyro.set_period_ps(self.chip.adc.period_ps());
@@ -341,7 +341,7 @@ impl fmt::Debug for Part {
     }
 }
 
-/// The fault that the specification announces. A bit error rate alone is a fault, too.
+/// The fault of the specification. A bit error rate alone is a fault, too.
 fn pending_fault(spec: &Spec) -> Fault {
     if spec.fault == Fault::None && spec.bit_error_rate > 0.0 { Fault::BitErrors } else { spec.fault }
 }

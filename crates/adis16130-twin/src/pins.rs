@@ -26,7 +26,7 @@ macro_rules! pin {
 }
 
 pin!(
-    /// The data-ready pin (F-32). Looking at it takes no simulated time.
+    /// The data-ready pin (F-32). Reading it takes no simulated time.
     ///
     /// Waiting lets simulated time pass at once, so a future here never pends. It gives up after one second of
     /// simulated time, since nothing else could end the wait. Waiting for an edge counts from the call. An edge that
@@ -48,10 +48,10 @@ pin!(
     TwinDelay
 );
 
-/// How long a wait on [`TwinRdy`] lasts at most, in ns of simulated time.
+/// Longest wait on [`TwinRdy`], in ns of simulated time.
 pub const RDY_WAIT_LIMIT_NS: u64 = 1_000_000_000;
 
-/// RDY did not change as awaited within [`RDY_WAIT_LIMIT_NS`].
+/// The error if RDY does not change as awaited within [`RDY_WAIT_LIMIT_NS`].
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct RdyTimeout;
 

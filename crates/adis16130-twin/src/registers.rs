@@ -34,7 +34,7 @@ pub(crate) enum Register {
     Setup(Channel),
     Conversion(Channel),
     Mode,
-    /// Nothing is there: reads 00h in one byte, swallows one written byte.
+    /// No register is at the address. It reads 00h in one byte, and ignores one written byte.
     Unknown,
 }
 

@@ -27,7 +27,7 @@ pub enum RdyOutput {
     Inverted,
 }
 
-/// The part between ROA1 and ROA2 (F-04).
+/// The component between ROA1 and ROA2 (F-04).
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Roa {
     /// Nothing: 300 Hz bandwidth (F-03).
@@ -125,9 +125,9 @@ pub struct Spec {
     /// Probability that a bit flips on its way, in either direction. Zero with [`Fault::BitErrors`] means 10⁻⁶. A
     /// value above zero acts without that fault, too.
     pub bit_error_rate: f64,
-    /// The fault, and [`Spec::fault_at_s`] when it sets in.
+    /// The fault. It begins at [`Spec::fault_at_s`].
     pub fault: Fault,
-    /// When faults, bumps and the supply step set in, in s from the start. `None`: faults at 0, the others at 60.
+    /// Time when faults, bumps and the supply step begin, in s from the start. `None`: faults at 0, the others at 60.
     pub fault_at_s: Option<f64>,
     /// Relative error of the sensitivity (M-07). It scales what the sensing element sees (rotation, slow bias,
     /// flicker, random walk, self-test). White noise and resonance are stated at the output and not scaled.
@@ -206,7 +206,7 @@ impl Spec {
         }
     }
 
-    /// When bumps and the supply step set in, in s: [`Spec::fault_at_s`], or 60.
+    /// Time at which bumps and the supply step begin, in s: [`Spec::fault_at_s`], or 60.
     pub fn event_s(&self) -> f64 {
         self.fault_at_s.unwrap_or(60.0)
     }

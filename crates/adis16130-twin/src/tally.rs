@@ -18,7 +18,7 @@ pub struct ChannelLosses {
     pub lost_new: u64,
 }
 
-/// The last readings of the data registers; `None` = the host has not read that one.
+/// The last readings of the data registers. A reading is `None` if the host has not read its register.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct LastRead {
     /// The rate.
@@ -32,20 +32,20 @@ pub struct LastRead {
 pub struct Reading {
     /// The content of the register in 24 bits.
     pub code: u32,
-    /// The conversion that the register announced last; `None` = none since the reset. With
+    /// The conversion that the register announced last; `None` if there was none since the reset. With
     /// [`Fault::Frozen`](crate::Fault::Frozen) the code is older than that.
     pub conversion: Option<Conversion>,
-    /// The code has left the range (F-35).
+    /// Whether the code has left the range (F-35).
     pub out_of_range: bool,
 }
 
 /// A conversion of one channel.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct Conversion {
-    /// Its number among all of the channel since the start, from 1 on. A conversion that the register did not take
-    /// up counts as well.
+    /// Number of the conversion among all conversions of the channel since the start, from 1 on. A conversion that the
+    /// register did not take up counts as well.
     pub number: u64,
-    /// Simulated time of its end, in ns from the start.
+    /// Simulated time of the end of the conversion, in ns from the start.
     pub t_ns: u64,
 }
 

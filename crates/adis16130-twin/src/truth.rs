@@ -38,7 +38,7 @@ pub struct Truth {
     pub ambient_c: f64,
     /// Temperature of the temperature sensor, without its noise, in °C.
     pub sensor_c: f64,
-    /// Temperature of the sensing element, in °C; the sensor's unless there is a lag.
+    /// Temperature of the sensing element, in °C. It is the sensor's unless there is a lag.
     pub element_c: f64,
 }
 

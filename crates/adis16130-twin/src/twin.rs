@@ -36,12 +36,12 @@ impl Twin {
         Self { part: Rc::new(RefCell::new(Part::new(spec))) }
     }
 
-    /// Its SPI port. Every handle is the same port.
+    /// The SPI port of the part. Every handle is the same port.
     pub fn spi(&self) -> TwinSpi {
         TwinSpi::new(&self.part)
     }
 
-    /// Its data-ready pin.
+    /// The data-ready pin of the part.
     pub fn rdy(&self) -> TwinRdy {
         TwinRdy::new(&self.part)
     }
@@ -51,12 +51,12 @@ impl Twin {
         TwinDelay::new(&self.part)
     }
 
-    /// Its self-test pins (tied together, F-11), low at first.
+    /// The self-test pins of the part (tied together, F-11), low at first.
     pub fn self_test_pin(&self) -> SelfTestPin {
         SelfTestPin::new(&self.part)
     }
 
-    /// Its SYNC pin (18), high at first.
+    /// The SYNC pin (18) of the part, high at first.
     pub fn sync_pin(&self) -> SyncPin {
         SyncPin::new(&self.part)
     }
@@ -79,8 +79,8 @@ impl Twin {
         edge.map(|(t_ps, seq)| TwinEdge { t_ns: t_ps / 1000, seq })
     }
 
-    /// The same for the rising or the falling edge of the line as [`Spec::rdy`] makes it. Only one of the two
-    /// announces new data. The other comes where the scaling time begins (F-32), 26 µs before.
+    /// As [`Twin::next_falling_edge`], for the rising or the falling edge of the line as [`Spec::rdy`] makes it. One
+    /// of the two announces new data. The other comes where the scaling time begins (F-32), 26 µs before.
     pub fn next_edge(&self, rising: bool, timeout_ns: u64) -> Option<TwinEdge> {
         let edge = self.part.borrow_mut().next_edge(rising, timeout_ns.saturating_mul(1000));
         edge.map(|(t_ps, seq)| TwinEdge { t_ns: t_ps / 1000, seq })
@@ -121,7 +121,7 @@ impl Twin {
         self.part.borrow_mut().take_wire()
     }
 
-    /// How many samples the host never saw.
+    /// Number of samples that the host never saw.
     pub fn lost_unread(&self) -> LostUnread {
         self.part.borrow().chip.adc.lost_unread()
     }

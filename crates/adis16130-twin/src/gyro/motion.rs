@@ -1,4 +1,4 @@
-//! The real rotation of the part: constant, sway, bumps.
+//! The real rotation of the part: constant, oscillating, or in bumps.
 
 use crate::spec::{Motion, Spec};
 use core::f64::consts::PI;
@@ -28,7 +28,7 @@ impl Platform {
         }
     }
 
-    /// Moves like this from now on. A first bump comes at `now_s`.
+    /// Sets the motion from now on. A first bump comes at `now_s`.
     pub(crate) fn set_motion(&mut self, motion: Motion, now_s: f64) {
         self.motion = motion;
         self.first_bump_s = now_s;

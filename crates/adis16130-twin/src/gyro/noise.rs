@@ -170,7 +170,7 @@ pub(crate) struct OrnsteinUhlenbeck {
 }
 
 impl OrnsteinUhlenbeck {
-    /// Has standard deviation `sd` and a tick of `ticks` time constants, and starts from the stationary law.
+    /// Makes a process of standard deviation `sd` and a tick of `ticks` time constants, from the stationary law.
     pub(crate) fn stationary(sd: f64, ticks: f64, normal: &mut Normal) -> Self {
         Self {
             value: sd * normal.sample(),

@@ -94,7 +94,7 @@ impl Slow {
         between(self.left.sensor_c, self.right.sensor_c, self.share(t_ps))
     }
 
-    /// Everything at `t_ps`.
+    /// All slow quantities at `t_ps`.
     pub(crate) fn at(&mut self, t_ps: u64) -> Point {
         self.follow(t_ps);
         let share = self.share(t_ps);
@@ -111,7 +111,7 @@ impl Slow {
         }
     }
 
-    /// Switches the supply on or off at `t_ps`. The heating notices at the next tick.
+    /// Switches the supply on or off at `t_ps`. The heating follows at the next tick.
     pub(crate) fn set_powered(&mut self, powered: bool, t_ps: u64) {
         self.follow(t_ps);
         self.thermal.set_powered(powered);

@@ -88,7 +88,7 @@ struct Ambient {
     profile: Profile,
     start_c: f64,
     ramp_c_per_s: f64,
-    /// Set from outside, in place of the profile.
+    /// A temperature that was set from outside, in place of the profile.
     outside: Option<Outside>,
 }
 
@@ -132,7 +132,7 @@ impl Ambient {
     }
 }
 
-/// F-57, `minutes` from the start.
+/// Temperature of the profile F-57 at `minutes` from the start, in °C.
 fn oven_c(minutes: f64) -> f64 {
     let (_, mut before) = (0.0, facts::OVEN_MIN_C[0]);
     for point in facts::OVEN_MIN_C {
@@ -172,7 +172,7 @@ impl TemperatureBias {
         bias
     }
 
-    /// Follows to `element_c`. Returns the temperature part now and the branch offset, in °/s.
+    /// Moves to `element_c`. Returns the temperature part of the bias and the branch offset, in °/s.
     pub(crate) fn step(&mut self, element_c: f64) -> (f64, f64) {
         let curve = self.curve(element_c);
         self.play = self.play.max(curve - self.half_width).min(curve + self.half_width);
