@@ -8,25 +8,25 @@ pub const AN1042_TAUS_S: [f64; 2] = [10.0, 150.0];
 /// The advised averaging time for the bias.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Averaging {
-    /// The curve has its minimum here: longer averages get worse.
+    /// The curve has its minimum at `tau_s`. Longer averages are worse.
     Minimum {
         /// Averaging time, s.
         tau_s: f64,
-        /// Fitted deviation there, in the unit of the rate.
+        /// Fitted deviation at `tau_s`, in the unit of the rate.
         dev: f64,
     },
     /// Longer averages gain less than 5 %. This record does not show where the curve rises again.
     Flat {
         /// Averaging time, s.
         tau_s: f64,
-        /// Fitted deviation there, in the unit of the rate.
+        /// Fitted deviation at `tau_s`, in the unit of the rate.
         dev: f64,
     },
     /// The curve still falls at its longest averaging time.
     Falling {
         /// Longest averaging time, s.
         tau_s: f64,
-        /// Fitted deviation there, in the unit of the rate.
+        /// Fitted deviation at `tau_s`, in the unit of the rate.
         dev: f64,
     },
 }
@@ -36,25 +36,25 @@ pub enum Averaging {
 pub struct Advice {
     /// The advised averaging time for the bias.
     pub averaging: Averaging,
-    /// Fitted deviation at [`AN1042_TAUS_S`], in the unit of the rate (F-51, F-53); none where the fit does not reach
-    /// so far.
+    /// Fitted deviation at [`AN1042_TAUS_S`], in the unit of the rate (F-51, F-53); `None` outside the span of the
+    /// fit.
     pub an1042: [Option<f64>; 2],
 }
 
-/// Averaging is done where the deviation is within this factor of the deviation of the longest average.
+/// An average is long enough if its deviation is within this factor of the deviation of the longest average.
 const FLAT_WITHIN: f64 = 1.05;
-/// Behind a filter the deviation is below this share of the white noise's own, N/√τ.
+/// An average counts as filtered if its deviation is below this share of the white noise N/√τ.
 const FILTERED_BELOW: f64 = 0.9;
 /// Steps per octave of the search for the minimum.
 const STEPS_PER_OCTAVE: f64 = 32.0;
 
-/// Reads a fit as advice (F-53: how long to average is read off the Allan deviation). None where the model is
-/// rejected, and where the rate follows the temperature.
+/// Derives advice from a fit (F-53: the Allan deviation shows how long to average). `None` if the model is rejected or
+/// if the rate follows the temperature.
 #[must_use]
 pub fn advice(fit: &Fit) -> Option<Advice> {
     let within = |tau_s: f64| tau_s >= fit.span_s.0 && tau_s <= fit.span_s.1;
     let an1042 = AN1042_TAUS_S.map(|tau_s| within(tau_s).then(|| deviation(fit, tau_s)));
-    // a warming sensor would need averages as short as its drift is steep
+    // the drift of a warming sensor would call for short averages
     let follows = |warning: &AllanWarning| matches!(warning, AllanWarning::FollowsTemperature { .. });
     let is_of_noise = !fit.is_rejected && !fit.warnings.iter().any(follows);
     is_of_noise.then(|| Advice { averaging: averaging(fit), an1042 })
@@ -79,10 +79,10 @@ fn least(fit: &Fit) -> f64 {
     taus(fit).min_by(|&a, &b| deviation(fit, a).total_cmp(&deviation(fit, b))).unwrap_or(fit.span_s.1)
 }
 
-/// Averaging times from the shortest that tells how far from the bias it is, to the longest. Behind a filter, and
-/// within the correlation time of noise, averages differ little from their neighbours, and are as far from the bias as
-/// longer ones: the curve rises, and falls again. It does the same over a warm-up, whose end is not a better time to
-/// average than its beginning.
+/// The averaging times to choose from, up to the longest. Behind a filter, and within the correlation time of noise,
+/// short averages are alike although they are far from the bias: the curve rises and falls again. The choice starts
+/// after that rise. A warm-up also makes the curve rise and fall, but averages up to its end are not better, so its
+/// rise is not skipped.
 fn taus(fit: &Fit) -> impl Iterator<Item = f64> {
     let (first, last) = fit.span_s;
     let octaves = libm::log2(last / first);
@@ -102,7 +102,7 @@ fn taus(fit: &Fit) -> impl Iterator<Item = f64> {
     ((from..steps).find(|step| !is_filtered(*step)).unwrap_or(from)..=steps).map(tau_s)
 }
 
-/// The fitted deviation. The shortest averaging time is one sample.
+/// The fitted deviation. The span of the fit starts at one sample.
 fn deviation(fit: &Fit, tau_s: f64) -> f64 {
     fit.deviation(libm::round(tau_s / fit.span_s.0).max(1.0) as u64)
 }

@@ -18,8 +18,7 @@ pub struct Options {
     pub taus: Taus,
     /// Probability that the limits enclose the true deviation, above 0 and below 1: 0.683 for one sigma.
     pub confidence: f64,
-    /// The size of one input step in the unit of the result: for codes the rate per LSB, otherwise 1 or a change of
-    /// unit.
+    /// Size of one input step in the unit of the result: the rate per LSB for codes, otherwise 1 or a unit conversion.
     pub scale: f64,
 }
 
@@ -43,44 +42,44 @@ pub struct Point {
     pub lo: f64,
     /// Upper confidence limit, same unit.
     pub hi: f64,
-    /// Equivalent degrees of freedom behind the limits, 1 or more. Where gaps took terms away, they fall in
-    /// proportion. With fewer than 30 averages the exponent is not above the last one that was identified with 30, so
-    /// that less is claimed when less is known.
+    /// Equivalent degrees of freedom behind the limits, 1 or more. They fall in proportion to the terms that gaps
+    /// remove. With few averages of τ they are for an exponent at most the last that was identified with 128 averages
+    /// (in shorter records, with 30).
     pub edf: f64,
     /// Exponent α of the noise S_y(f) ∝ f^α at this τ, see [`noise_types`](super::noise_types).
     pub alpha: i32,
-    /// Terms that entered the mean.
+    /// Number of terms in the mean square.
     pub n: u64,
 }
 
 /// An averaging time without a result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unavailable {
-    /// Averaging time as asked for, s.
+    /// Requested averaging time, s.
     pub tau_s: f64,
     /// The reason why it has no result.
     pub reason: Reason,
 }
 
-/// A deviation over averaging time.
+/// The deviations of a record, by averaging time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Analysis {
     /// The statistic.
     pub stat: Stat,
     /// Samples per second.
     pub rate_hz: f64,
-    /// Samples (for phase: points) from the first to the last, the missing ones included.
+    /// Number of samples (for phase: points), missing ones included.
     pub samples: u64,
-    /// Samples (for phase: points) that are missing.
+    /// Number of missing samples (for phase: points).
     pub missing: u64,
     /// The results, τ ascending.
     pub points: Vec<Point>,
-    /// The averaging times without a result, in the order in which they were asked for. A record that is too short for
-    /// a single term has its first length here.
+    /// The averaging times without a result, τ ascending; repeated lengths come last. A record that is too short for a
+    /// single term has its shortest length here.
     pub unavailable: Vec<Unavailable>,
 }
 
-/// Arguments that do not allow any computation.
+/// An invalid argument of [`analyse`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AnalysisError {
     /// Samples per second must be positive and finite.
@@ -283,7 +282,7 @@ mod tests {
         }
     }
 
-    /// White noise whose Allan variance is known: 1/12 of the sample, over m. Counted over 400 records, to three
+    /// White noise of variance 1/12 has an Allan variance of 1/(12 m). The count over 400 records holds to three
     /// standard errors.
     #[test]
     fn limits_enclose_the_truth_as_often_as_they_say() {

@@ -3,10 +3,10 @@
 use core::f64::consts::SQRT_2;
 use special::{Error as _, Gamma as _};
 
-/// From this number of degrees of freedom on the Cornish–Fisher expansion is as accurate as the incomplete gamma
-/// function, and does not slow down with it.
+/// From this number of degrees of freedom on, the Cornish–Fisher expansion is as accurate as the incomplete gamma
+/// function, and faster.
 const ASYMPTOTIC_FROM: f64 = 10_000.0;
-/// Bound on the refinements. Halley needs four; bisection alone would need about sixty.
+/// Bound on the iterations. Bisection alone would need about sixty.
 const STEPS: usize = 200;
 
 /// The value that a χ² variable with `degrees` > 0 (real) degrees of freedom stays below with probability `p`, 0 < p <
@@ -52,7 +52,7 @@ fn cornish_fisher(z: f64, degrees: f64) -> f64 {
         + z * (9.0 * z2 * z2 + 256.0 * z2 - 433.0) / (4860.0 * degrees * root)
 }
 
-/// Newton's method between bounds that shrink. A step that leaves them is replaced by their middle.
+/// Newton's method between shrinking bounds. A step beyond the bounds is replaced by their midpoint.
 fn solve(p: f64, degrees: f64) -> f64 {
     let shape = degrees / 2.0;
     let (mut low, mut high) = (0.0, f64::INFINITY);
@@ -85,7 +85,7 @@ fn wilson_hilferty(p: f64, degrees: f64) -> f64 {
     degrees * root * root * root
 }
 
-/// P(a, x) < x^a / Γ(a + 1), solved for 2x: below every quantile.
+/// A value below the quantile: P(a, x) < x^a / Γ(a + 1), solved for 2x.
 fn smallest(p: f64, shape: f64) -> f64 {
     2.0 * libm::exp((libm::log(p) + libm::lgamma(shape + 1.0)) / shape)
 }

@@ -1,22 +1,22 @@
-//! Temperature in a rate: whether the rate follows it, and the rate without it.
+//! Detects and removes the dependence of a rate on temperature.
 //!
-//! A warming sensor is not at rest as far as noise is concerned: its drift looks like a rate random walk. Both
-//! questions are answered from means over [`BLOCKS`] equal parts of the record, which hold all slow changes.
+//! The drift of a warming sensor looks like a rate random walk. Detection and removal use means over [`BLOCKS`] equal
+//! parts of the record, which keep all slow changes.
 
 use alloc::vec;
 use alloc::vec::Vec;
 use core::fmt;
 use libm::{exp2, log, sqrt};
 
-/// Parts of a record.
+/// Largest number of parts of a record.
 const BLOCKS: usize = 128;
 /// Highest order of the polynomial.
 pub const MOST_ORDER: usize = 3;
-/// The rate follows the temperature if twice the gain in log-likelihood is at least this. χ² of one degree of freedom
-/// exceeds it once in 130 000. Against walks, flicker and white noise beside a warm-up, fewer than one record in 400
-/// exceeded it (the tests below).
+/// The rate follows the temperature if twice the gain in log-likelihood is above this. χ² of one degree of freedom
+/// exceeds it once in 130 000. At most one in 400 records of walk, flicker and white noise during a warm-up exceeds it
+/// (the tests below).
 const SIGNIFICANT: f64 = 20.0;
-/// A line that explains a smaller share of the slow variance does not count.
+/// The least share of the slow variance that the line must explain.
 const LEAST_EXPLAINED: f64 = 0.25;
 
 /// The dependence of a rate on the temperature.
@@ -24,16 +24,16 @@ const LEAST_EXPLAINED: f64 = 0.25;
 pub struct Follows {
     /// Share of the variance of the slow rate that a line over temperature explains.
     pub explained: f64,
-    /// Slope of that line, unit of the rate per °C, by the best mixture of walk and white noise.
+    /// Slope of that line, unit of the rate per °C, for the most likely mixture of random walk and white noise.
     pub slope_per_c: f64,
     /// Highest less lowest temperature, °C.
     pub span_c: f64,
 }
 
-/// A rate without a polynomial over temperature.
+/// A rate from which a polynomial over temperature was removed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DetrendedRate {
-    /// The rate less the polynomial, about the mean; NaN where it was missing.
+    /// The rate less the polynomial. The mean is kept; NaN marks a missing sample.
     pub residual: Vec<f64>,
     /// Coefficients of (T − [`mean_c`](Self::mean_c)), from the first power on: unit of the rate per °C, °C², …
     pub coefficients: Vec<f64>,
@@ -41,16 +41,16 @@ pub struct DetrendedRate {
     pub mean_c: f64,
     /// Share of the variance of the slow rate that the polynomial explains.
     pub explained: f64,
-    /// Degrees of freedom that it took beside the mean: its order.
+    /// Degrees of freedom that the polynomial takes besides the mean: its order.
     pub lost_dof: usize,
-    /// The share of a random walk's Allan variance that is left, for 1, 2, 4 … of the record's 128 parts.
+    /// The share of a random walk's Allan variance that is left in averages of 1, 2, 4 … parts of the record.
     kept: Vec<f64>,
     /// The share of the variance of a random walk about its mean that is left.
     walk_kept: f64,
     samples_per_part: f64,
 }
 
-/// The reasons why the temperature cannot be judged.
+/// The reason why the dependence on temperature cannot be fitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DetrendError {
     /// The numbers of rates and of temperatures differ.
@@ -81,11 +81,12 @@ impl fmt::Display for DetrendError {
 
 impl core::error::Error for DetrendError {}
 
-/// Whether a rate follows the temperature that was read with it. NaN is missing, and a missing temperature is replaced
-/// by the one before. None where the rate does not follow it, or where there is too little data.
+/// Detects whether a rate follows the temperature that was read with it. NaN marks a missing value. A part of the
+/// record without any temperature takes the mean of the part before. Returns `None` if the rate does not follow, or if
+/// data are too few.
 ///
-/// Of all mixtures of white noise and random walk, the best without the temperature and the best with a line over it
-/// are compared by their likelihoods. So a walk is not taken for a line.
+/// The likelihoods of two models are compared, with and without a line over temperature, each with its best mixture of
+/// white noise and random walk. So a random walk is not mistaken for a dependence on temperature.
 #[must_use]
 pub fn follows_temperature(rates: &[f64], temps: &[f64]) -> Option<Follows> {
     let parts = Parts::of(rates, temps).ok()?;
@@ -98,8 +99,8 @@ pub fn follows_temperature(rates: &[f64], temps: &[f64]) -> Option<Follows> {
     follows.then_some(Follows { explained, slope_per_c: with.1, span_c: high - low })
 }
 
-/// Takes a polynomial over temperature out of a rate, by least squares over means of the parts of the record. Between
-/// these the temperature is taken as a straight line, so that its noise does not enter the rate.
+/// Removes a polynomial over temperature from a rate, by least squares over means of the parts of the record. The
+/// temperature is interpolated between these means, so that its noise does not enter the rate.
 ///
 /// # Errors
 /// Returns [`DetrendError`] for an order out of range, series of different lengths or too few samples, or a constant
@@ -147,8 +148,8 @@ impl DetrendedRate {
         self.walk_kept
     }
 
-    /// Turns a point of the residual into a point of the noise. Its degrees of freedom fall by the number that the
-    /// polynomial took, and its upper limit holds the noise that it may have taken.
+    /// Corrects the limits of a point of the residual for the noise that the polynomial removed. The degrees of
+    /// freedom fall in proportion, and the upper limit includes the removed noise.
     #[must_use]
     pub fn widened(&self, point: &super::Point, confidence: f64) -> super::Point {
         let kept = self.kept(point.m);
@@ -157,8 +158,8 @@ impl DetrendedRate {
         super::Point { edf, lo, hi: hi / sqrt(kept), ..*point }
     }
 
-    /// Does the same for K. Its value becomes the one before a walk lost, on average, what the polynomial took. Its
-    /// interval reaches from "nothing was lost" to that value.
+    /// Corrects K for the share of a random walk that the polynomial removes on average. The value and the upper limit
+    /// rise. The lower limit stays, because nothing may have been removed.
     #[must_use]
     pub fn widened_walk(&self, k: &super::Coefficient) -> super::Coefficient {
         let gain = 1.0 / sqrt(self.walk_kept);
@@ -256,7 +257,7 @@ fn solved(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
     Some(rows.iter().enumerate().map(|(at, row)| row[count] / row[at]).collect())
 }
 
-/// Share of the variance about the mean that the basis behind its constant explains.
+/// Share of the variance about the mean that the basis explains, without its constant.
 fn explained(rates: &[f64], basis: &[Vec<f64>]) -> f64 {
     let level = mean(rates);
     let total: f64 = rates.iter().map(|rate| (rate - level) * (rate - level)).sum();
@@ -264,7 +265,8 @@ fn explained(rates: &[f64], basis: &[Vec<f64>]) -> f64 {
     if total > 0.0 { (by_basis / total).min(1.0) } else { 0.0 }
 }
 
-/// The share of a random walk that a projection leaves: of its Allan variance at 1, 2, 4 … parts, and of its variance.
+/// The shares of a random walk that a projection leaves: of the Allan variance at 1, 2, 4 … parts, and of the
+/// variance.
 fn kept(basis: &[Vec<f64>]) -> (Vec<f64>, f64) {
     let (all, constant) = (walk(basis), walk(&basis[..1]));
     let octaves = (0..).map(|k| 1usize << k).take_while(|m| 2 * m <= basis[0].len());
@@ -306,7 +308,7 @@ fn allan(covariance: &[Vec<f64>], m: usize) -> f64 {
     (0..starts).map(|s| block(s, s) + block(s + m, s + m) - 2.0 * block(s, s + m)).sum::<f64>() / terms
 }
 
-/// Mixtures of walk and white noise that are tried.
+/// Number of mixtures of random walk and white noise that are tried.
 const MIXTURES: usize = 25;
 
 /// Variance of a step of the walk per variance of the white noise: 0, and 2⁻¹² … 2¹¹.
@@ -314,9 +316,9 @@ fn mixture(k: usize) -> f64 {
     if k == 0 { 0.0 } else { exp2(k as f64 - 13.0) }
 }
 
-/// Log-likelihood of the parts under a local level, with or without a line over temperature, and the line's slope. A
-/// Kalman filter runs over rate and temperature alike, and its innovations are regressed on each other. The level
-/// before the first part is unknown, and the size of the noise is the most likely one.
+/// Log-likelihood of the parts under a local-level model, with or without a line over temperature, and the slope of
+/// the line. The same Kalman filter runs over rate and temperature, and the rate innovations are regressed on the
+/// temperature innovations. The initial level is unknown, and the noise variance is the most likely one.
 fn likelihood(parts: &Parts, ratio: f64, line: bool) -> (f64, f64) {
     let (mut rate, mut temp, mut variance) = (parts.rates[0], parts.temps[0], 1.0);
     let (mut yy, mut yt, mut tt, mut logs) = (0.0, 0.0, 0.0, 0.0);
@@ -413,7 +415,7 @@ mod tests {
         assert!(cubic.walk_kept() < line.walk_kept());
     }
 
-    /// K of a warming part, 1e-4 (M-04), with what a line or a parabola may have taken of it.
+    /// The interval of K of a warming sensor, 1e-4 (M-04), allows for the loss to a line or a parabola.
     #[cfg(feature = "std")]
     #[test]
     fn the_interval_of_k_holds_what_the_polynomial_took() {

@@ -3,19 +3,19 @@
 use super::stat::Freedom;
 use super::{Difference, Stat};
 
-/// Terms that are summed before tables take over (J_max of the paper).
+/// Largest number of terms that are summed before tables take over (J_max of the paper).
 const MOST_TERMS: f64 = 100.0;
-/// Longest averaging factor at which flicker phase is summed with its own filter. Beyond it the differences cancel.
+/// Largest filter factor in the sum for flicker phase. With a larger factor the differences would cancel numerically.
 const LONGEST_FILTER: f64 = 1e6;
 
 /// Equivalent degrees of freedom of the statistic `stat` at the averaging length `m`, for power-law noise S_y(f) ∝
 /// f^`alpha`. The record has `phase_points` points (one more than samples of rate) without gaps.
 ///
-/// ADEV, OADEV, MDEV, TDEV, HDEV, OHDEV use [`finite_difference_edf`]. TOTDEV uses `b T/τ − c`, T the record, for
-/// white (b, c = 1.5, 0), flicker (1.17, 0.22) and random walk (0.93, 0.36) frequency noise (NIST SP 1065 section
-/// 5.4.2 table 6). For phase noise (α > 0) TOTDEV is treated as OADEV, whose terms it repeats. Exponents for which the
-/// statistic does not converge count as the nearest one for which it does: −2…2, for HDEV and OHDEV −4…2. The result
-/// is never below 1, except 0 where the record has no term at all.
+/// ADEV, OADEV, MDEV, TDEV, HDEV, OHDEV use [`finite_difference_edf`]. TOTDEV uses `b T/τ − c`, where T is the record
+/// length, for white (b, c = 1.5, 0), flicker (1.17, 0.22) and random walk (0.93, 0.36) frequency noise (NIST SP 1065
+/// section 5.4.2 table 6). For phase noise (α > 0) TOTDEV is treated as OADEV, whose terms it repeats. Exponents for
+/// which the statistic does not converge count as the nearest one for which it does: −2…2, for HDEV and OHDEV −4…2.
+/// The result is at least 1, or 0 if the record has no term.
 #[must_use]
 pub fn edf(stat: Stat, alpha: i32, m: u64, phase_points: u64) -> f64 {
     let row = stat.row();
@@ -33,9 +33,9 @@ pub fn edf(stat: Stat, alpha: i32, m: u64, phase_points: u64) -> f64 {
 /// The symbols are the paper's. N is the number of phase points, m = τ/τ0, F the filter factor and S the stride
 /// factor. L = m/F + m d is the reach of one term, M = 1 + ⌊S (N − L)/m⌋ the number of terms, and J = min(M, (d + 1)
 /// S). Up to J = 100 the correlation of the terms is summed exactly: `edf = M s_z(0)² / BasicSum(J, M, S, F, α, d)`.
-/// Beyond, the paper's asymptotic formulas (tables 1 to 3) and truncation apply. Within 3 % of the definition for even
-/// α. The paper averages the phase over each sample. For a rate with independent samples the true edf is 15 % below
-/// this at m = 1. For OADEV it is above by 9 % at m = 8 and 5 % at m = 20.
+/// Beyond, the paper's asymptotic formulas (tables 1 to 3) and truncation apply. The result is within 3 % of the
+/// definition for even α. The paper averages the phase over each sample. For a rate with independent samples the true
+/// edf is 15 % below the result at m = 1. For OADEV the true edf is above by 9 % at m = 8 and 5 % at m = 20.
 #[must_use]
 pub fn finite_difference_edf(difference: Difference, alpha: i32, m: u64, phase_points: u64) -> f64 {
     let order = difference.order.clamp(1, 3);
@@ -70,13 +70,13 @@ fn total_edf(alpha: i32, m: u64, phase_points: u64) -> f64 {
 struct Terms {
     m: f64,
     stride: f64,
-    /// M
+    /// M, the number of terms
     count: f64,
-    /// r = M/S, the record in units of τ
+    /// r = M/S, the record length in units of τ
     ratio: f64,
 }
 
-/// A power law seen through one order of difference.
+/// A noise exponent and an order of difference.
 struct Case {
     alpha: i32,
     d: u32,
@@ -171,7 +171,7 @@ impl Case {
         squared(0.0) + (1.0 - j / count) * squared(j / stride) + 2.0 * inner
     }
 
-    /// s_z: covariance of two differences of order d that are t τ apart, but for a constant factor.
+    /// s_z: covariance of two differences of order d that are t τ apart, up to a constant factor.
     fn sz(&self, t: f64, filter: f64) -> f64 {
         let d = self.d as i32;
         (-d..=d)
@@ -182,7 +182,7 @@ impl Case {
             .sum()
     }
 
-    /// s_x: the same of the phase, averaged over τ/F.
+    /// s_x: the same covariance of the phase, averaged over τ/F.
     fn sx(&self, t: f64, filter: f64) -> f64 {
         if filter.is_infinite() {
             return sw(t, self.alpha + 2);
@@ -197,7 +197,7 @@ enum Regime {
     Sum(f64),
     /// The record is longer than the correlation.
     Long,
-    /// Neither: the sum, coarser.
+    /// Neither: a coarser sum is used.
     Truncated,
 }
 
@@ -205,7 +205,7 @@ fn asymptote(ratio: f64, (a0, a1): (f64, f64)) -> f64 {
     ratio / (a0 - a1 / ratio)
 }
 
-/// s_w: generalised autocovariance of the twice integrated noise, but for a constant factor.
+/// s_w: generalised autocovariance of the twice integrated noise, up to a constant factor.
 fn sw(t: f64, alpha: i32) -> f64 {
     let t = t.abs();
     if t == 0.0 {
@@ -257,7 +257,8 @@ mod tests {
     use alloc::vec;
     use alloc::vec::Vec;
 
-    /// Parts that a sample is cut into. The paper averages the phase over each sample, and this is a fine sum for it.
+    /// Parts per sample. The paper averages the phase over each sample; the sum over these parts stands for that
+    /// average.
     const FINE: usize = 16;
 
     /// The definition: edf = 2 E²/Var of the mean of M squares, for Gaussian noise of an even exponent. Each term is a
@@ -329,7 +330,7 @@ mod tests {
         ]
     }
 
-    /// 3e-3 where the correlations are summed. The filter that the paper abbreviates for m (d + 1) > 100 costs up to
+    /// The error is 3e-3 where the correlations are summed. The paper's simpler filter for m (d + 1) > 100 costs up to
     /// 2.7e-2.
     #[test]
     fn close_to_the_definition() {

@@ -1,4 +1,4 @@
-//! The entries of a TOML file: the line of each, its valid values, and the error text of a wrong one.
+//! Entries of a TOML file, with their line numbers, valid values and error texts.
 
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -9,8 +9,8 @@ use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// The tables and keys of the file of a part (`docs/formats/part.md`). [`crate::DataSheet`] reads the figures of its
-/// sensors, and the core the rest.
+/// The top-level tables and keys of a part file (`docs/formats/part.md`). [`crate::DataSheet`] reads the noise
+/// figures, and the core reads the rest.
 pub const PART_KEYS: [&str; 14] = [
     "schema",
     "name",
@@ -28,10 +28,10 @@ pub const PART_KEYS: [&str; 14] = [
     "accelerometer",
 ];
 
-/// Characters of a line that an error shows.
+/// Largest number of characters of a line that an error quotes.
 const SHOWN: usize = 80;
 
-/// The text of a file and its tables. Each table of its list `axis` is called by its `name`.
+/// A TOML file: its text and its tables. Errors name each table of the list `axis` by its `name`.
 pub struct Document<'t> {
     text: &'t str,
     root: Spanned<DeValue<'t>>,
@@ -41,29 +41,29 @@ pub struct Document<'t> {
 #[derive(Clone, Copy)]
 pub struct Entry<'d> {
     document: &'d Document<'d>,
-    /// The value; none where the entry is missing.
+    /// The value; `None` if the entry is missing.
     value: Option<&'d Spanned<DeValue<'d>>>,
     key: &'static str,
-    /// The place of the entry, or of the table that lacks it. `None` if the whole file lacks it.
+    /// Byte offset of the entry, or of the table that lacks it. `None` if the whole file lacks it.
     byte: Option<usize>,
 }
 
 /// An error in an entry. Lines count from 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EntryError {
-    /// The line; none where the error does not belong to a line.
+    /// The line; `None` if the error concerns the whole file.
     pub line: Option<usize>,
-    /// Name of the axis to which the line belongs; without a name, its number.
+    /// Name of the axis that holds the line, or the number of the axis if it has no name.
     pub axis: Option<String>,
-    /// The key; none where the text or the type of its fields is wrong, and not a single value.
+    /// The key; `None` unless the error concerns the value of one key.
     pub key: Option<&'static str>,
-    /// The line itself, shown where `key` cannot be.
+    /// Text of the line, for an error in the syntax or in the fields.
     quoted: Option<String>,
     /// The problem, and the valid values.
     pub what: String,
 }
 
-/// The numbers that an entry may have.
+/// The range of numbers that an entry may have.
 pub enum Bounds {
     /// Above zero.
     Positive,
@@ -74,7 +74,7 @@ pub enum Bounds {
 }
 
 impl<'t> Document<'t> {
-    /// Finds the tables of a text.
+    /// Parses a text into tables.
     ///
     /// # Errors
     /// Returns an error if the text is not TOML.
@@ -83,7 +83,7 @@ impl<'t> Document<'t> {
         Ok(Self { text, root: Spanned::new(root.span(), DeValue::Table(root.into_inner())) })
     }
 
-    /// The whole text as a type.
+    /// Deserialises the whole text.
     ///
     /// # Errors
     /// Returns an error if a field is unknown, missing or of another type.
@@ -94,16 +94,16 @@ impl<'t> Document<'t> {
         })
     }
 
-    /// The table that holds everything else.
+    /// The root table.
     #[must_use]
     pub fn root(&self) -> Entry<'_> {
         Entry { document: self, value: Some(&self.root), key: "", byte: None }
     }
 
-    /// Calls `judge` with every key and its value, in the root and in all tables below.
+    /// Calls `judge` with each key and value of the root table and of all nested tables.
     ///
     /// # Errors
-    /// Returns the first objection of `judge`, with its line.
+    /// Returns the first error of `judge`, with its line.
     pub fn each(&self, judge: impl Fn(&str, &DeValue<'_>) -> Result<(), String>) -> Result<(), EntryError> {
         let mut tables: Vec<&DeTable<'_>> = self.root.get_ref().as_table().into_iter().collect();
         while let Some(table) = tables.pop() {
@@ -121,7 +121,7 @@ impl<'t> Document<'t> {
         EntryError { line, axis: self.axis_at(byte), key, quoted: None, what }
     }
 
-    /// The axis whose tables hold the byte: the last table that begins before it, if no other table begins in between.
+    /// The axis that holds the byte: the last axis that begins before it, if no other table begins in between.
     fn axis_at(&self, byte: usize) -> Option<String> {
         let mut begins: Vec<(usize, Option<String>)> = Vec::new();
         for (name, value) in self.root.get_ref().as_table()? {
@@ -148,10 +148,10 @@ impl<'d> Entry<'d> {
         }
     }
 
-    /// Checks that this table has no other keys.
+    /// Checks that this table has no keys but these.
     ///
     /// # Errors
-    /// Returns an error that names the first other key.
+    /// Returns an error that names the first unknown key.
     pub fn only(self, keys: &[&str]) -> Result<(), EntryError> {
         let table = self.value.and_then(|value| value.get_ref().as_table());
         match table.and_then(|table| table.iter().find(|(name, _)| !keys.contains(&&**name.get_ref()))) {
@@ -163,14 +163,14 @@ impl<'d> Entry<'d> {
         }
     }
 
-    /// The element of this list, from 0.
+    /// The element of this list at an index, from 0.
     #[must_use]
     pub fn item(self, index: usize) -> Self {
         let value = self.value.and_then(|value| value.get_ref().get(index));
         Self { value, byte: value.map_or(self.byte, |value| Some(value.span().start)), ..self }
     }
 
-    /// The key of the entry, or of its list.
+    /// The key of the entry, or of the list that holds the entry.
     #[must_use]
     pub fn key(self) -> &'static str {
         self.key
@@ -182,13 +182,13 @@ impl<'d> Entry<'d> {
         self.byte.map(|byte| line_of(self.document.text, byte))
     }
 
-    /// The value as it was written, empty where it is missing.
+    /// The value as written in the file; empty if missing.
     #[must_use]
     pub fn written(self) -> &'d str {
         self.value.and_then(|value| self.document.text.get(value.span())).unwrap_or_default()
     }
 
-    /// The value of this entry, if it is within its bounds.
+    /// Returns `value` if it is within `bounds`.
     ///
     /// # Errors
     /// Returns [`EntryError`] if the value is out of bounds.
@@ -207,7 +207,7 @@ impl<'d> Entry<'d> {
         if holds { Ok(()) } else { Err(self.error(why())) }
     }
 
-    /// The error of this entry.
+    /// An error about this entry, with its line and axis.
     #[must_use]
     pub fn error(self, what: impl fmt::Display) -> EntryError {
         let (key, what) = (Some(self.key), what.to_string());
@@ -219,7 +219,7 @@ impl<'d> Entry<'d> {
 }
 
 impl Bounds {
-    /// Whether a number is within them.
+    /// Whether a number is within the bounds.
     #[must_use]
     pub fn hold(&self, value: f64) -> bool {
         match self {
@@ -265,7 +265,7 @@ fn start(error: &toml::de::Error) -> usize {
     error.span().map_or(0, |span| span.start)
 }
 
-/// The line of a byte, from 1.
+/// Line number of a byte offset, from 1.
 fn line_of(text: &str, byte: usize) -> usize {
     text.as_bytes()[..byte.min(text.len())].iter().filter(|byte| **byte == b'\n').count() + 1
 }

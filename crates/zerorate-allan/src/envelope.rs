@@ -1,23 +1,23 @@
-//! A record as drawn over time: the smallest and the largest sample of each stretch.
+//! A record reduced to the smallest and the largest sample of each stretch, for a plot over time.
 
 use alloc::vec::Vec;
 
-/// The envelope of a record of any length, for a picture.
+/// The envelope of a record of any length, for a plot.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Envelope {
     /// Length of the record, s.
     pub span_s: f64,
     /// Mean of the samples that are present.
     pub mean: f64,
-    /// Smallest and largest sample of each stretch. The stretches have one length; none where all samples are missing.
+    /// Smallest and largest sample of each stretch. All have the same length; `None` if all samples are missing.
     pub stretches: Vec<Option<(f64, f64)>>,
 }
 
 impl Envelope {
-    /// Most stretches: pixels of the picture.
+    /// Largest number of stretches: the width of the plot in pixels.
     const STRETCHES: usize = 840;
 
-    /// Makes the envelope of samples, NaN where they are missing.
+    /// Makes the envelope of samples. NaN marks a missing sample.
     #[must_use]
     pub fn new(samples: &[f64], rate_hz: f64) -> Self {
         let there = || samples.iter().filter(|value| value.is_finite());

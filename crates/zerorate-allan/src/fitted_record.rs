@@ -1,4 +1,4 @@
-//! The way of a record at rest to its deviations and its noise model, the same for every front end.
+//! The deviations and the noise model of a record at rest, computed in the same way for every front end.
 
 use crate::{
     AllanWarning, Analysis, AnalysisError, DetrendedRate, Fit, FitError, FitOptions, Input, Line, Options, Term,
@@ -6,12 +6,12 @@ use crate::{
 };
 use alloc::vec::Vec;
 
-/// The treatment of the temperature and the beginning of a record before the analysis.
+/// The result of the steps before the analysis: temperature and settling.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Preparation {
-    /// The polynomial over temperature that was taken out.
+    /// The rate without a polynomial over temperature, if one was removed.
     pub detrended: Option<DetrendedRate>,
-    /// The warning that the rate follows the temperature, where it does and nothing was taken out.
+    /// The warning that the rate follows the temperature, if it does and no polynomial was removed.
     pub follows: Option<AllanWarning>,
     /// Time left out at the beginning, s.
     pub skipped_s: f64,
@@ -27,8 +27,7 @@ pub struct FittedRecord<'a> {
 }
 
 impl<'a> FittedRecord<'a> {
-    /// Fits the noise model, if there are options for it. `scale` is the size of one input step in the unit of the
-    /// result.
+    /// Fits the noise model if `options` is given. `scale` is the size of one input step in the unit of the result.
     #[must_use]
     pub fn new(
         input: Input<'a>,
@@ -50,8 +49,8 @@ impl<'a> FittedRecord<'a> {
         Self { input, rate_hz, scale, detrended: detrended.clone(), fit }
     }
 
-    /// The deviations. They leave out what was taken out before the fit, or curve and fit could not be compared. The
-    /// loss to the polynomial over temperature widens their intervals. `options.scale` is not used.
+    /// The deviations of the record without the glitches and steps that the fit removed, so that curve and fit
+    /// compare. A polynomial over temperature that was removed widens the intervals. `options.scale` is not used.
     ///
     /// # Errors
     /// Returns the errors of [`analyse`].
@@ -67,13 +66,13 @@ impl<'a> FittedRecord<'a> {
         Ok(analysis)
     }
 
-    /// The record without glitches and steps, in the unit of the result; none where nothing was taken out.
+    /// The record without glitches and steps, in the unit of the result; `None` if nothing was removed.
     #[must_use]
     pub fn cleaned(&self) -> Option<&[f64]> {
         self.fit.iter().flatten().find_map(|fit| fit.cleaned.rate.as_deref())
     }
 
-    /// The record as the deviations are computed from it, in the unit of the result; NaN is a missing sample.
+    /// The samples from which the deviations are computed, in the unit of the result; NaN is a missing sample.
     #[must_use]
     pub fn rates(&self) -> Vec<f64> {
         match self.cleaned() {
@@ -90,7 +89,7 @@ impl<'a> FittedRecord<'a> {
 }
 
 impl Fit {
-    /// The lines that stand out of the spectrum.
+    /// The spectral lines in the model.
     pub fn lines(&self) -> impl Iterator<Item = &Line> {
         self.terms.iter().filter_map(|term| if let Term::Line(line) = term { Some(line) } else { None })
     }
@@ -123,7 +122,7 @@ mod tests {
         let options = Options::default();
         let analysed = FittedRecord::new(Input::Rate(&residual), 100.0, 2.0, Some(FitOptions::default()), &settled);
         let curve = analysed.deviations(&options).unwrap();
-        // by the definition, of the samples without the glitch, in twice their unit
+        // by the definition, from samples without the glitch; the scale of the record is 2
         let mut plain = residual.clone();
         plain[30_000] = (plain[29_999] + plain[30_001]) / 2.0;
         let expected = deviations(&Input::Rate(&plain), 100.0, Stat::Oadev, &[1])[0].unwrap();

@@ -19,12 +19,12 @@ pub enum Input<'a> {
 pub struct Gap {
     /// Index of the first sample after the gap.
     pub at: usize,
-    /// Samples lost there.
+    /// Number of lost samples.
     pub missing: u64,
 }
 
 impl Input<'_> {
-    /// Samples (for phase: points) from the first to the last, the missing ones included.
+    /// Number of samples (for phase: points), missing ones included.
     pub fn len(&self) -> u64 {
         match self {
             Self::Codes { codes, gaps } => {
@@ -34,12 +34,12 @@ impl Input<'_> {
         }
     }
 
-    /// Whether it is empty.
+    /// Whether the record is empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Samples (for phase: points) that are missing.
+    /// Number of missing samples (for phase: points).
     pub fn missing(&self) -> u64 {
         match self {
             Self::Codes { codes, .. } => self.len() - codes.len() as u64,

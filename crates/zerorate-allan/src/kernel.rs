@@ -1,10 +1,10 @@
-//! The differences that statistics are made of, and their demands on a record.
+//! The differences from which statistics are computed, and the record lengths that they need.
 
 use core::fmt;
 
-/// The differences of the running sum that are squared and summed. Each has an arm in each of the functions here and
-/// in each kind of record (`codes`, `float` and `gaps` in [`kernels`](super::kernels)). No `match` has a `_`, so that
-/// the compiler asks for a new one everywhere.
+/// The differences of the running sum that are squared and summed. Each function here has an arm for each variant, and
+/// so has each kind of record (`codes`, `float` and `gaps` in [`kernels`](super::kernels)). No `match` has a `_`, so
+/// the compiler reports every place that lacks a new variant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kernel {
     /// Differences of the record as it is.
@@ -15,14 +15,14 @@ pub(crate) enum Kernel {
     Reflected,
 }
 
-/// Differences of one order, every m-th or every one.
+/// Differences of one order that start at every sample or at every m-th sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Plain {
     pub order: Order,
     pub overlapping: bool,
 }
 
-/// The number of averages in a difference, less one.
+/// The order of a difference of the phase, and the number of averages in the difference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Order {
     Second = 2,
@@ -30,7 +30,7 @@ pub(crate) enum Order {
 }
 
 impl Kernel {
-    /// Whether averages of `m` fit into `samples` samples of the rate.
+    /// Returns `m` if a term of averages of `m` samples fits into `samples` samples of the rate.
     pub fn check(self, samples: u64, m: u64, is_phase: bool) -> Result<usize, Reason> {
         if m == 0 {
             return Err(Reason::ZeroLength);
@@ -40,7 +40,7 @@ impl Kernel {
         fits.ok_or(Reason::TooShort { needs: needs.saturating_add(u64::from(is_phase)) })
     }
 
-    /// Samples of the rate for one term.
+    /// Number of rate samples for one term.
     fn needs(self, m: u64) -> u64 {
         match self {
             Self::Plain(plain) => m.saturating_mul(plain.order as u64),
@@ -49,7 +49,7 @@ impl Kernel {
         }
     }
 
-    /// Longest averages about which `points` points of phase tell something new.
+    /// Longest averaging length about which `points` phase points hold information, in samples.
     pub fn longest(self, points: u64) -> u64 {
         let steps = points.saturating_sub(1);
         match self {
@@ -59,7 +59,7 @@ impl Kernel {
         }
     }
 
-    /// Terms for averages of `m` in `points` points of phase.
+    /// Number of terms for averages of `m` samples in `points` phase points.
     pub fn terms(self, points: u64, m: u64) -> u64 {
         match self {
             Self::Plain(plain) => plain.terms(points, m),
@@ -68,7 +68,7 @@ impl Kernel {
         }
     }
 
-    /// The start of each term.
+    /// Index of the first point of each term.
     pub fn starts(self, points: usize, m: usize) -> impl Iterator<Item = usize> {
         let stride = match self {
             Self::Plain(plain) => plain.stride(m),
@@ -86,7 +86,7 @@ impl Kernel {
         }
     }
 
-    /// The finite differences that form its terms or, beyond the ends of the record, that its terms repeat.
+    /// The finite differences that form the terms. Beyond the ends of the record, the terms repeat these differences.
     pub const fn difference(self) -> Difference {
         match self {
             Self::Plain(plain) => {
@@ -99,7 +99,7 @@ impl Kernel {
 }
 
 impl Plain {
-    /// Differences of the running sum of the running sum: the inner sums of [`Kernel::Modified`].
+    /// Differences of the twice summed rate: the inner sums of [`Kernel::Modified`].
     pub const OF_SUMS: Self = Self { order: Order::Third, overlapping: true };
     /// The differences of [`Kernel::Reflected`] that stay within the record.
     pub const WITHIN: Self = Self { order: Order::Second, overlapping: true };
@@ -115,7 +115,7 @@ impl Plain {
         terms.checked_sub(1).map_or(0, |last| last * self.stride(m) + 1)
     }
 
-    /// The distance from one term to the next.
+    /// The distance from one term to the next, in samples.
     pub fn stride(self, m: usize) -> usize {
         if self.overlapping { 1 } else { m }
     }
@@ -135,21 +135,21 @@ pub struct Difference {
 /// The reasons why an averaging time has no deviation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
-    /// The averages have no length.
+    /// The averaging time rounds to zero samples.
     ZeroLength,
     /// The record is too short.
     TooShort {
         /// Samples (for phase: points) that would be enough.
         needs: u64,
     },
-    /// Too much is missing: no term is left, or less than 1/16 of the record is there.
+    /// Too many samples are missing: no term is left, or less than 1/16 of the record is present.
     Gaps,
-    /// The time rounds to as many samples as another averaging time, which has the result.
+    /// The time rounds to the same number of samples as another averaging time, which has the result.
     SameLength {
         /// Samples in each average.
         m: u64,
     },
-    /// Infinite values, or squares beyond the range of f64.
+    /// The record has infinite values, or squares are beyond the range of f64.
     NotFinite,
 }
 

@@ -1,16 +1,16 @@
 //! Lag-1 autocorrelation of a series and of its differences, in one pass.
 
-/// Differences that are followed: of order 0 (the series itself) to 3.
+/// Number of difference orders: 0 (the series itself) to 3.
 const ORDERS: usize = 4;
 
 /// Sums over a series and its first three differences, from which [`Lag1::correlation`] follows.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Lag1 {
     orders: [Sums; ORDERS],
-    /// Values since the series began or was cut.
+    /// Number of values since the series began or was cut.
     unbroken: u64,
-    /// Constant taken off every first difference. It does not change a correlation, but saves digits where the series
-    /// is a steep ramp.
+    /// Constant subtracted from each first difference. It does not change a correlation, but keeps precision if the
+    /// series is a steep ramp.
     ramp: f64,
 }
 
@@ -50,14 +50,14 @@ impl Lag1 {
     }
 
     /// r1 of the differences of the given order: the mean of (z_i − z̄)(z_{i+1} − z̄), counted as n pairs, over the
-    /// sample variance of z. None for a constant series and for less than three values.
+    /// sample variance of z. `None` for a constant series and for fewer than three values.
     pub(crate) fn correlation(&self, order: usize) -> Option<f64> {
         let Sums { n, pairs, sum, of_pairs, squares, cross, .. } = self.orders[order];
         let (n, pairs) = (n as f64, pairs as f64);
         let mean = sum / n;
         let covariance = cross - mean * of_pairs + pairs * mean * mean;
         let variance = squares - n * mean * mean;
-        // n − 1 pairs unless it was cut
+        // there are n − 1 pairs unless the series was cut
         let r1 = covariance / variance * ((n - 1.0) / pairs) * ((n - 1.0) / n);
         let certain = n >= 3.0 && variance > 1e-12 * squares;
         (certain && r1.is_finite()).then_some(r1)
@@ -149,7 +149,7 @@ mod tests {
         }
     }
 
-    /// Twice the same piece has the correlation of the piece, but for the counts of pairs.
+    /// The same piece twice, with a cut between, has the correlation of the piece, except for the counts of pairs.
     #[test]
     fn a_cut_separates_the_correlations() {
         let z = series();

@@ -73,12 +73,12 @@ pub use warning::{AllanWarning, LONGEST_RECORD_S, Noise};
 #[cfg(feature = "std")]
 pub use welch::{Density, welch};
 
-/// √(2 ln 2/π) = 0.664: the flat part of an Allan deviation per unit of the bias instability B (IEEE Std 952-1997
+/// √(2 ln 2/π) = 0.664: the flat floor of an Allan deviation divided by the bias instability B (IEEE Std 952-1997
 /// C.1.3).
 pub const FLOOR_PER_B: f64 = 0.664_282_470_267_960_1;
 
-/// Averages of 1, 2, 4 … samples, as long as at least one difference of two adjacent averages fits into `len` samples.
-/// This is [`Taus::Octave`] of [`Stat::Oadev`].
+/// The averaging lengths 1, 2, 4 … samples of which a record of `len` samples holds two adjacent averages. This is
+/// [`Taus::Octave`] of [`Stat::Oadev`].
 pub fn octaves(len: usize) -> alloc::vec::Vec<u64> {
     Taus::Octave.lengths(longest(Stat::Oadev, len as u64 + 1))
 }

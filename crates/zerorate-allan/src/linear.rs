@@ -21,12 +21,12 @@ impl Square {
         self.cells[row * self.n + column]
     }
 
-    /// The Cholesky factor; none if the matrix is not positive definite.
+    /// The Cholesky factor; `None` if the matrix is not positive definite.
     pub(super) fn cholesky(&self) -> Option<Cholesky> {
         Cholesky::new((0..self.n).map(|i| self.cells[i * self.n..=i * self.n + i].to_vec()).collect(), 0.0)
     }
 
-    /// Solves by elimination with row pivots.
+    /// The determinant, by elimination with row pivots.
     pub(super) fn determinant(mut self) -> f64 {
         let n = self.n;
         let mut determinant = 1.0;
@@ -50,13 +50,13 @@ impl Square {
     }
 }
 
-/// L with L·Lᵀ = a positive definite matrix: the rows of its lower triangle.
+/// The Cholesky factor L of a positive definite matrix L·Lᵀ, as the rows of its lower triangle.
 #[derive(Clone, Debug)]
 pub struct Cholesky(Vec<Vec<f64>>);
 
 impl Cholesky {
-    /// Factors the matrix from the rows of its lower triangle. None where a pivot is not above this share of its
-    /// diagonal element: the matrix is not positive definite, or not by enough.
+    /// Factors the matrix from the rows of its lower triangle. `None` if a pivot is not above `least_pivot` times its
+    /// diagonal element: the matrix is not positive definite, or nearly singular.
     #[must_use]
     pub fn new(mut rows: Vec<Vec<f64>>, least_pivot: f64) -> Option<Self> {
         for i in 0..rows.len() {

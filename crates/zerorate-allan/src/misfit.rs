@@ -1,29 +1,29 @@
-//! The place and the cause of a misfit of a noise model.
+//! The frequency band and the likely cause of a misfit of a noise model.
 
 use alloc::format;
 use core::fmt;
 
-/// The frequencies at which the record is off its model.
+/// A frequency band in which the record disagrees with its noise model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Misfit {
-    /// The lowest of them, Hz.
+    /// Lower end of the band, Hz.
     pub from_hz: f64,
-    /// The highest of them, Hz.
+    /// Upper end of the band, Hz.
     pub to_hz: f64,
-    /// Measured power over modelled power in that band.
+    /// Measured power over modelled power in the band.
     pub ratio: f64,
     /// The likely cause.
     pub cause: Cause,
 }
 
-/// The causes why a record is off its model.
+/// The likely cause of a misfit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
-    /// The power there comes and goes.
+    /// The power in the band changes during the record.
     Motion,
-    /// The power there is steady, and more than the model's in a narrow band.
+    /// The power is steady, and above the model in a narrow band.
     Resonance,
-    /// The same, up to the end of the spectrum: a steep filter left little power there.
+    /// As [`Cause::Resonance`], but up to the end of the spectrum, where a steep filter left little power.
     Filter,
     /// Most samples repeat the one before.
     CoarseCodes,
@@ -32,7 +32,7 @@ pub enum Cause {
 }
 
 impl fmt::Display for Misfit {
-    /// Tells where the power is off, and what to do.
+    /// States the band and the remedy.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { from_hz, to_hz, ratio, cause } = *self;
         let what = match cause {

@@ -11,13 +11,13 @@ use alloc::vec::Vec;
 use core::f64::consts::PI;
 use core::ops::Range;
 
-/// Averages of τ that the lag-1 autocorrelation needs.
+/// Number of averages of τ that the lag-1 autocorrelation needs.
 const FOR_LAG1: u64 = 30;
-/// Averages of τ from which the lag-1 autocorrelation mistakes white noise for phase noise in 1 record of 100; with 40
-/// it is 1 of 10.
+/// Number of averages of τ with which the lag-1 autocorrelation mistakes white noise for phase noise in only 1 of 100
+/// records; with 40 averages, in 1 of 10.
 const FOR_CERTAIN: u64 = 128;
-/// Averages of τ beyond which more would not make the answer more certain (r1 to 0.004). Then only some blocks of the
-/// record are looked at, evenly spaced.
+/// Number of averages of τ beyond which the answer is certain enough (r1 to 0.004). With more, only evenly spaced
+/// blocks of the record are used.
 const ENOUGH: u64 = 1 << 16;
 /// Longest averaging length at which a block has enough points to represent its part of the record.
 const LONGEST_SPARSE: u64 = 64;
@@ -27,20 +27,20 @@ const WHITE: i32 = 0;
 
 /// The exponent α of the power law S_y(f) ∝ f^α that dominates at each averaging length in `m`. 2 is white phase, 1
 /// flicker phase, 0 white (angle random walk), −1 flicker (bias instability), −2 random walk of the rate. For HDEV and
-/// OHDEV it goes down to −4. There is an answer for every length, in the order of `m`, which must not decrease.
+/// OHDEV it goes down to −4. There is an answer for every length, in the order of `m`, which must be ascending.
 ///
 /// * At least 30 averages: lag-1 autocorrelation r1 of the phase at every m-th point, δ = r1/(1 + r1). The phase is
 ///   differenced d times until δ < 0.25, then `α = 2 − 2d − round(2δ)`. (Riley & Greenhall, "Power law noise
 ///   identification using the lag 1 autocorrelation", EFTF 2004, and NIST SP 1065 section 5.5.3, its r1 with n − 1 in
-///   the variance.) Of more than 65 536 averages of up to 64 samples, blocks all over the record are taken.
+///   the variance.) Above 65 536 averages of up to 64 samples, only evenly spaced blocks of the record are used.
 /// * Fewer, at least 8 (for ADEV and HDEV 10): B1, the ratio of the variance of the averages to their Allan variance.
 ///   It is compared with the geometric means of its expected values for two neighbouring α (section 5.5.4). Where it
 ///   says phase noise, R(n), the ratio of modified to plain Allan variance, tells white from flicker (section 5.5.5).
-/// * Fewer still: as at the next shorter length, or as at the longest of the 8 (10) if there is none. TOTDEV then
-///   counts phase noise as white, because it has published degrees of freedom for frequency noise only. A constant
-///   record counts as white.
+/// * Fewer still: the answer of the next shorter length, or of the longest length with 8 (10) averages if there is
+///   none. TOTDEV then counts phase noise as white, because it has published degrees of freedom for frequency noise
+///   only. A constant record counts as white.
 ///
-/// Only the mean of a rate is taken off first. Gaps count as samples of the mean rate here.
+/// A rate has its mean removed first, and nothing else. Missing samples count as the mean rate.
 #[must_use]
 pub fn noise_types(input: &Input<'_>, stat: Stat, m: &[u64]) -> Vec<i32> {
     identify(input, stat, m).into_iter().map(|found| found.alpha).collect()
@@ -50,9 +50,9 @@ pub fn noise_types(input: &Input<'_>, stat: Stat, m: &[u64]) -> Vec<i32> {
 pub(crate) struct NoiseType {
     /// The answer of [`noise_types`].
     pub alpha: i32,
-    /// The exponent for the degrees of freedom. Few averages mistake white noise for phase noise too often (10, by B1:
-    /// 28 % of the records), and phase noise has as many degrees of freedom as samples. So the exponent may not be
-    /// above the last answer from 128 averages or more, because the one that dominates falls with τ.
+    /// The exponent for the degrees of freedom. With few averages, white noise is too often mistaken for phase noise
+    /// (by B1 with 10: in 28 % of the records), and phase noise has as many degrees of freedom as samples. So this
+    /// exponent is at most the last answer from 128 averages or more, because the dominant exponent falls with τ.
     pub cautious: i32,
 }
 
@@ -89,7 +89,7 @@ struct DecimatedPhase {
     m: u64,
     next: u64,
     series: Series,
-    /// Uses one run in this many.
+    /// Only one run in this many is used.
     sparse: u64,
 }
 
@@ -101,7 +101,7 @@ enum Series {
 #[derive(Default)]
 struct Short {
     phase: Vec<f64>,
-    /// Sum of all points of the record before each of them.
+    /// Sum of all points of the record before each point of `phase`.
     area: Vec<f64>,
 }
 
@@ -235,7 +235,7 @@ fn sum(points: &[f64]) -> f64 {
     lanes.iter().sum()
 }
 
-/// Decides where B1 has found phase noise: 2 if R(n) says that it is white.
+/// Tests phase noise that B1 found by R(n): `Some(2)` where it is white.
 fn resolve_phase_noise(input: &Input<'_>, all: &[DecimatedPhase], found: &[Option<i32>]) -> Vec<Option<i32>> {
     let question = |(series, alpha): (&DecimatedPhase, &Option<i32>)| match &series.series {
         Series::Short(short) if *alpha == Some(1) => {
@@ -256,8 +256,8 @@ fn resolve_phase_noise(input: &Input<'_>, all: &[DecimatedPhase], found: &[Optio
 }
 
 impl Short {
-    /// R(n) from modified terms that do not overlap: rough, but without another pass over the record. Mostly it leaves
-    /// no doubt.
+    /// A rough R(n) from modified terms that do not overlap, without another pass over the record. Usually it is clear
+    /// enough.
     fn r_at_a_glance(&self, m: f64) -> f64 {
         let averages: Vec<f64> = self.area.windows(2).map(|area| (area[1] - area[0]) / m).collect();
         allan_variance(&averages) / allan_variance(&self.phase)
@@ -265,7 +265,7 @@ impl Short {
 }
 
 /// Geometric mean of the R(n) expected for white and for flicker phase noise, with a noise bandwidth of half the
-/// sample rate (IEEE Std 1139-2008 table B.2). They are 1/m and 3 ln(256/27) / 2(1.038 + 3 ln(π m)).
+/// sample rate (IEEE Std 1139-2008 table B.2). The expected values are 1/m and 3 ln(256/27) / 2(1.038 + 3 ln(π m)).
 fn r_boundary(m: f64) -> f64 {
     let flicker = 3.0 * libm::log(256.0 / 27.0) / (2.0 * (1.038 + 3.0 * libm::log(PI * m)));
     libm::sqrt(flicker / m)
@@ -313,7 +313,7 @@ mod tests {
         assert_eq!(noise_types(&Input::Rate(&run), Stat::Oadev, &OCTAVES), [-2; 8]);
     }
 
-    /// Fewer than 30 averages: 29 to 8 of them, many times, and the right answer most of the time.
+    /// With 20 averages, the answer is right for at least 60 of 100 records.
     #[test]
     fn short_records_go_by_b1_and_r() {
         let right = |of: &dyn Fn(&[f64]) -> i32, truth: i32| {
@@ -368,8 +368,8 @@ mod tests {
         assert_eq!(noise_types(&Input::Rate(&[1.0, 2.0]), Stat::Totdev, &[]), vec![0; 0]);
     }
 
-    /// A white record of 41 averages is taken for phase noise one time of ten. It never gets the degrees of freedom of
-    /// one.
+    /// One in ten white records of 41 averages is taken for phase noise, but hardly any gets the degrees of freedom of
+    /// phase noise.
     #[test]
     fn few_averages_do_not_make_degrees_of_freedom() {
         let white = white(200 * 5_000);

@@ -1,13 +1,13 @@
-//! The phase of any input, point by point, for the identification of its noise.
+//! The phase of any input, point by point, for noise identification.
 
 use super::{Gap, Input};
 use alloc::vec::Vec;
 
-/// Points handed over at once.
+/// Number of points in a run.
 const BLOCK: usize = 4096;
 const LANES: usize = 8;
 
-/// A stretch of the phase.
+/// A run of phase points.
 pub(crate) enum Run<'a> {
     Points(&'a [f64]),
     /// `count` points of the same value: the samples between them are missing.
@@ -17,7 +17,7 @@ pub(crate) enum Run<'a> {
     },
 }
 
-/// Points that the phase of `input` has, missing ones included: one more than samples of rate.
+/// Number of phase points of `input`, missing ones included: one more than rate samples.
 pub(crate) fn phase_points(input: &Input<'_>) -> u64 {
     match input {
         Input::Codes { codes, gaps } => {
@@ -28,8 +28,7 @@ pub(crate) fn phase_points(input: &Input<'_>) -> u64 {
     }
 }
 
-/// Slope of the phase that [`for_each_run`] hands over, per point. A phase keeps its own slope, and a rate has its
-/// mean taken off.
+/// Slope per point of the phase from [`for_each_run`]. It is 0 for a rate, whose mean is removed.
 pub(crate) fn ramp(input: &Input<'_>) -> f64 {
     let Input::Phase(phase) = input else { return 0.0 };
     let present = |at: &usize| !phase[*at].is_nan();
@@ -39,8 +38,8 @@ pub(crate) fn ramp(input: &Input<'_>) -> f64 {
     }
 }
 
-/// Hands the phase to `visit` in order. A missing sample of rate counts as the mean; a missing phase is interpolated.
-/// This serves identification alone: the deviations treat gaps as gaps.
+/// Passes the phase to `visit` in order. A missing sample of rate counts as the mean; a missing phase is interpolated.
+/// Only noise identification uses this; the deviations treat gaps as gaps.
 pub(crate) fn for_each_run(input: &Input<'_>, mut visit: impl FnMut(Run<'_>)) {
     match input {
         Input::Codes { codes, gaps } => {
@@ -57,7 +56,7 @@ pub(crate) fn for_each_run(input: &Input<'_>, mut visit: impl FnMut(Run<'_>)) {
     }
 }
 
-/// Mean in a fixed number of lanes: fast, and the same on every machine. 0 if nothing is present.
+/// Mean of the samples present, in a fixed number of lanes: fast, and the same on every machine. 0 without samples.
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 fn mean_of_present(rate: &[f64]) -> f64 {
     let (mut sums, mut counts) = ([0.0; LANES], [0.0; LANES]);
@@ -102,8 +101,8 @@ fn integrate<T>(values: &[T], start: f64, step: impl Fn(&T) -> f64, visit: &mut 
     phase
 }
 
-/// Interpolates between two present points on a straight line. The phase is level before the first point, which is 0,
-/// and after the last.
+/// Interpolates linearly between points that are present. The phase is 0 up to the first point, and constant after the
+/// last.
 fn interpolate(phase: &[f64], visit: &mut impl FnMut(Run<'_>)) {
     let mut present = (0..phase.len()).filter(|&at| !phase[at].is_nan()).peekable();
     let Some(&first) = present.peek() else { return };

@@ -1,9 +1,9 @@
-//! Defines warnings and refusals by one row each: code and text. docs/codes.md explains the codes.
+//! Defines the code and the text of each warning and refusal in one row. docs/codes.md explains the codes.
 
 /// Makes `code()`, `text()` and `codes()` of an enum from one row for each variant.
 ///
-/// The rows are the arms of a `match`: rustfmt formats them, and the compiler asks for the row of a new variant.
-/// * `code`: a literal, or in braces an expression with a field of the variant.
+/// The rows are the arms of a `match`: rustfmt formats them, and the compiler reports a variant without a row.
+/// * `code`: a literal, or an expression in braces that uses a field of the variant.
 /// * `text`: `format_args!` with the fields of the variant.
 #[doc(hidden)]
 #[macro_export]

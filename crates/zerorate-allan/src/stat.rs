@@ -9,18 +9,18 @@ pub(super) struct StatRow {
     pub name: &'static str,
     /// The name in words.
     pub title: &'static str,
-    /// The differences that are squared: their order, their distance, and the demand of one of them on a record.
+    /// The differences that are squared: their order, their spacing, and the record length that one of them needs.
     pub kernel: Kernel,
     /// Divisor of the mean square of the differences of averages. It makes the statistic of white noise equal to the
-    /// deviation of its averages.
+    /// standard deviation of the averages.
     pub divisor: f64,
-    /// Factor of the root, which makes the unit.
+    /// Factor of the root, which determines the unit.
     pub factor: Factor,
-    /// The source of its degrees of freedom.
+    /// The formula for the degrees of freedom.
     pub freedom: Freedom,
-    /// Averages of τ below which no noise is identified.
+    /// Number of averages of τ below which the noise type is not identified.
     pub fewest_averages: u64,
-    /// Largest exponent α of the noise that lengths with still fewer averages take over from shorter ones.
+    /// Largest noise exponent α that lengths with still fewer averages take over from shorter lengths.
     pub carried_alpha: i32,
     /// Whether the expected square is the Allan variance, so that a [`Fit`](super::Fit) models it.
     pub is_allan: bool,
@@ -36,14 +36,13 @@ pub(super) enum Factor {
 pub(super) enum Freedom {
     /// The formula for finite differences.
     Differences,
-    /// The total deviation's own formula, which is for frequency noise. Otherwise the formula for the differences
-    /// within the record.
+    /// The total deviation's own formula for frequency noise. For phase noise, the formula for finite differences.
     Total,
 }
 
 macro_rules! statistics {
     ($($(#[$doc:meta])* $stat:ident { $($field:ident: $value:expr,)* })*) => {
-        /// A statistic. Each is a root of a mean of squared differences of adjacent averages over τ.
+        /// A statistic: the root of the mean square of differences of adjacent averages over τ.
         ///
         /// x is the running sum of the rate in steps of one sample (for a gyroscope: the angle), and m is the number
         /// of samples in each average. N is the number of points of x, one more than samples of the rate. The
@@ -61,7 +60,7 @@ macro_rules! statistics {
     };
 }
 
-// One row each. A row whose differences no kernel forms yet needs a new variant of `Kernel`; the compiler asks for the
+// One row per statistic. A new kind of difference needs a new variant of `Kernel`; the compiler then asks for the
 // rest.
 statistics! {
     /// Allan deviation, every m-th i: σ² = ⟨d₂²⟩ / 2m² (NIST SP 1065 equation 10).
@@ -133,7 +132,7 @@ impl Stat {
         self.row().title
     }
 
-    /// Whether its unit is the unit of the rate times s, as the angle's is, instead of the unit of the rate.
+    /// Whether the unit of the statistic is the unit of the rate times s, as for an angle.
     pub const fn is_times_s(self) -> bool {
         match self.row().factor {
             Factor::One => false,
@@ -141,13 +140,13 @@ impl Stat {
         }
     }
 
-    /// Whether its expected square is the Allan variance, which a [`Fit`](super::Fit) models, so that the two curves
-    /// compare.
+    /// Whether the expected square is the Allan variance, so that the curve can be compared with a
+    /// [`Fit`](super::Fit).
     pub const fn is_allan(self) -> bool {
         self.row().is_allan
     }
 
-    /// The differences whose [`finite_difference_edf`](super::finite_difference_edf) are its degrees of freedom. None
+    /// The differences that [`finite_difference_edf`](super::finite_difference_edf) needs for this statistic. `None`
     /// for the total deviation, which has its own formula.
     pub const fn difference(self) -> Option<Difference> {
         match self.row().freedom {
@@ -171,7 +170,7 @@ impl FromStr for Stat {
     }
 }
 
-/// A name that no [`Stat`] has.
+/// The error for a name that no [`Stat`] has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UnknownStat;
 
@@ -198,7 +197,7 @@ mod tests {
         assert_eq!(error.to_string(), "not a statistic; there are adev oadev mdev tdev hdev ohdev totdev");
     }
 
-    /// NIST SP 1065 section 5.4.1's d, S = m and F = 1, and the handbook's unit and expected value, typed again.
+    /// Order d, S = m and F = 1 (NIST SP 1065 section 5.4.1), and the handbook's unit and expected value, typed again.
     #[test]
     fn rows_are_those_of_the_handbook() {
         let of = |order, overlapped, modified| Some(Difference { order, overlapped, modified });

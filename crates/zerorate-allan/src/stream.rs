@@ -1,16 +1,16 @@
 use super::kernels::Deviation;
 use core::fmt;
 
-/// Allan deviation while the samples come, at averages of 1, 2, 4 … 2^(`OCTAVES` − 1) samples. It works in fixed
-/// memory and without allocation: 48 bytes for each octave and 16 more.
+/// Allan deviation computed as samples arrive, for averages of 1, 2, 4 … 2^(`OCTAVES` − 1) samples. It needs no
+/// allocation: 48 bytes per octave, and 16 more.
 ///
-/// The averages cover samples j · 2^k … (j + 1) · 2^k − 1, counted from the start of the whole record. So the stream
-/// of a later piece can be joined to the stream of an earlier one: [`Stream::merge`] gives exactly the stream of both.
-/// From sample 0 the result equals [`Stat::Adev`](super::Stat::Adev) (NIST SP 1065 equation 10). All sums are
-/// integers. With codes of 32 bits they are exact for 2^37 samples at least.
+/// The averages cover samples j · 2^k … (j + 1) · 2^k − 1, counted from the start of the whole record. So the streams
+/// of two adjacent pieces can be joined: [`Stream::merge`] gives exactly the stream of both. A stream from sample 0
+/// equals [`Stat::Adev`](super::Stat::Adev) (NIST SP 1065 equation 10). All sums are integers. With codes of 32 bits
+/// they are exact for at least 2^37 samples.
 ///
-/// No noise model is fitted to its deviations: Gauss–Markov terms, lines, a low-pass, glitches and steps spoil N, B
-/// and K, and none of them can be seen without the record. Keep the record, and use `fit`.
+/// Do not fit a noise model to these deviations: Gauss–Markov terms, lines, a low-pass, glitches and steps falsify N,
+/// B and K, and only the record shows them. Keep the record, and use `fit`.
 ///
 /// ```
 /// use zerorate_allan::Stream;
@@ -36,7 +36,7 @@ pub struct Stream<const OCTAVES: usize> {
     levels: [Level; OCTAVES],
 }
 
-/// The complete averages of one length, as sums.
+/// Sums over the complete averages of one length.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Level {
     first: i64,
@@ -81,7 +81,7 @@ impl Level {
 }
 
 impl<const OCTAVES: usize> Stream<OCTAVES> {
-    /// An empty stream whose first sample will be the one with this index in the whole record.
+    /// An empty stream. Its first sample will have this index in the whole record.
     pub const fn starting_at(index: u64) -> Self {
         const { assert!(OCTAVES <= 25, "sums of more samples might not fit") };
         Self { start: index, end: index, levels: [Level { first: 0, last: 0, blocks: 0, squares: 0 }; OCTAVES] }
@@ -103,7 +103,7 @@ impl<const OCTAVES: usize> Stream<OCTAVES> {
         }
     }
 
-    /// Joins the stream of the samples that follow.
+    /// Appends the stream of the samples that follow.
     pub fn merge(&mut self, next: &Self) -> Result<(), NotAdjacent> {
         if next.start != self.end {
             return Err(NotAdjacent { expected: self.end, found: next.start });
@@ -119,7 +119,7 @@ impl<const OCTAVES: usize> Stream<OCTAVES> {
         Ok(())
     }
 
-    /// Allan deviation of averages of 2^`octave` samples, in LSB; `None` before two of them are complete.
+    /// Allan deviation of averages of 2^`octave` samples, in LSB; `None` until two averages are complete.
     pub fn deviation(&self, octave: usize) -> Option<Deviation> {
         let level = self.levels.get(octave).filter(|level| level.blocks >= 2)?;
         let (m, n) = (1u64 << octave, level.blocks - 1);
@@ -127,13 +127,13 @@ impl<const OCTAVES: usize> Stream<OCTAVES> {
         Some(Deviation { m, dev, n })
     }
 
-    /// Samples taken.
+    /// Number of samples taken.
     pub fn samples(&self) -> u64 {
         self.end.wrapping_sub(self.start)
     }
 }
 
-/// Sum of the average of level `k + 1` that lies across the joint, if it is complete: its two halves are neighbours.
+/// Sum of the level `k + 1` average that spans the joint, if both of its halves are complete.
 fn join_above(joint: u64, k: usize, left: &Level, across: Option<i64>, right: &Level) -> Option<i64> {
     let is_cut = |level: usize| joint & ((1 << level) - 1) != 0;
     if !is_cut(k + 1) {
@@ -152,7 +152,7 @@ fn join_above(joint: u64, k: usize, left: &Level, across: Option<i64>, right: &L
 pub struct NotAdjacent {
     /// Index of the sample after the first stream.
     pub expected: u64,
-    /// Index of the first sample of the second.
+    /// Index of the first sample of the second stream.
     pub found: u64,
 }
 

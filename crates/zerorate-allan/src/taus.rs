@@ -6,23 +6,23 @@ use alloc::vec::Vec;
 use core::fmt;
 use core::str::FromStr;
 
-/// Averaging times. All but [`Taus::List`] go up to the longest that the statistic can be computed for.
+/// A set of averaging times. All but [`Taus::List`] end at the longest for which the statistic can be computed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Taus {
     /// 1, 2, 4, 8 … samples.
     Octave,
-    /// 1, 2, 3, then 4, 5, 6, 7, 8, 10, 12, 14, 16, 20 … samples: four to an octave, for a picture. Lengths that
-    /// double share most of their data, so they cost less than as many others.
+    /// 1, 2, 3, then 4, 5, 6, 7, 8, 10, 12, 14, 16, 20 … samples: four per octave, for a plot. Lengths that double
+    /// share most of their data, so they cost less than as many other lengths.
     Fine,
     /// 1, 2, 4, 10, 20, 40, 100 … samples.
     Decade,
-    /// A number of lengths, evenly spaced in the logarithm from one sample to the longest. Lengths that round to the
-    /// same number of samples are one, so there may be fewer.
+    /// This many lengths, evenly spaced in logarithm from one sample to the longest. Lengths that round to the same
+    /// number of samples count once, so there may be fewer.
     Log(u32),
     /// Every number of samples.
     All,
-    /// A list of times, s. A time is rounded to the nearest whole number of samples. A length that comes up twice is
-    /// computed once and reported for the other.
+    /// A list of times, s, each rounded to whole samples. A repeated length is computed once, and the repetition is
+    /// reported as [`Reason::SameLength`](crate::Reason::SameLength).
     List(Vec<f64>),
 }
 
@@ -77,18 +77,18 @@ impl fmt::Display for TausError {
 
 impl core::error::Error for TausError {}
 
-/// Longest averaging length of which `stat` has a term in a record of `phase_points` points (one more than samples of
-/// rate); 0 if there is none.
+/// Longest averaging length, in samples, of `stat` in a record of `phase_points` points (one more than rate samples);
+/// 0 if the record is too short.
 ///
-/// Two (Hadamard: three) averages must fit: (N − 1)/2, (N − 1)/3. For MDEV and TDEV it is N/3. TOTDEV continues the
-/// record by reflection, but nothing new is in there beyond half of it: (N − 1)/2.
+/// For N points it is (N − 1)/2 for ADEV and OADEV, (N − 1)/3 for HDEV and OHDEV, and N/3 for MDEV and TDEV. TOTDEV
+/// reflects the record, which adds no information beyond half of the record: (N − 1)/2.
 #[must_use]
 pub fn longest(stat: Stat, phase_points: u64) -> u64 {
     stat.row().kernel.longest(phase_points)
 }
 
 impl Taus {
-    /// Lengths in samples from 1 to `longest`, ascending, each once. For a list see [`nearest`].
+    /// Lengths in samples from 1 to `longest`, ascending, each once. Empty for a list; see [`nearest`].
     pub(crate) fn lengths(&self, longest: u64) -> Vec<u64> {
         let up_to = |m: &u64| *m <= longest;
         match self {
@@ -117,7 +117,7 @@ fn spaced(count: u32, longest: u64) -> Vec<u64> {
     lengths
 }
 
-/// Samples in `tau_s`, rounded. 0 for less than half a sample and for a value that is not a time.
+/// Number of samples in `tau_s`, rounded. 0 for less than half a sample, a negative value or NaN.
 pub(crate) fn nearest(tau_s: f64, rate_hz: f64) -> u64 {
     libm::round(tau_s * rate_hz) as u64
 }

@@ -1,4 +1,4 @@
-//! The density of a spectrum as drawn: Welch's estimate, averaged evenly in the logarithm of frequency.
+//! Spectral density for a plot: Welch's estimate, averaged over equal steps of log frequency.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -8,27 +8,27 @@ use realfft::{FftError, RealFftPlanner};
 /// The density at a frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Density {
-    /// Hz.
+    /// Frequency, Hz.
     pub frequency_hz: f64,
-    /// Two-sided, unit²/Hz: white noise has N². The one-sided density is twice that.
+    /// Two-sided density, unit²/Hz; N² for white noise. The one-sided density is twice as large.
     pub density: f64,
 }
 
-/// Segments that a record has at least, so that each frequency is an average.
+/// Least number of segments in a record, so that the density at each frequency is an average.
 const SEGMENTS: usize = 4;
-/// Longest and shortest segment.
+/// Shortest and longest segment, samples.
 const LENGTHS: core::ops::RangeInclusive<usize> = 64..=1 << 20;
-/// Frequencies to a decade.
+/// Frequencies per decade.
 const PER_DECADE: f64 = 60.0;
-/// The first coefficient of a segment without its mean is too small, and leaks into the next.
+/// First Fourier coefficient in use. Without the mean, coefficient 0 is too small, and the window spreads that to 1.
 const FIRST: usize = 2;
 
-/// Welch's estimate (1967) of a rate, NaN where samples are missing. It uses Hann's window and segments that overlap
-/// by half, each without its mean. Missing samples count as the mean, and segments that lack half of them are left
-/// out. Empty for less than 256 samples.
+/// Welch's estimate (1967) of the spectral density of a rate. NaN marks a missing sample. Hann-windowed segments
+/// overlap by half, each without its mean. Missing samples count as the mean, and segments that lack more than half of
+/// their samples are left out. The result is empty for fewer than 256 samples.
 ///
 /// # Errors
-/// Returns an error if the Fourier transform fails. The lengths fit together, so this is not expected.
+/// Returns an error if the Fourier transform fails. The buffers have matching lengths, so this is not expected.
 pub fn welch(rate: &[f64], rate_hz: f64) -> Result<Vec<Density>, FftError> {
     let most = (rate.len() / SEGMENTS).min(*LENGTHS.end());
     let Some(length) = (0..usize::BITS).rev().map(|k| 1usize << k).find(|length| *length <= most) else {
@@ -53,7 +53,7 @@ pub fn welch(rate: &[f64], rate_hz: f64) -> Result<Vec<Density>, FftError> {
     Ok(if segments > 0.0 { averaged(&power, rate_hz / length as f64) } else { Vec::new() })
 }
 
-/// A segment under the window, and the sum of the window's squares over the samples present.
+/// The windowed segment, and the sum of squares of the window over the samples present.
 fn windowed(segment: &[f64], window: &[f64]) -> Option<(Vec<f64>, f64)> {
     let there = || segment.iter().filter(|value| !value.is_nan());
     let count = there().count();
@@ -67,7 +67,7 @@ fn windowed(segment: &[f64], window: &[f64]) -> Option<(Vec<f64>, f64)> {
     Some((segment.iter().zip(window).map(weighted).collect(), norm))
 }
 
-/// Means over steps of the same factor.
+/// Means over frequency steps of equal ratio.
 fn averaged(power: &[f64], step_hz: f64) -> Vec<Density> {
     let factor = libm::pow(10.0, 1.0 / PER_DECADE);
     let mut all = Vec::new();
@@ -87,7 +87,7 @@ mod tests {
     use super::super::{FitOptions, Input, fit};
     use super::*;
 
-    /// White noise of variance 1 at 100 Hz, density 0.01, and a sine of 2 rms at 12.5 Hz.
+    /// White noise of variance 1 at 100 Hz, density 0.01, and a sine of this rms at 12.5 Hz.
     fn record(sine: f64) -> Vec<f64> {
         let mut state = 1u64;
         let mut uniform = || {

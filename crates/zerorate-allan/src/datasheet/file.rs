@@ -1,4 +1,4 @@
-//! A [`DataSheet`] from a file (`docs/formats/datasheet.md`).
+//! Reads a [`DataSheet`] from a file (`docs/formats/datasheet.md`).
 
 use super::unit::{Of, Unit};
 use super::{DataSheet, Figure, Line};
@@ -10,11 +10,11 @@ use core::fmt;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-/// The newest version of the file format that is read.
+/// The version of the file format.
 const SCHEMA: u32 = 1;
 
 impl DataSheet {
-    /// Reads the file of a data sheet.
+    /// Parses the file of a data sheet.
     ///
     /// ```
     /// let sheet = zerorate_allan::DataSheet::parse(r#"
@@ -89,7 +89,7 @@ struct Accelerometer {
     velocity_random_walk: Option<FigureEntry>,
     bias_instability: Option<FigureEntry>,
     acceleration_random_walk: Option<FigureEntry>,
-    // its scale, for people
+    // the scale of its output, which is not used here
     #[serde(rename = "lsb_per_g")]
     _lsb_per_g: Option<IgnoredAny>,
     #[serde(rename = "width_bits")]
@@ -197,13 +197,13 @@ impl FigureRow {
     }
 }
 
-/// Half of the last digit that is printed: 0.05 of `2.0`, 0.5 of `5`, 5e-6 of `1.5e-4`.
+/// Half a unit of the last printed digit: 0.05 for `2.0`, 0.5 for `5`, 5e-6 for `1.5e-4`.
 fn half_digit(printed: &str, value: f64) -> f64 {
     let small = printed.to_lowercase();
     let (digits, exponent) = small.split_once('e').unwrap_or((&small, "0"));
     let places = digits.split_once('.').map_or(0, |(_, places)| places.chars().filter(char::is_ascii_digit).count());
     let exponent = exponent.parse::<i32>().unwrap_or(0).saturating_sub(i32::try_from(places).unwrap_or(0));
-    // an odd way of writing a number does not make it uncertain by half
+    // at most half of the value, however it is written
     (0.5 * libm::pow(10.0, f64::from(exponent))).min(0.5 * value)
 }
 

@@ -1,4 +1,4 @@
-//! A data sheet's statements on a sensor's noise, and their comparison with a record at rest.
+//! The noise figures of a data sheet, and their comparison with a record at rest.
 
 mod file;
 mod unit;
@@ -22,22 +22,22 @@ pub struct DataSheet {
     pub accelerometer: Vec<Line>,
 }
 
-/// A figure as it is printed.
+/// A noise figure as printed in a data sheet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
     /// The quantity.
     pub figure: Figure,
-    /// Whether it is a typical value or a limit.
+    /// Whether the value is a maximum instead of a typical value.
     pub is_maximum: bool,
-    /// The value, in its unit.
+    /// The value, in `unit`.
     pub value: f64,
-    /// Half of its last digit, the largest change by rounding.
+    /// Half a unit of the last printed digit: the largest rounding error, in `unit`.
     pub half_digit: f64,
     /// The unit as written.
     pub unit: String,
-    /// The size of the unit in °/s or m/s² (with the powers of time of the figure).
+    /// Factor from `unit` to the same unit in °, m and s.
     pub factor: f64,
-    /// The document that prints it, if it is not [`DataSheet::source`].
+    /// The document that prints the figure, if it is not [`DataSheet::source`].
     pub source: Option<String>,
 }
 
@@ -50,7 +50,7 @@ pub enum Figure {
     RandomWalk,
     /// The lowest point of the Allan deviation, which data sheets call bias (in)stability in run.
     CurveMinimum,
-    /// The coefficient B of IEEE Std 952-1997, 1/0.664 of a flat floor.
+    /// The coefficient B of IEEE Std 952-1997: the flat floor divided by 0.664.
     BiasInstability,
     /// Rate or acceleration random walk K.
     RateRandomWalk,
@@ -59,26 +59,26 @@ pub enum Figure {
 /// The comparison of a measured value with a line of a data sheet, in the line's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
-    /// Value and 95 % interval; none without a model that can be trusted.
+    /// Value and 95 % interval. `None` if the model is missing or rejected; the curve minimum needs no model.
     pub measured: Option<Estimate>,
     /// The verdict on the sensor.
     pub verdict: Verdict,
 }
 
-/// The verdict on a sensor beside a line of its data sheet.
+/// The verdict on a sensor, compared with a line of its data sheet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// As stated: the interval holds a typical value, as far as it was rounded, or ends below a maximum.
+    /// As stated: the interval holds the typical value within its rounding, or does not exceed the maximum.
     Within,
     /// Less noise than is typical.
     Better,
     /// More noise than stated.
     Worse,
-    /// The record does not tell.
+    /// The record does not decide it.
     Open,
 }
 
-/// A point needs this many degrees of freedom to count as the lowest.
+/// Least degrees of freedom of a point that counts as the minimum of the curve.
 const FEWEST_EDF: f64 = 4.0;
 
 impl Line {
@@ -106,11 +106,11 @@ impl Line {
     }
 
     fn verdict(&self, measured: &Estimate) -> Verdict {
-        // a limit is taken as printed
+        // a maximum is taken as printed
         let rounding = if self.is_maximum { 0.0 } else { self.half_digit };
         let (below, above) = (self.value - rounding, self.value + rounding);
         match measured {
-            // a coefficient that nothing bounds
+            // a coefficient without an upper limit
             Estimate { hi, .. } if !(*hi > 0.0 && hi.is_finite()) => Verdict::Open,
             Estimate { lo, .. } if *lo > above => Verdict::Worse,
             Estimate { hi, .. } if self.is_maximum && *hi <= above => Verdict::Within,
@@ -122,7 +122,7 @@ impl Line {
     }
 }
 
-/// The lowest deviation with its 95 % interval. Where the curve still falls at its end, it is only an upper limit.
+/// The lowest deviation with its 95 % interval. If the curve still falls at its end, only the upper limit is known.
 fn minimum(analysis: &Analysis) -> Option<Estimate> {
     let points = || analysis.points.iter().filter(|point| point.edf >= FEWEST_EDF);
     let least = points().min_by(|a, b| a.dev.total_cmp(&b.dev))?;

@@ -2,20 +2,20 @@
 
 use alloc::string::String;
 
-/// The kind of quantity.
+/// The base quantity of a unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Of {
-    /// ° and its kin.
+    /// Angle, in °.
     Angle,
-    /// m and its kin.
+    /// Length, in m.
     Length,
 }
 
-/// A unit as a power of time.
+/// A unit of angle or length, times a power of time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Unit {
     pub(super) of: Of,
-    /// Twice the exponent of the second: −2 of °/s, −1 of °/√s.
+    /// Twice the exponent of the second: −2 for °/s, −1 for °/√s.
     pub(super) halves: i32,
     /// The size of the unit in ° or m, with that power of the second.
     pub(super) factor: f64,
@@ -26,7 +26,7 @@ const HOUR_S: f64 = 3600.0;
 const G: f64 = 9.806_65;
 
 impl Unit {
-    /// Parses a unit; none where the text is not a unit of noise.
+    /// Parses a unit; `None` if the text is not a unit of noise.
     pub(super) fn parse(text: &str) -> Option<Self> {
         let text = plain(text);
         let mut parts = text.split('/');
@@ -60,7 +60,7 @@ impl Unit {
     }
 }
 
-/// Twice the exponent of the second, and the number of powers of the second in one of the unit.
+/// Twice the exponent of the second that a denominator adds, and the size of the denominator in that power of s.
 fn denominator(text: &str) -> Option<(i32, f64)> {
     Some(match text {
         "s" => (-2, 1.0),
@@ -74,7 +74,7 @@ fn denominator(text: &str) -> Option<(i32, f64)> {
     })
 }
 
-/// The same text in one spelling.
+/// The text with all spellings made the same.
 fn plain(text: &str) -> String {
     let small: String = text.to_lowercase().chars().filter(|c| !c.is_whitespace() && !"()".contains(*c)).collect();
     [
