@@ -1,9 +1,9 @@
 //! The frequency up to which the model describes the noise. Above it the sensor's filter shapes the noise.
 //!
-//! N is the level at frequency 0 of noise that a filter shapes from some frequency on. Fitted to the lowest part of
-//! the spectrum, N is right and uncertain. With each step up it is surer, until a shape of few terms no longer follows
-//! the filter. The steps that agree with all lower ones are fair, and the surest of them is taken (Lepski 1991). The
-//! lowest step may itself be off by chance, so that the longest chain of steps that agree counts.
+//! N is the density at frequency 0 of noise that a filter shapes above some frequency. Fitted to the lowest part of
+//! the spectrum, N is right but uncertain. Each step up makes N more certain, until a shape of few terms no longer
+//! follows the filter. A step is fair if it agrees with all lower ones, and the most certain fair step is taken
+//! (Lepski 1991). The lowest step may be off by chance, so the longest chain of steps that agree counts.
 
 use super::MOST_ERROR;
 use super::density::Table;
@@ -19,12 +19,12 @@ use alloc::vec::Vec;
 /// this many coefficients.
 const STEPS_DOWN: u32 = 14;
 const FEWEST_COEFFICIENTS: f64 = 1500.0;
-/// Where the plateau is looked for, at least this share of the power is white, or it is not seen.
+/// Least share of white noise in the power of the plateau bin. With less, the plateau is not seen.
 const PLATEAU: f64 = 0.7;
 /// Standard deviations by which two upper ends may differ in ln N. At 3 a record without a filter loses half an octave
 /// in 3 of 100 cases, at 3.5 in none.
 const AGREE: f64 = 3.5;
-/// The variance of the difference is at least this share of the lower one's.
+/// Least variance of the difference, as a share of the lower end's variance.
 const LEAST_DIFFERENCE: f64 = 0.04;
 
 /// A fit up to one frequency.
@@ -34,15 +34,15 @@ struct Look {
     ln_n: f64,
     variance: f64,
     error: f64,
-    /// Whether the shape has followed the filter and is held up to the end, the plateau is seen, the model holds, and
-    /// N is that of the ends that agree.
+    /// Whether the shape follows the filter up to the end, the plateau is seen, the model holds, and N agrees with the
+    /// other fair ends.
     is_fair: bool,
     /// The parameters without the shape.
     slow: Vec<f64>,
 }
 
-/// The upper end of the model, Hz. A Gauss–Markov term looks like a filter from below, so the scan has one where it
-/// earns its price at the end that it leads to, and where the white noise beside it is seen there.
+/// The upper end of the model, Hz. A Gauss–Markov term looks like a filter from below. So a scan with one counts if
+/// the term earns its price up to the end found, and the white noise beside it is seen.
 pub(super) fn top_hz(table: &Table) -> f64 {
     let tops = tops(table);
     let &[lowest, .., full] = &tops[..] else { return table.top_hz };
@@ -60,13 +60,13 @@ pub(super) fn top_hz(table: &Table) -> f64 {
     look.map_or(full, |look| look.top_hz)
 }
 
-/// The ends that are tried, ascending; none where the record is too short for any.
+/// The upper ends to try, Hz, ascending. Empty if the record is too short.
 fn tops(table: &Table) -> Vec<f64> {
     let tops = (0..=STEPS_DOWN).rev().map(|step| table.rate_hz / 2.0 * libm::exp2(-f64::from(step) / 2.0));
     tops.filter(|top_hz| 2.0 * top_hz * table.span_s > FEWEST_COEFFICIENTS).collect()
 }
 
-/// Fits up to each end, from the lowest on, each from the result before.
+/// Fits up to each end, from the lowest on. Each fit starts from the result before.
 fn scan(table: &Table, tops: &[f64], markovs: usize, mut starts: Vec<Vec<f64>>) -> Option<Look> {
     let mut looks: Vec<Look> = Vec::new();
     for &top_hz in tops {
@@ -101,7 +101,7 @@ fn look(table: &Table, top_hz: f64, markovs: usize, starts: &[Vec<f64>]) -> Opti
     Some(Look { top_hz, ln_n: libm::log(n2) / 2.0, variance, error, is_fair, slow })
 }
 
-/// The longest chain of fair ends of which each agrees with all lower ones; of equals, the one that begins lowest.
+/// The longest chain of fair ends, Hz, each of which agrees with all lower ones. Of equal chains, the lowest.
 fn agreeing(looks: &[Look]) -> Vec<f64> {
     let from = |first: usize| {
         let mut chain: Vec<&Look> = Vec::new();
@@ -123,13 +123,13 @@ impl Look {
     }
 }
 
-/// Whether the shape wanted no more cosines than it may have. One that wants more leaves a misfit, which a
-/// Gauss–Markov term would take.
+/// Whether the shape needs fewer cosines than the limit. A shape at the limit leaves a misfit, which a Gauss–Markov
+/// term would absorb.
 fn has_followed(found: &Optimum) -> bool {
     found.form.cosines < MOST_CHOSEN
 }
 
-/// Whether bins hold the shape in at least half of its last octave. In what is masked there it could go anywhere.
+/// Whether bins constrain the shape in at least half of its last octave. Across masked bins the shape is free.
 fn is_held(problem: &Problem) -> bool {
     let top_hz = problem.table.top_hz;
     let held_hz: f64 = problem.table.rows.iter().map(|row| row.width_above(top_hz / 2.0)).sum();

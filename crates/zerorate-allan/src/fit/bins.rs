@@ -2,22 +2,22 @@
 
 use alloc::vec::Vec;
 
-/// Bins per octave, and at least this many up to half the rate: lines and a filter's edge need narrow bins there.
+/// Bins per octave, and the least number of bins up to half the rate: lines and a filter's edge need narrow bins.
 const PER_OCTAVE: f64 = 12.0;
 pub(super) const LINEAR: usize = 160;
 
 /// Adjacent coefficients of the DCT-II. The mean of their c²·dt estimates the two-sided density at f = k/(2T).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bin {
-    /// The first of them.
+    /// Index of the first coefficient.
     pub(super) first: usize,
     /// Index after the last coefficient.
     pub(super) end: usize,
-    /// χ² degrees of freedom: the number of coefficients, less where samples or lines were taken out.
+    /// χ² degrees of freedom: the number of coefficients, or less if samples or lines are missing.
     pub(super) freedom: f64,
     /// Mean power, unit²/Hz.
     pub(super) power: f64,
-    /// The way from the density of the noise to the density of the sampled record.
+    /// The relation of the noise density to the expected power of the sampled record.
     pub(super) response: Response,
 }
 
@@ -33,16 +33,16 @@ impl Response {
     pub(super) const WHOLE: Self = Self { offset: 0.0, gain: 1.0 };
 }
 
-/// A density that is measured is at least this share of the power. What gaps and folding add is subtracted.
+/// Least measured density, as a share of the power, after the power from gaps and folding is subtracted.
 const LEAST_DENSITY: f64 = 1e-3;
 
 impl Bin {
-    /// Whether it is one coefficient, in which the phase of a drift shows.
+    /// Whether the bin is one coefficient, in which the phase of a drift shows.
     pub(super) fn is_single(&self) -> bool {
         self.end - self.first == 1
     }
 
-    /// The density that it measures.
+    /// The noise density that the bin measures, unit²/Hz.
     pub(super) fn density(&self) -> f64 {
         ((self.power - self.response.offset) / self.response.gain).max(LEAST_DENSITY * self.power)
     }

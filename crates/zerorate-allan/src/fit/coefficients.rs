@@ -1,4 +1,4 @@
-//! The way from parameters to coefficients with their intervals.
+//! Converts parameters to coefficients with their intervals.
 
 use super::density::Drift;
 use super::lines::Line;
@@ -42,15 +42,15 @@ impl Coefficients<'_> {
         Coefficient { value, lo: lo.min(value), hi: hi.max(value), identified, needed_s }
     }
 
-    /// N, and its other reading. Its interval allows for an unsteady record, and holds N with and without the tail of
-    /// a resonance.
+    /// N, and another reading of the spectrum if there is one. The interval allows for an unsteady record, and
+    /// includes N with and without the tail of a resonance.
     pub(super) fn n(&self, unsteady: f64, tail: f64) -> (Coefficient, Option<Other>) {
         let n = self.of(N2);
         let steady = 1.96 * unsteady;
         let doubt = tail / (2.0 * self.chosen.found.at[N2]);
         let wider = |ratio: f64| libm::exp(libm::log(ratio).max(steady) + doubt);
         let wide = Coefficient { lo: n.value / wider(n.value / n.lo), hi: n.value * wider(n.hi / n.value), ..n };
-        // what the model's error may be of the other noise is no white noise
+        // less than the model error of the other noise is not evidence of white noise
         let is_hidden = white_share(&self.chosen.problem, &self.chosen.found) < MOST_ERROR && !self.is_rejected;
         let needed_s = n.needed_s.or(is_hidden.then_some(f64::INFINITY));
         let own = if is_hidden { Coefficient { lo: 0.0, identified: false, needed_s, ..wide } } else { wide };
@@ -119,7 +119,7 @@ impl Estimate {
 }
 
 impl Coefficient {
-    /// The same where another value explains the record as well: no length of a record tells which.
+    /// The coefficient if another value explains the record as well. A longer record would not decide between them.
     pub(super) fn or(self, other: f64) -> Self {
         Self { lo: self.lo.min(other), hi: self.hi.max(other), identified: false, needed_s: None, ..self }
     }

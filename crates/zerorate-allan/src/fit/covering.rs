@@ -1,8 +1,8 @@
-//! N and K for readers that know white noise and a random walk only.
+//! N and K for filters that model only white noise and a random walk.
 //!
-//! Such a reader believes a variance of N²/τ + K²τ/3. Where the noise of the sensor is above that (flicker,
-//! correlated noise), the reader is too sure of itself. So N and K cover the noise up to a horizon. Lines, a drift and
-//! a warm-up are not noise, and no part of it.
+//! Such a filter assumes a variance of N²/τ + K²τ/3. If the noise of the sensor is larger (flicker, correlated noise),
+//! the filter is overconfident. So N and K overbound the noise up to a horizon. Lines, a drift and a warm-up are not
+//! noise, and are left out.
 
 use super::Fit;
 use crate::Deviation;
@@ -10,18 +10,18 @@ use alloc::vec::Vec;
 
 /// The shortest averaging time that is covered, s.
 const FROM_S: f64 = 1.0;
-/// The longest one, unless it is given, is at most this share of the record.
+/// The default horizon is at most this share of the record.
 const HORIZON: f64 = 1.0 / 3.0;
-/// Steps of N² that are tried.
+/// Number of steps of N² that are tried.
 const STEPS: u32 = 60;
 
-/// The way in which a reader uses N and K.
+/// The use of N and K.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Usage {
-    /// A filter that runs for long: N may grow up to twice the fitted one, and the horizon is at most 1000 s.
+    /// A filter that runs for long: N may grow to twice the fitted N, and the default horizon is at most 1000 s.
     Filter,
-    /// A batch estimator that weighs a minute or two as a whole: N is the fitted one, K is lifted from the fitted one
-    /// until nine tenths of the variance are covered, and the horizon is at most 100 s.
+    /// A batch estimator over a minute or two: N is the fitted N, K is raised from the fitted K until nine tenths of
+    /// the variance are covered, and the default horizon is at most 100 s.
     Batch,
 }
 
@@ -33,7 +33,7 @@ impl Usage {
         }
     }
 
-    /// The most that N may grow.
+    /// The largest factor on N.
     const fn most_growth(self) -> f64 {
         match self {
             Self::Filter => 2.0,
@@ -41,8 +41,8 @@ impl Usage {
         }
     }
 
-    /// The share of the variance that is covered. With a fixed N, K alone would else lift the shortest averages by the
-    /// last percent, and be many times too large for the longest.
+    /// The share of the variance that is covered. With a fixed N, K alone would have to cover the last percent at the
+    /// shortest averages, and would be many times too large for the longest.
     const fn covered(self) -> f64 {
         match self {
             Self::Filter => 1.0,
@@ -51,24 +51,24 @@ impl Usage {
     }
 }
 
-/// N and K that cover the noise.
+/// N and K that overbound the noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Covering {
-    /// White noise, unit·√s.
+    /// White noise N, unit·√s.
     pub n: f64,
-    /// Random walk, unit/√s.
+    /// Random walk K, unit/√s.
     pub k: f64,
     /// The longest averaging time that is covered, s. The shortest is 1 s.
     pub horizon_s: f64,
-    /// Geometric mean of the claimed variance over the variance of the noise.
+    /// Geometric mean of the ratio of N²/τ + K²τ/3 to the variance of the noise.
     pub excess: f64,
 }
 
 impl Fit {
     /// The N and K with which N²/τ + K²τ/3 covers the Allan variance of the noise from 1 s to `horizon_s`, with the
-    /// least mean excess of its logarithm. The variance is the model's without lines, drift and warm-up, or the
-    /// measured one where that lies outside the 95 % band of the model. The default horizon is a third of the
-    /// record, and at most the horizon of the usage. `None` if no averaging time lies in the range.
+    /// least mean excess in logarithm. The variance is the model's without lines, drift and warm-up, or the measured
+    /// one if that is outside the 95 % band of the model. The default horizon is a third of the record, and at most
+    /// the horizon of the usage. `None` if no averaging time lies in the range.
     ///
     /// docs/imu.md shows how sure a filter is with these numbers, and with the fitted ones.
     #[must_use]
@@ -92,8 +92,8 @@ impl Fit {
         best.filter(|_| !inside.is_empty())
     }
 
-    /// The Allan variance of the sensor's noise at the averaging time of a measured point. Where lines and drift are
-    /// most of the point, it says nothing about the noise.
+    /// The Allan variance of the sensor's noise at the averaging time of a measured point. A point that is mostly
+    /// lines and drift says nothing about the noise.
     fn noise_variance(&self, found: &Deviation) -> f64 {
         let (whole, noise) = (self.model.allan_variance(found.m), self.model.noise_variance(found.m));
         let (lo, hi) = self.model.band(found.m, found.n, self.model.samples() as u64);

@@ -1,16 +1,16 @@
-//! The measured curve that a model is checked with, of the record and of its parts.
+//! The measured curves of the record and of its parts, against which a model is checked.
 
 use super::spectrum::averages::averages;
 use crate::{Deviation, Input, Stat, deviations, octaves};
 use alloc::vec::Vec;
 use core::ops::Range;
 
-/// Parts of a record that are compared.
+/// Number of parts of a record that are compared.
 pub(super) const BLOCKS: usize = 8;
-/// The longest average is this share of a block.
+/// Length of a block over the length of its longest average.
 const LONGEST_IN_BLOCK: usize = 16;
-/// A longer record, without gaps, is thinned for averages of at least `THINNED` samples: these then begin at every
-/// `STEP`-th sample, which costs their deviations no freedom.
+/// A longer record without gaps is thinned for averages of at least `THINNED` samples. They then begin only at every
+/// `STEP`-th sample, which costs no degrees of freedom.
 const LONG: usize = 1 << 20;
 const THINNED: u64 = 256;
 const STEP: usize = 16;
@@ -19,9 +19,9 @@ const STEP: usize = 16;
 pub(super) struct Curves<'a> {
     pub(super) rate: &'a [f64],
     pub(super) rate_hz: f64,
-    /// Samples of a part.
+    /// Number of samples in a part.
     block: usize,
-    /// The octaves up to a sixteenth of a part.
+    /// Averaging lengths in octaves up to a sixteenth of a part, in samples.
     pub(super) lengths: Vec<u64>,
     pub(super) blocks: Vec<Vec<Deviation>>,
 }
@@ -36,7 +36,7 @@ impl<'a> Curves<'a> {
         Self { rate, rate_hz, block, lengths, blocks }
     }
 
-    /// The curve of some parts together. For short averages the gaps between the parts do not matter.
+    /// The curve of some parts together. For short averages, differences across the ends of parts are left out.
     pub(super) fn of_parts(&self, parts: Range<usize>) -> Vec<Deviation> {
         let part = &self.rate[parts.start * self.block..(parts.end * self.block).min(self.rate.len())];
         let longer: Vec<u64> =
@@ -58,13 +58,13 @@ impl<'a> Curves<'a> {
         self.of_parts(0..BLOCKS)
     }
 
-    /// Samples of the record.
+    /// Number of samples in the record.
     pub(super) fn samples(&self) -> usize {
         self.rate.len()
     }
 }
 
-/// The overlapping Allan deviation at each length, powers of two, at which there is one above zero.
+/// The overlapping Allan deviations above zero at these lengths, which are powers of two.
 fn curve(rate: &[f64], rate_hz: f64, lengths: &[u64]) -> Vec<Deviation> {
     let of = |rate: &[f64], rate_hz: f64, lengths: &[u64]| -> Vec<Deviation> {
         let found = deviations(&Input::Rate(rate), rate_hz, Stat::Oadev, lengths);

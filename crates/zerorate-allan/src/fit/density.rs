@@ -1,16 +1,16 @@
-//! The share of each noise in the expected power of a bin.
+//! The density of each noise term in a bin.
 
 use super::bins::Bin;
 use super::{Corner, Fit, Term};
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
-/// Most cosines of the white noise's band shape.
+/// Largest number of cosines of the band shape.
 pub(super) const MOST_COSINES: usize = 6;
-/// Coefficients in which the phase of a drift is used.
+/// Number of coefficients in which the phase of a drift is used.
 pub(super) const LOW: usize = 64;
-/// E(c_k²) of 1/f noise over its density at f_k, k = 1, 2 …, and 1 beyond: ∫|Φ_k|²/f df, Φ_k the transform of the
-/// cosine.
+/// E(c_k²) of 1/f noise over its density at f_k, k = 1, 2 …, and 1 beyond: ∫|Φ_k|²/f df, where Φ_k is the transform of
+/// the cosine.
 const FLICKER: [f64; 20] = [
     0.7737, 0.9028, 0.9311, 0.9499, 0.9592, 0.9664, 0.9709, 0.9747, 0.9774, 0.9798, 0.9815, 0.9831, 0.9844, 0.9855,
     0.9865, 0.9873, 0.9881, 0.9887, 0.9893, 0.9899,
@@ -20,7 +20,7 @@ const FLICKER: [f64; 20] = [
 #[derive(Clone, Debug)]
 pub(super) struct Table {
     pub(super) rate_hz: f64,
-    /// The upper end of the white noise's shape, Hz.
+    /// The upper end of the band shape, Hz.
     pub(super) top_hz: f64,
     /// Length of the record, s.
     pub(super) span_s: f64,
@@ -33,9 +33,9 @@ pub(super) struct Table {
 #[derive(Clone, Debug)]
 pub(super) struct BinRow {
     pub(super) bin: Bin,
-    /// Length of its record, s.
+    /// Length of the bin's record, s.
     span_s: f64,
-    /// Middle and ends, Hz.
+    /// Middle and ends of the bin, Hz.
     pub(super) f_hz: f64,
     from_hz: f64,
     to_hz: f64,
@@ -53,7 +53,7 @@ impl Table {
         Self { rate_hz, top_hz: rate_hz / 2.0, span_s, rows, low: low[..low.len().min(LOW)].to_vec() }
     }
 
-    /// The same rows with a shape that ends at `top_hz`. It is level above.
+    /// The same rows with a shape that ends at `top_hz` and is constant above.
     pub(super) fn with_top(mut self, top_hz: f64) -> Self {
         self.top_hz = top_hz;
         for row in &mut self.rows {
@@ -83,7 +83,7 @@ impl Table {
         Self { rate_hz, top_hz, span_s, rows, low: Vec::new() }
     }
 
-    /// Takes a drift of this size out of the first coefficients.
+    /// Subtracts a drift of this size from the first coefficients.
     pub(super) fn remove(&mut self, drift: Drift, size: f64) {
         let template = drift.coefficients(self.span_s, self.low.len());
         for row in 0..self.singles() {
@@ -94,7 +94,7 @@ impl Table {
         }
     }
 
-    /// The number of leading rows with one coefficient each, in their order, in which a drift is looked for.
+    /// The number of leading rows with one coefficient each, in which a drift is fitted.
     pub(super) fn singles(&self) -> usize {
         self.rows.iter().take_while(|row| row.bin.is_single() && row.bin.first <= self.low.len()).count()
     }
@@ -142,13 +142,13 @@ impl BinRow {
         }
     }
 
-    /// The width of its part above a frequency, Hz.
+    /// The width of the part of the bin above a frequency, Hz.
     pub(super) fn width_above(&self, f_hz: f64) -> f64 {
         (self.to_hz - self.from_hz.max(f_hz)).max(0.0)
     }
 
     /// A Gauss–Markov process of variance 1 and correlation time `tau_s`: its density and the slope by ln `tau_s`.
-    /// Exact for one coefficient of its record, otherwise the mean over the bin.
+    /// They are exact for one coefficient of the record, otherwise the mean over the bin.
     pub(super) fn gauss_markov(&self, tau_s: f64) -> (f64, f64) {
         let span_s = self.span_s;
         if self.bin.is_single() {
@@ -173,7 +173,7 @@ impl BinRow {
     }
 }
 
-/// A drift, which moves the rate all the time without being noise, in the first coefficients.
+/// A drift: a slow deterministic change of the rate, fitted in the first coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Drift {
     /// The rate drifts evenly: R·t.
@@ -186,7 +186,7 @@ pub(super) enum Drift {
 }
 
 impl Drift {
-    /// The level at a time, at size 1.
+    /// The level of a drift of size 1 at a time.
     pub(super) fn at(self, t_s: f64) -> f64 {
         match self {
             Self::Ramp => t_s,
@@ -194,7 +194,7 @@ impl Drift {
         }
     }
 
-    /// c_k·√dt of a drift of size 1, k = 1, 2 …
+    /// The coefficients c_k·√dt of a drift of size 1, k = 1, 2 …
     pub(super) fn coefficients(self, span_s: f64, count: usize) -> Vec<f64> {
         let one = |k: usize| {
             let (odd, angle) = (k % 2 == 1, k as f64 * PI);
@@ -211,7 +211,7 @@ impl Drift {
         (1..=count).map(one).collect()
     }
 
-    /// The Allan variance of the drift at size 1: half the mean square of the difference of two averages.
+    /// The Allan variance of a drift of size 1: half the mean square of the difference of two averages.
     pub(super) fn allan_variance(self, tau_s: f64, record_s: f64) -> f64 {
         match self {
             Self::Ramp => tau_s * tau_s / 2.0,
@@ -227,8 +227,8 @@ impl Drift {
 }
 
 impl Fit {
-    /// The density that the model has at a frequency of a record sampled `rate_hz` times per second: two-sided,
-    /// unit²/Hz, without lines, ramp and warm-up. It holds up to `max_freq_hz`.
+    /// The two-sided density of the model at a frequency, unit²/Hz, for a record sampled `rate_hz` times per second.
+    /// Lines, ramp and warm-up are not included. It holds up to `max_freq_hz`.
     #[must_use]
     pub fn density(&self, frequency_hz: f64, rate_hz: f64) -> f64 {
         let omega = 2.0 * PI * frequency_hz;
@@ -276,7 +276,7 @@ mod tests {
         Bin { first, end, freedom: (end - first) as f64, power: 1.0, response: Response::WHOLE }
     }
 
-    /// Each by the transform of the samples themselves.
+    /// Checks each drift by the transform of its samples.
     #[test]
     fn drifts_are_their_transform() {
         let (n, rate_hz) = (20_000, 10.0);

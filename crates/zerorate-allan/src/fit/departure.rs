@@ -1,4 +1,4 @@
-//! The distance of held parameters from the best ones, as r* defines it: Skovgaard, Bernoulli 2, 1996.
+//! The distance of held parameters from the best ones, as defined for r* (Skovgaard, Bernoulli 2, 1996).
 
 use super::scoring::Local;
 use crate::linear::Square;
@@ -7,9 +7,9 @@ use alloc::vec::Vec;
 /// u = |s_q|·(|i|·|i′_λλ|)^(−½), signed like the distance from the held value to the best.
 ///
 /// A prime marks quantities at the held parameters. i = ½Σν ∂S∂Sᵀ/S² at the best parameters, and i′ is the same at the
-/// held ones. i′_λλ has all parameters but the one that is held. s = ½Σν ∂S∂S′ᵀ/S′². s_q is s with q = ½Σν ∂S(1/S′ −
-/// 1/S) in the column of the held one, which is Cramer's rule for s⁻¹q. For one scale alone u is √(ν/2)(S/S′ − 1).
-/// `free` are the parameters that can move, `held` is one of them.
+/// held ones. i′_λλ has all parameters except the held one. s = ½Σν ∂S∂S′ᵀ/S′². s_q is s with q = ½Σν ∂S(1/S′ − 1/S)
+/// in the column of the held parameter (Cramer's rule for s⁻¹q). For a single scale parameter u is √(ν/2)(S/S′ − 1).
+/// `free` are the parameters that can move, and `held` is one of them.
 pub(super) fn departure(nu: &[f64], best: &Local, there: &Local, free: &[usize], held: usize) -> Option<f64> {
     let n = free.len();
     let column = free.iter().position(|&place| place == held)?;
@@ -41,7 +41,7 @@ mod tests {
     use super::*;
     use std::vec;
 
-    /// One scale with ν degrees of freedom, beside another that no row shares.
+    /// One scale parameter with ν degrees of freedom, beside another in separate rows.
     #[test]
     fn is_the_score_of_one_scale() {
         let nu = [5.0, 9.0];
@@ -53,9 +53,8 @@ mod tests {
         }
     }
 
-    /// The variance of p samples of white noise about a level that takes one degree of freedom: r* must allow for that
-    /// one. Here they are rows of one scale and a second parameter. Only the last row has it, and it takes all of that
-    /// row.
+    /// The level of white noise takes one degree of freedom from its variance, and r* must allow for that. Here the
+    /// level is a second parameter that only the last row has, and it takes all of that row.
     #[test]
     fn a_parameter_that_is_fitted_takes_its_freedom() {
         let nu = [4.0, 1.0];

@@ -1,4 +1,4 @@
-//! Glitches: single samples, and a few in a row, that noise does not explain.
+//! Finds glitches: single samples, or a few in a row, that noise does not explain.
 
 use super::lines::median;
 use super::spectrum::averages::fill_gaps;
@@ -8,58 +8,59 @@ use alloc::borrow::Cow;
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 
-/// Widths of the glitches that are looked for, in samples.
+/// Widths of the glitches to find, in samples.
 const WIDTHS: [usize; 4] = [1, 2, 4, 8];
-/// False alarms per record.
+/// Expected number of false alarms per record.
 const ALARM: f64 = 0.01;
-/// Looks at each width. Only neighbours of earlier finds need more than two.
+/// Largest number of searches at each width. Only samples beside earlier finds need more than two.
 const LOOKS: usize = 8;
-/// Where more than this share of the samples is flagged, they belong to the noise itself.
+/// If more than this share of the samples is flagged, they belong to the noise itself.
 pub(super) const MOST: f64 = 0.01;
-/// Values beyond this many standard deviations do not enter them, and the share of them that this takes away.
+/// Values beyond `CLIP` standard deviations do not enter the standard deviation; `CLIPPED` is the factor by which that
+/// lowers it.
 const CLIP: f64 = 4.0;
 const CLIPPED: f64 = 0.99946;
 const ITERATIONS: usize = 20;
-/// Windows without gaps, with few missing samples, with more; and the fewest windows that have a scale of their own.
-/// Fewer windows get the scale of uncorrelated samples.
+/// Classes of windows: without gaps, with few missing samples, with more. A class of fewer than `FEWEST_IN_CLASS`
+/// windows gets the scale of uncorrelated samples.
 const CLASSES: usize = 3;
 const FEWEST_IN_CLASS: usize = 100;
-/// Variance of a window of uncorrelated samples over the variance of a sample, at most.
+/// Largest variance of a window of uncorrelated samples, divided by the variance of a sample.
 const NOT_CORRELATED: f64 = 1.5;
-/// A longer record is scaled by parts of it, about this many windows.
+/// Number of windows that set the scale. In a longer record, they are spread over it.
 const SCALED_BY: usize = 1 << 18;
-/// The start of the scale is a median over this many samples.
+/// Number of samples in the median that starts the estimate of a scale.
 const MEDIAN_OF: usize = 1 << 16;
 const SIGMA_PER_MAD: f64 = 1.4826;
 
-/// Windows beyond this share of the limit show whether the tail of the noise goes on there.
+/// Windows beyond this share of the limit show whether the tail of the noise extends to the limit.
 const TAIL: f64 = 0.75;
 /// Windows beyond the limit are cut as glitches below this share of all windows. More would matter to N.
 const OFTEN: f64 = 1e-4;
-/// Share of the records of normal noise whose tail seems to go on.
+/// Share of the records of normal noise whose tail seems to extend.
 const HEAVY_BY_CHANCE: f64 = 1e-3;
-/// Share of the records of a heavy tail in which a gap within the tail is taken for one that isolates glitches.
+/// Share of the heavy-tailed records in which a gap within the tail is mistaken for one that isolates glitches.
 const GAP_BY_CHANCE: f64 = 0.05;
 
-/// A sample this many times as large as usual is damaged, with any noise.
+/// A sample this many times as large as usual is damaged, whatever the noise.
 const ABSURD: f64 = 1e9;
 
-/// Windows that are looked at together.
+/// Number of windows that are processed together.
 const PIECE: usize = 1 << 14;
 
-/// Samples that are glitches, or so near to one that their averages hold it, ascending. None where they would be too
-/// many.
+/// Indices of the samples that are glitches, or so near that their averages include one, ascending. `None` if they are
+/// too many.
 ///
-/// The mean of w samples is compared with the means of the w before and the w after. That is linear, so the rate of
-/// false alarms holds for correlated noise as well: a median against its window gave 270 times as many. The
-/// narrowest width comes first, and finds are replaced before the next look. Otherwise one sample would take eight
-/// with it, and hide the one beside it.
+/// The mean of w samples is compared with the means of the w samples before and after. This is linear, so the rate of
+/// false alarms holds for correlated noise too; a median against its window gave 270 times as many. The narrowest
+/// width comes first, and finds are replaced before the next search. Otherwise one bad sample would remove eight, and
+/// hide the one beside it.
 ///
-/// Missing samples are closed up for this: lines in their place would scatter less than noise does. Where the noise
-/// is correlated, the samples beside a gap differ by more, so windows with gaps have scales of their own.
+/// Missing samples are left out, because straight lines in their place would scatter less than noise. If the noise is
+/// correlated, the samples beside a gap differ by more, so windows with gaps have scales of their own.
 ///
-/// Noise with a heavy tail has windows at every size up to the limit and beyond. There only what a gap isolates is a
-/// glitch. To cut such a tail at the limit lowered N of Student's t with 3 degrees of freedom by a tenth.
+/// Noise with a heavy tail has windows of every size up to the limit and beyond. In such noise, only windows beyond a
+/// gap in the sizes are glitches. A cut at the limit lowered N of Student's t with 3 degrees of freedom by a tenth.
 pub(super) fn glitches(rate: &[f64]) -> Option<Vec<usize>> {
     let has_gaps = rate.iter().any(|value| value.is_nan());
     let there: Vec<usize> = if has_gaps { present(rate) } else { Vec::new() };
@@ -93,7 +94,7 @@ fn replace(values: &mut [f64], bad: &BTreeSet<usize>) {
     fill_gaps(values);
 }
 
-/// Samples so large that a sum with them has no digits left for the others.
+/// Samples so large that a sum with them loses the digits of the others.
 fn absurd(values: &[f64]) -> Vec<usize> {
     let every = values.len().div_ceil(MEDIAN_OF).max(1);
     let middle = median(values.iter().step_by(every).copied().collect());
@@ -108,10 +109,10 @@ fn present(rate: &[f64]) -> Vec<usize> {
     (0..rate.len()).filter(|&i| !rate[i].is_nan()).collect()
 }
 
-/// The windows of three widths over a record.
+/// Sliding windows of three times `width` over a record.
 struct Windows<'a> {
     values: &'a [f64],
-    /// The places of the values in a record with gaps, otherwise empty.
+    /// Indices of the values in a record with gaps, otherwise empty.
     there: &'a [usize],
     width: usize,
 }
@@ -138,7 +139,7 @@ impl Windows<'_> {
         sides.map(|((s0, s1), (s2, s3))| ((s2 - s1) - ((s1 - s0) + (s3 - s2)) / 2.0) / width).collect()
     }
 
-    /// The number of missing samples by which a window is wider.
+    /// The class of a window, by the number of missing samples in it.
     fn class(&self, window: usize) -> usize {
         if self.there.is_empty() {
             return 0;
@@ -165,7 +166,7 @@ impl Windows<'_> {
         })
     }
 
-    /// The windows that stand out of their class by more than `limit`, and of their neighbours.
+    /// The windows that stand out of their class by more than `limit`, and out of the windows beside them.
     fn beyond(&self, limit: f64) -> Vec<usize> {
         let scales = self.scales();
         let reach = 2 * self.width;
@@ -193,21 +194,21 @@ impl Windows<'_> {
     }
 }
 
-/// The size, in limits, above which windows are glitches: 1 where the noise ends before, otherwise the lowest gap that
-/// a tail of this weight would not have by chance. `sizes` are those above [`TAIL`].
+/// The size, in limits, above which windows are glitches: 1 if the noise ends before, otherwise the lowest gap that
+/// such a tail would not have by chance. `sizes` are the sizes above [`TAIL`].
 fn isolated(mut sizes: Vec<f64>, windows: f64, limit: f64) -> f64 {
     sizes.sort_unstable_by(f64::total_cmp);
     let beyond = sizes.len() - sizes.partition_point(|size| *size <= 1.0);
     let below = sizes.len() - beyond;
-    // of a normal tail; a count of so many or more has the tail of a Poisson distribution, which is one of χ²
+    // the normal tail; the probability of this count or more is the tail of a Poisson distribution, by χ²
     let expected = windows * chi2_above(libm::pow(TAIL * limit, 2.0), 1.0);
     let by_chance = || 1.0 - chi2_above(2.0 * expected, 2.0 * below as f64);
     let are_rare = (beyond as f64) < OFTEN * windows;
-    // noise has more of them below the limit than beyond it, even with the tail of Student's t with 2.4 degrees
+    // noise has more windows below the limit than beyond it, even Student's t with 2.4 degrees of freedom
     if are_rare || below < beyond || by_chance() > HEAVY_BY_CHANCE {
         return 1.0;
     }
-    // Hill: ln of the sizes above a size is exponential, with the mean of all that are larger
+    // Hill: ln of the sizes above a threshold is exponential
     let least = sizes.first().map_or(0.0, |size| libm::log(*size));
     let mean = sizes.iter().map(|size| libm::log(*size) - least).sum::<f64>() / sizes.len() as f64;
     let chance = |at: usize| libm::exp(-libm::log(sizes[at] / sizes[at - 1]) * (sizes.len() - at) as f64 / mean);
@@ -220,7 +221,7 @@ fn about_mean(values: &[f64]) -> Vec<f64> {
     values.iter().map(|value| value - mean).collect()
 }
 
-/// The standard deviation of the samples that are not flagged. (A median alone is off by up to half a step for coarse
+/// The standard deviation of the values within [`CLIP`]. (A median alone is off by up to half a step for coarse
 /// codes.)
 fn scale(d: &[f64]) -> f64 {
     let every = d.len().div_ceil(MEDIAN_OF).max(1);

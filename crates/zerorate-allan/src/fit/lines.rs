@@ -1,4 +1,5 @@
-//! Lines in the spectrum, which stand out of their neighbours. Broad ones are masked, narrow ones leave their bins.
+//! Finds spectral lines, which stand out of the bins beside them. Bins of broad lines are masked; the coefficients of
+//! narrow lines are removed from their bins.
 
 use super::bins::{Bin, at_coefficients};
 use crate::chi2_quantile;
@@ -6,11 +7,11 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
 
-/// A disturbance or a resonance. It does not enter the fit, and its power is kept.
+/// A spectral line: a disturbance or a resonance. The fit leaves it out, and its power is reported.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Line {
-    /// Frequency, Hz. A disturbance above half the rate has the frequency to which it folds.
+    /// Frequency, Hz. A disturbance above half the rate appears at its alias.
     pub frequency_hz: f64,
     /// Width, Hz.
     pub width_hz: f64,
@@ -18,28 +19,28 @@ pub struct Line {
     pub rms: f64,
 }
 
-/// False lines per record.
+/// Expected number of false lines per record.
 const ALARM: f64 = 0.01;
-/// A bump below this coefficient is wander, and belongs to the noise.
+/// First coefficient of a line. An excess below it is slow noise.
 const FIRST: usize = 48;
 /// The factor by which a bin must exceed chance, because the base line is an estimate.
 const MARGIN: f64 = 1.15;
-/// Coefficients that are searched together for narrow lines, and the margin there.
+/// Number of coefficients that are tested together for narrow lines, and the margin for them.
 const GROUP: usize = 4;
 const NARROW_MARGIN: f64 = 1.1;
-/// Coefficients that leave before the first of such a group, and after it.
+/// Number of coefficients that are removed before the first of such a group, and from it on.
 const BEFORE: usize = 2;
 const AFTER: usize = 6;
 
-/// The bins that a line is in, and the base line that they stand out of. The second base line leaves out the bins that
-/// stand out of the first.
+/// The mask of bins in a line, and the base line above which they stand out. The base line is computed twice; the
+/// second time without the bins that stand out of the first.
 pub(super) fn broad(bins: &[Bin]) -> (Vec<bool>, Vec<f64>) {
     let first = above(bins, &base_line(bins, &vec![false; bins.len()]));
     let base = base_line(bins, &first);
     (above(bins, &base), base)
 }
 
-/// A line that left the bins.
+/// A line whose coefficients were removed from the bins.
 #[derive(Clone, Debug)]
 pub(super) struct Narrow {
     pub(super) line: Line,
@@ -47,13 +48,13 @@ pub(super) struct Narrow {
     pub(super) run: (usize, usize),
     /// Variance and frequency of the line's sines in the model, a quarter of its power each.
     pub(super) sines: [(f64, f64); 4],
-    /// Whether it was a sine, and was taken out of the samples: then it leaks nowhere.
+    /// Whether the line was a sine that was removed from the samples: then it does not leak.
     pub(super) is_gone: bool,
 }
 
-/// Takes narrow lines out of the bins of `power` (coefficients 1, 2 …, `hz` apart). A bin with less than a quarter
-/// left leaves with them. So a coefficient is in a bin or in a line, and never in both. `freedom` is that of the mean
-/// over some neighbouring coefficients.
+/// Removes narrow lines from the bins of `power` (coefficients 1, 2 …, `hz` apart). A bin with less than a quarter
+/// left is removed too, so a coefficient is never both in a bin and in a line. `freedom` gives the degrees of freedom
+/// of the mean over some adjacent coefficients.
 pub(super) fn take_out_narrow(
     power: &[f64],
     bins: &mut Vec<Bin>,
@@ -89,7 +90,7 @@ fn narrow_line((from, to): (usize, usize), power: &[f64], base: &[f64], hz: f64)
     Narrow { line, run: (from + 1, to + 1), sines, is_gone: false }
 }
 
-/// Running median over an octave to either side of the bins that are not masked. At the ends the slope is taken off.
+/// Running median of the unmasked bins, over an octave to either side. At the ends the slope is removed first.
 fn base_line(bins: &[Bin], mask: &[bool]) -> Vec<f64> {
     let mut expected = Memo::new(|freedom| chi2_quantile(0.5, freedom) / freedom);
     let y: Vec<f64> = bins.iter().map(|bin| libm::log(bin.density() / expected.of(bin.freedom))).collect();
@@ -126,7 +127,7 @@ pub(super) fn median(mut values: Vec<f64>) -> f64 {
     }
 }
 
-/// Bins that stand out of the base line, with their shoulders.
+/// The mask of bins that stand out of the base line, with their shoulders.
 fn above(bins: &[Bin], base: &[f64]) -> Vec<bool> {
     let alarm = ALARM / bins.len() as f64;
     let mut limit = Memo::new(|freedom| MARGIN * chi2_quantile(1.0 - alarm, freedom) / freedom);
@@ -144,7 +145,7 @@ fn above(bins: &[Bin], base: &[f64]) -> Vec<bool> {
     mask
 }
 
-/// The base line at every coefficient. Within a broad line it is the line's own level.
+/// The base line at every coefficient. Within a broad line it is raised to the level of the line.
 fn base_of_coefficients(power: &[f64], bins: &[Bin], base: &[f64], mask: &[bool], freedom: f64) -> Vec<f64> {
     let mut at = at_coefficients(bins.iter().map(Bin::middle), base, power.len());
     let usual = chi2_quantile(0.5, freedom) / freedom;
@@ -157,7 +158,7 @@ fn base_of_coefficients(power: &[f64], bins: &[Bin], base: &[f64], mask: &[bool]
     at
 }
 
-/// Coefficients that are part of a narrow line. The mean over a group of them has `freedom` degrees of freedom.
+/// The mask of coefficients in a narrow line. The mean over a group of them has `freedom` degrees of freedom.
 fn narrow(power: &[f64], base: &[f64], searched: Range<usize>, freedom: f64) -> Vec<bool> {
     let group = GROUP as f64;
     let chance = ALARM * group / (power.len() + 1) as f64;
@@ -183,8 +184,8 @@ fn stretches(flag: &[bool]) -> Vec<(usize, usize)> {
     found
 }
 
-/// Takes the flagged coefficients out of a bin. Where less than a quarter would be left, all of it is flagged, and the
-/// bin is dropped.
+/// Removes the flagged coefficients from a bin. If less than a quarter would be left, all coefficients are flagged and
+/// the bin is dropped (`false`).
 fn without(bin: &mut Bin, power: &[f64], flag: &mut [bool]) -> bool {
     let inside = bin.first - 1..bin.end - 1;
     let lost = || power[inside.clone()].iter().zip(&flag[inside.clone()]).filter(|(_, out)| **out).map(|(p, _)| p);
@@ -204,7 +205,7 @@ fn without(bin: &mut Bin, power: &[f64], flag: &mut [bool]) -> bool {
     true
 }
 
-/// A function that is mostly called with the argument of the last call.
+/// A function that remembers its last result.
 struct Memo<F> {
     of: F,
     last: (f64, f64),

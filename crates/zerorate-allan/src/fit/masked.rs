@@ -1,4 +1,4 @@
-//! The masked part of the spectrum, which was left out of the fit because it is in a line.
+//! The masked part of the spectrum: bins in a spectral line, which are left out of the fit.
 
 use super::bins::Bin;
 use super::density::{BinRow, Table, is_below};
@@ -23,15 +23,15 @@ pub(super) struct MaskedBins {
 
 /// The tail of a resonance this near to half the rate, in octaves, cannot be told from N.
 const NEAR_THE_END: f64 = 2.0;
-/// At least this many half widths of a resonance are masked. A line needs flanks.
+/// Least number of half widths of a resonance that the mask is assumed to cover.
 const LEAST_REACH: f64 = 1.0;
 
-/// A line this many times as strong as the white noise within its frequency is seen in a quarter of its period.
+/// A line stands out within a quarter of its period if its power is this many times frequency times N².
 const SEEN: f64 = 8.0;
 
-/// The coefficients of all lines where one stands out of the noise while it lasts a quarter of a period, so that its
-/// ends look like steps. Some lines are its tails, so all of them count. Each is the first coefficient and one past
-/// the last.
+/// The coefficients of all lines, if one of them stands out of the noise within a quarter of its period: its ends look
+/// like steps. Some lines are its tails, so all lines count. Each entry is the first coefficient and one past the
+/// last.
 pub(super) fn loud(spectrum: &Spectrum, chosen: &Selection, rate_hz: f64) -> Vec<(usize, usize)> {
     let narrow = spectrum.narrow.iter().filter(|narrow| !narrow.is_gone).map(|narrow| {
         let ((first, end), half) = (narrow.run, (narrow.run.1 - narrow.run.0).div_ceil(2));
@@ -45,16 +45,16 @@ pub(super) fn loud(spectrum: &Spectrum, chosen: &Selection, rate_hz: f64) -> Vec
     if all.iter().any(stands_out) { all.into_iter().map(|(_, run)| run).collect() } else { Vec::new() }
 }
 
-/// Factor on the most that a sine leaks, which is calculated without noise.
+/// Factor on the largest leakage of a sine, which is computed without noise.
 const LEAK_MARGIN: f64 = 2.0;
 
 /// A line with all its coefficients in the spectrum.
 pub(super) struct Whole {
     pub(super) line: Line,
-    /// Variance and frequency of its sines in the model.
+    /// Variance and frequency of the line's sines in the model.
     pub(super) sines: Vec<(f64, f64)>,
     run: (usize, usize),
-    /// Whether it is narrow, and may be a sine that is still in the samples.
+    /// Whether the line is narrow, and may be a sine that is still in the samples.
     leaks: bool,
 }
 
@@ -125,14 +125,14 @@ impl MaskedBins {
     }
 }
 
-/// The largest leakage of lines into the rows of the fit, and into those of slow noise, as shares of their power, that
-/// need no warning.
+/// The largest leakage of lines that needs no warning, as a share of power: in the rows of the fit, and in its rows of
+/// slow noise.
 const MOST_LEAKAGE: f64 = 0.02;
 const MOST_SLOW_LEAKAGE: f64 = 0.1;
 
-/// The strongest of the lines that may leak into the rows of the fit, and the largest share of these rows' power that
-/// the leakage can have, on average: of all rows, or of those up to half its frequency, on which B and K rest. None
-/// where it is small.
+/// The strongest line that may leak into the rows of the fit, and the mean share of the rows' power that may be
+/// leakage. The share is of all rows, or of the rows up to half the line's frequency, on which B and K rest, if it is
+/// larger there. `None` if it is small.
 pub(super) fn leakage(lines: &[Whole], rows: &[BinRow], hz: f64) -> Option<(Line, f64)> {
     let strongest = lines.iter().filter(|whole| whole.leaks);
     let strongest = strongest.max_by(|a, b| a.line.rms.total_cmp(&b.line.rms))?;
@@ -188,10 +188,10 @@ fn variance_of(run: &[(f64, Bin)]) -> f64 {
     run.iter().map(|(variance, _)| variance.max(0.0)).sum()
 }
 
-/// Density at 0 of a resonance: P·w/(π(f² + w²)), w its half width and P its power.
+/// Density of a resonance at frequency 0: P·w/(π(f² + w²)), with half width w and power P.
 ///
-/// For both, the line has the power within `reach_hz`. With x = reach/w this is the share (2/π)·atan x of the power,
-/// half of which lies within w′ = reach/(1 + √(1 + x²)).
+/// The line knows only the power within `reach_hz`. With x = reach/w that is the share (2/π)·atan x of P, and half of
+/// it lies within w′ = reach/(1 + √(1 + x²)).
 fn tail(line: &Line, reach_hz: f64, rate_hz: f64) -> f64 {
     if line.frequency_hz <= rate_hz / 2.0 / libm::exp2(NEAR_THE_END) {
         return 0.0;
@@ -207,7 +207,7 @@ fn tail(line: &Line, reach_hz: f64, rate_hz: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// A resonance of known power and half width, of which the mask saw this many half widths to either side.
+    /// A resonance of known power and half width. The mask covers x half widths to either side.
     #[test]
     fn the_tail_of_a_resonance_is_known_from_the_part_in_the_mask() {
         let (power, half_hz, frequency_hz) = (3.0, 0.8, 40.0);

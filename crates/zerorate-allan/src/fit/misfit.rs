@@ -8,23 +8,23 @@ use super::select::is_upper;
 use crate::{Cause, Deviation, Misfit, chi2_quantile};
 use alloc::vec::Vec;
 
-/// Adjacent bins that are judged together.
+/// Number of adjacent bins that are judged together.
 const TOGETHER: usize = 8;
 /// A steady excess in a band of fewer octaves is a resonance.
 const NARROW: f64 = 2.0;
 /// A band that reaches this share of the upper end belongs to a filter.
 const TO_THE_END: f64 = 0.9;
-/// Codes are coarse if this share of the samples or more repeats the sample before.
+/// Codes are coarse if more than this share of the samples repeats the sample before.
 const REPEATED: f64 = 0.5;
-/// The sensor moves if the power of the eighths of a record has this relative standard deviation or more.
+/// The sensor moves if the powers of the eighths of a record have more than this relative standard deviation.
 const MOVES: f64 = 0.3;
-/// Share of the records whose curve is rejected although chance explains it.
+/// Share of the records whose curve is rejected by chance.
 const OFF_BY_CHANCE: f64 = 1e-3;
 
 /// The part of the curve that is off the model by more than [`MOST_ERROR`] and chance.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OffCurve {
-    /// The averaging time at which it is off the most, s, and the measured deviation over the model's.
+    /// The averaging time of the largest error, s, and the measured over the modelled deviation there.
     pub(super) tau_s: f64,
     pub(super) ratio: f64,
     pub(super) octaves: usize,
@@ -52,14 +52,14 @@ impl OffCurve {
         libm::fabs(self.ratio - 1.0)
     }
 
-    /// The band of an average, about an octave of frequencies.
+    /// The frequency band of an average, about an octave, Hz, and the ratio of powers.
     fn band(self) -> (f64, f64, f64) {
         (0.25 / self.tau_s, 0.5 / self.tau_s, self.ratio * self.ratio)
     }
 }
 
 impl Misfit {
-    /// The power of all frequencies comes and goes.
+    /// A misfit because motion changes the power of all frequencies.
     pub(super) fn of_motion(problem: &Problem, spread: f64) -> Self {
         let from_hz = problem.table.rows.first().map_or(0.0, |row| row.f_hz);
         Self { from_hz, to_hz: problem.table.top_hz, ratio: spread * spread, cause: Cause::Motion }
@@ -86,7 +86,7 @@ impl Misfit {
     }
 }
 
-/// The band in which the spectrum is the farthest off the model, and by what factor.
+/// The band in which the spectrum is farthest from the model, Hz, and the ratio of powers.
 fn worst_band(problem: &Problem, found: &Optimum) -> (f64, f64, f64) {
     let rows = problem.table.rows.iter().zip(&found.density).filter(|(row, _)| is_upper(problem, row.f_hz));
     let bins: Vec<(f64, f64, f64)> =

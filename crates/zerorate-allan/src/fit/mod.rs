@@ -1,9 +1,9 @@
 //! A noise model of a record at rest, from the likelihood of its cosine spectrum.
 //!
-//! Every octave of an Allan variance mixes the whole spectrum: a line, a resonance or a low-pass bends six to ten of
-//! them. In the spectrum the same effects are local, and its coefficients are independent. So the model is fitted
-//! there, and the Allan variance serves to show and check it. The cosine transform has no jump at the ends. For white
-//! noise and a random walk it is the exact diagonalisation. Densities are two-sided, unit²/Hz: white noise of
+//! Every octave of an Allan variance mixes the whole spectrum: a line, a resonance or a low-pass bends six to ten
+//! octaves. In the spectrum the same effects are local, and the coefficients are independent. So the model is fitted
+//! to the spectrum; the Allan variance shows and checks it. The cosine transform sees no jump at the ends of the
+//! record. It diagonalises white noise and a random walk exactly. Densities are two-sided, unit²/Hz: white noise of
 //! coefficient N has N².
 //!
 //! `docs/noise-models.md` describes the terms, which of them cannot be told apart, and the measured errors.
@@ -67,22 +67,22 @@ use spectrum::Spectrum;
 use steadiness::Scatter;
 pub use steps::Step;
 
-/// The preparation of a record before the fit.
+/// The settings of a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FitOptions {
     /// The size of one input step in the unit of the result, as in [`Options`](super::Options).
     pub scale: f64,
-    /// Put a straight line where single samples cannot be noise. One of 250 °/s in two million of a quiet gyroscope
-    /// otherwise doubles N.
+    /// Replace single samples that cannot be noise. Otherwise one sample of 250 °/s among two million of a quiet
+    /// gyroscope doubles N.
     pub cut_glitches: bool,
-    /// Take jumps of the level out. One of 0.05 °/s in an hour otherwise makes five times the random walk.
+    /// Remove jumps of the level. Otherwise one jump of 0.05 °/s in an hour multiplies the random walk by five.
     pub remove_steps: bool,
-    /// The frequency up to which the model holds, Hz. Where it is none, the data choose it.
+    /// The frequency up to which the model holds, Hz. With `None` it is chosen from the data.
     pub max_freq_hz: Option<f64>,
 }
 
 impl Default for FitOptions {
-    /// Unit of the input, without glitches and steps.
+    /// The unit of the input; glitches and steps are removed.
     fn default() -> Self {
         Self { scale: 1.0, cut_glitches: true, remove_steps: true, max_freq_hz: None }
     }
@@ -100,7 +100,7 @@ pub struct Estimate {
     pub hi: f64,
 }
 
-/// A term that a record has beside N, B, K, Q and R.
+/// A term of the model besides N, B, K, Q and R.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(tag = "kind", rename_all = "kebab-case"))]
@@ -112,22 +112,22 @@ pub enum Term {
         /// Correlation time, s.
         tau_s: Estimate,
     },
-    /// The shape that the sensor's filter gives to all noise but quantisation, or to the white noise alone. The
-    /// density without it is multiplied by exp Σ a_j (cos jθ − 1) with sin(θ/2) = sin(πf·dt) over sin(πf_max·dt). A
-    /// pole p multiplies it by (1 − p)²/(1 + p² − 2p cos θ).
+    /// The shape that the sensor's filter gives to all noise except quantisation, or to the white noise only. It
+    /// multiplies the density by exp Σ a_j (cos jθ − 1) with sin(θ/2) = sin(πf·dt) over sin(πf_max·dt). A pole p
+    /// multiplies the density by (1 − p)²/(1 + p² − 2p cos θ).
     BandShape {
         /// a_1, a_2 …
         cosines: Vec<f64>,
-        /// p, the pole of a low-pass of the first order.
+        /// Pole p of a first-order low-pass.
         pole: Option<f64>,
-        /// A low-pass of the second order in its place.
+        /// A second-order low-pass instead of the pole.
         corner: Option<Corner>,
-        /// Whether it shapes the white noise alone, and slow noise joins behind it.
+        /// Whether the shape applies to the white noise only, and slow noise is added after the filter.
         of_white: bool,
     },
-    /// A disturbance or resonance, which was left out.
+    /// A disturbance or resonance, which was left out of the fit.
     Line(Line),
-    /// The level goes as `size`·e^(−t/`tau_s`) from the start.
+    /// A warm-up: the level changes as `size`·e^(−t/`tau_s`) from the start.
     WarmUp {
         /// Size, in the unit of the rate.
         size: Estimate,
@@ -140,41 +140,41 @@ pub enum Term {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Corner {
-    /// f_c, Hz.
+    /// Corner frequency f_c, Hz.
     pub frequency_hz: f64,
-    /// c: 0 of a Butterworth low-pass, 2 of two equal poles, and below zero of a resonance.
+    /// Damping c: 0 for a Butterworth low-pass, 2 for two equal poles, negative for a resonance.
     pub damping: f64,
 }
 
-/// The glitches and steps that were taken out of the record before the fit.
+/// The glitches and steps that were removed from the record before the fit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cleaning {
-    /// Glitches whose samples were replaced. Neighbouring samples are one glitch.
+    /// Number of glitches whose samples were replaced. Adjacent samples are one glitch.
     pub glitches: u64,
-    /// When each began, s from the start of the record.
+    /// Start of each glitch, s from the start of the record.
     pub glitches_s: Vec<f64>,
-    /// Jumps that were taken out.
+    /// The jumps that were removed.
     pub steps: Vec<Step>,
-    /// The first jumps found, where there were so many that all were put back.
+    /// The first jumps found, if there were so many that all were kept in the record.
     pub put_back: Vec<Step>,
-    /// The record without glitches and steps, in the unit of the result; NaN is a missing sample. None where nothing
-    /// was taken out.
+    /// The record without glitches and steps, in the unit of the result; NaN is a missing sample. `None` if nothing
+    /// was removed.
     pub rate: Option<Vec<f64>>,
 }
 
 /// The noise of a record at rest, in the unit of its rate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
-    /// Angle random walk N, unit·√s: N²/τ. The one-sided density of the white noise is √2·N unit/√Hz. It is the
-    /// plateau of the spectrum, with any low-pass above.
+    /// Angle random walk N, unit·√s, with the Allan variance N²/τ. The one-sided density of the white noise is √2·N
+    /// unit/√Hz. N is the plateau of the spectrum below any low-pass.
     pub n: Coefficient,
-    /// Bias instability B, unit: (2 ln 2/π)B². The floor of the curve is 0.664·B.
+    /// Bias instability B, unit, with the Allan variance (2 ln 2/π)B². The floor of the curve is 0.664·B.
     pub b: Coefficient,
-    /// Rate random walk K, unit/√s: K²τ/3.
+    /// Rate random walk K, unit/√s, with the Allan variance K²τ/3.
     pub k: Coefficient,
-    /// Angle quantisation Q, unit·s: 3Q²/τ²; only where the spectrum rises to its upper end as f² does.
+    /// Angle quantisation Q, unit·s, with the Allan variance 3Q²/τ²; only if the spectrum rises as f² up to its end.
     pub q: Option<Coefficient>,
-    /// Rate ramp R, unit/s: R²τ²/2; only where significant.
+    /// Rate ramp R, unit/s, with the Allan variance R²τ²/2; only if significant.
     pub r: Option<Coefficient>,
     /// The other terms.
     pub terms: Vec<Term>,
@@ -183,13 +183,13 @@ pub struct Fit {
     /// Model error ε: the spectrum scatters about the model as if the model were wrong by this share. 0 if chance
     /// explains the scatter. The error of the curve beyond chance counts instead if it is larger.
     pub model_error: f64,
-    /// Probability of a scatter larger than the measured one, ε included.
+    /// Probability of a larger scatter than the measured one, if the model with ε is right.
     pub p_value: f64,
     /// Whether the model is wrong by more than [`MOST_ERROR`]. Nothing is identified then.
     pub is_rejected: bool,
-    /// The place and the cause of the misfit, if the model is rejected.
+    /// The frequency band and the likely cause of the misfit, if the model is rejected.
     pub misfit: Option<Misfit>,
-    /// The measured overlapping Allan deviations of averages of 1, 2, 4 … samples, without what was taken out. Empty
+    /// The measured overlapping Allan deviations of averages of 1, 2, 4 … samples, without glitches and steps. Empty
     /// for a pool.
     pub curve: Vec<Deviation>,
     /// The frequency up to which the model holds, Hz. Above it the sensor's filter shapes the noise, and the Allan
@@ -197,7 +197,7 @@ pub struct Fit {
     pub max_freq_hz: f64,
     /// Shortest and longest averaging time that the model covers, s.
     pub span_s: (f64, f64),
-    /// The glitches and steps that were taken out before the fit.
+    /// The glitches and steps that were removed before the fit.
     pub cleaned: Cleaning,
     /// The warnings about this record.
     pub warnings: Vec<AllanWarning>,
@@ -210,7 +210,7 @@ pub struct Prediction {
     pub dev: f64,
     /// Lower end of the band in which the model expects 95 % of the measured deviations.
     pub lo: f64,
-    /// Upper end of that band.
+    /// Upper end of the band.
     pub hi: f64,
 }
 
@@ -221,9 +221,8 @@ impl Fit {
         libm::sqrt(self.model.allan_variance(m))
     }
 
-    /// The prediction of the model for a measured point; none for a statistic that is not the Allan deviation. The
-    /// band is the model's own for the overlapping deviation. For the others it follows from the point's degrees of
-    /// freedom.
+    /// The prediction of the model for a measured point; `None` if the statistic is not an Allan deviation. For the
+    /// overlapping deviation the model gives the band; for the others it follows from the point's degrees of freedom.
     #[must_use]
     pub fn expected(&self, analysis: &Analysis, point: &Point) -> Option<Prediction> {
         let (lo, hi) = match analysis.stat {
@@ -235,10 +234,10 @@ impl Fit {
     }
 
     /// The band in which 95 % of the overlapping Allan deviations of averages of `m` samples lie in *another* record
-    /// of `samples` samples of this sensor at rest. It is wider than the band of its own record by the uncertainty of
-    /// the fit, and by the difference from one eighth of the record to the next. None for averages of more than
-    /// 1/[`PREDICTS`] of the record: nothing is known about their steadiness. docs/reference/allan.md states how often
-    /// it holds. The model of a pool does not know how steady its records are, nor how far another unit is from them.
+    /// of `samples` samples of this sensor at rest. The band includes the uncertainty of the fit and the differences
+    /// between eighths of the record. `None` for averages of more than 1/[`PREDICTS`] of the record, whose steadiness
+    /// is unknown. docs/reference/allan.md states how often the band holds. For a pool the band includes neither the
+    /// unsteadiness of the records nor the spread between units.
     #[must_use]
     pub fn predicted(&self, m: u64, samples: u64) -> Option<Prediction> {
         if m as f64 > self.model.samples() / PREDICTS {
@@ -246,7 +245,7 @@ impl Fit {
         }
         let (dev, edf) = (self.deviation(m), self.model.freedom(m, samples));
         let doubt = self.model.doubt(m);
-        // of ln σ: chance and the fit's own error are independent, and the unsteadiness of the record is added
+        // of ln σ: chance and the error of the fit add as squares, and the unsteadiness of the record adds linearly
         let limit = |p: f64| {
             let chance = libm::log(chi2_quantile(p, edf) / edf);
             let known = libm::sqrt(chance * chance + TWO_SIDED_95 * TWO_SIDED_95 * doubt.own);
@@ -256,17 +255,17 @@ impl Fit {
     }
 }
 
-/// The model of a record predicts averages up to the record's length over this.
+/// A model predicts averages up to the length of its record divided by this.
 pub const PREDICTS: f64 = 128.0;
 /// A model whose error is larger is rejected.
 pub const MOST_ERROR: f64 = 0.1;
 /// The normal quantile at 97.5 %.
 const TWO_SIDED_95: f64 = 1.959963984540054;
-/// Samples that a fit needs.
+/// Least number of samples for a fit.
 pub const FEWEST_SAMPLES: u64 = 256;
-/// More steps belong to the noise itself.
+/// Largest number of steps that are removed. More steps belong to the noise itself.
 const MOST_STEPS: usize = 3;
-/// Limit of a step's score: 1 of 200 hours without a step has a larger one.
+/// Largest score that is not a step. 1 of 200 hours without a step has a larger score.
 const STEP_LIMIT: f64 = 5.0;
 
 /// The reasons why a record has no model.
@@ -282,19 +281,19 @@ pub enum FitError {
     Gaps {
         /// Samples that are present.
         present: u64,
-        /// Samples from the first to the last.
+        /// Number of samples, missing ones included.
         samples: u64,
     },
-    /// The upper end that was asked for leaves too little of the spectrum.
+    /// The requested upper frequency leaves too little of the spectrum.
     MaxFreq {
-        /// The upper end, Hz.
+        /// The requested upper frequency, Hz.
         max_freq_hz: f64,
-        /// The lowest one of this record, Hz.
+        /// The lowest upper frequency that this record allows, Hz.
         least_hz: f64,
     },
     /// All samples are the same, or so many of them that parts of the spectrum are empty.
     Constant,
-    /// Numbers beyond the range of f64.
+    /// Samples are beyond the range of f64, or no model has a finite likelihood.
     NotFinite,
 }
 
@@ -327,7 +326,7 @@ impl fmt::Display for FitError {
 impl core::error::Error for FitError {}
 
 impl From<FftError> for FitError {
-    /// The only error of the transform is lengths that do not fit together.
+    /// The transform fails only if the lengths of its buffers do not match.
     fn from(_: FftError) -> Self {
         Self::NotFinite
     }
@@ -350,7 +349,7 @@ impl From<FftError> for FitError {
 /// ```
 ///
 /// # Errors
-/// Returns [`FitError`] for too few samples, samples that do not change, and numbers beyond the range of f64.
+/// Returns [`FitError`] if samples are too few, do not change or are out of range, or if `max_freq_hz` is too low.
 pub fn fit(input: &Input<'_>, rate_hz: f64, options: &FitOptions) -> Result<Fit, FitError> {
     enough(input.len() - input.missing(), input.len())?;
     let mut rate = rates(input, rate_hz, options.scale);
@@ -386,7 +385,7 @@ pub fn fit(input: &Input<'_>, rate_hz: f64, options: &FitOptions) -> Result<Fit,
     Ok(fit)
 }
 
-/// The model without the steps that do not belong to its noise. Where there are too many of them, all are put back.
+/// Removes steps and fits the model again, until no step is left. If there are too many steps, all are put back.
 fn without_steps(
     rate: &mut Cow<'_, [f64]>,
     rate_hz: f64,
@@ -419,7 +418,7 @@ fn selected(rate: &[f64], rate_hz: f64, max_freq_hz: Option<f64>) -> Result<(Spe
     }
     let priced = |top_hz: f64, price: f64| select::select(table.below(top_hz), price).ok_or(FitError::NotFinite);
     let up_to = |top_hz: f64| priced(top_hz, SHAPE_PRICE);
-    // the usual record has no filter: a false one costs a sixth of N's certainty
+    // most records have no filter, and a false one makes N a sixth less certain
     let plain_price = libm::log(spectrum.samples as f64);
     let selection = match max_freq_hz {
         Some(max_freq_hz) => up_to(max_freq_hz.min(rate_hz / 2.0))?,
@@ -462,7 +461,7 @@ fn described(
     let own = &chosen.found;
     let curves = Curves::of(rate, rate_hz);
     let curve = curves.whole();
-    // longer averages rest on slow noise alone: there it is a remark
+    // longer averages rest on slow noise alone: there a misfit is only a warning
     let is_short = |found: &&Deviation| found.m as f64 <= rate.len() as f64 / PREDICTS;
     let short: Vec<Deviation> = curve.iter().filter(is_short).copied().collect();
     let off_short = OffCurve::of(&short, &curves, &model);

@@ -12,19 +12,19 @@ use alloc::vec::Vec;
 use core::f64::consts::PI;
 use realfft::FftError;
 
-/// Lags of the autocovariance of the short noise (white, quantisation, and what the band shape changes in the slow
-/// noise): this many where the model reaches half the rate, and more where it ends lower, up to the most.
+/// Number of lags of the autocovariance of the short noise: white noise, quantisation, and the effect of the band
+/// shape on slow noise. A model that ends below half the rate has more, up to `MOST_LAGS`.
 const LAGS: usize = 256;
 const MOST_LAGS: usize = 16_384;
-/// Time constants of a low-pass after which its noise is forgotten.
+/// Number of time constants after which the response of a low-pass has died away.
 const MEMORIES: f64 = 16.0;
 /// Up to this many samples the covariance of two estimates is summed lag by lag from the autocovariance itself.
 const LONGEST_EXACT: u64 = 64;
-/// Lags per averaging time beyond, and the averaging times that they reach.
+/// For longer averages: the lags per averaging time, and the number of averaging times that they reach.
 const STEPS_PER_TAU: u64 = 8;
 const REACH: u64 = 40;
 
-/// The noise model of a record, as the share of each term in an Allan variance.
+/// The noise model of a record, which gives its Allan variance at any averaging time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
     rate_hz: f64,
@@ -32,23 +32,23 @@ pub struct Model {
     short: Vec<f64>,
     b2: f64,
     k2: f64,
-    /// Variance and correlation time of each.
+    /// Variance and correlation time of each Gauss–Markov term.
     markovs: Vec<(f64, f64)>,
     pub(super) drift: Option<(Drift, f64)>,
-    /// Variance and frequency of each.
+    /// Variance and frequency of each sine.
     sines: Vec<(f64, f64)>,
     thinning: Thinning,
     doubt: Doubt,
 }
 
-/// The record of a model, and the part of its spectrum that is taken as measured.
+/// The record behind a model, and the part of its spectrum that is measured instead of modelled.
 #[derive(Clone, Debug)]
 pub(super) struct MeasuredSpectrum {
     pub(super) rate_hz: f64,
     pub(super) record_s: f64,
     /// The upper end of the model, Hz.
     pub(super) top_hz: f64,
-    /// Frequency and density of the bins above it.
+    /// Frequency and density of the bins above `top_hz`.
     pub(super) above: Vec<(f64, f64)>,
     /// Variance and frequency of each sine.
     pub(super) sines: Vec<(f64, f64)>,
@@ -66,8 +66,8 @@ impl MeasuredSpectrum {
         Some(from + (to - from) * (f_hz - from_hz) / (to_hz - from_hz))
     }
 
-    /// Lags of the shaped noise: until the response of a shape that ends at `top_hz`, or of its low-pass, has died
-    /// away. `memory` is the time constant of the low-pass in samples.
+    /// Number of lags of the shaped noise, after which the response of the shape up to `top_hz`, or of its low-pass,
+    /// has died away. `memory` is the time constant of the low-pass in samples.
     fn lags(&self, memory: f64) -> usize {
         let fineness = self.rate_hz / 2.0 / self.top_hz;
         let octaves = libm::ceil(libm::log2(fineness.max(MEMORIES / LAGS as f64 * memory)) - 1e-3);
@@ -97,7 +97,7 @@ impl Model {
         };
         let lags = measured.lags(low_pass_memory(form, &found.at, rate_hz, top_hz));
         let density = |i: usize| {
-            // at 0 the slow noise has no density
+            // at 0 the density of slow noise is infinite
             let f_hz = rate_hz / 2.0 * (i as f64).max(1e-3) / lags as f64;
             if let Some(power) = measured.density(f_hz) {
                 return power - model.slow_density(f_hz);
@@ -119,7 +119,7 @@ impl Model {
         let u = f_hz / self.rate_hz;
         let square = libm::pow(libm::sin(PI * u), 2.0);
         let omega2 = 4.0 * self.rate_hz * self.rate_hz * square;
-        // Σ sinc⁴, with which all that falls as 1/f² folds
+        // Σ sinc⁴, the factor by which densities that fall as 1/f² fold
         let folded = 1.0 - 2.0 / 3.0 * square;
         let flicker = square / (2.0 * PI * PI * PI * self.rate_hz) * (inverse_cubes(u) + inverse_cubes(1.0 - u));
         let markov = |&(variance, t): &(f64, f64)| 2.0 * variance * t / (1.0 + omega2 * t * t) * folded;
@@ -135,7 +135,7 @@ impl Model {
         Self { thinning: Thinning::of(rate, &self.short), ..self }
     }
 
-    /// The Allan variance that the curve of the record has: where samples are missing, averages of them scatter more.
+    /// The expected Allan variance of the measured curve, unit². Averages with missing samples scatter more.
     pub fn measured_variance(&self, m: u64) -> f64 {
         let more = self.thinning.at(m) - 1.0;
         self.allan_variance(m) + if more > 0.0 { more * self.short_variance(m) } else { 0.0 }
@@ -146,7 +146,7 @@ impl Model {
         self.record_s * self.rate_hz
     }
 
-    /// The uncertainty about another record.
+    /// The variances of ln σ² in another record.
     pub(super) fn doubt(&self, m: u64) -> Variances {
         self.doubt.at(m)
     }
@@ -159,7 +159,7 @@ impl Model {
         self.with_slow(self.short_variance(m), m) + drift
     }
 
-    /// The same without lines, drift and warm-up, which are not noise.
+    /// The Allan variance without lines, drift and warm-up, which are not noise, unit².
     #[must_use]
     pub fn noise_variance(&self, m: u64) -> f64 {
         self.with_slow(self.white_variance(m), m)
@@ -189,7 +189,7 @@ impl Model {
         self.white_variance(m) + self.sines.iter().map(sine).sum::<f64>()
     }
 
-    /// The same without lines: 2 (V(m) − V(2m)), V the variance of a mean.
+    /// The Allan variance of white noise and quantisation: 2 (V(m) − V(2m)), where V is the variance of a mean.
     fn white_variance(&self, m: u64) -> f64 {
         let of_mean = |m: f64| {
             let lags = self.short.iter().enumerate().skip(1).take_while(|(k, _)| (*k as f64) < m);
@@ -200,8 +200,9 @@ impl Model {
         2.0 * (of_mean(m) - of_mean(2.0 * m))
     }
 
-    /// Degrees of freedom of a measured overlapping deviation of `n` terms. They fall with the terms that gaps leave,
-    /// and with the noise of averages over fewer samples: the deviation allows for its power, but not for its chance.
+    /// Degrees of freedom of a measured overlapping deviation of `n` terms. Gaps reduce them by the missing terms, and
+    /// by the noise of averages over fewer samples: the deviation allows for the power of that noise, but not for its
+    /// scatter.
     pub(super) fn measured_freedom(&self, m: u64, n: u64, samples: u64) -> f64 {
         let terms = (samples + 1).saturating_sub(2 * m).max(1);
         let whole = self.measured_variance(m);
@@ -239,7 +240,8 @@ impl Model {
     }
 
     /// Covariance of two differences of averages `lag` samples apart, without the short noise: the fourth difference
-    /// of the phase's generalised autocovariance. `white` is the Allan variance of the part taken for white.
+    /// of the phase's generalised autocovariance. `white` is the Allan variance of the short noise if that counts as
+    /// white.
     fn slow_covariance(&self, lag: u64, m: u64, white: f64) -> f64 {
         let tau_s = m as f64 / self.rate_hz;
         let phase = |t: f64| {
@@ -255,7 +257,7 @@ impl Model {
         fourth.iter().map(|(weight, k)| weight * phase(lag_s + k * tau_s)).sum::<f64>() / (tau_s * tau_s)
     }
 
-    /// The same for the short noise, from its autocovariance, at every `step`-th lag.
+    /// Covariances of such differences for the short noise, from its autocovariance, at every `step`-th lag.
     fn short_covariances(&self, m: usize, last: usize, step: u64) -> Vec<f64> {
         let len = last + 4 * m + 2;
         let mut covariance = vec![0.0; len];
@@ -263,7 +265,8 @@ impl Model {
         for &(variance, hz) in &self.sines {
             add_cosine(&mut covariance, variance, 2.0 * PI * hz / self.rate_hz);
         }
-        // The weights of a difference of averages are −1 and 1 over m. Their own correlation is piecewise linear.
+        // The weights of a difference of averages are −1 and 1 over m. The correlation of the weights is piecewise
+        // linear.
         let weight = |shift: usize| {
             let (shift, m) = (shift as f64, m as f64);
             if shift < m { (2.0 * m - 3.0 * shift) / (m * m) } else { (shift - 2.0 * m) / (m * m) }
@@ -275,7 +278,7 @@ impl Model {
         (0..=last).step_by(step as usize).map(at).collect()
     }
 
-    /// The band of a deviation that is not the overlapping one, from its own degrees of freedom.
+    /// The 95 % band of a deviation that is not the overlapping one, from its degrees of freedom.
     pub(super) fn band_of(&self, m: u64, edf: f64) -> (f64, f64) {
         let dev = libm::sqrt(self.measured_variance(m));
         let (lo, hi) = interval(dev, edf, 0.95);

@@ -1,4 +1,4 @@
-//! Motion: several axes of one sensor react at the same moment, which their noise does not do.
+//! Detects motion: several axes of one sensor react at the same moment, which noise does not do.
 
 use super::Fit;
 use crate::chi2::chi2_above;
@@ -9,13 +9,13 @@ use alloc::vec::Vec;
 pub struct Motion {
     /// The time, s from the start: the mean of the axes.
     pub at_s: f64,
-    /// The axes, ascending.
+    /// Indices of the axes, ascending.
     pub axes: Vec<usize>,
     /// The kind of motion.
     pub kind: MotionKind,
 }
 
-/// The reaction of several axes at once.
+/// The common reaction of several axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MotionKind {
     /// The levels of the axes jump and stay: something tilted.
@@ -24,17 +24,17 @@ pub enum MotionKind {
     Knock,
 }
 
-/// Jumps this near to each other are one. The time of a jump is certain to some tenths of a second at best.
+/// Jumps within this time, s, are one motion. The time of a jump is known to some tenths of a second at best.
 const JUMP_TOGETHER_S: f64 = 1.0;
-/// Glitches within this time are one. At low rates the time is this many samples.
+/// Glitches within this time, s, are one motion. At low rates the time is `KNOCK_TOGETHER_SAMPLES` samples.
 const KNOCK_TOGETHER_S: f64 = 0.05;
 const KNOCK_TOGETHER_SAMPLES: f64 = 2.0;
 /// Glitches that fall together by chance with more than this probability do not count as motion.
 const CHANCE: f64 = 0.01;
 
 /// The moments at which the level of more than one axis jumps, or at which several axes have a glitch. Jumps count
-/// whether they were taken out or put back because there were so many. Glitches do not count where so many fall
-/// together by chance. The axes belong to one log with one clock. In the order of time, jumps before knocks.
+/// whether they were removed or were too many to remove. Glitches do not count if as many would coincide by chance.
+/// The axes must share one clock. The result has jumps before knocks, each in the order of time.
 #[must_use]
 pub fn motion(axes: &[&Fit]) -> Vec<Motion> {
     let jumps = |fit: &Fit| {

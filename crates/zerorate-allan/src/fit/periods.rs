@@ -1,5 +1,5 @@
-//! A period in the slow noise: heating, air conditioning, a bench that is switched. Its few coefficients look like a
-//! random walk.
+//! Detects a period in the slow noise, from heating, air conditioning or a bench that is switched. Its few
+//! coefficients look like a random walk.
 
 use super::density::LOW;
 use super::scoring::{K2, N2, Optimum, Problem};
@@ -9,37 +9,37 @@ use alloc::vec::Vec;
 use core::f64::consts::PI;
 use core::ops::Range;
 
-/// A disturbance that repeats, of any form.
+/// A periodic disturbance of any waveform.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Period {
     pub(super) period_s: f64,
-    /// K beside it, unit/√s.
+    /// K of the noise without the period, unit/√s.
     pub(super) k: f64,
     /// The decrease of −2 ln L beyond the price of the sines.
     gain: f64,
 }
 
-/// The frequencies that are tried, in half turns over the record, and steps for each.
+/// The frequencies to try, in half periods over the record, and the steps per half period.
 const TRIED: Range<u32> = 4..48;
 const STEPS: u32 = 4;
-/// Most sines of a period.
+/// Largest number of harmonics.
 const HARMONICS: usize = 4;
-/// The price of a sine with its phase, in −2 ln L, and what more sines must gain.
+/// The price of a sine with its phase, in −2 ln L, and the least gain of more sines.
 const PRICE: f64 = 8.0;
 const LEAST_MORE: f64 = 1.0;
-/// The gain of a period. Of 620 simulated records without one 2 gain more; of 8 with a sawtooth of ten minutes, 7.
+/// Least gain of a period. Of 620 simulated records without one, 2 gain more; of 8 with a ten-minute sawtooth, 7 do.
 const LEAST_GAIN: f64 = 10.0;
-/// The share of the white noise at the period, beyond which a random walk has nothing to do with it.
+/// Largest share of white noise at the period. Above it, a random walk plays no part.
 const MOST_WHITE: f64 = 0.5;
 /// A second search for the noise without a period starts at this share of K², where −2 ln L has another minimum.
 const LESS: f64 = 0.03;
-/// Looks at all frequencies, each under the noise that the last one leaves.
+/// Number of searches over all frequencies, each with the noise model that the last one leaves.
 const LOOKS: usize = 3;
 
 /// The period that explains the slow noise better than a random walk.
 pub(super) fn period(chosen: &Selection) -> Option<Period> {
     let found = (1..=HARMONICS).filter_map(|harmonics| with(chosen, harmonics));
-    // half of a frequency, with twice the sines, explains as much
+    // half the frequency, with twice the sines, explains as much
     let best = found.reduce(|best, next| if next.gain > best.gain + LEAST_MORE { next } else { best });
     best.filter(|period| period.gain > LEAST_GAIN)
 }
@@ -75,7 +75,7 @@ fn with(Selection { problem, found, .. }: &Selection, harmonics: usize) -> Optio
     Some(Period { period_s: 2.0 * table.span_s / turns, k: libm::sqrt(rest.at[K2]), gain })
 }
 
-/// The first coefficients without the best sines of a period of so many half turns over the record.
+/// The first coefficients without the best sines of a period with `turns` half periods over the record.
 fn left(problem: &Problem, under: &Optimum, turns: f64, harmonics: usize) -> Option<Vec<f64>> {
     let table = &problem.table;
     let rows = 0..table.singles();
@@ -92,7 +92,7 @@ fn left(problem: &Problem, under: &Optimum, turns: f64, harmonics: usize) -> Opt
     Some(rows.clone().map(|row| low(row) - sum(row)).collect())
 }
 
-/// 2·∫cos(πax)·cos(πkx)dx from 0 to 1 and the same of sin(πax), for a = `turns` and each k.
+/// 2·∫cos(πax)·cos(πkx)dx from 0 to 1 and the same integral with sin(πax), for a = `turns` and each k.
 fn waves(turns: f64, places: &[f64]) -> [Vec<f64>; 2] {
     let (sin, cos) = (libm::sin(PI * turns), libm::cos(PI * turns));
     let at = |k: f64| {

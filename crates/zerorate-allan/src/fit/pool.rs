@@ -1,7 +1,7 @@
 //! Fits one model to several records of one type. The terms are common, and the likelihoods are added.
 //!
-//! Units of one type differ, and a sum of likelihoods that takes them for the same is too sure of itself. So the
-//! spread between the records is stated, and the intervals include it (Guerrier, Skaloud et al. ask the same of
+//! Units of one type differ, and a sum of likelihoods that ignores this gives intervals that are too narrow. So the
+//! spread between the records is reported, and the intervals include it (Guerrier, Skaloud et al. ask the same of
 //! several calibrations of one sensor: mgmwm).
 
 use super::coefficients::Coefficients;
@@ -21,8 +21,8 @@ use core::fmt;
 /// A record with its own model.
 #[derive(Clone, Copy, Debug)]
 pub struct PoolRecord<'a> {
-    /// The rate, in the unit of the model; NaN is a missing sample. The glitches and steps found by its own fit are
-    /// taken from there.
+    /// The rate, in the unit of the model; NaN is a missing sample. The glitches and steps that `fit` found are
+    /// removed here, too.
     pub rate: &'a [f64],
     /// Samples per second.
     pub rate_hz: f64,
@@ -33,11 +33,11 @@ pub struct PoolRecord<'a> {
 /// A common model of several records.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pool {
-    /// The common model. Its intervals hold for the mean of such units, and include the spread between them.
+    /// The common model. Its intervals hold for the mean of units of this type, and include the spread between units.
     pub fit: Fit,
-    /// The records in the model.
+    /// Indices of the records in the common model.
     pub used: Vec<usize>,
-    /// The spread of each coefficient from one record to the next, where at least two records identify it.
+    /// The spread between records of each coefficient that at least two records identify.
     pub spread: Vec<Spread>,
     /// The records that do not fit the others.
     pub outliers: Vec<Outlier>,
@@ -48,13 +48,14 @@ pub struct Pool {
 pub struct Spread {
     /// The coefficient.
     pub noise: Noise,
-    /// Records in which it is identified.
+    /// Number of records that identify the coefficient.
     pub records: usize,
-    /// Standard deviation of its logarithm beyond the records' own intervals; 0 where these explain all of it.
+    /// Standard deviation of the coefficient's logarithm in excess of the records' intervals; 0 if these explain all
+    /// of it.
     pub relative: f64,
-    /// The least of the records' values.
+    /// Smallest value among the records.
     pub least: f64,
-    /// The largest of them.
+    /// Largest value among the records.
     pub largest: f64,
 }
 
@@ -63,9 +64,9 @@ pub struct Spread {
 pub struct Outlier {
     /// The index of the record.
     pub record: usize,
-    /// The difference.
+    /// The kind of difference.
     pub differs: Differs,
-    /// Whether it is missing from the common model. Where two records differ, both are in it.
+    /// Whether the record is left out of the common model. If only two records are left and differ, both stay.
     pub is_left_out: bool,
 }
 
@@ -73,19 +74,19 @@ pub struct Outlier {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Differs {
-    /// The own model of the record is rejected.
+    /// The record's own model is rejected.
     Rejected {
-        /// Model error ε of that model.
+        /// Model error ε of the record's own model.
         error: f64,
     },
     /// The white noise of the record differs.
     White {
-        /// N of the record over the median of all.
+        /// N of the record divided by the median N of all records.
         ratio: f64,
     },
     /// The slower noise of the record differs: flicker, random walk, Gauss–Markov terms.
     Slow {
-        /// The gain in −2 ln L from slow terms of its own, over the median of all.
+        /// The gain in −2 ln L from the record's own slow terms, compared with the median of all records.
         gain: f64,
     },
 }
@@ -106,7 +107,7 @@ pub enum PoolError {
         /// Rate of another one.
         other_hz: f64,
     },
-    /// No two of them have the same white noise.
+    /// Fewer than two records have an accepted model and similar white noise.
     NothingInCommon,
     /// A record has no spectrum, or the common model no likelihood.
     Fit(FitError),
@@ -142,7 +143,7 @@ impl From<FitError> for PoolError {
     }
 }
 
-/// Rates that differ by more are two settings.
+/// Largest relative difference between two sample rates of one setting.
 const SAME_RATE: f64 = 0.01;
 /// The 0.1 % point of χ² with four degrees of freedom: B, K, and σ and T of a Gauss–Markov term.
 const SLOW_LIMIT: f64 = 18.5;
@@ -150,9 +151,9 @@ const SLOW_LIMIT: f64 = 18.5;
 /// Fits one model to several records. The same records in the same order give the same bits.
 ///
 /// It leaves out records whose own model is rejected, and records whose N is off the median by more than
-/// [`MOST_ERROR`]. As long as three are left and the common model does not explain the slow noise of each, it also
-/// leaves out the one that is farthest from the median of all. Drifts are taken out of each record as its own model
-/// has them; lines and glitches were.
+/// [`MOST_ERROR`]. While three or more are left and the common model does not explain the slow noise of each, it also
+/// leaves out the record that is farthest from the median. The drift in a record's own model is removed from the
+/// record, as its lines and glitches were.
 ///
 /// # Errors
 /// Returns [`PoolError`] if fewer than two records are alike, or if their rates differ.
@@ -203,7 +204,7 @@ impl PoolRecord<'_> {
     }
 }
 
-/// The spectrum of a record: what is fitted, and frequency and density of the bins above.
+/// The spectrum of a record: the fitted part, and frequency and density of the bins above it.
 struct Parts {
     table: Table,
     above: Vec<(f64, f64)>,
@@ -217,7 +218,7 @@ fn parts(record: &PoolRecord<'_>, top_hz: f64) -> Result<Parts, FitError> {
     Ok(Parts { table: table.below(top_hz), above: spectrum.above(top_hz, record.rate_hz) })
 }
 
-/// The records whose own models do not belong to this type.
+/// The records whose own models are rejected or have another N.
 fn outliers_by_own_model(records: &[PoolRecord<'_>]) -> Vec<Outlier> {
     let valid = records.iter().filter(|record| !record.fit.is_rejected);
     let middle = median(valid.map(|record| record.fit.n.value).collect());
@@ -238,7 +239,7 @@ struct RecordFit {
     record: usize,
     problem: Problem,
     own: Optimum,
-    /// Expected power by the common values of the slow terms.
+    /// Expected power with the common values of the slow terms.
     common: Vec<f64>,
 }
 
@@ -251,7 +252,7 @@ impl RecordFit {
         Self { record, own: problem.descend(form, &at, None, DESCENT), problem, common }
     }
 
-    /// The gain in −2 ln L of the slow noise from its own values, over this expected power.
+    /// The gain in −2 ln L of the slow noise from the record's own values, compared with this expected power.
     fn gain(&self, density: &[f64]) -> f64 {
         let deviance = |density: &[f64]| {
             let rows = self.problem.table.rows.iter().zip(density).zip(&self.problem.nu);
@@ -261,7 +262,7 @@ impl RecordFit {
         deviance(density) - deviance(&self.own.density)
     }
 
-    /// Expected power by the values of another record, with its own N.
+    /// Expected power with the slow terms of another record and the N of this record.
     fn by(&self, other: &Self) -> Vec<f64> {
         let mut at = other.own.at.clone();
         at[N2] = self.own.at[N2];
@@ -269,8 +270,8 @@ impl RecordFit {
     }
 }
 
-/// The record whose slow noise is farthest from the median of all, and its gain from values of its own; none where the
-/// common values explain each. The common values follow the loudest record, and the median does not.
+/// The record whose slow noise is farthest from the median of all, and its gain from values of its own. `None` if the
+/// common values explain every record. The common values follow the loudest record; the median does not.
 fn farthest_from_median(all: &[RecordFit]) -> Option<(usize, f64)> {
     if all.iter().all(|one| one.gain(&one.common) <= SLOW_LIMIT) {
         return None;
@@ -305,7 +306,7 @@ fn spreads(records: &[&PoolRecord<'_>]) -> Vec<Spread> {
         .collect()
 }
 
-/// The model with its intervals, which hold for the mean of units that differ.
+/// The common model, with intervals that hold for the mean of units that differ.
 fn common(
     records: &[&PoolRecord<'_>],
     chosen: &Selection,

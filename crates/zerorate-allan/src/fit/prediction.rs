@@ -1,4 +1,4 @@
-//! The uncertainty of a model of one record about another record.
+//! The uncertainty of a model when it predicts another record.
 
 use super::model::{MeasuredSpectrum, Model};
 use super::scoring::{Optimum, Problem, Q2};
@@ -8,7 +8,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use realfft::FftError;
 
-/// The share of a parameter's standard deviation within which the Allan variance is straight.
+/// Step of a numerical slope, as a share of a parameter's standard deviation.
 const SMALL: f64 = 1e-3;
 
 /// The uncertainty of ln σ²(τ) in another record.
@@ -21,14 +21,14 @@ pub(super) struct Doubt {
 /// Variances of ln σ²(τ).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Variances {
-    /// The variance that the fit leaves open.
+    /// The variance due to the uncertainty of the fit.
     pub(super) own: f64,
-    /// The variance from one part of the record to the next.
+    /// The variance between parts of the record.
     pub(super) scatter: f64,
 }
 
 impl Doubt {
-    /// `scatter` is none for a model of several records.
+    /// `scatter` is `None` for a model of several records.
     pub(super) fn of(
         (problem, found): (&Problem, &Optimum),
         model: &Model,
@@ -41,15 +41,15 @@ impl Doubt {
         Ok(Self { by_length: lengths.into_iter().zip(own).map(with_scatter).collect() })
     }
 
-    /// The variances at the octave at or above an averaging time. The last octave holds beyond.
+    /// The variances at the octave at or above an averaging time; beyond the last octave, those of the last.
     pub(super) fn at(&self, m: u64) -> Variances {
         let at = self.by_length.partition_point(|(length, _)| *length < m);
         self.by_length.get(at).or(self.by_length.last()).map(|(_, variances)| *variances).unwrap_or_default()
     }
 }
 
-/// Follows from the slopes of ln σ² by the parameters and the information on these. A squared coefficient that is zero
-/// might be more. Any other parameter at a bound stays there.
+/// The variance of ln σ², from its slopes by the parameters and the information on the parameters. N, B and K can move
+/// even if they are zero. Any other parameter at a bound stays there.
 fn own_variance(
     problem: &Problem,
     found: &Optimum,

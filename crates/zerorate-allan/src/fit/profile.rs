@@ -1,5 +1,5 @@
-//! Intervals from the profile of the likelihood: every value that is less than 1.96 standard deviations from the best,
-//! with all other parameters fitted again.
+//! Intervals from the profile likelihood: every value that is less than 1.96 standard deviations from the best, with
+//! all other parameters fitted again.
 
 use super::TWO_SIDED_95;
 use super::departure::departure;
@@ -8,14 +8,14 @@ use super::select::DESCENT;
 use crate::linear::Square;
 use alloc::vec::Vec;
 
-/// Precision of an end of the interval, most steps to find it, and most doublings to enclose it.
+/// Precision of an end of the interval, and the largest numbers of steps to find it and of doublings to enclose it.
 const NEAR: f64 = 2e-3;
 const STEPS: usize = 16;
 const DOUBLINGS: usize = 40;
 /// The confidence distribution is integrated in this many cells, up to this multiple of the interval's upper end.
 const CELLS: u32 = 30;
 const BEYOND_THE_INTERVAL: f64 = 2.0;
-/// A descent beside the best parameters.
+/// Steps and final gain of a descent near the best parameters.
 const BESIDE: (usize, f64) = (30, 1e-5);
 /// The least likelihood root |r| that is corrected, and the largest correction.
 const LEAST_ROOT: f64 = 0.05;
@@ -29,13 +29,13 @@ pub(super) struct Profile<'a> {
     place: usize,
     /// The bounds of the parameter.
     bounds: (f64, f64),
-    /// The best fit with the parameter at zero, where the best value would be below zero.
+    /// The best fit with the parameter at zero, if the best value would be below zero.
     at_zero: Option<Optimum>,
 }
 
 impl<'a> Profile<'a> {
-    /// The profile of a squared coefficient. Its own estimate may be below zero. The estimates of the others may
-    /// not, or absent B and K would trade with a Gauss–Markov term.
+    /// The profile of a squared coefficient. The estimate of this one may be below zero. The other estimates may not,
+    /// or absent B and K would trade with a Gauss–Markov term.
     pub(super) fn of_square(problem: &'a Problem, found: &Optimum, place: usize) -> Self {
         let best = match found.at[place] > 0.0 {
             true => found.clone(),
@@ -54,11 +54,11 @@ impl<'a> Profile<'a> {
         self.best.at[self.place]
     }
 
-    /// The distance of the best value above this one, in standard deviations of a normal distribution.
+    /// The distance from `value` up to the best value, in standard deviations of a normal distribution.
     ///
-    /// r = ±√(D − D_min) is normal where there is much data. For a parameter that rests on a few coefficients it is
-    /// not, but r + ln(u/r)/r is (Barndorff-Nielsen, Biometrika 73, 1986). Its [`departure`] u allows for the other
-    /// parameters having been fitted: without that K came out 4 % low in the hour.
+    /// r = ±√(D − D_min) is normal if there are many data. For a parameter that rests on a few coefficients r is not
+    /// normal, but r + ln(u/r)/r is (Barndorff-Nielsen, Biometrika 73, 1986). The [`departure`] u allows for the fit
+    /// of the other parameters. Without it, K of a one-hour record was 4 % low.
     fn score(&self, value: f64) -> f64 {
         let mut start = self.best.at.clone();
         start[self.place] = value;
@@ -75,8 +75,8 @@ impl<'a> Profile<'a> {
         r + correction.clamp(-MOST_CORRECTION, MOST_CORRECTION)
     }
 
-    /// The ends of the 95 % interval. From a best value below zero the upper end can be zero itself, which does not
-    /// limit anything. Then it is counted from zero.
+    /// The ends of the 95 % interval. If the best value is below zero, the upper end is counted from zero: counted
+    /// from the best value it could be zero itself.
     pub(super) fn interval(&self) -> (f64, f64) {
         if let Some(found) = &self.at_zero {
             let counted = Self::between(self.problem, found, self.place, self.bounds);
@@ -86,7 +86,7 @@ impl<'a> Profile<'a> {
         (self.end(-step), self.end(step))
     }
 
-    /// The standard deviation that the curvature suggests.
+    /// The standard deviation according to the curvature.
     fn step(&self) -> f64 {
         let curvature = self.problem.information(&self.best);
         let own = curvature.at(self.place, self.place).max(f64::MIN_POSITIVE);
@@ -98,7 +98,7 @@ impl<'a> Profile<'a> {
     fn end(&self, step: f64) -> f64 {
         let bound = if step < 0.0 { self.bounds.0 } else { self.bounds.1 };
         let within = |value: f64| value.clamp(self.bounds.0, self.bounds.1);
-        // beyond the best value the score counts from there
+        // positive on the far side of the best value
         let beyond = |value: f64| if step < 0.0 { self.score(value) } else { -self.score(value) };
         let (mut inside, mut inside_score) = (self.value(), 0.0);
         let mut reach = TWO_SIDED_95 * step;
@@ -133,9 +133,9 @@ impl<'a> Profile<'a> {
     }
 
     /// Mean of the parameter over its confidence distribution, ∫ (1 − H) dv. The distribution function H at a value is
-    /// the probability of more than was found if the value were true. Unlike the best value the mean is never zero,
-    /// and its error is smaller. The rms error of K in the hour is 35 %; the mean of its root has 38 % and the best
-    /// value 42 %.
+    /// the probability of a larger estimate than the one found, if the value were true. Unlike the best value, the
+    /// mean is never zero and has a smaller error. For K of a one-hour record the rms error is 35 %; the mean of the
+    /// root has 38 % and the best value 42 %.
     pub(super) fn mean(&self, hi: f64) -> f64 {
         let width = BEYOND_THE_INTERVAL * libm::sqrt(hi) / f64::from(CELLS);
         let slice = |cell: u32| {
@@ -146,8 +146,8 @@ impl<'a> Profile<'a> {
     }
 }
 
-/// The variance of a parameter where the curvature of D is this and the other free parameters can move. None where
-/// that cannot be told.
+/// The variance of a parameter from the curvature of D, if the other free parameters can move too. `None` if the
+/// curvature does not determine it.
 pub(super) fn marginal_variance(problem: &Problem, found: &Optimum, place: usize, curvature: &Square) -> Option<f64> {
     let free = |i: &usize| curvature.at(*i, *i) > 0.0 && (*i == place || problem.is_free(found, *i));
     let free: Vec<usize> = (0..curvature.n).filter(free).collect();

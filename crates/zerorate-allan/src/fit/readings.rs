@@ -1,4 +1,4 @@
-//! Other readings of a spectrum that a filter or a Gauss–Markov term bends.
+//! Other readings of a spectrum that is bent by a filter or a Gauss–Markov term.
 
 use super::scoring::{ModelForm, N2, Optimum, Problem, Reading, SHORTEST};
 use super::select::{DESCENT, LOOK, SURVIVORS, level_near, start, white, with_cosine};
@@ -8,16 +8,16 @@ use core::f64::consts::PI;
 /// The time constants that are tried for low-passes of the first order and for Gauss–Markov terms, in samples.
 const LOW_PASSES: [f64; 7] = [2.0, 4.0, 8.0, 16.0, 50.0, 150.0, 450.0];
 const SHORT_MARKOVS: [f64; 4] = [3.0, 6.0, 12.0, 24.0];
-/// Number of corners that are tried for low-passes of the second order, from this many periods in the record to half
-/// of the upper end.
+/// Number of corners that are tried for second-order low-passes, from `PERIODS` periods in the record to half of the
+/// upper end.
 const CORNERS: u32 = 12;
 const PERIODS: f64 = 25.0;
-/// Cosines that are tried beside a low-pass.
+/// Largest number of cosines that are tried beside a low-pass.
 const MOST_BESIDE: usize = 2;
-/// The white noise beside a Gauss–Markov term of few samples is at least this share of the density somewhere.
+/// Least value of the largest share of white noise in the density, beside a Gauss–Markov term of few samples.
 const LEAST_WHITE: f64 = 0.5;
 
-/// Fits white noise behind a low-pass, where slow noise joins, and a Gauss–Markov term of few samples.
+/// Fits white noise behind a low-pass, with slow noise added after it, and a Gauss–Markov term of few samples.
 pub(super) fn others(problem: &Problem) -> Vec<Optimum> {
     let joined = [low_pass(problem), corner(problem)].into_iter().flatten();
     let more =
@@ -70,7 +70,7 @@ fn joining(problem: &Problem, corner_hz: f64, low_pass: &[f64]) -> Vec<f64> {
     at
 }
 
-/// The best of several starts: from each a short way, and from the best to the end.
+/// The best of several starts: a short trial from each, and a full descent from the best.
 fn best(problem: &Problem, form: ModelForm, starts: impl IntoIterator<Item = Vec<f64>>) -> Option<Optimum> {
     let mut looks: Vec<Optimum> = starts.into_iter().map(|at| problem.descend(form, &at, None, LOOK)).collect();
     looks.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));

@@ -1,22 +1,21 @@
-//! The length of a record in which a coefficient is identified.
+//! The record length at which a coefficient is identified.
 
 use super::bins::all_edges;
 use super::density::Table;
 use super::scoring::{ModelForm, Optimum, Problem};
 use super::select::DESCENT;
 
-/// Doublings of the record that are computed. Beyond, the evidence is taken to grow with the length.
+/// Number of doublings of the record that are computed. Beyond, the evidence is assumed to grow with the length.
 const DOUBLINGS: i32 = 8;
 /// (1.96 + 0.84)²: the expected gain in deviance at which zero is outside the 95 % interval in four of five records.
 const ENOUGH: f64 = 7.849;
-/// A coefficient that this record does not show, though one of its length usually would, needs this many times the
-/// length.
+/// Least factor on the record length, for a coefficient that a record of this length would usually show.
 const LONGER: f64 = 1.5;
 
-/// The length of a record in which zero would be outside the 95 % interval in four of five cases, s.
+/// The record length at which zero would be outside the 95 % interval in four of five cases, s.
 ///
-/// It is never as short as the record, which does not show the parameter. `value` is the assumed size of the parameter
-/// at `place`. The length is interpolated between two doublings, linear in logarithms.
+/// The result is longer than this record, which does not show the parameter. `value` is the assumed size of the
+/// parameter at `place`. The length is interpolated between two doublings, linear in logarithms.
 pub(super) fn needed_s(
     best: &Optimum,
     samples: usize,
@@ -45,7 +44,7 @@ pub(super) fn needed_s(
     length_s * libm::exp2(f64::from(DOUBLINGS)) * ENOUGH / before.max(1e-3)
 }
 
-/// The fall of the deviance through the coefficient when every power has its expected value.
+/// The expected gain in deviance by the coefficient, if every power has its expected value.
 fn evidence(form: ModelForm, at: &[f64], table: Table, place: usize) -> f64 {
     let mut problem = Problem::new(table, 0.0);
     let expected = problem.density(&form, at);

@@ -8,18 +8,18 @@ use super::{Fit, MOST_ERROR, Term, steadiness};
 use crate::{AllanWarning, Noise};
 use alloc::vec::Vec;
 
-/// The raw record, for the warnings.
+/// Length, s, and number of missing samples of the raw record.
 #[derive(Clone, Copy)]
 pub(super) struct Raw {
     pub(super) record_s: f64,
     pub(super) missing: usize,
 }
 
-/// Halves that differ by less than this share are alike for any use.
+/// Halves of a record that differ by less than this share need no warning.
 const CHANGE: f64 = 0.05;
 
-/// From this number of samples on the band of a sensor is found: in all of 100 simulated records of the bands of the
-/// ADIS16405's axes. 1000 samples show it in 93 to 100 records, 300 in 41 to 85.
+/// Number of samples that show the band of a sensor. With it, all of 100 simulated records show the band of each axis
+/// of the ADIS16405. With 1000 samples 93 to 100 records show it, with 300 samples 41 to 85.
 const BAND_IS_SEEN: u64 = 2000;
 
 pub(super) fn remarks(
@@ -80,7 +80,7 @@ pub(super) fn remarks(
     warnings
 }
 
-/// Halves of the record that differ.
+/// The warning that the halves of the record differ.
 fn unsteady(fit: &Fit, curves: &Curves<'_>) -> Option<AllanWarning> {
     let steadiness::Difference { tau_s, ratio } = steadiness::halves(curves, &fit.model)?;
     (libm::log(ratio).abs() > CHANGE).then_some(AllanWarning::Unsteady { tau_s, ratio })

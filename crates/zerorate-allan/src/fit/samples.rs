@@ -5,12 +5,12 @@ use crate::{AllanWarning, Input, kernels};
 use alloc::borrow::Cow;
 use alloc::vec::Vec;
 
-/// Part of the samples that must be there.
+/// Least share of samples that must be present.
 const FEWEST_PRESENT: f64 = 0.25;
 
 impl Input<'_> {
     /// The rate of a record sampled `rate_hz` times per second, times `scale`; NaN is a missing sample. Samples lost
-    /// in gaps are written out.
+    /// in gaps are NaN.
     #[must_use]
     pub fn rates(&self, rate_hz: f64, scale: f64) -> Vec<f64> {
         match self {
@@ -23,7 +23,7 @@ impl Input<'_> {
     }
 }
 
-/// The same without a copy where the rate is in the unit of the result.
+/// As [`Input::rates`], but without a copy if the rate is in the unit of the result.
 pub(super) fn rates<'a>(input: &Input<'a>, rate_hz: f64, scale: f64) -> Cow<'a, [f64]> {
     match *input {
         Input::Rate(rate) if scale == 1.0 => Cow::Borrowed(rate),
@@ -54,7 +54,7 @@ pub(super) fn check(rate: &[f64]) -> Result<(), FitError> {
     if square.is_finite() && least.is_normal() { Ok(()) } else { Err(FitError::NotFinite) }
 }
 
-/// Cuts the glitches, and returns the first sample of each.
+/// Replaces the glitches by straight lines, and returns the first sample of each.
 pub(super) fn cut_glitches(rate: &mut Cow<'_, [f64]>, warnings: &mut Vec<AllanWarning>) -> Vec<usize> {
     let power = |rate: &[f64]| {
         let pairs = rate.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| !step.is_nan());

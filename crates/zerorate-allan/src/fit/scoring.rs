@@ -1,8 +1,8 @@
 //! The most likely parameters of a model: Fisher scoring with bounds.
 //!
-//! D = Σ ν (ln S/P + P/S − 1), −2 ln of the likelihood of powers P that are χ²_ν·S/ν. Its gradient is
-//! −Σ ν (P − S)/S² ∂S, its expected curvature Σ ν ∂S∂Sᵀ/S². Squared coefficients enter S as they are, so a noise can
-//! be exactly zero and leave zero again.
+//! D = Σ ν (ln S/P + P/S − 1), −2 ln of the likelihood of powers P that are χ²_ν·S/ν. Its gradient is −Σ ν (P − S)/S²
+//! ∂S, its expected curvature Σ ν ∂S∂Sᵀ/S². S is linear in the squared coefficients, so a noise can be exactly zero
+//! and leave zero again.
 
 use super::density::{Drift, Table};
 use crate::linear::Square;
@@ -10,18 +10,18 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
-/// The terms that a model has beside N, B and K.
+/// The terms of a model besides N, B and K.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ModelForm {
-    /// Cosines of the band shape.
+    /// Number of cosines of the band shape.
     pub(super) cosines: usize,
     /// Order of a low-pass in the band shape, which cosines follow only slowly: 0, 1 (a pole) or 2 (a corner and its
     /// damping).
     pub(super) poles: usize,
     pub(super) reading: Reading,
-    /// Gauss–Markov terms.
+    /// Number of Gauss–Markov terms.
     pub(super) markovs: usize,
-    /// Quantisation of the angle.
+    /// Whether the model has quantisation of the angle.
     pub(super) quantised: bool,
     pub(super) drift: Option<Drift>,
     /// A squared coefficient that may be negative. The unbiased estimate of a coefficient that is zero is negative
@@ -32,15 +32,15 @@ pub(super) struct ModelForm {
 /// The explanation of a spectrum that bends at its upper end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Reading {
-    /// A shape that all noise has.
+    /// A shape of all noise.
     Usual,
-    /// A shape of the white noise alone. The slow noise is added after the filter.
+    /// A shape of the white noise only. The slow noise is added after the filter.
     Joins,
-    /// A Gauss–Markov term of few samples.
+    /// A Gauss–Markov term with a correlation time of few samples.
     Short,
 }
 
-/// Places of the parameters: the squared coefficients, then the shape, then variance and ln T of each Gauss–Markov
+/// Indices of the parameters: the squared coefficients, then the shape, then variance and ln T of each Gauss–Markov
 /// term.
 pub(super) const N2: usize = 0;
 pub(super) const B2: usize = 1;
@@ -59,12 +59,12 @@ impl ModelForm {
         signed: None,
     };
 
-    /// Parameters of the band shape: the cosines, then the low-pass.
+    /// Number of parameters of the band shape: the cosines, then the low-pass.
     pub(super) fn shape(&self) -> usize {
         self.cosines + self.poles
     }
 
-    /// The shortest Gauss–Markov term, in samples.
+    /// Shortest correlation time of a Gauss–Markov term, in samples.
     pub(super) fn shortest(&self) -> f64 {
         if self.reading == Reading::Short { SHORTEST_OF_ALL } else { SHORTEST }
     }
@@ -78,7 +78,7 @@ impl ModelForm {
         place < SHAPE || place >= self.markov(0) && (place - self.markov(0)).is_multiple_of(2)
     }
 
-    /// Place of the variance of a Gauss–Markov term; its ln T is the next.
+    /// Index of the variance of a Gauss–Markov term. The next parameter is its ln T.
     pub(super) fn markov(&self, index: usize) -> usize {
         SHAPE + self.shape() + 2 * index
     }
@@ -92,7 +92,7 @@ pub(super) const LONGEST: f64 = 0.25;
 /// The default price of a cosine of the shape, in −2 ln L: the 1.4 % point of χ² with one degree of
 /// freedom.
 pub(super) const SHAPE_PRICE: f64 = 6.0;
-/// Largest cosine of the shape.
+/// Largest coefficient of a cosine of the shape.
 const STEEPEST: f64 = 6.0;
 /// The range of a pole. A slower low-pass is a Gauss–Markov term.
 pub(super) const POLES: (f64, f64) = (-0.95, 0.999);
@@ -100,18 +100,18 @@ pub(super) const POLES: (f64, f64) = (-0.95, 0.999);
 /// comb, and two poles far apart could bend a Gauss–Markov term into white noise.
 const CORNERS: (f64, f64) = (-25.0, 0.0);
 const DAMPINGS: (f64, f64) = (-1.0, 3.0);
-/// White noise never vanishes: it keeps this share of the median power.
+/// Least white noise, as a share of the median power, so that it never vanishes.
 const LEAST_WHITE: f64 = 1e-6;
 /// The largest step of a cosine and of a ln T.
 const STRIDE: f64 = 1.0;
-/// Halvings of a step that leads uphill.
+/// Largest number of halvings of a step that leads uphill.
 const HALVINGS: usize = 12;
 
 /// The data that all fits of a record share.
 #[derive(Clone, Debug)]
 pub(super) struct Problem {
     pub(super) table: Table,
-    /// Degrees of freedom of each row: of its bin, less the share that the model error takes.
+    /// Degrees of freedom of each row, reduced by the model error.
     pub(super) nu: Vec<f64>,
     /// Relative error of the model, ε.
     pub(super) error: f64,
@@ -275,7 +275,7 @@ impl Problem {
         state
     }
 
-    /// Least squares of the drift's size in the first coefficients, and their powers without it.
+    /// The powers of the first coefficients without the drift, and the size of the drift by least squares.
     fn without_drift(&self, density: &[f64], template: &[f64]) -> (Vec<f64>, f64) {
         let table = &self.table;
         let singles = || (0..table.singles()).map(|row| (table.rows[row].bin.first - 1, density[row]));
@@ -365,7 +365,7 @@ impl Problem {
     }
 }
 
-/// Sums in four parts, which the compiler adds side by side.
+/// Sums products in four parts, which the compiler adds in parallel.
 fn sum_of_products(a: &[f64], b: &[f64]) -> f64 {
     let mut parts = [0.0; 4];
     let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
@@ -377,7 +377,7 @@ fn sum_of_products(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Minimum of ½xᵀHx − gᵀx between bounds, by active sets. A parameter that would leave its bounds is fixed there, and
-/// freed again where the minimum lies inside.
+/// freed again if the minimum lies inside.
 fn bounded(h: &Square, g: &[f64], room: &[(f64, f64)]) -> Vec<f64> {
     let n = h.n;
     let fixed_from_the_start = |i: usize| match room[i] {
@@ -416,7 +416,8 @@ fn bounded(h: &Square, g: &[f64], room: &[(f64, f64)]) -> Vec<f64> {
     x.iter().zip(room).map(|(x, &(lower, upper))| x.clamp(lower.min(upper), upper)).collect()
 }
 
-/// Solves for the free parameters while the others are fixed. A little is added to the diagonal until that works.
+/// Solves for the free parameters while the others are fixed. The diagonal is raised until the matrix is positive
+/// definite.
 fn solve_free(h: &Square, g: &[f64], fixed: &[Option<f64>]) -> Vec<f64> {
     let free: Vec<usize> = (0..h.n).filter(|&i| fixed[i].is_none()).collect();
     let mut x: Vec<f64> = fixed.iter().map(|fixed| fixed.unwrap_or(0.0)).collect();
@@ -435,7 +436,7 @@ fn solve_free(h: &Square, g: &[f64], fixed: &[Option<f64>]) -> Vec<f64> {
     x
 }
 
-/// The low-pass of a shape at cos θ − 1 over its level at frequency 0, and the slopes of its logarithm.
+/// Density of the low-pass of a shape at cos θ − 1, relative to frequency 0, and the slopes of its logarithm.
 fn low_pass(form: &ModelForm, at: &[f64], cosine: f64) -> (f64, [f64; 2]) {
     let first = SHAPE + form.cosines;
     match form.poles {
@@ -448,16 +449,16 @@ fn low_pass(form: &ModelForm, at: &[f64], cosine: f64) -> (f64, [f64; 2]) {
     }
 }
 
-/// Density of a low-pass of the second order over its level at frequency 0, 1/(1 + cx + x²) with x = sin²(θ/2)/e^u,
-/// and the slopes of its logarithm. Damping c: 0 for a Butterworth filter, 2 for two equal poles.
+/// Density of a second-order low-pass relative to frequency 0, 1/(1 + cx + x²) with x = sin²(θ/2)/e^u, and the slopes
+/// of its logarithm. Damping c: 0 for a Butterworth filter, 2 for two equal poles.
 fn two_poles(u: f64, c: f64, cosine: f64) -> (f64, [f64; 2]) {
     let x = -cosine / 2.0 / libm::exp(u);
     let under = 1.0 + c * x + x * x;
     (1.0 / under, [(c * x + 2.0 * x * x) / under, -x / under])
 }
 
-/// Density of a low-pass with the pole `a` over its level at frequency 0, (1 − a)²/(1 + a² − 2a cos), and the slope of
-/// its logarithm by `a`. `cosine` is cos − 1.
+/// Density of a low-pass with the pole `a` relative to frequency 0, (1 − a)²/(1 + a² − 2a cos), and the slope of its
+/// logarithm by `a`. `cosine` is cos − 1.
 fn one_pole(a: f64, cosine: f64) -> (f64, f64) {
     let (square, under) = ((1.0 - a) * (1.0 - a), (1.0 - a) * (1.0 - a) - 2.0 * a * cosine);
     (square / under, 2.0 * (cosine + 1.0 - a) / under - 2.0 / (1.0 - a))
@@ -476,12 +477,12 @@ pub(super) fn low_pass_memory(form: &ModelForm, at: &[f64], rate_hz: f64, top_hz
     }
 }
 
-/// The corner of a low-pass of the second order, ln sin²(θ/2), in Hz.
+/// Converts the corner of a second-order low-pass from u = ln sin²(θ/2) to Hz.
 pub(super) fn corner_hz(u: f64, rate_hz: f64, top_hz: f64) -> f64 {
     libm::asin(libm::exp(u / 2.0) * libm::sin(PI * top_hz / rate_hz)) * rate_hz / PI
 }
 
-/// The shape over its level at frequency 0, at the angle of its cosines.
+/// The shape relative to frequency 0, at the angle of its cosines.
 pub(super) fn shape(form: &ModelForm, at: &[f64], angle: f64) -> f64 {
     let term = |j: usize| at[SHAPE + j] * (libm::cos((j + 1) as f64 * angle) - 1.0);
     libm::exp((0..form.cosines).map(term).sum()) * low_pass(form, at, libm::cos(angle) - 1.0).0

@@ -1,4 +1,4 @@
-//! Selection of the terms: N, B and K always, the others where they earn their price.
+//! Selects the terms: N, B and K always, the others if they lower −2 ln L by more than their price.
 
 use super::density::{Drift, MOST_COSINES, Table};
 use super::scoring::{
@@ -13,40 +13,42 @@ use alloc::vec::Vec;
 /// of freedom, a ramp the 0.1 % point with one, a warm-up the 0.1 % point with two. docs/reference/allan.md states how
 /// often each is taken where it is absent.
 const MARKOV_PRICE: f64 = 9.21;
-/// Added to the price of a term that leaves no flicker, or none that is identified. A few such terms look like
-/// flicker, and where both fit the rule says flicker.
+/// Added to the price of a Gauss–Markov term that leaves no identified flicker. A few Gauss–Markov terms look like
+/// flicker, and if both fit, flicker is preferred.
 const INSTEAD_OF_FLICKER: f64 = 9.0;
-/// Added to the price of a term that may be the sensor's low-pass. Cosines follow a filter at such a price; what they
-/// cannot follow costs them thousands.
+/// Added to the price of a Gauss–Markov term that may be the sensor's low-pass. Cosines can follow a filter at this
+/// price; a spectrum that they cannot follow costs thousands.
 const INSTEAD_OF_LOW_PASS: f64 = 50.0;
-/// The 5 % point of χ² with one degree of freedom: the gain of a coefficient that is identified.
+/// The 5 % point of χ² with one degree of freedom: the least gain of an identified coefficient.
 const IDENTIFIED: f64 = 3.84;
 const RAMP_PRICE: f64 = 10.8;
 const WARM_UP_PRICE: f64 = 13.8;
 const MOST_MARKOVS: usize = 2;
-/// Starts of T, logarithmic from this many samples to this share of the record: the deviance has several minima.
+/// Number of start values of T, from `FIRST_START` samples to `LAST_START` of the record: the deviance has several
+/// minima.
 const STARTS: u32 = 18;
 const FIRST_START: f64 = 25.0;
 const LAST_START: f64 = 1.0 / 6.0;
 /// The number of best starts from which a descent goes on.
 pub(super) const SURVIVORS: usize = 3;
-/// Time constants of a warm-up that are tried, in records. A shorter one is over before any slow noise can be seen.
+/// Time constants of a warm-up that are tried, as shares of the record. A shorter warm-up ends before slow noise
+/// shows.
 const WARM_UPS: [f64; 5] = [0.03, 0.06, 0.12, 0.25, 0.5];
-/// Steps in which the time constant of a warm-up is refined, to a share of 2^(1/2^STEPS). A time constant that is a
+/// Steps in which the time constant of a warm-up is refined, to a factor of 2^(1/2^STEPS). A time constant that is a
 /// few percent off would leave a part of the warm-up that looks like random walk.
 const WARM_UP_STEPS: u32 = 8;
-/// Steps of a first look and of a descent, with the gain at which they end.
+/// Steps of a short trial and of a full descent, with the gain below which they end.
 pub(super) const LOOK: (usize, f64) = (8, 1e-2);
 pub(super) const DESCENT: (usize, f64) = (60, 1e-5);
-/// The model error shows where bins hold many coefficients: above this share of the upper end.
+/// The model error is measured above this share of the upper end, where bins hold many coefficients.
 const ERROR_ABOVE: f64 = 1.0 / 64.0;
-/// Neighbouring bins over which the model may be wrong together.
+/// Numbers of adjacent bins that may share one model error.
 const RUNS: [usize; 5] = [1, 2, 4, 8, 16];
 /// Standard deviations of the scatter beyond which the model is in error.
 const ERROR_LIMIT: f64 = 3.0;
 /// Added to the limit, because χ² of few bins is skew.
 const SKEW: f64 = 2.0;
-/// Share of the records in which a model that is right scatters, in runs of one length, as if it were to be rejected.
+/// Share of the records in which a correct model would be rejected for the scatter of runs of one length.
 const REJECTED_BY_CHANCE: f64 = 1e-4;
 /// Two choices of terms that differ by less in price cannot be told apart.
 pub(super) const CLOSE: f64 = 6.0;
@@ -55,14 +57,14 @@ const OTHER_N: f64 = 1.5;
 /// A Gauss–Markov term within this factor of a bound is dropped.
 const AT_BOUND: f64 = 1.1;
 
-/// The model with its terms.
+/// The selected model.
 #[derive(Clone, Debug)]
 pub(super) struct Selection {
     pub(super) problem: Problem,
     pub(super) found: Optimum,
-    /// The next best choice of slow terms and how much worse it is, where it differs.
+    /// The best model with other slow terms, and by how much its price is higher.
     pub(super) runner_up: Option<(ModelForm, f64)>,
-    /// Another reading that explains as much of the whole spectrum, with another N.
+    /// Another reading that explains the whole spectrum as well, with another N.
     pub(super) other: Option<Other>,
 }
 
@@ -131,7 +133,7 @@ pub(super) struct PricedModel {
     pub(super) price: f64,
 }
 
-/// Selects the terms; none where no model has a finite likelihood. A cosine has this price.
+/// Selects the terms; `None` if no model has a finite likelihood. `shape_price` is the price of a cosine.
 pub(super) fn select(table: Table, shape_price: f64) -> Option<Selection> {
     let ideal = Problem::new(table, 0.0).priced_at(shape_price);
     let families = families(&ideal);
@@ -160,7 +162,7 @@ pub(super) fn select(table: Table, shape_price: f64) -> Option<Selection> {
         best.found = with_refined_warm_up(&problem, best.found, tau_s);
     }
     if best.found.form.cosines > 0 {
-        // a shape as plain as the data allow pulls N, and its interval does not know
+        // the plainest shape that the data allow biases N, and the interval does not include that
         best.found = with_cosine(&problem, &best.found);
     }
     let close = all.iter().take_while(|other| other.price < best.price + CLOSE);
@@ -194,7 +196,7 @@ pub(super) fn priced(problem: &Problem, found: Optimum) -> PricedModel {
     PricedModel { found, price }
 }
 
-/// Whether flicker gains as much as a coefficient that is identified.
+/// Whether flicker gains more than the least gain of an identified coefficient.
 fn has_flicker(problem: &Problem, found: &Optimum) -> bool {
     let mut at = found.at.clone();
     at[B2] = 0.0;
@@ -202,8 +204,8 @@ fn has_flicker(problem: &Problem, found: &Optimum) -> bool {
     found.at[B2] > 0.0 && without() - found.deviance > IDENTIFIED
 }
 
-/// The best shape for zero, one and two Gauss–Markov terms. A second one is looked for only where the first is taken.
-/// The shape is chosen anew for each: chosen before, it swallows a Gauss–Markov term.
+/// The best shape for zero, one and two Gauss–Markov terms. A second term is tried only if the first is taken. The
+/// shape is chosen anew for each number of terms: a shape chosen before would absorb a Gauss–Markov term.
 fn families(problem: &Problem) -> Vec<PricedModel> {
     let mut found: Vec<PricedModel> = Vec::new();
     let mut fewer: Vec<Optimum> = Vec::new();
@@ -220,7 +222,7 @@ fn families(problem: &Problem) -> Vec<PricedModel> {
     found
 }
 
-/// Shapes of growing order until two in turn were not worth their price.
+/// Tries shapes of growing order, until two in a row are not worth their price.
 fn family(problem: &Problem, markovs: usize, fewer: &[Optimum]) -> (Option<PricedModel>, Vec<Optimum>) {
     let mut all: Vec<Optimum> = Vec::new();
     let mut best: Option<PricedModel> = None;
@@ -252,12 +254,12 @@ fn family(problem: &Problem, markovs: usize, fewer: &[Optimum]) -> (Option<Price
 /// The most cosines that are chosen; the result has one more.
 pub(super) const MOST_CHOSEN: usize = MOST_COSINES - 1;
 
-/// Below half the rate something bends the spectrum at the upper end.
+/// Least number of cosines: a model that ends below half the rate has a shape at its upper end.
 pub(super) fn fewest_cosines(problem: &Problem) -> usize {
     usize::from(problem.table.is_cut())
 }
 
-/// Start values: the median of the upper band is white, the first coefficients are flicker and random walk.
+/// Start values: white noise from the median of the upper band, flicker and random walk from the first coefficients.
 pub(super) fn start(problem: &Problem, cosines: usize) -> Vec<f64> {
     let rows = &problem.table.rows;
     let mut upper: Vec<f64> = rows.iter().filter(|row| is_upper(problem, row.f_hz)).map(|row| row.bin.power).collect();
@@ -282,7 +284,7 @@ pub(super) fn with_cosine(problem: &Problem, before: &Optimum) -> Optimum {
     problem.descend(ModelForm { cosines: before.form.cosines + 1, ..before.form }, &at, None, DESCENT)
 }
 
-/// Adds a Gauss–Markov term: from every start a short way, and from the best to the end.
+/// Adds a Gauss–Markov term: a short trial from every start, and a full descent from the best.
 pub(super) fn with_markov(problem: &Problem, fewer: &Optimum) -> Vec<Optimum> {
     let table = &problem.table;
     let (first, last) = (FIRST_START / table.rate_hz, LAST_START * table.span_s);
@@ -356,8 +358,8 @@ fn quantised(problem: &Problem, found: &Optimum) -> Optimum {
     problem.descend(ModelForm { cosines: 0, quantised: true, ..found.form }, &at, None, DESCENT)
 }
 
-/// A pole instead of many cosines, or instead of the Gauss–Markov term with the highest plateau, and beside it fewer
-/// cosines than before.
+/// A pole instead of many cosines, or instead of the Gauss–Markov term with the highest plateau. Fewer cosines than
+/// before are tried beside it.
 fn with_pole(problem: &Problem, found: &Optimum) -> Vec<Optimum> {
     let mut form = ModelForm { cosines: 0, poles: 1, ..found.form };
     let mut at = without_shape(found);
@@ -383,8 +385,8 @@ fn with_pole(problem: &Problem, found: &Optimum) -> Vec<Optimum> {
     core::iter::successors(Some(first), |last| Some(with_cosine(problem, last))).take(most).collect()
 }
 
-/// A low-pass of the second order in place of cosines, and beside it fewer of them than before. Its corner is sought
-/// from where they fall to one half.
+/// A second-order low-pass in place of cosines, with fewer cosines than before beside it. The search for its corner
+/// starts where the shape of the cosines falls to one half.
 pub(super) fn with_corner(problem: &Problem, found: &Optimum) -> Vec<Optimum> {
     if found.form.cosines < 2 {
         return Vec::new();
@@ -399,10 +401,10 @@ pub(super) fn with_corner(problem: &Problem, found: &Optimum) -> Vec<Optimum> {
     more.take(found.form.cosines.min(MOST_BESIDE_A_CORNER + 1)).collect()
 }
 
-/// Cosines that are tried beside a low-pass of the second order.
+/// Largest number of cosines that are tried beside a second-order low-pass.
 const MOST_BESIDE_A_CORNER: usize = 3;
 
-/// Whether the record shows the time constants of the Gauss–Markov terms, and of the low-pass.
+/// Whether the time constants of the Gauss–Markov terms, and the low-pass, are inside their bounds.
 pub(super) fn is_sound(problem: &Problem, found: &Optimum) -> bool {
     let table = &problem.table;
     let (shortest, longest) = (AT_BOUND * found.form.shortest() / table.rate_hz, LONGEST * table.span_s / AT_BOUND);
@@ -412,8 +414,8 @@ pub(super) fn is_sound(problem: &Problem, found: &Optimum) -> bool {
         && (0..found.form.poles).all(|j| problem.is_free(found, low_pass + j))
 }
 
-/// The Gauss–Markov term that may be white noise behind a low-pass of the first order: it has more power than the
-/// white noise beside it where the plateau of that is looked for, or all the way down beside a slow low-pass.
+/// The Gauss–Markov term that may be white noise behind a first-order low-pass. It has more power than the white noise
+/// in the [`plateau`] bin or, beside a slow low-pass, a higher plateau than the white noise.
 pub(super) fn low_pass(problem: &Problem, found: &Optimum) -> Option<usize> {
     let (local, row) = (problem.local(found), plateau(problem));
     let power = |index| local.slopes[found.form.markov(index)][row] * found.at[found.form.markov(index)];
@@ -434,7 +436,7 @@ fn memory(found: &Optimum, index: usize) -> (f64, f64) {
     (2.0 * found.at[place] * tau_s, tau_s)
 }
 
-/// The bin in which the plateau of the white noise is looked for: a quarter of the upper end.
+/// The bin in which the plateau of the white noise is expected: at a quarter of the upper end.
 pub(super) fn plateau(problem: &Problem) -> usize {
     let rows = &problem.table.rows;
     rows.partition_point(|row| row.f_hz < problem.table.top_hz / 4.0).min(rows.len().max(1) - 1)
@@ -445,16 +447,16 @@ pub(super) fn white(local: &Local, found: &Optimum, row: usize) -> f64 {
     local.slopes[N2][row] * found.at[N2]
 }
 
-/// The relative error of the model that makes the bins scatter as they should; 0 if they do. An error that runs of
-/// neighbouring bins share counts as the error that as many bins would have on their own.
+/// The relative model error that explains the scatter of the bins; 0 if chance explains it. An error that a run of
+/// adjacent bins shares counts as much as the errors of as many independent bins.
 pub(super) fn model_error(problem: &Problem, found: &Optimum) -> f64 {
     let rows = problem.table.rows.iter().zip(&found.density).filter(|(row, _)| is_upper(problem, row.f_hz));
     let off: Vec<(f64, f64)> = rows.map(|(row, density)| (row.bin.power / density - 1.0, row.bin.freedom)).collect();
     RUNS.iter().map(|run| error_of_runs(&off, *run, found.form.shape())).fold(0.0, f64::max)
 }
 
-/// The error of the means over `run` bins, each off by a share and with its degrees of freedom. One that would reject
-/// the model must be beyond chance: few bins of few coefficients are often off by as much.
+/// The error of the means over `run` bins; `off` has the error of each bin and its degrees of freedom. An error that
+/// would reject the model must be beyond chance: few bins of few coefficients are often off by as much.
 fn error_of_runs(off: &[(f64, f64)], run: usize, fitted: usize) -> f64 {
     let mean = |bins: &[(f64, f64)]| {
         let nu: f64 = bins.iter().map(|(_, nu)| nu).sum();
@@ -465,7 +467,7 @@ fn error_of_runs(off: &[(f64, f64)], run: usize, fitted: usize) -> f64 {
     if freedom < 1.0 {
         return 0.0;
     }
-    // the deviance of a mean square is nearly χ² with one degree of freedom, and its square is far from that
+    // the deviance of a mean square is nearly χ² with one degree of freedom; the square of its error is not
     let deviance = |(off, nu): &(f64, f64)| nu * (off - libm::log1p(*off)) / (1.0 + 1.0 / (3.0 * nu));
     let is_chance = means.iter().map(deviance).sum::<f64>() < chi2_quantile(1.0 - REJECTED_BY_CHANCE, freedom);
     let scatter = |error: f64| means.iter().map(|(off, nu)| off * off / (2.0 / nu + error * error)).sum::<f64>();

@@ -1,5 +1,5 @@
 //! Sines that last as long as the record. A transform of the record shows such a sine at all frequencies, since it
-//! begins and ends with the record. So a strong one is taken out of the samples before.
+//! begins and ends with the record. So a strong sine is removed from the samples before.
 
 use crate::linear::Cholesky;
 use alloc::vec::Vec;
@@ -15,20 +15,20 @@ pub(super) struct Sine {
     sine: f64,
 }
 
-/// The sums in which the frequency is found.
+/// Largest number of partial sums in which the frequency is searched.
 const PARTS: usize = 4096;
-/// Frequencies that are tried first, to each bin of a Fourier transform.
+/// Number of frequencies per bin of a Fourier transform in the first search.
 const FINENESS: usize = 8;
-/// Then the interval shrinks by the golden ratio so many times.
+/// Number of golden-section steps after the first search.
 const SHRUNK: usize = 40;
-/// Shares of a sine and of a level below which the samples cannot tell one from the other.
+/// Least pivot with which the samples can tell a sine from a level.
 const LEAST_PIVOT: f64 = 1e-6;
-/// Samples after which a phase is computed anew.
+/// Number of samples after which the phase is computed anew.
 const EXACT_EVERY: usize = 4096;
 
 impl Sine {
-    /// The sine that explains most of a rate, at a frequency at most `reach_hz` from another; NaN is a missing sample.
-    /// None where the samples cannot tell it from a level.
+    /// The sine that explains most of a rate, at most `reach_hz` from `near_hz`; NaN is a missing sample. `None` if
+    /// the samples cannot tell the sine from a level.
     pub(super) fn near(rate: &[f64], rate_hz: f64, near_hz: f64, reach_hz: f64) -> Result<Option<Self>, FftError> {
         let near = near_hz / rate_hz;
         let parts = Parts::of(rate, near);
@@ -52,7 +52,7 @@ impl Sine {
         (self.cosine * self.cosine + self.sine * self.sine) / 2.0
     }
 
-    /// Takes it out of a rate.
+    /// Subtracts the sine from a rate.
     pub(super) fn take_out(&self, rate: &mut [f64], rate_hz: f64) {
         let turns = self.hz / rate_hz;
         for (chunk, start) in rate.chunks_mut(EXACT_EVERY).zip((0..).step_by(EXACT_EVERY)) {
@@ -62,17 +62,17 @@ impl Sine {
     }
 }
 
-/// Cosine and sine of a frequency, in turns per sample, from one sample on.
+/// Cosine and sine of a frequency, in turns per sample, from sample `start` on.
 fn phases(turns: f64, start: usize) -> impl Iterator<Item = (f64, f64)> {
     let phase = |turns: f64| Complex64::cis(2.0 * PI * (turns - libm::floor(turns)));
     let step = phase(turns);
     core::iter::successors(Some(phase(turns * start as f64)), move |now| Some(now * step)).map(|now| (now.re, now.im))
 }
 
-/// Sums of a rate in which a frequency stands still.
+/// Partial sums of a rate after demodulation by a frequency.
 struct Parts {
     sums: Vec<Complex64>,
-    /// Samples of a part.
+    /// Number of samples in a part.
     length: usize,
 }
 
@@ -89,7 +89,7 @@ impl Parts {
         Self { sums, length }
     }
 
-    /// The power of a frequency this far from the one that stands still, in turns per sample.
+    /// The power at a frequency `off` from the demodulation frequency, in turns per sample.
     fn power(&self, off: f64) -> f64 {
         let turn = |(sum, part): (&Complex64, usize)| {
             let middle = (part as f64 + 0.5) * self.length as f64;
@@ -98,7 +98,7 @@ impl Parts {
         self.sums.iter().zip(0..).map(turn).sum::<Complex64>().norm_sqr()
     }
 
-    /// The strongest frequency within reach of the one that stands still.
+    /// The strongest frequency within `reach` of the demodulation frequency, as an offset in turns per sample.
     fn strongest(&self, reach: f64) -> Result<f64, FftError> {
         let len = (FINENESS * self.sums.len()).next_power_of_two();
         let step = 1.0 / (len * self.length) as f64;

@@ -10,17 +10,17 @@ const WHITE: f64 = 0.1;
 /// Standard deviations by which the halves of a record must differ at one averaging time.
 const DIFFERENT: f64 = 5.0;
 
-/// Windows whose spread shows motion, s, and the fewest samples and windows of them.
+/// Length of the windows whose spread shows motion, s, and the least numbers of samples in a window and of windows.
 const WINDOW_S: f64 = 10.0;
 const FEWEST_IN_WINDOW: usize = 20;
 const FEWEST_WINDOWS: usize = 10;
 /// The share of the windows that is left out at either end.
 const OUTSIDE: f64 = 0.1;
-/// A sensor moves if the standard deviations in the windows have this ratio or more.
+/// A sensor moves if the standard deviations of the windows have more than this ratio.
 const MOVES: f64 = 10.0;
 
-/// The ratio of the standard deviations of the samples in windows of ten seconds, without the tenth of the windows
-/// that are the loudest and the quietest. None where the sensor may be at rest.
+/// The ratio of the largest to the smallest standard deviation in windows of ten seconds, without the loudest and the
+/// quietest tenth of the windows. `None` if the sensor may be at rest.
 pub(super) fn motion(rate: &[f64], rate_hz: f64) -> Option<f64> {
     let size = ((WINDOW_S * rate_hz) as usize).max(FEWEST_IN_WINDOW);
     let mut sizes: Vec<f64> = rate.chunks_exact(size).filter_map(about_line).filter(|size| *size > 0.0).collect();
@@ -33,7 +33,7 @@ pub(super) fn motion(rate: &[f64], rate_hz: f64) -> Option<f64> {
     Some(sizes[sizes.len() - 1 - outside] / quiet).filter(|ratio| *ratio > MOVES)
 }
 
-/// The standard deviation of a window about its straight line; none where half of it is missing.
+/// The standard deviation of a window about its straight line; `None` if half of the window is missing.
 fn about_line(window: &[f64]) -> Option<f64> {
     let there = || window.iter().enumerate().filter(|(_, value)| !value.is_nan()).map(|(i, value)| (i as f64, *value));
     let count = there().count() as f64;
@@ -45,18 +45,18 @@ fn about_line(window: &[f64]) -> Option<f64> {
     (2.0 * count > window.len() as f64).then(|| libm::sqrt((vv - tv * tv / tt).max(0.0) / count))
 }
 
-/// The smallest difference between neighbours: coarse codes stand still in many windows.
+/// The smallest non-zero difference of adjacent samples: coarse codes do not change in many windows.
 fn step(rate: &[f64]) -> f64 {
     let steps = rate.windows(2).map(|pair| libm::fabs(pair[1] - pair[0])).filter(|step| *step > 0.0);
     let least = steps.fold(f64::INFINITY, f64::min);
     if least.is_finite() { least } else { 0.0 }
 }
 
-/// The variance of ln σ²(τ) between an eighth of the record and the next. The likelihood takes the noise for steady
-/// and does not cover it.
+/// The variance of ln σ²(τ) between eighths of the record. The likelihood assumes steady noise and does not include
+/// it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Scatter {
-    /// Octaves up to a sixteenth of an eighth.
+    /// One entry per octave, up to a sixteenth of an eighth of the record.
     by_length: Vec<OfLength>,
 }
 
@@ -71,12 +71,12 @@ struct OfLength {
 }
 
 impl OfLength {
-    /// The variance over the share that chance explains.
+    /// The variance in excess of chance.
     fn extra(&self) -> f64 {
         (self.variance - self.chance).max(0.0)
     }
 
-    /// The same where chance alone is this large in less than 1 of 100 steady records, otherwise 0.
+    /// The excess if chance explains the variance in less than 1 of 100 steady records, otherwise 0.
     fn significant(&self) -> f64 {
         let freedom = (BLOCKS - 1) as f64;
         if self.variance / self.chance * freedom > chi2_quantile(0.99, freedom) { self.extra() } else { 0.0 }
@@ -99,7 +99,7 @@ impl Scatter {
         Self { by_length: curves.lengths.iter().filter_map(of).collect() }
     }
 
-    /// Mean of three octaves around an averaging time. The last of them hold beyond.
+    /// Mean excess of three octaves around an averaging time; beyond the end, of the last octaves.
     pub(super) fn near(&self, m: u64) -> f64 {
         let at = self.by_length.partition_point(|of| of.m < m).min(self.by_length.len().max(1) - 1);
         let near = &self.by_length[at.saturating_sub(1)..(at + 2).min(self.by_length.len())];
@@ -107,7 +107,7 @@ impl Scatter {
     }
 
     /// The variance of ln N in the mean of the record, from the shortest averaging time at which the curve is white
-    /// noise, or else from the one at which it is most nearly so.
+    /// noise, or else from the averaging time closest to it.
     pub(super) fn variance_of_ln_n(&self, rate_hz: f64, n2: f64, model: &Model) -> f64 {
         let off_white = |of: &OfLength| libm::fabs(libm::log(n2 * rate_hz / of.m as f64 / model.allan_variance(of.m)));
         let nearest = || self.by_length.iter().min_by(|a, b| off_white(a).total_cmp(&off_white(b)));
@@ -121,7 +121,7 @@ impl Scatter {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Difference {
     pub(super) tau_s: f64,
-    /// Deviation of the first half divided by the second half's.
+    /// Deviation of the first half divided by the deviation of the second half.
     pub(super) ratio: f64,
 }
 

@@ -16,8 +16,7 @@ use realfft::FftError;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Step {
-    /// The time, s from the start of the record. It is certain to some tenths of a second at best; the size is
-    /// certain.
+    /// The time, s from the start of the record. It is known to some tenths of a second at best; the size is certain.
     pub at_s: f64,
     /// The size, in the unit of the rate.
     pub size: f64,
@@ -26,23 +25,23 @@ pub struct Step {
 /// The most significant step that the model's noise does not explain.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate {
-    /// The first sample after it.
+    /// Index of the first sample after the step.
     pub(super) index: usize,
     pub(super) size: f64,
     /// The step in standard deviations.
     pub(super) score: f64,
 }
 
-/// Steps are not looked for this near to the ends.
+/// Number of samples at each end in which no step is searched.
 const MARGIN: usize = 10;
 
-/// The share of averages that may be missing, and the fewest averages in which steps are looked for.
+/// Largest share of missing averages, and the least number of averages in which steps are searched.
 const MOST_MISSING: f64 = 0.02;
 const FEWEST_SLOTS: usize = 64;
 
-/// The score of a step at every time, under the noise of the model with its flicker and random walk. It is a
-/// generalised least squares estimate of the step's size, by one transform. With c_k, d_k = 2 sin(πk/2n) and the
-/// density S_k per sample, a unit step at t has the coefficients −√(2/n) sin(πkt/n)/d_k. Loud lines do not count.
+/// The step with the largest score under the noise of the model, with flicker and random walk. The size at every time
+/// is a generalised least squares estimate, by one transform. With c_k, d_k = 2 sin(πk/2n) and the density S_k per
+/// sample, a unit step at t has the coefficients −√(2/n) sin(πkt/n)/d_k. Loud lines are left out.
 pub(super) fn largest(
     rate: &[f64],
     rate_hz: f64,
@@ -66,7 +65,7 @@ pub(super) fn largest(
     let table = &chosen.problem.table;
     let fitted = table.rows.iter().map(|row| row.f_hz).zip(chosen.found.density.iter().copied());
     let hz = rate_hz / (2 * n) as f64;
-    // what a filter takes off the noise it takes off a step, so that less noise there proves nothing
+    // a filter weakens a step as much as the noise, so less noise there proves nothing
     let whole = fitted.chain(spectrum.above(table.top_hz, rate_hz));
     let known: Vec<(f64, f64)> = whole.map(|(f_hz, density)| (f_hz, density.max(chosen.found.at[N2]))).collect();
     let densities: Vec<f64> = known.iter().map(|(_, density)| *density).collect();
@@ -74,7 +73,7 @@ pub(super) fn largest(
     scan(&rate, &density.iter().map(|density| density * rate_hz).collect::<Vec<f64>>(), &left_out)
 }
 
-/// Averages so long that hardly one is missing: lines across long gaps look like steps.
+/// Averages so long that few are missing: straight lines across long gaps look like steps.
 fn slots_without_gaps(rate: &[f64]) -> (usize, Vec<f64>, Vec<usize>) {
     let mut slot = slot_length(rate.len());
     loop {
@@ -88,7 +87,7 @@ fn slots_without_gaps(rate: &[f64]) -> (usize, Vec<f64>, Vec<usize>) {
     }
 }
 
-/// The moment of a step near a sample: there the sum of the samples less their mean is the farthest from 0.
+/// The sample at which a step near `near` begins: there the running sum about the mean is farthest from 0.
 fn moment(rate: &[f64], near: usize, slot: usize) -> usize {
     let from = near.saturating_sub(slot);
     let around = &rate[from..(near + slot).min(rate.len())];
@@ -119,7 +118,7 @@ fn scan(x: &[f64], density: &[f64], left_out: &[(usize, usize)]) -> Result<Optio
     let mean = x.iter().sum::<f64>() / n.max(1) as f64;
     let coefficients = cosine_transform(&x.iter().map(|x| x - mean).collect::<Vec<f64>>())?;
     let half_angle = PI / (2 * n) as f64;
-    // One transform of both. Without this unit, c·d would vanish beside 1 where the unit of the rate is large.
+    // One transform of both. Without this scale, c·d would vanish beside 1 if the unit of the rate is large.
     let unit = libm::sqrt(density.iter().sum::<f64>() / n as f64);
     let weigh = |(k, (c, s)): (usize, (&f64, &f64))| {
         let d = 2.0 * libm::sin(half_angle * (k + 1) as f64);

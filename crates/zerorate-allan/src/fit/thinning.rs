@@ -1,25 +1,25 @@
-//! Gaps in a measured curve: where bursts are missing, averages over the rest scatter more.
+//! The effect of gaps on a measured curve: if bursts are missing, averages over the rest scatter more.
 //!
-//! The deviations allow for samples that are missing one by one, whatever the noise: a few of the samples of an
-//! average tell what the others add. Bursts are not like that. Where neighbouring samples are correlated, an average
-//! over a few bursts of them is worse than the deviations assume.
+//! The deviations allow for samples that are missing one by one, for any noise: the samples present represent the
+//! missing ones. That does not hold for bursts. If adjacent samples are correlated, an average over a few bursts of
+//! them is worse than the deviations assume.
 
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// An average counts if this share of its samples is there.
+/// An average counts if this share of its samples is present.
 const COUNTS: f64 = 0.5;
-/// Lags over which samples are correlated, and the longest average. Longer ones have the factor of this one.
+/// Number of lags with correlation, and the longest average that is computed. Longer averages have its factor.
 const LAGS: usize = 128;
 const LONGEST: usize = 4096;
-/// Samples that are looked at for each length, and the fewest and the most pairs of averages.
+/// Number of samples examined for each length, and the least and largest number of pairs of averages.
 const LOOKED_AT: usize = 1 << 16;
 const LOOKS: (usize, usize) = (8, 512);
 
 /// The effect of gaps on the Allan variance of the short noise.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Thinning {
-    /// The factor on it for averages of 1, 2, 4 … samples; empty without gaps.
+    /// Factors on the Allan variance of the short noise, for averages of 1, 2, 4 … samples; empty without gaps.
     factors: Vec<f64>,
     /// The share of the samples that is missing.
     missing: f64,
@@ -63,7 +63,7 @@ fn factor(is_there: &[bool], m: usize, covariance: &[f64]) -> f64 {
     if count > 0.0 && whole > 0.0 { (sum / count / whole).max(1.0) } else { 1.0 }
 }
 
-/// The expected square of a difference of two averages, as the deviations correct it; none where it does not enter.
+/// The expected square of a difference of two averages, corrected as in the deviations; `None` if it does not enter.
 fn square(is_there: &[bool], covariance: &[f64]) -> Option<f64> {
     let m = is_there.len() / 2;
     let halves = [&is_there[..m], &is_there[m..]];

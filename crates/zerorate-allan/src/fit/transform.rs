@@ -107,7 +107,7 @@ mod tests {
         }
     }
 
-    /// White noise of density 2 at 10 Hz has the variance 20; 1 − cos has it at lag 1.
+    /// White noise of density 2 at 10 Hz has the variance 20. The cosine adds a covariance of −5 at lag 1.
     #[test]
     fn autocovariance_of_densities_that_are_known() {
         let density: Vec<f64> = (0..=256).map(|i| 2.0 - libm::cos(PI * f64::from(i) / 256.0)).collect();

@@ -1,5 +1,4 @@
-//! Large arrays. On Linux they use large pages: a new array that is touched one small page after the other costs as
-//! much as the sums over it.
+//! Large arrays. On Linux they use large pages: to touch a new array in small pages costs as much as the sums over it.
 
 #[cfg(all(feature = "std", target_os = "linux"))]
 pub(super) use pages::{Array, Number};
@@ -13,10 +12,10 @@ mod pages {
 
     pub(in super::super) use bytemuck::Pod as Number;
 
-    /// Smaller arrays stay on the heap.
+    /// Least size of an array in large pages, bytes. Smaller arrays stay on the heap.
     const LARGE: usize = 1 << 22;
 
-    /// An array of zeros at first.
+    /// An array that starts as zeros.
     pub(in super::super) enum Array<T> {
         Heap(Vec<T>),
         Pages(MmapMut),
@@ -66,7 +65,7 @@ mod heap {
     pub(in super::super) trait Number: Copy + Default {}
     impl<T: Copy + Default> Number for T {}
 
-    /// An array of zeros at first.
+    /// An array that starts as zeros.
     pub(in super::super) struct Array<T>(Vec<T>);
 
     impl<T: Number> Array<T> {

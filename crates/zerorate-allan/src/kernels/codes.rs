@@ -8,10 +8,10 @@ use alloc::vec::Vec;
 /// Samples that one thread takes at a time.
 const PIECE: usize = 1 << 17;
 
-/// Sums that are exact: no running sum, no difference and no square rounds or overflows.
+/// Exact sums of squares: no running sum, no difference and no square rounds or overflows.
 ///
-/// A difference that is known to be small may be formed from running sums modulo a power of two. The narrower these
-/// are, the less memory has to be read.
+/// A small difference may be formed from running sums modulo a power of two. Narrower running sums take less memory to
+/// read.
 pub(super) fn squares(codes: &[i32], kernel: Kernel, m: &[usize]) -> Vec<Result<Squares, Reason>> {
     let bounds = Bounds::of(codes);
     let width = |&m: &usize| bounds.width(kernel, m);
@@ -41,12 +41,12 @@ enum Width {
     Wide,
 }
 
-/// The bounds of the differences. The offset, which differences do not see, keeps the running sum small.
+/// The bounds of the differences. The offset, which cancels in differences, keeps the running sum small.
 struct Bounds {
     offset: i64,
     /// Largest less smallest code.
     codes: u128,
-    /// Largest less smallest running sum, or more.
+    /// Upper bound of largest less smallest running sum.
     sums: u128,
     /// Running sum before each piece.
     before: Vec<i64>,
@@ -74,8 +74,8 @@ impl Bounds {
         Self { offset, codes: high.abs_diff(low).into(), sums, before }
     }
 
-    /// The width of a difference. One of two sums over m is below m times the range of the codes, and below twice the
-    /// range of the running sum (four times, where it is reflected or a third difference).
+    /// The width of a difference. A difference of two sums over m is below m times the range of the codes, and below
+    /// twice the range of the running sum (four times, if it is reflected or a third difference).
     fn width(&self, kernel: Kernel, m: usize) -> Width {
         let long = m as u128;
         let (largest, narrowest) = match kernel {

@@ -8,11 +8,11 @@ use alloc::vec::Vec;
 
 /// Samples that one thread takes at a time.
 const PIECE: usize = 1 << 17;
-/// Samples that are summed from zero, so that little is lost, before the sum so far is added.
+/// Number of samples that are summed from zero before the total is added, so that little precision is lost.
 const SHORT: usize = 256;
 
-/// Running sum of the rate less its mean, or nearly: differences do not see a constant. `None` if samples are missing,
-/// which shows in the first of the two passes.
+/// Running sum of the rate less approximately its mean; differences cancel a constant. `None` if samples are missing,
+/// which the first of two passes finds.
 pub(super) fn phase(rate: &[f64]) -> Option<Array<f64>> {
     let pieces: Vec<&[f64]> = rate.chunks(PIECE).collect();
     let near = near_mean(rate);
@@ -30,14 +30,14 @@ pub(super) fn phase(rate: &[f64]) -> Option<Array<f64>> {
     Some(x)
 }
 
-/// The mean of some samples, so that the sums of the rest are small.
+/// The mean of some samples, so that sums about it are small.
 fn near_mean(rate: &[f64]) -> f64 {
     let some = || rate.iter().step_by(1 + rate.len() / PIECE);
     coarse(some().sum::<f64>() / some().count().max(1) as f64, rate)
 }
 
-/// Rounds the mean to 24 bits of the spread. With all its bits the samples of a converter would have fractions that
-/// are all alike, and the running sum would round each of them the same way.
+/// Rounds the mean to 24 bits of the spread. With all bits of the mean, the samples of a converter would all have the
+/// same fraction, and the running sum would round each of them the same way.
 fn coarse(mean: f64, rate: &[f64]) -> f64 {
     let some = &rate[..rate.len().min(PIECE)];
     let spread = some.iter().map(|value| libm::fabs(value - mean)).sum::<f64>() / some.len().max(1) as f64;
@@ -70,12 +70,12 @@ pub(super) fn squares(x: &[f64], kernel: Kernel, m: &[usize]) -> Vec<Result<Squa
     sums.into_iter().zip(m).map(|pair| Ok(squares(pair))).collect()
 }
 
-/// Longest averages that share a step of the fixed point. Short ones need a fine step, long ones a wide range.
+/// Longest averages of each class that shares a fixed-point step. Short averages need a fine step, long ones a wide
+/// range.
 const CLASSES: [usize; 3] = [1 << 8, 1 << 16, usize::MAX];
 
-/// Inner sums of second differences are third differences of the running sum of x. In f64 that sum would lose the
-/// small ones, so it is formed in fixed point, where sum and difference are exact. Only x is rounded, once, to the
-/// step.
+/// Inner sums of second differences are third differences of the running sum of x. In f64 that sum would lose small
+/// values, so it is formed in fixed point, where sum and difference are exact. Only x is rounded, once, to the step.
 fn modified(x: &[f64], m: &[usize]) -> Vec<f64> {
     let bounds = Bounds::of(x);
     let mut sums = vec![0.0; m.len()];

@@ -6,7 +6,7 @@ use crate::{Gap, Input};
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// A record with less than 1 sample in this many is refused. This bounds the memory.
+/// A record with fewer than 1 sample present in this many is refused. This bounds the memory.
 const SPARSEST: u64 = 16;
 
 pub(super) fn squares(input: &Input<'_>, kernel: Kernel, m: &[usize]) -> Vec<Result<Squares, Reason>> {
@@ -21,7 +21,7 @@ pub(super) fn squares(input: &Input<'_>, kernel: Kernel, m: &[usize]) -> Vec<Res
     }
 }
 
-/// The codes as numbers, NaN where samples were lost.
+/// The codes as numbers, with NaN for lost samples.
 pub(crate) fn expanded(codes: &[i32], gaps: &[Gap]) -> Vec<f64> {
     let mut rate = Vec::new();
     let mut next = 0;
@@ -53,14 +53,14 @@ fn sum(record: &impl Record, kernel: Kernel, m: usize) -> Result<Squares, Reason
         Kernel::Modified => modified(record, m, starts, &mut valid),
     }
     match valid.n {
-        // the losses added more than the whole square
+        // the correction for losses exceeds the whole square
         _ if valid.sum < 0.0 => Err(Reason::Gaps),
         0 => Err(Reason::Gaps),
         n => Ok(Squares { sum: valid.sum, n, per: 1.0 }),
     }
 }
 
-/// The sums of modified statistics. The inner mean slides: one difference enters, one leaves.
+/// The sums of modified statistics. In the sliding inner mean, one difference enters and one leaves.
 fn modified(record: &impl Record, m: usize, starts: impl Iterator<Item = usize>, valid: &mut Valid) {
     let mut inner = Inner::default();
     (0..m as isize - 1).for_each(|i| inner.change(record.second(i, m), 1));
@@ -91,7 +91,7 @@ impl Valid {
     }
 }
 
-/// Sum with the error of its rounding (Neumaier), since terms leave it again.
+/// Sum with its rounding error (Neumaier), because terms are also removed from it.
 #[derive(Default)]
 struct Inner {
     sum: f64,
@@ -115,7 +115,7 @@ impl Inner {
     }
 }
 
-/// Differences of averages, `None` where too many samples are missing. Points before the first and after the last are
+/// Differences of averages; `None` if too many samples are missing. Points before the first and after the last are
 /// reflected.
 trait Record {
     fn points(&self) -> usize;
@@ -129,7 +129,7 @@ trait Record {
     }
 }
 
-/// Phase. Leading and trailing points that are missing leave no point to reflect at.
+/// Phase. If the first or the last point is missing, there is no point to reflect at.
 struct Points<'a>(&'a [f64]);
 
 impl Points<'_> {
@@ -181,7 +181,7 @@ impl Sums {
 /// A mean over the samples present.
 struct Average {
     mean: f64,
-    /// The mean excess of its squared error over the complete average's. None where one sample stands for
+    /// The mean excess of the squared error over that of the complete average. `None` if one sample stands for
     /// several.
     excess: Option<f64>,
 }
@@ -202,7 +202,7 @@ impl Present {
         Self { sums: core::iter::once(Sums::default()).chain(next).collect() }
     }
 
-    /// Sums up to a point. Before the first sample and after the last the record runs backwards.
+    /// Sums up to a point. The record is mirrored before the first sample and after the last.
     fn up_to(&self, i: isize) -> Sums {
         let last = self.sums.len() - 1;
         match usize::try_from(i) {

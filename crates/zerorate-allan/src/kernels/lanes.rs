@@ -1,5 +1,4 @@
-//! Sums of squared differences over short runs. The compiler turns them into the best vector instructions that the
-//! machine has.
+//! Sums of squared differences over short runs, compiled to the best vector instructions of the machine.
 
 #![allow(clippy::needless_range_loop)]
 
@@ -9,7 +8,7 @@ use alloc::vec::Vec;
 
 const LANES: usize = 16;
 
-/// Second differences of f64. The lanes are independent sums and their number is fixed, so every machine rounds alike.
+/// Sum of squared second differences of f64. The number of independent sums is fixed, so every machine rounds alike.
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn second_f64(a: &[f64], b: &[f64], c: &[f64]) -> f64 {
     let mut sums = [0.0; LANES];
@@ -43,7 +42,7 @@ pub(super) fn sum_f64(values: &[f64], offset: f64) -> f64 {
     sums.iter().sum()
 }
 
-/// A straight line through phase.
+/// A straight line through the phase.
 #[derive(Clone, Copy)]
 pub(super) struct Line {
     pub start: f64,
@@ -59,15 +58,15 @@ impl Line {
     }
 }
 
-/// The largest distance of the phase from a line.
+/// The largest distances of the phase less a line.
 pub(super) struct Reach {
-    /// The largest distance.
+    /// The largest distance from the line.
     pub level: f64,
-    /// The largest distance from one point to the next.
+    /// The largest step from one point to the next, less the slope of the line.
     pub difference: f64,
 }
 
-/// The reach of points from number `first` on; differences are taken between them.
+/// The reach of points from number `first` on, and of the differences between them.
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn reach(line: Line, first: usize, x: &[f64]) -> Reach {
     let first = first as f64;
@@ -96,10 +95,10 @@ pub(super) fn reach(line: Line, first: usize, x: &[f64]) -> Reach {
     reach
 }
 
-/// Rounds to whole steps.
+/// The level of a point, rounded to whole steps.
 #[inline(always)]
 fn steps(line: Line, per_step: f64, first: f64, i: usize, x: f64) -> i64 {
-    /// f64 has only whole numbers from here on.
+    /// From here on, f64 has only whole numbers.
     const WHOLE: f64 = 4_503_599_627_370_496.0;
     let exact = line.level(first, i, x) * per_step;
     let whole = WHOLE.copysign(exact);
@@ -115,7 +114,7 @@ pub(super) fn sum_steps(line: Line, per_step: f64, first: usize, x: &[f64]) -> i
     x.iter().enumerate().map(of).fold(0, i64::wrapping_add)
 }
 
-/// The running sum of the same, from `before` on.
+/// The running sum of the levels of points, in steps, from `before` on.
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn run_steps(line: Line, per_step: f64, first: usize, x: &[f64], before: i64, out: &mut [i64]) {
     let mut sum = before;
@@ -129,7 +128,7 @@ pub(super) fn run_steps(line: Line, per_step: f64, first: usize, x: &[f64], befo
     }
 }
 
-/// Third differences of f64.
+/// Sum of squared third differences of f64.
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn third_f64(a: &[f64], b: &[f64], c: &[f64], d: &[f64]) -> f64 {
     let mut sums = [0.0; LANES];
@@ -149,7 +148,7 @@ pub(super) fn third_f64(a: &[f64], b: &[f64], c: &[f64], d: &[f64]) -> f64 {
     sums.iter().sum()
 }
 
-/// The number of codes that have a sum of their own.
+/// Number of codes in one partial sum.
 pub(super) const SHORT: usize = 64;
 
 /// The range and the sums of some codes.
@@ -175,10 +174,10 @@ pub(super) fn survey(codes: &[i32]) -> Survey {
     survey
 }
 
-/// Numbers below 2^28 whose squares fit into a sum of 64 bits.
+/// Number of values below 2^28 whose squares fit into a sum of 64 bits.
 const RUN: usize = 256;
 
-/// Second differences of i32 modulo 2^32, all of which are below 2^28.
+/// Sum of squared second differences of i32 modulo 2^32, all of which are below 2^28.
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn second_i32(a: &[i32], b: &[i32], c: &[i32]) -> ExactSum {
     let mut sum = 0u128;
@@ -193,7 +192,7 @@ pub(super) fn second_i32(a: &[i32], b: &[i32], c: &[i32]) -> ExactSum {
     ExactSum::from(sum)
 }
 
-/// Third differences of i32 modulo 2^32, all of which are below 2^28.
+/// Sum of squared third differences of i32 modulo 2^32, all of which are below 2^28.
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn third_i32(a: &[i32], b: &[i32], c: &[i32], d: &[i32]) -> ExactSum {
     let mut sum = 0u128;
@@ -209,12 +208,12 @@ pub(super) fn third_i32(a: &[i32], b: &[i32], c: &[i32], d: &[i32]) -> ExactSum 
     ExactSum::from(sum)
 }
 
-/// Numbers below 2^56 the parts of whose squares fit into sums of 64 bits.
+/// Number of values below 2^56 whose squares fit in parts into sums of 64 bits.
 const LONG_RUN: usize = 128;
-/// The bit at which these numbers are split.
+/// The bit at which these values are split.
 const SPLIT: u32 = 28;
 
-/// A sum of squares of numbers in two parts each.
+/// A sum of squares of values that are split in two.
 #[derive(Default)]
 struct Parts {
     high: u64,
@@ -239,7 +238,7 @@ impl Parts {
     }
 }
 
-/// Second differences of i64 modulo 2^64, all of which are below 2^56; at most 2^16 of them.
+/// Sum of at most 2^16 squared second differences of i64 modulo 2^64, all of which are below 2^56.
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn second_i64(a: &[i64], b: &[i64], c: &[i64]) -> ExactSum {
     let mut sum = 0;
@@ -253,7 +252,7 @@ pub(super) fn second_i64(a: &[i64], b: &[i64], c: &[i64]) -> ExactSum {
     ExactSum::from(sum)
 }
 
-/// Third differences of i64 modulo 2^64, all of which are below 2^56; at most 2^16 of them.
+/// Sum of at most 2^16 squared third differences of i64 modulo 2^64, all of which are below 2^56.
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn third_i64(a: &[i64], b: &[i64], c: &[i64], d: &[i64]) -> ExactSum {
     let mut sum = 0;
@@ -269,7 +268,7 @@ pub(super) fn third_i64(a: &[i64], b: &[i64], c: &[i64], d: &[i64]) -> ExactSum 
     ExactSum::from(sum)
 }
 
-/// Third differences of fixed point, squared in f64.
+/// Sum of squared third differences of fixed-point numbers, squared in f64.
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn third_fixed(a: &[i64], b: &[i64], c: &[i64], d: &[i64]) -> f64 {
     let mut sums = [0.0; LANES];
@@ -293,7 +292,7 @@ pub(super) fn third_fixed(a: &[i64], b: &[i64], c: &[i64], d: &[i64]) -> f64 {
     sums.iter().sum()
 }
 
-/// Converts like `as f64`, in parts that become f64 by their place in its bits. Many vector instructions have no
+/// Converts like `as f64`, in two halves that are placed in the bits of an f64. Many vector instruction sets have no
 /// conversion from i64.
 #[inline(always)]
 fn to_f64(number: i64) -> f64 {

@@ -1,8 +1,8 @@
 //! Computes all averaging times in one pass over the running sum.
 //!
-//! A block of starts is taken through every averaging time before the next block is. So the data that two averaging
-//! times share come from memory once. The blocks are cut at fixed places and their sums added in their order: any
-//! number of threads gives the same bits.
+//! A block of starts goes through every averaging time before the next block does. So data that two averaging times
+//! share are read from memory once. Blocks are cut at fixed places and their sums are added in order, so any number of
+//! threads gives the same bits.
 
 use super::array::Number;
 use super::exact::ExactSum;
@@ -13,7 +13,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::Range;
 
-/// Starts in a block. The first cache holds some of its streams, the second cache the streams of all averaging times.
+/// Starts in a block. The first cache holds some streams of a block, the second cache those of all averaging times.
 const BLOCK: usize = 2048;
 /// Starts that one thread takes at a time.
 const PIECE: usize = 64 * BLOCK;
@@ -53,8 +53,8 @@ fn near_sums<T: Step>(x: &[T::Number], plain: Plain, m: &[usize]) -> Vec<T::Sum>
     joined::<T>(pieces, m.len())
 }
 
-/// Handles averages of whole rows of [`ROW`] points, which never leave their column. As many columns as fit into the
-/// cache are a record of their own.
+/// Handles averages of whole rows of [`ROW`] points, whose differences stay within a column. As many columns as fit
+/// into the cache are processed as one record.
 fn far_sums<T: Step>(x: &[T::Number], plain: Plain, m: &[usize]) -> Vec<T::Sum> {
     if m.is_empty() {
         return Vec::new();
@@ -121,7 +121,8 @@ fn strided<T: Step>(x: &[T::Number], plain: Plain, m: usize, starts: Range<usize
     }
 }
 
-/// Does the same for the reflected record: plain within it, and reflected around the points within m of its ends.
+/// As [`sums`], for the reflected record: plain within the record, and reflected around the points within m of its
+/// ends.
 pub(super) fn reflected_sums<T: Step>(x: &[T::Number], m: &[usize]) -> Vec<T::Sum> {
     let mut sums = sums::<T>(x, Plain::WITHIN, m);
     let last = x.len() - 1;
@@ -139,8 +140,8 @@ pub(super) fn reflected_sums<T: Step>(x: &[T::Number], m: &[usize]) -> Vec<T::Su
     sums
 }
 
-/// Sums around `middles`. Either all of them are within m of the start or none is, and likewise for the end once they
-/// are cut there.
+/// Sums around `middles`. All or none of them are within m of the start; they are cut so that this also holds for the
+/// end.
 fn reflected<T: Step>(x: &[T::Number], m: usize, middles: Range<usize>) -> T::Sum {
     let cut = x.len().saturating_sub(m).clamp(middles.start, middles.end);
     let mut sum = T::Sum::default();
@@ -192,7 +193,7 @@ impl Step for f64 {
     }
 }
 
-/// Numbers modulo 2^32. Differences must be below 2^28.
+/// Integers modulo 2^32. Differences must be below 2^28.
 impl Step for i32 {
     type Number = i32;
     type Sum = ExactSum;
@@ -214,7 +215,7 @@ impl Step for i32 {
     }
 }
 
-/// Numbers modulo 2^64. Differences must be below 2^56.
+/// Integers modulo 2^64. Differences must be below 2^56.
 impl Step for i64 {
     type Number = i64;
     type Sum = ExactSum;

@@ -3,20 +3,20 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-/// Samples of an average, and the fewest averages.
+/// Largest number of samples in an average, and the least number of averages.
 const SLOT: usize = 64;
 const FEWEST_SLOTS: usize = 1024;
 /// An average of fewer samples, as a share of the typical number, is dropped: its noise would dominate all.
 const FEWEST_IN_A_SLOT: f64 = 0.5;
 
-/// Samples of an average, a power of two.
+/// Number of samples in an average, a power of two.
 pub(in crate::fit) fn slot_length(samples: usize) -> usize {
     core::iter::successors(Some(SLOT), |slot| Some(slot / 2))
         .find(|slot| *slot <= 4 || samples / slot >= FEWEST_SLOTS)
         .unwrap_or(4)
 }
 
-/// The mean of every `slot` samples that are present, and their number. It is NaN and 0 where hardly any are.
+/// The mean over every `slot` samples of those present, and their number; NaN and 0 if too few are present.
 pub(in crate::fit) fn averages(rate: &[f64], slot: usize) -> (Vec<f64>, Vec<usize>) {
     let mean = |slot: &[f64]| {
         let sum: f64 = slot.iter().sum();
@@ -37,14 +37,14 @@ pub(in crate::fit) fn averages(rate: &[f64], slot: usize) -> (Vec<f64>, Vec<usiz
     (means, counts)
 }
 
-/// Factor of white noise in the averages: slot·Σ1/count over all of them.
+/// Factor by which gaps raise the white noise of averages: the mean of slot/count over all averages.
 pub(in crate::fit) fn white_in(counts: &[usize], slot: usize) -> f64 {
     let there = counts.iter().filter(|count| **count > 0);
     there.map(|&count| slot as f64 / count as f64).sum::<f64>() / counts.len().max(1) as f64
 }
 
-/// Straight lines where values are missing, level at the ends. A line goes through the means of as many values on both
-/// sides as are missing: it has then about the slow power of the white noise, or of the random walk, that it replaces.
+/// Fills gaps with straight lines, level at the ends. A line goes through the means of as many values on each side as
+/// are missing. So it has about the slow power of the white noise or random walk that it replaces.
 pub(in crate::fit) fn fill_gaps(values: &mut [f64]) {
     let lines: Vec<(Range<usize>, Line)> = gaps(values).map(|gap| (gap.clone(), Line::across(values, &gap))).collect();
     for (gap, line) in lines {
@@ -81,7 +81,7 @@ impl Line {
     }
 }
 
-/// The mean place and the mean of the values that are there.
+/// The mean index and the mean of the values that are present.
 fn centre(values: &[f64], within: Range<usize>) -> Option<(f64, f64)> {
     let there = || within.clone().filter(|&i| !values[i].is_nan());
     let count = there().count() as f64;

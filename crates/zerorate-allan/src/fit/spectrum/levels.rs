@@ -1,8 +1,8 @@
-//! Levels of a record: its samples, means of them, means of more of them.
+//! Levels of a record: its samples, and means over more and more samples.
 //!
-//! A mean of `step` samples hears the noise of its own band, and that of higher bands, which folds into it. What folds
-//! was measured on the levels before, and is subtracted. Where samples are missing, each mean hears the frequencies
-//! differently. The mean response gains, and the scatter about it turns noise of any frequency into white noise.
+//! A mean of `step` samples contains the noise of its own band, and aliases from higher bands. The levels before have
+//! measured the aliases, which are subtracted. If samples are missing, each mean has another frequency response. The
+//! mean response is the gain, and the scatter about it turns noise of any frequency into white noise.
 
 use super::super::lines::Narrow;
 use super::averages::averages;
@@ -13,9 +13,9 @@ use core::f64::consts::PI;
 use realfft::num_complex::Complex64;
 use realfft::{FftError, RealFftPlanner};
 
-/// Frequencies, in each frequency of a mean, at which its response is known.
+/// Number of response frequencies per frequency of a mean.
 const FINENESS: usize = 4;
-/// Most samples whose gaps are looked at.
+/// Largest number of samples whose gaps are examined.
 const LOOKED_AT: usize = 1 << 20;
 
 /// The density and the lines that the levels before have measured.
@@ -28,7 +28,7 @@ pub(super) struct MeasuredLevels {
 }
 
 impl MeasuredLevels {
-    /// Adds what a level has measured below all that is known.
+    /// Adds the densities and lines of a level, which are below all known frequencies.
     pub(super) fn add_below(&mut self, density: impl Iterator<Item = (f64, f64)>, lines: &[Narrow]) {
         let above = core::mem::take(&mut self.density);
         self.density = density.chain(above).collect();
@@ -50,18 +50,18 @@ impl MeasuredLevels {
 pub(super) struct Level<'a> {
     pub(super) step: usize,
     pub(super) values: Cow<'a, [f64]>,
-    /// The share of them that is there.
+    /// The share of means that are present.
     pub(super) present: f64,
-    /// The rate of the samples.
+    /// Rate of the samples, Hz.
     rate_hz: f64,
     gaps: Option<Gaps>,
 }
 
 /// The responses of means with gaps, at equal steps from 0 to half the rate.
 struct Gaps {
-    /// The gain of the mean of all.
+    /// The gain of the mean response.
     gain: Vec<f64>,
-    /// The gain of the scatter about that mean.
+    /// The gain of the scatter about the mean response.
     scatter: Vec<f64>,
 }
 
@@ -86,7 +86,7 @@ impl<'a> Level<'a> {
         self.rate_hz / self.step as f64
     }
 
-    /// The share of the density at a frequency of the samples that passes a mean.
+    /// The share of the samples' density at a frequency that passes a mean.
     pub(super) fn gain(&self, f_hz: f64) -> f64 {
         if let Some(Gaps { gain, .. }) = &self.gaps {
             return at(gain, f_hz / self.rate_hz * 2.0 * (gain.len() - 1) as f64);
@@ -96,7 +96,7 @@ impl<'a> Level<'a> {
         if own.is_finite() { own * own } else { 1.0 }
     }
 
-    /// The density that folds onto a frequency of this level.
+    /// The density that aliases to a frequency of this level.
     pub(super) fn folded(&self, f_hz: f64, known: &MeasuredLevels) -> f64 {
         let folds = |(times, sign): (usize, f64)| {
             let from_hz = libm::fabs(f_hz + sign * times as f64 * self.rate_hz());
@@ -105,7 +105,7 @@ impl<'a> Level<'a> {
         (1..=self.step / 2).flat_map(|times| [(times, 1.0), (times, -1.0)]).map(folds).sum()
     }
 
-    /// The white density that the scatter of the responses makes.
+    /// The white density that the scatter of the responses causes.
     pub(super) fn scattered(&self, known: &MeasuredLevels) -> f64 {
         let Some(Gaps { scatter, .. }) = &self.gaps else { return 0.0 };
         let hz = self.rate_hz / 2.0 / (scatter.len() - 1) as f64;
@@ -116,7 +116,7 @@ impl<'a> Level<'a> {
     }
 }
 
-/// A value between two of a list, linear.
+/// Interpolates linearly in a list.
 fn at(values: &[f64], place: f64) -> f64 {
     let before = (place as usize).min(values.len().saturating_sub(2));
     values[before] + (values[before + 1] - values[before]) * (place - before as f64).min(1.0)

@@ -1,9 +1,9 @@
 //! Turns a record into the bins of its spectrum.
 //!
-//! A complete record is one cosine transform. A longer one, and one with gaps, goes through levels: its samples, means
-//! of some of them, means of more of them. Segments of a level give the upper part of its band, and the next level
-//! gives the rest. The last level is one cosine transform, which is exact for white noise and a random walk. Sines are
-//! taken out of the samples before (`search.rs`).
+//! A complete record is one cosine transform. A longer record, or one with gaps, goes through levels: its samples, and
+//! means over more and more samples. Segments of a level give the upper part of its band, and the next level gives the
+//! rest. The last level is one cosine transform, which is exact for white noise and a random walk. Sines are removed
+//! from the samples before (`search.rs`).
 
 pub(super) mod averages;
 mod levels;
@@ -27,32 +27,32 @@ pub(super) struct Spectrum {
     pub(super) bins: Vec<Bin>,
     /// The first coefficients times √dt.
     pub(super) low: Vec<f64>,
-    /// The lines that left the bins.
+    /// The lines whose coefficients were removed from the bins.
     pub(super) narrow: Vec<Narrow>,
-    /// Samples that entered, lost ones included.
+    /// Number of samples used, lost ones included.
     pub(super) samples: usize,
-    /// The lines that were sines. They left the samples as well.
+    /// The lines that were sines, which were also removed from the samples.
     sines: Vec<Sine>,
     /// Whether the spectrum has more than one transform.
     pub(super) has_levels: bool,
 }
 
-/// Most values of one transform.
+/// Largest number of values in one transform.
 const LONGEST: usize = 1 << 20;
-/// The last level has this share of its values, or fewer values than this.
+/// The last level has this share of its values present, or fewer than `FEW` values.
 const NEARLY_COMPLETE: f64 = 0.99;
 const FEW: usize = 256;
-/// Segments are used from this share of their length on, and from this coefficient on. Below, the jumps at their ends
-/// disturb them.
+/// Segments are used from coefficient length/`USED_FROM`, and from `FIRST`. Below, the jumps at their ends disturb
+/// them.
 const USED_FROM: usize = 128;
 const FIRST: usize = 4;
 /// Rounds of the search for sines: a strong one hides weak ones.
 const ROUNDS: usize = 3;
-/// Degrees of freedom of a sine, the share of its bin's that must be left, and its coefficients on either side.
+/// Degrees of freedom of a sine, the least share left in its bin, and its coefficients on either side.
 const OF_A_SINE: f64 = 3.0;
 const LEAST_LEFT: f64 = 0.5;
 const BESIDE: usize = 4;
-/// Values in a mean of the next level, at most.
+/// Largest number of values in a mean of the next level.
 const NEXT: usize = 16;
 
 impl Spectrum {
@@ -72,14 +72,14 @@ impl Spectrum {
         Ok(Self { sines, ..spectrum })
     }
 
-    /// The rate without the sines that were taken out of it.
+    /// The rate without the sines that were found.
     pub(super) fn without_sines<'a>(&self, rate: &'a [f64], rate_hz: f64) -> Cow<'a, [f64]> {
         let mut left = Cow::Borrowed(rate);
         self.sines.iter().for_each(|sine| sine.take_out(left.to_mut(), rate_hz));
         left
     }
 
-    /// Notes a sine that was taken out of the samples as a line. With it went noise at its frequency.
+    /// Adds a sine that was removed from the samples to the lines. Its removal also took noise at its frequency.
     fn stands_beside(&mut self, sine: &Sine, rate_hz: f64) {
         let hz = rate_hz / (2.0 * self.samples as f64);
         let k = libm::round(sine.hz / hz) as usize;
@@ -102,7 +102,7 @@ impl Spectrum {
         });
     }
 
-    /// The spectrum of a rate with the sines that are in it.
+    /// The spectrum of a rate, in which sines were not removed.
     fn with_sines(rate: &[f64], rate_hz: f64) -> Result<Self, FftError> {
         let is_complete = !rate.iter().any(|value| value.is_nan());
         if !is_complete || rate.len() > LONGEST {
@@ -173,12 +173,12 @@ impl Part {
         Ok(Self { hz, bins, low, narrow })
     }
 
-    /// The lowest frequency of its bins.
+    /// The lowest frequency of the bins, Hz.
     fn lowest_hz(&self) -> f64 {
         self.bins.first().map_or(0.0, |bin| (bin.first as f64 - 0.5) * self.hz)
     }
 
-    /// Sets the way from the density of the samples to that of the level.
+    /// Sets the response from the density of the samples to the density of the level.
     fn respond(&mut self, level: &Level<'_>, known: &MeasuredLevels) {
         let scattered = level.scattered(known);
         for bin in &mut self.bins {
@@ -188,7 +188,7 @@ impl Part {
         }
     }
 
-    /// The same in coefficients that are `hz` apart.
+    /// Converts bins and lines to coefficients that are `hz` apart.
     fn in_units_of(mut self, hz: f64) -> Self {
         let scale = self.hz / hz;
         let edge = |k: usize| libm::round((k as f64 - 0.5) * scale + 0.5) as usize;
@@ -199,19 +199,19 @@ impl Part {
 }
 
 impl Level<'_> {
-    /// Whether one transform gives all that is left.
+    /// Whether one transform gives the rest of the spectrum.
     fn is_last(&self) -> bool {
         let values = self.values.len();
         values < FEW || values <= LONGEST && self.present > NEARLY_COMPLETE
     }
 
-    /// Values in a mean of the next level. The band of that level reaches well above the first frequency of the
+    /// Number of values in a mean of the next level, whose band reaches well above the first frequency of the
     /// segments.
     fn next(&self) -> usize {
         (segments::length(self.values.len()) / (USED_FROM / FIRST)).clamp(2, NEXT)
     }
 
-    /// The bins below `end_hz` from one transform. Where values are missing, it takes the line between the neighbours.
+    /// The bins below `end_hz` from one transform. Missing values are filled by straight lines.
     fn transformed(&self, end_hz: f64) -> Result<Part, FftError> {
         let mut values = self.values[..smooth_length(self.values.len())].to_vec();
         fill_gaps(&mut values);
@@ -222,7 +222,7 @@ impl Level<'_> {
         Ok(part)
     }
 
-    /// The bins below `end_hz` from segments, as far down as these reach.
+    /// The bins below `end_hz` from segments, down to the lowest frequency that they reach.
     fn segmented(&self, end_hz: f64) -> Result<Part, FftError> {
         let length = segments::length(self.values.len());
         let has_gaps = self.values.iter().any(|value| value.is_nan());

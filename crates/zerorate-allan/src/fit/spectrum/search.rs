@@ -1,4 +1,4 @@
-//! The sines of a record: of the narrow lines that stand out of its noise, those that one sine explains.
+//! Finds the sines of a record: the narrow lines above its noise that one sine explains.
 
 use super::super::bins::{Bin, all_edges};
 use super::super::lines::{Line, Narrow};
@@ -10,17 +10,18 @@ use alloc::borrow::Cow;
 use alloc::vec::Vec;
 use realfft::FftError;
 
-/// A line this many times as strong as the noise within its frequency is looked at.
+/// A line is examined if its power is this many times its frequency times the noise density there.
 const LOUD: f64 = 2.0;
 /// A line is a sine if one sine has this share of its power.
 const MOST_OF_IT: f64 = 0.9;
-/// Most sines that are taken out at once.
+/// Largest number of sines that are removed in one round.
 const MOST_SINES: usize = 16;
-/// Means in which slow lines are looked for, at most, and the share of their rate up to which they show a sine whole.
+/// Largest number of means in the search for slow lines, and the share of their rate up to which they keep a sine
+/// whole.
 const MOST_MEANS: usize = 1 << 17;
 const WHOLE: f64 = 0.125;
 
-/// Takes the sines out of a rate, the strongest first, and returns them.
+/// Removes the sines from a rate, the strongest first, and returns them.
 pub(super) fn take_out_sines(
     spectrum: &Spectrum,
     rate: &mut Cow<'_, [f64]>,
@@ -42,7 +43,7 @@ pub(super) fn take_out_sines(
     Ok(sines)
 }
 
-/// The lines that stand out of the noise, of those that left the bins; coefficients are `hz` apart.
+/// The narrow lines that stand out of the noise; coefficients are `hz` apart.
 fn loud(narrow: &[Narrow], bins: &[Bin], hz: f64) -> Vec<Line> {
     let density_at = |f_hz: f64| {
         let near = bins.partition_point(|bin| (bin.end as f64) * hz < f_hz);
@@ -52,7 +53,8 @@ fn loud(narrow: &[Narrow], bins: &[Bin], hz: f64) -> Vec<Line> {
     lines.filter(|line| line.rms * line.rms > LOUD * line.frequency_hz * density_at(line.frequency_hz)).collect()
 }
 
-/// The segments of levels are too short for slow lines. One transform of means shows these, with lines across gaps.
+/// The segments of levels are too short for slow lines. One transform of means shows slow lines; gaps are filled with
+/// straight lines.
 fn slow_lines(rate: &[f64], rate_hz: f64) -> Result<Vec<Line>, FftError> {
     let slot = rate.len().div_ceil(MOST_MEANS);
     let (mut means, _) = averages(rate, slot);

@@ -1,9 +1,9 @@
 //! The power of a level in segments, each under a taper.
 //!
-//! Segments overlap by half under a sine: the squares of two neighbours add to 1, so no sample is lost. The leakage
-//! falls with the fourth power of the distance, where the jump at the ends of a segment alone falls with the square.
-//! With missing values, the products of those that are there, over their number, give the autocovariance whatever the
-//! colour of the noise, and its transform the density.
+//! Segments overlap by half under a sine taper: the squares of two tapers add to 1, so no sample is lost. The leakage
+//! falls with the fourth power of the distance; without a taper it would fall with the square. If values are missing,
+//! the mean products of the values present give the autocovariance of noise of any colour, and its transform gives the
+//! density.
 
 use crate::kernels::threads;
 use alloc::vec;
@@ -12,25 +12,26 @@ use core::f64::consts::PI;
 use realfft::num_complex::Complex64;
 use realfft::{FftError, RealFftPlanner};
 
-/// Lengths of a segment, and the fewest segments of the shortest length.
+/// Shortest and longest segment, and the least number of segments that the length aims for.
 const LENGTHS: (usize, usize) = (64, 16_384);
 const FEWEST: usize = 8;
-/// Segments that one thread takes at a time.
+/// Number of segments that one thread takes at a time.
 const TOGETHER: usize = 32;
-/// Lags over which it is judged how often a value and one of the next are both there.
+/// Number of lags over which the share of pairs with both values present is averaged.
 const NEIGHBOURS: usize = 16;
 /// Lags with a smaller share of the pairs do not count.
 const FEWEST_PAIRS: f64 = 1e-3;
-/// Values of a mean that is taken off before a gap is made zero. A longer wander would enter every frequency there.
+/// Largest number of values in a mean that is subtracted before gaps become zero. Slow wander would else leak from the
+/// gaps into every frequency.
 const WANDER: usize = 512;
 
-/// The power of a level at 0, 1 … of its segments' frequencies.
+/// The power of a level at frequencies 0, 1 … of its segments.
 pub(super) struct Power {
-    /// The mean squares, over the share of the power that gaps leave where it is.
+    /// The mean squares, divided by the share of power that gaps leave at its frequency.
     pub(super) raw: Vec<f64>,
-    /// The same without what gaps add. It is unbiased for noise of any colour.
+    /// The mean squares without the power that gaps add: unbiased for noise of any colour.
     pub(super) fair: Vec<f64>,
-    /// Segments.
+    /// Number of segments.
     pub(super) count: f64,
 }
 
@@ -45,7 +46,7 @@ fn taper(length: usize) -> Vec<f64> {
     (0..length).map(|i| libm::sin(PI * (i as f64 + 0.5) / length as f64)).collect()
 }
 
-/// The first value of each segment. The last segment ends with the level where much would be lost otherwise.
+/// Index of the first value of each segment. One more segment ends with the level if much would be lost otherwise.
 fn starts(values: usize, length: usize) -> impl Iterator<Item = usize> {
     let half = length / 2;
     let last = (values - length) / half * half;
@@ -119,7 +120,7 @@ pub(super) fn masked(values: &[f64], length: usize) -> Result<Power, FftError> {
     })
 }
 
-/// The values less a line through the means of every `block`, and 0 where a value is missing.
+/// The values less a line through the means of every `block` values, and 0 for a missing value.
 fn without_wander(values: &[f64], block: usize) -> Vec<f64> {
     let mut means: Vec<f64> = values
         .chunks(block)
@@ -150,7 +151,7 @@ fn correlation(power: &[f64]) -> Result<Vec<f64>, FftError> {
     Ok(sums)
 }
 
-/// The way back: Σ over all lags of an even correlation times the cosine, at 0 … N/2.
+/// The inverse of [`correlation`]: Σ over all lags of an even correlation times the cosine, at 0 … N/2.
 fn spectrum_of(correlation: &[f64]) -> Result<Vec<f64>, FftError> {
     let half = correlation.len() - 1;
     let fft = RealFftPlanner::<f64>::new().plan_fft_forward(2 * half);
