@@ -1,4 +1,4 @@
-//! Arrow IPC streams: the form to record in, because every whole batch in it stays readable.
+//! Reads Arrow IPC streams. This is the form for recording, because every whole batch stays readable.
 
 use crate::catch_panic::catch_panic;
 use crate::limits::MemoryBudget;
@@ -11,7 +11,7 @@ use arrow_ipc::reader::StreamDecoder;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-/// Bytes that are looked through at once.
+/// Number of bytes that are searched at once.
 const SCAN: u64 = 1 << 16;
 
 /// Reads a stream, up to the last whole batch.
@@ -19,7 +19,7 @@ pub struct StreamReader {
     path: PathBuf,
     messages: Messages<BufReader<Input>>,
     decoder: StreamDecoder,
-    /// The same file once more, to look beyond a place that cannot be read.
+    /// Another input of the same file, to search after a place that cannot be read.
     rest: Input,
     len: u64,
     room: MemoryBudget,
@@ -51,7 +51,7 @@ impl StreamReader {
         Ok(Self { path: path.to_owned(), messages, decoder, rest, len, room, stated: Stated::new(schema) })
     }
 
-    /// The batch of a whole message; none if it is the end or no batch at all.
+    /// The batch of a whole message; `None` if it is the end or not a batch.
     fn decode(&mut self, start: u64, bytes: MessageBytes) -> Result<Option<RecordBatch>, InputError> {
         let damaged = |what: String| InputError::damaged(&self.path, format!("byte {start}"), what);
         if self.stated.end.is_some() {
@@ -69,15 +69,15 @@ impl StreamReader {
         decode(&mut self.decoder, bytes.into()).map_err(damaged)
     }
 
-    /// The stream was closed; nothing should follow.
+    /// Ends a stream that was closed. A warning reports bytes that follow.
     fn end_of_stream(&mut self) -> Result<(), InputError> {
         self.stated.ended = true;
         self.stated.warning = InputWarning::behind_end(&self.path, &self.rest, self.messages.position())?;
         Ok(())
     }
 
-    /// The file ended before the stream did, in a message that began at `whole`. Only one message can be torn: where
-    /// others follow, the file is damaged here.
+    /// Ends a stream that was cut off in a message that began at `whole`. If other messages follow, the file is
+    /// damaged instead.
     fn torn(&mut self, whole: u64) -> Result<(), InputError> {
         let follow = checks_from(&mut self.rest, whole).map_err(|error| InputError::io("read", &self.path, error))?;
         if follow > 1 {
@@ -100,13 +100,13 @@ fn checks_from(input: &mut Input, start: u64) -> io::Result<usize> {
     let mut found = 0;
     while input.take(SCAN).read_to_end(&mut seen)? > 0 {
         found += seen.windows(mark.len()).filter(|window| *window == mark).count();
-        // a mark may lie across two pieces
+        // a mark may span two pieces
         seen.drain(..seen.len().saturating_sub(mark.len() - 1));
     }
     Ok(found)
 }
 
-/// The batch of a message, if it carries one.
+/// The batch of a message, if it has one.
 pub fn decode(decoder: &mut StreamDecoder, bytes: Vec<u8>) -> Result<Option<RecordBatch>, String> {
     let decoded = catch_panic(|| decoder.decode(&mut Buffer::from_vec(bytes)));
     decoded.ok_or_else(|| "its batch makes no sense".to_owned())?.map_err(|error| error.to_string())

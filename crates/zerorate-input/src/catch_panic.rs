@@ -1,4 +1,4 @@
-//! Foreign decoders panic on some damaged files. Here that is one more way for a file to be wrong.
+//! Third-party decoders panic on some damaged files. Such a panic becomes an error here.
 
 use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe};
@@ -8,7 +8,7 @@ thread_local! {
     static INSIDE: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs a decoder of somebody else's; `None` if it panicked, of which nothing is printed.
+/// Runs a third-party decoder. Returns `None` if it panicked; the panic is not printed.
 pub fn catch_panic<T>(decode: impl FnOnce() -> T) -> Option<T> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {

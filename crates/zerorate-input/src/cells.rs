@@ -1,11 +1,11 @@
-//! Columns of numbers in the type that one wants them in. What does not fit is an error, never another number.
+//! Converts columns of numbers to another type. A value that does not fit is an error, never another number.
 
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Decimal128Type, Float16Type, Float32Type, Float64Type};
 use arrow_array::{Array, ArrowPrimitiveType, Float64Array, Int64Array, PrimitiveArray, downcast_integer_array};
 use arrow_schema::{ArrowError, DataType};
 
-/// The values as integers of the type `T`: of floating-point numbers those that are whole, of times what they count.
+/// The values as integers of the type `T`. Floating-point numbers must be whole; times become their counts.
 pub fn integers<T>(column: &dyn Array) -> Result<PrimitiveArray<T>, ArrowError>
 where
     T: ArrowPrimitiveType<Native: TryFrom<i128>>,

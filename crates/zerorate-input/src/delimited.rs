@@ -1,14 +1,14 @@
-//! Lines and cells of delimited text, with line numbers for messages.
+//! Reads lines and cells of delimited text, with line numbers for messages.
 
 use super::InputError;
 use crate::Input;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
-/// Bytes that a read asks the system for.
+/// Size of the read buffer, bytes.
 const READ_BUFFER: usize = 1 << 18;
 
-/// The longest line, a bound on memory when a file is not text at all.
+/// The longest line, bytes: a bound on memory if a file is not text.
 const MAX_LINE: u64 = 1 << 20;
 
 /// Reads a text file line by line.
@@ -17,16 +17,16 @@ pub struct Lines {
     reader: BufReader<Input>,
     bytes: Vec<u8>,
     number: u64,
-    /// Bytes of the lines read so far.
+    /// Number of bytes read so far.
     position: u64,
 }
 
 /// A line, without its end.
 #[derive(Clone, Copy)]
 pub struct Line<'a> {
-    /// Counted from 1.
+    /// Line number, from 1.
     pub number: u64,
-    /// Without the line feed and without blanks around.
+    /// Text without the line feed and without blanks around.
     pub text: &'a str,
     /// Whether a line feed ended it.
     pub ended: bool,
@@ -59,7 +59,7 @@ impl Lines {
         self.next_where(|_| true)
     }
 
-    /// The next line that is not blank and whose text is `wanted`.
+    /// The next line that is not blank and for whose text `wanted` is true.
     pub fn next_where(&mut self, wanted: impl Fn(&str) -> bool) -> Result<Option<Line<'_>>, InputError> {
         loop {
             if !self.read()? {
@@ -97,7 +97,7 @@ impl Lines {
     }
 }
 
-/// Whether a text looks like a table, as other software logs it: one of its first lines has cells, numbers among them.
+/// Whether a text looks like a table: one of its first 100 lines has several cells, at least one of them a number.
 pub fn is_table(text: &str) -> bool {
     let has_numbers = |line: &str| {
         let delimiter = Delimiter::detect(line);
@@ -107,12 +107,12 @@ pub fn is_table(text: &str) -> bool {
     text.lines().take(100).any(has_numbers)
 }
 
-/// The mark that separates the cells of a line.
+/// The separator between the cells of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Delimiter {
-    /// `,`
+    /// A comma.
     Comma,
-    /// `;`
+    /// A semicolon.
     Semicolon,
     /// A tab.
     Tab,
@@ -137,7 +137,7 @@ impl Delimiter {
         Cells { rest: Some(line), delimiter: self }
     }
 
-    /// The byte that separates cells; none where it is a run of blanks.
+    /// The byte that separates cells; `None` for a run of blanks.
     pub fn byte(self) -> Option<u8> {
         match self {
             Self::Comma => Some(b','),
@@ -155,7 +155,7 @@ impl Delimiter {
     }
 }
 
-/// The cells of a line.
+/// An iterator over the cells of a line.
 pub struct Cells<'a> {
     rest: Option<&'a str>,
     delimiter: Delimiter,

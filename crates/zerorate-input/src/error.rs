@@ -8,19 +8,19 @@ use parquet::errors::ParquetError;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Why a file cannot be read or written.
+/// The reason why a file cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 #[expect(missing_docs, reason = "the fields are the words of the message")]
 pub enum InputError {
-    /// The file system refused.
+    /// The file system returned an error.
     #[error("cannot {action} {}", path.display())]
     Io { action: &'static str, path: PathBuf, source: io::Error },
 
-    /// The file is not in a form that is read.
+    /// The file is not in a supported form.
     #[error("{} cannot be read as a log: {why}", path.display())]
     NotALog { path: PathBuf, why: String },
 
-    /// A feature adds the form of the file.
+    /// This build lacks the feature for the form of the file.
     #[error("{}: {missing}", path.display())]
     NotBuiltIn { path: PathBuf, missing: NotBuiltIn },
 
@@ -32,7 +32,7 @@ pub enum InputError {
     #[error("{}, {place}: {what}", path.display())]
     Damaged { path: PathBuf, place: String, what: String },
 
-    /// The columnar library failed for a reason of its own.
+    /// The Arrow or Parquet library returned another error.
     #[error("cannot {action} {}: {what}", path.display())]
     Table { action: &'static str, path: PathBuf, what: String },
 
@@ -42,32 +42,32 @@ pub enum InputError {
 }
 
 impl InputError {
-    /// An I/O error, with what was being done to which file.
+    /// An I/O error, with the action and the file.
     pub fn io(action: &'static str, path: &Path, source: io::Error) -> Self {
         Self::Io { action, path: path.to_owned(), source }
     }
 
-    /// The file is not a log in any supported form.
+    /// The error for a file that is not a log in any supported form.
     pub fn not_a_log(path: &Path, why: impl Into<String>) -> Self {
         Self::NotALog { path: path.to_owned(), why: why.into() }
     }
 
-    /// The form of the file is missing in this build.
+    /// The error for a form that is missing in this build.
     pub fn not_built_in(path: &Path, missing: NotBuiltIn) -> Self {
         Self::NotBuiltIn { path: path.to_owned(), missing }
     }
 
-    /// The file takes more memory than it may.
+    /// The error for a file that takes more memory than allowed.
     pub fn over_budget(path: &Path, why: OverBudget) -> Self {
         Self::OverBudget { path: path.to_owned(), why }
     }
 
-    /// The content of the file is wrong at `place`.
+    /// The error for wrong content at `place`.
     pub fn damaged(path: &Path, place: impl Into<String>, what: impl Into<String>) -> Self {
         Self::Damaged { path: path.to_owned(), place: place.into(), what: what.into() }
     }
 
-    /// An error of the Arrow library; what lies below it as an I/O error is kept as one.
+    /// An error of the Arrow library. An I/O error inside it stays an I/O error.
     pub fn arrow(action: &'static str, path: &Path, error: ArrowError) -> Self {
         match error {
             ArrowError::IoError(_, source) => Self::io(action, path, source),
@@ -75,7 +75,7 @@ impl InputError {
         }
     }
 
-    /// An error of the Parquet library, likewise.
+    /// An error of the Parquet library. An I/O error inside it stays an I/O error.
     #[cfg(feature = "parquet")]
     pub fn parquet(action: &'static str, path: &Path, error: ParquetError) -> Self {
         let what = error.to_string();

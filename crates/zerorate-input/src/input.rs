@@ -1,4 +1,4 @@
-//! Bytes that were opened by somebody else.
+//! Bytes to read, which the caller has opened.
 
 use bytes::Bytes;
 use std::fmt::Debug;
@@ -6,26 +6,26 @@ use std::fs::File;
 use std::io::{self, Cursor, ErrorKind, Read, Seek, SeekFrom};
 use std::sync::Arc;
 
-/// Bytes that are looked at together.
+/// Number of bytes that are examined together.
 const BLOCK: u64 = 1 << 16;
 
 /// Bytes to be read from the start: of an open file, in memory, or elsewhere.
 #[derive(Debug)]
 pub struct Input {
     kind: Kind,
-    /// Bytes of a file that take no room on the disk.
+    /// Number of bytes in holes of a sparse file, which take no space on disk.
     holes: u64,
 }
 
-/// Bytes that are neither in a file of this system nor in memory, such as a file that a browser was given.
+/// Bytes that are neither in a local file nor in memory, such as a file in a browser.
 pub trait RemoteBytes: Debug + Send + Sync {
     /// The number of bytes.
     fn length(&self) -> u64;
 
-    /// Fills `into` from its front with those from `at` on, as far as there are any, and says how many.
+    /// Reads bytes from offset `at` on into the front of `into`, as far as there are any. Returns their number.
     ///
     /// # Errors
-    /// They cannot be had.
+    /// Returns an error if the bytes cannot be read.
     fn read_at(&self, at: u64, into: &mut [u8]) -> io::Result<usize>;
 }
 
@@ -59,7 +59,7 @@ impl Input {
         Self { kind, holes: 0 }
     }
 
-    /// The same bytes, so many of which lie in holes of the file.
+    /// The same bytes, of which `holes` are in holes of a sparse file.
     #[must_use]
     pub fn with_holes(self, holes: u64) -> Self {
         Self { holes, ..self }
@@ -79,7 +79,7 @@ impl Input {
         }
     }
 
-    /// An input of bytes that somebody else reads.
+    /// An input of remote bytes.
     #[must_use]
     pub fn remote(bytes: Arc<dyn RemoteBytes>) -> Self {
         Self::of(Kind::Remote { bytes, at: 0 })
@@ -91,17 +91,17 @@ impl Input {
         Self::of(Kind::Nameless(file))
     }
 
-    /// Whether they lie in a file, so that what is unpacked of them goes into another and not into memory.
+    /// Whether the bytes are in a file. If so, they are unpacked into another file instead of memory.
     pub fn is_file(&self) -> bool {
         matches!(self.kind, Kind::File(_) | Kind::Nameless(_))
     }
 
-    /// Whether they can be opened again by their name.
+    /// Whether the file can be opened again by name.
     pub fn has_name(&self) -> bool {
         matches!(self.kind, Kind::File(_))
     }
 
-    /// Whether it is a directory, which can be opened but not read.
+    /// Whether the file is a directory, which can be opened but not read.
     pub fn is_directory(&self) -> io::Result<bool> {
         match &self.kind {
             Kind::File(file) => Ok(file.metadata()?.is_dir()),
@@ -109,7 +109,7 @@ impl Input {
         }
     }
 
-    /// The same bytes once more. The copies of a file share one position.
+    /// Another input of the same bytes. Inputs of the same file share one position.
     pub fn try_clone(&self) -> io::Result<Self> {
         let kind = match &self.kind {
             Kind::File(file) => Kind::File(file.try_clone()?),
@@ -120,7 +120,7 @@ impl Input {
         Ok(Self { kind, holes: self.holes })
     }
 
-    /// This many bytes from `start` on; fewer are an error. Moves the position of a file.
+    /// Reads `length` bytes from `start` on; fewer are an error. Moves the position of a file.
     pub fn bytes_at(&self, start: u64, length: usize) -> io::Result<Bytes> {
         let outside = || io::Error::new(ErrorKind::UnexpectedEof, format!("{length} bytes at {start} are not there"));
         if let Kind::Memory(bytes) = &self.kind {
@@ -136,8 +136,8 @@ impl Input {
         if found.len() == length { Ok(found.into()) } else { Err(outside()) }
     }
 
-    /// The number of bytes from `end` on, where a form ends. Zeros alone fill a file up, and do not count. Moves the
-    /// position of a file.
+    /// The number of bytes from `end` on, where the content of a file ends; 0 if all of them are zeros, which only
+    /// fill the file up. Moves the position of a file.
     pub fn bytes_behind(&self, end: u64) -> io::Result<u64> {
         let behind = self.length()?.saturating_sub(end);
         let mut input = self.try_clone()?;
@@ -152,7 +152,7 @@ impl Input {
         Ok(0)
     }
 
-    /// The first place of `mark` from `start` on. Moves the position of a file.
+    /// Offset of the first `mark` from `start` on. Moves the position of a file.
     pub fn find(&self, mark: &[u8], start: u64) -> io::Result<Option<u64>> {
         let mut input = self.try_clone()?;
         input.seek(SeekFrom::Start(start))?;
@@ -161,7 +161,7 @@ impl Input {
             if let Some(found) = seen.windows(mark.len()).position(|window| window == mark) {
                 return Ok(Some(at + found as u64));
             }
-            // a mark may lie across two blocks
+            // a mark may span two blocks
             let done = seen.len().saturating_sub(mark.len() - 1);
             seen.drain(..done);
             at += done as u64;
@@ -224,7 +224,7 @@ impl Seek for Input {
 mod tests {
     use super::*;
 
-    /// Gives three bytes at a time, as a browser may.
+    /// Returns three bytes at a time, as a browser may.
     #[derive(Debug)]
     struct Slices(Vec<u8>);
 

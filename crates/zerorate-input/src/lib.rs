@@ -1,7 +1,7 @@
-//! Files and bytes as columns: inputs, units, a budget of memory, delimited text, and tables in Arrow and Parquet.
+//! Reads files and bytes as columns: inputs, units, a memory budget, delimited text, and tables in Arrow and Parquet.
 //!
-//! Nothing here opens a file, and nothing knows a gyroscope. [`Input`] is bytes that the caller has opened, so that
-//! the same readers serve a browser.
+//! This crate never opens a file, and is not specific to gyroscopes. The caller passes open bytes as [`Input`], so the
+//! same readers serve a browser.
 
 pub mod arrows;
 pub mod catch_panic;

@@ -1,30 +1,29 @@
-//! Limits of the memory that a file may take. Its real size shows only while it is read, and its own statements may be
-//! wrong.
+//! Limits of the memory that a file may take. The unpacked size shows only while a file is read, and the sizes that
+//! the file states may be wrong.
 
 use std::fmt;
 use std::str::FromStr;
 use std::sync::OnceLock;
 
-/// Bytes that any file may take, even the smallest.
+/// Memory that any file may take, even the smallest, bytes.
 pub const FREE_BYTES: u64 = 64 << 20;
 
-/// Bytes that a file may take on top of that, as a multiple of its size on disk. The best packer of noise reaches some
-/// 20 to 1.
+/// Memory that a file may take beyond [`FREE_BYTES`], as a multiple of its size on disk. The best compression of noise
+/// is about 20 to 1.
 pub const FACTOR: u64 = 256;
 
-/// Largest file of text that people write or that states one result: a calibration, a part, a data sheet, a token, the
-/// state of a tracker.
+/// Largest size of a small text file: a calibration, a part, a data sheet, a token, the state of a tracker.
 pub const TEXT: Bytes = Bytes(1 << 20);
 
-/// Least memory of the commands: their threads, and a batch of each form.
+/// Least memory that the commands need for their threads and a batch of each form, bytes.
 const LEAST_BYTES: u64 = 256 << 20;
 
-/// The default where nobody has set it.
+/// Default memory limit, bytes.
 const DEFAULT_BYTES: u64 = 1 << 30;
 
 static MAX_MEMORY: OnceLock<u64> = OnceLock::new();
 
-/// A number of bytes, as people write it: `512M`, `2G`, or a bare number.
+/// A number of bytes, written as `512M`, `2G`, or a bare number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bytes(pub u64);
 
@@ -60,50 +59,50 @@ impl fmt::Display for Bytes {
     }
 }
 
-/// Sets what the process may take, once, before anything is read; the commands need some at least.
+/// Sets the memory limit of the process, which is at least 256 MiB. Call it once, before anything is read.
 pub fn set_max_memory(bytes: Bytes) {
     let _ = MAX_MEMORY.set(bytes.0.max(LEAST_BYTES));
 }
 
-/// The memory that the process may take, as set.
+/// The memory limit of the process, bytes.
 pub fn max_memory() -> u64 {
     *MAX_MEMORY.get_or_init(|| DEFAULT_BYTES)
 }
 
-/// The limit of one file in memory, or unpacked on disk.
+/// The size limit of one file in memory, or unpacked on disk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MemoryBudget {
     bytes: u64,
     max_memory: u64,
 }
 
-/// A file asks for more than its room.
+/// The error for a file that exceeds its memory budget.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum OverBudget {
-    /// More than any log of its size holds.
+    /// The file grows to more than a log of its size can hold.
     #[error(
         "it grows to more than {} in memory, {} plus {FACTOR} times its size on disk: it is damaged, or made to fill \
          a machine",
         Bytes(*.0), Bytes(FREE_BYTES)
     )]
     ForItsSize(u64),
-    /// More than the process may take.
+    /// The file needs more than the memory limit of the process.
     #[error("it takes more memory than the {} of max_memory: give more, or cut the log", Bytes(*.0))]
     InMemory(u64),
 }
 
 impl MemoryBudget {
-    /// The limit for a file of this many bytes on disk.
+    /// The budget of a file of this many bytes on disk.
     pub fn of(file_bytes: u64) -> Self {
         Self { bytes: for_size(file_bytes), max_memory: max_memory() }
     }
 
-    /// All of it, in bytes.
+    /// The limit in memory, bytes.
     pub fn bytes(self) -> u64 {
         self.bytes.min(self.max_memory)
     }
 
-    /// Whether so many bytes fit in.
+    /// Checks that this many bytes fit into memory.
     pub fn check(self, bytes: u64) -> Result<(), OverBudget> {
         match bytes {
             _ if bytes > self.bytes => Err(OverBudget::ForItsSize(self.bytes)),
@@ -112,18 +111,18 @@ impl MemoryBudget {
         }
     }
 
-    /// The limit on disk, where the memory of the machine does not count.
+    /// The limit on disk, bytes, which does not depend on the memory limit of the process.
     pub fn bytes_on_disk(self) -> u64 {
         self.bytes
     }
 
-    /// Checks the limit on disk, where the memory of the machine does not count.
+    /// Checks the limit on disk, which does not depend on the memory limit of the process.
     pub fn check_on_disk(self, bytes: u64) -> Result<(), OverBudget> {
         Self { max_memory: u64::MAX, ..self }.check(bytes)
     }
 }
 
-/// The limit for files of this many bytes, with any amount of memory.
+/// The size limit for a file of this many bytes, whatever the memory limit of the process.
 pub fn for_size(file_bytes: u64) -> u64 {
     FREE_BYTES.saturating_add(file_bytes.saturating_mul(FACTOR))
 }

@@ -1,7 +1,7 @@
-//! The frames of an Arrow IPC stream: where each message begins and ends, and whether it is whole.
+//! Reads the frames of an Arrow IPC stream: where each message begins and ends, and whether it is complete.
 //!
-//! The Arrow library decodes the messages. It trusts their offsets, though, and does not say whether a stream ended
-//! well. This program is made for recordings that were cut off, so it reads the frames here.
+//! The Arrow library decodes the messages, but it trusts their offsets and does not report whether a stream ended
+//! properly. Recordings may be cut off, so this module reads the frames.
 
 use crate::catch_panic::catch_panic;
 use crate::limits::MemoryBudget;
@@ -13,13 +13,13 @@ use std::io::{self, Read};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Starts every message, since format version 0.15.
+/// The start of every message, since format version 0.15.
 const CONTINUATION: [u8; 4] = [0xFF; 4];
 
-/// The largest number to whose multiples writers fill buffers up.
+/// The largest alignment to which writers pad buffers, in bytes.
 const ALIGNMENT: usize = 64;
 
-/// Reads messages.
+/// Reads the messages of a stream.
 pub struct Messages<R> {
     reader: R,
     position: u64,
@@ -29,22 +29,22 @@ pub struct Messages<R> {
 pub enum Message {
     /// A message with all its bytes.
     Whole(MessageBytes),
-    /// The end-of-stream marker, or zeros where a file system made room that was never filled.
+    /// The end-of-stream marker, or zeros that a file system allocated and that were never filled.
     EndOfStream {
-        /// It is the marker.
+        /// Whether it is the marker.
         marked: bool,
     },
-    /// The end of the file, at a place where a stream does not end.
+    /// The end of the file before the end of the stream.
     Torn,
 }
 
 impl<R: Read> Messages<R> {
-    /// Messages of a stream from its start.
+    /// Reads a stream from its start.
     pub fn new(reader: R) -> Self {
         Self { reader, position: 0 }
     }
 
-    /// Bytes read so far.
+    /// Number of bytes read so far.
     pub fn position(&self) -> u64 {
         self.position
     }
@@ -63,7 +63,7 @@ impl<R: Read> Messages<R> {
             return Ok(Message::Torn);
         }
         let metadata = start..bytes.len();
-        // what cannot be understood has no body, and `MessageBytes::check` will tell
+        // a message that cannot be parsed gets no body here, and `MessageBytes::check` reports it
         let body_len = root_as_message(&bytes[metadata.clone()]).map_or(0, |message| message.bodyLength());
         if !self.append(&mut bytes, u64::try_from(body_len).unwrap_or(0))? {
             return Ok(Message::Torn);
@@ -82,8 +82,8 @@ impl<R: Read> Messages<R> {
         }
     }
 
-    /// Appends `len` bytes; false if the file has fewer. A length that is wrong costs no more memory than the file has
-    /// bytes.
+    /// Appends `len` bytes; `false` if the file has fewer. A wrong length takes no more memory than the size of the
+    /// file.
     fn append(&mut self, bytes: &mut Vec<u8>, len: u64) -> io::Result<bool> {
         let read = (&mut self.reader).take(len).read_to_end(bytes)? as u64;
         self.position += read;
@@ -91,7 +91,7 @@ impl<R: Read> Messages<R> {
     }
 }
 
-/// A whole message: its length, its metadata, its body.
+/// The bytes of a whole message: length, metadata, body.
 pub struct MessageBytes {
     bytes: Vec<u8>,
     metadata: Range<usize>,
@@ -101,11 +101,11 @@ impl MessageBytes {
     /// The schema that this message carries.
     pub fn schema(&self) -> Result<SchemaRef, String> {
         let schema = self.message()?.header_as_schema().ok_or("it does not start with an Arrow schema")?;
-        // the library would take the bytes of each number the wrong way round
+        // the library would read the bytes of each number in the wrong order
         if schema.endianness() != ipc::Endianness::Little {
             return Err("its numbers are big-endian: write it again on a little-endian machine".to_owned());
         }
-        // what a wrong length takes for its body is the message behind it
+        // with a wrong length, the next message would count as the body
         if self.bytes.len() > self.metadata.end {
             return Err(format!("its Arrow schema states a body of {} bytes", self.bytes.len() - self.metadata.end));
         }
@@ -114,8 +114,8 @@ impl MessageBytes {
         Ok(Arc::new(schema))
     }
 
-    /// Checks what the Arrow library takes for granted: that a batch keeps inside its message, and unpacks to what
-    /// `room` has.
+    /// Checks two things that the Arrow library assumes: that a batch stays inside its message, and that it fits into
+    /// `room` when unpacked.
     pub fn check(&self, room: MemoryBudget) -> Result<(), String> {
         let message = self.message()?;
         let body = &self.bytes[self.metadata.end..];
@@ -137,7 +137,7 @@ impl MessageBytes {
         note.value().map(str::to_owned)
     }
 
-    /// The rows that this message holds, if it is a batch.
+    /// Number of rows in this message, if it is a batch.
     pub fn rows(&self) -> Option<i64> {
         Some(self.message().ok()?.header_as_record_batch()?.length())
     }
@@ -147,7 +147,7 @@ impl MessageBytes {
     }
 }
 
-/// A record batch message as the Arrow library makes it, with custom metadata, which that library does not write.
+/// Adds custom metadata to a record batch message of the Arrow library, which cannot write them.
 pub fn with_note(message: &[u8], key: &str, value: &str) -> Result<Vec<u8>, String> {
     let message = root_as_message(message).map_err(|error| error.to_string())?;
     let batch = message.header_as_record_batch().ok_or("no record batch")?;
@@ -171,7 +171,8 @@ pub fn with_note(message: &[u8], key: &str, value: &str) -> Result<Vec<u8>, Stri
     Ok(builder.finished_data().to_vec())
 }
 
-/// Bytes of all buffers of a batch, unpacked. A body that is longer than its buffers has swallowed what follows it.
+/// Number of bytes in all buffers of a batch, unpacked. It is an error if the body is longer than its buffers, because
+/// it then includes the next message.
 fn check_buffers(batch: ipc::RecordBatch<'_>, body: &[u8]) -> Result<u64, String> {
     let (mut unpacked, mut used) = (0u64, 0);
     for buffer in batch.buffers().ok_or("a batch without buffers")? {
@@ -187,7 +188,7 @@ fn check_buffers(batch: ipc::RecordBatch<'_>, body: &[u8]) -> Result<u64, String
         let stated = match (batch.compression(), bytes.first_chunk()) {
             (None, _) => length as i64,
             (Some(_), None) => 0,
-            // the length of what follows, or -1 where it is not packed
+            // the unpacked length, or -1 if the buffer is not packed
             (Some(_), Some(stated)) => match i64::from_le_bytes(*stated) {
                 -1 => length as i64,
                 stated => stated,
@@ -202,7 +203,7 @@ fn check_buffers(batch: ipc::RecordBatch<'_>, body: &[u8]) -> Result<u64, String
     Ok(unpacked)
 }
 
-/// Every row of every column takes at least a bit, or there is nothing to take.
+/// Checks that every row of every column has at least one bit.
 fn check_rows(batch: ipc::RecordBatch<'_>, bytes: u64) -> Result<(), String> {
     let possible = |length: i64| u64::try_from(length).is_ok_and(|length| length <= bytes.saturating_mul(8));
     let nodes = batch.nodes().ok_or("a batch without columns")?;
@@ -244,7 +245,7 @@ mod tests {
         }
     }
 
-    /// A file of Arrow's Java on a big-endian machine was read with other numbers (arrow-testing, 1.0.0-bigendian).
+    /// A file of Arrow's Java on a big-endian machine was read with wrong numbers (arrow-testing, 1.0.0-bigendian).
     #[test]
     fn numbers_of_the_other_byte_order_are_refused() {
         assert!(schema(ipc::Endianness::Little).is_ok());

@@ -1,8 +1,8 @@
-//! Features that this build lacks.
+//! Reports features that this build lacks.
 
 use std::fmt;
 
-/// A part of the program that was left out when it was built, and the feature of `zerorate-cli` that adds it.
+/// A part of the program that is not in this build, and the feature of `zerorate-cli` that adds it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotBuiltIn {
     /// The missing feature, as in "built without …".
@@ -14,7 +14,7 @@ pub struct NotBuiltIn {
 impl NotBuiltIn {
     /// Captures and logs in Parquet.
     pub const PARQUET: Self = Self { what: "Parquet", feature: "parquet" };
-    /// Zstandard, around a file or inside of it.
+    /// Zstandard compression of a whole file or inside a file.
     pub const ZSTD: Self = Self { what: "Zstandard", feature: "zstd" };
 }
 

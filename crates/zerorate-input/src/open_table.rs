@@ -1,22 +1,22 @@
-//! Which files are tables.
+//! Recognises and opens tables.
 
 use crate::table::BatchSource;
 use crate::{Input, InputError, arrows};
 use std::io::{Read, Seek};
 use std::path::Path;
 
-/// The content of a file.
+/// An opened file.
 pub enum Opened {
     /// Columns with names and types.
     Table(Box<dyn BatchSource>),
-    /// Anything else, from its first byte.
+    /// Anything else, positioned at its first byte.
     Other(Input),
 }
 
 /// Opens an Arrow stream or a Parquet file, recognised by its first bytes. `path` names it in messages.
 ///
 /// # Errors
-/// The file cannot be read, is damaged, or is Parquet and this build lacks that.
+/// Returns an error if the file cannot be read, is damaged, or is Parquet and this build lacks Parquet.
 pub fn open_table(path: &Path, mut input: Input) -> Result<Opened, InputError> {
     let failed = |error| InputError::io("read", path, error);
     let mut start = Vec::new();

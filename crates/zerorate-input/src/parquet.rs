@@ -1,4 +1,4 @@
-//! Parquet files. Their index stands at the end, so they are readable only once closed.
+//! Reads Parquet files. Their index is at the end, so they can be read only once closed.
 
 use crate::catch_panic::catch_panic;
 use crate::limits::OverBudget;
@@ -14,10 +14,10 @@ use std::io::{self, BufReader, ErrorKind, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::vec::IntoIter;
 
-/// Rows per block, and per batch when reading. Row groups are whole blocks, but for the last.
+/// Rows per block, and per batch when reading. All row groups except the last consist of whole blocks.
 pub const BLOCK: usize = 1 << 16;
 
-/// Batches that may wait for the checks.
+/// Largest number of decoded batches that wait for the checks.
 #[cfg(not(target_family = "wasm"))]
 const AHEAD: usize = 4;
 
@@ -29,7 +29,7 @@ struct Batches {
     decode: Decode,
 }
 
-/// Decodes batch by batch.
+/// Decodes one batch at a time.
 struct Decode {
     path: PathBuf,
     reader: ParquetRecordBatchReader,
@@ -50,7 +50,7 @@ impl Batches {
             loop {
                 let next = decode.next();
                 let is_last = !matches!(next, Ok(Some(_)));
-                // nobody waits where the reader was given up
+                // the receiver is gone if the reader was dropped
                 if done.send(next).is_err() || is_last {
                     return;
                 }
@@ -77,7 +77,7 @@ impl Batches {
 
 /// Reads any Parquet file, batch by batch.
 pub struct ParquetReader {
-    /// Nothing is decoded before the first batch is asked for.
+    /// The decoder, until the first batch is requested and decoding starts.
     decode: Option<Decode>,
     batches: Option<Batches>,
     /// The checks of the batches that follow.
@@ -106,11 +106,11 @@ impl ParquetReader {
 /// The end of one Parquet file and the start of the next.
 const JOINT: &[u8] = b"PAR1PAR1";
 
-/// The length of the index, and the mark behind it.
+/// Size of the length of the index and the mark after it, bytes.
 const TAIL: u64 = 8;
 
-/// Refuses a file that begins with other Parquet files. Its index counts from the start of the last one, so that the
-/// pages of the first would be read.
+/// Refuses a file that begins with other Parquet files. The index counts from the start of the last file, so that
+/// pages of the first file would be read.
 pub fn refuse_joined(path: &Path, metadata: &ParquetMetaData, input: &Input) -> Result<(), InputError> {
     guarded(path, || Ok(joint(metadata, input)?))?.map_or(Ok(()), |at| {
         let what = format!("two files were joined: another one follows after its first {at} bytes; cut it there");
@@ -118,8 +118,8 @@ pub fn refuse_joined(path: &Path, metadata: &ParquetMetaData, input: &Input) -> 
     })
 }
 
-/// The place where the last of several files begins. Between the pages of a single file and its index is nothing;
-/// where there is something, it may also be a part of the format that is not known here.
+/// Offset at which the last of several files begins. A single file has nothing between its pages and its index, unless
+/// it uses a part of the format that is not known here.
 fn joint(metadata: &ParquetMetaData, input: &Input) -> io::Result<Option<u64>> {
     let tail = input.length()?.saturating_sub(TAIL);
     let index = input.bytes_at(tail, 4)?.first_chunk().map_or(0, |length| u64::from(u32::from_le_bytes(*length)));
@@ -132,7 +132,7 @@ fn joint(metadata: &ParquetMetaData, input: &Input) -> io::Result<Option<u64>> {
     }
 }
 
-/// The end of the pages and of what stands beside them, by the index.
+/// Offset of the end of the pages and of their indexes and filters, according to the index.
 fn pages_end(metadata: &ParquetMetaData) -> u64 {
     let end = |offset: Option<i64>, length: Option<i32>| {
         let offset = offset.and_then(|offset| u64::try_from(offset).ok()).unwrap_or_default();
@@ -174,7 +174,7 @@ impl ChunkReader for Input {
     }
 }
 
-/// The Parquet library panics on some damaged files. Here that is one more way for a file to be wrong.
+/// Runs the Parquet library, which panics on some damaged files. A panic becomes an error.
 pub fn guarded<T>(path: &Path, read: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, InputError> {
     let failed = |why: String| Err(InputError::damaged(path, "as a Parquet file", why));
     match catch_panic(read) {

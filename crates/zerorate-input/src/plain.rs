@@ -1,20 +1,20 @@
-//! Text from outside on a terminal: names of files and columns, serial numbers, cells, what a firmware says of itself.
-//! In it, characters that would move the cursor, change colours, set titles or turn the direction of writing are shown
-//! as Rust writes them: `\u{1b}`.
+//! Escapes text from outside for a terminal: names of files and columns, serial numbers, cells, firmware strings.
+//! Characters that would move the cursor, change colours, set titles or turn the direction of writing are shown as
+//! Rust escapes: `\u{1b}`.
 
 use std::borrow::Cow;
 
-/// One line: a line break would make a second one that nobody said.
+/// Escapes text for one line, including line breaks, which would fake a second line.
 pub fn line(text: &str) -> Cow<'_, str> {
     escaped(text, acts)
 }
 
-/// Several lines of ours, with text from outside in them.
+/// Escapes several lines that contain text from outside. Line feeds are kept.
 pub fn lines(text: &str) -> Cow<'_, str> {
     escaped(text, |character| character != '\n' && acts(character))
 }
 
-/// Control characters of ASCII and of Latin 1, separators of lines, and marks of direction.
+/// Whether a character is a control character, a line separator or a mark of direction.
 fn acts(character: char) -> bool {
     let is_mark = matches!(character, '\u{200E}' | '\u{200F}' | '\u{061C}');
     let is_separator_or_embedding = matches!(character, '\u{2028}'..='\u{202E}' | '\u{2066}'..='\u{2069}');

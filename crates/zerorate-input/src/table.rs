@@ -8,49 +8,49 @@ use std::path::Path;
 /// The start of the metadata keys of a table that describes itself.
 pub const DESCRIPTION: &str = "zerorate.";
 
-/// Whether the metadata of a table describe what its columns mean.
+/// Whether the metadata of a table describe the meaning of its columns.
 pub fn describes_itself(schema: &Schema) -> bool {
     schema.metadata().keys().any(|key| key.starts_with(DESCRIPTION))
 }
 
-/// The start of the keys of checks that a writer puts beside the rows.
+/// The start of the metadata keys of checks, which a writer adds to the rows.
 pub const CHECKS: &str = "zerorate.check.";
 
 /// Key of the check of a batch.
 pub const BATCH_CHECK: &str = "zerorate.check.batch";
 
-/// In Parquet, whose index is in one place: key of the checks of all batches, in order, with blanks between.
+/// Key of the checks of all batches in Parquet, in order, separated by blanks. Parquet has one index for all batches.
 pub const BATCH_CHECKS: &str = "zerorate.check.batches";
 
-/// Key of the statement behind the last row.
+/// Key of the statement after the last row.
 pub const END: &str = "zerorate.check.end";
 
-/// The statements of a source so far, beside its rows.
+/// The statements that a source has made so far, besides its rows.
 pub struct Stated {
     /// Columns and metadata.
     pub schema: SchemaRef,
-    /// The check of the batch given last.
+    /// The check of the batch that was returned last.
     pub check: Option<String>,
     /// The statement at the end, once all batches were read.
     pub end: Option<String>,
-    /// No batch follows.
+    /// Whether no batch follows.
     pub ended: bool,
-    /// The file ended where no end should be.
+    /// Whether the file ended before its content did.
     pub torn: bool,
-    /// The warning after the last batch: a tail that was torn off.
+    /// A warning about the end of the file, known after the last batch.
     pub warning: Option<InputWarning>,
 }
 
 impl Stated {
-    /// Nothing but the schema, as before the first batch.
+    /// The statements before the first batch: only the schema.
     pub fn new(schema: SchemaRef) -> Self {
         Self { schema, check: None, end: None, ended: false, torn: false, warning: None }
     }
 }
 
-/// Gives batches.
+/// A source of batches.
 pub trait BatchSource {
-    /// Name of the form.
+    /// Name of the file form.
     fn form(&self) -> &'static str {
         "table"
     }
@@ -58,18 +58,18 @@ pub trait BatchSource {
     /// The statements so far.
     fn stated(&self) -> &Stated;
 
-    /// The same, to be added to.
+    /// The statements so far, mutable.
     fn stated_mut(&mut self) -> &mut Stated;
 
-    /// The next batch of the form, if there is one. It is not called again behind the end or an error.
+    /// Reads the next batch of the form, if there is one. It is not called again after the end or an error.
     fn read_batch(&mut self) -> Result<Option<RecordBatch>, InputError>;
 
-    /// Whether common software keeps the description when it writes such a file, and drops the checks of the rows.
+    /// Whether common software keeps the description but drops the checks of the rows when it rewrites such a file.
     fn may_be_stripped(&self) -> bool {
         true
     }
 
-    /// The next batch; none behind the last one, and behind an error.
+    /// The next batch; `None` after the last one, and after an error.
     fn next_batch(&mut self) -> Result<Option<RecordBatch>, InputError> {
         if self.stated().ended {
             return Ok(None);
@@ -80,25 +80,25 @@ pub trait BatchSource {
     }
 }
 
-/// A table that says what its columns mean, which of their values are valid, and when its rows were taken.
+/// A table that states the meaning of its columns, which values are valid, and when its rows were recorded.
 pub trait DescribedTable {
     /// Columns and metadata.
     fn schema(&self) -> SchemaRef;
 
-    /// The columns that are read where none is asked for.
+    /// Indices of the columns that are read by default.
     fn default_columns(&self) -> Vec<usize>;
 
-    /// The column of the temperature, if there is one.
+    /// Index of the temperature column, if there is one.
     fn temperature(&self) -> Option<usize>;
 
-    /// The quantity of a column of codes, and the size of a step in the unit of its results.
+    /// The quantity of a column of codes, and the size of one code step in the unit of the quantity's results.
     fn step(&self, column: usize) -> Option<(Quantity, f64)>;
 
-    /// Reads all rows, and hands on these columns of them, batch by batch. Where `validates` is set, values that are
-    /// not valid are null.
+    /// Reads all rows, and passes these columns to `take`, batch by batch. If `validates` is set, invalid values are
+    /// null.
     ///
     /// # Errors
-    /// The table cannot be read, or its rows contradict what it states.
+    /// Returns an error if the table cannot be read, or if its rows contradict its statements.
     fn read(
         self: Box<Self>,
         columns: &[usize],
@@ -110,25 +110,25 @@ pub trait DescribedTable {
 /// The statements of a [`DescribedTable`], once all rows were read.
 #[derive(Debug, Default)]
 pub struct Described {
-    /// Mean rate of the rows, lost ones included.
+    /// Mean rate of the rows, Hz, lost rows included.
     pub rate_hz: Option<f64>,
-    /// The rows before which others were lost, and how many.
+    /// Index of each row before which rows were lost, and the number of lost rows.
     pub lost: Vec<(usize, u64)>,
     /// Warnings about the table: code and text.
     pub warnings: Vec<(&'static str, String)>,
-    /// Warnings about each of the columns that were read.
+    /// Warnings about each column that was read: code and text.
     pub of_columns: Vec<Vec<(&'static str, String)>>,
     /// The reason why the values must not become a result: code and text.
     pub refused: Option<(&'static str, String)>,
 }
 
-/// What may be a described table.
+/// A file or table that may be a described table.
 pub enum Source {
-    /// A file that was not looked into.
+    /// A file that was not examined.
     File(Input),
     /// A table whose schema was read.
     Table(Box<dyn BatchSource>),
 }
 
-/// Opens a described table; none if the file is another one. A table comes only if it describes itself.
+/// Opens a described table; `None` if the file is not one. A [`Source::Table`] is passed only if it describes itself.
 pub type OpenDescribed = fn(&Path, Source) -> Result<Option<Box<dyn DescribedTable>>, InputError>;

@@ -1,4 +1,4 @@
-//! Units of angular rate and of acceleration: as asked for, or as a column's name states them.
+//! Units of angular rate and of acceleration, parsed from an option or from the name of a column.
 
 use std::f64::consts::PI;
 use std::fmt;
@@ -7,16 +7,16 @@ use std::str::FromStr;
 /// The quantity of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// The rate of a gyroscope; its results are in °/s.
+    /// The rate of a gyroscope, with results in °/s.
     AngularRate,
-    /// The acceleration of an accelerometer; its results are in m/s².
+    /// The acceleration of an accelerometer, with results in m/s².
     Acceleration,
-    /// Its results are in °C.
+    /// Temperature, with results in °C.
     Temperature,
 }
 
 impl Quantity {
-    /// The unit of its results.
+    /// The unit of results of this quantity.
     pub const fn unit(self) -> &'static str {
         match self {
             Self::AngularRate => "°/s",
@@ -25,7 +25,7 @@ impl Quantity {
         }
     }
 
-    /// The quantity that the name of a column states, and the size of a step in the unit of its results.
+    /// The quantity that the name of a column states, and the size of the stated unit in the unit of results.
     pub fn of_column(name: &str) -> Option<(Self, f64)> {
         let unit = Unit::of_column(name).map(|unit| (unit.quantity(), unit.in_results()));
         unit.or_else(|| is_celsius(name).then_some((Self::Temperature, 1.0)))
@@ -63,7 +63,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// All of them.
+    /// All units.
     pub const ALL: [Self; 11] = [
         Self::Dps,
         Self::Mdps,
@@ -78,7 +78,7 @@ impl Unit {
         Self::MicroG,
     ];
 
-    /// Its quantity.
+    /// The quantity of the unit.
     pub fn quantity(self) -> Quantity {
         match self {
             Self::MPerS2 | Self::G | Self::MilliG | Self::MicroG => Quantity::Acceleration,
@@ -86,12 +86,12 @@ impl Unit {
         }
     }
 
-    /// Its name here.
+    /// The name of the unit in this program.
     pub fn name(self) -> &'static str {
         self.names()[0]
     }
 
-    /// °/s or m/s² in one of it. 1 rad = 180°/π.
+    /// Size of the unit in °/s or m/s². 1 rad = 180°/π.
     pub fn in_results(self) -> f64 {
         match self {
             Self::Dps => 1.0,
@@ -108,7 +108,7 @@ impl Unit {
         }
     }
 
-    /// Its names elsewhere, in small letters and without blanks.
+    /// All accepted names, in lower case and without blanks.
     fn names(self) -> &'static [&'static str] {
         match self {
             Self::Dps => &["dps", "deg/s", "°/s", "º/s", "deg/sec", "degs/s", "degps", "deg*s^-1", "degs^-1"],
@@ -125,7 +125,7 @@ impl Unit {
         }
     }
 
-    /// Its endings of names that have no room for a slash.
+    /// Endings of column names that state the unit without a slash.
     fn endings(self) -> &'static [&'static str] {
         match self {
             Self::Dps => &["dps", "deg_s", "deg_per_s", "deg_per_sec", "degps"],
@@ -142,8 +142,8 @@ impl Unit {
         }
     }
 
-    /// The unit that the name of a column states: in brackets, after an underscore, or because ROS calls it so.
-    /// REP-103 of ROS fixes the units of an `angular_velocity` at rad/s, of a `linear_acceleration` at m/s².
+    /// The unit that the name of a column states: in brackets, after an underscore, or by the naming of ROS. REP-103
+    /// of ROS fixes the unit of an `angular_velocity` at rad/s, and of a `linear_acceleration` at m/s².
     pub fn of_column(name: &str) -> Option<Self> {
         if let Some(unit) = bracketed(name).and_then(|inner| inner.parse().ok()) {
             return Some(unit);
@@ -193,7 +193,7 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
-    /// Its name.
+    /// The name of the unit.
     pub fn name(self) -> &'static str {
         match self {
             Self::S => "s",
@@ -203,7 +203,7 @@ impl TimeUnit {
         }
     }
 
-    /// How many of this unit make a second.
+    /// Number of these units in a second.
     pub fn per_s(self) -> f64 {
         match self {
             Self::S => 1.0,
@@ -213,8 +213,8 @@ impl TimeUnit {
         }
     }
 
-    /// The unit that the name of a column states: in brackets, after an underscore, or because ArduPilot's logs
-    /// call it so.
+    /// The unit that the name of a column states: in brackets, after an underscore, or by the naming of ArduPilot's
+    /// logs.
     pub fn of_column(name: &str) -> Option<Self> {
         let lower = name.to_lowercase();
         if lower == "timeus" {
@@ -245,7 +245,7 @@ pub fn is_celsius(name: &str) -> bool {
     }
 }
 
-/// The content of the last pair of brackets.
+/// The text in the last pair of brackets.
 fn bracketed(name: &str) -> Option<&str> {
     [('[', ']'), ('(', ')')].into_iter().find_map(|(open, close)| {
         let (_, rest) = name.rsplit_once(open)?;
@@ -253,7 +253,7 @@ fn bracketed(name: &str) -> Option<&str> {
     })
 }
 
-/// Whether `name` ends with `ending` as a word of its own.
+/// Whether `name` ends with `ending` as a separate word.
 fn has_ending(name: &str, ending: &str) -> bool {
     name.strip_suffix(ending).is_some_and(|rest| rest.ends_with(['_', '.', ' ', '-', '/']))
 }

@@ -4,7 +4,7 @@ use crate::{Input, InputError};
 use std::fmt;
 use std::path::Path;
 
-/// A warning about the end of a file. What was read stands.
+/// A warning about the end of a file. The content before it is valid.
 #[derive(Clone, Debug, PartialEq)]
 pub enum InputWarning {
     /// The file lacks its end, as the text says.
@@ -34,10 +34,10 @@ impl InputWarning {
         }
     }
 
-    /// The warning about bytes from `end` on, where the form of the file ends; none if there are none.
+    /// The warning about bytes from `end` on, where the content of the file ends; `None` without such bytes.
     ///
     /// # Errors
-    /// The bytes cannot be read.
+    /// Returns an error if the bytes cannot be read.
     pub fn behind_end(path: &Path, input: &Input, end: u64) -> Result<Option<Self>, InputError> {
         let bytes = input.bytes_behind(end).map_err(|error| InputError::io("read", path, error))?;
         Ok((bytes > 0).then(|| Self::BytesBehindEnd { path: path.display().to_string(), bytes }))

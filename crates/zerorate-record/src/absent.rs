@@ -1,4 +1,4 @@
-//! The forms that this build was made without: each answers with what adds it.
+//! Stand-ins for the forms that are not in this build. Each returns an error that says how to add the form.
 
 /// Stands in for [`crate::parquet`].
 #[cfg(not(feature = "parquet"))]

@@ -1,18 +1,18 @@
-//! Admits the samples of a device to a capture: all samples that a reader of the file would not refuse
+//! Admits the samples of a device to a capture, except those that a reader of the file would refuse
 //! (docs/formats/capture.md, "What must agree").
 
 use super::row::Row;
 use super::succession::{Break, Succession};
 use super::warning::CaptureWarning;
 
-/// Samples in a row whose time does not increase, before the device is given up: 0.7 s at the full rate.
+/// Largest number of samples in a row whose time does not increase: 0.7 s at the full rate. Then recording stops.
 const STANDING: u32 = 4096;
 
-/// Judges the samples of a live device, and counts as lost what cannot be recorded.
+/// Judges the samples of a live device, and counts those as lost that cannot be recorded.
 #[derive(Clone, Debug, Default)]
 pub struct Admission {
     succession: Succession,
-    /// Samples left out since the last that was admitted, with what they lost.
+    /// Number of samples left out since the last admitted one, including the losses that they counted.
     owed: u32,
     standing: u32,
     left_out: u64,
@@ -34,7 +34,7 @@ pub enum Disbelief {
 }
 
 impl Admission {
-    /// The row as it may be recorded; none if it must be left out, and then the next one counts it as lost.
+    /// The row as it may be recorded. `None` if it must be left out; the next row then counts it as lost.
     pub fn admit(&mut self, row: Row) -> Result<Option<Row>, Disbelief> {
         let lost = row.lost.saturating_add(self.owed);
         let lost = match self.succession.follow(row.with_lost(lost).mark()) {
@@ -73,7 +73,7 @@ mod tests {
         Row::new(1_000 + u64::from(i) * 175_667, i, &[8_388_608]).unwrap()
     }
 
-    /// After so many even samples.
+    /// The state after `n` evenly spaced samples.
     fn after(n: u32) -> Admission {
         let mut admission = Admission::default();
         assert!((0..n).all(|i| admission.admit(row(i)) == Ok(Some(row(i)))));

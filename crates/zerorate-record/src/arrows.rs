@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use zerorate_input::messages::with_note;
 use zerorate_input::table::{BATCH_CHECK, END};
 
-/// A batch of any capture fits in here, so that it reaches the system in one piece.
+/// Size of the write buffer in bytes: a batch of any capture fits, so that it is written in one piece.
 const WRITE_BUFFER: usize = 1 << 20;
 
 /// Writes a stream.
@@ -34,7 +34,7 @@ impl StreamSink {
 }
 
 impl StreamSink {
-    /// A batch in one piece, with what is stated about it.
+    /// Writes a batch in one piece, with a note about it.
     fn write_noted(&mut self, batch: &RecordBatch, key: &str, note: &str) -> Result<(), CaptureError> {
         let options = IpcWriteOptions::default();
         let mut no_dictionaries = DictionaryTracker::new(true);

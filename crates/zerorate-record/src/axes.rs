@@ -1,4 +1,4 @@
-//! Captures of parts with several axes, whose codes count both ways.
+//! Captures of parts with several axes and signed codes.
 
 use super::tests::{FORMATS, info, open, start};
 use super::*;
@@ -24,7 +24,7 @@ fn rows(n: u32) -> Vec<Row> {
     (0..n).map(row).collect()
 }
 
-/// A capture of so many rows.
+/// A capture of `count` rows.
 pub fn bytes(format: Format, count: u32) -> Vec<u8> {
     let dir = TempDir::new().unwrap();
     let path = dir.path().join("capture");

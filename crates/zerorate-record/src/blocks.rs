@@ -12,10 +12,10 @@ pub type Out = Box<dyn Write + Send>;
 
 /// Takes blocks of rows in one of the forms.
 pub trait BlockSink {
-    /// Writes rows, as far as the form allows out of the program's hands. `check` ends the block.
+    /// Writes rows, and passes them to the operating system as far as the form allows. `check` ends the block.
     fn write(&mut self, rows: &RecordBatch, check: Option<&str>) -> Result<(), CaptureError>;
 
-    /// Ends the block of the rows before, if `check` is given, and writes what the form has at its end.
+    /// Ends the block of the rows before, if `check` is given, and writes the end of the file.
     fn finish(self: Box<Self>, check: Option<&str>, end: &End) -> Result<(), CaptureError>;
 }
 

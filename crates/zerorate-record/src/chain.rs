@@ -1,4 +1,4 @@
-//! The checks of a capture: each block of rows carries one over everything before it (docs/formats/capture.md,
+//! The checks of a capture: each block of rows has a check over everything up to its end (docs/formats/capture.md,
 //! "Checks").
 
 use super::columns::Rows;
@@ -12,33 +12,33 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use zerorate_input::table::{CHECKS, DESCRIPTION};
 
-/// Metadata of the table: the check of the description itself.
+/// Metadata key of the check of the description.
 pub const HEAD: &str = "zerorate.check.head";
 
 const PREFIX: &[u8] = b"zerorate.capture.v2\n";
 const END_MARK: &[u8] = b"end\n";
 
-/// Digits of a check, of four bits each: one change in 2⁶⁴ is missed.
+/// Hexadecimal digits of a check: one change in 2⁶⁴ is missed.
 const DIGITS: usize = 16;
 
-/// The statement of a file after its last row.
+/// The statement in a file after its last row.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct End {
-    /// Rows of the file.
+    /// Number of rows in the file.
     pub rows: u64,
-    /// The sample hash of all of them.
+    /// The sample hash of all rows.
     pub samples_sha256: String,
     /// The check over the last block's check, the rows and the hash.
     pub check: String,
 }
 
 impl End {
-    /// The text in the file. Its length is always the same.
+    /// The text in the file, which always has the same length.
     pub fn to_text(&self) -> String {
         format!("{:020} {} {}", self.rows, self.samples_sha256, self.check)
     }
 
-    /// Out of a file.
+    /// Parses the text in a file; `None` if it is malformed.
     pub fn parse(text: &str) -> Option<Self> {
         let mut words = text.split(' ');
         let end = Self {
@@ -51,7 +51,7 @@ impl End {
     }
 }
 
-/// Checks over a growing table.
+/// Computes the checks over a growing table.
 pub struct Chain {
     link: [u8; 32],
     samples: SampleHash,
@@ -61,14 +61,14 @@ pub struct Chain {
 }
 
 impl Chain {
-    /// No row yet. The first link is the description.
+    /// A chain without rows. Its first link is the digest of the description.
     pub fn new(schema: &Schema, layout: &Layout) -> Self {
         let raw = layout.raw_fields().iter().map(|field| field.name().clone()).collect();
         let (link, samples) = (head_digest(schema), SampleHash::new(layout));
         Self { link, samples, raw, others: Sha256::new(), rows: 0 }
     }
 
-    /// Takes in the next rows of a table whose raw columns are `rows`.
+    /// Adds the next rows of a table, whose raw columns are `rows`.
     pub fn take(&mut self, rows: &Rows, table: &RecordBatch) {
         rows.iter().for_each(|row| self.samples.update(&row));
         self.rows += rows.len() as u64;
@@ -82,7 +82,7 @@ impl Chain {
         }
     }
 
-    /// Ends a block: the check over the description and all rows up to here.
+    /// Ends a block, and returns the check over the description and all rows up to here.
     pub fn seal(&mut self) -> String {
         let mut digest = Sha256::new_with_prefix(self.link);
         digest.update(self.samples.digest());
@@ -91,7 +91,7 @@ impl Chain {
         hex(&self.link)[..DIGITS].to_owned()
     }
 
-    /// Ends the table.
+    /// The end statement of a table that ends here.
     pub fn end(&self) -> End {
         let samples_sha256 = self.samples.hex();
         let mut digest = Sha256::new_with_prefix(self.link);
@@ -101,18 +101,18 @@ impl Chain {
         End { rows: self.rows, samples_sha256, check: hex(&digest.finalize())[..DIGITS].to_owned() }
     }
 
-    /// The sample hash up to here.
+    /// The sample hash of the rows up to here.
     pub fn samples_sha256(&self) -> String {
         self.samples.hex()
     }
 }
 
-/// The check of a description: metadata, and columns with their types.
+/// The check of a description: of its metadata, and of its columns with their types.
 pub fn head(schema: &Schema) -> String {
     hex(&head_digest(schema))[..DIGITS].to_owned()
 }
 
-/// The schema of a capture to be written: these columns, the metadata of the file, and the check over both.
+/// The schema of a new capture: these columns, the metadata of the file, and the check of both.
 pub fn checked_schema(fields: Vec<Field>, metadata: Metadata) -> SchemaRef {
     let schema = Schema::new(fields).with_metadata(metadata);
     let metadata = schema.metadata().clone().with(HEAD, head(&schema));
@@ -136,7 +136,7 @@ fn head_digest(schema: &Schema) -> [u8; 32] {
     digest.finalize().into()
 }
 
-/// The name of a type in the format; of a type that no capture has, its name in Arrow.
+/// The name of a type in the format; the Arrow name for a type that no capture has.
 fn type_name(data_type: &DataType) -> String {
     let short = match data_type {
         DataType::UInt8 => "u8",
@@ -151,15 +151,14 @@ fn type_name(data_type: &DataType) -> String {
     short.to_owned()
 }
 
-/// A column as the checks see it: for each row a byte that says whether there is a value, then the value, little
-/// endian.
+/// A column encoded for the checks: for each row, a byte that is 1 if there is a value, then the value, little endian.
 struct Cells {
     bytes: Vec<u8>,
     stride: usize,
 }
 
 impl Cells {
-    /// Only columns of numbers and truth values are part of a capture: any other column has no bytes here.
+    /// Encodes a column of numbers or Booleans. Any other column is not part of a capture, and gives no bytes.
     fn of(column: &ArrayRef) -> Self {
         match (column.data_type(), column.data_type().primitive_width()) {
             (DataType::Boolean, _) => {

@@ -1,5 +1,4 @@
-//! A capture being read, with everything checked that it states about itself: its description, each block, its end,
-//! and whether the rows agree with each other.
+//! Reads a capture and checks it: its description, each block, its end, and whether its rows agree with each other.
 
 use super::CaptureError;
 use super::chain::{self, Chain, End};
@@ -27,29 +26,29 @@ pub struct Checked {
 
 /// The checks that a file carries.
 enum Checks {
-    /// Schema 1: nothing.
+    /// Schema 1: the file has no checks.
     Absent,
     /// Schema 2: each block is checked.
     Chained(Box<Chain>),
-    /// Schema 2 that other software has written again: description and columns stayed, the checks of the rows did not.
+    /// Schema 2, rewritten by other software: description and columns are kept, the checks of the rows are lost.
     Stripped,
 }
 
 /// Totals of the rows that were read so far.
 #[derive(Clone, Debug, Default)]
 pub struct Found {
-    /// Rows.
+    /// Number of rows.
     pub rows: u64,
-    /// Sum of their losses.
+    /// Sum of the rows' losses.
     pub lost: u64,
     /// `t_ns` of the first row, and of the last.
     pub span_ns: Option<(u64, u64)>,
-    /// Rows whose `edge_seq` contradicts the time, in a file that is otherwise whole.
+    /// Number of rows whose `edge_seq` contradicts the time, in a file that is otherwise valid.
     edges_out_of_place: u64,
 }
 
 impl Checked {
-    /// Checks the description.
+    /// Starts to read a table, and checks its description.
     pub fn new(path: &Path, source: Box<dyn BatchSource>) -> Result<Self, CaptureError> {
         let schema = source.stated().schema.clone();
         let info = CaptureInfo::from_metadata(path, schema.metadata())?;
@@ -100,23 +99,23 @@ impl Checked {
         &self.found
     }
 
-    /// Whether checks vouch for every row read so far.
+    /// Whether checks cover every row read so far.
     pub fn is_checked(&self) -> bool {
         matches!(self.checks, Checks::Chained(_))
     }
 
-    /// Whether the file ends where no end should be.
+    /// Whether the file ends before the end of the capture.
     pub fn is_torn(&self) -> bool {
         self.source.stated().torn
     }
 
-    /// The warning about bytes after the end, once all rows were read.
+    /// The warning about bytes after the end, known once all rows were read.
     pub fn behind_end(&self) -> Option<&InputWarning> {
         let warning = self.source.stated().warning.as_ref();
         warning.filter(|warning| matches!(warning, InputWarning::BytesBehindEnd { .. }))
     }
 
-    /// The warnings, once all rows were read.
+    /// The warnings, complete once all rows were read.
     pub fn warnings(&self) -> Vec<CaptureWarning> {
         let path = || self.path.display().to_string();
         let unchecked = match self.checks {
@@ -130,7 +129,7 @@ impl Checked {
         of_file.into_iter().chain(unchecked).chain(edges).collect()
     }
 
-    /// The next rows, with the batch that they stand in.
+    /// The next rows, with their batch.
     pub fn next_rows(&mut self) -> Result<Option<(RecordBatch, Rows)>, CaptureError> {
         if self.ended {
             return Ok(None);
@@ -199,7 +198,7 @@ impl Checked {
         CaptureError::damaged(&self.path, format!("end, after row {}", self.found.rows), what)
     }
 
-    /// Holds the rows against each other, and counts them.
+    /// Checks that the rows agree with each other, and counts them.
     fn count(&mut self, place: &str, rows: &Rows) -> Result<(), CaptureError> {
         let strict = self.info.schema == 1;
         for mark in rows.marks() {
@@ -224,7 +223,7 @@ impl Checked {
         CaptureError::damaged(&self.path, place, what.to_string())
     }
 
-    /// The sample hash of the rows read so far, where checks were followed.
+    /// The sample hash of the rows read so far; `None` for a file without checks.
     pub fn samples_sha256(&self) -> Option<String> {
         match &self.checks {
             Checks::Chained(chain) => Some(chain.samples_sha256()),
@@ -232,10 +231,10 @@ impl Checked {
         }
     }
 
-    /// The statement at the end of the file, once all rows were read.
+    /// The statement at the end of the file, known once all rows were read.
     ///
     /// # Errors
-    /// The statement is malformed.
+    /// Returns an error if the statement is malformed.
     pub fn end(&self) -> Result<Option<End>, CaptureError> {
         let Some(stated) = &self.source.stated().end else { return Ok(None) };
         let malformed = || CaptureError::damaged(&self.path, "metadata", format!("`{END}` is malformed: {stated}"));

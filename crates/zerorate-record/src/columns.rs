@@ -1,4 +1,4 @@
-//! The columns of a capture in memory: samples to record batches, and back.
+//! The columns of a capture in memory: converts rows to record batches, and back.
 
 use super::CaptureError;
 use super::layout::{CodedAxis, Layout};
@@ -14,10 +14,10 @@ use std::sync::Arc;
 use zerorate::{MAX_AXES, Reading, Scale};
 use zerorate_input::cells::integers;
 
-/// Rows in a batch at most: a bound on memory.
+/// Largest number of rows in a batch: a bound on memory.
 pub const MAX_ROWS: usize = 8192;
 
-/// Time a batch spans at most: what a killed process costs.
+/// Longest time that a batch spans, ns: the loss if the process is killed.
 const MAX_SPAN_NS: u64 = 1_000_000_000;
 
 /// The rows of the open batch.
@@ -32,7 +32,7 @@ pub(crate) struct OpenBatch {
 }
 
 impl OpenBatch {
-    /// No row yet.
+    /// An empty batch.
     pub fn new(layout: &Layout) -> Self {
         Self {
             fields: layout.raw_fields(),
@@ -50,13 +50,13 @@ impl OpenBatch {
         self.t_ns.is_empty()
     }
 
-    /// Whether a row at `t_ns` belongs into the next batch.
+    /// Whether a row at `t_ns` belongs to the next batch.
     pub fn is_full_for(&self, t_ns: u64) -> bool {
         self.t_ns.len() == MAX_ROWS
             || self.t_ns.first().is_some_and(|first| t_ns.saturating_sub(*first) >= MAX_SPAN_NS)
     }
 
-    /// Adds a row of the layout.
+    /// Adds a row, which must fit the layout.
     pub fn push(&mut self, row: &Row) {
         self.t_ns.push(row.t_ns);
         self.edge_seq.push(row.edge_seq);
@@ -66,7 +66,7 @@ impl OpenBatch {
         self.lost.push(row.lost);
     }
 
-    /// Takes the rows out.
+    /// Returns the rows as columns, and empties the batch.
     pub fn close(&mut self) -> Result<Vec<ArrayRef>, ArrowError> {
         let ends = [column::<UInt64Type>(&mut self.t_ns), column::<UInt32Type>(&mut self.edge_seq)];
         let codes = self.codes.iter_mut().map(CodeBuilder::finish);
@@ -110,7 +110,7 @@ impl CodeBuilder {
         }
     }
 
-    /// A code of the layout has 32 bits at most.
+    /// The cast is exact: a code of the layout has at most 32 bits.
     fn append(&mut self, code: Option<i64>) {
         match self {
             Self::Unsigned(codes) => codes.append_option(code.map(|code| code as u32)),
@@ -175,7 +175,7 @@ impl Codes {
     }
 }
 
-/// The rows of a batch that was read: checked, typed, raw.
+/// The raw rows of a batch that was read, checked and typed.
 pub struct Rows {
     t_ns: ScalarBuffer<u64>,
     edge_seq: ScalarBuffer<u32>,
@@ -187,7 +187,7 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// The raw columns of a batch of the capture at `path`; `place` says which batch, should it be damaged.
+    /// The raw columns of a batch of the capture at `path`; `place` names the batch in errors.
     pub fn from_batch(path: &Path, place: &str, batch: &RecordBatch, layout: &Layout) -> Result<Self, CaptureError> {
         let found = Batch { path, place, batch };
         let codes = layout.axes().iter().map(|axis| found.required_codes(&axis.code_column(), &axis.scale));
@@ -214,7 +214,7 @@ impl Rows {
         self.len() == 0
     }
 
-    /// The step of each row from the row before.
+    /// The time, edge number and losses of each row.
     pub fn marks(&self) -> impl Iterator<Item = Mark> {
         let rows = self.t_ns.iter().zip(&self.edge_seq[..]).zip(&self.lost[..]);
         rows.map(|((t_ns, edge_seq), lost)| Mark { t_ns: *t_ns, edge_seq: *edge_seq, lost: *lost })
@@ -237,7 +237,7 @@ impl Rows {
         (0..self.len()).map(|i| self.row(i))
     }
 
-    /// The readings of one axis, in order, without the detour over whole rows; none where the layout has no such axis.
+    /// The readings of one axis, in order, without building whole rows. Empty if the layout has no such axis.
     pub fn readings<'a>(&'a self, layout: &'a Layout, axis: usize) -> impl Iterator<Item = Reading> + use<'a> {
         let column = layout.axes().get(axis).zip(self.codes.get(axis));
         let readings = move |(axis, codes): (&'a CodedAxis, &'a Codes)| {
@@ -249,7 +249,7 @@ impl Rows {
         column.map(readings).into_iter().flatten()
     }
 
-    /// The raw columns as they were.
+    /// The raw columns as they were read.
     pub fn columns(&self) -> Result<Vec<ArrayRef>, ArrowError> {
         let status: ArrayRef = Arc::new(self.status.clone());
         let before: [ArrayRef; 2] = [
@@ -265,7 +265,7 @@ impl Rows {
     }
 }
 
-/// A batch, and where it stands.
+/// A batch, with its file and place for errors.
 struct Batch<'a> {
     path: &'a Path,
     place: &'a str,
@@ -285,7 +285,7 @@ impl Batch<'_> {
         integers(found).map_err(|error| self.damaged(format!("column {name}: {error}")))
     }
 
-    /// The same, without nulls.
+    /// As [`Self::column`], but a null is an error.
     fn required<T: ArrowPrimitiveType<Native: TryFrom<i128>>>(
         &self,
         name: &str,
@@ -311,7 +311,7 @@ impl Batch<'_> {
         }
     }
 
-    /// The same, without nulls.
+    /// As [`Self::codes`], but a null is an error.
     fn required_codes(&self, name: &str, scale: &Scale) -> Result<Codes, CaptureError> {
         let codes = self.codes(name, scale)?;
         self.check_whole(name, codes.null_count())?;

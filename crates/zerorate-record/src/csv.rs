@@ -22,10 +22,10 @@ use zerorate_input::{Input, InputError, InputWarning};
 /// The start of every CSV capture.
 pub const PREAMBLE: &str = "# zerorate.";
 
-/// Bytes of a few batches.
+/// Size of the write buffer in bytes, for a few batches.
 const WRITE_BUFFER: usize = 1 << 20;
 
-/// Writes a CSV file.
+/// Writes a CSV capture.
 pub struct CsvSink {
     path: PathBuf,
     out: BufWriter<Out>,
@@ -89,11 +89,11 @@ impl BlockSink for CsvSink {
 pub struct CsvReader {
     path: PathBuf,
     lines: Lines,
-    /// A builder for each column of the file, in order; none where the name is unknown.
+    /// A builder for each column of the file, in order; `None` for an unknown name.
     columns: Vec<NamedColumn>,
-    /// Whether its rows carry checks: version 2 of the format.
+    /// Whether the rows have checks: version 2 of the format.
     is_checked: bool,
-    /// Bytes of the file, and those up to its end, once that was read.
+    /// Bytes in the file, and up to the end statement once that was read.
     length: u64,
     end: u64,
     stated: Stated,
@@ -101,15 +101,15 @@ pub struct CsvReader {
 
 /// A line below the header.
 enum Entry {
-    /// A row, which is in the columns now.
+    /// A row, which was added to the columns.
     Row,
     /// The check of the rows before.
     Check(String),
-    /// The end.
+    /// The end statement.
     End(String),
-    /// A comment of somebody.
+    /// Any other comment.
     Comment,
-    /// The file ends, perhaps with a line that is cut short.
+    /// The file ends, possibly with a line that is cut short.
     Nothing,
 }
 
@@ -151,7 +151,7 @@ impl CsvReader {
         })
     }
 
-    /// Reads a line, a row into the columns.
+    /// Reads a line. A row goes into the columns.
     fn read_entry(&mut self) -> Result<Entry, InputError> {
         let Some(line) = self.lines.next_line()? else {
             return Ok(Entry::Nothing);
@@ -180,7 +180,7 @@ impl CsvReader {
         Ok(Entry::Row)
     }
 
-    /// The file ended before the capture did.
+    /// Notes that the file lacks the end of the capture.
     fn torn(&mut self, rows: usize) {
         self.stated.torn = true;
         self.stated.warning = Some(cut_off(&self.path, rows));
@@ -191,7 +191,7 @@ impl CsvReader {
     }
 }
 
-/// The statement in a comment; none if it is malformed.
+/// The statement in a comment; `None` if it is malformed.
 fn statement(comment: &str) -> Option<Entry> {
     let entry = comment.split_once('=').map(|(key, value)| (key.trim(), value.trim()));
     match entry {
@@ -203,7 +203,7 @@ fn statement(comment: &str) -> Option<Entry> {
 
 type NamedColumn = (String, Option<Box<dyn CellColumn>>);
 
-/// Puts the cells of a line into the columns.
+/// Adds the cells of a line to the columns.
 fn push_cells(path: &Path, place: &str, line: &str, columns: &mut [NamedColumn]) -> Result<(), InputError> {
     let mut cells = Delimiter::Comma.cells(line);
     for (name, column) in columns {
@@ -291,7 +291,7 @@ fn written(column: &ArrayRef) -> Result<WriteCell<'_>, ArrowError> {
     }
 }
 
-/// Writes a number with as many digits as bring the same number back, and always a point.
+/// Writes a number with as many digits as are needed to read the same number back, and always with a decimal point.
 fn push_float(value: f64, line: &mut String) {
     let plain = value == 0.0 || (1e-5..1e9).contains(&value.abs());
     let text = if plain || !value.is_finite() { value.to_string() } else { format!("{value:e}") };
@@ -301,12 +301,12 @@ fn push_float(value: f64, line: &mut String) {
     line.push_str(exponent);
 }
 
-/// A column that grows by cells of text.
+/// A column that is built from cells of text.
 trait CellColumn {
-    /// Adds a cell; an empty cell is a null. False if the cell is not a number of the type.
+    /// Adds a cell; an empty cell is a null. Returns `false` if the cell is not a number of the type.
     fn push(&mut self, cell: &str) -> bool;
 
-    /// Takes the column out.
+    /// Returns the column, and empties the builder.
     fn finish(&mut self) -> ArrayRef;
 }
 

@@ -1,5 +1,5 @@
-//! After any damage, a file is refused, or the rows that are read are the rows that were written. Damage is made here,
-//! with seeds.
+//! After any damage, a file is refused, or the rows that are read are the rows that were written. These tests damage
+//! files at random, with fixed seeds.
 
 #[cfg(feature = "parquet")]
 mod of_parquet;
@@ -66,7 +66,7 @@ impl Victim {
         outcome(&path, &self.truth)
     }
 
-    /// A change inside the file: never taken for a torn tail, and never unnoticed.
+    /// A change inside the file is never taken for a missing end, and never unnoticed.
     #[track_caller]
     fn stays_true(&self, bytes: &[u8], what: &str) {
         let outcome = self.with(bytes);
@@ -100,7 +100,7 @@ fn no_flipped_bit_is_believed() {
     }
 }
 
-/// Bytes overwritten, left out, put in, moved; several at once.
+/// Bytes are overwritten, removed, inserted or moved, several at once.
 #[test]
 fn no_other_mutation_is_believed() {
     for &format in FORMATS {
@@ -168,7 +168,7 @@ fn pieces_of_csv(bytes: &[u8]) -> Vec<Vec<u8>> {
     pieces
 }
 
-/// Ways to lose blocks: those given are left in, in this order.
+/// Ways to lose or move blocks: each lists the blocks that are kept, in their order.
 fn rearranged(blocks: usize) -> Vec<Vec<usize>> {
     let all: Vec<usize> = (0..blocks).collect();
     let without = |left_out: usize| all.iter().copied().filter(|block| *block != left_out).collect();

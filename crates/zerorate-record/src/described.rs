@@ -1,5 +1,5 @@
-//! A capture as a table that describes itself: codes have a scale, readings that are not valid are null, and the rows
-//! were counted.
+//! A capture as a table that describes itself: codes have a scale, invalid readings are null, and lost rows are
+//! counted.
 
 use crate::columns::Rows;
 use crate::layout::{CodedAxis, Layout};
@@ -20,10 +20,10 @@ use zerorate_input::{InputError, Quantity};
 /// The column of the temperature.
 const TEMP_CODE: &str = "temp_code";
 
-/// Opens a capture as a described table; none if the file is not a capture.
+/// Opens a capture as a described table; `None` if the file is not a capture.
 ///
 /// # Errors
-/// The file cannot be read, or its description is wrong.
+/// Returns an error if the file cannot be read, or if its description is wrong.
 pub fn open_described(path: &Path, source: Source) -> Result<Option<Box<dyn DescribedTable>>, InputError> {
     let opened = match source {
         Source::File(input) => recognise(path, input)?,
@@ -47,7 +47,7 @@ impl DescribedTable for DescribedCapture {
         self.capture.schema()
     }
 
-    /// The rates of all axes, corrected if they are.
+    /// The rates of all axes; the corrected ones if there are any.
     fn default_columns(&self) -> Vec<usize> {
         let schema = self.schema();
         let position = |name: String| schema.index_of(&name).ok();
@@ -86,21 +86,21 @@ fn coded(warning: &CaptureWarning) -> (&'static str, String) {
     (warning.code(), warning.to_string())
 }
 
-/// Takes checked rows.
+/// A callback for checked rows.
 type TakeRows<'a> = &'a mut (dyn FnMut(&RecordBatch, &Rows) -> Result<(), InputError> + Send);
 
-/// Batches that may wait to be taken.
+/// Largest number of batches that wait for the other thread.
 #[cfg(not(target_family = "wasm"))]
 const AHEAD: usize = 4;
 
-/// Hands on the rows of a capture on a thread of its own while this one checks them, which takes as long.
+/// Passes the rows of a capture to `take` on another thread while this one checks them, which takes as long.
 #[cfg(not(target_family = "wasm"))]
 fn read_beside(capture: &mut Checked, take: TakeRows<'_>) -> Result<(), InputError> {
     std::thread::scope(|scope| {
         let (checked, to_take) = std::sync::mpsc::sync_channel(AHEAD);
         let taking = scope.spawn(move || to_take.into_iter().try_for_each(|(batch, rows)| take(&batch, &rows)));
         while let Some(next) = capture.next_rows()? {
-            // where taking has failed, it says why
+            // if the other thread failed, its result says why
             if checked.send(next).is_err() {
                 break;
             }
@@ -110,7 +110,7 @@ fn read_beside(capture: &mut Checked, take: TakeRows<'_>) -> Result<(), InputErr
     })
 }
 
-/// A browser has one thread.
+/// Does both on one thread: a browser has no other.
 #[cfg(target_family = "wasm")]
 fn read_beside(capture: &mut Checked, take: TakeRows<'_>) -> Result<(), InputError> {
     while let Some((batch, rows)) = capture.next_rows()? {
@@ -119,12 +119,12 @@ fn read_beside(capture: &mut Checked, take: TakeRows<'_>) -> Result<(), InputErr
     Ok(())
 }
 
-/// The columns that are handed on, and the judges of their readings.
+/// The columns that are passed on, with the validation of their readings.
 struct Validation<'a> {
     path: &'a Path,
     columns: Vec<(usize, Option<Readings>)>,
     axes: Vec<AxisValidation>,
-    /// None: the rows are not counted.
+    /// `None` if rows are not counted.
     count: Option<RowCount>,
 }
 
@@ -137,7 +137,7 @@ impl<'a> Validation<'a> {
         Self { path, columns, axes, count: validates.then(RowCount::default) }
     }
 
-    /// Takes rows in. Gives the values of each column that are judged by now.
+    /// Adds rows. Returns the values of each column that are judged by now.
     fn take(&mut self, batch: &RecordBatch, rows: &Rows) -> Result<Vec<ArrayRef>, InputError> {
         if let Some(count) = &mut self.count {
             count.take(rows);
@@ -150,7 +150,7 @@ impl<'a> Validation<'a> {
         self.columns.iter_mut().map(judged).collect::<Result<_, _>>().map_err(|error| failed(self.path, &error))
     }
 
-    /// The values that were not judged before the end.
+    /// The values of each column that are judged only at the end.
     fn rest(&mut self) -> Result<Vec<ArrayRef>, InputError> {
         let valid: Vec<Valid> = self.axes.iter_mut().map(AxisValidation::rest).collect();
         let judged = |(_, readings): &mut (usize, Option<Readings>)| match readings {
@@ -185,7 +185,7 @@ struct AxisValidation {
     start_ns: Option<u64>,
 }
 
-/// Whether each reading of a piece is valid.
+/// Whether each of some readings is valid.
 #[derive(Default)]
 struct Valid {
     rates: Vec<bool>,
@@ -193,13 +193,13 @@ struct Valid {
 }
 
 impl AxisValidation {
-    /// For an axis, by number; none if the part lacks it.
+    /// Validation of an axis, by number; `None` if the part lacks it.
     fn new(axis: usize, info: &CaptureInfo) -> Option<Self> {
         let health = Health::new(&info.part().axes.get(axis)?.axis);
         Some(Self { axis, layout: info.layout.clone(), health, tally: Tally::default(), start_ns: None })
     }
 
-    /// Takes rows in, and says what is judged by now: all rows so far but for the last two.
+    /// Adds rows, and returns the readings judged by now: all so far except the last two.
     fn take(&mut self, rows: &Rows) -> Valid {
         let mut valid = Valid::with_capacity(rows.len());
         self.tally.samples += rows.len() as u64;
@@ -209,7 +209,7 @@ impl AxisValidation {
         valid
     }
 
-    /// The rest, at the end of the capture.
+    /// The readings that are judged at the end of the capture.
     fn rest(&mut self) -> Valid {
         let mut valid = Valid::default();
         while let Some(judged) = self.health.finish() {
@@ -252,16 +252,16 @@ enum Channel {
 
 /// A column of readings, in which readings that are not valid become null.
 struct Readings {
-    /// The place of its axis among those that are validated.
+    /// Index of the column's axis among the validated axes.
     axis: usize,
     channel: Channel,
-    /// Values of the rows that are not judged yet.
+    /// Values of rows that are not judged yet.
     tail: Option<ArrayRef>,
 }
 
 impl Readings {
-    /// The readings of the column of this name; none if it holds no readings. Their axis joins `axes`, unless it is
-    /// there. A temperature is judged with the first axis.
+    /// The readings of the column of this name; `None` if it does not hold readings. Their axis is added to `axes` if
+    /// missing. A temperature is judged with the first axis.
     fn of_column(name: &str, info: &CaptureInfo, axes: &mut Vec<AxisValidation>) -> Option<Self> {
         let of_axis = info.layout.axes().iter().position(|axis| {
             [axis.code_column(), axis.rate_column(), axis.corrected_column()].contains(&name.to_owned())
@@ -281,7 +281,7 @@ impl Readings {
         Some(Self { axis, channel, tail: None })
     }
 
-    /// Takes the values of more rows. Returns the newly judged ones, in order.
+    /// Adds the values of more rows. Returns the newly judged values, in order.
     fn take(&mut self, values: &ArrayRef, valid: &[Valid]) -> Result<ArrayRef, ArrowError> {
         let valid = self.of_channel(valid);
         let values = match self.tail.take() {
@@ -292,7 +292,7 @@ impl Readings {
         masked(&values.slice(0, valid.len()), valid)
     }
 
-    /// The values that are left.
+    /// The values that are judged only at the end.
     fn rest(&mut self, valid: &[Valid]) -> Result<ArrayRef, ArrowError> {
         let tail = self.tail.take();
         let empty = || Ok(arrow_array::new_empty_array(&arrow_schema::DataType::Int64));
@@ -319,7 +319,7 @@ fn failed(path: &Path, error: &ArrowError) -> InputError {
     InputError::damaged(path, "raw columns", error.to_string())
 }
 
-/// The times of the rows and the losses between them, as the capture counts them.
+/// The time span of the rows, and the losses between them as the capture counts them.
 #[derive(Default)]
 struct RowCount {
     span_ns: Option<(u64, u64)>,
@@ -331,7 +331,7 @@ impl RowCount {
     fn take(&mut self, rows: &Rows) {
         for Mark { t_ns, lost, .. } in rows.marks() {
             self.span_ns = Some((self.span_ns.map_or(t_ns, |(start, _)| start), t_ns));
-            // what the first row lost was before the record
+            // losses of the first row were before the record
             if lost > 0 && self.rows > 0 {
                 self.lost.push((self.rows as usize, u64::from(lost)));
             }

@@ -5,15 +5,15 @@ use super::row::Row;
 use sha2::{Digest, Sha256};
 use zerorate::MAX_AXES;
 
-/// Head of the hash of one axis with a status of eight bits.
+/// Hash prefix of the layout of one axis with a status of eight bits.
 const ONE_AXIS: &str = "zerorate.samples.v1\n";
 /// Hash prefix of other layouts. The axis names follow it.
 const AXES: &str = "zerorate.samples.v2 ";
 
-/// Bytes of the longest row.
+/// Length of the longest encoded row, in bytes.
 const LONGEST: usize = 8 + 4 + 4 * MAX_AXES + 4 + 4 + 4 + 1;
 
-/// SHA-256 over the canonical encoding of rows: the same live, from a log of it, and from any form of the log.
+/// SHA-256 over the canonical encoding of rows. It is the same for a live device and for any form of its capture.
 #[derive(Clone, Debug)]
 pub struct SampleHash {
     digest: Sha256,
@@ -23,7 +23,7 @@ pub struct SampleHash {
 }
 
 impl SampleHash {
-    /// The hash of no row yet.
+    /// The hash of an empty capture.
     pub fn new(layout: &Layout) -> Self {
         let axes: Vec<&str> = layout.axes().iter().map(|axis| axis.name.as_str()).collect();
         let digest = match (&axes[..], layout.status_bits()) {
@@ -38,7 +38,7 @@ impl SampleHash {
         }
     }
 
-    /// Takes in the next row.
+    /// Adds the next row.
     #[inline]
     pub fn update(&mut self, row: &Row) {
         if self.pending.len() + LONGEST > self.pending.capacity() {
@@ -72,7 +72,7 @@ impl SampleHash {
     }
 }
 
-/// A code as a column holds it: u32, or i32 in two's complement.
+/// A code as in its column: u32, or i32 in two's complement.
 fn low_bytes(code: i64) -> [u8; 4] {
     (code as u32).to_le_bytes()
 }

@@ -1,4 +1,4 @@
-//! The description of a capture, and its form as metadata (docs/formats/capture.md).
+//! The description of a capture, and its metadata entries (docs/formats/capture.md).
 
 use super::CaptureError;
 use super::layout::{Layout, PART, number, number_or, stated};
@@ -11,7 +11,7 @@ use zerorate::{Axis, NamedAxis, Part};
 /// Version of the format that this program writes, and the highest it reads.
 pub const SCHEMA_VERSION: u32 = 2;
 
-/// Marks a corrected capture.
+/// Metadata key of the calibration id, which only a corrected capture has.
 pub const CALIBRATION_ID: &str = "zerorate.calibration_id";
 
 const CAPTURE_SCHEMA: &str = "zerorate.capture_schema";
@@ -22,7 +22,7 @@ const DEVICE: &str = "zerorate.device";
 const SERIAL: &str = "zerorate.serial";
 const EVERY_TEMP: &str = "zerorate.every_temp";
 const DIVIDER: &str = "zerorate.divider";
-/// Left out where it is 1, as in every file of programs that did not know it.
+/// Left out if it is 1, as in all files of older programs.
 const DIVIDED: &str = "zerorate.divided";
 const BANDWIDTH_HZ: &str = "zerorate.bandwidth_hz";
 const EARTH: &str = "zerorate.earth_dps";
@@ -36,15 +36,15 @@ const HOST: &str = "zerorate.host";
 /// The description of a capture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CaptureInfo {
-    /// Version of the format that the file has.
+    /// Format version of the file.
     pub schema: u32,
-    /// The part, its axes, and what their codes mean.
+    /// The part, its axes, and the meaning of their codes.
     pub layout: Layout,
     /// The source of the samples, as given on the command line.
     pub device: String,
-    /// Serial number, as given.
+    /// Serial number, as given on the command line.
     pub serial: Option<String>,
-    /// Settings of the converter of an ADIS16130; another part has none.
+    /// Converter settings of an ADIS16130; `None` for another part.
     pub converter: Option<Converter>,
     /// Temperature was read with every N-th rate sample (F-55).
     pub every_temp: u16,
@@ -52,13 +52,13 @@ pub struct CaptureInfo {
     pub divider: u16,
     /// The host saw every N-th data-ready edge, because a counter divided them (F-56).
     pub divided: u16,
-    /// −3 dB of the rate, Hz, where it is not the part's own (F-04).
+    /// −3 dB bandwidth of the rate, Hz, if it is not the part's default (F-04).
     pub bandwidth_hz: Option<f64>,
-    /// Component of the Earth's rotation on the axis, °/s, as stated for the measurement (F-16).
+    /// Component of the Earth's rotation on the axis, °/s, as given for the measurement (F-16).
     pub earth_dps: Option<f64>,
     /// The software that wrote the capture.
     pub software: String,
-    /// When, RFC 3339; empty on a simulated device, whose files depend on nothing but the seed.
+    /// Time of creation, RFC 3339. Empty for a simulated device, whose files depend on the seed only.
     pub created: String,
     /// Circumstances of the measurement.
     pub notes: Notes,
@@ -71,11 +71,11 @@ pub struct Converter {
     pub width: Width,
     /// RATECONV as configured: b7 chop, b6–0 FW (F-31).
     pub rate_conversion: u8,
-    /// TEMPCONV, likewise.
+    /// TEMPCONV as configured, with the same bits.
     pub temp_conversion: u8,
 }
 
-/// A part that is not the one of a capture.
+/// The error for a part file that does not match the part of a capture.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the device is an {found} with the axes {axes}, but the given file describes an {given}")]
 pub struct NotThePart {
@@ -85,8 +85,8 @@ pub struct NotThePart {
 }
 
 impl CaptureInfo {
-    /// The description for a part of which nothing else is known: every reading has a temperature, no edge was left
-    /// out.
+    /// The description of a capture whose layout alone is known: every reading has a temperature, and no edge is
+    /// skipped.
     #[must_use]
     pub fn new(layout: Layout) -> Self {
         Self {
@@ -106,24 +106,24 @@ impl CaptureInfo {
         }
     }
 
-    /// The description for an ADIS16130 with these settings.
+    /// The description of a capture of an ADIS16130 with these settings.
     #[must_use]
     pub fn adis16130(converter: Converter) -> Self {
         Self { converter: Some(converter), ..Self::new(Layout::adis16130(converter.width)) }
     }
 
-    /// Edges of the part's data ready from one reading to the next, all in all.
+    /// Number of data-ready edges from one reading to the next, by both dividers.
     pub fn edges_per_reading(&self) -> u16 {
         self.divider.max(1).saturating_mul(self.divided.max(1))
     }
 
-    /// Whether the samples are those of the software twin, by the name of their device.
+    /// Whether the samples come from the software twin, by the name of the device.
     #[must_use]
     pub fn is_simulated(&self) -> bool {
         is_twin(&self.device)
     }
 
-    /// The origin of a calibration by samples of this digest ([`SampleHash`](super::SampleHash)).
+    /// The origin of a calibration from the samples with this digest ([`SampleHash`](super::SampleHash)).
     #[must_use]
     pub fn origin(self, capture_sha256: String) -> Origin {
         let Self { converter, every_temp, divider, divided, bandwidth_hz, .. } = self;
@@ -147,7 +147,7 @@ impl CaptureInfo {
         }
     }
 
-    /// The metadata that states this.
+    /// The metadata entries of this description.
     pub fn to_metadata(&self) -> Metadata {
         let converter = self.converter.as_ref();
         let known = [
@@ -173,7 +173,7 @@ impl CaptureInfo {
         known.chain(self.layout.to_metadata()).collect()
     }
 
-    /// Reads the description of the capture at `path` out of its metadata.
+    /// Parses the description of the capture at `path` from its metadata.
     pub fn from_metadata(path: &Path, metadata: &Metadata) -> Result<Self, CaptureError> {
         let schema = version(path, metadata)?;
         let text = |key: &str| metadata.get(key).cloned();
@@ -210,18 +210,18 @@ impl CaptureInfo {
 }
 
 impl CaptureInfo {
-    /// The part that was read, as it was set. Of a part that is not built in, nothing is known but what the capture
-    /// states: what its codes mean, and its bandwidth if that was set.
+    /// The recorded part, with its settings. For a part that is not built in, only the facts in the capture are known:
+    /// the meaning of its codes, and its bandwidth if that was set.
     #[must_use]
     pub fn part(&self) -> Part {
         self.set(self.layout.part())
     }
 
-    /// The same, with all that is known of a part of this name. What codes mean, and the bandwidth if it was set, is
-    /// as the capture states it.
+    /// The recorded part, completed by the facts of `known`. The meaning of codes, and the bandwidth if it was set,
+    /// come from the capture.
     ///
     /// # Errors
-    /// The capture is of another part, or of other axes.
+    /// Returns [`NotThePart`] if the capture has another part, or an axis that `known` lacks.
     pub fn part_from(&self, known: &Part) -> Result<Part, NotThePart> {
         let mut part = self.layout.part();
         let of_name = |name: &str| known.axes.iter().find(|axis| axis.name == name);
@@ -249,7 +249,7 @@ impl CaptureInfo {
         part
     }
 
-    /// The first axis that was read, as it was set.
+    /// The first recorded axis, with its settings.
     #[must_use]
     pub fn axis(&self) -> Axis {
         self.part().axes.first().map_or(Axis::ADIS16130, |first| first.axis)
@@ -270,7 +270,7 @@ impl Converter {
     }
 }
 
-/// A number that may be absent.
+/// A number in the metadata; `None` if it is absent.
 fn if_stated(
     path: &Path,
     metadata: &Metadata,
@@ -286,17 +286,17 @@ fn if_stated(
     }
 }
 
-/// Whether `metadata` claims to describe a capture, of any version.
+/// Whether `metadata` has an entry of a capture, of any version.
 pub fn is_capture(metadata: &Metadata) -> bool {
     metadata.iter().any(|(key, _)| key.starts_with("zerorate."))
 }
 
-/// A value as every form can hold it: CSV has one line for it, and no blanks around.
+/// A value that every form can hold: CSV has one line for it, without blanks around.
 fn one_line(value: &str) -> String {
     value.replace(['\r', '\n'], " ").trim().to_owned()
 }
 
-/// Checks an ADIS16130, for which the metadata must state known values.
+/// Checks that the metadata of an ADIS16130 has the values of its layout.
 fn check_layout(path: &Path, metadata: &Metadata, layout: &Layout) -> Result<(), CaptureError> {
     let wrong = layout.to_metadata().find(|(key, expected)| metadata.get(key) != Some(expected));
     wrong.map_or(Ok(()), |(key, expected)| {

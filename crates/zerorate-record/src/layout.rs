@@ -11,58 +11,58 @@ use std::str::FromStr;
 use zerorate::{Axis, MAX_AXES, NamedAxis, NoiseSources, Part, Reading, Scale, Scan};
 use zerorate_input::{Quantity, Unit};
 
-/// Names of the axes. Version 1 of the format has none.
+/// Metadata key of the axis names. Version 1 of the format does not have it.
 pub const AXES: &str = "zerorate.axes";
 
 pub(super) const PART: &str = "zerorate.part";
 const STATUS_BITS: &str = "zerorate.status_bits";
 const TEMP: &str = "zerorate.temp";
 
-/// The longest name of a part or of an axis (docs/formats/part.md).
+/// The longest name of a part or of an axis, in bytes (docs/formats/part.md).
 const LONGEST_NAME: usize = 40;
 
-/// The axes of a part, and what its codes mean.
+/// The axes of a part, and the meaning of its codes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
     part: String,
     axes: Vec<CodedAxis>,
     temp: Scale,
     status_bits: u8,
-    /// Bits that a code lacks beside those that the core counts in: the 16-bit codes of an ADIS16130 (F-43).
+    /// Low bits that codes lack compared with the codes of the core: 8 for the 16-bit codes of an ADIS16130 (F-43).
     dropped_bits: u8,
 }
 
-/// An axis, as its codes are recorded.
+/// A recorded axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CodedAxis {
-    /// Its name in the part, with which its columns begin.
+    /// Name of the axis, with which the names of its columns begin.
     pub name: String,
-    /// The unit that its scale leads to.
+    /// The unit of the scaled codes.
     pub unit: Unit,
-    /// Codes to that unit.
+    /// The scale from codes to `unit`.
     pub scale: Scale,
 }
 
-/// Why there can be no such layout.
+/// The reason why a layout is not possible.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[expect(missing_docs, reason = "the fields are the words of the message")]
 pub enum LayoutError {
     /// The number of axes is out of range.
     #[error("{0} axes; a capture has 1 to {MAX_AXES}")]
     Axes(usize),
-    /// An invalid name.
+    /// A name is invalid.
     #[error("{0:?} is not a name; use up to {LONGEST_NAME} letters, digits, -, _ and .")]
     Name(String),
-    /// Two columns of one name.
+    /// Two columns have the same name.
     #[error("two columns would be called `{0}`: give the axes other names")]
     Column(String),
-    /// Codes that no reading can hold.
+    /// The codes are too far from the zero code for 32 bits.
     #[error("the codes of `{name}` go from {first} to {last}: so far from the zero code {zero} none can be taken")]
     Codes { name: String, first: i64, last: i64, zero: i64 },
-    /// A status register of a width for which there is no column.
+    /// No column holds a status register of this width.
     #[error("a status of {0} bits; it has 8, 16 or 32")]
     Status(u8),
-    /// The part that is built in, described by somebody else.
+    /// The part has the name of the built-in part.
     #[error("an {0} is built in, and its captures state how its converter was set: give the part another name")]
     BuiltIn(String),
 }
@@ -87,10 +87,10 @@ impl Layout {
         }
     }
 
-    /// The layout of another part, with codes in the scales that the part states. The status has 8 bits.
+    /// The layout of another part, with the scales of the part. The status has 8 bits.
     ///
     /// # Errors
-    /// A property of the part that no capture can have.
+    /// Returns [`LayoutError`] if the part has a property that a capture cannot have.
     pub fn of_part(part: &Part) -> Result<Self, LayoutError> {
         if part.name == Part::ADIS16130.name {
             return Err(LayoutError::BuiltIn(part.name.to_string()));
@@ -113,7 +113,7 @@ impl Layout {
     /// Sets the width of the status register: 8, 16 or 32 bits.
     ///
     /// # Errors
-    /// Another width.
+    /// Returns [`LayoutError::Status`] for another width.
     pub fn with_status_bits(self, status_bits: u8) -> Result<Self, LayoutError> {
         let layout = Self { status_bits, ..self };
         layout.check()?;
@@ -143,20 +143,20 @@ impl Layout {
         if matches!(self.status_bits, 8 | 16 | 32) { Ok(()) } else { Err(LayoutError::Status(self.status_bits)) }
     }
 
-    /// The part.
+    /// Name of the part.
     #[must_use]
     pub fn part_name(&self) -> &str {
         &self.part
     }
 
-    /// Its axes, in the order of their columns.
+    /// The axes, in the order of their columns.
     #[must_use]
     pub fn axes(&self) -> &[CodedAxis] {
         &self.axes
     }
 
     /// The direction of each axis: 0, 1 or 2 for x, y or z, by the last letter of its name. The only axis of a part is
-    /// on z if its name does not say. None where the names do not tell three different directions.
+    /// on z if its name does not end in such a letter. `None` if the names do not give each axis its own direction.
     #[must_use]
     pub fn directions(&self) -> Option<Vec<usize>> {
         let direction = |axis: &CodedAxis| {
@@ -171,19 +171,19 @@ impl Layout {
         }
     }
 
-    /// Codes of the temperature to °C.
+    /// The scale from temperature codes to °C.
     #[must_use]
     pub fn temp(&self) -> &Scale {
         &self.temp
     }
 
-    /// Bits of the status register.
+    /// Number of bits of the status register.
     #[must_use]
     pub fn status_bits(&self) -> u8 {
         self.status_bits
     }
 
-    /// The part as far as its codes tell; what else there is to know of it is unknown, but for an ADIS16130.
+    /// The part, with the scales of its codes. All other properties are unknown, except for an ADIS16130.
     #[must_use]
     pub fn part(&self) -> Part {
         if self.is_adis16130() {
@@ -207,7 +207,7 @@ impl Layout {
         self.part == Part::ADIS16130.name
     }
 
-    /// The row as the core takes it, in the scales of [`Layout::part`].
+    /// Converts a row for the core, in the scales of [`Layout::part`].
     #[must_use]
     #[inline]
     pub fn scan(&self, row: &Row) -> Scan {
@@ -215,7 +215,7 @@ impl Layout {
         let axes = rates.iter_mut().zip(&self.axes).zip(row.codes());
         axes.for_each(|((rate, axis), code)| *rate = self.core_code(&axis.scale, *code));
         let scan = Scan::new(row.t_ns, row.edge_seq, &rates[..self.axes.len().min(row.codes().len())]);
-        // there is room for the axes of any row, so there is a scan
+        // a scan has room for the axes of any row
         let scan = scan.unwrap_or_else(|| Scan::from(&NO_READING)).with_lost(row.lost);
         let axes = self.axes.iter().zip(row.codes()).enumerate();
         let outside = axes.filter(|(_, (axis, code))| self.is_out_of_range(axis, **code, row.status));
@@ -223,7 +223,7 @@ impl Layout {
         outside.fold(scan.with_temp(temp), |scan, (axis, _)| scan.with_out_of_range(axis))
     }
 
-    /// The reading of one axis; none where the layout has no such axis.
+    /// The reading of one axis; `None` if the layout has no such axis.
     #[must_use]
     #[inline]
     pub fn reading(&self, row: &Row, axis: usize) -> Option<Reading> {
@@ -231,7 +231,7 @@ impl Layout {
         Some(self.reading_of(axis, code, row.temp_code, row.status, row.mark()))
     }
 
-    /// The reading of these cells of a row.
+    /// The reading from these cells of a row.
     #[inline]
     pub(super) fn reading_of(
         &self,
@@ -265,7 +265,7 @@ impl Layout {
         code <= first || code >= last || status.is_some_and(told)
     }
 
-    /// Whether the row can stand in a capture of this layout; if not, what is wrong with it.
+    /// Checks that the row fits this layout. The error says what is wrong.
     #[inline]
     pub(super) fn check_row(&self, row: &Row) -> Result<(), String> {
         let fits = |scale: &Scale, code: i64| {
@@ -304,7 +304,7 @@ impl Layout {
         before.into_iter().chain(codes).chain(after).collect()
     }
 
-    /// The columns that a corrected capture has after the raw ones.
+    /// The derived columns, which a corrected capture has after the raw columns.
     #[must_use]
     pub fn derived_fields(&self) -> Vec<Field> {
         let rates = self.axes.iter().map(|axis| Field::new(axis.rate_column(), DataType::Float64, false));
@@ -314,7 +314,7 @@ impl Layout {
         rates.chain([temp]).chain(corrected).chain(flags).collect()
     }
 
-    /// The column that says what is wrong with the readings of an axis.
+    /// Name of the column of the flags of an axis.
     pub fn flags_column(&self, axis: usize) -> String {
         match &self.axes[..] {
             [_] => "flags".to_owned(),
@@ -322,7 +322,7 @@ impl Layout {
         }
     }
 
-    /// The metadata that states the axes and the meaning of their codes.
+    /// The metadata entries of the axes and of the meaning of their codes.
     pub(super) fn to_metadata(&self) -> impl Iterator<Item = (String, String)> {
         let scale = |key: String, unit: &str, scale: &Scale| {
             let signed = scale.signed.then(|| (format!("{key}.signed"), "true".to_owned()));
@@ -345,7 +345,7 @@ impl Layout {
         axes.chain(scale(TEMP.to_owned(), "c", &self.temp)).chain(whole).chain(status)
     }
 
-    /// Reads what [`Layout::to_metadata`] states, of another part than an ADIS16130.
+    /// Parses the entries of [`Layout::to_metadata`], for a part other than an ADIS16130.
     pub(super) fn from_metadata(path: &Path, metadata: &Metadata) -> Result<Self, CaptureError> {
         let names = stated(path, metadata, AXES)?.split(',').map(str::trim);
         let axes = names.map(|name| CodedAxis::from_metadata(path, metadata, name)).collect::<Result<_, _>>()?;
@@ -376,25 +376,25 @@ impl CodedAxis {
         Ok(Self { name: name.to_owned(), unit: known?, scale: scale(path, metadata, &key, 0.0)? })
     }
 
-    /// Codes to °/s.
+    /// The scale from codes to °/s.
     #[must_use]
     pub fn scale_dps(&self) -> Scale {
         Scale { lsb_per_unit: self.scale.lsb_per_unit / self.unit.in_results(), ..self.scale }
     }
 
-    /// The column of its codes.
+    /// Name of the column of raw codes.
     #[must_use]
     pub fn code_column(&self) -> String {
         format!("{}_code", self.name)
     }
 
-    /// The column of its rate as it was measured, °/s.
+    /// Name of the column of the measured rate, °/s.
     #[must_use]
     pub fn rate_column(&self) -> String {
         format!("{}_dps", self.name)
     }
 
-    /// The column of its corrected rate, °/s, which only a corrected capture has.
+    /// Name of the column of the corrected rate, °/s, which only a corrected capture has.
     #[must_use]
     pub fn corrected_column(&self) -> String {
         format!("{}_corrected_dps", self.name)
@@ -406,7 +406,7 @@ fn is_name(name: &str) -> bool {
     (1..=LONGEST_NAME).contains(&name.len()) && name.chars().all(good)
 }
 
-/// The type of the column of such codes.
+/// The column type for codes of this scale.
 fn code_type(scale: &Scale) -> DataType {
     if scale.signed { DataType::Int32 } else { DataType::UInt32 }
 }
@@ -442,7 +442,7 @@ pub(super) fn number<T: FromStr>(path: &Path, metadata: &Metadata, key: &str) ->
     text.parse().map_err(|_| wrong())
 }
 
-/// The same, where it may be absent.
+/// The value of a key as a number, or `default` if the key is absent.
 pub(super) fn number_or<T: FromStr + Display>(
     path: &Path,
     metadata: &Metadata,

@@ -1,10 +1,10 @@
 //! Captures: raw codes on disk, as docs/formats/capture.md specifies them.
 //!
-//! [`CaptureWriter`] and [`CaptureReader`] move rows of any number of axes, in any of three forms, in constant
-//! memory. A capture is the truth: each result computed from a live part comes out the same from its capture.
+//! [`CaptureWriter`] and [`CaptureReader`] move rows of any number of axes, in any of three forms, in constant memory.
+//! Each result computed from a live part comes out the same from its capture.
 //!
-//! Each form is recognised by its content, not by its name. Nothing here opens a file: [`Input`] is bytes
-//! that the caller has opened, so that the same readers serve a browser.
+//! The form is recognised by content, not by file name. This crate never opens a file: the caller passes open bytes as
+//! [`Input`], so the same readers serve a browser.
 
 #[cfg(not(feature = "parquet"))]
 mod absent;
@@ -56,7 +56,7 @@ use zerorate_input::Input;
 use zerorate_input::Opened;
 use zerorate_input::table::BatchSource;
 
-/// Records rows. Dropping it closes the file as well, but only [`CaptureWriter::finish`] tells whether that worked.
+/// Writes rows to a capture. A drop closes the file as well, but only [`CaptureWriter::finish`] reports errors.
 pub struct CaptureWriter {
     path: PathBuf,
     schema: SchemaRef,
@@ -69,9 +69,9 @@ pub struct CaptureWriter {
 /// Totals of a recording.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CaptureSummary {
-    /// Rows written.
+    /// Number of rows written.
     pub samples: u64,
-    /// Sum of their lost-sample counters.
+    /// Sum of the rows' lost-sample counters.
     pub lost: u64,
 }
 
@@ -90,7 +90,7 @@ impl CaptureWriter {
         })
     }
 
-    /// Records a row. Whole batches go to the system at once.
+    /// Writes a row. Each full batch is passed to the operating system at once.
     pub fn push(&mut self, row: &Row) -> Result<(), CaptureError> {
         let misfit = |what| CaptureError::damaged(&self.path, "row to be written", what);
         self.layout.check_row(row).map_err(misfit)?;
@@ -103,7 +103,7 @@ impl CaptureWriter {
         Ok(())
     }
 
-    /// Writes the open batch and the end.
+    /// Writes the open batch and the end of the file.
     pub fn finish(mut self) -> Result<CaptureSummary, CaptureError> {
         self.close()?;
         Ok(self.summary)
@@ -130,7 +130,7 @@ impl Drop for CaptureWriter {
     }
 }
 
-/// Reads the rows of a capture, in any form, corrected or not. Each block is checked before its rows are given out.
+/// Reads the rows of a capture, in any form, corrected or not. Each block is checked before its rows are returned.
 pub struct CaptureReader {
     calibration_id: Option<String>,
     table: Checked,
@@ -139,7 +139,7 @@ pub struct CaptureReader {
 }
 
 impl CaptureReader {
-    /// Reads a capture, recognised by its content: `path` names it in messages.
+    /// Opens a capture, whose form is recognised by content; `path` names it in messages.
     pub fn open(path: &Path, input: Input) -> Result<Self, CaptureError> {
         match table::recognise(path, input)? {
             Opened::Table(source) => Self::from_source(path, source),
@@ -150,7 +150,7 @@ impl CaptureReader {
         }
     }
 
-    /// Reads a capture out of a table that is open already.
+    /// Reads a capture from a table that is already open.
     pub fn from_source(path: &Path, source: Box<dyn BatchSource>) -> Result<Self, CaptureError> {
         let schema = source.stated().schema.clone();
         let table = Checked::new(path, source)?;
@@ -166,13 +166,12 @@ impl CaptureReader {
         self.table.info()
     }
 
-    /// The calibration that was applied, if the capture is a corrected one. Its raw columns are untouched all the
-    /// same.
+    /// The id of the applied calibration, if the capture is corrected. The raw columns are unchanged even then.
     pub fn calibration_id(&self) -> Option<&str> {
         self.calibration_id.as_deref()
     }
 
-    /// The warnings, once all samples were read: a tail that was torn off, a file without checks.
+    /// The warnings, complete once all samples were read: a missing end, a file without checks.
     pub fn warnings(&self) -> Vec<CaptureWarning> {
         self.table.warnings()
     }

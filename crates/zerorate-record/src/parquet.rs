@@ -1,4 +1,4 @@
-//! Writes a capture as Parquet: the smallest form, for keeping.
+//! Writes a capture as Parquet: the smallest form, for archives.
 
 use crate::CaptureError;
 use crate::blocks::{BlockSink, Out};
@@ -17,7 +17,7 @@ use zerorate_input::table::{BATCH_CHECKS, END};
 /// Rows per row group, the part of the file that is built in memory.
 const ROW_GROUP: usize = 1 << 20;
 
-/// Starts such a file; `path` names it in messages.
+/// Starts a Parquet file; `path` names it in messages.
 pub fn sink(path: &Path, out: Out, schema: &SchemaRef) -> Result<Box<dyn BlockSink>, CaptureError> {
     Ok(Box::new(ParquetSink::create(path, out, schema)?))
 }
@@ -53,7 +53,7 @@ impl BlockSink for ParquetSink {
     }
 }
 
-/// The metadata is written as the file's own, too, for readers that know nothing of Arrow.
+/// The metadata is also written as Parquet metadata, for readers without Arrow.
 fn properties(schema: &SchemaRef) -> WriterProperties {
     let metadata = schema.metadata().iter().map(|(key, value)| KeyValue::new(key.clone(), value.clone())).collect();
     let start = WriterProperties::builder()
@@ -67,7 +67,7 @@ fn properties(schema: &SchemaRef) -> WriterProperties {
         .build()
 }
 
-/// Timestamps and codes differ little from row to row; f64 hardly ever repeat.
+/// Timestamps and codes differ little from row to row; f64 values hardly ever repeat.
 fn encoding(properties: WriterPropertiesBuilder, name: &str, data_type: &DataType) -> WriterPropertiesBuilder {
     let column = ColumnPath::from(name);
     match data_type {

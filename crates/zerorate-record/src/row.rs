@@ -1,11 +1,11 @@
-//! One row of a capture: one reading of all axes of a part at one time, in the codes that the part gave.
+//! One row of a capture: one reading of all axes of a part at one time, in raw codes.
 
 use super::succession::Mark;
 use adis16130::Sample;
 use zerorate::MAX_AXES;
 
-/// A row, as it came. The [`Layout`](super::Layout) of the capture says what its codes mean. A row has room for
-/// [`MAX_AXES`] axes for any part, so that it needs no memory of its own.
+/// A row of raw codes. The [`Layout`](super::Layout) of the capture gives their meaning. A row always has room for
+/// [`MAX_AXES`] axes, so that it needs no allocation.
 ///
 /// ```
 /// use zerorate_record::Row;
@@ -15,11 +15,12 @@ use zerorate::MAX_AXES;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Row {
-    /// When, in ns of a clock that never steps back; its zero does not matter.
+    /// Time of the reading, ns, of a monotonic clock with any zero.
     pub t_ns: u64,
-    /// Running number of the edge of data ready that announced it; it wraps. Where a part has none: of the reading.
+    /// Running number of the data-ready edge of this reading; it wraps. For a part without data ready, number of the
+    /// reading.
     pub edge_seq: u32,
-    /// Readings lost since the row before, of all axes together; `u32::MAX` is that many or more.
+    /// Number of readings lost since the row before, for all axes together; `u32::MAX` means that many or more.
     pub lost: u32,
     /// The status register, if it was read.
     pub status: Option<u32>,
@@ -30,8 +31,8 @@ pub struct Row {
 }
 
 impl Row {
-    /// A row with the code of each axis, without status and temperature, and with nothing lost. None where there are
-    /// more than [`MAX_AXES`] axes.
+    /// A row with the code of each axis, without status, temperature and losses. `None` if there are more than
+    /// [`MAX_AXES`] axes.
     #[must_use]
     #[inline]
     pub fn new(t_ns: u64, edge_seq: u32, codes: &[i64]) -> Option<Self> {
@@ -40,7 +41,7 @@ impl Row {
         Some(Self::with_codes(t_ns, edge_seq, all, codes.len()))
     }
 
-    /// Fills in the codes of the first axes.
+    /// A row of `axes` axes, whose codes come first in `codes`.
     #[inline]
     pub(super) fn with_codes(t_ns: u64, edge_seq: u32, codes: [i64; MAX_AXES], axes: usize) -> Self {
         Self { t_ns, edge_seq, lost: 0, status: None, temp_code: None, codes, axes: axes.min(MAX_AXES) as u8 }
@@ -60,7 +61,7 @@ impl Row {
         Self { temp_code, ..self }
     }
 
-    /// Sets the number of readings lost before it.
+    /// Sets the number of readings lost before the row.
     #[must_use]
     #[inline]
     pub fn with_lost(self, lost: u32) -> Self {
@@ -74,7 +75,7 @@ impl Row {
         &self.codes[..usize::from(self.axes).min(MAX_AXES)]
     }
 
-    /// The step from the row before.
+    /// The time, edge number and losses of the row.
     #[must_use]
     #[inline]
     pub fn mark(&self) -> Mark {

@@ -1,38 +1,37 @@
-//! Holds `t_ns`, `edge_seq` and `lost` of successive rows against each other (docs/formats/capture.md, "What must
-//! agree").
+//! Compares `t_ns`, `edge_seq` and `lost` of successive rows (docs/formats/capture.md, "What must agree").
 //!
-//! Three columns count the same thing: how much passed from one row to the next. Where they contradict each other, a
-//! rate or a gap computed from one of them would be wrong.
+//! All three columns count the samples from one row to the next. If they contradict each other, a rate or a gap
+//! computed from one of them would be wrong.
 
 use std::fmt;
 
-/// Intervals that the rate is learned from.
+/// Number of first intervals from which the rate is learned.
 const LEARNED: usize = 64;
 
-/// Intervals before which nothing is judged while rows come in.
+/// Number of intervals before the first judgement of a new row.
 const NEEDED: usize = 16;
 
-/// Samples by which time and losses may differ, where edges do not take a side: 11 ms at the full rate. Late edges of
-/// a busy host and a loss that is reported a few samples late stay far below.
+/// Number of samples by which time and losses may differ if edges agree with neither: 11 ms at the full rate. Late
+/// edges of a busy host and a loss that is reported a few samples late cause far less.
 const UNSURE: f64 = 64.0;
 
-/// The same limit where the edges agree with the time.
+/// The same limit if the edges agree with the time.
 const SURE: f64 = 8.0;
 
-/// The part of a gap by which they may differ: a clock that is off and a period that was learned badly stay below.
+/// Share of a gap by which time and losses may also differ: errors of the clock and of the learned period are less.
 const OF_GAP: f64 = 0.125;
 
-/// Edges per sample beyond which `edge_seq` cannot be a count of edges: a stuttering line makes a few.
+/// Edges per sample above which `edge_seq` cannot be a count of edges. A stuttering line causes only a few.
 const EDGES_PER_SAMPLE: f64 = 64.0;
 
-/// The step of a row from the row before.
+/// The time, edge number and losses of a row.
 #[derive(Clone, Copy, Debug)]
 pub struct Mark {
-    /// `t_ns`
+    /// The column `t_ns`.
     pub t_ns: u64,
-    /// `edge_seq`
+    /// The column `edge_seq`.
     pub edge_seq: u32,
-    /// `lost`, saturating at `u32::MAX`.
+    /// The column `lost`, saturating at `u32::MAX`.
     pub lost: u32,
 }
 
@@ -42,13 +41,13 @@ pub struct Mark {
 pub enum Break {
     /// The time does not increase.
     NotLater { from_ns: u64, to_ns: u64 },
-    /// Time and edges went on, and `lost` does not say so: rows were taken out.
+    /// Time and edges went on, and `lost` does not count it: rows were removed.
     RowsMissing { missing: u64, after_ns: u64 },
-    /// The time went on, and neither edges nor `lost` did.
+    /// The time jumped, and neither edges nor `lost` count it.
     ClockJump { missing: u64, after_ns: u64 },
-    /// `lost` counts more than there was time for.
+    /// `lost` counts more samples than the time allows.
     LostTooMany { lost: u32, after_ns: u64 },
-    /// `edge_seq` counts more than there was time for, or goes back.
+    /// `edge_seq` counts more edges than the time allows, or goes back.
     EdgesJump { edges: u32, after_ns: u64 },
 }
 
@@ -75,7 +74,7 @@ impl fmt::Display for Break {
     }
 }
 
-/// The way from one row to the next.
+/// The differences from one row to the next.
 #[derive(Clone, Copy, Debug)]
 struct Step {
     nanos: u64,
@@ -89,7 +88,7 @@ impl Step {
     }
 }
 
-/// Follows rows. What it decides about a row depends on the rows before it alone, so a recorder and a reader of its
+/// Judges successive rows. The result for a row depends on the rows before it only, so a recorder and a reader of its
 /// file agree.
 #[derive(Clone, Debug, Default)]
 pub struct Succession {
@@ -98,7 +97,7 @@ pub struct Succession {
     learned: Option<Pace>,
 }
 
-/// The duration of a sample, as the median of the first steps.
+/// The duration and the edges of a sample: medians of the first steps.
 #[derive(Clone, Copy, Debug)]
 struct Pace {
     period_ns: f64,
@@ -106,7 +105,7 @@ struct Pace {
 }
 
 impl Succession {
-    /// Judges the next row. It becomes the row before the next one, unless its time does not increase.
+    /// Judges the next row. The next call compares with this row, unless its time does not increase.
     pub fn follow(&mut self, mark: Mark) -> Result<(), Break> {
         let Some(last) = self.last else {
             self.last = Some(mark);
@@ -126,7 +125,7 @@ impl Succession {
         judged
     }
 
-    /// `lost` of the last row was raised by so many.
+    /// Raises `lost` of the last row by `missing`, and returns the sum.
     pub fn amend(&mut self, missing: u64) -> u32 {
         let lost = self.last.map_or(0, |last| last.lost);
         let amended = lost.saturating_add(u32::try_from(missing).unwrap_or(u32::MAX));
@@ -136,13 +135,13 @@ impl Succession {
         amended
     }
 
-    /// Judges the first rows again, by what was learned from them.
+    /// Judges the first rows again, by the rate that was learned from them.
     pub fn review(&self) -> Result<(), Break> {
         let pace = self.learned;
         pace.map_or(Ok(()), |pace| self.first_steps.iter().try_for_each(|step| pace.judge(*step)))
     }
 
-    /// Whether [`Succession::review`] would say more with another row.
+    /// Whether the rate is still being learned, so that [`Succession::review`] may change with another row.
     pub fn is_learning(&self) -> bool {
         self.first_steps.len() < LEARNED
     }
@@ -194,7 +193,7 @@ mod tests {
 
     const PERIOD_NS: u64 = 175_667;
 
-    /// A number of rows at the full rate.
+    /// `n` rows at the full rate.
     fn rows(n: u32) -> Vec<Mark> {
         (0..n).map(|i| Mark { t_ns: 1_000 + u64::from(i) * PERIOD_NS, edge_seq: i, lost: 0 }).collect()
     }
@@ -249,7 +248,7 @@ mod tests {
         assert!(matches!(first_break(&rows), Some((300, Break::EdgesJump { .. }))));
     }
 
-    /// Extra edges of a stuttering line, a wrap of the count, late edges: none of them is a contradiction.
+    /// Extra edges of a stuttering line, a wrap of the count, late edges: none of these is a contradiction.
     #[test]
     fn what_happens_is_no_contradiction() {
         let mut rows = rows(1000);

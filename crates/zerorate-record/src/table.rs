@@ -1,4 +1,4 @@
-//! Tables in any of the forms: which form a file has, and batches into and out of it.
+//! Tables in any form: recognises the form of a file, and reads and writes batches.
 
 pub use crate::blocks::{BlockSink, Out, cut_off};
 
@@ -30,11 +30,10 @@ pub enum Format {
 }
 
 impl Format {
-    /// The form asked for, or else the one that the ending of the file's name states. A name without an ending means a
-    /// stream.
+    /// The requested form, or else the form of the file name's ending. A name without an ending means a stream.
     ///
     /// # Errors
-    /// The ending is that of another kind of file, or the form is not built in.
+    /// Returns an error if the ending is not that of a capture, or if the form is not built in.
     pub fn choose(asked: Option<Self>, path: &Path) -> Result<Self, CaptureError> {
         let format = asked.map_or_else(|| Self::by_name(path), Ok)?;
         format.missing().map_or(Ok(format), |missing| Err(CaptureError::not_built_in(path, missing)))
@@ -50,7 +49,7 @@ impl Format {
         }
     }
 
-    /// The reader and writer of the form that is not built in.
+    /// The missing reader and writer of the form; `None` if they are built in.
     const fn missing(self) -> Option<NotBuiltIn> {
         match self {
             Self::Parquet if cfg!(not(feature = "parquet")) => Some(NotBuiltIn::PARQUET),
@@ -59,7 +58,7 @@ impl Format {
     }
 }
 
-/// Writes a capture, and the checks into it.
+/// Writes a capture with its checks.
 pub struct CheckedSink {
     path: PathBuf,
     form: Box<dyn BlockSink>,
@@ -72,7 +71,7 @@ pub struct CheckedSink {
 enum Blocks {
     /// A block ends with each batch, which has at most this many rows.
     Batches { rows: usize },
-    /// After so many rows; `open` of them are written.
+    /// A block ends after `rows` rows, of which `open` are written.
     Rows { rows: usize, open: usize },
 }
 
@@ -130,7 +129,7 @@ impl CheckedSink {
     }
 }
 
-/// Recognises a file by its content: `path` names it in messages.
+/// Recognises the form of a file by content; `path` names it in messages.
 pub fn recognise(path: &Path, mut input: Input) -> Result<Opened, CaptureError> {
     let failed = |error| CaptureError::io("read", path, error);
     if input.is_directory().map_err(failed)? {

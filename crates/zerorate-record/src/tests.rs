@@ -1,4 +1,4 @@
-//! Every form keeps every sample; what is torn, damaged or something else says so.
+//! Every form keeps every sample; files that are torn, damaged or of another kind are reported.
 
 use super::*;
 use adis16130::Width;
@@ -13,7 +13,7 @@ pub(super) const FORMATS: &[Format] = &[
     Format::Parquet,
 ];
 
-/// Samples lost before every thousandth.
+/// Number of samples lost before every thousandth.
 const LOST: u32 = 3;
 
 pub(super) fn info() -> CaptureInfo {
@@ -50,7 +50,7 @@ pub(super) fn start(path: &Path, format: Format, info: &CaptureInfo) -> CaptureW
     CaptureWriter::create(path, Box::new(File::create(path).unwrap()), format, info).unwrap()
 }
 
-/// A capture of so many samples.
+/// A capture of `count` samples.
 pub fn bytes(format: Format, count: u32) -> Vec<u8> {
     let dir = TempDir::new().unwrap();
     let path = dir.path().join("capture");
@@ -169,7 +169,7 @@ pub(super) fn batch_ends(bytes: &[u8]) -> Vec<usize> {
     ends
 }
 
-/// A file system may have made room for the tail, and never filled it.
+/// A file system may allocate the tail of a file and never fill it.
 #[test]
 fn a_tail_of_zeros_is_dropped() {
     let dir = TempDir::new().unwrap();

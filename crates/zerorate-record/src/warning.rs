@@ -5,22 +5,22 @@ use zerorate::Warning;
 use zerorate_allan::rows;
 use zerorate_input::InputWarning;
 
-/// A warning about a capture. The rows that were read stand. `path` names the file.
+/// A warning about a capture. The rows that were read are valid. `path` names the file.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are what the text shows")]
 pub enum CaptureWarning {
     /// A warning about one of several axes.
     OfAxis { axis: String, warning: Box<Self> },
-    /// The readings do not change any more. The text says since when, and what to do.
+    /// The readings no longer change. The text says since when, and what to do.
     Frozen(String),
     /// The part cannot have made some of the readings.
     Impossible(Warning),
     /// Number of readings beyond the range of the part.
     OutOfRange(u64),
-    /// Impossible readings cannot be told from motion.
+    /// Bit errors cannot be told from motion.
     Unjudged { can_judge: bool },
-    /// Gaps without an edge of data ready.
+    /// No data-ready edge came in some of the gaps.
     DataReadyStutters { silent_gaps: u64, gaps: u64 },
     /// Number of samples that were not later than the one before.
     ClockStands(u64),
@@ -32,7 +32,7 @@ pub enum CaptureWarning {
     Unchecked { path: String },
     /// Other software has written the file again.
     Rewritten { path: String },
-    /// The count of edges contradicts the time in so many rows.
+    /// The count of edges contradicts the time in this many rows.
     EdgesMisplaced { path: String, rows: u64 },
 }
 

@@ -7,7 +7,7 @@ use ::parquet::file::properties::WriterProperties;
 use arrow_array::RecordBatch;
 use std::fs::File;
 
-/// The rows of a Parquet file in another order or number, under its own metadata.
+/// The rows of a Parquet file in another order or number, with the original metadata.
 #[test]
 fn row_groups_that_are_removed_repeated_or_moved_are_noticed() {
     let victim = Victim::new(Format::Parquet, slow(90));

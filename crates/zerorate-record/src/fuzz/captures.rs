@@ -13,7 +13,7 @@ fn read(bytes: &[u8]) {
     let _ = reader.warnings();
 }
 
-/// Three axes, whose codes count both ways.
+/// Three axes with signed codes.
 #[test]
 fn axes() {
     let seeds: Vec<Vec<u8>> = FORMATS.iter().map(|form| axes::bytes(*form, 30)).collect();

@@ -1,4 +1,4 @@
-//! Edits of files that know nothing of their form, but what damages forms: lengths, offsets, ends.
+//! Edits of files that are independent of their form, and target common weak points: lengths, offsets, ends.
 
 /// The random bytes that edits are made of.
 pub type Draw = [u8; 1 + MOST_EDITS * EDIT_BYTES];
@@ -6,41 +6,41 @@ pub type Draw = [u8; 1 + MOST_EDITS * EDIT_BYTES];
 const MOST_EDITS: usize = 4;
 const EDIT_BYTES: usize = 8;
 
-/// Bytes that all edits together add at most.
+/// Largest number of bytes that all edits together add.
 pub const MOST_ADDED: usize = MOST_EDITS * 255;
 
-/// One to four edits, one after the other.
+/// One to four edits, in order.
 #[derive(Clone, Debug)]
 pub struct Edits(Vec<Edit>);
 
 #[derive(Clone, Copy, Debug)]
 enum Edit {
-    /// One bit is wrong.
+    /// Flips one bit.
     Flip { at: Place, bit: u8 },
-    /// One byte is another.
+    /// Replaces one byte.
     Byte { at: Place, byte: u8 },
-    /// A number is one that is hard to bear.
+    /// Overwrites a number with an extreme one.
     Number { at: Place, number: u64, width: usize, big_endian: bool },
-    /// The rest is gone.
+    /// Removes the rest.
     Truncate { at: Place },
-    /// Some bytes are gone.
+    /// Removes some bytes.
     Remove { at: Place, length: u8 },
-    /// Some bytes are there twice.
+    /// Repeats some bytes elsewhere.
     Splice { from: Place, to: Place, length: u8 },
-    /// One byte, repeated.
+    /// Fills a range with one byte.
     Fill { at: Place, byte: u8, length: u8 },
 }
 
-/// Heads and ends decide what the rest means.
+/// The place of an edit. Heads and ends decide how the rest is read.
 #[derive(Clone, Copy, Debug)]
 enum Place {
     Head(u8),
     End(u8),
-    /// In parts of 65536.
+    /// A fraction of the file, in units of 1/65536.
     Anywhere(u16),
 }
 
-/// Where arithmetic ends: at zero, at signs, at widths, at what is almost no memory and at what is too much.
+/// Extreme numbers: zero, limits of signs and widths, hardly any memory and too much.
 const NUMBERS: [u64; 16] = [
     0,
     1,
@@ -61,7 +61,7 @@ const NUMBERS: [u64; 16] = [
 ];
 
 impl Edits {
-    /// The edits that these random bytes stand for.
+    /// The edits that these random bytes encode.
     pub fn of(draw: &Draw) -> Self {
         let count = 1 + usize::from(draw[0]) % MOST_EDITS;
         Self(draw[1..].as_chunks::<EDIT_BYTES>().0.iter().take(count).map(Edit::of).collect())
@@ -137,7 +137,7 @@ impl Place {
         }
     }
 
-    /// At most `length`.
+    /// The offset in a file of `length` bytes, at most `length`.
     fn within(self, length: usize) -> usize {
         match self {
             Self::Head(at) => usize::from(at).min(length),

@@ -1,10 +1,10 @@
-//! Damaged input, the same on every machine: the seeds of a target, edited at random.
+//! Damaged input, the same on every machine: the seed files of a target, edited at random.
 
 use super::edit::{Draw, Edits, MOST_ADDED};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
-/// Reads `seeds` with edits, at least `iterations` times unless the environment says otherwise.
+/// Reads `seeds` with edits, `iterations` times unless the environment sets another number.
 pub fn edited(iterations: u64, seeds: &[Vec<u8>], read: impl Fn(&[u8])) {
     let seed = from_environment("ZERORATE_FUZZ_SEED").unwrap_or(1);
     let iterations = from_environment("ZERORATE_FUZZ_ITERATIONS").unwrap_or(iterations);
@@ -23,7 +23,7 @@ fn from_environment(name: &str) -> Option<u64> {
     std::env::var(name).ok()?.parse().ok()
 }
 
-/// Says what replays a failure.
+/// Prints how to replay a failure.
 struct Replay<'a> {
     seed: u64,
     iteration: u64,
@@ -42,7 +42,7 @@ impl Drop for Replay<'_> {
     }
 }
 
-/// Most edits change something, none adds more than it says, and no length is too short for them.
+/// Most edits change something, none adds more than [`MOST_ADDED`], and no input is too short for them.
 #[test]
 fn edits_are_edits() {
     let seed: Vec<u8> = (0..=255).collect();

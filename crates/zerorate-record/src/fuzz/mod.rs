@@ -1,14 +1,14 @@
-//! Damaged input into every reader: none may panic, and none may keep more than the input has room for.
+//! Tests every reader with damaged input: none may panic, and none may allocate more than the input justifies.
 //!
-//! Each target takes whole small files, as this program or others write them, and edits them at random: the same edits
-//! on every machine, and as many as the target says. Others and more are tried with
+//! Each target takes whole small files, as this program or others write them, and edits them at random. The edits are
+//! the same on every machine, and the target sets their number. Run other and more edits with
 //!
 //! ```sh
 //! ZERORATE_FUZZ_SEED=7 ZERORATE_FUZZ_ITERATIONS=100000 cargo test -p zerorate-record --lib fuzz::
 //! ```
 //!
-//! and a failure prints the seed and the number that replay it. The program has targets of its own, for devices and
-//! words, with the same harness.
+//! A failure prints the seed and the number that replay it. The program has its own targets, for devices and words,
+//! with the same harness.
 
 mod captures;
 mod edit;
