@@ -36,8 +36,7 @@ pub enum Averaging {
 pub struct Advice {
     /// The advised averaging time for the bias.
     pub averaging: Averaging,
-    /// Fitted deviation at [`AN1042_TAUS_S`], in the unit of the rate (F-51, F-53); `None` outside the span of the
-    /// fit.
+    /// Fitted deviation at [`AN1042_TAUS_S`], unit of the rate (F-51, F-53); `None` outside the span of the fit.
     pub an1042: [Option<f64>; 2],
 }
 

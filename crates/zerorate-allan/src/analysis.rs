@@ -43,8 +43,8 @@ pub struct Point {
     /// Upper confidence limit, same unit.
     pub hi: f64,
     /// Equivalent degrees of freedom behind the limits, 1 or more. They fall in proportion to the terms that gaps
-    /// remove. With few averages of τ they are for an exponent at most the last that was identified with 128 averages
-    /// (in shorter records, with 30).
+    /// remove. Their exponent is at most the last one that was identified with 128 averages (in shorter records, with
+    /// 30).
     pub edf: f64,
     /// Exponent α of the noise S_y(f) ∝ f^α at this τ, see [`noise_types`](super::noise_types).
     pub alpha: i32,

@@ -9,8 +9,7 @@ const ASYMPTOTIC_FROM: f64 = 10_000.0;
 /// Bound on the iterations. Bisection alone would need about sixty.
 const STEPS: usize = 200;
 
-/// The value that a χ² variable with `degrees` > 0 (real) degrees of freedom stays below with probability `p`, 0 < p <
-/// 1.
+/// The value that a χ² variable with real `degrees` > 0 of freedom stays below with probability `p`, 0 < p < 1.
 ///
 /// Solves P(ν/2, χ²/2) = p, P the regularised lower incomplete gamma function (NIST SP 1065 equation 45 uses it;
 /// Abramowitz & Stegun 26.4.19), from the start of Wilson & Hilferty (26.4.17). Relative error below 1e-9 for ν ≥ 0.1

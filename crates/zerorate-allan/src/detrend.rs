@@ -55,9 +55,9 @@ pub struct DetrendedRate {
 pub enum DetrendError {
     /// The numbers of rates and of temperatures differ.
     Lengths {
-        /// Rates.
+        /// Number of rates.
         rates: usize,
-        /// Temperatures.
+        /// Number of temperatures.
         temps: usize,
     },
     /// The order is not one of 1 to [`MOST_ORDER`].
@@ -82,8 +82,8 @@ impl fmt::Display for DetrendError {
 impl core::error::Error for DetrendError {}
 
 /// Detects whether a rate follows the temperature that was read with it. NaN marks a missing value. A part of the
-/// record without any temperature takes the mean of the part before. Returns `None` if the rate does not follow, or if
-/// data are too few.
+/// record without any temperature takes the mean of the part before. `None` if the rate does not follow, or for too
+/// few data.
 ///
 /// The likelihoods of two models are compared, with and without a line over temperature, each with its best mixture of
 /// white noise and random walk. So a random walk is not mistaken for a dependence on temperature.
@@ -265,8 +265,7 @@ fn explained(rates: &[f64], basis: &[Vec<f64>]) -> f64 {
     if total > 0.0 { (by_basis / total).min(1.0) } else { 0.0 }
 }
 
-/// The shares of a random walk that a projection leaves: of the Allan variance at 1, 2, 4 … parts, and of the
-/// variance.
+/// Shares of a random walk left by a projection: of the Allan variance at 1, 2, 4 … parts, and of the variance.
 fn kept(basis: &[Vec<f64>]) -> (Vec<f64>, f64) {
     let (all, constant) = (walk(basis), walk(&basis[..1]));
     let octaves = (0..).map(|k| 1usize << k).take_while(|m| 2 * m <= basis[0].len());

@@ -257,8 +257,7 @@ mod tests {
     use alloc::vec;
     use alloc::vec::Vec;
 
-    /// Parts per sample. The paper averages the phase over each sample; the sum over these parts stands for that
-    /// average.
+    /// Parts per sample. The paper averages the phase over each sample; a sum over these parts approximates it.
     const FINE: usize = 16;
 
     /// The definition: edf = 2 E²/Var of the mean of M squares, for Gaussian noise of an even exponent. Each term is a
@@ -330,7 +329,7 @@ mod tests {
         ]
     }
 
-    /// The error is 3e-3 where the correlations are summed. The paper's simpler filter for m (d + 1) > 100 costs up to
+    /// The error is 3e-3 if correlations are summed. The paper's simpler filter for m (d + 1) > 100 costs up to
     /// 2.7e-2.
     #[test]
     fn close_to_the_definition() {

@@ -10,7 +10,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// The top-level tables and keys of a part file (`docs/formats/part.md`). [`crate::DataSheet`] reads the noise
-/// figures, and the core reads the rest.
+/// figures, and the `zerorate` crate the rest.
 pub const PART_KEYS: [&str; 14] = [
     "schema",
     "name",

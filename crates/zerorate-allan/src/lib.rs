@@ -73,8 +73,7 @@ pub use warning::{AllanWarning, LONGEST_RECORD_S, Noise};
 #[cfg(feature = "std")]
 pub use welch::{Density, welch};
 
-/// √(2 ln 2/π) = 0.664: the flat floor of an Allan deviation divided by the bias instability B (IEEE Std 952-1997
-/// C.1.3).
+/// √(2 ln 2/π) = 0.664: the floor of an Allan deviation divided by the bias instability B (IEEE Std 952-1997 C.1.3).
 pub const FLOOR_PER_B: f64 = 0.664_282_470_267_960_1;
 
 /// The averaging lengths 1, 2, 4 … samples of which a record of `len` samples holds two adjacent averages. This is

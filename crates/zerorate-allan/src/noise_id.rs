@@ -256,8 +256,8 @@ fn resolve_phase_noise(input: &Input<'_>, all: &[DecimatedPhase], found: &[Optio
 }
 
 impl Short {
-    /// A rough R(n) from modified terms that do not overlap, without another pass over the record. Usually it is clear
-    /// enough.
+    /// A rough R(n) from modified terms that do not overlap, without another pass over the record. Usually it is
+    /// clear.
     fn r_at_a_glance(&self, m: f64) -> f64 {
         let averages: Vec<f64> = self.area.windows(2).map(|area| (area[1] - area[0]) / m).collect();
         allan_variance(&averages) / allan_variance(&self.phase)
@@ -368,8 +368,7 @@ mod tests {
         assert_eq!(noise_types(&Input::Rate(&[1.0, 2.0]), Stat::Totdev, &[]), vec![0; 0]);
     }
 
-    /// One in ten white records of 41 averages is taken for phase noise, but hardly any gets the degrees of freedom of
-    /// phase noise.
+    /// One in ten white records of 41 averages is taken for phase noise; hardly any gets its degrees of freedom.
     #[test]
     fn few_averages_do_not_make_degrees_of_freedom() {
         let white = white(200 * 5_000);

@@ -101,8 +101,7 @@ fn integrate<T>(values: &[T], start: f64, step: impl Fn(&T) -> f64, visit: &mut 
     phase
 }
 
-/// Interpolates linearly between points that are present. The phase is 0 up to the first point, and constant after the
-/// last.
+/// Interpolates linearly between points present. The phase is 0 up to the first point, and constant after the last.
 fn interpolate(phase: &[f64], visit: &mut impl FnMut(Run<'_>)) {
     let mut present = (0..phase.len()).filter(|&at| !phase[at].is_nan()).peekable();
     let Some(&first) = present.peek() else { return };

@@ -60,8 +60,7 @@ macro_rules! statistics {
     };
 }
 
-// One row per statistic. A new kind of difference needs a new variant of `Kernel`; the compiler then asks for the
-// rest.
+// One row per statistic. A new kind of difference needs a new variant of `Kernel`; the compiler asks for the rest.
 statistics! {
     /// Allan deviation, every m-th i: σ² = ⟨d₂²⟩ / 2m² (NIST SP 1065 equation 10).
     Adev {

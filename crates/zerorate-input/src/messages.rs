@@ -82,8 +82,7 @@ impl<R: Read> Messages<R> {
         }
     }
 
-    /// Appends `len` bytes; `false` if the file has fewer. A wrong length takes no more memory than the size of the
-    /// file.
+    /// Appends `len` bytes; `false` if the file has fewer. A wrong length takes no more memory than the file size.
     fn append(&mut self, bytes: &mut Vec<u8>, len: u64) -> io::Result<bool> {
         let read = (&mut self.reader).take(len).read_to_end(bytes)? as u64;
         self.position += read;

@@ -94,8 +94,7 @@ pub trait DescribedTable {
     /// The quantity of a column of codes, and the size of one code step in the unit of the quantity's results.
     fn step(&self, column: usize) -> Option<(Quantity, f64)>;
 
-    /// Reads all rows, and passes these columns to `take`, batch by batch. If `validates` is set, invalid values are
-    /// null.
+    /// Reads all rows, and passes these columns to `take`, batch by batch. With `validates`, invalid values are null.
     ///
     /// # Errors
     /// Returns an error if the table cannot be read, or if its rows contradict its statements.

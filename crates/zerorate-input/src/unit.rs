@@ -213,8 +213,7 @@ impl TimeUnit {
         }
     }
 
-    /// The unit that the name of a column states: in brackets, after an underscore, or by the naming of ArduPilot's
-    /// logs.
+    /// The unit that the name of a column states: in brackets, after an underscore, or by the naming of ArduPilot.
     pub fn of_column(name: &str) -> Option<Self> {
         let lower = name.to_lowercase();
         if lower == "timeus" {

@@ -22,13 +22,13 @@ pub struct Admission {
 /// The data of the device is not valid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Disbelief {
-    /// Bad clock.
+    /// The clock stands still or went back.
     #[error(
         "the clock of the device stands still or went back: {0} samples in a row are not later than the one before \
          ({1}); check its time source, and start again"
     )]
     Clock(u32, Break),
-    /// Bad loss count.
+    /// The count of losses is impossible.
     #[error("the device cannot be believed: {0}; reset it, and start again")]
     Losses(Break),
 }

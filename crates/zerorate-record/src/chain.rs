@@ -1,5 +1,4 @@
-//! The checks of a capture: each block of rows has a check over everything up to its end (docs/formats/capture.md,
-//! "Checks").
+//! The checks of a capture: each block has a check over everything up to its end (docs/formats/capture.md, "Checks").
 
 use super::columns::Rows;
 use super::hash::{SampleHash, hex};

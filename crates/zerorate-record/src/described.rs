@@ -1,5 +1,4 @@
-//! A capture as a table that describes itself: codes have a scale, invalid readings are null, and lost rows are
-//! counted.
+//! A capture as a table that describes itself: codes have scales, invalid readings are null, lost rows are counted.
 
 use crate::columns::Rows;
 use crate::layout::{CodedAxis, Layout};

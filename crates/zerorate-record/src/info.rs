@@ -64,7 +64,7 @@ pub struct CaptureInfo {
     pub notes: Notes,
 }
 
-/// Settings of an ADIS16130.
+/// Converter settings of an ADIS16130.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Converter {
     /// Width of both codes.
@@ -85,8 +85,7 @@ pub struct NotThePart {
 }
 
 impl CaptureInfo {
-    /// The description of a capture whose layout alone is known: every reading has a temperature, and no edge is
-    /// skipped.
+    /// The description of a capture with this layout only: every reading has a temperature, and no edge is skipped.
     #[must_use]
     pub fn new(layout: Layout) -> Self {
         Self {

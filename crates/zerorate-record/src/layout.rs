@@ -28,7 +28,7 @@ pub struct Layout {
     axes: Vec<CodedAxis>,
     temp: Scale,
     status_bits: u8,
-    /// Low bits that codes lack compared with the codes of the core: 8 for the 16-bit codes of an ADIS16130 (F-43).
+    /// Low bits that codes lack compared with those of a [`Reading`]: 8 for the 16-bit codes of an ADIS16130 (F-43).
     dropped_bits: u8,
 }
 
@@ -207,7 +207,7 @@ impl Layout {
         self.part == Part::ADIS16130.name
     }
 
-    /// Converts a row for the core, in the scales of [`Layout::part`].
+    /// Converts a row to a [`Scan`], in the scales of [`Layout::part`].
     #[must_use]
     #[inline]
     pub fn scan(&self, row: &Row) -> Scan {

@@ -17,8 +17,7 @@ use zerorate::MAX_AXES;
 pub struct Row {
     /// Time of the reading, ns, of a monotonic clock with any zero.
     pub t_ns: u64,
-    /// Running number of the data-ready edge of this reading; it wraps. For a part without data ready, number of the
-    /// reading.
+    /// Running number of the data-ready edge of this reading; it wraps. Without data ready, the number of the reading.
     pub edge_seq: u32,
     /// Number of readings lost since the row before, for all axes together; `u32::MAX` means that many or more.
     pub lost: u32,

@@ -88,8 +88,7 @@ impl Step {
     }
 }
 
-/// Judges successive rows. The result for a row depends on the rows before it only, so a recorder and a reader of its
-/// file agree.
+/// Judges successive rows. The result depends on earlier rows only, so a recorder and a reader of its file agree.
 #[derive(Clone, Debug, Default)]
 pub struct Succession {
     last: Option<Mark>,

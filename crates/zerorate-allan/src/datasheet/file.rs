@@ -203,7 +203,7 @@ fn half_digit(printed: &str, value: f64) -> f64 {
     let (digits, exponent) = small.split_once('e').unwrap_or((&small, "0"));
     let places = digits.split_once('.').map_or(0, |(_, places)| places.chars().filter(char::is_ascii_digit).count());
     let exponent = exponent.parse::<i32>().unwrap_or(0).saturating_sub(i32::try_from(places).unwrap_or(0));
-    // at most half of the value, however it is written
+    // an unusual notation must not make the value uncertain by more than half
     (0.5 * libm::pow(10.0, f64::from(exponent))).min(0.5 * value)
 }
 

@@ -141,7 +141,8 @@ fn sees_plateau(problem: &Problem, found: &Optimum) -> bool {
     white(&problem.local(found), found, at) > PLATEAU * (found.density[at] - rows[at].bin.response.offset)
 }
 
-/// The order of the shape that is worth its price, up to `most`, from the best of several starts without a shape.
+/// The model with the most cosines, up to `most`, that are worth their price, from the best of several starts without
+/// any.
 fn best(problem: &Problem, starts: &[Vec<f64>], markovs: usize, most: usize) -> Option<PricedModel> {
     let from = |slow: &Vec<f64>| {
         let cosines = fewest_cosines(problem);

@@ -58,7 +58,7 @@ impl Coefficients<'_> {
         (other.map_or(own, |other| own.or(other.n)), other)
     }
 
-    /// K, which rests on few coefficients: its square is the mean of its confidence distribution.
+    /// K, which rests on few coefficients. So K² is the mean of its confidence distribution.
     pub(super) fn k(&self) -> Coefficient {
         let profile = self.square(K2);
         let (lo, hi) = profile.interval();

@@ -16,13 +16,13 @@ const ALARM: f64 = 0.01;
 const LOOKS: usize = 8;
 /// If more than this share of the samples is flagged, they belong to the noise itself.
 pub(super) const MOST: f64 = 0.01;
-/// Values beyond `CLIP` standard deviations do not enter the standard deviation; `CLIPPED` is the factor by which that
-/// lowers it.
+/// Values beyond `CLIP` standard deviations do not enter the standard deviation, which lowers it by the factor
+/// `CLIPPED`.
 const CLIP: f64 = 4.0;
 const CLIPPED: f64 = 0.99946;
 const ITERATIONS: usize = 20;
-/// Classes of windows: without gaps, with few missing samples, with more. A class of fewer than `FEWEST_IN_CLASS`
-/// windows gets the scale of uncorrelated samples.
+/// Classes of windows: without gaps, with few missing samples, with more. A class with gaps and fewer than
+/// `FEWEST_IN_CLASS` windows gets the scale of uncorrelated samples.
 const CLASSES: usize = 3;
 const FEWEST_IN_CLASS: usize = 100;
 /// Largest variance of a window of uncorrelated samples, divided by the variance of a sample.
@@ -48,8 +48,7 @@ const ABSURD: f64 = 1e9;
 /// Number of windows that are processed together.
 const PIECE: usize = 1 << 14;
 
-/// Indices of the samples that are glitches, or so near that their averages include one, ascending. `None` if they are
-/// too many.
+/// Indices of the samples that are glitches, or so near that averages include one, ascending. `None` if too many.
 ///
 /// The mean of w samples is compared with the means of the w samples before and after. This is linear, so the rate of
 /// false alarms holds for correlated noise too; a median against its window gave 270 times as many. The narrowest
@@ -221,8 +220,7 @@ fn about_mean(values: &[f64]) -> Vec<f64> {
     values.iter().map(|value| value - mean).collect()
 }
 
-/// The standard deviation of the values within [`CLIP`]. (A median alone is off by up to half a step for coarse
-/// codes.)
+/// The standard deviation of values within [`CLIP`]. (A median is off by up to half a step for coarse codes.)
 fn scale(d: &[f64]) -> f64 {
     let every = d.len().div_ceil(MEDIAN_OF).max(1);
     let sizes = d.iter().step_by(every).map(|d| libm::fabs(*d)).collect();

@@ -30,8 +30,7 @@ const LEAST_REACH: f64 = 1.0;
 const SEEN: f64 = 8.0;
 
 /// The coefficients of all lines, if one of them stands out of the noise within a quarter of its period: its ends look
-/// like steps. Some lines are its tails, so all lines count. Each entry is the first coefficient and one past the
-/// last.
+/// like steps. Some lines are its tails, so all lines count. Each entry has the first and one past the last.
 pub(super) fn loud(spectrum: &Spectrum, chosen: &Selection, rate_hz: f64) -> Vec<(usize, usize)> {
     let narrow = spectrum.narrow.iter().filter(|narrow| !narrow.is_gone).map(|narrow| {
         let ((first, end), half) = (narrow.run, (narrow.run.1 - narrow.run.0).div_ceil(2));
@@ -125,8 +124,7 @@ impl MaskedBins {
     }
 }
 
-/// The largest leakage of lines that needs no warning, as a share of power: in the rows of the fit, and in its rows of
-/// slow noise.
+/// The largest leakage of lines that needs no warning, as a share of power: in the rows of the fit and of slow noise.
 const MOST_LEAKAGE: f64 = 0.02;
 const MOST_SLOW_LEAKAGE: f64 = 0.1;
 

@@ -200,8 +200,8 @@ impl Model {
         2.0 * (of_mean(m) - of_mean(2.0 * m))
     }
 
-    /// Degrees of freedom of a measured overlapping deviation of `n` terms. Gaps reduce them by the missing terms, and
-    /// by the noise of averages over fewer samples: the deviation allows for the power of that noise, but not for its
+    /// Degrees of freedom of an overlapping deviation of `n` terms. Gaps reduce them by the missing terms, and by the
+    /// noise of averages over fewer samples: the deviation allows for the power of that noise, but not for its
     /// scatter.
     pub(super) fn measured_freedom(&self, m: u64, n: u64, samples: u64) -> f64 {
         let terms = (samples + 1).saturating_sub(2 * m).max(1);
@@ -240,8 +240,7 @@ impl Model {
     }
 
     /// Covariance of two differences of averages `lag` samples apart, without the short noise: the fourth difference
-    /// of the phase's generalised autocovariance. `white` is the Allan variance of the short noise if that counts as
-    /// white.
+    /// of the phase's generalised autocovariance. `white` is the Allan variance of short noise, taken as white.
     fn slow_covariance(&self, lag: u64, m: u64, white: f64) -> f64 {
         let tau_s = m as f64 / self.rate_hz;
         let phase = |t: f64| {
@@ -265,8 +264,7 @@ impl Model {
         for &(variance, hz) in &self.sines {
             add_cosine(&mut covariance, variance, 2.0 * PI * hz / self.rate_hz);
         }
-        // The weights of a difference of averages are −1 and 1 over m. The correlation of the weights is piecewise
-        // linear.
+        // The weights of a difference of averages are ±1/m. The correlation of the weights is piecewise linear.
         let weight = |shift: usize| {
             let (shift, m) = (shift as f64, m as f64);
             if shift < m { (2.0 * m - 3.0 * shift) / (m * m) } else { (shift - 2.0 * m) / (m * m) }

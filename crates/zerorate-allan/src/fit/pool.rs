@@ -21,8 +21,7 @@ use core::fmt;
 /// A record with its own model.
 #[derive(Clone, Copy, Debug)]
 pub struct PoolRecord<'a> {
-    /// The rate, in the unit of the model; NaN is a missing sample. The glitches and steps that `fit` found are
-    /// removed here, too.
+    /// The rate, in the unit of the model; NaN is a missing sample. Glitches and steps that `fit` found are removed.
     pub rate: &'a [f64],
     /// Samples per second.
     pub rate_hz: f64,
@@ -50,8 +49,7 @@ pub struct Spread {
     pub noise: Noise,
     /// Number of records that identify the coefficient.
     pub records: usize,
-    /// Standard deviation of the coefficient's logarithm in excess of the records' intervals; 0 if these explain all
-    /// of it.
+    /// Standard deviation of the coefficient's logarithm beyond the records' intervals; 0 if these explain all of it.
     pub relative: f64,
     /// Smallest value among the records.
     pub least: f64,
@@ -66,7 +64,7 @@ pub struct Outlier {
     pub record: usize,
     /// The kind of difference.
     pub differs: Differs,
-    /// Whether the record is left out of the common model. If only two records are left and differ, both stay.
+    /// Whether the record is not in the common model. If only two are left and their slow noise differs, both stay.
     pub is_left_out: bool,
 }
 

@@ -8,8 +8,7 @@ use core::f64::consts::PI;
 /// The time constants that are tried for low-passes of the first order and for Gauss–Markov terms, in samples.
 const LOW_PASSES: [f64; 7] = [2.0, 4.0, 8.0, 16.0, 50.0, 150.0, 450.0];
 const SHORT_MARKOVS: [f64; 4] = [3.0, 6.0, 12.0, 24.0];
-/// Number of corners that are tried for second-order low-passes, from `PERIODS` periods in the record to half of the
-/// upper end.
+/// Number of corners to try for second-order low-passes, from `PERIODS` periods in the record to half the upper end.
 const CORNERS: u32 = 12;
 const PERIODS: f64 = 25.0;
 /// Largest number of cosines that are tried beside a low-pass.

@@ -9,8 +9,7 @@ use alloc::vec::Vec;
 const FEWEST_PRESENT: f64 = 0.25;
 
 impl Input<'_> {
-    /// The rate of a record sampled `rate_hz` times per second, times `scale`; NaN is a missing sample. Samples lost
-    /// in gaps are NaN.
+    /// The rate of a record sampled `rate_hz` times per second, times `scale`. Missing samples, also in gaps, are NaN.
     #[must_use]
     pub fn rates(&self, rate_hz: f64, scale: f64) -> Vec<f64> {
         match self {

@@ -89,8 +89,7 @@ pub(super) const SHORTEST: f64 = 20.0;
 const SHORTEST_OF_ALL: f64 = 2.0;
 /// A Gauss–Markov term longer than this, in records, is a random walk.
 pub(super) const LONGEST: f64 = 0.25;
-/// The default price of a cosine of the shape, in −2 ln L: the 1.4 % point of χ² with one degree of
-/// freedom.
+/// The default price of a cosine of the shape, in −2 ln L: the 1.4 % point of χ² with one degree of freedom.
 pub(super) const SHAPE_PRICE: f64 = 6.0;
 /// Largest coefficient of a cosine of the shape.
 const STEEPEST: f64 = 6.0;
@@ -416,8 +415,7 @@ fn bounded(h: &Square, g: &[f64], room: &[(f64, f64)]) -> Vec<f64> {
     x.iter().zip(room).map(|(x, &(lower, upper))| x.clamp(lower.min(upper), upper)).collect()
 }
 
-/// Solves for the free parameters while the others are fixed. The diagonal is raised until the matrix is positive
-/// definite.
+/// Solves for the free parameters with the others fixed. Raises the diagonal until the matrix is positive definite.
 fn solve_free(h: &Square, g: &[f64], fixed: &[Option<f64>]) -> Vec<f64> {
     let free: Vec<usize> = (0..h.n).filter(|&i| fixed[i].is_none()).collect();
     let mut x: Vec<f64> = fixed.iter().map(|fixed| fixed.unwrap_or(0.0)).collect();

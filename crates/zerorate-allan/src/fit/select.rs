@@ -24,15 +24,13 @@ const IDENTIFIED: f64 = 3.84;
 const RAMP_PRICE: f64 = 10.8;
 const WARM_UP_PRICE: f64 = 13.8;
 const MOST_MARKOVS: usize = 2;
-/// Number of start values of T, from `FIRST_START` samples to `LAST_START` of the record: the deviance has several
-/// minima.
+/// Start values of T, from `FIRST_START` samples to `LAST_START` of the record: the deviance has several minima.
 const STARTS: u32 = 18;
 const FIRST_START: f64 = 25.0;
 const LAST_START: f64 = 1.0 / 6.0;
 /// The number of best starts from which a descent goes on.
 pub(super) const SURVIVORS: usize = 3;
-/// Time constants of a warm-up that are tried, as shares of the record. A shorter warm-up ends before slow noise
-/// shows.
+/// Time constants of a warm-up to try, as shares of the record. A shorter warm-up ends before slow noise shows.
 const WARM_UPS: [f64; 5] = [0.03, 0.06, 0.12, 0.25, 0.5];
 /// Steps in which the time constant of a warm-up is refined, to a factor of 2^(1/2^STEPS). A time constant that is a
 /// few percent off would leave a part of the warm-up that looks like random walk.

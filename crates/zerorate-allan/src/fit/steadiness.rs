@@ -52,8 +52,7 @@ fn step(rate: &[f64]) -> f64 {
     if least.is_finite() { least } else { 0.0 }
 }
 
-/// The variance of ln σ²(τ) between eighths of the record. The likelihood assumes steady noise and does not include
-/// it.
+/// The variance of ln σ²(τ) between eighths of the record. The likelihood assumes steady noise and leaves it out.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Scatter {
     /// One entry per octave, up to a sixteenth of an eighth of the record.

@@ -32,7 +32,7 @@ pub(super) struct Candidate {
     pub(super) score: f64,
 }
 
-/// Number of samples at each end in which no step is searched.
+/// Number of values at each end in which no step is searched.
 const MARGIN: usize = 10;
 
 /// Largest share of missing averages, and the least number of averages in which steps are searched.

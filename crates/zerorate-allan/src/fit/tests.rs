@@ -50,7 +50,7 @@ impl Truth {
     }
 }
 
-/// The hour that the project's goals are stated for: 0.56 °/√h, a floor of 6.25 °/h, 2e-4 °/s/√s.
+/// The noise for which the project's goals are stated, in an hour: 0.56 °/√h, a floor of 6.25 °/h, 2e-4 °/s/√s.
 const HOUR: Truth = Truth { n: 0.56 / 60.0, b: 6.25 / 3600.0 / 0.664, k: 2e-4, q: 0.0, sigma: 0.0, tau_s: 1.0 };
 
 fn uniform(seed: u64) -> impl FnMut() -> f64 {
@@ -79,7 +79,7 @@ fn codes(fit: &Fit) -> Vec<&'static str> {
     fit.warnings.iter().map(AllanWarning::code).collect()
 }
 
-/// Only signs are drawn: the powers are the densities, for any length and unit.
+/// Only the signs are random: the powers equal the densities, for any length and unit.
 #[test]
 fn a_spectrum_without_scatter_gives_its_coefficients() {
     let mut draw = uniform(1);
@@ -133,8 +133,8 @@ fn a_gauss_markov_process_is_found() {
     assert!(near(fit.deviation(500), expected, 0.1), "{} for {expected}", fit.deviation(500));
 }
 
-/// A few Gauss–Markov terms are flicker, and where both explain a record the rule says flicker: six of a thousand
-/// hours of N + B + K lost B to one.
+/// If flicker and Gauss–Markov terms both explain a record, flicker is preferred. Without that rule, six of a thousand
+/// hours of N + B + K lost B to a Gauss–Markov term.
 #[test]
 fn a_slow_process_that_flicker_explains_is_flicker() {
     let truth = Truth { n: HOUR.n, b: 1.3e-3, k: 1e-4, sigma: 0.0042, tau_s: 10.0, ..HOUR };
@@ -179,7 +179,7 @@ fn quantisation_has_its_letter_and_a_low_pass_has_a_shape() {
     assert!(near(fit.n.value, HOUR.n, 0.01) && near(fit.b.value, HOUR.b, 0.25), "{:?} {:?}", fit.n, fit.b);
 }
 
-/// A sum with such a number has no digits left for the other samples. N came out as 1e97 and more.
+/// A sum with such a number loses the digits of the other samples. N was 1e97 and more.
 #[test]
 fn one_absurd_sample_changes_nothing() {
     let clean = Truth { n: 1e-4, ..Truth::default() }.noise(4_000, 6);
@@ -220,7 +220,7 @@ fn a_step_is_taken_out_and_said() {
     assert!(kept.unwrap().k.value > 5e-4);
 }
 
-/// With a unit so small that all rates are 1e-13 the sums of the search drowned, and it found jumps everywhere.
+/// With a unit in which all rates are 1e-13, the search once lost its digits, and found jumps everywhere.
 #[test]
 fn steps_do_not_depend_on_the_unit() {
     let rate = HOUR.noise(100_000, 33);
@@ -268,7 +268,7 @@ fn bursts_of_losses_leave_n() {
 }
 
 /// Values interpolated across a burst repeat the noise beside it: the slow band of white noise is up to 1.6 times as
-/// strong. Where the model did not allow for that, B came out 10 % too large.
+/// strong. A model that did not allow for this gave a B 10 % too large.
 #[test]
 fn white_noise_with_bursts_of_losses_is_what_the_bins_expect() {
     let (mut ratios, mut freedom, mut coefficients) = (0.0, 0.0, 0.0);
@@ -289,8 +289,8 @@ fn white_noise_with_bursts_of_losses_is_what_the_bins_expect() {
     assert!(freedom <= coefficients, "{freedom} degrees of freedom in {coefficients} coefficients");
 }
 
-/// A line across a gap from one value to one value has up to 1.7 times the slow power of the white noise that it
-/// replaces. It was taken for flicker.
+/// A straight line between the two values beside a gap has up to 1.7 times the slow power of the white noise that it
+/// replaces. It was once taken for flicker.
 #[test]
 fn white_noise_with_one_gap_is_what_the_bins_expect() {
     for gap in [0..5_000, 100_000..105_000, 170_000..176_000] {
@@ -307,7 +307,7 @@ fn white_noise_with_one_gap_is_what_the_bins_expect() {
     }
 }
 
-/// One of a thousand samples: glitches side by side, each of which takes only its own sample.
+/// Glitches side by side, in one of a thousand samples. Each of them removes only its own sample.
 #[test]
 fn glitches_do_not_hide_each_other() {
     let mut rate = HOUR.noise(200_000, 43);
@@ -384,7 +384,7 @@ fn a_sine_and_a_resonance_are_left_out() {
     assert!(fit.n.lo < HOUR.n && HOUR.n < fit.n.hi && near(fit.n.value, HOUR.n, 0.015), "{:?}", fit.n);
 }
 
-/// Ten minutes of warm-up are not identified as a random walk without a warning, and a ramp has its letter.
+/// Ten minutes of warm-up are not identified as a random walk without a warning, and a ramp is reported as R.
 #[test]
 fn a_warm_up_and_a_ramp_are_reported() {
     let still = Truth { k: 0.0, ..HOUR }.noise(360_000, 12);

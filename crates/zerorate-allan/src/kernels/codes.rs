@@ -10,8 +10,7 @@ const PIECE: usize = 1 << 17;
 
 /// Exact sums of squares: no running sum, no difference and no square rounds or overflows.
 ///
-/// A small difference may be formed from running sums modulo a power of two. Narrower running sums take less memory to
-/// read.
+/// A small difference may be formed from running sums modulo a power of two. Narrower sums take less memory to read.
 pub(super) fn squares(codes: &[i32], kernel: Kernel, m: &[usize]) -> Vec<Result<Squares, Reason>> {
     let bounds = Bounds::of(codes);
     let width = |&m: &usize| bounds.width(kernel, m);

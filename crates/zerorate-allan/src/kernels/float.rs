@@ -70,8 +70,7 @@ pub(super) fn squares(x: &[f64], kernel: Kernel, m: &[usize]) -> Vec<Result<Squa
     sums.into_iter().zip(m).map(|pair| Ok(squares(pair))).collect()
 }
 
-/// Longest averages of each class that shares a fixed-point step. Short averages need a fine step, long ones a wide
-/// range.
+/// Longest averages of each class with one fixed-point step. Short averages need a fine step, long ones a wide range.
 const CLASSES: [usize; 3] = [1 << 8, 1 << 16, usize::MAX];
 
 /// Inner sums of second differences are third differences of the running sum of x. In f64 that sum would lose small

@@ -115,8 +115,7 @@ impl Inner {
     }
 }
 
-/// Differences of averages; `None` if too many samples are missing. Points before the first and after the last are
-/// reflected.
+/// Differences of averages; `None` if too many samples are missing. Points beyond the ends are reflected.
 trait Record {
     fn points(&self) -> usize;
     fn second(&self, i: isize, m: usize) -> Option<f64>;
@@ -181,8 +180,7 @@ impl Sums {
 /// A mean over the samples present.
 struct Average {
     mean: f64,
-    /// The mean excess of the squared error over that of the complete average. `None` if one sample stands for
-    /// several.
+    /// Mean excess of the squared error over the complete average's. `None` if one sample stands for several.
     excess: Option<f64>,
 }
 

@@ -121,8 +121,7 @@ fn strided<T: Step>(x: &[T::Number], plain: Plain, m: usize, starts: Range<usize
     }
 }
 
-/// As [`sums`], for the reflected record: plain within the record, and reflected around the points within m of its
-/// ends.
+/// As [`sums`], for the reflected record: plain within it, and reflected around the points within m of its ends.
 pub(super) fn reflected_sums<T: Step>(x: &[T::Number], m: &[usize]) -> Vec<T::Sum> {
     let mut sums = sums::<T>(x, Plain::WITHIN, m);
     let last = x.len() - 1;
@@ -140,8 +139,7 @@ pub(super) fn reflected_sums<T: Step>(x: &[T::Number], m: &[usize]) -> Vec<T::Su
     sums
 }
 
-/// Sums around `middles`. All or none of them are within m of the start; they are cut so that this also holds for the
-/// end.
+/// Sums around `middles`. All or none of them are within m of the start; a cut makes this hold for the end, too.
 fn reflected<T: Step>(x: &[T::Number], m: usize, middles: Range<usize>) -> T::Sum {
     let cut = x.len().saturating_sub(m).clamp(middles.start, middles.end);
     let mut sum = T::Sum::default();

@@ -220,7 +220,7 @@ fn gaps_path_agrees_with_the_whole_record() {
     }
 }
 
-/// 200 of 1000 points of white noise lost: allantools' record.
+/// The record of allantools: white noise of which 200 of 1000 points are lost.
 #[test]
 fn reference_record_with_gaps_stays_near_the_whole() {
     let folder = std::env::var("ZERORATE_REFERENCE_DATA").unwrap_or("../../../shared/data".into());

@@ -42,8 +42,7 @@ const LONGEST: usize = 1 << 20;
 /// The last level has this share of its values present, or fewer than `FEW` values.
 const NEARLY_COMPLETE: f64 = 0.99;
 const FEW: usize = 256;
-/// Segments are used from coefficient length/`USED_FROM`, and from `FIRST`. Below, the jumps at their ends disturb
-/// them.
+/// Segments are used from coefficients length/`USED_FROM` and `FIRST` on. Below, the jumps at their ends disturb them.
 const USED_FROM: usize = 128;
 const FIRST: usize = 4;
 /// Rounds of the search for sines: a strong one hides weak ones.
@@ -153,7 +152,7 @@ impl Spectrum {
     }
 }
 
-/// The bins of a level, `hz` apart.
+/// The part of the spectrum from one level, in coefficients that are `hz` apart.
 struct Part {
     hz: f64,
     bins: Vec<Bin>,
@@ -205,8 +204,7 @@ impl Level<'_> {
         values < FEW || values <= LONGEST && self.present > NEARLY_COMPLETE
     }
 
-    /// Number of values in a mean of the next level, whose band reaches well above the first frequency of the
-    /// segments.
+    /// Values in a mean of the next level, whose band reaches well above the first frequency of the segments.
     fn next(&self) -> usize {
         (segments::length(self.values.len()) / (USED_FROM / FIRST)).clamp(2, NEXT)
     }

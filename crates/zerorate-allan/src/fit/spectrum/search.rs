@@ -10,14 +10,13 @@ use alloc::borrow::Cow;
 use alloc::vec::Vec;
 use realfft::FftError;
 
-/// A line is examined if its power is this many times its frequency times the noise density there.
+/// A line is examined if its power is above this many times its frequency times the noise density there.
 const LOUD: f64 = 2.0;
 /// A line is a sine if one sine has this share of its power.
 const MOST_OF_IT: f64 = 0.9;
 /// Largest number of sines that are removed in one round.
 const MOST_SINES: usize = 16;
-/// Largest number of means in the search for slow lines, and the share of their rate up to which they keep a sine
-/// whole.
+/// Largest number of means in the search for slow lines, and the share of their rate below which sines stay whole.
 const MOST_MEANS: usize = 1 << 17;
 const WHOLE: f64 = 0.125;
 

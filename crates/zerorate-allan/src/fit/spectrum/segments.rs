@@ -2,8 +2,7 @@
 //!
 //! Segments overlap by half under a sine taper: the squares of two tapers add to 1, so no sample is lost. The leakage
 //! falls with the fourth power of the distance; without a taper it would fall with the square. If values are missing,
-//! the mean products of the values present give the autocovariance of noise of any colour, and its transform gives the
-//! density.
+//! mean products of the values present give the autocovariance of noise of any colour, and its transform the density.
 
 use crate::kernels::threads;
 use alloc::vec;

@@ -187,8 +187,8 @@ fn a_term_that_may_be_a_low_pass_is_reported() {
     assert!(told > 0);
 }
 
-/// A low-pass of the sensor takes all of its noise. Where only the white noise was thought to go through it, B was 50
-/// to 100 % too small behind 0.1 s, and nothing said so.
+/// A low-pass of the sensor shapes all of its noise. A model that shaped only the white noise gave a B 50 to 100 % too
+/// small behind a low-pass of 0.1 s, without a warning.
 #[test]
 fn a_low_pass_of_all_noise_leaves_the_coefficients() {
     let is_in = |coefficient: Coefficient, truth: f64| coefficient.lo <= truth && truth <= coefficient.hi;
@@ -250,7 +250,8 @@ fn other_n(fit: &Fit) -> Option<f64> {
     })
 }
 
-/// White noise behind a low-pass, where slow noise joins. A filter of all noise does not explain these records.
+/// White noise behind a low-pass, with slow noise added after it. A filter of all noise does not explain these
+/// records.
 #[test]
 fn slow_noise_that_joins_behind_a_low_pass_leaves_n() {
     let slow = Truth { n: 0.0, ..HOUR };

@@ -44,8 +44,8 @@ fn the_power_of_a_sine_is_counted_once() {
     }
 }
 
-/// A sine of 200 times the noise would leak all over the spectrum. It is taken out, unless it lasts half of the
-/// record: then N is several times too large.
+/// A sine of 200 times the noise would leak all over the spectrum. It is removed. If it lasts for half of the record
+/// only, it stays, and N is several times too large.
 #[test]
 fn a_line_that_drowns_the_noise_is_taken_out_or_said() {
     let said = |rate: &[f64]| {
@@ -124,7 +124,7 @@ fn an_impractical_length_is_not_advised() {
     assert!(endless.contains("in any practical record") && !endless.contains("602803200"), "{endless}");
 }
 
-/// 300 samples do not show the band of a sensor, and its N is 10 % off with an interval of half that.
+/// 300 samples do not show the band of a sensor. N is 10 % off, with an interval of half that.
 #[test]
 fn a_short_record_says_so() {
     let white = Truth { n: 0.01, ..Truth::default() };

@@ -49,14 +49,14 @@ fn a_pool_states_its_spread_and_names_who_does_not_fit() {
     assert!(matches!(white.differs, Differs::White { ratio } if near(ratio, 2.0, 0.05)), "{white:?}");
     assert!(matches!(slow.differs, Differs::Slow { gain } if gain > 18.5), "{slow:?}");
     assert!((white.record, slow.record) == (3, 4) && white.is_left_out && slow.is_left_out, "{white:?} {slow:?}");
-    // where two differ, nobody knows which is right
+    // if two differ, either may be right
     let pool = pool_of(&rates[3..]);
     assert_eq!(pool.unwrap_err(), PoolError::NothingInCommon);
     let pool = pool_of(&[rates[0].clone(), rates[4].clone()]).unwrap();
     assert!(pool.used == [0, 1] && pool.outliers.len() == 1 && !pool.outliers[0].is_left_out, "{:?}", pool.outliers);
 }
 
-/// The sum of the likelihoods follows the loudest, which once stayed while three that agree were left out.
+/// The sum of the likelihoods follows the loudest record, which once stayed while three that agree were left out.
 #[test]
 fn one_that_drowns_the_others_is_the_exception_and_so_is_one_that_is_still() {
     let quiet = |seed| Truth { n: 0.01, ..Truth::default() }.noise(100_000, seed);
@@ -81,7 +81,7 @@ fn a_pool_is_of_records_of_one_setting() {
     assert!(rates.to_string().contains("100.000 and 200.000 Hz"), "{rates}");
 }
 
-/// Every record has a glitch, and the model a Gauss–Markov term whose bound goes with the length of the longest.
+/// Every record has a glitch. The bound of the Gauss–Markov term depends on the length of the longest record.
 #[test]
 fn a_pool_of_cleaned_records_knows_their_length() {
     let truth = Truth { n: 0.03, sigma: 0.02, tau_s: 3.0, ..Truth::default() };

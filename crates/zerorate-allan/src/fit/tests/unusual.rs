@@ -3,7 +3,7 @@
 use super::*;
 use crate::Cause;
 
-/// A tenth of a hundred and more bins may be off by 1.2 in so short a record. It was called a resonance.
+/// In so short a record, a tenth of its bins may be off by 1.2. That was once called a resonance.
 #[test]
 fn white_noise_of_any_length_is_not_rejected() {
     for length in [300, 600, 1000, 2000, 5000] {
@@ -39,7 +39,7 @@ fn a_heavy_tail_is_noise_and_what_stands_alone_is_a_glitch() {
 fn a_record_whose_power_comes_and_goes_is_motion() {
     let mut rate = Truth { n: 0.005, ..Truth::default() }.noise(60_000, 4200);
     for (window, part) in rate.chunks_exact_mut(1000).enumerate() {
-        // a hand that sways, more and less
+        // the motion of a hand, now more, now less
         let sway = 0.02 * 50f64.powf(0.5 + 0.5 * (0.9 * window as f64).sin());
         part.iter_mut().enumerate().for_each(|(i, rate)| *rate += sway * (0.006 * i as f64 * PI).sin());
     }
