@@ -9,7 +9,7 @@ pub struct Envelope {
     pub span_s: f64,
     /// Mean of the samples that are present.
     pub mean: f64,
-    /// Smallest and largest sample of each stretch. All have the same length; `None` if all samples are missing.
+    /// Smallest and largest sample of each stretch. Stretches have equal lengths; `None` if all samples are missing.
     pub stretches: Vec<Option<(f64, f64)>>,
 }
 

@@ -81,7 +81,7 @@ impl<'a> FittedRecord<'a> {
         }
     }
 
-    /// The noise model, if one was asked for.
+    /// The noise model, if one was requested.
     #[must_use]
     pub fn into_fit(self) -> Option<Result<Fit, FitError>> {
         self.fit

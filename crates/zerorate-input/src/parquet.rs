@@ -106,7 +106,7 @@ impl ParquetReader {
 /// The end of one Parquet file and the start of the next.
 const JOINT: &[u8] = b"PAR1PAR1";
 
-/// Size of the length of the index and the mark after it, bytes.
+/// Size of the footer, bytes: the length of the index, and the mark.
 const TAIL: u64 = 8;
 
 /// Refuses a file that begins with other Parquet files. The index counts from the start of the last file, so that

@@ -211,7 +211,7 @@ fn a_scan_is_the_row_less_the_zero_codes() {
     );
 }
 
-/// A [`Reading`] has 24-bit codes, for any width of the recorded codes (F-43).
+/// A [`Reading`] of an ADIS16130 has 24-bit codes, for any width of the recorded codes (F-43).
 #[test]
 fn a_row_of_an_adis16130_is_read_as_its_sample() {
     for (width, code) in [(Width::Bits24, 8_400_000), (Width::Bits16, 55_706), (Width::Bits16, 65_535)] {

@@ -30,7 +30,7 @@ pub enum CaptureWarning {
     File(InputWarning),
     /// The file is of version 1.
     Unchecked { path: String },
-    /// Other software has written the file again.
+    /// Other software has rewritten the file.
     Rewritten { path: String },
     /// The count of edges contradicts the time in this many rows.
     EdgesMisplaced { path: String, rows: u64 },

@@ -220,7 +220,7 @@ fn about_mean(values: &[f64]) -> Vec<f64> {
     values.iter().map(|value| value - mean).collect()
 }
 
-/// The standard deviation of values within [`CLIP`]. (A median is off by up to half a step for coarse codes.)
+/// The standard deviation of values within [`CLIP`] of it. (A median is off by up to half a step for coarse codes.)
 fn scale(d: &[f64]) -> f64 {
     let every = d.len().div_ceil(MEDIAN_OF).max(1);
     let sizes = d.iter().step_by(every).map(|d| libm::fabs(*d)).collect();
