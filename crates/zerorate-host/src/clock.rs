@@ -3,18 +3,18 @@
 use jiff::{Timestamp, Unit};
 use std::time::SystemTime;
 
-/// The time of the machine's clock; none where the clock is beyond the years that have a date, −9999 to 9999.
+/// The time of the machine's clock; `None` beyond the years −9999 to 9999, which have no date.
 #[must_use]
 pub fn now() -> Option<Timestamp> {
     stamp(SystemTime::now())
 }
 
-/// The time for the record, to the second; empty where there is none.
+/// The time for the record, to the second; empty if there is none.
 pub(crate) fn text() -> String {
     now().map_or_else(String::new, to_second)
 }
 
-/// Name of this machine; none where it has none that is text.
+/// Name of this machine; `None` if it has no name that is text.
 pub(crate) fn host() -> Option<String> {
     #[cfg(target_os = "linux")]
     return rustix::system::uname().nodename().to_str().ok().map(str::to_owned).filter(|name| !name.is_empty());
@@ -26,7 +26,7 @@ fn stamp(time: SystemTime) -> Option<Timestamp> {
     Timestamp::try_from(time).ok()
 }
 
-/// The last second cannot be rounded up.
+/// The time to the second. The last second cannot be rounded up.
 fn to_second(time: Timestamp) -> String {
     time.round(Unit::Second).unwrap_or(time).to_string()
 }

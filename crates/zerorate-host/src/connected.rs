@@ -1,5 +1,5 @@
-//! A part behind a bus of this computer or behind a bridge. The driver asks it until the first sample is wanted; from
-//! then on a thread reads it.
+//! A part behind a bus of this computer or behind a bridge. The driver asks the part until the first sample is wanted.
+//! From then on a thread reads it.
 
 use crate::edges::Edges;
 use crate::live::Live;
@@ -15,7 +15,7 @@ use std::time::Instant;
 use zerorate::SettingNames;
 use zerorate_record::Row;
 
-/// Reads whose time is taken.
+/// Number of reads for the measured time of a read.
 const TIMED_READS: u32 = 200;
 
 /// The connection between the part and this program.
@@ -31,7 +31,7 @@ pub trait Connection {
     /// The SPI clock that was asked for, Hz.
     fn hz(&self) -> u32;
 
-    /// Sets the SPI clock, and returns what it has become.
+    /// Sets the SPI clock, and returns the clock that was set, Hz.
     fn set_clock(&self, hz: u32) -> Result<u32>;
 
     /// The self-test pins, on the line `gpio` if this computer has one.
@@ -40,10 +40,10 @@ pub trait Connection {
     /// Starts the thread that reads.
     fn start(&self, live: Box<Live<Self::Spi, Self::Edges>>) -> Result<Reader>;
 
-    /// Says what to do where the connection was the cause.
+    /// Adds the remedy to an error whose cause is the connection.
     fn explain(&self, error: anyhow::Error) -> anyhow::Error;
 
-    /// Frames that arrived damaged.
+    /// Number of frames that arrived damaged.
     fn damaged(&self) -> u64 {
         0
     }
@@ -81,7 +81,7 @@ impl<C: Connection> ConnectedPart<C> {
         Self { state: State::Ready(Box::new(live)), connection, facts }
     }
 
-    /// Asks the part by the driver.
+    /// Asks the part through the driver.
     fn ask<T>(&mut self, ask: impl FnOnce(&mut Live<C::Spi, C::Edges>, &C) -> Result<T>) -> Result<T> {
         let live = self.state.ready()?;
         ask(live, &self.connection).map_err(|error| self.connection.explain(error))
@@ -100,7 +100,7 @@ impl<C: Connection> ConnectedPart<C> {
     }
 }
 
-/// Tries faster and faster clocks, and times a read at the one that was asked for. Leaves the part configured.
+/// Tries faster and faster clocks, and times a read at the requested clock. Leaves the part configured.
 fn try_bus<C: Connection>(live: &mut Live<C::Spi, C::Edges>, connection: &C) -> Result<Bus> {
     let fastest_clean_hz = live.fastest_clean_hz(|hz| connection.set_clock(hz))?;
     let sclk_hz = connection.set_clock(connection.hz())?;

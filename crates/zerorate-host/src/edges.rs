@@ -6,7 +6,7 @@ use std::time::Duration;
 
 /// A source of data-ready edges.
 pub trait Edges {
-    /// The newest edge not handed out yet, or else the next; `None` if none comes within this time, ns.
+    /// The newest edge that was not returned yet, or else the next one; `None` if none comes within this time, ns.
     fn next(&mut self, timeout_ns: u64) -> Result<Option<Edge>>;
 
     /// The time in words, for messages.

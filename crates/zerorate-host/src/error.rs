@@ -23,9 +23,9 @@ pub enum Cause {
     Request,
     /// The device is not there.
     Missing,
-    /// We may not open it.
+    /// We do not have the permission to open the device.
     Permission,
-    /// Somebody else has it.
+    /// Another program has the device open.
     Busy,
     /// The device has gone: a cable was pulled, or a driver unbound.
     Gone,
@@ -35,7 +35,7 @@ pub enum Cause {
     Part,
     /// The recording cannot be read, or is damaged.
     File,
-    /// The content must not become a measurement; the code says why.
+    /// The content must not become a measurement. The code names the reason.
     Refused(&'static str),
     /// A stop was requested.
     Stopped,
@@ -106,7 +106,7 @@ impl From<CaptureError> for DeviceError {
     }
 }
 
-/// Words for a failure whose cause is known.
+/// The text of a failure whose cause is known.
 #[derive(Debug, thiserror::Error)]
 #[error("{words}")]
 pub(crate) struct UserError {

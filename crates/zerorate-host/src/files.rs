@@ -10,8 +10,8 @@ use zerorate_input::{Input, InputError};
 use zerorate_logs::{ColumnOptions, LogError, Parts};
 use zerorate_record::{CaptureError, CaptureReader};
 
-/// Opens a file to be read. Pipes, sockets and devices have no length, and may have no end. They are refused before
-/// they are opened, which may wait for ever.
+/// Opens a file for reading. Pipes, sockets and devices have no length, and may have no end. They are refused before
+/// they are opened, because opening them may block for ever.
 ///
 /// # Errors
 /// Returns an error if the file is not a regular file or cannot be opened.
@@ -27,11 +27,11 @@ pub fn open(path: &Path) -> Result<Input, InputError> {
     Ok(Input::from(file).with_holes(holes))
 }
 
-/// Stretches of a file that are looked at for holes. What lies behind them counts as one hole.
+/// Largest number of stretches of a file that are searched for holes. The rest counts as one hole.
 #[cfg(any(target_os = "linux", target_os = "macos"))]
 const STRETCHES: usize = 1 << 16;
 
-/// Bytes of a file that read as zeros and take no room on the disk.
+/// Number of bytes of a file that read as zeros and take no space on the disk.
 #[cfg(any(target_os = "linux", target_os = "macos"))]
 fn holes(mut file: &File) -> std::io::Result<u64> {
     use rustix::fs::{SeekFrom, seek};
@@ -40,9 +40,9 @@ fn holes(mut file: &File) -> std::io::Result<u64> {
     for _ in 0..STRETCHES {
         let start = match seek(file, SeekFrom::Data(at)) {
             Ok(start) => start,
-            // there is no data any more
+            // no more data follows
             Err(rustix::io::Errno::NXIO) => break,
-            // a file system that knows no holes
+            // a file system without holes
             Err(_) => return file.rewind().map(|()| 0),
         };
         at = seek(file, SeekFrom::Hole(start))?;
@@ -58,8 +58,8 @@ fn holes(_: &File) -> std::io::Result<u64> {
     Ok(0)
 }
 
-/// Reads a small file of text whole. A device, a pipe or a file with holes may have any number of bytes, so that no
-/// more than `most` are taken, and one more that tells.
+/// Reads a small text file whole. A device, a pipe or a file with holes may have any number of bytes, so at most
+/// `most` bytes are read, and one more to detect a larger file.
 ///
 /// # Errors
 /// Returns [`ErrorKind::FileTooLarge`] for a larger file, [`ErrorKind::InvalidData`] if it is not text, or the error
@@ -77,8 +77,8 @@ pub fn text(path: &Path, most: Bytes) -> std::io::Result<String> {
 /// The name of a log that means standard input.
 pub const STDIN: &str = "-";
 
-/// Opens a log: a file, what is piped into the program (`-`), or the folder of a bag of ROS 2, which has several
-/// files. Each comes with its name.
+/// Opens a log: a file, standard input (`-`), or the folder of a ROS 2 bag with several files. Each file comes with
+/// its name.
 ///
 /// # Errors
 /// Returns an error if the log cannot be opened.
@@ -104,7 +104,7 @@ pub fn listed(path: &Path) -> Vec<PathBuf> {
     }
 }
 
-/// Bytes of a log on disk, without holes; a pipe may hold any number.
+/// Bytes of a log on disk, without holes. A pipe may hold any number, so it counts as the largest.
 pub fn log_length(path: &Path) -> u64 {
     let length = |path: &Path| open(path).ok().and_then(|input| input.stored().ok()).unwrap_or(0);
     match path {
@@ -128,10 +128,10 @@ fn spooled(mut piped: impl Read) -> std::io::Result<Input> {
 /// The description of a bag of ROS 2, in its folder.
 const METADATA: &str = "metadata.yaml";
 
-/// Bytes of it that are read.
+/// Largest number of bytes of the description that are read.
 const MAX_METADATA: u64 = 1 << 20;
 
-/// The description of a bag of ROS 2; empty where there is none.
+/// The description of a bag of ROS 2; empty if there is none.
 fn description(folder: &Path) -> Result<String, InputError> {
     let mut text = String::new();
     if let Ok(file) = open(&folder.join(METADATA)) {
@@ -160,8 +160,8 @@ fn parts(folder: &Path, description: &str) -> Result<Vec<PathBuf>, InputError> {
     Err(InputError::not_a_log(folder, why))
 }
 
-/// The names of files in the description of a bag: the list of `relative_file_paths`. A folder before the name is that
-/// of the bag.
+/// The names of files in the description of a bag: the list of `relative_file_paths`. A folder before a name is the
+/// folder of the bag.
 fn described(metadata: &str) -> impl Iterator<Item = &str> {
     let lines = metadata.lines().map(str::trim).skip_while(|line| *line != "relative_file_paths:").skip(1);
     let names = lines.map_while(|line| line.strip_prefix("- "));
@@ -193,7 +193,7 @@ pub fn capture(path: &Path) -> Result<CaptureReader, CaptureError> {
     CaptureReader::open(path, open(path)?)
 }
 
-/// Opens a capture, or a log of the part that is given (docs/formats/part.md).
+/// Opens a capture, or a log of the given part (docs/formats/part.md).
 ///
 /// # Errors
 /// Returns an error if the file cannot be opened, or if its content is not valid.

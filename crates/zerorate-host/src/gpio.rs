@@ -12,9 +12,9 @@ use rustix::io::Errno;
 use std::path::Path;
 use std::time::Duration;
 
-/// Edges that the kernel keeps until they are read; it allows no more for one line.
+/// Edges that the kernel keeps until they are read, which is the most that it allows for one line.
 const KERNEL_EDGES: u32 = 1024;
-/// Edges fetched at once.
+/// Number of edges that are fetched at once.
 const EDGES_AT_ONCE: usize = 64;
 
 /// The RDY line at the GPIO character device.
@@ -45,11 +45,11 @@ impl GpioEdges {
         Ok(Self { request, name: format!("{} line {line}", chip.display()), buffer, first_ns: None, last_ns: 0 })
     }
 
-    /// The newest edge that waits in the kernel. Its number counts all edges, dropped ones included.
+    /// The newest edge in the kernel's queue. Its number counts all edges, dropped ones included.
     fn newest(&mut self) -> Result<Option<Edge>> {
         let size = self.request.edge_event_u64_size();
         let mut newest = None;
-        // at most as many as the kernel keeps: new ones that come meanwhile can wait
+        // at most as many as the kernel keeps; new edges that come meanwhile can wait
         for _ in 0..KERNEL_EDGES as usize / EDGES_AT_ONCE {
             let words = self.request.read_edge_events_into_slice(&mut self.buffer)?;
             if let Some(last) = words.checked_sub(size) {

@@ -1,8 +1,8 @@
 //! One thread reads a device for all readers.
 //!
 //! A reader that must have every sample (a recorder, the procedure) subscribes to [`LosslessReader`], and the thread
-//! waits for it. Samples that are lost then are lost in front of the thread, and the later samples count them. The
-//! thread never waits for a [`Watcher`]: it misses what does not fit into its queue, and is told how much that was.
+//! waits for it. Samples that are lost meanwhile are lost in front of the thread, and later samples count them. The
+//! thread never waits for a [`Watcher`]. It misses samples for which its queue has no room, and learns their number.
 
 use crate::pace::{Pace, Speed, WallClock};
 use crate::source::{DeviceInfo, Losses, Source};
@@ -19,17 +19,17 @@ use std::vec::IntoIter;
 use zerorate_record::admission::Admission;
 use zerorate_record::{CaptureWarning, Row};
 
-/// Samples of a batch at most: 0.7 s at the full rate.
+/// Largest number of samples of a batch: 0.7 s at the full rate.
 const BATCH: usize = 4096;
-/// Wall time of a batch at most, where that holds the part time: a watcher sees samples this late.
+/// Longest wall time of a batch, if part time follows it. A watcher sees samples this late.
 const LIVE_BATCH: Duration = Duration::from_millis(20);
-/// Batches that wait for a reader that takes everything.
+/// Number of batches that wait for a reader of every sample.
 const QUEUE: usize = 16;
 
 /// Consecutive samples.
 #[derive(Debug, Default)]
 pub struct Batch {
-    /// In order of time, as they may stand in a capture.
+    /// The samples in order of time, as a capture may hold them.
     pub rows: Vec<Row>,
     /// The warnings since the batch before.
     pub notes: Vec<SourceWarning>,
@@ -37,7 +37,7 @@ pub struct Batch {
     pub doubts: Vec<CaptureWarning>,
     /// Losses between the part and here, since the beginning.
     pub losses: Losses,
-    /// The twin's truth after the last sample, of each axis.
+    /// The twin's truth for each axis after the last sample.
     pub truths: Vec<Truth>,
 }
 
@@ -73,7 +73,7 @@ pub struct WatchedBatch {
     pub lost: u64,
 }
 
-/// A batch, or why there are no more.
+/// A batch, or the error that ended the samples.
 type BatchResult = Result<Arc<Batch>, DeviceError>;
 
 /// The result of a wait with a timeout.
@@ -117,7 +117,7 @@ enum Request {
 }
 
 impl Hub {
-    /// Opens the device in a thread of its own; sends nothing to the part yet. `stop` ends the reading as if the
+    /// Opens the device in a thread of its own, and sends nothing to the part yet. `stop` ends the reading as if the
     /// recording ended there.
     ///
     /// # Errors
@@ -203,7 +203,7 @@ impl Hub {
         LosslessReader(batches)
     }
 
-    /// Subscribes to the samples that fit into a queue of so many batches, from now on.
+    /// Subscribes from now on to the samples that fit into a queue of this many batches.
     #[must_use]
     pub fn watch(&self, queue: usize) -> Watcher {
         let (queue, batches) = sync_channel(queue.max(1));
@@ -253,7 +253,7 @@ impl LosslessReader {
         self.0.recv().map_or(Ok(None), |given| given.map(Some))
     }
 
-    /// Waits so long for the next samples.
+    /// Waits for the next samples, for `patience` at most.
     ///
     /// # Errors
     /// Returns the errors of [`LosslessReader::next`].
@@ -273,7 +273,7 @@ impl Watcher {
         self.0.recv().ok()
     }
 
-    /// Waits so long for the next samples. After the end [`Hub::failure`] has the reason.
+    /// Waits for the next samples, for `patience` at most. After the end [`Hub::failure`] has the reason.
     #[must_use]
     pub fn next_within(&self, patience: Duration) -> Poll<WatchedBatch> {
         Poll::of(self.0.recv_timeout(patience))
@@ -296,7 +296,7 @@ impl BatchBuilder {
         self.clock.as_ref().map_or(Some(LIVE_BATCH.as_nanos() as u64), |clock| clock.part_ns(LIVE_BATCH))
     }
 
-    /// Fills a batch until it is large, late or at a mark; else says how the reading ended.
+    /// Fills a batch until it is large, late or at a mark. Otherwise returns how the reading ended.
     fn fill(&mut self, batch: &mut Batch, source: &mut dyn Source, is_over: impl Fn() -> bool) -> Option<Result<()>> {
         let longest_ns = self.longest_ns().unwrap_or(u64::MAX);
         loop {
@@ -320,19 +320,19 @@ impl BatchBuilder {
     }
 }
 
-/// The thread.
+/// The state of the thread.
 struct Worker {
     subscribers: Subscribers,
     speed: Speed,
     failure: Failure,
-    /// Somebody wants the reading to end.
+    /// Asked when the reading should end.
     stop: Stop,
-    /// The hub is gone.
+    /// Asked when the hub is gone.
     ended: Stop,
 }
 
 impl Worker {
-    /// Serves the requests, then reads until the end, and hangs up.
+    /// Serves the requests, reads until the end, and closes all subscriptions.
     fn serve(self, source: &mut dyn Source, wanted: &Receiver<Request>) {
         while let Ok(request) = wanted.recv() {
             match request {
@@ -383,7 +383,7 @@ impl Worker {
         !all.is_empty()
     }
 
-    /// Tells readers that must have everything why there is no more. Watchers may ask the hub.
+    /// Sends the error to readers of every sample. Watchers may ask the hub.
     fn fail(&self, error: &DeviceError) {
         *lock(&self.failure) = Some(error.again());
         for subscriber in std::mem::take(&mut *lock(&self.subscribers)) {
@@ -394,7 +394,7 @@ impl Worker {
     }
 }
 
-/// Waits until there is room. Returns false if the reader or the hub is gone.
+/// Waits until the queue has room. Returns false if the reader or the hub is gone.
 fn wait_for_room(queue: &SyncSender<BatchResult>, given: BatchResult, ended: &Stop) -> bool {
     let mut given = given;
     loop {
@@ -407,11 +407,11 @@ fn wait_for_room(queue: &SyncSender<BatchResult>, given: BatchResult, ended: &St
     }
 }
 
-/// Time to sleep where a queue is full: short against the samples in it.
+/// Time to sleep while a queue is full: short compared with the samples in the queue.
 const FULL_QUEUE: Duration = Duration::from_micros(200);
 
 impl Subscriber {
-    /// False once it is gone.
+    /// Returns false once the subscriber is gone.
     fn give(&mut self, batch: &Arc<Batch>, ended: &Stop) -> bool {
         match self {
             Self::LosslessReader(queue) => wait_for_room(queue, Ok(Arc::clone(batch)), ended),
@@ -430,7 +430,7 @@ impl Subscriber {
     }
 }
 
-/// The next sample that may stand in a capture.
+/// The next sample that a capture may hold.
 #[inline]
 fn admitted(source: &mut dyn Source, admission: &mut Admission) -> Result<Option<Row>> {
     while let Some(row) = source.next()? {

@@ -17,9 +17,9 @@ use crate::{iio::IioAddress, spi::SpiAddress};
 /// A kind of device.
 #[derive(Clone, Copy, Debug)]
 pub struct Kind {
-    /// Start of its addresses, before the colon.
+    /// Start of the addresses of this kind, before the colon.
     pub name: &'static str,
-    /// The form of its addresses.
+    /// The form of the addresses.
     pub form: &'static str,
     parse: fn(&str) -> ParseResult,
 }
@@ -56,25 +56,25 @@ pub struct DeviceSpec {
 }
 
 impl DeviceSpec {
-    /// A recording.
+    /// The address of a recording.
     #[must_use]
     pub fn replay(path: PathBuf) -> Self {
         Self { text: format!("replay:{}", path.display()), address: Arc::new(ReplayAddress { path }) }
     }
 
-    /// The file that is read, where it is a recording.
+    /// The file that is read, if the device is a recording.
     #[must_use]
     pub fn file(&self) -> Option<&Path> {
         self.address.file()
     }
 
-    /// Whether it is a simulated part, which takes the air of its [`Setup`].
+    /// Whether the device is a simulated part, which takes the air of its [`Setup`].
     #[must_use]
     pub fn is_simulated(&self) -> bool {
         self.address.is_simulated()
     }
 
-    /// Opens the device; sends nothing to the part yet. `stop` ends every long wait.
+    /// Opens the device, and sends nothing to the part yet. `stop` ends every long wait.
     ///
     /// # Errors
     /// Returns an error if the device cannot be opened.
@@ -104,7 +104,7 @@ impl FromStr for DeviceSpec {
     }
 }
 
-/// The address that was meant where the kind of device is missing before a port, a bus or a host.
+/// The address that was probably meant, if the kind of device is missing before a port, a bus or a host.
 fn meant(text: &str) -> Option<String> {
     let is_number = |text: &str| text.parse::<u16>().is_ok();
     let ports = ["/dev/tty", "/dev/cu.", "/dev/serial/", "/dev/rfcomm"];
@@ -119,7 +119,7 @@ fn meant(text: &str) -> Option<String> {
         return Some(format!("iio:{name}"));
     }
     let (host, port) = text.rsplit_once(':')?;
-    // `usb:1` is a kind that there is not; a host has a dot or is this one
+    // `usb:1` is an unknown kind; a host has a dot or is this computer
     let is_host = host == "localhost" || host.contains('.');
     (is_host && is_number(port)).then(|| format!("tcp:{text}"))
 }

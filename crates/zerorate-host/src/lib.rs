@@ -1,7 +1,7 @@
-//! Gyroscopes at a computer: what `--device` names, and the [`Hub`] that reads one of them for everybody.
+//! Gyroscopes at a computer: the device that `--device` names, and the [`Hub`] that reads it for all readers.
 //!
-//! No argument parser, no output and no global state are in here: what there is to say comes as values, and a
-//! [`Stop`] ends what it was given to.
+//! This crate has no argument parser, no output and no global state. All messages are values, and a [`Stop`] ends the
+//! work that it was given to.
 
 #![deny(clippy::print_stderr, clippy::print_stdout, reason = "what there is to say comes as values")]
 

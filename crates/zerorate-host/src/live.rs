@@ -15,7 +15,7 @@ use embedded_hal::spi::SpiDevice;
 use std::cell::RefCell;
 use std::fmt::Debug;
 
-/// The driver with its edges and the count of what was lost.
+/// The driver with its edges and the count of losses.
 pub struct Live<S, E> {
     part: Adis16130<S, ()>,
     pub edges: E,
@@ -42,18 +42,18 @@ const SILENCE_NS: u64 = 1_000_000_000;
 /// The same silence in periods of the part, for a part with a slow clock.
 const SILENT_PERIODS: f64 = 20.0;
 
-/// An initialised part shows many edges in this time (F-32).
+/// Time in which an initialised part shows many edges (F-32).
 const SIGN_OF_LIFE_NS: u64 = 100_000_000;
 
 impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
-    /// A part whose master clock is nominally `mclk_hz`; sends nothing.
+    /// Makes a part whose master clock is nominally `mclk_hz`. Sends nothing.
     pub fn new(spi: S, edges: E, config: Config, sampling: SamplerConfig, mclk_hz: u32, stop: &Stop) -> Self {
         let part = Adis16130::new(spi, (), config);
         let sampler = Sampler::new(sampling, &config, mclk_hz);
         Self { part, edges, config, sampling, sampler, mclk_hz, stop: stop.clone(), alive_ns: None }
     }
 
-    /// Resets the part, initialises it, reads everything back. Returns the revision.
+    /// Resets the part, initialises it, and reads everything back. Returns the revision.
     pub fn initialise(&mut self) -> Result<u8> {
         self.alive_ns = None;
         match self.start() {
@@ -72,8 +72,8 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         Ok(self.part.revision()?.bits())
     }
 
-    /// The fastest of some clocks at which the configuration reads back right, and so do all slower ones. `set` sets
-    /// one and returns what it has become.
+    /// The fastest of some clocks at which, as at all slower ones, the configuration reads back right. `set` sets a
+    /// clock and returns the clock that was set, Hz.
     pub fn fastest_clean_hz(&mut self, mut set: impl FnMut(u32) -> Result<u32>) -> Result<Option<u32>> {
         let mut fastest = None;
         for hz in CLOCKS_HZ {
@@ -97,7 +97,7 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         P: OutputPin<Error: Debug + Send + Sync + 'static>,
     {
         let edges = RefCell::new(&mut self.edges);
-        // whichever edge says so: RDY is heard as edges
+        // for either edge: RDY is observed as edges
         let config = self.config.with_rdy_edge(RdyEdge::Falling);
         let mut part = Adis16130::new(self.part.bus_mut(), Ready { edges: &edges, stop: &self.stop }, config);
         part.reset()?;
@@ -138,8 +138,7 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         }
     }
 
-    /// A failed read whose cause is gone is a lost sample, and the sampler counts it; anything else ends the
-    /// measurement.
+    /// Counts a failed read whose cause is gone as a lost sample. Any other error ends the measurement.
     #[cold]
     fn require_transient(&mut self, error: SampleError<S::Error>, now_ns: u64) -> Result<()> {
         if matches!(error, SampleError::Bus(_)) && self.is_alive(now_ns) {
@@ -155,19 +154,19 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         }
     }
 
-    /// Edges without new data: the part may be gone, and its line float.
+    /// Checks whether the part lives if edges bring no new data: the part may be gone, and its line floating.
     #[inline]
     fn require_alive(&mut self, now_ns: u64) -> Result<()> {
         if self.is_alive(now_ns) { Ok(()) } else { Err(self.why_silent()) }
     }
 
-    /// The first edge after an initialisation stands for a sample.
+    /// Whether a sample came recently. The first edge after an initialisation counts as a sample.
     fn is_alive(&mut self, now_ns: u64) -> bool {
         let alive_ns = *self.alive_ns.get_or_insert(now_ns);
         now_ns.saturating_sub(alive_ns) < self.silence_ns()
     }
 
-    /// The silence without a sample that is a failure.
+    /// Time without a sample that is a failure, ns.
     pub fn silence_ns(&self) -> u64 {
         let edges = u64::from(self.sampling.divider.max(1)) * u64::from(self.sampling.divided.max(1));
         // 1024 edges at 11.4 kHz are 0.09 s, so this is ten times the time from one sample to the next
@@ -177,7 +176,7 @@ impl<S: SpiDevice<Error: Debug + Send + Sync + 'static>, E: Edges> Live<S, E> {
         nominal_ns.max((SILENT_PERIODS * period_ns * edges as f64) as u64)
     }
 
-    /// The fault that the part shows where no sample came in time.
+    /// The fault that the part shows if no sample came in time.
     #[cold]
     pub fn why_silent(&mut self) -> anyhow::Error {
         let fault = match self.part.diagnose() {

@@ -5,18 +5,18 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use zerorate::Axis;
 
-/// The options of an address that concern the part itself, on any connection.
+/// The options of an address for the part itself, on any connection.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PartOptions {
     /// Configuration of the part, and the edge of its data-ready line.
     pub config: Config,
-    /// A counter in the line lets every N-th edge of RDY through (F-56).
+    /// Number N of a counter in the line, which lets every N-th edge of RDY through (F-56).
     pub divided: u16,
-    /// −3 dB of the rate, Hz, where it is not the part's own (F-04).
+    /// −3 dB frequency of the rate, Hz, if it is not the part's own (F-04).
     pub bandwidth_hz: Option<f64>,
 }
 
-/// SPI clock unless given, Hz: half of what the part can (F-21).
+/// Default SPI clock, Hz: half of the part's fastest (F-21).
 pub const DEFAULT_HZ: u32 = MAX_SCLK_HZ / 2;
 pub const SLOWEST_HZ: u32 = 10_000;
 pub const MCLK_RANGE_HZ: RangeInclusive<u32> = 1_000..=10_000_000;
@@ -34,17 +34,17 @@ const FW_RANGE: RangeInclusive<u32> = 0..=0x7F;
 const DIVIDED_RANGE: RangeInclusive<u32> = 1..=u16::MAX as u32;
 
 impl PartOptions {
-    /// The options that the note prescribes (F-22, F-30), with nothing in the line of RDY.
+    /// The options that the note prescribes (F-22, F-30), without a counter in the line of RDY.
     pub const fn new() -> Self {
         Self { config: Config::new(), divided: 1, bandwidth_hz: None }
     }
 
-    /// F-22: a host that cannot keep the note's framing at the full rate keeps CS low for a whole command.
+    /// The options of a host that cannot keep the note's framing at the full rate: CS low for a whole command (F-22).
     pub const fn of_host() -> Self {
         Self { config: Config::new().with_framing(Framing::Command), ..Self::new() }
     }
 
-    /// Applies an option; `None` = the part has no such option.
+    /// Applies an option. `None` if the part has no such option.
     pub fn with(self, option: &str) -> Result<Option<Self>, String> {
         if let Some(text) = option.strip_prefix("divided=") {
             let divided = number("divided", text, DIVIDED_RANGE)? as u16;
@@ -57,7 +57,7 @@ impl PartOptions {
     }
 }
 
-/// The bandwidth that an option sets, Hz (none: the part's own); `None` = the option does not set the bandwidth.
+/// The bandwidth that an option sets, Hz, or `Some(None)` for the part's own. `None` if the option does not set it.
 pub fn bandwidth(option: &str) -> Result<Option<Option<f64>>, String> {
     match option.split_once('=') {
         Some(("roa", "none")) => Ok(Some(None)),
@@ -102,7 +102,7 @@ fn with_conversions(config: Config, change: impl Fn(ConversionTime) -> Conversio
     config.with_rate_conversion(rate).with_temp_conversion(temp)
 }
 
-/// `gpiochip0:25` or `/dev/gpiochip0:25`.
+/// Parses `gpiochip0:25` or `/dev/gpiochip0:25`.
 pub fn gpio_line(text: &str) -> Result<(PathBuf, u32), String> {
     let parts = text.rsplit_once(':').and_then(|(chip, line)| Some((chip, line.parse().ok()?)));
     let (chip, line) = parts

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 /// The speed of simulated or recorded time when reading begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pace {
-    /// The samples set the speed: as fast as they are taken.
+    /// As fast as samples are taken.
     Free,
     /// No faster than the wall clock.
     RealTime,
@@ -24,13 +24,13 @@ impl Pace {
     }
 }
 
-/// The speed of simulated or recorded time, as a multiple of the wall clock; 0: as fast as samples are taken. All
+/// The speed of simulated or recorded time, as a multiple of the wall clock; 0 means as fast as samples are taken. All
 /// clones share one speed, which may change at any time.
 #[derive(Clone, Debug)]
 pub struct Speed(Arc<AtomicU64>);
 
 impl Default for Speed {
-    /// The samples set the speed: as fast as they are taken.
+    /// The speed 0: as fast as samples are taken.
     fn default() -> Self {
         Self(Arc::new(AtomicU64::new(0.0f64.to_bits())))
     }
@@ -40,7 +40,7 @@ impl Speed {
     /// The largest factor.
     pub const MOST: f64 = 1000.0;
 
-    /// Sets the factor, from 0 to [`Speed::MOST`]; what lies outside is brought there.
+    /// Sets the factor, limited to 0 … [`Speed::MOST`].
     pub fn set(&self, factor: f64) {
         let factor = if factor.is_nan() { 0.0 } else { factor.clamp(0.0, Self::MOST) };
         self.0.store(factor.to_bits(), Ordering::Relaxed);
@@ -60,7 +60,7 @@ impl Speed {
     }
 }
 
-/// The time by which part time is held back.
+/// The clock that limits part time.
 pub(crate) trait Clock {
     /// Time since an arbitrary moment.
     fn now(&self) -> Duration;
@@ -82,20 +82,20 @@ impl Clock for Monotonic {
     }
 }
 
-/// Keeps part time from running ahead of the wall clock; looks at the clock once per [`PACE`] of wall time.
+/// Keeps part time from running ahead of the wall clock. It checks the clock once per [`PACE`] of wall time.
 pub(crate) struct WallClock<C = Monotonic> {
     clock: C,
     speed: Speed,
-    /// The speed since `started`.
+    /// The bits of the speed since `started`.
     bits: u64,
-    /// Wall time and part time, ns.
+    /// Wall time and part time, ns, when this speed began.
     started: Option<(Duration, u64)>,
     due_ns: u64,
 }
 
-/// Time between two looks at the clock.
+/// Time between two checks of the clock.
 const PACE: Duration = Duration::from_millis(10);
-/// A wish to end, or to go faster, is heeded at least this often.
+/// Longest time until a stop or a faster speed takes effect.
 const LONGEST_SLEEP: Duration = Duration::from_millis(100);
 
 impl WallClock {

@@ -10,8 +10,8 @@ use zerorate_logs::{
 };
 use zerorate_record::{CaptureInfo, Layout, Row};
 
-/// A value that is this near to a code, in codes, lies on it: what decimals and units leave of a code that somebody
-/// turned into a value.
+/// Largest distance of a value from a code, in codes, at which the value is the code: the rounding error of a code
+/// that was written in decimals or in a unit.
 const ON_GRID: f64 = 1e-4;
 
 /// A log whose columns are the axes of a part, and its temperature.
@@ -22,7 +22,7 @@ const ON_GRID: f64 = 1e-4;
 pub struct PartLog {
     info: CaptureInfo,
     t_ns: Vec<u64>,
-    /// Codes of each axis and of the temperature, NaN where there is none.
+    /// Codes of each axis and of the temperature; NaN if there is none.
     axes: Vec<Vec<f64>>,
     temps: Vec<f64>,
     /// Readings lost before rows.
@@ -34,12 +34,12 @@ pub struct PartLog {
 }
 
 impl PartLog {
-    /// Reads a log of any form; `path` names it in messages. Everything in it is checked here. Where neither time
-    /// column nor rate is given, the time is the only other column whose name states a unit of time, as in `t_ns`.
+    /// Reads a log of any form, and checks all of it; `path` names it in messages. If neither time column nor rate is
+    /// given, the time is the only other column whose name states a unit of time, as in `t_ns`.
     ///
     /// # Errors
-    /// The file cannot be read, it lacks an axis, the temperature, a unit or the time, or the part cannot have made
-    /// its values.
+    /// Returns an error if the file cannot be read, it lacks an axis, the temperature, a unit or the time, or the part
+    /// cannot have made its values.
     pub fn open(path: &Path, input: Input, part: &Part, args: &ColumnOptions) -> Result<Self> {
         let layout = Layout::of_part(part)
             .map_err(|what| LogError::Ask(format!("no capture can have the part {}: {what}", part.name)))?;
@@ -76,13 +76,13 @@ impl PartLog {
         log.checked(path)
     }
 
-    /// The description for a reader of these rows. The opener of the log may know more.
+    /// The description for a reader of these rows. The caller that opened the log may know more.
     #[must_use]
     pub fn info(&self) -> &CaptureInfo {
         &self.info
     }
 
-    /// The warnings about the log: values that were rounded, rows that lack a value, a tail that was torn off.
+    /// The warnings about the log: rounded values, rows that lack a value, a missing end.
     #[must_use]
     pub fn warnings(&self) -> &[LogWarning] {
         &self.warnings
@@ -153,7 +153,7 @@ fn stated(column: &str, spec: &ColumnSpec) -> Option<(Quantity, f64)> {
     Quantity::of_column(column).or_else(by_part)
 }
 
-/// The size of a step of a column in °/s, if that is stated; only a column in such a unit is a rate.
+/// The size of a step of a column in °/s, if it is stated. Only a column in such a unit is a rate.
 fn rate_unit(path: &Path, column: &str, stated: Option<(Quantity, f64)>) -> Result<Option<f64>> {
     match stated {
         Some((Quantity::AngularRate, dps)) => Ok(Some(dps)),
@@ -172,7 +172,7 @@ fn rate_unit(path: &Path, column: &str, stated: Option<(Quantity, f64)>) -> Resu
 struct Coding<'a> {
     path: &'a Path,
     scale: Scale,
-    /// The size of a step of 1, in the unit of the scale; none: the column holds codes.
+    /// The size of a step of 1, in the unit of the scale; `None` if the column holds codes.
     unit: Option<f64>,
     /// The unit of the scale.
     name: &'static str,

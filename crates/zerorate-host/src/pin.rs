@@ -1,4 +1,4 @@
-//! The pins that the driver's self-test wants, of a part whose edges come by themselves.
+//! The pins for the driver's self-test, for a part whose edges come as events.
 
 use crate::Stop;
 use crate::edges::Edges;
@@ -54,7 +54,7 @@ impl<E: Edges> InputPin for Ready<'_, E> {
     }
 }
 
-/// Time, as the source of the edges has it.
+/// A delay in the time of the source of the edges.
 pub struct Pause<'a, E>(pub &'a RefCell<&'a mut E>);
 
 impl<E: Edges> DelayNs for Pause<'_, E> {

@@ -7,27 +7,27 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::thread;
 
-/// Samples that can wait: 11 s at the full rate, 2.6 MB.
+/// Number of samples that can wait: 11 s at the full rate, 2.6 MB.
 const QUEUE: usize = 1 << 16;
 
-/// Policy for a sample for which the queue has no room.
+/// The handling of a sample for which the queue has no room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WhenFull {
     /// The sample is dropped and counted, because reading the part cannot wait.
     Drop,
-    /// The sample waits. Its sender keeps or counts what comes meanwhile.
+    /// The sample waits. The sender keeps or counts samples that come meanwhile.
     Wait,
 }
 
-/// A thread that reads, and the queue of what it has read.
+/// A thread that reads samples, and their queue.
 pub struct Reader {
     samples: Receiver<Result<Sample>>,
     overflowed: Arc<AtomicU64>,
 }
 
 impl Reader {
-    /// Starts to read by `next`, after `prepare` in the same thread. The thread ends with the first error, or when the
-    /// reader is dropped.
+    /// Starts to read with `next`, after `prepare` in the same thread. The thread ends with the first error, or when
+    /// the reader is dropped.
     pub fn start(
         when_full: WhenFull,
         prepare: impl FnOnce() + Send + 'static,
@@ -53,12 +53,12 @@ impl Reader {
         Ok(Self { samples, overflowed })
     }
 
-    /// The next sample; waits for it.
+    /// Waits for the next sample.
     pub fn next(&self) -> Result<Sample> {
         self.samples.recv().unwrap_or_else(|_| Err(anyhow!("the reading thread has ended")))
     }
 
-    /// Samples that were read but found the queue full. The sample after them counts them as lost.
+    /// Number of samples that found the queue full. The sample after them counts them as lost.
     pub fn overflowed(&self) -> u64 {
         self.overflowed.load(Ordering::Relaxed)
     }
@@ -69,7 +69,7 @@ struct Feeder {
     queue: SyncSender<Result<Sample>>,
     when_full: WhenFull,
     overflowed: Arc<AtomicU64>,
-    /// Lost samples that no sample has told of yet.
+    /// Number of lost samples that no sample has reported yet.
     owed: u32,
 }
 
@@ -91,7 +91,7 @@ impl Feeder {
         }
     }
 
-    /// `false`: nobody takes samples any more.
+    /// Returns false if nobody takes samples any more.
     fn offer(&mut self, mut sample: Sample) -> bool {
         sample.lost = sample.lost.saturating_add(self.owed);
         if self.when_full == WhenFull::Wait {

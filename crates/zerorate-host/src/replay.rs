@@ -11,7 +11,7 @@ use std::sync::Arc;
 use zerorate::{Part, Setting};
 use zerorate_record::Row;
 
-/// `replay:FILE`; the file may be called what it likes.
+/// The address `replay:FILE`, for a file of any name.
 #[derive(Clone, Debug)]
 pub struct ReplayAddress {
     pub path: PathBuf,
@@ -43,7 +43,7 @@ impl Address for ReplayAddress {
     }
 }
 
-/// A recording.
+/// A recording that is read as a device.
 struct Replay {
     reader: RowReader,
     part: Part,

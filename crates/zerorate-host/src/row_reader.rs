@@ -11,18 +11,18 @@ use zerorate_record::{CaptureError, CaptureInfo, CaptureReader, Row};
 
 /// Reads the rows of a capture, or of the log of a part.
 pub enum RowReader {
-    /// A capture, which says itself what it is of.
+    /// A capture, which describes itself.
     Capture(Box<CaptureReader>),
-    /// The log of a part that somebody has described.
+    /// The log of a part that was described by the user.
     Log(Box<PartLog>),
 }
 
 impl RowReader {
-    /// Opens what is a capture as such, and anything else as a log of `part`, if one is given; `path` names it in
+    /// Opens a capture as such, and any other file as a log of `part`, if one is given. `path` names the file in
     /// messages. `args` are for logs alone.
     ///
     /// # Errors
-    /// The file cannot be read or is damaged, or no part is given and it is not a capture.
+    /// Returns an error if the file cannot be read or is damaged, or if it is not a capture and no part is given.
     pub fn open(path: &Path, mut input: Input, part: Option<&Part>, args: &ColumnOptions) -> Result<Self, LogError> {
         let failed = |error| InputError::io("read", path, error);
         let again = input.try_clone().map_err(failed)?;

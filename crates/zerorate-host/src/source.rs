@@ -13,12 +13,12 @@ use zerorate::calibration::Notes;
 use zerorate::{Part, Setting, SettingNames};
 use zerorate_record::{CaptureInfo, Converter, Row};
 
-/// The sampling of a part. A recording has decided that already.
+/// The sampling of a part. For a recording it is already decided.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sampling {
-    /// Temperature with every N-th rate sample (F-55); none: with each.
+    /// Temperature with every N-th rate sample (F-55); `None`: with each.
     pub every_temp: Option<u16>,
-    /// On every N-th edge that is seen (F-56); none: on each.
+    /// Read on every N-th edge that is seen (F-56); `None`: on each.
     pub divider: Option<u16>,
 }
 
@@ -37,9 +37,9 @@ impl Sampling {
 pub struct Setup {
     /// The sampling.
     pub sampling: Sampling,
-    /// The known facts about the part; none: an ADIS16130, or the part that a recording states.
+    /// The known facts about the part; `None`: an ADIS16130, or the part that a recording states.
     pub part: Option<Part>,
-    /// The temperature around a simulated part; none: as its address says.
+    /// The temperature around a simulated part; `None`: as its address says.
     pub ambient: Option<AmbientProfile>,
     /// The names that the front end uses for the settings, for errors.
     pub names: SettingNames,
@@ -56,8 +56,8 @@ pub trait Source {
     /// The facts that do not change while the device is read.
     fn facts(&self) -> DeviceInfo;
 
-    /// Resets the part, initialises it, and reads everything back. Returns the revision; a recording has none, and the
-    /// kernel's drivers keep it to themselves.
+    /// Resets the part, initialises it, and reads everything back. Returns the revision. A recording has none, and the
+    /// kernel's drivers do not tell it.
     fn initialise(&mut self) -> Result<Option<u8>> {
         Ok(None)
     }
@@ -76,15 +76,15 @@ pub trait Source {
         Ok(None)
     }
 
-    /// Measures the change of the rate under self-test (F-11). `gpio` is the line of its pins, if this host has one.
-    /// Call it before the first sample. Errors call settings by `names`.
+    /// Measures the change of the rate under self-test (F-11). `gpio` is the line of the self-test pins, if this host
+    /// has one. Call it before the first sample. Errors call settings by `names`.
     fn self_test(&mut self, gpio: &str, names: SettingNames) -> Result<SelfTest> {
         let _ = gpio;
         let option = names(Setting::SelfTest);
         Err(UserError::request(format!("{option} needs the part itself: twin:, spi:, bridge: or tcp:")).into())
     }
 
-    /// Losses between the part and here.
+    /// Losses between the part and this program.
     fn losses(&self) -> Losses {
         Losses::default()
     }
@@ -109,11 +109,11 @@ pub struct DeviceInfo {
     pub info: CaptureInfo,
     /// The known facts about the part, as it is set.
     pub part: Part,
-    /// Framing of the bytes by CS (F-22), where this program decides it.
+    /// Framing of the bytes by CS (F-22), if this program decides it.
     pub framing: Option<Framing>,
     /// Whether the time of the part is the time of the wall clock.
     pub is_real: bool,
-    /// Samples per second, nominally; not known of a recording of any other part.
+    /// Nominal samples per second; `None` for a recording of any other part.
     pub rate_hz: Option<f64>,
     /// The nominal master clock of an ADIS16130, Hz.
     pub mclk_hz: u32,
@@ -152,13 +152,13 @@ impl DeviceInfo {
     }
 }
 
-/// The part that a device or a recording is of, with what is known of it beside.
+/// The part of a device or a recording, with the other known facts about it.
 pub(crate) fn part_of(info: &CaptureInfo, known: Option<&Part>) -> Result<Part> {
     let Some(known) = known else { return Ok(info.part()) };
     info.part_from(known).map_err(|error| UserError::request(error.to_string()).into())
 }
 
-/// At the nominal master clock: one of 2/(N + 1) conversion pairs where every N-th edge is read (F-31, F-56).
+/// The rate at the nominal master clock: one of 2/(N + 1) conversion pairs if every N-th edge is read (F-31, F-56).
 pub(crate) fn nominal_rate_hz(info: &CaptureInfo, mclk_hz: u32) -> Option<f64> {
     let set = info.converter?;
     let cycles = [set.rate_conversion, set.temp_conversion].map(|bits| ConversionTime::new(bits).cycles(true));
@@ -169,24 +169,24 @@ pub(crate) fn nominal_rate_hz(info: &CaptureInfo, mclk_hz: u32) -> Option<f64> {
 /// The registers of an ADIS16130.
 #[derive(Clone, Debug)]
 pub struct Registers {
-    /// The configuration that was written to it.
+    /// The configuration that was written to the part.
     pub config: Config,
-    /// Each with its bits, in the order of their addresses.
+    /// Each register with its bits, in the order of their addresses.
     pub values: Vec<(Address, u32)>,
 }
 
 /// The findings about an SPI bus.
 #[derive(Clone, Copy, Debug)]
 pub struct Bus {
-    /// The clock that was asked for, Hz.
+    /// The requested clock, Hz.
     pub sclk_hz: u32,
-    /// The fastest clock tried at which the configuration reads back right; none if it does at no clock.
+    /// The fastest tried clock at which the configuration reads back right; `None` if there is no such clock.
     pub fastest_clean_hz: Option<u32>,
-    /// Time from one read of a register to the next, s; not known behind a bridge.
+    /// Time from one read of a register to the next, s; `None` behind a bridge.
     pub read_s: Option<f64>,
 }
 
-/// Losses between the part and here; the samples' `lost` counts them as well.
+/// Losses between the part and this program. The samples' `lost` counts them as well.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Losses {
     /// Samples that were read but not taken in time.

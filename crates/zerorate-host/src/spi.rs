@@ -30,7 +30,7 @@ const PRIORITY: i32 = 40;
 
 const SPI_EXAMPLE: &str = "spi:/dev/spidev0.0?rdy=gpiochip0:25&hz=4000000";
 
-/// `spi:/dev/spidevB.C?rdy=CHIP:LINE`.
+/// The address `spi:/dev/spidevB.C?rdy=CHIP:LINE`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpiAddress {
     /// The spidev file.
@@ -48,7 +48,7 @@ pub struct SpiAddress {
 }
 
 impl SpiAddress {
-    /// Reads what follows `spi:`.
+    /// Parses the text after `spi:`.
     pub fn parse(text: &str) -> ParseResult {
         Ok(Arc::new(Self::read(text)?))
     }
@@ -88,14 +88,14 @@ impl Address for SpiAddress {
     }
 }
 
-/// Opens both files; sends nothing.
+/// Opens both files. Sends nothing.
 fn open(address: &SpiAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<ConnectedPart<SpiConnection>> {
     let sampling = setup.sampling.config(address.part.divided);
     let facts = DeviceInfo::of_part(name, &address.part, sampling, address.mclk_hz, setup.part.as_ref())?;
     let (clock, failed) = (Arc::new(AtomicU32::new(address.hz)), LastErrno::default());
     let bus = SpiBus::open(address, Arc::clone(&clock), failed.clone(), setup.names)?;
     let edges = GpioEdges::open(&address.chip, address.line, address.part.config.rdy_edge())?;
-    // the commands go as one frame each; where CS is to rise between bytes, the bus splits them
+    // the commands go as one frame each; if CS must rise between bytes, the bus splits them
     let config = address.part.config.with_framing(Framing::Command);
     let live = Live::new(bus, edges, config, sampling, address.mclk_hz, stop);
     let wired = SpiConnection { address: address.clone(), clock, failed, notes: Notes::default() };
@@ -152,7 +152,7 @@ impl Connection for SpiConnection {
     }
 }
 
-/// Priority and locked memory, or a word on how to allow them.
+/// Sets priority and locks memory, or warns with advice on how to allow them.
 fn become_realtime(notes: &Notes) {
     let say = |warning| notes.lock().unwrap_or_else(PoisonError::into_inner).push(warning);
     let priority = SchedulerParams { priority: PRIORITY };
@@ -179,7 +179,7 @@ impl LastErrno {
     }
 }
 
-/// Says which file failed and what to do, where the system said why.
+/// Names the file that failed and the remedy, if the system gave a reason.
 fn explain(error: anyhow::Error, address: &SpiAddress, failed: &LastErrno) -> anyhow::Error {
     let spi = address.spi.display();
     let of_line = error.chain().find_map(|source| source.downcast_ref()).and_then(errno);
@@ -202,7 +202,7 @@ struct SpiBus {
     spi: Spidev,
     clock: Arc<AtomicU32>,
     failed: LastErrno,
-    /// CS rises after every byte of a command (F-22).
+    /// Whether CS rises after every byte of a command (F-22).
     split: bool,
 }
 
@@ -332,7 +332,7 @@ fn why_no_spi(path: &Path, error: io::Error, names: SettingNames) -> anyhow::Err
     anyhow::Error::new(error).context(told)
 }
 
-/// The driver that is bound to the SPI device which `/dev/spidevB.C` would be, if that is another one.
+/// The driver that is bound to the SPI device of `/dev/spidevB.C`, if there is one.
 fn holder(path: &Path) -> Option<String> {
     let number = path.file_name()?.to_str()?.strip_prefix("spidev")?;
     let driver = std::fs::read_link(format!("/sys/bus/spi/devices/spi{number}/driver")).ok()?;

@@ -1,9 +1,9 @@
-//! The wish that something ends.
+//! A request to end work early.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A request to end long work early; all clones share one.
+/// A request to end long work early. All clones share one request.
 #[derive(Clone, Debug, Default)]
 pub struct Stop(Arc<AtomicBool>);
 
@@ -13,7 +13,7 @@ impl Stop {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Whether that was asked. One relaxed load: fit for the path of every sample.
+    /// Whether a stop was requested. It costs one relaxed load, so it may be called for every sample.
     #[inline]
     #[must_use]
     pub fn asked(&self) -> bool {

@@ -17,7 +17,7 @@ use zerorate::calibration::Notes;
 use zerorate::{Axis, NamedAxis, Part, Scale, Setting, SettingNames};
 use zerorate_record::{CaptureInfo, Layout, Row};
 
-/// `twin:KEY=VALUE,…`: the unit, and how the driver configures it.
+/// The address `twin:KEY=VALUE,…`: the unit, and its configuration by the driver.
 #[derive(Clone, Debug)]
 pub struct TwinAddress {
     /// The unit of each axis.
@@ -61,14 +61,14 @@ impl TwinAddress {
 }
 
 impl TwinAddress {
-    /// The clock that the driver is told, which all axes share.
+    /// The nominal clock for the driver, which all axes share.
     fn mclk_hz(&self) -> u32 {
         told_mclk_hz(self.units[0].mclk_hz)
     }
 }
 
-/// The unit of an axis. Drawn values are its own, except clock and warmth, which it shares with the first axis and
-/// which do not wander where there are several.
+/// The unit of an axis. It has its own random values, but shares the clock and the temperature with the first axis.
+/// With several axes the temperature does not wander.
 fn unit_of(axis: usize, axes: usize, keys: &[&str]) -> Result<Spec, SpecError> {
     let first = Spec::parse_keys(&keys.join(","))?;
     if axes == 1 {
@@ -97,7 +97,7 @@ impl Address for TwinAddress {
         let sampling = setup.sampling.config(self.part.divided);
         let known = setup.part.as_ref().filter(|_| axes == 1);
         let facts = DeviceInfo::of_part(name, &self.part, sampling, self.mclk_hz(), known)?;
-        // its files depend on the seed alone: they state neither time nor computer
+        // its files depend on the seed alone, and state neither time nor computer
         let info = CaptureInfo { created: String::new(), notes: Notes::default(), ..facts.info };
         let facts = DeviceInfo { info, is_real: false, ..facts };
         let notes = beyond_limits(&self.units[0], &facts.part).into_iter().collect();
@@ -124,7 +124,7 @@ fn several(axes: usize, width: Width) -> Part {
     Part { name: format!("ADIS16130x{}", axes.len()).into(), axes: axes.into(), ..Part::ADIS16130 }
 }
 
-/// Several twins on one clock, as the axes of one part: the temperature and every other common value come from the
+/// Several twins on one clock, as the axes of one part. The temperature and every other common value come from the
 /// first.
 struct Twins {
     facts: DeviceInfo,
@@ -146,7 +146,7 @@ impl Source for Twins {
         Ok(revision)
     }
 
-    /// Where one twin has lost samples, samples of the others without a row are lost as well.
+    /// If one twin has lost samples, samples of the others without a row are lost as well.
     fn next(&mut self) -> Result<Option<Row>> {
         if let (Some(follower), Some((first, others))) = (&mut self.follower, self.units.split_first()) {
             follower.before_sample(&first.edges.twin, others.iter().map(|unit| &unit.edges.twin));
@@ -185,7 +185,7 @@ impl Source for Twins {
     }
 }
 
-/// The driver, reading the twin.
+/// The driver that reads the twin.
 struct TwinPart {
     facts: DeviceInfo,
     live: Live<TwinSpi, TwinEdges>,
@@ -245,20 +245,20 @@ fn beyond_limits(unit: &Spec, part: &Part) -> Option<SourceWarning> {
     is_beyond.then_some(SourceWarning::BeyondLimits { ambient_c: unit.ambient_c, part, low_c, high_c })
 }
 
-/// The clock that the driver is told: the nominal one (F-31), unless the unit was given quite another.
+/// The nominal clock for the driver (F-31), or the unit's own clock if it is far from the nominal one.
 fn told_mclk_hz(mclk_hz: f64) -> u32 {
     let nominal_hz = f64::from(MCLK_HZ);
     if (mclk_hz / nominal_hz - 1.0).abs() < 0.05 { MCLK_HZ } else { mclk_hz.round() as u32 }
 }
 
-/// The data-ready line of the twin, with a counter in it where there is one.
+/// The data-ready line of the twin, with a counter in the line if there is one.
 struct TwinEdges {
     twin: Twin,
-    /// The driver is told of rising edges.
+    /// Whether the driver gets rising edges.
     rising: bool,
     /// Number of edges of the part for one edge of the counter.
     divided: u32,
-    /// Edges that it has given.
+    /// Number of edges that the counter has passed on.
     counted: u32,
 }
 

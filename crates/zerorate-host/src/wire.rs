@@ -7,24 +7,24 @@ use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::Duration;
 
-/// A connection takes no longer to be made, and a request no longer to be sent.
+/// Time limit for making a connection, and for sending a request.
 const PATIENCE: Duration = Duration::from_secs(3);
 
 /// The address of the other end.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Port {
-    /// At a serial port; USB ignores the baud rate.
+    /// A serial port. USB ignores the baud rate.
     Serial {
         /// The file of the port, or its name on systems where ports are not files.
         path: String,
         /// Baud rate of a UART.
         baud: u32,
     },
-    /// At HOST:PORT.
+    /// A TCP connection to HOST:PORT.
     Tcp(String),
 }
 
-/// Bytes both ways.
+/// A connection that carries bytes both ways.
 pub enum Wire {
     Serial(SerialPort),
     Tcp(TcpStream),
@@ -46,12 +46,12 @@ impl Wire {
         #[cfg(unix)]
         claim(&serial)?;
         serial.set_write_timeout(PATIENCE)?;
-        // USB bridges wait for it, and not all systems set it; a port without that line has no such bridge
+        // USB bridges wait for DTR, and not all systems set it; a port without that line has no such bridge
         let _ = serial.set_dtr(true);
         Ok(Self::Serial(serial))
     }
 
-    /// Waits for bytes for at most so long, and takes all that are there.
+    /// Waits for bytes, for `patience` at most, and takes all that are there.
     pub fn read(&mut self, patience: Duration, into: &mut VecDeque<u8>) -> io::Result<()> {
         let mut bytes = [0; 4096];
         let read = match self {
@@ -96,7 +96,7 @@ fn connect(address: &str) -> io::Result<TcpStream> {
     Err(last)
 }
 
-/// Locks the port against other programs, and ignores its modem lines: a bridge of three wires has none.
+/// Locks the port against other programs, and ignores its modem lines, which a bridge of three wires does not have.
 #[cfg(unix)]
 fn claim(serial: &SerialPort) -> io::Result<()> {
     use rustix::fs::{FlockOperation, flock};

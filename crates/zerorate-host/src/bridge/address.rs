@@ -38,7 +38,7 @@ const DEFAULT_BAUD: u32 = 3_000_000;
 const BAUD_RANGE: RangeInclusive<u32> = 9_600..=12_000_000;
 
 impl BridgeAddress {
-    /// Reads what follows `bridge:`.
+    /// Parses the text after `bridge:`.
     pub fn parse_serial(text: &str) -> ParseResult {
         Ok(Arc::new(Self::read_serial(text)?))
     }
@@ -58,7 +58,7 @@ impl BridgeAddress {
         Self::with_options(port, &rest, "baud=N, hz=SCLK, mclk=HZ")
     }
 
-    /// Reads what follows `tcp:`.
+    /// Parses the text after `tcp:`.
     pub fn parse_tcp(text: &str) -> ParseResult {
         Ok(Arc::new(Self::read_tcp(text)?))
     }

@@ -55,7 +55,7 @@ impl Link {
         }
     }
 
-    /// The next message; `None` if none comes until then.
+    /// The next message; `None` if none comes until the deadline.
     pub fn next_event(&mut self, deadline: Instant) -> Result<Option<Event>, LinkError> {
         loop {
             let event = self.client.next_event(&mut std::iter::from_fn(|| self.received.pop_front()));
@@ -65,12 +65,12 @@ impl Link {
         }
     }
 
-    /// Frames that were damaged on the way here.
+    /// Number of frames that were damaged on the way here.
     pub fn damaged(&self) -> u64 {
         self.client.damaged
     }
 
-    /// Forgets what was damaged so far: the first frame after opening a port is often cut.
+    /// Resets the count of damaged frames: the first frame after opening a port is often cut.
     pub fn forget_damage(&mut self) {
         self.client.damaged = 0;
     }
@@ -80,7 +80,7 @@ impl Link {
         self.gone.clone()
     }
 
-    /// Waits for bytes; false if the time is over.
+    /// Waits for bytes. Returns false if none come before the deadline.
     fn read(&mut self, deadline: Instant) -> Result<bool, LinkError> {
         let patience = deadline.saturating_duration_since(Instant::now());
         if patience.is_zero() {

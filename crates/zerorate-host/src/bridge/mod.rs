@@ -100,7 +100,7 @@ impl Connection for BridgePart {
 
 impl Drop for BridgePart {
     fn drop(&mut self) {
-        // a bridge that is gone needs no end
+        // a bridge that is gone need not be stopped
         let _ = self.link.request(Command::Stop, |_| Some(()));
     }
 }
@@ -130,7 +130,7 @@ fn greet(link: &SharedLink, address: &BridgeAddress, names: SettingNames) -> Res
     Ok(())
 }
 
-/// Tells the bridge of a counter in the line of RDY, if there is one. Without one, old firmware need not know the
+/// Tells the bridge of a counter in the RDY line, if there is one. Without a counter, old firmware need not know the
 /// command.
 fn tell_divided(link: &SharedLink, address: &BridgeAddress, names: SettingNames) -> Result<()> {
     let edges = address.part.divided;
@@ -156,7 +156,7 @@ struct Stream {
 }
 
 impl Stream {
-    /// Waits no longer than the part may be silent, even if the bridge says something else meanwhile.
+    /// Waits no longer than the part may be silent, even if the bridge sends other messages meanwhile.
     fn next(&mut self) -> Result<Sample> {
         let asked = Instant::now();
         let deadline = asked + Duration::from_nanos(self.live.silence_ns());
@@ -251,7 +251,7 @@ impl Transfers {
     }
 }
 
-/// The self-test pins at the bridge. It releases them by itself when the host is gone.
+/// The self-test pins at the bridge. The bridge releases them by itself when the host is gone.
 struct SelfTestWire(SharedLink);
 
 impl SelfTestWire {

@@ -1,11 +1,12 @@
-//! Does the time of a bridge go on? A capture ends by it, so one that stands still would have no end.
+//! Checks that the time of a bridge goes on. A capture ends by that time, so it would not end if the clock stood
+//! still.
 
 use anyhow::{Result, ensure};
 use std::time::Duration;
 
 /// Waits for samples are judged together over this time.
 const WINDOW: Duration = Duration::from_secs(2);
-/// The bridge's time may go slower than the host's by this: an emulated one is slow, but not so slow.
+/// Ratio by which the bridge's time may be slower than the host's. An emulated bridge is slow, but not so slow.
 const SLOWEST: u32 = 64;
 
 /// Progress of the samples in their own time, while the host waited for them.
@@ -18,8 +19,8 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Takes the time of a sample, and how long the host waited for it: time that the host spends otherwise does not
-    /// count.
+    /// Takes the time of a sample, and how long the host waited for the sample. Time that the host spends otherwise
+    /// does not count.
     pub fn require(&mut self, t_ns: u64, waited: Duration) -> Result<()> {
         let since_ns = *self.since_ns.get_or_insert(t_ns);
         self.waited += waited;

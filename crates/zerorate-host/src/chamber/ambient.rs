@@ -6,8 +6,8 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
-/// The ambient temperature of a simulated part ([`Setup`](crate::Setup)); clones share one profile. Its
-/// [`ProfileWriter`] adds one segment after the other, and the part reads no sample beyond the last segment. So a
+/// The ambient temperature of a simulated part ([`Setup`](crate::Setup)). Clones share one profile. The
+/// [`ProfileWriter`] of a profile adds segments in order, and the part reads no sample beyond the last segment. So a
 /// measurement in a simulated chamber is the same each time, however fast the threads are.
 ///
 /// The first sample comes before the first segment, and the part waits with the second.
@@ -23,7 +23,7 @@ struct SharedSegments {
 #[derive(Debug, Default)]
 struct Segments {
     next: VecDeque<Segment>,
-    /// No segment will follow.
+    /// Whether no segment will follow.
     ended: bool,
 }
 
@@ -38,7 +38,7 @@ struct Segment {
 #[derive(Debug)]
 pub struct ProfileWriter(AmbientProfile);
 
-/// A stop is heeded at least this often.
+/// Longest time until a stop is noticed.
 const LONGEST_WAIT: Duration = Duration::from_millis(100);
 
 impl AmbientProfile {
@@ -46,7 +46,7 @@ impl AmbientProfile {
         self.0.segments.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The next segment; none where there will be none, or a stop was asked.
+    /// The next segment; `None` if no segment will follow, or a stop was requested.
     fn next(&self, stop: &Stop) -> Option<Segment> {
         let mut segments = self.segments();
         loop {
@@ -69,7 +69,7 @@ impl AmbientProfile {
 }
 
 impl ProfileWriter {
-    /// Adds a straight line to a temperature, °C, which is reached at this time of the part, ns.
+    /// Adds a straight line to a temperature, °C, which is reached at the time `until_ns` of the part.
     pub fn ramp_to(&self, to_c: f64, until_ns: u64) {
         self.0.segments().next.push_back(Segment { to_c, until_ns });
         self.0.0.changed.notify_all();
@@ -97,8 +97,8 @@ impl ProfileFollower {
         Self { profile, stop: stop.clone(), until_ns: 0, last_ns: None }
     }
 
-    /// Call this before each sample of the units, whose clock the first has. It waits behind a sample that is late
-    /// enough, at any time of the clock: the writer of the profile sees samples, and no clock.
+    /// Call this before each sample of the units. They share the clock of the first. It waits if the last sample lies
+    /// beyond the last segment, because the writer of the profile sees samples and not the clock.
     #[inline]
     pub fn before_sample<'a>(&mut self, first: &'a Twin, others: impl Iterator<Item = &'a Twin>) {
         if self.last_ns.is_some_and(|last_ns| last_ns >= self.until_ns) {

@@ -16,11 +16,11 @@ pub struct ChamberCommands {
     retry: Duration,
 }
 
-/// Stands for the temperature in the command that sets it.
+/// The placeholder for the temperature in the command that sets it.
 const PLACEHOLDER: &str = "{temp_c}";
 /// Temperatures that a chamber may read, °C.
 const SENSIBLE_C: RangeInclusive<f64> = -273.0..=1000.0;
-/// First wait before a failed command is run again; it doubles each time.
+/// First wait before a failed command is run again. The wait doubles each time.
 const FIRST_WAIT: Duration = Duration::from_millis(100);
 const LONGEST_WAIT: Duration = Duration::from_secs(5);
 const LONGEST_ENDING_WAIT: Duration = Duration::from_secs(1);
@@ -28,7 +28,7 @@ const LONGEST_ENDING_WAIT: Duration = Duration::from_secs(1);
 const SLICE: Duration = Duration::from_millis(50);
 
 impl ChamberCommands {
-    /// Makes a chamber of two commands. `set` contains `{temp_c}` in place of the temperature; `read` prints the
+    /// Makes a chamber of two commands. `set` contains `{temp_c}` in place of the temperature. `read` prints the
     /// temperature of the air, °C. A command that fails is run again for `retry`.
     ///
     /// # Errors
@@ -52,9 +52,9 @@ impl ChamberCommands {
 
 /// Bounds on time.
 struct Limits {
-    /// A command ends within this.
+    /// Time limit of a command.
     command: Duration,
-    /// The same after a stop, and for the last try of the safe temperature.
+    /// Time limit of a command after a stop, and of the last try of the safe temperature.
     grace: Duration,
     /// The time for retries of the safe temperature.
     ending: Duration,
@@ -67,9 +67,9 @@ const LIMITS: Limits =
 pub(super) struct CommandedChamber {
     commands: ChamberCommands,
     limits: Limits,
-    /// Either ends every wait: the stop of the user, and the stop of the owner of the chamber.
+    /// The stop of the user and the stop of the owner of the chamber. Either ends every wait.
     stops: [Stop; 2],
-    /// A command that sets a temperature was run, and the chamber may have obeyed.
+    /// Whether a command that sets a temperature was run, so that the chamber may have obeyed.
     is_touched: bool,
     air_c: Option<f64>,
 }
@@ -137,7 +137,7 @@ impl CommandedChamber {
         anyhow::Error::from(UserError::new(Cause::Gone, words)).into()
     }
 
-    /// Fails if somebody asked to stop.
+    /// Returns an error if a stop was requested.
     fn heed(&self) -> Result<()> {
         if self.stops.iter().any(Stop::asked) {
             let words = "stopped while the chamber was waited for";

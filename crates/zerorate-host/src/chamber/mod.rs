@@ -26,20 +26,20 @@ pub trait Chamber: Send {
         Ok(())
     }
 
-    /// Sets the temperature, °C. From here on [`Chamber::end`] is due, even after an error: the chamber may have
-    /// obeyed a command that failed.
+    /// Sets the temperature, °C. From here on [`Chamber::end`] must be called, even after an error: the chamber may
+    /// have obeyed a command that failed.
     ///
     /// # Errors
     /// Returns an error if the temperature cannot be set within the time for retries.
     fn set(&mut self, temp_c: f64) -> Result<()>;
 
-    /// Reads the temperature of the air, °C; none if there is no new reading.
+    /// Reads the temperature of the air, °C; `None` if there is no new reading.
     ///
     /// # Errors
     /// Returns an error if the temperature cannot be read within the time for retries.
     fn read_c(&mut self) -> Result<Option<f64>>;
 
-    /// Simulated time goes on.
+    /// Lets simulated time pass.
     fn pass(&mut self, _seconds: f64) {}
 
     /// A stop that, once it is asked, cuts short every wait of this chamber except [`Chamber::end`].
@@ -47,15 +47,15 @@ pub trait Chamber: Send {
         Stop::default()
     }
 
-    /// Sets the temperature at which the chamber may stay, °C, however the measurement ended. None if it was never
-    /// set. Takes some ten seconds at most.
+    /// Sets the temperature at which the chamber may stay, °C, however the measurement ended. `None` if no temperature
+    /// was ever set. Takes some ten seconds at most.
     fn end(&mut self, safe_c: f64) -> Option<SafeEnd>;
 }
 
 /// The result of the last set point.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SafeEnd {
-    /// The reason why the chamber did not confirm it; none if it did.
+    /// The reason why the chamber did not confirm the set point; `None` if it did.
     pub failed: Option<String>,
     /// The last reading of the air, °C.
     pub air_c: Option<f64>,
@@ -64,9 +64,9 @@ pub struct SafeEnd {
 /// The control of a chamber.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ChamberSpec {
-    /// Somebody turns its knobs.
+    /// Somebody sets the chamber by hand.
     Hand,
-    /// A simulated one, on simulated time.
+    /// A simulated chamber, on simulated time.
     Simulated(SimulatedChamber),
     /// A chamber that commands of the user set and read.
     Commands(ChamberCommands),
@@ -85,7 +85,7 @@ impl FromStr for ChamberSpec {
 }
 
 impl ChamberSpec {
-    /// The chamber, before its first command; none where it is set by hand. After `stop` only [`Chamber::end`] waits.
+    /// The chamber, before its first command; `None` if it is set by hand. After `stop` only [`Chamber::end`] waits.
     #[must_use]
     pub fn chamber(&self, stop: &Stop) -> Option<Box<dyn Chamber>> {
         match self {

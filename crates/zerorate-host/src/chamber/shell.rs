@@ -6,9 +6,9 @@ use std::sync::mpsc::{self, Receiver, RecvTimeoutError, SyncSender};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Bytes that are kept: the first ones of stdout, and the last ones of stderr.
+/// Number of bytes that are kept: the first ones of stdout, and the last ones of stderr.
 const KEPT: usize = 4096;
-/// Letters of the line of stderr that an error shows.
+/// Largest number of characters of stderr that an error shows.
 const SHOWN: usize = 200;
 /// Longest time between two checks of the time limit.
 const SLICE: Duration = Duration::from_millis(20);
@@ -26,8 +26,8 @@ pub enum ShellError {
     Late(Duration),
 }
 
-/// Runs a command line without input, and returns the first line of its stdout. `until` is asked again and again for
-/// the end of the command's time; then its process group is killed.
+/// Runs a command line without input, and returns the first line of its stdout. `until` is called again and again for
+/// the end of the command's time, and then the process group of the command is killed.
 ///
 /// The process group is not that of the terminal, so Ctrl-C does not reach the command.
 pub fn first_line(command: &str, mut until: impl FnMut() -> Instant) -> Result<String, ShellError> {
@@ -84,7 +84,7 @@ fn kill(mut child: Child) {
     let _ =
         rustix::process::kill_process_group(rustix::process::Pid::from_child(&child), rustix::process::Signal::KILL);
     let _ = child.kill();
-    // the kernel may keep a process for a while, which nobody waits for
+    // the kernel may keep a process for a while, and nobody waits for that
     let _ = thread::Builder::new().spawn(move || child.wait());
 }
 

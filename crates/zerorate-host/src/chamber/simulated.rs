@@ -1,4 +1,4 @@
-//! A chamber that does not exist.
+//! A simulated chamber.
 
 use super::{Chamber, SafeEnd};
 use crate::Result;
@@ -20,7 +20,7 @@ pub struct SimulatedChamber {
     now_s: f64,
 }
 
-/// Steps in which it is followed, s, and through the open door.
+/// Time step of the simulation, and time constant through the open door, s.
 const STEP_S: f64 = 0.5;
 const DOOR_S: f64 = 60.0;
 
@@ -77,7 +77,7 @@ impl SimulatedChamber {
         Ok(())
     }
 
-    /// Temperature of its air, °C.
+    /// Temperature of the air, °C.
     #[must_use]
     pub fn air_c(&self) -> f64 {
         self.air_c

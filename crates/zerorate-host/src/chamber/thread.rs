@@ -92,7 +92,7 @@ impl ChamberThread {
 }
 
 impl Chamber for ChamberThread {
-    /// Waits until the thread has started it.
+    /// Waits until the thread has started the chamber.
     fn start(&mut self) -> Result<()> {
         loop {
             let state = self.shared.state();

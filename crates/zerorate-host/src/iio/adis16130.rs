@@ -1,7 +1,7 @@
 //! An ADIS16130 behind the kernel's own driver for it, polled through sysfs.
 //!
-//! That driver holds the bus and gives single readings: no data ready, no status, no time of an edge. So nobody can
-//! tell whether a reading is new, or how many were never read; `lost` counts polls that came too late.
+//! The kernel's driver holds the bus and gives single readings: no data ready, no status, no time of an edge. So
+//! nobody can tell whether a reading is new, or how many were never read. `lost` counts polls that came too late.
 
 use super::sysfs::read;
 use super::{DEFAULT_POLL_HZ, IioAddress, Poll, Polls};
@@ -17,12 +17,12 @@ const TEMP: &str = "in_temp0";
 /// The kernel prints scales with nine decimals, so the scale of the rate has only three digits.
 const SCALE_TOLERANCE: f64 = 0.005;
 
-/// The part, being polled.
+/// The part, read by polling.
 pub struct Adis16130 {
     address: IioAddress,
     facts: DeviceInfo,
     sampling: Sampling,
-    /// Added to a raw reading, this gives a 24-bit code.
+    /// Number that is added to a raw reading to give a 24-bit code.
     rate_shift: i64,
     temp_shift: i64,
     polls: Polls,
@@ -50,7 +50,7 @@ impl Adis16130 {
         Ok(Self { address: address.clone(), facts, sampling, rate_shift, temp_shift, polls: Polls::new(hz), taken: 0 })
     }
 
-    /// The next reading, at its time.
+    /// The next reading, with its time.
     fn poll(&mut self) -> Result<Sample> {
         let Poll { slot, lost, t_ns } = self.polls.wait();
         let rate = RateCode::new(self.code(RATE, self.rate_shift)?, Width::Bits24);

@@ -1,4 +1,4 @@
-//! Channels: what a raw value of one means, and how it stands in the buffer.
+//! Channels: the meaning of a raw value, and the layout of a channel in the buffer.
 
 use super::sysfs::{first, read, read_text};
 use anyhow::{Context, Result, ensure};
@@ -8,9 +8,9 @@ use zerorate::Scale;
 /// A channel of a device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
-    /// Start of the names of its attributes: `in_anglvel_x`.
+    /// Start of the names of the channel's attributes: `in_anglvel_x`.
     pub name: String,
-    /// Raw values to °/s, or to °C.
+    /// Conversion of raw values to °/s, or to °C.
     pub scale: Scale,
     /// The place in the buffer, if the driver has a buffer with this channel.
     pub element: Option<Element>,
@@ -19,9 +19,9 @@ pub struct Channel {
 /// The layout of a channel in a scan of the buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Element {
-    /// Channels stand in this order.
+    /// Position of the channel in the order of the scan.
     pub index: u32,
-    /// Bytes that it takes; it stands at a multiple of them.
+    /// Size of the channel in bytes. Its offset is a multiple of the size.
     pub bytes: usize,
     big_endian: bool,
     signed: bool,
@@ -30,9 +30,8 @@ pub struct Element {
 }
 
 impl Channel {
-    /// The channel of this name, such as `in_anglvel_x`. `kind` is the name of the attributes that all channels
-    /// of a kind share (`in_anglvel`). `per_unit` is the number of the kernel's units in one of ours, and `zero` the
-    /// value at its zero.
+    /// Reads the channel of this name, such as `in_anglvel_x`. `kind` is the name of the attributes that all channels
+    /// of a kind share (`in_anglvel`). `per_unit` is the number of the kernel's units in one of ours.
     pub fn read(folder: &Path, name: &str, kind: &str, per_unit: f64) -> Result<Self> {
         let attribute = |what: &str| [format!("{name}_{what}"), format!("{kind}_{what}")];
         let number = |what: &str| first(folder, &attribute(what).each_ref().map(String::as_str));
@@ -54,14 +53,14 @@ impl Channel {
         Ok(Self { name: name.to_owned(), scale, element })
     }
 
-    /// The raw value, now.
+    /// Reads the raw value now.
     pub fn poll(&self, folder: &Path) -> Result<i64> {
         read(folder, &format!("{}_raw", self.name))
     }
 }
 
 impl Element {
-    /// Reads the form of a channel in the buffer. `None` if the buffer lacks it, or without a buffer.
+    /// Reads the layout of a channel in the buffer. `None` if there is no buffer, or the buffer lacks the channel.
     pub fn read(folder: &Path, channel: &str) -> Result<Option<Self>> {
         let elements = folder.join("scan_elements");
         if !elements.join(format!("{channel}_type")).exists() {
@@ -73,7 +72,7 @@ impl Element {
         parsed.map(Some).with_context(|| format!("{channel}_type reads {text:?}, which is not the type of a channel"))
     }
 
-    /// `le:s16/32>>4`: little endian, signed, 16 bits of 32, shifted up by 4.
+    /// Parses a layout such as `le:s16/32>>4`: little endian, signed, 16 bits of 32, shifted up by 4.
     fn parse(text: &str, index: u32) -> Option<Self> {
         let (endian, rest) = text.split_once(':')?;
         let signed = match rest.chars().next()? {
@@ -93,7 +92,7 @@ impl Element {
         whole.then_some(Self { index, bytes: storage as usize / 8, big_endian, signed, bits, shift })
     }
 
-    /// The value that these bytes are, as many as [`Element::bytes`].
+    /// Decodes the value of these bytes, as many as [`Element::bytes`].
     pub fn value(&self, bytes: &[u8]) -> i64 {
         let fold = |value: u64, byte: &u8| value << 8 | u64::from(*byte);
         let stored = if self.big_endian { bytes.iter().fold(0, fold) } else { bytes.iter().rev().fold(0, fold) };

@@ -19,19 +19,19 @@ use zerorate::calibration::Notes;
 use zerorate::{Axis, NamedAxis, NoiseSources, Part, Scale};
 use zerorate_record::{CaptureInfo, Layout, Row};
 
-/// Scans that the kernel keeps until they are read.
+/// Number of scans that the kernel keeps until they are read.
 const BUFFERED: u32 = 4096;
 /// A silence of this length and of [`SILENT_PERIODS`] periods is a failure.
 const SILENCE: Duration = Duration::from_secs(1);
 const SILENT_PERIODS: f64 = 20.0;
-/// The silence that is a failure where the driver does not state its rate.
+/// A silence of this length is a failure if the driver does not state its rate.
 const UNKNOWN_SILENCE: Duration = Duration::from_secs(10);
-/// A wish to end is heeded at least this often.
+/// Longest time until a stop is noticed.
 const STOP_POLL: Timespec = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
-/// As `t_ns` of a capture must, this kernel clock never steps back. Others may.
+/// The kernel clock for time stamps. It never steps back, as `t_ns` of a capture must not. Others may.
 const CLOCK: &str = "monotonic";
 
-/// Opens the device, through its buffer where it has one and no polls were asked for.
+/// Opens the device, through its buffer if it has one and no polls were requested.
 pub fn open(
     address: &IioAddress,
     name: &str,
@@ -98,8 +98,8 @@ impl Device {
     }
 }
 
-/// The part as the driver states it. Drivers write names of parts in small letters; the file of a part has the name as
-/// it is.
+/// The part as the driver states it. Drivers write the names of parts in small letters, and the file of a part has the
+/// proper name.
 fn part(driver: &str, axes: &[&str], rates: &[Channel], temp: Option<&Channel>, known: Option<&Part>) -> Part {
     const NO_TEMP: Scale = Scale { lsb_per_unit: 1.0, zero_code: 0, zero_value: 0.0, width_bits: 16, signed: true };
     let known = known.filter(|known| known.name.eq_ignore_ascii_case(driver));
@@ -157,7 +157,7 @@ impl Source for PolledChannels {
 struct BufferedScans {
     device: Device,
     scans: File,
-    /// The place of each rate in a scan, of the temperature, and of the time.
+    /// The places in a scan of each rate, of the temperature, and of the time.
     rates: Vec<(usize, Element)>,
     temp: Option<(usize, Element)>,
     time: (usize, Element),
@@ -202,7 +202,7 @@ impl BufferedScans {
         Ok(Self { device, scans, rates, temp, time, scan, period_ns, silence, last_ns: None, taken: 0, stop })
     }
 
-    /// The next scan; none if it was asked to stop.
+    /// The next scan; `None` if a stop was requested.
     fn read(&mut self) -> Result<Option<Row>> {
         if !self.wait()? {
             return Ok(None);
@@ -212,7 +212,7 @@ impl BufferedScans {
         let t_ns = u64::try_from(value(&self.time)).context("a time stamp before the beginning of time")?;
         let codes: Vec<i64> = self.rates.iter().map(value).collect();
         let passed_ns = self.last_ns.map_or(0, |last_ns| t_ns.saturating_sub(last_ns));
-        // what the kernel had no room for it does not count
+        // the kernel does not count scans that it had no room for
         let periods = self.period_ns.map_or(1.0, |period_ns| (passed_ns as f64 / period_ns).round());
         let lost = (periods - 1.0).max(0.0) as u32;
         self.last_ns = Some(t_ns);
@@ -221,7 +221,7 @@ impl BufferedScans {
         Ok(Some(row.with_temp_code(self.temp.as_ref().map(value)).with_lost(lost)))
     }
 
-    /// Waits for a scan, within bounds; false if it was asked to stop.
+    /// Waits for a scan, within bounds. Returns false if a stop was requested.
     fn wait(&self) -> Result<bool> {
         let since = Instant::now();
         while !self.stop.asked() {
@@ -235,7 +235,8 @@ impl BufferedScans {
         Ok(false)
     }
 
-    /// The kernel does not wake who polls the buffer of a device that goes.
+    /// Checks that the device is still there. The kernel does not wake a program that polls the buffer of a gone
+    /// device.
     fn require_alive(&self, silent: Duration) -> Result<()> {
         ensure!(self.device.folder.exists(), gone());
         if silent < self.silence {
@@ -250,7 +251,7 @@ impl BufferedScans {
     }
 }
 
-/// Makes scans of these channels and no others.
+/// Configures scans of these channels and no others.
 fn set_up(folder: &Path, enabled: &[(&str, Element)]) -> Result<()> {
     write(folder, "buffer/enable", "0")?;
     if folder.join("current_timestamp_clock").exists() {
@@ -286,7 +287,7 @@ fn gone() -> UserError {
     )
 }
 
-/// A buffer is filled when something triggers; some drivers bring a trigger of their own.
+/// Checks for a trigger, because only a trigger fills a buffer. Some drivers bring a trigger of their own.
 fn require_trigger(folder: &Path) -> Result<()> {
     if !folder.join("trigger/current_trigger").exists() {
         return Ok(());
@@ -301,8 +302,8 @@ fn require_trigger(folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The offset of each channel in a scan, and the length of a scan: in the order of their indices, each at a multiple
-/// of its size.
+/// The offset of each channel in a scan, and the length of a scan. Channels follow the order of their indices, each at
+/// a multiple of its size.
 fn places(enabled: &[(&str, Element)]) -> (Vec<usize>, usize) {
     let mut order: Vec<usize> = (0..enabled.len()).collect();
     order.sort_by_key(|at| enabled[*at].1.index);
@@ -329,7 +330,7 @@ impl Source for BufferedScans {
 
 impl Drop for BufferedScans {
     fn drop(&mut self) {
-        // a device that is gone needs no end
+        // a device that is gone need not be stopped
         let _ = write(&self.device.folder, "buffer/enable", "0");
     }
 }

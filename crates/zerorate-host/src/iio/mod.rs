@@ -25,9 +25,9 @@ use zerorate::Setting;
 pub struct IioAddress {
     /// The device's folder in sysfs.
     pub folder: PathBuf,
-    /// Polls per second; none: read through its buffer, where it has one.
+    /// Polls per second; `None` reads through the buffer, if there is one.
     pub hz: Option<u32>,
-    /// −3 dB of the rate, Hz, where it is not the part's own (F-04).
+    /// −3 dB frequency of the rate, Hz, if it is not the part's own (F-04).
     pub bandwidth_hz: Option<f64>,
 }
 
@@ -35,7 +35,7 @@ const POLL_RANGE_HZ: RangeInclusive<u32> = 1..=10_000;
 const DEFAULT_POLL_HZ: u32 = 100;
 
 impl IioAddress {
-    /// Reads what follows `iio:`.
+    /// Parses the text after `iio:`.
     pub fn parse(text: &str) -> ParseResult {
         Ok(Arc::new(Self::read(text)?))
     }
@@ -92,7 +92,7 @@ struct Polls {
 /// A poll that is due.
 struct Poll {
     slot: u32,
-    /// Polls that came too late, and were left out.
+    /// Number of polls that came too late, and were left out.
     lost: u32,
     t_ns: u64,
 }
@@ -102,7 +102,7 @@ impl Polls {
         Self { period: Duration::from_secs(1) / hz, started: Instant::now(), next: 0 }
     }
 
-    /// Waits for the next.
+    /// Waits for the next poll.
     fn wait(&mut self) -> Poll {
         let elapsed = self.started.elapsed();
         let slot = match (self.period * self.next).checked_sub(elapsed) {

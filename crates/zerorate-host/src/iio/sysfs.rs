@@ -11,7 +11,7 @@ pub fn read<T: FromStr<Err: std::error::Error + Send + Sync + 'static>>(folder: 
     text.parse().with_context(|| format!("{}/{name} reads {text:?}", folder.display()))
 }
 
-/// The first of these attributes that there is.
+/// Reads the first of these attributes that exists.
 pub fn first<T: FromStr<Err: std::error::Error + Send + Sync + 'static>>(
     folder: &Path,
     names: &[&str],

@@ -10,17 +10,17 @@ use std::io::{self, BufRead, BufReader, ErrorKind, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-/// Bytes of a line, at most.
+/// Largest number of bytes of a line.
 const LONGEST_LINE: usize = 1024;
-/// A line or a value that began has come by then.
+/// Time limit for the rest of a line or a value that has begun.
 const LONGEST_LINE_TIME: Duration = Duration::from_secs(10);
 /// A client that sends no request for this time is gone.
 const LONGEST_SILENCE: Duration = Duration::from_secs(3600);
 /// A client that takes no data for this time is gone.
 const LONGEST_STALL: Duration = Duration::from_secs(10);
-/// A wish to end is heeded at least this often.
+/// Longest time until a stop is noticed.
 const POLL: Duration = Duration::from_millis(100);
-/// Batches that wait for a client: 2.5 s of a part that is live.
+/// Number of batches that wait for a client: 2.5 s of a live part.
 pub const QUEUE: usize = 128;
 
 /// Serves a client until it hangs up or `stop` is asked.
@@ -63,7 +63,7 @@ struct Buffer<'a> {
     device: &'a Device,
     scanner: Scanner,
     open: Open,
-    /// Samples that were not sent yet, from `sent` on.
+    /// Bytes of samples. Those from `sent` on were not sent yet.
     bytes: Vec<u8>,
     sent: usize,
 }
@@ -149,7 +149,7 @@ impl<'a> Peer<'a> {
         Ok(Self { reader: BufReader::new(stream), stop })
     }
 
-    /// The next line, without its end; none where the client hung up.
+    /// The next line, without its end; `None` if the client hung up.
     fn line(&mut self) -> io::Result<Option<Vec<u8>>> {
         let (mut line, mut since, mut limit) = (Vec::new(), Instant::now(), LONGEST_SILENCE);
         loop {
@@ -174,7 +174,7 @@ impl<'a> Peer<'a> {
         }
     }
 
-    /// Takes this many bytes.
+    /// Reads this many bytes.
     fn value(&mut self, bytes: usize) -> io::Result<Vec<u8>> {
         let (mut value, since) = (Vec::with_capacity(bytes), Instant::now());
         while value.len() < bytes {
@@ -189,7 +189,7 @@ impl<'a> Peer<'a> {
         Ok(value)
     }
 
-    /// The bytes that have come; empty where the client hung up.
+    /// The bytes that have come; empty if the client hung up.
     fn more(&mut self, since: Instant, limit: Duration) -> io::Result<&[u8]> {
         loop {
             match self.reader.fill_buf() {
@@ -221,7 +221,7 @@ impl<'a> Peer<'a> {
     }
 }
 
-/// Whether it may be tried again.
+/// Whether the operation may be tried again after this error.
 fn is_wait(error: &io::Error) -> bool {
     matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
 }

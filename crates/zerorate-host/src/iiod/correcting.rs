@@ -13,14 +13,14 @@ pub struct Correcting {
 }
 
 impl Correcting {
-    /// The correction of a sensor with these axes, before the first row.
+    /// Makes the correction of a sensor with these axes, before the first row.
     pub fn new(layout: &Layout, axes: &[Axis], corrector: Corrector<Vec<Correction>>) -> Self {
         let axes = axes.iter().map(|axis| (*axis, Health::new(axis))).collect();
         Self { layout: layout.clone(), axes, corrector }
     }
 
-    /// Takes a row, and returns the corrected rates of the row two before it, °/s: none where the reading is not
-    /// valid, and before the first temperature.
+    /// Takes a row, and returns the corrected rates of the row two before it, °/s. A rate is `None` if the reading is
+    /// not valid, and before the first temperature.
     pub fn push(&mut self, row: &Row) -> Option<[Option<f64>; MAX_AXES]> {
         let mut judged: [Option<Judged>; MAX_AXES] = [None; MAX_AXES];
         for (index, ((_, health), judged)) in self.axes.iter_mut().zip(&mut judged).enumerate() {
@@ -36,7 +36,7 @@ impl Correcting {
         Some(corrected_dps)
     }
 
-    /// Begins in the middle of a recording: this temperature, °C, was read before, if one was.
+    /// Begins in the middle of a recording. `temp_c` is the last temperature before, °C, if there was one.
     pub fn begin_at(&mut self, temp_c: Option<f64>) {
         self.corrector.read(temp_c);
     }

@@ -1,4 +1,4 @@
-//! The device that is served: what it states of itself, what its attributes read now, and what can be written.
+//! The served device: the facts that it states, the present values of its attributes, and writes to them.
 
 use super::request::{Errno, Place};
 use super::scan::{Scan, Scanner, corrected};
@@ -16,7 +16,7 @@ pub const ID: &str = "iio:device0";
 /// Attributes of the device itself.
 pub const ATTRIBUTES: [&str; 4] = ["sampling_frequency", "samples_lost", "calibration", "current_timestamp_clock"];
 
-/// Attributes of its buffers.
+/// Attributes of the device's buffers.
 pub const BUFFER_ATTRIBUTES: [&str; 1] = ["samples_lost"];
 
 /// The only attribute that can be written, where writing is allowed at all.
@@ -25,7 +25,7 @@ const WRITABLE: &str = "calibbias";
 /// Larger than any bias of any part, rad/s.
 const LARGEST_BIAS_RAD_PER_S: f64 = 100.0;
 
-/// The device.
+/// The device that the server shows to clients.
 #[derive(Debug)]
 pub struct Device {
     /// The name for clients: the part in small letters.
@@ -34,7 +34,7 @@ pub struct Device {
     pub context: Vec<(&'static str, String)>,
     /// The channels.
     pub table: Table,
-    /// The meaning of its codes.
+    /// The meaning of the codes.
     pub layout: Layout,
     axes: Vec<Axis>,
     corrector: Option<Corrector<Vec<Correction>>>,
@@ -49,11 +49,11 @@ pub struct Device {
 struct Live {
     scanner: Scanner,
     scan: Option<Scan>,
-    /// Samples that this reader did not see count as lost, for any reason.
+    /// Counts of samples. Every sample that this reader did not see counts as lost.
     tally: Tally,
     /// Samples that were lost between the part and the hub.
     lost: u64,
-    /// There is nothing more to come.
+    /// Whether no further sample will come.
     is_gone: bool,
     /// Number of samples dropped by full buffers.
     missed: u64,
@@ -102,12 +102,12 @@ impl Device {
         })
     }
 
-    /// The same, of which clients may write what can be written.
+    /// Returns the same device, but clients may write its writable attributes.
     pub fn writable(self) -> Self {
         Self { may_be_written: true, ..self }
     }
 
-    /// Whether a client means it by this.
+    /// Whether a client means this device by the name.
     pub fn is_called(&self, name: &str) -> bool {
         name == ID || name == self.name
     }
@@ -122,7 +122,7 @@ impl Device {
         self.live().trims_dps
     }
 
-    /// Takes rows. Rows that this watcher itself had no room for were read: they count for the rate, and are not
+    /// Takes rows. Rows for which this watcher's own queue had no room were read: they count for the rate, and are not
     /// lost.
     pub fn take(&self, watched: &WatchedBatch) {
         let live = &mut *self.live();
@@ -149,7 +149,7 @@ impl Device {
         self.live().is_gone = true;
     }
 
-    /// Whether that is so.
+    /// Whether no sample will come any more.
     pub fn is_gone(&self) -> bool {
         self.live().is_gone
     }
@@ -221,7 +221,7 @@ impl Device {
         }
     }
 
-    /// Corrected rates carry the name of what they were corrected with.
+    /// The id of the calibration that corrected rates carry.
     fn calibration_now(&self, live: &Live) -> String {
         let id = self.calibration.as_deref().unwrap_or("none");
         let is_shifted = live.trims_dps.iter().any(|dps| *dps != 0.0);
@@ -256,7 +256,7 @@ impl Device {
         value.ok_or(Errno::TRY_AGAIN)
     }
 
-    /// (raw + offset) · scale is in the units of the kernel: rad/s, 0.001 °C.
+    /// Scale and offset of a quantity: (raw + offset) · scale is in the units of the kernel, rad/s or 0.001 °C.
     fn scale(&self, quantity: Quantity) -> Option<(f64, f64)> {
         let scale_in = |scale: &Scale, per_unit: f64| {
             let zero = scale.zero_code as f64 - scale.zero_value * scale.lsb_per_unit;
@@ -274,7 +274,7 @@ impl Device {
         Ok(live.scanner.correction_dps(axis).ok_or(Errno::TRY_AGAIN)? + live.trims_dps[axis])
     }
 
-    /// Sets the correction at the present temperature. It follows the temperature as before.
+    /// Sets the correction at the present temperature. The correction follows the temperature as before.
     fn trim(&self, axis: usize, value: &[u8]) -> Result<(), Errno> {
         let text = std::str::from_utf8(value).map_err(|_| Errno::NONSENSE)?;
         let wanted: f64 = text.trim_end_matches('\0').trim().parse().map_err(|_| Errno::NONSENSE)?;

@@ -1,8 +1,8 @@
 //! A server for clients of libiio, as docs/libiio.md specifies it: they see the device of a [`Hub`] as one of the
 //! kernel's, with a buffer.
 //!
-//! `request.rs`, `session.rs`, `device.rs`, `table.rs`, `scan.rs` and `xml.rs` are the protocol, in which there is
-//! neither a socket nor a clock; `connection.rs` and this file bring bytes and samples.
+//! `request.rs`, `session.rs`, `device.rs`, `table.rs`, `scan.rs` and `xml.rs` are the protocol, without a socket or a
+//! clock. `connection.rs` and this file bring bytes and samples.
 
 mod connection;
 mod correcting;
@@ -29,21 +29,21 @@ use zerorate::calibration::OtherPart;
 /// The port at which clients look for a server.
 pub const PORT: u16 = 30431;
 
-/// Connections at a time; a client has one, and one more for a buffer.
+/// Largest number of connections at a time. A client has one, and one more for a buffer.
 const MOST_CONNECTIONS: usize = 64;
-/// The interval between two looks for new connections.
+/// Interval between two checks for new connections.
 const POLL: Duration = Duration::from_millis(20);
 /// A client reads all attributes at once, so the first one waits this long for a first sample.
 const FIRST_SAMPLE: Duration = Duration::from_secs(2);
 
-/// A server of a hub and of the statements of its device.
+/// A server of a hub and of the facts of its device.
 pub struct Server<'a> {
     hub: &'a Hub,
     device: Device,
 }
 
 impl<'a> Server<'a> {
-    /// Makes a server of the device that a hub reads; with a calibration, it serves corrected rates beside the codes.
+    /// Makes a server of the device that a hub reads. With a calibration, it serves corrected rates beside the codes.
     ///
     /// # Errors
     /// Returns [`OtherPart`] if the calibration belongs to another part.
@@ -51,14 +51,14 @@ impl<'a> Server<'a> {
         Ok(Self { hub, device: Device::new(hub.facts(), calibration)? })
     }
 
-    /// Lets clients write what can be written: `calibbias`, which shifts the corrected rate of this server.
+    /// Lets clients write the only writable attribute, `calibbias`, which shifts the corrected rate of this server.
     #[must_use]
     pub fn writable(self) -> Self {
         Self { device: self.device.writable(), ..self }
     }
 
-    /// Serves clients until `stop` is asked: each in a thread of its own, without ever waiting for one of them. The
-    /// caller reads the hub.
+    /// Serves clients until `stop` is asked. Each client has a thread of its own, and the server never waits for one.
+    /// The caller reads the hub.
     ///
     /// # Errors
     /// Returns an error if the listener accepts no more connections. It then asks `stop`, so that the error is known
@@ -75,7 +75,7 @@ impl<'a> Server<'a> {
                     Ok((stream, _)) => {
                         let taken = Place::take(&connections);
                         let body = move || taken.map(|_place| self.attend(&stream, stop));
-                        // where no thread can be started, the client sees a connection that ends
+                        // if no thread can be started, the client sees a connection that ends
                         drop(thread::Builder::new().name("iiod".to_owned()).spawn_scoped(scope, body));
                     }
                     Err(error) if is_passing(&error) => thread::sleep(POLL),
@@ -89,12 +89,12 @@ impl<'a> Server<'a> {
         })
     }
 
-    /// A client that breaks off does not mean that the server failed.
+    /// Serves one client. A client that breaks off does not mean that the server failed.
     fn attend(&self, stream: &TcpStream, stop: &Stop) {
         let _ = connection::serve(stream, self.hub, &self.device, stop);
     }
 
-    /// Keeps what was read last, for attributes.
+    /// Keeps the last reading for attributes.
     fn look_on(&self, stop: &Stop) {
         let watcher = self.hub.watch(connection::QUEUE);
         while !stop.asked() {
@@ -123,7 +123,7 @@ impl Drop for Place<'_> {
     }
 }
 
-/// Whether the error passes by itself: nobody connects, the client has gone, or there is no room right now.
+/// Whether the error passes by itself: no connection waits, the client has gone, or resources are short right now.
 fn is_passing(error: &io::Error) -> bool {
     let no_descriptor = [23, 24]; // ENFILE, EMFILE
     let kinds =

@@ -40,12 +40,12 @@ pub enum Request<'a> {
     Exit,
     Version,
     Print,
-    /// Longest wait for samples; none: as long as it takes.
+    /// Longest wait for samples; `None` waits as long as it takes.
     Timeout(Option<Duration>),
     Read {
         device: &'a str,
         place: Place<'a>,
-        /// The attribute; `None` for all.
+        /// The attribute; `None` for all attributes.
         attribute: Option<&'a str>,
     },
     /// A value of this many bytes follows, whether it is accepted or not.
@@ -135,7 +135,7 @@ impl<'a> Request<'a> {
 struct Keyword(String);
 
 impl Keyword {
-    /// Mixed, it is none.
+    /// Makes a keyword. A word of mixed case does not match any keyword.
     fn of(word: &str) -> Self {
         let is_small = word.bytes().all(|byte| byte.is_ascii_lowercase());
         Self(if is_small { word.to_ascii_uppercase() } else { word.to_owned() })
@@ -175,7 +175,7 @@ impl<'a> Words<'a> {
         })
     }
 
-    /// Eight hexadecimal digits for 32 channels: more than there are here.
+    /// Parses eight hexadecimal digits for 32 channels: more channels than there are here.
     fn mask(&mut self) -> Result<u32, Errno> {
         let word = self.next()?;
         let is_mask = word.len() == 8 && word.bytes().all(|byte| byte.is_ascii_hexdigit());

@@ -1,4 +1,4 @@
-//! Rows of the hub as samples of a buffer: judged, corrected where there is a calibration, with what was lost before.
+//! Rows of the hub as samples of a buffer: judged, corrected if there is a calibration, and with the losses before.
 
 use super::correcting::Correcting;
 use super::table::{CORRECTED_RAD_PER_S, Channel, Quantity, Table};
@@ -6,18 +6,18 @@ use std::collections::VecDeque;
 use zerorate::{Axis, Correction, Corrector, MAX_AXES};
 use zerorate_record::{Layout, Row};
 
-/// A sample.
+/// A sample of a buffer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scan {
-    /// The row that it is, with the last temperature that was read.
+    /// The row of the sample, with the last temperature that was read.
     pub row: Row,
-    /// The corrected rate of each axis, °/s; none where the reading is not trusted, and before the first temperature.
+    /// The corrected rate of each axis, °/s; `None` if the reading is not valid, and before the first temperature.
     pub corrected_dps: [Option<f64>; MAX_AXES],
-    /// Samples that are missing since the beginning.
+    /// Number of samples that are missing since the beginning.
     pub lost: u64,
 }
 
-/// Turns rows into scans, in their order. Corrected rows come two rows later, since they are judged then.
+/// Turns rows into scans, in their order. Corrected rows come two rows later, because the judgement needs these two.
 #[derive(Clone, Debug)]
 pub struct Scanner {
     correcting: Option<Correcting>,
@@ -27,13 +27,13 @@ pub struct Scanner {
 }
 
 impl Scanner {
-    /// Before the first row.
+    /// Makes a scanner before the first row.
     pub fn new(layout: &Layout, axes: &[Axis], corrector: Option<Corrector<Vec<Correction>>>) -> Self {
         let correcting = corrector.map(|corrector| Correcting::new(layout, axes, corrector));
         Self { correcting, waiting: VecDeque::new(), temp_code: None, lost: 0 }
     }
 
-    /// Beginning in the middle of another: the temperature that was read last is known.
+    /// Begins in the middle of another scanner's rows, with the temperature that was read last.
     pub fn with_temp_of(mut self, other: &Self) -> Self {
         self.temp_code = other.temp_code;
         if let (Some(own), Some(others)) = (&mut self.correcting, &other.correcting) {
@@ -47,7 +47,7 @@ impl Scanner {
         self.correcting.as_ref()?.correction_dps(axis)
     }
 
-    /// Takes a row, before which `missed` were missed. `trims_dps` is added to each corrected rate.
+    /// Takes a row before which `missed` rows were missed. `trims_dps` is added to each corrected rate.
     pub fn push(&mut self, row: &Row, missed: u64, trims_dps: &[f64; MAX_AXES]) -> Option<Scan> {
         self.lost = self.lost.saturating_add(missed).saturating_add(row.lost.into());
         self.waiting.push_back((*row, self.lost));
@@ -64,17 +64,17 @@ impl Scanner {
     }
 }
 
-/// Samples in a buffer with some of the channels.
+/// The layout of samples in a buffer with some of the channels.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Packing {
     /// Each quantity of a sample, and its offset.
     places: Vec<(Quantity, usize)>,
-    /// Bytes of a sample.
+    /// Size of a sample in bytes.
     size: usize,
 }
 
 impl Packing {
-    /// The layout of a sample with the channels of `mask`; none where the mask is 0 or has a bit without a channel.
+    /// The layout of a sample with the channels of `mask`; `None` if the mask is 0 or has a bit without a channel.
     pub fn new(table: &Table, mask: u32) -> Option<Self> {
         let channels = table.channels();
         if mask == 0 || u64::from(mask) >> channels.len() != 0 {
@@ -87,14 +87,14 @@ impl Packing {
         Some(packing)
     }
 
-    /// Each stands at a multiple of its own length; there is nothing behind the last.
+    /// Adds a channel at a multiple of its own length. No padding follows the last channel.
     fn add(&mut self, channel: &Channel) {
         let at = self.size.next_multiple_of(channel.bytes);
         self.places.push((channel.quantity, at));
         self.size = at + channel.bytes;
     }
 
-    /// Bytes of a sample.
+    /// Size of a sample in bytes.
     pub fn size(&self) -> usize {
         self.size
     }
@@ -131,7 +131,7 @@ fn value(layout: &Layout, scan: &Scan, quantity: Quantity) -> StoredValue {
     }
 }
 
-/// The corrected rate in units of [`CORRECTED_RAD_PER_S`]; the least integer where there is no rate.
+/// The corrected rate in units of [`CORRECTED_RAD_PER_S`]; the least integer if there is no rate.
 pub fn corrected(rate_dps: Option<f64>) -> i64 {
     rate_dps.map_or(i64::MIN, |dps| (dps.to_radians() / CORRECTED_RAD_PER_S).round() as i64)
 }

@@ -1,4 +1,4 @@
-//! The protocol of one connection, without a socket: a line in, what is to be done out.
+//! The protocol of one connection, without a socket: it takes a line, and returns the next step.
 
 use super::device::Device;
 use super::request::{Errno, Place, Request};
@@ -6,13 +6,13 @@ use super::scan::Packing;
 use super::xml::{VERSION, describe};
 use std::time::Duration;
 
-/// Bytes of a value that is written, at most.
+/// Largest number of bytes of a written value.
 pub const LONGEST_VALUE: usize = 4096;
 
-/// Samples of a client's buffer, at most. None of them are kept here: what was read is sent.
+/// Largest number of samples of a client's buffer. None of them are kept here, because samples are sent once read.
 const MOST_SAMPLES: usize = 1 << 24;
 
-/// A client of libiio 0.24 waits twice as long, and then hangs up.
+/// Default of the longest wait for samples. A client of libiio 0.24 waits twice as long, and then hangs up.
 const PATIENCE: Duration = Duration::from_millis(2500);
 
 /// The state of a connection.
@@ -21,16 +21,16 @@ pub struct Session<'a> {
     buffer: Option<Open>,
     /// Longest wait for samples.
     patience: Option<Duration>,
-    /// The attribute that the next value is for.
+    /// The attribute to which the next value belongs.
     writing: Option<(OwnedPlace, String)>,
 }
 
 /// An open buffer.
 #[derive(Clone, Debug)]
 pub struct Open {
-    /// The layout of its samples.
+    /// The layout of the samples.
     pub packing: Packing,
-    /// The mask, as it is sent.
+    /// The mask, in the form in which it is sent.
     pub mask: u32,
 }
 
@@ -39,7 +39,7 @@ pub struct Open {
 pub enum Step {
     /// Send nothing.
     Nothing,
-    /// Send this.
+    /// Send these bytes.
     Reply(Vec<u8>),
     /// Take in this many bytes, whether they are accepted or not, and hand them to [`Session::written`].
     Take(usize),
@@ -49,7 +49,7 @@ pub enum Step {
     Fill(usize),
     /// End watching, then send 0.
     Close,
-    /// Send this, and hang up.
+    /// Send these bytes, and hang up.
     HangUp(Vec<u8>),
 }
 
@@ -63,12 +63,12 @@ enum OwnedPlace {
 }
 
 impl<'a> Session<'a> {
-    /// Before the first line.
+    /// Makes a session before the first line.
     pub fn new(device: &'a Device) -> Self {
         Self { device, buffer: None, patience: Some(PATIENCE), writing: None }
     }
 
-    /// Longest wait for samples; none: as long as it takes.
+    /// Longest wait for samples; `None` waits as long as it takes.
     pub fn patience(&self) -> Option<Duration> {
         self.patience
     }
@@ -149,7 +149,7 @@ impl<'a> Session<'a> {
         all
     }
 
-    /// The value is taken in even where it is not wanted, for the client sends it all the same.
+    /// Prepares to write. The value is read even if it is not wanted, because the client sends it all the same.
     fn write(&mut self, device: &str, place: Place<'_>, attribute: &str, bytes: usize) -> Step {
         if bytes > LONGEST_VALUE {
             return Step::HangUp(refusal(Errno::TOO_LARGE));
@@ -215,7 +215,7 @@ impl OwnedPlace {
     }
 }
 
-/// Recognises a browser that some page sent here: that page chooses its next lines.
+/// Whether the line is from a browser that some page sent here. That page would choose the next lines.
 fn is_http(line: &[u8]) -> bool {
     line.windows(7).any(|word| word == b" HTTP/1")
 }
@@ -228,7 +228,7 @@ fn version() -> Vec<u8> {
     format!("{major}.{minor}.{git:<7.7}\n").into_bytes()
 }
 
-/// A number that is not negative, as a line.
+/// A line with a number that is not negative.
 pub fn number(value: usize) -> Vec<u8> {
     format!("{value}\n").into_bytes()
 }
@@ -238,7 +238,7 @@ pub fn refusal(Errno(errno): Errno) -> Vec<u8> {
     format!("-{errno}\n").into_bytes()
 }
 
-/// The length, then the bytes, then the end of a line.
+/// A line with the length, and a line with the bytes.
 fn counted(bytes: &[u8]) -> Vec<u8> {
     [&number(bytes.len()), bytes, b"\n"].concat()
 }

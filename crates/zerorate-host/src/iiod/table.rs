@@ -1,4 +1,4 @@
-//! The channels of the device that is served: their order, their form in a buffer, their attributes.
+//! The channels of the served device: their order, their layout in a buffer, and their attributes.
 
 use std::mem::size_of;
 use zerorate::{MAX_AXES, Scale};
@@ -13,13 +13,13 @@ pub struct Table(Vec<Channel>);
 pub struct Channel {
     /// The id in libiio, whose start gives the type of the channel: `anglvel_z`.
     pub id: String,
-    /// A name beside, where the id says too little.
+    /// A further name, if the id says too little.
     pub name: Option<&'static str>,
-    /// The quantity.
+    /// The quantity of the channel.
     pub quantity: Quantity,
-    /// The form in the buffer: `le:u24/32>>0`.
+    /// The layout in the buffer: `le:u24/32>>0`.
     pub format: String,
-    /// Bytes that it takes there; it stands at a multiple of them.
+    /// Size of the channel in the buffer in bytes. Its offset is a multiple of the size.
     pub bytes: usize,
     /// The attributes that can be read.
     pub attributes: &'static [&'static str],
@@ -36,7 +36,7 @@ pub enum Quantity {
     Corrected(usize),
     /// Number of missing samples so far.
     Lost,
-    /// When, ns.
+    /// Time of the sample, ns.
     Time,
 }
 
@@ -76,14 +76,14 @@ impl Table {
         &self.0
     }
 
-    /// The one of this id or name.
+    /// The channel of this id or name.
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.0.iter().find(|channel| channel.id == name || channel.name == Some(name))
     }
 }
 
 impl Channel {
-    /// Codes of up to 32 bits.
+    /// Makes a channel for codes of up to 32 bits.
     fn code(id: String, quantity: Quantity, scale: &Scale) -> Self {
         let format = format!("le:{}{}/32>>0", if scale.signed { 's' } else { 'u' }, scale.width_bits);
         Self { id, name: None, quantity, format, bytes: size_of::<u32>(), attributes: CODE }
@@ -99,14 +99,14 @@ impl Channel {
         Self { id, name, quantity, format: format.to_owned(), bytes: size_of::<u64>(), attributes }
     }
 
-    /// The file name of an attribute where all stand in one folder: `in_anglvel_z_raw`.
+    /// The file name of an attribute in a folder of all attributes: `in_anglvel_z_raw`.
     pub fn file(&self, attribute: &str) -> String {
         let name = self.name.map(|name| format!("_{name}")).unwrap_or_default();
         format!("in_{}{name}_{attribute}", self.id)
     }
 }
 
-/// `anglvel_z` and the like, where it is known which axes they are; else they are numbered.
+/// Ids such as `anglvel_z`, if the directions of the axes are known. Otherwise the ids are numbered.
 fn ids(layout: &Layout) -> Vec<String> {
     let by_letter = |direction: usize| format!("anglvel_{}", ['x', 'y', 'z'][direction]);
     match layout.directions() {

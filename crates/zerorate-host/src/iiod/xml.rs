@@ -4,10 +4,10 @@ use super::device::{ATTRIBUTES, BUFFER_ATTRIBUTES, Device, ID};
 use super::table::Channel;
 use std::fmt::Write;
 
-/// The server speaks the protocol of this release of libiio.
+/// The release of libiio whose protocol the server speaks.
 pub const VERSION: (u32, u32, &str) = (0, 24, "v0.24");
 
-/// Without it clients print an error, and go on.
+/// The document type. Without it clients print an error, and go on.
 const DOCTYPE: &str = concat!(
     "<!DOCTYPE context [<!ELEMENT context (device | context-attribute)*><!ELEMENT context-attribute EMPTY>",
     "<!ELEMENT device (channel | attribute | debug-attribute | buffer-attribute)*>",
@@ -42,7 +42,7 @@ pub fn describe(device: &Device) -> String {
     xml + "</device></context>"
 }
 
-/// The place in the buffer comes first, as the document type has it.
+/// Describes a channel. The place in the buffer comes first, as the document type requires.
 fn describe_channel(xml: &mut String, index: usize, channel: &Channel) {
     let Channel { id, name, format, attributes, .. } = channel;
     let name = name.map(|name| format!(" name=\"{name}\"")).unwrap_or_default();
@@ -54,7 +54,7 @@ fn describe_channel(xml: &mut String, index: usize, channel: &Channel) {
     *xml += "</channel>";
 }
 
-/// Escapes text for a value of an XML attribute; what XML cannot hold becomes a question mark.
+/// Escapes text for a value of an XML attribute. Characters that XML cannot hold become question marks.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {
