@@ -30,8 +30,8 @@
 //! # Ok::<(), Error<_, _>>(())
 //! ```
 //!
-//! A future may be dropped at any time, by a `select` or a timeout. If it was inside a transfer, the next call answers
-//! `Interrupted` until `restart` has put bus and part in order.
+//! A future may be dropped at any time, by a `select` or a timeout. If that was inside a transfer, the next calls
+//! return `Interrupted` until `restart` has put bus and part in order.
 
 use core::future::{Future, poll_fn};
 use core::pin::pin;
@@ -53,7 +53,7 @@ pub use driver::Adis16130;
 mod driver;
 
 impl<SPI, RDY: RdyPin> Adis16130<SPI, RDY> {
-    /// Waits until RDY says that data waits (F-32), or until `delay` says that the bound is over.
+    /// Waits until RDY shows that data waits (F-32), or until `delay` ends the bound.
     pub async fn wait_ready(
         &mut self,
         delay: &mut impl DelayNs,

@@ -24,7 +24,7 @@ impl Channel {
         }
     }
 
-    /// Whether a channel status names this channel and says that an unread reading waits: b7–5 and RDY.
+    /// Whether a channel status names this channel and shows an unread reading: b7–5 and RDY.
     pub(crate) const fn announced_by(self, status: ChannelStatus) -> bool {
         let own = match self {
             Self::Rate => 0x08,

@@ -44,14 +44,14 @@ impl Checksum {
     }
 }
 
-/// The answer of the part's checksum about the writes between two reads of it. A hint, never a failure (F-34).
+/// The result of the part's checksum for the writes between two reads of it. It is a hint, never a failure (F-34).
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WriteCheck {
     /// The value that CHECKSUM must have if the part has seen every bit.
     pub expected: Checksum,
-    /// The value that it has.
+    /// The value that CHECKSUM has.
     pub got: Checksum,
 }
 

@@ -22,7 +22,7 @@ impl Width {
         }
     }
 
-    /// Low bits of a 24-bit code that a code of this width lacks (F-43).
+    /// Number of low bits of a 24-bit code that a code of this width lacks (F-43).
     pub const fn dropped_bits(self) -> u32 {
         24 - self.bits()
     }
@@ -81,7 +81,7 @@ impl RateCode {
         self.0.code
     }
 
-    /// The width it was read in.
+    /// The width in which the code was read.
     pub const fn width(self) -> Width {
         self.0.width
     }
@@ -134,7 +134,7 @@ impl TempCode {
         self.0.code
     }
 
-    /// The width it was read in.
+    /// The width in which the code was read.
     pub const fn width(self) -> Width {
         self.0.width
     }
@@ -179,7 +179,7 @@ impl Code {
         self.code << self.width.dropped_bits()
     }
 
-    /// code24 − 2²³.
+    /// The code less the zero code on the 24-bit scale: code24 − 2²³.
     const fn signed(self) -> i32 {
         self.code24() as i32 - ZERO_CODE as i32
     }

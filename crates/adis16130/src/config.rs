@@ -21,7 +21,7 @@ pub enum Channels {
     Temp,
 }
 
-/// The edge of the RDY line, as the host sees it, that says "new data".
+/// The edge of the RDY line, as the host sees it, that announces new data.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -67,7 +67,7 @@ impl Default for Config {
 }
 
 impl Config {
-    /// F-30: RDYFN on, both channels enabled with conversion word 5, continuous conversion, 24 bits.
+    /// The configuration of F-30: RDYFN, both channels with conversion word 5, continuous conversion, 24 bits.
     pub const fn new() -> Self {
         let setup = ChannelSetup::new(0).with_enabled(true).with_range(Range::Bits10);
         Self {
@@ -82,25 +82,25 @@ impl Config {
         }
     }
 
-    /// The width of the data registers: 24 bits unless set.
+    /// Sets the width of the data registers: 24 bits by default.
     pub const fn with_width(mut self, width: Width) -> Self {
         self.mode = self.mode.with_width(width);
         self
     }
 
-    /// Filter word and chopping of the rate channel: word 5, no chopping unless set.
+    /// Sets the filter word and the chopping of the rate channel: word 5 without chopping by default.
     pub const fn with_rate_conversion(mut self, conversion: ConversionTime) -> Self {
         self.rate_conversion = conversion;
         self
     }
 
-    /// Filter word and chopping of the temperature channel: word 5, no chopping unless set.
+    /// Sets the filter word and the chopping of the temperature channel: word 5 without chopping by default.
     pub const fn with_temp_conversion(mut self, conversion: ConversionTime) -> Self {
         self.temp_conversion = conversion;
         self
     }
 
-    /// The channels that are converted: both unless set.
+    /// Sets the channels that are converted: both by default.
     pub const fn with_channels(mut self, channels: Channels) -> Self {
         let rate = !matches!(channels, Channels::Temp);
         let temp = !matches!(channels, Channels::Rate);
@@ -115,19 +115,19 @@ impl Config {
         self
     }
 
-    /// SYNC: whether the SYNC pin is in use. Off unless set.
+    /// Sets SYNC: whether the SYNC pin is in use. Off by default.
     pub const fn with_sync(mut self, on: bool) -> Self {
         self.iop = self.iop.with_sync(on);
         self
     }
 
-    /// CLAMP: `true` = out-of-range codes saturate; `false`, as in F-30, = they wrap (F-35).
+    /// Sets CLAMP. If `true`, out-of-range codes saturate; if `false` (F-30), they wrap (F-35).
     pub const fn with_clamp(mut self, on: bool) -> Self {
         self.mode = self.mode.with_clamp(on);
         self
     }
 
-    /// The input range of both channels. F-40 and F-41 hold for the default only.
+    /// Sets the input range of both channels. F-40 and F-41 hold for the default only.
     pub const fn with_range(mut self, range: Range) -> Self {
         self.rate_setup = self.rate_setup.with_range(range);
         self.temp_setup = self.temp_setup.with_range(range);
@@ -140,7 +140,7 @@ impl Config {
         self
     }
 
-    /// The edge of RDY that says "new data": falling unless set (F-32).
+    /// Sets the edge of RDY that announces new data: falling by default (F-32).
     pub const fn with_rdy_edge(mut self, edge: RdyEdge) -> Self {
         self.rdy_edge = edge;
         self
@@ -180,7 +180,7 @@ impl Config {
         self.framing
     }
 
-    /// The edge of RDY that says "new data".
+    /// The edge of RDY that announces new data.
     pub const fn rdy_edge(&self) -> RdyEdge {
         self.rdy_edge
     }
@@ -235,8 +235,8 @@ impl Write {
     }
 }
 
-/// A [`Config`] as it is stored: the arguments of the builders, so that no other mode can come out of it. A missing
-/// field has its value of F-30.
+/// A [`Config`] as it is stored: the arguments of the builders, so that it cannot hold any other mode. A missing field
+/// has its value of F-30.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]

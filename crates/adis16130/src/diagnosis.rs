@@ -6,7 +6,7 @@ use crate::ZERO_CODE;
 use crate::codes::{RateCode, Width};
 use crate::registers::{Address, ChannelStatus, Mode, RateStatus, Register, TempStatus};
 
-/// A register that does not read what it must.
+/// A register that does not read the value that it must have.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -56,7 +56,7 @@ impl Fault {
     pub(crate) const UNEXPECTED: &str =
         "the line works but carries errors; lower the SPI clock, shorten or shield the cable, and check SPI mode 3";
 
-    /// The register that shows it.
+    /// The register that shows the fault.
     pub const fn evidence(&self) -> Mismatch {
         match *self {
             Self::StuckHigh(seen) | Self::StuckLow(seen) | Self::ConfigurationLost(seen) | Self::Unexpected(seen) => {
@@ -82,7 +82,7 @@ impl Fault {
         }
     }
 
-    /// A channel status that names another channel than its own.
+    /// The fault of a channel status that names another channel than its own.
     pub(crate) const fn of_channel(register: Address, status: ChannelStatus, own: ChannelStatus) -> Option<Self> {
         if status.channel() == own.channel() {
             None
@@ -110,13 +110,13 @@ impl Display for Fault {
 
 impl core::error::Error for Fault {}
 
-/// Whether the answer of a one-byte register needs a second look: a dead line would give it too, or it names the wrong
+/// Whether the answer of a one-byte register must be checked: a dead line would give it too, or it names the wrong
 /// channel.
 pub(crate) fn is_doubtful(register: Address, answer: u8) -> bool {
     answer == 0 || answer == 0xFF || meaning_on_healthy_link(register, answer).is_some()
 }
 
-/// The fault in a doubtful answer of a one-byte register once the link has been found healthy; `None` = no fault.
+/// The fault in a doubtful answer of a one-byte register on a healthy link. `None` if there is no fault.
 pub(crate) fn meaning_on_healthy_link(register: Address, answer: u8) -> Option<Fault> {
     let status = ChannelStatus::new(answer);
     match register {
@@ -129,7 +129,7 @@ pub(crate) fn meaning_on_healthy_link(register: Address, answer: u8) -> Option<F
 /// The value of the data registers after a reset, before the first conversion (docs/facts.md section 3).
 const RESET_DATA: u32 = 0x8000;
 
-/// Whether the answer of a data register needs a second look. A dead line would give it too, or a register that has
+/// Whether the answer of a data register must be checked. A dead line would give it too, or a register that has
 /// perhaps not been written since the reset.
 ///
 /// After a brown-out the part has 16 bits where the host may read 24. The third byte is then the level of SDO outside

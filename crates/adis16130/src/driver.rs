@@ -30,7 +30,7 @@ use crate::self_test::{Active, Level, SelfTest, SelfTestPlan};
 /// No method waits or retries unless its name says so. Each does a bounded number of transfers.
 ///
 /// A failed transfer, or an async call whose future was dropped, leaves the part in the middle of a command, and its
-/// next bytes would be read shifted. So from then on every call answers [`BusError::Interrupted`] and sends nothing,
+/// next bytes would be read shifted. So from then on every call returns [`BusError::Interrupted`] and sends nothing,
 /// until [`reset`](Self::reset) or [`restart`](Self::restart) has gone through.
 #[derive(Debug)]
 pub struct Adis16130<SPI, RDY> {
@@ -124,7 +124,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(WriteCheck { expected, got })
     }
 
-    /// Reads back every configuration register written since the reset, and says which differ.
+    /// Reads back every configuration register written since the reset, and returns those that differ.
     pub async fn verify(&mut self) -> Result<(), VerifyError<SPI::Error>> {
         if !self.written.is_complete() {
             return Err(VerifyError::NotInitialised);
@@ -137,7 +137,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         VerifyError::judge(differences)
     }
 
-    /// Reads a register as it is, without a judgement.
+    /// Reads a register as it is, without a check.
     #[inline]
     pub async fn read_register<R: Readable>(&mut self) -> Result<R::Value, BusError<SPI::Error>> {
         let width = self.mode().width();
@@ -165,7 +165,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         ])
     }
 
-    /// Writes a register. If, and only if, the write succeeds, the driver updates what it knows of the part.
+    /// Writes a register. If, and only if, the write succeeds, the driver updates its record of the part.
     pub async fn write_register<R: Writable>(&mut self, value: R::Value) -> Result<(), BusError<SPI::Error>> {
         self.send(Write::of::<R>(value)).await
     }
@@ -179,7 +179,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
     /// its configuration and this channel has converted. Otherwise the result is [`ReadError::NoReading`] or the
     /// fault. The first call after MODE was written asks the part beforehand whether the channel has converted.
     ///
-    /// With CLAMP = 0 codes wrap and only the status tells: use [`read_rate_in_range`](Self::read_rate_in_range).
+    /// With CLAMP = 0 codes wrap and only the status shows it: use [`read_rate_in_range`](Self::read_rate_in_range).
     pub async fn read_rate(&mut self) -> Result<RateCode, ReadError<SPI::Error>> {
         let rate = self.reading::<RateData>(Channel::Rate).await?;
         rate.ok_or_else(|| self.no_reading(Channel::Rate))
@@ -191,7 +191,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         temp.ok_or_else(|| self.no_reading(Channel::Temp))
     }
 
-    /// Reads the rate, then the temperature. [`read_in_range`](Self::read_in_range) looks at the status, too.
+    /// Reads the rate, then the temperature. [`read_in_range`](Self::read_in_range) checks the status, too.
     pub async fn read_both(&mut self) -> Result<(RateCode, TempCode), ReadError<SPI::Error>> {
         let rate = self.read_rate().await?;
         let temp = self.read_temp().await?;
@@ -245,8 +245,8 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         self.read_checked::<Revision>().await
     }
 
-    /// Reads TEMP STATUS and MODE, and says what is wrong with the line or the part. `None` = the part is connected,
-    /// and configured as written.
+    /// Reads TEMP STATUS and MODE, and returns the fault of the line or the part. `None` if the part is connected, and
+    /// configured as written.
     pub async fn diagnose(&mut self) -> Result<Option<Fault>, BusError<SPI::Error>> {
         let temp_status = self.read_register::<TempStatus>().await?;
         let mode = self.read_register::<Mode>().await?;
@@ -255,7 +255,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
 
     /// Handles an edge of RDY: reads what `sampler` finds due, in the order status, rate, temperature.
     ///
-    /// `None` = nothing was due, or the edge was stale (its data has been read already).
+    /// Returns `None` if nothing was due, or the edge was stale (its data has been read already).
     ///
     /// An out-of-range rate is not an error. It is in the status of the sample, because losing the sample would hide
     /// it, and because only the caller knows what it spoils. The status is read even where it was not due for a rate
@@ -309,8 +309,8 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(())
     }
 
-    /// Checks a rate that a dead line or a part without a reading would give; true if the link is healthy. The status
-    /// of a rate at the end of its scale tells that as well, and is wanted.
+    /// Checks a rate that a dead line or a part without a reading would give. Returns true if the link is healthy. The
+    /// status of a rate at the end of its scale shows that as well, and is wanted.
     #[cold]
     async fn status_of_doubtful(
         &mut self,
@@ -332,7 +332,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         self.diagnose().await?.map_or(Ok(()), |fault| Err(fault.into()))
     }
 
-    /// Reads the data register of `channel`; `None` = it has not converted since MODE was written.
+    /// Reads the data register of `channel`. `None` if it has not converted since MODE was written.
     #[inline]
     async fn reading<D: Readable>(&mut self, channel: Channel) -> Result<Option<D::Value>, SampleError<SPI::Error>> {
         if !self.seen.has(channel) {
@@ -419,7 +419,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
 
 #[bisync]
 impl<SPI: SpiDevice, RDY: RdyPin> Adis16130<SPI, RDY> {
-    /// Measures how the self-test shifts the rate, and judges nothing (F-11).
+    /// Measures the shift of the rate by the self-test, and judges nothing (F-11).
     ///
     /// `pin` drives the self-test pins 1–7 and 9 together and is active high. It is low when this returns, also with
     /// an error, and when an async call is dropped. The part must be initialised. Use a slow or undisturbed moment,

@@ -1,4 +1,4 @@
-//! The errors of the driver: one enum per operation, with the evidence (which register, what was expected, what came).
+//! The errors of the driver: one enum per operation, with the evidence (register, expected value, received value).
 
 use core::convert::Infallible;
 use core::fmt::{Debug, Display, Formatter, Result};
@@ -23,7 +23,7 @@ pub enum BusError<E> {
     /// A command before this one was cut short: its transfer failed, or the future of an async call was dropped. The
     /// part's next bytes would be read shifted, so nothing was sent. `reset` or `restart` ends this state.
     Interrupted {
-        /// The register that was addressed when it was cut short.
+        /// The register that was addressed by the interrupted command.
         register: Address,
     },
 }
@@ -55,7 +55,7 @@ pub enum ReadError<E> {
     Fault(Fault),
     /// The link is healthy, and the input is out of range (F-35).
     OutOfRange(OutOfRange),
-    /// The link is healthy, but there is not a reading yet.
+    /// The link is healthy, but there is no reading yet.
     NoReading(NoReading),
 }
 
@@ -121,7 +121,7 @@ pub enum WaitError<P> {
 pub enum SelfTestError<E, R, P> {
     /// A reading failed.
     Read(ReadError<E>),
-    /// No data within the bound.
+    /// No data came within the bound.
     Wait(WaitError<R>),
     /// The self-test pin could not be set or released. If it is still active, the rate is offset.
     Pin(P),
@@ -172,12 +172,12 @@ pub enum Error<E, R = Infallible, P = Infallible> {
 pub struct OutOfRange {
     /// The data register.
     pub register: Address,
-    /// The code that it read, which does not tell the input.
+    /// The code that was read. It does not show the input.
     pub code: u32,
     /// The width of the register.
     pub width: Width,
-    /// The status of the channel where it was asked for (OVR, and SIGN for the side). `None` where the code itself is
-    /// the end of the scale.
+    /// The status of the channel if it was read (OVR, and SIGN for the side). `None` if the code itself is the end of
+    /// the scale.
     pub status: Option<ChannelStatus>,
 }
 
@@ -247,7 +247,7 @@ impl<E: Debug> Display for InitError<E> {
 }
 
 impl<E> VerifyError<E> {
-    /// Judges the values that every register has read.
+    /// Judges the values of all registers that were read back.
     pub(crate) fn judge(seen: Differences) -> core::result::Result<(), Self> {
         if seen.iter().next().is_none() {
             Ok(())

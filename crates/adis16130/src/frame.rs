@@ -76,7 +76,7 @@ impl Frame {
         self.bytes.get(..self.len).unwrap_or(&[])
     }
 
-    /// The bytes on the wire, to be exchanged for what the part sends.
+    /// The bytes on the wire, which the bus replaces with the bytes of the part.
     #[inline]
     pub fn bytes_mut(&mut self) -> &mut [u8] {
         self.bytes.get_mut(..self.len).unwrap_or(&mut [])

@@ -1,5 +1,5 @@
-//! Division of 64 bits, small rather than fast. The compiler's own takes a kilobyte of a microcontroller's flash, a
-//! quarter of the whole driver. The driver divides only for a learned period or a long gap.
+//! Division of 64 bits, small rather than fast. The compiler's own division takes a kilobyte of a microcontroller's
+//! flash, a quarter of the whole driver. The driver divides only for a learned period or a long gap.
 
 /// ⌊dividend / divisor⌋, or 0 for the divisor 0, which no caller has. Takes two rounds for each bit of the quotient.
 #[inline(never)]

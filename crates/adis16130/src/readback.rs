@@ -12,7 +12,7 @@ const CONFIGURED: [Address; 6] =
 /// The values written with success to the configuration registers since the reset.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(crate) struct WriteLog {
-    /// In the order of [`CONFIGURED`]. MODE resets to 0; the others mean nothing until written.
+    /// The values in the order of [`CONFIGURED`]. MODE resets to 0; the others mean nothing until written.
     values: [u8; CONFIGURED.len()],
     /// Bit n is set when the n-th register has been written.
     known: u8,
@@ -21,7 +21,7 @@ pub(crate) struct WriteLog {
 impl WriteLog {
     pub(crate) const NOTHING: Self = Self { values: [Mode::RESET.bits(); CONFIGURED.len()], known: 0 };
 
-    /// Notes a successful write, and returns whether it begins the conversions anew, as a write of MODE does.
+    /// Records a successful write, and returns whether it begins the conversions anew, as a write of MODE does.
     /// Registers that configure nothing (CHECKSUM) are not kept.
     pub(crate) fn record(&mut self, register: Address, value: u32) -> bool {
         for (place, (address, slot)) in CONFIGURED.iter().zip(&mut self.values).enumerate() {
@@ -62,12 +62,12 @@ pub struct Differences {
 }
 
 impl Differences {
-    /// The registers, with what was written and what was read.
+    /// The registers, with the written and the read values.
     pub fn iter(&self) -> impl Iterator<Item = Mismatch> + use<> {
         self.slots.into_iter().flatten()
     }
 
-    /// Compares what a register read with what had been written to it; IOP without the pin levels (docs/facts.md
+    /// Compares the value of a register with the written value. The pin levels of IOP are left out (docs/facts.md
     /// section 3).
     pub(crate) fn compare(&mut self, register: Address, expected: u8, got: u8) {
         let mask = if register == Address::Iop { !Iop::PIN_LEVELS } else { 0xFF };

@@ -19,7 +19,7 @@ pub struct Edge {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sample {
-    /// Time of the edge that announced it, in ns.
+    /// Time of the edge that announced the sample, in ns.
     pub t_ns: u64,
     /// Running number of that edge ([`Edge::seq`]). The rate of RDY is measured from it.
     pub seq: u32,

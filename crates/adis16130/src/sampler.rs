@@ -1,4 +1,4 @@
-//! Decides at each edge of RDY what is due, and counts what was lost. Pure: no bus, no clock.
+//! Decides at each edge of RDY which registers to read, and counts lost samples. It uses neither a bus nor a clock.
 
 use crate::config::{Channels, Config};
 use crate::quotient::quotient;
@@ -33,12 +33,12 @@ impl Default for SamplerConfig {
 }
 
 impl SamplerConfig {
-    /// Rate, temperature and status at each edge.
+    /// The default: rate, temperature and status at each edge.
     pub const fn new() -> Self {
         Self { every_temp: 1, divider: 1, divided: 1, read_status: true }
     }
 
-    /// Sets how many samples share one reading of the temperature.
+    /// Sets the number of samples that share one reading of the temperature.
     pub const fn with_every_temp(mut self, samples: u16) -> Self {
         self.every_temp = samples;
         self
@@ -50,7 +50,7 @@ impl SamplerConfig {
         self
     }
 
-    /// Sets how many edges of RDY a counter in the line merges into one.
+    /// Sets the number of edges of RDY that a counter in the line merges into one.
     pub const fn with_divided(mut self, edges: u16) -> Self {
         self.divided = edges;
         self
@@ -72,15 +72,15 @@ const fn undivided() -> u16 {
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Due {
-    /// Whether to read the status of the rate channel first. If it says that nothing is unread, the edge was stale:
+    /// Whether to read the status of the rate channel first. If the status shows no unread data, the edge was stale:
     /// read no further.
     pub status: bool,
     /// Whether to read the temperature last.
     pub temp: bool,
     edge: Edge,
-    /// Ticks of the timeline since the tick of the sample before.
+    /// Number of ticks of the timeline since the tick of the sample before.
     ticks: i32,
-    /// Samples without temperature before this one.
+    /// Number of samples without temperature before this one.
     rates_only: u8,
     /// Whether this edge can only announce a rate update.
     is_rate: bool,
@@ -95,14 +95,14 @@ const SUSPICIOUS_SAMPLES: u8 = 8;
 /// times that gap.
 const SILENT_PERIODS: u32 = 64;
 
-/// Samples by which the number of a sample may be ahead of its edge: the surplus that late timestamps have counted.
+/// Largest number by which the number of a sample may be ahead of its edge: the surplus of late timestamps.
 const MAX_AHEAD: i32 = 3;
 
 /// After this many samples without temperature, with no edge missed, the next edge announces a rate update. At the
 /// edge before the second sample the temperature was unread (F-32), and nothing has read it since.
 const RATES_ONLY: u8 = 2;
 
-/// Readings in a row that may fail, or find nothing new, before there is a pause between them.
+/// Number of readings in a row that may fail, or find nothing new, before there is a pause between them.
 const PATIENT_READINGS: u8 = 16;
 
 /// The longest pause is 2¹⁰ edges: a tenth of a second with F-30, as long as nothing is read.
@@ -111,14 +111,14 @@ const LONGEST_PAUSE_LOG2: u8 = 10;
 /// The sample before.
 #[derive(Copy, Clone, Debug)]
 struct LastSample {
-    /// Time and number of its edge, in ns.
+    /// Time and number of the sample's edge, in ns.
     t_ns: u32,
     seq: u32,
-    /// No sample was taken before it.
+    /// Whether no sample was taken before this one.
     first: bool,
 }
 
-/// On each edge decides what is due, and counts the rate samples that were lost.
+/// Decides at each edge which registers to read, and counts the lost rate samples.
 ///
 /// Call [`edge`](Self::edge) with every edge seen. If it says that something is due, read it. Call
 /// [`taken`](Self::taken) if, and only if, the reading succeeded and was not stale: it returns how many samples were
@@ -222,36 +222,36 @@ pub struct Sampler {
     timeline: Timeline,
     taken: Option<LastSample>,
     until_temp: u16,
-    /// Samples without temperature in a row, if every edge between them was the next one.
+    /// Number of samples without temperature in a row, if every edge between them was the next one.
     rates_only: u8,
-    /// Temperatures are left out until it is known which edges announce rate updates.
+    /// Whether temperatures are left out until it is known which edges announce rate updates.
     seeks_rate: bool,
     suspicious: u8,
-    /// Readings that were due since the last one taken.
+    /// Number of readings that were due since the last one taken.
     untaken: u8,
-    /// Edges until the next reading is due.
+    /// Number of edges until the next reading is due.
     pause: u16,
-    /// Time of the last edge, or of the first question after it.
+    /// Time of the last edge, or of the first call of [`silent_since`](Self::silent_since) after it.
     heard_ns: Option<u64>,
 }
 
-/// The values of [`SamplerConfig`] and [`Config`] that decide, worked out once.
+/// The rules that follow from the values of [`SamplerConfig`] and [`Config`], worked out once.
 #[derive(Clone, Debug)]
 struct Rules {
-    /// As in [`SamplerConfig`]; 0 where the temperature is not converted.
+    /// As in [`SamplerConfig`]; 0 if the temperature is not converted.
     every_temp: u16,
     divider: u16,
     read_status: bool,
     reads_rate: bool,
-    /// Edges keep to one kind of update, rate or temperature, so the sampler can find out which kind it is.
+    /// Whether edges keep to one kind of update, rate or temperature, so that the sampler can find out the kind.
     steady: bool,
     /// An edge sooner than this after the one that was read cannot be new. Times that differ by a multiple of 2³² ns
     /// pass for equal, which costs a look at the status.
     early_ns: u32,
-    /// Conversions from one reading that is due to the next.
+    /// Number of conversions from one reading that is due to the next.
     conversions: u32,
     conversions_per_period: u8,
-    /// The timeline counts edges that a counter lets through, not periods.
+    /// Whether the timeline counts edges that a counter lets through, and not periods.
     counts_edges: bool,
 }
 
@@ -288,7 +288,7 @@ impl Rules {
         (rules, grid)
     }
 
-    /// Readings lost if `ticks` have passed since the sample before, and the tick of the new sample.
+    /// Number of readings lost if `ticks` have passed since the sample before, and the tick of the new sample.
     ///
     /// A sample whose edge was numbered too low still advances by one: the edge before had a late timestamp, and the
     /// surplus that it counted is not counted again. But a sample is never far ahead of its edge, so that no loss is
@@ -303,7 +303,7 @@ impl Rules {
         }
     }
 
-    /// Readings that are due in this many ticks of the timeline.
+    /// Number of readings that are due in this many ticks of the timeline.
     fn readings_in(&self, ticks: i32) -> u32 {
         let (per_tick, step) =
             if self.counts_edges { (1, self.divider.into()) } else { (self.conversions_per_period, self.conversions) };
@@ -331,7 +331,7 @@ impl Sampler {
         }
     }
 
-    /// Takes an edge and says what to read now; `None` = nothing is due.
+    /// Takes an edge and returns the registers to read now. `None` if nothing is due.
     #[inline]
     pub fn edge(&mut self, edge: Edge) -> Option<Due> {
         self.heard_ns = Some(edge.t_ns);
@@ -361,7 +361,7 @@ impl Sampler {
         self.rules.reads_rate.then_some(due)
     }
 
-    /// Notes that the due reading has been taken, and returns the number of rate samples lost since the one before.
+    /// Notes that the due reading has been taken. Returns the number of rate samples lost since the reading before.
     #[inline]
     pub fn taken(&mut self, due: &Due) -> u32 {
         self.suspicious = self.suspicious.saturating_sub(1);
@@ -399,7 +399,7 @@ impl Sampler {
         self.heard_ns = None;
     }
 
-    /// Time since which the part is silent; `None` until `now_ns` (of the clock of [`Edge::t_ns`]) is more than
+    /// Time since which the part has been silent. `None` until `now_ns` (of the clock of [`Edge::t_ns`]) is more than
     /// [`silence_ns`](Self::silence_ns) after the last edge. A silent part has lost its supply or its configuration,
     /// or RDY is cut.
     ///
@@ -428,7 +428,7 @@ impl Sampler {
         }
     }
 
-    /// Whether to read the temperature now. It waits where the sampler must find out which edges announce rate
+    /// Whether to read the temperature now. It waits while the sampler must find out which edges announce rate
     /// updates.
     fn temp_is_due(&mut self, is_rate: bool) -> bool {
         if self.rules.steady {

@@ -1,4 +1,4 @@
-//! The self-test: how its pins shift the rate (F-11).
+//! The self-test: the shift of the rate by its pins (F-11).
 
 use core::num::NonZeroU16;
 
@@ -8,9 +8,9 @@ use crate::RATE_LSB_PER_DPS;
 use crate::codes::RateCode;
 use crate::wait::WaitBound;
 
-/// Batches per level. Neighbouring samples are correlated by the bandwidth (F-03), but means of batches hardly are. So
-/// the scatter of the batch means gives an honest uncertainty; the scatter of the samples would give one several times
-/// too small.
+/// Number of batches per level. Neighbouring samples are correlated by the bandwidth (F-03), but means of batches
+/// hardly are. So the scatter of the batch means gives a correct uncertainty. The scatter of the samples would give
+/// one several times too small.
 const BATCHES: u32 = 16;
 
 /// The plan of a self-test.
@@ -34,13 +34,13 @@ impl SelfTestPlan {
         Self { per_batch, settle_us: 100_000, bound: WaitBound::from_us(20_000) }
     }
 
-    /// Sets how long to wait after each change of the pin, in µs: 100 ms unless set (ours: the time is not published).
+    /// Sets the wait after each change of the pin, in µs: 100 ms by default (ours: the time is not published).
     pub const fn with_settle_us(mut self, settle_us: u32) -> Self {
         self.settle_us = settle_us;
         self
     }
 
-    /// Sets the bound of the wait for each sample: 20 ms unless set, enough for the slowest conversion.
+    /// Sets the bound of the wait for each sample: 20 ms by default, enough for the slowest conversion.
     pub const fn with_bound(mut self, bound: WaitBound) -> Self {
         self.bound = bound;
         self
@@ -56,7 +56,7 @@ impl SelfTestPlan {
         self.bound
     }
 
-    /// Samples per level.
+    /// Number of samples per level.
     pub const fn samples(&self) -> u32 {
         BATCHES * self.per_batch.get() as u32
     }
@@ -71,7 +71,7 @@ pub struct SelfTest {
     pub shift_dps: f32,
     /// Standard uncertainty of `shift_dps` from the scatter, in °/s.
     pub u_dps: f32,
-    /// Samples per level.
+    /// Number of samples per level.
     pub n: u32,
 }
 

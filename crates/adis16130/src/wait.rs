@@ -2,7 +2,7 @@
 
 use core::num::NonZeroU32;
 
-/// The interval at which a blocking wait looks at the pin.
+/// The interval at which a blocking wait reads the pin.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -44,7 +44,7 @@ impl WaitBound {
         Self { timeout_us, poll: PollInterval::DEFAULT }
     }
 
-    /// Sets how often the blocking driver looks at the pin. The async driver is woken by the edge.
+    /// Sets the interval at which the blocking driver reads the pin. The async driver is woken by the edge.
     pub const fn with_poll(mut self, poll: PollInterval) -> Self {
         self.poll = poll;
         self
@@ -55,7 +55,7 @@ impl WaitBound {
         self.timeout_us
     }
 
-    /// The interval at which the blocking driver looks at the pin.
+    /// The interval at which the blocking driver reads the pin.
     pub const fn poll(self) -> PollInterval {
         self.poll
     }

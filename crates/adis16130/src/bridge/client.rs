@@ -5,7 +5,7 @@ use core::fmt::{Display, Formatter, Result as Printed};
 use core::time::Duration;
 use embedded_hal::spi::ErrorKind;
 
-/// A bridge answers within this.
+/// Time within which a bridge answers.
 const ANSWER: Duration = Duration::from_millis(500);
 /// Number of times that a request is sent before the bridge counts as silent.
 const ATTEMPTS: u32 = 3;
@@ -16,14 +16,13 @@ pub const SILENT: &str =
 /// The text about the end of a connection, to follow the name of the bridge.
 pub const GONE: &str = "is gone: its cable was pulled, or the bridge has no power; connect it and start again";
 
-/// Sends requests and understands the answers. Its owner moves the bytes and tells the time, which counts from any
-/// moment.
+/// Sends requests and reads the answers. Its owner moves the bytes and passes the time, which counts from any moment.
 #[derive(Clone, Debug, Default)]
 pub struct Client {
     decoder: Decoder,
     /// The tag of the last request.
     tag: u8,
-    /// Frames that arrived damaged. The first after opening a port is often cut, so the owner may set this back.
+    /// Number of damaged frames. The first after opening a port is often cut, so the owner may reset the number.
     pub damaged: u64,
 }
 
@@ -39,7 +38,7 @@ pub struct Pending<'a> {
 /// The next step of a request.
 #[derive(Debug)]
 pub enum Step<T> {
-    /// Send this.
+    /// Send this frame.
     Send(Frame),
     /// Come back with the next bytes, or at this time.
     Wait(Duration),
@@ -69,7 +68,7 @@ pub enum RequestError {
     Unsupported,
 }
 
-/// The bytes of a request.
+/// The frame of a request as bytes.
 #[derive(Copy, Clone, Debug)]
 pub struct Frame {
     bytes: [u8; MAX_FRAME + 1],
@@ -77,15 +76,15 @@ pub struct Frame {
 }
 
 impl<'a> Pending<'a> {
-    /// A request that is not sent yet.
+    /// Makes a request that is not sent yet.
     pub const fn new(command: Command<'a>) -> Self {
         Self { command, attempts: ATTEMPTS, deadline: None }
     }
 }
 
 impl Client {
-    /// Looks for the answer in the bytes that came, and returns the next step. `take` returns nothing for an answer
-    /// that does not fit. Samples on the way are dropped: requests end sampling, or begin it.
+    /// Looks for the answer in the received bytes, and returns the next step. `take` returns `None` for an answer that
+    /// does not fit. Samples on the way are dropped: requests end sampling, or begin it.
     pub fn poll<T>(
         &mut self,
         pending: &mut Pending<'_>,
@@ -110,14 +109,14 @@ impl Client {
     pub fn frame(&mut self, command: Command<'_>) -> Result<Frame, RequestError> {
         self.tag = self.tag.wrapping_add(1);
         let mut bytes = [0; MAX_FRAME + 1];
-        // the zero at the front ends any rubbish that was sent before
+        // the zero at the front ends any garbage that was sent before
         let [_, room @ ..] = &mut bytes;
         let frame = encode(&Request { tag: self.tag, command }, room).map_err(|_| RequestError::Unsupported)?;
         let len = frame.len().saturating_add(1);
         Ok(Frame { bytes, len })
     }
 
-    /// The next message of the bridge in the bytes that came, without answers to earlier requests.
+    /// The next message of the bridge in the received bytes, without answers to earlier requests.
     pub fn next_event(&mut self, received: &mut impl Iterator<Item = u8>) -> Option<Event> {
         let last = self.tag;
         received.find_map(|byte| match self.message(byte)? {
@@ -150,7 +149,7 @@ impl Client {
 }
 
 impl Answer<'static> {
-    /// Takes this answer only.
+    /// A `take` function that accepts this answer only.
     pub fn only(self) -> impl Fn(Answer<'_>) -> Option<()> {
         move |answer| (answer == self).then_some(())
     }

@@ -6,12 +6,12 @@ use postcard::ser_flavors::crc::CrcModifier;
 use postcard::ser_flavors::{Cobs, Slice};
 use serde::{Deserialize, Serialize};
 
-/// Most bytes of a frame with the zero at its end.
+/// Largest number of bytes of a frame with the zero at its end.
 pub const MAX_FRAME: usize = 64;
 
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// A message that is too long for a frame.
+/// The error for a message that is too long for a frame.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct TooLong;
 
@@ -23,7 +23,7 @@ impl Display for TooLong {
 
 impl core::error::Error for TooLong {}
 
-/// Bytes between two zeros that do not make a message: their CRC is wrong, or this version does not know them.
+/// Bytes between two zeros that are not a message: their CRC is wrong, or this version does not know the message.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct DamagedFrame;
 
@@ -46,7 +46,7 @@ pub fn encode<'a>(message: &impl Serialize, room: &'a mut [u8; MAX_FRAME]) -> Re
 #[derive(Clone, Debug)]
 pub struct Decoder {
     bytes: [u8; MAX_FRAME],
-    /// Bytes since the last zero; more than there is room for in a frame that is too long.
+    /// Number of bytes since the last zero. It exceeds [`MAX_FRAME`] in a frame that is too long.
     len: usize,
 }
 
@@ -57,7 +57,7 @@ impl Default for Decoder {
 }
 
 impl Decoder {
-    /// Expects the beginning of a frame.
+    /// Makes a decoder that expects the beginning of a frame.
     pub const fn new() -> Self {
         Self { bytes: [0; MAX_FRAME], len: 0 }
     }

@@ -83,7 +83,7 @@ use serde::{Deserialize, Serialize};
 /// Version of the protocol that this module speaks.
 pub const PROTOCOL: u16 = 2;
 
-/// Most bytes of one [`Command::Transfer`]. No command of the part is as long.
+/// Largest number of bytes of one [`Command::Transfer`]. No command of the part is as long.
 pub const MAX_TRANSFER: usize = 8;
 
 /// A message from the host to the bridge.
@@ -103,12 +103,12 @@ pub enum Command<'a> {
     Hello,
     /// Set the SPI clock to this one, or to the next lower one that the bridge has.
     Clock {
-        /// Hz.
+        /// The clock, Hz.
         sclk_hz: u32,
     },
     /// Exchange these bytes with the part in one frame of CS. Refused while it samples.
     Transfer {
-        /// At most [`MAX_TRANSFER`].
+        /// The bytes, at most [`MAX_TRANSFER`].
         bytes: &'a [u8],
     },
     /// Ask for the last edge of RDY.
@@ -116,9 +116,9 @@ pub enum Command<'a> {
     /// Reset the part, initialise it as [`Command::Configure`] says (F-30 by default), read it back, then sample.
     /// Sampling that is under way begins anew.
     Start {
-        /// As [`SamplerConfig::every_temp`](crate::SamplerConfig::every_temp).
+        /// The setting of [`SamplerConfig::every_temp`](crate::SamplerConfig::every_temp).
         every_temp: u16,
-        /// As [`SamplerConfig::divider`](crate::SamplerConfig::divider).
+        /// The setting of [`SamplerConfig::divider`](crate::SamplerConfig::divider).
         divider: u16,
         /// The nominal master clock of the part, Hz.
         mclk_hz: u32,
@@ -129,13 +129,13 @@ pub enum Command<'a> {
     Configure(Settings),
     /// Make the self-test pins active, or release them (F-11).
     SelfTest {
-        /// Whether they are to be active.
+        /// Whether the pins are to be active.
         on: bool,
     },
     /// State that a counter divides RDY before the bridge, from the next [`Command::Start`] on.
     /// [`Command::Configure`] takes it back. Ends sampling. Answered by [`Answer::Configured`].
     Divided {
-        /// As [`SamplerConfig::divided`](crate::SamplerConfig::divided).
+        /// The setting of [`SamplerConfig::divided`](crate::SamplerConfig::divided).
         edges: u16,
     },
 }
@@ -160,43 +160,43 @@ pub enum Message<'a> {
 /// The answers of a bridge.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Answer<'a> {
-    /// To [`Command::Hello`].
+    /// The answer to [`Command::Hello`].
     Hello {
-        /// [`PROTOCOL`].
+        /// The version of the bridge's protocol, such as [`PROTOCOL`].
         protocol: u16,
         /// Name and version of the firmware, at most 24 bytes.
         firmware: &'a str,
         /// The SPI clock as it is set, Hz.
         sclk_hz: u32,
     },
-    /// To [`Command::Clock`].
+    /// The answer to [`Command::Clock`].
     Clock {
         /// The clock as set now, Hz.
         sclk_hz: u32,
     },
-    /// To [`Command::Transfer`]: the bytes that the part sent, as many as it got.
+    /// The answer to [`Command::Transfer`]: the bytes that the part sent, as many as it got.
     Transfer {
         /// Bytes from SDO.
         bytes: &'a [u8],
     },
-    /// To [`Command::LastEdge`]: all zeros before the first.
+    /// The answer to [`Command::LastEdge`]. All fields are zero before the first edge.
     LastEdge {
-        /// In ns of the bridge's clock.
+        /// Time of the edge, in ns of the bridge's clock.
         t_ns: u64,
         /// Running number of the edge.
         seq: u32,
     },
-    /// To [`Command::Start`].
+    /// The answer to [`Command::Start`].
     Started,
-    /// To [`Command::Stop`].
+    /// The answer to [`Command::Stop`].
     Stopped,
     /// The request was not carried out.
     Refused(Refusal),
-    /// To [`Command::Configure`].
+    /// The answer to [`Command::Configure`].
     Configured,
-    /// To [`Command::SelfTest`].
+    /// The answer to [`Command::SelfTest`].
     SelfTest {
-        /// Whether they are active now.
+        /// Whether the pins are active now.
         on: bool,
     },
 }
@@ -231,7 +231,7 @@ impl Display for Refusal {
     }
 }
 
-/// A sample on the wire, its codes on the 24-bit scale: a 16-bit code times 256.
+/// A sample on the wire. Its codes are on the 24-bit scale: a 16-bit code times 256.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct WireSample {
     /// Running number of the sample since [`Command::Start`], from 0.
@@ -263,7 +263,7 @@ impl WireSample {
         }
     }
 
-    /// The samples since [`Command::Start`] before this one, lost or not.
+    /// Number of samples since [`Command::Start`] before this one, lost or not.
     const fn position(&self) -> u32 {
         self.number.wrapping_add(self.lost)
     }
@@ -286,7 +286,7 @@ impl Default for Continuity {
 }
 
 impl Continuity {
-    /// Starts with data registers of this width.
+    /// Starts counting, for data registers of this width.
     pub const fn new(width: Width) -> Self {
         Self { width, next_number: 0, next_position: 0, missing: 0 }
     }
@@ -311,7 +311,7 @@ impl Continuity {
         code24 >> self.width.dropped_bits()
     }
 
-    /// Samples that the bridge took, but that never arrived.
+    /// Number of samples that the bridge took, but that never arrived.
     pub const fn missing(&self) -> u32 {
         self.missing
     }

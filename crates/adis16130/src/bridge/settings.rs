@@ -9,15 +9,15 @@ use serde::{Deserialize, Serialize};
 /// The settings of a [`Config`] that a host can choose. The others have their values of F-30.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Settings {
-    /// CS rises between all bytes (F-22).
+    /// Whether CS rises between all bytes (F-22).
     pub cs_per_byte: bool,
-    /// The data registers are 16 bits wide.
+    /// Whether the data registers are 16 bits wide.
     pub bits16: bool,
     /// RATECONV (F-31).
     pub rate_conversion: u8,
     /// TEMPCONV (F-31).
     pub temp_conversion: u8,
-    /// The rising edge of RDY says "new data" (F-32).
+    /// Whether the rising edge of RDY announces new data (F-32).
     pub rdy_rises: bool,
 }
 

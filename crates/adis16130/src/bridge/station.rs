@@ -1,4 +1,4 @@
-//! The bridge itself, without its pins: how it handles a request and an edge of RDY.
+//! The bridge itself, without its pins: its handling of requests and of edges of RDY.
 
 use super::{Answer, Command, MAX_TRANSFER, Message, PROTOCOL, Refusal, Request, Settings, WireSample};
 use crate::asynch::Adis16130;
@@ -14,13 +14,13 @@ pub trait Bus: SpiDevice {
     /// Sets the fastest clock that is not above this one, or else the slowest there is, and returns it, in Hz.
     fn set_sclk_hz(&mut self, hz: u32) -> u32;
 
-    /// Takes edges of this kind as "new data", from now on (F-32). Returns whether it can. The default hears falling
-    /// edges only.
+    /// Takes edges of this kind as "new data", from now on (F-32). Returns whether that is possible. The default
+    /// detects falling edges only.
     fn set_rdy_edge(&mut self, edge: RdyEdge) -> bool {
         matches!(edge, RdyEdge::Falling)
     }
 
-    /// Makes the self-test pins active, or releases them (F-11). Returns whether it can. The default has no such pin.
+    /// Makes the self-test pins active, or releases them (F-11). Returns whether that is possible: by default not.
     fn set_self_test(&mut self, _on: bool) -> bool {
         false
     }
@@ -34,13 +34,13 @@ pub struct Station<S> {
     sclk_hz: u32,
     last: Edge,
     sampling: Option<Sampling>,
-    /// A counter in the line lets every n-th edge of RDY through.
+    /// Number n of a counter in the line, which lets every n-th edge of RDY through.
     divided: u16,
     /// The bytes that the part sent in the last transfer.
     received: [u8; MAX_TRANSFER],
 }
 
-/// Samples since the start.
+/// The state of sampling since the start.
 #[derive(Debug)]
 struct Sampling {
     sampler: Sampler,
@@ -56,7 +56,7 @@ impl<S: Bus> Station<S> {
         Self { part, firmware, sclk_hz, last, sampling: None, divided: 1, received: [0; MAX_TRANSFER] }
     }
 
-    /// Whether it samples.
+    /// Whether the bridge samples.
     pub const fn is_sampling(&self) -> bool {
         self.sampling.is_some()
     }
@@ -105,7 +105,7 @@ impl<S: Bus> Station<S> {
         Message::Answer { tag, answer }
     }
 
-    /// Takes an edge of RDY, and returns the message to send. Give it every edge, also while it does not sample.
+    /// Takes an edge of RDY, and returns the message to send. Pass every edge, also while the bridge does not sample.
     pub async fn edge(&mut self, edge: Edge) -> Option<Message<'static>> {
         self.last = edge;
         let sampling = self.sampling.as_mut()?;

@@ -1,4 +1,4 @@
-//! The fields of the registers in plain words, for a program that shows them.
+//! The fields of the registers in plain words, for programs that show them.
 
 /// Some neighbouring bits of a register.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -7,22 +7,22 @@ pub struct Field {
     pub name: &'static str,
     /// The bits of the field.
     pub mask: u32,
-    /// The meaning of its values.
+    /// The meaning of the field's values.
     pub meaning: Meaning,
 }
 
 /// The meaning of the values of a field.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Meaning {
-    /// A bit: clear, set.
+    /// A bit: the texts for clear and for set.
     Bit([&'static str; 2]),
-    /// A bit that shows the level of a pin, not the bit that was written: low, high.
+    /// A bit that shows the level of a pin, not the written bit: the texts for low and for high.
     Level([&'static str; 2]),
-    /// A bit that is set where something is wrong: clear, set.
+    /// A bit that is set if something is wrong: the texts for clear and for set.
     Alarm([&'static str; 2]),
     /// The meaning of 0, of 1 and so on. Greater values are not described for this part.
     Choice(&'static [&'static str]),
-    /// A number without a unit, and what it is.
+    /// A number without a unit, with its meaning.
     Number(&'static str),
     /// The number of the channel that the status belongs to: 0 is rate, 2 is temperature.
     Channel,
@@ -35,7 +35,7 @@ pub enum Meaning {
 }
 
 impl Field {
-    /// The value of the field in what a register holds.
+    /// The value of the field in the value of a register.
     #[must_use]
     pub const fn of(&self, register: u32) -> u32 {
         (register & self.mask) >> self.mask.trailing_zeros()

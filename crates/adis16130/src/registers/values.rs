@@ -147,7 +147,7 @@ impl ChannelStatus {
         self.0 >> 5
     }
 
-    /// Whether it names the rate channel and says that an unread rate waits: channel 000, RDY set.
+    /// Whether the status names the rate channel and shows an unread rate: channel 000, RDY set.
     pub const fn announces_rate(self) -> bool {
         self.0 & 0xE8 == 0x08
     }

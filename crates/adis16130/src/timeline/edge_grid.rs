@@ -23,7 +23,7 @@ pub(crate) enum Pattern {
 pub(crate) struct EdgeGrid {
     /// Nominal time from one tick to the next.
     pub(super) period: i64,
-    /// Time from a tick to the temperature update after it, as a fraction of the period in 2⁻¹⁶; 0 = there is none.
+    /// Time from a tick to the temperature update after it, as a fraction of the period in 2⁻¹⁶. 0 if there is none.
     temp_fraction: i64,
     /// The time by which an edge may come early and still belong to its tick: an eighth of the time from the
     /// temperature update to it, or a sixteenth of the period if that is more and lies behind the middle of that time.
@@ -78,8 +78,8 @@ impl EdgeGrid {
         matches!(self.pattern, Pattern::Divided)
     }
 
-    /// Divided edges have no phase to follow, only a period. T̂ is the mean of the gaps with a memory of 1/β edges,
-    /// which in gear 5 is 2048 of them. Its noise is σ·β, from the two ends of a gap.
+    /// The highest gear. Divided edges have no phase to follow, only a period. T̂ is the mean of the gaps in an
+    /// exponential window of 1/β edges, which in gear 5 is 2048 of them. Its noise is σ·β, from the two ends of a gap.
     pub(super) const fn top_gear(&self) -> u32 {
         if self.is_divided() { LOOP_GEAR } else { TOP_GEAR }
     }
@@ -91,13 +91,13 @@ impl EdgeGrid {
         (period >> FRACTION_BITS) * self.temp_fraction
     }
 
-    /// Periods in a run of edges that was not interrupted by a read, after the first edge: a pair of conversions, then
-    /// one each.
+    /// Number of periods in a run of edges that was not interrupted by a read, after the first edge: a pair of
+    /// conversions, then one each.
     pub(super) fn periods_of_edges(&self, edges: u32) -> u32 {
         if self.temp_fraction > 0 { edges.div_ceil(2) } else { edges }
     }
 
-    /// A period brought into the lock range.
+    /// Brings a period into the lock range.
     pub(super) fn clamped(&self, period: i64) -> i64 {
         let sixteenth = self.period >> 4;
         period.max(self.period - sixteenth).min(self.period + sixteenth)
@@ -153,16 +153,16 @@ pub(super) struct EdgeKind {
     jitter: i64,
 }
 
-/// This many edges in a row must lie nearer to the other grid point before they count as a change. Normal jitter of
-/// T/9 puts one of 41 there, and eight in a row once in 10¹³ edges.
+/// Number of edges in a row that must lie nearer to the other grid point before they count as a change. Normal jitter
+/// of T/9 puts one of 41 there, and eight in a row once in 10¹³ edges.
 const DOUBTS: u8 = 8;
 
-/// A change is accepted at once where the mean absolute error is below T/48. With normal jitter of that size the other
+/// A change is accepted at once if the mean absolute error is below T/48. With normal jitter of that size the other
 /// grid point, T/4 away, is nearer by chance only beyond ten standard deviations.
 const SURE: i64 = 48;
 
 impl EdgeKind {
-    /// The distance to the grid point of the kind that the edge is taken for.
+    /// The distance to the grid point of the kind that the edge is assigned to.
     pub(super) fn error(&mut self, grid: &EdgeGrid, (period, temp): (i64, i64), position: i64) -> i64 {
         let (own, to_other) = if self.is_rate { (position, -temp) } else { (position - temp, temp) };
         let own = wrapped(own, period);
@@ -183,7 +183,7 @@ impl EdgeKind {
     }
 }
 
-/// A distance brought to within half a period.
+/// Brings a distance to within half a period.
 fn wrapped(distance: i64, period: i64) -> i64 {
     if 2 * distance > period {
         distance - period

@@ -1,16 +1,16 @@
-//! The lock: whether the edges lie on the grid, and the offset of the clock from their gaps before they can be
-//! believed.
+//! The lock: whether the edges lie on the grid, and the offset of the clock, from the gaps between edges that are not
+//! reliable yet.
 
 use super::EdgeGrid;
 use crate::quotient::quotient;
 
-/// Gaps between neighbouring edges, and what they would be with the nominal clock.
+/// Gaps between neighbouring edges, and their lengths with the nominal clock.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Gaps {
     count: u32,
     nominal: i64,
     excess: i64,
-    /// The gap before was not near.
+    /// Whether the gap before was not near.
     far: bool,
 }
 
@@ -78,7 +78,7 @@ pub(super) struct Lock {
 }
 
 impl Lock {
-    /// Takes an error. The 256th returns whether the lock is lost.
+    /// Takes an error. After every 256th, returns whether the lock is lost.
     pub(super) fn judge(&mut self, grid: &EdgeGrid, error: i64) -> Option<bool> {
         self.error += error.abs();
         self.edges = self.edges.wrapping_add(1);

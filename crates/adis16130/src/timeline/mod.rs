@@ -58,7 +58,7 @@ use lock::{Gaps, Grip, Lock};
 /// Times are kept in units of 2⁻¹⁶ ns, so that a period is good to 10⁻⁹ without floating point.
 const FRACTION_BITS: u32 = 16;
 
-/// The longest gap; a longer one counts as this: 2⁴⁶ ns are 19.5 hours.
+/// The longest gap: 2⁴⁶ ns are 19.5 hours. A longer gap counts as this one.
 const LONGEST_GAP_NS: i64 = 1 << 46;
 
 /// α = 1/2: after two edges with the nominal period the phase is known to T/8 (lock range).
@@ -72,7 +72,7 @@ const LOOP_GEAR: u32 = 5;
 /// jitter.
 const TOP_GEAR: u32 = 10;
 
-/// The knowledge of the phase, that is of which edges announce rates.
+/// The knowledge of the phase: which edges announce rates.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 enum Phase {
     /// The phase is assumed.
@@ -92,7 +92,7 @@ pub(crate) struct Timeline {
     grid: EdgeGrid,
     /// T̂: time from one tick to the next, as learned.
     period: i64,
-    /// Time from a tick to the temperature update after it, as of the last [`settle`](Self::settle); 0 = no update.
+    /// Time from a tick to the temperature update after it, as of the last [`settle`](Self::settle); 0 if none.
     temp: i64,
     kind: EdgeKind,
     /// Time from the newest tick to the edge before.
@@ -106,7 +106,7 @@ pub(crate) struct Timeline {
     lock: Lock,
     grip: Grip,
     phase: Phase,
-    /// The conversions have been started anew since the edge before.
+    /// Whether the conversions have been started anew since the edge before.
     restarted: bool,
 }
 
@@ -130,7 +130,7 @@ impl Timeline {
         }
     }
 
-    /// Takes the next edge and returns the ticks until then since [`count_from`](Self::count_from); `None` if it is
+    /// Takes the next edge and returns the ticks until then since [`count_from`](Self::count_from). `None` if it is
     /// the edge before again.
     ///
     /// As long as it is unknown whether the first edge announced a rate or a temperature update, this is the lower of
