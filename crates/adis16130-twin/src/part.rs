@@ -244,7 +244,7 @@ impl Part {
         }
     }
 
-    /// Whether RDY says, by either level, that new data has not come.
+    /// Whether RDY shows, by either level, that no new data has come.
     fn rdy_idle(&self) -> bool {
         !self.supplied || self.rdy_masked || !self.chip.adc.rdy_low(self.now_ps)
     }

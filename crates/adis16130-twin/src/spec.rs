@@ -129,7 +129,7 @@ pub struct Spec {
     pub fault: Fault,
     /// Time when faults, bumps and the supply step begin, in s from the start. `None`: faults at 0, the others at 60.
     pub fault_at_s: Option<f64>,
-    /// Relative error of the sensitivity (M-07). It scales what the sensing element sees (rotation, slow bias,
+    /// Relative error of the sensitivity (M-07). It scales the input of the sensing element (rotation, slow bias,
     /// flicker, random walk, self-test). White noise and resonance are stated at the output and not scaled.
     pub sensitivity_error: f64,
     /// Shift by an active self-test pin, in °/s. F-11 states no value, so this one is ours.

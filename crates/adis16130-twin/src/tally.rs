@@ -1,4 +1,4 @@
-//! The conversions of a channel, and what the host has seen of them.
+//! Counts of the conversions of a channel, and of those that the host has read.
 
 /// Samples that the host never saw, per channel, since the start.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]

@@ -111,7 +111,7 @@ impl Twin {
         self.part.borrow_mut().switch(true);
     }
 
-    /// Begins (anew) or ends recording what the host sends.
+    /// Starts a new recording of the bytes from the host, or ends the recording.
     pub fn record_wire(&self, on: bool) {
         self.part.borrow_mut().record_wire(on);
     }

@@ -20,7 +20,7 @@ pub struct SamplerConfig {
     #[cfg_attr(feature = "serde", serde(default = "undivided"))]
     pub divided: u16,
     /// Read the status of the rate channel with every sample. It can only be left out with both channels, RDYFN = 1
-    /// and no counter in the line. Even then it is read where an edge is not believable. Leave it on where the line
+    /// and no counter in the line. Even then it is read where an edge is doubtful. Leave it on where the line
     /// may lose edges, or where other calls read the data registers between samples: then an edge of the right time
     /// may bring the sample before again.
     pub read_status: bool,
@@ -86,7 +86,7 @@ pub struct Due {
     is_rate: bool,
 }
 
-/// Number of samples whose status is read after an edge that was not believable. After these a late host has certainly
+/// Number of samples whose status is read after an edge that was doubtful. After these a late host has certainly
 /// caught up.
 const SUSPICIOUS_SAMPLES: u8 = 8;
 
@@ -383,7 +383,7 @@ impl Sampler {
         lost
     }
 
-    /// Notes that the due reading was not new: the status says that the reading before took it. If that was the first
+    /// Notes that the due reading was not new: the status shows that the reading before took it. If that was the first
     /// reading, it came late, and the samples that it overtook were lost before it.
     pub fn stale(&mut self) {
         if self.taken.is_some_and(|taken| taken.first) {

@@ -62,7 +62,7 @@ pub struct LosslessReader(Receiver<BatchResult>);
 #[derive(Debug)]
 pub struct Watcher(Receiver<WatchedBatch>);
 
-/// The samples that a watcher gets, and a count of what it missed.
+/// The samples that a watcher gets, and the number of samples that it missed.
 #[derive(Clone, Debug)]
 pub struct WatchedBatch {
     /// The samples.

@@ -39,7 +39,7 @@ const SELF_TEST_SAMPLES: u16 = 1024;
 /// A silence of this length without a data-ready edge is a failure.
 const SILENCE_NS: u64 = 1_000_000_000;
 
-/// The same silence in periods of the part, for a part with a slow clock.
+/// Length of that silence in periods of the part, for a part with a slow clock.
 const SILENT_PERIODS: f64 = 20.0;
 
 /// Time in which an initialised part shows many edges (F-32).

@@ -12,7 +12,7 @@ const SAID_JITTER: f64 = 0.1;
 /// of 0.69 intervals has this jitter from rounding alone.
 const CLEAR_JITTER: f64 = 0.2;
 
-/// Largest jitter at which the rows around tell it. Beyond, half of the rows are nearer to the place of another row.
+/// Largest jitter at which the rows around tell this. Beyond, half of the rows are nearer to another row's place.
 const MAX_JITTER: f64 = 0.5;
 
 /// A row behind a missing sample may come this fraction of an interval early; the sample still counts as missing.
@@ -34,11 +34,11 @@ const LONGEST_STEP: f64 = 2.5;
 /// A span of rows has no gap if it differs from the usual span by no more than this, in intervals.
 const NEAR: f64 = 1.75;
 
-/// Rows on each side of a place whose median tells whether samples are missing there. It has a fifth of the jitter.
+/// Rows on each side of a place whose median shows missing samples there. The median has a fifth of the jitter.
 const AROUND: usize = 32;
 
-/// Single losses in this many blocks of rows tell a clock that counts in steps from a sensor that loses samples: the
-/// steps come evenly, with so many of them in a block on average.
+/// Limits that tell a clock that counts in steps from a sensor that loses single samples: the fewest blocks of rows,
+/// the losses in a block on average, and the share of neighbouring blocks whose losses differ by one at most.
 const FEWEST_BLOCKS: usize = 8;
 const IN_A_BLOCK: usize = 8;
 const EVEN_BLOCKS: f64 = 0.9;

@@ -1,4 +1,4 @@
-//! A column of a log, and what is known about it.
+//! A column of a log, with its rate, gaps, quantity and warnings.
 
 use crate::column_checks::ColumnFacts;
 use crate::error::{Result, too_many};
@@ -9,7 +9,7 @@ use std::path::Path;
 use zerorate_allan::{Gap, Input};
 use zerorate_input::Quantity;
 
-/// A column, and what is known about it.
+/// A column of a log, with its rate, gaps, quantity and warnings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     /// The name of the column, or its number where columns have no names.

@@ -22,8 +22,8 @@ pub fn doubt(path: &Path, given_hz: f64, (stamps_hz, within): (f64, f64)) -> Opt
     differs.then_some(LogWarning::RateContradicts { path, given_hz, stamps_hz })
 }
 
-/// The rate of the stamps in Hz, and its relative tolerance. It is that of all stamps if they were read, or else of
-/// the first rows in the only column whose type or name states a unit of time.
+/// The rate of the stamps in Hz, and its relative tolerance. All stamps count if they were read, or else the first
+/// rows in the only column whose type or name states a unit of time.
 pub fn of_stamps(all_hz: Option<f64>, sample: &[Sampled]) -> Option<(f64, f64)> {
     if let Some(rate_hz) = all_hz {
         return Some((rate_hz, RATE_OFF));

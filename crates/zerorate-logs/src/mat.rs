@@ -221,7 +221,7 @@ const STRUCTURE: u8 = 2;
 const NUMBERS: std::ops::RangeInclusive<u8> = 6..=15;
 const COMPLEX: u8 = 0x08;
 
-/// Finds the columns of a matrix. `name` is its name if it has none itself. Only structures of one element and
+/// Finds the columns of a matrix, which is called `name` if it has no name. Only structures of one element and
 /// matrices of real numbers have columns.
 fn collect<'a>(mut parts: Parts<'a>, name: &str, depth: usize, found: &mut Vec<Variable<'a>>) -> Result<(), String> {
     let big_endian = parts.big_endian;

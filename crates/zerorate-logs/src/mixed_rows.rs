@@ -26,7 +26,7 @@ const OTHERS: f64 = 0.05;
 /// Uneven steps of a value for each time that its rows are interrupted. A flag has one for each interruption.
 const UNEVEN: f64 = 0.25;
 
-/// Share of the rows with a time before that of the row above, from which the times of several sensors overlap.
+/// Share of rows with an earlier time than the row above, from which on the times of several sensors overlap.
 const OVERLAP: f64 = 0.05;
 
 /// Number of rows of a value from which its level and its noise are compared.

@@ -19,7 +19,7 @@ pub struct Place {
     before: Vec<Field>,
 }
 
-/// A field before the IMU, classified by what sets its length.
+/// A field before the IMU, by the way in which its length is set.
 #[derive(Clone, Debug, PartialEq)]
 enum Field {
     /// `count` numbers of `size` bytes each.

@@ -25,7 +25,7 @@ const MODULI: [f64; 12] = [
 /// The rows around a wrap of a counter lie within this many intervals of the place where it wraps.
 const AT_WRAP: f64 = 1000.0;
 
-/// Largest number of rows by which one may be late: what a queue of a bag reorders.
+/// Largest number of rows by which a row may be late: the queue of a bag reorders rows this far.
 const NEAR: usize = 64;
 
 /// Share of the rows that may be out of order.

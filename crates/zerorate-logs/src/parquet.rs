@@ -138,7 +138,7 @@ impl Groups<'_> {
         pieces.collect()
     }
 
-    /// A column of a row group, in pieces of so many rows.
+    /// A column of a row group, in pieces of `piece` rows.
     fn reader(&self, group: usize, column: usize, piece: usize) -> ParquetResult<ParquetRecordBatchReader> {
         let chunk = self.chunk(group, column)?;
         ParquetRecordBatchReaderBuilder::new_with_metadata(chunk, self.metadata.clone())

@@ -65,7 +65,7 @@ pub enum Clock {
     Counted { rate_hz: Option<f64>, gaps: Vec<Gap> },
 }
 
-/// The first rows of a log, if its reader saw all its columns, or else those of the columns that were read.
+/// The first rows of all columns of a log, if its reader saw them all, or else of the columns that were read.
 pub fn first_rows<'a>(seen: &'a [Sampled], columns: &[RawColumn]) -> Cow<'a, [Sampled]> {
     let cells = |column: &RawColumn| column.values.first_rows(ROWS).into_iter().map(Cell::number).collect();
     let read = |column: &RawColumn| Sampled { cells: cells(column), ..Sampled::new(&column.name) };

@@ -66,7 +66,7 @@ struct Topic {
 }
 
 /// The topics with an IMU by the number of their connection, and the types of the other topics. A bag that was closed
-/// lists its connections behind its chunks. In a bag that was not closed, they stand in the chunks.
+/// lists its connections behind its chunks. In other bags the connections are in the chunks.
 fn topics(path: &Path, file: &mut BufReader<Input>, room: MemoryBudget) -> Result<Topics> {
     let (mut connections, mut others) = (BTreeMap::new(), BTreeMap::new());
     for skip_chunks in [true, false] {

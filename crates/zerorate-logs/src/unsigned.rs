@@ -15,7 +15,7 @@ const BETWEEN: f64 = 0.001;
 const HOLE: f64 = 0.25;
 const HOLE_CODES: f64 = 2.0;
 
-/// Gives codes that wrapped around zero their sign again, and returns their width in bits; `None` if none did.
+/// Gives codes that wrapped around zero their sign again, and returns their width in bits; `None` if no code wrapped.
 pub fn unwrap(series: &mut Series) -> Option<i32> {
     let bits = match series {
         Series::Codes(codes) => bits(|| codes.iter().map(|code| f64::from(*code))),

@@ -1,5 +1,5 @@
-//! What the module's documentation claims of the loop, measured on synthetic edges and compared with the formulas of a
-//! loop in continuous time.
+//! The statements of the module's documentation about the loop, measured on synthetic edges and compared with the
+//! formulas of a loop in continuous time.
 
 extern crate std;
 

@@ -25,7 +25,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use zerorate::{Setting, SettingNames};
 
-/// Opens the port, ends what the bridge was doing before, and sets its SPI clock.
+/// Opens the port, ends earlier work of the bridge, and sets the SPI clock of the bridge.
 fn open(address: &BridgeAddress, name: &str, setup: &Setup, stop: &Stop) -> crate::Result<ConnectedPart<BridgePart>> {
     let sampling = setup.sampling.config(address.part.divided);
     let facts = DeviceInfo::of_part(name, &address.part, sampling, address.mclk_hz, setup.part.as_ref())?;

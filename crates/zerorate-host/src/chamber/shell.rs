@@ -29,7 +29,7 @@ pub enum ShellError {
 /// Runs a command line without input, and returns the first line of its stdout. `until` is called again and again for
 /// the end of the command's time, and then the process group of the command is killed.
 ///
-/// The process group is not that of the terminal, so Ctrl-C does not reach the command.
+/// The process group is not the terminal's, so Ctrl-C does not reach the command.
 pub fn first_line(command: &str, mut until: impl FnMut() -> Instant) -> Result<String, ShellError> {
     let began = Instant::now();
     let mut child = shell(command).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;

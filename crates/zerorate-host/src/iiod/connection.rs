@@ -57,7 +57,7 @@ pub fn serve(stream: &TcpStream, hub: &Hub, device: &Device, stop: &Stop) -> io:
     Ok(())
 }
 
-/// A client's buffer. It is a watcher of the hub and learns what it missed.
+/// A client's buffer. It is a watcher of the hub and learns the number of missed samples.
 struct Buffer<'a> {
     watcher: Watcher,
     device: &'a Device,

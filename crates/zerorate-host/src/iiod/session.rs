@@ -9,7 +9,7 @@ use std::time::Duration;
 /// Largest number of bytes of a written value.
 pub const LONGEST_VALUE: usize = 4096;
 
-/// Largest number of samples of a client's buffer. None of them are kept here, because samples are sent once read.
+/// Largest number of samples of a client's buffer. The server keeps none, because samples are sent once read.
 const MOST_SAMPLES: usize = 1 << 24;
 
 /// Default of the longest wait for samples. A client of libiio 0.24 waits twice as long, and then hangs up.

@@ -6,8 +6,8 @@ use super::block::{Block, WINDOW};
 /// variance of 1/12 of a step squared.
 const SAID: f64 = 0.577;
 
-/// Samples of a window that spread over so many steps have a standard deviation above [`SAID`]: the variance of so
-/// many samples is at least 1/62 of the square of their range.
+/// Range of a window's samples, in steps, from which their standard deviation is above [`SAID`]: the variance of a
+/// window is at least 1/62 of the square of its range.
 const WIDE: f64 = 5.0;
 
 /// Step size of a column, and its noise per window.

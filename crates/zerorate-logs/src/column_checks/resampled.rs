@@ -26,14 +26,14 @@ const SIZES: usize = 100;
 /// it moves by a step.
 const COARSE: f64 = 3.0;
 
-/// Sizes of differences, in steps, whose mean share is that of repeats by chance.
+/// Largest size of differences, in steps. The mean share of the sizes up to this is the share of repeats by chance.
 const NEAR: u32 = 3;
 
-/// Distances between samples whose mean share of equal pairs is that of repeats by chance. Coarse codes may be printed
-/// with digits of their own.
+/// Distances between samples. The mean share of equal pairs at these is the share of repeats by chance. Coarse codes
+/// may be printed with digits of their own.
 const LAGS: RangeInclusive<usize> = 2..=10;
 
-/// Parts of a log in each of which repeats must show: a sensor that stands still for a while repeats as well.
+/// Number of parts of a log that must each show repeats: a sensor that stands still for a while repeats as well.
 const PARTS: usize = 8;
 
 /// The first samples of a column.

@@ -33,7 +33,7 @@ struct Survey {
     uneven: bool,
 }
 
-/// Settles what the head of a text left open; `input` is the text from its start.
+/// Answers the question that the head of a text left open; `input` is the text from its start.
 pub fn settle(path: &Path, input: Input, head: &mut Head, args: &ColumnOptions) -> Result<()> {
     let survey = Survey::of(path, input, head)?;
     let ask = |why: String| LogError::Ask(format!("{}: {why}", path.display()));

@@ -346,7 +346,7 @@ impl core::error::Error for OtherPart {}
 
 impl CalibratedAxis {
     /// Standard uncertainty of PBC + (T − T3) · BTC at the temperature T, °C, in °/s: the uncertainty of the added
-    /// correction, not of the rate itself. None if the calibration states no uncertainties.
+    /// correction, not of the rate itself. `None` if the calibration states no uncertainties.
     ///
     /// u² = u_pbc² + d² u_btc² + 2 d cov_pbc_btc with d = T − T3, the first-order propagation of JCGM 100:2008,
     /// equation 13, for two quantities. T3 is not a third quantity, because PBC holds *at the T3 that the file

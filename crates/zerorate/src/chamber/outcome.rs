@@ -53,7 +53,7 @@ pub struct Residual {
 pub struct Branches {
     /// Half of the distance, °/s.
     pub half_width_dps: f64,
-    /// Its standard uncertainty, °/s: all noises of the curve, including the random walk between the two directions.
+    /// Standard uncertainty of the half width, °/s: all noises of the curve, with the random walk between directions.
     pub u_dps: f64,
     /// Coldest and warmest temperature that was passed in both directions, °C.
     pub span_c: (f64, f64),

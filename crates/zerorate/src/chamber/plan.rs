@@ -30,7 +30,7 @@ pub struct ChamberPlan {
     pub name: String,
     /// All steps in their order, with the steps of every cycle.
     pub steps: Vec<Step>,
-    /// Largest drift of the part's own temperature at a soak point, °C/min. None allows as much as hides below the
+    /// Largest drift of the part's own temperature at a soak point, °C/min. `None` allows as much as hides below the
     /// noise of the average ([`ChamberPlan::drift_c_per_s`]).
     pub drift_c_per_min: Option<f64>,
     /// Time over which that drift is measured, s.
@@ -59,7 +59,7 @@ pub struct Step {
 pub enum StepEnd {
     /// The step ends this long after the set point was reached, s.
     Hold(f64),
-    /// The step ends when the part has settled and was averaged for this long, s. None takes the time of the least
+    /// The step ends when the part has settled and was averaged for this long, s. `None` takes the time of the least
     /// Allan deviation.
     Average(Option<f64>),
 }

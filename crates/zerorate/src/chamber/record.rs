@@ -94,7 +94,7 @@ impl Record {
     }
 
     /// Drift of the temperature over the seconds from an index on, °C/s, and its standard uncertainty from their
-    /// scatter about it. None for fewer than ten seconds.
+    /// scatter about it. `None` for fewer than ten seconds.
     pub(super) fn drift(&self, from: usize) -> Option<Drift> {
         let (times, temps) = (self.start_s.get(from..)?, self.temp_c.get(from..)?);
         let n = times.len() as f64;

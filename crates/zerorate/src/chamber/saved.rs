@@ -22,7 +22,7 @@ const MOST_SAMPLES: u64 = 1 << 50;
 /// Possible drifts of the temperature of a part, °C/min.
 const DRIFTS_C_PER_MIN: RangeInclusive<f64> = -1e4..=1e4;
 
-/// The finished steps of a measurement. `docs/chamber.md` says when it is written and read.
+/// The finished steps of a measurement. `docs/chamber.md` says when they are written and read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Saved {
     /// The record of the measurement.

@@ -37,7 +37,7 @@ impl<'a> CodeTable<'a> {
         Self { rows_udps, index: RowIndex::new(rows_udps.len(), step_c, t3_c, temp) }
     }
 
-    /// The row nearest to the temperature of a 24-bit code, µ°/s, to be added to RATE + PBC. None if the temperature
+    /// The row nearest to the temperature of a 24-bit code, µ°/s, to be added to RATE + PBC. `None` if the temperature
     /// lies more than half a step beyond the first or the last row.
     #[inline]
     #[must_use]

@@ -64,7 +64,7 @@ impl Correction {
         self.pbc_dps + self.rise_dps(temp_c - self.t3_c)
     }
 
-    /// The correction beside PBC at TEMP − T3 = `delta_c`, °/s.
+    /// The correction without PBC at TEMP − T3 = `delta_c`, °/s.
     #[inline]
     fn rise_dps(&self, delta_c: f64) -> f64 {
         delta_c * (self.btc_dps_per_c + delta_c * (self.btc2_dps_per_c2 + delta_c * self.btc3_dps_per_c3))
@@ -106,7 +106,7 @@ impl Correction {
     }
 
     /// The look-up table of F-52 from `span_c` down to −`span_c` in steps of `step_c`. Its rows hold the correction
-    /// beside PBC, which is (TEMP − T3) × BTC for a line.
+    /// without PBC, which is (TEMP − T3) × BTC for a line.
     ///
     /// # Errors
     /// Returns an error unless step and span are positive, and the span is a whole number of at most 50 000 steps.

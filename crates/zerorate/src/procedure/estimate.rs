@@ -294,8 +294,8 @@ impl Slope {
         libm::hypot(curvature, branches)
     }
 
-    /// The same uncertainty, or a larger one if the hour shows more. It is never smaller, because the hour covers only
-    /// a few degrees and depends on a noise model.
+    /// The uncertainty of [`Self::u_curvature`], or a larger one if the hour shows more. It is never smaller, because
+    /// the hour covers only a few degrees and depends on a noise model.
     fn u_curvature_seen(&self, seen: &Evidence<'_>, t3_c: f64, hour: Option<&Findings>) -> f64 {
         let typical = self.u_curvature(seen, t3_c);
         hour.map_or(typical, |hour| hour.u_curvature_dps_per_c.max(typical))

@@ -414,9 +414,9 @@ fn excess(models: &[Weighed], k: usize, value: f64, variance: f64) -> f64 {
     if u > sd { u * u - variance } else { 0.0 }
 }
 
-/// Splits the variances of PBC and BTC. The noise has what is left if the model is known, and the base motion with it.
-/// The base motion has what its size leaves open, and the square of the distance between models with and without it.
-/// Models that disagree have the rest. `excess` belongs to the base motion if that makes the peaks.
+/// Splits the variances of PBC and BTC. Noise has the variance for a known model and a known base motion. Base motion
+/// has the variance by its unknown size, and the square of the distance between models with and without it. Models
+/// that disagree have the rest. `excess` belongs to the base motion if that makes the peaks.
 fn sources(models: &[Weighed], variances: [f64; 2], excess: [f64; 2]) -> Sources {
     let probability = base_motion_probability(models);
     let sum = |of: &dyn Fn(&Weighed) -> f64| models.iter().map(|model| model.weight * of(model)).sum::<f64>();

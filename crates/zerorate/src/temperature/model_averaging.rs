@@ -21,7 +21,7 @@ const PLAY_RATIO: f64 = 2.0;
 const LEAST_PLAY_C: f64 = 0.0125;
 /// Ratio of one B to the next.
 const B_RATIO: f64 = core::f64::consts::SQRT_2;
-/// Ratio of one K to the next. A recording tells less of K than of B.
+/// Ratio of one K to the next. A recording determines K less well than B.
 const K_RATIO: f64 = 2.0;
 /// Number of plays that replace one that is too coarse.
 const FINER_PLAYS: i32 = 8;
@@ -177,7 +177,7 @@ impl<'a> Lattice<'a> {
     }
 
     /// The paths with a base motion, with their scores, beside those without: first the base motions that explain most
-    /// on any path, at the frequencies that matter there, and then all paths with these. None if none matters.
+    /// on any path, at the frequencies that matter there, and then all paths with these. Empty if none matters.
     fn paths_with_motion(&self, filter: &Filter, noise: (i32, i32), still: &[(f64, Path)]) -> Vec<(f64, Path)> {
         let coarse = self.paired(filter, noise, &self.paths, &base_motion::of(self.motions_hz));
         let Some(best) = coarse.iter().copied().max_by(|a, b| a.0.total_cmp(&b.0)) else { return Vec::new() };

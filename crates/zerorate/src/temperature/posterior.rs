@@ -213,7 +213,7 @@ impl Solved {
 }
 
 /// Variances that the columns from `motions` on explain: c · S⁻¹ · c. S is the covariance of these columns, and c is
-/// that of a coefficient with them.
+/// the covariance of a coefficient with them.
 fn from_motion(inverse: &[Vec<f64>], motions: usize, constants: impl Fn(usize) -> Powers) -> Powers {
     let own = (motions..inverse.len()).map(|row| inverse[row][motions..=row].to_vec()).collect();
     let Some(own) = whitener(own) else { return [0.0; TERMS] };

@@ -9,7 +9,7 @@ use libm::expf;
 
 /// Number of rates of quiet rotations.
 const ROTATIONS: usize = 9;
-/// Slowest of these rates, in units of the least rotation to be told.
+/// Slowest of these rates, in units of the slowest rotation to be detected.
 const SLOWEST: f32 = 0.7;
 /// Each rate over the one before. All are equally likely, in both directions.
 const RATIO: f32 = core::f32::consts::SQRT_2;
@@ -18,8 +18,8 @@ const SPREAD: f32 = 0.17;
 /// Standard deviations beyond which a bias does not explain a level. Noise exceeds them once in 16 000.
 const MOST: f32 = 4.0;
 
-/// Densities of a level for a sensor at rest and for one that rotates, from its quiet mean and the slowest rotation
-/// to be told, °/s. Both lack the factor 1/√2π.
+/// Densities of a level for a sensor at rest and for one that rotates, from its quiet mean and the slowest rotation to
+/// be detected, °/s. Both lack the factor 1/√2π.
 pub(super) fn densities(seen: &Innovation, least_turn_dps: f32) -> (f32, f32) {
     let normal = |x_dps: f32, dps2: f32| expf(-0.5 * x_dps * x_dps / dps2) / sd(dps2);
     let rest = if seen.dps.abs() > MOST * sd(seen.dps2) { 0.0 } else { normal(seen.dps, seen.dps2) };

@@ -154,7 +154,7 @@ pub struct Tracker {
     /// Seconds that have not passed in the bank yet.
     due_s: u32,
     quiet: Quiet,
-    /// Windows of the stretch that were taken in, and those that are sure.
+    /// Numbers of windows of the stretch that were taken in, and that are sure.
     taken: u32,
     sure: u32,
     temp_c: Option<f32>,
