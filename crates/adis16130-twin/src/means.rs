@@ -35,7 +35,7 @@ pub struct Means {
 /// The average of a block.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Mean {
-    /// Start of the block, in s from the start.
+    /// Start of the block, in s from power-on.
     pub start_s: f64,
     /// Length of the block, in s.
     pub length_s: f64,
@@ -136,7 +136,7 @@ mod tests {
         assert!((sd(temp) / (facts::TEMP_NOISE_C_PER_RT_HZ / libm::sqrt(2.0)) - 1.0).abs() < 0.04, "{}", sd(temp));
     }
 
-    /// Without noise the mean at an hour's end agrees with the part itself.
+    /// Without noise, the mean after an hour agrees with the part itself.
     #[test]
     fn means_follow_the_part() {
         let spec = Spec { noise: false, ..Spec::from_seed(3) };

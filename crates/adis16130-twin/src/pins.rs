@@ -28,9 +28,9 @@ macro_rules! pin {
 pin!(
     /// The data-ready pin (F-32). Reading it takes no simulated time.
     ///
-    /// Waiting lets simulated time pass at once, so a future here never pends. It gives up after one second of
-    /// simulated time, since nothing else could end the wait. Waiting for an edge counts from the call. An edge that
-    /// is latched for [`Twin::next_falling_edge`](crate::Twin::next_falling_edge) is forgotten.
+    /// Waiting lets simulated time pass at once, so a future here never pends. A wait gives up after one second of
+    /// simulated time, since nothing else could end it. A wait for an edge counts from the call. An edge that is
+    /// latched for [`Twin::next_falling_edge`](crate::Twin::next_falling_edge) is forgotten.
     TwinRdy
 );
 pin!(

@@ -111,7 +111,7 @@ const LONGEST_PAUSE_LOG2: u8 = 10;
 /// The sample before.
 #[derive(Copy, Clone, Debug)]
 struct LastSample {
-    /// Time and number of the sample's edge, in ns.
+    /// Time, in ns, and number of the sample's edge.
     t_ns: u32,
     seq: u32,
     /// Whether no sample was taken before this one.

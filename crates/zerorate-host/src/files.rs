@@ -206,7 +206,7 @@ mod tests {
     use super::*;
     use std::io::{SeekFrom, Write};
 
-    /// A file of 4 GiB that takes a few blocks is as small as its blocks.
+    /// A sparse file of 4 GiB counts only the few blocks that it takes.
     #[test]
     fn holes_do_not_count_as_bytes_of_a_log() {
         let mut file = tempfile::NamedTempFile::new().expect("a file");

@@ -33,7 +33,7 @@ const CLOCKS_HZ: [u32; 7] = [1_000_000, 2_000_000, 4_000_000, 5_000_000, 6_000_0
 /// Whole configurations that must be read back correctly at each clock.
 const READ_BACKS: u32 = 20;
 
-/// Samples at each of the two levels of the self-test: batches of 64, which are long against the bandwidth (F-03).
+/// Number of samples at each level of the self-test: batches of 64, which are long against the bandwidth (F-03).
 const SELF_TEST_SAMPLES: u16 = 1024;
 
 /// A silence of this length without a data-ready edge is a failure.

@@ -150,7 +150,7 @@ mod tests {
     use super::*;
     use std::cell::Cell;
 
-    /// A clock that nothing but a sleep moves.
+    /// A clock that only a sleep moves.
     #[derive(Default)]
     struct Slept(Cell<Duration>);
 

@@ -147,7 +147,7 @@ fn specs(part: &Part) -> Vec<ColumnSpec> {
     part.axes.iter().map(axis).chain([temp]).collect()
 }
 
-/// The unit that the name of a column states, or the name that the part gives.
+/// The quantity from the name of a column, or from the name that the part gives.
 fn stated(column: &str, spec: &ColumnSpec) -> Option<(Quantity, f64)> {
     let by_part = || spec.without_unit().and_then(|_| Quantity::of_column(&spec.name));
     Quantity::of_column(column).or_else(by_part)

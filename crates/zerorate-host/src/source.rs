@@ -107,7 +107,7 @@ pub struct DeviceInfo {
     pub name: String,
     /// The description of the capture.
     pub info: CaptureInfo,
-    /// The known facts about the part, as it is set.
+    /// The known facts about the part, as configured.
     pub part: Part,
     /// Framing of the bytes by CS (F-22), if this program decides it.
     pub framing: Option<Framing>,

@@ -355,7 +355,7 @@ fn why_not_configured(path: &Path, error: io::Error) -> anyhow::Error {
 mod tests {
     use super::*;
 
-    /// The bus or the line of data ready notices a pulled cable, depending on which waits just then.
+    /// A pulled cable is noticed by the bus or by the data-ready line, depending on which waits just then.
     #[test]
     fn a_pulled_cable_is_one_wherever_it_is_seen() {
         let address = SpiAddress::read("/dev/spidev0.0?rdy=gpiochip0:3").unwrap();

@@ -1,4 +1,4 @@
-//! Addresses of devices.
+//! Tests of the addresses of devices.
 
 use crate::bridge::BridgeAddress;
 use crate::iio::IioAddress;
@@ -111,7 +111,7 @@ fn each_kind_is_named_where_none_fits() {
     assert!(format!("{bandwidth:?}").contains("bandwidth_hz: Some(50.0)"), "{bandwidth:?}");
 }
 
-/// Each axis draws its own values, given values hold for all; clock and warmth are shared.
+/// Each axis has its own random values. Given values hold for all axes, and the clock and the temperature are shared.
 #[test]
 fn a_twin_may_have_several_axes() {
     for (wrong, hint) in [("axes=0", "1, 2 or 3"), ("axes=4", "1, 2 or 3"), ("axes=three", "1, 2 or 3")] {

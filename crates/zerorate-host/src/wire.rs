@@ -134,7 +134,7 @@ mod tests {
 
     const SOON: Duration = Duration::from_secs(5);
 
-    /// The far end of a port, and the file of the near one.
+    /// The far end of a port, and the file of the near end.
     fn pair() -> (File, String) {
         let far = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).expect("a pair of ports");
         grantpt(&far).expect("a near end");

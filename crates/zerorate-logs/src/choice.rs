@@ -56,7 +56,7 @@ impl ColumnSpec {
 
 /// The columns of a file from which columns are chosen.
 pub struct Columns<'a> {
-    /// The file.
+    /// The path of the file.
     pub path: &'a Path,
     /// The names of the columns, or their numbers.
     pub names: Vec<&'a str>,

@@ -405,7 +405,7 @@ mod tests {
         all.time_base(TimeUnit::S, Names::default())
     }
 
-    /// Numbers of a normal distribution, nearly: sums of twelve.
+    /// Nearly normal numbers, each a sum of twelve.
     fn normal(count: usize) -> impl Iterator<Item = f64> {
         let mut state = 1u64;
         let mut uniform = move || {
@@ -449,8 +449,8 @@ mod tests {
         }
     }
 
-    /// Rates of gyroscopes in whole milliseconds, with half a second missing once: less than one step in a sample, and
-    /// between one and one and a half.
+    /// Sampling rates of gyroscopes, with stamps in whole milliseconds and half a second missing once: below one step
+    /// per sample, and between one step and one and a half.
     #[test]
     fn coarse_stamps_are_no_losses() {
         for rate in [667.0, 833.0, 952.0, 990.0, 1666.0] {
@@ -461,14 +461,14 @@ mod tests {
         }
         let text = time_base((0..60_000).map(|i| (f64::from(i) * 1.2).floor())).unwrap().jitter_text().unwrap();
         assert!(text.contains("count in steps (or even losses at 1 Hz)"), "{text}");
-        // as many losses by chance
+        // as many losses at random
         let mut late = normal(60_000);
         let there = (0..60_000).filter(|_| late.next().is_some_and(|z| z < 1.0));
         let found = time_base(there.map(|i| f64::from(i) * 1e-3)).unwrap();
         assert!((found.rate_hz - 1000.0).abs() < 1e-3 && found.as_losses.is_none(), "{}", found.rate_hz);
     }
 
-    /// A crystal that drifts by 200 ppm is followed.
+    /// The clock follows a crystal that drifts by 200 ppm.
     #[test]
     fn a_clock_that_drifts() {
         let found = time_base((0..100_000).map(|i| f64::from(i) * 0.01 * (1.0 + 2e-9 * f64::from(i)))).unwrap();
@@ -481,7 +481,7 @@ mod tests {
         assert!(found.gaps.is_empty());
     }
 
-    /// 200 Hz with a jitter of 1 ms, and of 2 ms: no sample is missing, and 7 are found where 7 are.
+    /// 200 Hz with a jitter of 1 ms, and of 2 ms: no gap is found without a loss, and 7 lost samples are found.
     #[test]
     fn jitter_is_no_gap() {
         for jitter_s in [0.001, 0.002] {

@@ -236,7 +236,7 @@ struct SetColumn<'a> {
     rows: u64,
     /// In a two-dimensional data set, the index of the column, and whether the first dimension counts the log's rows.
     at: Option<(u64, bool)>,
-    /// The field of a compound.
+    /// The field, if the data set is a compound.
     field: Option<&'a CompoundField>,
 }
 
@@ -337,7 +337,7 @@ impl H5Type for Cell {
     }
 }
 
-/// A compound.
+/// The bytes of a compound.
 #[derive(Clone)]
 struct CompoundRow(Vec<u8>);
 

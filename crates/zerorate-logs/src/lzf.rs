@@ -35,7 +35,7 @@ fn taken(packed: &mut &[u8]) -> Option<u8> {
 mod tests {
     use super::unpacked;
 
-    /// Put together by hand, as LibLZF's comments describe the format.
+    /// Data put together by hand, as LibLZF's comments describe the format.
     #[test]
     fn literals_and_repetitions() {
         assert_eq!(unpacked(b"\x02abc", 9).unwrap(), b"abc");

@@ -275,7 +275,7 @@ mod tests {
         );
     }
 
-    /// The fast way gives what the slow one of the standard library gives, to the last bit.
+    /// The fast path gives the result of the standard library, to the last bit.
     #[test]
     fn plain_numbers_are_rounded_once() {
         let mut cells: Vec<String> =

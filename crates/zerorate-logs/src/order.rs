@@ -266,7 +266,7 @@ mod tests {
     use super::*;
     use zerorate_input::limits::MemoryBudget;
 
-    /// Times and values as they stand in a file; gives times, values and what is said.
+    /// Repairs times and values as a file has them. Returns the times, the values and the texts.
     fn mended(rows: &[(f64, f64)]) -> Result<(Vec<f64>, Vec<f64>, String), String> {
         let mut times = Times::new();
         let mut values = SeriesBuilder::new(MemoryBudget::of(0));
@@ -306,7 +306,7 @@ mod tests {
         assert!(is_even(&mended(&twice).unwrap().0, 50));
     }
 
-    /// A stamp that stood still, with the sample that belongs to the next one.
+    /// A stamp is repeated, but the sample with it belongs to the next stamp.
     #[test]
     fn a_sample_with_a_wrong_stamp_counts() {
         let mut rows = even(100);
@@ -314,7 +314,7 @@ mod tests {
         let (times, values, said) = mended(&rows).unwrap();
         assert!(is_even(&times, 100) && values[40] == 20.0, "{times:?}");
         assert!(said.contains("repeat a stamp (a wrong one)"), "{said}");
-        // equal values by chance do not make a row a repeat where the time has room for it
+        // values that are equal by chance do not make a row a duplicate if there is time for a sample
         rows[40].1 = rows[39].1;
         assert_eq!(mended(&rows).unwrap().0.len(), 100);
         // 1.6 samples to a step of the clock
@@ -346,7 +346,7 @@ mod tests {
         }
     }
 
-    /// A counter with a sign, and the time of a day.
+    /// A signed counter, and the time of day.
     #[test]
     fn counters_wrap_below_zero_and_at_midnight() {
         for (start, modulus) in [(-32_768.0, 65_536.0), (-2_147_483_648.0, 4_294_967_296.0), (0.0, 86_400.0)] {
@@ -357,7 +357,7 @@ mod tests {
         }
     }
 
-    /// A digit that a cable broke, or lost.
+    /// A digit of a stamp was corrupted or lost by a cable.
     #[test]
     fn a_stamp_that_cannot_be_is_no_leap_of_the_clock() {
         for stray in [0.0, 5.0, 1e9, 300.0] {
@@ -369,7 +369,7 @@ mod tests {
         }
     }
 
-    /// A clock in whole seconds over 200 samples a second, of which a log begins and ends in the middle, and two
+    /// A clock in whole seconds over 200 samples a second. The log begins and ends in the middle of a second, and two
     /// seconds are missing.
     #[test]
     fn a_coarse_clock_loses_nothing() {

@@ -1,4 +1,4 @@
-//! Logs with what stands in them known beforehand.
+//! Logs whose content is known beforehand.
 
 #[cfg(feature = "full")]
 mod forms;
@@ -18,7 +18,7 @@ use tempfile::TempDir;
 use zerorate_allan::Gap;
 use zerorate_allan::SettingName;
 
-/// Options as one types them.
+/// Options as a user types them.
 pub fn options(text: &str) -> ColumnOptions {
     let mut options = ColumnOptions { names: Names(flag), ..ColumnOptions::default() };
     let mut words = text.split_whitespace();
@@ -86,7 +86,7 @@ pub fn numbers(column: &Column) -> Vec<f64> {
     }
 }
 
-/// Numbers where a missing one is none.
+/// The samples of a column; `None` if a sample is missing.
 pub fn there(column: &Column) -> Vec<Option<f64>> {
     numbers(column).into_iter().map(|number| Some(number).filter(|number| !number.is_nan())).collect()
 }
@@ -287,7 +287,7 @@ fn units_are_declared_or_said_to_be_unknown() {
     assert!(error.to_string().contains("`gz_rad_s` states rad/s, and unit says dps, 0.0175 times"), "{error}");
 }
 
-/// A number of samples counts those that are missing; a gap that is cut through is left out whole.
+/// Missing samples count in the number of samples. A gap that the cut goes through is removed whole.
 #[test]
 fn the_beginning_is_left_out() {
     let codes = |codes: &[i32], gaps: &[(usize, u64)]| Column {

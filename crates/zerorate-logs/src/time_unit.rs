@@ -12,10 +12,10 @@ const RATES_HZ: std::ops::RangeInclusive<f64> = 0.01..=50_000.0;
 /// A usual rate, Hz.
 const USUAL_HZ: f64 = 100.0;
 
-/// Seconds since 1970 of the years 2000 and 2100.
+/// The start of the years 2000 and 2100, in seconds since 1970.
 const EPOCH_S: std::ops::Range<f64> = 946_684_800.0..4_102_444_800.0;
 
-/// Seconds since 1970 of the year 2286.
+/// The year 2286, in seconds since 1970.
 const TOO_LATE_S: f64 = 1e10;
 
 const ALL: [TimeUnit; 4] = [TimeUnit::S, TimeUnit::Ms, TimeUnit::Us, TimeUnit::Ns];

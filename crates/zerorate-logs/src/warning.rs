@@ -157,7 +157,7 @@ impl LogWarning {
         Self::Miscounted { path: path.display().to_string(), topic: topic.to_owned(), stated, found }
     }
 
-    /// The warning about a file whose end is missing; empty where the end is there.
+    /// The warning about a file whose end is missing; empty if the end is there.
     pub(crate) fn torn(text: Option<String>) -> Vec<Self> {
         text.map(|text| InputWarning::Torn(text).into()).into_iter().collect()
     }

@@ -117,7 +117,7 @@ impl Slow {
         self.thermal.set_powered(powered);
     }
 
-    /// Takes the ambient to `to_c` within `over_s` from the next tick after `t_ps` on.
+    /// Moves the ambient temperature to `to_c` within `over_s` from the next tick after `t_ps` on.
     pub(crate) fn set_ambient(&mut self, to_c: f64, over_s: f64, t_ps: u64) {
         self.follow(t_ps);
         self.thermal.set_ambient(to_c, over_s, self.ticks as f64 * seconds(self.tick_ps));

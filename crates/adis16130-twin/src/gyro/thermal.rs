@@ -48,7 +48,7 @@ impl Thermal {
         self.powered = powered;
     }
 
-    /// Takes the ambient to `to_c` within `over_s` from `t_s` on, in place of the profile.
+    /// Moves the ambient temperature to `to_c` within `over_s` from `t_s` on, in place of the profile.
     pub(crate) fn set_ambient(&mut self, to_c: f64, over_s: f64, t_s: f64) {
         let from_c = self.ambient.at(t_s);
         self.ambient.outside = Some(Outside { from_c, to_c, from_s: t_s, over_s: over_s.max(0.0) });

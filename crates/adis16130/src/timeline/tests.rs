@@ -26,7 +26,7 @@ impl Bench {
         Self { timeline, seq: 0, t_ns: 1e9, period_ns: PERIOD_NS * (1.0 + ppm * 1e-6) }
     }
 
-    /// The same, once the loop has run so long that nothing is left of its start, held in this gear from then on.
+    /// A bench whose loop has run so long that nothing is left of its start, held in this gear from then on.
     fn in_gear(gear: u32) -> Self {
         let mut bench = Self::new(0.0);
         (0..5_000).for_each(|_| bench.step(0.0));
@@ -185,7 +185,7 @@ fn the_noise_of_the_period_is_as_claimed() {
                 }
             }
         }
-        // 480 000 edges are 120 times the memory of gear 10, so this figure is itself good to some 8 %
+        // 480 000 edges are 120 time constants of gear 10, so this figure is itself good to some 8 %
         let tolerance = 0.05 + 4.0 * alpha(gear).sqrt();
         assert_near((sum / f64::from(count)).sqrt(), JITTER_NS * claimed, tolerance, &std::format!("gear {gear}"));
     }

@@ -176,7 +176,7 @@ impl Stream {
     }
 }
 
-/// The link, as the bus and the edges of the same part use it in turn.
+/// The link that the bus and the edges of a part use in turn.
 #[derive(Clone)]
 struct SharedLink(Arc<Mutex<Link>>);
 

@@ -48,7 +48,7 @@ mod tests {
 
     const PAIR: Duration = Duration::from_nanos(175_667);
 
-    /// Samples until the clock is found to stand still, with this time of the bridge from one to the next.
+    /// Number of samples, `step_ns` apart in the bridge's time, until the clock is found to stand still.
     fn found_after(step_ns: u64, waited: Duration) -> Option<u32> {
         let mut progress = Progress::default();
         (0..100_000).find(|&k| {

@@ -1,4 +1,4 @@
-//! The protocol without a socket: what libiio sends is answered as it expects, and what nobody sends does no harm.
+//! The protocol without a socket: requests of libiio get the expected answers, and any other requests do no harm.
 
 #[path = "../../../zerorate-record/src/fuzz/edit.rs"]
 mod edit;
@@ -48,7 +48,7 @@ fn reply(session: &mut Session<'_>, line: &str) -> String {
     }
 }
 
-/// The value that a reply holds, its length checked.
+/// The value in a reply, whose length is checked.
 fn value(session: &mut Session<'_>, line: &str) -> String {
     let reply = reply(session, line);
     let (length, value) = reply.split_once('\n').expect("a length");
@@ -85,7 +85,7 @@ fn values_are_in_the_units_of_the_kernel() {
     assert_eq!(value(&mut session, "READ adis16130 INPUT samples_lost raw"), "1", "by its name as well");
 }
 
-/// The server is a watcher. Samples that it was too slow for were read, and do not count as lost.
+/// The server is a watcher. Samples that its queue had no room for were read, and do not count as lost.
 #[test]
 fn samples_that_the_server_missed_are_not_lost() {
     let device = calibrated();

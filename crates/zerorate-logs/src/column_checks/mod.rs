@@ -57,7 +57,7 @@ pub struct ColumnFacts {
 }
 
 impl ColumnChecks {
-    /// Checks a column.
+    /// Runs all checks on a column.
     pub fn of(input: &Input<'_>) -> Self {
         let mut checks = Self::default();
         for_each_block(input, |block| checks.feed(block));
@@ -88,7 +88,7 @@ impl ColumnChecks {
 }
 
 impl ColumnFacts {
-    /// The facts of a column alone.
+    /// Computes the facts of a column, without the checks.
     pub fn of(input: &Input<'_>) -> Self {
         let mut facts = Self::default();
         for_each_block(input, |block| facts.feed(block));

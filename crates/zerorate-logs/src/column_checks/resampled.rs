@@ -131,7 +131,7 @@ mod tests {
         ColumnChecks::of(&series.input(&[])).resampled.text()
     }
 
-    /// Noise of a triangular distribution with so many steps.
+    /// Noise of a triangular distribution that spans `steps` steps.
     fn noise(count: usize, steps: f64) -> Vec<f64> {
         let mut random = 7u64;
         let mut next = move || {
@@ -153,7 +153,7 @@ mod tests {
         // codes of 131 steps in a unit, printed with four decimals
         let printed = noise(5000, 3.0).into_iter().map(|code| (code / 131.0 * 1e4).round() / 1e4);
         assert_eq!(said(printed.collect()), "");
-        // the same with a last digit that the printing draws
+        // the same with a random last digit, as from printing
         let mut last = noise(5000, 1.0).into_iter();
         let drawn = noise(5000, 3.0).into_iter().map(|code| code * 0.0075 + 1e-4 * last.next().unwrap_or_default());
         assert_eq!(said(drawn.collect()), "");

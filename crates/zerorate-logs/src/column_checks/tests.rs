@@ -1,4 +1,4 @@
-//! The checks beside their definitions, and how often they read the column.
+//! Compares the checks with their definitions, and counts how often they read the column.
 
 use super::clipped::tests::noise;
 use super::*;
@@ -9,7 +9,7 @@ fn checks(samples: &[f64]) -> ColumnChecks {
     ColumnChecks::of(&Input::Rate(samples))
 }
 
-/// Noise as it is, and with all that a column may have.
+/// Noise, plain and with every peculiarity that the checks look for.
 fn columns() -> Vec<Vec<f64>> {
     let with = |change: &dyn Fn(usize, f64) -> f64| -> Vec<f64> {
         noise(20_011).into_iter().enumerate().map(|(at, sample)| change(at, sample)).collect()
@@ -38,7 +38,7 @@ fn columns() -> Vec<Vec<f64>> {
     ]
 }
 
-/// Changes, and the last of the longest stretches: first sample, samples, samples with those missing in it.
+/// Number of changes, and the last of the longest runs: first sample, samples, and samples including missing ones.
 fn stretches(samples: &[f64]) -> (usize, (usize, usize, usize)) {
     let there: Vec<usize> = (0..samples.len()).filter(|at| !samples[*at].is_nan()).collect();
     let starts: Vec<usize> =
@@ -120,8 +120,8 @@ fn gaps_among_codes_count_to_the_time_of_a_stop() {
     assert_eq!(found, Some(expected));
 }
 
-/// Each sample is read once, and one by one only in the first block, in the last and by what looks at the beginning
-/// of a column alone.
+/// Each sample is read once. Samples are read one by one only in the first and the last block, and by a check that
+/// looks at the beginning of a column alone.
 #[test]
 fn one_pass_serves_all_checks() {
     let looked_at = |samples: &[f64]| {
@@ -145,7 +145,7 @@ fn one_pass_serves_all_checks() {
     assert!(looks < 4.5, "{looks}");
 }
 
-/// A column that was read is not read again: what was found in it is kept.
+/// The checks of a column are not run again: the column keeps their results.
 #[test]
 fn a_column_keeps_its_facts_until_it_changes() {
     let bytes: Vec<u8> = noise(5000).iter().flat_map(|sample| sample.to_le_bytes()).collect();

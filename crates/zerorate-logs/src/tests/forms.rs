@@ -1,4 +1,4 @@
-//! The forms that a feature adds.
+//! The formats that a Cargo feature adds.
 
 use super::*;
 use std::io::{Cursor, Write};
@@ -296,7 +296,7 @@ pub fn sqlite_bag() -> Vec<u8> {
     fs::read(&path).unwrap()
 }
 
-/// The same bytes with another type of message, which has a name of the same length.
+/// The same bytes with another message type, whose name has the same length.
 fn of_joysticks(bag: &[u8], kind: &[u8]) -> Vec<u8> {
     let joy = [&kind[..kind.len() - 3], b"Joy"].concat();
     let mut bag = bag.to_vec();

@@ -1,4 +1,4 @@
-//! Texts as people have them: headers that do not fit, decimal commas, serial logs.
+//! Texts as users have them: headers that do not fit, decimal commas, serial logs.
 
 use super::super::tests::{Folder, numbers, there};
 use crate::column::Column;
@@ -65,7 +65,7 @@ fn one_column_with_decimal_commas() {
     assert!(fails("gz\n1,234\n5,678\n", "--rate 10").contains("`1,234` is 1.234 or 1234; give --decimal comma"));
 }
 
-/// Commas cut the rows, and the numbers as well.
+/// Commas separate both the cells and the decimals.
 #[test]
 fn decimal_commas_between_commas() {
     let clash = "decimal commas and comma separators clash in this file. Export it with \";\" or with decimal points";
@@ -206,7 +206,7 @@ fn choices_that_a_file_offers() {
     assert!(said.contains("none of its first 3 lines holds a number (`hello`)"), "{said}");
 }
 
-/// Blocks end where lines end, wherever that is.
+/// Blocks end where lines end, anywhere in the text.
 #[test]
 fn a_text_in_many_blocks() {
     let rows: Vec<i32> = (0..30_000).map(|row| row * 7919 % 65_521 - 30_000).collect();
@@ -234,7 +234,7 @@ fn sentences_are_checked_and_lose_their_checksum() {
     let column = read(&text, "--column 12 --rate 40 --unit rad/s");
     assert_eq!((column.series.len(), numbers(&column)[0]), (120, -0.001_017));
     assert!(column.warnings.is_empty(), "{:?}", column.warnings);
-    // a bit that a cable flips is a sample that is lost
+    // a bit that a cable flips costs a sample
     let flipped = text.replacen("-00.001017", "-00.001016", 1);
     let column = read(&flipped, "--column 12 --rate 40 --unit rad/s");
     assert_eq!((column.series.len(), there(&column)[0]), (120, None));

@@ -43,7 +43,7 @@ pub struct Calibration {
     pub part: String,
     /// Serial number of the unit.
     pub serial: Option<String>,
-    /// When the samples were recorded, RFC 3339; [`SIMULATED`] for the software twin.
+    /// Time at which the samples were recorded, RFC 3339; [`SIMULATED`] for the software twin.
     pub created: Option<String>,
     /// Method of the measurement. `an1042` is F-51, and `warmup` and `cycle` use every block of a recording.
     pub method: Option<String>,
@@ -53,7 +53,7 @@ pub struct Calibration {
     pub device: Option<String>,
     /// Registers and reading scheme of the part while it was measured.
     pub config: Option<String>,
-    /// SHA-256 of the samples it was computed from (`docs/formats/capture.md`).
+    /// SHA-256 of the samples from which the calibration was computed (`docs/formats/capture.md`).
     pub capture_sha256: Option<String>,
     /// Circumstances of the measurement.
     pub notes: Notes,

@@ -100,7 +100,7 @@ impl Limits {
 const ROUGHNESS: u32 = 4;
 /// Divisor of a mark's size where the mark counts for the past of later readings.
 const MARK_SHARE: u32 = 2;
-/// Judgements after a mark during which it counts for the past. A shock is in the readings' own past after three.
+/// Number of judgements for which a mark counts for the past. The readings' own past has a shock after three.
 const SHOCK_LASTS: u8 = 8;
 /// log₂ of the readings over which the past fades.
 const FADING: u32 = 5;

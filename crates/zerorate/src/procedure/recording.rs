@@ -24,7 +24,7 @@ const MOST_BLOCKS: f64 = 1600.0;
 /// Shortest block, s.
 const SHORTEST_S: f64 = 2.0;
 
-/// The numbers of a recording if it ended now.
+/// The result of a recording if it ended now.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reached {
     /// Standard uncertainty of the correction, rms over the temperatures seen, °/s.

@@ -100,7 +100,7 @@ impl Filter {
         filter
     }
 
-    /// Runs over series of the blocks' length.
+    /// Runs the filter over series of the blocks' length.
     pub(super) fn whites(&self, series: &[Vec<f64>]) -> Whites {
         let series: Vec<White> = series.iter().map(|series| self.whiten(series)).collect();
         let row = |k: usize| series[..=k].iter().map(|other| gls::dot(&series[k].values, &other.values)).collect();
@@ -123,7 +123,7 @@ impl Filter {
         })
     }
 
-    /// Runs over one series.
+    /// Runs the filter over one series.
     pub(super) fn whiten(&self, series: &[f64]) -> White {
         let mut states = vec![0.0; self.states];
         let blocks = self.steps.iter().zip(self.gains.chunks_exact(self.states)).zip(series);

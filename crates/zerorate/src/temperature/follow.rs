@@ -3,7 +3,7 @@
 use super::Block;
 use alloc::vec::Vec;
 
-/// The temperature at which the play holds the bias, and the one without play.
+/// The temperature at which the play holds the bias, and the temperature without play.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Held {
     pub(super) at_c: f64,

@@ -60,7 +60,7 @@ fn the_filter_is_the_inverse_of_the_covariance() {
     };
     let block = |start_s| Block { start_s, length_s: 2.0, rate_dps: 0.0, temp_c: 25.0 };
     let blocks = [block(0.0), block(2.0), block(10.0)];
-    // a walk from the middle of the first block, a process with nearly infinite memory, white noise of means over 2 s
+    // a walk from the middle of the first block, a nearly constant process, white noise of means over 2 s
     let (walk, constant, white) = (0.003 * 0.003, 0.01 * 0.01, 0.02 * 0.02 / 4.0);
     let middles: [f64; 3] = [0.0, 2.0, 10.0];
     let covariance =
@@ -124,7 +124,7 @@ fn a_bend_that_orders_share_is_in_the_interval_of_btc() {
     }
 }
 
-/// A lag of 30 s is told from a curve: the self-heating has two time constants, so that no polynomial looks like it.
+/// A lag of 30 s is told from a curve: the self-heating has two time constants, so no polynomial fits it.
 #[test]
 fn a_lag_is_found() {
     let (curve, truth) = curve_of(&Spec { lag_s: 30.0, ..Spec::from_seed(3) }, &[]);
