@@ -43,6 +43,7 @@ pub enum Cells<'py> {
 #[pyo3(from_item_all)]
 pub struct Options {
     topic: Option<String>,
+    r#where: Option<String>,
     time_column: Option<String>,
     time_unit: Option<String>,
     rate_hz: Option<f64>,
@@ -69,9 +70,9 @@ pub fn argument(setting: Setting) -> SettingName {
             SettingName { suffix: if setting == Setting::Rate { "_hz=" } else { "_s=" }, ..name }
         }
         Setting::ForceUnit => SettingName { prefix: "give ", suffix: "=True", ..name },
+        Setting::Detrend => SettingName { suffix: "=1", ..name },
         Setting::AsFitted | Setting::Increments => SettingName { suffix: "=True", ..name },
         Setting::NoIncrements => SettingName::text("increments=False"),
-        Setting::Where => SettingName::text("only rows with"),
         Setting::TempColumn => SettingName::text("temp_c="),
         Setting::Combine | Setting::Format => setting.name(),
         _ => name,
@@ -197,7 +198,7 @@ impl Options {
         Ok(ColumnOptions {
             column: None,
             topic: self.topic.clone(),
-            only: None,
+            only: self.r#where.as_deref().map(str::parse).transpose().map_err(only_refused)?,
             time_column: self.time_column.clone(),
             time_unit: chosen(&self.time_unit, "time_unit", &TIME_UNITS)?,
             rate: positive(self.rate_hz)?,
@@ -216,6 +217,10 @@ impl Options {
     fn unit(&self) -> PyResult<Option<Unit>> {
         parsed(&self.unit, "unit")
     }
+}
+
+fn only_refused(why: String) -> PyErr {
+    PyValueError::new_err(format!("where=: {why}"))
 }
 
 const TIME_UNITS: [(&str, TimeUnit); 4] =

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pathlib
 from typing import Any
 
 import numpy as np
@@ -234,3 +235,17 @@ def test_libraries_that_are_missing_are_named(monkeypatch: pytest.MonkeyPatch) -
         found.to_frame()
     with pytest.raises(ImportError, match="pip install matplotlib"):
         found.plot()
+
+
+def test_rows_of_one_sensor_are_chosen_among_several(tmp_path: pathlib.Path) -> None:
+    first, second = np.random.default_rng(7).normal(scale=[0.1, 0.4], size=(4000, 2)).T
+    pairs = zip(first, second)
+    rows = [f"{at / RATE_HZ:.2f},1,{one:.6f}\n{at / RATE_HZ:.2f},2,{other:.6f}" for at, (one, other) in enumerate(pairs)]
+    log = tmp_path / "two.csv"
+    log.write_text("\n".join(["t_s,SensorId,gz_dps", *rows]) + "\n")
+    by_sensor = [zerorate.allan(log, column="gz_dps", where=f"SensorId={sensor}") for sensor in (1, 2)]
+    assert [found.samples for found in by_sensor] == [4000, 4000]
+    assert 3.6 < by_sensor[1].dev[0] / by_sensor[0].dev[0] < 4.4
+    assert zerorate.read_log(log, "gz_dps", where="SensorId=2").rate_hz == pytest.approx(RATE_HZ)
+    with pytest.raises(ValueError, match="where=: give a column and its value"):
+        zerorate.allan(log, where="SensorId")

@@ -48,7 +48,7 @@ def same(result: zerorate.Allan, report: Any) -> None:
 def test_a_capture_that_follows_its_temperature_is_as_on_the_command_line(folder: Path) -> None:
     warned = zerorate.allan(folder / "a.arrows")
     assert warned.fit is not None and codes(warned.fit.warnings)[0] == "follows-temperature"
-    assert "(detrend=, skip=)" in warned.fit.warnings[0] and warned.detrended is None
+    assert "(detrend=1, skip=)" in warned.fit.warnings[0] and warned.detrended is None
     same(warned, run(folder, "allan", "a.arrows", "--fit", "--json"))
 
     # K of the part is 1e-4 (M-04)

@@ -121,6 +121,7 @@ pub fn listed(list: &str) -> Option<Vec<String>> {
 pub fn flag(setting: Setting) -> SettingName {
     match setting {
         Setting::ForceUnit => SettingName { prefix: "give --", ..flag_of(setting.word()) },
+        Setting::Detrend => SettingName { suffix: " temp", ..flag_of(setting.word()) },
         Setting::NoIncrements => SettingName::text("--increments=no"),
         other => flag_of(other.word()),
     }

@@ -99,7 +99,7 @@ fn option(setting: Setting) -> SettingName {
 /// The options that the command line and the Python package name at the end of a warning.
 fn options(warning: &AllanWarning) -> &'static str {
     match warning {
-        AllanWarning::FollowsTemperature { .. } => " (--detrend, --skip)",
+        AllanWarning::FollowsTemperature { .. } => " (--detrend temp, --skip)",
         _ => "",
     }
 }

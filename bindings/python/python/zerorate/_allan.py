@@ -40,6 +40,7 @@ if TYPE_CHECKING:
         raw: Literal["i16", "i32", "f32", "f64"] | None
         max_bad: float | None
         topic: str | None
+        where: str | None
 
     Several = Union[Literal["all"], list[str], list[int], tuple[str, ...], tuple[int, ...]]
 
@@ -92,6 +93,7 @@ def allan(
     raw: Literal["i16", "i32", "f32", "f64"] | None = None,
     max_bad: float | None = None,
     topic: str | None = None,
+    where: str | None = None,
 ) -> Allan | AllanAxes:
     """Allan deviation of a record at rest, with confidence limits and a noise model.
 
@@ -146,7 +148,7 @@ def allan(
         it. The intervals of long averages and of K are widened by the noise that it may have removed.
     skip
         Leave out the beginning, while the part warms: seconds, or a duration such as ``"45m"``.
-    force_unit, time_column, time_unit, increments, decimal, raw, max_bad, topic
+    force_unit, time_column, time_unit, increments, decimal, raw, max_bad, topic, where
         See `read_log`.
 
     Returns
@@ -202,6 +204,7 @@ def allan(
         raw=raw,
         max_bad=max_bad,
         topic=topic,
+        where=where,
     )
     if _records.is_path(rate) or _records.is_table(rate) or _records.is_wide(rate):
         is_several = _log.is_several(column) or (column is None and not _records.is_path(rate))

@@ -141,6 +141,7 @@ def imu(
     accel: Sequence[str | int] | None = None,
     rate_hz: float | None = None,
     topic: str | None = None,
+    where: str | None = None,
     gyro_unit: str | None = None,
     accel_unit: str | None = None,
     force_unit: bool = False,
@@ -193,7 +194,7 @@ def imu(
         gravity that tell of it are an error.
     time_column, time_unit
         The column with the time of each row, and its unit; otherwise the only column whose name states a unit of time.
-    decimal, max_bad
+    decimal, max_bad, where
         See `read_log`.
     stat, taus, confidence, glitches, steps, max_freq_hz
         See `allan`.
@@ -247,6 +248,7 @@ def imu(
         decimal=decimal,
         max_bad=max_bad,
         topic=topic,
+        where=where,
     )
     found, of_bag, said = _zerorate.read_imu(
         source,

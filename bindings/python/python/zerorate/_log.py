@@ -94,6 +94,7 @@ def read_log(
     raw: Literal["i16", "i32", "f32", "f64"] | None = None,
     max_bad: float | None = None,
     topic: str | None = None,
+    where: str | None = None,
 ) -> Log:
     """Reads columns of a log, in every form that ``zerorate allan`` reads, in one pass.
 
@@ -128,6 +129,9 @@ def read_log(
         Largest share of broken lines of a text that are skipped; 0.01 unless given.
     topic
         The topic of a bag, if it has several IMUs.
+    where
+        Read only the rows in which a column has this value, as in ``"SensorId=1"``: for a table or text with the rows
+        of several sensors.
 
     Returns
     -------
@@ -154,6 +158,7 @@ def read_log(
         raw=raw,
         max_bad=max_bad,
         topic=topic,
+        where=where,
     )
     found = columns_of(_records.table(log), column, True, given)
     # without a unit, the last warning is about that, and `Log.units` says it already
@@ -181,6 +186,7 @@ def options(
     raw: str | None = None,
     max_bad: float | None = None,
     topic: str | None = None,
+    where: str | None = None,
 ) -> _zerorate._Options:
     """The options of a log, in the form that the extension takes."""
     return {
@@ -195,6 +201,7 @@ def options(
         "raw": raw,
         "max_bad": None if max_bad is None else float(max_bad),
         "topic": topic,
+        "where": where,
     }
 
 

@@ -73,6 +73,7 @@ _Source = Union[str, tuple[str, list[tuple[str, _Cells]]]]
 
 class _Options(TypedDict):
     topic: str | None
+    where: str | None
     rate_hz: float | None
     time_column: str | None
     time_unit: str | None
