@@ -252,13 +252,13 @@ fn a_time_column_gives_rate_and_gaps() {
     let named = |options: &str| folder.read(rows(1e3, "timestamp [ms],gz\n"), options).unwrap();
     assert_eq!(named("").gaps, named("--column gz").gaps);
     assert_eq!((named("--column gz").rate_hz, named("--column gz --rate 7").rate_hz), (named("").rate_hz, 7.0));
-    assert!(folder.fails("t_s,b_ms,gz\n0,0,1\n1,1,2\n2,2,1\n", "--column gz").contains("give rate in Hz"));
+    assert!(folder.fails("t_s,b_ms,gz\n0,0,1\n1,1,2\n2,2,1\n", "--column gz").contains("give --rate in Hz"));
     let iso = "when,gz\n2024-02-28T23:59:59.5,1\n2024-02-29T00:00:00,2\n2024-02-29T00:00:00.5,3\n";
     assert_eq!(folder.read(iso, "--column gz --time-column when").unwrap().rate_hz, 2.0);
     assert!(
         folder.fails(rows(1.0, "t,gz\n"), "--column gz --time-column t").contains("give --time-unit s, ms, us or ns")
     );
-    assert!(folder.fails(rows(1.0, "t,gz\n"), "--column gz").contains("give rate in Hz, or --time-column if"));
+    assert!(folder.fails(rows(1.0, "t,gz\n"), "--column gz").contains("give --rate in Hz, or --time-column if"));
     let leap = "t_s,x\n0,0.5\n1,0.5\n2,0.5\n3,0.5\n90000000,0.5\n";
     assert!(
         folder.fails(leap, "--column x --time-column 0").contains("89999996 samples would be missing in 1 places")
@@ -284,7 +284,7 @@ fn units_are_declared_or_said_to_be_unknown() {
     assert_eq!(scale("gz_rad_s", "--unit rad/s"), Some(1f64.to_degrees()));
     assert_eq!(scale("gz_rad_s", "--unit dps --force-unit true"), Some(1.0));
     let error = folder.read("gz_rad_s\n1\n2\n3\n", "--rate 1 --unit dps").expect_err("another unit");
-    assert!(error.to_string().contains("`gz_rad_s` states rad/s, and unit says dps, 0.0175 times"), "{error}");
+    assert!(error.to_string().contains("`gz_rad_s` states rad/s, and --unit says dps, 0.0175 times"), "{error}");
 }
 
 /// Missing samples count in the number of samples. A gap that the cut goes through is removed whole.
