@@ -88,7 +88,7 @@ impl Unit {
 
     /// The name of the unit in this program.
     pub fn name(self) -> &'static str {
-        self.names()[0]
+        if self == Self::MPerS2 { "m/s²" } else { self.names()[0] }
     }
 
     /// Size of the unit in °/s or m/s². 1 rad = 180°/π.
@@ -108,20 +108,20 @@ impl Unit {
         }
     }
 
-    /// All accepted names, in lower case and without blanks.
+    /// All accepted names, in the spelling of [`plain`].
     fn names(self) -> &'static [&'static str] {
         match self {
-            Self::Dps => &["dps", "deg/s", "°/s", "º/s", "deg/sec", "degs/s", "degps", "deg*s^-1", "degs^-1"],
-            Self::Mdps => &["mdps", "mdeg/s", "m°/s"],
-            Self::DegPerMin => &["deg/min", "°/min", "dpm"],
-            Self::DegPerH => &["deg/h", "dph", "°/h", "deg/hr", "deg/hour"],
-            Self::RadPerS => &["rad/s", "radps", "rad/sec", "rads^-1", "rad*s^-1", "rads-1"],
+            Self::Dps => &["dps", "deg/s", "degs/s", "degs1", "degps"],
+            Self::Mdps => &["mdps", "mdeg/s"],
+            Self::DegPerMin => &["deg/min", "dpm"],
+            Self::DegPerH => &["deg/h", "dph"],
+            Self::RadPerS => &["rad/s", "rads/s", "rads1", "radps"],
             Self::MradPerS => &["mrad/s", "mradps"],
-            Self::UradPerS => &["urad/s", "µrad/s", "μrad/s", "uradps"],
-            Self::MPerS2 => &["m/s²", "m/s^2", "m/s2", "m/s/s", "ms^-2", "m*s^-2", "ms-2", "mps2", "m/sec^2"],
+            Self::UradPerS => &["urad/s", "uradps"],
+            Self::MPerS2 => &["m/s2", "m/s/s", "ms2", "mps2"],
             Self::G => &["g", "gn", "g0"],
             Self::MilliG => &["mg"],
-            Self::MicroG => &["ug", "µg", "μg"],
+            Self::MicroG => &["ug"],
         }
     }
 
@@ -142,12 +142,15 @@ impl Unit {
         }
     }
 
-    /// The unit that the name of a column states: in brackets, after an underscore, or by the naming of ROS. REP-103
-    /// of ROS fixes the unit of an `angular_velocity` at rad/s, and of a `linear_acceleration` at m/s².
+    /// The unit that the name of a column states: in brackets, at its end, or by the naming of ROS. REP-103 of ROS
+    /// fixes the unit of an `angular_velocity` at rad/s, and of a `linear_acceleration` at m/s².
     pub fn of_column(name: &str) -> Option<Self> {
         if let Some(unit) = bracketed(name).and_then(|inner| inner.parse().ok()) {
             return Some(unit);
         }
+        // as in `gyroXRadPerSec`
+        let words = name.char_indices().filter(|(at, c)| c.is_uppercase() && name.len() - at >= 4);
+        let camel = words.filter_map(|(at, _)| name[at..].parse().ok()).next();
         let name = name.to_lowercase();
         if name.contains("angular_velocity") {
             return Some(Self::RadPerS);
@@ -156,7 +159,9 @@ impl Unit {
             return Some(Self::MPerS2);
         }
         let ends = |unit: &Self| unit.endings().iter().any(|ending| has_ending(&name, ending));
-        Self::ALL.into_iter().find(ends)
+        // as in `gx_rad/s` and `wx, rad/s`
+        let at_end = || name.match_indices(['_', ' ', ',', ':']).find_map(|(at, _)| name[at + 1..].parse().ok());
+        Self::ALL.into_iter().find(ends).or(camel).or_else(at_end)
     }
 }
 
@@ -164,7 +169,7 @@ impl FromStr for Unit {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let plain: String = text.to_lowercase().chars().filter(|c| !c.is_whitespace()).collect();
+        let plain = plain(text);
         Self::ALL.into_iter().find(|unit| unit.names().contains(&plain.as_str())).ok_or_else(|| {
             let names: Vec<&str> = Self::ALL.into_iter().map(Self::name).collect();
             format!("`{text}` is not a unit of angular rate or acceleration; choose {}", names.join(", "))
@@ -176,6 +181,38 @@ impl fmt::Display for Unit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
     }
+}
+
+/// A unit as it is written, with one spelling for each part: `deg/s` of `(°/sec)`, `degrees per second`, `deg s⁻¹`.
+fn plain(unit: &str) -> String {
+    let unit: String = unit.to_lowercase().chars().filter(|c| !c.is_whitespace() && !"()^*·-".contains(*c)).collect();
+    let parts = [
+        ("⁻", ""),
+        ("¹", "1"),
+        ("²", "2"),
+        ("seconds", "s"),
+        ("second", "s"),
+        ("sec", "s"),
+        ("minute", "min"),
+        ("hour", "h"),
+        ("hr", "h"),
+        ("per", "/"),
+        ("degrees", "deg"),
+        ("degree", "deg"),
+        ("°", "deg"),
+        ("º", "deg"),
+        ("radians", "rad"),
+        ("radian", "rad"),
+        ("meters", "m"),
+        ("metres", "m"),
+        ("meter", "m"),
+        ("metre", "m"),
+        ("milli", "m"),
+        ("micro", "u"),
+        ("µ", "u"),
+        ("μ", "u"),
+    ];
+    parts.into_iter().fold(unit, |unit, (part, plain)| unit.replace(part, plain))
 }
 
 /// A unit of time.
@@ -213,11 +250,18 @@ impl TimeUnit {
         }
     }
 
-    /// The unit that the name of a column states: in brackets, after an underscore, or by the naming of ArduPilot.
+    /// The unit that the name of a column states: in brackets, after an underscore, or by the naming of ArduPilot, of
+    /// phones and of Arduino sketches.
     pub fn of_column(name: &str) -> Option<Self> {
         let lower = name.to_lowercase();
-        if lower == "timeus" {
-            return Some(Self::Us);
+        match &*lower {
+            "timeus" | "micros" | "us" | "usec" | "microseconds" => return Some(Self::Us),
+            "millis" | "ms" | "msec" | "milliseconds" => return Some(Self::Ms),
+            "sec" | "secs" | "seconds" | "seconds_elapsed" | "secondselapsed" => return Some(Self::S),
+            "nanos" | "ns" | "nsec" | "nanoseconds" => return Some(Self::Ns),
+            // a rate, as in rad/s
+            _ if Unit::of_column(name).is_some() => return None,
+            _ => {}
         }
         let named = |names: &[&str]| match bracketed(&lower) {
             Some(inner) => names.contains(&inner.trim()),
@@ -285,6 +329,22 @@ mod tests {
             ("acc_x_mg", Some(Unit::MilliG)),
             ("ax_g", Some(Unit::G)),
             ("temp [K]", None),
+            ("gx_rad/s", Some(Unit::RadPerS)),
+            ("ax_m/s2", Some(Unit::MPerS2)),
+            ("wx, rad/s", Some(Unit::RadPerS)),
+            ("gyroXRadPerSec", Some(Unit::RadPerS)),
+            ("accelXMps2", Some(Unit::MPerS2)),
+            ("rate (°/sec)", Some(Unit::Dps)),
+            ("rate [degrees per second]", Some(Unit::Dps)),
+            ("rate [deg s⁻¹]", Some(Unit::Dps)),
+            ("rate (rad s-1)", Some(Unit::RadPerS)),
+            ("acc (meters/sec^2)", Some(Unit::MPerS2)),
+            ("acc (milli-g)", Some(Unit::MilliG)),
+            ("Accel_X m/(s^2)", Some(Unit::MPerS2)),
+            ("speed_m/s", None),
+            ("heading_degs", None),
+            ("flow_l/s", None),
+            ("Msg", None),
         ];
         for (name, unit) in cases {
             assert_eq!(Unit::of_column(name), unit, "{name}");
@@ -305,6 +365,9 @@ mod tests {
             ("ticks", None),
             ("items", None),
             ("t [min]", None),
+            ("millis", Some(TimeUnit::Ms)),
+            ("seconds_elapsed", Some(TimeUnit::S)),
+            ("gz_rad/s", None),
         ];
         for (name, unit) in cases {
             assert_eq!(TimeUnit::of_column(name), unit, "{name}");
