@@ -250,6 +250,7 @@ fn of_logs() -> Vec<LogWarning> {
             path: path(),
             how: "stamps are off an even clock by 15 % of an interval; judge from 0.1234 s on".to_owned(),
         },
+        LogWarning::TimeUnitTaken { path: path(), column: "timestamp".to_owned(), unit: "ns" },
         LogWarning::RateChanges {
             path: path(),
             how: "100.0 to 110.0 rows a second (100.0 at first, 110.0 at the end)".to_owned(),

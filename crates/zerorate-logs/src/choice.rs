@@ -1,6 +1,6 @@
 //! The choice of columns of a file.
 
-use crate::error::{LogError, Result};
+use crate::error::{LogError, Result, is_like_time};
 use crate::options::ColumnOptions;
 use crate::setting::{Names, Setting};
 use crate::warning::LogWarning;
@@ -97,7 +97,7 @@ impl Columns<'_> {
         let only = args.only.as_ref().map(|only| self.position(&only.column, Setting::Where)).transpose()?;
         let is_open = args.rate.is_none() && time.is_none();
         let is_any = matches!((wanted, default), (ColumnSelection::All | ColumnSelection::One(None), []));
-        let time = if is_open && is_any { self.stated_time(&[]) } else { time };
+        let time = if is_open && is_any { self.time(&[]) } else { time };
         let values = match (wanted, default) {
             (ColumnSelection::One(Some(wanted)), _) => vec![self.position(wanted, Setting::Column)?],
             (ColumnSelection::One(None), [only]) => vec![*only],
@@ -116,7 +116,7 @@ impl Columns<'_> {
             (wanted, default),
             (ColumnSelection::Described(_), _) | (ColumnSelection::Listed(_) | ColumnSelection::One(Some(_)), [])
         );
-        let time = if is_open && are_named { self.stated_time(&values) } else { time };
+        let time = if is_open && are_named { self.time(&values) } else { time };
         self.check(&values, time)?;
         Ok(Choice { values, time, only })
     }
@@ -127,6 +127,19 @@ impl Columns<'_> {
         let left: Vec<&str> = (0..self.names.len()).filter(is_left).map(|at| self.names[at]).collect();
         let is_said = matches!(wanted, ColumnSelection::All) && !left.is_empty();
         is_said.then(|| LogWarning::NoNumbers { path: self.path.display().to_string(), names: left.join(", ") })
+    }
+
+    /// The column outside `values` with the time: the only one whose name states a unit of time, or the only one that is
+    /// called a time. Of the latter the dates must tell the unit, or it is not taken.
+    fn time(&self, values: &[usize]) -> Option<usize> {
+        let is_likely = |at: &usize| {
+            let name = self.names[*at];
+            !values.contains(at) && self.numeric[*at] && is_like_time(name) && Unit::of_column(name).is_none()
+        };
+        let mut likely = (0..self.names.len()).filter(is_likely);
+        let only = || likely.next().filter(|_| likely.next().is_none());
+        let has_others = self.numeric.iter().filter(|is_numeric| **is_numeric).count() > 1;
+        self.stated_time(values).or_else(only).filter(|_| has_others)
     }
 
     /// The only column outside `values` whose name states a unit of time.

@@ -36,15 +36,17 @@ pub fn unsteady(path: &Path, column: &str, why: &str) -> LogError {
 /// The error for a missing rate. It names the columns that may hold the time.
 pub fn no_rate(path: &Path, columns: &[&str], names: Names) -> LogError {
     let [rate, time, unit] = [Setting::Rate, Setting::TimeColumn, Setting::TimeUnit].map(|setting| names.of(setting));
-    let is_like_time = |name: &str| {
-        let name = name.to_lowercase();
-        name == "t" || name.contains("time") || name.contains("stamp")
-    };
     let remedy = match columns.iter().find(|name| is_like_time(name)) {
         Some(column) => format!("give {rate} in Hz, or {time} with {unit} if `{column}` is the time"),
         None => format!("give {rate} in Hz, or {time} if a column holds the time"),
     };
     LogError::Ask(format!("{} does not say how fast it was sampled: {remedy}", path.display()))
+}
+
+/// Whether a column may hold the time, by its name.
+pub fn is_like_time(name: &str) -> bool {
+    let name = name.to_lowercase();
+    name == "t" || name.contains("time") || name.contains("stamp")
 }
 
 /// The error for more missing samples than can be filled in.

@@ -29,13 +29,35 @@ impl Clock {
                 asked.name()
             )));
         }
-        let unit = times.unit.or(args.time_unit).or_else(|| TimeUnit::of_column(name));
-        let unit = unit.ok_or_else(|| no_time_unit(path, name, args.names))?;
+        if self.is_guess(args) {
+            return Ok(None);
+        }
+        let unit = self.unit(args).ok_or_else(|| no_time_unit(path, name, args.names))?;
         let time_base = times.time_base(unit, args.names).map_err(|why| unsteady(path, name, &why))?;
         if args.rate.is_none() {
             time_unit::check((path, name), times, unit, time_base.rate_hz, args.names)?;
         }
         Ok(Some((unit, time_base)))
+    }
+
+    /// The unit of the times: by their type, by the caller, by the name of the column, or by their dates.
+    fn unit(&self, args: &ColumnOptions) -> Option<TimeUnit> {
+        let Self::Column(name, times) = self else { return None };
+        let stated = times.unit.or(args.time_unit).or_else(|| TimeUnit::of_column(name));
+        stated.or_else(|| time_unit::dated(times.first()))
+    }
+
+    /// Whether nothing but the name of a column says that it holds the time.
+    fn is_guess(&self, args: &ColumnOptions) -> bool {
+        args.time_column.is_none() && self.unit(args).is_none()
+    }
+
+    /// The warning about a unit that the dates tell.
+    fn dated(&self, path: &Path, args: &ColumnOptions) -> Option<LogWarning> {
+        let Self::Column(name, times) = self else { return None };
+        let is_stated = times.unit.or(args.time_unit).or_else(|| TimeUnit::of_column(name)).is_some();
+        let unit = time_unit::dated(times.first()).filter(|_| !is_stated)?;
+        Some(LogWarning::TimeUnitTaken { path: path.display().to_string(), column: name.clone(), unit: unit.name() })
     }
 }
 
@@ -43,6 +65,10 @@ impl RawColumns {
     /// Puts the rows in the order of their times, and warns about times that were irregular.
     pub fn repair_times(&mut self, path: &Path, args: &ColumnOptions) -> Result<()> {
         mixed_rows::check(self, path, args.names)?;
+        if self.clock.is_guess(args) {
+            return Ok(());
+        }
+        self.warnings.extend(self.clock.dated(path, args));
         let Clock::Column(name, times) = &mut self.clock else { return Ok(()) };
         let said = order::repair_times(times, &mut self.columns).map_err(|why| {
             let rate = args.names.of(Setting::Rate);
@@ -81,6 +107,7 @@ impl RawColumns {
             self.warnings.extend(rate_changes.map(|how| LogWarning::RateChanges { path: path(), how }));
         }
         let Self { columns, clock, mut warnings, sample } = self;
+        let guess = if let Clock::Column(name, _) = &clock { Some(name.clone()) } else { None };
         let (measured, lost) = match (time_base, clock) {
             (Some((_, TimeBase { rate_hz, gaps, .. })), _) => (Some(rate_hz), gaps),
             (None, Clock::Counted { rate_hz, gaps }) => (rate_hz, gaps),
@@ -90,7 +117,8 @@ impl RawColumns {
         warnings.extend(args.rate.and_then(|rate_hz| given_rate::doubt(path, rate_hz, stamps()?)));
         let told = args.rate.or(measured);
         let no_rate = told.is_none().then(|| {
-            let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+            let names: Vec<&str> =
+                guess.iter().chain(columns.iter().map(|column| &column.name)).map(|name| &**name).collect();
             no_rate(path, &names, args.names)
         });
         let rate_hz = told.unwrap_or(1.0);

@@ -20,6 +20,11 @@ const TOO_LATE_S: f64 = 1e10;
 
 const ALL: [TimeUnit; 4] = [TimeUnit::S, TimeUnit::Ms, TimeUnit::Us, TimeUnit::Ns];
 
+/// The unit in which a time is a date of 2000 to 2100, counted from 1970.
+pub fn dated(first: f64) -> Option<TimeUnit> {
+    ALL.into_iter().find(|unit| EPOCH_S.contains(&(first / unit.per_s())))
+}
+
 /// Checks that times in this unit, in a column of a log, make sense.
 ///
 /// # Errors
@@ -59,7 +64,7 @@ fn short(number: f64) -> String {
 fn better(unit: TimeUnit, rate_hz: f64, first: f64) -> Option<TimeUnit> {
     let others = || ALL.into_iter().filter(move |other| *other != unit);
     if first / unit.per_s() > TOO_LATE_S
-        && let Some(dated) = others().find(|other| EPOCH_S.contains(&(first / other.per_s())))
+        && let Some(dated) = dated(first)
     {
         return Some(dated);
     }

@@ -30,6 +30,8 @@ pub enum LogWarning {
     TimesMended { path: String, column: String, how: String },
     /// The stamps are off an even clock, as the text says.
     TimesJitter { path: String, how: String },
+    /// The dates in a column of times tell its unit.
+    TimeUnitTaken { path: String, column: String, unit: &'static str },
     /// Rows come faster in one part of the log than in another, as the text says.
     RateChanges { path: String, how: String },
     /// The lines above the data are not a header.
@@ -95,6 +97,10 @@ rows!(match LogWarning {
     Self::TimesMended { ref path, ref column, ref how } =>
         Row { code: "times-mended", text: format_args!("{path}, {column}: {how}") },
     Self::TimesJitter { ref path, ref how } => Row { code: "times-jitter", text: format_args!("{path}: {how}") },
+    Self::TimeUnitTaken { ref path, ref column, unit } => Row {
+        code: "time-unit-taken",
+        text: format_args!("{path}: `{column}` counts {unit} since 1970, as its dates tell"),
+    },
     Self::RateChanges { ref path, ref how } => Row { code: "rate-changes", text: format_args!("{path}: {how}") },
     Self::LinesSkipped { ref path, lines, ref first } => Row {
         code: "lines-skipped",
@@ -181,6 +187,7 @@ impl LogWarning {
             | Self::RowsIncomplete { .. }
             | Self::TimesMended { .. }
             | Self::TimesJitter { .. }
+            | Self::TimeUnitTaken { .. }
             | Self::RateChanges { .. }
             | Self::LinesSkipped { .. }
             | Self::ScaleUnused { .. }
