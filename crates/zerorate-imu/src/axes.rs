@@ -86,6 +86,8 @@ impl Axes {
     /// # Errors
     /// No column is an axis, or the unit of an axis is not known.
     pub fn of(path: &Path, mut columns: Vec<Column>, options: &ImuOptions) -> zerorate_logs::Result<Self> {
+        let is_of_kalibr = is_of_kalibr(&columns);
+        let options = &if is_of_kalibr { options.with_units_of_kalibr() } else { options.clone() };
         let (mut axes, mut left_out) = (Vec::new(), Vec::new());
         // the first column carries what is of the log, and need not be an axis
         let of_log = |column: &mut Column| column.warnings.extract_if(.., |warning| warning.is_of_log()).collect();
@@ -95,6 +97,7 @@ impl Axes {
             let is_meant = options.columns.is_some() || !Kind::is_beside(&column.name);
             let kind = match said.get(index) {
                 Some(kind) => Some(options.agreed(path, *kind, &column)?),
+                None if is_of_kalibr && column.name.starts_with("alpha_") => Some(Kind::Accelerometer),
                 None => Kind::of_column(&column).filter(|_| is_meant),
             };
             match kind {
@@ -147,7 +150,21 @@ fn without_blanks(path: &Path, axes: &mut Vec<(Kind, Column)>) -> Option<LogWarn
     Some(LogWarning::BlanksLeftOut { path, names })
 }
 
+/// Whether these are the columns of a CSV file for `kalibr_bagcreater`, whose units Kalibr defines.
+fn is_of_kalibr(columns: &[Column]) -> bool {
+    let names = ["omega_x", "omega_y", "omega_z", "alpha_x", "alpha_y", "alpha_z"];
+    columns.iter().map(|column| column.name.as_str()).eq(names)
+}
+
 impl ImuOptions {
+    /// The same options, with rad/s and m/s² where no unit is given.
+    fn with_units_of_kalibr(&self) -> Self {
+        let mut options = self.clone();
+        options.gyro.unit.get_or_insert(Unit::RadPerS);
+        options.accel.unit.get_or_insert(Unit::MPerS2);
+        options
+    }
+
     fn said(&self, kind: Kind) -> &KindOptions {
         match kind {
             Kind::Gyroscope => &self.gyro,
@@ -290,6 +307,7 @@ fn topic_of(column: &str) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zerorate_logs::ColumnSelection;
 
     /// `rostopic echo -p` writes variances of an angular velocity; they are not axes, unless somebody asks for them.
     #[test]
@@ -312,5 +330,40 @@ mod tests {
                 .any(|one| one.coded().starts_with("columns-left-out: ") && one.coded().contains("gyro_clipping"))
         );
         assert_eq!(read(Some(vec!["field.angular_velocity_covariance0".to_owned()])).columns.len(), 1);
+    }
+
+    fn axes(head: &str) -> zerorate_logs::Result<Axes> {
+        let width = head.split(',').count();
+        let row = |at: u64| {
+            let cells = (1..width as u64).map(|column| format!("0.{}", (at * (column + 3)) % 7));
+            std::iter::once((1_385_030_208_736_607_488 + at * 5_000_000).to_string()).chain(cells).collect::<Vec<_>>()
+        };
+        let text = (0..60).map(|at| row(at).join(",") + "\n").fold(format!("{head}\n"), |text, row| text + &row);
+        let columns = zerorate_logs::read_all(
+            Path::new("log.csv"),
+            text.into_bytes().into(),
+            ColumnSelection::All,
+            &zerorate_logs::ColumnOptions::default(),
+        )?;
+        Axes::of(Path::new("log.csv"), columns, &ImuOptions::default())
+    }
+
+    /// `strangers/12`: Kalibr defines the units of its table.
+    #[test]
+    fn the_table_of_kalibr_needs_no_question() {
+        let found = axes("timestamp,omega_x,omega_y,omega_z,alpha_x,alpha_y,alpha_z").unwrap();
+        let steps: Vec<_> = found.columns.iter().map(|column| (column.quantity, column.scale)).collect();
+        assert_eq!(steps[..3], [(Some(Quantity::AngularRate), 1f64.to_degrees()); 3]);
+        assert_eq!(steps[3..], [(Some(Quantity::Acceleration), 1.0); 3]);
+        // an angular acceleration is called so as well
+        let why = axes("timestamp,omega_x,alpha_x").err().expect("a question").to_string();
+        assert!(why.contains("omega_x (gyroscope) states no unit") && !why.contains("alpha_x ("), "{why}");
+    }
+
+    /// `strangers/13`: speeds of wheels and set points are in the unit of a rate.
+    #[test]
+    fn what_stands_beside_a_gyroscope_is_left_out() {
+        let found = axes("t_ns,gz_dps,wheel_speed_rad_s,gyro_bias_z_dps,yaw_cmd_dps").unwrap();
+        assert_eq!(found.columns.iter().map(|column| column.name.as_str()).collect::<Vec<_>>(), ["gz_dps"]);
     }
 }

@@ -59,9 +59,20 @@ impl Kind {
     /// beside them.
     pub(super) fn is_beside(name: &str) -> bool {
         let name = name.to_lowercase();
-        ["covariance", "integral", "clipping", "calibration", "timestamp", "absolute", "magnitude"]
-            .iter()
-            .any(|word| name.contains(word))
+        let parts = [
+            "covariance",
+            "integral",
+            "clipping",
+            "calibration",
+            "timestamp",
+            "absolute",
+            "magnitude",
+            "wheel",
+            "motor",
+        ];
+        let words = ["setpoint", "cmd", "command", "target", "bias", "std", "norm", "total", "abs", "gravity"];
+        let is_beside = |word: &str| words.contains(&word);
+        parts.iter().any(|part| name.contains(part)) || name.split(|c: char| !c.is_alphanumeric()).any(is_beside)
     }
 
     /// `gyro_x`, `wx`, `omega.x`; `acc_x`, `ax`, `f_y`; increments as `dtheta_x`.

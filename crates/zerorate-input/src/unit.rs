@@ -199,6 +199,9 @@ fn plain(unit: &str) -> String {
         ("per", "/"),
         ("degrees", "deg"),
         ("degree", "deg"),
+        // the sign of degrees as UTF-8, as GBK read as Latin-1, and as UTF-8 read as Latin-1
+        ("¡ã", "deg"),
+        ("â°", "deg"),
         ("°", "deg"),
         ("º", "deg"),
         ("radians", "rad"),
@@ -257,7 +260,8 @@ impl TimeUnit {
         match &*lower {
             "timeus" | "micros" | "us" | "usec" | "microseconds" => return Some(Self::Us),
             "millis" | "ms" | "msec" | "milliseconds" => return Some(Self::Ms),
-            "sec" | "secs" | "seconds" | "seconds_elapsed" | "secondselapsed" => return Some(Self::S),
+            // LabVIEW calls its time `X_Value`
+            "sec" | "secs" | "seconds" | "seconds_elapsed" | "secondselapsed" | "x_value" => return Some(Self::S),
             "nanos" | "ns" | "nsec" | "nanoseconds" => return Some(Self::Ns),
             // a rate, as in rad/s
             _ if Unit::of_column(name).is_some() => return None,
@@ -271,7 +275,7 @@ impl TimeUnit {
             (Self::S, &["s", "sec", "secs", "seconds"][..]),
             (Self::Ms, &["ms", "msec", "millis", "milliseconds"]),
             (Self::Us, &["us", "µs", "μs", "usec", "micros", "microseconds"]),
-            (Self::Ns, &["ns", "nsec", "nanos", "nanoseconds", "nanosec"]),
+            (Self::Ns, &["ns", "nsec", "nsecs", "nanos", "nanoseconds", "nanosec"]),
         ]
         .into_iter()
         .find(|(_, names)| named(names))
@@ -341,6 +345,7 @@ mod tests {
             ("acc (meters/sec^2)", Some(Unit::MPerS2)),
             ("acc (milli-g)", Some(Unit::MilliG)),
             ("Accel_X m/(s^2)", Some(Unit::MPerS2)),
+            ("½ÇËÙ¶ÈX(¡ã/s)", Some(Unit::Dps)),
             ("speed_m/s", None),
             ("heading_degs", None),
             ("flow_l/s", None),

@@ -1,8 +1,9 @@
 //! The choice of columns of a file.
 
-use crate::error::{LogError, Result, is_like_time};
+use crate::error::{LogError, Result};
 use crate::options::ColumnOptions;
 use crate::setting::{Names, Setting};
+use crate::time_names::{is_fraction, is_like_time, is_step};
 use crate::warning::LogWarning;
 use std::path::Path;
 use zerorate_input::{Quantity, TimeUnit, Unit, is_celsius};
@@ -118,6 +119,10 @@ impl Columns<'_> {
         );
         let time = if is_open && are_named { self.time(&values) } else { time };
         self.check(&values, time)?;
+        let is_rest = |at: &usize| time.is_some_and(|time| is_fraction(self.names[*at], self.names[time]));
+        let rest =
+            (0..self.names.len()).filter(|at| is_open && self.numeric[*at] && !values.contains(at)).find(is_rest);
+        let values = values.into_iter().chain(rest).collect();
         Ok(Choice { values, time, only })
     }
 
@@ -134,22 +139,36 @@ impl Columns<'_> {
     fn time(&self, values: &[usize]) -> Option<usize> {
         let is_likely = |at: &usize| {
             let name = self.names[*at];
-            !values.contains(at) && self.numeric[*at] && is_like_time(name) && Unit::of_column(name).is_none()
+            !values.contains(at)
+                && self.numeric[*at]
+                && is_like_time(name)
+                && !is_step(name)
+                && Unit::of_column(name).is_none()
         };
-        let mut likely = (0..self.names.len()).filter(is_likely);
-        let only = || likely.next().filter(|_| likely.next().is_none());
+        let likely: Vec<usize> = (0..self.names.len()).filter(is_likely).collect();
+        let is_of_sensor = |at: &&usize| self.names[**at].ends_with("header.stamp");
+        let only = || match likely[..] {
+            [only] => Some(only),
+            // `rostopic echo -p` writes the time of arrival as well
+            _ => likely.iter().find(is_of_sensor).copied(),
+        };
         let has_others = self.numeric.iter().filter(|is_numeric| **is_numeric).count() > 1;
         self.stated_time(values).or_else(only).filter(|_| has_others)
     }
 
-    /// The only column outside `values` whose name states a unit of time.
+    /// The only column outside `values` whose name states a unit of time, or the seconds of a stamp in two columns.
     fn stated_time(&self, values: &[usize]) -> Option<usize> {
         let states = |index: &usize| {
             let name = self.names[*index];
-            !values.contains(index) && TimeUnit::of_column(name).is_some() && Unit::of_column(name).is_none()
+            !values.contains(index) && TimeUnit::of_column(name).is_some() && !is_step(name)
         };
-        let mut stating = (0..self.names.len()).filter(states);
-        stating.next().filter(|_| stating.next().is_none())
+        let stating: Vec<usize> = (0..self.names.len()).filter(states).collect();
+        match stating[..] {
+            [only] => Some(only),
+            [one, other] if is_fraction(self.names[other], self.names[one]) => Some(one),
+            [one, other] if is_fraction(self.names[one], self.names[other]) => Some(other),
+            _ => None,
+        }
     }
 
     fn check(&self, values: &[usize], time: Option<usize>) -> Result<()> {
@@ -176,7 +195,8 @@ impl Columns<'_> {
     /// All columns of numbers, except the time and an unnamed column among named ones: an index.
     fn all(&self, time: Option<usize>) -> Vec<usize> {
         let are_named = self.names.iter().any(|name| !name.is_empty());
-        let is_meant = |index: &usize| !(are_named && self.names[*index].is_empty());
+        let is_fraction = |index: usize| time.is_some_and(|time| is_fraction(self.names[index], self.names[time]));
+        let is_meant = |index: &usize| !(are_named && self.names[*index].is_empty() || is_fraction(*index));
         (0..self.names.len()).filter(|index| self.numeric[*index] && Some(*index) != time).filter(is_meant).collect()
     }
 

@@ -1,6 +1,7 @@
 //! Errors of reading a log, and the questions that a front end asks.
 
 use crate::setting::{Names, Setting};
+use crate::time_names::is_like_time;
 use std::path::Path;
 use zerorate_input::InputError;
 
@@ -43,10 +44,11 @@ pub fn no_rate(path: &Path, columns: &[&str], names: Names) -> LogError {
     LogError::Ask(format!("{} does not say how fast it was sampled: {remedy}", path.display()))
 }
 
-/// Whether a column may hold the time, by its name.
-pub fn is_like_time(name: &str) -> bool {
-    let name = name.to_lowercase();
-    name == "t" || name.contains("time") || name.contains("stamp")
+/// The question for the rate where a column holds the step between rows.
+pub fn rate_of_steps(path: &Path, column: &str, rate_hz: f64, names: Names) -> LogError {
+    let (path, rate) = (path.display(), names.of(Setting::Rate));
+    let what = format!("`{column}` holds the step between rows, whose mean tells {rate} {rate_hz:.6}");
+    LogError::Ask(format!("{path} does not say how fast it was sampled: {what}; give it"))
 }
 
 /// The error for more missing samples than can be filled in.

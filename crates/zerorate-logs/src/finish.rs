@@ -3,16 +3,17 @@
 use crate::clock::TimeBase;
 use crate::column::Column;
 use crate::column_checks::ColumnChecks;
-use crate::error::{LogError, Result, no_rate, no_time_unit, too_many, unsteady};
+use crate::error::{LogError, Result, no_rate, no_time_unit, rate_of_steps, too_many, unsteady};
 use crate::options::ColumnOptions;
 use crate::raw_columns::{Clock, RawColumn, RawColumns, first_rows};
 use crate::series::Series;
 use crate::setting::Setting;
+use crate::time_names::{is_fraction, is_step};
 use crate::warning::LogWarning;
 use crate::{given_rate, mixed_rows, order, rate_changes, time_unit, unsigned};
 use std::path::Path;
 use zerorate_allan::Gap;
-use zerorate_input::{Quantity, TimeUnit};
+use zerorate_input::{InputError, Quantity, TimeUnit};
 
 impl Clock {
     /// The unit of the times, and the rate and gaps that they tell; `None` without a time column.
@@ -64,6 +65,7 @@ impl Clock {
 impl RawColumns {
     /// Puts the rows in the order of their times, and warns about times that were irregular.
     pub fn repair_times(&mut self, path: &Path, args: &ColumnOptions) -> Result<()> {
+        self.add_nanoseconds(path)?;
         mixed_rows::check(self, path, args.names)?;
         if self.clock.is_guess(args) {
             return Ok(());
@@ -82,6 +84,22 @@ impl RawColumns {
         let (path, column) = (path.display().to_string(), &*name);
         let warning = |how| LogWarning::TimesMended { path: path.clone(), column: column.clone(), how };
         self.warnings.extend(said.into_iter().map(warning));
+        Ok(())
+    }
+
+    /// Adds the nanoseconds of stamps that stand in two columns to the whole seconds.
+    fn add_nanoseconds(&mut self, path: &Path) -> Result<()> {
+        let Clock::Column(name, times) = &mut self.clock else { return Ok(()) };
+        let Some(at) = self.columns.iter().position(|column| is_fraction(&column.name, name)) else { return Ok(()) };
+        let RawColumn { name, values, .. } = self.columns.remove(at);
+        let ns = values.into_rows();
+        if let Some(row) = ns.iter().position(|ns| !ns.is_finite()) {
+            let what = "no time; every row must have one";
+            return Err(InputError::damaged(path, format!("row {row}, column {name}"), what).into());
+        }
+        let first = ns.first().copied().unwrap_or_default();
+        let since = times.since_first().iter().zip(&ns).map(|(whole_s, ns)| whole_s + 1e-9 * (ns - first)).collect();
+        times.replace(since);
         Ok(())
     }
 
@@ -107,19 +125,22 @@ impl RawColumns {
             self.warnings.extend(rate_changes.map(|how| LogWarning::RateChanges { path: path(), how }));
         }
         let Self { columns, clock, mut warnings, sample } = self;
-        let guess = if let Clock::Column(name, _) = &clock { Some(name.clone()) } else { None };
-        let (measured, lost) = match (time_base, clock) {
-            (Some((_, TimeBase { rate_hz, gaps, .. })), _) => (Some(rate_hz), gaps),
-            (None, Clock::Counted { rate_hz, gaps }) => (rate_hz, gaps),
-            (None, _) => (None, Vec::new()),
+        let (measured, lost, guess) = match (time_base, clock) {
+            (Some((_, TimeBase { rate_hz, gaps, .. })), _) => (Some(rate_hz), gaps, None),
+            (None, Clock::Counted { rate_hz, gaps }) => (rate_hz, gaps, None),
+            (None, Clock::Column(name, _)) => (None, Vec::new(), Some(name)),
+            (None, Clock::Silent) => (None, Vec::new(), None),
         };
         let stamps = || given_rate::of_stamps(measured, &first_rows(&sample, &columns));
         warnings.extend(args.rate.and_then(|rate_hz| given_rate::doubt(path, rate_hz, stamps()?)));
         let told = args.rate.or(measured);
         let no_rate = told.is_none().then(|| {
-            let names: Vec<&str> =
-                guess.iter().chain(columns.iter().map(|column| &column.name)).map(|name| &**name).collect();
-            no_rate(path, &names, args.names)
+            let names = guess.iter().chain(columns.iter().map(|column| &column.name));
+            let names: Vec<&str> = names.map(String::as_str).collect();
+            match columns.iter().find_map(RawColumn::rate_of_steps) {
+                Some((name, rate_hz)) => rate_of_steps(path, name, rate_hz, args.names),
+                None => no_rate(path, &names, args.names),
+            }
         });
         let rate_hz = told.unwrap_or(1.0);
         let mut of_file = warnings;
@@ -133,6 +154,14 @@ impl RawColumns {
 }
 
 impl RawColumn {
+    /// The rate that the mean of a column of steps tells, Hz.
+    fn rate_of_steps(&self) -> Option<(&str, f64)> {
+        let unit = TimeUnit::of_column(&self.name).filter(|_| is_step(&self.name))?;
+        let steps: Vec<f64> = self.values.rows_as_numbers().into_iter().filter(|step| step.is_finite()).collect();
+        let rate_hz = unit.per_s() * steps.len() as f64 / steps.iter().sum::<f64>();
+        (rate_hz.is_finite() && rate_hz > 0.0).then_some((&*self.name, rate_hz))
+    }
+
     fn finish(self, path: &Path, rate_hz: f64, lost: &[Gap], args: &ColumnOptions) -> Result<Column> {
         let Self { name, values, stated, step, mut warnings, .. } = self;
         let (mut series, gaps) = values.finish(lost).map_err(|missing| too_many(path, missing, args.names))?;

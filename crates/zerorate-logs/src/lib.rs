@@ -75,6 +75,7 @@ mod temperature;
 #[cfg(test)]
 mod tests;
 mod text;
+mod time_names;
 mod time_unit;
 mod timed;
 mod topics;

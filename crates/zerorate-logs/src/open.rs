@@ -88,13 +88,28 @@ const FOREIGN: &[(&[u8], &str)] = &[
     (b"FMT, 128, ", DATAFLASH),
     (b"# A zerorate ", "it is a calibration; `zerorate report` shows it"),
     (b"{\"", JSON),
+    (b"{\n", JSON),
+    (b"{\r", JSON),
     (b"[{", JSON),
+    (b"[\n", JSON),
+    (b"header: \n", ECHO),
+    (b"header:\n", ECHO),
+    (b"%RAWIMU", NOVATEL),
+    (b"#RAWIMU", NOVATEL),
+    (b"%CORRIMU", NOVATEL),
+    (b"#CORRIMU", NOVATEL),
     (b"\x80\x04\x95", PICKLE),
     (b"\x80\x05\x95", PICKLE),
 ];
 
 const DATAFLASH: &str = "it is a log of ArduPilot as text; name the .bin file, or convert it with pymavlink: \
                          `mavlogdump.py --format csv --types IMU FILE > imu.csv`, in which column `I` is the sensor";
+
+const ECHO: &str = "it is the output of `rostopic echo`; record a bag, or write a table with `rostopic echo -p TOPIC > \
+                    log.csv`";
+
+const NOVATEL: &str = "it holds messages of NovAtel, whose increments are counts of its IMU; convert it to columns of \
+                       rates with the scales in the manual of the IMU";
 
 const JSON: &str = "it is JSON; convert it to a table: in Python `pandas.read_json('FILE').to_csv('log.csv')`, with \
                     `lines=True` if each line is an object";

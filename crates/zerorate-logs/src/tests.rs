@@ -12,7 +12,7 @@ use arrow_array::{
 };
 use arrow_ipc::writer::{FileWriter, StreamWriter};
 use std::fs::{self, File};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tempfile::TempDir;
 use zerorate_allan::Gap;
@@ -258,7 +258,11 @@ fn a_time_column_gives_rate_and_gaps() {
     assert!(
         folder.fails(rows(1.0, "t,gz\n"), "--column gz --time-column t").contains("give --time-unit s, ms, us or ns")
     );
-    assert!(folder.fails(rows(1.0, "t,gz\n"), "--column gz").contains("give --rate in Hz, or --time-column if"));
+    assert!(
+        folder
+            .fails(rows(1.0, "t,gz\n"), "--column gz")
+            .contains("give --rate in Hz, or --time-column with --time-unit if `t`")
+    );
     let leap = "t_s,x\n0,0.5\n1,0.5\n2,0.5\n3,0.5\n90000000,0.5\n";
     assert!(
         folder.fails(leap, "--column x --time-column 0").contains("89999996 samples would be missing in 1 places")
@@ -325,4 +329,56 @@ fn a_unit_that_a_type_states_is_not_overridden() {
     assert!((folder.read(&log, "--column gz_dps --time-column time").unwrap().rate_hz - 20.0).abs() < 1e-6);
     let why = folder.fails(&log, "--column gz_dps --time-column time --time-unit s");
     assert!(why.contains("by its type") && why.contains("leave --time-unit out"), "{why}");
+}
+
+/// `strangers/22`: whole seconds and nanoseconds, as bagpy writes them.
+#[test]
+fn a_stamp_in_two_columns_is_one_time() {
+    let row = |at: u64| {
+        let ns = 1_574_793_141_500_000_000 + at * 10_000_000;
+        format!("{},{},{}\n", ns / 1_000_000_000, ns % 1_000_000_000, at % 7)
+    };
+    let kept = (0..300).filter(|at| !(100..110).contains(at));
+    let text = kept.map(row).fold("stamp.secs,stamp.nsecs,gz_dps\n".to_owned(), |text, row| text + &row);
+    for options in ["", "--column gz_dps"] {
+        let column = Folder::new().read(&text, options).unwrap();
+        assert!((column.rate_hz - 100.0).abs() < 1e-6, "{}", column.rate_hz);
+        assert_eq!(column.gaps, [Gap { at: 100, missing: 10 }]);
+    }
+}
+
+/// `strangers/12`, `29`: a column called a time, whose digits leave one unit.
+#[test]
+fn dates_tell_the_unit_of_a_time() {
+    let folder = Folder::new();
+    let text = |start: u64, step: u64| {
+        (0..50).map(|at| format!("{},{}\n", start + at * step, at % 7)).fold("time,gz_dps\n".to_owned(), |a, b| a + &b)
+    };
+    for (start, step) in
+        [(1_700_000_000_000, 10), (1_700_000_000_000_000, 10_000), (1_700_000_000_000_000_000, 10_000_000)]
+    {
+        let column = folder.read(text(start, step), "").unwrap();
+        assert!((column.rate_hz - 100.0).abs() < 1e-3, "{}", column.rate_hz);
+        assert!(column.warnings.iter().any(|warning| warning.code() == "time-unit-taken"), "{:?}", column.warnings);
+    }
+    // a counter since power-on leaves the unit open
+    let why = folder.fails(text(5_000_000, 10_000), "");
+    assert!(why.contains("--time-column with --time-unit if `time` is the time"), "{why}");
+}
+
+/// `strangers/16`: the step since the row before is not a time, and its mean tells the rate.
+#[test]
+fn steps_between_rows_tell_the_rate() {
+    // even and odd bits of a hash, so that the steps do not alternate: 9 or 11
+    let step = |at: u64| 9 + 2 * (at.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 63);
+    let pair = |at: u64| format!("{},{}\n{},{}\n", step(at), at % 7, 20 - step(at), at % 5);
+    let text = (0..60).map(pair).fold("dt_ms,gz_dps\n".to_owned(), |text, rows| text + &rows);
+    let columns = crate::read_all(
+        Path::new("log"),
+        text.into_bytes().into(),
+        ColumnSelection::All,
+        &ColumnOptions { names: Names(flag), ..ColumnOptions::default() },
+    );
+    let why = columns.err().expect("a question").to_string();
+    assert!(why.contains("`dt_ms` holds the step between rows, whose mean tells --rate 100.000000"), "{why}");
 }

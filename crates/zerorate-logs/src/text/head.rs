@@ -83,7 +83,7 @@ impl Head {
         let lines: Vec<Numbered<'_>> = lines.filter(|(_, line)| !line.is_empty()).take(LINES).collect();
         let sentence = sentence::most(lines.iter().map(|(_, line)| *line));
         let lines = lines.into_iter().filter(|(_, line)| !sentence::is_other(line, sentence.as_deref()));
-        let lines = lines.map(|(number, line)| (number, sentence::without_sum(line)));
+        let lines = lines.map(|(number, line)| (number, sentence::without_end(line)));
         let (comments, lines): (Vec<_>, Vec<_>) = lines.partition(|(_, line)| is_comment(line));
         let Some(first) = lines.first() else {
             return Err(InputError::damaged(path, "as a text file", "it holds no line of data").into());
@@ -180,12 +180,17 @@ impl Head {
             }
             return Ok(0);
         };
-        let mut names = cells(last);
+        let cells = |line: &str| {
+            let mut cells = cells(line);
+            // a line that ends with a delimiter has no further name, and LabVIEW writes no cell for an empty comment
+            let is_void = |cell: &String| cell.is_empty() || cell == "Comment";
+            while cells.len() > self.width && cells.last().is_some_and(is_void) {
+                cells.pop();
+            }
+            cells
+        };
+        let names = cells(last);
         let before = above.len().checked_sub(2).map(|at| cells(above[at].1));
-        // a line that ends with a delimiter has no further name
-        while names.len() > self.width && names.last().is_some_and(String::is_empty) {
-            names.pop();
-        }
         let numbered = names[0].is_empty() && names[1..].iter().zip(0..).all(|(cell, at)| cell.parse() == Ok(at));
         if names.len() == self.width && numbered && names.len() > 1 {
             self.names = names;
@@ -356,7 +361,7 @@ fn is_word(cell: &str) -> bool {
 }
 
 fn are_names(cells: &[String], width: usize) -> bool {
-    cells.len() == width && cells.iter().all(|cell| is_word(cell))
+    cells.len() == width && cells.iter().all(|cell| is_word(cell) || cell.is_empty())
 }
 
 /// Whether these are the units under a line of names.
@@ -376,7 +381,9 @@ fn with_units(names: &[String], units: &[String]) -> Vec<String> {
 }
 
 fn bare(unit: &str) -> &str {
-    unit.trim_matches(['[', ']', '(', ')', ' '])
+    let unit = unit.trim();
+    let inner = |open, close| unit.strip_prefix(open)?.strip_suffix(close);
+    inner('[', ']').or_else(|| inner('(', ')')).unwrap_or(unit).trim()
 }
 
 /// The start of a line, for a message.

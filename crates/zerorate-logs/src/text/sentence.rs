@@ -11,14 +11,15 @@ fn parts(line: &str) -> Option<(&str, &str)> {
     is_sum.then_some((body, sum))
 }
 
-/// A line without the checksum of a sentence.
-pub fn without_sum(line: &str) -> &str {
-    parts(line).map_or(line, |(body, _)| &line[..=body.len()])
+/// A line without the checksum of a sentence, and without the `;` that some programs put at the end of a line.
+pub fn without_end(line: &str) -> &str {
+    let line = parts(line).map_or(line, |(body, _)| &line[..=body.len()]);
+    line.strip_suffix(';').filter(|rest| rest.contains(',') && !rest.contains(';')).unwrap_or(line)
 }
 
-/// A line without its checksum. `Err` if the checksum is wrong.
+/// A line without its end, as [`without_end`] has it. `Err` if the checksum is wrong.
 pub fn checked(line: &str) -> Result<&str, String> {
-    let Some((body, stated)) = parts(line) else { return Ok(line) };
+    let Some((body, stated)) = parts(line) else { return Ok(without_end(line)) };
     let found = match stated.len() {
         2 => format!("{:02X}", body.bytes().fold(0, |sum, byte| sum ^ byte)),
         _ => format!("{:04X}", Crc::<u16>::new(&CRC_16_XMODEM).checksum(body.as_bytes())),

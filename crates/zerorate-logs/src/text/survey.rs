@@ -98,7 +98,7 @@ impl Survey {
                 let line = line.trim_ascii();
                 let is_other = is_comment(line) || sentence::is_other(line, head.sentence.as_deref());
                 if line_number > head.lines && !line.is_empty() && !is_other {
-                    survey.take(sentence::without_sum(line), head);
+                    survey.take(sentence::without_end(line), head);
                 }
             }
         }

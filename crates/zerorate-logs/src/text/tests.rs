@@ -4,6 +4,7 @@ use super::super::tests::{Folder, numbers, there};
 use crate::column::Column;
 use crate::series::Series;
 use crate::warning::LogWarning;
+use zerorate_input::Quantity;
 
 fn read(text: &str, options: &str) -> Column {
     Folder::new().read(text, options).unwrap_or_else(|error| panic!("{text:?}: {error}"))
@@ -268,4 +269,42 @@ fn a_stamp_may_have_a_line_of_its_own() {
     // a column of numbers with a stray pair is no such log
     let text = "1.5\n".repeat(60) + "1.5,2\n" + &"1.5\n".repeat(60);
     assert_eq!(read(&text, "--rate 10").series.len(), 121);
+}
+
+/// `strangers/17`: lines that a C program ends with `;`.
+#[test]
+fn a_semicolon_at_the_end_of_lines_is_no_cell() {
+    let text: String = (0..40).map(|at| format!("{at},{}.5,{}.25;\n", at % 3, at % 5)).collect();
+    assert_eq!(numbers(&read(&text, "--column 2 --rate 10"))[4], 4.25);
+}
+
+/// `strangers/14`: names, then units, each line with a comma at its end.
+#[test]
+fn units_stand_below_names_that_end_with_a_comma() {
+    let rows: String = (0..40).map(|at| format!("{},{}.5,\n", 10 * at, at % 3)).collect();
+    for unit in ["m/(s^2)", "(m/(s^2))", "[m/s^2]"] {
+        let column = read(&format!("\"sep=,\"\nClock,Accel_X,\nms,{unit},\n{rows}"), "--column 1");
+        assert_eq!((column.rate_hz, column.quantity), (100.0, Some(Quantity::Acceleration)), "{unit}");
+    }
+}
+
+/// `strangers/19`: LabVIEW names a comment, and writes no cell for an empty one.
+#[test]
+fn the_comment_of_labview_is_no_column() {
+    let rows: String = (0..40).map(|at| format!("{:.2}\t{}.5\n", f64::from(at) / 100.0, at % 3)).collect();
+    let column = read(&format!("X_Value\tGyro_X\tComment\n{rows}"), "--column Gyro_X");
+    assert!((column.rate_hz - 100.0).abs() < 1e-6);
+}
+
+/// `strangers/18`, `21`: what is not a table is named.
+#[test]
+fn messages_that_are_not_tables_are_named() {
+    for (text, named) in [
+        ("%RAWIMUSA,1815,407771.985;1815,1,77,1,2,3,4,5,6*69e4a62c\n", "messages of NovAtel"),
+        ("header: \n  seq: 0\nangular_velocity: \n  x: 0.1\n", "`rostopic echo -p TOPIC"),
+        ("{\n  \"rotations\": [\n    {\"x\": 0.1}\n", "it is JSON"),
+    ] {
+        let why = fails(text, "--rate 10");
+        assert!(why.contains(named), "{why}");
+    }
 }
