@@ -379,6 +379,6 @@ fn steps_between_rows_tell_the_rate() {
         ColumnSelection::All,
         &ColumnOptions { names: Names(flag), ..ColumnOptions::default() },
     );
-    let why = columns.err().expect("a question").to_string();
+    let why = columns.expect_err("a question").to_string();
     assert!(why.contains("`dt_ms` holds the step between rows, whose mean tells --rate 100.000000"), "{why}");
 }
