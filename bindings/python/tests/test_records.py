@@ -239,8 +239,8 @@ def test_libraries_that_are_missing_are_named(monkeypatch: pytest.MonkeyPatch) -
 
 def test_rows_of_one_sensor_are_chosen_among_several(tmp_path: pathlib.Path) -> None:
     first, second = np.random.default_rng(7).normal(scale=[0.1, 0.4], size=(4000, 2)).T
-    pairs = zip(first, second)
-    rows = [f"{at / RATE_HZ:.2f},1,{one:.6f}\n{at / RATE_HZ:.2f},2,{other:.6f}" for at, (one, other) in enumerate(pairs)]
+    times = [f"{at / RATE_HZ:.2f}" for at in range(4000)]
+    rows = [f"{t_s},1,{a:.6f}\n{t_s},2,{b:.6f}" for t_s, a, b in zip(times, first, second)]
     log = tmp_path / "two.csv"
     log.write_text("\n".join(["t_s,SensorId,gz_dps", *rows]) + "\n")
     by_sensor = [zerorate.allan(log, column="gz_dps", where=f"SensorId={sensor}") for sensor in (1, 2)]

@@ -134,8 +134,8 @@ impl Columns<'_> {
         is_said.then(|| LogWarning::NoNumbers { path: self.path.display().to_string(), names: left.join(", ") })
     }
 
-    /// The column outside `values` with the time: the only one whose name states a unit of time, or the only one that is
-    /// called a time. Of the latter the dates must tell the unit, or it is not taken.
+    /// The column outside `values` with the time: the only one whose name states a unit of time, or the only one that
+    /// is called a time. The latter is not taken where its numbers are not dates in one unit.
     fn time(&self, values: &[usize]) -> Option<usize> {
         let is_likely = |at: &usize| {
             let name = self.names[*at];

@@ -105,8 +105,8 @@ const FOREIGN: &[(&[u8], &str)] = &[
 const DATAFLASH: &str = "it is a log of ArduPilot as text; name the .bin file, or convert it with pymavlink: \
                          `mavlogdump.py --format csv --types IMU FILE > imu.csv`, in which column `I` is the sensor";
 
-const ECHO: &str = "it is the output of `rostopic echo`; record a bag, or write a table with `rostopic echo -p TOPIC > \
-                    log.csv`";
+const ECHO: &str = "it is the output of `rostopic echo`; record a bag, or write a table with `rostopic echo -p TOPIC \
+                    > log.csv`";
 
 const NOVATEL: &str = "it holds messages of NovAtel, whose increments are counts of its IMU; convert it to columns of \
                        rates with the scales in the manual of the IMU";

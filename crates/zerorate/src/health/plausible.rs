@@ -68,8 +68,8 @@ struct Limits {
 impl Limits {
     /// Scales the numbers of the ADIS16130 (1.15 °/s and 0.35 °/s at 175.7 µs, 0.6 ms, 2 · 250 °/s · 1194/s, 1.5 °/s)
     /// to another axis by similarity. Time scales with 1/bandwidth, motion with the range, and noise with its density
-    /// times √bandwidth, and all of them with the codes per °/s. `None` if range, bandwidth or noise is not known, or if
-    /// the codes are too wide for these sums.
+    /// times √bandwidth, and all of them with the codes per °/s. `None` if range, bandwidth or noise is not known, or
+    /// if the codes are too wide for these sums.
     fn of(axis: &Axis) -> Option<Self> {
         let (bandwidth, range) = (axis.bandwidth_hz? / 300.0, axis.range_dps? / 250.0);
         let noise = axis.noise?.white_dps_per_rt_hz / 0.0125 * libm::sqrt(bandwidth);
