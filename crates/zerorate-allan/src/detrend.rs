@@ -43,7 +43,7 @@ pub struct DetrendedRate {
     pub explained: f64,
     /// Degrees of freedom that the polynomial takes besides the mean: its order.
     pub lost_dof: usize,
-    /// The share of a random walk's Allan variance that is left in averages of 1, 2, 4 … parts of the record.
+    /// Share of a random walk's Allan variance that is left without the polynomial, in averages of 1, 2, 4 … parts.
     kept: Vec<f64>,
     /// The share of the variance of a random walk about its mean that is left.
     walk_kept: f64,

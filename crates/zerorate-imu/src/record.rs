@@ -272,7 +272,7 @@ impl Record {
         Some(Axis { name: &self.column, kind, rate_hz, fit, scale: 1.0 })
     }
 
-    /// The axes of an IMU among several records, as far as they have a model.
+    /// The axes of an IMU among these records. Records without a noise model are left out.
     pub fn axes(records: &[Self]) -> Vec<Axis<'_>> {
         records.iter().filter_map(Self::axis).collect()
     }

@@ -202,7 +202,7 @@ fn check_buffers(batch: ipc::RecordBatch<'_>, body: &[u8]) -> Result<u64, String
     Ok(unpacked)
 }
 
-/// Checks that every row of every column has at least one bit.
+/// Refuses a batch that states more rows or nulls in a column than `bytes` can hold at one bit each.
 fn check_rows(batch: ipc::RecordBatch<'_>, bytes: u64) -> Result<(), String> {
     let possible = |length: i64| u64::try_from(length).is_ok_and(|length| length <= bytes.saturating_mul(8));
     let nodes = batch.nodes().ok_or("a batch without columns")?;

@@ -55,10 +55,10 @@ pub trait BatchSource {
         "table"
     }
 
-    /// The statements so far.
+    /// What the source has stated so far beside its rows: the schema, checks, and whether it has ended.
     fn stated(&self) -> &Stated;
 
-    /// The statements so far, mutable.
+    /// The same statements, to be changed.
     fn stated_mut(&mut self) -> &mut Stated;
 
     /// Reads the next batch of the form, if there is one. It is not called again after the end or an error.

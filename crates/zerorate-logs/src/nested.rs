@@ -61,7 +61,8 @@ struct Definitions<'a> {
 }
 
 impl Definitions<'_> {
-    /// Adds the fields of a type behind `before`, and the IMUs among them to `found`.
+    /// Appends the fields of the type `kind` to `before`, and adds the IMUs among them to `found`. Returns `None` if a
+    /// definition is missing or wrong, or a limit is exceeded.
     fn follow(
         &mut self,
         kind: &str,

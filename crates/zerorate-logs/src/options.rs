@@ -40,9 +40,9 @@ pub struct ColumnOptions {
     /// log states, or else °/s. `None` means 1, or the scale of the sensor for the codes of a capture.
     pub scale: Option<f64>,
 
-    /// Whether each value is an angle or a velocity increment over a sample, and not a rate; `None` means no, but
-    /// evidence in names and gravity becomes a question. `unit` is then the increment's unit per second: rad/s for
-    /// rad.
+    /// Whether the values are increments, an angle or a velocity for each sample, in place of rates. `None` reads them
+    /// as rates, and asks if the names of columns or the size of gravity tell otherwise. The `unit` of increments is
+    /// given per second: rad/s for rad.
     pub increments: Option<bool>,
 
     /// Uses the given unit even if the name of a column states another, which is otherwise an error.

@@ -34,7 +34,7 @@ impl Series {
         self.len() == 0
     }
 
-    /// The samples as a rate, with the gaps among codes.
+    /// The samples as a rate. `gaps` are those among codes; other numbers have NaN where samples are missing.
     pub fn input<'a>(&'a self, gaps: &'a [Gap]) -> Input<'a> {
         match self {
             Self::Codes(codes) => Input::Codes { codes, gaps },

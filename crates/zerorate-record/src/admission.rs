@@ -5,7 +5,7 @@ use super::row::Row;
 use super::succession::{Break, Succession};
 use super::warning::CaptureWarning;
 
-/// Largest number of samples in a row whose time does not increase: 0.7 s at the full rate. Then recording stops.
+/// Recording stops after this many samples in a row whose time does not increase: 0.7 s at the full rate.
 const STANDING: u32 = 4096;
 
 /// Judges the samples of a live device, and counts those as lost that cannot be recorded.

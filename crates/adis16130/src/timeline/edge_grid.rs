@@ -84,8 +84,8 @@ impl EdgeGrid {
         if self.is_divided() { LOOP_GEAR } else { TOP_GEAR }
     }
 
-    /// The time from a tick to the temperature update with this period, to half a ns. A function of its own saves
-    /// flash.
+    /// The time from a tick to the next temperature update where ticks have this period, accurate to half a ns. It is
+    /// not inlined, which saves flash.
     #[inline(never)]
     pub(super) const fn share_of_temp(&self, period: i64) -> i64 {
         (period >> FRACTION_BITS) * self.temp_fraction

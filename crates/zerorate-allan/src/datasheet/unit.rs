@@ -17,7 +17,7 @@ pub(super) struct Unit {
     pub(super) of: Of,
     /// Twice the exponent of the second: −2 for °/s, −1 for °/√s.
     pub(super) halves: i32,
-    /// The size of the unit in ° or m, with that power of the second.
+    /// Size of the unit in °·s^(`halves`/2) or m·s^(`halves`/2).
     pub(super) factor: f64,
 }
 

@@ -36,7 +36,7 @@ impl<'a> Curves<'a> {
         Self { rate, rate_hz, block, lengths, blocks }
     }
 
-    /// The curve of some parts together. For short averages, differences across the ends of parts are left out.
+    /// The deviations over consecutive parts. In short averages no difference spans two parts.
     pub(super) fn of_parts(&self, parts: Range<usize>) -> Vec<Deviation> {
         let part = &self.rate[parts.start * self.block..(parts.end * self.block).min(self.rate.len())];
         let longer: Vec<u64> =

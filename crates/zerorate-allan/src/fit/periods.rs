@@ -75,7 +75,8 @@ fn with(Selection { problem, found, .. }: &Selection, harmonics: usize) -> Optio
     Some(Period { period_s: 2.0 * table.span_s / turns, k: libm::sqrt(rest.at[K2]), gain })
 }
 
-/// The first coefficients without the best sines of a period with `turns` half periods over the record.
+/// Fits sines to the lowest coefficients, weighed by the density in `under`, and returns what is left of them. The
+/// sines have `turns` half periods over the record, and multiples of it. `None` if the fit is singular.
 fn left(problem: &Problem, under: &Optimum, turns: f64, harmonics: usize) -> Option<Vec<f64>> {
     let table = &problem.table;
     let rows = 0..table.singles();

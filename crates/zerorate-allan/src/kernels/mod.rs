@@ -99,7 +99,8 @@ pub(crate) fn deviations_and_missing(
     (checked.into_iter().map(|m| m.and_then(&mut finish)).collect(), missing)
 }
 
-/// Sums for each of the lengths `m`, all of which fit into the record. `None` if samples are missing, or `m` is empty.
+/// Sums the squared differences for each length in `m`, all of which must fit into the record. `None` if samples are
+/// missing, or `m` is empty.
 fn whole_squares(input: &Input<'_>, kernel: Kernel, m: &[usize]) -> Option<Vec<Result<Squares, Reason>>> {
     if m.is_empty() {
         return None;

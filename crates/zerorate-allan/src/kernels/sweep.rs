@@ -191,7 +191,7 @@ impl Step for f64 {
     }
 }
 
-/// Integers modulo 2^32. Differences must be below 2^28.
+/// Exact sums over a running sum that wraps modulo 2^32. Every difference must be below 2^28.
 impl Step for i32 {
     type Number = i32;
     type Sum = ExactSum;
@@ -213,7 +213,7 @@ impl Step for i32 {
     }
 }
 
-/// Integers modulo 2^64. Differences must be below 2^56.
+/// Exact sums over a running sum that wraps modulo 2^64. Every difference must be below 2^56.
 impl Step for i64 {
     type Number = i64;
     type Sum = ExactSum;

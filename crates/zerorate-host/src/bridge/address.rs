@@ -33,7 +33,7 @@ impl fmt::Display for BridgeAddress {
     }
 }
 
-/// Baud rate unless given: enough for the full rate with every temperature.
+/// Default baud rate: enough for the full sample rate with a temperature in every sample.
 const DEFAULT_BAUD: u32 = 3_000_000;
 const BAUD_RANGE: RangeInclusive<u32> = 9_600..=12_000_000;
 

@@ -9,7 +9,8 @@ use std::time::Duration;
 /// Largest number of bytes of a written value.
 pub const LONGEST_VALUE: usize = 4096;
 
-/// Largest number of samples of a client's buffer. The server keeps none, because samples are sent once read.
+/// Largest buffer that a client may open, in samples. The server allocates no such buffer: it sends each sample as
+/// soon as it is read.
 const MOST_SAMPLES: usize = 1 << 24;
 
 /// Default of the longest wait for samples. A client of libiio 0.24 waits twice as long, and then hangs up.

@@ -86,7 +86,7 @@ pub struct PointReport {
     pub edf: f64,
     /// Exponent α of the noise S(f) ∝ f^α that dominates.
     pub alpha: i32,
-    /// Terms that entered.
+    /// Number of terms in the mean square.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub n: u64,
     /// The name of that noise; none: the record is too short to tell.

@@ -39,7 +39,8 @@ pub struct OutputOptions {
 /// A recording of a method without steps takes no longer than this, s.
 const LONGEST_S: f64 = 86_400.0;
 
-/// The default settling time, s. A method without steps takes all of a recording.
+/// The default of [`Plan::settle_s`], s. For a recorded capture and a method without steps it is a day, so that the
+/// whole capture is used.
 #[must_use]
 pub fn settle_s(method: Method, is_recorded: bool) -> f64 {
     if is_recorded && method != Method::An1042 { LONGEST_S } else { Plan::default().settle_s }

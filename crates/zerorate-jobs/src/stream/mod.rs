@@ -223,7 +223,7 @@ impl<'a> RowMaker<'a> {
         kept.and(ended)
     }
 
-    /// Each warning once.
+    /// Warns of an extrapolated correction and of readings with new `flags`, once each.
     fn warn(&mut self, flags: Flags) {
         if self.corrector.is_extrapolated() && !self.warned_of_span {
             self.corrector.warning().into_iter().for_each(|warning| self.listener.warn(warning.into()));

@@ -7,8 +7,8 @@ use super::block::Block;
 const ENOUGH: u64 = 50;
 const SAID: f64 = 1e-3;
 
-/// Least ratio of the samples at the limit to those at any of the next values. Noise has fewer samples at its limits
-/// than inside, and a sine in coarse codes has at most 2.4 times as many.
+/// An extreme value that is this many times as frequent as each of the next values is a limit. In noise the extreme is
+/// rarer than its neighbours. In a sine with coarse codes it is at most 2.4 times as frequent.
 const MORE: u64 = 3;
 
 /// The samples at the limits of a column.

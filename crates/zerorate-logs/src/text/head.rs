@@ -275,7 +275,7 @@ impl Shape {
     }
 }
 
-/// The findings from the lines of the most common shape.
+/// What the lines of the most common shape show: the first row, the columns of numbers, and the decimal mark.
 struct Rows {
     /// Index of the first line that is not a header.
     first: usize,

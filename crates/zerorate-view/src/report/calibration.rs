@@ -82,7 +82,7 @@ struct Section {
 /// A calibration as one HTML page; `file` is the name of the calibration's file.
 ///
 /// # Errors
-/// A table that cannot be laid out.
+/// Returns an error if the look-up table cannot be computed.
 pub fn calibration_page(calibration: &Calibration, file: &str) -> Result<String> {
     let serial = calibration.serial.as_deref().map_or(String::new(), |serial| format!(", serial {serial}"));
     let created = match calibration.created.as_deref() {

@@ -102,7 +102,7 @@ impl LiveSession {
         self.0.turn(&mut now_ms, budget_ms);
     }
 
-    /// The answer to a request; both are text.
+    /// Carries out a request in JSON, and returns the answer in JSON.
     pub fn ask(&mut self, request: &str) -> String {
         self.0.ask(request, now_ms())
     }

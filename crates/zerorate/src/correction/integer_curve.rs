@@ -20,8 +20,8 @@ impl CurveForm {
     /// The form for the ADIS16130, which reaches 148.8 °C to either side of T3.
     pub const ADIS16130: Self = Self::new(&Axis::ADIS16130.rate, &Axis::ADIS16130.temp);
 
-    /// Least reach of the form from T3, °C. The reach is a whole power of two in codes. It covers any temperature that
-    /// a part is specified for, wherever T3 lies. Farther out the temperature counts as the end of the reach.
+    /// Least distance from T3 that the form covers to either side, °C. [`new`](Self::new) rounds it up to a power of
+    /// two in codes. It covers every temperature for which a sensor is specified. Temperatures beyond are clamped.
     pub const REACH_C: f64 = 128.0;
 
     /// The form for codes on these scales, of up to 32 bits each.

@@ -154,7 +154,8 @@ pub(crate) struct Plausible {
 #[derive(Clone, Copy, Debug, Default)]
 struct Shock {
     roughness: u32,
-    /// Number of judgements for which the mark still counts. Then the past of the readings has a shock's roughness.
+    /// Number of strict judgements for which `roughness` still raises the threshold. After them, the recent readings
+    /// themselves show the roughness of the shock.
     left: u8,
 }
 

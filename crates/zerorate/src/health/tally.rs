@@ -43,8 +43,8 @@ impl Tally {
         self.lost += u64::from(reading.lost);
     }
 
-    /// Counts a gap. A host that is late counts the edges that it could not handle, and one that reads too slowly
-    /// loses one sample at a time (F-33).
+    /// Counts a gap if samples were lost. A late host still counts the edges, and a slow one loses single samples
+    /// (F-33). A gap is silent if two or more samples were lost and no further edge was counted.
     #[inline]
     fn note_gap(&mut self, lost: u32, edges: u32) {
         if self.least_edges == 0 || edges < self.least_edges {

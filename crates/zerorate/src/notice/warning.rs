@@ -65,7 +65,7 @@ pub enum Warning {
     BaseMotionRemoved { hz: f64, size_dps: f64 },
     /// The bias follows the temperature late. The curve holds for a temperature at rest.
     Late { lag_s: f64 },
-    /// One warming shows one branch of the hysteresis.
+    /// The sensor was only warmed, so that one branch of the hysteresis was measured.
     OneBranch { hysteresis_dps: Option<f64> },
     /// The wanted uncertainty was not reached.
     TargetMissed { u_dps: f64, target_dps: f64 },

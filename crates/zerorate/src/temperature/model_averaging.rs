@@ -176,8 +176,8 @@ impl<'a> Lattice<'a> {
         scored
     }
 
-    /// The paths with a base motion, with their scores, beside those without: first the base motions that explain most
-    /// on any path, at the frequencies that matter there, and then all paths with these. Empty if none matters.
+    /// Scores the paths with a base motion: refines the frequencies on the best path, drops negligible ones, and pairs
+    /// each relevant path with each frequency that is left. Returns nothing if base motion explains too little.
     fn paths_with_motion(&self, filter: &Filter, noise: (i32, i32), still: &[(f64, Path)]) -> Vec<(f64, Path)> {
         let coarse = self.paired(filter, noise, &self.paths, &base_motion::of(self.motions_hz));
         let Some(best) = coarse.iter().copied().max_by(|a, b| a.0.total_cmp(&b.0)) else { return Vec::new() };
@@ -249,7 +249,7 @@ impl<'a> Lattice<'a> {
         log_sum(&evidences.map(|log_evidence| log_evidence + log_prior).collect::<Vec<f64>>())
     }
 
-    /// The models of all orders.
+    /// Computes a model for each order of the polynomial. They have no weights yet.
     fn models(&self, filter: &Filter, noise: (i32, i32), path: &Path) -> impl Iterator<Item = Weighed> + use<> {
         let columns = self.record.columns(filter, path.following, path.steps);
         let motion = path.motion.map(|motion| self.record.motion(filter, motion.hz));

@@ -26,7 +26,7 @@ const FLICKER_TOP_HZ: f64 = 0.04;
 /// Variance of a mean over τ by the flicker above that, in units of B²/π: at most this over τ. The integral of
 /// sinc²(τf)/f from there on is 0.96 for 4 s, 0.38 for 8 s, 0.15 for 12 s, 0.05 for 16 s.
 const FLICKER_ABOVE_S: f64 = 4.0;
-/// Share by which rounding lets a product of two deviations exceed that of the variances.
+/// Largest relative amount by which rounding lets a squared covariance exceed the product of its two variances.
 const ROUNDING: f32 = 1e-4;
 /// Longest time that passes at once, s: 32 years. Beyond it nothing is known anyway.
 const LONGEST_S: f64 = 1e9;

@@ -1,9 +1,9 @@
-//! Several hypotheses about the bias, each with its probability: which of the quiet stretches so far were rests, and
-//! which were rotations.
+//! Several hypotheses about the bias, each with its probability: which of the quiet windows so far were rest, and
+//! which were slow rotation.
 //!
-//! A stretch splits each hypothesis in two: it was rest and taught the bias, or it was a rotation and taught nothing.
-//! When the stretch is over, the closest hypotheses become one until few are left. A wrong hypothesis therefore does
-//! not outlive the rests that contradict it.
+//! A window splits each hypothesis in two. If the window was rest, its mean updates the bias. If it was rotation, the
+//! bias stays. After the window, the closest hypotheses are merged until few are left. Later rests lower the
+//! probability of a wrong hypothesis until it is dropped.
 
 use super::filter::{Drift, Filter, Innovation};
 use super::level::{self, RestPrior};

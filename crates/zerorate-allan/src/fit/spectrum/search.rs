@@ -16,8 +16,9 @@ const LOUD: f64 = 2.0;
 const MOST_OF_IT: f64 = 0.9;
 /// Largest number of sines that are removed in one round.
 const MOST_SINES: usize = 16;
-/// Largest number of means in the search for slow lines, and the share of their rate below which sines stay whole.
+/// Largest number of means in the search for slow lines.
 const MOST_MEANS: usize = 1 << 17;
+/// Highest frequency of a slow line, as a share of the rate of the means. Averaging attenuates faster sines.
 const WHOLE: f64 = 0.125;
 
 /// Removes the sines from a rate, the strongest first, and returns them.

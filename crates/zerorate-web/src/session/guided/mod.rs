@@ -24,7 +24,7 @@ const POINTS: u8 = 9;
 
 /// The interface of all methods: a procedure that takes readings.
 trait GuidedMethod: std::fmt::Debug + Send {
-    /// Begins. The part was initialised, and its first reading has this time.
+    /// Starts the procedure, after the sensor was initialised. `t_ns` is the time of the first reading.
     fn begin(&mut self, t_ns: u64) -> Result<(), String>;
 
     /// Takes a reading. Returns true when the procedure is done; an error is a refusal.
