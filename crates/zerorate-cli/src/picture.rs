@@ -19,7 +19,7 @@ impl Kind {
     /// The form that the name states; none where it is not the name of a picture.
     ///
     /// # Errors
-    /// The form is not built in.
+    /// Returns an error if the form is not built in.
     pub fn of(path: &Path) -> Result<Option<Self>, Usage> {
         match path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("svg") => Ok(Some(Self::Svg)),

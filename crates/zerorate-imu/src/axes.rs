@@ -47,7 +47,7 @@ impl Axes {
     /// Reads all of them in one pass; `path` names the log in messages.
     ///
     /// # Errors
-    /// As for [`zerorate_logs::read_parts`], and where no column is an axis, or the unit of an axis is not known.
+    /// Returns the errors of [`zerorate_logs::read_parts`], and an error if no column is an axis or a unit is not known.
     pub fn read(path: &Path, parts: impl Into<Parts>, options: &ImuOptions) -> zerorate_logs::Result<Self> {
         let listed = options.listed();
         let wanted = listed.as_deref().map_or(ColumnSelection::All, ColumnSelection::Listed);
@@ -84,7 +84,7 @@ impl Axes {
     /// The axes among the columns of a log.
     ///
     /// # Errors
-    /// No column is an axis, or the unit of an axis is not known.
+    /// Returns an error if no column is an axis, or the unit of an axis is not known.
     pub fn of(path: &Path, mut columns: Vec<Column>, options: &ImuOptions) -> zerorate_logs::Result<Self> {
         let is_of_kalibr = is_of_kalibr(&columns);
         let options = &if is_of_kalibr { options.with_units_of_kalibr() } else { options.clone() };

@@ -106,7 +106,7 @@ impl Record {
     /// Analyses a column of the log `file`. Its temperature is another column.
     ///
     /// # Errors
-    /// The record has nothing to analyse, or its numbers must not become a result.
+    /// Returns an error if the record has nothing to analyse, or its numbers must not become a result.
     pub fn of(
         mut column: Column,
         file: &Path,

@@ -34,7 +34,7 @@ impl Settling {
     /// Does it to a column of `file`, whose temperature is another column.
     ///
     /// # Errors
-    /// Nothing would be left, or the temperature does not fit.
+    /// Returns an error if nothing would be left, or the temperature does not fit.
     pub fn apply(
         &self,
         column: &mut Column,

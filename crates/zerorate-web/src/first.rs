@@ -19,7 +19,7 @@ impl FirstLook {
     /// Opens the unit with these keys, as after `--device twin:`.
     ///
     /// # Errors
-    /// If a key is unknown, or the part does not answer.
+    /// Returns an error if a key is unknown, or the part does not answer.
     pub fn open(keys: &str) -> Result<Self, String> {
         let source = TwinSource::open(keys)?;
         let about = source.about();

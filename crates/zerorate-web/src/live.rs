@@ -24,7 +24,7 @@ impl Live {
     /// Opens a device.
     ///
     /// # Errors
-    /// If the device cannot be opened.
+    /// Returns an error if the device cannot be opened.
     pub fn open(open: Open, now_ms: f64) -> Result<Self, String> {
         let source = open(now_ms)?;
         let about = source.about();
@@ -37,7 +37,7 @@ impl Live {
     /// Continues the session with another device. Calibrations stay on file, and a running one ends without a result.
     ///
     /// # Errors
-    /// If the device cannot be opened; then the old one goes on.
+    /// Returns an error if the device cannot be opened; then the old one goes on.
     pub fn instead(&mut self, open: Open, now_ms: f64) -> Result<(), String> {
         let source = open(now_ms)?;
         self.session.abort_calibration("another device was opened");
@@ -168,7 +168,7 @@ impl Pace {
     /// Takes readings whose time has come, up to this time. Returns whether there may be more.
     ///
     /// # Errors
-    /// If the device can no longer be read.
+    /// Returns an error if the device can no longer be read.
     pub fn readings(
         &mut self,
         source: &mut (impl Source + ?Sized),

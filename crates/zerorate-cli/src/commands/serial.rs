@@ -54,7 +54,7 @@ impl Part<'_> {
     /// Returns a warning where nothing shows that `calibration`, from the file `path`, belongs to this part.
     ///
     /// # Errors
-    /// The calibration belongs to another part.
+    /// Returns an error if the calibration belongs to another part.
     pub fn check(&self, calibration: &Calibration, path: &Path) -> Result<Option<SessionWarning>> {
         let (cal, part) = (path.display().to_string(), (self.name, self.serial));
         SessionWarning::of_serial((cal, calibration.serial.as_deref()), part, self.advice).map_err(Error::msg)

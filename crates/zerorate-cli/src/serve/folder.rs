@@ -38,7 +38,7 @@ impl Folder {
     /// Puts all calibrations of the folder on file. Files that cannot be read are named on stderr.
     ///
     /// # Errors
-    /// The folder cannot be created or read.
+    /// Returns an error if the folder cannot be created or read.
     pub fn read(&mut self, session: &mut Session) -> Result<()> {
         let Some(folder) = &self.path else { return Ok(()) };
         let about = || format!("--folder {}", folder.display());
@@ -59,7 +59,7 @@ impl Folder {
     /// Puts a calibration on file and returns its id.
     ///
     /// # Errors
-    /// The file cannot be read, or is not a calibration.
+    /// Returns an error if the file cannot be read, or is not a calibration.
     pub fn add(&mut self, path: &Path, session: &mut Session) -> Result<String> {
         let name = || path.display().to_string();
         let toml = Outputs::without_force().text(path, limits::TEXT)?;

@@ -28,7 +28,7 @@ impl Libiio {
     /// The address that clients connect to.
     ///
     /// # Errors
-    /// The system does not know the address.
+    /// Returns an error if the system does not know the address.
     pub fn address(&self) -> Result<SocketAddr> {
         self.listener.local_addr().context("the libiio server")
     }
@@ -36,7 +36,7 @@ impl Libiio {
     /// Serves the device of this hub from here on.
     ///
     /// # Errors
-    /// No thread or no socket can be had.
+    /// Returns an error if no thread or no socket can be had.
     pub fn begin(&mut self, hub: &Arc<Hub>) -> Result<()> {
         self.end();
         let (hub, stop) = (Arc::clone(hub), Stop::default());

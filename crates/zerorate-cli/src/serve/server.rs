@@ -107,7 +107,7 @@ impl Drop for EndsAll {
 /// Serves until the request to end.
 ///
 /// # Errors
-/// The system does not let it serve.
+/// Returns an error if the system does not let it serve.
 pub fn run(listener: TcpListener, guard: Guard, requests: RequestSender, stop: &Stop) -> Result<()> {
     serve(listener, Server::new(guard, requests, Limits::default()), stop)
 }

@@ -132,7 +132,7 @@ impl SessionThread {
     /// Begins to read the device that was opened.
     ///
     /// # Errors
-    /// The recording cannot begin.
+    /// Returns an error if the recording cannot begin.
     pub fn begin(&mut self) -> Result<()> {
         self.note_standing();
         match std::mem::replace(&mut self.device, Device::Over { hub: None, again: None }) {
@@ -165,7 +165,7 @@ impl SessionThread {
     /// Runs until the request to end, and completes the recording.
     ///
     /// # Errors
-    /// The first failure of a recording.
+    /// Returns the first failure of a recording.
     pub fn run(mut self, stop: &Stop) -> Result<()> {
         while !stop.asked() {
             self = self.turn(stop);

@@ -57,7 +57,7 @@ impl Export {
     /// Lays the tables out.
     ///
     /// # Errors
-    /// [`InvalidOptions`] if step and span do not make a table.
+    /// Returns [`InvalidOptions`] if step and span do not make a table.
     pub fn new(calibration: Calibration, options: Options) -> Result<Self> {
         let layout = Layout::new(&calibration, options.step_c, options.span_c);
         let tables = calibration.axes.iter().map(|axis| layout.rows(&axis.correction)).collect::<Result<_>>()?;
@@ -73,7 +73,7 @@ impl Export {
     /// The text of the file.
     ///
     /// # Errors
-    /// [`InvalidOptions`], or a calibration that does not fit the form.
+    /// Returns [`InvalidOptions`], or an error if the calibration does not fit the form.
     pub fn text(&self, form: ExportForm) -> Result<String> {
         let Options { prefix, sensor, device_id, .. } = &self.options;
         match form {

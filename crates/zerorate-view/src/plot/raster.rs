@@ -14,7 +14,7 @@ const SCALE: f32 = 2.0;
 /// A picture as PNG, twice as wide and high as the SVG states. Characters beyond Latin, Greek and Cyrillic stay blank.
 ///
 /// # Errors
-/// If the text is not an SVG, or the SVG has no size.
+/// Returns an error if the text is not an SVG, or the SVG has no size.
 pub fn png(svg: &str) -> Result<Vec<u8>> {
     let mut options = Options { font_family: FAMILY.to_owned(), ..Options::default() };
     let fonts = Arc::make_mut(&mut options.fontdb);

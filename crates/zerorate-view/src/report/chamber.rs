@@ -46,7 +46,7 @@ struct AxisPart {
 /// The page as HTML.
 ///
 /// # Errors
-/// If the template cannot be filled.
+/// Returns an error if the template cannot be filled.
 pub fn chamber_page(page: ChamberPage<'_>) -> Result<String> {
     let ChamberPage { title, calibration, record, outcomes, warnings, facts } = page;
     let axes =

@@ -64,7 +64,7 @@ mod reader {
         /// Analyses the next column; `None` if all are done.
         ///
         /// # Errors
-        /// Why the column has no noise that can be analysed.
+        /// Returns the reason why the column has no noise that can be analysed.
         pub fn analyse(&mut self) -> Result<Option<LogAxis>, String> {
             let Some(column) = self.waiting.next() else { return Ok(None) };
             let options = AnalysisOptions {
@@ -99,7 +99,7 @@ mod reader {
         /// The file for a filter.
         ///
         /// # Errors
-        /// If the numbers would not be a valid result, or the log lacks the axes for it.
+        /// Returns an error if the numbers would not be a valid result, or the log lacks the axes for it.
         pub fn noise_file(&self, command: &NoiseFileCommand) -> Result<Download, String> {
             let (format, combine) = (format(&command.format)?, combine(&command.combine)?);
             let (axes, doubts) = (Record::axes(&self.analysed), Record::doubts(&self.analysed));

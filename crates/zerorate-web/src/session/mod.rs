@@ -238,7 +238,7 @@ impl Session {
     /// stays free.
     ///
     /// # Errors
-    /// Describes the fault of the calibration.
+    /// Returns a text about the fault of the calibration.
     pub fn add_calibration(&mut self, toml: &str) -> Result<String, String> {
         let id = self.store.add_file(toml, usize::from(self.is_calibrating()))?;
         self.changed.calibrations = true;
@@ -248,7 +248,7 @@ impl Session {
     /// Applies a calibration on file, or none, and notes its warnings. The angle is set to zero.
     ///
     /// # Errors
-    /// If the calibration is not on file, or belongs to another part.
+    /// Returns an error if the calibration is not on file, or belongs to another part.
     pub fn apply(&mut self, id: Option<&str>) -> Result<(), String> {
         let stranger = id.filter(|id| self.measured.as_deref() != Some(id));
         let doubts = stranger.map(|id| self.store.doubts(id, &self.live_view.about)).transpose()?;

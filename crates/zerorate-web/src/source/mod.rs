@@ -39,7 +39,7 @@ pub trait Source {
     /// The next reading.
     ///
     /// # Errors
-    /// If it can no longer be read: why, and what to do.
+    /// Returns an error that says why it can no longer be read, and what to do.
     fn next(&mut self) -> Result<Next, String>;
 
     /// The truth that a twin knows, at present.

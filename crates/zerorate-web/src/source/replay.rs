@@ -17,7 +17,7 @@ impl Replay {
     /// Opens a capture of this name.
     ///
     /// # Errors
-    /// If the file is not a capture, or is damaged.
+    /// Returns an error if the file is not a capture, or is damaged.
     pub fn open(name: &str, input: Input) -> Result<Self, String> {
         let reader = CaptureReader::open(Path::new(name), input).map_err(|error| match error {
             CaptureError::NotACapture { .. } => {

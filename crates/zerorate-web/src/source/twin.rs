@@ -25,7 +25,7 @@ impl TwinSource {
     /// A unit that was just switched on, by its keys, as after `--device twin:`.
     ///
     /// # Errors
-    /// If a key is unknown, or the part does not answer.
+    /// Returns an error if a key is unknown, or the part does not answer.
     pub fn open(keys: &str) -> Result<Self, String> {
         let spec = Spec::parse_keys(keys).map_err(|error| error.to_string())?;
         let has_capacitor = spec.roa == Roa::TenNanofarad;
