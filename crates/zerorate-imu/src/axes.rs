@@ -47,7 +47,7 @@ impl Axes {
     /// Reads all of them in one pass; `path` names the log in messages.
     ///
     /// # Errors
-    /// Returns the errors of [`zerorate_logs::read_parts`], and an error if no column is an axis or a unit is not known.
+    /// Returns the errors of [`zerorate_logs::read_parts`], and an error if no column is an axis or a unit is unknown.
     pub fn read(path: &Path, parts: impl Into<Parts>, options: &ImuOptions) -> zerorate_logs::Result<Self> {
         let listed = options.listed();
         let wanted = listed.as_deref().map_or(ColumnSelection::All, ColumnSelection::Listed);
