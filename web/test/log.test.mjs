@@ -107,7 +107,7 @@ test("captures of this program, whole and cut off", { skip: without.program }, a
     const bytes = name === "twin.csv" ? csv : captured(name);
     assert.match(await give(name, bytes), /done/);
     const found = await page.textContent(".axes-of-log .coefficients tbody tr:first-child");
-    const [, value] = /^N.* ?([\d.]{5,}) \([\d. …]+\) °\/√s.*identified/.exec(found) ?? assert.fail(found);
+    const [, value] = /^N.*°\/√h([\d.]{5,}) \[[\d., ]+\] °\/√s.*identified/.exec(found) ?? assert.fail(found);
     assert.ok(Math.abs(Number(value) / walk - 1) < 0.03, `${name}: ${found}, and not ${walk}`);
     const said = await give(name, bytes.subarray(0, Math.floor(bytes.length / 2)));
     assert.ok(!/RuntimeError|unreachable/.test(said), said);

@@ -78,7 +78,7 @@ impl Axes {
     /// Whether there are any among the columns of a log, where nobody said which they are.
     #[must_use]
     pub fn are_among(columns: &[Column]) -> bool {
-        columns.iter().any(|column| !Kind::is_beside(&column.name) && Kind::of_column(column).is_some())
+        columns.iter().any(|column| Kind::is_axis(&column.name, false) && Kind::of_column(column).is_some())
     }
 
     /// The axes among the columns of a log.
@@ -86,19 +86,18 @@ impl Axes {
     /// # Errors
     /// Returns an error if no column is an axis, or the unit of an axis is not known.
     pub fn of(path: &Path, mut columns: Vec<Column>, options: &ImuOptions) -> zerorate_logs::Result<Self> {
-        let is_of_kalibr = is_of_kalibr(&columns);
-        let options = &if is_of_kalibr { options.with_units_of_kalibr() } else { options.clone() };
         let (mut axes, mut left_out) = (Vec::new(), Vec::new());
         // the first column carries what is of the log, and need not be an axis
         let of_log = |column: &mut Column| column.warnings.extract_if(.., |warning| warning.is_of_log()).collect();
         let mut warnings: Vec<LogWarning> = columns.iter_mut().flat_map::<Vec<_>, _>(of_log).collect();
         let said = options.kinds();
+        let sure = columns.iter().filter(|column| Kind::is_axis(&column.name, true)).filter_map(Kind::of_column);
+        let sure: Vec<Kind> = sure.collect();
         for (index, column) in columns.into_iter().enumerate() {
-            let is_meant = options.columns.is_some() || !Kind::is_beside(&column.name);
+            let is_meant = |kind: &Kind| options.columns.is_some() || Kind::is_axis(&column.name, sure.contains(kind));
             let kind = match said.get(index) {
                 Some(kind) => Some(options.agreed(path, *kind, &column)?),
-                None if is_of_kalibr && column.name.starts_with("alpha_") => Some(Kind::Accelerometer),
-                None => Kind::of_column(&column).filter(|_| is_meant),
+                None => Kind::of_column(&column).filter(is_meant),
             };
             match kind {
                 Some(kind) => axes.push((kind, column)),
@@ -150,21 +149,7 @@ fn without_blanks(path: &Path, axes: &mut Vec<(Kind, Column)>) -> Option<LogWarn
     Some(LogWarning::BlanksLeftOut { path, names })
 }
 
-/// Whether these are the columns of a CSV file for `kalibr_bagcreater`, whose units Kalibr defines.
-fn is_of_kalibr(columns: &[Column]) -> bool {
-    let names = ["omega_x", "omega_y", "omega_z", "alpha_x", "alpha_y", "alpha_z"];
-    columns.iter().map(|column| column.name.as_str()).eq(names)
-}
-
 impl ImuOptions {
-    /// The same options, with rad/s and m/s² where no unit is given.
-    fn with_units_of_kalibr(&self) -> Self {
-        let mut options = self.clone();
-        options.gyro.unit.get_or_insert(Unit::RadPerS);
-        options.accel.unit.get_or_insert(Unit::MPerS2);
-        options
-    }
-
     fn said(&self, kind: Kind) -> &KindOptions {
         match kind {
             Kind::Gyroscope => &self.gyro,
@@ -348,22 +333,13 @@ mod tests {
         Axes::of(Path::new("log.csv"), columns, &ImuOptions::default())
     }
 
-    /// `strangers/12`: Kalibr defines the units of its table.
-    #[test]
-    fn the_table_of_kalibr_needs_no_question() {
-        let found = axes("timestamp,omega_x,omega_y,omega_z,alpha_x,alpha_y,alpha_z").unwrap();
-        let steps: Vec<_> = found.columns.iter().map(|column| (column.quantity, column.scale)).collect();
-        assert_eq!(steps[..3], [(Some(Quantity::AngularRate), 1f64.to_degrees()); 3]);
-        assert_eq!(steps[3..], [(Some(Quantity::Acceleration), 1.0); 3]);
-        // an angular acceleration is called so as well
-        let why = axes("timestamp,omega_x,alpha_x").err().expect("a question").to_string();
-        assert!(why.contains("omega_x (gyroscope) states no unit") && !why.contains("alpha_x ("), "{why}");
-    }
-
     /// `strangers/13`: speeds of wheels and set points are in the unit of a rate.
     #[test]
     fn what_stands_beside_a_gyroscope_is_left_out() {
         let found = axes("t_ns,gz_dps,wheel_speed_rad_s,gyro_bias_z_dps,yaw_cmd_dps").unwrap();
         assert_eq!(found.columns.iter().map(|column| column.name.as_str()).collect::<Vec<_>>(), ["gz_dps"]);
+        // an IMU on a wheel has no other axes
+        let found = axes("t_ns,wheel_gyro_x_dps,wheel_gyro_y_dps").unwrap();
+        assert_eq!(found.columns.len(), 2);
     }
 }

@@ -55,24 +55,19 @@ impl Kind {
         column.quantity.map_or_else(|| Self::named(&column.name), Self::of)
     }
 
-    /// Whether a column is of a gyroscope or an accelerometer, but none of its axes: what ROS, PX4 and phyphox write
-    /// beside them.
-    pub(super) fn is_beside(name: &str) -> bool {
+    /// Whether a column may be an axis, and is none of what ROS, PX4 and phyphox write beside the axes. Set points,
+    /// biases and speeds of wheels have the units of axes: they are left out if `others` are surely axes.
+    pub(super) fn is_axis(name: &str, others: bool) -> bool {
         let name = name.to_lowercase();
-        let parts = [
-            "covariance",
-            "integral",
-            "clipping",
-            "calibration",
-            "timestamp",
-            "absolute",
-            "magnitude",
-            "wheel",
-            "motor",
-        ];
-        let words = ["setpoint", "cmd", "command", "target", "bias", "std", "norm", "total", "abs", "gravity"];
-        let is_beside = |word: &str| words.contains(&word);
-        parts.iter().any(|part| name.contains(part)) || name.split(|c: char| !c.is_alphanumeric()).any(is_beside)
+        let beside = ["covariance", "integral", "clipping", "calibration", "timestamp", "absolute", "magnitude"];
+        let parts = ["wheel", "motor", "setpoint"];
+        let words = ["cmd", "command", "target", "bias", "std", "norm", "total", "abs", "gravity"];
+        let is_doubtful = || {
+            parts.iter().any(|part| name.contains(part))
+                || name.split(|c: char| !c.is_alphanumeric()).any(|word| words.contains(&word))
+        };
+        let is_beside = beside.iter().any(|part| name.contains(part));
+        !(is_beside || others && is_doubtful())
     }
 
     /// `gyro_x`, `wx`, `omega.x`; `acc_x`, `ax`, `f_y`; increments as `dtheta_x`.
@@ -104,9 +99,13 @@ mod tests {
     #[test]
     fn what_stands_beside_axes() {
         for name in ["field.angular_velocity_covariance0", "gyro_integral_dt", "Absolute (rad/s)", "gyro_clipping"] {
-            assert!(Kind::is_beside(name), "{name}");
+            assert!(!Kind::is_axis(name, false), "{name}");
         }
-        assert!(!["gyro_rad[0]", "field.angular_velocity.x", "ax [m/s^2]"].into_iter().any(Kind::is_beside));
+        assert!(
+            !["gyro_rad[0]", "field.angular_velocity.x", "ax [m/s^2]"]
+                .into_iter()
+                .any(|name| !Kind::is_axis(name, true))
+        );
     }
 
     #[test]

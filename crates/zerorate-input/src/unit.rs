@@ -111,14 +111,14 @@ impl Unit {
     /// All accepted names, in the spelling of [`plain`].
     fn names(self) -> &'static [&'static str] {
         match self {
-            Self::Dps => &["dps", "deg/s", "degs/s", "degs1", "degps"],
+            Self::Dps => &["dps", "deg/s", "degs/s", "degs-1", "degps"],
             Self::Mdps => &["mdps", "mdeg/s"],
             Self::DegPerMin => &["deg/min", "dpm"],
             Self::DegPerH => &["deg/h", "dph"],
-            Self::RadPerS => &["rad/s", "rads/s", "rads1", "radps"],
+            Self::RadPerS => &["rad/s", "rads/s", "rads-1", "radps"],
             Self::MradPerS => &["mrad/s", "mradps"],
             Self::UradPerS => &["urad/s", "uradps"],
-            Self::MPerS2 => &["m/s2", "m/s/s", "ms2", "mps2"],
+            Self::MPerS2 => &["m/s2", "m/s/s", "ms-2", "mps2"],
             Self::G => &["g", "gn", "g0"],
             Self::MilliG => &["mg"],
             Self::MicroG => &["ug"],
@@ -149,20 +149,26 @@ impl Unit {
             return Some(unit);
         }
         // as in `gyroXRadPerSec`
-        let words = name.char_indices().filter(|(at, c)| c.is_uppercase() && name.len() - at >= 4);
-        let camel = words.filter_map(|(at, _)| name[at..].parse().ok()).next();
-        let name = name.to_lowercase();
-        if name.contains("angular_velocity") {
-            return Some(Self::RadPerS);
-        }
-        if name.contains("linear_acceleration") {
-            return Some(Self::MPerS2);
-        }
-        let ends = |unit: &Self| unit.endings().iter().any(|ending| has_ending(&name, ending));
+        let words = name.char_indices().filter(|(_, c)| c.is_uppercase()).map(|(at, _)| &name[at..]);
+        let camel = words.filter_map(rate).next();
+        let lower = name.to_lowercase();
+        let ends = |unit: &Self| unit.endings().iter().any(|ending| has_ending(&lower, ending));
         // as in `gx_rad/s` and `wx, rad/s`
-        let at_end = || name.match_indices(['_', ' ', ',', ':']).find_map(|(at, _)| name[at + 1..].parse().ok());
-        Self::ALL.into_iter().find(ends).or(camel).or_else(at_end)
+        let at_end = || lower.match_indices(['_', ' ', ',', ':']).find_map(|(at, _)| rate(&lower[at + 1..]));
+        let stated = Self::ALL.into_iter().find(ends).or(camel).or_else(at_end);
+        stated.or_else(|| match () {
+            () if lower.contains("angular_velocity") => Some(Self::RadPerS),
+            () if lower.contains("linear_acceleration") => Some(Self::MPerS2),
+            () => None,
+        })
     }
+}
+
+/// The unit of a rate of change, written as one: `rad/s`, `RadPerSec`, `mps2`.
+fn rate(text: &str) -> Option<Unit> {
+    let lower = text.to_lowercase();
+    let is_rate = ["/", "per", "ps"].iter().any(|part| lower.contains(part)) && !lower.contains(['_', ' ']);
+    text.parse().ok().filter(|_| is_rate)
 }
 
 impl FromStr for Unit {
@@ -185,9 +191,9 @@ impl fmt::Display for Unit {
 
 /// A unit as it is written, with one spelling for each part: `deg/s` of `(°/sec)`, `degrees per second`, `deg s⁻¹`.
 fn plain(unit: &str) -> String {
-    let unit: String = unit.to_lowercase().chars().filter(|c| !c.is_whitespace() && !"()^*·-".contains(*c)).collect();
+    let unit: String = unit.to_lowercase().chars().filter(|c| !c.is_whitespace() && !"()^*·".contains(*c)).collect();
     let parts = [
-        ("⁻", ""),
+        ("⁻", "-"),
         ("¹", "1"),
         ("²", "2"),
         ("seconds", "s"),
@@ -210,6 +216,7 @@ fn plain(unit: &str) -> String {
         ("metres", "m"),
         ("meter", "m"),
         ("metre", "m"),
+        ("milli-", "m"),
         ("milli", "m"),
         ("micro", "u"),
         ("µ", "u"),
@@ -260,8 +267,7 @@ impl TimeUnit {
         match &*lower {
             "timeus" | "micros" | "us" | "usec" | "microseconds" => return Some(Self::Us),
             "millis" | "ms" | "msec" | "milliseconds" => return Some(Self::Ms),
-            // LabVIEW calls its time `X_Value`
-            "sec" | "secs" | "seconds" | "seconds_elapsed" | "secondselapsed" | "x_value" => return Some(Self::S),
+            "sec" | "secs" | "seconds" | "seconds_elapsed" | "secondselapsed" => return Some(Self::S),
             "nanos" | "ns" | "nsec" | "nanoseconds" => return Some(Self::Ns),
             // a rate, as in rad/s
             _ if Unit::of_column(name).is_some() => return None,
@@ -345,7 +351,14 @@ mod tests {
             ("acc (meters/sec^2)", Some(Unit::MPerS2)),
             ("acc (milli-g)", Some(Unit::MilliG)),
             ("Accel_X m/(s^2)", Some(Unit::MPerS2)),
+            ("Time (ms) 2", None),
             ("½ÇËÙ¶ÈX(¡ã/s)", Some(Unit::Dps)),
+            ("angular_velocity_x_dps", Some(Unit::Dps)),
+            ("Yaw (deg) S1", None),
+            ("HeadingDegS1", None),
+            ("latency_ms 2", None),
+            ("imu_g0", None),
+            ("mass:g", None),
             ("speed_m/s", None),
             ("heading_degs", None),
             ("flow_l/s", None),

@@ -3,7 +3,7 @@
 use crate::error::{LogError, Result};
 use crate::options::ColumnOptions;
 use crate::setting::{Names, Setting};
-use crate::time_names::{is_fraction, is_like_time, is_step};
+use crate::time_names::{is_bare_unit, is_fraction, is_like_time, is_named_time};
 use crate::warning::LogWarning;
 use std::path::Path;
 use zerorate_input::{Quantity, TimeUnit, Unit, is_celsius};
@@ -137,14 +137,7 @@ impl Columns<'_> {
     /// The column outside `values` with the time: the only one whose name states a unit of time, or the only one that
     /// is called a time. The latter is not taken where its numbers are not dates in one unit.
     fn time(&self, values: &[usize]) -> Option<usize> {
-        let is_likely = |at: &usize| {
-            let name = self.names[*at];
-            !values.contains(at)
-                && self.numeric[*at]
-                && is_like_time(name)
-                && !is_step(name)
-                && Unit::of_column(name).is_none()
-        };
+        let is_likely = |at: &usize| !values.contains(at) && self.numeric[*at] && is_named_time(self.names[*at]);
         let likely: Vec<usize> = (0..self.names.len()).filter(is_likely).collect();
         let is_of_sensor = |at: &&usize| self.names[**at].ends_with("header.stamp");
         let only = || match likely[..] {
@@ -156,18 +149,26 @@ impl Columns<'_> {
         self.stated_time(values).or_else(only).filter(|_| has_others)
     }
 
-    /// The only column outside `values` whose name states a unit of time, or the seconds of a stamp in two columns.
+    /// The only column outside `values` whose name states a unit of time, or the seconds of a stamp in two columns. A
+    /// column that is called by its unit alone may be a part of another time.
     fn stated_time(&self, values: &[usize]) -> Option<usize> {
         let states = |index: &usize| {
             let name = self.names[*index];
-            !values.contains(index) && TimeUnit::of_column(name).is_some() && !is_step(name)
+            !values.contains(index) && TimeUnit::of_column(name).is_some()
         };
-        let stating: Vec<usize> = (0..self.names.len()).filter(states).collect();
-        match stating[..] {
-            [only] => Some(only),
+        let (bare, clear): (Vec<usize>, Vec<usize>) =
+            (0..self.names.len()).filter(states).partition(|at| is_bare_unit(self.names[*at]));
+        let pair = |of: &[usize]| match *of {
             [one, other] if is_fraction(self.names[other], self.names[one]) => Some(one),
             [one, other] if is_fraction(self.names[one], self.names[other]) => Some(other),
             _ => None,
+        };
+        let is_alone = !self.names.iter().any(|name| is_like_time(name));
+        match (&clear[..], &bare[..]) {
+            ([only], _) => Some(*only),
+            ([], [only]) if is_alone => Some(*only),
+            ([], bare) => pair(bare).filter(|_| is_alone),
+            (clear, _) => pair(clear),
         }
     }
 

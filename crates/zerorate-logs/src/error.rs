@@ -47,7 +47,7 @@ pub fn no_rate(path: &Path, columns: &[&str], names: Names) -> LogError {
 /// The question for the rate where a column holds the step between rows.
 pub fn rate_of_steps(path: &Path, column: &str, rate_hz: f64, names: Names) -> LogError {
     let (path, rate) = (path.display(), names.of(Setting::Rate));
-    let what = format!("`{column}` holds the step between rows, whose mean tells {rate} {rate_hz:.6}");
+    let what = format!("`{column}` holds the step between rows; the usual one tells {rate} {rate_hz:.6}");
     LogError::Ask(format!("{path} does not say how fast it was sampled: {what}; give it"))
 }
 

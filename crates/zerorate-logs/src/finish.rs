@@ -7,7 +7,7 @@ use crate::error::{LogError, Result, no_rate, no_time_unit, rate_of_steps, too_m
 use crate::options::ColumnOptions;
 use crate::raw_columns::{Clock, RawColumn, RawColumns, first_rows};
 use crate::series::Series;
-use crate::setting::Setting;
+use crate::setting::{Names, Setting};
 use crate::time_names::{is_fraction, is_step};
 use crate::warning::LogWarning;
 use crate::{given_rate, mixed_rows, order, rate_changes, time_unit, unsigned};
@@ -45,7 +45,7 @@ impl Clock {
     fn unit(&self, args: &ColumnOptions) -> Option<TimeUnit> {
         let Self::Column(name, times) = self else { return None };
         let stated = times.unit.or(args.time_unit).or_else(|| TimeUnit::of_column(name));
-        stated.or_else(|| time_unit::dated(times.first()))
+        stated.or_else(|| time_unit::dated(times))
     }
 
     /// Whether nothing but the name of a column says that it holds the time.
@@ -53,11 +53,24 @@ impl Clock {
         args.time_column.is_none() && self.unit(args).is_none()
     }
 
+    /// The rate that steps between rows tell, Hz, if the column holds steps and not times.
+    fn rate_of_steps(&self) -> Option<(&str, f64)> {
+        let Self::Column(name, times) = self else { return None };
+        let unit = TimeUnit::of_column(name).filter(|_| is_step(name))?;
+        let falls = times.since_first().windows(2).any(|pair| pair[1] < pair[0]);
+        let mut steps: Vec<f64> = times.since_first().iter().map(|since| times.first() + since).collect();
+        steps.sort_by(f64::total_cmp);
+        let median = *steps.get(steps.len() / 2).filter(|median| falls && **median > 0.0)?;
+        // the first step may reach back to the start of the board, and a long one is a gap
+        let usual: Vec<f64> = steps.into_iter().filter(|step| (0.5..=2.0).contains(&(step / median))).collect();
+        Some((name, unit.per_s() * usual.len() as f64 / usual.iter().sum::<f64>()))
+    }
+
     /// The warning about a unit that the dates tell.
     fn dated(&self, path: &Path, args: &ColumnOptions) -> Option<LogWarning> {
         let Self::Column(name, times) = self else { return None };
         let is_stated = times.unit.or(args.time_unit).or_else(|| TimeUnit::of_column(name)).is_some();
-        let unit = time_unit::dated(times.first()).filter(|_| !is_stated)?;
+        let unit = time_unit::dated(times).filter(|_| !is_stated)?;
         Some(LogWarning::TimeUnitTaken { path: path.display().to_string(), column: name.clone(), unit: unit.name() })
     }
 }
@@ -65,12 +78,15 @@ impl Clock {
 impl RawColumns {
     /// Puts the rows in the order of their times, and warns about times that were irregular.
     pub fn repair_times(&mut self, path: &Path, args: &ColumnOptions) -> Result<()> {
-        self.add_nanoseconds(path)?;
+        self.add_nanoseconds(path, args.names)?;
         mixed_rows::check(self, path, args.names)?;
         if self.clock.is_guess(args) {
             return Ok(());
         }
         self.warnings.extend(self.clock.dated(path, args));
+        if let Some((name, rate_hz)) = self.clock.rate_of_steps() {
+            return Err(rate_of_steps(path, name, rate_hz, args.names));
+        }
         let Clock::Column(name, times) = &mut self.clock else { return Ok(()) };
         let said = order::repair_times(times, &mut self.columns).map_err(|why| {
             let rate = args.names.of(Setting::Rate);
@@ -88,11 +104,20 @@ impl RawColumns {
     }
 
     /// Adds the nanoseconds of stamps that stand in two columns to the whole seconds.
-    fn add_nanoseconds(&mut self, path: &Path) -> Result<()> {
-        let Clock::Column(name, times) = &mut self.clock else { return Ok(()) };
-        let Some(at) = self.columns.iter().position(|column| is_fraction(&column.name, name)) else { return Ok(()) };
+    fn add_nanoseconds(&mut self, path: &Path, settings: Names) -> Result<()> {
+        let Clock::Column(seconds, times) = &mut self.clock else { return Ok(()) };
+        let is_rest = |column: &RawColumn| is_fraction(&column.name, seconds);
+        let Some(at) = self.columns.iter().position(is_rest).filter(|_| self.columns.len() > 1) else { return Ok(()) };
         let RawColumn { name, values, .. } = self.columns.remove(at);
         let ns = values.into_rows();
+        let whole_s = times.since_first().iter().all(|since| (times.first() + since).fract() == 0.0);
+        let is_rest = |ns: &f64| (0.0..1e9).contains(ns) && ns.fract() == 0.0;
+        let seconds = seconds.clone();
+        if !whole_s || !ns.iter().filter(|ns| ns.is_finite()).all(is_rest) {
+            let why = format!("`{seconds}` and `{name}` are not whole seconds and the nanoseconds within them");
+            let [time, unit] = [Setting::TimeColumn, Setting::TimeUnit].map(|setting| settings.of(setting));
+            return Err(LogError::Ask(format!("{}: {why}; give {time} with {unit}", path.display())));
+        }
         if let Some(row) = ns.iter().position(|ns| !ns.is_finite()) {
             let what = "no time; every row must have one";
             return Err(InputError::damaged(path, format!("row {row}, column {name}"), what).into());
@@ -137,10 +162,7 @@ impl RawColumns {
         let no_rate = told.is_none().then(|| {
             let names = guess.iter().chain(columns.iter().map(|column| &column.name));
             let names: Vec<&str> = names.map(String::as_str).collect();
-            match columns.iter().find_map(RawColumn::rate_of_steps) {
-                Some((name, rate_hz)) => rate_of_steps(path, name, rate_hz, args.names),
-                None => no_rate(path, &names, args.names),
-            }
+            no_rate(path, &names, args.names)
         });
         let rate_hz = told.unwrap_or(1.0);
         let mut of_file = warnings;
@@ -154,14 +176,6 @@ impl RawColumns {
 }
 
 impl RawColumn {
-    /// The rate that the mean of a column of steps tells, Hz.
-    fn rate_of_steps(&self) -> Option<(&str, f64)> {
-        let unit = TimeUnit::of_column(&self.name).filter(|_| is_step(&self.name))?;
-        let steps: Vec<f64> = self.values.rows_as_numbers().into_iter().filter(|step| step.is_finite()).collect();
-        let rate_hz = unit.per_s() * steps.len() as f64 / steps.iter().sum::<f64>();
-        (rate_hz.is_finite() && rate_hz > 0.0).then_some((&*self.name, rate_hz))
-    }
-
     fn finish(self, path: &Path, rate_hz: f64, lost: &[Gap], args: &ColumnOptions) -> Result<Column> {
         let Self { name, values, stated, step, mut warnings, .. } = self;
         let (mut series, gaps) = values.finish(lost).map_err(|missing| too_many(path, missing, args.names))?;

@@ -12,7 +12,7 @@ use arrow_array::{
 };
 use arrow_ipc::writer::{FileWriter, StreamWriter};
 use std::fs::{self, File};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use tempfile::TempDir;
 use zerorate_allan::Gap;
@@ -366,19 +366,39 @@ fn dates_tell_the_unit_of_a_time() {
     assert!(why.contains("--time-column with --time-unit if `time` is the time"), "{why}");
 }
 
-/// `strangers/16`: the step since the row before is not a time, and its mean tells the rate.
+/// `strangers/16`: the step since the row before is not a time, and tells the rate.
 #[test]
 fn steps_between_rows_tell_the_rate() {
-    // even and odd bits of a hash, so that the steps do not alternate: 9 or 11
+    // high bits of a hash, so that the steps do not alternate: 9 or 11; the first reaches back to the start
     let step = |at: u64| 9 + 2 * (at.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 63);
     let pair = |at: u64| format!("{},{}\n{},{}\n", step(at), at % 7, 20 - step(at), at % 5);
-    let text = (0..60).map(pair).fold("dt_ms,gz_dps\n".to_owned(), |text, rows| text + &rows);
-    let columns = crate::read_all(
-        Path::new("log"),
-        text.into_bytes().into(),
-        ColumnSelection::All,
-        &ColumnOptions { names: Names(flag), ..ColumnOptions::default() },
-    );
-    let why = columns.expect_err("a question").to_string();
-    assert!(why.contains("`dt_ms` holds the step between rows, whose mean tells --rate 100.000000"), "{why}");
+    let text = (0..60).map(pair).fold("dt_ms,gz_dps\n2345,1\n".to_owned(), |text, rows| text + &rows);
+    let why = Folder::new().fails(&text, "--column gz_dps");
+    assert!(why.contains("`dt_ms` holds the step between rows; the usual one tells --rate 100.000000"), "{why}");
+    // a time since the start is called so as well
+    let text =
+        (0..60).map(|at| format!("{},{}\n", 5 * at, at % 7)).fold("delta_t_ms,gz_dps\n".to_owned(), |a, b| a + &b);
+    assert!((Folder::new().read(&text, "--column gz_dps").unwrap().rate_hz - 200.0).abs() < 1e-9);
+}
+
+/// Stamps whose parts are not seconds and the rest of a second, and times that only look like dates.
+#[test]
+fn a_time_that_two_readings_fit_is_asked_for() {
+    let folder = Folder::new();
+    let text = |head: &str, row: &dyn Fn(u64) -> String| {
+        (0..300).map(row).fold(format!("{head}\n"), |text, row| text + &row + "\n")
+    };
+    let twice = text("t_sec,t_nsec,gz_dps", &|at| format!("{:.3},{},{}", at as f64 * 0.005, at * 5_000_000, at % 7));
+    let running = text("sec,nanosec,gz_dps", &|at| format!("{},{},{}", 17 + at / 200, at * 5_000_000, at % 7));
+    for text in [twice, running] {
+        let why = folder.fails(&text, "--column gz_dps");
+        assert!(why.contains("are not whole seconds and the nanoseconds within them"), "{why}");
+    }
+    // nanoseconds since power-on, 17 days ago, are dates of 2017 in microseconds
+    let uptime = text("timestamp,gz_dps", &|at| format!("{},{}", 1_500_000_000_000_000 + at * 5_000_000, at % 7));
+    assert!(folder.fails(&uptime, "").contains("does not say how fast"));
+    assert!(folder.fails(&uptime, "--column gz_dps --time-column timestamp").contains("give --time-unit"));
+    // a part of a second does not hide the time
+    let parts = text("t_ms,sec,ms,gz_dps", &|at| format!("{},{},{},{}", at * 5, at / 200, at * 5 % 1000, at % 7));
+    assert!((folder.read(&parts, "--column gz_dps").unwrap().rate_hz - 200.0).abs() < 1e-9);
 }

@@ -20,8 +20,19 @@ const TOO_LATE_S: f64 = 1e10;
 
 const ALL: [TimeUnit; 4] = [TimeUnit::S, TimeUnit::Ms, TimeUnit::Us, TimeUnit::Ns];
 
-/// The unit in which a time is a date of 2000 to 2100, counted from 1970.
-pub fn dated(first: f64) -> Option<TimeUnit> {
+/// The unit in which times are dates of 2000 to 2100, counted from 1970. Where rows then come slower than
+/// [`SLOWEST_HZ`], the times may be those since the start in a finer unit, and nothing is told.
+pub fn dated(times: &Times) -> Option<TimeUnit> {
+    let unit = date(times.first())?;
+    let span_s = times.since_first().last()? / unit.per_s();
+    let rate_hz = (times.since_first().len() - 1) as f64 / span_s;
+    (rate_hz >= SLOWEST_HZ).then_some(unit)
+}
+
+/// Least rate at which dates tell the unit, Hz.
+const SLOWEST_HZ: f64 = 2.0;
+
+fn date(first: f64) -> Option<TimeUnit> {
     ALL.into_iter().find(|unit| EPOCH_S.contains(&(first / unit.per_s())))
 }
 
@@ -64,7 +75,7 @@ fn short(number: f64) -> String {
 fn better(unit: TimeUnit, rate_hz: f64, first: f64) -> Option<TimeUnit> {
     let others = || ALL.into_iter().filter(move |other| *other != unit);
     if first / unit.per_s() > TOO_LATE_S
-        && let Some(dated) = dated(first)
+        && let Some(dated) = date(first)
     {
         return Some(dated);
     }

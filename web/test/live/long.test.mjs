@@ -94,7 +94,7 @@ test("20 million samples: the page stays alive, and finds the noise that they we
   assert.ok(longest < 1000, `${longest} ms without a frame`);
   // 0.1 at 1 kHz is 0.1 · √0.001 s; of one column without a name nobody says that it is a gyroscope
   const found = await page.textContent(".axes-of-log .coefficients tbody tr:first-child");
-  const [, value, lo, hi] = /walk([\d.]+) \(([\d.]+) … ([\d.]+)\) unit·√s/.exec(found) ?? assert.fail(found);
+  const [, value, lo, hi] = /walk([\d.]+) \[([\d.]+), ([\d.]+)\] unit·√s/.exec(found) ?? assert.fail(found);
   assert.ok(Math.abs(Number(value) / 0.003_162_3 - 1) < 0.005, found);
   assert.ok(Number(lo) <= 0.003_17 && Number(hi) >= 0.003_16, found);
   assert.deepEqual(faults, []);

@@ -203,7 +203,10 @@ impl Head {
         let is_name = names.len() > 1 || !names[0].contains(' ') || names[0].contains(['[', '(']);
         match names.len() {
             width if width == self.width => {
-                let units = before.filter(|above| are_names(above, self.width) && state_units(&names));
+                let are_alike =
+                    |above: &Vec<String>| above.iter().zip(&names).all(|(n, unit)| !n.is_empty() || unit.is_empty());
+                let units =
+                    before.filter(|above| are_names(above, self.width) && are_alike(above) && state_units(&names));
                 let used = 1 + usize::from(units.is_some());
                 self.names = units.map_or(names.clone(), |above| with_units(&above, &names));
                 Ok(used)

@@ -11,10 +11,12 @@ fn parts(line: &str) -> Option<(&str, &str)> {
     is_sum.then_some((body, sum))
 }
 
-/// A line without the checksum of a sentence, and without the `;` that some programs put at the end of a line.
+/// A line without the checksum of a sentence, and without the `;` that some programs put at the end of a line. The `;`
+/// stays where it may cut cells, and commas may mark decimals.
 pub fn without_end(line: &str) -> &str {
     let line = parts(line).map_or(line, |(body, _)| &line[..=body.len()]);
-    line.strip_suffix(';').filter(|rest| rest.contains(',') && !rest.contains(';')).unwrap_or(line)
+    let are_cells = |rest: &str| rest.contains(',') && rest.contains('.') || rest.matches(',').count() > 1;
+    line.strip_suffix(';').filter(|rest| !rest.contains(';') && are_cells(rest)).unwrap_or(line)
 }
 
 /// A line without its end, as [`without_end`] has it. `Err` if the checksum is wrong.

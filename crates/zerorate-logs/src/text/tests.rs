@@ -276,6 +276,9 @@ fn a_stamp_may_have_a_line_of_its_own() {
 fn a_semicolon_at_the_end_of_lines_is_no_cell() {
     let text: String = (0..40).map(|at| format!("{at},{}.5,{}.25;\n", at % 3, at % 5)).collect();
     assert_eq!(numbers(&read(&text, "--column 2 --rate 10"))[4], 4.25);
+    // here it cuts cells, and some are missing
+    let text: String = (0..40).map(|at| format!("0,{at:02};{}\n", if at % 3 == 0 { "25,5" } else { "" })).collect();
+    assert_eq!(numbers(&read(&format!("gz_dps;temp_c\n{text}"), "--column gz_dps --rate 10"))[4], 0.04);
 }
 
 /// `strangers/14`: names, then units, each line with a comma at its end.
@@ -286,13 +289,16 @@ fn units_stand_below_names_that_end_with_a_comma() {
         let column = read(&format!("\"sep=,\"\nClock,Accel_X,\nms,{unit},\n{rows}"), "--column 1");
         assert_eq!((column.rate_hz, column.quantity), (100.0, Some(Quantity::Acceleration)), "{unit}");
     }
+    // a title is not a row of names
+    let column = read(&format!("Arduino Nano,,\nms,gx_dps,\n{rows}"), "--column gx_dps");
+    assert_eq!((column.rate_hz, column.quantity), (100.0, Some(Quantity::AngularRate)));
 }
 
 /// `strangers/19`: LabVIEW names a comment, and writes no cell for an empty one.
 #[test]
 fn the_comment_of_labview_is_no_column() {
     let rows: String = (0..40).map(|at| format!("{:.2}\t{}.5\n", f64::from(at) / 100.0, at % 3)).collect();
-    let column = read(&format!("X_Value\tGyro_X\tComment\n{rows}"), "--column Gyro_X");
+    let column = read(&format!("X_Value\tGyro_X\tComment\n{rows}"), "--column Gyro_X --time-column 0 --time-unit s");
     assert!((column.rate_hz - 100.0).abs() < 1e-6);
 }
 
