@@ -97,8 +97,12 @@ impl Columns<'_> {
         let time = args.time_column.as_deref().map(|wanted| self.position(wanted, Setting::TimeColumn)).transpose()?;
         let only = args.only.as_ref().map(|only| self.position(&only.column, Setting::Where)).transpose()?;
         let is_open = args.rate.is_none() && time.is_none();
-        let is_any = matches!((wanted, default), (ColumnSelection::All | ColumnSelection::One(None), []));
-        let time = if is_open && is_any { self.time(&[]) } else { time };
+        let time = match (wanted, default) {
+            (ColumnSelection::All, []) if is_open => self.time(&[]),
+            // a column that is only called a time may be the one that is meant
+            (ColumnSelection::One(None), []) if is_open => self.stated_time(&[]),
+            _ => time,
+        };
         let values = match (wanted, default) {
             (ColumnSelection::One(Some(wanted)), _) => vec![self.position(wanted, Setting::Column)?],
             (ColumnSelection::One(None), [only]) => vec![*only],

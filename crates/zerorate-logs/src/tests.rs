@@ -357,12 +357,12 @@ fn dates_tell_the_unit_of_a_time() {
     for (start, step) in
         [(1_700_000_000_000, 10), (1_700_000_000_000_000, 10_000), (1_700_000_000_000_000_000, 10_000_000)]
     {
-        let column = folder.read(text(start, step), "").unwrap();
+        let column = folder.read(text(start, step), "--column gz_dps").unwrap();
         assert!((column.rate_hz - 100.0).abs() < 1e-3, "{}", column.rate_hz);
         assert!(column.warnings.iter().any(|warning| warning.code() == "time-unit-taken"), "{:?}", column.warnings);
     }
     // a counter since power-on leaves the unit open
-    let why = folder.fails(text(5_000_000, 10_000), "");
+    let why = folder.fails(text(5_000_000, 10_000), "--column gz_dps");
     assert!(why.contains("--time-column with --time-unit if `time` is the time"), "{why}");
 }
 
@@ -396,7 +396,7 @@ fn a_time_that_two_readings_fit_is_asked_for() {
     }
     // nanoseconds since power-on, 17 days ago, are dates of 2017 in microseconds
     let uptime = text("timestamp,gz_dps", &|at| format!("{},{}", 1_500_000_000_000_000 + at * 5_000_000, at % 7));
-    assert!(folder.fails(&uptime, "").contains("does not say how fast"));
+    assert!(folder.fails(&uptime, "--column gz_dps").contains("does not say how fast"));
     assert!(folder.fails(&uptime, "--column gz_dps --time-column timestamp").contains("give --time-unit"));
     // a part of a second does not hide the time
     let parts = text("t_ms,sec,ms,gz_dps", &|at| format!("{},{},{},{}", at * 5, at / 200, at * 5 % 1000, at % 7));
