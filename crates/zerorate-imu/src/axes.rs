@@ -335,7 +335,7 @@ mod tests {
 
     /// `strangers/13`: speeds of wheels and set points are in the unit of a rate.
     #[test]
-    fn what_stands_beside_a_gyroscope_is_left_out() {
+    fn wheels_biases_and_commands_beside_a_gyroscope_are_left_out() {
         let found = axes("t_ns,gz_dps,wheel_speed_rad_s,gyro_bias_z_dps,yaw_cmd_dps").unwrap();
         assert_eq!(found.columns.iter().map(|column| column.name.as_str()).collect::<Vec<_>>(), ["gz_dps"]);
         // an IMU on a wheel has no other axes

@@ -150,7 +150,7 @@ impl Columns<'_> {
             _ => likely.iter().find(is_of_sensor).copied(),
         };
         let has_others = self.numeric.iter().filter(|is_numeric| **is_numeric).count() > 1;
-        self.stated_time(values).or_else(only).filter(|_| has_others)
+        self.stated_time(values).or_else(|| only().filter(|_| has_others))
     }
 
     /// The only column outside `values` whose name states a unit of time, or the seconds of a stamp in two columns. A

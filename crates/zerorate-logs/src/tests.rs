@@ -366,6 +366,14 @@ fn dates_tell_the_unit_of_a_time() {
     assert!(why.contains("--time-column with --time-unit if `time` is the time"), "{why}");
 }
 
+/// A time in clock times beside a single column of numbers.
+#[test]
+fn clock_times_whose_name_states_a_unit_are_the_time() {
+    let rows: String = (0..50).map(|at| format!("12:00:{:05.2},{}\n", f64::from(at) / 100.0, at % 7)).collect();
+    let column = Folder::new().read(format!("clock_s,gz\n{rows}"), "--column gz").unwrap();
+    assert!((column.rate_hz - 100.0).abs() < 1e-6, "{}", column.rate_hz);
+}
+
 /// `strangers/16`: the step since the row before is not a time, and tells the rate.
 #[test]
 fn steps_between_rows_tell_the_rate() {

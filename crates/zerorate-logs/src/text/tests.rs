@@ -273,7 +273,7 @@ fn a_stamp_may_have_a_line_of_its_own() {
 
 /// `strangers/17`: lines that a C program ends with `;`.
 #[test]
-fn a_semicolon_at_the_end_of_lines_is_no_cell() {
+fn a_semicolon_at_the_end_of_lines_is_dropped() {
     let text: String = (0..40).map(|at| format!("{at},{}.5,{}.25;\n", at % 3, at % 5)).collect();
     assert_eq!(numbers(&read(&text, "--column 2 --rate 10"))[4], 4.25);
     // here it cuts cells, and some are missing
@@ -296,7 +296,7 @@ fn units_stand_below_names_that_end_with_a_comma() {
 
 /// `strangers/19`: LabVIEW names a comment, and writes no cell for an empty one.
 #[test]
-fn the_comment_of_labview_is_no_column() {
+fn the_empty_comment_of_labview_is_dropped() {
     let rows: String = (0..40).map(|at| format!("{:.2}\t{}.5\n", f64::from(at) / 100.0, at % 3)).collect();
     let column = read(&format!("X_Value\tGyro_X\tComment\n{rows}"), "--column Gyro_X --time-column 0 --time-unit s");
     assert!((column.rate_hz - 100.0).abs() < 1e-6);
