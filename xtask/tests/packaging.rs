@@ -19,7 +19,7 @@ fn everything_that_is_handed_out_has_the_version_of_the_workspace() {
 #[test]
 fn reading_a_log_compiles_no_driver() {
     for package in ["zerorate-logs", "zerorate-imu"] {
-        let tree = ["tree", "--offline", "--locked", "--all-features", "--prefix", "none", "--package", package];
+        let tree = ["tree", "--locked", "--all-features", "--prefix", "none", "--package", package];
         let tree = Command::new(env!("CARGO")).args(tree).current_dir(root()).output().unwrap();
         let tree = String::from_utf8(tree.stdout).unwrap();
         let names: Vec<&str> = tree.lines().filter_map(|line| line.split(' ').next()).collect();
