@@ -85,10 +85,12 @@ pub fn analyse<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let gaps: Vec<Gap> = gaps.into_iter().map(|(at, missing)| Gap { at, missing }).collect();
     let settled = settling.map(|of| of.apply(py, &record, &gaps, rate_hz, scale)).transpose()?;
-    let (rest, settled) = settled.unzip();
+    let (rest, settled, skipped_s) = settled.map_or_else(
+        || (None, Preparation::default(), 0.0),
+        |(rest, settled, skipped_s)| (Some(rest), settled, skipped_s),
+    );
     let whole = record.input(phase, &gaps)?;
     let input = rest.as_ref().map_or(whole, |rest| settling::input(rest, phase));
-    let settled = settled.unwrap_or_default();
     let options = Options { stat: stat.parse().map_err(refused)?, taus: taus.taus()?, confidence, scale };
     let asked = asked.map(|(cut_glitches, remove_steps, max_freq_hz)| FitOptions {
         scale: 1.0,
@@ -101,7 +103,7 @@ pub fn analyse<'py>(
         Ok((analysed.deviations(&options)?, analysed.into_fit(), settling::frozen(input, rate_hz, name)))
     });
     let (analysis, fit, frozen) = found.map_err(|error: AnalysisError| refused(error))?;
-    let Preparation { detrended, follows, skipped_s } = settled;
+    let Preparation { detrended, follows } = settled;
     let result = PyDict::new(py);
     columns(&result, &analysis)?;
     result.set_item("skipped_s", skipped_s)?;

@@ -45,9 +45,9 @@ pub fn imu_file(
 
 /// Warnings about events that happen to several axes at once.
 #[pyfunction]
-pub fn motion(axes: Vec<(String, PyRef<'_, Model>)>) -> Vec<String> {
+pub fn motion(axes: Vec<(String, PyRef<'_, Model>)>, skipped_s: f64) -> Vec<String> {
     let models: Vec<_> = axes.iter().map(|(name, model)| (name.as_str(), &model.fit)).collect();
-    ImuWarning::of_motion(&models).iter().map(ImuWarning::coded).collect()
+    ImuWarning::of_motion(&models, skipped_s, Names(argument)).iter().map(ImuWarning::coded).collect()
 }
 
 /// The kind of axis that a unit belongs to; None for other units.

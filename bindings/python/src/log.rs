@@ -15,8 +15,8 @@ use zerorate_imu::{Axes, ImuOptions, KindOptions};
 use zerorate_jobs::temperature;
 use zerorate_logs::TEMPERATURE_NAMES;
 use zerorate_logs::{
-    Column, ColumnOptions, ColumnSelection, Decimal, LogWarning, Names, Quantity, RawType, Series, Setting, TimeUnit,
-    Unit,
+    Column, ColumnOptions, ColumnSelection, Cut, CutTime, Decimal, LogWarning, Names, Quantity, RawType, Series,
+    Setting, TimeUnit, Unit,
 };
 
 /// The source of numbers.
@@ -54,6 +54,8 @@ pub struct Options {
     decimal: Option<String>,
     raw: Option<String>,
     max_bad: Option<f64>,
+    skip: Option<String>,
+    until: Option<String>,
 }
 
 /// Columns, unit and scale of a kind of axis, as the caller gives them.
@@ -165,11 +167,11 @@ pub fn read_imu<'py>(
     };
     let (gyro, accel) = (said(gyro)?, said(accel)?);
     let (gyro_unit, accel_unit) = (gyro.unit, accel.unit);
-    let options = ImuOptions { columns: names, gyro, accel, log: options.checked()? };
+    let options = ImuOptions { columns: names, gyro, accel, log: options.checked()?, ..ImuOptions::default() };
     let (path, axes) = match opened(source)? {
         OpenSource::Table(path, table) => {
             let listed = options.listed();
-            let wanted = listed.as_deref().map_or(ColumnSelection::All, ColumnSelection::Listed);
+            let wanted = options.selection(listed.as_deref());
             let read = || Axes::of(&path, zerorate_logs::read_table(&path, &table, wanted, &options.log)?, &options);
             (path.clone(), py.detach(read))
         }
@@ -200,6 +202,7 @@ impl Options {
             topic: self.topic.clone(),
             only: self.r#where.as_deref().map(str::parse).transpose().map_err(only_refused)?,
             time_column: self.time_column.clone(),
+            cut: Cut { from: cut_time(&self.skip, "skip")?, until: cut_time(&self.until, "until")? },
             time_unit: chosen(&self.time_unit, "time_unit", &TIME_UNITS)?,
             rate: positive(self.rate_hz)?,
             unit: self.unit()?,
@@ -217,6 +220,12 @@ impl Options {
     fn unit(&self) -> PyResult<Option<Unit>> {
         parsed(&self.unit, "unit")
     }
+}
+
+/// A time in a log.
+fn cut_time(text: &Option<String>, name: &str) -> PyResult<Option<CutTime>> {
+    let refused = |text: &str, why| PyValueError::new_err(format!("{name}={text}: {why}"));
+    text.as_deref().map(|text| text.parse().map_err(|why: String| refused(text, why))).transpose()
 }
 
 fn only_refused(why: String) -> PyErr {
@@ -304,6 +313,7 @@ fn described<'py>(
     result.set_item("scale", column.scale / per_unit)?;
     result.set_item("name", &column.name)?;
     result.set_item("rate_hz", column.rate_hz)?;
+    result.set_item("skipped_s", column.skipped_s)?;
     result.set_item("gaps", column.gaps.iter().map(|gap| (gap.at, gap.missing)).collect::<Vec<_>>())?;
     result.set_item("warnings", texts(&column.warnings))?;
     match column.series {

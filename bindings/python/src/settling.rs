@@ -32,7 +32,7 @@ impl Settling<'_> {
         gaps: &[Gap],
         rate_hz: f64,
         scale: f64,
-    ) -> PyResult<(Column, Preparation)> {
+    ) -> PyResult<(Column, Preparation, f64)> {
         let series = match record {
             Record::Codes(codes) => Series::Codes(codes.as_slice()?.to_vec()),
             Record::Numbers(numbers) => Series::Numbers(numbers.as_slice()?.to_vec()),
@@ -43,9 +43,15 @@ impl Settling<'_> {
         let temperature = temps_c.map(|temps_c| Column::new("the temperature", Series::Numbers(temps_c), rate_hz));
         let skip: zerorate_view::Seconds =
             self.skip.parse().map_err(|why| PyValueError::new_err(format!("skip={}: {why}", self.skip)))?;
-        let settling = zerorate_imu::Settling { skip_s: skip.0, order: self.detrend, names: Names(argument) };
+        let samples = (skip.0 * rate_hz).round() as u64;
+        if samples > 0 && samples >= rate.series.len() as u64 + rate.missing() {
+            let why = format!("skip= leaves nothing of {} samples at {rate_hz} Hz", rate.series.len());
+            return Err(PyValueError::new_err(why));
+        }
+        rate.skip(samples);
+        let settling = zerorate_imu::Settling { order: self.detrend, names: Names(argument) };
         let settled = py.detach(|| settling.apply(&mut rate, Path::new(RECORD), temperature.as_ref()));
-        Ok((rate, settled.map_err(|why| exception(&why.into()))?))
+        Ok((rate, settled.map_err(|why| exception(&why.into()))?, samples as f64 / rate_hz))
     }
 }
 

@@ -6,15 +6,13 @@ use crate::{
 };
 use alloc::vec::Vec;
 
-/// The result of the steps before the analysis: temperature and settling.
+/// The result of the steps before the analysis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Preparation {
     /// The rate without a polynomial over temperature, if one was removed.
     pub detrended: Option<DetrendedRate>,
     /// The warning that the rate follows the temperature, if it does and no polynomial was removed.
     pub follows: Option<AllanWarning>,
-    /// Time left out at the beginning, s.
-    pub skipped_s: f64,
 }
 
 /// A record with its noise model, from which deviations are computed.

@@ -1,13 +1,108 @@
 //! The options that choose the numbers of a log.
 
+use crate::exit::Usage;
 use clap::Args;
 use clap::builder::BoolishValueParser;
 use zerorate_allan::SettingName;
 use zerorate_jobs::allan::Columns;
-use zerorate_logs::{ColumnOptions, Decimal, Names, Only, RawType, Setting, TimeUnit, Unit};
+use zerorate_logs::{ColumnOptions, Cut, CutTime, Decimal, Names, Only, RawType, Setting, TimeUnit, Unit};
+
+/// How a log is read: options that `allan` and `imu` share.
+#[derive(Args, Debug, Default)]
+#[command(next_help_heading = "The log")]
+pub struct LogArgs {
+    /// The topic, where a bag or a PX4 log has several IMUs. `imu` takes two, one with the gyroscope and one with the
+    /// accelerometer.
+    #[arg(long, value_name = "TOPIC", conflicts_with = "raw")]
+    topic: Vec<String>,
+
+    /// Read only the rows in which a column has this value, as in SensorId=1: for a table or text with the rows of
+    /// several sensors.
+    #[arg(long = "where", value_name = "COLUMN=VALUE", conflicts_with = "raw")]
+    only: Option<Only>,
+
+    /// The decimal mark of a text file [default: a point, or a comma where it cannot be anything else].
+    #[arg(long, value_enum, value_name = "MARK")]
+    decimal: Option<Decimal>,
+
+    /// The share of broken lines in a text file that are skipped and counted; a file with more is refused
+    /// [default: 0.01].
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    max_bad: Option<f64>,
+
+    /// Read a file of plain numbers of this type, little endian.
+    #[arg(long, value_enum)]
+    raw: Option<RawType>,
+
+    /// Samples per second [default: from the time column, the timestamps of a capture or the stamps of a bag]. This
+    /// option overrides the stamps of a bag.
+    #[arg(long, value_name = "HZ", value_parser = positive, help_heading = TIME)]
+    rate: Option<f64>,
+
+    /// The column with the time of each row, which gives the rate and shows missing samples [default: the only one
+    /// whose name states a unit of time, as t_ns does].
+    #[arg(long, value_name = "NAME|INDEX", conflicts_with_all = ["raw", "rate"], help_heading = TIME)]
+    time_column: Option<String>,
+
+    /// The unit of the time column [default: as its name or type states, such as t_ns or `timestamp [ms]`].
+    #[arg(long, value_enum, requires = "time_column", help_heading = TIME)]
+    time_unit: Option<TimeUnit>,
+
+    /// Leave out the beginning, such as the first 45m while the sensor warms, or all before 12:30:00.
+    ///
+    /// A clock time or a date is read from the stamps of the log; a stamp without a zone counts as UTC.
+    #[arg(long, visible_alias = "from", value_name = "TIME", help_heading = TIME)]
+    skip: Option<CutTime>,
+
+    /// Leave out what follows this time since the first sample, or this clock time, likewise.
+    #[arg(long, visible_alias = "to", value_name = "TIME", help_heading = TIME)]
+    until: Option<CutTime>,
+
+    /// The columns hold the angle or the velocity of each sample (delta angle, delta velocity) in place of the rate;
+    /// give the unit rad/s for rad, and m/s² for m/s. `--increments=no` says that they hold rates.
+    #[arg(long, value_name = "YES|NO", num_args = 0..=1, require_equals = true, default_missing_value = "yes",
+        value_parser = BoolishValueParser::new(), help_heading = UNITS)]
+    increments: Option<bool>,
+
+    /// Take the given unit where the name of a column states another.
+    #[arg(long, help_heading = UNITS)]
+    force_unit: bool,
+}
+
+/// Headings of options in the help.
+const TIME: &str = "Time";
+pub const UNITS: &str = "Columns and units";
+
+impl LogArgs {
+    /// The topics after the first.
+    pub fn more_topics(&self) -> &[String] {
+        self.topic.get(1..).unwrap_or_default()
+    }
+
+    /// Facts that the log does not state. `names` are the names of options in messages.
+    pub fn options(&self, names: Names) -> ColumnOptions {
+        ColumnOptions {
+            topic: self.topic.first().cloned(),
+            only: self.only.clone(),
+            time_column: self.time_column.clone(),
+            cut: Cut { from: self.skip, until: self.until },
+            time_unit: self.time_unit,
+            rate: self.rate,
+            increments: self.increments,
+            force_unit: self.force_unit,
+            decimal: self.decimal,
+            raw: self.raw,
+            max_bad: self.max_bad,
+            described: Some(zerorate_record::open_described),
+            names,
+            ..ColumnOptions::default()
+        }
+    }
+}
 
 /// The columns of a log to read, and what the log itself does not say about them.
 #[derive(Args, Debug, Default)]
+#[command(next_help_heading = UNITS)]
 pub struct ColumnArgs {
     /// The column, by name or by number from 0 [default: the rate of a capture, or the only column].
     ///
@@ -16,67 +111,32 @@ pub struct ColumnArgs {
     #[arg(long, value_name = "NAME|INDEX", conflicts_with = "raw")]
     column: Option<String>,
 
-    /// The topic, where a bag or a PX4 log has several IMUs.
-    #[arg(long, value_name = "TOPIC", conflicts_with = "raw")]
-    topic: Option<String>,
-
-    /// Read only the rows in which a column has this value, as in SensorId=1: for a table or text with the rows of
-    /// several sensors.
-    #[arg(long = "where", value_name = "COLUMN=VALUE", conflicts_with = "raw")]
-    only: Option<Only>,
-
-    /// The column with the time of each row, which gives the rate and shows missing samples [default: the only one
-    /// whose name states a unit of time, as t_ns does].
-    #[arg(long, value_name = "NAME|INDEX", conflicts_with_all = ["raw", "rate"])]
-    time_column: Option<String>,
-
-    /// The unit of the time column [default: as its name or type states, such as t_ns or `timestamp [ms]`].
-    #[arg(long, value_enum, requires = "time_column")]
-    time_unit: Option<TimeUnit>,
-
-    /// Samples per second [default: from the time column, the timestamps of a capture or the stamps of a bag]. This
-    /// option overrides the stamps of a bag.
-    #[arg(long, value_name = "HZ", value_parser = positive)]
-    rate: Option<f64>,
-
     /// The unit of the column: dps, mdps, deg/min, deg/h, rad/s, mrad/s, urad/s, m/s², g, mg or ug [default: the one
     /// that its name states, as in gyro_z_dps or `gz [rad/s]`].
     #[arg(long, value_name = "UNIT")]
     unit: Option<Unit>,
-
-    /// Take --unit where the name of the column states another unit.
-    #[arg(long, requires = "unit")]
-    force_unit: bool,
 
     /// The size of a step of 1 in the column, in its unit, or else in °/s [default: 1; for the codes of a capture, the
     /// scale of the part].
     #[arg(long, value_name = "X", value_parser = positive)]
     scale: Option<f64>,
 
-    /// The columns hold the angle or the velocity of each sample (delta angle, delta velocity) in place of the rate;
-    /// give the unit rad/s for rad, and m/s² for m/s. `--increments=no` says that they hold rates.
-    #[arg(long, value_name = "YES|NO", num_args = 0..=1, require_equals = true, default_missing_value = "yes",
-        value_parser = BoolishValueParser::new())]
-    increments: Option<bool>,
-
-    /// The decimal mark of a text file [default: a point, or a comma where it cannot be anything else].
-    #[arg(long, value_enum, value_name = "MARK")]
-    decimal: Option<Decimal>,
-
-    /// Read a file of plain numbers of this type, little endian.
-    #[arg(long, value_enum)]
-    raw: Option<RawType>,
-
-    /// The share of broken lines in a text file that are skipped and counted; a file with more is refused
-    /// [default: 0.01].
-    #[arg(long, value_name = "SHARE", value_parser = share)]
-    max_bad: Option<f64>,
+    #[command(flatten)]
+    log: LogArgs,
 }
 
 impl ColumnArgs {
     /// Whether the option names several columns.
     pub fn is_list(&self) -> bool {
         self.column.as_deref().is_some_and(|column| column == ALL || column.contains(','))
+    }
+
+    /// Refuses several topics, which are one IMU for `imu` alone.
+    pub fn check(&self) -> Result<(), Usage> {
+        match self.log.more_topics() {
+            [] => Ok(()),
+            _ => Err(Usage("--topic: allan reads one topic; `zerorate imu` takes two of one IMU".to_owned())),
+        }
     }
 
     /// The columns to read.
@@ -89,23 +149,8 @@ impl ColumnArgs {
 
     /// The properties of the columns that the log does not state.
     pub fn options(&self) -> ColumnOptions {
-        ColumnOptions {
-            column: self.column.clone(),
-            topic: self.topic.clone(),
-            only: self.only.clone(),
-            time_column: self.time_column.clone(),
-            time_unit: self.time_unit,
-            rate: self.rate,
-            unit: self.unit,
-            scale: self.scale,
-            increments: self.increments,
-            force_unit: self.force_unit,
-            decimal: self.decimal,
-            raw: self.raw,
-            max_bad: self.max_bad,
-            described: Some(zerorate_record::open_described),
-            names: Names(flag),
-        }
+        let Self { column, unit, scale, log } = self;
+        ColumnOptions { column: column.clone(), unit: *unit, scale: *scale, ..log.options(Names(flag)) }
     }
 }
 

@@ -23,7 +23,7 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     let (label, code) = if refusal.is_some() {
         ("refused", 3)
     } else if error.is::<Usage>()
-        || matches!(log, Some(LogError::Ask(_) | LogError::Choose(..)))
+        || matches!(log, Some(LogError::Ask(_) | LogError::Choose { .. }))
         || cause == Some(Cause::Request)
         || is_request
         || is_refusal(error)
@@ -34,7 +34,7 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     };
     match log {
         // each row stays one line, even with control characters in it
-        Some(LogError::Choose(question, table)) => {
+        Some(LogError::Choose { question, table, .. }) => {
             say(format_args!("{label}: {question}"));
             table.iter().for_each(say);
         }
@@ -87,7 +87,8 @@ mod tests {
         let log = |error: LogError| anyhow::Error::from(error).context("gz");
         let (asked, gapped) =
             (log(LogError::Ask("which?".into())), log(LogError::Refused("mostly-missing", "gaps".into())));
-        let several = log(LogError::Choose("which?".into(), vec!["topic".into()]));
+        let several =
+            log(LogError::Choose { question: "which?".into(), table: vec!["topic".into()], topics: Vec::new() });
         let expected =
             [(several, 2), (asked, 2), (gapped, 3), (refused, 3), (usage, 2), (exists, 2), (failed, 1), (pipe, 1)];
         for (error, code) in expected {

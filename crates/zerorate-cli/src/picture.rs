@@ -1,9 +1,9 @@
 //! The forms of a picture.
 
 use crate::exit::Usage;
-use crate::output::StagedOutput;
+use crate::output::{Outputs, StagedOutput};
 use anyhow::Result;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 #[cfg(feature = "png")]
 use zerorate_view::plot;
 
@@ -32,6 +32,34 @@ impl Kind {
             }
             _ => Ok(None),
         }
+    }
+}
+
+/// The pictures to write, claimed before hours of data are read.
+pub struct Pictures(Vec<(Kind, StagedOutput)>);
+
+impl Pictures {
+    /// Claims the files.
+    ///
+    /// # Errors
+    /// Returns an error if a name is not the name of a picture, or a file must not be written.
+    pub fn claim(paths: &[PathBuf], outputs: &mut Outputs) -> Result<Self> {
+        let kind = |path: &PathBuf| {
+            let other = || Usage(format!("{}: a picture must end in .svg or .png", path.display()));
+            Kind::of(path)?.ok_or_else(other)
+        };
+        let kinds = paths.iter().map(kind).collect::<Result<Vec<_>, _>>()?;
+        let files = paths.iter().map(|path| outputs.derived(path)).collect::<Result<Vec<_>, _>>()?;
+        Ok(Self(kinds.into_iter().zip(files).collect()))
+    }
+
+    /// Writes the same picture into each file.
+    ///
+    /// # Errors
+    /// Returns an error if a file cannot be written.
+    pub fn write(self, svg: impl FnOnce() -> String) -> Result<()> {
+        let svg = if self.0.is_empty() { String::new() } else { svg() };
+        self.0.into_iter().try_for_each(|(kind, file)| write(kind, file, &svg))
     }
 }
 

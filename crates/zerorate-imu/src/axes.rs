@@ -1,7 +1,8 @@
 //! The axes of an IMU in a log.
 
 use super::{ImuWarning, Kind, plausible};
-use crate::increments;
+use crate::triads::triads;
+use crate::{increments, kalibr};
 use std::path::Path;
 use zerorate_allan::SettingName;
 use zerorate_logs::{Column, ColumnOptions, ColumnSelection, LogError, LogWarning, Parts, Quantity, Setting, Unit};
@@ -17,6 +18,8 @@ pub struct ImuOptions {
     pub accel: KindOptions,
     /// Topic, rate, time and names of the options.
     pub log: ColumnOptions,
+    /// Further topics of the same IMU, such as the one of its accelerometer.
+    pub more_topics: Vec<String>,
 }
 
 /// The columns, unit and scale of a kind of axis, as the user states them.
@@ -40,17 +43,56 @@ pub struct Axes {
     pub warnings: Vec<LogWarning>,
 }
 
-/// The end of the first column's name in a bag.
-const FIRST: &str = ".angular_velocity.x";
+/// The ends of the names of the first columns in a bag.
+const FIRST: [&str; 2] = [".angular_velocity.x", ".linear_acceleration.x"];
 
 impl Axes {
-    /// Reads all of them in one pass; `path` names the log in messages.
+    /// Reads all of them, one pass for each topic; `path` names the log in messages.
     ///
     /// # Errors
     /// Returns the errors of [`zerorate_logs::read_parts`], and an error if no column is an axis or a unit is unknown.
     pub fn read(path: &Path, parts: impl Into<Parts>, options: &ImuOptions) -> zerorate_logs::Result<Self> {
+        let parts = parts.into();
+        let mut topics: Vec<String> = options.log.topic.iter().chain(&options.more_topics).cloned().collect();
+        if topics.len() < 2 {
+            match Self::of_topic(path, parts.try_clone()?, options) {
+                Err(LogError::Choose { question, table, topics: all }) if topics.is_empty() => match halves(&all) {
+                    Some(pair) => topics = pair,
+                    None => return Err(LogError::Choose { question, table, topics: all }),
+                },
+                found => return found,
+            }
+        }
+        let of_topic = |topic: String| {
+            let log = ColumnOptions { topic: Some(topic), ..options.log.clone() };
+            Self::of_topic(path, parts.try_clone()?, &ImuOptions { log, ..options.clone() })
+        };
+        let each = topics.iter().cloned().map(of_topic).collect::<zerorate_logs::Result<Vec<Self>>>()?;
+        Self::together(path, each, options)
+    }
+
+    /// The axes of several topics as those of one IMU.
+    fn together(path: &Path, each: Vec<Self>, options: &ImuOptions) -> zerorate_logs::Result<Self> {
+        let has_gyroscope = |of: &&Self| of.columns.iter().any(|axis| axis.quantity == Some(Quantity::AngularRate));
+        let topic = each.iter().find(has_gyroscope).or(each.first()).and_then(|of| of.topic.clone());
+        let (columns, warnings): (Vec<_>, Vec<_>) = each.into_iter().map(|of| (of.columns, of.warnings)).unzip();
+        let (mut columns, warnings) = (columns.concat(), warnings.concat());
+        columns.sort_by_key(|column| column.quantity != Some(Quantity::AngularRate));
+        for kind in Kind::ALL {
+            let count = columns.iter().filter(|column| column.quantity == Some(kind.quantity())).count();
+            if count > AXES {
+                let (path, kinds, option) = (path.display(), kind.plural(), options.log.names.of(Setting::Topic));
+                return Err(LogError::Ask(format!(
+                    "{path}: the topics have {count} {kinds} together, and an IMU has three; give one {option}"
+                )));
+            }
+        }
+        Ok(Self { columns, topic, warnings })
+    }
+
+    fn of_topic(path: &Path, parts: Parts, options: &ImuOptions) -> zerorate_logs::Result<Self> {
         let listed = options.listed();
-        let wanted = listed.as_deref().map_or(ColumnSelection::All, ColumnSelection::Listed);
+        let wanted = options.selection(listed.as_deref());
         let (columns, no_rate) = zerorate_logs::read_without_rate(path, parts, wanted, &options.log)?;
         match (no_rate, Self::of(path, columns, options)) {
             (None, axes) => axes,
@@ -90,11 +132,17 @@ impl Axes {
         // the first column carries what is of the log, and need not be an axis
         let of_log = |column: &mut Column| column.warnings.extract_if(.., |warning| warning.is_of_log()).collect();
         let mut warnings: Vec<LogWarning> = columns.iter_mut().flat_map::<Vec<_>, _>(of_log).collect();
+        if options.listed().is_none() && kalibr::give_units(&mut columns) {
+            warnings.push(LogWarning::UnitsTaken { path: path.display().to_string() });
+        }
         let said = options.kinds();
         let sure = columns.iter().filter(|column| Kind::is_axis(&column.name, true)).filter_map(Kind::of_column);
         let sure: Vec<Kind> = sure.collect();
         for (index, column) in columns.into_iter().enumerate() {
-            let is_meant = |kind: &Kind| options.columns.is_some() || Kind::is_axis(&column.name, sure.contains(kind));
+            let is_meant = |kind: &Kind| {
+                let is_axis = options.columns.is_some() || Kind::is_axis(&column.name, sure.contains(kind));
+                is_axis && options.may_be(*kind, &column)
+            };
             let kind = match said.get(index) {
                 Some(kind) => Some(options.agreed(path, *kind, &column)?),
                 None => Kind::of_column(&column).filter(is_meant),
@@ -109,6 +157,9 @@ impl Axes {
         }
         let topic = axes.first().and_then(|(_, column)| topic_of(&column.name));
         let is_open = options.listed().is_none();
+        if options.columns.is_none() {
+            left_out.extend(without_strangers(path, &mut axes, options)?);
+        }
         if is_open && topic.is_some() {
             warnings.extend(without_blanks(path, &mut axes));
         }
@@ -149,6 +200,43 @@ fn without_blanks(path: &Path, axes: &mut Vec<(Kind, Column)>) -> Option<LogWarn
     Some(LogWarning::BlanksLeftOut { path, names })
 }
 
+/// Leaves out what is beside the three axes of a sensor. The names of several sensors are a question.
+///
+/// # Errors
+/// Returns the question, with the columns of each sensor.
+fn without_strangers(
+    path: &Path,
+    axes: &mut Vec<(Kind, Column)>,
+    options: &ImuOptions,
+) -> zerorate_logs::Result<Vec<String>> {
+    let mut left_out = Vec::new();
+    let mut sensors: Vec<Vec<String>> = Vec::new();
+    for kind in Kind::ALL.into_iter().filter(|kind| options.said(*kind).columns.is_empty()) {
+        let names: Vec<String> =
+            axes.iter().filter(|(of, _)| *of == kind).map(|(_, column)| column.name.clone()).collect();
+        let triads = triads(&names.iter().map(String::as_str).collect::<Vec<_>>());
+        if names.len() <= AXES || triads.is_empty() {
+            continue;
+        }
+        let of_sensor = |triad: &[usize; 3]| triad.map(|at| names[at].clone()).to_vec();
+        if let [only] = &triads[..] {
+            let kept = of_sensor(only);
+            let strangers = axes.extract_if(.., |(of, column)| *of == kind && !kept.contains(&column.name));
+            left_out.extend(strangers.map(|(_, column)| column.name));
+        } else {
+            sensors.resize(sensors.len().max(triads.len()), Vec::new());
+            sensors.iter_mut().zip(triads.iter().map(of_sensor)).for_each(|(all, names)| all.extend(names));
+        }
+    }
+    if sensors.is_empty() {
+        return Ok(left_out);
+    }
+    let question =
+        format!("{} has several IMUs; choose one with {}:", path.display(), options.log.names.of(Setting::Column));
+    let table = sensors.iter().map(|names| format!("  {}", names.join(","))).collect();
+    Err(LogError::Choose { question, table, topics: Vec::new() })
+}
+
 impl ImuOptions {
     fn said(&self, kind: Kind) -> &KindOptions {
         match kind {
@@ -162,6 +250,25 @@ impl ImuOptions {
     pub fn listed(&self) -> Option<Vec<String>> {
         let of_kinds = || Kind::ALL.into_iter().flat_map(|kind| self.said(kind).columns.clone()).collect::<Vec<_>>();
         self.columns.clone().or_else(|| Some(of_kinds()).filter(|columns| !columns.is_empty()))
+    }
+
+    /// The columns to read, where these are listed: with one kind listed, the other is found by its names.
+    #[must_use]
+    pub fn selection<'a>(&self, listed: Option<&'a [String]>) -> ColumnSelection<'a> {
+        let are_all = self.columns.is_some() || Kind::ALL.iter().all(|kind| !self.said(*kind).columns.is_empty());
+        match listed {
+            None => ColumnSelection::All,
+            Some(names) if are_all => ColumnSelection::Listed(names),
+            Some(names) => ColumnSelection::First(names),
+        }
+    }
+
+    /// Whether a column that nobody listed may be an axis of this kind. Beside a listed kind, another is taken only if
+    /// it needs no question.
+    fn may_be(&self, kind: Kind, column: &Column) -> bool {
+        let KindOptions { columns, unit, scale } = self.said(kind);
+        let is_known = column.quantity.is_some() || unit.is_some() || scale.is_some();
+        self.listed().is_none() || self.columns.is_some() || columns.is_empty() && is_known
     }
 
     /// The kind of each of these columns, where the user states it.
@@ -283,9 +390,17 @@ fn no_axes(path: &Path, found: &[String], options: &ImuOptions) -> LogError {
     ))
 }
 
-/// `/imu0` of `/imu0.angular_velocity.x`.
+/// The only two topics of a bag, if one is called after the gyroscope and the other after the accelerometer, as those
+/// of a RealSense: `/camera/gyro/sample` and `/camera/accel/sample`.
+fn halves(topics: &[String]) -> Option<Vec<String>> {
+    let [one, other] = topics else { return None };
+    let of_pair = |gyro: &str, accel: &str| gyro.contains("gyro") && gyro.replacen("gyro", "accel", 1) == accel;
+    (of_pair(one, other) || of_pair(other, one)).then(|| topics.to_vec())
+}
+
+/// `/imu0` of `/imu0.angular_velocity.x` or `/imu0.linear_acceleration.x`.
 fn topic_of(column: &str) -> Option<String> {
-    let topic = column.strip_suffix(FIRST)?;
+    let topic = FIRST.into_iter().find_map(|first| column.strip_suffix(first))?;
     topic.starts_with('/').then(|| topic.to_owned())
 }
 

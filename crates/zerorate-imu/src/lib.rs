@@ -4,7 +4,9 @@ mod axes;
 mod coefficients;
 mod consumer;
 pub mod increments;
+mod kalibr;
 mod kind;
+mod moving;
 mod noise_file;
 mod numbers;
 mod plausible;
@@ -14,6 +16,7 @@ mod report;
 mod settling;
 #[cfg(test)]
 mod tests;
+mod triads;
 mod warning;
 
 pub use axes::{Axes, ImuOptions, KindOptions};
@@ -29,4 +32,4 @@ pub use report::{
     MotionReport, PointReport, SheetReport, UnavailableReport, UnitReport,
 };
 pub use settling::{Settling, SettlingError};
-pub use warning::{ImuWarning, Moment, coded};
+pub use warning::{ImuWarning, Moment, Rest, coded};

@@ -268,7 +268,9 @@ impl Numbers {
         let of_kind = |kind| axes.iter().filter(move |axis| axis.kind == kind);
         let sensor = |kind| Sensor::new((&choice, usage), of_kind(kind), memory.tau_s);
         let (gyroscope, accelerometer) = (sensor(Kind::Gyroscope), sensor(Kind::Accelerometer));
-        let rate_hz = axes.iter().map(|axis| axis.rate_hz).fold(0.0, f64::max);
+        // the two kinds may be of topics with different rates
+        let of_gyroscope = axes.iter().find(|axis| axis.kind == Kind::Gyroscope);
+        let rate_hz = of_gyroscope.or(axes.first()).map_or(0.0, |axis| axis.rate_hz);
         let left_out = axes.iter().filter_map(Axis::left_out).collect();
         Self { choice, usage, doubts: doubts.texts(), left_out, rate_hz, gyroscope, accelerometer, memory }
     }

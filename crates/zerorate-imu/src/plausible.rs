@@ -50,6 +50,12 @@ pub(super) fn doubts(path: &Path, axes: &[Column]) -> Vec<LogWarning> {
     turns.take(1).chain(fall).chain(whole).map(warning).collect()
 }
 
+/// Whether these means of three axes are gravity in m/s².
+pub(super) fn is_gravity(means_m_s2: impl Iterator<Item = f64>) -> bool {
+    let m_s2 = means_m_s2.map(|mean| mean * mean).sum::<f64>().sqrt();
+    (m_s2 / GRAVITY_M_S2 - 1.0).abs() < WITHIN
+}
+
 /// The mean of three accelerometers, m/s²: gravity.
 fn acceleration(axes: &[Column]) -> Option<f64> {
     let of_kind: Vec<&Column> = axes.iter().filter(|axis| axis.quantity == Some(Quantity::Acceleration)).collect();

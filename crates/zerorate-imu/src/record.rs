@@ -2,7 +2,8 @@
 //!
 //! The command line and the page take this way. Python analyses arrays in place, and takes the pieces.
 
-use crate::{Axis, Kind, Rejection, Rejections, coded};
+use crate::moving::{moving, shared};
+use crate::{Axis, ImuWarning, Kind, Rejection, Rejections, coded};
 use crate::{Settling, SettlingError};
 use std::path::{Path, PathBuf};
 use zerorate_allan::{
@@ -39,6 +40,8 @@ pub struct Record {
     pub detrended: Option<DetrendedRate>,
     /// The time left out at its beginning, s.
     pub skipped_s: f64,
+    /// Where it moves, s from its start, if it has no valid model.
+    moving_s: Vec<(f64, f64)>,
     /// The names of the settings in messages.
     names: Names,
 }
@@ -116,7 +119,7 @@ impl Record {
         let mut notes = column.warnings.clone();
         let settled = options.settling.apply(&mut column, file, temperature)?;
         notes.extend(gaps(options, file, &mut column));
-        let samples = column.series.len();
+        let (samples, skipped_s) = (column.series.len(), column.skipped_s);
         if samples < 2 {
             return Err(RecordError::TooFew(label(file, &column.name), samples));
         }
@@ -139,8 +142,14 @@ impl Record {
         if let (Some(Ok(fit)), false) = (&mut fit, options.keeps_rate) {
             fit.cleaned.rate = None;
         }
-        let Preparation { detrended, follows, skipped_s } = settled;
+        let Preparation { detrended, follows } = settled;
         let follows = follows.filter(|_| !matches!(fit, Some(Ok(_))));
+        let has_result = match &fit {
+            Some(Ok(fit)) => !fit.is_rejected,
+            Some(Err(_)) => false,
+            None => true,
+        };
+        let moving_s = if has_result { Vec::new() } else { moving(&column.points(file)?, column.rate_hz) };
         Ok(Self {
             file: file.to_owned(),
             column: column.name,
@@ -155,6 +164,7 @@ impl Record {
             plot_data,
             detrended,
             skipped_s,
+            moving_s,
             names: options.settling.names,
         })
     }
@@ -189,6 +199,7 @@ impl Record {
             plot_data: None,
             detrended: None,
             skipped_s: 0.0,
+            moving_s: Vec::new(),
             names: first.names,
         }
     }
@@ -286,6 +297,17 @@ impl Record {
     /// The models of several records, each by the name of its column.
     pub fn models(records: &[Self]) -> Vec<(&str, &Fit)> {
         records.iter().filter_map(|record| Some((record.column.as_str(), record.model()?))).collect()
+    }
+
+    /// The warnings about motion that several axes of one log show.
+    pub fn motion(axes: &[Self]) -> Vec<ImuWarning> {
+        let Some(first) = axes.first() else { return Vec::new() };
+        let (start_s, end_s) =
+            (first.skipped_s, first.skipped_s + first.analysis.samples as f64 / first.analysis.rate_hz);
+        let spans: Vec<&[(f64, f64)]> = axes.iter().map(|axis| &axis.moving_s[..]).collect();
+        let moving = shared(&spans).into_iter().map(|(from_s, to_s)| (start_s + from_s, start_s + to_s)).collect();
+        let moves = ImuWarning::of_moving(moving, (start_s, end_s), first.names);
+        moves.into_iter().chain(ImuWarning::of_motion(&Self::models(axes), start_s, first.names)).collect()
     }
 
     /// The value of the model at a point, if a model exists and describes this statistic.

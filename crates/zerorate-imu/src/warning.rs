@@ -2,14 +2,18 @@
 
 use super::Kind;
 use std::fmt;
-use zerorate_allan::{AllanWarning, Fit, MotionKind, SettingName, motion, rows};
+use zerorate_allan::{AllanWarning, Fit, Motion, MotionKind, SettingName, motion, rows};
 use zerorate_logs::{Names, Setting};
 
 /// A warning about several axes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ImuWarning {
-    /// The same happens to several axes at once, at these moments.
-    Motion(MotionKind, Vec<Moment>),
+    /// The sensor moves in these times, from and to in s. The longest rest could be analysed alone.
+    Moves(Vec<(f64, f64)>, Rest),
+    /// Several axes jump at once, at these moments. The longest time without a jump could be analysed alone.
+    Jumps(Vec<Moment>, Rest),
+    /// Several axes have a glitch at once, at these moments.
+    Knocks(Vec<Moment>),
     /// The log has no column of a kind. The name is of the setting that chose the columns, if one did.
     KindAbsent(Kind, Option<SettingName>),
 }
@@ -26,12 +30,47 @@ pub struct Moment {
 }
 
 impl Moment {
-    /// The moments that the axes of one log share. Each axis comes with its name.
+    /// The moments that the axes of one log share. Each axis comes with its name. `skipped_s` of the log were left out.
     #[must_use]
-    pub fn all(axes: &[(&str, &Fit)]) -> Vec<Self> {
+    pub fn all(axes: &[(&str, &Fit)], skipped_s: f64) -> Vec<Self> {
         let fits: Vec<&Fit> = axes.iter().map(|(_, fit)| *fit).collect();
         let names = |found: Vec<usize>| found.into_iter().map(|axis| axes[axis].0.to_owned()).collect();
-        motion(&fits).into_iter().map(|of| Self { at_s: of.at_s, axes: names(of.axes), kind: of.kind }).collect()
+        let named = |Motion { at_s, axes, kind }| Self { at_s: skipped_s + at_s, axes: names(axes), kind };
+        motion(&fits).into_iter().map(named).collect()
+    }
+}
+
+/// The longest part of a log without a jump, with the options that choose it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rest {
+    from_s: f64,
+    until_s: f64,
+    options: [SettingName; 2],
+}
+
+/// Time from a jump to the rest around it, s.
+const AROUND_S: f64 = 1.0;
+
+impl Rest {
+    /// The longest rest between these times of motion in a record from `start_s` to `end_s`.
+    #[must_use]
+    pub fn between(motion_s: &[(f64, f64)], (start_s, end_s): (f64, f64), names: Names) -> Self {
+        let ends = motion_s.iter().map(|(from_s, _)| from_s - AROUND_S).chain([end_s]);
+        let starts = [start_s].into_iter().chain(motion_s.iter().map(|(_, to_s)| to_s + AROUND_S));
+        let longest = starts.zip(ends).max_by(|one, other| (one.1 - one.0).total_cmp(&(other.1 - other.0)));
+        let (from_s, until_s) = longest.unwrap_or((start_s, end_s));
+        Self {
+            from_s: from_s.ceil(),
+            until_s: until_s.floor(),
+            options: [Setting::Skip, Setting::Until].map(|of| names.of(of)),
+        }
+    }
+}
+
+impl fmt::Display for Rest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { from_s, until_s, options: [skip, until] } = self;
+        write!(f, "{skip} {from_s} {until} {until_s}")
     }
 }
 
@@ -48,13 +87,23 @@ pub fn coded(warning: &AllanWarning, names: Names) -> String {
 }
 
 impl ImuWarning {
+    /// The warning about motion in these times of a record, if there are any.
+    #[must_use]
+    pub fn of_moving(moving_s: Vec<(f64, f64)>, record_s: (f64, f64), names: Names) -> Option<Self> {
+        let rest = Rest::between(&moving_s, record_s, names);
+        (!moving_s.is_empty()).then_some(Self::Moves(moving_s, rest))
+    }
+
     /// A warning for the jumps, and one for the knocks.
     #[must_use]
-    pub fn of_motion(axes: &[(&str, &Fit)]) -> Vec<Self> {
-        let all = Moment::all(axes);
-        let of = |kind| (kind, all.iter().filter(|moment| moment.kind == kind).cloned().collect::<Vec<_>>());
-        let found = [MotionKind::Jump, MotionKind::Knock].map(of).into_iter().filter(|(_, all)| !all.is_empty());
-        found.map(|(kind, moments)| Self::Motion(kind, moments)).collect()
+    pub fn of_motion(axes: &[(&str, &Fit)], skipped_s: f64, names: Names) -> Vec<Self> {
+        let (jumps, knocks): (Vec<Moment>, Vec<Moment>) =
+            Moment::all(axes, skipped_s).into_iter().partition(|moment| moment.kind == MotionKind::Jump);
+        let end_s = axes.iter().map(|(_, fit)| skipped_s + 2.0 * fit.span_s.1).fold(skipped_s, f64::max);
+        let at_s: Vec<(f64, f64)> = jumps.iter().map(|jump| (jump.at_s, jump.at_s)).collect();
+        let rest = Rest::between(&at_s, (skipped_s, end_s), names);
+        let jumps = (!jumps.is_empty()).then_some(Self::Jumps(jumps, rest));
+        jumps.into_iter().chain((!knocks.is_empty()).then_some(Self::Knocks(knocks))).collect()
     }
 
     /// The warning as scripts read it: `code: text`.
@@ -65,11 +114,13 @@ impl ImuWarning {
 }
 
 rows!(match ImuWarning {
-    Self::Motion(MotionKind::Jump, ref moments) => Row {
+    Self::Moves(ref spans, rest) =>
+        Row { code: "motion", text: format_args!("the sensor moves {}; the longest rest: {rest}", Spans(spans)) },
+    Self::Jumps(ref moments, rest) => Row {
         code: "motion",
-        text: format_args!("several axes jump together at {}; cut the log there", Named(moments)),
+        text: format_args!("several axes jump together at {}; the longest rest: {rest}", Named(moments)),
     },
-    Self::Motion(MotionKind::Knock, ref moments) => Row {
+    Self::Knocks(ref moments) => Row {
         code: "motion",
         text: format_args!("several axes have a glitch together at {}; knocked?", Named(moments)),
     },
@@ -85,6 +136,20 @@ impl fmt::Display for ImuWarning {
     }
 }
 
+/// The first time of motion in words, and the number of those that follow.
+struct Spans<'a>(&'a [(f64, f64)]);
+
+impl fmt::Display for Spans<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some((from_s, to_s)) = self.0.first() else { return Ok(()) };
+        write!(f, "from {from_s:.0} s to {to_s:.0} s")?;
+        match (self.0.len() - 1, self.0.last()) {
+            (more @ 1.., Some((_, last_s))) => write!(f, " + {more} more until {last_s:.0} s"),
+            _ => Ok(()),
+        }
+    }
+}
+
 /// The first moments in words, and the number of those that follow.
 struct Named<'a>(&'a [Moment]);
 
@@ -95,9 +160,9 @@ impl fmt::Display for Named<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let words = |moment: &Moment| format!("{:.1} s ({})", moment.at_s, moment.axes.join(", "));
         f.write_str(&self.0.iter().take(NAMED).map(words).collect::<Vec<_>>().join(", "))?;
-        match self.0.len().saturating_sub(NAMED) {
-            0 => Ok(()),
-            more => write!(f, " + {more} more"),
+        match (self.0.len().saturating_sub(NAMED), self.0.last()) {
+            (more @ 1.., Some(last)) => write!(f, " + {more} more until {:.1} s", last.at_s),
+            _ => Ok(()),
         }
     }
 }

@@ -1,10 +1,10 @@
 //! The noise of columns of logs.
 
-use crate::{InvalidOptions, temperature};
+use crate::temperature;
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 use zerorate_host::files;
-use zerorate_imu::{AnalysisOptions, Record, RecordError, SettlingError, increments};
+use zerorate_imu::{AnalysisOptions, Record, RecordError, increments};
 use zerorate_logs::{Column, ColumnOptions, ColumnSelection};
 
 /// The columns of logs to analyse, and the options of the analysis.
@@ -67,7 +67,6 @@ pub(crate) fn analysed(
 /// Sorts failures into the kinds that front ends tell apart.
 fn failed(error: RecordError) -> anyhow::Error {
     match error {
-        RecordError::Settling(SettlingError::NothingLeft(why)) => InvalidOptions(why).into(),
         RecordError::Log(error) => error.into(),
         error => error.into(),
     }

@@ -9,12 +9,12 @@ use zerorate::health::Flags;
 use zerorate::{Deviation, Finding, Refusal, Setting, Tone, Warning, Wording};
 use zerorate_allan::{AllanWarning, Cause, Misfit, MotionKind, Noise, PoolError, SettingName};
 use zerorate_host::SourceWarning;
-use zerorate_imu::{ImuWarning, Kind, Moment, Rejection};
+use zerorate_imu::{ImuWarning, Kind, Moment, Rejection, Rest};
 use zerorate_input::InputWarning;
 use zerorate_jobs::JobWarning;
 use zerorate_jobs::codes;
 use zerorate_jobs::pool::NoPool;
-use zerorate_logs::LogWarning;
+use zerorate_logs::{LogWarning, Names};
 use zerorate_record::CaptureWarning;
 use zerorate_view::SessionWarning;
 use zerorate_view::export::ExportWarning;
@@ -251,6 +251,7 @@ fn of_logs() -> Vec<LogWarning> {
             how: "stamps are off an even clock by 15 % of an interval; judge from 0.1234 s on".to_owned(),
         },
         LogWarning::TimeUnitTaken { path: path(), column: "timestamp".to_owned(), unit: "ns" },
+        LogWarning::UnitsTaken { path: path() },
         LogWarning::RateChanges {
             path: path(),
             how: "100.0 to 110.0 rows a second (100.0 at first, 110.0 at the end)".to_owned(),
@@ -332,13 +333,16 @@ fn of_sources() -> [SourceWarning; 3] {
     [SourceWarning::NoRealtimePriority, SourceWarning::MemoryNotLocked, beyond]
 }
 
-fn of_imu() -> [ImuWarning; 4] {
+fn of_imu() -> [ImuWarning; 5] {
     let axes = || ["gx_dps", "gy_dps", "gz_dps"].map(str::to_owned).to_vec();
     let moment = |at, kind| Moment { at_s: 300.0 + f64::from(at), axes: axes(), kind };
-    let together = |kind| ImuWarning::Motion(kind, (0..7).map(|at| moment(at, kind)).collect());
+    let together = |kind| (0..7).map(|at| moment(at, kind)).collect::<Vec<_>>();
+    let jumps = together(MotionKind::Jump);
+    let rest = Rest::between(&[(300.0, 306.0)], (0.0, 3600.0), Names::default());
     [
-        together(MotionKind::Jump),
-        together(MotionKind::Knock),
+        ImuWarning::Moves(vec![(300.0, 306.0), (900.0, 960.0)], rest),
+        ImuWarning::Jumps(jumps, rest),
+        ImuWarning::Knocks(together(MotionKind::Knock)),
         ImuWarning::KindAbsent(Kind::Accelerometer, None),
         ImuWarning::KindAbsent(Kind::Accelerometer, Some(SettingName::text("--column"))),
     ]

@@ -18,6 +18,8 @@ pub enum ColumnSelection<'a> {
     One(Option<&'a str>),
     /// These columns, in this order.
     Listed(&'a [String]),
+    /// These columns, in this order, and then the others of `All`. Forms that name their quantities give only these.
+    First(&'a [String]),
     /// The rates of a capture, the six quantities of a bag's IMU, or otherwise all numeric columns except the time.
     All,
     /// The columns that fit these descriptions, in this order.
@@ -97,7 +99,12 @@ impl Columns<'_> {
         let time = args.time_column.as_deref().map(|wanted| self.position(wanted, Setting::TimeColumn)).transpose()?;
         let only = args.only.as_ref().map(|only| self.position(&only.column, Setting::Where)).transpose()?;
         let is_open = args.rate.is_none() && time.is_none();
+        let first = match wanted {
+            ColumnSelection::First(names) => self.positions(names)?,
+            _ => Vec::new(),
+        };
         let time = match (wanted, default) {
+            (ColumnSelection::First(_), _) if is_open => self.time(&first),
             (ColumnSelection::All, []) if is_open => self.time(&[]),
             // a column that is only called a time may be the one that is meant
             (ColumnSelection::One(None), []) if is_open => self.stated_time(&[]),
@@ -107,8 +114,10 @@ impl Columns<'_> {
             (ColumnSelection::One(Some(wanted)), _) => vec![self.position(wanted, Setting::Column)?],
             (ColumnSelection::One(None), [only]) => vec![*only],
             (ColumnSelection::One(None), _) => vec![self.only(time)?],
-            (ColumnSelection::Listed(names), _) => {
-                names.iter().map(|wanted| self.position(wanted, Setting::Column)).collect::<Result<_>>()?
+            (ColumnSelection::Listed(names), _) => self.positions(names)?,
+            (ColumnSelection::First(_), _) => {
+                let others = self.all(time).into_iter().filter(|at| Some(*at) != only && !first.contains(at));
+                first.iter().copied().chain(others).collect()
             }
             (ColumnSelection::All, []) => self.all(time).into_iter().filter(|at| Some(*at) != only).collect(),
             (ColumnSelection::All, rates) => rates.to_vec(),
@@ -229,6 +238,10 @@ impl Columns<'_> {
             [] => Err(self.unknown(&format!("has no column `{name}` for the {what}"))),
             _ => Err(self.unknown(&format!("has several columns that may be the {what}"))),
         }
+    }
+
+    fn positions(&self, wanted: &[String]) -> Result<Vec<usize>> {
+        wanted.iter().map(|wanted| self.position(wanted, Setting::Column)).collect()
     }
 
     /// The column of this name or number. A name has precedence over a number.

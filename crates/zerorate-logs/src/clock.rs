@@ -125,6 +125,16 @@ impl Times {
         self.since_first = since_first;
     }
 
+    /// Keeps the rows from `first` to before `end`.
+    pub fn keep(&mut self, first: usize, end: usize) {
+        let start = self.since_first[first];
+        self.origin = self.origin.map(|origin| match origin {
+            Origin::Integer(time) => Origin::Integer(time.saturating_add(start as i64)),
+            Origin::Number(time) => Origin::Number(time + start),
+        });
+        self.since_first = self.since_first[first..end].iter().map(|time| time - start).collect();
+    }
+
     /// Time of each row in ns, since the origin of the file's clock or, where that cannot be told in ns, since the
     /// first row.
     pub fn nanoseconds(&self, unit: TimeUnit) -> Vec<u64> {

@@ -18,6 +18,8 @@ pub struct Column {
     pub series: Series,
     /// The gaps where samples are missing among integer codes.
     pub gaps: Vec<Gap>,
+    /// The time that was left out at the start of the log, s.
+    pub skipped_s: f64,
     /// Mean sampling rate in Hz; missing samples count.
     pub rate_hz: f64,
     /// The quantity of the column, if the file states its unit, or a unit or a scale was given.
@@ -36,7 +38,18 @@ impl Column {
     /// Creates a column with neither gaps nor a unit. Its samples are not checked.
     pub fn new(name: &str, series: Series, rate_hz: f64) -> Self {
         let (name, gaps, warnings) = (name.to_owned(), Vec::new(), Vec::new());
-        Self { name, series, gaps, rate_hz, quantity: None, scale: 1.0, step: 1.0, warnings, facts: None }
+        Self {
+            name,
+            series,
+            gaps,
+            skipped_s: 0.0,
+            rate_hz,
+            quantity: None,
+            scale: 1.0,
+            step: 1.0,
+            warnings,
+            facts: None,
+        }
     }
 
     /// The number of missing samples.

@@ -286,7 +286,9 @@ impl Topics {
     fn choose(&self, path: &Path, asked: &ColumnQuery<'_>) -> Result<Chosen> {
         let wanted: Option<Vec<&str>> = match asked.wanted {
             ColumnSelection::One(Some(name)) => Some(vec![name]),
-            ColumnSelection::Listed(names) => Some(names.iter().map(String::as_str).collect()),
+            ColumnSelection::Listed(names) | ColumnSelection::First(names) => {
+                Some(names.iter().map(String::as_str).collect())
+            }
             ColumnSelection::Described(columns) => Some(columns.iter().map(|column| column.name.as_str()).collect()),
             ColumnSelection::One(None) | ColumnSelection::All => None,
         };

@@ -14,9 +14,16 @@ pub enum LogError {
     /// The file does not say enough, or does not have the requested columns.
     #[error("{0}")]
     Ask(String),
-    /// The file has several candidates: the question, and a table with a header to choose from.
-    #[error("{0}\n{table}", table = .1.join("\n"))]
-    Choose(String, Vec<String>),
+    /// The file has several candidates.
+    #[error("{question}\n{table}", table = .table.join("\n"))]
+    Choose {
+        /// The question.
+        question: String,
+        /// A line for each candidate, below a header if it needs one.
+        table: Vec<String>,
+        /// The topics, if it is these that there are several of.
+        topics: Vec<String>,
+    },
     /// The numbers are readable, but must not become a result: a code for scripts, and the reason.
     #[error("{1}")]
     Refused(&'static str, String),

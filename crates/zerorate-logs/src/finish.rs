@@ -42,14 +42,14 @@ impl Clock {
     }
 
     /// The unit of the times: by their type, by the caller, by the name of the column, or by their dates.
-    fn unit(&self, args: &ColumnOptions) -> Option<TimeUnit> {
+    pub fn unit(&self, args: &ColumnOptions) -> Option<TimeUnit> {
         let Self::Column(name, times) = self else { return None };
         let stated = times.unit.or(args.time_unit).or_else(|| TimeUnit::of_column(name));
         stated.or_else(|| time_unit::dated(times))
     }
 
     /// Whether nothing but the name of a column says that it holds the time.
-    fn is_guess(&self, args: &ColumnOptions) -> bool {
+    pub fn is_guess(&self, args: &ColumnOptions) -> bool {
         args.time_column.is_none() && self.unit(args).is_none()
     }
 
@@ -141,6 +141,7 @@ impl RawColumns {
         args: &ColumnOptions,
     ) -> Result<(Vec<Column>, Option<LogError>)> {
         self.repair_times(path, args)?;
+        let skipped_s = self.cut(path, args)?;
         let time_base = self.clock.time_base(path, args)?;
         if let (Some((unit, time_base)), Clock::Column(_, times)) = (&time_base, &self.clock) {
             let path = || path.display().to_string();
@@ -169,7 +170,7 @@ impl RawColumns {
         let finish = |mut column: RawColumn| {
             // warnings about the file are given once, with its first column
             column.warnings.splice(..0, of_file.drain(..));
-            column.finish(path, rate_hz, &lost, args)
+            Ok(Column { skipped_s, ..column.finish(path, rate_hz, &lost, args)? })
         };
         Ok((columns.into_iter().map(finish).collect::<Result<_>>()?, no_rate))
     }
@@ -213,6 +214,7 @@ impl RawColumn {
             name,
             series,
             gaps,
+            skipped_s: 0.0,
             rate_hz,
             quantity: declared.map(|(quantity, _)| quantity),
             scale: declared.map_or(1.0, |(quantity, scale)| match quantity {

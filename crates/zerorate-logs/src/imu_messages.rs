@@ -94,7 +94,9 @@ impl Quantities {
     ) -> Result<Self> {
         let names: Vec<Option<&str>> = match asked.wanted {
             ColumnSelection::One(name) => vec![name],
-            ColumnSelection::Listed(names) => names.iter().map(|name| Some(name.as_str())).collect(),
+            ColumnSelection::Listed(names) | ColumnSelection::First(names) => {
+                names.iter().map(|name| Some(name.as_str())).collect()
+            }
             ColumnSelection::Described(columns) => columns.iter().map(|column| Some(column.name.as_str())).collect(),
             ColumnSelection::All => QUANTITIES.iter().map(|(name, _)| Some(*name)).collect(),
         };

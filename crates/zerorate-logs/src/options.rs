@@ -1,5 +1,6 @@
 //! The options of reading a log.
 
+use crate::cut::Cut;
 use crate::error::{LogError, Result};
 use crate::number::Decimal;
 use crate::only::Only;
@@ -25,6 +26,9 @@ pub struct ColumnOptions {
 
     /// The rows that are read; `None` reads all rows.
     pub only: Option<Only>,
+
+    /// The part of the log that is read.
+    pub cut: Cut,
 
     /// The unit of the time column; `None` takes it from the column's name or type, as in t_ns or `timestamp [ms]`.
     pub time_unit: Option<TimeUnit>,

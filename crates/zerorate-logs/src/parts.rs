@@ -8,8 +8,9 @@ use crate::query::ColumnQuery;
 use crate::raw_columns::{Clock, RawColumns};
 use crate::read::find;
 use crate::warning::LogWarning;
+use std::io::Seek;
 use std::path::{Path, PathBuf};
-use zerorate_input::Input;
+use zerorate_input::{Input, InputError};
 
 /// The files of a log.
 #[derive(Debug, Default)]
@@ -18,6 +19,26 @@ pub struct Parts {
     pub files: Vec<(PathBuf, Input)>,
     /// The number of messages of each topic in all files, as the description of the bag states.
     pub messages: Vec<(String, u64)>,
+}
+
+impl Parts {
+    /// The same files from their start, to be read once more. The others must not be read at the same time.
+    ///
+    /// # Errors
+    /// Returns an error if the system has no more descriptors.
+    pub fn try_clone(&self) -> Result<Self> {
+        let rewound = |input: &Input| {
+            let mut again = input.try_clone()?;
+            again.rewind()?;
+            Ok(again)
+        };
+        let again = |(path, input): &(PathBuf, Input)| match rewound(input) {
+            Ok(input) => Ok((path.clone(), input)),
+            Err(error) => Err(InputError::io("read", path, error)),
+        };
+        let files = self.files.iter().map(again).collect::<Result<_, InputError>>()?;
+        Ok(Self { files, messages: self.messages.clone() })
+    }
 }
 
 impl From<Vec<(PathBuf, Input)>> for Parts {

@@ -207,6 +207,18 @@ impl SeriesBuilder {
         }
     }
 
+    /// Keeps the rows from `first` to before `end`.
+    pub fn keep(&mut self, first: usize, end: usize) {
+        self.rows = (end - first) as u64;
+        if let Series::Numbers(numbers) = &mut self.series {
+            numbers.truncate(end);
+            numbers.drain(..first);
+            return;
+        }
+        let rows: Vec<usize> = (first..end).collect();
+        self.reorder(&rows);
+    }
+
     /// Keeps only these rows, in this order.
     pub fn reorder(&mut self, order: &[usize]) {
         let are_codes = self.are_codes();

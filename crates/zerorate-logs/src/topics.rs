@@ -49,7 +49,8 @@ pub fn several(path: &Path, asked: &ColumnQuery<'_>, survey: &Survey) -> LogErro
         Some(topic) => format!("has no IMU on a topic `{topic}`"),
         None => "has several IMUs".to_owned(),
     };
-    LogError::Choose(format!("{path} {why}; choose one with {option}:"), survey.table())
+    let topics = survey.0.keys().cloned().collect();
+    LogError::Choose { question: format!("{path} {why}; choose one with {option}:"), table: survey.table(), topics }
 }
 
 impl Topic {

@@ -286,7 +286,7 @@ impl Topics {
         let names = self.names();
         let wanted: Vec<String> = match asked.wanted {
             ColumnSelection::One(Some(name)) => vec![name.to_owned()],
-            ColumnSelection::Listed(names) => names.to_vec(),
+            ColumnSelection::Listed(names) | ColumnSelection::First(names) => names.to_vec(),
             ColumnSelection::Described(columns) => columns.iter().map(of_driver).collect(),
             ColumnSelection::One(None) | ColumnSelection::All => Vec::new(),
         };

@@ -32,6 +32,8 @@ pub enum LogWarning {
     TimesJitter { path: String, how: String },
     /// The dates in a column of times tell its unit.
     TimeUnitTaken { path: String, column: String, unit: &'static str },
+    /// The header is that of Kalibr's tools, so the axes are in rad/s and m/s².
+    UnitsTaken { path: String },
     /// Rows come faster in one part of the log than in another, as the text says.
     RateChanges { path: String, how: String },
     /// The lines above the data are not a header.
@@ -100,6 +102,10 @@ rows!(match LogWarning {
     Self::TimeUnitTaken { ref path, ref column, unit } => Row {
         code: "time-unit-taken",
         text: format_args!("{path}: `{column}` counts {unit} since 1970, as its dates tell"),
+    },
+    Self::UnitsTaken { ref path } => Row {
+        code: "units-taken",
+        text: format_args!("{path}: omega in rad/s and alpha in m/s², as in the files of Kalibr's tools"),
     },
     Self::RateChanges { ref path, ref how } => Row { code: "rate-changes", text: format_args!("{path}: {how}") },
     Self::LinesSkipped { ref path, lines, ref first } => Row {
@@ -188,6 +194,7 @@ impl LogWarning {
             | Self::TimesMended { .. }
             | Self::TimesJitter { .. }
             | Self::TimeUnitTaken { .. }
+            | Self::UnitsTaken { .. }
             | Self::RateChanges { .. }
             | Self::LinesSkipped { .. }
             | Self::ScaleUnused { .. }

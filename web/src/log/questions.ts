@@ -12,9 +12,12 @@ interface Kind {
 const KINDS: Record<LogSetting, Kind> = {
   columns: { words: "Columns", hint: "gx, gy, gz (names, or numbers from 0)" },
   topic: { words: "Topic", hint: "/imu/data" },
+  where: { words: "Only the rows with", hint: "SensorId=1" },
   rate_hz: { words: "Sample rate, Hz", hint: "100", number: true },
   time_column: { words: "Time column", hint: "t" },
   time_unit: { words: "Unit of time", hint: "", options: ["", "s", "ms", "us", "ns"] },
+  skip: { words: "Leave out before", hint: "45m after the start, or 12:30:00" },
+  until: { words: "Leave out after", hint: "2h after the start, or 14:30:00" },
   gyro_unit: { words: "Gyroscope unit", hint: "dps, rad/s, deg/h" },
   gyro_scale: { words: "Gyroscope scale: one step, in that unit", hint: "1", number: true },
   accel_unit: { words: "Accelerometer unit", hint: "m/s², g, mg" },

@@ -32,7 +32,8 @@ if TYPE_CHECKING:
         max_freq_hz: float | None
         temp_c: ArrayLike | str | None
         detrend: Literal[1, 2, 3] | None
-        skip: Seconds | None
+        skip: _log.CutTime | None
+        until: _log.CutTime | None
         time_column: str | int | None
         time_unit: Literal["s", "ms", "us", "ns"] | None
         increments: bool | None
@@ -85,7 +86,8 @@ def allan(
     max_freq_hz: float | None = None,
     temp_c: ArrayLike | str | None = None,
     detrend: Literal[1, 2, 3] | None = None,
-    skip: Seconds | None = None,
+    skip: _log.CutTime | None = None,
+    until: _log.CutTime | None = None,
     time_column: str | int | None = None,
     time_unit: Literal["s", "ms", "us", "ns"] | None = None,
     increments: bool | None = None,
@@ -147,7 +149,10 @@ def allan(
         Subtract a polynomial of this order, 1 to 3, over the temperature before anything else; `Allan.detrended` holds
         it. The intervals of long averages and of K are widened by the noise that it may have removed.
     skip
-        Leave out the beginning, while the part warms: seconds, or a duration such as ``"45m"``.
+        Leave out the beginning, while the part warms: seconds, or a duration such as ``"45m"``; of a log also all
+        before a clock time, see `read_log`.
+    until
+        Leave out what follows in a log or table: see `read_log`.
     force_unit, time_column, time_unit, increments, decimal, raw, max_bad, topic, where
         See `read_log`.
 
@@ -179,15 +184,21 @@ def allan(
     True
     """
     options = AnalysisOptions.of(stat, taus, data, confidence, fit, glitches, steps, max_freq_hz)
-    options = replace(options, settling=Settling.of(temp_c, detrend, skip, options.is_phase))
     is_read = isinstance(rate, (Capture, _log.Log)) or not (_records.is_path(rate) or _records.is_table(rate))
     if increments and is_read:
         raise ValueError("increments= is for the path of a log and for tables: give these values times their rate")
+    is_timed = time_column is not None or (columns is not None and rate_hz is None)
+    is_file_or_table = _records.is_path(rate) or _records.is_table(rate) or (_records.is_wide(rate) and is_timed)
+    is_indexed = _records.has_time_index(rate) and rate_hz is None
+    is_cut_on_reading = not isinstance(rate, (Capture, _log.Log)) and (is_file_or_table or is_indexed)
+    if until is not None and not is_cut_on_reading:
+        raise ValueError("until= is for the path of a log and for tables: leave the end out of these values")
+    settling = Settling.of(temp_c, detrend, None if is_cut_on_reading else skip, options.is_phase)
+    options = replace(options, settling=settling)
     if isinstance(rate, Capture):
         axes = _chosen({name: at for at, name in enumerate(rate.axes)}, column)
         found = side_by_side(lambda at: options.capture(rate, at, rate_hz, scale, unit or "°/s"), list(axes.values()))
         return _answer(found, len(rate.axes) > 1 if column is None else _log.is_several(column))
-    is_timed = time_column is not None or (columns is not None and rate_hz is None)
     if isinstance(rate, _log.Log) or (_records.is_wide(rate) and not is_timed):
         return _of_arrays(options, rate, column, columns, rate_hz, scale, unit)
     if columns is not None and not _records.is_wide(rate):
@@ -205,6 +216,8 @@ def allan(
         max_bad=max_bad,
         topic=topic,
         where=where,
+        skip=skip,
+        until=until,
     )
     if _records.is_path(rate) or _records.is_table(rate) or _records.is_wide(rate):
         is_several = _log.is_several(column) or (column is None and not _records.is_path(rate))

@@ -6,7 +6,7 @@ import os
 import warnings
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union
 
 import numpy as np
@@ -90,7 +90,7 @@ class AnalysisOptions:
 
     def of_column(self, column: _zerorate._Column, temperature: Temperature | None = None) -> Allan:
         """Analyses a column that was read."""
-        return self.analysed(
+        found = self.analysed(
             column["values"],
             column["rate_hz"],
             column["gaps"],
@@ -100,6 +100,7 @@ class AnalysisOptions:
             column["warnings"],
             temperature,
         )
+        return replace(found, skipped_s=column["skipped_s"])
 
     def analysed(
         self,

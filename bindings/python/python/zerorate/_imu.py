@@ -152,6 +152,8 @@ def imu(
     time_unit: Literal["s", "ms", "us", "ns"] | None = None,
     decimal: Literal[".", ","] | None = None,
     max_bad: float | None = None,
+    skip: _log.CutTime | None = None,
+    until: _log.CutTime | None = None,
     stat: Stat = "oadev",
     taus: Taus = "octave",
     confidence: float = 0.683,
@@ -194,7 +196,7 @@ def imu(
         gravity that tell of it are an error.
     time_column, time_unit
         The column with the time of each row, and its unit; otherwise the only column whose name states a unit of time.
-    decimal, max_bad, where
+    decimal, max_bad, where, skip, until
         See `read_log`.
     stat, taus, confidence, glitches, steps, max_freq_hz
         See `allan`.
@@ -249,6 +251,8 @@ def imu(
         max_bad=max_bad,
         topic=topic,
         where=where,
+        skip=skip,
+        until=until,
     )
     found, of_bag, said = _zerorate.read_imu(
         source,
@@ -277,7 +281,8 @@ def _of_capture(capture: Capture, options: AnalysisOptions, rate_hz: float) -> I
 
 def _said(axes: Mapping[str, Allan]) -> list[str]:
     of_axes = [(name, axis.warnings + (axis.fit.warnings if axis.fit else [])) for name, axis in axes.items()]
-    moved = _zerorate.motion([(name, axis._core) for name, axis in axes.items() if axis._core is not None])
+    skipped_s = max((axis.skipped_s for axis in axes.values()), default=0.0)
+    moved = _zerorate.motion([(name, axis._core) for name, axis in axes.items() if axis._core is not None], skipped_s)
     return moved + [f"{name}: {text}" for name, texts in of_axes for text in texts]
 
 

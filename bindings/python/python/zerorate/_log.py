@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 Column = Union[str, int, Sequence[Union[str, int]]]
 """A column by its name or its number counted from 0, several of them, or ``"all"``."""
 
+CutTime = Union[float, str]
+"""A time in a log: seconds since its first sample, a duration as in ``"45m"``, or a clock time or date."""
+
 _T = TypeVar("_T")
 
 ALL = "all"
@@ -95,6 +98,8 @@ def read_log(
     max_bad: float | None = None,
     topic: str | None = None,
     where: str | None = None,
+    skip: CutTime | None = None,
+    until: CutTime | None = None,
 ) -> Log:
     """Reads columns of a log, in every form that ``zerorate allan`` reads, in one pass.
 
@@ -132,6 +137,9 @@ def read_log(
     where
         Read only the rows in which a column has this value, as in ``"SensorId=1"``: for a table or text with the rows
         of several sensors.
+    skip, until
+        Leave out the beginning, and what follows a time: seconds since the first sample, a duration such as
+        ``"45m"``, or a clock time or date of the log's stamps, as in ``"12:30:00"`` (UTC where they state no zone).
 
     Returns
     -------
@@ -159,6 +167,8 @@ def read_log(
         max_bad=max_bad,
         topic=topic,
         where=where,
+        skip=skip,
+        until=until,
     )
     found = columns_of(_records.table(log), column, True, given)
     # without a unit, the last warning is about that, and `Log.units` says it already
@@ -187,6 +197,8 @@ def options(
     max_bad: float | None = None,
     topic: str | None = None,
     where: str | None = None,
+    skip: CutTime | None = None,
+    until: CutTime | None = None,
 ) -> _zerorate._Options:
     """The options of a log, in the form that the extension takes."""
     return {
@@ -202,6 +214,8 @@ def options(
         "max_bad": None if max_bad is None else float(max_bad),
         "topic": topic,
         "where": where,
+        "skip": None if skip is None else str(skip),
+        "until": None if until is None else str(until),
     }
 
 

@@ -84,12 +84,15 @@ class _Options(TypedDict):
     decimal: str | None
     raw: str | None
     max_bad: float | None
+    skip: str | None
+    until: str | None
 
 class _Column(TypedDict):
     name: str
     values: NDArray[np.float64] | NDArray[np.int32]
     gaps: list[tuple[int, int]]
     rate_hz: float
+    skipped_s: float
     unit: str | None
     scale: float
     warnings: list[str]
@@ -160,7 +163,7 @@ def imu_file(
     accept_rejected: bool,
     warnings: list[str],
 ) -> tuple[str, list[str]]: ...
-def motion(axes: list[tuple[str, Model]]) -> list[str]: ...
+def motion(axes: list[tuple[str, Model]], skipped_s: float) -> list[str]: ...
 def unit_kind(unit: str) -> Literal["gyroscope", "accelerometer"] | None: ...
 def column_unit(name: str) -> str | None: ...
 def is_time(name: str) -> bool: ...

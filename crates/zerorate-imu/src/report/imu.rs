@@ -171,6 +171,9 @@ impl MotionReport {
                 MotionKind::Knock => "knock",
             },
         };
-        Moment::all(&Record::models(axes)).into_iter().map(found).collect()
+        Moment::all(&Record::models(axes), axes.first().map_or(0.0, |axis| axis.skipped_s))
+            .into_iter()
+            .map(found)
+            .collect()
     }
 }

@@ -10,7 +10,7 @@ use zerorate_jobs::InvalidOptions;
 use zerorate_jobs::allan::{AllanOptions, Columns, allan};
 use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
 use zerorate_jobs::pool::{NoPool, pool};
-use zerorate_logs::{ColumnOptions, LogError, LogWarning, Names, RawType, Setting};
+use zerorate_logs::{ColumnOptions, Cut, CutTime, LogError, LogWarning, Names, RawType, Setting};
 
 /// White noise of this standard deviation, by a congruential generator: sums of twelve uniform numbers.
 fn white(samples: usize, sd: f64, seed: u64) -> Vec<f64> {
@@ -78,7 +78,8 @@ fn a_rate_that_follows_its_temperature_can_be_analysed() {
     assert!(!follows(&detrended) && k.lo <= 1e-4 && k.hi >= 1e-4, "{k:?}");
     let taken = detrended.detrended.as_ref().unwrap();
     assert!(taken.lost_dof == 1 && taken.explained > 0.95, "{}", taken.explained);
-    let skipped = by(Settling { skip_s: 1800.0, ..Settling::default() });
+    let log = ColumnOptions { cut: Cut { from: Some(CutTime::SinceStart(1800.0)), until: None }, ..of_captures() };
+    let skipped = allan(std::slice::from_ref(&capture), &options(log, fitted())).unwrap().remove(0);
     assert!((skipped.skipped_s - 1800.0).abs() < 0.01, "{}", skipped.skipped_s);
     assert!((skipped.analysis.samples as f64 / whole.analysis.samples as f64 - 0.25).abs() < 1e-3);
 }

@@ -3,7 +3,7 @@
 mod pictures;
 mod words;
 
-pub use pictures::{Group, Picture, svg};
+pub use pictures::{Group, Picture, axes_svg, svg};
 pub use words::{
     GaussMarkov, TermRow, gauss_markov, holds_below, interval, is_without_misfit, misfit, predicts, stated, term_rows,
 };

@@ -33,6 +33,12 @@ pub fn svg(records: &[Record]) -> String {
     )
 }
 
+/// Draws the axes of an IMU in one picture, with a panel for each: gyroscopes above accelerometers.
+#[must_use]
+pub fn axes_svg(records: &[Record]) -> String {
+    plot::stacked(&Group::all(records).iter().map(Group::multiples).collect::<Vec<_>>())
+}
+
 /// The averaging times of AN-1042, if a record is from the part that the note describes.
 fn marks(records: &[Record]) -> Vec<plot::Mark> {
     if records.iter().any(Record::is_of_adis16130) { plot::an1042() } else { Vec::new() }

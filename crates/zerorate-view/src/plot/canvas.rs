@@ -110,6 +110,26 @@ pub fn paper(size: (u32, u32), title: &str) -> Document {
         .add(Rectangle::new().set("width", width).set("height", height).set("fill", "white"))
 }
 
+/// Pictures on [`paper`] as one picture, one below the other.
+#[must_use]
+pub fn stacked(pictures: &[String]) -> String {
+    let size = |picture: &str, name: &str| -> Option<u32> {
+        let (_, rest) = picture.split_once(&format!(" {name}=\""))?;
+        rest.split_once('"')?.0.parse().ok()
+    };
+    let [only] = pictures else {
+        let (mut top, mut width, mut inside) = (0, 0, String::new());
+        for picture in pictures {
+            inside += &picture.replacen("<svg ", &format!("<svg y=\"{top}\" "), 1);
+            top += size(picture, "height").unwrap_or(0);
+            width = width.max(size(picture, "width").unwrap_or(0));
+        }
+        let root = format!("<svg viewBox=\"0 0 {width} {top}\" width=\"{width}\" height=\"{top}\"");
+        return format!("{root} role=\"img\" xmlns=\"http://www.w3.org/2000/svg\">\n{inside}\n</svg>");
+    };
+    only.clone()
+}
+
 /// Heading and the line below it, if there are any.
 pub fn headings(left: f64, title: Option<&str>, subtitle: Option<&str>, room: f64) -> Group {
     let fitting = |text: &str, size: f64| shortened(text, (room / (size * CHARACTER)) as usize);

@@ -15,12 +15,19 @@ pub struct LogSettings {
     pub columns: Option<Vec<String>>,
     /// The topic of a bag with several IMUs.
     pub topic: Option<String>,
+    /// The rows to read, as `SensorId=1`: those in which a column has this value.
+    #[serde(rename = "where")]
+    pub only: Option<String>,
     /// Samples per second, Hz.
     pub rate_hz: Option<f64>,
     /// The column with the times.
     pub time_column: Option<String>,
     /// `s`, `ms`, `us` or `ns`.
     pub time_unit: Option<String>,
+    /// Leaves out what is before this time: `45m` after the first sample, or a clock time.
+    pub skip: Option<String>,
+    /// Leaves out what follows this time.
+    pub until: Option<String>,
     /// Unit of gyroscopes: `dps`, `rad/s` …
     pub gyro_unit: Option<String>,
     /// The value of one step, in that unit.
@@ -41,9 +48,12 @@ pub struct LogSettings {
 pub enum LogSetting {
     Columns,
     Topic,
+    Where,
     RateHz,
     TimeColumn,
     TimeUnit,
+    Skip,
+    Until,
     GyroUnit,
     GyroScale,
     AccelUnit,

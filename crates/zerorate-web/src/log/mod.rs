@@ -43,7 +43,7 @@ mod reader {
             let path = Path::new(name);
             match read(path, &open, said) {
                 Ok((about, reader)) => (LogInspection::Log(about), Some(reader)),
-                Err(LogError::Choose(text, choices)) => {
+                Err(LogError::Choose { question: text, table: choices, .. }) => {
                     let settings = asked_for(&text);
                     (LogInspection::Question { text, choices, settings }, None)
                 }
@@ -93,7 +93,7 @@ mod reader {
 
         /// Warnings about several axes at once.
         fn findings(&self) -> Vec<String> {
-            ImuWarning::of_motion(&Record::models(&self.analysed)).iter().map(ImuWarning::coded).collect()
+            Record::motion(&self.analysed).iter().map(ImuWarning::coded).collect()
         }
 
         /// The file for a filter.

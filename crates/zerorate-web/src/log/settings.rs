@@ -3,15 +3,18 @@
 use super::message::{LogSetting, LogSettings};
 use zerorate_allan::SettingName;
 use zerorate_imu::{Combine, Format, ImuOptions, KindOptions};
-use zerorate_logs::{ColumnOptions, Decimal, LogError, Names, Setting, TimeUnit, Unit};
+use zerorate_logs::{ColumnOptions, Cut, CutTime, Decimal, LogError, Names, Setting, TimeUnit, Unit};
 
 /// The names that messages use for the settings: the labels of the page's fields.
 pub const LABELS: Names = Names(label);
 
 /// A setting, its label, and its field on the page.
-const FIELDS: [(Setting, &str, LogSetting); 10] = [
+const FIELDS: [(Setting, &str, LogSetting); 13] = [
     (Setting::Column, "“columns”", LogSetting::Columns),
     (Setting::Topic, "“topic”", LogSetting::Topic),
+    (Setting::Where, "“only the rows with”", LogSetting::Where),
+    (Setting::Skip, "“leave out before”", LogSetting::Skip),
+    (Setting::Until, "“leave out after”", LogSetting::Until),
     (Setting::Rate, "“sample rate”", LogSetting::RateHz),
     (Setting::TimeColumn, "“time column”", LogSetting::TimeColumn),
     (Setting::TimeUnit, "“unit of time”", LogSetting::TimeUnit),
@@ -26,9 +29,7 @@ fn label(setting: Setting) -> SettingName {
     let field = FIELDS.iter().find(|(of, ..)| *of == setting);
     SettingName::text(match setting {
         Setting::ForceUnit => "rename the column",
-        Setting::Where => "only rows with",
         Setting::Detrend => "`zerorate allan --detrend temp`",
-        Setting::Skip => "`--skip`",
         Setting::Increments => "rates in place of increments",
         Setting::NoIncrements => "rename the columns",
         _ => field.map_or_else(|| setting.word(), |(_, label, _)| label),
@@ -56,6 +57,8 @@ pub fn options(said: &LogSettings) -> Result<ImuOptions, LogError> {
         topic: said.topic.clone(),
         rate: above_zero("sample rate", said.rate_hz)?,
         time_column: said.time_column.clone(),
+        only: said.only.as_deref().map(str::parse).transpose().map_err(|why: String| refused(Setting::Where, &why))?,
+        cut: Cut { from: cut_time(&said.skip, Setting::Skip)?, until: cut_time(&said.until, Setting::Until)? },
         time_unit: said.time_unit.as_deref().map(time_unit).transpose()?,
         decimal: said.decimal.as_deref().map(decimal).transpose()?,
         described: Some(zerorate_record::open_described),
@@ -65,7 +68,15 @@ pub fn options(said: &LogSettings) -> Result<ImuOptions, LogError> {
     let kind = |unit, scale| KindOptions { columns: Vec::new(), unit, scale };
     let gyro = kind(unit(&said.gyro_unit)?, above_zero("gyroscope scale", said.gyro_scale)?);
     let accel = kind(unit(&said.accel_unit)?, above_zero("accelerometer scale", said.accel_scale)?);
-    Ok(ImuOptions { columns: said.columns.clone(), gyro, accel, log })
+    Ok(ImuOptions { columns: said.columns.clone(), gyro, accel, log, ..ImuOptions::default() })
+}
+
+fn cut_time(text: &Option<String>, setting: Setting) -> Result<Option<CutTime>, LogError> {
+    text.as_deref().map(str::parse).transpose().map_err(|why: String| refused(setting, &why))
+}
+
+fn refused(setting: Setting, why: &str) -> LogError {
+    LogError::Ask(format!("{}: {why}", label(setting)))
 }
 
 fn unit(text: &Option<String>) -> Result<Option<Unit>, LogError> {

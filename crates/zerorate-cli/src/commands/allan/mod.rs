@@ -9,7 +9,7 @@ pub mod warnings;
 use crate::column::ColumnArgs;
 use crate::exit::{CodedRefusal, Usage};
 use crate::output::{Outputs, StagedOutput, command_line, print, print_json, print_lines, say, warn};
-use crate::picture;
+use crate::picture::Pictures;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use pool::PoolReport;
@@ -185,6 +185,7 @@ pub fn run(args: &AllanArgs) -> Result<()> {
     if args.pool {
         pool::check_statistic(args.stat)?;
     }
+    args.column.check()?;
     args.temperature.check(args.pool, args.data == Data::Phase)?;
     let files = Files::claim(args)?;
     let records = allan(&args.files, &args.options())?;
@@ -205,7 +206,7 @@ pub fn run(args: &AllanArgs) -> Result<()> {
 /// The warnings of a single record, each in full. Several records have a line for each kind of warning.
 fn warnings(args: &AllanArgs, records: &[Record]) -> Vec<String> {
     match records {
-        [only] if !args.column.is_list() => only.warnings(),
+        [only] if !args.column.is_list() => warnings::of_motion(records).into_iter().chain(only.warnings()).collect(),
         several => {
             let of_files = several.chunk_by(|a, b| a.file == b.file);
             of_files.flat_map(warnings::of_motion).chain(warnings::condensed(several)).collect()
@@ -254,32 +255,25 @@ fn check_units(args: &AllanArgs, records: &[Record]) -> Result<(), Usage> {
 
 /// The files to write, claimed before hours of data are read.
 struct Files {
-    pictures: Vec<(picture::Kind, StagedOutput)>,
+    pictures: Pictures,
     page: Option<StagedOutput>,
     imu_yaml: Option<StagedOutput>,
 }
 
 impl Files {
     fn claim(args: &AllanArgs) -> Result<Self> {
-        let kind = |path: &PathBuf| {
-            let other = || Usage(format!("{}: a picture must end in .svg or .png", path.display()));
-            picture::Kind::of(path)?.ok_or_else(other)
-        };
-        let kinds = args.plot.iter().map(kind).collect::<Result<Vec<_>, _>>()?;
         let mut outputs = Outputs::new(args.force).printing().reading(args.files.iter().map(PathBuf::as_path))?;
+        let pictures = Pictures::claim(&args.plot, &mut outputs)?;
         let mut claim = |path: &PathBuf| outputs.derived(path);
-        let pictures = args.plot.iter().map(&mut claim).collect::<Result<Vec<_>, _>>()?;
         Ok(Self {
-            pictures: kinds.into_iter().zip(pictures).collect(),
+            pictures,
             page: args.report.as_ref().map(&mut claim).transpose()?,
             imu_yaml: args.imu_yaml.as_ref().map(&mut claim).transpose()?,
         })
     }
 
     fn write(self, records: &[Record], warnings: Vec<String>) -> Result<()> {
-        for (kind, file) in self.pictures {
-            picture::write(kind, file, &svg(records))?;
-        }
+        self.pictures.write(|| svg(records))?;
         if let Some(file) = self.page {
             file.fill(allan_page(&page(records, warnings))?.as_bytes())?;
         }

@@ -6,7 +6,6 @@ use clap::Args;
 use zerorate_allan::MOST_ORDER;
 use zerorate_imu::Settling;
 use zerorate_logs::Names;
-use zerorate_view::duration::Seconds;
 
 /// Options for a sensor that was warming.
 #[derive(Args, Debug)]
@@ -19,10 +18,6 @@ pub struct TemperatureArgs {
     /// The column with the temperature [default: temp_code of a capture, else temp, temp_c or temperature].
     #[arg(long, value_name = "NAME")]
     pub temp_column: Option<String>,
-
-    /// Leave out the beginning while the sensor warms, such as 45m.
-    #[arg(long, value_name = "TIME")]
-    skip: Option<Seconds>,
 }
 
 fn order(text: &str) -> Result<usize, String> {
@@ -36,7 +31,7 @@ fn order(text: &str) -> Result<usize, String> {
 
 impl TemperatureArgs {
     pub fn settling(&self) -> Settling {
-        Settling { skip_s: self.skip.map_or(0.0, |skip| skip.0), order: self.detrend, names: Names(flag) }
+        Settling { order: self.detrend, names: Names(flag) }
     }
 
     pub fn check(&self, is_pooled: bool, is_phase: bool) -> Result<(), Usage> {

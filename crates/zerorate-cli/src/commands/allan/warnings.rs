@@ -32,7 +32,7 @@ const MOST_CHARS: usize = 100;
 
 /// Formats the events that several axes of one log show at once: the jumps as one line, the knocks as another.
 pub fn of_motion(axes: &[Record]) -> Vec<String> {
-    ImuWarning::of_motion(&Record::models(axes)).iter().map(ImuWarning::coded).collect()
+    Record::motion(axes).iter().map(ImuWarning::coded).collect()
 }
 
 /// Formats the warnings about all records, a line for each code.

@@ -5,12 +5,12 @@ mod text;
 
 use super::allan::temperature::TemperatureArgs;
 use super::allan::warnings::{self, code, first_of_each};
-use crate::column::{flag, listed, positive, share};
+use crate::column::{LogArgs, UNITS, flag, listed, positive};
 use crate::exit::CodedRefusal;
 use crate::output::{Outputs, StagedOutput, command_line, print_json, print_lines, say, warn};
+use crate::picture::Pictures;
 use anyhow::Result;
 use clap::Args;
-use clap::builder::BoolishValueParser;
 use std::path::PathBuf;
 use zerorate_allan::{FitOptions, SettingName};
 use zerorate_imu::{
@@ -18,7 +18,8 @@ use zerorate_imu::{
     span,
 };
 use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
-use zerorate_logs::{ColumnOptions, Decimal, LogWarning, Names, Only, Setting, TimeUnit, Unit};
+use zerorate_logs::{LogWarning, Names, Setting, Unit};
+use zerorate_view::noise::axes_svg;
 use zerorate_view::report::{AllanPage, Fact, allan_page};
 
 /// Turn the log of an IMU at rest into the noise file of a filter, such as imu.yaml
@@ -65,76 +66,38 @@ pub struct ImuArgs {
     #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = positive)]
     inflate: f64,
 
-    /// The topic, where a bag or a PX4 log has several IMUs.
-    #[arg(long, value_name = "TOPIC")]
-    topic: Option<String>,
-
-    /// Read only the rows in which a column has this value, as in SensorId=1: for a table or text with the rows of
-    /// several sensors.
-    #[arg(long = "where", value_name = "COLUMN=VALUE")]
-    only: Option<Only>,
-
     /// The columns, by name or by number from 0, as in gx,gy,gz,ax,ay,az [default: all axes].
-    #[arg(long, value_name = "LIST")]
+    #[arg(long, value_name = "LIST", help_heading = UNITS)]
     column: Option<String>,
 
     /// The columns of the gyroscope, by name or by number from 0, as in 0,1,2: for columns whose names do not say so.
-    #[arg(long, value_name = "LIST", conflicts_with = "column")]
+    #[arg(long, value_name = "LIST", conflicts_with = "column", help_heading = UNITS)]
     gyro: Option<String>,
 
     /// The columns of the accelerometer, likewise.
-    #[arg(long, value_name = "LIST", conflicts_with = "column")]
+    #[arg(long, value_name = "LIST", conflicts_with = "column", help_heading = UNITS)]
     accel: Option<String>,
-
-    /// Samples per second [default: from the stamps or the time column of the log].
-    #[arg(long, value_name = "HZ", value_parser = positive)]
-    rate: Option<f64>,
-
-    /// The column with the time of each row [default: the only one whose name states a unit of time, as in t_ns].
-    #[arg(long, value_name = "NAME|INDEX", conflicts_with = "rate")]
-    time_column: Option<String>,
-
-    /// The unit of the time column [default: as its name or type states].
-    #[arg(long, value_enum, requires = "time_column")]
-    time_unit: Option<TimeUnit>,
-
-    /// The columns hold the angle or the velocity of each sample (delta angle, delta velocity) in place of the rate;
-    /// give the unit rad/s for rad, and m/s² for m/s. `--increments=no` says that they hold rates.
-    #[arg(long, value_name = "YES|NO", num_args = 0..=1, require_equals = true, default_missing_value = "yes",
-        value_parser = BoolishValueParser::new())]
-    increments: Option<bool>,
-
-    /// The decimal mark of a text file [default: a point, or a comma where it cannot be anything else].
-    #[arg(long, value_enum, value_name = "MARK")]
-    decimal: Option<Decimal>,
-
-    /// The share of broken lines in a text file that are skipped and counted [default: 0.01].
-    #[arg(long, value_name = "SHARE", value_parser = share)]
-    max_bad: Option<f64>,
 
     /// The unit of the gyroscope's columns: dps, mdps, deg/min, deg/h, rad/s, mrad/s or urad/s [default: the one that
     /// their names state].
-    #[arg(long, value_name = "UNIT")]
+    #[arg(long, value_name = "UNIT", help_heading = UNITS)]
     gyro_unit: Option<Unit>,
 
     /// The unit of the accelerometer's columns: m/s², g, mg or ug [default: the one that their names state].
-    #[arg(long, value_name = "UNIT")]
+    #[arg(long, value_name = "UNIT", help_heading = UNITS)]
     accel_unit: Option<Unit>,
 
-    /// Take these units where the names of columns state others.
-    #[arg(long)]
-    force_unit: bool,
-
     /// The size of a step of 1 in the gyroscope's columns, in their unit.
-    #[arg(long, value_name = "X", value_parser = positive, requires = "gyro_unit")]
+    #[arg(long, value_name = "X", value_parser = positive, requires = "gyro_unit", help_heading = UNITS)]
     gyro_scale: Option<f64>,
 
     /// The size of a step of 1 in the accelerometer's columns, in their unit.
-    #[arg(long, value_name = "X", value_parser = positive, requires = "accel_unit")]
+    #[arg(long, value_name = "X", value_parser = positive, requires = "accel_unit", help_heading = UNITS)]
     accel_scale: Option<f64>,
 
-    #[command(flatten)]
-    temperature: TemperatureArgs,
+    /// Draw the deviations of all axes, with fit and band (.svg, .png).
+    #[arg(long, value_name = "PICTURE")]
+    plot: Vec<PathBuf>,
 
     /// Write one self-contained HTML page with coefficients by axis, curves, spectra and records.
     #[arg(long, value_name = "PAGE")]
@@ -156,32 +119,25 @@ pub struct ImuArgs {
     /// Write -o also from noise models that are rejected; the file says so inside.
     #[arg(long, requires = "output")]
     accept_rejected: bool,
+
+    #[command(flatten)]
+    reading: LogArgs,
+
+    #[command(flatten)]
+    temperature: TemperatureArgs,
 }
 
 impl ImuArgs {
     fn options(&self) -> ImuNoiseOptions {
-        let log = ColumnOptions {
-            topic: self.topic.clone(),
-            only: self.only.clone(),
-            rate: self.rate,
-            time_column: self.time_column.clone(),
-            time_unit: self.time_unit,
-            decimal: self.decimal,
-            max_bad: self.max_bad,
-            increments: self.increments,
-            force_unit: self.force_unit,
-            described: Some(zerorate_record::open_described),
-            names: Names(option),
-            ..ColumnOptions::default()
-        };
         let axes = ImuOptions {
             columns: self.column.as_deref().and_then(listed),
             gyro: KindOptions { columns: names(&self.gyro), unit: self.gyro_unit, scale: self.gyro_scale },
             accel: KindOptions { columns: names(&self.accel), unit: self.accel_unit, scale: self.accel_scale },
-            log,
+            log: self.reading.options(Names(option)),
+            more_topics: self.reading.more_topics().to_vec(),
         };
         let analysis = AnalysisOptions {
-            draws_finely: self.report.is_some(),
+            draws_finely: self.report.is_some() || !self.plot.is_empty(),
             fit: Some(FitOptions::default()),
             draws: self.report.is_some(),
             settling: self.temperature.settling(),
@@ -206,7 +162,6 @@ fn option(setting: Setting) -> SettingName {
     SettingName::text(match setting {
         Setting::Unit => "--gyro-unit or --accel-unit",
         Setting::Scale => "--gyro-scale or --accel-scale",
-        Setting::Raw => "`zerorate allan --raw`",
         other => return flag(other),
     })
 }
@@ -216,6 +171,7 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     let sheet = args.datasheet.as_deref().map(|path| datasheet::read(path, &mut outputs)).transpose()?;
     let file = args.output.as_ref().map(|path| outputs.derived(path)).transpose()?;
     let page = args.report.as_ref().map(|path| outputs.derived(path)).transpose()?;
+    let pictures = Pictures::claim(&args.plot, &mut outputs)?;
     let ImuNoise { axes, topic, notes, absent } = imu(&args.log, &args.options())?;
     let absent = absent.iter().map(ImuWarning::coded);
     let of_log: Vec<String> = notes.iter().map(LogWarning::coded).chain(absent).collect();
@@ -224,10 +180,11 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     let findings: Vec<String> = warnings::of_motion(&axes).into_iter().chain(warnings::condensed(&axes)).collect();
     let with = |doubts: &[String]| [doubts, &findings, &remarks].concat();
     // the reader of stdout may leave, so the files come first
+    let drawn = pictures.write(|| axes_svg(&axes));
     let written =
         page.map_or(Ok(()), |file| Ok(file.fill(allan_page(&self::page(&report, &axes, with(&doubts)))?.as_bytes())?));
     let mattering = NoiseFileOptions::mattering(with(&first_of_each(&doubts)));
-    let written = written.and_then(|()| deliver(args, &axes, (topic.clone(), mattering), file));
+    let written = drawn.and(written).and_then(|()| deliver(args, &axes, (topic.clone(), mattering), file));
     let printed = if args.json {
         print_json(&report)
     } else {

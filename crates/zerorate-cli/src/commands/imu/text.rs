@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use std::fmt::Write;
-use zerorate_imu::{AxisReport, CoefficientReport, FitReport, ImuReport, Kind, span};
+use zerorate_imu::{AllanReport, AxisReport, CoefficientReport, FitReport, ImuReport, Kind, span};
 use zerorate_view::noise::{GaussMarkov, gauss_markov, is_without_misfit, stated};
 use zerorate_view::plot::number;
 use zerorate_view::report::Table;
@@ -13,7 +13,13 @@ pub fn table(report: &ImuReport) -> Result<String> {
     if let Some(axis) = report.axes.first() {
         let ImuReport { samples, rate_hz, .. } = *report;
         let length = span(samples as f64 / rate_hz);
-        writeln!(text, "{}: {samples} samples at {rate_hz:.6} Hz, {length}", axis.report.file)?;
+        write!(text, "{}: {samples} samples at {rate_hz:.6} Hz, {length}", axis.report.file)?;
+        // the accelerometer may be of a topic of its own
+        if let Some(other) = report.axes.iter().find(|other| other.report.rate_hz != rate_hz) {
+            let AllanReport { samples, rate_hz, .. } = other.report;
+            write!(text, "; {} {samples} samples at {rate_hz:.6} Hz", other.kind.map_or("others", Kind::name))?;
+        }
+        writeln!(text)?;
         writeln!(text, "value [95 % interval]; < upper limit where it cannot be told from zero")?;
     }
     for kind in Kind::ALL {
