@@ -14,6 +14,9 @@ use zerorate_input::TimeUnit;
 /// Fewest rows that show that a column rises evenly.
 const FEWEST: usize = 10;
 
+/// The years 2000 to 2100 in days of Excel and of MATLAB.
+const DAYS: [std::ops::Range<f64>; 2] = [36_526.0..73_051.0, 730_486.0..767_011.0];
+
 /// The error for a missing rate. It names the columns that may hold the time: by name among `columns`, and by the
 /// first rows in `sample`.
 pub fn no_rate(path: &Path, columns: &[&str], sample: &[Sampled], names: Names) -> LogError {
@@ -28,7 +31,10 @@ pub fn no_rate(path: &Path, columns: &[&str], sample: &[Sampled], names: Names) 
         None => format!("give {rate} in Hz, or {time} if a column holds the time"),
     };
     let remedy = unread(sample).map(|why| format!("{why}, or give {rate} in Hz"));
-    let remedy = remedy.or_else(|| rising(sample).map(rises)).or_else(|| steps(sample, rate));
+    let remedy =
+        remedy.or_else(|| clocks(sample).map(|all| format!("give {rate} in Hz, or {time} with one of: {all}")));
+    let remedy = remedy.or_else(|| rising(sample).map(rises)).or_else(|| days(sample, rate));
+    let remedy = remedy.or_else(|| steps(sample, rate));
     let remedy = remedy.unwrap_or_else(named);
     LogError::Ask(format!("{} does not say how fast it was sampled: {remedy}", path.display()))
 }
@@ -44,11 +50,32 @@ fn unread(sample: &[Sampled]) -> Option<String> {
     })
 }
 
+/// The columns of dates and times of day, if there are several.
+fn clocks(sample: &[Sampled]) -> Option<String> {
+    let are_times = |column: &&Sampled| DateColumn::of(column.cells.iter().filter_map(Cell::as_word)).are_times;
+    let all: Vec<String> = sample.iter().filter(are_times).map(|column| format!("`{}`", column.name)).collect();
+    (all.len() > 1).then(|| all.join(", "))
+}
+
+/// The rate that a column of dates in days tells, as Excel and MATLAB count them.
+fn days(sample: &[Sampled], rate: SettingName) -> Option<String> {
+    let dated = |column: &&Sampled| {
+        let first = column.cells.first().and_then(Cell::as_number);
+        first.is_some_and(|first| DAYS.iter().any(|days| days.contains(&first)))
+    };
+    sample.iter().filter(dated).find_map(|column| {
+        let times = column.times().filter(|times| times.since_first().is_sorted_by(|one, next| one < next))?;
+        let rate_hz = times.time_base(TimeUnit::S, Names::default()).ok()?.rate_hz / 86_400.0;
+        let name = &column.name;
+        Some(format!("give {rate} in Hz, which is {rate_hz:.3} if `{name}` counts days, as Excel and MATLAB do"))
+    })
+}
+
 /// The rate that a column tells whose name says that it holds the steps between rows, in an unknown unit.
 fn steps(sample: &[Sampled], rate: SettingName) -> Option<String> {
     let column = sample.iter().find(|column| is_step(&column.name))?;
     let step = usual_step(column.cells.iter().filter_map(Cell::as_number).collect())?;
-    let unit = time_unit::usual(1.0 / step);
+    let unit = time_unit::usual(1.0 / step)?;
     let (name, rate_hz, unit) = (&column.name, unit.per_s() / step, unit.name());
     Some(format!("give {rate} in Hz, which is {rate_hz:.6} if `{name}` holds the step between rows in {unit}"))
 }
@@ -77,7 +104,7 @@ impl<'a> Rising<'a> {
             return None;
         }
         let per_unit = times.time_base(TimeUnit::S, Names::default()).ok()?.rate_hz;
-        let unit = time_unit::dated(&times).unwrap_or_else(|| time_unit::usual(per_unit));
+        let unit = time_unit::dated(&times).or_else(|| time_unit::usual(per_unit))?;
         Some(Self { column: &column.name, unit, rate_hz: per_unit * unit.per_s() })
     }
 }

@@ -415,6 +415,16 @@ fn the_question_for_the_rate_proposes_the_column_that_rises_evenly() {
     assert!(why.contains("column `Time` (`59:00.0`) lacks the hour") && why.contains("as Excel shows"), "{why}");
 }
 
+#[test]
+fn the_question_for_the_rate_names_days_and_several_clocks() {
+    let days = |at: u32| format!("{:.9},0.{}\n", 45_218.5 + f64::from(at) * 0.01 / 86_400.0, at % 7);
+    let why = Folder::new().fails((0..300).map(days).collect::<String>(), "--column 1");
+    assert!(why.contains("which is 100.0") && why.contains("if `0` counts days, as Excel"), "{why}");
+    let twice = |at: u32| format!("12:00:{0:02}.{1:02},12:00:{0:02}.{1:02},0.{2}\n", at / 100, at % 100, at % 7);
+    let why = Folder::new().fails((0..300).map(twice).collect::<String>(), "");
+    assert!(why.contains("--time-column with one of: `0`, `1`"), "{why}");
+}
+
 /// `strangers/24`.
 #[test]
 fn stamps_that_lost_their_digits_name_the_cause() {

@@ -40,10 +40,16 @@ fn date(first: f64) -> Option<TimeUnit> {
     ALL.into_iter().find(|unit| EPOCH_S.contains(&(first / unit.per_s())))
 }
 
-/// The unit in which rows come at a usual rate, if so many of them come in each unit.
-pub fn usual(per_unit: f64) -> TimeUnit {
+/// The unit in which rows come at a usual rate, if so many of them come in each unit; `None` if no rate is one of a
+/// sensor.
+pub fn usual(per_unit: f64) -> Option<TimeUnit> {
+    nearest(per_unit, ALL.into_iter()).filter(|unit| RATES_HZ.contains(&(per_unit * unit.per_s())))
+}
+
+/// The one of these units whose rate is nearest to a usual one.
+fn nearest(per_unit: f64, units: impl Iterator<Item = TimeUnit>) -> Option<TimeUnit> {
     let off = |unit: &TimeUnit| (per_unit * unit.per_s() / USUAL_HZ).ln().abs();
-    ALL.into_iter().min_by(|one, other| off(one).total_cmp(&off(other))).unwrap_or(TimeUnit::S)
+    units.min_by(|one, other| off(one).total_cmp(&off(other)))
 }
 
 /// Interval of `SampleTimeFine` from which it counts microseconds.
@@ -117,7 +123,7 @@ fn better(unit: TimeUnit, rate_hz: f64, first: f64) -> Option<TimeUnit> {
     if RATES_HZ.contains(&rate_hz) {
         return None;
     }
-    Some(usual(rate_hz / unit.per_s())).filter(|usual| *usual != unit)
+    nearest(rate_hz / unit.per_s(), ALL.into_iter().filter(|other| *other != unit))
 }
 
 #[cfg(test)]

@@ -30,12 +30,18 @@ impl DateColumn {
         let decided = cells.clone().find_map(order_of);
         let order = decided.or_else(|| cells.clone().find_map(dotted).map(|_| DateOrder::DayFirst));
         let times: Vec<i64> =
-            cells.clone().filter(|cell| cell.contains(':')).filter_map(|cell| nanoseconds(cell, order)).collect();
+            cells.clone().filter(|cell| is_clear(cell)).filter_map(|cell| nanoseconds(cell, order)).collect();
         let count = cells.count() as f64;
         let falls = times.windows(2).filter(|pair| pair[1] < pair[0]).count() as f64;
         let rises = times.windows(2).any(|pair| pair[1] > pair[0]) && falls <= 1.0 + FALLS * count;
         Self { are_times: rises && times.len() as f64 >= TIMES * count, order }
     }
+}
+
+/// Whether a cell can only be a time: 12:30 alone may be hours and minutes, or minutes and seconds.
+fn is_clear(cell: &str) -> bool {
+    let has_more = |c: char| !c.is_ascii_digit() && c != ':';
+    cell.matches(':').count() > 1 || cell.contains(':') && cell.contains(has_more)
 }
 
 /// Time in ns: of a date with a time of day since the epoch, or of a time of day alone since midnight. A date without
@@ -277,6 +283,7 @@ mod tests {
     fn a_column_of_times_rises() {
         let are_times = |cells: &[&str]| DateColumn::of(cells.iter().copied()).are_times;
         assert!(are_times(&["23:59:59.9", "00:00:00.0", "00:00:00.1"]));
+        assert!(are_times(&["1 Mar 2026 12:00", "1 Mar 2026 12:01"]) && !are_times(&["12:00", "12:01"]));
         assert!(!are_times(&["12:00:00", "12:00:00"]) && !are_times(&["2026-01-01", "2026-01-02"]));
         assert!(!are_times(&["00:00:02", "00:00:01", "00:00:03", "00:00:00"]), "a duration");
     }

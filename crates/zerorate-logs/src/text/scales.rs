@@ -8,9 +8,10 @@ use zerorate_input::Unit;
 /// The column with the time in Gyroflow's logs.
 const TIME: &str = "t";
 
-/// The column with the time in LabVIEW's logs, in s, and the line that states its step.
+/// The column with the time in LabVIEW's logs, in s, and the lines that state its quantity and its step.
 const X_VALUE: &str = "X_Value";
-const DELTA_X: &str = "delta_x";
+const X_DIMENSION: &str = "X_Dimension";
+const DELTA_X: &str = "Delta_X";
 
 /// The scales of Gyroflow: s in a step of `t`, rad/s in a step of `gx`, g in a step of `ax`.
 #[derive(Clone, Debug, Default)]
@@ -27,12 +28,14 @@ impl Scales {
     /// The scales in the lines above the columns `names`.
     pub fn of<'a>(lines: impl Iterator<Item = &'a str>, names: &[String]) -> Self {
         let mut scales = Self::default();
+        let mut is_time = true;
         let has = |column: &str| names.iter().any(|name| name == column);
         for line in lines.map(|line| line.trim_start_matches(['#', '%', ' '])) {
             let pair = pair(line);
             match pair.as_ref().map(|(key, scale)| (key.as_str(), *scale)) {
                 Some(("tscale", scale)) if has(TIME) => scales.time = Some((TIME, scale)),
-                _ if has(X_VALUE) && line.to_lowercase().starts_with(DELTA_X) => scales.time = Some((X_VALUE, 1.0)),
+                _ if line.starts_with(X_DIMENSION) => is_time = line.contains("Time"),
+                _ if is_time && has(X_VALUE) && line.starts_with(DELTA_X) => scales.time = Some((X_VALUE, 1.0)),
                 Some(("gscale", scale)) if has("gx") => scales.gyro_rad_s = Some(scale),
                 Some(("ascale", scale)) if has("ax") => scales.accel_g = Some(scale),
                 _ if scales.unused.is_none() && states_scale(line) => scales.unused = Some(line.to_owned()),
