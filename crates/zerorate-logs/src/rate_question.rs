@@ -43,7 +43,8 @@ pub fn no_rate(path: &Path, columns: &[&str], sample: &[Sampled], names: Names) 
 fn unread(sample: &[Sampled]) -> Option<String> {
     sample.iter().find_map(|column| {
         let words = || column.cells.iter().filter_map(Cell::as_word);
-        let cell = words().next()?;
+        // a word that every row repeats is not a time
+        let cell = words().next().filter(|first| words().any(|word| word != *first))?;
         let why = dates::reason(cell)?;
         let is_read = dates::nanoseconds(cell, DateColumn::of(words()).order).is_some();
         (!is_read).then(|| format!("column `{}` (`{cell}`) {why}", column.name))

@@ -8,9 +8,9 @@ use zerorate_input::delimited::Delimiter;
 const LINES: usize = 1000;
 const FEWEST: usize = 3;
 
-/// The arrow of the Arduino's monitor behind the time of a line, and the byte at which it ends at the latest.
+/// The arrow of the Arduino's monitor behind the time of a line, and the byte in front of which it begins.
 const ARROW: &str = " -> ";
-const ARROW_END: usize = 40;
+const ARROW_START: usize = 40;
 
 /// The marks in most lines of a text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -103,7 +103,7 @@ const CLOCK: &str = "clock";
 
 /// The place of the arrow behind a time of day.
 fn arrow(line: &str) -> Option<Range<usize>> {
-    let start = line.get(..line.floor_char_boundary(ARROW_END))?.find(ARROW)?;
+    let start = line.find(ARROW).filter(|start| *start < ARROW_START)?;
     super::dates::nanoseconds(&line[..start], None)?;
     Some(start..start + ARROW.len())
 }
