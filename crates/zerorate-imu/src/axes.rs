@@ -160,8 +160,8 @@ impl Axes {
         if options.columns.is_none() {
             left_out.extend(without_strangers(path, &mut axes, options)?);
         }
-        if is_open && topic.is_some() {
-            warnings.extend(without_blanks(path, &mut axes));
+        if is_open {
+            warnings.extend(without_blanks(path, &mut axes, topic.is_some()));
         }
         increments::ask(path, &axes.iter().map(|(_, column)| column).collect::<Vec<_>>(), &options.log)?;
         check_units(options, path, &axes)?;
@@ -187,16 +187,18 @@ impl Axes {
     }
 }
 
-/// Leaves out the columns of messages that nothing measured, unless there is nothing else. A message has three axes of
-/// each kind, even from a part with fewer axes.
-fn without_blanks(path: &Path, axes: &mut Vec<(Kind, Column)>) -> Option<LogWarning> {
-    let is_blank = |(_, column): &(Kind, Column)| column.is_blank();
-    let names: Vec<&str> = axes.iter().filter(|axis| is_blank(axis)).map(|(_, column)| column.name.as_str()).collect();
+/// Leaves out the axes that nothing measured, unless there is nothing else. A message of ROS has three axes of each
+/// kind, even from a part with fewer axes. In a table, an axis of a kind that has others is rather a broken one.
+fn without_blanks(path: &Path, axes: &mut Vec<(Kind, Column)>, is_message: bool) -> Option<LogWarning> {
+    let is_alive = |kind: Kind| axes.iter().any(|(of, column)| *of == kind && !column.is_blank());
+    let dead: Vec<Kind> = Kind::ALL.into_iter().filter(|kind| !is_alive(*kind)).collect();
+    let is_left = |(kind, column): &(Kind, Column)| column.is_blank() && (is_message || dead.contains(kind));
+    let names: Vec<&str> = axes.iter().filter(|axis| is_left(axis)).map(|(_, column)| column.name.as_str()).collect();
     if names.is_empty() || names.len() == axes.len() {
         return None;
     }
     let (path, names) = (path.display().to_string(), names.join(", "));
-    axes.retain(|axis| !is_blank(axis));
+    axes.retain(|axis| !is_left(axis));
     Some(LogWarning::BlanksLeftOut { path, names })
 }
 
@@ -446,6 +448,28 @@ mod tests {
             &zerorate_logs::ColumnOptions::default(),
         )?;
         Axes::of(Path::new("log.csv"), columns, &ImuOptions::default())
+    }
+
+    /// `strangers/23`: one half of the message is 0. A single axis that is 0 is rather broken.
+    #[test]
+    fn a_kind_of_zeros_is_left_out_of_a_table() {
+        let read = |zero: fn(usize) -> bool| {
+            let row = |at: usize| {
+                let cells = (0..6)
+                    .map(|axis| if zero(axis) { "0.0".to_owned() } else { format!("0.{}", at * (axis + 3) % 7) });
+                format!("{},{}\n", at * 5, cells.collect::<Vec<_>>().join(","))
+            };
+            let head = "t_ms,wx_dps,wy_dps,wz_dps,ax_g,ay_g,az_g\n".to_owned();
+            let text = (0..60).map(row).fold(head, |text, row| text + &row);
+            let parts = vec![(std::path::PathBuf::from("imu.csv"), text.into_bytes().into())];
+            Axes::read(Path::new("imu.csv"), parts, &ImuOptions::default()).unwrap()
+        };
+        let names = |axes: &Axes| axes.columns.iter().map(|column| column.name.clone()).collect::<Vec<_>>();
+        let found = read(|axis| axis >= 3);
+        assert_eq!(names(&found), ["wx_dps", "wy_dps", "wz_dps"]);
+        assert!(found.warnings.iter().any(|one| one.to_string().contains("being 0 in every row: ax_g, ay_g, az_g")));
+        assert_eq!(names(&read(|axis| axis == 1)).len(), 6);
+        assert_eq!(names(&read(|_| true)).len(), 6);
     }
 
     /// `strangers/13`: speeds of wheels and set points are in the unit of a rate.

@@ -3,10 +3,10 @@
 use crate::error::{LogError, Result};
 use crate::options::ColumnOptions;
 use crate::setting::{Names, Setting};
-use crate::time_names::{is_bare_unit, is_fraction, is_like_time, is_named_time};
+use crate::time_names::{is_bare_unit, is_fraction, is_like_time, is_named_time, states_time};
 use crate::warning::LogWarning;
 use std::path::Path;
-use zerorate_input::{Quantity, TimeUnit, Unit, is_celsius};
+use zerorate_input::{Quantity, Unit, is_celsius};
 
 /// Largest number of columns that a message lists.
 const LISTED: usize = 100;
@@ -65,6 +65,8 @@ pub struct Columns<'a> {
     pub names: Vec<&'a str>,
     /// Whether each column holds numbers.
     pub numeric: Vec<bool>,
+    /// Whether each column holds times by its content or its type; empty if none does.
+    pub clocks: Vec<bool>,
     /// The names of the options in messages.
     pub settings: Names,
 }
@@ -167,7 +169,7 @@ impl Columns<'_> {
     fn stated_time(&self, values: &[usize]) -> Option<usize> {
         let states = |index: &usize| {
             let name = self.names[*index];
-            !values.contains(index) && TimeUnit::of_column(name).is_some()
+            !values.contains(index) && states_time(name)
         };
         let (bare, clear): (Vec<usize>, Vec<usize>) =
             (0..self.names.len()).filter(states).partition(|at| is_bare_unit(self.names[*at]));
@@ -177,12 +179,21 @@ impl Columns<'_> {
             _ => None,
         };
         let is_alone = !self.names.iter().any(|name| is_like_time(name));
-        match (&clear[..], &bare[..]) {
+        let stated = match (&clear[..], &bare[..]) {
             ([only], _) => Some(*only),
             ([], [only]) if is_alone => Some(*only),
             ([], bare) => pair(bare).filter(|_| is_alone),
             (clear, _) => pair(clear),
-        }
+        };
+        stated.or_else(|| self.clock(values).filter(|_| clear.is_empty()))
+    }
+
+    /// The only column outside `values` that holds times by its content or its type, if no number is called a time.
+    fn clock(&self, values: &[usize]) -> Option<usize> {
+        let is_other = |(at, name): (usize, &&str)| self.numeric[at] && is_named_time(name);
+        let mut clocks = (0..self.clocks.len()).filter(|at| self.clocks[*at] && !values.contains(at));
+        let only = clocks.next().filter(|_| clocks.next().is_none())?;
+        (!self.names.iter().enumerate().any(is_other)).then_some(only)
     }
 
     fn check(&self, values: &[usize], time: Option<usize>) -> Result<()> {

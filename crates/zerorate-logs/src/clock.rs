@@ -328,6 +328,12 @@ pub fn median(numbers: &mut [f64]) -> f64 {
     if numbers.is_empty() { 0.0 } else { *numbers.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
+/// The mean of steps between rows. The first step may reach back to the start of the board, and a long one is a gap.
+pub fn usual_step(mut steps: Vec<f64>) -> Option<f64> {
+    let middle = Some(median(&mut steps)).filter(|median| *median > 0.0)?;
+    Some(mean(steps.into_iter().filter(|step| (0.5..=2.0).contains(&(step / middle)))))
+}
+
 /// The rate and the gaps of a log, as its timestamps tell them.
 #[derive(Debug, PartialEq)]
 pub struct TimeBase {

@@ -1,7 +1,6 @@
 //! Errors of reading a log, and the questions that a front end asks.
 
 use crate::setting::{Names, Setting};
-use crate::time_names::is_like_time;
 use std::path::Path;
 use zerorate_input::InputError;
 
@@ -39,16 +38,6 @@ pub fn no_time_unit(path: &Path, column: &str, names: Names) -> LogError {
 
 pub fn unsteady(path: &Path, column: &str, why: &str) -> LogError {
     LogError::Refused("times-uneven", format!("{}, column {column}: {why}", path.display()))
-}
-
-/// The error for a missing rate. It names the columns that may hold the time.
-pub fn no_rate(path: &Path, columns: &[&str], names: Names) -> LogError {
-    let [rate, time, unit] = [Setting::Rate, Setting::TimeColumn, Setting::TimeUnit].map(|setting| names.of(setting));
-    let remedy = match columns.iter().find(|name| is_like_time(name)) {
-        Some(column) => format!("give {rate} in Hz, or {time} with {unit} if `{column}` is the time"),
-        None => format!("give {rate} in Hz, or {time} if a column holds the time"),
-    };
-    LogError::Ask(format!("{} does not say how fast it was sampled: {remedy}", path.display()))
 }
 
 /// The question for the rate where a column holds the step between rows.

@@ -1,16 +1,17 @@
 //! Gives the columns of a file their unit, rate and gaps.
 
-use crate::clock::TimeBase;
+use crate::clock::{TimeBase, usual_step};
 use crate::column::Column;
 use crate::column_checks::ColumnChecks;
-use crate::error::{LogError, Result, no_rate, no_time_unit, rate_of_steps, too_many, unsteady};
+use crate::error::{LogError, Result, no_time_unit, rate_of_steps, too_many, unsteady};
 use crate::options::ColumnOptions;
+use crate::rate_question::no_rate;
 use crate::raw_columns::{Clock, RawColumn, RawColumns, first_rows};
 use crate::series::Series;
 use crate::setting::{Names, Setting};
-use crate::time_names::{is_fraction, is_step};
+use crate::time_names::{is_fraction, is_step, ticks};
 use crate::warning::LogWarning;
-use crate::{given_rate, mixed_rows, order, rate_changes, time_unit, unsigned};
+use crate::{given_rate, lost_digits, mixed_rows, order, rate_changes, time_unit, unsigned};
 use std::path::Path;
 use zerorate_allan::Gap;
 use zerorate_input::{InputError, Quantity, TimeUnit};
@@ -36,7 +37,8 @@ impl Clock {
         let unit = self.unit(args).ok_or_else(|| no_time_unit(path, name, args.names))?;
         let time_base = times.time_base(unit, args.names).map_err(|why| unsteady(path, name, &why))?;
         if args.rate.is_none() {
-            time_unit::check((path, name), times, unit, time_base.rate_hz, args.names)?;
+            let is_named = times.unit.or(args.time_unit).is_none();
+            time_unit::check((path, name), times, (unit, is_named), time_base.rate_hz, args.names)?;
         }
         Ok(Some((unit, time_base)))
     }
@@ -53,17 +55,24 @@ impl Clock {
         args.time_column.is_none() && self.unit(args).is_none()
     }
 
+    /// Scales times whose unit is a number of s, ms, us or ns, as their name states.
+    fn scale_ticks(&mut self, args: &ColumnOptions) {
+        let Self::Column(name, times) = self else { return };
+        let known = ticks(name).or_else(|| time_unit::of_xsens(name, times));
+        if let Some((unit, step)) = known.filter(|_| args.time_unit.or(times.unit).is_none()) {
+            times.scale(step);
+            times.unit = Some(unit);
+        }
+    }
+
     /// The rate that steps between rows tell, Hz, if the column holds steps and not times.
     fn rate_of_steps(&self) -> Option<(&str, f64)> {
         let Self::Column(name, times) = self else { return None };
         let unit = TimeUnit::of_column(name).filter(|_| is_step(name))?;
-        let falls = times.since_first().windows(2).any(|pair| pair[1] < pair[0]);
-        let mut steps: Vec<f64> = times.since_first().iter().map(|since| times.first() + since).collect();
-        steps.sort_by(f64::total_cmp);
-        let median = *steps.get(steps.len() / 2).filter(|median| falls && **median > 0.0)?;
-        // the first step may reach back to the start of the board, and a long one is a gap
-        let usual: Vec<f64> = steps.into_iter().filter(|step| (0.5..=2.0).contains(&(step / median))).collect();
-        Some((name, unit.per_s() * usual.len() as f64 / usual.iter().sum::<f64>()))
+        let is_even = times.since_first().iter().all(|since| *since == 0.0);
+        let falls = is_even || times.since_first().windows(2).any(|pair| pair[1] < pair[0]);
+        let steps = times.since_first().iter().map(|since| times.first() + since).collect();
+        Some((name, unit.per_s() / usual_step(steps).filter(|_| falls)?))
     }
 
     /// The warning about a unit that the dates tell.
@@ -79,6 +88,7 @@ impl RawColumns {
     /// Puts the rows in the order of their times, and warns about times that were irregular.
     pub fn repair_times(&mut self, path: &Path, args: &ColumnOptions) -> Result<()> {
         self.add_nanoseconds(path, args.names)?;
+        self.clock.scale_ticks(args);
         mixed_rows::check(self, path, args.names)?;
         if self.clock.is_guess(args) {
             return Ok(());
@@ -87,9 +97,15 @@ impl RawColumns {
         if let Some((name, rate_hz)) = self.clock.rate_of_steps() {
             return Err(rate_of_steps(path, name, rate_hz, args.names));
         }
+        let unit = self.clock.unit(args);
         let Clock::Column(name, times) = &mut self.clock else { return Ok(()) };
         let said = order::repair_times(times, &mut self.columns).map_err(|why| {
             let rate = args.names.of(Setting::Rate);
+            if let Some(seen) = lost_digits::reason(times, unit) {
+                let remedy = format!("export again with all digits, or give {rate}");
+                let why = format!("{}, column {name}: {seen}; {remedy}", path.display());
+                return LogError::Refused("times-disordered", why);
+            }
             let remedy = "two logs in one file, or a clock that was set? Cut the log there";
             let or = format!("give {rate} and no time column if the samples are evenly spaced all the same");
             LogError::Refused(
@@ -157,14 +173,16 @@ impl RawColumns {
             (None, Clock::Column(name, _)) => (None, Vec::new(), Some(name)),
             (None, Clock::Silent) => (None, Vec::new(), None),
         };
-        let stamps = || given_rate::of_stamps(measured, &first_rows(&sample, &columns));
+        let first_rows = first_rows(&sample, &columns);
+        let stamps = || given_rate::of_stamps(measured, &first_rows);
         warnings.extend(args.rate.and_then(|rate_hz| given_rate::doubt(path, rate_hz, stamps()?)));
         let told = args.rate.or(measured);
         let no_rate = told.is_none().then(|| {
             let names = guess.iter().chain(columns.iter().map(|column| &column.name));
             let names: Vec<&str> = names.map(String::as_str).collect();
-            no_rate(path, &names, args.names)
+            no_rate(path, &names, &first_rows, args.names)
         });
+        drop(first_rows);
         let rate_hz = told.unwrap_or(1.0);
         let mut of_file = warnings;
         let finish = |mut column: RawColumn| {

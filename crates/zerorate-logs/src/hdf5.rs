@@ -53,7 +53,8 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let sets = sets(path, input, room)?;
     let columns: Vec<SetColumn<'_>> = sets.iter().flat_map(Set::columns).collect();
     let names = columns.iter().map(|column| column.name.as_str()).collect();
-    let all = Columns { path, names, numeric: vec![true; columns.len()], settings: asked.args.names };
+    let all =
+        Columns { path, names, numeric: vec![true; columns.len()], clocks: Vec::new(), settings: asked.args.names };
     let (Choice { values: chosen, time, .. }, rows) =
         all.choose_alike(asked.wanted, asked.args, |at| columns[at].rows)?;
     let wanted: Vec<&SetColumn<'_>> = chosen.iter().chain(&time).map(|at| &columns[*at]).collect();

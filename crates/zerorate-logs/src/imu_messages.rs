@@ -201,6 +201,8 @@ pub struct Collector<'a> {
     values: Vec<SeriesBuilder>,
     messages: u64,
     times: Times,
+    /// The times at which the bag recorded the messages.
+    recorded: Times,
     /// Whether a rate was given. The stamps are then only compared with it.
     has_rate: bool,
 }
@@ -209,11 +211,12 @@ impl<'a> Collector<'a> {
     /// Creates a collector without messages.
     pub fn new(path: &'a Path, wanted: Quantities, room: MemoryBudget, args: &ColumnOptions) -> Self {
         let values = wanted.all.iter().map(|_| SeriesBuilder::sharing(room, wanted.all.len())).collect();
-        Self { path, wanted, values, messages: 0, times: Times::new(), has_rate: args.rate.is_some() }
+        let has_rate = args.rate.is_some();
+        Self { path, wanted, values, messages: 0, times: Times::new(), recorded: Times::new(), has_rate }
     }
 
-    /// Adds a message.
-    pub fn push(&mut self, encoding: Encoding, message: &[u8]) -> Result<(), InputError> {
+    /// Adds a message, which the bag recorded at this time.
+    pub fn push(&mut self, encoding: Encoding, message: &[u8], recorded_ns: i64) -> Result<(), InputError> {
         let number = self.messages;
         let at = |what: String| wrong(self.path, format_args!("topic {}, message {number}", self.wanted.name), what);
         let room = self.values.first().map_or(Ok(()), |first| first.check_room(1));
@@ -228,6 +231,7 @@ impl<'a> Collector<'a> {
         let Imu { stamp_ns, numbers } = decode(encoding, &self.wanted.source, message)
             .ok_or_else(|| at(format!("its {} bytes are not a sensor_msgs/Imu in {encoding:?}", message.len())))?;
         self.times.push_integer(stamp_ns);
+        self.recorded.push_integer(recorded_ns);
         for ((quantity, position), values) in self.wanted.all.iter().zip(&mut self.values) {
             if !values.push_number(numbers[*position]) {
                 return Err(at(format!("{quantity} is infinite, which cannot be averaged")));
@@ -240,15 +244,21 @@ impl<'a> Collector<'a> {
     /// The columns, after all messages were read. `of_end` is the warning about the end of the file, and `stated` the
     /// number of messages that the file states.
     pub fn finish(self, of_end: Option<InputWarning>, stated: Option<u64>) -> RawColumns {
-        let Self { path, wanted, values, mut times, messages, has_rate } = self;
+        let Self { path, wanted, values, mut times, recorded, messages, has_rate } = self;
         let miscounted = match (&of_end, stated) {
             (None, Some(stated)) if stated != messages => {
                 Some(LogWarning::miscounted(path, &wanted.name, stated, messages))
             }
             _ => None,
         };
-        times.unit = Some(TimeUnit::Ns);
         let stamps = format!("{}.header.stamp", wanted.name);
+        let are_zero = messages > 1 && times.first() == 0.0 && times.since_first().iter().all(|since| *since == 0.0);
+        let unstamped = are_zero.then(|| {
+            times = recorded;
+            let how = "all stamps are 0; the times at which the bag recorded the messages are used".to_owned();
+            LogWarning::TimesMended { path: path.display().to_string(), column: stamps.clone(), how }
+        });
+        times.unit = Some(TimeUnit::Ns);
         let (clock, sample) = match has_rate {
             true => (Clock::Silent, vec![Sampled::of_times(&stamps, &times)]),
             false => (Clock::Column(stamps, times), Vec::new()),
@@ -266,7 +276,7 @@ impl<'a> Collector<'a> {
             is_beside: false,
         };
         let columns = wanted.all.into_iter().zip(values).map(column).collect();
-        let warnings = of_end.map(LogWarning::from).into_iter().chain(miscounted).collect();
+        let warnings = of_end.map(LogWarning::from).into_iter().chain(miscounted).chain(unstamped).collect();
         RawColumns { columns, clock, warnings, sample }
     }
 }

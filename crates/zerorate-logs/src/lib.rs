@@ -32,6 +32,7 @@ mod hdf5_index;
 mod imu_messages;
 #[cfg(all(test, feature = "full"))]
 mod joined;
+mod lost_digits;
 #[cfg(feature = "hdf5")]
 mod lzf;
 #[cfg(feature = "matlab")]
@@ -59,6 +60,7 @@ mod parquet;
 mod parts;
 mod query;
 mod rate_changes;
+mod rate_question;
 mod raw;
 mod raw_columns;
 mod read;

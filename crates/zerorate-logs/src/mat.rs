@@ -51,7 +51,8 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
         variable.columns(&mut columns).map_err(|what| damaged(path, number, &what))?;
     }
     let names = columns.iter().map(|column| column.name.as_str()).collect();
-    let all = Columns { path, names, numeric: vec![true; columns.len()], settings: asked.args.names };
+    let all =
+        Columns { path, names, numeric: vec![true; columns.len()], clocks: Vec::new(), settings: asked.args.names };
     let (Choice { values: chosen, time, .. }, _) =
         all.choose_alike(asked.wanted, asked.args, |at| columns[at].rows() as u64)?;
     let found = chosen.iter().map(|at| columns[*at].values(path, room, chosen.len()));

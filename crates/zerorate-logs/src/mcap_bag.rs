@@ -36,7 +36,8 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     for message in Messages::new(&mut file, log.room) {
         match message {
             Ok(message) if message.channel.topic == topic => {
-                collector.push(encoding(path, &message.channel)?, &message.data)?;
+                let recorded_ns = message.log_time.cast_signed();
+                collector.push(encoding(path, &message.channel)?, &message.data, recorded_ns)?;
             }
             Ok(_) => {}
             Err(Torn::OverBudget(why)) => return Err(InputError::over_budget(path, why).into()),

@@ -81,7 +81,7 @@ pub fn read_arrays(
     let fields: Vec<&Field> = (0..places.len()).map(|at| field(&at)).collect();
     let numeric = fields.iter().map(|field| field.kind.is_some_and(|kind| kind != Kind::Time)).collect();
     let names: Vec<&str> = fields.iter().map(|field| field.name.as_str()).collect();
-    let columns = Columns { path, names, numeric, settings: asked.args.names };
+    let columns = Columns { path, names, numeric, clocks: Vec::new(), settings: asked.args.names };
     let (Choice { values: chosen, time, .. }, rows) =
         columns.choose_alike(asked.wanted, asked.args, |at| arrays[places[at].0].rows)?;
     let left_out = columns.left_out(asked.wanted, time);

@@ -6,13 +6,14 @@ use super::clock::Times;
 use crate::raw_columns::RawColumn;
 
 /// The values at which counters wrap around, in their own unit: counters of 16, 24 and 32 bits, of 32 bits in µs that
-/// was written in s or ms, and times of a day and of a week.
-const MODULI: [f64; 12] = [
+/// was written in s or ms, and times of an hour, a day and a week.
+const MODULI: [f64; 13] = [
     65_536.0,
     16_777_216.0,
     4_294_967_296.0,
     4_294.967_296,
     4_294_967.296,
+    3.6e12,
     86_400.0,
     8.64e7,
     8.64e10,

@@ -45,7 +45,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
         let is_wanted = |conn: u32| topics.get(&conn).is_some_and(|one| one.name == topic);
         match record.op() {
             Some(MESSAGE) if record.number(b"conn").is_some_and(is_wanted) => {
-                collector.push(Encoding::Ros1, &record.data)?;
+                collector.push(Encoding::Ros1, &record.data, record.time_ns())?;
             }
             Some(CHUNK_INFO) => {
                 let here = record.counts().filter(|(conn, _)| is_wanted(*conn)).map(|(_, count)| u64::from(count));
@@ -119,6 +119,14 @@ impl Record {
 
     fn number(&self, name: &[u8]) -> Option<u32> {
         Some(u32::from_le_bytes(*field(&self.head, name)?.first_chunk()?))
+    }
+
+    /// The time at which a message was recorded, in ns; 0 if it is not there.
+    fn time_ns(&self) -> i64 {
+        let time = field(&self.head, b"time").and_then(|time| time.first_chunk::<8>());
+        let [s, ns] = time
+            .map_or([0; 2], |time| [0, 4].map(|at| time[at..].first_chunk().map_or(0, |n| u32::from_le_bytes(*n))));
+        i64::from(s) * 1_000_000_000 + i64::from(ns)
     }
 
     /// The number of messages of each connection in a chunk, as the index at the end of the bag states.

@@ -1,6 +1,7 @@
 //! The first rows of a table in all columns. Columns that nobody asked for tell about the rows, too.
 
 use crate::clock::Times;
+use crate::time_names::ticks;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Int64Type;
 use arrow_array::{Array, ArrayRef};
@@ -44,6 +45,11 @@ impl Cell {
         if let Self::Number(number) = self { Some(*number) } else { None }
     }
 
+    /// The word, if the cell holds one.
+    pub fn as_word(&self) -> Option<&str> {
+        if let Self::Word(word) = self { Some(word) } else { None }
+    }
+
     /// Whether the cell has the value that a user wrote: the same word, or the same number.
     pub fn is(&self, value: &str) -> bool {
         match self {
@@ -80,7 +86,8 @@ impl Sampled {
 
     /// The unit of time that the type or the name of the column states.
     pub fn stated_time(&self) -> Option<TimeUnit> {
-        let by_name = || TimeUnit::of_column(&self.name).filter(|_| Unit::of_column(&self.name).is_none());
+        let is_other = Unit::of_column(&self.name).is_some() || ticks(&self.name).is_some();
+        let by_name = || TimeUnit::of_column(&self.name).filter(|_| !is_other);
         self.time_unit.or_else(by_name)
     }
 
@@ -114,6 +121,11 @@ pub fn cells(column: &ArrayRef) -> Vec<Cell> {
     }
     let word = |row| if column.is_valid(row) { words(row).map(Cell::Word) } else { None };
     (0..column.len()).map(|row| word(row).unwrap_or(Cell::Missing)).collect()
+}
+
+/// Whether a type is that of moments, and not of durations.
+pub fn is_time(data_type: &DataType) -> bool {
+    matches!(data_type, DataType::Timestamp(..))
 }
 
 /// The unit of time that a type states.

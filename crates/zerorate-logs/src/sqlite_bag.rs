@@ -36,12 +36,13 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
             let what = format!("its messages are encoded in `{format}`; cdr is read");
             InputError::damaged(path, format!("topic {topic}"), what)
         })?;
-        let mut query =
-            bag.prepare("SELECT data FROM messages WHERE topic_id = ?1 ORDER BY timestamp, id").map_err(failed)?;
+        let mut query = bag
+            .prepare("SELECT data, timestamp FROM messages WHERE topic_id = ?1 ORDER BY timestamp, id")
+            .map_err(failed)?;
         let mut rows = query.query([id]).map_err(failed)?;
         while let Some(row) = rows.next().map_err(failed)? {
             match row.get_ref(0).map_err(failed)? {
-                ValueRef::Blob(message) => collector.push(encoding, message)?,
+                ValueRef::Blob(message) => collector.push(encoding, message, row.get(1).unwrap_or_default())?,
                 other => {
                     let what = format!("a message is of type {}", other.data_type());
                     return Err(InputError::damaged(path, format!("topic {topic}"), what).into());

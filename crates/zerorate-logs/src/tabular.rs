@@ -91,7 +91,8 @@ impl<'a> TableColumns<'a> {
         }
         let default = described.map_or_else(Vec::new, |table| table.default_columns());
         let numeric = schema.fields().iter().map(|field| field.data_type().is_numeric()).collect();
-        let all = Columns { path, names: names.clone(), numeric, settings: asked.args.names };
+        let clocks = schema.fields().iter().map(|field| sample::is_time(field.data_type())).collect();
+        let all = Columns { path, names: names.clone(), numeric, clocks, settings: asked.args.names };
         let Choice { mut values, time, only } = all.choose(asked.wanted, asked.args, &default)?;
         let temperature = described.and_then(|table| table.temperature());
         let beside = temperature.filter(|at| asked.with_temperature && !values.contains(at));

@@ -261,7 +261,7 @@ fn a_time_column_gives_rate_and_gaps() {
     assert!(
         folder
             .fails(rows(1.0, "t,gz\n"), "--column gz")
-            .contains("give --rate in Hz, or --time-column with --time-unit if `t`")
+            .contains("give --rate in Hz, or --time-column t with --time-unit s if `t`")
     );
     let leap = "t_s,x\n0,0.5\n1,0.5\n2,0.5\n3,0.5\n90000000,0.5\n";
     assert!(
@@ -363,7 +363,81 @@ fn dates_tell_the_unit_of_a_time() {
     }
     // a counter since power-on leaves the unit open
     let why = folder.fails(text(5_000_000, 10_000), "--column gz_dps");
-    assert!(why.contains("--time-column with --time-unit if `time` is the time"), "{why}");
+    assert!(
+        why.contains("--time-column time with --time-unit us if `time`, which rises evenly, is the time"),
+        "{why}"
+    );
+}
+
+/// A log with 300 rows of a time column of this name, in steps of this length.
+fn stepping(name: &str, step: f64) -> String {
+    (0..300).map(|at| format!("{},{}\n", f64::from(at) * step, at % 7)).fold(format!("{name},gz_dps\n"), |a, b| a + &b)
+}
+
+#[test]
+fn a_unit_of_time_may_be_a_number_of_ticks() {
+    let cases = [
+        ("time [0.1 ms]", 100.0),
+        ("ticks_100us", 100.0),
+        ("t_10_ms", 1.0),
+        ("SampleTimeFine", 100.0),
+        ("SampleTimeFine", 10_000.0),
+    ];
+    for (name, step) in cases {
+        let column = Folder::new().read(stepping(name, step), "--column gz_dps").unwrap();
+        assert!((column.rate_hz - 100.0).abs() < 1e-6, "{name} {step}: {}", column.rate_hz);
+    }
+}
+
+/// `millis` that are microseconds.
+#[test]
+fn a_slow_time_whose_name_alone_states_the_unit_is_asked_for() {
+    let folder = Folder::new();
+    let why = folder.fails(stepping("millis", 10_000.0), "--column gz_dps");
+    assert!(why.contains("in us the rows come at 100.000 Hz"), "{why}");
+    assert!(why.contains("give --time-column millis with --time-unit us or ms, or --rate alone"), "{why}");
+    for (unit, rate_hz) in [("us", 100.0), ("ms", 0.1)] {
+        let options = format!("--column gz_dps --time-column millis --time-unit {unit}");
+        assert!((folder.read(stepping("millis", 10_000.0), &options).unwrap().rate_hz / rate_hz - 1.0).abs() < 1e-9);
+    }
+    assert!(folder.read(stepping("t_s", 10.0), "--column gz_dps").is_ok());
+}
+
+/// `strangers/17`: the time has no name.
+#[test]
+fn the_question_for_the_rate_proposes_the_column_that_rises_evenly() {
+    let row = |at: u64| format!("{at},1600,{},0.{}\n", 252_207_918_580_802 + at * 50_000_000, at % 7);
+    let why = Folder::new().fails((0..300).map(row).collect::<String>(), "--column 3");
+    let proposed = "--time-column 2 with --time-unit ns if `2`, which rises evenly, is the time (20.000 Hz)";
+    assert!(why.contains(proposed), "{why}");
+    let text: String = (0..300).map(|at| format!("59:{:02}.{},{}\n", at / 100, at / 10 % 10, at % 7)).collect();
+    let why = Folder::new().fails(format!("Time,gz\n{text}"), "");
+    assert!(why.contains("column `Time` (`59:00.0`) lacks the hour") && why.contains("as Excel shows"), "{why}");
+}
+
+#[test]
+fn the_question_for_the_rate_names_days_and_several_clocks() {
+    let days = |at: u32| format!("{:.9},0.{}\n", 45_218.5 + f64::from(at) * 0.01 / 86_400.0, at % 7);
+    let why = Folder::new().fails((0..300).map(days).collect::<String>(), "--column 1");
+    assert!(why.contains("which is 100.0") && why.contains("if `0` counts days, as Excel"), "{why}");
+    let twice = |at: u32| format!("12:00:{0:02}.{1:02},12:00:{0:02}.{1:02},0.{2}\n", at / 100, at % 100, at % 7);
+    let why = Folder::new().fails((0..300).map(twice).collect::<String>(), "");
+    assert!(why.contains("--time-column with one of: `0`, `1`"), "{why}");
+}
+
+/// `strangers/24`.
+#[test]
+fn stamps_that_lost_their_digits_name_the_cause() {
+    let log = |stamp: &str, name: &str| {
+        (0..300).map(|at| format!("{stamp},{}\n", at % 7)).fold(format!("{name},gz\n"), |a, b| a + &b)
+    };
+    for (text, seen) in [
+        (log("1.70000E+18", "timestamp_ns"), "the stamps have 7 digits at most (1.7e18)"),
+        (log("1700000000.0", "t_s"), "the stamps step by 128 s"),
+    ] {
+        let why = Folder::new().fails(text, "--column gz");
+        assert!(why.contains(seen) && why.contains("export again with all digits, or give --rate"), "{why}");
+    }
 }
 
 /// A time in clock times beside a single column of numbers.
@@ -383,6 +457,14 @@ fn steps_between_rows_tell_the_rate() {
     let text = (0..60).map(pair).fold("dt_ms,gz_dps\n2345,1\n".to_owned(), |text, rows| text + &rows);
     let why = Folder::new().fails(&text, "--column gz_dps");
     assert!(why.contains("`dt_ms` holds the step between rows; the usual one tells --rate 100.000000"), "{why}");
+    let why = Folder::new()
+        .fails((0..60).map(|at| format!("10,{}\n", at % 7)).fold("dt_ms,gz\n".to_owned(), |a, b| a + &b), "");
+    assert!(why.contains("tells --rate 100.000000"), "{why}");
+    let why = Folder::new().fails(
+        (0..60).map(|at| format!("0.005,{}\n", at % 7)).fold("dt,gz\n".to_owned(), |a, b| a + &b),
+        "--column gz",
+    );
+    assert!(why.contains("which is 200.000000 if `dt` holds the step between rows in s"), "{why}");
     // a time since the start is called so as well
     let text =
         (0..60).map(|at| format!("{},{}\n", 5 * at, at % 7)).fold("delta_t_ms,gz_dps\n".to_owned(), |a, b| a + &b);

@@ -38,6 +38,31 @@ pub fn is_bare_unit(name: &str) -> bool {
     name.chars().all(char::is_alphanumeric) && !name.to_lowercase().contains("time")
 }
 
+/// The time of Xsens's sensors, whose unit depends on the sensor.
+pub const SAMPLE_TIME_FINE: &str = "SampleTimeFine";
+
+/// Whether the name of a column states that it is a time in a known unit.
+pub fn states_time(name: &str) -> bool {
+    TimeUnit::of_column(name).or(ticks(name).map(|(unit, _)| unit)).is_some()
+        || name.eq_ignore_ascii_case(SAMPLE_TIME_FINE)
+}
+
+/// The unit of a time whose name states another number than one: 0.1 ms of `time [0.1 ms]` and `ticks_100us`.
+pub fn ticks(name: &str) -> Option<(TimeUnit, f64)> {
+    let name = name.to_lowercase();
+    let is_bare_t = name.strip_prefix('t').is_some_and(|rest| rest.starts_with(['_', ' ', '[', '(']));
+    let is_time = is_bare_t || is_like_time(&name) || name.contains("tick");
+    let text = name.trim_end_matches([']', ')']);
+    let units =
+        [(TimeUnit::Ms, "ms"), (TimeUnit::Us, "us"), (TimeUnit::Us, "µs"), (TimeUnit::Ns, "ns"), (TimeUnit::S, "s")];
+    let (unit, rest) = units.into_iter().find_map(|(unit, word)| Some((unit, text.strip_suffix(word)?)))?;
+    let rest = rest.trim_end_matches([' ', '_']);
+    let number = &rest[rest.trim_end_matches(|c: char| c.is_ascii_digit() || c == '.').len()..];
+    let is_apart = rest[..rest.len() - number.len()].ends_with(['[', '(', '_', ' ']);
+    let step = number.parse().ok().filter(|step| is_time && is_apart && *step > 0.0 && *step != 1.0)?;
+    Some((unit, step))
+}
+
 /// Whether a column may hold the time since the row before: `dt_ms`.
 pub fn is_step(name: &str) -> bool {
     let name = name.to_lowercase();
@@ -70,6 +95,22 @@ mod tests {
         assert!(is_fraction("header.stamp.nsecs", "header.stamp.secs") && is_fraction("nsec", "sec"));
         assert!(is_fraction("stamp_nanosec", "stamp_sec"));
         assert!(!is_fraction("b.nsecs", "a.secs") && !is_fraction("t_ns", "t_s") && !is_fraction("secs", "nsecs"));
+    }
+
+    #[test]
+    fn ticks_have_a_number_before_their_unit() {
+        let cases = [
+            ("time [0.1 ms]", Some((TimeUnit::Ms, 0.1))),
+            ("Time (100us)", Some((TimeUnit::Us, 100.0))),
+            ("ticks_0.1_ms", Some((TimeUnit::Ms, 0.1))),
+            ("timestamp_10ns", Some((TimeUnit::Ns, 10.0))),
+            ("time_ms", None),
+            ("time2_ms", None),
+            ("gyro_avg_100ms", None),
+            ("gyro [0.1 ms]", None),
+            ("time_1_s", None),
+        ];
+        cases.into_iter().for_each(|(name, expected)| assert_eq!(ticks(name), expected, "{name}"));
     }
 
     #[test]

@@ -3,11 +3,15 @@
 use crate::clock::Times;
 use crate::error::LogError;
 use crate::setting::{Names, Setting};
+use crate::time_names::SAMPLE_TIME_FINE;
 use std::path::Path;
 use zerorate_input::TimeUnit;
 
 /// Rates of sensors, Hz: from one sample in a minute or two to the fastest registers.
 const RATES_HZ: std::ops::RangeInclusive<f64> = 0.01..=50_000.0;
+
+/// Rate below which a column may count in a finer unit than its name states: `millis` that are microseconds.
+const SLOW_HZ: f64 = 0.5;
 
 /// A usual rate, Hz.
 const USUAL_HZ: f64 = 100.0;
@@ -36,18 +40,46 @@ fn date(first: f64) -> Option<TimeUnit> {
     ALL.into_iter().find(|unit| EPOCH_S.contains(&(first / unit.per_s())))
 }
 
-/// Checks that times in this unit, in a column of a log, make sense.
+/// The unit in which rows come at a usual rate, if so many of them come in each unit; `None` if no rate is one of a
+/// sensor.
+pub fn usual(per_unit: f64) -> Option<TimeUnit> {
+    nearest(per_unit, ALL.into_iter()).filter(|unit| RATES_HZ.contains(&(per_unit * unit.per_s())))
+}
+
+/// The one of these units whose rate is nearest to a usual one.
+fn nearest(per_unit: f64, units: impl Iterator<Item = TimeUnit>) -> Option<TimeUnit> {
+    let off = |unit: &TimeUnit| (per_unit * unit.per_s() / USUAL_HZ).ln().abs();
+    units.min_by(|one, other| off(one).total_cmp(&off(other)))
+}
+
+/// Interval of `SampleTimeFine` from which it counts microseconds.
+const FINE: f64 = 5000.0;
+
+/// The unit of Xsens's `SampleTimeFine`: 0.1 ms in an MTi, whose interval is below half a second, and microseconds in a
+/// DOT, whose interval is above 8 ms.
+pub fn of_xsens(name: &str, times: &Times) -> Option<(TimeUnit, f64)> {
+    let is_xsens = name.eq_ignore_ascii_case(SAMPLE_TIME_FINE);
+    let interval = if is_xsens { times.interval()? } else { return None };
+    Some(if interval < FINE { (TimeUnit::Ms, 0.1) } else { (TimeUnit::Us, 1.0) })
+}
+
+/// Checks that times in this unit, in a column of a log, make sense. `is_named` tells that nothing but the name of the
+/// column states the unit.
 ///
 /// # Errors
 /// Returns a question that states the rate in this unit and in the unit that fits.
 pub fn check(
     (path, column): (&Path, &str),
     times: &Times,
-    unit: TimeUnit,
+    (unit, is_named): (TimeUnit, bool),
     rate_hz: f64,
     names: Names,
 ) -> Result<(), LogError> {
-    let Some(better) = better(unit, rate_hz, times.first()) else { return Ok(()) };
+    let better = better(unit, rate_hz, times.first());
+    let is_open = better.is_none();
+    let is_doubtful = is_named && date(times.first()) != Some(unit);
+    let finer = || if is_doubtful { finer(unit, rate_hz) } else { None };
+    let Some(better) = better.or_else(finer) else { return Ok(()) };
     let [rate, column_option, unit_option] =
         [Setting::Rate, Setting::TimeColumn, Setting::TimeUnit].map(|setting| names.of(setting));
     let span = times.since_first().last().copied().unwrap_or_default();
@@ -57,11 +89,12 @@ pub fn check(
     };
     let better_hz = rate_hz / unit.per_s() * better.per_s();
     Err(LogError::Ask(format!(
-        "{}, column {column}: {}, and {}; give {column_option} {column} with {unit_option} {}, or {rate} alone",
+        "{}, column {column}: {}, and {}; give {column_option} {column} with {unit_option} {}{}, or {rate} alone",
         path.display(),
         seen(unit, rate_hz),
         seen(better, better_hz),
-        better.name()
+        better.name(),
+        if is_open { format!(" or {}", unit.name()) } else { String::new() },
     )))
 }
 
@@ -70,10 +103,18 @@ fn short(number: f64) -> String {
     if (1e-3..1e7).contains(&number) { format!("{number:.3}") } else { format!("{number:.1e}") }
 }
 
+/// The next finer unit, if rows come rather slowly in a unit that only a name states.
+fn finer(unit: TimeUnit, rate_hz: f64) -> Option<TimeUnit> {
+    match unit {
+        TimeUnit::Ms if rate_hz < SLOW_HZ => Some(TimeUnit::Us),
+        TimeUnit::Us if rate_hz < SLOW_HZ => Some(TimeUnit::Ns),
+        _ => None,
+    }
+}
+
 /// The unit that fits better than `unit`, in which rows come at `rate_hz` from the time `first` on; `None` where that
 /// unit makes sense.
 fn better(unit: TimeUnit, rate_hz: f64, first: f64) -> Option<TimeUnit> {
-    let others = || ALL.into_iter().filter(move |other| *other != unit);
     if first / unit.per_s() > TOO_LATE_S
         && let Some(dated) = date(first)
     {
@@ -82,8 +123,7 @@ fn better(unit: TimeUnit, rate_hz: f64, first: f64) -> Option<TimeUnit> {
     if RATES_HZ.contains(&rate_hz) {
         return None;
     }
-    let off = |other: &TimeUnit| (rate_hz / unit.per_s() * other.per_s() / USUAL_HZ).ln().abs();
-    others().min_by(|one, other| off(one).total_cmp(&off(other)))
+    nearest(rate_hz / unit.per_s(), ALL.into_iter().filter(|other| *other != unit))
 }
 
 #[cfg(test)]
@@ -104,9 +144,11 @@ mod tests {
             (S, 1.0 / 60.0, 0.0, None),
             (Us, 32_000.0, 5e6, None),
             (Ms, 100.0, 1.7e12, None),
+            (Ms, 0.1, 0.0, None),
         ];
         for (unit, rate_hz, first, expected) in cases {
             assert_eq!(better(unit, rate_hz, first), expected, "{unit:?} {rate_hz} {first}");
         }
+        assert_eq!([finer(Ms, 0.1), finer(Us, 0.4), finer(Ms, 1.0), finer(S, 0.1)], [Some(Us), Some(Ns), None, None]);
     }
 }

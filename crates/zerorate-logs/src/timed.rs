@@ -3,9 +3,10 @@
 use crate::choice::ColumnSelection;
 use crate::choice::ColumnSpec;
 use crate::clock::TimeBase;
-use crate::error::{LogError, Result, no_rate};
+use crate::error::{LogError, Result};
 use crate::options::ColumnOptions;
 use crate::query::ColumnQuery;
+use crate::rate_question::no_rate;
 use crate::raw_columns::{Clock, RawColumn, RawColumns};
 use crate::read::find;
 use crate::warning::LogWarning;
@@ -63,7 +64,7 @@ fn times(path: &Path, clock: Clock, rows: usize, args: &ColumnOptions) -> Result
         (Some(rate_hz), _) => (silent(rate_hz), Vec::new()),
         (None, clock) => match (clock.time_base(path, args)?, clock) {
             (Some((unit, TimeBase { gaps, .. })), Clock::Column(_, times)) => (times.nanoseconds(unit), gaps),
-            _ => return Err(no_rate(path, &[], args.names)),
+            _ => return Err(no_rate(path, &[], &[], args.names)),
         },
     };
     if t_ns.windows(2).any(|pair| pair[1] <= pair[0]) {

@@ -244,8 +244,11 @@ fn each_mistake_is_named_with_its_remedy() {
     bench.write("unlike.csv", "t_s,c1,c2\n0,1,2\n1,2,3\n2,3,4\n");
     bench.write("binary.toml", b"\xff\xfe");
     for (line, said) in [
-        ("imu plain.csv", "give --rate in Hz, or --time-column with --time-unit if `time` is the time"),
-        ("imu plain.csv", "`time` is the time. Also: columns gx, gy, gz (gyroscope) state no unit; give --gyro-unit"),
+        ("imu plain.csv", "give --rate in Hz, or --time-column time with --time-unit s if `time`, which rises"),
+        (
+            "imu plain.csv",
+            "is the time (100.000 Hz). Also: columns gx, gy, gz (gyroscope) state no unit; give --gyro-unit",
+        ),
         ("imu plain.csv", "; columns ax, ay, az (accelerometer) state no unit; give --accel-unit m/s²|g|mg|ug"),
         ("imu unnamed.csv", "give --rate in Hz, or --time-column if a column holds the time. Also: it has no column"),
         ("imu plain.csv --rate 100", "columns gx, gy, gz (gyroscope) state no unit; give --gyro-unit"),

@@ -62,6 +62,10 @@ fn text() {
         "\"gx\" \"gy\"\n\"1\" 0.5 0.25\n\"2\" -1 0.5\n\"3\" 0 1.5\n",
         "boot v1\nready\nt,gx\nms,deg/s\n0,0.5\n10,0.2\n1\n20,0.125,7\n",
         "gz\n0,5\n-1,25\n3\n2,0\n",
+        "When,gz\n19-Oct-2023 11:59:59.5 PM,1\n20-Oct-2023 12:00:00 AM,2\n20.10.2023 00:00:00:500,3\n",
+        "1:23:45.00 -> gx:0.5, gy=-1\n1:23:45.01 -> gx:1, gy=2\n1:23:45.02 -> gx:.25, gy=nan\n",
+        "SampleTimeFine,gz\n100,0.5\n200,0.25\n300,1.5\n",
+        "Delta_X\t0,01\nX_Value\tgz\n0,00\t0,5\n0,01\t0,25\n0,02\t1,5\n",
         "t,x\n4294967290,1\n4294967295,2\n4,3\n4,3\n9,4\n19,5\n14,6\n24,7\n",
     ];
     let texts = texts.map(|text| text.as_bytes().to_vec()).to_vec();

@@ -228,14 +228,32 @@ fn mcap_of_type(
     for topic in topics {
         let channel = writer.add_channel(schema, topic, encoding, &Default::default()).unwrap();
         for i in 0..20 {
-            let header =
-                mcap::records::MessageHeader { channel_id: channel, sequence: i as u32, log_time: i, publish_time: i };
+            let log_time = i * 10_000_000;
+            let header = mcap::records::MessageHeader {
+                channel_id: channel,
+                sequence: i as u32,
+                log_time,
+                publish_time: log_time,
+            };
             writer.write_to_known_channel(&header, &messages(i)).unwrap();
         }
     }
     writer.finish().unwrap();
     drop(writer);
     file.into_inner()
+}
+
+/// A driver that never stamps its messages.
+#[test]
+fn a_bag_of_zero_stamps_has_the_times_of_its_recording() {
+    let bag = mcap_packed(None, &["/imu"], "cdr", |i| imu(true, false, 0, (i % 7) as f64));
+    let column = Folder::new().read(bag, "--column z").unwrap();
+    assert!((column.rate_hz - 100.0).abs() < 1e-6, "{}", column.rate_hz);
+    let said = column.warnings.iter().map(LogWarning::coded).collect::<Vec<_>>().join("; ");
+    assert!(
+        said.contains("times-mended: ") && said.contains("all stamps are 0; the times at which the bag"),
+        "{said}"
+    );
 }
 
 #[test]

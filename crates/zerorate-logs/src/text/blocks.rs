@@ -1,5 +1,6 @@
 //! A text in blocks of whole lines.
 
+use super::marks::Marks;
 use memchr::{memchr, memrchr};
 use std::borrow::Cow;
 use std::io::{ErrorKind, Read};
@@ -62,17 +63,24 @@ pub struct Blocks<'a> {
     spare: Vec<Vec<u8>>,
     /// The delimiter that is put between a stamp and its line, where stamps have lines of their own.
     stamps: Option<u8>,
+    /// The marks that are erased.
+    marks: Marks,
 }
 
 impl<'a> Blocks<'a> {
     /// Reads blocks of `input`, which `path` names in messages.
     pub fn new(path: &'a Path, input: Input) -> Self {
-        Self { path, input, rest: Vec::new(), ended: false, spare: Vec::new(), stamps: None }
+        Self { path, input, rest: Vec::new(), ended: false, spare: Vec::new(), stamps: None, marks: Marks::default() }
     }
 
     /// Blocks in which each line without this delimiter is put before the next line.
     pub fn with_stamps(self, stamps: Option<u8>) -> Self {
         Self { stamps, ..self }
+    }
+
+    /// Blocks without these marks.
+    pub fn without_marks(self, marks: &Marks) -> Self {
+        Self { marks: marks.clone(), ..self }
     }
 
     /// Takes blocks back to reuse their buffers.
@@ -95,12 +103,14 @@ impl<'a> Blocks<'a> {
             self.ended = filled < buffer.len();
             if self.ended {
                 self.join(&mut buffer[..filled]);
+                self.marks.erase(&mut buffer[..filled]);
                 return Ok((filled > 0).then_some(Block { buffer, end: filled, is_last: true }));
             }
             if let Some(end) = self.end(&buffer, before) {
                 self.rest.clear();
                 self.rest.extend_from_slice(&buffer[end..]);
                 self.join(&mut buffer[..end]);
+                self.marks.erase(&mut buffer[..end]);
                 return Ok(Some(Block { buffer, end, is_last: false }));
             }
             if filled > MAX_LINE {

@@ -1,6 +1,8 @@
 //! The start of a text: lines printed before the data, a header of one line or two, and the layout of the rows.
 
 use super::super::number::{Number, Numerals};
+use super::dates::DateColumn;
+use super::marks::Marks;
 use super::scales::Scales;
 use super::sentence;
 use crate::error::{LogError, Result};
@@ -28,6 +30,8 @@ pub struct Head {
     pub names: Vec<String>,
     /// Whether each column holds numbers.
     pub numeric: Vec<bool>,
+    /// The dates in each column without numbers.
+    pub dates: Vec<DateColumn>,
     /// Number of lines before the first row.
     pub lines: u64,
     /// The number of these lines that are neither header nor comment, and the first of them.
@@ -36,6 +40,8 @@ pub struct Head {
     pub sentence: Option<String>,
     /// The delimiter of the lines between stamps, where stamps have lines of their own.
     pub stamps: Option<u8>,
+    /// The marks between the cells that are erased.
+    pub marks: Marks,
     /// The decimal mark, if these lines show it.
     pub decimal: Option<Decimal>,
     /// Whether commas seem to cut numbers as well as rows, because a cell begins like the decimals of a number: `05`.
@@ -73,7 +79,7 @@ pub fn is_comment(line: &str) -> bool {
 
 impl Head {
     /// Reads the head from `text`, the lines with which the file begins.
-    pub fn read(path: &Path, text: &str, args: &ColumnOptions) -> Result<Self> {
+    pub fn read(path: &Path, text: &str, marks: &Marks, args: &ColumnOptions) -> Result<Self> {
         if text.contains('\r') && !text.contains('\n') {
             let what = "its lines end with a carriage return alone; convert it with `tr '\\r' '\\n' < FILE`";
             return Err(InputError::damaged(path, "as a text file", what).into());
@@ -101,23 +107,25 @@ impl Head {
             width: shape.width,
             names: (0..shape.width).map(|number| number.to_string()).collect(),
             numeric: rows.numeric,
+            dates: rows.dates,
             lines: start.saturating_sub(1),
             skipped: None,
             sentence,
             stamps: None,
+            marks: marks.clone(),
             decimal: rows.decimal,
             cuts_numbers: rows.cuts_numbers,
             index: false,
             scales: Scales::default(),
             open: Open::Nothing,
         };
-        let used = head.name(path, above, &comments)?;
-        if used == 0 && rows.all_are_cut {
+        let (used, is_named) = head.name_by_marks(path, above, &comments)?;
+        if !is_named && rows.all_are_cut {
             return Err(InputError::damaged(path, format!("line {start}"), CLASH).into());
         }
         head.skip(&above[..above.len() - used], &comments);
         let undecided = args.decimal.is_none() && shape == Shape { delimiter: Delimiter::Comma, width: 2 };
-        if used == 0 && undecided && rows.all_integers {
+        if !is_named && undecided && rows.all_integers {
             head.open = Open::TwoOrDecimals;
         }
         Ok(head)
@@ -138,17 +146,19 @@ impl Head {
         let names: Vec<String> = delimiter.cells(first).map(str::to_owned).collect();
         let is_text = !first.contains(['\0', '\u{FFFD}']);
         if some == 1 && is_text && delimiter != Delimiter::Blanks {
-            let (width, numeric) = (names.len(), vec![true; names.len()]);
+            let width = names.len();
             let (open, index, decimal, cuts_numbers) = (Open::Nothing, false, None, false);
             return Ok(Self {
                 delimiter,
                 width,
                 names,
-                numeric,
+                numeric: vec![true; width],
+                dates: vec![DateColumn::default(); width],
                 lines,
                 skipped: None,
                 sentence: None,
                 stamps: None,
+                marks: Marks::default(),
                 decimal,
                 cuts_numbers,
                 index,
@@ -164,6 +174,20 @@ impl Head {
             false => format!("it is not UTF-8 text; raw numbers need their type ({})", args.names.of(Setting::Raw)),
         };
         Err(InputError::damaged(path, "as a text file", what).into())
+    }
+
+    /// Takes the names from the labels of the values, or else from the lines above the data. Returns the number of lines
+    /// used, and whether there are names.
+    fn name_by_marks(&mut self, path: &Path, above: &[Numbered<'_>], comments: &[&str]) -> Result<(usize, bool)> {
+        if let Some(labels) = self.marks.names().filter(|names| names.len() == self.width) {
+            self.names = labels;
+            return Ok((0, true));
+        }
+        let used = self.name(path, above, comments)?;
+        if let (Some(first), true) = (self.marks.first(), used > 0) {
+            first.clone_into(&mut self.names[0]);
+        }
+        Ok((used, used > 0))
     }
 
     /// Takes the names from the lines above the data, or from the comments there. Returns the number of lines used.
@@ -283,6 +307,7 @@ struct Rows {
     /// Index of the first line that is not a header.
     first: usize,
     numeric: Vec<bool>,
+    dates: Vec<DateColumn>,
     all_integers: bool,
     decimal: Option<Decimal>,
     /// Whether some cell begins like the decimals of a number, as [`Head`] has it.
@@ -325,6 +350,11 @@ impl Rows {
         let integer = |cell: &&str| cell.parse::<i64>().is_ok();
         let first = first + usize::from(is_numbered(&rows[first]) && rows.len() > first + 1);
         let data = || rows[first..].iter().filter(fits);
+        let dates = numeric.iter().enumerate().map(|(at, is_numeric)| match is_numeric {
+            true => DateColumn::default(),
+            false => DateColumn::of(data().map(|row| row[at])),
+        });
+        let dates = dates.collect();
         let all_integers = rows[first..].iter().flatten().all(integer);
         let is_cut = shape.delimiter == Delimiter::Comma && learned.is_none();
         let cuts_numbers = is_cut && data().flatten().any(|cell| is_rest_of_number(cell) || *cell == "-0");
@@ -336,7 +366,7 @@ impl Rows {
         };
         let is_even = shape.width >= 4 && shape.width.is_multiple_of(2);
         let all_are_cut = is_even && cuts_numbers && data().all(are_pairs);
-        Self { first, numeric, all_integers, decimal: decimal.or(learned), cuts_numbers, all_are_cut }
+        Self { first, numeric, dates, all_integers, decimal: decimal.or(learned), cuts_numbers, all_are_cut }
     }
 }
 

@@ -1,7 +1,9 @@
 //! Columns of delimited text, with or without a header.
 
 mod blocks;
+pub mod dates;
 mod head;
+mod marks;
 mod rows;
 mod scales;
 mod sentence;
@@ -23,6 +25,7 @@ use crate::setting::Setting;
 use crate::warning::LogWarning;
 use blocks::{Block, Blocks};
 use head::{Head, Open};
+use marks::Marks;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, IntoParallelRefMutIterator, ParallelIterator};
 use rows::{Broken, Cut, Piece, Time, at_line};
 use std::borrow::Cow;
@@ -40,14 +43,15 @@ pub fn read(path: &Path, mut input: Input, room: MemoryBudget, asked: &ColumnQue
     let head = head(path, &mut input, asked)?;
     input.rewind().map_err(failed)?;
     let names = head.names.iter().map(String::as_str).collect();
-    let columns = Columns { path, numeric: head.numeric.clone(), names, settings: asked.args.names };
+    let clocks = head.dates.iter().map(|dates| dates.are_times).collect();
+    let columns = Columns { path, numeric: head.numeric.clone(), clocks, names, settings: asked.args.names };
     let Choice { values, time, only } = columns.choose(asked.wanted, &timed(asked.args, &head), &[])?;
     let left_out = columns.left_out(asked.wanted, time);
     let mut cut = rows::cut(path, &head, &values, time);
     let shift = usize::from(head.index);
     cut.only = asked.args.only.as_ref().zip(only).map(|(only, at)| (at + shift, only.value.clone()));
     let mut reading = TextColumns::new(&cut, room, &head);
-    let mut blocks = Blocks::new(path, input).with_stamps(head.stamps);
+    let mut blocks = Blocks::new(path, input).with_stamps(head.stamps).without_marks(&head.marks);
     let at_once = AT_ONCE * rayon::current_num_threads();
     let mut several = blocks.several(at_once)?;
     let columns = reading.columns.len();
@@ -78,12 +82,14 @@ fn head(path: &Path, input: &mut Input, asked: &ColumnQuery<'_>) -> Result<Head>
     let failed = |error| InputError::io("read", path, error);
     let clone = |input: &Input| input.try_clone().map_err(failed);
     let mut start = Blocks::new(path, clone(input)?).next()?;
-    let stamps = start.as_ref().and_then(|block| head::stamps(&block.legible()));
-    if stamps.is_some() {
+    let text = start.as_ref().map(Block::legible).unwrap_or_default();
+    let (stamps, marks) = (head::stamps(&text), Marks::of(&text));
+    drop(text);
+    if stamps.is_some() || marks.are_there() {
         input.rewind().map_err(failed)?;
-        start = Blocks::new(path, clone(input)?).with_stamps(stamps).next()?;
+        start = Blocks::new(path, clone(input)?).with_stamps(stamps).without_marks(&marks).next()?;
     }
-    let mut head = Head::read(path, &start.as_ref().map(Block::legible).unwrap_or_default(), asked.args)?;
+    let mut head = Head::read(path, &start.as_ref().map(Block::legible).unwrap_or_default(), &marks, asked.args)?;
     head.stamps = stamps;
     // a caller that asks for a second column, or for a time, knows that there are two
     let one = match asked.wanted {
@@ -99,9 +105,9 @@ fn head(path: &Path, input: &mut Input, asked: &ColumnQuery<'_>) -> Result<Head>
 
 /// The options, with the time column that the lines above the data tell.
 fn timed<'a>(args: &'a ColumnOptions, head: &Head) -> Cow<'a, ColumnOptions> {
-    match args.rate.is_none() && args.time_column.is_none() && head.scales.have_time() {
-        true => Cow::Owned(ColumnOptions { time_column: Some(scales::TIME.to_owned()), ..args.clone() }),
-        false => Cow::Borrowed(args),
+    match head.scales.time().filter(|_| args.rate.is_none() && args.time_column.is_none()) {
+        Some(time) => Cow::Owned(ColumnOptions { time_column: Some(time.to_owned()), ..args.clone() }),
+        None => Cow::Borrowed(args),
     }
 }
 

@@ -2,13 +2,13 @@
 
 use super::super::number::{Number, Numerals};
 use super::blocks::Block;
+use super::dates::{self, DateOrder};
 use super::head::{Head, is_comment};
 use super::sentence;
 use crate::error::wrong;
 use crate::options::MAX_BAD;
 use crate::sample::{Cell, ROWS, Sampled};
 use memchr::{memchr, memchr_iter};
-use std::borrow::Cow;
 use std::mem::take;
 use std::path::Path;
 use zerorate_allan::SettingName;
@@ -27,6 +27,8 @@ pub struct Cut<'a> {
     pub wanted: Vec<(usize, usize)>,
     /// The index of the time among the wanted cells.
     pub time: Option<usize>,
+    /// The order of day and month in the time.
+    pub order: Option<DateOrder>,
     /// The names of the wanted cells.
     pub names: Vec<String>,
     /// Number of lines at the start that are not data.
@@ -188,7 +190,8 @@ impl<'t> Reading<'_, 't> {
         let mut time = None;
         for (at, cell) in self.cells.iter().enumerate() {
             if self.cut.time == Some(at) {
-                time = Some(read_time(&mut self.piece.numerals, cell, number).map_err(|what| named(at, &what))?);
+                let found = read_time(&mut self.piece.numerals, cell, number, self.cut.order);
+                time = Some(found.map_err(|what| named(at, &what))?);
                 continue;
             }
             let value = self.piece.numerals.read(cell, number).map_err(|what| named(at, &what))?;
@@ -295,36 +298,18 @@ fn trimmed(cell: &str) -> &str {
 }
 
 /// Reads a time: a number, or a date with a time of day.
-fn read_time(numerals: &mut Numerals, cell: &str, line: u64) -> Result<Time, String> {
+fn read_time(numerals: &mut Numerals, cell: &str, line: u64, order: Option<DateOrder>) -> Result<Time, String> {
     let unreadable = match numerals.read(cell, line) {
         Ok(Number::Integer(time)) => return Ok(Time::Integer(time)),
         Ok(Number::Decimal(time)) if time.is_finite() => return Ok(Time::Number(time)),
         Ok(_) => return Err("no time; every row must have one".to_owned()),
         Err(unreadable) => unreadable,
     };
-    let no_time = || format!("{unreadable}, and no time such as 2026-03-01 12:00:00.25 or 12:00:00.25");
-    date(cell).or_else(|| time_of_day(cell)).map(Time::Date).ok_or_else(no_time)
-}
-
-/// The time of a date in ns since the epoch. A date without a zone is taken as UTC, which no interval depends on.
-fn date(cell: &str) -> Option<i64> {
-    let is_slashed = cell.get(4..5) == Some("/") && cell.get(7..8) == Some("/");
-    let cell = if is_slashed { Cow::Owned(cell.replacen('/', "-", 2)) } else { Cow::Borrowed(cell) };
-    let cell = [" UTC", " GMT"].iter().find_map(|zone| cell.strip_suffix(zone)).unwrap_or(&cell);
-    let stamp: jiff::Timestamp = cell.parse().ok().or_else(|| {
-        let local: jiff::civil::DateTime = cell.parse().ok()?;
-        Some(local.to_zoned(jiff::tz::TimeZone::UTC).ok()?.timestamp())
-    })?;
-    i64::try_from(stamp.as_nanosecond()).ok()
-}
-
-/// The time of day in ns since midnight.
-fn time_of_day(cell: &str) -> Option<i64> {
-    let is_short = cell.get(1..2) == Some(":");
-    let cell = if is_short { Cow::Owned(format!("0{cell}")) } else { Cow::Borrowed(cell) };
-    let time: jiff::civil::Time = cell.parse().ok()?;
-    let s = i64::from(time.hour()) * 3600 + i64::from(time.minute()) * 60 + i64::from(time.second());
-    Some(s * 1_000_000_000 + i64::from(time.subsec_nanosecond()))
+    let no_time = || match dates::reason(cell) {
+        Some(why) => format!("`{cell}` {why}"),
+        None => format!("{unreadable}, and no time such as 2026-03-01 12:00:00.25 or 12:00:00.25"),
+    };
+    dates::nanoseconds(cell, order).map(Time::Date).ok_or_else(no_time)
 }
 
 /// The number of broken lines of a text so far, and the first one.
@@ -382,6 +367,7 @@ pub fn cut<'a>(path: &'a Path, head: &Head, chosen: &[usize], time: Option<usize
         width: head.width,
         wanted,
         time: time.map(|_| chosen.len()),
+        order: time.and_then(|index| head.dates[index].order),
         names: chosen.iter().chain(&time).map(|index| head.names[*index].clone()).collect(),
         head: head.lines,
         sentence: head.sentence.clone(),

@@ -1,16 +1,23 @@
-//! Scales in the lines above the data. Scales of Gyroflow's logs (.gcsv) are used, and other scales are reported.
+//! Scales in the lines above the data. Scales of Gyroflow's logs (.gcsv) and the time of LabVIEW's logs (.lvm) are
+//! used, and other scales are reported.
 
 use crate::clock::Times;
 use zerorate_input::TimeUnit;
 use zerorate_input::Unit;
 
 /// The column with the time in Gyroflow's logs.
-pub const TIME: &str = "t";
+const TIME: &str = "t";
+
+/// The column with the time in LabVIEW's logs, in s, and the lines that state its quantity and its step.
+const X_VALUE: &str = "X_Value";
+const X_DIMENSION: &str = "X_Dimension";
+const DELTA_X: &str = "Delta_X";
 
 /// The scales of Gyroflow: s in a step of `t`, rad/s in a step of `gx`, g in a step of `ax`.
 #[derive(Clone, Debug, Default)]
 pub struct Scales {
-    time_s: Option<f64>,
+    /// The column with the time, and s in a step of it.
+    time: Option<(&'static str, f64)>,
     gyro_rad_s: Option<f64>,
     accel_g: Option<f64>,
     /// The first line with another scale.
@@ -21,11 +28,14 @@ impl Scales {
     /// The scales in the lines above the columns `names`.
     pub fn of<'a>(lines: impl Iterator<Item = &'a str>, names: &[String]) -> Self {
         let mut scales = Self::default();
+        let mut is_time = true;
         let has = |column: &str| names.iter().any(|name| name == column);
         for line in lines.map(|line| line.trim_start_matches(['#', '%', ' '])) {
             let pair = pair(line);
             match pair.as_ref().map(|(key, scale)| (key.as_str(), *scale)) {
-                Some(("tscale", scale)) if has(TIME) => scales.time_s = Some(scale),
+                Some(("tscale", scale)) if has(TIME) => scales.time = Some((TIME, scale)),
+                _ if line.starts_with(X_DIMENSION) => is_time = line.contains("Time"),
+                _ if is_time && has(X_VALUE) && line.starts_with(DELTA_X) => scales.time = Some((X_VALUE, 1.0)),
                 Some(("gscale", scale)) if has("gx") => scales.gyro_rad_s = Some(scale),
                 Some(("ascale", scale)) if has("ax") => scales.accel_g = Some(scale),
                 _ if scales.unused.is_none() && states_scale(line) => scales.unused = Some(line.to_owned()),
@@ -37,12 +47,13 @@ impl Scales {
 
     /// Whether the log states its scales as Gyroflow does.
     pub fn are_of_gyroflow(&self) -> bool {
-        self.time_s.or(self.gyro_rad_s).or(self.accel_g).is_some()
+        let time_s = self.time.filter(|(column, _)| *column == TIME).map(|(_, step_s)| step_s);
+        time_s.or(self.gyro_rad_s).or(self.accel_g).is_some()
     }
 
-    /// Whether the log states a scale of [`TIME`].
-    pub fn have_time(&self) -> bool {
-        self.time_s.is_some()
+    /// The column whose scale in s the log states.
+    pub fn time(&self) -> Option<&'static str> {
+        self.time.map(|(column, _)| column)
     }
 
     /// The unit and the size of a step of a column.
@@ -54,9 +65,10 @@ impl Scales {
         }
     }
 
-    /// Gives the times their unit, if their column is [`TIME`].
+    /// Gives the times their unit, if the log states the scale of their column.
     pub fn give_unit(&self, name: &str, times: &mut Times) {
-        if let Some(step_s) = self.time_s.filter(|_| name == TIME && times.unit.is_none()) {
+        let stated = self.time.filter(|(column, _)| *column == name && times.unit.is_none());
+        if let Some((_, step_s)) = stated {
             times.scale(step_s);
             times.unit = Some(TimeUnit::S);
         }

@@ -43,7 +43,7 @@ pub fn settle(path: &Path, input: Input, head: &mut Head, args: &ColumnOptions) 
         Open::OneNameLess if survey.ends_empty => head.width -= 1,
         Open::OneNameLess if head.has_clash() => return Err(head.miscounted(path, head.lines, head.names.len())),
         Open::OneNameLess => match (survey.is_index, survey.is_decimal) {
-            (true, false) => head.index = true,
+            (true, false) => head.drop_index(),
             (false, true) => head.read_as_decimals(),
             (true, true) => {
                 let name = &head.names[0];
@@ -68,6 +68,13 @@ pub fn settle(path: &Path, input: Input, head: &mut Head, args: &ColumnOptions) 
 }
 
 impl Head {
+    /// Reads the first cell of a row as an index without a name.
+    fn drop_index(&mut self) {
+        self.index = true;
+        self.numeric.remove(0);
+        self.dates.remove(0);
+    }
+
     /// Reads the text as one column with decimal commas.
     fn read_as_decimals(&mut self) {
         (self.delimiter, self.width, self.numeric) = (Delimiter::Semicolon, 1, vec![true]);
@@ -90,7 +97,7 @@ impl Survey {
             shows_decimals: false,
             uneven: false,
         };
-        let mut blocks = Blocks::new(path, input).with_stamps(head.stamps);
+        let mut blocks = Blocks::new(path, input).with_stamps(head.stamps).without_marks(&head.marks);
         let mut line_number = 0;
         while let Some(block) = blocks.next()? {
             for line in block.text().lines() {

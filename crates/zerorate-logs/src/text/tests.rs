@@ -147,8 +147,35 @@ fn times_as_clocks_show_them() {
         let column = read(&format!("time,gz\n{rows}"), "--column gz --time-column time");
         assert!((column.rate_hz - 100.0).abs() < 1e-6 && column.missing() == 0, "{times:?}");
     }
-    let said = fails("time,gz\n05/06/2026 07:08 AM,1\n05/06/2026 07:09 AM,2\n", "--column gz --time-column time");
+    let said = fails("time,gz\nyesterday,1\ntoday,2\n", "--column gz --time-column time");
     assert!(said.contains("is not a number, and no time such as 2026-03-01 12:00:00.25"), "{said}");
+}
+
+/// `strangers/15`: dates of MATLAB, of Germans, and of Americans with two halves of a day.
+#[test]
+fn the_only_column_of_clock_times_is_the_time() {
+    let date = |at: i32, before: &str, after: &str| {
+        let (s, cs) = (57 + at / 100, at % 100);
+        let date = if s < 60 { before } else { after };
+        let (date, clock) = date.split_once('@').unwrap();
+        format!("{date} {clock}:{:02}.{cs:02}0", s % 60)
+    };
+    for (before, after, half) in [
+        ("31-Oct-2023@23:59", "01-Nov-2023@00:00", ["", ""]),
+        ("31.10.2023@23:59", "01.11.2023@00:00", ["", ""]),
+        ("10/31/2023@11:59", "11/01/2023@12:00", [" PM", " AM"]),
+        ("10/11/2023@11:59", "10/12/2023@12:00", [" PM", " AM"]),
+        ("10/11/2023@11:59", "11/11/2023@12:00", [" PM", " AM"]),
+        ("10/11/2023@11:59", "10/11/2023@12:00", [" AM", " PM"]),
+        ("@23:59", "@0:00", ["", ""]),
+    ] {
+        let row = |at: i32| format!("{}{},0.{}\n", date(at, before, after), half[usize::from(at >= 300)], at % 7);
+        let column = read(&format!("When,gz\n{}", (0..600).map(row).collect::<String>()), "");
+        assert!((column.rate_hz - 100.0).abs() < 1e-6 && column.missing() == 0, "{before}: {}", column.rate_hz);
+    }
+    // a time that stands still, such as the start of the log, is not the time
+    let said = fails(&"12:00:00,0.5\n12:00:00,0.25\n".repeat(20), "--column 1");
+    assert!(said.contains("does not say how fast"), "{said}");
 }
 
 #[test]
@@ -300,6 +327,9 @@ fn the_empty_comment_of_labview_is_dropped() {
     let rows: String = (0..40).map(|at| format!("{:.2}\t{}.5\n", f64::from(at) / 100.0, at % 3)).collect();
     let column = read(&format!("X_Value\tGyro_X\tComment\n{rows}"), "--column Gyro_X --time-column 0 --time-unit s");
     assert!((column.rate_hz - 100.0).abs() < 1e-6);
+    let head = "LabVIEW Measurement\n***End_of_Header***\nDelta_X\t0.010000\n***End_of_Header***\n";
+    let column = read(&format!("{head}X_Value\tGyro_X\tComment\n{rows}"), "--column Gyro_X");
+    assert!((column.rate_hz - 100.0).abs() < 1e-6);
 }
 
 /// `strangers/18`, `21`: what is not a table is named.
@@ -313,4 +343,26 @@ fn messages_that_are_not_tables_are_named() {
         let why = fails(text, "--rate 10");
         assert!(why.contains(named), "{why}");
     }
+}
+
+/// `strangers/20`: the monitor of Arduino with its time, and the labels of its plotter.
+#[test]
+fn a_serial_monitor_writes_times_and_labels() {
+    let row = |at: i32, one: &str, other: &str| {
+        format!("15:23:4{}.{:02}0 -> {one}0.{}, {other}-0.5\n", 5 + at / 100, at % 100, at % 7)
+    };
+    for (one, other, name) in [("", "", "1"), ("gx:", "gy:", "gx"), ("gx = ", "gy = ", "gx")] {
+        let text: String = (0..300).map(|at| row(at, one, other)).collect();
+        let column = read(&format!("15:23:44.100 -> IMU ready\n{text}"), &format!("--column {name}"));
+        assert!((column.rate_hz - 100.0).abs() < 1e-6 && column.series.len() == 300, "{name}: {}", column.rate_hz);
+        assert_eq!((column.name.as_str(), numbers(&column)[2]), (name, 0.2));
+        // a header that the board prints
+        let text = format!("15:23:44.990 -> wx,wy\n{text}");
+        assert_eq!(read(&text, "--column 1").name, if name == "1" { "wx" } else { "gx" });
+    }
+    // labels in another order are another form
+    let rows = "gx:1,gy:2\n".repeat(200);
+    let text = format!("{rows}gy:1,gx:2\n{rows}");
+    let column = read(&text, "--column gx --rate 10");
+    assert_eq!((column.missing(), there(&column)[0]), (1, Some(1.0)));
 }

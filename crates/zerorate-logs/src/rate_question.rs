@@ -1,0 +1,111 @@
+//! The question for the rate of a log that does not tell it.
+
+use crate::clock::usual_step;
+use crate::error::LogError;
+use crate::sample::{Cell, Sampled};
+use crate::setting::{Names, Setting};
+use crate::text::dates::{self, DateColumn};
+use crate::time_names::{is_like_time, is_step};
+use crate::time_unit;
+use std::path::Path;
+use zerorate_allan::SettingName;
+use zerorate_input::TimeUnit;
+
+/// Fewest rows that show that a column rises evenly.
+const FEWEST: usize = 10;
+
+/// The years 2000 to 2100 in days of Excel and of MATLAB.
+const DAYS: [std::ops::Range<f64>; 2] = [36_526.0..73_051.0, 730_486.0..767_011.0];
+
+/// The error for a missing rate. It names the columns that may hold the time: by name among `columns`, and by the
+/// first rows in `sample`.
+pub fn no_rate(path: &Path, columns: &[&str], sample: &[Sampled], names: Names) -> LogError {
+    let [rate, time, unit] = [Setting::Rate, Setting::TimeColumn, Setting::TimeUnit].map(|setting| names.of(setting));
+    let rises = |Rising { column, unit: fits, rate_hz }: Rising<'_>| {
+        let fits = fits.name();
+        let is_time = format!("if `{column}`, which rises evenly, is the time ({rate_hz:.3} Hz)");
+        format!("give {rate} in Hz, or {time} {column} with {unit} {fits} {is_time}")
+    };
+    let named = || match columns.iter().find(|name| is_like_time(name)) {
+        Some(column) => format!("give {rate} in Hz, or {time} with {unit} if `{column}` is the time"),
+        None => format!("give {rate} in Hz, or {time} if a column holds the time"),
+    };
+    let remedy = unread(sample).map(|why| format!("{why}, or give {rate} in Hz"));
+    let remedy =
+        remedy.or_else(|| clocks(sample).map(|all| format!("give {rate} in Hz, or {time} with one of: {all}")));
+    let remedy = remedy.or_else(|| rising(sample).map(rises)).or_else(|| days(sample, rate));
+    let remedy = remedy.or_else(|| steps(sample, rate));
+    let remedy = remedy.unwrap_or_else(named);
+    LogError::Ask(format!("{} does not say how fast it was sampled: {remedy}", path.display()))
+}
+
+/// The first column of dates or times that are not read, with a cell and the reason.
+fn unread(sample: &[Sampled]) -> Option<String> {
+    sample.iter().find_map(|column| {
+        let words = || column.cells.iter().filter_map(Cell::as_word);
+        // a word that every row repeats is not a time
+        let cell = words().next().filter(|first| words().any(|word| word != *first))?;
+        let why = dates::reason(cell)?;
+        let is_read = dates::nanoseconds(cell, DateColumn::of(words()).order).is_some();
+        (!is_read).then(|| format!("column `{}` (`{cell}`) {why}", column.name))
+    })
+}
+
+/// The columns of dates and times of day, if there are several.
+fn clocks(sample: &[Sampled]) -> Option<String> {
+    let are_times = |column: &&Sampled| DateColumn::of(column.cells.iter().filter_map(Cell::as_word)).are_times;
+    let all: Vec<String> = sample.iter().filter(are_times).map(|column| format!("`{}`", column.name)).collect();
+    (all.len() > 1).then(|| all.join(", "))
+}
+
+/// The rate that a column of dates in days tells, as Excel and MATLAB count them.
+fn days(sample: &[Sampled], rate: SettingName) -> Option<String> {
+    let dated = |column: &&Sampled| {
+        let first = column.cells.first().and_then(Cell::as_number);
+        first.is_some_and(|first| DAYS.iter().any(|days| days.contains(&first)))
+    };
+    sample.iter().filter(dated).find_map(|column| {
+        let times = column.times().filter(|times| times.since_first().is_sorted_by(|one, next| one < next))?;
+        let rate_hz = times.time_base(TimeUnit::S, Names::default()).ok()?.rate_hz / 86_400.0;
+        let name = &column.name;
+        Some(format!("give {rate} in Hz, which is {rate_hz:.3} if `{name}` counts days, as Excel and MATLAB do"))
+    })
+}
+
+/// The rate that a column tells whose name says that it holds the steps between rows, in an unknown unit.
+fn steps(sample: &[Sampled], rate: SettingName) -> Option<String> {
+    let column = sample.iter().find(|column| is_step(&column.name))?;
+    let step = usual_step(column.cells.iter().filter_map(Cell::as_number).collect())?;
+    let unit = time_unit::usual(1.0 / step)?;
+    let (name, rate_hz, unit) = (&column.name, unit.per_s() / step, unit.name());
+    Some(format!("give {rate} in Hz, which is {rate_hz:.6} if `{name}` holds the step between rows in {unit}"))
+}
+
+/// A column of numbers that rises as a time does.
+struct Rising<'a> {
+    column: &'a str,
+    /// The unit in which rows come at a usual rate.
+    unit: TimeUnit,
+    rate_hz: f64,
+}
+
+/// The column that rises evenly; of several, one that is called a time.
+fn rising(sample: &[Sampled]) -> Option<Rising<'_>> {
+    let all: Vec<Rising<'_>> = sample.iter().filter_map(Rising::of).collect();
+    let at = all.iter().position(|rising| is_like_time(rising.column)).unwrap_or_default();
+    all.into_iter().nth(at)
+}
+
+impl<'a> Rising<'a> {
+    fn of(column: &'a Sampled) -> Option<Self> {
+        let times = column.times()?;
+        let rows = times.since_first();
+        let counts_rows = rows.windows(2).all(|pair| pair[1] - pair[0] == 1.0);
+        if rows.len() < FEWEST || counts_rows || !rows.is_sorted_by(|one, next| one < next) {
+            return None;
+        }
+        let per_unit = times.time_base(TimeUnit::S, Names::default()).ok()?.rate_hz;
+        let unit = time_unit::dated(&times).or_else(|| time_unit::usual(per_unit))?;
+        Some(Self { column: &column.name, unit, rate_hz: per_unit * unit.per_s() })
+    }
+}

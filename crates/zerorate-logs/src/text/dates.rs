@@ -1,0 +1,290 @@
+//! Dates and times of day as people and programs write them.
+
+use jiff::civil::{Date, DateTime};
+use jiff::tz::TimeZone;
+use std::borrow::Cow;
+
+/// The order of day and month in a date of numbers, such as 10/19/2023.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DateOrder {
+    DayFirst,
+    MonthFirst,
+}
+
+/// What the first cells of a column say about times in it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct DateColumn {
+    /// Whether the cells are times of day, with or without a date, that rise from row to row.
+    pub are_times: bool,
+    /// The order of day and month, if a day above 12 or the points of a German date show it.
+    pub order: Option<DateOrder>,
+}
+
+/// Share of the cells that must be times, and share of the rows at which they may fall: at midnight, or out of order.
+const TIMES: f64 = 0.95;
+const FALLS: f64 = 0.01;
+
+impl DateColumn {
+    /// Reads the first cells of a column.
+    pub fn of<'a>(cells: impl Iterator<Item = &'a str> + Clone) -> Self {
+        let decided = cells.clone().find_map(order_of);
+        let order = decided.or_else(|| cells.clone().find_map(dotted).map(|_| DateOrder::DayFirst));
+        let times: Vec<i64> =
+            cells.clone().filter(|cell| is_clear(cell)).filter_map(|cell| nanoseconds(cell, order)).collect();
+        let count = cells.count() as f64;
+        let falls = times.windows(2).filter(|pair| pair[1] < pair[0]).count() as f64;
+        let rises = times.windows(2).any(|pair| pair[1] > pair[0]) && falls <= 1.0 + FALLS * count;
+        Self { are_times: rises && times.len() as f64 >= TIMES * count, order }
+    }
+}
+
+/// Whether a cell can only be a time: 12:30 alone may be hours and minutes, or minutes and seconds.
+fn is_clear(cell: &str) -> bool {
+    let has_more = |c: char| !c.is_ascii_digit() && c != ':';
+    cell.matches(':').count() > 1 || cell.contains(':') && cell.contains(has_more)
+}
+
+/// Time in ns: of a date with a time of day since the epoch, or of a time of day alone since midnight. A date without
+/// a zone is taken as UTC, which no interval depends on. A date whose `order` is not known does not count.
+pub fn nanoseconds(cell: &str, order: Option<DateOrder>) -> Option<i64> {
+    of_iso(cell).or_else(|| {
+        let (fields, clock_ns) = parts(cell)?;
+        if fields.is_empty() { Some(clock_ns) } else { date_ns(&fields, order)?.checked_add(clock_ns) }
+    })
+}
+
+/// The reason why a cell that looks like a time is not read.
+pub fn reason(cell: &str) -> Option<&'static str> {
+    let looks_like_time = cell.starts_with(|c: char| c.is_ascii_digit()) && cell.contains(':');
+    looks_like_time.then_some(match minutes(cell) {
+        Some(_) => {
+            "lacks the hour and all digits behind the tenths, as Excel shows times; format the column as yyyy-mm-dd \
+             hh:mm:ss.000 and export it again"
+        }
+        None => "is not a time such as 2026-03-01 12:00:00.25 or 12:00:00.25",
+    })
+}
+
+/// The tenths of a time that Excel shows as `mm:ss.0`.
+fn minutes(cell: &str) -> Option<&str> {
+    let (minutes, seconds) = cell.split_once(':')?;
+    let (seconds, tenths) = seconds.split_once(['.', ','])?;
+    let all_digits = [minutes, seconds, tenths].iter().all(|part| part.bytes().all(|byte| byte.is_ascii_digit()));
+    (all_digits && seconds.len() == 2 && tenths.len() == 1).then_some(tenths)
+}
+
+/// The time of a date such as 2026-03-01T12:00:00Z or 2026/03/01 12:00:00Z.
+fn of_iso(cell: &str) -> Option<i64> {
+    let is_slashed = cell.get(4..5) == Some("/") && cell.get(7..8) == Some("/");
+    let cell = if is_slashed { Cow::Owned(cell.replacen('/', "-", 2)) } else { Cow::Borrowed(cell) };
+    let cell = [" UTC", " GMT"].iter().find_map(|zone| cell.strip_suffix(zone)).unwrap_or(&cell);
+    let stamp: jiff::Timestamp = cell.parse().ok().or_else(|| {
+        let local: DateTime = cell.parse().ok()?;
+        Some(local.to_zoned(TimeZone::UTC).ok()?.timestamp())
+    })?;
+    i64::try_from(stamp.as_nanosecond()).ok()
+}
+
+/// The fields of the date of a cell, without the day of the week, and its time of day in ns.
+fn parts(cell: &str) -> Option<(Vec<&str>, i64)> {
+    let mut words: Vec<&str> = cell.split_whitespace().map(|word| word.trim_end_matches(',')).collect();
+    let at = words.iter().position(|word| word.contains(':'))?;
+    let half = words.get(at + 1).and_then(|word| Half::of(word));
+    let clock_ns = clock_ns(words[at], half)?;
+    words.drain(at..=at + usize::from(half.is_some()));
+    let is_date = |word: &&&str| !is_weekday(word) && !["UTC", "GMT"].contains(*word);
+    Some((words.iter().filter(is_date).flat_map(|word| word.split(['/', '-', '.'])).collect(), clock_ns))
+}
+
+/// A half of the day.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Half {
+    Morning,
+    Afternoon,
+}
+
+impl Half {
+    fn of(word: &str) -> Option<Self> {
+        match &*word.replace('.', "").to_lowercase() {
+            "am" => Some(Self::Morning),
+            "pm" => Some(Self::Afternoon),
+            _ => None,
+        }
+    }
+}
+
+/// A time of day in ns since midnight: 7:05, 7:05:01.25, 7:05:01,25 or 7:05:01:250, or 05:01.250 since the hour.
+fn clock_ns(word: &str, half: Option<Half>) -> Option<i64> {
+    let end = word.trim_end_matches(|c: char| c.is_alphabetic());
+    let half = if end.len() < word.len() { Some(Half::of(&word[end.len()..])?) } else { half };
+    let fields: Vec<&str> = end.split([':', '.', ',']).collect();
+    let colons = end.matches(':').count();
+    let (whole, rest) = match (colons, &fields[..]) {
+        (1, [h, m]) => ([*h, *m, "0"], ""),
+        (1, [m, s, rest]) if rest.len() > 1 => (["0", *m, *s], *rest),
+        (2, [h, m, s]) => ([*h, *m, *s], ""),
+        (2, [h, m, s, rest]) | (3, [h, m, s, rest]) => ([*h, *m, *s], *rest),
+        _ => return None,
+    };
+    let [h, m, s] = whole.map(|field| number(field, 2));
+    let (h, m, s) = (h?, m.filter(|m| *m < 60)?, s.filter(|s| *s < 60)?);
+    let h = match half {
+        None => Some(h).filter(|h| *h < 24)?,
+        Some(half) => Some(h).filter(|h| (1..=12).contains(h))? % 12 + if half == Half::Afternoon { 12 } else { 0 },
+    };
+    let digits = rest.get(..9).unwrap_or(rest);
+    let fraction_ns = if rest.is_empty() { 0 } else { number(digits, 9)? * 10i64.pow(9 - digits.len() as u32) };
+    Some((h * 3600 + m * 60 + s) * 1_000_000_000 + fraction_ns)
+}
+
+/// The start of a day in ns since the epoch, or 0 if the order of day and month, or the century, is not known.
+fn date_ns(fields: &[&str], order: Option<DateOrder>) -> Option<i64> {
+    let &[one, two, three] = fields else { return None };
+    let (year, month, day) = match (month(one), month(two)) {
+        (Some(month), _) => (three, month, number(two, 2)?),
+        (None, Some(month)) if one.len() == 4 => (one, month, number(three, 2)?),
+        (None, Some(month)) => (three, month, number(one, 2)?),
+        (None, None) if one.len() == 4 => (one, number(two, 2)?, number(three, 2)?),
+        (None, None) => {
+            let (one, two) = (number(one, 2)?, number(two, 2)?);
+            match order {
+                Some(DateOrder::DayFirst) => (three, two, one),
+                Some(DateOrder::MonthFirst) => (three, one, two),
+                None => return number(three, 4).filter(|_| one <= 12 && two <= 12).map(|_| 0),
+            }
+        }
+    };
+    let year = if year.len() == 4 { number(year, 4)? } else { return number(year, 2).map(|_| 0) };
+    let date = Date::new(year as i16, i8::try_from(month).ok()?, i8::try_from(day).ok()?).ok()?;
+    i64::try_from(date.to_zoned(TimeZone::UTC).ok()?.timestamp().as_nanosecond()).ok()
+}
+
+/// The order of day and month, if the numbers of this date decide it.
+fn order_of(cell: &str) -> Option<DateOrder> {
+    let fields = parts(cell)?.0;
+    let [one, two] = [fields.first()?, fields.get(1)?].map(|field| number(field, 2));
+    match (one?, two?) {
+        (13.., _) => Some(DateOrder::DayFirst),
+        (_, 13..) => Some(DateOrder::MonthFirst),
+        _ => None,
+    }
+}
+
+/// A date with points between its numbers, which Germans write with the day first.
+fn dotted(cell: &str) -> Option<&str> {
+    cell.split_whitespace().find(|word| !word.contains(':') && word.matches('.').count() == 2)
+}
+
+/// A number of so many digits at most.
+fn number(field: &str, digits: usize) -> Option<i64> {
+    let is_number = (1..=digits).contains(&field.len()) && field.bytes().all(|byte| byte.is_ascii_digit());
+    is_number.then(|| field.parse().ok())?
+}
+
+/// The number of an English or German month.
+fn month(field: &str) -> Option<i64> {
+    let names = [
+        &["jan"][..],
+        &["feb"],
+        &["mar", "mär", "mrz"],
+        &["apr"],
+        &["may", "mai"],
+        &["jun"],
+        &["jul"],
+        &["aug"],
+        &["sep"],
+        &["oct", "okt"],
+        &["nov"],
+        &["dec", "dez"],
+    ];
+    let field = field.to_lowercase();
+    let at = names.iter().position(|names| names.iter().any(|name| field.starts_with(name)))?;
+    Some(at as i64 + 1)
+}
+
+fn is_weekday(word: &str) -> bool {
+    let word = word.to_lowercase();
+    let days = ["mon", "tue", "wed", "thu", "fri", "sat", "sun"];
+    days.iter().any(|day| word == *day || word.starts_with(day) && word.ends_with("day"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 2023-10-19 11:59:55.01 UTC.
+    const NS: i64 = 1_697_716_795_010_000_000;
+
+    #[test]
+    fn the_same_moment_has_many_spellings() {
+        for cell in [
+            "2023-10-19T11:59:55.01Z",
+            "2023-10-19 11:59:55.010",
+            "2023-10-19 11:59:55.01 UTC",
+            "2023/10/19 11:59:55.01",
+            "2023/10/19 11:59:55:010",
+            "19-Oct-2023 11:59:55.010",
+            "19-Okt-2023 11:59:55,010",
+            "19 October 2023 11:59:55.01",
+            "Oct 19, 2023 11:59:55.01 AM",
+            "Thu Oct 19 11:59:55.010 2023",
+            "19.10.2023 11:59:55,010",
+            "19.10.2023, 11:59:55,010",
+            "19/10/2023 11:59:55.010",
+            "10/19/2023 11:59:55.010 AM",
+            "10/19/2023 11:59:55.010\u{202F}a.m.",
+            "10/19/2023 11:59:55.01AM",
+        ] {
+            let column = DateColumn::of([cell].into_iter());
+            assert_eq!(nanoseconds(cell, column.order), Some(NS), "{cell}");
+        }
+    }
+
+    #[test]
+    fn hours_of_twelve_begin_with_twelve() {
+        let s = |cell| nanoseconds(cell, None).map(|ns| ns / 1_000_000_000);
+        let cases = [("12:00:01 AM", 1), ("1:00:00 am", 3600), ("12:00:00 PM", 43_200), ("11:59:59 pm", 86_399)];
+        cases.into_iter().for_each(|(cell, expected)| assert_eq!(s(cell), Some(expected), "{cell}"));
+        assert_eq!((s("13:00:00 PM"), s("0:30:00 AM"), s("24:00:00"), s("12:60:00")), (None, None, None, None));
+    }
+
+    /// Whether 5/6 is in May or in June does not matter to the time of day.
+    #[test]
+    fn a_date_without_an_order_does_not_count() {
+        assert_eq!(nanoseconds("05/06/2026 07:08 PM", None), nanoseconds("19:08", None));
+        assert_eq!(nanoseconds("13/06/2026 07:08", None), None);
+        assert_eq!(nanoseconds("05/13/2026 07:08", Some(DateOrder::DayFirst)), None);
+    }
+
+    #[test]
+    fn other_words_are_not_times() {
+        let others = [
+            "59:55.0",
+            "2023-10-19",
+            "1.2.3",
+            "a:b",
+            "12",
+            "rst:0x1",
+            "::",
+            "1:2:3:4:5",
+            "12:00:00 x",
+            "00:1B:44:11",
+            "Marked 12:00:00",
+            "12:00:00.x",
+        ];
+        for other in others {
+            assert!(other == "2023-10-19" || nanoseconds(other, None).is_none(), "{other}");
+        }
+        assert!(reason("59:55.0").is_some_and(|why| why.contains("Excel")));
+        assert!(reason("59:55.010").is_some_and(|why| !why.contains("Excel")));
+    }
+
+    #[test]
+    fn a_column_of_times_rises() {
+        let are_times = |cells: &[&str]| DateColumn::of(cells.iter().copied()).are_times;
+        assert!(are_times(&["23:59:59.9", "00:00:00.0", "00:00:00.1"]));
+        assert!(are_times(&["1 Mar 2026 12:00", "1 Mar 2026 12:01"]) && !are_times(&["12:00", "12:01"]));
+        assert!(!are_times(&["12:00:00", "12:00:00"]) && !are_times(&["2026-01-01", "2026-01-02"]));
+        assert!(!are_times(&["00:00:02", "00:00:01", "00:00:03", "00:00:00"]), "a duration");
+    }
+}

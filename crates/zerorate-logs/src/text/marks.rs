@@ -1,0 +1,192 @@
+//! Marks that a serial monitor or a sketch writes between the numbers: an arrow behind the time of a line, and a label
+//! in front of each value. Blanks replace them before lines are cut into cells.
+
+use std::ops::Range;
+use zerorate_input::delimited::Delimiter;
+
+/// The number of lines that are examined, and the fewest that show a mark.
+const LINES: usize = 1000;
+const FEWEST: usize = 3;
+
+/// The arrow of the Arduino's monitor behind the time of a line, and the byte in front of which it begins.
+const ARROW: &str = " -> ";
+const ARROW_START: usize = 40;
+
+/// The marks in most lines of a text.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Marks {
+    /// The delimiter that replaces the arrow: `15:23:45.000 -> 0.5,0.25`.
+    arrow: Option<Delimiter>,
+    /// The labels of the values, in order, and the delimiter behind values: `gx:0.5,gy:0.25` or `gx=0.5 gy=0.25`.
+    labels: Option<(Delimiter, Vec<String>)>,
+}
+
+impl Marks {
+    /// The marks in the first lines of `text`.
+    pub fn of(text: &str) -> Self {
+        let lines: Vec<&str> = text.lines().map(str::trim_ascii).filter(|line| !line.is_empty()).take(LINES).collect();
+        let rests: Vec<&str> = lines.iter().filter_map(|line| Some(&line[arrow(line)?.end..])).collect();
+        let are_most = |count: usize| count * 2 > lines.len() && count >= FEWEST;
+        let has_arrow = are_most(rests.len());
+        let rests = if has_arrow { rests } else { lines.clone() };
+        let arrow = most(rests.iter().map(|rest| Delimiter::detect(rest))).map(|(delimiter, _)| delimiter);
+        let labels = most(rests.iter().filter_map(|rest| {
+            let delimiter = Delimiter::detect(rest);
+            let labels = labels(rest, delimiter)?.into_iter().map(|label| rest[label].to_owned());
+            Some((delimiter, labels.collect()))
+        }));
+        let labels = labels.filter(|(_, count)| are_most(*count)).map(|(labels, _)| labels);
+        Self { arrow: arrow.filter(|_| has_arrow), labels }
+    }
+
+    /// The names of the cells that the labels tell.
+    pub fn names(&self) -> Option<Vec<String>> {
+        let (_, labels) = self.labels.as_ref()?;
+        Some(self.arrow.map(|_| CLOCK.to_owned()).into_iter().chain(labels.iter().cloned()).collect())
+    }
+
+    /// The name of the first cell, if an arrow stands behind it.
+    pub fn first(&self) -> Option<&'static str> {
+        self.arrow.map(|_| CLOCK)
+    }
+
+    /// Whether there are any.
+    pub fn are_there(&self) -> bool {
+        self.arrow.is_some() || self.labels.is_some()
+    }
+
+    /// Replaces the marks in whole lines by blanks. A line with other labels stays as it is, and is broken.
+    pub fn erase(&self, lines: &mut [u8]) {
+        if self.are_there() {
+            lines.split_mut(|byte| *byte == b'\n').for_each(|line| self.erase_in(line));
+        }
+    }
+
+    fn erase_in(&self, line: &mut [u8]) {
+        let Ok(text) = std::str::from_utf8(line) else { return };
+        let found = self.arrow.and_then(|delimiter| Some((delimiter, arrow(text)?)));
+        let start = found.as_ref().map_or(0, |(_, arrow)| arrow.end);
+        let rest = &text[start..];
+        let labels = self.labels.as_ref().and_then(|(delimiter, wanted)| {
+            let labels = labels(rest, *delimiter)?;
+            labels.iter().map(|label| &rest[label.clone()]).eq(wanted).then_some(labels)
+        });
+        let found = found.filter(|(delimiter, _)| has_cells(rest, *delimiter));
+        if let Some((labels, (delimiter, _))) = labels.zip(self.labels.as_ref()) {
+            for label in labels {
+                let mark = line[start + label.end..].iter().position(|byte| matches!(byte, b':' | b'='));
+                line[start + label.start..=start + label.end + mark.unwrap_or_default()].fill(b' ');
+            }
+            let end = line.trim_ascii_end().len();
+            if let Some(last) = line[..end].last_mut().filter(|last| Some(**last) == delimiter.byte()) {
+                *last = b' ';
+            }
+        }
+        if let Some((delimiter, arrow)) = found {
+            line[arrow.clone()].fill(b' ');
+            line[arrow.start] = delimiter.byte().unwrap_or(b' ');
+        }
+    }
+}
+
+/// Whether a line holds values, and not what a board says when it starts.
+fn has_cells(line: &str, delimiter: Delimiter) -> bool {
+    delimiter.byte().is_none_or(|byte| line.contains(char::from(byte))) || is_value(line)
+}
+
+fn is_value(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_ascii_digit() || "+-.nN".contains(c))
+}
+
+/// The name of the cell in front of an arrow.
+const CLOCK: &str = "clock";
+
+/// The place of the arrow behind a time of day.
+fn arrow(line: &str) -> Option<Range<usize>> {
+    let start = line.find(ARROW).filter(|start| *start < ARROW_START)?;
+    super::dates::nanoseconds(&line[..start], None)?;
+    Some(start..start + ARROW.len())
+}
+
+/// The places of the labels, if each value of a line has one.
+fn labels(line: &str, delimiter: Delimiter) -> Option<Vec<Range<usize>>> {
+    let is_end = |c: char| delimiter.byte().map_or(c.is_ascii_whitespace(), |byte| c == char::from(byte));
+    let mut labels = Vec::new();
+    let mut at = 0;
+    while !line[at..].trim().is_empty() {
+        let mark = at + line[at..].find([':', '='])?;
+        let label = line[at..mark].trim();
+        let start = at + line[at..].len() - line[at..].trim_start().len();
+        let is_label =
+            label.starts_with(char::is_alphabetic) && (delimiter == Delimiter::Blanks || !label.contains(is_end));
+        let value = mark + 1 + (line[mark + 1..].len() - line[mark + 1..].trim_start_matches(' ').len());
+        let end = value + line[value..].find(is_end).unwrap_or(line.len() - value);
+        if !is_label || !is_value(&line[value..end]) {
+            return None;
+        }
+        labels.push(start..start + label.len());
+        at = line.len().min(end + 1);
+    }
+    (!labels.is_empty()).then_some(labels)
+}
+
+/// The most frequent of these, and how often it comes.
+fn most<T: PartialEq>(all: impl Iterator<Item = T>) -> Option<(T, usize)> {
+    let mut counts: Vec<(T, usize)> = Vec::new();
+    for one in all {
+        match counts.iter_mut().find(|(other, _)| *other == one) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((one, 1)),
+        }
+    }
+    counts.into_iter().max_by_key(|(_, count)| *count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The names that the labels of these lines tell, and the second line without marks.
+    fn erased(line: &str) -> (Option<Vec<String>>, String) {
+        let mut bytes = format!("ready\n{line}\n{line}\n{line}\n{line}").into_bytes();
+        let marks = Marks::of(std::str::from_utf8(&bytes).unwrap());
+        marks.erase(&mut bytes);
+        let text = String::from_utf8(bytes).unwrap();
+        let line = text.lines().nth(1).unwrap();
+        let cells: Vec<&str> = Delimiter::detect(line).cells(line.trim()).collect();
+        (marks.names(), cells.join("|"))
+    }
+
+    #[test]
+    fn arrows_and_labels_are_erased() {
+        for (line, names, cells) in [
+            ("15:23:45.000 -> 0.5,-0.25", "", "15:23:45.000|0.5|-0.25"),
+            ("15:23:45.000 -> 0.5 -0.25", "", "15:23:45.000|0.5|-0.25"),
+            ("15:23:45.000 -> 0.5", "", "15:23:45.000|0.5"),
+            ("15:23:45.000 -> gx:0.5,gy:-.25", "clock gx gy", "15:23:45.000|0.5|-.25"),
+            ("15:23:45.000 -> gx: 0.5 gy: -.25", "clock gx gy", "15:23:45.000|0.5|-.25"),
+            ("gx:0.5,gy:-.25", "gx gy", "0.5|-.25"),
+            ("t=1 gx=0.5 gy=-.25", "t gx gy", "1|0.5|-.25"),
+            ("gx(°/s): 0.5\tgy(°/s): -.25", "gx(°/s) gy(°/s)", "0.5|-.25"),
+            ("gx = 0.5; gy = -.25;", "gx gy", "0.5|-.25"),
+            ("at: 15:23:45, gx: 1", "at gx", "15:23:45|1"),
+        ] {
+            let names = Some(names).filter(|names| !names.is_empty());
+            let names = names.map(|names| names.split(' ').map(str::to_owned).collect());
+            assert_eq!(erased(line), (names, cells.to_owned()), "{line}");
+        }
+        assert_eq!(erased("Gyro X: 1 Gyro Y: 2").0.unwrap(), ["Gyro X", "Gyro Y"]);
+    }
+
+    #[test]
+    fn other_lines_are_left() {
+        for line in ["0.5,-0.25", "a -> 1,2", "00:1B:44 -> x", "gx:0.5,-.25", "12:00:00,1", "note: x", "gx:,gy:2"] {
+            let (names, _) = erased(line);
+            assert!(names.is_none(), "{line}");
+        }
+        let marks = Marks::of("gx:1,gy:2\ngx:1,gy:2\ngx:1,gy:2\n");
+        let mut other = b"gy:2,gx:1\ngx:1\ngx:3,gy:4".to_vec();
+        marks.erase(&mut other);
+        assert_eq!(other, b"gy:2,gx:1\ngx:1\n   3,   4");
+    }
+}
