@@ -70,6 +70,7 @@ mod setting;
 mod several;
 #[cfg(feature = "sqlite")]
 mod sqlite_bag;
+mod stated_rate;
 mod tabular;
 mod temperature;
 #[cfg(test)]
