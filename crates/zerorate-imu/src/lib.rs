@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod axes;
+mod codes;
 mod coefficients;
 mod consumer;
 pub mod increments;
@@ -17,6 +18,7 @@ mod tests;
 mod warning;
 
 pub use axes::{Axes, ImuOptions, KindOptions};
+pub use codes::Codes;
 pub use coefficients::{B, Named, Units, coefficients, span};
 pub use consumer::Format;
 pub use kind::Kind;

@@ -94,7 +94,7 @@ pub use number::Decimal;
 pub use only::Only;
 pub use options::{ColumnOptions, MAX_BAD};
 pub use parts::{Parts, read_parts, read_with_temperature, read_without_rate};
-pub use raw::RawType;
+pub use raw::{RawNumber, RawType};
 pub use read::{read, read_all, read_table};
 pub use series::Series;
 pub use setting::{Names, Setting};

@@ -1,5 +1,6 @@
 //! `zerorate imu`: turns the log of an IMU at rest into the noise file of a filter.
 
+mod codes;
 mod datasheet;
 mod text;
 
@@ -11,14 +12,16 @@ use crate::output::{Outputs, StagedOutput, command_line, print_json, print_lines
 use anyhow::Result;
 use clap::Args;
 use clap::builder::BoolishValueParser;
+use codes::CodeArgs;
 use std::path::PathBuf;
 use zerorate_allan::{FitOptions, SettingName};
 use zerorate_imu::{
     AnalysisOptions, Combine, Format, ImuOptions, ImuReport, ImuWarning, KindOptions, NoiseFileOptions, Record, Rule,
     span,
 };
+use zerorate_jobs::code_scales::CodeOptions;
 use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
-use zerorate_logs::{ColumnOptions, Decimal, LogWarning, Names, Only, Setting, TimeUnit, Unit};
+use zerorate_logs::{ColumnOptions, Decimal, LogWarning, Names, Only, RawType, Setting, TimeUnit, Unit};
 use zerorate_view::report::{AllanPage, Fact, allan_page};
 
 /// Turn the log of an IMU at rest into the noise file of a filter, such as imu.yaml
@@ -112,6 +115,11 @@ pub struct ImuArgs {
     #[arg(long, value_name = "SHARE", value_parser = share)]
     max_bad: Option<f64>,
 
+    /// Read a file of plain numbers: i16, i32, f32 or f64, as in `allan`, in records such as 6xi16 or 6xi16be; then
+    /// --gyro 0,1,2 --accel 3,4,5 are the columns.
+    #[arg(long, value_name = "TYPE", conflicts_with_all = ["topic", "only"])]
+    raw: Option<RawType>,
+
     /// The unit of the gyroscope's columns: dps, mdps, deg/min, deg/h, rad/s, mrad/s or urad/s [default: the one that
     /// their names state].
     #[arg(long, value_name = "UNIT")]
@@ -125,13 +133,16 @@ pub struct ImuArgs {
     #[arg(long)]
     force_unit: bool,
 
-    /// The size of a step of 1 in the gyroscope's columns, in their unit.
+    /// The size of a step of 1 in the gyroscope's columns, in their unit, such as 1/131.
     #[arg(long, value_name = "X", value_parser = positive, requires = "gyro_unit")]
     gyro_scale: Option<f64>,
 
-    /// The size of a step of 1 in the accelerometer's columns, in their unit.
+    /// The size of a step of 1 in the accelerometer's columns, in their unit, such as 1/16384.
     #[arg(long, value_name = "X", value_parser = positive, requires = "accel_unit")]
     accel_scale: Option<f64>,
+
+    #[command(flatten)]
+    codes: CodeArgs,
 
     #[command(flatten)]
     temperature: TemperatureArgs,
@@ -159,7 +170,7 @@ pub struct ImuArgs {
 }
 
 impl ImuArgs {
-    fn options(&self) -> ImuNoiseOptions {
+    fn options(&self, codes: CodeOptions) -> ImuNoiseOptions {
         let log = ColumnOptions {
             topic: self.topic.clone(),
             only: self.only.clone(),
@@ -168,6 +179,7 @@ impl ImuArgs {
             time_unit: self.time_unit,
             decimal: self.decimal,
             max_bad: self.max_bad,
+            raw: self.raw,
             increments: self.increments,
             force_unit: self.force_unit,
             described: Some(zerorate_record::open_described),
@@ -176,8 +188,8 @@ impl ImuArgs {
         };
         let axes = ImuOptions {
             columns: self.column.as_deref().and_then(listed),
-            gyro: KindOptions { columns: names(&self.gyro), unit: self.gyro_unit, scale: self.gyro_scale },
-            accel: KindOptions { columns: names(&self.accel), unit: self.accel_unit, scale: self.accel_scale },
+            gyro: kind(&self.gyro, self.gyro_unit, self.gyro_scale),
+            accel: kind(&self.accel, self.accel_unit, self.accel_scale),
             log,
         };
         let analysis = AnalysisOptions {
@@ -188,12 +200,12 @@ impl ImuArgs {
             ..AnalysisOptions::default()
         };
         let format = self.output.is_some().then_some(self.format);
-        ImuNoiseOptions { axes, temperature: self.temperature.temp_column.clone(), analysis, format }
+        ImuNoiseOptions { axes, codes, temperature: self.temperature.temp_column.clone(), analysis, format }
     }
 }
 
-fn names(list: &Option<String>) -> Vec<String> {
-    list.as_deref().and_then(listed).unwrap_or_default()
+fn kind(columns: &Option<String>, unit: Option<Unit>, scale: Option<f64>) -> KindOptions {
+    KindOptions { columns: columns.as_deref().and_then(listed).unwrap_or_default(), unit, scale, codes: None }
 }
 
 fn horizon(text: &str) -> Result<f64, String> {
@@ -201,12 +213,11 @@ fn horizon(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(is_long).ok_or_else(|| "must be more than 1, in seconds".to_owned())
 }
 
-/// Returns the option of a setting. Unit and scale belong to a kind of sensor, and plain numbers have no axes.
+/// Returns the option of a setting. Unit and scale belong to a kind of sensor.
 fn option(setting: Setting) -> SettingName {
     SettingName::text(match setting {
         Setting::Unit => "--gyro-unit or --accel-unit",
         Setting::Scale => "--gyro-scale or --accel-scale",
-        Setting::Raw => "`zerorate allan --raw`",
         other => return flag(other),
     })
 }
@@ -214,9 +225,10 @@ fn option(setting: Setting) -> SettingName {
 pub fn run(args: &ImuArgs) -> Result<()> {
     let mut outputs = Outputs::new(args.force).printing().reading([&*args.log])?;
     let sheet = args.datasheet.as_deref().map(|path| datasheet::read(path, &mut outputs)).transpose()?;
+    let codes = args.codes.options(&mut outputs)?;
     let file = args.output.as_ref().map(|path| outputs.derived(path)).transpose()?;
     let page = args.report.as_ref().map(|path| outputs.derived(path)).transpose()?;
-    let ImuNoise { axes, topic, notes, absent } = imu(&args.log, &args.options())?;
+    let ImuNoise { axes, topic, notes, absent } = imu(&args.log, &args.options(codes))?;
     let absent = absent.iter().map(ImuWarning::coded);
     let of_log: Vec<String> = notes.iter().map(LogWarning::coded).chain(absent).collect();
     let report = ImuReport::new(&axes, topic.as_deref(), &of_log, sheet.as_ref());
@@ -243,8 +255,16 @@ pub fn run(args: &ImuArgs) -> Result<()> {
 const LINES: usize = 8;
 
 /// Codes of warnings about the samples themselves, which may explain all others.
-const DOUBTS: [&str; 7] =
-    ["implausible", "rate-contradicts", "scale-unused", "codes-unsigned", "clipped", "resampled", "frozen"];
+const DOUBTS: [&str; 8] = [
+    "implausible",
+    "rate-contradicts",
+    "scale-unused",
+    "scale-assumed",
+    "codes-unsigned",
+    "clipped",
+    "resampled",
+    "frozen",
+];
 
 /// The first of these lines, with one that names the codes of the rest.
 fn at_most(lines: usize, warnings: &[String]) -> Vec<String> {
