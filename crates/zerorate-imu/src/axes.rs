@@ -110,12 +110,7 @@ impl Axes {
         if is_open && topic.is_some() {
             warnings.extend(without_blanks(path, &mut axes));
         }
-        let of_increments: Vec<&Column> = axes.iter().map(|(_, column)| column).collect();
-        let asked = increments::ask(path, &of_increments, &options.log);
-        match (asked, check_units(options, path, &axes)) {
-            (Err(asked), Err(more)) => return Err(both(path, asked, more)),
-            (asked, units) => asked.and(units)?,
-        }
+        check(options, path, &axes)?;
         if is_open {
             let column = options.log.names.of(Setting::Column);
             warnings.extend(Kind::ALL.into_iter().filter_map(|kind| too_many(path, kind, &axes, column)));
@@ -239,6 +234,16 @@ impl Kind {
             Self::Gyroscope => Setting::GyroUnit,
             Self::Accelerometer => Setting::AccelUnit,
         }
+    }
+}
+
+/// Checks that the axes are not increments unless somebody says so, and that their units are known.
+fn check(options: &ImuOptions, path: &Path, axes: &[(Kind, Column)]) -> zerorate_logs::Result<()> {
+    let columns: Vec<&Column> = axes.iter().map(|(_, column)| column).collect();
+    let asked = increments::ask(path, &columns, &options.log);
+    match (asked, check_units(options, path, axes)) {
+        (Err(asked), Err(more)) => Err(both(path, asked, more)),
+        (asked, units) => asked.and(units),
     }
 }
 

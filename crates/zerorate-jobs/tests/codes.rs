@@ -237,10 +237,6 @@ fn of_logs() -> Vec<LogWarning> {
     let gaps = |are_closed| LogWarning::Gaps { path: path(), missing: 1200, among: 720_000, are_closed };
     vec![
         LogWarning::Miscounted { path: "run_0".to_owned(), topic: "/imu".to_owned(), stated: 12_000, found: 11_950 },
-        LogWarning::ScaleAssumed(
-            "--gyro-range 250: 131.1 codes per °/s; lsm6ds3 and 5 more differ: give --part".to_owned(),
-        ),
-        LogWarning::RateTaken { path: path(), name: "imu.Fs".to_owned(), rate_hz: 200.0 },
         LogWarning::RowsIncomplete { path: path(), lacking: 12, rows: 720_000 },
         LogWarning::OffCodes { path: path(), column: column(), by: 1.234e-4, unit: "°/s", codes: 0.52 },
         LogWarning::Stopped { path: path(), column: column(), same: 2000, len: 720_000 },
@@ -287,10 +283,13 @@ fn of_logs() -> Vec<LogWarning> {
     ]
 }
 
-/// What the samples of a column show.
-fn of_samples() -> [LogWarning; 3] {
+/// What the samples of a column show, and what is taken for their scale and rate.
+fn of_samples() -> [LogWarning; 5] {
     let [path, column] = [|| "log.csv".to_owned(), || "gz_dps".to_owned()];
+    let assumed = "--gyro-range 250: 131.1 codes per °/s; lsm6ds3 and 5 more differ: give --part";
     [
+        LogWarning::ScaleAssumed(assumed.to_owned()),
+        LogWarning::RateTaken { path: path(), name: "imu.Fs".to_owned(), rate_hz: 200.0 },
         LogWarning::Resampled {
             path: path(),
             column: column(),
