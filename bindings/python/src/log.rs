@@ -7,16 +7,19 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zerorate_allan::SettingName;
 use zerorate_host::files;
 use zerorate_imu::{Axes, ImuOptions, KindOptions};
-use zerorate_jobs::temperature;
+use zerorate_input::limits;
+use zerorate_jobs::code_scales::{CodeOptions, CodeScales, concerns};
+use zerorate_jobs::{catalogue, temperature};
 use zerorate_logs::TEMPERATURE_NAMES;
 use zerorate_logs::{
-    Column, ColumnOptions, ColumnSelection, Cut, CutTime, Decimal, LogWarning, Names, Quantity, RawType, Series,
-    Setting, TimeUnit, Unit,
+    Column, ColumnOptions, ColumnSelection, Cut, CutTime, Decimal, LogWarning, Names, Quantity, Series, Setting,
+    TimeUnit, Unit,
 };
 
 /// The source of numbers.
@@ -60,6 +63,9 @@ pub struct Options {
 
 /// Columns, unit and scale of a kind of axis, as the caller gives them.
 type OfKind = (Vec<String>, Option<String>, Option<f64>);
+
+/// The part, and the full scales of gyroscope and accelerometer, as the caller gives them for integer codes.
+type OfCodes = (Option<String>, Option<f64>, Option<f64>);
 
 /// The axes, the topic, and the warnings.
 type AxesOfLog<'py> = (Vec<Bound<'py, PyDict>>, Option<String>, Vec<String>);
@@ -160,14 +166,17 @@ pub fn read_imu<'py>(
     names: Option<Vec<String>>,
     gyro: OfKind,
     accel: OfKind,
+    codes: OfCodes,
     options: Options,
 ) -> PyResult<AxesOfLog<'py>> {
     let said = |(columns, unit, scale): OfKind| {
-        Ok::<_, PyErr>(KindOptions { columns, unit: parsed(&unit, "unit")?, scale: positive(scale)? })
+        let (unit, scale) = (parsed(&unit, "unit")?, positive(scale)?);
+        Ok::<_, PyErr>(KindOptions { columns, unit, scale, codes: None })
     };
-    let (gyro, accel) = (said(gyro)?, said(accel)?);
-    let (gyro_unit, accel_unit) = (gyro.unit, accel.unit);
-    let options = ImuOptions { columns: names, gyro, accel, log: options.checked()?, ..ImuOptions::default() };
+    let (gyro, accel, log) = (said(gyro)?, said(accel)?, options.checked()?);
+    let mut options = ImuOptions { columns: names, gyro, accel, log, ..ImuOptions::default() };
+    let assumed = code_options(codes)?.apply(&mut options).map_err(|error| exception(&error.into()))?;
+    let (gyro_unit, accel_unit) = (options.gyro.unit, options.accel.unit);
     let (path, axes) = match opened(source)? {
         OpenSource::Table(path, table) => {
             let listed = options.listed();
@@ -177,7 +186,8 @@ pub fn read_imu<'py>(
         }
         OpenSource::File(path) => (path.clone(), py.detach(|| Axes::read(&path, files::log(&path)?, &options))),
     };
-    let Axes { columns, topic, warnings } = axes.map_err(|error| exception(&error.into()))?;
+    let Axes { columns, topic, mut warnings } = axes.map_err(|error| exception(&error.into()))?;
+    warnings.extend(assumed.into_iter().filter(|(kind, _)| concerns(*kind, &columns)).map(|(_, said)| said));
     let of_kind = |column: &Column| match column.quantity {
         Some(Quantity::Acceleration) => accel_unit,
         _ => gyro_unit,
@@ -187,6 +197,23 @@ pub fn read_imu<'py>(
         described(py, &path, column, given, false)
     });
     Ok((columns.collect::<PyResult<_>>()?, topic, texts(&warnings)))
+}
+
+fn code_options((part, gyro_range, accel_range): OfCodes) -> PyResult<CodeOptions> {
+    let wrong = |why: String| refused("part", why);
+    let read = |named: &String| match catalogue::find(named) {
+        Some(text) => Ok(text.to_owned()),
+        None => files::text(Path::new(named), limits::TEXT).map_err(|error| match error.kind() {
+            ErrorKind::NotFound => wrong(catalogue::unknown(named).0),
+            _ => wrong(format!("{named} cannot be read: {error}")),
+        }),
+    };
+    let scales = |text: String| CodeScales::parse(&text).map_err(|error| wrong(error.to_string()));
+    Ok(CodeOptions {
+        part: part.as_ref().map(read).transpose()?.map(scales).transpose()?,
+        gyro_range_dps: positive(gyro_range)?,
+        accel_range_g: positive(accel_range)?,
+    })
 }
 
 impl Options {
@@ -200,7 +227,7 @@ impl Options {
         Ok(ColumnOptions {
             column: None,
             topic: self.topic.clone(),
-            only: self.r#where.as_deref().map(str::parse).transpose().map_err(only_refused)?,
+            only: self.r#where.as_deref().map(str::parse).transpose().map_err(|why| refused("where", why))?,
             time_column: self.time_column.clone(),
             cut: Cut { from: cut_time(&self.skip, "skip")?, until: cut_time(&self.until, "until")? },
             time_unit: chosen(&self.time_unit, "time_unit", &TIME_UNITS)?,
@@ -210,7 +237,7 @@ impl Options {
             increments: self.increments,
             force_unit: self.force_unit,
             decimal: chosen(&self.decimal, "decimal", &DECIMALS)?,
-            raw: chosen(&self.raw, "raw", &RAW)?,
+            raw: self.raw.as_deref().map(str::parse).transpose().map_err(|why| refused("raw", why))?,
             max_bad,
             described: Some(zerorate_record::open_described),
             names: Names(argument),
@@ -224,20 +251,17 @@ impl Options {
 
 /// A time in a log.
 fn cut_time(text: &Option<String>, name: &str) -> PyResult<Option<CutTime>> {
-    let refused = |text: &str, why| PyValueError::new_err(format!("{name}={text}: {why}"));
-    text.as_deref().map(|text| text.parse().map_err(|why: String| refused(text, why))).transpose()
+    text.as_deref().map(str::parse).transpose().map_err(|why| refused(name, why))
 }
 
-fn only_refused(why: String) -> PyErr {
-    PyValueError::new_err(format!("where=: {why}"))
+fn refused(argument: &str, why: String) -> PyErr {
+    PyValueError::new_err(format!("{argument}=: {why}"))
 }
 
 const TIME_UNITS: [(&str, TimeUnit); 4] =
     [("s", TimeUnit::S), ("ms", TimeUnit::Ms), ("us", TimeUnit::Us), ("ns", TimeUnit::Ns)];
 const DECIMALS: [(&str, Decimal); 4] =
     [(".", Decimal::Point), (",", Decimal::Comma), ("point", Decimal::Point), ("comma", Decimal::Comma)];
-const RAW: [(&str, RawType); 4] =
-    [("i16", RawType::I16), ("i32", RawType::I32), ("f32", RawType::F32), ("f64", RawType::F64)];
 
 /// Finds the value for one of a few words.
 fn chosen<T: Copy>(word: &Option<String>, name: &str, all: &[(&str, T)]) -> PyResult<Option<T>> {

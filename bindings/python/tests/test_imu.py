@@ -165,6 +165,17 @@ def test_what_is_wrong_speaks_of_arguments(match: str, data: Any, options: dict[
     assert "--" not in str(error.value)
 
 
+@pytest.mark.filterwarnings("ignore")
+def test_integer_codes_get_the_scale_of_their_part() -> None:
+    codes = np.round(100.0 * np.random.default_rng(1).normal(size=(2000, 3))).astype(np.int32)
+    found = zerorate.imu({"gyro": codes}, rate_hz=RATE_HZ, part="mpu6050", gyro_range=500)
+    scaled = zerorate.imu({"gyro": codes}, rate_hz=RATE_HZ, gyro_unit="dps", gyro_scale=1 / 65.5)
+    assert found["gyro_x"].fit.n.value == pytest.approx(scaled["gyro_x"].fit.n.value, rel=1e-12)
+    assert found["gyro_x"].fit.n.unit == scaled["gyro_x"].fit.n.unit
+    with pytest.raises(ValueError, match="gyro_range=300: MPU-6050 has a gyroscope with the full scales 250, 500"):
+        zerorate.imu({"gyro": codes}, rate_hz=RATE_HZ, part="mpu6050", gyro_range=300)
+
+
 def test_logs_are_read_by_their_path(log: Path, tmp_path: Path) -> None:
     whole = zerorate.read_log(log, time_column="t_s")
     assert repr(whole).startswith("<Log of 20000 samples at 100 Hz: gx [rad/s] (rad/s), ")

@@ -30,8 +30,9 @@ pub struct LogArgs {
     #[arg(long, value_name = "SHARE", value_parser = share)]
     max_bad: Option<f64>,
 
-    /// Read a file of plain numbers of this type, little endian.
-    #[arg(long, value_enum)]
+    /// Read a file of plain numbers of this type: i16, i32, f32 or f64, little endian, or i16be and so on for big
+    /// endian. 6xi16be are records of six, in columns 0 to 5.
+    #[arg(long, value_name = "TYPE")]
     raw: Option<RawType>,
 
     /// Samples per second [default: from the time column, the timestamps of a capture or the stamps of a bag]. This
@@ -41,7 +42,7 @@ pub struct LogArgs {
 
     /// The column with the time of each row, which gives the rate and shows missing samples [default: the only one
     /// whose name states a unit of time, as t_ns does].
-    #[arg(long, value_name = "NAME|INDEX", conflicts_with_all = ["raw", "rate"], help_heading = TIME)]
+    #[arg(long, value_name = "NAME|INDEX", conflicts_with = "rate", help_heading = TIME)]
     time_column: Option<String>,
 
     /// The unit of the time column [default: as its name or type states, such as t_ns or `timestamp [ms]`].
@@ -108,7 +109,7 @@ pub struct ColumnArgs {
     ///
     /// In a ROS bag: x, y or z (of angular_velocity), linear_acceleration.z, or either after a topic and a point.
     /// `allan` takes several, in one pass over the file: gx,gy,gz or all.
-    #[arg(long, value_name = "NAME|INDEX", conflicts_with = "raw")]
+    #[arg(long, value_name = "NAME|INDEX")]
     column: Option<String>,
 
     /// The unit of the column: dps, mdps, deg/min, deg/h, rad/s, mrad/s, urad/s, m/s², g, mg or ug [default: the one
@@ -116,8 +117,8 @@ pub struct ColumnArgs {
     #[arg(long, value_name = "UNIT")]
     unit: Option<Unit>,
 
-    /// The size of a step of 1 in the column, in its unit, or else in °/s [default: 1; for the codes of a capture, the
-    /// scale of the part].
+    /// The size of a step of 1 in the column, such as 1/131, in its unit, or else in °/s [default: 1; for the codes of
+    /// a capture, the scale of the part].
     #[arg(long, value_name = "X", value_parser = positive)]
     scale: Option<f64>,
 
@@ -182,9 +183,14 @@ pub fn share(text: &str) -> Result<f64, String> {
     share.ok_or_else(|| "must be a share from 0 to below 1, such as 0.05".to_owned())
 }
 
+/// A number above zero, or a fraction such as 1/131.
 pub fn positive(text: &str) -> Result<f64, String> {
-    text.parse()
-        .ok()
-        .filter(|number: &f64| *number > 0.0 && number.is_finite())
-        .ok_or_else(|| "must be a number above zero".to_owned())
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    let found = match text.split_once('/') {
+        Some((above, below)) => number(above).zip(number(below)).map(|(above, below)| above / below),
+        None => number(text),
+    };
+    found
+        .filter(|number| *number > 0.0 && number.is_finite())
+        .ok_or_else(|| "must be a number above zero, such as 0.0076 or 1/131".to_owned())
 }

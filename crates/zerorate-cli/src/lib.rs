@@ -8,7 +8,6 @@
     reason = "they panic where a stream is full or closed: use output::say and output::print"
 )]
 
-mod catalogue;
 mod cli;
 mod column;
 mod commands;

@@ -1,6 +1,5 @@
 //! The option that names the part.
 
-use crate::catalogue;
 use crate::exit::Usage;
 use crate::output::Outputs;
 use anyhow::Result;
@@ -8,6 +7,7 @@ use clap::Args;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use zerorate::Part;
+use zerorate_jobs::catalogue;
 use zerorate_record::CaptureInfo;
 
 /// The part that is measured.
@@ -31,14 +31,21 @@ impl PartArgs {
     /// The part that was named, from the catalogue or from its file.
     pub fn named(&self, outputs: &mut Outputs) -> Result<Option<Part>> {
         let Some(named) = &self.part else { return Ok(None) };
-        let wrong = |why: String| Usage(format!("--part {}: {why}", named.display()));
-        let (named, range_dps) = split(named);
-        let text = catalogue::text(&named, outputs)?.map_err(|error| match error.kind() {
-            ErrorKind::NotFound => wrong(catalogue::unknown(&named.display().to_string()).0),
-            _ => wrong(format!("cannot read it: {error}")),
-        })?;
-        Ok(Some(Part::parse_at(&text, range_dps).map_err(|error| wrong(error.to_string()))?))
+        let (text, range_dps) = text(named, outputs)?;
+        let wrong = |error| Usage(format!("--part {}: {error}", named.display()));
+        Ok(Some(Part::parse_at(&text, range_dps).map_err(wrong)?))
     }
+}
+
+/// The text of the part that `--part` names, and its full scale in °/s, if `named` states one.
+pub fn text(named: &Path, outputs: &mut Outputs) -> Result<(String, Option<f64>)> {
+    let wrong = |why: String| Usage(format!("--part {}: {why}", named.display()));
+    let (file, range_dps) = split(named);
+    let text = catalogue::text(&file, outputs)?.map_err(|error| match error.kind() {
+        ErrorKind::NotFound => wrong(catalogue::unknown(&file.display().to_string()).0),
+        _ => wrong(format!("cannot read it: {error}")),
+    })?;
+    Ok((text, range_dps))
 }
 
 /// `icm20948:500` is a part and its full scale in °/s.

@@ -1,5 +1,6 @@
 //! The axes of an IMU in a log.
 
+use super::codes::{self, Codes};
 use super::{ImuWarning, Kind, plausible};
 use crate::triads::triads;
 use crate::{increments, kalibr};
@@ -31,6 +32,8 @@ pub struct KindOptions {
     pub unit: Option<Unit>,
     /// The size of a step of 1, in that unit.
     pub scale: Option<f64>,
+    /// What the user says about their codes; `None` if nobody says that they are codes.
+    pub codes: Option<Codes>,
 }
 
 /// The axes of a log.
@@ -96,13 +99,8 @@ impl Axes {
         let (columns, no_rate) = zerorate_logs::read_without_rate(path, parts, wanted, &options.log)?;
         match (no_rate, Self::of(path, columns, options)) {
             (None, axes) => axes,
-            // all that is missing is asked for at once
-            (Some(LogError::Ask(rate)), Err(LogError::Ask(more))) => {
-                let more = more.strip_prefix(&path.display().to_string()).unwrap_or(&more);
-                let more = more.strip_prefix(": ").map_or_else(|| format!("it{more}"), str::to_owned);
-                Err(LogError::Ask(format!("{rate}. Also: {more}")))
-            }
-            (Some(no_rate), _) => Err(no_rate),
+            (Some(no_rate), Err(more)) => Err(both(path, no_rate, more)),
+            (Some(no_rate), Ok(_)) => Err(no_rate),
         }
     }
 
@@ -163,8 +161,7 @@ impl Axes {
         if is_open {
             warnings.extend(without_blanks(path, &mut axes, topic.is_some()));
         }
-        increments::ask(path, &axes.iter().map(|(_, column)| column).collect::<Vec<_>>(), &options.log)?;
-        check_units(options, path, &axes)?;
+        check(options, path, &axes)?;
         if is_open {
             let column = options.log.names.of(Setting::Column);
             warnings.extend(Kind::ALL.into_iter().filter_map(|kind| too_many(path, kind, &axes, column)));
@@ -178,12 +175,24 @@ impl Axes {
         if let (None, Some(seen)) = (options.log.increments, plausible::increments(&axes)) {
             return Err(increments::question(path, &seen, &options.log));
         }
-        warnings.extend(plausible::doubts(path, &axes));
+        warnings.extend(plausible::doubts(path, &axes, &options.log));
         if !left_out.is_empty() {
             let (path, names) = (path.display().to_string(), left_out.join(", "));
             warnings.push(LogWarning::ColumnsLeftOut { path, names });
         }
         Ok(Self { columns: axes, topic, warnings })
+    }
+}
+
+/// Both questions in one: all that is missing is asked for at once.
+fn both(path: &Path, first: LogError, second: LogError) -> LogError {
+    match (first, second) {
+        (LogError::Ask(first), LogError::Ask(more)) => {
+            let more = more.strip_prefix(&path.display().to_string()).unwrap_or(&more);
+            let more = more.strip_prefix(": ").map_or_else(|| format!("it{more}"), str::to_owned);
+            LogError::Ask(format!("{first}. Also: {more}"))
+        }
+        (first, _) => first,
     }
 }
 
@@ -268,7 +277,7 @@ impl ImuOptions {
     /// Whether a column that nobody listed may be an axis of this kind. Beside a listed kind, another is taken only if
     /// it needs no question.
     fn may_be(&self, kind: Kind, column: &Column) -> bool {
-        let KindOptions { columns, unit, scale } = self.said(kind);
+        let KindOptions { columns, unit, scale, .. } = self.said(kind);
         let is_known = column.quantity.is_some() || unit.is_some() || scale.is_some();
         self.listed().is_none() || self.columns.is_some() || columns.is_empty() && is_known
     }
@@ -292,6 +301,24 @@ impl ImuOptions {
                 self.log.names.of(kind.setting())
             ))),
         }
+    }
+
+    /// The question for the unit of columns, with what their numbers tell about it.
+    fn ask_unit(&self, kind: Kind, columns: &[&Column]) -> String {
+        let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
+        let seen = match &names[..] {
+            [only] => format!("column {only} ({}) states no unit", kind.name()),
+            several => format!("columns {} ({}) state no unit", several.join(", "), kind.name()),
+        };
+        let told = match kind {
+            Kind::Accelerometer => codes::of_gravity(columns, &self.log),
+            Kind::Gyroscope if columns.iter().all(|column| codes::are_whole(column)) => {
+                Some(codes::of_gyroscope(self.log.names))
+            }
+            Kind::Gyroscope => None,
+        };
+        let told = told.map_or_else(String::new, |told| format!(" ({told})"));
+        format!("{seen}; {}{told}", self.remedy(kind))
     }
 
     fn remedy(&self, kind: Kind) -> String {
@@ -319,13 +346,28 @@ impl Kind {
     }
 }
 
+/// Checks that the axes are not increments unless somebody says so, and that their units are known.
+fn check(options: &ImuOptions, path: &Path, axes: &[(Kind, Column)]) -> zerorate_logs::Result<()> {
+    let columns: Vec<&Column> = axes.iter().map(|(_, column)| column).collect();
+    let asked = increments::ask(path, &columns, &options.log);
+    match (asked, check_units(options, path, axes)) {
+        (Err(asked), Err(more)) => Err(both(path, asked, more)),
+        (asked, units) => asked.and(units),
+    }
+}
+
 /// Checks that each kind has a unit of its own.
 fn check_units(options: &ImuOptions, path: &Path, axes: &[(Kind, Column)]) -> zerorate_logs::Result<()> {
     let mut unknown = Vec::new();
     for kind in Kind::ALL {
-        let &KindOptions { unit, scale, .. } = options.said(kind);
+        let &KindOptions { unit, scale, codes, .. } = options.said(kind);
         for (_, column) in axes.iter().filter(|(of, _)| *of == kind) {
-            unit.map_or(Ok(()), |unit| options.log.agrees(path, &column.name, unit, kind.unit_setting()))?;
+            match codes {
+                Some(codes) => codes.check(path, column, options.log.names)?,
+                None => {
+                    unit.map_or(Ok(()), |unit| options.log.agrees(path, &column.name, unit, kind.unit_setting()))?
+                }
+            }
         }
         let mut of_kind = axes.iter().filter(|(of, _)| *of == kind).map(|(_, column)| column).peekable();
         if of_kind.peek().is_none() {
@@ -338,14 +380,9 @@ fn check_units(options: &ImuOptions, path: &Path, axes: &[(Kind, Column)]) -> ze
                 options.remedy(kind)
             )));
         }
-        let unstated: Vec<&str> =
-            of_kind.filter(|column| column.quantity.is_none()).map(|column| column.name.as_str()).collect();
+        let unstated: Vec<&Column> = of_kind.filter(|column| column.quantity.is_none()).collect();
         if unit.is_none() && scale.is_none() && !unstated.is_empty() {
-            let seen = match &unstated[..] {
-                [only] => format!("column {only} ({}) states no unit", kind.name()),
-                several => format!("columns {} ({}) state no unit", several.join(", "), kind.name()),
-            };
-            unknown.push(format!("{seen}; {}", options.remedy(kind)));
+            unknown.push(options.ask_unit(kind, &unstated));
         }
     }
     match unknown.is_empty() {
@@ -435,6 +472,10 @@ mod tests {
     }
 
     fn axes(head: &str) -> zerorate_logs::Result<Axes> {
+        axes_with(head, &ImuOptions::default())
+    }
+
+    fn axes_with(head: &str, options: &ImuOptions) -> zerorate_logs::Result<Axes> {
         let width = head.split(',').count();
         let row = |at: u64| {
             let cells = (1..width as u64).map(|column| format!("0.{}", (at * (column + 3)) % 7));
@@ -447,7 +488,58 @@ mod tests {
             ColumnSelection::All,
             &zerorate_logs::ColumnOptions::default(),
         )?;
-        Axes::of(Path::new("log.csv"), columns, &ImuOptions::default())
+        Axes::of(Path::new("log.csv"), columns, options)
+    }
+
+    /// A log of integers at rest, in which the third accelerometer has this mean.
+    fn codes(gravity: i32, options: &ImuOptions) -> zerorate_logs::Result<Axes> {
+        let row = |at: i32| {
+            format!("{},{},{},{},{},{},{}\n", at * 10, at % 5, at % 3, -at % 7, at % 3 - 1, at % 5 - 2, gravity)
+        };
+        let text = (0..90).map(row).fold("t_ms,gx,gy,gz,ax,ay,az\n".to_owned(), |text, row| text + &row);
+        let parts = vec![(std::path::PathBuf::from("imu.csv"), text.into_bytes().into())];
+        Axes::read(Path::new("imu.csv"), parts, options)
+    }
+
+    #[test]
+    fn gravity_tells_the_full_scale_or_the_unit() {
+        for (gravity, told) in [
+            (16_384, "codes of ±2 g (16384 per g): accel_range 2"),
+            (8100, "codes of ±4 g (8192 per g): accel_range 4"),
+            (2060, "codes of ±16 g (2048 per g): accel_range 16"),
+            (1003, "looks like mg: accel_unit mg"),
+            (10, "looks like m/s²: accel_unit m/s²"),
+            (1, "looks like g: accel_unit g"),
+        ] {
+            let why = codes(gravity, &ImuOptions::default()).map(drop).unwrap_err().to_string();
+            assert!(why.contains(told) && why.contains("gyro_range"), "{gravity}: {why}");
+        }
+        let why = codes(700, &ImuOptions::default()).map(drop).unwrap_err().to_string();
+        assert!(!why.contains("gravity") && why.contains("gyro_range"), "{why}");
+    }
+
+    #[test]
+    fn what_cannot_be_codes_is_not_scaled_as_codes() {
+        let of = |setting, width_bits, unit, scale| KindOptions {
+            unit: Some(unit),
+            scale: Some(scale),
+            codes: Some(Codes { setting, width_bits }),
+            ..KindOptions::default()
+        };
+        let options = |width_bits| ImuOptions {
+            gyro: of(Setting::Part, width_bits, Unit::Dps, 1.0 / 131.0),
+            accel: of(Setting::AccelRange, width_bits, Unit::G, 1.0 / 16_384.0),
+            ..ImuOptions::default()
+        };
+        let found = codes(16_384, &options(16)).unwrap();
+        assert_eq!((found.columns[0].scale, found.warnings.len()), (1.0 / 131.0, 0));
+        let why = codes(40_000, &options(16)).map(drop).unwrap_err().to_string();
+        assert!(why.contains("accel_range is for integer codes, and column `az` holds 40000"), "{why}");
+        let ways = [("gx_dps", "`gx_dps` is in °/s; leave part out"), ("gx", "`gx` holds 0.")];
+        for (name, told) in ways {
+            let why = axes_with(&format!("t_ns,{name}"), &options(16)).map(drop).unwrap_err().to_string();
+            assert!(why.contains(told), "{why}");
+        }
     }
 
     /// `strangers/23`: one half of the message is 0. A single axis that is 0 is rather broken.

@@ -4,16 +4,40 @@ use std::path::Path;
 use zerorate_logs::{Column, ColumnOptions, LogError, Quantity, Result, Setting};
 
 /// Words in the names of increments of an angle, and of a velocity, without anything but letters.
-const ANGLES: [&str; 7] = ["dtheta", "deltatheta", "dangle", "deltaang", "deltang", "angleincr", "angincr"];
-const VELOCITIES: [&str; 5] = ["dvel", "deltavel", "deltvel", "velincr", "velocityincr"];
+const ANGLES: [&str; 10] = [
+    "dtheta",
+    "deltatheta",
+    "dangle",
+    "deltaang",
+    "deltang",
+    "delang",
+    "angleincr",
+    "angularincr",
+    "angincr",
+    "incang",
+];
+const VELOCITIES: [&str; 7] = ["dvel", "deltavel", "deltvel", "delvel", "velincr", "velocityincr", "incvel"];
+
+/// Beginnings of such names before the axis.
+const SHORT_ANGLES: [&str; 3] = ["dth", "dang", "dphi"];
+const SHORT_VELOCITIES: [&str; 3] = ["dv", "deltav", "delv"];
+
+/// Units of increments behind the axis, without anything but letters and digits.
+const UNITS: [&str; 9] = ["", "rad", "mrad", "urad", "deg", "mdeg", "ms", "mps", "gs"];
 
 /// The quantity of which the name of a column states increments.
 pub fn named(name: &str) -> Option<Quantity> {
     let name: String = name.to_lowercase().chars().filter(|c| c.is_alphanumeric()).collect();
-    let is_axis_of = |start: &str| name.strip_prefix(start).is_some_and(|axis| ["x", "y", "z"].contains(&axis));
+    let is_axis_of = |start: &&str| {
+        let unit = name.strip_prefix(*start).and_then(|rest| rest.strip_prefix(['x', 'y', 'z', '0', '1', '2', '3']));
+        unit.is_some_and(|unit| UNITS.contains(&unit))
+    };
+    let holds = |words: &[&str], starts: &[&str]| {
+        words.iter().any(|word| name.contains(word)) || starts.iter().any(|start| is_axis_of(start))
+    };
     match () {
-        () if ANGLES.iter().any(|word| name.contains(word)) || is_axis_of("dth") => Some(Quantity::AngularRate),
-        () if VELOCITIES.iter().any(|word| name.contains(word)) || is_axis_of("dv") => Some(Quantity::Acceleration),
+        () if holds(&ANGLES, &SHORT_ANGLES) => Some(Quantity::AngularRate),
+        () if holds(&VELOCITIES, &SHORT_VELOCITIES) => Some(Quantity::Acceleration),
         () => None,
     }
 }
@@ -43,10 +67,39 @@ mod tests {
 
     #[test]
     fn names_state_increments() {
-        let angles = ["dtheta_x", "X_DELTANG_OUT", "delta_angle[0]", "in_deltaangl_z_raw", "DeltaTheta.x", "dth_y"];
-        let velocities = ["dvel_x", "delta_velocity_z", "X_DELTVEL", "dv_z", "DeltaVel.y"];
+        let angles = [
+            "dtheta_x",
+            "X_DELTANG_OUT",
+            "delta_angle[0]",
+            "in_deltaangl_z_raw",
+            "DeltaTheta.x",
+            "dth_y",
+            "dang[2]",
+            "DelAngZ",
+            "dtheta_x (rad)",
+            "dth_x_rad",
+            "angular_increment_x",
+            "delta_ang_1",
+        ];
+        let velocities = [
+            "dvel_x",
+            "delta_velocity_z",
+            "X_DELTVEL",
+            "dv_z",
+            "DeltaVel.y",
+            "delta_v_x",
+            "dv[0]",
+            "dv_x [m/s]",
+            "DelVelX",
+            "dv_y_mps",
+            "velocity_increment_z",
+        ];
         assert!(angles.iter().all(|name| named(name) == Some(Quantity::AngularRate)));
         assert!(velocities.iter().all(|name| named(name) == Some(Quantity::Acceleration)));
-        assert!(["gyro_x", "theta", "vel_x", "dx", "dvalue", "delta_t", "angular_velocity.x"].map(named) == [None; 7]);
+        assert!(
+            ["gyro_x", "theta", "vel_x", "dx", "dvalue", "delta_t", "angular_velocity.x", "dv", "dvx_raw", "div_x"]
+                .map(named)
+                == [None; 10]
+        );
     }
 }

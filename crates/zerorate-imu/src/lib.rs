@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod axes;
+mod codes;
 mod coefficients;
 mod consumer;
 pub mod increments;
@@ -20,6 +21,7 @@ mod triads;
 mod warning;
 
 pub use axes::{Axes, ImuOptions, KindOptions};
+pub use codes::Codes;
 pub use coefficients::{B, Named, Units, coefficients, span};
 pub use consumer::Format;
 pub use kind::Kind;

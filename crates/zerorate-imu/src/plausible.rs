@@ -1,7 +1,8 @@
 //! Means that no sensor has at rest. They tell of a wrong unit, of a wrong scale, or of columns that are mixed.
 
+use crate::codes;
 use std::path::Path;
-use zerorate_logs::{Column, LogWarning, Quantity, Series, Unit};
+use zerorate_logs::{Column, ColumnOptions, LogWarning, Quantity, Series, Unit};
 
 /// Gravity, m/s². It differs by 0.3 % over the Earth.
 const GRAVITY_M_S2: f64 = 9.8;
@@ -29,7 +30,7 @@ pub(super) fn increments(axes: &[Column]) -> Option<String> {
 }
 
 /// The warnings about the axes of an IMU in the log at `path`.
-pub(super) fn doubts(path: &Path, axes: &[Column]) -> Vec<LogWarning> {
+pub(super) fn doubts(path: &Path, axes: &[Column], log: &ColumnOptions) -> Vec<LogWarning> {
     let of = |quantity| axes.iter().filter(move |axis| axis.quantity == Some(quantity));
     let warning = |what| LogWarning::Implausible { path: path.display().to_string(), what };
     let turn = |axis: &Column, has_sign| {
@@ -40,11 +41,17 @@ pub(super) fn doubts(path: &Path, axes: &[Column]) -> Vec<LogWarning> {
     let turns = of(Quantity::AngularRate).filter_map(|axis| turn(axis, has_sign));
     let fall = acceleration(axes).and_then(|m_s2| {
         let is_off = m_s2 > SUBTRACTED_M_S2 && (m_s2 / GRAVITY_M_S2 - 1.0).abs() > WITHIN;
-        is_off.then(|| format!("gravity is {m_s2:.3} m/s²"))
+        let of_kind: Vec<&Column> = of(Quantity::Acceleration).collect();
+        let remedy = || codes::of_gravity(&of_kind, log).map_or_else(String::new, |remedy| format!(" ({remedy})"));
+        is_off.then(|| format!("gravity is {m_s2:.3} m/s²{}", remedy()))
     });
     let whole = |axis: &Column| {
         let unit = axis.quantity.map_or("", Quantity::unit);
-        format!("{} has steps of {:.3} {unit}, as codes without their scale have", axis.name, axis.scale)
+        let remedy = match axis.quantity {
+            Some(Quantity::AngularRate) => format!(" ({})", codes::of_gyroscope(log.names)),
+            _ => String::new(),
+        };
+        format!("{} has steps of {:.3} {unit}, as codes without their scale have{remedy}", axis.name, axis.scale)
     };
     let whole = axes.iter().find(|axis| is_whole(axis)).map(whole);
     turns.take(1).chain(fall).chain(whole).map(warning).collect()

@@ -1,5 +1,6 @@
 //! The noise of an IMU.
 
+use crate::code_scales::{CodeOptions, concerns};
 use crate::{InvalidOptions, allan, temperature};
 use anyhow::Result;
 use std::path::Path;
@@ -12,6 +13,8 @@ use zerorate_logs::{LogWarning, Setting};
 pub struct ImuNoiseOptions {
     /// The columns that are axes, and facts that the log does not state.
     pub axes: ImuOptions,
+    /// The scales of integer codes, for axes whose unit is not given.
+    pub codes: CodeOptions,
     /// The column with the temperature; none: one by the usual names.
     pub temperature: Option<String>,
     /// The options of the analysis of each axis.
@@ -37,8 +40,11 @@ pub struct ImuNoise {
 /// # Errors
 /// Returns an error if the log cannot be read or lacks axes, or if an axis cannot be analysed.
 pub fn imu(log: &Path, options: &ImuNoiseOptions) -> Result<ImuNoise> {
-    let axes = Axes::read(log, files::log(log)?, &options.axes)?;
+    let mut of_axes = options.axes.clone();
+    let assumed = options.codes.apply(&mut of_axes)?;
+    let mut axes = Axes::read(log, files::log(log)?, &of_axes)?;
     let absent = axes.absent(&options.axes).collect();
+    axes.warnings.extend(assumed.into_iter().filter(|(kind, _)| concerns(*kind, &axes.columns)).map(|(_, said)| said));
     let kinds = axes.columns.iter().filter_map(|column| Kind::of(column.quantity?));
     let not_taken = |why: NoNoiseFile| {
         let [column, format] = [Setting::Column, Setting::Format].map(|of| options.axes.log.names.of(of));

@@ -284,10 +284,13 @@ fn of_logs() -> Vec<LogWarning> {
     ]
 }
 
-/// What the samples of a column show.
-fn of_samples() -> [LogWarning; 3] {
+/// What the samples of a column show, and what is taken for their scale and rate.
+fn of_samples() -> [LogWarning; 5] {
     let [path, column] = [|| "log.csv".to_owned(), || "gz_dps".to_owned()];
+    let assumed = "--gyro-range 250: 131.1 codes per °/s; lsm6ds3 and 5 more differ: give --part";
     [
+        LogWarning::ScaleAssumed(assumed.to_owned()),
+        LogWarning::RateTaken { path: path(), name: "imu.Fs".to_owned(), rate_hz: 200.0 },
         LogWarning::Resampled {
             path: path(),
             column: column(),

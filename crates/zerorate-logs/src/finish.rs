@@ -9,6 +9,7 @@ use crate::rate_question::no_rate;
 use crate::raw_columns::{Clock, RawColumn, RawColumns, first_rows};
 use crate::series::Series;
 use crate::setting::{Names, Setting};
+use crate::stated_rate::StatedRate;
 use crate::time_names::{is_fraction, is_step, ticks};
 use crate::warning::LogWarning;
 use crate::{given_rate, lost_digits, mixed_rows, order, rate_changes, time_unit, unsigned};
@@ -166,7 +167,7 @@ impl RawColumns {
             self.warnings.extend(jitter);
             self.warnings.extend(rate_changes.map(|how| LogWarning::RateChanges { path: path(), how }));
         }
-        let Self { columns, clock, mut warnings, sample } = self;
+        let Self { columns, clock, mut warnings, sample, stated_rate } = self;
         let (measured, lost, guess) = match (time_base, clock) {
             (Some((_, TimeBase { rate_hz, gaps, .. })), _) => (Some(rate_hz), gaps, None),
             (None, Clock::Counted { rate_hz, gaps }) => (rate_hz, gaps, None),
@@ -174,9 +175,16 @@ impl RawColumns {
             (None, Clock::Silent) => (None, Vec::new(), None),
         };
         let first_rows = first_rows(&sample, &columns);
-        let stamps = || given_rate::of_stamps(measured, &first_rows);
-        warnings.extend(args.rate.and_then(|rate_hz| given_rate::doubt(path, rate_hz, stamps()?)));
-        let told = args.rate.or(measured);
+        let stated = stated_rate.as_ref().map(|stated| stated.rate_hz);
+        let stamps = || given_rate::of_stamps(measured.or(stated), &first_rows);
+        let given = args.rate.or(stated.filter(|_| measured.is_some()));
+        warnings.extend(given.and_then(|rate_hz| given_rate::doubt(path, rate_hz, stamps()?)));
+        let told = args.rate.or(measured).or(stated);
+        let taken = stated_rate.filter(|_| args.rate.or(measured).is_none());
+        warnings.extend(taken.map(|StatedRate { name, rate_hz }| {
+            let path = path.display().to_string();
+            LogWarning::RateTaken { path, name, rate_hz }
+        }));
         let no_rate = told.is_none().then(|| {
             let names = guess.iter().chain(columns.iter().map(|column| &column.name));
             let names: Vec<&str> = names.map(String::as_str).collect();

@@ -1,8 +1,8 @@
 //! Logs by other people's writers: 20 samples at 200 Hz, the thirteenth missing, z = 0.25·n (`fixtures/make.py`).
 
 use super::tests::{
-    DATAFLASH, Folder, HDF5, HDF5_LATEST, MAT, MAT_73, MAT_PACKED, NPZ, NPZ_PACKED, ROSBAG, ROSBAG_BZ2, ROSBAG_LZ4,
-    ULOG, numbers, options, there,
+    DATAFLASH, Folder, HDF5, HDF5_LATEST, HDF5_UNITS, MAT, MAT_73, MAT_FS, MAT_PACKED, NPZ, NPZ_FS, NPZ_PACKED,
+    ROSBAG, ROSBAG_BZ2, ROSBAG_LZ4, ULOG, numbers, options, there,
 };
 use super::*;
 use std::path::Path;
@@ -153,6 +153,43 @@ fn data_sets_of_hdf5() {
     assert!(short.contains("as an HDF5 file"), "{short}");
     assert!(folder.fails(b"\x89HDF\r\n\x1A\nxxxxxxxxx", "").contains("as an HDF5 file"));
     assert!(folder.fails([b"MATLAB 7.3 MAT-file".as_slice(), &[0; 600]].concat(), "").contains("as an HDF5 file"));
+}
+
+#[test]
+fn a_sample_rate_beside_the_columns_is_taken_and_said() {
+    let folder = Folder::new();
+    for (file, rate) in [(MAT_FS, "imu.Fs"), (NPZ_FS, "Fs")] {
+        let column = folder.read(file, "--column gz --unit dps").unwrap();
+        let said: Vec<String> = column.warnings.iter().map(LogWarning::coded).collect();
+        assert!(column.rate_hz == 200.0 && said.len() == 1, "{rate}: {} Hz, {said:?}", column.rate_hz);
+        assert!(said[0].contains(&format!("`{rate}` states 200 Hz")), "{said:?}");
+        let said = &folder.read(file, "--column gz --unit dps --rate 100").unwrap().warnings;
+        assert!(said[0].coded().contains("rate-contradicts"), "{said:?}");
+    }
+    // the other HDF5 file has two columns of times
+    for (file, name, said) in [(MAT, "imu.gx", 0), (MAT_73, "imu.gx", 0), (HDF5, "imu/gz", 1)] {
+        let read = |options: &str| folder.read(file, &format!("--column {name} --unit dps {options}")).unwrap();
+        assert_eq!((read("").warnings.len(), read("").rate_hz.round()), (said, 200.0));
+        assert!(read("--rate 100").warnings[0].coded().contains("rate-contradicts"));
+    }
+}
+
+#[test]
+fn units_in_the_attributes_of_a_data_set_are_used() {
+    let folder = Folder::new();
+    let read = |column: &str| folder.read(HDF5_UNITS, &format!("--column {column} --time-column Time"));
+    for (column, name, scale) in
+        [("gz", "gz [rad/s]", 1f64.to_degrees()), ("ax", "ax [m/s²]", 1.0), ("gy_dps", "gy_dps", 1.0)]
+    {
+        let column = read(column).unwrap();
+        let said: Vec<String> = column.warnings.iter().map(LogWarning::coded).collect();
+        assert_eq!((&*column.name, column.scale), (name, scale));
+        assert!((column.rate_hz - 200.0).abs() < 1e-9, "{}", column.rate_hz);
+        assert!(said.len() == 1 && said[0].contains("250.000000 Hz was given"), "{said:?}");
+    }
+    let other = folder.fails(HDF5_UNITS, "--column gz --time-column Time --unit dps");
+    assert!(other.contains("states rad/s, and --unit says dps"), "{other}");
+    assert_eq!(folder.read(HDF5_UNITS, "--column gz").unwrap().rate_hz, 200.0);
 }
 
 #[test]

@@ -12,7 +12,9 @@ use crate::choice::{Choice, Columns};
 use crate::error::Result;
 use crate::query::ColumnQuery;
 use crate::raw_columns::{RawColumn, RawColumns};
+use crate::stated_rate::{StatedRate, is_rate};
 use crate::warning::LogWarning;
+use hdf5_reader::attribute_api::Attribute;
 use hdf5_reader::datatype_api::CompoundField;
 use hdf5_reader::error::{ByteOrder, Error};
 use hdf5_reader::filters::FilterRegistry;
@@ -23,7 +25,7 @@ use std::path::Path;
 use std::sync::Arc;
 use zerorate_input::catch_panic::catch_panic;
 use zerorate_input::limits::MemoryBudget;
-use zerorate_input::{Input, InputError, InputWarning};
+use zerorate_input::{Input, InputError, InputWarning, TimeUnit, Unit};
 
 /// The number of h5py's own compression filter in the list of the HDF Group.
 const LZF: u16 = 32000;
@@ -50,7 +52,7 @@ const MAX_HEADER: usize = 1 << 22;
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let Log { path, input, room, .. } = log;
     let behind = end(&input).map(|end| InputWarning::behind_end(path, &input, end)).transpose()?.flatten();
-    let sets = sets(path, input, room)?;
+    let Content { sets, rates } = content(path, input, room)?;
     let columns: Vec<SetColumn<'_>> = sets.iter().flat_map(Set::columns).collect();
     let names = columns.iter().map(|column| column.name.as_str()).collect();
     let all =
@@ -73,13 +75,16 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
             taken.map_err(wrong)?;
         }
     }
+    let time_unit = time.and_then(|time| columns[time].unit_text());
+    times.unit = time_unit.and_then(|unit| TimeUnit::of_column(&format!("time [{unit}]")));
     let time = time.map(|time| (columns[time].name.clone(), times));
-    let name = |(column, values): (&&SetColumn<'_>, SeriesBuilder)| RawColumn::new(column.name.clone(), values);
-    Ok(RawColumns::new(wanted.iter().zip(values).map(name), time, behind.map(LogWarning::from)))
+    let name = |(column, values): (&&SetColumn<'_>, SeriesBuilder)| RawColumn::new(column.with_unit(), values);
+    let found = RawColumns::new(wanted.iter().zip(values).map(name), time, behind.map(LogWarning::from));
+    Ok(RawColumns { stated_rate: StatedRate::among(rates), ..found })
 }
 
 /// The data sets of numbers, in the order of their names, because a file lists them in any order.
-fn sets(path: &Path, input: Input, room: MemoryBudget) -> Result<Vec<Set>, InputError> {
+fn content(path: &Path, input: Input, room: MemoryBudget) -> Result<Content, InputError> {
     let most = usize::try_from(room.bytes()).unwrap_or(usize::MAX) / 4;
     let options = OpenOptions::default()
         .with_max_chunk_bytes(most)
@@ -91,10 +96,10 @@ fn sets(path: &Path, input: Input, room: MemoryBudget) -> Result<Vec<Set>, Input
     let cut = if starts_as_matlab(&input) { '.' } else { '/' };
     let found = catch_panic(|| {
         let file = Hdf5File::from_storage_with_options(Arc::new(Bytes { input, length }), options)?;
-        let mut sets = Vec::new();
-        collect(&file.root_group()?, "", cut, MAX_DEPTH, &mut sets)?;
-        sets.sort_by(|one: &Set, other| one.name.cmp(&other.name));
-        Ok::<_, Error>(sets)
+        let mut found = Content::default();
+        collect(&file.root_group()?, "", cut, MAX_DEPTH, &mut found)?;
+        found.sets.sort_by(|one: &Set, other| one.name.cmp(&other.name));
+        Ok::<_, Error>(found)
     });
     let damaged = |error: Error| InputError::damaged(path, "as an HDF5 file", said(&error));
     found.ok_or_else(|| senseless(path))?.map_err(damaged)
@@ -201,23 +206,34 @@ struct Set {
     set: Dataset,
 }
 
+/// What a file holds.
+#[derive(Default)]
+struct Content {
+    sets: Vec<Set>,
+    /// The sample rates in Hz that it states, with their names.
+    rates: Vec<(String, f64)>,
+}
+
 /// Finds the data sets of numbers below a group.
-fn collect(group: &Group, name: &str, cut: char, depth: usize, sets: &mut Vec<Set>) -> Result<(), Error> {
+fn collect(group: &Group, name: &str, cut: char, depth: usize, found: &mut Content) -> Result<(), Error> {
     let Some(depth) = depth.checked_sub(1) else { return Ok(()) };
     let (groups, members) = group.members()?;
     let below = |own: &str| if name.is_empty() { own.to_owned() } else { format!("{name}{cut}{own}") };
+    found.rates.extend(stated_rates(group.attributes().unwrap_or_default(), name));
     for set in members {
         let own = set.name().rsplit('/').next().unwrap_or_default().to_owned();
         let has_numbers = size(set.dtype()).is_some() || matches!(set.dtype(), Datatype::Compound { .. });
-        if sets.len() < MAX_SETS && has_numbers && is_of_numbers(&set) {
-            sets.push(Set { name: below(&own), set });
+        if found.sets.len() < MAX_SETS && has_numbers && is_of_numbers(&set) {
+            let set = Set { name: below(&own), set };
+            found.rates.extend(set.rates());
+            found.sets.push(set);
         }
     }
     for group in groups {
         let own = group.name().rsplit('/').next().unwrap_or_default().to_owned();
         // MATLAB's internal data
         if !own.starts_with('#') {
-            collect(&group, &below(&own), cut, depth, sets)?;
+            collect(&group, &below(&own), cut, depth, found)?;
         }
     }
     Ok(())
@@ -267,7 +283,43 @@ impl Set {
     }
 }
 
+/// The sample rates among the attributes of `owner`.
+fn stated_rates(attributes: Vec<Attribute>, owner: &str) -> Vec<(String, f64)> {
+    let stated = attributes.into_iter().filter(|attribute| is_rate(&attribute.name));
+    stated.filter_map(|of| Some((format!("{owner}@{}", of.name), of.read_as_f64().ok()?))).collect()
+}
+
+impl Set {
+    /// The sample rates that the data set states: in its attributes, or as its only number.
+    fn rates(&self) -> Vec<(String, f64)> {
+        let Self { name, set } = self;
+        let mut rates = stated_rates(set.attributes(), name);
+        if is_rate(name) && size(set.dtype()).is_some() && set.num_elements().is_ok_and(|count| count == 1) {
+            let number = set.read_array::<Cell>().ok().and_then(|cells| cells.first().copied());
+            rates.extend(number.and_then(|Cell(number)| number.as_f64()).map(|number| (name.clone(), number)));
+        }
+        rates
+    }
+}
+
 impl SetColumn<'_> {
+    /// The unit in the attributes of the data set.
+    fn unit_text(&self) -> Option<String> {
+        let attributes = self.set.attributes();
+        let named = attributes.iter().find(|of| matches!(of.name.to_lowercase().as_str(), "unit" | "units"))?;
+        let text = named.read_string().ok()?;
+        Some(text.trim_matches(['\0', ' ']).to_owned())
+    }
+
+    /// The name with the unit of the data set, unless the name states it.
+    fn with_unit(&self) -> String {
+        let stated = self.unit_text().and_then(|unit| unit.parse::<Unit>().ok());
+        match stated.filter(|unit| self.field.is_none() && Unit::of_column(&self.name) != Some(*unit)) {
+            Some(unit) => format!("{} [{unit}]", self.name),
+            None => self.name.clone(),
+        }
+    }
+
     fn read(&self, start: u64, end: u64) -> Result<Vec<Number>, Error> {
         let rows = SliceInfoElem::Slice { start, end, step: 1 };
         let selections = match self.at {

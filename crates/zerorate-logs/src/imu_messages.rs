@@ -277,7 +277,7 @@ impl<'a> Collector<'a> {
         };
         let columns = wanted.all.into_iter().zip(values).map(column).collect();
         let warnings = of_end.map(LogWarning::from).into_iter().chain(miscounted).chain(unstamped).collect();
-        RawColumns { columns, clock, warnings, sample }
+        RawColumns { columns, clock, warnings, sample, stated_rate: None }
     }
 }
 

@@ -73,6 +73,7 @@ mod setting;
 mod several;
 #[cfg(feature = "sqlite")]
 mod sqlite_bag;
+mod stated_rate;
 mod tabular;
 mod temperature;
 #[cfg(test)]
@@ -97,7 +98,7 @@ pub use number::Decimal;
 pub use only::Only;
 pub use options::{ColumnOptions, MAX_BAD};
 pub use parts::{Parts, read_parts, read_with_temperature, read_without_rate};
-pub use raw::RawType;
+pub use raw::{RawNumber, RawType};
 pub use read::{read, read_all, read_table};
 pub use series::Series;
 pub use setting::{Names, Setting};

@@ -11,6 +11,7 @@ use crate::choice::{Choice, Columns};
 use crate::error::Result;
 use crate::query::ColumnQuery;
 use crate::raw_columns::{RawColumn, RawColumns};
+use crate::stated_rate::StatedRate;
 use crate::warning::LogWarning;
 use flate2::read::ZlibDecoder;
 use std::io::{BufReader, Read};
@@ -50,6 +51,9 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     for (number, variable) in variables.iter().enumerate() {
         variable.columns(&mut columns).map_err(|what| damaged(path, number, &what))?;
     }
+    // a single number is not a column of the log, and may be its sample rate
+    let (columns, single): (Vec<_>, Vec<_>) = columns.into_iter().partition(|column| column.rows() > 1);
+    let stated_rate = StatedRate::among(single.iter().filter_map(Variable::number));
     let names = columns.iter().map(|column| column.name.as_str()).collect();
     let all =
         Columns { path, names, numeric: vec![true; columns.len()], clocks: Vec::new(), settings: asked.args.names };
@@ -58,7 +62,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let found = chosen.iter().map(|at| columns[*at].values(path, room, chosen.len()));
     let found = found.collect::<Result<Vec<_>, _>>()?;
     let time = time.map(|time| Ok::<_, InputError>((columns[time].name.clone(), columns[time].times(path)?)));
-    Ok(RawColumns::new(found, time.transpose()?, of_end.map(LogWarning::from)))
+    Ok(RawColumns { stated_rate, ..RawColumns::new(found, time.transpose()?, of_end.map(LogWarning::from)) })
 }
 
 /// The unpacked variables of a file, and the warning if it is torn or another file follows.
@@ -286,8 +290,7 @@ fn split<'a>(
     found: &mut Vec<Variable<'a>>,
 ) {
     let (count, len) = (rows.min(columns), rows.max(columns));
-    // a single number is not a column of the log
-    if len < 2 || count > MAX_COLUMNS {
+    if count > MAX_COLUMNS {
         return;
     }
     let upright = rows >= columns;
@@ -336,6 +339,15 @@ impl Variable<'_> {
                 _ => i64::try_from(bits).map_or(Value::Number(bits as f64), Value::Integer),
             }
         })
+    }
+
+    /// The name and the value of a single number.
+    fn number(&self) -> Option<(String, f64)> {
+        let number = match self.cells().next()? {
+            Value::Integer(integer) => integer as f64,
+            Value::Number(number) => number,
+        };
+        Some((self.name.clone(), number))
     }
 
     fn values(&self, path: &Path, room: MemoryBudget, sharing: usize) -> Result<RawColumn, InputError> {

@@ -10,6 +10,7 @@ use crate::choice::{Choice, Columns};
 use crate::error::{Result, wrong};
 use crate::query::ColumnQuery;
 use crate::raw_columns::{RawColumn, RawColumns};
+use crate::stated_rate::{StatedRate, is_rate};
 use crate::warning::LogWarning;
 use header::{Element, Form, Header, Kind};
 use std::io::{BufReader, Read, Seek, SeekFrom};
@@ -39,6 +40,8 @@ pub struct Array {
     /// Offset of the data in the file, and offset behind the data.
     start: u64,
     end: u64,
+    /// Whether the array is a single number that is called a sample rate.
+    is_rate: bool,
 }
 
 impl Array {
@@ -46,8 +49,10 @@ impl Array {
     pub fn new(path: &Path, file: &mut impl Read, length: u64, name: &str) -> Result<Self, InputError> {
         let place = if name.is_empty() { "as an NPY file".to_owned() } else { format!("array {name}") };
         let (header, start) = header(file).map_err(|what| InputError::damaged(path, place, what))?;
-        let rows = header.shape.first().copied().unwrap_or_default();
         let end = start + check_length(path, &header, length.saturating_sub(start))?;
+        let is_rate = is_rate(name) && header.shape.iter().all(|length| *length == 1);
+        let header = if is_rate { Header { shape: vec![1], ..header } } else { header };
+        let rows = header.shape.first().copied().unwrap_or_default();
         let fields = match (header.shape.as_slice(), name) {
             ([], name) if !name.is_empty() => Vec::new(),
             (_, "") => fields(path, &header)?,
@@ -56,7 +61,22 @@ impl Array {
                 fields(path, &header).unwrap_or_default().into_iter().map(|field| field.of(name, shape)).collect()
             }
         };
-        Ok(Self { fields, rows, start, end })
+        Ok(Self { fields, rows, start, end, is_rate })
+    }
+
+    /// The name and the value of a single number.
+    fn rate(&self, path: &Path, file: &mut BufReader<Input>) -> Result<Option<(String, f64)>, InputError> {
+        let Some(field) = self.fields.first().filter(|field| field.kind.is_some()) else { return Ok(None) };
+        let mut rate = None;
+        each(path, file, self.start, 1, &[field], |_, cells| {
+            let number = cells.iter().next().map(|cell| match field.decode(cell) {
+                Cell::Integer(integer) => integer as f64,
+                Cell::Number(number) => number,
+            });
+            rate = number.map(|number| (field.name.clone(), number));
+            Ok(())
+        })?;
+        Ok(rate)
     }
 
     /// The number of columns.
@@ -76,7 +96,8 @@ pub fn read_arrays(
     mut open: impl FnMut(usize, bool) -> Result<Option<Input>, InputError>,
 ) -> Result<RawColumns> {
     let of_array = |(at, array): (usize, &Array)| (0..array.fields.len()).map(move |field| (at, field));
-    let places: Vec<(usize, usize)> = arrays.iter().enumerate().flat_map(of_array).collect();
+    let of_log = arrays.iter().enumerate().filter(|(_, array)| !array.is_rate);
+    let places: Vec<(usize, usize)> = of_log.flat_map(of_array).collect();
     let field = |at: &usize| &arrays[places[*at].0].fields[places[*at].1];
     let fields: Vec<&Field> = (0..places.len()).map(|at| field(&at)).collect();
     let numeric = fields.iter().map(|field| field.kind.is_some_and(|kind| kind != Kind::Time)).collect();
@@ -96,9 +117,15 @@ pub fn read_arrays(
     times.unit = time.and_then(|time| field(&time).time_unit);
     let mut of_arrays = vec![Vec::new(); arrays.len()];
     wanted.iter().enumerate().for_each(|(column, at)| of_arrays[places[*at].0].push(column));
-    for (at, (Array { fields, rows, start, .. }, here)) in arrays.iter().zip(of_arrays).enumerate() {
-        let Some(file) = open(at, !here.is_empty())? else { continue };
+    let mut rates = Vec::new();
+    for (at, (array, here)) in arrays.iter().zip(of_arrays).enumerate() {
+        let Some(file) = open(at, array.is_rate || !here.is_empty())? else { continue };
         let mut file = BufReader::with_capacity(BUFFER, file);
+        if array.is_rate {
+            rates.extend(array.rate(path, &mut file)?);
+            continue;
+        }
+        let Array { fields, rows, start, .. } = array;
         let of_here: Vec<&Field> = here.iter().map(|column| &fields[places[wanted[*column]].1]).collect();
         each(path, &mut file, *start, *rows, &of_here, |column, cells| match values.get_mut(here[column]) {
             Some(values) => push_values(values, cells, of_here[column]),
@@ -107,7 +134,7 @@ pub fn read_arrays(
     }
     let time = time.map(|_| (names[chosen.len()].clone(), times));
     let columns = names.into_iter().zip(values).map(|(name, values)| RawColumn::new(name, values));
-    Ok(RawColumns::new(columns, time, left_out))
+    Ok(RawColumns { stated_rate: StatedRate::among(rates), ..RawColumns::new(columns, time, left_out) })
 }
 
 /// An error: the row among the rows at hand, and the text.

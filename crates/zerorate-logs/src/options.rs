@@ -55,7 +55,7 @@ pub struct ColumnOptions {
     /// The decimal mark of a text file; `None` means a point, or a comma where nothing else is possible.
     pub decimal: Option<Decimal>,
 
-    /// The type of the numbers, if the file is nothing but little-endian numbers.
+    /// The type of the numbers and of their records, if the file is nothing but numbers.
     pub raw: Option<RawType>,
 
     /// Share of broken lines of a text file that are skipped and counted; `None` means [`MAX_BAD`].

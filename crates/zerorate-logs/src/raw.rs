@@ -1,21 +1,38 @@
-//! A file that is nothing but numbers, little endian.
+//! A file that is nothing but numbers: one column, or records of several.
 
 use super::open::Log;
 use super::series::SeriesBuilder;
+use crate::choice::{Choice, Columns};
+use crate::clock::Times;
 use crate::error::{Result, wrong};
+use crate::query::ColumnQuery;
 use crate::raw_columns::{RawColumn, RawColumns};
-use crate::setting::{Names, Setting};
-use std::io::{ErrorKind, Read};
-use zerorate_input::InputError;
+use crate::setting::Setting;
+use std::io::Read;
+use std::str::FromStr;
+use zerorate_input::{Input, InputError};
 
-/// Bytes that are read at a time; a multiple of the size of every type. (To map the file into memory would take
+/// Bytes that are read at a time, apart from what is less than a record. (To map the file into memory would take
 /// `unsafe` code.)
 const BLOCK: usize = 1 << 18;
 
-/// The type of each number.
+/// Largest number of numbers in a record.
+const MAX_CHANNELS: usize = 256;
+
+/// The records of a file of plain numbers: `i16`, or `6xi16be` for six big-endian integers in each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
-pub enum RawType {
+pub struct RawType {
+    /// The numbers in a record, all of one type.
+    pub channels: usize,
+    /// The type of each.
+    pub number: RawNumber,
+    /// Whether the first byte of a number is the highest.
+    pub is_big_endian: bool,
+}
+
+/// The type of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RawNumber {
     /// 16-bit integers.
     I16,
     /// 32-bit integers.
@@ -26,7 +43,10 @@ pub enum RawType {
     F64,
 }
 
-impl RawType {
+impl RawNumber {
+    /// The types by their names.
+    const NAMES: [(&str, Self); 4] = [("i16", Self::I16), ("i32", Self::I32), ("f32", Self::F32), ("f64", Self::F64)];
+
     fn bytes(self) -> usize {
         match self {
             Self::I16 => 2,
@@ -35,56 +55,130 @@ impl RawType {
         }
     }
 
-    /// Adds the numbers of a block; `Err` is the index of the first infinite number.
-    fn append(self, values: &mut SeriesBuilder, block: &[u8]) -> Result<(), usize> {
-        match self {
-            Self::I16 => values.extend_codes(numbers(block, |bytes| i16::from_le_bytes(bytes).into())),
-            Self::I32 => values.extend_codes(numbers(block, i32::from_le_bytes)),
-            Self::F32 => return values.extend_numbers(numbers(block, |bytes| f32::from_le_bytes(bytes).into())),
-            Self::F64 => return values.extend_numbers(numbers(block, f64::from_le_bytes)),
+    fn is_integer(self) -> bool {
+        matches!(self, Self::I16 | Self::I32)
+    }
+}
+
+impl FromStr for RawType {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let unknown =
+            || "give i16, i32, f32 or f64; big endian as i16be, records of six as 6xi16 or 6xi16be".to_owned();
+        let (channels, number) = match text.split_once('x') {
+            Some((channels, number)) => (channels.parse().map_err(|_| unknown())?, number),
+            None => (1, text),
+        };
+        if !(1..=MAX_CHANNELS).contains(&channels) {
+            return Err(format!("a record has 1 to {MAX_CHANNELS} numbers"));
         }
+        let (name, is_big_endian) = match number.strip_suffix("be") {
+            Some(name) => (name, true),
+            None => (number.strip_suffix("le").unwrap_or(number), false),
+        };
+        let number = RawNumber::NAMES.into_iter().find(|(known, _)| *known == name).map(|(_, number)| number);
+        Ok(Self { channels, number: number.ok_or_else(unknown)?, is_big_endian })
+    }
+}
+
+impl RawType {
+    /// Bytes of a record.
+    fn record(self) -> usize {
+        self.channels * self.number.bytes()
+    }
+
+    /// The name of a column: its number, unless there is only one.
+    fn name(self, channel: usize) -> String {
+        if self.channels == 1 { "raw".to_owned() } else { channel.to_string() }
+    }
+
+    /// The numbers of a channel.
+    fn channel(self, block: &[u8], channel: usize) -> Vec<f64> {
+        match self.number {
+            RawNumber::I16 => self.numbers(block, channel, |bytes| i16::from_le_bytes(bytes).into()),
+            RawNumber::I32 => self.numbers(block, channel, |bytes| i32::from_le_bytes(bytes).into()),
+            RawNumber::F32 => self.numbers(block, channel, |bytes| f32::from_le_bytes(bytes).into()),
+            RawNumber::F64 => self.numbers(block, channel, f64::from_le_bytes),
+        }
+    }
+
+    /// Adds the numbers of a channel; `Err` is the index of the first infinite number.
+    fn append(self, values: &mut SeriesBuilder, block: &[u8], channel: usize) -> Result<(), usize> {
+        let numbers = self.channel(block, channel).into_iter();
+        if !self.number.is_integer() {
+            return values.extend_numbers(numbers);
+        }
+        values.extend_codes(numbers.map(|code| code as i32));
         Ok(())
     }
-}
 
-/// Reads the whole file as one column.
-pub fn read(log: Log<'_>, raw: RawType, names: Names) -> Result<RawColumns> {
-    let setting = names.of(Setting::Raw);
-    let failed = |error| InputError::io("read", log.path, error);
-    let bytes = log.input.length().map_err(failed)?;
-    let size = raw.bytes();
-    if !bytes.is_multiple_of(size as u64) {
-        let what = format!("{bytes} bytes are not a multiple of {size}-byte numbers; check {setting}");
-        return Err(InputError::damaged(log.path, "as raw numbers", what).into());
+    /// Adds the times in a channel; `Err` is the index of the first that is not one, and the reason.
+    fn append_times(self, times: &mut Times, block: &[u8], channel: usize) -> Result<(), (usize, String)> {
+        let mut rows = self.channel(block, channel).into_iter().enumerate();
+        rows.try_for_each(|(row, time)| times.push_number(time).map_err(|why| (row, why)))
     }
-    let mut values = SeriesBuilder::new(log.room);
-    values.reserve((bytes / size as u64) as usize, matches!(raw, RawType::I16 | RawType::I32));
-    let mut input = log.input;
-    let mut buffer = vec![0; BLOCK];
-    loop {
-        let mut filled = 0;
-        while filled < BLOCK {
-            match input.read(&mut buffer[filled..]) {
-                Ok(0) => break,
-                Ok(read) => filled += read,
-                Err(error) if error.kind() == ErrorKind::Interrupted => {}
-                Err(error) => return Err(failed(error).into()),
+
+    /// The numbers of a channel; `decode` takes little-endian bytes.
+    fn numbers<const N: usize>(self, block: &[u8], channel: usize, decode: impl Fn([u8; N]) -> f64) -> Vec<f64> {
+        let number = |record: &[u8]| {
+            let mut bytes = record[channel * N..].first_chunk().copied().unwrap_or([0; N]);
+            if self.is_big_endian {
+                bytes.reverse();
             }
-        }
-        let block = &buffer[..filled];
-        if block.is_empty() {
-            break;
-        }
-        let first = values.rows();
-        values.check_room((block.len() / size) as u64).map_err(|why| InputError::over_budget(log.path, why))?;
-        raw.append(&mut values, block).map_err(|at| {
-            let what = format!("it is infinite: is {setting} right?");
-            wrong(log.path, format_args!("number {}", first + at as u64), what)
-        })?;
+            decode(bytes)
+        };
+        block.chunks_exact(self.record()).map(number).collect()
     }
-    Ok(RawColumns::new([RawColumn::new("raw".to_owned(), values)], None, []))
 }
 
-fn numbers<const N: usize, T>(block: &[u8], decode: impl Fn([u8; N]) -> T) -> impl ExactSizeIterator<Item = T> {
-    block.as_chunks::<N>().0.iter().map(move |number| decode(*number))
+/// Reads columns of the file.
+pub fn read(log: Log<'_>, raw: RawType, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
+    let Log { path, mut input, room, .. } = log;
+    let setting = asked.args.names.of(Setting::Raw);
+    let failed = |error| InputError::io("read", path, error);
+    let (bytes, size) = (input.length().map_err(failed)?, raw.record() as u64);
+    if !bytes.is_multiple_of(size) {
+        let what = format!("{bytes} bytes are not a multiple of {size}-byte records; check {setting}");
+        return Err(InputError::damaged(path, "as raw numbers", what).into());
+    }
+    let names: Vec<String> = (0..raw.channels).map(|channel| raw.name(channel)).collect();
+    let all = Columns {
+        path,
+        names: names.iter().map(String::as_str).collect(),
+        numeric: vec![true; raw.channels],
+        clocks: Vec::new(),
+        settings: asked.args.names,
+    };
+    let Choice { values: chosen, time, .. } = all.choose(asked.wanted, asked.args, &[])?;
+    let mut values: Vec<_> = chosen.iter().map(|_| SeriesBuilder::sharing(room, chosen.len())).collect();
+    values
+        .iter()
+        .try_for_each(|one| one.check_room(bytes / size))
+        .map_err(|why| InputError::over_budget(path, why))?;
+    values.iter_mut().for_each(|values| values.reserve((bytes / size) as usize, raw.number.is_integer()));
+    let (mut times, mut first) = (Times::new(), 0);
+    let mut block = Vec::new();
+    while next(&mut input, BLOCK - BLOCK % raw.record(), &mut block).map_err(failed)? {
+        let wrong = |channel: usize, row: usize, what: String| {
+            wrong(path, format_args!("column {}, row {}", names[channel], first + row as u64), what)
+        };
+        for (values, channel) in values.iter_mut().zip(&chosen) {
+            let infinite = |row| wrong(*channel, row, format!("it is infinite: is {setting} right?"));
+            raw.append(values, &block, *channel).map_err(infinite)?;
+        }
+        if let Some(channel) = time {
+            raw.append_times(&mut times, &block, channel).map_err(|(row, what)| wrong(channel, row, what))?;
+        }
+        first += (block.len() / raw.record()) as u64;
+    }
+    let columns = chosen.iter().zip(values).map(|(channel, values)| RawColumn::new(names[*channel].clone(), values));
+    Ok(RawColumns::new(columns, time.map(|channel| (names[channel].clone(), times)), []))
+}
+
+/// Fills `block` with the next bytes of the file; false at its end.
+fn next(input: &mut Input, most: usize, block: &mut Vec<u8>) -> std::io::Result<bool> {
+    block.clear();
+    input.take(most as u64).read_to_end(block)?;
+    Ok(!block.is_empty())
 }

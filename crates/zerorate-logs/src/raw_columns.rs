@@ -3,6 +3,7 @@
 use crate::clock::Times;
 use crate::sample::{Cell, ROWS, Sampled};
 use crate::series::SeriesBuilder;
+use crate::stated_rate::StatedRate;
 use crate::warning::LogWarning;
 use std::borrow::Cow;
 use zerorate_allan::Gap;
@@ -15,6 +16,8 @@ pub struct RawColumns {
     pub warnings: Vec<LogWarning>,
     /// The first rows of all columns of the file; empty if the reader saw only `columns`.
     pub sample: Vec<Sampled>,
+    /// The sample rate that stands beside the columns.
+    pub stated_rate: Option<StatedRate>,
 }
 
 impl RawColumns {
@@ -26,7 +29,7 @@ impl RawColumns {
     ) -> Self {
         let clock = time.map_or(Clock::Silent, |(name, times)| Clock::Column(name, times));
         let (columns, warnings) = (columns.into_iter().collect(), warnings.into_iter().collect());
-        Self { columns, clock, warnings, sample: Vec::new() }
+        Self { columns, clock, warnings, sample: Vec::new(), stated_rate: None }
     }
 }
 

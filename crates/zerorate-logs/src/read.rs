@@ -69,7 +69,7 @@ fn arrow_stream(table: &RecordBatch) -> Result<Vec<u8>, ArrowError> {
 pub fn find(path: &Path, input: Input, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let log = open::open(path, input)?;
     match asked.args.raw {
-        Some(raw) => raw::read(log, raw, asked.args.names),
+        Some(raw) => raw::read(log, raw, asked),
         None => found(log, asked),
     }
 }

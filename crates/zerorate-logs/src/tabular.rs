@@ -201,6 +201,7 @@ impl<'a> TableColumns<'a> {
             clock,
             warnings: warning.into_iter().map(LogWarning::File).collect(),
             sample: self.sample,
+            stated_rate: None,
         })
     }
 
@@ -220,7 +221,7 @@ impl<'a> TableColumns<'a> {
         let of_columns = of_columns.into_iter().map(|warnings| warnings.into_iter().map(of_readings).collect());
         let columns = self.values.into_iter().zip(of_columns).map(|(column, warnings)| column.finish(warnings));
         let warnings = warnings.into_iter().map(|(code, text)| LogWarning::OfTable { code, text }).collect();
-        Ok(RawColumns { columns: columns.collect(), clock, warnings, sample: self.sample })
+        Ok(RawColumns { columns: columns.collect(), clock, warnings, sample: self.sample, stated_rate: None })
     }
 }
 

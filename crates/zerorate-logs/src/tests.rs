@@ -39,11 +39,7 @@ pub fn options(text: &str) -> ColumnOptions {
             "--topic" => options.topic = Some(value.to_owned()),
             "--max-bad" => options.max_bad = number(),
             "--decimal" => options.decimal = Some(if value == "comma" { Decimal::Comma } else { Decimal::Point }),
-            "--raw" => {
-                let types =
-                    [("i16", RawType::I16), ("i32", RawType::I32), ("f32", RawType::F32), ("f64", RawType::F64)];
-                options.raw = types.into_iter().find(|(name, _)| *name == value).map(|(_, raw)| raw);
-            }
+            "--raw" => options.raw = Some(value.parse().unwrap()),
             _ => panic!("no option {name}"),
         }
     }
@@ -184,9 +180,29 @@ fn raw_numbers_of_every_type() {
         ("i32", bytes(&|code| i32::from(code).to_le_bytes().to_vec())),
         ("f32", bytes(&|code| f32::from(code).to_le_bytes().to_vec())),
         ("f64", bytes(&|code| f64::from(code).to_le_bytes().to_vec())),
+        ("i16be", bytes(&|code| code.to_be_bytes().to_vec())),
+        ("f64be", bytes(&|code| f64::from(code).to_be_bytes().to_vec())),
     ] {
         let column = folder.read(content, &format!("--raw {raw} --rate 10")).unwrap();
         assert_eq!(there(&column), codes.map(|code| Some(f64::from(code))), "{raw}");
+    }
+}
+
+#[test]
+fn raw_records_have_several_columns() {
+    let folder = Folder::new();
+    let rows = [[0_i16, 5, -7], [10, 300, 2], [20, -1, 4]];
+    let content: Vec<u8> = rows.iter().flatten().flat_map(|code| code.to_be_bytes()).collect();
+    let column = folder.read(&content, "--raw 3xi16be --column 2 --rate 10").unwrap();
+    assert_eq!((numbers(&column), column.name.as_str()), (vec![-7.0, 2.0, 4.0], "2"));
+    let column = folder.read(&content, "--raw 3xi16be --column 1 --time-column 0 --time-unit ms").unwrap();
+    assert_eq!((numbers(&column), column.rate_hz), (vec![5.0, 300.0, -1.0], 100.0));
+    let why = folder.fails(&content, "--raw 3xi16be --rate 10");
+    assert!(why.contains("has several columns; choose with --column one of: 0, 1, 2"), "{why}");
+    let why = folder.fails(&content[1..], "--raw 3xi16be --column 2 --rate 10");
+    assert!(why.contains("17 bytes are not a multiple of 6-byte records; check --raw"), "{why}");
+    for wrong in ["i8", "xi16", "0xi16", "6xi16xi16", "300xi16", "be", "6x", "-1xf64"] {
+        assert!(wrong.parse::<RawType>().is_err(), "{wrong}");
     }
 }
 

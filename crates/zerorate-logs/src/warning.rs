@@ -46,6 +46,10 @@ pub enum LogWarning {
     CodesUnsigned { path: String, column: String, bits: i32 },
     /// This line above the data states a scale that is not used.
     ScaleUnused { path: String, line: String },
+    /// The scale of integer codes is assumed, as the text says.
+    ScaleAssumed(String),
+    /// A number beside the columns states the sample rate.
+    RateTaken { path: String, name: String, rate_hz: f64 },
     /// The rate that was given is not the rate of the stamps.
     RateContradicts { path: String, given_hz: f64, stamps_hz: f64 },
     /// Samples of a column stand at a limit, as the text says.
@@ -124,6 +128,11 @@ rows!(match LogWarning {
     },
     Self::ScaleUnused { ref path, ref line } =>
         Row { code: "scale-unused", text: format_args!("{path}: `{line:.40}` is not used; give unit and scale") },
+    Self::ScaleAssumed(ref text) => Row { code: "scale-assumed", text: format_args!("{text}") },
+    Self::RateTaken { ref path, ref name, rate_hz } => Row {
+        code: "rate-taken",
+        text: format_args!("{path}: `{name}` states {rate_hz} Hz, which is taken as the sample rate"),
+    },
     Self::RateContradicts { ref path, given_hz, stamps_hz } => Row {
         code: "rate-contradicts",
         text: format_args!("{path}: {given_hz:.6} Hz was given, and the stamps tell {stamps_hz:.6} Hz"),
@@ -198,6 +207,8 @@ impl LogWarning {
             | Self::RateChanges { .. }
             | Self::LinesSkipped { .. }
             | Self::ScaleUnused { .. }
+            | Self::ScaleAssumed(_)
+            | Self::RateTaken { .. }
             | Self::RateContradicts { .. }
             | Self::LinesBroken(_)
             | Self::Implausible { .. }

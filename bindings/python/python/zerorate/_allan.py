@@ -38,7 +38,7 @@ if TYPE_CHECKING:
         time_unit: Literal["s", "ms", "us", "ns"] | None
         increments: bool | None
         decimal: Literal[".", ","] | None
-        raw: Literal["i16", "i32", "f32", "f64"] | None
+        raw: str | None
         max_bad: float | None
         topic: str | None
         where: str | None
@@ -92,7 +92,7 @@ def allan(
     time_unit: Literal["s", "ms", "us", "ns"] | None = None,
     increments: bool | None = None,
     decimal: Literal[".", ","] | None = None,
-    raw: Literal["i16", "i32", "f32", "f64"] | None = None,
+    raw: str | None = None,
     max_bad: float | None = None,
     topic: str | None = None,
     where: str | None = None,

@@ -147,10 +147,14 @@ def imu(
     force_unit: bool = False,
     gyro_scale: float | None = None,
     accel_scale: float | None = None,
+    part: str | os.PathLike[str] | None = None,
+    gyro_range: float | None = None,
+    accel_range: float | None = None,
     increments: bool | None = None,
     time_column: str | int | None = None,
     time_unit: Literal["s", "ms", "us", "ns"] | None = None,
     decimal: Literal[".", ","] | None = None,
+    raw: str | None = None,
     max_bad: float | None = None,
     skip: _log.CutTime | None = None,
     until: _log.CutTime | None = None,
@@ -191,12 +195,18 @@ def imu(
         Take these units where the names of columns state others, which is an error otherwise.
     gyro_scale, accel_scale
         The value of a step of 1, in that unit.
+    part
+        The sensor whose integer codes the columns hold, by a name of ``zerorate parts`` or by its file. It gives the
+        scales of each kind without a unit, at the full scale after power-up or at `gyro_range` and `accel_range`.
+    gyro_range, accel_range
+        Full scale of integer codes of 16 bits, °/s and g: ``250`` means 250/32768 °/s for each, or the sensitivity of
+        `part` there.
     increments
         Whether the columns hold the angle and the velocity of each sample in place of rates; unless given, names and
         gravity that tell of it are an error.
     time_column, time_unit
         The column with the time of each row, and its unit; otherwise the only column whose name states a unit of time.
-    decimal, max_bad, where, skip, until
+    decimal, raw, max_bad, where, skip, until
         See `read_log`.
     stat, taus, confidence, glitches, steps, max_freq_hz
         See `allan`.
@@ -248,6 +258,7 @@ def imu(
         force_unit=force_unit,
         increments=increments,
         decimal=decimal,
+        raw=raw,
         max_bad=max_bad,
         topic=topic,
         where=where,
@@ -259,6 +270,7 @@ def imu(
         None if column is None else [str(name) for name in _log.listed(column)],
         (of_kinds[0], gyro_unit, _number(gyro_scale)),
         (of_kinds[1], accel_unit, _number(accel_scale)),
+        (None if part is None else os.fspath(part), _number(gyro_range), _number(accel_range)),
         _log.with_time(source, given),
     )
     for text in said:
@@ -286,5 +298,5 @@ def _said(axes: Mapping[str, Allan]) -> list[str]:
     return moved + [f"{name}: {text}" for name, texts in of_axes for text in texts]
 
 
-def _number(scale: float | None) -> float | None:
-    return None if scale is None else float(scale)
+def _number(number: float | None) -> float | None:
+    return None if number is None else float(number)

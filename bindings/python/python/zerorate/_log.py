@@ -94,7 +94,7 @@ def read_log(
     scale: float | None = None,
     increments: bool | None = None,
     decimal: Literal[".", ","] | None = None,
-    raw: Literal["i16", "i32", "f32", "f64"] | None = None,
+    raw: str | None = None,
     max_bad: float | None = None,
     topic: str | None = None,
     where: str | None = None,
@@ -129,7 +129,8 @@ def read_log(
     decimal
         The decimal mark of a text: ``.`` or ``,``.
     raw
-        The file has only numbers of this type, little endian: ``i16``, ``i32``, ``f32``, ``f64``.
+        The file has only numbers of this type, little endian: ``i16``, ``i32``, ``f32``, ``f64``; or big endian,
+        ``i16be``; or in records of several, ``6xi16be``, whose columns are 0 to 5.
     max_bad
         Largest share of broken lines of a text that are skipped; 0.01 unless given.
     topic

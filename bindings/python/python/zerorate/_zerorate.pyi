@@ -149,6 +149,7 @@ def read_imu(
     names: list[str] | None,
     gyro: tuple[list[str], str | None, float | None],
     accel: tuple[list[str], str | None, float | None],
+    codes: tuple[str | None, float | None, float | None],
     options: _Options,
 ) -> tuple[list[_Column], str | None, list[str]]: ...
 def imu_file(

@@ -1,6 +1,5 @@
 //! `zerorate parts`: the gyroscopes and IMUs that the program knows by name.
 
-use crate::catalogue::{self, FILES};
 use crate::output::{print, print_json, print_lines};
 use anyhow::{Context, Result};
 use clap::Args;
@@ -10,6 +9,7 @@ use toml::{Table, Value};
 use zerorate::Part;
 use zerorate_allan::DataSheet;
 use zerorate_allan::datasheet::{Figure, Line};
+use zerorate_jobs::catalogue::{self, FILES};
 
 /// List the gyroscopes and IMUs that are known by name
 ///
@@ -108,4 +108,63 @@ fn noise(lines: &[Line]) -> String {
     let of = |figure: Figure| lines.iter().find(move |line| line.figure == figure);
     let line = of(Figure::NoiseDensity).or_else(|| of(Figure::RandomWalk));
     line.map_or_else(String::new, |line| format!("{} {}", line.value, line.unit))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_file_is_in_the_catalogue() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../parts");
+        let mut files: Vec<String> = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().path().file_stem().unwrap().to_str().unwrap().to_owned())
+            .collect();
+        files.sort_unstable();
+        assert_eq!(FILES.iter().map(|(name, _)| *name).collect::<Vec<_>>(), files);
+    }
+
+    #[test]
+    fn every_part_is_whole() {
+        for (file, text) in FILES {
+            let read: Table = toml::from_str(text).unwrap_or_else(|why| panic!("{file}: {why}"));
+            let of = |name: &str| read.get(name).and_then(Value::as_str).unwrap_or_default();
+            assert_eq!(catalogue::find(of("name")), Some(*text), "{file}");
+            assert!(!of("source").is_empty() && !of("maker").is_empty(), "{file}");
+            let (part, sheet) = (Part::parse(text), DataSheet::parse(text));
+            if let Err(why) = &sheet {
+                assert!(part.is_ok() && why.to_string().contains("states nothing"), "{file}: {why}");
+            }
+            match part {
+                Ok(part) => assert!(part.axes.iter().all(|axis| axis.axis.range_dps.is_some()), "{file}"),
+                // it gives values instead of codes, or the scale of its temperature is unknown
+                Err(why) => assert!(why.to_string().contains("it has no [temperature]"), "{file}: {why}"),
+            }
+        }
+    }
+
+    /// Codes of 16 bits reach the full scale, and hardly farther: a scale of another range would show.
+    #[test]
+    fn every_full_scale_fits_its_codes() {
+        for (file, text) in FILES {
+            let Ok(part) = Part::parse(text) else { continue };
+            let read: Table = toml::from_str(text).unwrap();
+            let others = read["rate"].get("full_scales").and_then(Value::as_array).into_iter().flatten();
+            let others =
+                others.map(|one| one["range_dps"].as_float().or(one["range_dps"].as_integer().map(|n| n as f64)));
+            for range_dps in [None].into_iter().chain(others) {
+                let axis = Part::parse_at(text, range_dps).unwrap_or_else(|why| panic!("{file}: {why}")).axes[0].axis;
+                let codes = 2f64.powi(i32::from(axis.rate.width_bits) - 1);
+                let used = axis.range_dps.unwrap() * axis.rate.lsb_per_unit / codes;
+                assert!((0.15..1.01).contains(&used), "{file}, {:?}: {used}", axis.range_dps);
+            }
+            assert_eq!(part.axes.len(), read["axis"].as_array().unwrap().len());
+        }
+    }
+
+    #[test]
+    fn the_adis16130_is_a_part_like_the_others() {
+        assert_eq!(Part::parse(catalogue::find("ADIS-16130").unwrap()).unwrap(), Part::ADIS16130);
+    }
 }

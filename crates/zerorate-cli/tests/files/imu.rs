@@ -172,7 +172,7 @@ fn several_imus_are_a_table() {
     assert!(asked.contains("choose one with --topic:"), "{asked}");
     for (name, content, said) in [
         ("words.csv", &b"a,b\nc,d\n"[..], "is it a log?"),
-        ("codes.bin", &[0x9f, 0x01, 0xfe, 0x82, 0xff, 0x03], "`zerorate allan --raw`"),
+        ("codes.bin", &[0x9f, 0x01, 0xfe, 0x82, 0xff, 0x03], "raw numbers need their type (--raw)"),
     ] {
         bench.write(name, content);
         let run = bench.zerorate(&format!("imu {name} -o x.yaml"));

@@ -160,6 +160,54 @@ fn codes_without_sign_or_scale_are_noticed() {
     assert!(said.contains("implausible: codes.csv: gx has steps of 1.000 °/s"), "{said}");
 }
 
+/// `strangers/06`: the scales of a part, or of 16 bits over a full scale, and a fraction in place of a number.
+#[test]
+fn codes_get_the_scale_of_their_part() {
+    let bench = Bench::new();
+    let axes: Vec<Vec<f64>> = (1..=6).map(|seed| white(3000, 6.0, seed)).collect();
+    let row = |row: usize| {
+        let code = |axis: usize| (axes[axis][row] + if axis == 5 { 8192.0 } else { 0.0 }).round() as i16;
+        (0..6).map(code).collect::<Vec<i16>>()
+    };
+    let line = |at: usize| format!("{at}0,{}\n", row(at).iter().map(i16::to_string).collect::<Vec<_>>().join(","));
+    bench.write("codes.csv", format!("t_ms,gx,gy,gz,ax,ay,az\n{}", (0..3000).map(line).collect::<String>()));
+    let records: Vec<u8> = (0..3000).flat_map(row).flat_map(i16::to_be_bytes).collect();
+    bench.write("codes.bin", &records);
+    let n_dps = (6.0f64 * 6.0 + 1.0 / 12.0).sqrt() / 10.0;
+    let raw = "imu codes.bin --raw 6xi16be --gyro 0,1,2 --accel 3,4,5 --rate 100";
+    for (command, codes_per_dps, said) in [
+        ("imu codes.csv --part mpu6050:500 --accel-range 4", 65.5, ""),
+        ("imu codes.csv --part MPU-6050 --gyro-range 500 --accel-range 4", 65.5, ""),
+        ("imu codes.csv --part mpu6050 --accel-range 4", 131.0, "scale-assumed: MPU-6050: ±250 °/s"),
+        ("imu codes.csv --part mpu6050 --gyro-range 500", 65.5, "accel"),
+        ("imu codes.csv --gyro-range 500 --accel-range 4", 65.536, "scale-assumed: --gyro-range 500: 65.5 codes"),
+        (&format!("{raw} --part mpu6050:500 --accel-range 4"), 65.5, ""),
+        ("imu codes.csv --gyro-unit dps --gyro-scale 1/131 --accel-range 4", 131.0, ""),
+    ] {
+        let json = bench.zerorate(&format!("{command} --json")).ended_with(0).json();
+        assert!(is_near(n(&json), n_dps / codes_per_dps), "{command}: {}", n(&json));
+        let warnings = json["warnings"].to_string();
+        match said {
+            "accel" => assert!(warnings.contains("implausible") && warnings.contains("--accel-range 4")),
+            "" => assert!(!warnings.contains("implausible") && !warnings.contains("scale-assumed"), "{warnings}"),
+            said => assert!(warnings.contains(said), "{warnings}"),
+        }
+    }
+    for (command, said) in [
+        ("imu codes.csv", "8192 per g): --accel-range 4"),
+        ("imu codes.csv", "--gyro-range with the full scale in °/s, or --part with"),
+        (
+            "imu codes.csv --part mpu6050:300",
+            "--gyro-range 300: MPU-6050 has a gyroscope with the full scales 250, 500",
+        ),
+        ("imu codes.csv --part mpu6050:500 --gyro-range 500", "it states the full scale, and so does --gyro-range"),
+        ("imu codes.csv --part 6050", "did you mean mpu6050?"),
+        ("imu codes.csv --gyro-range 250 --gyro-unit dps", "cannot be used with"),
+    ] {
+        bench.zerorate(command).ended_with(2).saying(&[said]);
+    }
+}
+
 /// Gyroflow states its scales above the header. Other scales there are named.
 #[test]
 fn scales_above_a_header_are_used_or_named() {

@@ -7,7 +7,7 @@ use std::fs::{self, File};
 use std::path::PathBuf;
 use std::sync::Arc;
 use tempfile::TempDir;
-use zerorate_logs::{RawType, Series};
+use zerorate_logs::Series;
 use zerorate_record::{CaptureReader, CaptureWriter, Format, SampleHash};
 
 /// Three gyroscope axes of a real ADIS16405 at rest.
@@ -18,7 +18,7 @@ fn reference() -> Option<Vec<Vec<i32>>> {
         eprintln!("skipped: no reference recordings in {} (set ZERORATE_REFERENCE_DATA)", folder.display());
         return None;
     }
-    let options = ColumnOptions { raw: Some(RawType::I16), rate: Some(100.0), ..ColumnOptions::default() };
+    let options = ColumnOptions { raw: "i16".parse().ok(), rate: Some(100.0), ..ColumnOptions::default() };
     let axis = |axis| {
         let path = folder.join(format!("adis16405_imu1_gyro_{axis}.i16le.xz"));
         let read = zerorate_logs::read(&path, File::open(&path).unwrap().into(), &options).unwrap();

@@ -8,9 +8,10 @@ use zerorate_imu::{AnalysisOptions, Record, Settling};
 use zerorate_imu::{Combine, Format, ImuOptions, Kind, KindOptions, NoiseFileOptions, Rule};
 use zerorate_jobs::InvalidOptions;
 use zerorate_jobs::allan::{AllanOptions, Columns, allan};
+use zerorate_jobs::code_scales::CodeOptions;
 use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
 use zerorate_jobs::pool::{NoPool, pool};
-use zerorate_logs::{ColumnOptions, Cut, CutTime, LogError, LogWarning, Names, RawType, Setting};
+use zerorate_logs::{ColumnOptions, Cut, CutTime, LogError, LogWarning, Names, Setting};
 
 /// White noise of this standard deviation, by a congruential generator: sums of twelve uniform numbers.
 fn white(samples: usize, sd: f64, seed: u64) -> Vec<f64> {
@@ -95,7 +96,7 @@ fn records(sizes: &[(f64, u64)]) -> Vec<Record> {
             folder.write(&format!("{seed}.f64"), bytes)
         })
         .collect();
-    let log = ColumnOptions { raw: Some(RawType::F64), unit: "dps".parse().ok(), ..at(100.0) };
+    let log = ColumnOptions { raw: "f64".parse().ok(), unit: "dps".parse().ok(), ..at(100.0) };
     allan(&logs, &options(log, AnalysisOptions { keeps_rate: true, ..fitted() })).unwrap()
 }
 
@@ -154,7 +155,7 @@ fn log(head: &str, rows: usize) -> String {
 }
 
 fn of(log: &Path, axes: ImuOptions, format: Option<Format>) -> anyhow::Result<ImuNoise> {
-    imu(log, &ImuNoiseOptions { axes, temperature: None, analysis: fitted(), format })
+    imu(log, &ImuNoiseOptions { axes, codes: CodeOptions::default(), temperature: None, analysis: fitted(), format })
 }
 
 /// The numbers of the gyroscope in a file of continuous densities: N and K.

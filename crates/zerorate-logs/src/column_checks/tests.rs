@@ -149,7 +149,7 @@ fn one_pass_serves_all_checks() {
 #[test]
 fn a_column_keeps_its_facts_until_it_changes() {
     let bytes: Vec<u8> = noise(5000).iter().flat_map(|sample| sample.to_le_bytes()).collect();
-    let options = crate::ColumnOptions { raw: Some(crate::RawType::F64), rate: Some(1.0), ..Default::default() };
+    let options = crate::ColumnOptions { raw: "f64".parse().ok(), rate: Some(1.0), ..Default::default() };
     let column = crate::read(Path::new("log"), bytes.into(), &options).unwrap();
     assert_eq!(column.facts, Some(checks(&noise(5000)).facts));
     let mut changed = [column.clone(), column.clone(), column];

@@ -70,6 +70,10 @@ fn of_others() {
     let files = [forms::HDF5, forms::HDF5_LATEST].map(<[u8]>::to_vec);
     let ways = &["--column imu/gz --time-column t_s", "--column imu/gyro.1 --rate 10", "--column table.gz --rate 10"];
     edited(300, &files, |bytes| read(bytes, ways));
+    edited(100, &[forms::HDF5_UNITS.to_vec()], |bytes| {
+        read(bytes, &["--column gz --time-column Time", "--column ax"])
+    });
+    edited(100, &[forms::NPZ_FS, forms::MAT_FS].map(<[u8]>::to_vec), |bytes| read(bytes, &["--column gz"]));
     edited(100, &[forms::MAT_73.to_vec()], |bytes| read(bytes, &["--column gz --time-column t --time-unit s"]));
     let ways = &["--column sensor_gyro#1.z", "--column sensor_combined.gyro_rad[2] --rate 10"];
     edited(300, &[forms::ULOG.to_vec()], |bytes| read(bytes, ways));

@@ -78,6 +78,8 @@ fn raw() {
     let seeds = vec![(0..=255).collect(), [1.5f64, -2.5, f64::NAN].map(f64::to_le_bytes).concat()];
     let ways = &["--rate 10 --raw i16", "--rate 10 --raw i32", "--rate 10 --raw f32", "--rate 10 --raw f64"];
     edited(200, &seeds, |bytes| read(bytes, ways));
+    let ways = &["--rate 10 --raw 2xi16be --column 1", "--raw 2xf32be --column 1 --time-column 0 --time-unit s"];
+    edited(200, &seeds, |bytes| read(bytes, ways));
 }
 
 fn packings() -> Vec<IpcWriteOptions> {

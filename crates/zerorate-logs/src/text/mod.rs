@@ -226,7 +226,7 @@ impl<'a> TextColumns<'a> {
                 None => column,
             }
         });
-        Ok(RawColumns { columns: columns.collect(), clock, warnings, sample })
+        Ok(RawColumns { columns: columns.collect(), clock, warnings, sample, stated_rate: None })
     }
 }
 

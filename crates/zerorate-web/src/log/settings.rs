@@ -30,6 +30,9 @@ fn label(setting: Setting) -> SettingName {
     SettingName::text(match setting {
         Setting::ForceUnit => "rename the column",
         Setting::Detrend => "`zerorate allan --detrend temp`",
+        Setting::GyroRange => "`zerorate imu --gyro-range`",
+        Setting::AccelRange => "`zerorate imu --accel-range`",
+        Setting::Part => "`zerorate imu --part`",
         Setting::Increments => "rates in place of increments",
         Setting::NoIncrements => "rename the columns",
         _ => field.map_or_else(|| setting.word(), |(_, label, _)| label),
@@ -65,7 +68,7 @@ pub fn options(said: &LogSettings) -> Result<ImuOptions, LogError> {
         names: LABELS,
         ..ColumnOptions::default()
     };
-    let kind = |unit, scale| KindOptions { columns: Vec::new(), unit, scale };
+    let kind = |unit, scale| KindOptions { unit, scale, ..KindOptions::default() };
     let gyro = kind(unit(&said.gyro_unit)?, above_zero("gyroscope scale", said.gyro_scale)?);
     let accel = kind(unit(&said.accel_unit)?, above_zero("accelerometer scale", said.accel_scale)?);
     Ok(ImuOptions { columns: said.columns.clone(), gyro, accel, log, ..ImuOptions::default() })

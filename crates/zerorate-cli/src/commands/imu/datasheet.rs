@@ -1,6 +1,5 @@
 //! The comparison of the axes with a data sheet.
 
-use crate::catalogue;
 use crate::exit::Usage;
 use crate::output::Outputs;
 use anyhow::{Result, anyhow};
@@ -8,6 +7,7 @@ use std::io::ErrorKind;
 use std::path::Path;
 use zerorate_allan::DataSheet;
 use zerorate_imu::{AxisReport, ImuReport, Kind, LineReport};
+use zerorate_jobs::catalogue;
 use zerorate_view::plot::number;
 use zerorate_view::report::Table;
 

@@ -1,5 +1,6 @@
 //! `zerorate imu`: turns the log of an IMU at rest into the noise file of a filter.
 
+mod codes;
 mod datasheet;
 mod text;
 
@@ -11,12 +12,14 @@ use crate::output::{Outputs, StagedOutput, command_line, print_json, print_lines
 use crate::picture::Pictures;
 use anyhow::Result;
 use clap::Args;
+use codes::CodeArgs;
 use std::path::PathBuf;
 use zerorate_allan::{FitOptions, SettingName};
 use zerorate_imu::{
     AnalysisOptions, Combine, Format, ImuOptions, ImuReport, ImuWarning, KindOptions, NoiseFileOptions, Record, Rule,
     span,
 };
+use zerorate_jobs::code_scales::CodeOptions;
 use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
 use zerorate_logs::{LogWarning, Names, Setting, Unit};
 use zerorate_view::noise::axes_svg;
@@ -87,13 +90,16 @@ pub struct ImuArgs {
     #[arg(long, value_name = "UNIT", help_heading = UNITS)]
     accel_unit: Option<Unit>,
 
-    /// The size of a step of 1 in the gyroscope's columns, in their unit.
+    /// The size of a step of 1 in the gyroscope's columns, in their unit, such as 1/131.
     #[arg(long, value_name = "X", value_parser = positive, requires = "gyro_unit", help_heading = UNITS)]
     gyro_scale: Option<f64>,
 
-    /// The size of a step of 1 in the accelerometer's columns, in their unit.
+    /// The size of a step of 1 in the accelerometer's columns, in their unit, such as 1/16384.
     #[arg(long, value_name = "X", value_parser = positive, requires = "accel_unit", help_heading = UNITS)]
     accel_scale: Option<f64>,
+
+    #[command(flatten)]
+    codes: CodeArgs,
 
     /// Draw the deviations of all axes, with fit and band (.svg, .png).
     #[arg(long, value_name = "PICTURE")]
@@ -128,11 +134,11 @@ pub struct ImuArgs {
 }
 
 impl ImuArgs {
-    fn options(&self) -> ImuNoiseOptions {
+    fn options(&self, codes: CodeOptions) -> ImuNoiseOptions {
         let axes = ImuOptions {
             columns: self.column.as_deref().and_then(listed),
-            gyro: KindOptions { columns: names(&self.gyro), unit: self.gyro_unit, scale: self.gyro_scale },
-            accel: KindOptions { columns: names(&self.accel), unit: self.accel_unit, scale: self.accel_scale },
+            gyro: kind(&self.gyro, self.gyro_unit, self.gyro_scale),
+            accel: kind(&self.accel, self.accel_unit, self.accel_scale),
             log: self.reading.options(Names(option)),
             more_topics: self.reading.more_topics().to_vec(),
         };
@@ -144,12 +150,12 @@ impl ImuArgs {
             ..AnalysisOptions::default()
         };
         let format = self.output.is_some().then_some(self.format);
-        ImuNoiseOptions { axes, temperature: self.temperature.temp_column.clone(), analysis, format }
+        ImuNoiseOptions { axes, codes, temperature: self.temperature.temp_column.clone(), analysis, format }
     }
 }
 
-fn names(list: &Option<String>) -> Vec<String> {
-    list.as_deref().and_then(listed).unwrap_or_default()
+fn kind(columns: &Option<String>, unit: Option<Unit>, scale: Option<f64>) -> KindOptions {
+    KindOptions { columns: columns.as_deref().and_then(listed).unwrap_or_default(), unit, scale, codes: None }
 }
 
 fn horizon(text: &str) -> Result<f64, String> {
@@ -157,7 +163,7 @@ fn horizon(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(is_long).ok_or_else(|| "must be more than 1, in seconds".to_owned())
 }
 
-/// Returns the option of a setting. Unit and scale belong to a kind of sensor, and plain numbers have no axes.
+/// Returns the option of a setting. Unit and scale belong to a kind of sensor.
 fn option(setting: Setting) -> SettingName {
     SettingName::text(match setting {
         Setting::Unit => "--gyro-unit or --accel-unit",
@@ -169,10 +175,11 @@ fn option(setting: Setting) -> SettingName {
 pub fn run(args: &ImuArgs) -> Result<()> {
     let mut outputs = Outputs::new(args.force).printing().reading([&*args.log])?;
     let sheet = args.datasheet.as_deref().map(|path| datasheet::read(path, &mut outputs)).transpose()?;
+    let codes = args.codes.options(&mut outputs)?;
     let file = args.output.as_ref().map(|path| outputs.derived(path)).transpose()?;
     let page = args.report.as_ref().map(|path| outputs.derived(path)).transpose()?;
     let pictures = Pictures::claim(&args.plot, &mut outputs)?;
-    let ImuNoise { axes, topic, notes, absent } = imu(&args.log, &args.options())?;
+    let ImuNoise { axes, topic, notes, absent } = imu(&args.log, &args.options(codes))?;
     let absent = absent.iter().map(ImuWarning::coded);
     let of_log: Vec<String> = notes.iter().map(LogWarning::coded).chain(absent).collect();
     let report = ImuReport::new(&axes, topic.as_deref(), &of_log, sheet.as_ref());
@@ -200,8 +207,16 @@ pub fn run(args: &ImuArgs) -> Result<()> {
 const LINES: usize = 8;
 
 /// Codes of warnings about the samples themselves, which may explain all others.
-const DOUBTS: [&str; 7] =
-    ["implausible", "rate-contradicts", "scale-unused", "codes-unsigned", "clipped", "resampled", "frozen"];
+const DOUBTS: [&str; 8] = [
+    "implausible",
+    "rate-contradicts",
+    "scale-unused",
+    "scale-assumed",
+    "codes-unsigned",
+    "clipped",
+    "resampled",
+    "frozen",
+];
 
 /// The first of these lines, with one that names the codes of the rest.
 fn at_most(lines: usize, warnings: &[String]) -> Vec<String> {

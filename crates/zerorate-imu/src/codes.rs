@@ -1,0 +1,86 @@
+//! Columns of integer codes: whether they can be codes, and what to give for them.
+
+use super::Kind;
+use std::path::Path;
+use zerorate_logs::{Column, ColumnOptions, LogError, Names, Result, STANDARD_GRAVITY, Series, Setting, Unit};
+
+/// What the user says about the codes of a kind of axis. Unit and scale are those of a step of 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Codes {
+    /// The option that says that the columns hold codes.
+    pub setting: Setting,
+    /// The bits of a code, which has a sign.
+    pub width_bits: u8,
+}
+
+impl Codes {
+    /// Checks that a column can hold such codes.
+    pub(super) fn check(self, path: &Path, column: &Column, names: Names) -> Result<()> {
+        let given = names.of(self.setting);
+        let wrong = |why: String| {
+            let (path, name) = (path.display(), &column.name);
+            Err(LogError::Ask(format!("{path}: {given} is for integer codes, and column `{name}` {why}")))
+        };
+        let most = 2f64.powi(i32::from(self.width_bits) - 1);
+        let is_beyond = |code: &&f64| !(-most..most).contains(*code);
+        if let Some(quantity) = column.quantity {
+            return wrong(format!("is in {}; leave {given} out", quantity.unit()));
+        }
+        let numbers = numbers(column);
+        if let Some(number) = numbers.iter().find(|number| number.fract() != 0.0) {
+            return wrong(format!("holds {number}; give its unit and scale instead"));
+        }
+        match numbers.iter().find(is_beyond) {
+            Some(code) => wrong(format!("holds {code}, which is beyond {} bits", self.width_bits)),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The samples that are there.
+fn numbers(column: &Column) -> Vec<f64> {
+    match &column.series {
+        Series::Codes(codes) => codes.iter().map(|code| f64::from(*code)).collect(),
+        Series::Numbers(numbers) => numbers.iter().copied().filter(|number| !number.is_nan()).collect(),
+    }
+}
+
+/// Whether all samples of a column are whole numbers, as codes are.
+pub(super) fn are_whole(column: &Column) -> bool {
+    matches!(column.series, Series::Codes(_)) || numbers(column).iter().all(|number| number.fract() == 0.0)
+}
+
+/// The share by which the scale of an accelerometer may be off.
+const WITHIN: f64 = 0.05;
+
+/// The usual full scales of accelerometers, g.
+const FULL_SCALES_G: [f64; 8] = [2.0, 4.0, 8.0, 16.0, 3.0, 6.0, 12.0, 24.0];
+
+/// Codes of 16 bits on one side of zero.
+const CODES: f64 = 32768.0;
+
+/// What the mean of three accelerometers says about their unit or scale: it is gravity.
+pub(super) fn of_gravity(axes: &[&Column], log: &ColumnOptions) -> Option<String> {
+    let ([x, y, z], names) = (axes, log.names) else { return None };
+    let mean = |axis: &Column| axis.facts().mean() * log.per_second(axis.rate_hz);
+    let steps = [x, y, z].map(|axis| mean(axis).powi(2)).iter().sum::<f64>().sqrt();
+    let is_near = |one_g: f64| (steps / one_g - 1.0).abs() < WITHIN;
+    let mut units = Unit::ALL.into_iter().filter(|unit| unit.quantity() == Kind::Accelerometer.quantity());
+    let unit = units.find(|unit| is_near(STANDARD_GRAVITY / unit.in_results()));
+    if let Some(unit) = unit {
+        let (given, unit) = (names.of(Setting::AccelUnit), unit.name());
+        return Some(format!("gravity of {steps:.4} looks like {unit}: {given} {unit}"));
+    }
+    let range_g = FULL_SCALES_G.into_iter().find(|range_g| is_near(CODES / range_g))?;
+    if !axes.iter().all(|axis| are_whole(axis)) {
+        return None;
+    }
+    let (given, per_g) = (names.of(Setting::AccelRange), CODES / range_g);
+    Some(format!("gravity of {steps:.0} looks like codes of ±{range_g} g ({per_g:.0} per g): {given} {range_g}"))
+}
+
+/// What to give for a gyroscope whose samples look like codes.
+pub(super) fn of_gyroscope(names: Names) -> String {
+    let [range, part] = [Setting::GyroRange, Setting::Part].map(|setting| names.of(setting));
+    format!("if these are codes, {range} with the full scale in °/s, or {part} with the name of the sensor")
+}

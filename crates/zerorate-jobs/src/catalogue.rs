@@ -1,0 +1,51 @@
+//! The parts that the program knows by name: the files of `parts/`.
+
+use crate::InvalidOptions;
+use crate::output::{OutputError, Outputs};
+use std::io;
+use std::path::Path;
+use zerorate_input::limits;
+
+macro_rules! files {
+    ($($name:literal)*) => { &[$(($name, include_str!(concat!("../../../parts/", $name, ".toml")))),*] };
+}
+
+/// Name and text of each file.
+pub const FILES: &[(&str, &str)] = files! {
+    "adis16130" "adis16405" "adis164652" "adis16470" "adis164752" "adis16488" "adis164952"
+    "adxrs290" "bmi055" "bmi088" "bmi160" "bmi270" "bno055" "icm20602" "icm20689" "icm20948"
+    "icm42688p" "iim42652" "ism330dhcx" "itg3200" "l3gd20h" "lsm6ds3" "lsm6dso" "lsm6dsox" "lsm9ds1"
+    "mpu6050" "mpu9250" "mti1" "scha634d03" "vn100"
+};
+
+/// The text of a part's file: of the catalogue, or from the path.
+///
+/// # Errors
+/// Returns the errors of [`Outputs::reads`].
+pub fn text(named: &Path, outputs: &mut Outputs) -> Result<io::Result<String>, OutputError> {
+    match named.to_str().and_then(find) {
+        Some(text) => Ok(Ok(text.to_owned())),
+        None => outputs.try_text(named, limits::TEXT),
+    }
+}
+
+/// The file of the part with this name. Only letters and digits count, of either case.
+#[must_use]
+pub fn find(name: &str) -> Option<&'static str> {
+    let wanted = key(name);
+    FILES.iter().find(|(known, _)| *known == wanted).map(|(_, text)| *text)
+}
+
+/// What to do about a name that is neither in the catalogue nor a file.
+#[must_use]
+pub fn unknown(name: &str) -> InvalidOptions {
+    let wanted = key(name);
+    let near = |known: &&str| wanted.len() > 2 && (known.contains(&wanted) || wanted.contains(*known));
+    let near: Vec<&str> = FILES.iter().map(|(known, _)| *known).filter(near).collect();
+    let meant = if near.is_empty() { String::new() } else { format!("did you mean {}? ", near.join(" or ")) };
+    InvalidOptions(format!("{name} is neither a file nor a known part: {meant}`zerorate parts` lists those"))
+}
+
+fn key(name: &str) -> String {
+    name.chars().filter(char::is_ascii_alphanumeric).map(|c| c.to_ascii_lowercase()).collect()
+}
