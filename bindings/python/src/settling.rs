@@ -49,7 +49,7 @@ impl Settling<'_> {
             return Err(PyValueError::new_err(why));
         }
         rate.skip(samples);
-        let settling = zerorate_imu::Settling { order: self.detrend, names: Names(argument) };
+        let settling = zerorate_imu::Detrending { order: self.detrend, names: Names(argument) };
         let settled = py.detach(|| settling.apply(&mut rate, Path::new(RECORD), temperature.as_ref()));
         Ok((rate, settled.map_err(|why| exception(&why.into()))?, samples as f64 / rate_hz))
     }

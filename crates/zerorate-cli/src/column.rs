@@ -8,7 +8,7 @@ use zerorate_jobs::allan::Columns;
 use zerorate_logs::{ColumnOptions, Cut, CutTime, Decimal, Names, Only, RawType, Setting, TimeUnit, Unit};
 
 /// How a log is read: options that `allan` and `imu` share.
-#[derive(Args, Debug, Default)]
+#[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "The log")]
 pub struct LogArgs {
     /// The topic, where a bag or a PX4 log has several IMUs. `imu` takes two, one with the gyroscope and one with the
@@ -17,9 +17,9 @@ pub struct LogArgs {
     topic: Vec<String>,
 
     /// Read only the rows in which a column has this value, as in SensorId=1: for a table or text with the rows of
-    /// several sensors.
+    /// several sensors. Each of several values gives a result of its own.
     #[arg(long = "where", value_name = "COLUMN=VALUE", conflicts_with = "raw")]
-    only: Option<Only>,
+    pub only: Vec<Only>,
 
     /// The decimal mark of a text file [default: a point, or a comma where it cannot be anything else].
     #[arg(long, value_enum, value_name = "MARK")]
@@ -84,7 +84,7 @@ impl LogArgs {
     pub fn options(&self, names: Names) -> ColumnOptions {
         ColumnOptions {
             topic: self.topic.first().cloned(),
-            only: self.only.clone(),
+            only: self.only.first().cloned(),
             time_column: self.time_column.clone(),
             cut: Cut { from: self.skip, until: self.until },
             time_unit: self.time_unit,
@@ -130,6 +130,11 @@ impl ColumnArgs {
     /// Whether the option names several columns.
     pub fn is_list(&self) -> bool {
         self.column.as_deref().is_some_and(|column| column == ALL || column.contains(','))
+    }
+
+    /// The choices of rows, each for a record of its own.
+    pub fn series(&self) -> &[Only] {
+        &self.log.only
     }
 
     /// Refuses several topics, which are one IMU for `imu` alone.

@@ -4,6 +4,7 @@ mod axes;
 mod codes;
 mod coefficients;
 mod consumer;
+mod detrending;
 pub mod increments;
 mod kalibr;
 mod kind;
@@ -14,7 +15,6 @@ mod plausible;
 mod record;
 mod rejection;
 mod report;
-mod settling;
 #[cfg(test)]
 mod tests;
 mod triads;
@@ -24,6 +24,7 @@ pub use axes::{Axes, ImuOptions, KindOptions};
 pub use codes::Codes;
 pub use coefficients::{B, Named, Units, coefficients, span};
 pub use consumer::Format;
+pub use detrending::{Detrending, DetrendingError};
 pub use kind::Kind;
 pub use noise_file::NoNoiseFile;
 pub use numbers::{Axis, Combine, NoiseFileOptions, Rule};
@@ -33,5 +34,4 @@ pub use report::{
     AllanReport, AxisReport, CleanedReport, CoefficientReport, DetrendReport, FitReport, ImuReport, LineReport,
     MotionReport, PointReport, SheetReport, UnavailableReport, UnitReport,
 };
-pub use settling::{Settling, SettlingError};
 pub use warning::{ImuWarning, Moment, Rest, coded};

@@ -4,7 +4,7 @@
 
 use crate::moving::{moving, shared};
 use crate::{Axis, ImuWarning, Kind, Rejection, Rejections, coded};
-use crate::{Settling, SettlingError};
+use crate::{Detrending, DetrendingError};
 use std::path::{Path, PathBuf};
 use zerorate_allan::{
     self as allan, AllanWarning, Analysis, AnalysisError, Averaging, Density, DetrendedRate, Envelope, Fit, FitError,
@@ -82,7 +82,7 @@ pub struct AnalysisOptions {
     /// The rate is needed for a model of several records.
     pub keeps_rate: bool,
     /// The preparation: time left out, temperature and drift taken out.
-    pub settling: Settling,
+    pub detrending: Detrending,
 }
 
 /// Why a column cannot be analysed.
@@ -90,7 +90,7 @@ pub struct AnalysisOptions {
 pub enum RecordError {
     /// The preparation failed.
     #[error(transparent)]
-    Settling(#[from] SettlingError),
+    Detrending(#[from] DetrendingError),
     /// Its numbers must not become a result, or cannot be written out.
     #[error(transparent)]
     Log(#[from] LogError),
@@ -117,7 +117,7 @@ impl Record {
         temperature: Option<&Column>,
     ) -> Result<Self, RecordError> {
         let mut notes = column.warnings.clone();
-        let settled = options.settling.apply(&mut column, file, temperature)?;
+        let settled = options.detrending.apply(&mut column, file, temperature)?;
         notes.extend(gaps(options, file, &mut column));
         let (samples, skipped_s) = (column.series.len(), column.skipped_s);
         if samples < 2 {
@@ -165,7 +165,7 @@ impl Record {
             detrended,
             skipped_s,
             moving_s,
-            names: options.settling.names,
+            names: options.detrending.names,
         })
     }
 

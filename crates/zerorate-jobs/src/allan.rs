@@ -46,7 +46,7 @@ pub fn allan(logs: &[PathBuf], options: &AllanOptions) -> Result<Vec<Record>> {
             increments::ask(log, &columns.iter().collect::<Vec<_>>(), &options.log)?;
         }
         let named = options.temperature.as_deref();
-        let temperature = temperature::required(log, named, found, &options.analysis.settling, &options.log)?;
+        let temperature = temperature::required(log, named, found, &options.analysis.detrending, &options.log)?;
         records.extend(analysed(log, columns, temperature, &options.analysis)?);
     }
     Ok(records)

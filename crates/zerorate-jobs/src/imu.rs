@@ -52,8 +52,8 @@ pub fn imu(log: &Path, options: &ImuNoiseOptions) -> Result<ImuNoise> {
     };
     options.format.map_or(Ok(()), |format| format.check(kinds)).map_err(not_taken)?;
     let Axes { columns, topic, warnings: notes } = axes;
-    let (named, settling) = (options.temperature.as_deref(), &options.analysis.settling);
-    let temperature = temperature::required(log, named, None, settling, &options.axes.log)?;
+    let (named, detrending) = (options.temperature.as_deref(), &options.analysis.detrending);
+    let temperature = temperature::required(log, named, None, detrending, &options.axes.log)?;
     let axes = allan::analysed(log, columns, temperature, &options.analysis)?;
     Ok(ImuNoise { axes, topic, notes, absent })
 }

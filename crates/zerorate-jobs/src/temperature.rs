@@ -3,7 +3,7 @@
 use crate::InvalidOptions;
 use std::path::Path;
 use zerorate_host::files;
-use zerorate_imu::Settling;
+use zerorate_imu::Detrending;
 use zerorate_logs::{Column, ColumnOptions, ColumnSelection, Setting, TEMPERATURE_NAMES};
 
 /// The temperature of the log at `path`: the column `name`, or a column with a usual name; none where the log has
@@ -17,7 +17,7 @@ pub fn of_log(path: &Path, name: Option<&str>, options: &ColumnOptions) -> Optio
     })
 }
 
-/// The same temperature, which may have been `found` by its usual name. An error where `settling` needs it and the log
+/// The same temperature, which may have been `found` by its usual name. An error where `detrending` needs it and the log
 /// has none.
 ///
 /// # Errors
@@ -26,15 +26,15 @@ pub fn required(
     path: &Path,
     name: Option<&str>,
     found: Option<Column>,
-    settling: &Settling,
+    detrending: &Detrending,
     options: &ColumnOptions,
 ) -> Result<Option<Column>, InvalidOptions> {
     let column = found.filter(|_| name.is_none()).or_else(|| of_log(path, name, options));
-    let [by_name, detrend] = [Setting::TempColumn, Setting::Detrend].map(|setting| settling.names.of(setting));
+    let [by_name, detrend] = [Setting::TempColumn, Setting::Detrend].map(|setting| detrending.names.of(setting));
     let file = path.display();
     match (&column, name) {
         (None, Some(name)) => Err(InvalidOptions(format!("{by_name}: {file} has no column {name:?} of numbers"))),
-        (None, None) if settling.order.is_some() => {
+        (None, None) if detrending.order.is_some() => {
             let names = TEMPERATURE_NAMES.join(", ");
             Err(InvalidOptions(format!("{detrend}: {file} has no column {names}; name it by {by_name}")))
         }

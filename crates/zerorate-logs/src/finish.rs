@@ -90,7 +90,7 @@ impl RawColumns {
     pub fn repair_times(&mut self, path: &Path, args: &ColumnOptions) -> Result<()> {
         self.add_nanoseconds(path, args.names)?;
         self.clock.scale_ticks(args);
-        mixed_rows::check(self, path, args.names)?;
+        mixed_rows::check(self, path, args)?;
         if self.clock.is_guess(args) {
             return Ok(());
         }

@@ -7,11 +7,13 @@
 
 use crate::clock::{Times, median};
 use crate::error::{LogError, Result};
+use crate::options::ColumnOptions;
 use crate::raw_columns::{Clock, RawColumns, first_rows};
 use crate::sample::{Cell, Sampled};
-use crate::setting::{Names, Setting};
+use crate::setting::Setting;
 use std::collections::BTreeSet;
 use std::path::Path;
+use zerorate_input::TimeUnit;
 
 /// Largest number of values in a column that tells sensors apart.
 const MOST: usize = 16;
@@ -82,24 +84,29 @@ const NO_IDS: [&str; 18] = [
 ///
 /// # Errors
 /// Returns a question that names the column that tells the sensors apart, and how many rows share a stamp.
-pub fn check(found: &RawColumns, path: &Path, names: Names) -> Result<()> {
+pub fn check(found: &RawColumns, path: &Path, args: &ColumnOptions) -> Result<()> {
     let sample = first_rows(&found.sample, &found.columns);
     let stated = sample.iter().find(|column| column.stated_time().is_some()).and_then(Sampled::times);
     let times = if let Clock::Column(_, times) = &found.clock { Some(times) } else { stated.as_ref() };
     let read = found.columns.iter().map(|column| &*column.name).collect();
+    let per_s = found.clock.unit(args).map(TimeUnit::per_s);
     let Some(mixed) = find(&sample, &read, times.map(Times::since_first)) else { return Ok(()) };
-    let Mixed { column, values } = mixed;
+    let Mixed { column, values, steps } = mixed;
+    let series = |(value, step): (&String, &f64)| match per_s {
+        Some(per_s) => format!("{value} ({:.4} Hz)", per_s / step),
+        None => value.clone(),
+    };
+    let series = values.iter().zip(&steps).map(series).collect::<Vec<_>>().join(", ");
     let same = times.map(|times| {
         let rows = times.since_first();
         let same = rows.windows(2).filter(|pair| pair[0] == pair[1]).count();
         format!(", and {same} of {} rows repeat the stamp of the row before", rows.len())
     });
-    let (first, option) = (&values[0], names.of(Setting::Where));
+    let (first, option) = (&values[0], args.names.of(Setting::Where));
     Err(LogError::Ask(format!(
-        "{}: column `{column}` is {} in turn{}: rows of {} sensors, which are not one record; give {option} \
+        "{}: column `{column}` is {series} in turn{}: rows of {} sensors, which are not one record; give {option} \
          {column}={first} to read one",
         path.display(),
-        values.join(", "),
         same.unwrap_or_default(),
         values.len()
     )))
@@ -110,6 +117,8 @@ struct Mixed {
     column: String,
     /// The values of the column, in the order of the file.
     values: Vec<String>,
+    /// The usual time between two rows of each value.
+    steps: Vec<f64>,
 }
 
 /// The column that tells sensors apart in the first rows of a table, of which these `columns` are read. `times` are
@@ -131,7 +140,8 @@ fn find(sample: &[Sampled], columns: &BTreeSet<&str>, times: Option<&[f64]>) -> 
     };
     let mut found = sample.iter().zip(&labels).filter_map(|(column, labels)| Some((column, labels.as_ref()?)));
     let (column, labels) = found.find(|(column, labels)| tells(&column.name, labels))?;
-    Some(Mixed { column: column.name.clone(), values: labels.values.iter().map(|cell| worded(cell)).collect() })
+    let steps = (0..labels.values.len()).map(|value| median(&mut labels.steps(value, times).0)).collect();
+    Some(Mixed { column: column.name.clone(), values: labels.values.iter().map(|cell| worded(cell)).collect(), steps })
 }
 
 /// A value as text.
@@ -198,12 +208,17 @@ impl<'a> Labels<'a> {
         self.values.iter().any(|value| matches!(value, Cell::Word(_)))
     }
 
+    /// The times between the rows of a value, and how often other rows interrupt them.
+    fn steps(&self, value: usize, times: &[f64]) -> (Vec<f64>, usize) {
+        let at: Vec<usize> = (0..times.len()).filter(|row| self.rows[*row] == Some(value)).collect();
+        let interrupted = at.windows(2).filter(|pair| pair[1] > pair[0] + 1).count();
+        (at.windows(2).map(|pair| times[pair[1]] - times[pair[0]]).collect(), interrupted)
+    }
+
     /// Whether the rows of each value come in even steps of these times.
     fn are_even(&self, times: &[f64]) -> bool {
         (0..self.values.len()).all(|value| {
-            let at: Vec<usize> = (0..times.len()).filter(|row| self.rows[*row] == Some(value)).collect();
-            let interrupted = at.windows(2).filter(|pair| pair[1] > pair[0] + 1).count();
-            let steps: Vec<f64> = at.windows(2).map(|pair| times[pair[1]] - times[pair[0]]).collect();
+            let (steps, interrupted) = self.steps(value, times);
             let usual = median(&mut steps.clone());
             let is_even = |step: &&f64| (0.5 * usual < **step) && (**step < 1.5 * usual);
             let uneven = steps.iter().filter(|step| !is_even(step)).count();

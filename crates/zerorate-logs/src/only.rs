@@ -1,6 +1,7 @@
 //! The choice of the rows of a table.
 
 use crate::error::LogError;
+use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
@@ -17,6 +18,12 @@ impl Only {
     /// The error for a value that no row has.
     pub(crate) fn without_rows(&self, path: &Path) -> LogError {
         LogError::Ask(format!("{}: column `{}` is `{}` in no row", path.display(), self.column, self.value))
+    }
+}
+
+impl fmt::Display for Only {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}", self.column, self.value)
     }
 }
 

@@ -4,7 +4,7 @@ use super::bench::{Folder, record, refusal};
 use std::path::{Path, PathBuf};
 use zerorate_allan::{Fit, FitOptions, Noise, Term};
 use zerorate_host::Sampling;
-use zerorate_imu::{AnalysisOptions, Record, Settling};
+use zerorate_imu::{AnalysisOptions, Detrending, Record};
 use zerorate_imu::{Combine, Format, ImuOptions, Kind, KindOptions, NoiseFileOptions, Rule};
 use zerorate_jobs::InvalidOptions;
 use zerorate_jobs::allan::{AllanOptions, Columns, allan};
@@ -67,14 +67,14 @@ fn a_rate_that_follows_its_temperature_can_be_analysed() {
     let folder = Folder::new();
     let capture = folder.path("a.arrows");
     record("twin:seed=4", Sampling { divider: Some(200), every_temp: None }, 2400.0, &capture);
-    let by = |settling: Settling| {
-        let analysis = AnalysisOptions { settling, ..fitted() };
+    let by = |detrending: Detrending| {
+        let analysis = AnalysisOptions { detrending, ..fitted() };
         allan(std::slice::from_ref(&capture), &options(of_captures(), analysis)).unwrap().remove(0)
     };
     let follows = |record: &Record| record.of_noise().any(|warning| warning.code() == "follows-temperature");
-    let whole = by(Settling::default());
+    let whole = by(Detrending::default());
     assert!(follows(&whole) && whole.model().unwrap().k.lo > 1e-4, "what made the warning necessary");
-    let detrended = by(Settling { order: Some(1), ..Settling::default() });
+    let detrended = by(Detrending { order: Some(1), ..Detrending::default() });
     let k = &detrended.model().unwrap().k;
     assert!(!follows(&detrended) && k.lo <= 1e-4 && k.hi >= 1e-4, "{k:?}");
     let taken = detrended.detrended.as_ref().unwrap();

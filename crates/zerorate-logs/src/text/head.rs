@@ -1,6 +1,7 @@
 //! The start of a text: lines printed before the data, a header of one line or two, and the layout of the rows.
 
 use super::super::number::{Number, Numerals};
+use super::axes_in_name;
 use super::dates::DateColumn;
 use super::marks::Marks;
 use super::scales::Scales;
@@ -120,6 +121,7 @@ impl Head {
             open: Open::Nothing,
         };
         let (used, is_named) = head.name_by_marks(path, above, &comments)?;
+        axes_in_name::spread(&mut head.names);
         if !is_named && rows.all_are_cut {
             return Err(InputError::damaged(path, format!("line {start}"), CLASH).into());
         }

@@ -1,5 +1,6 @@
 //! Columns of delimited text, with or without a header.
 
+mod axes_in_name;
 mod blocks;
 pub mod dates;
 mod head;

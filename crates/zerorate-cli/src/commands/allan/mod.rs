@@ -20,6 +20,7 @@ use zerorate_allan::{FitOptions, Options, Stat, Taus};
 use zerorate_imu::{AllanReport, AnalysisOptions, AxisReport, MotionReport, Record, Rejection};
 use zerorate_jobs::allan::{AllanOptions, allan};
 use zerorate_jobs::pool::Pool;
+use zerorate_logs::{ColumnOptions, Only};
 use zerorate_view::noise::{are_axes, svg};
 use zerorate_view::report::{AllanPage, allan_page};
 
@@ -174,7 +175,7 @@ impl AllanArgs {
             fit: self.wants_fit().then_some(fit),
             draws: self.report.is_some(),
             keeps_rate: self.pool,
-            settling: self.temperature.settling(),
+            detrending: self.temperature.detrending(),
         };
         let (columns, log) = (self.column.columns(), self.column.options());
         AllanOptions { columns, log, temperature: self.temperature.temp_column.clone(), analysis }
@@ -188,7 +189,7 @@ pub fn run(args: &AllanArgs) -> Result<()> {
     args.column.check()?;
     args.temperature.check(args.pool, args.data == Data::Phase)?;
     let files = Files::claim(args)?;
-    let records = allan(&args.files, &args.options())?;
+    let records = records(args)?;
     check_units(args, &records)?;
     let warnings = warnings(args, &records);
     warn(&warnings);
@@ -201,6 +202,20 @@ pub fn run(args: &AllanArgs) -> Result<()> {
     written?;
     printed?;
     if args.fit { records.iter().try_for_each(check_model) } else { Ok(()) }
+}
+
+/// The records of all logs, or of each of their series.
+fn records(args: &AllanArgs) -> Result<Vec<Record>> {
+    let options = args.options();
+    let [_, _, ..] = args.column.series() else { return allan(&args.files, &options) };
+    let of_series = |only: &Only| {
+        let log = ColumnOptions { only: Some(only.clone()), ..options.log.clone() };
+        let mut records = allan(&args.files, &AllanOptions { log, ..args.options() })?;
+        records.iter_mut().for_each(|record| record.file = format!("{} {only}", record.file.display()).into());
+        Ok(records)
+    };
+    let each = args.column.series().iter().map(of_series).collect::<Result<Vec<_>>>()?;
+    Ok(each.into_iter().flatten().collect())
 }
 
 /// The warnings of a single record, each in full. Several records have a line for each kind of warning.

@@ -4,11 +4,11 @@ use crate::column::flag;
 use crate::exit::Usage;
 use clap::Args;
 use zerorate_allan::MOST_ORDER;
-use zerorate_imu::Settling;
+use zerorate_imu::Detrending;
 use zerorate_logs::Names;
 
 /// Options for a sensor that was warming.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct TemperatureArgs {
     /// Remove a polynomial over temperature first, by least squares: of order 1, or up to 3 as in temp:2. Noise that
     /// it may have removed widens the intervals of long averages and of K.
@@ -30,8 +30,8 @@ fn order(text: &str) -> Result<usize, String> {
 }
 
 impl TemperatureArgs {
-    pub fn settling(&self) -> Settling {
-        Settling { order: self.detrend, names: Names(flag) }
+    pub fn detrending(&self) -> Detrending {
+        Detrending { order: self.detrend, names: Names(flag) }
     }
 
     pub fn check(&self, is_pooled: bool, is_phase: bool) -> Result<(), Usage> {

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use zerorate_jobs::code_scales::{CodeOptions, CodeScales};
 
 /// The scales of integer codes.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct CodeArgs {
     /// The sensor whose integer codes the columns hold: a name of `zerorate parts`, or a file
     /// (docs/formats/part.md). It gives the scales of each kind without a unit. --gyro-range and --accel-range choose

@@ -7,7 +7,7 @@ mod text;
 use super::allan::temperature::TemperatureArgs;
 use super::allan::warnings::{self, code, first_of_each};
 use crate::column::{LogArgs, UNITS, flag, listed, positive};
-use crate::exit::CodedRefusal;
+use crate::exit::{CodedRefusal, Usage};
 use crate::output::{Outputs, StagedOutput, command_line, print_json, print_lines, say, warn};
 use crate::picture::Pictures;
 use anyhow::Result;
@@ -21,7 +21,7 @@ use zerorate_imu::{
 };
 use zerorate_jobs::code_scales::CodeOptions;
 use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
-use zerorate_logs::{LogWarning, Names, Setting, Unit};
+use zerorate_logs::{LogWarning, Names, Only, Setting, Unit};
 use zerorate_view::noise::axes_svg;
 use zerorate_view::report::{AllanPage, Fact, allan_page};
 
@@ -33,7 +33,7 @@ use zerorate_view::report::{AllanPage, Fact, allan_page};
 /// identified, the file has the upper end of its 95 % interval. docs/imu.md explains which number goes where.
 ///
 /// Where a model is rejected (exit code 3), or a record is too short for one, no file is written.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct ImuArgs {
     /// The log; - reads from stdin.
     #[arg(value_name = "LOG")]
@@ -134,6 +134,23 @@ pub struct ImuArgs {
 }
 
 impl ImuArgs {
+    /// The options for one of several series. Its files are named after its value: `imu-1.yaml`.
+    fn of_series(&self, only: &Only) -> Self {
+        let value = only.value.replace(|c: char| !c.is_alphanumeric(), "_");
+        let named = |path: &PathBuf| {
+            let [stem, ending] = [path.file_stem(), path.extension()].map(|part| part.unwrap_or_default().display());
+            path.with_file_name(format!("{stem}-{value}.{ending}").trim_end_matches('.'))
+        };
+        let reading = LogArgs { only: vec![only.clone()], ..self.reading.clone() };
+        Self {
+            output: self.output.as_ref().map(named),
+            plot: self.plot.iter().map(named).collect(),
+            report: self.report.as_ref().map(named),
+            reading,
+            ..self.clone()
+        }
+    }
+
     fn options(&self, codes: CodeOptions) -> ImuNoiseOptions {
         let axes = ImuOptions {
             columns: self.column.as_deref().and_then(listed),
@@ -146,7 +163,7 @@ impl ImuArgs {
             draws_finely: self.report.is_some() || !self.plot.is_empty(),
             fit: Some(FitOptions::default()),
             draws: self.report.is_some(),
-            settling: self.temperature.settling(),
+            detrending: self.temperature.detrending(),
             ..AnalysisOptions::default()
         };
         let format = self.output.is_some().then_some(self.format);
@@ -173,6 +190,14 @@ fn option(setting: Setting) -> SettingName {
 }
 
 pub fn run(args: &ImuArgs) -> Result<()> {
+    match &args.reading.only[..] {
+        [] | [_] => run_one(args),
+        _ if args.json => Err(Usage("--json takes one --where: run it once for each".to_owned()).into()),
+        several => several.iter().try_for_each(|only| run_one(&args.of_series(only))),
+    }
+}
+
+fn run_one(args: &ImuArgs) -> Result<()> {
     let mut outputs = Outputs::new(args.force).printing().reading([&*args.log])?;
     let sheet = args.datasheet.as_deref().map(|path| datasheet::read(path, &mut outputs)).transpose()?;
     let codes = args.codes.options(&mut outputs)?;

@@ -4,9 +4,9 @@ use std::path::Path;
 use zerorate_allan::{AllanWarning, DetrendError, Follows, Preparation, detrend, follows_temperature};
 use zerorate_logs::{Column, LogError, Names, Series, Setting};
 
-/// Preparation of a record before the analysis.
+/// The removal of what follows the temperature.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Settling {
+pub struct Detrending {
     /// Order of the polynomial over temperature that is taken out; none: nothing is.
     pub order: Option<usize>,
     /// The names of these options in messages.
@@ -15,7 +15,7 @@ pub struct Settling {
 
 /// Why it cannot be done.
 #[derive(Debug, thiserror::Error)]
-pub enum SettlingError {
+pub enum DetrendingError {
     /// The polynomial cannot be found, for this column and this temperature.
     #[error("{0}: {1}")]
     Detrend(String, DetrendError),
@@ -24,8 +24,8 @@ pub enum SettlingError {
     Log(#[from] LogError),
 }
 
-impl Settling {
-    /// Does it to a column of `file`, whose temperature is another column.
+impl Detrending {
+    /// Removes it from a column of `file`, whose temperature is another column.
     ///
     /// # Errors
     /// Returns an error if the temperature does not fit.
@@ -34,7 +34,7 @@ impl Settling {
         column: &mut Column,
         file: &Path,
         temperature: Option<&Column>,
-    ) -> Result<Preparation, SettlingError> {
+    ) -> Result<Preparation, DetrendingError> {
         let Some(temperature) = temperature.filter(|temperature| temperature.name != column.name) else {
             return Ok(Preparation::default());
         };
@@ -54,7 +54,8 @@ impl Settling {
             let setting = self.names.of(Setting::Detrend);
             format!("{setting}: {}, columns {} and {}", file.display(), column.name, temperature.name)
         };
-        let mut detrended = detrend(&rates, temps, order).map_err(|why| SettlingError::Detrend(of_columns(), why))?;
+        let mut detrended =
+            detrend(&rates, temps, order).map_err(|why| DetrendingError::Detrend(of_columns(), why))?;
         column.replace(Series::Numbers(std::mem::take(&mut detrended.residual)));
         detrended.coefficients.iter_mut().for_each(|coefficient| *coefficient *= column.scale);
         Ok(Preparation { detrended: Some(detrended), follows: None })
