@@ -373,3 +373,35 @@ fn allan_takes_several_columns() {
     let said = bench.zerorate("allan unnamed.csv --column gx,gyro_z_dps").ended_with(0).stderr;
     assert!(said.contains("the unit of column gx is not stated") && !said.contains(" more)"), "{said}");
 }
+
+#[test]
+fn each_series_and_each_part_of_a_log_is_a_result_of_its_own() {
+    let bench = Bench::new();
+    let noise = white(6 * 3000, 1.0, 9);
+    let mut text = "t_s,sensor,gyro_x_dps,gyro_y_dps,gyro_z_dps\n".to_owned();
+    for (row, noise) in noise.as_chunks::<6>().0.iter().enumerate() {
+        for sensor in [0, 1] {
+            let [x, y, z] = [0, 1, 2].map(|axis| noise[3 * sensor + axis] * [0.1, 0.5][sensor]);
+            text += &format!("{:.2},{},{x:.5},{y:.5},{z:.5}\n", row as f64 / RATE_HZ, ["left", "right"][sensor]);
+        }
+    }
+    bench.write("two.csv", text);
+    let why = "column `sensor` is left (100.0000 Hz), right (100.0000 Hz) in turn";
+    bench.zerorate("imu two.csv").ended_with(2).saying(&[why, "--where sensor=left"]);
+    let line = "--where sensor=left --where sensor=right --until 20s";
+    bench
+        .zerorate(&format!("imu two.csv {line} -o imu.yaml --plot imu.svg"))
+        .ended_with(0)
+        .saying(&["imu-right.yaml"]);
+    let density = |name: &str| -> f64 {
+        let text = std::fs::read_to_string(bench.path(name)).unwrap();
+        let line = text.lines().find(|line| line.starts_with("gyroscope_noise_density")).unwrap();
+        line.split(' ').nth(1).unwrap().parse().unwrap()
+    };
+    let ratio = density("imu-right.yaml") / density("imu-left.yaml");
+    assert!((ratio / 5.0 - 1.0).abs() < 0.2, "{ratio}");
+    assert!(bench.path("imu-left.svg").exists() && bench.path("imu-right.svg").exists());
+    let text = bench.zerorate(&format!("allan two.csv --column gyro_x_dps {line}")).ended_with(0).stderr;
+    assert!(text.contains("two.csv sensor=right, column gyro_x_dps: 2000 samples"), "{text}");
+    bench.zerorate(&format!("imu two.csv {line} --json")).ended_with(2).saying(&["takes one --where"]);
+}

@@ -1,0 +1,193 @@
+//! Tests of the choice of axes.
+
+use super::*;
+use zerorate_logs::ColumnSelection;
+
+/// `rostopic echo -p` writes variances of an angular velocity; they are not axes, unless somebody asks for them.
+#[test]
+fn what_stands_beside_axes_is_left_out() {
+    let text = "%time,field.angular_velocity.x,field.angular_velocity_covariance0,gyro_clipping\n\
+                1000,0.5,0.0,0\n2000,0.25,0.0,0\n3000,1.5,0.0,1\n";
+    let read = |columns: Option<Vec<String>>| {
+        let log = ColumnOptions { rate: Some(200.0), ..ColumnOptions::default() };
+        let options = ImuOptions { columns, log, ..ImuOptions::default() };
+        let parts = vec![(std::path::PathBuf::from("imu.csv"), text.as_bytes().to_vec().into())];
+        Axes::read(Path::new("imu.csv"), parts, &options).unwrap()
+    };
+    let found = read(None);
+    assert_eq!(found.columns.len(), 1);
+    assert_eq!(found.columns[0].name, "field.angular_velocity.x");
+    assert!(
+        found
+            .warnings
+            .iter()
+            .any(|one| one.coded().starts_with("columns-left-out: ") && one.coded().contains("gyro_clipping"))
+    );
+    assert_eq!(read(Some(vec!["field.angular_velocity_covariance0".to_owned()])).columns.len(), 1);
+}
+
+fn axes(head: &str) -> zerorate_logs::Result<Axes> {
+    axes_with(head, &ImuOptions::default())
+}
+
+fn axes_with(head: &str, options: &ImuOptions) -> zerorate_logs::Result<Axes> {
+    let width = head.split(',').count();
+    let row = |at: u64| {
+        let cells = (1..width as u64).map(|column| format!("0.{}", (at * (column + 3)) % 7));
+        std::iter::once((1_385_030_208_736_607_488 + at * 5_000_000).to_string()).chain(cells).collect::<Vec<_>>()
+    };
+    let text = (0..60).map(|at| row(at).join(",") + "\n").fold(format!("{head}\n"), |text, row| text + &row);
+    let columns = zerorate_logs::read_all(
+        Path::new("log.csv"),
+        text.into_bytes().into(),
+        ColumnSelection::All,
+        &zerorate_logs::ColumnOptions::default(),
+    )?;
+    Axes::of(Path::new("log.csv"), columns, options)
+}
+
+/// A log of integers at rest, in which the third accelerometer has this mean.
+fn codes(gravity: i32, options: &ImuOptions) -> zerorate_logs::Result<Axes> {
+    let row =
+        |at: i32| format!("{},{},{},{},{},{},{}\n", at * 10, at % 5, at % 3, -at % 7, at % 3 - 1, at % 5 - 2, gravity);
+    let text = (0..90).map(row).fold("t_ms,gx,gy,gz,ax,ay,az\n".to_owned(), |text, row| text + &row);
+    let parts = vec![(std::path::PathBuf::from("imu.csv"), text.into_bytes().into())];
+    Axes::read(Path::new("imu.csv"), parts, options)
+}
+
+#[test]
+fn gravity_tells_the_full_scale_or_the_unit() {
+    for (gravity, told) in [
+        (16_384, "codes of ±2 g (16384 per g): accel_range 2"),
+        (8100, "codes of ±4 g (8192 per g): accel_range 4"),
+        (2060, "codes of ±16 g (2048 per g): accel_range 16"),
+        (1003, "looks like mg: accel_unit mg"),
+        (10, "looks like m/s²: accel_unit m/s²"),
+        (1, "looks like g: accel_unit g"),
+    ] {
+        let why = codes(gravity, &ImuOptions::default()).map(drop).unwrap_err().to_string();
+        assert!(why.contains(told) && why.contains("gyro_range"), "{gravity}: {why}");
+    }
+    let why = codes(700, &ImuOptions::default()).map(drop).unwrap_err().to_string();
+    assert!(!why.contains("gravity") && why.contains("gyro_range"), "{why}");
+}
+
+#[test]
+fn what_cannot_be_codes_is_not_scaled_as_codes() {
+    let of = |setting, width_bits, unit, scale| KindOptions {
+        unit: Some(unit),
+        scale: Some(scale),
+        codes: Some(Codes { setting, width_bits }),
+        ..KindOptions::default()
+    };
+    let options = |width_bits| ImuOptions {
+        gyro: of(Setting::Part, width_bits, Unit::Dps, 1.0 / 131.0),
+        accel: of(Setting::AccelRange, width_bits, Unit::G, 1.0 / 16_384.0),
+        ..ImuOptions::default()
+    };
+    let found = codes(16_384, &options(16)).unwrap();
+    assert_eq!((found.columns[0].scale, found.warnings.len()), (1.0 / 131.0, 0));
+    let why = codes(40_000, &options(16)).map(drop).unwrap_err().to_string();
+    assert!(why.contains("accel_range is for integer codes, and column `az` holds 40000"), "{why}");
+    let ways = [("gx_dps", "`gx_dps` is in °/s; leave part out"), ("gx", "`gx` holds 0.")];
+    for (name, told) in ways {
+        let why = axes_with(&format!("t_ns,{name}"), &options(16)).map(drop).unwrap_err().to_string();
+        assert!(why.contains(told), "{why}");
+    }
+}
+
+/// `strangers/23`: one half of the message is 0. A single axis that is 0 is rather broken.
+#[test]
+fn a_kind_of_zeros_is_left_out_of_a_table() {
+    let read = |zero: fn(usize) -> bool| {
+        let row = |at: usize| {
+            let cells =
+                (0..6).map(|axis| if zero(axis) { "0.0".to_owned() } else { format!("0.{}", at * (axis + 3) % 7) });
+            format!("{},{}\n", at * 5, cells.collect::<Vec<_>>().join(","))
+        };
+        let head = "t_ms,wx_dps,wy_dps,wz_dps,ax_g,ay_g,az_g\n".to_owned();
+        let text = (0..60).map(row).fold(head, |text, row| text + &row);
+        let parts = vec![(std::path::PathBuf::from("imu.csv"), text.into_bytes().into())];
+        Axes::read(Path::new("imu.csv"), parts, &ImuOptions::default()).unwrap()
+    };
+    let found = read(|axis| axis >= 3);
+    assert_eq!(names(&found), ["wx_dps", "wy_dps", "wz_dps"]);
+    assert!(found.warnings.iter().any(|one| one.to_string().contains("being 0 in every row: ax_g, ay_g, az_g")));
+    assert_eq!(names(&read(|axis| axis == 1)).len(), 6);
+    assert_eq!(names(&read(|_| true)).len(), 6);
+}
+
+fn names(found: &Axes) -> Vec<&str> {
+    found.columns.iter().map(|column| column.name.as_str()).collect()
+}
+
+/// `strangers/13`: a second IMU beside the first, and a yaw beside three axes.
+#[test]
+fn three_axes_of_one_pattern_are_a_sensor() {
+    let two = "t_ns,gyro1_x_dps,gyro1_y_dps,gyro1_z_dps,gyro2_x_dps,gyro2_y_dps,gyro2_z_dps,acc1_x_g,acc2_x_g,\
+               acc1_y_g,acc2_y_g,acc1_z_g,acc2_z_g";
+    let why = axes(two).map(drop).unwrap_err().to_string();
+    assert!(why.starts_with("log.csv has several IMUs; choose one with column:\n"), "{why}");
+    assert!(why.ends_with("  gyro2_x_dps,gyro2_y_dps,gyro2_z_dps,acc2_x_g,acc2_y_g,acc2_z_g"), "{why}");
+    let found = axes("t_ns,gx_dps,gy_dps,gz_dps,yaw_dps").unwrap();
+    assert_eq!(names(&found), ["gx_dps", "gy_dps", "gz_dps"]);
+    assert!(found.warnings.iter().any(|warning| warning.to_string().ends_with(": yaw_dps")));
+}
+
+#[test]
+fn the_other_kind_is_found_beside_listed_columns() {
+    let gyro = KindOptions {
+        columns: ["turn_c", "turn_a", "turn_b"].map(str::to_owned).to_vec(),
+        unit: Some(Unit::RadPerS),
+        ..KindOptions::default()
+    };
+    let options = ImuOptions { gyro, ..ImuOptions::default() };
+    let found = axes_with("t_ns,turn_a,turn_b,turn_c,ax_g,ay_g,az_g,spin_dps", &options).unwrap();
+    assert_eq!(names(&found), ["turn_c", "turn_a", "turn_b", "ax_g", "ay_g", "az_g"]);
+    // without a unit it is left out, and nothing is asked
+    let found = axes_with("t_ns,turn_a,turn_b,turn_c,ax,ay,az", &options).unwrap();
+    assert_eq!(names(&found), ["turn_c", "turn_a", "turn_b"]);
+}
+
+/// `strangers/11`: a RealSense.
+#[test]
+fn topics_that_differ_in_gyro_and_accel_are_one_imu() {
+    let topics = |names: &[&str]| halves(&names.iter().copied().map(str::to_owned).collect::<Vec<_>>()).is_some();
+    assert!(topics(&["/camera/accel/sample", "/camera/gyro/sample"]) && topics(&["/gyro", "/accel"]));
+    assert!(!topics(&["/imu0", "/imu1"]) && !topics(&["/a/gyro", "/b/accel"]) && !topics(&["/gyro"]));
+    let together = |heads: [&str; 2]| {
+        let each = heads.map(|head| axes(head).unwrap()).into();
+        Axes::together(Path::new("log.bag"), each, &ImuOptions::default())
+    };
+    let found = together(["t_ns,ax_g,ay_g,az_g", "t_ns,gx_dps,gy_dps,gz_dps"]).unwrap();
+    assert_eq!(names(&found), ["gx_dps", "gy_dps", "gz_dps", "ax_g", "ay_g", "az_g"]);
+    let gyroscope = "t_ns,gx_dps,gy_dps,gz_dps";
+    let why = together([gyroscope, gyroscope]).map(drop).unwrap_err().to_string();
+    assert!(why.contains("6 gyroscopes together, and an IMU has three; give one topic"), "{why}");
+}
+
+/// `strangers/12`: the names are of Kalibr's tools, whose units are defined; others use them as well.
+#[test]
+fn units_of_kalibr_are_taken_where_gravity_fits() {
+    let read = |gravity: f64| {
+        let row = |at: i32| format!("{},0.1,0.{},0.3,0.{},0.1,{gravity}{}\n", at * 10, at % 7, at % 5, at % 3);
+        let head = "t_ms,omega_x,omega_y,omega_z,alpha_x,alpha_y,alpha_z\n".to_owned();
+        let text = (0..60).map(row).fold(head, |text, row| text + &row);
+        let parts = vec![(std::path::PathBuf::from("imu.csv"), text.into_bytes().into())];
+        Axes::read(Path::new("imu.csv"), parts, &ImuOptions::default())
+    };
+    let found = read(9.81).unwrap();
+    assert_eq!((found.columns.len(), found.columns[0].scale), (6, Unit::RadPerS.in_results()));
+    assert!(found.warnings.iter().any(|warning| warning.code() == "units-taken"));
+    assert!(read(0.51).map(drop).unwrap_err().to_string().contains("omega_x, omega_y, omega_z (gyroscope) state"));
+}
+
+/// `strangers/13`: speeds of wheels and set points are in the unit of a rate.
+#[test]
+fn wheels_biases_and_commands_beside_a_gyroscope_are_left_out() {
+    let found = axes("t_ns,gz_dps,wheel_speed_rad_s,gyro_bias_z_dps,yaw_cmd_dps").unwrap();
+    assert_eq!(found.columns.iter().map(|column| column.name.as_str()).collect::<Vec<_>>(), ["gz_dps"]);
+    // an IMU on a wheel has no other axes
+    let found = axes("t_ns,wheel_gyro_x_dps,wheel_gyro_y_dps").unwrap();
+    assert_eq!(found.columns.len(), 2);
+}
