@@ -141,7 +141,8 @@ impl ImuArgs {
             let [stem, ending] = [path.file_stem(), path.extension()].map(|part| part.unwrap_or_default().display());
             path.with_file_name(format!("{stem}-{value}.{ending}").trim_end_matches('.'))
         };
-        let reading = LogArgs { only: vec![only.clone()], ..self.reading.clone() };
+        let mut reading = self.reading.clone();
+        reading.only = vec![only.clone()];
         Self {
             output: self.output.as_ref().map(named),
             plot: self.plot.iter().map(named).collect(),
