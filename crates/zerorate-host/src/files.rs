@@ -152,12 +152,29 @@ fn parts(folder: &Path, description: &str) -> Result<Vec<PathBuf>, InputError> {
     let all: Vec<PathBuf> = all.collect::<std::io::Result<_>>().map_err(failed)?;
     let is_bag = |path: &PathBuf| path.extension().is_some_and(|end| end == "mcap" || end == "db3" || end == "bag");
     let bags: Vec<PathBuf> = all.into_iter().filter(is_bag).collect();
+    if let Some(split) = split_bags(&bags) {
+        return Ok(split);
+    }
     let why = match bags.len() {
         1 => return Ok(bags),
         0 => "it is a directory and no bag of ROS 2 (it has neither a metadata.yaml nor a bag); name the file",
         _ => "it is a directory with several bags and without a metadata.yaml that orders them; name one of them",
     };
     Err(InputError::not_a_log(folder, why))
+}
+
+/// Bags in the order of their numbers, if these are consecutive and the rest of their names differs in digits alone:
+/// `rosbag record --split` writes NAME_0.bag, NAME_1.bag …, with a date in NAME.
+fn split_bags(bags: &[PathBuf]) -> Option<Vec<PathBuf>> {
+    let numbered = |path: &PathBuf| {
+        let (start, number) = path.file_stem()?.to_str()?.rsplit_once('_')?;
+        let letters: String = start.chars().filter(|c| !c.is_ascii_digit()).collect();
+        Some((number.parse::<usize>().ok()?, letters, path.clone()))
+    };
+    let mut all: Vec<(usize, String, PathBuf)> = bags.iter().map(numbered).collect::<Option<_>>()?;
+    all.sort();
+    let is_next = |pair: &[(usize, String, PathBuf)]| pair[1].0 == pair[0].0 + 1 && pair[1].1 == pair[0].1;
+    (all.len() > 1 && all.windows(2).all(is_next)).then(|| all.into_iter().map(|(.., path)| path).collect())
 }
 
 /// The names of files in the description of a bag: the list of `relative_file_paths`. A folder before a name is the
@@ -205,6 +222,15 @@ pub fn rows(path: &Path, part: Option<&Part>) -> Result<RowReader, LogError> {
 mod tests {
     use super::*;
     use std::io::{SeekFrom, Write};
+
+    #[test]
+    fn bags_of_consecutive_numbers_are_one_log() {
+        let split = |names: &[&str]| split_bags(&names.iter().map(PathBuf::from).collect::<Vec<_>>());
+        let names = ["r_2026-03-01-12-10-00_10.bag", "r_2026-03-01-12-05-00_9.bag"];
+        assert_eq!(split(&names).unwrap(), [names[1], names[0]].map(PathBuf::from));
+        let others = [&["a_0.bag", "b_1.bag"][..], &["a_0.bag", "a_2.bag"], &["a.bag", "b.bag"], &["a_0.bag"]];
+        assert!(others.into_iter().all(|names| split(names).is_none()));
+    }
 
     /// A sparse file of 4 GiB counts only the few blocks that it takes.
     #[test]

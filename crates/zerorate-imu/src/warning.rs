@@ -116,10 +116,8 @@ impl ImuWarning {
 rows!(match ImuWarning {
     Self::Moves(ref spans, rest) =>
         Row { code: "motion", text: format_args!("the sensor moves {}; the longest rest: {rest}", Spans(spans)) },
-    Self::Jumps(ref moments, rest) => Row {
-        code: "motion",
-        text: format_args!("several axes jump together at {}; the longest rest: {rest}", Named(moments)),
-    },
+    Self::Jumps(ref moments, rest) =>
+        Row { code: "motion", text: format_args!("axes jump together {}; longest rest: {rest}", Jumps(moments)) },
     Self::Knocks(ref moments) => Row {
         code: "motion",
         text: format_args!("several axes have a glitch together at {}; knocked?", Named(moments)),
@@ -136,16 +134,26 @@ impl fmt::Display for ImuWarning {
     }
 }
 
-/// The first time of motion in words, and the number of those that follow.
+/// Times of motion in words: the first and the last, and their number.
 struct Spans<'a>(&'a [(f64, f64)]);
 
 impl fmt::Display for Spans<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some((from_s, to_s)) = self.0.first() else { return Ok(()) };
+        let (Some((from_s, _)), Some((_, to_s))) = (self.0.first(), self.0.last()) else { return Ok(()) };
         write!(f, "from {from_s:.0} s to {to_s:.0} s")?;
-        match (self.0.len() - 1, self.0.last()) {
-            (more @ 1.., Some((_, last_s))) => write!(f, " + {more} more until {last_s:.0} s"),
-            _ => Ok(()),
+        if self.0.len() > 1 { write!(f, " ({} times)", self.0.len()) } else { Ok(()) }
+    }
+}
+
+/// The first jump and the last, and their number.
+struct Jumps<'a>(&'a [Moment]);
+
+impl fmt::Display for Jumps<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            [] => Ok(()),
+            [only] => write!(f, "at {:.1} s", only.at_s),
+            [first, .., last] => write!(f, "{} times from {:.1} s to {:.1} s", self.0.len(), first.at_s, last.at_s),
         }
     }
 }
@@ -160,9 +168,9 @@ impl fmt::Display for Named<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let words = |moment: &Moment| format!("{:.1} s ({})", moment.at_s, moment.axes.join(", "));
         f.write_str(&self.0.iter().take(NAMED).map(words).collect::<Vec<_>>().join(", "))?;
-        match (self.0.len().saturating_sub(NAMED), self.0.last()) {
-            (more @ 1.., Some(last)) => write!(f, " + {more} more until {:.1} s", last.at_s),
-            _ => Ok(()),
+        match self.0.len().saturating_sub(NAMED) {
+            0 => Ok(()),
+            more => write!(f, " + {more} more"),
         }
     }
 }

@@ -46,7 +46,8 @@ impl FromStr for CutTime {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let text = text.trim();
-        let duration = || Some(text.parse::<SignedDuration>().ok()?.as_secs_f64());
+        // 12:30 would be a duration as well
+        let duration = || Some(text.parse::<SignedDuration>().ok().filter(|_| !text.contains(':'))?.as_secs_f64());
         if let Some(s) = text.parse::<f64>().ok().or_else(duration) {
             let is_possible = (0.0..=MAX_S).contains(&s);
             let outside = || "it must lie between 0 s and 10 years".to_owned();

@@ -31,6 +31,17 @@ pub enum LogError {
 /// The result of reading a log.
 pub type Result<T, E = LogError> = std::result::Result<T, E>;
 
+/// The error for a file of MATLAB that holds an object in place of numbers.
+#[cfg(any(feature = "hdf5", feature = "matlab"))]
+pub fn object_of_matlab(path: &Path, name: &str, class: &str) -> LogError {
+    let remedy = match class {
+        "table" | "timetable" => format!("`write{class}({name}, 'log.csv')`"),
+        _ => "save its numbers as arrays".to_owned(),
+    };
+    InputError::not_a_log(path, format!("`{name}` is a {class} of MATLAB, which MATLAB alone reads; there: {remedy}"))
+        .into()
+}
+
 pub fn no_time_unit(path: &Path, column: &str, names: Names) -> LogError {
     let why = format!("does not state the unit of its time column `{column}`");
     LogError::Ask(format!("{} {why}; give {} s, ms, us or ns", path.display(), names.of(Setting::TimeUnit)))

@@ -255,6 +255,11 @@ fn what_is_no_log_says_what_to_do() {
         (b"# A zerorate calibration (docs", "`zerorate report` shows it"),
         (b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1....", "save the sheet as CSV"),
         (b"\x80\x05\x95....", "a pickle of Python"),
+        (b"\xB5\x62\x10\x02....", "pyubx2"),
+        (b"TDSm\x0E\0\0\0", "nptdms"),
+        (b"RDX3\nX\n....", "`write.csv("),
+        (b"H Product:Blackbox flight data recorder by", "`blackbox_decode FILE`"),
+        (b"\xFA\xFF\x36....", "MT Manager"),
     ] {
         let fails = folder.fails(start, "--rate 1");
         assert!(fails.contains(said), "{fails}");

@@ -9,7 +9,7 @@ use super::open::Log;
 use super::series::SeriesBuilder;
 use super::{hdf5_index, lzf};
 use crate::choice::{Choice, Columns};
-use crate::error::Result;
+use crate::error::{Result, object_of_matlab};
 use crate::query::ColumnQuery;
 use crate::raw_columns::{RawColumn, RawColumns};
 use crate::stated_rate::{StatedRate, is_rate};
@@ -52,7 +52,10 @@ const MAX_HEADER: usize = 1 << 22;
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let Log { path, input, room, .. } = log;
     let behind = end(&input).map(|end| InputWarning::behind_end(path, &input, end)).transpose()?.flatten();
-    let Content { sets, rates } = content(path, input, room)?;
+    let Content { sets, rates, objects } = content(path, input, room)?;
+    if let (true, Some((name, class))) = (sets.is_empty(), objects.first()) {
+        return Err(object_of_matlab(path, name, class));
+    }
     let columns: Vec<SetColumn<'_>> = sets.iter().flat_map(Set::columns).collect();
     let names = columns.iter().map(|column| column.name.as_str()).collect();
     let all =
@@ -212,6 +215,8 @@ struct Content {
     sets: Vec<Set>,
     /// The sample rates in Hz that it states, with their names.
     rates: Vec<(String, f64)>,
+    /// Names and classes of MATLAB's objects.
+    objects: Vec<(String, String)>,
 }
 
 /// Finds the data sets of numbers below a group.
@@ -222,6 +227,10 @@ fn collect(group: &Group, name: &str, cut: char, depth: usize, found: &mut Conte
     found.rates.extend(stated_rates(group.attributes().unwrap_or_default(), name));
     for set in members {
         let own = set.name().rsplit('/').next().unwrap_or_default().to_owned();
+        if set.attribute("MATLAB_object_decode").is_ok() {
+            found.objects.extend(matlab_class(&set).map(|class| (below(&own), class)));
+            continue;
+        }
         let has_numbers = size(set.dtype()).is_some() || matches!(set.dtype(), Datatype::Compound { .. });
         if found.sets.len() < MAX_SETS && has_numbers && is_of_numbers(&set) {
             let set = Set { name: below(&own), set };
@@ -239,11 +248,14 @@ fn collect(group: &Group, name: &str, cut: char, depth: usize, found: &mut Conte
     Ok(())
 }
 
+fn matlab_class(set: &Dataset) -> Option<String> {
+    let class = set.attribute("MATLAB_class").and_then(|class| class.read_string()).ok()?;
+    Some(class.trim_end_matches('\0').to_owned())
+}
+
 /// Whether a data set holds numbers. MATLAB writes texts and sizes of empty arrays as numbers, and marks them as such.
 fn is_of_numbers(set: &Dataset) -> bool {
-    let class = set.attribute("MATLAB_class").and_then(|class| class.read_string());
-    let is_text = class.is_ok_and(|class| class.trim_end_matches('\0') == "char");
-    !is_text && set.attribute("MATLAB_empty").is_err()
+    matlab_class(set).is_none_or(|class| class != "char") && set.attribute("MATLAB_empty").is_err()
 }
 
 /// A column of a data set.

@@ -8,7 +8,7 @@ use super::clock::Times;
 use super::open::{Log, MATLAB};
 use super::series::SeriesBuilder;
 use crate::choice::{Choice, Columns};
-use crate::error::Result;
+use crate::error::{Result, object_of_matlab};
 use crate::query::ColumnQuery;
 use crate::raw_columns::{RawColumn, RawColumns};
 use crate::stated_rate::StatedRate;
@@ -54,6 +54,9 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     // a single number is not a column of the log, and may be its sample rate
     let (columns, single): (Vec<_>, Vec<_>) = columns.into_iter().partition(|column| column.rows() > 1);
     let stated_rate = StatedRate::among(single.iter().filter_map(Variable::number));
+    if let (true, Some((name, class))) = (columns.is_empty(), variables.iter().find_map(Element::object)) {
+        return Err(object_of_matlab(path, &name, &class));
+    }
     let names = columns.iter().map(|column| column.name.as_str()).collect();
     let all =
         Columns { path, names, numeric: vec![true; columns.len()], clocks: Vec::new(), settings: asked.args.names };
@@ -207,6 +210,16 @@ impl Element {
     fn columns<'a>(&'a self, found: &mut Vec<Variable<'a>>) -> Result<(), String> {
         collect(Parts { bytes: &self.data, big_endian: self.big_endian }, "", MAX_DEPTH, found)
     }
+
+    /// Name and class of the variable, if it is an object, such as a timetable.
+    fn object(&self) -> Option<(String, String)> {
+        let mut parts = Parts { bytes: &self.data, big_endian: self.big_endian };
+        let is_object = number(parts.next()?.1, self.big_endian).to_le_bytes()[0] == OBJECT;
+        let mut text = || Some(String::from_utf8_lossy(parts.next()?.1).into_owned());
+        // the system of types stands between them: MCOS
+        let (name, _, class) = (text()?, text()?, text()?);
+        is_object.then_some((name, class))
+    }
 }
 
 /// A column of a matrix.
@@ -223,6 +236,7 @@ struct Variable<'a> {
 }
 
 const STRUCTURE: u8 = 2;
+const OBJECT: u8 = 17;
 const NUMBERS: std::ops::RangeInclusive<u8> = 6..=15;
 const COMPLEX: u8 = 0x08;
 

@@ -93,7 +93,7 @@ pub fn check(found: &RawColumns, path: &Path, args: &ColumnOptions) -> Result<()
     let Some(mixed) = find(&sample, &read, times.map(Times::since_first)) else { return Ok(()) };
     let Mixed { column, values, steps } = mixed;
     let series = |(value, step): (&String, &f64)| match per_s {
-        Some(per_s) => format!("{value} ({:.4} Hz)", per_s / step),
+        Some(per_s) => format!("{value} ({} Hz)", (1000.0 * per_s / step).round() / 1000.0),
         None => value.clone(),
     };
     let series = values.iter().zip(&steps).map(series).collect::<Vec<_>>().join(", ");

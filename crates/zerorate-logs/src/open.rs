@@ -99,6 +99,12 @@ const FOREIGN: &[(&[u8], &str)] = &[
     (b"#RAWIMUA,", NOVATEL),
     (b"#RAWIMUXA,", NOVATEL),
     (b"%CORRIMUSA,", NOVATEL),
+    (b"\xB5\x62", "it is a log of u-blox (UBX); in Python pyubx2 reads it, and writes a table"),
+    (b"TDSm", "it is a TDMS file; in Python `nptdms.TdmsFile('FILE').as_dataframe().to_csv('log.csv')`"),
+    (b"RDX2\n", RDA),
+    (b"RDX3\n", RDA),
+    (b"H Product:Blackbox", "it is a log of Betaflight; `blackbox_decode FILE` writes a table"),
+    (b"\xFA\xFF", "it holds messages of Xsens (MTB); export it as text in MT Manager"),
     (b"\x80\x04\x95", PICKLE),
     (b"\x80\x05\x95", PICKLE),
 ];
@@ -114,6 +120,8 @@ const NOVATEL: &str = "it holds messages of NovAtel, whose increments are counts
 
 const JSON: &str = "it is JSON; convert it to a table: in Python `pandas.read_json('FILE').to_csv('log.csv')`, with \
                     `lines=True` if each line is an object";
+
+const RDA: &str = "it is a workspace of R; save a table there: `write.csv(DATA, 'log.csv', row.names = FALSE)`";
 
 const PICKLE: &str = "it is a pickle of Python, which runs what is in it; save a table there: `to_csv`, `numpy.save`";
 

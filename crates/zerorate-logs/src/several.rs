@@ -90,7 +90,10 @@ fn rows_of_two_sensors_in_tables() {
     for content in tables(&log) {
         for wanted in [ColumnSelection::One(Some("x")), ColumnSelection::All] {
             let said = all(&content, wanted, "--time-column t_ms").unwrap_err().to_string();
-            assert!(said.contains("column `SensorId` is 0, 1 in turn, and 200 of 400 rows repeat"), "{said}");
+            assert!(
+                said.contains("column `SensorId` is 0 (100 Hz), 1 (100 Hz) in turn, and 200 of 400 rows repeat"),
+                "{said}"
+            );
         }
         for only in ["SensorId=1", "sensor=b"] {
             let options = format!("--time-column t_ms --where {only}");

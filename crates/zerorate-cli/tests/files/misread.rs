@@ -41,7 +41,9 @@ fn rows_of_several_sensors_are_refused_and_read_one_by_one() {
             let remedy = format!("give --where {column}={first}");
             for line in ["imu two.csv", "allan two.csv --column gz_dps --fit"] {
                 let said = bench.zerorate(line).fails(2);
-                let seen = format!("column `{column}` is {first}, {second} in turn, and {shared} repeat the stamp");
+                let seen = format!(
+                    "column `{column}` is {first} (100 Hz), {second} (100 Hz) in turn, and {shared} repeat the stamp"
+                );
                 assert!(said.contains(&seen) && said.contains(&remedy), "{line}: {said}");
             }
             for (value, expected) in [(first, N), (second, 3.0 * N)] {
@@ -69,7 +71,7 @@ fn sensors_in_packets_are_told_apart() {
     let blocks = blocks.map(|(at, (x, y))| block(x, 3, 10 * at) + &block(y, 4, 10 * at));
     bench.write("two.csv", format!("t_s,k,gz_dps\n{}", blocks.collect::<String>()));
     let said = bench.zerorate("allan two.csv --column gz_dps").fails(2);
-    assert!(said.contains("column `k` is 3, 4 in turn"), "{said}");
+    assert!(said.contains("column `k` is 3 (100 Hz), 4 (100 Hz) in turn"), "{said}");
     let json = bench.zerorate("allan two.csv --column gz_dps --where k=4 --fit --json").ended_with(0).json();
     assert!(is_near(n(&json), 3.0 * N));
 }

@@ -1,7 +1,6 @@
 //! Tests of the choice of axes.
 
 use super::*;
-use zerorate_logs::ColumnSelection;
 
 /// `rostopic echo -p` writes variances of an angular velocity; they are not axes, unless somebody asks for them.
 #[test]
@@ -18,10 +17,7 @@ fn what_stands_beside_axes_is_left_out() {
     assert_eq!(found.columns.len(), 1);
     assert_eq!(found.columns[0].name, "field.angular_velocity.x");
     assert!(
-        found
-            .warnings
-            .iter()
-            .any(|one| one.coded().starts_with("columns-left-out: ") && one.coded().contains("gyro_clipping"))
+        found.warnings.iter().any(|one| one.code() == "columns-left-out" && one.to_string().contains("gyro_clipping"))
     );
     assert_eq!(read(Some(vec!["field.angular_velocity_covariance0".to_owned()])).columns.len(), 1);
 }
@@ -40,7 +36,7 @@ fn axes_with(head: &str, options: &ImuOptions) -> zerorate_logs::Result<Axes> {
     let columns = zerorate_logs::read_all(
         Path::new("log.csv"),
         text.into_bytes().into(),
-        ColumnSelection::All,
+        options.selection(options.listed().as_deref()),
         &zerorate_logs::ColumnOptions::default(),
     )?;
     Axes::of(Path::new("log.csv"), columns, options)

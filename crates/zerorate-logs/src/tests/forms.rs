@@ -252,11 +252,9 @@ fn a_bag_of_zero_stamps_has_the_times_of_its_recording() {
     let bag = mcap_packed(None, &["/imu"], "cdr", |i| imu(true, false, 0, (i % 7) as f64));
     let column = Folder::new().read(bag, "--column z").unwrap();
     assert!((column.rate_hz - 100.0).abs() < 1e-6, "{}", column.rate_hz);
-    let said = column.warnings.iter().map(LogWarning::coded).collect::<Vec<_>>().join("; ");
-    assert!(
-        said.contains("times-mended: ") && said.contains("all stamps are 0; the times at which the bag"),
-        "{said}"
-    );
+    let is_mended =
+        |warning: &LogWarning| warning.to_string().contains("all stamps are 0; the times at which the bag");
+    assert!(column.warnings.iter().any(is_mended), "{:?}", column.warnings);
 }
 
 #[test]

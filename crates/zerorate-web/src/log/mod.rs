@@ -123,11 +123,15 @@ mod reader {
         let form = zerorate_logs::kind(path, open())?;
         let options = settings::options(said)?;
         let wanted = options.columns.as_deref().map_or(ColumnSelection::All, ColumnSelection::Listed);
-        let columns = zerorate_logs::read_all(path, open(), wanted, &options.log)?;
+        let columns = zerorate_logs::read_all(path, open(), wanted, &options.log);
         let temperature = zerorate_logs::temperature(None, Some(open()), |names| {
             zerorate_logs::read_all(path, open(), ColumnSelection::Listed(names), &options.log)
         });
-        let axes = of_imu_or_any(path, columns, &options)?;
+        let axes = match columns {
+            // two of the topics may be one IMU
+            Err(LogError::Choose { .. }) => Axes::read(path, vec![(path.to_owned(), open())], &options)?,
+            columns => of_imu_or_any(path, columns?, &options)?,
+        };
         let first = axes.columns.first();
         let samples = first.map_or(0, length);
         let rate_hz = first.map_or(0.0, |first| first.rate_hz);
