@@ -56,12 +56,14 @@ impl FromStr for CutTime {
         if let Ok(stamp) = text.parse::<jiff::Timestamp>() {
             return Ok(Self::Date(stamp.as_duration().as_secs_f64()));
         }
-        if let Ok(time) = text.parse::<jiff::civil::Time>() {
-            return Ok(Self::TimeOfDay(time.duration_since(jiff::civil::Time::midnight()).as_secs_f64()));
+        let utc = |date: jiff::civil::DateTime| date.to_zoned(jiff::tz::TimeZone::UTC);
+        if let Ok(date) = text.parse().and_then(utc) {
+            return Ok(Self::Date(date.timestamp().as_duration().as_secs_f64()));
         }
-        let date = text.parse::<jiff::civil::DateTime>().and_then(|date| date.to_zoned(jiff::tz::TimeZone::UTC));
-        let date = date.map(|date| Self::Date(date.timestamp().as_duration().as_secs_f64()));
-        date.map_err(|_| "write it like 90 (seconds), 10m, 1h30m, 12:30:00 or 2026-03-01T12:30:00".to_owned())
+        let time = text.parse::<jiff::civil::Time>();
+        let of_day = |time: jiff::civil::Time| time.duration_since(jiff::civil::Time::midnight()).as_secs_f64();
+        time.map(|time| Self::TimeOfDay(of_day(time)))
+            .map_err(|_| "write it like 90 (seconds), 10m, 1h30m, 12:30:00 or 2026-03-01T12:30:00".to_owned())
     }
 }
 

@@ -103,7 +103,7 @@ const FOREIGN: &[(&[u8], &str)] = &[
     (b"TDSm", "it is a TDMS file; in Python `nptdms.TdmsFile('FILE').as_dataframe().to_csv('log.csv')`"),
     (b"RDX2\n", RDA),
     (b"RDX3\n", RDA),
-    (b"H Product:Blackbox", "it is a log of Betaflight; `blackbox_decode FILE` writes a table"),
+    (b"H Product:Black", "it is a log of Betaflight; `blackbox_decode FILE` writes a table"),
     (b"\xFA\xFF", "it holds messages of Xsens (MTB); export it as text in MT Manager"),
     (b"\x80\x04\x95", PICKLE),
     (b"\x80\x05\x95", PICKLE),

@@ -133,16 +133,16 @@ fn three_axes_of_one_pattern_are_a_sensor() {
 #[test]
 fn the_other_kind_is_found_beside_listed_columns() {
     let gyro = KindOptions {
-        columns: ["turn_c", "turn_a", "turn_b"].map(str::to_owned).to_vec(),
+        columns: ["turn_three", "turn_one", "turn_two"].map(str::to_owned).to_vec(),
         unit: Some(Unit::RadPerS),
         ..KindOptions::default()
     };
     let options = ImuOptions { gyro, ..ImuOptions::default() };
-    let found = axes_with("t_ns,turn_a,turn_b,turn_c,ax_g,ay_g,az_g,spin_dps", &options).unwrap();
-    assert_eq!(names(&found), ["turn_c", "turn_a", "turn_b", "ax_g", "ay_g", "az_g"]);
+    let found = axes_with("t_ns,turn_one,turn_two,turn_three,ax_g,ay_g,az_g,spin_dps", &options).unwrap();
+    assert_eq!(names(&found), ["turn_three", "turn_one", "turn_two", "ax_g", "ay_g", "az_g"]);
     // without a unit it is left out, and nothing is asked
-    let found = axes_with("t_ns,turn_a,turn_b,turn_c,ax,ay,az", &options).unwrap();
-    assert_eq!(names(&found), ["turn_c", "turn_a", "turn_b"]);
+    let found = axes_with("t_ns,turn_one,turn_two,turn_three,ax,ay,az", &options).unwrap();
+    assert_eq!(names(&found), ["turn_three", "turn_one", "turn_two"]);
 }
 
 /// `strangers/11`: a RealSense.
