@@ -1,9 +1,9 @@
 //! The options that choose the numbers of a log.
 
-use crate::exit::Usage;
 use clap::Args;
 use clap::builder::BoolishValueParser;
 use zerorate_allan::SettingName;
+use zerorate_jobs::InvalidOptions;
 use zerorate_jobs::allan::Columns;
 use zerorate_logs::{ColumnOptions, Cut, CutTime, Decimal, Names, Only, RawType, Setting, TimeUnit, Unit};
 
@@ -138,10 +138,10 @@ impl ColumnArgs {
     }
 
     /// Refuses several topics, which are one IMU for `imu` alone.
-    pub fn check(&self) -> Result<(), Usage> {
+    pub fn check(&self) -> Result<(), InvalidOptions> {
         match self.log.more_topics() {
             [] => Ok(()),
-            _ => Err(Usage("--topic: allan reads one topic; `zerorate imu` takes two of one IMU".to_owned())),
+            _ => Err(InvalidOptions("--topic: allan reads one topic; `zerorate imu` takes two of one IMU".to_owned())),
         }
     }
 

@@ -49,6 +49,9 @@ pub struct Axes {
     pub warnings: Vec<LogWarning>,
 }
 
+/// An axis, with its kind.
+type OfKind = (Kind, Column);
+
 /// The ends of the names of the first columns in a bag.
 const FIRST: [&str; 2] = [".angular_velocity.x", ".linear_acceleration.x"];
 
@@ -129,30 +132,13 @@ impl Axes {
     /// # Errors
     /// Returns an error if no column is an axis, or the unit of an axis is not known.
     pub fn of(path: &Path, mut columns: Vec<Column>, options: &ImuOptions) -> zerorate_logs::Result<Self> {
-        let (mut axes, mut left_out) = (Vec::new(), Vec::new());
         // the first column carries what is of the log, and need not be an axis
         let of_log = |column: &mut Column| column.warnings.extract_if(.., |warning| warning.is_of_log()).collect();
         let mut warnings: Vec<LogWarning> = columns.iter_mut().flat_map::<Vec<_>, _>(of_log).collect();
         if options.listed().is_none() && kalibr::give_units(&mut columns) {
             warnings.push(LogWarning::UnitsTaken { path: path.display().to_string() });
         }
-        let said = options.kinds();
-        let sure = columns.iter().filter(|column| Kind::is_axis(&column.name, true)).filter_map(Kind::of_column);
-        let sure: Vec<Kind> = sure.collect();
-        for (index, column) in columns.into_iter().enumerate() {
-            let is_meant = |kind: &Kind| {
-                let is_axis = options.columns.is_some() || Kind::is_axis(&column.name, sure.contains(kind));
-                is_axis && options.may_be(*kind, &column)
-            };
-            let kind = match said.get(index) {
-                Some(kind) => Some(options.agreed(path, *kind, &column)?),
-                None => Kind::of_column(&column).filter(is_meant),
-            };
-            match kind {
-                Some(kind) => axes.push((kind, column)),
-                None => left_out.push(column.name),
-            }
-        }
+        let (mut axes, mut left_out) = Self::among(path, columns, options)?;
         if axes.is_empty() {
             return Err(no_axes(path, &left_out, options));
         }
@@ -185,6 +171,33 @@ impl Axes {
         }
         Ok(Self { columns: axes, topic, warnings })
     }
+
+    /// The columns that are axes, each with its kind, and the names of the others.
+    fn among(
+        path: &Path,
+        columns: Vec<Column>,
+        options: &ImuOptions,
+    ) -> zerorate_logs::Result<(Vec<OfKind>, Vec<String>)> {
+        let (mut axes, mut left_out) = (Vec::new(), Vec::new());
+        let said = options.kinds();
+        let sure = columns.iter().filter(|column| Kind::is_axis(&column.name, true)).filter_map(Kind::of_column);
+        let sure: Vec<Kind> = sure.collect();
+        for (index, column) in columns.into_iter().enumerate() {
+            let is_meant = |kind: &Kind| {
+                let is_axis = options.columns.is_some() || Kind::is_axis(&column.name, sure.contains(kind));
+                is_axis && options.may_be(*kind, &column)
+            };
+            let kind = match said.get(index) {
+                Some(kind) => Some(options.agreed(path, *kind, &column)?),
+                None => Kind::of_column(&column).filter(is_meant),
+            };
+            match kind {
+                Some(kind) => axes.push((kind, column)),
+                None => left_out.push(column.name),
+            }
+        }
+        Ok((axes, left_out))
+    }
 }
 
 /// Both questions in one: all that is missing is asked for at once.
@@ -201,10 +214,10 @@ fn both(path: &Path, first: LogError, second: LogError) -> LogError {
 
 /// Leaves out the axes that nothing measured, unless there is nothing else. A message of ROS has three axes of each
 /// kind, even from a part with fewer axes. In a table, an axis of a kind that has others is rather a broken one.
-fn without_blanks(path: &Path, axes: &mut Vec<(Kind, Column)>, is_message: bool) -> Option<LogWarning> {
+fn without_blanks(path: &Path, axes: &mut Vec<OfKind>, is_message: bool) -> Option<LogWarning> {
     let is_alive = |kind: Kind| axes.iter().any(|(of, column)| *of == kind && !column.is_blank());
     let dead: Vec<Kind> = Kind::ALL.into_iter().filter(|kind| !is_alive(*kind)).collect();
-    let is_left = |(kind, column): &(Kind, Column)| column.is_blank() && (is_message || dead.contains(kind));
+    let is_left = |(kind, column): &OfKind| column.is_blank() && (is_message || dead.contains(kind));
     let names: Vec<&str> = axes.iter().filter(|axis| is_left(axis)).map(|(_, column)| column.name.as_str()).collect();
     if names.is_empty() || names.len() == axes.len() {
         return None;
@@ -218,11 +231,7 @@ fn without_blanks(path: &Path, axes: &mut Vec<(Kind, Column)>, is_message: bool)
 ///
 /// # Errors
 /// Returns the question, with the columns of each sensor.
-fn without_strangers(
-    path: &Path,
-    axes: &mut Vec<(Kind, Column)>,
-    options: &ImuOptions,
-) -> zerorate_logs::Result<Vec<String>> {
+fn without_strangers(path: &Path, axes: &mut Vec<OfKind>, options: &ImuOptions) -> zerorate_logs::Result<Vec<String>> {
     let mut left_out = Vec::new();
     let mut sensors: Vec<Vec<String>> = Vec::new();
     for kind in Kind::ALL.into_iter().filter(|kind| options.said(*kind).columns.is_empty()) {
@@ -350,7 +359,7 @@ impl Kind {
 }
 
 /// Checks that the axes are not increments unless somebody says so, and that their units are known.
-fn check(options: &ImuOptions, path: &Path, axes: &[(Kind, Column)]) -> zerorate_logs::Result<()> {
+fn check(options: &ImuOptions, path: &Path, axes: &[OfKind]) -> zerorate_logs::Result<()> {
     let columns: Vec<&Column> = axes.iter().map(|(_, column)| column).collect();
     let asked = increments::ask(path, &columns, &options.log);
     match (asked, check_units(options, path, axes)) {
@@ -360,7 +369,7 @@ fn check(options: &ImuOptions, path: &Path, axes: &[(Kind, Column)]) -> zerorate
 }
 
 /// Checks that each kind has a unit of its own.
-fn check_units(options: &ImuOptions, path: &Path, axes: &[(Kind, Column)]) -> zerorate_logs::Result<()> {
+fn check_units(options: &ImuOptions, path: &Path, axes: &[OfKind]) -> zerorate_logs::Result<()> {
     let mut unknown = Vec::new();
     for kind in Kind::ALL {
         let &KindOptions { unit, scale, codes, .. } = options.said(kind);
@@ -398,7 +407,7 @@ fn check_units(options: &ImuOptions, path: &Path, axes: &[(Kind, Column)]) -> ze
 const AXES: usize = 3;
 
 /// The warning about more axes than one IMU can have.
-fn too_many(path: &Path, kind: Kind, axes: &[(Kind, Column)], column: SettingName) -> Option<LogWarning> {
+fn too_many(path: &Path, kind: Kind, axes: &[OfKind], column: SettingName) -> Option<LogWarning> {
     let count = axes.iter().filter(|(of, _)| *of == kind).count();
     let path = path.display().to_string();
     (count > AXES).then(|| LogWarning::SeveralImus { path, count, kinds: kind.plural(), column })

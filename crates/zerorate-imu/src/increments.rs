@@ -33,7 +33,7 @@ pub fn named(name: &str) -> Option<Quantity> {
         unit.is_some_and(|unit| UNITS.contains(&unit))
     };
     let holds = |words: &[&str], starts: &[&str]| {
-        words.iter().any(|word| name.contains(word)) || starts.iter().any(|start| is_axis_of(start))
+        words.iter().any(|word| name.contains(word)) || starts.iter().any(is_axis_of)
     };
     match () {
         () if holds(&ANGLES, &SHORT_ANGLES) => Some(Quantity::AngularRate),

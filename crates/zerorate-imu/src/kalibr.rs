@@ -23,7 +23,7 @@ pub(super) fn give_units(columns: &mut [Column]) -> bool {
     }
     for (column, (_, unit)) in columns.iter_mut().zip(COLUMNS) {
         column.quantity = Some(unit.quantity());
-        column.scale = unit.in_results() * column.scale;
+        column.scale *= unit.in_results();
         column.warnings.retain(|warning| !matches!(warning, LogWarning::UnitUnknown { .. }));
     }
     true

@@ -30,7 +30,7 @@ pub struct Moment {
 }
 
 impl Moment {
-    /// The moments that the axes of one log share. Each axis comes with its name. `skipped_s` of the log were left out.
+    /// The moments that the axes of one log share, each with its name. `skipped_s` of the log were left out.
     #[must_use]
     pub fn all(axes: &[(&str, &Fit)], skipped_s: f64) -> Vec<Self> {
         let fits: Vec<&Fit> = axes.iter().map(|(_, fit)| *fit).collect();

@@ -17,8 +17,8 @@ pub fn of_log(path: &Path, name: Option<&str>, options: &ColumnOptions) -> Optio
     })
 }
 
-/// The same temperature, which may have been `found` by its usual name. An error where `detrending` needs it and the log
-/// has none.
+/// The same temperature, which may have been `found` by its usual name. An error where `detrending` needs it and the
+/// log has none.
 ///
 /// # Errors
 /// Returns an error if the log has no temperature, but one was named or a polynomial over it is to be taken out.

@@ -251,7 +251,6 @@ fn of_logs() -> Vec<LogWarning> {
             how: "stamps are off an even clock by 15 % of an interval; judge from 0.1234 s on".to_owned(),
         },
         LogWarning::TimeUnitTaken { path: path(), column: "timestamp".to_owned(), unit: "ns" },
-        LogWarning::UnitsTaken { path: path() },
         LogWarning::RateChanges {
             path: path(),
             how: "100.0 to 110.0 rows a second (100.0 at first, 110.0 at the end)".to_owned(),
@@ -285,10 +284,11 @@ fn of_logs() -> Vec<LogWarning> {
 }
 
 /// What the samples of a column show, and what is taken for their scale and rate.
-fn of_samples() -> [LogWarning; 5] {
+fn of_samples() -> [LogWarning; 6] {
     let [path, column] = [|| "log.csv".to_owned(), || "gz_dps".to_owned()];
     let assumed = "--gyro-range 250: 131.1 codes per °/s; lsm6ds3 and 5 more differ: give --part";
     [
+        LogWarning::UnitsTaken { path: path() },
         LogWarning::ScaleAssumed(assumed.to_owned()),
         LogWarning::RateTaken { path: path(), name: "imu.Fs".to_owned(), rate_hz: 200.0 },
         LogWarning::Resampled {

@@ -1,14 +1,7 @@
-//! The part of a log to read, by its time.
+//! The choice of a part of a log, by its time.
 
-use crate::error::{LogError, Result};
-use crate::options::ColumnOptions;
-use crate::raw_columns::{Clock, RawColumns};
-use crate::setting::Setting;
 use jiff::SignedDuration;
-use std::fmt;
-use std::path::Path;
 use std::str::FromStr;
-use zerorate_input::TimeUnit;
 
 /// A time in a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,13 +26,8 @@ pub struct Cut {
 /// Longest time since the start of a log, s: ten years.
 const MAX_S: f64 = 10.0 * 365.25 * DAY_S;
 
-const DAY_S: f64 = 86_400.0;
-
-/// The Unix times of a log between these are dates, from 1973 to 2096; smaller ones count from some other start.
-const DATES_S: std::ops::Range<f64> = 1e8..4e9;
-
-/// Times that differ by less are the same, s.
-const SAME_S: f64 = 1e-6;
+/// Seconds of a day.
+pub const DAY_S: f64 = 86_400.0;
 
 impl FromStr for CutTime {
     type Err = String;
@@ -67,164 +55,9 @@ impl FromStr for CutTime {
     }
 }
 
-/// The first and the last time of a log.
-struct Span {
-    /// The first time, where the log states dates or times of the day, s.
-    first_s: Option<f64>,
-    length_s: f64,
-}
-
-impl Span {
-    /// Seconds from the start of the log; `None` if the log has no clock.
-    fn since_start(&self, time: CutTime) -> Option<f64> {
-        let of_day = |s: f64| s.rem_euclid(DAY_S);
-        match (time, self.first_s) {
-            (CutTime::SinceStart(s), _) => Some(s),
-            (CutTime::TimeOfDay(s), Some(first_s)) => Some(of_day(s - of_day(first_s))),
-            (CutTime::Date(s), Some(first_s)) if DATES_S.contains(&first_s) => Some(s - first_s),
-            _ => None,
-        }
-    }
-}
-
-impl fmt::Display for Span {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let clock = |s: f64| {
-            let stamp = jiff::Timestamp::from_duration(SignedDuration::from_secs_f64(s)).unwrap_or_default();
-            let date = stamp.to_zoned(jiff::tz::TimeZone::UTC).datetime().round(jiff::Unit::Second);
-            date.map(|date| if DATES_S.contains(&s) { date.to_string() } else { date.time().to_string() })
-        };
-        let Self { first_s, length_s } = *self;
-        write!(f, "is {length_s:.6} s long")?;
-        match first_s.and_then(|first_s| Some((clock(first_s).ok()?, clock(first_s + length_s).ok()?))) {
-            Some((first, last)) => write!(f, ", from {first} to {last}"),
-            None => Ok(()),
-        }
-    }
-}
-
-impl RawColumns {
-    /// Keeps the rows of the part that is to be read. Returns the time left out at the start, s.
-    pub fn cut(&mut self, path: &Path, args: &ColumnOptions) -> Result<f64> {
-        let Cut { from, until } = args.cut;
-        if from.is_none() && until.is_none() {
-            return Ok(0.0);
-        }
-        // without a rate, the caller asks for it
-        let Some(times_s) = self.times_s(args) else { return Ok(0.0) };
-        let span = Span { first_s: self.first_s(args), length_s: times_s.last().copied().unwrap_or_default() };
-        let [from_s, until_s] = [(from, Setting::Skip), (until, Setting::Until)].map(|(time, setting)| {
-            let since = time.map(|time| span.since_start(time).ok_or(setting)).transpose();
-            since.map_err(|setting| {
-                let why = "the log states no such clock; give seconds from its start";
-                LogError::Ask(format!("{}: {}: {why}", path.display(), args.names.of(setting)))
-            })
-        });
-        let (from_s, until_s) = (from_s?, until_s?);
-        let before = |limit_s: f64| times_s.partition_point(|time_s| *time_s < limit_s - SAME_S);
-        let (first, end) = (from_s.map_or(0, before), until_s.map_or(times_s.len(), before));
-        if first >= end {
-            let given = [from.map(|_| Setting::Skip), until.map(|_| Setting::Until)].into_iter().flatten();
-            let given = given.map(|setting| args.names.of(setting).to_string()).collect::<Vec<_>>().join(" with ");
-            return Err(LogError::Ask(format!("{given} leaves nothing of {}, which {span}", path.display())));
-        }
-        self.keep(first, end);
-        Ok(times_s[first])
-    }
-
-    /// The time of each row since the first, s; `None` if the rate is not known.
-    fn times_s(&self, args: &ColumnOptions) -> Option<Vec<f64>> {
-        let rows = self.columns.first()?.values.rows();
-        match &self.clock {
-            Clock::Column(_, times) if !self.clock.is_guess(args) => {
-                let per_s = self.clock.unit(args)?.per_s();
-                Some(times.since_first().iter().map(|since| since / per_s).collect())
-            }
-            Clock::Counted { rate_hz, gaps } => {
-                let rate_hz = args.rate.or(*rate_hz)?;
-                let (mut missing, mut gaps) = (0, gaps.iter().peekable());
-                let time_s = |row: u64| {
-                    while let Some(gap) = gaps.next_if(|gap| gap.at as u64 <= row) {
-                        missing += gap.missing;
-                    }
-                    (row + missing) as f64 / rate_hz
-                };
-                Some((0..rows).map(time_s).collect())
-            }
-            _ => args.rate.map(|rate_hz| (0..rows).map(|row| row as f64 / rate_hz).collect()),
-        }
-    }
-
-    /// The date or the time of day of the first row, s; `None` if the times count from some other start.
-    fn first_s(&self, args: &ColumnOptions) -> Option<f64> {
-        let Clock::Column(_, times) = &self.clock else { return None };
-        let first_s = times.first() / self.clock.unit(args)?.per_s();
-        // clock times without a date are read as ns
-        let is_of_day = times.unit == Some(TimeUnit::Ns) && (0.0..DAY_S).contains(&first_s);
-        (DATES_S.contains(&first_s) || is_of_day).then_some(first_s)
-    }
-
-    fn keep(&mut self, first: usize, end: usize) {
-        self.columns.iter_mut().for_each(|column| column.values.keep(first, end));
-        match &mut self.clock {
-            Clock::Silent => {}
-            Clock::Column(_, times) => times.keep(first, end),
-            Clock::Counted { gaps, .. } => {
-                gaps.retain(|gap| first < gap.at && gap.at < end);
-                gaps.iter_mut().for_each(|gap| gap.at -= first);
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::choice::ColumnSelection;
-    use crate::read_all;
-
-    /// The samples of a log of ten rows a second that holds the number of each row.
-    fn rows(stamp: impl Fn(u32) -> String, from: Option<&str>, until: Option<&str>) -> Result<Vec<f64>> {
-        let text = (0..100).filter(|row| *row != 40).map(|row| format!("{},{row}\n", stamp(row))).collect::<String>();
-        let [from, until] = [from, until].map(|time| time.map(|time| time.parse().unwrap()));
-        let args = ColumnOptions {
-            time_column: Some("t_s".to_owned()),
-            cut: Cut { from, until },
-            ..ColumnOptions::default()
-        };
-        let columns =
-            read_all(Path::new("log.csv"), format!("t_s,x\n{text}").into_bytes().into(), ColumnSelection::All, &args)?;
-        columns[0].points(Path::new("log.csv"))
-    }
-
-    #[test]
-    fn a_part_is_chosen_by_seconds_or_clock() {
-        let seconds = |row: u32| format!("{}", 5.0 + f64::from(row) / 10.0);
-        let clock = |row: u32| match row / 10 {
-            s @ ..5 => format!("23:59:{:02}.{}", 55 + s, row % 10),
-            s => format!("00:00:{:02}.{}", s - 5, row % 10),
-        };
-        let date = |row: u32| format!("2026-03-01T12:30:{:02}.{}", row / 10, row % 10);
-        let span = |rows: &[f64]| (rows[0], rows[rows.len() - 1], rows.len());
-        assert_eq!(span(&rows(seconds, Some("3"), Some("5s")).unwrap()), (30.0, 49.0, 20));
-        assert_eq!(span(&rows(seconds, Some("4"), None).unwrap()), (41.0, 99.0, 59));
-        assert_eq!(span(&rows(date, Some("12:30:03"), Some("2026-03-01T12:30:05Z")).unwrap()), (30.0, 49.0, 20));
-        assert_eq!(span(&rows(clock, Some("23:59:58"), Some("00:00:02")).unwrap()), (30.0, 69.0, 40));
-    }
-
-    #[test]
-    fn a_part_outside_the_log_is_refused_with_its_span() {
-        let date = |row: u32| format!("2026-03-01T12:30:{:02}.{}", row / 10, row % 10);
-        let seconds = |row: u32| format!("{}", 5.0 + f64::from(row) / 10.0);
-        let why = |stamp: &dyn Fn(u32) -> String, from, until| rows(stamp, from, until).unwrap_err().to_string();
-        let said = why(&date, Some("13:00"), None);
-        assert!(
-            said.contains("skip leaves nothing of log.csv, which is 9.900000 s long, from 2026-03-01T12:30:00"),
-            "{said}"
-        );
-        assert!(why(&seconds, Some("5"), Some("5")).starts_with("skip with until leaves nothing"));
-        assert!(why(&seconds, Some("12:30"), None).contains("states no such clock; give seconds"));
-    }
 
     #[test]
     fn times_are_written_as_durations_or_clock_times() {

@@ -15,6 +15,7 @@ mod clock;
 mod column;
 mod column_checks;
 mod cut;
+mod cutting;
 mod dataflash;
 mod error;
 mod finish;

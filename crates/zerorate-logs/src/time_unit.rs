@@ -55,7 +55,7 @@ fn nearest(per_unit: f64, units: impl Iterator<Item = TimeUnit>) -> Option<TimeU
 /// Interval of `SampleTimeFine` from which it counts microseconds.
 const FINE: f64 = 5000.0;
 
-/// The unit of Xsens's `SampleTimeFine`: 0.1 ms in an MTi, whose interval is below half a second, and microseconds in a
+/// The unit of Xsens's `SampleTimeFine`: 0.1 ms in an MTi, whose interval is below half a second, and µs in a
 /// DOT, whose interval is above 8 ms.
 pub fn of_xsens(name: &str, times: &Times) -> Option<(TimeUnit, f64)> {
     let is_xsens = name.eq_ignore_ascii_case(SAMPLE_TIME_FINE);

@@ -178,8 +178,8 @@ impl Head {
         Err(InputError::damaged(path, "as a text file", what).into())
     }
 
-    /// Takes the names from the labels of the values, or else from the lines above the data. Returns the number of lines
-    /// used, and whether there are names.
+    /// Takes the names from the labels of the values, or else from the lines above the data. Returns the number of
+    /// lines used, and whether there are names.
     fn name_by_marks(&mut self, path: &Path, above: &[Numbered<'_>], comments: &[&str]) -> Result<(usize, bool)> {
         if let Some(labels) = self.marks.names().filter(|names| names.len() == self.width) {
             self.names = labels;
