@@ -64,6 +64,7 @@ mod rate_changes;
 mod rate_question;
 mod raw;
 mod raw_columns;
+mod raw_type;
 mod read;
 #[cfg(feature = "ros")]
 mod rosbag;
@@ -99,7 +100,7 @@ pub use number::Decimal;
 pub use only::Only;
 pub use options::{ColumnOptions, MAX_BAD};
 pub use parts::{Parts, read_parts, read_with_temperature, read_without_rate};
-pub use raw::{RawNumber, RawType};
+pub use raw_type::{RawNumber, RawType};
 pub use read::{read, read_all, read_table};
 pub use series::Series;
 pub use setting::{Names, Setting};

@@ -4,7 +4,7 @@ use crate::cut::Cut;
 use crate::error::{LogError, Result};
 use crate::number::Decimal;
 use crate::only::Only;
-use crate::raw::RawType;
+use crate::raw_type::RawType;
 use crate::setting::{Names, Setting};
 use std::path::Path;
 use zerorate_input::table::OpenDescribed;
