@@ -110,7 +110,7 @@ pub fn paper(size: (u32, u32), title: &str) -> Document {
         .add(Rectangle::new().set("width", width).set("height", height).set("fill", "white"))
 }
 
-/// Pictures on [`paper`] as one picture, one below the other.
+/// Pictures of this module as one picture, one below the other.
 #[must_use]
 pub fn stacked(pictures: &[String]) -> String {
     let size = |picture: &str, name: &str| -> Option<u32> {
