@@ -23,7 +23,7 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     let (label, code) = if refusal.is_some() {
         ("refused", 3)
     } else if error.is::<Usage>()
-        || matches!(log, Some(LogError::Ask(_) | LogError::Choose { .. }))
+        || matches!(log, Some(LogError::Ask(_) | LogError::Choose { .. } | LogError::Merged { .. }))
         || cause == Some(Cause::Request)
         || is_request
         || is_refusal(error)

@@ -87,7 +87,7 @@ impl From<LogError> for DeviceError {
         let cause = match error {
             LogError::File(InputError::NotBuiltIn { .. }) => Cause::Request,
             LogError::File(_) => Cause::File,
-            LogError::Ask(_) | LogError::Choose { .. } => Cause::Request,
+            LogError::Ask(_) | LogError::Choose { .. } | LogError::Merged { .. } => Cause::Request,
             LogError::Refused(code, _) => Cause::Refused(code),
         };
         Self { cause, told: error.into() }

@@ -5,10 +5,9 @@ mod tests;
 
 use super::codes::{self, Codes};
 use super::{ImuWarning, Kind, plausible};
-use crate::triads::triads;
+use crate::triads::{are_one_sensor, triads};
 use crate::{increments, kalibr};
 use std::path::Path;
-use zerorate_allan::SettingName;
 use zerorate_logs::{Column, ColumnOptions, ColumnSelection, LogError, LogWarning, Parts, Quantity, Setting, Unit};
 
 /// Facts about the axes that a log may not state itself.
@@ -65,6 +64,9 @@ impl Axes {
         let mut topics: Vec<String> = options.log.topic.iter().chain(&options.more_topics).cloned().collect();
         if topics.len() < 2 {
             match Self::of_topic(path, parts.try_clone()?, options) {
+                Err(LogError::Merged { groups, .. }) if options.listed().is_none() => {
+                    return Self::of_groups(path, &parts, &groups, options);
+                }
                 Err(LogError::Choose { question, table, topics: all }) if topics.is_empty() => match halves(&all) {
                     Some(pair) => topics = pair,
                     None => return Err(LogError::Choose { question, table, topics: all }),
@@ -77,6 +79,26 @@ impl Axes {
             Self::of_topic(path, parts.try_clone()?, &ImuOptions { log, ..options.clone() })
         };
         let each = topics.iter().cloned().map(of_topic).collect::<zerorate_logs::Result<Vec<Self>>>()?;
+        Self::together(path, each, options)
+    }
+
+    /// The axes of sensors whose rows were joined by time, each read alone.
+    fn of_groups(
+        path: &Path,
+        parts: &Parts,
+        groups: &[Vec<String>],
+        options: &ImuOptions,
+    ) -> zerorate_logs::Result<Self> {
+        let is_axis = |name: &&String| Kind::is_axis(name, true) && Kind::of_name(name).is_some();
+        let of_group = |columns: Vec<String>| {
+            Self::of_topic(path, parts.try_clone()?, &ImuOptions { columns: Some(columns), ..options.clone() })
+        };
+        let axes = groups.iter().map(|names| names.iter().filter(is_axis).cloned().collect::<Vec<String>>());
+        let axes = axes.filter(|names| !names.is_empty());
+        let each = axes.map(of_group).collect::<zerorate_logs::Result<Vec<Self>>>()?;
+        if each.is_empty() {
+            return Err(no_axes(path, &groups.concat(), options));
+        }
         Self::together(path, each, options)
     }
 
@@ -151,10 +173,6 @@ impl Axes {
             warnings.extend(without_blanks(path, &mut axes, topic.is_some()));
         }
         check(options, path, &axes)?;
-        if is_open {
-            let column = options.log.names.of(Setting::Column);
-            warnings.extend(Kind::ALL.into_iter().filter_map(|kind| too_many(path, kind, &axes, column)));
-        }
         let give_unit = |(kind, column)| give_unit(options, kind, column, &mut warnings);
         let mut axes: Vec<Column> = axes.into_iter().map(give_unit).collect();
         axes.sort_by_key(|column| column.quantity != Some(Quantity::AngularRate));
@@ -227,36 +245,41 @@ fn without_blanks(path: &Path, axes: &mut Vec<OfKind>, is_message: bool) -> Opti
     Some(LogWarning::BlanksLeftOut { path, names })
 }
 
-/// Leaves out what is beside the three axes of a sensor. The names of several sensors are a question.
+/// Leaves out what is beside the three axes of a sensor. Columns that may be of several sensors are a question.
 ///
 /// # Errors
 /// Returns the question, with the columns of each sensor.
 fn without_strangers(path: &Path, axes: &mut Vec<OfKind>, options: &ImuOptions) -> zerorate_logs::Result<Vec<String>> {
     let mut left_out = Vec::new();
-    let mut sensors: Vec<Vec<String>> = Vec::new();
+    let mut several: Vec<(Kind, Vec<Vec<String>>)> = Vec::new();
     for kind in Kind::ALL.into_iter().filter(|kind| options.said(*kind).columns.is_empty()) {
         let names: Vec<String> =
             axes.iter().filter(|(of, _)| *of == kind).map(|(_, column)| column.name.clone()).collect();
-        let triads = triads(&names.iter().map(String::as_str).collect::<Vec<_>>());
-        if names.len() <= AXES || triads.is_empty() {
-            continue;
-        }
-        let of_sensor = |triad: &[usize; 3]| triad.map(|at| names[at].clone()).to_vec();
-        if let [only] = &triads[..] {
-            let kept = of_sensor(only);
-            let strangers = axes.extract_if(.., |(of, column)| *of == kind && !kept.contains(&column.name));
-            left_out.extend(strangers.map(|(_, column)| column.name));
-        } else {
-            sensors.resize(sensors.len().max(triads.len()), Vec::new());
-            sensors.iter_mut().zip(triads.iter().map(of_sensor)).for_each(|(all, names)| all.extend(names));
+        let shown: Vec<&str> = names.iter().map(String::as_str).collect();
+        let sensors: Vec<Vec<String>> =
+            triads(&shown).iter().map(|triad| triad.map(|at| names[at].clone()).to_vec()).collect();
+        match &sensors[..] {
+            _ if names.len() <= AXES && are_one_sensor(&shown) => {}
+            [only] => {
+                let strangers = axes.extract_if(.., |(of, column)| *of == kind && !only.contains(&column.name));
+                left_out.extend(strangers.map(|(_, column)| column.name));
+            }
+            [] => several.push((kind, names.into_iter().map(|name| vec![name]).collect())),
+            _ => several.push((kind, sensors)),
         }
     }
-    if sensors.is_empty() {
-        return Ok(left_out);
-    }
-    let question =
-        format!("{} has several IMUs; choose one with {}:", path.display(), options.log.names.of(Setting::Column));
-    let table = sensors.iter().map(|names| format!("  {}", names.join(","))).collect();
+    let line = |names: &Vec<String>| format!("  {}", names.join(","));
+    let (setting, table) = match &several[..] {
+        [] => return Ok(left_out),
+        [(kind, sensors)] => (kind.setting(), sensors.iter().map(line).collect()),
+        [(_, gyros), (_, accels), ..] => {
+            let both = |at: usize| [gyros.get(at), accels.get(at)].into_iter().flatten().flatten().cloned().collect();
+            (Setting::Column, (0..gyros.len().max(accels.len())).map(|at| line(&both(at))).collect())
+        }
+    };
+    let option = options.log.names.of(setting);
+    let what = if setting == Setting::Column { "several IMUs" } else { "columns of several sensors" };
+    let question = format!("{} has {what}; choose the axes of one with {option}:", path.display());
     Err(LogError::Choose { question, table, topics: Vec::new() })
 }
 
@@ -405,13 +428,6 @@ fn check_units(options: &ImuOptions, path: &Path, axes: &[OfKind]) -> zerorate_l
 
 /// Axes of an IMU in each kind.
 const AXES: usize = 3;
-
-/// The warning about more axes than one IMU can have.
-fn too_many(path: &Path, kind: Kind, axes: &[OfKind], column: SettingName) -> Option<LogWarning> {
-    let count = axes.iter().filter(|(of, _)| *of == kind).count();
-    let path = path.display().to_string();
-    (count > AXES).then(|| LogWarning::SeveralImus { path, count, kinds: kind.plural(), column })
-}
 
 /// The unit that was given, where the log states none.
 fn give_unit(options: &ImuOptions, kind: Kind, mut column: Column, warnings: &mut Vec<LogWarning>) -> Column {

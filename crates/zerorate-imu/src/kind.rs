@@ -55,18 +55,21 @@ impl Kind {
         column.quantity.map_or_else(|| Self::named(&column.name), Self::of)
     }
 
+    /// The kind that a name states, by a unit or by itself.
+    pub(super) fn of_name(name: &str) -> Option<Self> {
+        Quantity::of_column(name).map_or_else(|| Self::named(name), |(quantity, _)| Self::of(quantity))
+    }
+
     /// Whether a column may be an axis, and is none of what ROS, PX4 and phyphox write beside the axes. Set points,
     /// biases and speeds of wheels have the units of axes: they are left out if `others` are surely axes.
     pub(super) fn is_axis(name: &str, others: bool) -> bool {
         let name = name.to_lowercase();
-        let beside = ["covariance", "integral", "clipping", "calibration", "timestamp", "absolute", "magnitude"];
-        let parts = ["wheel", "motor", "setpoint"];
-        let words = ["cmd", "command", "target", "bias", "std", "norm", "total", "abs", "gravity"];
-        let is_doubtful = || {
-            parts.iter().any(|part| name.contains(part))
-                || name.split(|c: char| !c.is_alphanumeric()).any(|word| words.contains(&word))
-        };
-        let is_beside = beside.iter().any(|part| name.contains(part));
+        let beside =
+            ["covariance", "integral", "clipping", "calibration", "timestamp", "absolute", "magn", "setpoint"];
+        let words = ["cmd", "command", "target", "bias", "std", "norm", "total", "abs", "gravity", "mag", "load"];
+        let is_beside = beside.iter().any(|part| name.contains(part))
+            || name.split(|c: char| !c.is_alphanumeric()).any(|word| words.contains(&word));
+        let is_doubtful = || ["wheel", "motor"].iter().any(|part| name.contains(part));
         !(is_beside || others && is_doubtful())
     }
 
@@ -78,14 +81,21 @@ impl Kind {
         let name = name.to_lowercase();
         let holds = |words: &[&str]| words.iter().any(|word| name.contains(word));
         let short = |letters: &str| {
-            let mut rest = name.chars().filter(|c| c.is_alphanumeric());
+            // without the device in front of it, as in `imu0.gx`
+            let own = name.rsplit(['.', '/']).next().unwrap_or(&name);
+            let own = own.rsplit_once('_').map_or(own, |(device, axis)| if device.len() > 1 { axis } else { own });
+            let mut rest = own.chars().filter(|c| c.is_alphanumeric());
             let (first, second) = (rest.next(), rest.next());
             let is_axis = second.is_some_and(|axis| "xyz123".contains(axis)) && rest.next().is_none();
             is_axis && first.is_some_and(|first| letters.contains(first))
         };
         match () {
             () if holds(&["mag", "temp", "press", "baro", "quat", "orient"]) => None,
-            () if holds(&["gyr", "angular", "omega"]) || short("gw") => Some(Self::Gyroscope),
+            () if holds(&["gyr", "angular", "omega", "angvel", "anglvel", "rotationrate", "rotation_rate"])
+                || short("gw") =>
+            {
+                Some(Self::Gyroscope)
+            }
             () if holds(&["acc", "linear"]) || short("af") => Some(Self::Accelerometer),
             () => None,
         }

@@ -45,6 +45,7 @@ pub(super) fn doubts(path: &Path, axes: &[Column], log: &ColumnOptions) -> Vec<L
         let remedy = || codes::of_gravity(&of_kind, log).map_or_else(String::new, |remedy| format!(" ({remedy})"));
         is_off.then(|| format!("gravity is {m_s2:.3} m/s²{}", remedy()))
     });
+    let small = small_gravity(axes);
     let whole = |axis: &Column| {
         let unit = axis.quantity.map_or("", Quantity::unit);
         let remedy = match axis.quantity {
@@ -54,7 +55,15 @@ pub(super) fn doubts(path: &Path, axes: &[Column], log: &ColumnOptions) -> Vec<L
         format!("{} has steps of {:.3} {unit}, as codes without their scale have{remedy}", axis.name, axis.scale)
     };
     let whole = axes.iter().find(|axis| is_whole(axis)).map(whole);
-    turns.take(1).chain(fall).chain(whole).map(warning).collect()
+    turns.take(1).chain(fall).chain(small).chain(whole).map(warning).collect()
+}
+
+/// Gravity of 1 in a unit that is smaller than g: the numbers are rather in g.
+fn small_gravity(axes: &[Column]) -> Option<String> {
+    let m_s2 = acceleration(axes).filter(|m_s2| *m_s2 < SUBTRACTED_M_S2)?;
+    let scale = axes.iter().find(|axis| axis.quantity == Some(Quantity::Acceleration))?.scale;
+    let is_one = (m_s2 / scale - 1.0).abs() < WITHIN_OF_INCREMENTS;
+    is_one.then(|| format!("gravity is 1.0 of the unit of its columns, {m_s2:.4} m/s², as if it were g"))
 }
 
 /// Whether these means of three axes are gravity in m/s².

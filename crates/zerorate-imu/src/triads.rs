@@ -30,9 +30,63 @@ pub fn triads(names: &[&str]) -> Vec<[usize; 3]> {
     found
 }
 
+/// Words for axes in names.
+const WORDS: [&str; 24] = [
+    "roll", "pitch", "yaw", "p", "q", "r", "x", "y", "z", "alpha", "beta", "gamma", "a", "b", "c", "north", "east",
+    "down", "up", "forward", "right", "left", "lateral", "vertical",
+];
+
+/// Whether names may be axes of one sensor: they differ in the axis alone.
+pub fn are_one_sensor(names: &[&str]) -> bool {
+    let Some((first, others)) = names.split_first() else { return true };
+    others.iter().all(|other| differ_in_axis(first, other))
+        && (1..names.len()).all(|at| !names[..at].contains(&names[at]))
+}
+
+fn differ_in_axis(one: &str, other: &str) -> bool {
+    let [left, right] = [one, other].map(|name| name.chars().collect::<Vec<char>>());
+    let unlike: Vec<(char, char)> =
+        left.iter().copied().zip(right.iter().copied()).filter(|(one, other)| one != other).collect();
+    let is_letter = left.len() == right.len()
+        && matches!(unlike[..], [(one, other)] if AXES.iter().any(|axes| axes.contains(&one) && axes.contains(&other)));
+    let words = |name: &str| -> Vec<String> {
+        let parts = name.split(|c: char| !c.is_alphanumeric()).filter(|part| !part.is_empty());
+        parts.map(str::to_lowercase).collect()
+    };
+    let (one, other) = (words(one), words(other));
+    let mut unlike = one.iter().zip(&other).filter(|(one, other)| one != other);
+    let are_words = |(one, other): (&String, &String)| {
+        let is_word = |word: &str| WORDS.contains(&word);
+        let (own, others) = own_parts(one, other);
+        is_word(one) && is_word(other) || is_word(own) && is_word(others)
+    };
+    let is_word_of_axis = one.len() == other.len() && unlike.next().is_some_and(are_words) && unlike.next().is_none();
+    is_letter || is_word_of_axis
+}
+
+/// Two words without the letters with which both begin, and without those with which both end.
+fn own_parts<'a>(one: &'a str, other: &'a str) -> (&'a str, &'a str) {
+    let alike = one.chars().zip(other.chars()).take_while(|(one, other)| one == other);
+    let start: usize = alike.map(|(one, _)| one.len_utf8()).sum();
+    let (one, other) = (&one[start..], &other[start..]);
+    let alike = one.chars().rev().zip(other.chars().rev()).take_while(|(one, other)| one == other);
+    let end: usize = alike.map(|(one, _)| one.len_utf8()).sum();
+    (&one[..one.len() - end], &other[..other.len() - end])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn other_columns_are_not_axes_of_the_same_sensor() {
+        for names in [&["gx_dps", "gy_dps"][..], &["rollRate", "pitchRate"], &["gyro_roll", "gyro_yaw"], &["gz"]] {
+            assert!(are_one_sensor(names), "{names:?}");
+        }
+        for names in [&["gz_dps", "yaw_rate_dps"][..], &["imu.gz", "ref.gz"], &["gx", "gx"], &["fog_z", "gyro_x"]] {
+            assert!(!are_one_sensor(names), "{names:?}");
+        }
+    }
 
     #[test]
     fn names_that_differ_in_the_axis_alone_are_one_sensor() {

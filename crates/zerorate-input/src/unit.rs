@@ -148,6 +148,10 @@ impl Unit {
         if let Some(unit) = bracketed(name).and_then(|inner| inner.parse().ok()) {
             return Some(unit);
         }
+        // a factor, as in `gx (0.01 dps)`, makes another unit
+        if bracketed(name).is_some_and(|inner| inner.starts_with(|c: char| c.is_ascii_digit())) {
+            return None;
+        }
         // as in `gyroXRadPerSec`
         let words = name.char_indices().filter(|(_, c)| c.is_uppercase()).map(|(at, _)| &name[at..]);
         let camel = words.filter_map(rate).next();

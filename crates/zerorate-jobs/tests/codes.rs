@@ -269,12 +269,6 @@ fn of_logs() -> Vec<LogWarning> {
         LogWarning::ColumnsLeftOut { path: path(), names: names() },
         LogWarning::NoNumbers { path: path(), names: names() },
         LogWarning::BlanksLeftOut { path: path(), names: names() },
-        LogWarning::SeveralImus {
-            path: path(),
-            count: 6,
-            kinds: "accelerometers",
-            column: SettingName::text("--column"),
-        },
         gaps(true),
         gaps(false),
         LogWarning::NotAlike(

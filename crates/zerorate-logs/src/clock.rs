@@ -135,6 +135,15 @@ impl Times {
         self.since_first = self.since_first[first..end].iter().map(|time| time - start).collect();
     }
 
+    /// Keeps these rows, which are in order and are not none.
+    pub fn select(&mut self, rows: &[usize]) {
+        let all = self.since_first.clone();
+        if let (Some(first), Some(last)) = (rows.first(), rows.last()) {
+            self.keep(*first, last + 1);
+            self.since_first = rows.iter().map(|row| all[*row] - all[*first]).collect();
+        }
+    }
+
     /// Time of each row in ns, since the origin of the file's clock or, where that cannot be told in ns, since the
     /// first row.
     pub fn nanoseconds(&self, unit: TimeUnit) -> Vec<u64> {

@@ -89,7 +89,7 @@ impl Column {
     pub fn is_blank(&self) -> bool {
         match &self.series {
             Series::Codes(codes) => codes.iter().all(|code| *code == 0),
-            Series::Numbers(numbers) => numbers.iter().all(|number| *number == 0.0),
+            Series::Numbers(numbers) => numbers.iter().all(|number| *number == 0.0 || number.is_nan()),
         }
     }
 

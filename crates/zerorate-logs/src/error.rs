@@ -23,6 +23,14 @@ pub enum LogError {
         /// The topics, if it is these that there are several of.
         topics: Vec<String>,
     },
+    /// The rows are of several sensors, joined by time: the question, and the columns of each sensor.
+    #[error("{question}\n{}", groups.iter().map(|names| format!("  {}", names.join(","))).collect::<Vec<_>>().join("\n"))]
+    Merged {
+        /// The question.
+        question: String,
+        /// The columns of each sensor.
+        groups: Vec<Vec<String>>,
+    },
     /// The numbers are readable, but must not become a result: a code for scripts, and the reason.
     #[error("{1}")]
     Refused(&'static str, String),

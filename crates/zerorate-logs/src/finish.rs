@@ -91,6 +91,7 @@ impl RawColumns {
         self.add_nanoseconds(path, args.names)?;
         self.clock.scale_ticks(args);
         mixed_rows::check(self, path, args)?;
+        self.separate_sensors(path, args)?;
         if self.clock.is_guess(args) {
             return Ok(());
         }

@@ -40,6 +40,7 @@ mod lzf;
 mod mat;
 #[cfg(feature = "mcap")]
 mod mcap_bag;
+mod merged_rows;
 #[cfg(any(feature = "mcap", feature = "ros", feature = "sqlite"))]
 mod message;
 #[cfg(all(test, not(feature = "full")))]

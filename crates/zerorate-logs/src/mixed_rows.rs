@@ -52,10 +52,11 @@ const OF_NOISE: f64 = 1.167;
 const PER_MEDIAN: f64 = 1.4826;
 
 /// Words in the names of columns that tell sensors apart.
-const IDS: [&str; 31] = [
+const IDS: [&str; 42] = [
     "id", "sensor", "device", "dev", "instance", "inst", "imu", "unit", "node", "source", "src", "channel", "chan",
     "name", "addr", "address", "serial", "sn", "mac", "topic", "tag", "type", "kind", "label", "module", "board",
-    "chip", "port", "probe", "slot", "i",
+    "chip", "port", "probe", "slot", "i", "bus", "slave", "ch", "idx", "index", "mux", "num", "nr", "side",
+    "position", "stream",
 ];
 
 /// Words in the names of columns that do not tell sensors apart.
@@ -93,14 +94,15 @@ pub fn check(found: &RawColumns, path: &Path, args: &ColumnOptions) -> Result<()
     let Some(mixed) = find(&sample, &read, times.map(Times::since_first)) else { return Ok(()) };
     let Mixed { column, values, steps } = mixed;
     let series = |(value, step): (&String, &f64)| match per_s {
-        Some(per_s) => format!("{value} ({} Hz)", (1000.0 * per_s / step).round() / 1000.0),
-        None => value.clone(),
+        Some(per_s) if *step > 0.0 => format!("{value} ({} Hz)", (1000.0 * per_s / step).round() / 1000.0),
+        _ => value.clone(),
     };
     let series = values.iter().zip(&steps).map(series).collect::<Vec<_>>().join(", ");
     let same = times.map(|times| {
         let rows = times.since_first();
         let same = rows.windows(2).filter(|pair| pair[0] == pair[1]).count();
-        format!(", and {same} of {} rows repeat the stamp of the row before", rows.len())
+        let said = format!(", and {same} of {} rows repeat the stamp of the row before", rows.len());
+        if same == 0 { String::new() } else { said }
     });
     let (first, option) = (&values[0], args.names.of(Setting::Where));
     Err(LogError::Ask(format!(
@@ -134,7 +136,13 @@ fn find(sample: &[Sampled], columns: &BTreeSet<&str>, times: Option<&[f64]>) -> 
     let tells = |name: &str, labels: &Labels<'_>| {
         let words = words(name);
         let is_known = |known: &[&str]| words.iter().any(|word| known.contains(&word.as_str()));
-        let is_said = || labels.are_words() || is_known(&IDS) || readings.iter().any(|cells| labels.differ(cells));
+        let is_id = || is_known(&IDS) || words.iter().any(|word| word.ends_with("id"));
+        let is_said = || {
+            labels.are_words()
+                || is_id()
+                || labels.share_stamps(times)
+                || readings.iter().any(|cells| labels.differ(cells))
+        };
         let is_even = || labels.are_even(times) || labels.are_even(&numbers);
         (overlap || !is_known(&NO_IDS) && is_said()) && is_even()
     };
@@ -224,6 +232,18 @@ impl<'a> Labels<'a> {
             let uneven = steps.iter().filter(|step| !is_even(step)).count();
             usual > 0.0 && interrupted > 0 && uneven as f64 <= UNEVEN * interrupted as f64
         })
+    }
+
+    /// Whether each stamp stands in a row of every value, as where several sensors are read at once.
+    fn share_stamps(&self, times: &[f64]) -> bool {
+        let repeated = times.windows(2).filter(|pair| pair[0] == pair[1]).count() as f64;
+        let expected = 1.0 - 1.0 / self.values.len() as f64;
+        let rows = times.len() as f64;
+        (repeated / rows - expected).abs() < SHARE
+            && times
+                .windows(2)
+                .zip(self.rows.windows(2))
+                .all(|(pair, values)| pair[0] != pair[1] || values[0] != values[1])
     }
 
     /// Whether the level or the noise of these readings differs from value to value.

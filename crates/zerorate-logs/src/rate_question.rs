@@ -5,7 +5,7 @@ use crate::error::LogError;
 use crate::sample::{Cell, Sampled};
 use crate::setting::{Names, Setting};
 use crate::text::dates::{self, DateColumn};
-use crate::time_names::{is_like_time, is_step};
+use crate::time_names::{is_like_time, is_step, states_time};
 use crate::time_unit;
 use std::path::Path;
 use zerorate_allan::SettingName;
@@ -23,7 +23,8 @@ pub fn no_rate(path: &Path, columns: &[&str], sample: &[Sampled], names: Names) 
     let [rate, time, unit] = [Setting::Rate, Setting::TimeColumn, Setting::TimeUnit].map(|setting| names.of(setting));
     let rises = |Rising { column, unit: fits, rate_hz }: Rising<'_>| {
         let fits = fits.name();
-        let is_time = format!("if `{column}`, which rises evenly, is the time ({rate_hz:.3} Hz)");
+        let column = quoted(column);
+        let is_time = format!("if it is the time, as it rises evenly ({rate_hz:.3} Hz)");
         format!("give {rate} in Hz, or {time} {column} with {unit} {fits} {is_time}")
     };
     let named = || match columns.iter().find(|name| is_like_time(name)) {
@@ -37,6 +38,12 @@ pub fn no_rate(path: &Path, columns: &[&str], sample: &[Sampled], names: Names) 
     let remedy = remedy.or_else(|| steps(sample, rate));
     let remedy = remedy.unwrap_or_else(named);
     LogError::Ask(format!("{} does not say how fast it was sampled: {remedy}", path.display()))
+}
+
+/// A name as a shell takes it.
+pub fn quoted(name: &str) -> String {
+    let is_plain = name.chars().all(|c| c.is_alphanumeric() || "_-./:#,=".contains(c));
+    if is_plain { name.to_owned() } else { format!("'{name}'") }
 }
 
 /// The first column of dates or times that are not read, with a cell and the reason.
@@ -81,6 +88,12 @@ fn steps(sample: &[Sampled], rate: SettingName) -> Option<String> {
     Some(format!("give {rate} in Hz, which is {rate_hz:.6} if `{name}` holds the step between rows in {unit}"))
 }
 
+/// Whether a name states a unit or a scale of time that is not known, so that no unit can be proposed.
+fn has_other_unit(name: &str) -> bool {
+    let words = ["min", "mins", "minutes", "h", "hours", "days", "ticks", "tick", "cycles", "khz", "mhz", "hz", "ps"];
+    !states_time(name) && name.to_lowercase().split(|c: char| !c.is_alphabetic()).any(|word| words.contains(&word))
+}
+
 /// A column of numbers that rises as a time does.
 struct Rising<'a> {
     column: &'a str,
@@ -98,7 +111,7 @@ fn rising(sample: &[Sampled]) -> Option<Rising<'_>> {
 
 impl<'a> Rising<'a> {
     fn of(column: &'a Sampled) -> Option<Self> {
-        let times = column.times()?;
+        let times = column.times().filter(|_| !has_other_unit(&column.name))?;
         let rows = times.since_first();
         let counts_rows = rows.windows(2).all(|pair| pair[1] - pair[0] == 1.0);
         if rows.len() < FEWEST || counts_rows || !rows.is_sorted_by(|one, next| one < next) {

@@ -94,11 +94,32 @@ impl RawType {
 
     /// Adds the numbers of a channel; `Err` is the index of the first infinite number.
     pub fn append(self, values: &mut SeriesBuilder, block: &[u8], channel: usize) -> Result<(), usize> {
+        if self.channels == 1 && !self.is_big_endian {
+            return self.append_all(values, block);
+        }
         let numbers = self.channel(block, channel).into_iter();
         if !self.number.is_integer() {
             return values.extend_numbers(numbers);
         }
         values.extend_codes(numbers.map(|code| code as i32));
+        Ok(())
+    }
+
+    /// Adds all numbers of a block of little-endian ones, the usual form, without a copy.
+    fn append_all(self, values: &mut SeriesBuilder, block: &[u8]) -> Result<(), usize> {
+        match self.number {
+            RawNumber::I16 => {
+                values.extend_codes(block.as_chunks().0.iter().map(|bytes| i16::from_le_bytes(*bytes).into()));
+            }
+            RawNumber::I32 => values.extend_codes(block.as_chunks().0.iter().map(|bytes| i32::from_le_bytes(*bytes))),
+            RawNumber::F32 => {
+                return values
+                    .extend_numbers(block.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes).into()));
+            }
+            RawNumber::F64 => {
+                return values.extend_numbers(block.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes)));
+            }
+        }
         Ok(())
     }
 

@@ -43,6 +43,17 @@ pub const SAMPLE_TIME_FINE: &str = "SampleTimeFine";
 
 /// Whether the name of a column states that it is a time in a known unit.
 pub fn states_time(name: &str) -> bool {
+    !is_duration(name) && is_in_time_unit(name)
+}
+
+/// Whether a column holds a time that something took, and not the time of its row: `latency_us`.
+fn is_duration(name: &str) -> bool {
+    let words =
+        ["latency", "exposure", "age", "period", "loop", "cpu", "delay", "duration", "jitter", "timeout", "lag"];
+    name.to_lowercase().split(|c: char| !c.is_alphanumeric()).any(|word| words.contains(&word))
+}
+
+fn is_in_time_unit(name: &str) -> bool {
     TimeUnit::of_column(name).or(ticks(name).map(|(unit, _)| unit)).is_some()
         || name.eq_ignore_ascii_case(SAMPLE_TIME_FINE)
 }

@@ -66,8 +66,6 @@ pub enum LogWarning {
     NoNumbers { path: String, names: String },
     /// These columns are 0 in every row.
     BlanksLeftOut { path: String, names: String },
-    /// More columns are of a kind than an IMU has axes; `column` is the name of a setting.
-    SeveralImus { path: String, count: usize, kinds: &'static str, column: SettingName },
     /// Samples are missing.
     Gaps { path: String, missing: u64, among: usize, are_closed: bool },
     /// A record differs from the others by more than chance, as the text says.
@@ -153,10 +151,6 @@ rows!(match LogWarning {
         Row { code: "columns-left-out", text: format_args!("{path}: left out, holding no numbers: {names}") },
     Self::BlanksLeftOut { ref path, ref names } =>
         Row { code: "columns-left-out", text: format_args!("{path}: left out, being 0 in every row: {names}") },
-    Self::SeveralImus { ref path, count, kinds, column } => Row {
-        code: "several-imus",
-        text: format_args!("{path}: {count} columns are {kinds}, and an IMU has three; choose with {column}"),
-    },
     Self::Gaps { ref path, missing, among, are_closed: true } => Row {
         code: "gaps",
         text: format_args!(
@@ -215,7 +209,6 @@ impl LogWarning {
             | Self::ColumnsLeftOut { .. }
             | Self::NoNumbers { .. }
             | Self::BlanksLeftOut { .. }
-            | Self::SeveralImus { .. }
             | Self::Gaps { .. }
             | Self::NotAlike(_) => true,
         }

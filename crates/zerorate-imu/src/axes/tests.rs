@@ -123,7 +123,7 @@ fn three_axes_of_one_pattern_are_a_sensor() {
     let two = "t_ns,gyro1_x_dps,gyro1_y_dps,gyro1_z_dps,gyro2_x_dps,gyro2_y_dps,gyro2_z_dps,acc1_x_g,acc2_x_g,\
                acc1_y_g,acc2_y_g,acc1_z_g,acc2_z_g";
     let why = axes(two).map(drop).unwrap_err().to_string();
-    assert!(why.starts_with("log.csv has several IMUs; choose one with column:\n"), "{why}");
+    assert!(why.starts_with("log.csv has several IMUs; choose the axes of one with column:\n"), "{why}");
     assert!(why.ends_with("  gyro2_x_dps,gyro2_y_dps,gyro2_z_dps,acc2_x_g,acc2_y_g,acc2_z_g"), "{why}");
     let found = axes("t_ns,gx_dps,gy_dps,gz_dps,yaw_dps").unwrap();
     assert_eq!(names(&found), ["gx_dps", "gy_dps", "gz_dps"]);

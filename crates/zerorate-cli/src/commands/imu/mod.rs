@@ -194,7 +194,10 @@ pub fn run(args: &ImuArgs) -> Result<()> {
     match &args.reading.only[..] {
         [] | [_] => run_one(args),
         _ if args.json => Err(Usage("--json takes one --where: run it once for each".to_owned()).into()),
-        several => several.iter().try_for_each(|only| run_one(&args.of_series(only))),
+        several => several.iter().try_for_each(|only| {
+            print_lines(&format!("{only}\n"))?;
+            run_one(&args.of_series(only))
+        }),
     }
 }
 
