@@ -167,6 +167,7 @@ fn parts(folder: &Path, description: &str) -> Result<Vec<PathBuf>, InputError> {
 /// `rosbag record --split` writes NAME_0.bag, NAME_1.bag …, with a date in NAME.
 fn split_bags(bags: &[PathBuf]) -> Option<Vec<PathBuf>> {
     let numbered = |path: &PathBuf| {
+        path.extension().filter(|ending| *ending == "bag")?;
         let (start, number) = path.file_stem()?.to_str()?.rsplit_once('_')?;
         let letters: String = start.chars().filter(|c| !c.is_ascii_digit()).collect();
         Some((number.parse::<usize>().ok()?, letters, path.clone()))

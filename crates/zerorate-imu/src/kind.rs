@@ -82,8 +82,8 @@ impl Kind {
         let holds = |words: &[&str]| words.iter().any(|word| name.contains(word));
         let short = |letters: &str| {
             // without the device in front of it, as in `imu0.gx`
-            let own = name.rsplit(['.', '/']).next().unwrap_or(&name);
-            let own = own.rsplit_once('_').map_or(own, |(device, axis)| if device.len() > 1 { axis } else { own });
+            let parts = name.rsplit_once(['.', '/', '_']).filter(|(device, _)| device.len() > 1);
+            let own = parts.map_or(&*name, |(_, axis)| axis);
             let mut rest = own.chars().filter(|c| c.is_alphanumeric());
             let (first, second) = (rest.next(), rest.next());
             let is_axis = second.is_some_and(|axis| "xyz123".contains(axis)) && rest.next().is_none();

@@ -1,6 +1,7 @@
 //! Columns that are the three axes of one sensor: their names differ in the letter or the digit of the axis alone.
 
 use std::collections::BTreeMap;
+use zerorate_logs::Unit;
 
 /// The axes as names tell them apart; letters have precedence over digits.
 const AXES: [[char; 3]; 4] = [['x', 'y', 'z'], ['X', 'Y', 'Z'], ['0', '1', '2'], ['1', '2', '3']];
@@ -36,6 +37,9 @@ const WORDS: [&str; 24] = [
     "down", "up", "forward", "right", "left", "lateral", "vertical",
 ];
 
+/// Parts of units in names, which may differ between axes.
+const UNITS: [&str; 14] = ["dps", "mdps", "rad", "mrad", "urad", "deg", "s", "min", "h", "m", "g", "mg", "ug", "s2"];
+
 /// Whether names may be axes of one sensor: they differ in the axis alone.
 pub fn are_one_sensor(names: &[&str]) -> bool {
     let Some((first, others)) = names.split_first() else { return true };
@@ -48,10 +52,12 @@ fn differ_in_axis(one: &str, other: &str) -> bool {
     let unlike: Vec<(char, char)> =
         left.iter().copied().zip(right.iter().copied()).filter(|(one, other)| one != other).collect();
     let is_letter = left.len() == right.len()
-        && matches!(unlike[..], [(one, other)] if AXES.iter().any(|axes| axes.contains(&one) && axes.contains(&other)));
+        && matches!(unlike[..], [(one, other)] if AXES.iter().any(|of| of.contains(&one) && of.contains(&other)));
     let words = |name: &str| -> Vec<String> {
         let parts = name.split(|c: char| !c.is_alphanumeric()).filter(|part| !part.is_empty());
-        parts.map(str::to_lowercase).collect()
+        let states_unit = Unit::of_column(name).is_some();
+        let words = parts.map(str::to_lowercase);
+        words.filter(|word| !(states_unit && UNITS.contains(&word.as_str()))).collect()
     };
     let (one, other) = (words(one), words(other));
     let mut unlike = one.iter().zip(&other).filter(|(one, other)| one != other);

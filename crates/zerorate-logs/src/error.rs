@@ -24,7 +24,7 @@ pub enum LogError {
         topics: Vec<String>,
     },
     /// The rows are of several sensors, joined by time: the question, and the columns of each sensor.
-    #[error("{question}\n{}", groups.iter().map(|names| format!("  {}", names.join(","))).collect::<Vec<_>>().join("\n"))]
+    #[error("{question}\n  {}", .groups.iter().map(|names| names.join(",")).collect::<Vec<_>>().join("\n  "))]
     Merged {
         /// The question.
         question: String,

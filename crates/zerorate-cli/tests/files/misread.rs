@@ -37,13 +37,12 @@ fn rows_of_several_sensors_are_refused_and_read_one_by_one() {
                 format!("{at:.4},{first},{x:.6}\n{then:.4},{second},{y:.6}\n")
             });
             bench.write("two.csv", format!("t_s,{column},gz_dps\n{}", rows.collect::<String>()));
-            let shared = if offset_s == 0.0 { "4000 of 8000 rows" } else { "0 of 8000 rows" };
+            let shared =
+                if offset_s == 0.0 { ", and 4000 of 8000 rows repeat the stamp" } else { ": rows of 2 sensors" };
             let remedy = format!("give --where {column}={first}");
             for line in ["imu two.csv", "allan two.csv --column gz_dps --fit"] {
                 let said = bench.zerorate(line).fails(2);
-                let seen = format!(
-                    "column `{column}` is {first} (100 Hz), {second} (100 Hz) in turn, and {shared} repeat the stamp"
-                );
+                let seen = format!("column `{column}` is {first} (100 Hz), {second} (100 Hz) in turn{shared}");
                 assert!(said.contains(&seen) && said.contains(&remedy), "{line}: {said}");
             }
             for (value, expected) in [(first, N), (second, 3.0 * N)] {
