@@ -121,8 +121,8 @@ mod tests {
             0 => format!("{},0.{},0.5,0.{},0.25\n", row * 5, row % 7, row % 9),
             _ => format!("{},0.{},0.5,,\n", row * 5, row % 7),
         };
-        let cases: [(&dyn Fn(usize) -> String, f64, f64); 2] =
-            [(&alternating, 100.0, 100.0), (&thinner, 200.0, 200.0 / 3.0)];
+        type Row = fn(usize) -> String;
+        let cases: [(Row, f64, f64); 2] = [(alternating, 100.0, 100.0), (thinner, 200.0, 200.0 / 3.0)];
         for (row, gyro_hz, accel_hz) in cases {
             let text = (0..120).map(row).fold("t_ms,gx,gy,ax,ay\n".to_owned(), |text, row| text + &row);
             let Err(LogError::Merged { groups, .. }) = read(&text, ColumnSelection::All) else { panic!("one sensor") };
@@ -137,9 +137,8 @@ mod tests {
     #[test]
     fn lost_cells_and_a_slow_temperature_are_one_sensor() {
         let row = |row: usize| {
-            let [gx, ax] =
-                [row * 7919 % 5 != 0, row * 104_729 % 3 != 0].map(|is_there| if is_there { "0.5" } else { "" });
-            format!("{},{gx},0.{},{ax},{}\n", row * 10, row % 7, if row % 20 == 0 { "25.5" } else { "" })
+            let [gx, ax] = [row * 7919 % 5, row * 104_729 % 3].map(|rest| if rest > 0 { "0.5" } else { "" });
+            format!("{},{gx},0.{},{ax},{}\n", row * 10, row % 7, if row.is_multiple_of(20) { "25.5" } else { "" })
         };
         let text = (0..200).map(row).fold("t_ms,gx,gy,ax,temp_c\n".to_owned(), |text, row| text + &row);
         let columns = read(&text, ColumnSelection::All).unwrap();
