@@ -85,11 +85,14 @@ impl Column {
         self.facts = None;
     }
 
-    /// Whether the column is 0 in every row.
+    /// Whether the column is 0 in every row that has a value.
     pub fn is_blank(&self) -> bool {
         match &self.series {
             Series::Codes(codes) => codes.iter().all(|code| *code == 0),
-            Series::Numbers(numbers) => numbers.iter().all(|number| *number == 0.0 || number.is_nan()),
+            Series::Numbers(numbers) => {
+                let is_there = |number: &&f64| !number.is_nan();
+                numbers.contains(&0.0) && numbers.iter().filter(is_there).all(|number| *number == 0.0)
+            }
         }
     }
 
