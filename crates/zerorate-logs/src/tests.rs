@@ -277,7 +277,7 @@ fn a_time_column_gives_rate_and_gaps() {
     assert!(
         folder
             .fails(rows(1.0, "t,gz\n"), "--column gz")
-            .contains("give --rate in Hz, or --time-column t with --time-unit s if `t`")
+            .contains("give --rate in Hz, or --time-column t with --time-unit s if it is the time")
     );
     let leap = "t_s,x\n0,0.5\n1,0.5\n2,0.5\n3,0.5\n90000000,0.5\n";
     assert!(
@@ -379,10 +379,7 @@ fn dates_tell_the_unit_of_a_time() {
     }
     // a counter since power-on leaves the unit open
     let why = folder.fails(text(5_000_000, 10_000), "--column gz_dps");
-    assert!(
-        why.contains("--time-column time with --time-unit us if `time`, which rises evenly, is the time"),
-        "{why}"
-    );
+    assert!(why.contains("--time-column time with --time-unit us if it is the time, as it rises evenly"), "{why}");
 }
 
 /// A log with 300 rows of a time column of this name, in steps of this length.
@@ -424,7 +421,7 @@ fn a_slow_time_whose_name_alone_states_the_unit_is_asked_for() {
 fn the_question_for_the_rate_proposes_the_column_that_rises_evenly() {
     let row = |at: u64| format!("{at},1600,{},0.{}\n", 252_207_918_580_802 + at * 50_000_000, at % 7);
     let why = Folder::new().fails((0..300).map(row).collect::<String>(), "--column 3");
-    let proposed = "--time-column 2 with --time-unit ns if `2`, which rises evenly, is the time (20.000 Hz)";
+    let proposed = "--time-column 2 with --time-unit ns if it is the time, as it rises evenly (20.000 Hz)";
     assert!(why.contains(proposed), "{why}");
     let text: String = (0..300).map(|at| format!("59:{:02}.{},{}\n", at / 100, at / 10 % 10, at % 7)).collect();
     let why = Folder::new().fails(format!("Time,gz\n{text}"), "");
