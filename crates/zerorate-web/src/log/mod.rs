@@ -128,8 +128,10 @@ mod reader {
             zerorate_logs::read_all(path, open(), ColumnSelection::Listed(names), &options.log)
         });
         let axes = match columns {
-            // two of the topics may be one IMU
-            Err(LogError::Choose { .. }) => Axes::read(path, vec![(path.to_owned(), open())], &options)?,
+            // two of the topics may be one IMU, and joined rows are its two sensors
+            Err(LogError::Choose { .. } | LogError::Merged { .. }) => {
+                Axes::read(path, vec![(path.to_owned(), open())], &options)?
+            }
             columns => of_imu_or_any(path, columns?, &options)?,
         };
         let first = axes.columns.first();

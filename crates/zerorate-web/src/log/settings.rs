@@ -29,6 +29,8 @@ fn label(setting: Setting) -> SettingName {
     let field = FIELDS.iter().find(|(of, ..)| *of == setting);
     SettingName::text(match setting {
         Setting::ForceUnit => "rename the column",
+        // the page chooses the columns of both kinds in one field
+        Setting::Gyro | Setting::Accel => "“columns”",
         Setting::Detrend => "`zerorate allan --detrend temp`",
         Setting::GyroRange => "`zerorate imu --gyro-range`",
         Setting::AccelRange => "`zerorate imu --accel-range`",
