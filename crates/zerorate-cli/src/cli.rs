@@ -17,6 +17,7 @@ use crate::commands::{
     report::{self, ReportArgs},
     serve::{self, ServeArgs},
     stream::{self, StreamArgs},
+    tempcal::{self, TempcalArgs},
     twin,
     verify::{self, VerifyArgs},
 };
@@ -75,6 +76,7 @@ impl Cli {
             Command::Report(args) => report::run(args),
             Command::Allan(args) => allan::run(args),
             Command::Imu(args) => imu::run(args),
+            Command::Tempcal(args) => tempcal::run(args),
             Command::Serve(args) => serve::run(args),
             Command::Twin => twin::run(),
             Command::Help(args) => help::run(args, Self::command()),
@@ -96,6 +98,7 @@ impl Cli {
         match &self.command {
             Command::Allan(args) => args.files.iter().map(PathBuf::as_path).collect(),
             Command::Imu(args) => vec![&args.log],
+            Command::Tempcal(args) => args.logs.iter().map(PathBuf::as_path).collect(),
             Command::Correct(args) => vec![&args.capture],
             Command::Recalibrate(args) => vec![&args.capture],
             Command::Verify(args) => args.files.iter().map(PathBuf::as_path).collect(),
@@ -126,6 +129,7 @@ pub enum Command {
     Report(ReportArgs),
     Allan(AllanArgs),
     Imu(ImuArgs),
+    Tempcal(TempcalArgs),
     Serve(ServeArgs),
     /// List the keys of the simulated sensor
     ///
@@ -155,7 +159,7 @@ pub const GROUPS: [(&str, &[&str]); 6] = [
     ("Look at a sensor", &["probe", "serve", "twin"]),
     ("Calibrate it", &["calibrate", "recalibrate", "chamber"]),
     ("Use a calibration", &["stream", "correct", "export", "report"]),
-    ("Analyse a log", &["allan", "imu"]),
+    ("Analyse a log", &["allan", "imu", "tempcal"]),
     ("Record and check files", &["capture", "verify", "repair"]),
     ("Other", &["explain", "parts", "help", "completions", "man"]),
 ];

@@ -42,6 +42,8 @@ pub struct KindOptions {
 pub struct Axes {
     /// In the order of the file, gyroscopes first; each has its quantity.
     pub columns: Vec<Column>,
+    /// Columns beside the axes that are temperatures, by unit or name.
+    pub temperatures: Vec<Column>,
     /// The topic of a bag.
     pub topic: Option<String>,
     /// The warnings about the log.
@@ -106,8 +108,12 @@ impl Axes {
     fn together(path: &Path, each: Vec<Self>, options: &ImuOptions) -> zerorate_logs::Result<Self> {
         let has_gyroscope = |of: &&Self| of.columns.iter().any(|axis| axis.quantity == Some(Quantity::AngularRate));
         let topic = each.iter().find(has_gyroscope).or(each.first()).and_then(|of| of.topic.clone());
-        let (columns, warnings): (Vec<_>, Vec<_>) = each.into_iter().map(|of| (of.columns, of.warnings)).unzip();
-        let (mut columns, warnings) = (columns.concat(), warnings.concat());
+        let (mut columns, mut temperatures, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
+        for of in each {
+            columns.extend(of.columns);
+            temperatures.extend(of.temperatures);
+            warnings.extend(of.warnings);
+        }
         columns.sort_by_key(|column| column.quantity != Some(Quantity::AngularRate));
         for kind in Kind::ALL {
             let count = columns.iter().filter(|column| column.quantity == Some(kind.quantity())).count();
@@ -118,7 +124,7 @@ impl Axes {
                 )));
             }
         }
-        Ok(Self { columns, topic, warnings })
+        Ok(Self { columns, temperatures, topic, warnings })
     }
 
     fn of_topic(path: &Path, parts: Parts, options: &ImuOptions) -> zerorate_logs::Result<Self> {
@@ -160,7 +166,9 @@ impl Axes {
         if options.listed().is_none() && kalibr::give_units(&mut columns) {
             warnings.push(LogWarning::UnitsTaken { path: path.display().to_string() });
         }
-        let (mut axes, mut left_out) = Self::among(path, columns, options)?;
+        let (mut axes, others) = Self::among(path, columns, options)?;
+        let mut left_out: Vec<String> = others.iter().map(|column| column.name.clone()).collect();
+        let temperatures = others.into_iter().filter(is_temperature).collect();
         if axes.is_empty() {
             return Err(no_axes(path, &left_out, options));
         }
@@ -187,16 +195,16 @@ impl Axes {
             let (path, names) = (path.display().to_string(), left_out.join(", "));
             warnings.push(LogWarning::ColumnsLeftOut { path, names });
         }
-        Ok(Self { columns: axes, topic, warnings })
+        Ok(Self { columns: axes, temperatures, topic, warnings })
     }
 
-    /// The columns that are axes, each with its kind, and the names of the others.
+    /// The columns that are axes, each with its kind, and the others.
     fn among(
         path: &Path,
         columns: Vec<Column>,
         options: &ImuOptions,
-    ) -> zerorate_logs::Result<(Vec<OfKind>, Vec<String>)> {
-        let (mut axes, mut left_out) = (Vec::new(), Vec::new());
+    ) -> zerorate_logs::Result<(Vec<OfKind>, Vec<Column>)> {
+        let (mut axes, mut others) = (Vec::new(), Vec::new());
         let said = options.kinds();
         let sure = columns.iter().filter(|column| Kind::is_axis(&column.name, true)).filter_map(Kind::of_column);
         let sure: Vec<Kind> = sure.collect();
@@ -211,11 +219,19 @@ impl Axes {
             };
             match kind {
                 Some(kind) => axes.push((kind, column)),
-                None => left_out.push(column.name),
+                None => others.push(column),
             }
         }
-        Ok((axes, left_out))
+        Ok((axes, others))
     }
+}
+
+/// Whether a column is a temperature, by its unit or its name: `temp_c`, `imu_temp`, `Temperature`, `T`.
+fn is_temperature(column: &Column) -> bool {
+    let name = column.name.rsplit('.').next().unwrap_or_default().to_lowercase();
+    let is_word = |word: &str| matches!(word, "t" | "temps" | "temperature" | "temperatures") || word.ends_with("temp");
+    let is_named = || name.split(|c: char| !c.is_alphabetic()).any(is_word) || name.contains("temperature");
+    column.quantity.map_or_else(is_named, |quantity| quantity == Quantity::Temperature)
 }
 
 /// Both questions in one: all that is missing is asked for at once.

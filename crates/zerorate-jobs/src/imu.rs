@@ -51,7 +51,7 @@ pub fn imu(log: &Path, options: &ImuNoiseOptions) -> Result<ImuNoise> {
         InvalidOptions(format!("{}: {why} with {column}, or another {format}", log.display()))
     };
     options.format.map_or(Ok(()), |format| format.check(kinds)).map_err(not_taken)?;
-    let Axes { columns, topic, warnings: notes } = axes;
+    let Axes { columns, topic, warnings: notes, .. } = axes;
     let (named, detrending) = (options.temperature.as_deref(), &options.analysis.detrending);
     let temperature = temperature::required(log, named, None, detrending, &options.axes.log)?;
     let axes = allan::analysed(log, columns, temperature, &options.analysis)?;

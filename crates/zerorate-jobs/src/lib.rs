@@ -6,6 +6,7 @@
 //!   recording.
 //! * [`allan`]: the noise of columns of logs. [`pool`]: one model of several records.
 //! * [`imu`]: the noise of all axes of an IMU.
+//! * [`tempcal`]: the bias over temperature of all axes in logs.
 //! * [`chamber`]: a calibration over the temperatures of a chamber.
 //! * [`correct`]: a capture, corrected.
 //! * [`probe`]: is there a part, and is it wired right?
@@ -32,6 +33,7 @@ pub mod probe;
 pub mod proposal;
 pub mod recorder;
 pub mod stream;
+pub mod tempcal;
 pub mod temperature;
 mod warning;
 

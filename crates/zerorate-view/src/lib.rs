@@ -8,6 +8,7 @@ pub mod plot;
 mod printable;
 pub mod report;
 mod session_warning;
+pub mod tempcal;
 
 pub use duration::Seconds;
 pub use interval::{Interval, PlusMinus};

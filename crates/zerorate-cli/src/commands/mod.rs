@@ -22,5 +22,6 @@ pub mod serve;
 #[path = "absent_serve.rs"]
 pub mod serve;
 pub mod stream;
+pub mod tempcal;
 pub mod twin;
 pub mod verify;

@@ -18,6 +18,7 @@ mod multiples;
 #[cfg(feature = "png")]
 mod raster;
 mod residuals;
+mod scatter;
 mod signal;
 mod spectrum;
 mod stack;
@@ -34,5 +35,6 @@ pub use multiples::allan_multiples;
 #[cfg(feature = "png")]
 pub use raster::png;
 pub use residuals::{ResidualPoint, residuals};
+pub use scatter::{Dot, Scatter, ScatterPanel, scatter};
 pub use signal::{Signal, signals};
 pub use spectrum::{Spectrum, Tone, spectra};

@@ -46,6 +46,13 @@ pub(super) struct White {
     walk: f64,
 }
 
+impl White {
+    /// The innovations in units of their standard deviations.
+    pub(super) fn into_values(self) -> Vec<f64> {
+        self.values
+    }
+}
+
 /// Whitened series, and the lower triangle of the sums of their products.
 #[derive(Clone, Debug)]
 pub(super) struct Whites {

@@ -12,6 +12,7 @@
 
 mod base_motion;
 mod basis;
+pub mod curve;
 mod filter;
 mod follow;
 pub(crate) mod gls;

@@ -1,27 +1,27 @@
 //! `zerorate imu`: turns the log of an IMU at rest into the noise file of a filter.
 
+pub mod axes;
 mod codes;
 mod datasheet;
 mod text;
 
 use super::allan::temperature::TemperatureArgs;
 use super::allan::warnings::{self, code, first_of_each};
-use crate::column::{LogArgs, UNITS, flag, listed, positive};
+use crate::column::{LogArgs, positive};
 use crate::exit::{CodedRefusal, Usage};
 use crate::output::{Outputs, StagedOutput, command_line, print_json, print_lines, say, warn};
 use crate::picture::Pictures;
 use anyhow::Result;
 use clap::Args;
-use codes::CodeArgs;
+use axes::{AxisArgs, option};
 use std::path::PathBuf;
-use zerorate_allan::{FitOptions, SettingName};
+use zerorate_allan::FitOptions;
 use zerorate_imu::{
-    AnalysisOptions, Combine, Format, ImuOptions, ImuReport, ImuWarning, KindOptions, NoiseFileOptions, Record, Rule,
-    span,
+    AnalysisOptions, Combine, Format, ImuReport, ImuWarning, NoiseFileOptions, Record, Rule, span,
 };
 use zerorate_jobs::code_scales::CodeOptions;
 use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
-use zerorate_logs::{LogWarning, Names, Only, Setting, Unit};
+use zerorate_logs::{LogWarning, Names, Only};
 use zerorate_view::noise::axes_svg;
 use zerorate_view::report::{AllanPage, Fact, allan_page};
 
@@ -69,37 +69,8 @@ pub struct ImuArgs {
     #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = positive)]
     inflate: f64,
 
-    /// The columns, by name or by number from 0, as in gx,gy,gz,ax,ay,az [default: all axes].
-    #[arg(long, value_name = "LIST", help_heading = UNITS)]
-    column: Option<String>,
-
-    /// The columns of the gyroscope, by name or by number from 0, as in 0,1,2: for columns whose names do not say so.
-    #[arg(long, value_name = "LIST", conflicts_with = "column", help_heading = UNITS)]
-    gyro: Option<String>,
-
-    /// The columns of the accelerometer, likewise.
-    #[arg(long, value_name = "LIST", conflicts_with = "column", help_heading = UNITS)]
-    accel: Option<String>,
-
-    /// The unit of the gyroscope's columns: dps, mdps, deg/min, deg/h, rad/s, mrad/s or urad/s [default: the one that
-    /// their names state].
-    #[arg(long, value_name = "UNIT", help_heading = UNITS)]
-    gyro_unit: Option<Unit>,
-
-    /// The unit of the accelerometer's columns: m/s², g, mg or ug [default: the one that their names state].
-    #[arg(long, value_name = "UNIT", help_heading = UNITS)]
-    accel_unit: Option<Unit>,
-
-    /// The size of a step of 1 in the gyroscope's columns, in their unit, such as 1/131.
-    #[arg(long, value_name = "X", value_parser = positive, requires = "gyro_unit", help_heading = UNITS)]
-    gyro_scale: Option<f64>,
-
-    /// The size of a step of 1 in the accelerometer's columns, in their unit, such as 1/16384.
-    #[arg(long, value_name = "X", value_parser = positive, requires = "accel_unit", help_heading = UNITS)]
-    accel_scale: Option<f64>,
-
     #[command(flatten)]
-    codes: CodeArgs,
+    axes: AxisArgs,
 
     /// Draw the deviations of all axes, with fit and band (.svg, .png).
     #[arg(long, value_name = "PICTURE")]
@@ -153,13 +124,7 @@ impl ImuArgs {
     }
 
     fn options(&self, codes: CodeOptions) -> ImuNoiseOptions {
-        let axes = ImuOptions {
-            columns: self.column.as_deref().and_then(listed),
-            gyro: kind(&self.gyro, self.gyro_unit, self.gyro_scale),
-            accel: kind(&self.accel, self.accel_unit, self.accel_scale),
-            log: self.reading.options(Names(option)),
-            more_topics: self.reading.more_topics().to_vec(),
-        };
+        let axes = self.axes.options(&self.reading);
         let analysis = AnalysisOptions {
             draws_finely: self.report.is_some() || !self.plot.is_empty(),
             fit: Some(FitOptions::default()),
@@ -172,22 +137,9 @@ impl ImuArgs {
     }
 }
 
-fn kind(columns: &Option<String>, unit: Option<Unit>, scale: Option<f64>) -> KindOptions {
-    KindOptions { columns: columns.as_deref().and_then(listed).unwrap_or_default(), unit, scale, codes: None }
-}
-
 fn horizon(text: &str) -> Result<f64, String> {
     let is_long = |value: &f64| *value > 1.0 && value.is_finite();
     text.parse().ok().filter(is_long).ok_or_else(|| "must be more than 1, in seconds".to_owned())
-}
-
-/// Returns the option of a setting. Unit and scale belong to a kind of sensor.
-fn option(setting: Setting) -> SettingName {
-    SettingName::text(match setting {
-        Setting::Unit => "--gyro-unit or --accel-unit",
-        Setting::Scale => "--gyro-scale or --accel-scale",
-        other => return flag(other),
-    })
 }
 
 pub fn run(args: &ImuArgs) -> Result<()> {
@@ -204,7 +156,7 @@ pub fn run(args: &ImuArgs) -> Result<()> {
 fn run_one(args: &ImuArgs) -> Result<()> {
     let mut outputs = Outputs::new(args.force).printing().reading([&*args.log])?;
     let sheet = args.datasheet.as_deref().map(|path| datasheet::read(path, &mut outputs)).transpose()?;
-    let codes = args.codes.options(&mut outputs)?;
+    let codes = args.axes.codes.options(&mut outputs)?;
     let file = args.output.as_ref().map(|path| outputs.derived(path)).transpose()?;
     let page = args.report.as_ref().map(|path| outputs.derived(path)).transpose()?;
     let pictures = Pictures::claim(&args.plot, &mut outputs)?;

@@ -1,0 +1,160 @@
+//! `zerorate tempcal`: the bias of all axes over temperature, from logs of any IMU at rest.
+
+use super::imu::axes::AxisArgs;
+use crate::column::LogArgs;
+use crate::exit::Usage;
+use crate::output::{Outputs, StagedOutput, command_line, print_json, print_lines, say, warn};
+use crate::picture::Pictures;
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use zerorate_jobs::tempcal::{Tempcal, TempcalOptions, tempcal};
+use zerorate_view::tempcal::{AxisCurve, Points, TempcalPage, over_temperature, table, tempcal_page};
+
+/// Find the bias over temperature of all axes in logs of any IMU at rest
+///
+/// The command reads whatever `zerorate imu` reads, if it has a temperature: a table with a column in °C, a PX4 log
+/// with all sensor_gyro and sensor_accel, an ArduPilot log with all IMU messages. The sensor lies still while it warms
+/// or cools by at least 5 °C, best both. Several logs of one unit are fitted together, and show how much the bias
+/// differs from start to start.
+///
+/// For each axis it prints the bias at a reference temperature, its slope, how late the bias follows the thermometer,
+/// and the span of the bias before and after the correction. An accelerometer sees gravity, so of its bias only the
+/// change over temperature is known.
+#[derive(Args, Clone, Debug)]
+pub struct TempcalArgs {
+    /// The logs, all of the same unit; - reads from stdin.
+    #[arg(value_name = "LOG", required = true)]
+    pub logs: Vec<PathBuf>,
+
+    /// The file to write.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+
+    /// The form of that file.
+    #[arg(long, value_enum, default_value = "toml", ignore_case = true)]
+    format: Form,
+
+    /// The temperature at which the bias is stated, °C [default: 25, or the middle of the temperatures].
+    #[arg(long, value_name = "C", allow_negative_numbers = true)]
+    reference_c: Option<f64>,
+
+    /// The column with the temperature, °C [default: the only one whose unit or name says so].
+    #[arg(long, value_name = "NAME")]
+    temp_column: Option<String>,
+
+    /// The serial number of the unit, for the file.
+    #[arg(long, value_name = "SN")]
+    serial: Option<String>,
+
+    /// Draw means, curve and band of each axis (.svg, .png).
+    #[arg(long, value_name = "PICTURE")]
+    plot: Vec<PathBuf>,
+
+    /// Write one self-contained HTML page with numbers, curves and what they leave over temperature and time.
+    #[arg(long, value_name = "PAGE")]
+    report: Option<PathBuf>,
+
+    /// Print the result as one JSON object.
+    #[arg(long)]
+    json: bool,
+
+    /// Overwrite existing files.
+    #[arg(long)]
+    force: bool,
+
+    #[command(flatten)]
+    axes: AxisArgs,
+
+    #[command(flatten)]
+    reading: LogArgs,
+}
+
+/// The form of the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Form {
+    /// A calibration of the gyroscopes, which `zerorate export` and Python take.
+    Toml,
+    /// Parameters of PX4: TC_Gn and TC_An of all sensors in the log.
+    Px4,
+    /// Parameters of ArduPilot: INS_TCALn of all IMUs in the log.
+    Ardupilot,
+    /// A table of all curves: axis, temperature, bias, uncertainty.
+    Csv,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Report<'a> {
+    axes: &'a [AxisCurve],
+    warnings: &'a [String],
+}
+
+pub fn run(args: &TempcalArgs) -> Result<()> {
+    let logs: Vec<&Path> = args.logs.iter().map(PathBuf::as_path).collect();
+    let mut outputs = Outputs::new(args.force).printing().reading(logs)?;
+    let codes = args.axes.codes.options(&mut outputs)?;
+    let file = args.output.as_ref().map(|path| outputs.derived(path)).transpose()?;
+    let page = args.report.as_ref().map(|path| outputs.derived(path)).transpose()?;
+    let pictures = Pictures::claim(&args.plot, &mut outputs)?;
+    if args.reading.only.len() > 1 {
+        return Err(Usage("--where: tempcal takes one; run it once for each".to_owned()).into());
+    }
+    let options = TempcalOptions {
+        axes: args.axes.options(&args.reading),
+        codes,
+        temperature: args.temp_column.clone(),
+        reference_c: args.reference_c,
+    };
+    let found = tempcal(&args.logs, &options)?;
+    let drawn = pictures.write(|| over_temperature(&found.axes.iter().zip(&found.points).collect::<Vec<_>>()));
+    let written = drawn.and_then(|()| write(args, &found, page, file));
+    let Tempcal { axes, notes, .. } = &found;
+    let printed = if args.json {
+        print_json(&Report { axes, warnings: notes })
+    } else {
+        print_lines(&table(axes))
+    };
+    let of_axes = axes.iter().flat_map(|axis| axis.warnings.iter().map(move |line| (axis, line)));
+    let mut lines = notes.clone();
+    for (axis, line) in of_axes {
+        let (code, text) = line.split_once(": ").unwrap_or((line, ""));
+        lines.push(format!("{code}: {}: {text}", axis.name));
+    }
+    warn(&lines);
+    if let (Ok(()), Some(path)) = (&written, &args.output) {
+        say(format_args!("wrote {}", path.display()));
+    }
+    written?;
+    printed
+}
+
+/// Writes the page and the file.
+fn write(args: &TempcalArgs, found: &Tempcal, page: Option<StagedOutput>, file: Option<StagedOutput>) -> Result<()> {
+    if let Some(page) = page {
+        page.fill(self::page(args, &found.axes, &found.points, &found.notes)?.as_bytes())?;
+    }
+    if let Some(file) = file {
+        let text = match args.format {
+            Form::Csv => csv(&found.axes),
+            Form::Toml | Form::Px4 | Form::Ardupilot => todo!(),
+        };
+        file.fill(text.as_bytes())?;
+    }
+    Ok(())
+}
+
+fn page(args: &TempcalArgs, axes: &[AxisCurve], points: &[Points], warnings: &[String]) -> Result<String> {
+    let logs = args.logs.iter().map(|log| log.display().to_string()).collect::<Vec<_>>().join(", ");
+    let title = format!("Bias over temperature in {logs}");
+    tempcal_page(TempcalPage { title, command: command_line(), warnings, axes, points })
+}
+
+fn csv(axes: &[AxisCurve]) -> String {
+    let row = |axis: &AxisCurve| {
+        let point = |(temp_c, bias, u): (f64, f64, f64)| format!("{},{},{temp_c},{bias},{u}\n", axis.name, axis.unit);
+        axis.curve.iter().map(|one| point(one.values())).collect::<String>()
+    };
+    "axis,unit,temp_c,bias,u\n".to_owned() + &axes.iter().map(row).collect::<String>()
+}

@@ -1,0 +1,244 @@
+//! The sensors in logs: their axes as means, each with its temperature.
+
+use super::TempcalOptions;
+use crate::InvalidOptions;
+use crate::code_scales::concerns;
+use anyhow::Result;
+use std::path::{Path, PathBuf};
+use zerorate::temperature::curve::{LogMeans, MeansBuilder};
+use zerorate_host::files;
+use zerorate_imu::{Axes, ImuOptions, Kind};
+use zerorate_logs::{Column, ColumnOptions, ColumnSelection, LogError, Series, Setting, TEMPERATURE_NAMES};
+
+/// The gyroscope or the accelerometer of an IMU.
+pub(super) struct Sensor {
+    /// Name in messages: topic or file, and the kind.
+    pub(super) name: String,
+    /// The topic, which tells apart the IMUs of a log.
+    topic: Option<String>,
+    pub(super) kind: Kind,
+    pub(super) axes: Vec<SensorAxis>,
+}
+
+/// An axis with the means of each log.
+pub(super) struct SensorAxis {
+    pub(super) name: String,
+    pub(super) logs: Vec<LogMeans>,
+}
+
+/// The axes and the temperature of one IMU in one log.
+struct Imu {
+    topic: Option<String>,
+    columns: Vec<Column>,
+    temperature: Column,
+}
+
+/// Reads all sensors of all logs, and the warnings about the logs.
+pub(super) fn sensors(logs: &[PathBuf], options: &TempcalOptions) -> Result<(Vec<Sensor>, Vec<String>)> {
+    let (mut sensors, mut notes) = (Vec::new(), Vec::new());
+    for (index, log) in logs.iter().enumerate() {
+        for imu in imus(log, options, &mut notes)? {
+            take(&mut sensors, log, index, imu)?;
+        }
+        let whole = |axis: &SensorAxis| axis.logs.len() == index + 1;
+        if let Some(axis) = sensors.iter().flat_map(|sensor: &Sensor| &sensor.axes).find(|axis| !whole(axis)) {
+            let (path, name) = (log.display(), &axis.name);
+            return Err(InvalidOptions(format!("{path} has no axis {name}; give logs of the same unit")).into());
+        }
+    }
+    Ok((sensors, notes))
+}
+
+/// Adds the means of an IMU's axes to those of the logs before.
+fn take(sensors: &mut Vec<Sensor>, log: &Path, index: usize, imu: Imu) -> Result<()> {
+    let Imu { topic, columns, temperature } = imu;
+    let temps_c = values(&temperature, log)?;
+    for column in columns {
+        let Some(kind) = column.quantity.and_then(Kind::of) else { continue };
+        let means = means(&column, &temps_c, temperature.rate_hz, log)?;
+        let place = sensors.iter().position(|sensor| sensor.kind == kind && sensor.topic == topic);
+        let place = place.unwrap_or_else(|| {
+            let of = topic.clone().unwrap_or_else(|| log.display().to_string());
+            let name = format!("{of}, {}", kind.name());
+            sensors.push(Sensor { name, topic: topic.clone(), kind, axes: Vec::new() });
+            sensors.len() - 1
+        });
+        let axes = &mut sensors[place].axes;
+        match axes.iter_mut().find(|axis| axis.name == column.name) {
+            Some(axis) => axis.logs.push(means),
+            None if index == 0 => axes.push(SensorAxis { name: column.name, logs: vec![means] }),
+            None => {
+                let (path, name) = (log.display(), column.name);
+                let text = format!("{path} has the axis {name}, which the first log has not; give logs of one unit");
+                return Err(InvalidOptions(text).into());
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The samples of a column in the unit of results, NaN where one is missing.
+fn values(column: &Column, log: &Path) -> Result<Vec<f64>> {
+    let mut values = match &column.series {
+        Series::Numbers(numbers) => numbers.clone(),
+        Series::Codes(_) => column.points(log)?,
+    };
+    if column.scale != 1.0 {
+        values.iter_mut().for_each(|value| *value *= column.scale);
+    }
+    Ok(values)
+}
+
+/// The means of an axis. A temperature that is sampled at another rate is taken at the same time.
+fn means(column: &Column, temps_c: &[f64], temps_hz: f64, log: &Path) -> Result<LogMeans> {
+    let points;
+    let samples = match &column.series {
+        Series::Numbers(numbers) => numbers,
+        Series::Codes(_) => {
+            points = column.points(log)?;
+            &points
+        }
+    };
+    let mut means = MeansBuilder::new(samples.len(), column.rate_hz);
+    let is_same = temps_c.len() == samples.len();
+    let per_sample = temps_hz / column.rate_hz;
+    for (index, sample) in samples.iter().enumerate() {
+        let at = if is_same { index } else { ((index as f64 + 0.5) * per_sample) as usize };
+        means.push(sample * column.scale, temps_c.get(at).copied().unwrap_or(f64::NAN));
+    }
+    Ok(means.finish())
+}
+
+/// The IMUs of a log.
+fn imus(log: &Path, options: &TempcalOptions, notes: &mut Vec<String>) -> Result<Vec<Imu>> {
+    let mut of_axes = options.axes.clone();
+    let assumed = options.codes.apply(&mut of_axes)?;
+    let mut imus = Vec::new();
+    for axes in all_axes(log, &of_axes)? {
+        let of_scale = assumed.iter().filter(|(kind, _)| concerns(*kind, &axes.columns)).map(|(_, said)| said);
+        for note in axes.warnings.iter().chain(of_scale).map(|note| note.coded()) {
+            if !notes.contains(&note) {
+                notes.push(note);
+            }
+        }
+        let topic = axes.columns.first().and_then(|column| topic_of(&column.name));
+        let temperature = temperature(log, &axes, topic.as_deref(), options)?;
+        imus.push(Imu { topic, columns: axes.columns, temperature });
+    }
+    Ok(imus)
+}
+
+/// `sensor_gyro#0` of `sensor_gyro#0.x`.
+fn topic_of(column: &str) -> Option<String> {
+    let (topic, _) = column.rsplit_once('.')?;
+    let topic = topic.strip_suffix(".angular_velocity").or(topic.strip_suffix(".linear_acceleration")).unwrap_or(topic);
+    Some(topic.to_owned())
+}
+
+/// The axes of each IMU. A flight controller logs several, and each counts.
+fn all_axes(log: &Path, options: &ImuOptions) -> Result<Vec<Axes>> {
+    let read = |options: &ImuOptions| Axes::read(log, files::log(log)?, options);
+    let of_topic = |topic: &String| {
+        let one = ColumnOptions { topic: Some(topic.clone()), ..options.log.clone() };
+        read(&ImuOptions { log: one, more_topics: Vec::new(), ..options.clone() })
+    };
+    let given: Vec<&String> = options.log.topic.iter().chain(&options.more_topics).collect();
+    if !given.is_empty() {
+        return Ok(given.into_iter().map(of_topic).collect::<Result<_, _>>()?);
+    }
+    let topics = match read(options) {
+        // a topic without a temperature that stands for the sensors behind it
+        Ok(axes) if axes.columns.iter().any(|column| column.name.starts_with(COMBINED)) => topics(log, options)?,
+        Ok(axes) => return Ok(vec![axes]),
+        Err(LogError::Choose { topics, .. }) if !topics.is_empty() => topics,
+        Err(error) => return Err(error.into()),
+    };
+    Ok(with_temperatures(topics).iter().map(of_topic).collect::<Result<_, _>>()?)
+}
+
+/// The topic of PX4 with the readings of the sensors that it has chosen.
+const COMBINED: &str = "sensor_combined.";
+
+/// Topics with a temperature of their own: those of the drivers of PX4, the messages of ArduPilot with all of an IMU.
+/// All topics, if none is known to have one.
+fn with_temperatures(topics: Vec<String>) -> Vec<String> {
+    let starting = |start: &str| topics.iter().filter(|topic| topic.starts_with(start)).cloned().collect::<Vec<_>>();
+    let of_px4 = [starting("sensor_gyro"), starting("sensor_accel")].concat();
+    [of_px4, starting("IMU")].into_iter().find(|some| !some.is_empty()).unwrap_or(topics)
+}
+
+/// All topics with an IMU.
+fn topics(log: &Path, options: &ImuOptions) -> Result<Vec<String>> {
+    let none = ColumnOptions { topic: Some(String::new()), ..options.log.clone() };
+    match zerorate_logs::read_parts(log, files::log(log)?, ColumnSelection::All, &none) {
+        Err(LogError::Choose { topics, .. }) => Ok(topics),
+        Err(error) => Err(error.into()),
+        Ok(_) => Ok(Vec::new()),
+    }
+}
+
+/// The temperature of an IMU.
+fn temperature(log: &Path, axes: &Axes, topic: Option<&str>, options: &TempcalOptions) -> Result<Column> {
+    let names = options.axes.log.names;
+    let option = names.of(Setting::TempColumn);
+    let path = log.display();
+    if let (None, [only]) = (&options.temperature, &axes.temperatures[..]) {
+        return checked(log, only.clone(), options);
+    }
+    if let (None, [_, _, ..]) = (&options.temperature, &axes.temperatures[..]) {
+        let all: Vec<&str> = axes.temperatures.iter().map(|column| column.name.as_str()).collect();
+        let all = all.join(", ");
+        return Err(LogError::Ask(format!("{path} has several temperatures: {all}; choose with {option}")).into());
+    }
+    let of_topic = topic.map(|topic| ["temperature", "T", "Temp"].map(|field| format!("{topic}.{field}")));
+    let of_topic = of_topic.into_iter().flatten();
+    let wanted: Vec<String> = match &options.temperature {
+        Some(name) => vec![name.clone()],
+        None => of_topic.chain(TEMPERATURE_NAMES.map(str::to_owned)).collect(),
+    };
+    let log_options = ColumnOptions {
+        column: None,
+        unit: None,
+        scale: None,
+        increments: None,
+        topic: topic.map(str::to_owned).filter(|_| options.temperature.is_none()).or(options.axes.log.topic.clone()),
+        ..options.axes.log.clone()
+    };
+    let read = |name: &String| {
+        let wanted = std::slice::from_ref(name);
+        let columns = zerorate_logs::read_parts(log, files::log(log).ok()?, ColumnSelection::Listed(wanted), &log_options);
+        columns.ok()?.pop()
+    };
+    match (wanted.iter().find_map(read), &options.temperature) {
+        (Some(column), _) => checked(log, column, options),
+        (None, Some(name)) => Err(LogError::Ask(format!("{option}: {path} has no column {name:?} of numbers")).into()),
+        (None, None) => Err(LogError::Ask(format!(
+            "{path} has no temperature: no column states °C or is called {}; name it with {option}",
+            TEMPERATURE_NAMES.join(", ")
+        ))
+        .into()),
+    }
+}
+
+/// Temperatures at which electronics are logged, °C.
+const POSSIBLE_C: std::ops::RangeInclusive<f64> = -80.0..=180.0;
+
+/// Checks that the numbers can be in °C.
+fn checked(log: &Path, column: Column, options: &TempcalOptions) -> Result<Column> {
+    let values = values(&column, log)?;
+    let known = || values.iter().copied().filter(|value| value.is_finite());
+    let (low, high) = known().fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)));
+    let is_possible = |value: f64| POSSIBLE_C.contains(&value);
+    if low > high || is_possible(low) && is_possible(high) {
+        return Ok(column);
+    }
+    let option = options.axes.log.names.of(Setting::TempColumn);
+    let kelvin = if low > 200.0 && high < 450.0 { ", which looks like kelvins" } else { "" };
+    Err(LogError::Ask(format!(
+        "{}: the temperature {} goes from {low} to {high}{kelvin}; it must be in °C. Convert it, or name another column \
+         with {option}",
+        log.display(),
+        column.name
+    ))
+    .into())
+}

@@ -1,0 +1,171 @@
+//! Warnings and refusals of a bias over temperature.
+
+use std::fmt;
+use zerorate::temperature::ThermalError;
+use zerorate::temperature::curve::{LogCurve, LogMeans};
+use zerorate_allan::rows;
+use zerorate_view::tempcal::AxisCurve;
+
+/// A warning about the curve of an axis.
+#[derive(Clone, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the variants say what their fields are")]
+pub enum TempcalWarning {
+    /// The bias does not depend on the temperature, as far as the record can tell.
+    Unrelated,
+    /// The thermometer reads in steps of this size, °C, which were taken as intervals.
+    CoarseThermometer { step_c: f64 },
+    /// The thermometer stuck for this time, s, which was left out.
+    StuckThermometer { stuck_s: f64 },
+    /// The sensor moved: first and last time, s, and number of times. The times were left out.
+    Moved { from_s: f64, to_s: f64, times: usize },
+    /// The logs have one direction of the temperature, so the hysteresis is not known.
+    OneDirection,
+    /// The bias was still following at the end: this much of it, in the unit, was to come.
+    StillFollowing { unsettled: f64, unit: &'static str },
+    /// Jumps of the level were taken out: number, and the largest in the unit.
+    Jumped { jumps: usize, largest: f64, unit: &'static str },
+    /// A polynomial of order 3 is off the curve by up to this much.
+    BeyondCubic { left: f64, unit: &'static str },
+}
+
+rows!(match TempcalWarning {
+    Self::Unrelated => Row {
+        code: "temperature-unrelated",
+        text: format_args!("the bias follows this temperature at no lag; is it the sensor's own?"),
+    },
+    Self::CoarseThermometer { step_c } => Row {
+        code: "temperature-coarse",
+        text: format_args!("steps of {step_c:.2} °C were taken as intervals"),
+    },
+    Self::StuckThermometer { stuck_s } => Row {
+        code: "temperature-stuck",
+        text: format_args!("the thermometer stood still for {stuck_s:.0} s, which is left out"),
+    },
+    Self::Moved { from_s, to_s, times } => Row {
+        code: "motion",
+        text: format_args!("the sensor moves from {from_s:.0} s to {to_s:.0} s ({times} times), which is left out"),
+    },
+    Self::OneDirection => Row {
+        code: "hysteresis-unseen",
+        text: format_args!("the logs only warm or only cool, so hysteresis is not in the band"),
+    },
+    Self::StillFollowing { unsettled, unit } => Row {
+        code: "still-following",
+        text: format_args!("{unsettled:.4} {unit} of the bias was still to come at the end; let it settle"),
+    },
+    Self::Jumped { jumps, largest, unit } => Row {
+        code: "step",
+        text: format_args!("{jumps} jumps of up to {largest:.4} {unit} were taken out"),
+    },
+    Self::BeyondCubic { left, unit } => Row {
+        code: "beyond-cubic",
+        text: format_args!("a polynomial of order 3 leaves up to {left:.4} {unit}"),
+    },
+});
+
+impl fmt::Display for TempcalWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.text(f)
+    }
+}
+
+impl TempcalWarning {
+    /// The warning as scripts read it: `code: text`.
+    #[must_use]
+    pub fn coded(&self) -> String {
+        format!("{}: {self}", self.code())
+    }
+}
+
+/// Difference of the logarithm of the evidence below which nothing speaks for a dependence.
+const NO_EVIDENCE: f64 = 2.0;
+/// Ratio to the uncertainty from which a change that is still to come, or what a cubic leaves, is worth a warning.
+const MATTERS: f64 = 1.0;
+
+/// The warnings about a curve.
+pub(super) fn of(curve: &LogCurve, logs: &[LogMeans], axis: &AxisCurve) -> Vec<TempcalWarning> {
+    let unit = axis.unit;
+    let (low_c, high_c) = curve.span_c();
+    let u = curve.u_at((low_c + high_c) / 2.0);
+    let mut all = Vec::new();
+    if curve.log_odds < NO_EVIDENCE {
+        all.push(TempcalWarning::Unrelated);
+    }
+    let thermometers = || logs.iter().map(LogMeans::thermometer);
+    if let Some(step_c) = thermometers().filter_map(|of| of.coarse_step_c).reduce(f64::max) {
+        all.push(TempcalWarning::CoarseThermometer { step_c });
+    }
+    let stuck_s: f64 = thermometers().map(|of| of.stuck_s).sum();
+    if stuck_s > 0.0 {
+        all.push(TempcalWarning::StuckThermometer { stuck_s });
+    }
+    let moving: Vec<(f64, f64)> = logs.iter().flat_map(|log| log.moving_s().to_vec()).collect();
+    if let (Some((from_s, _)), Some((_, to_s))) = (moving.first(), moving.last()) {
+        all.push(TempcalWarning::Moved { from_s: *from_s, to_s: *to_s, times: moving.len() });
+    }
+    if !curve.steps.is_empty() {
+        let largest = curve.steps.iter().map(|step| step.size.abs()).fold(0.0, f64::max);
+        all.push(TempcalWarning::Jumped { jumps: curve.steps.len(), largest, unit });
+    }
+    if curve.unsettled.abs() > MATTERS * u {
+        all.push(TempcalWarning::StillFollowing { unsettled: curve.unsettled.abs(), unit });
+    }
+    if curve.hysteresis.is_none() {
+        all.push(TempcalWarning::OneDirection);
+    }
+    if axis.cubic.left > MATTERS * u {
+        all.push(TempcalWarning::BeyondCubic { left: axis.cubic.left, unit });
+    }
+    all
+}
+
+/// The reason why logs give no curve.
+#[derive(Clone, Debug, PartialEq)]
+#[expect(missing_docs, reason = "temperatures, °C, shares and numbers of means")]
+pub enum TempcalRefusal {
+    /// The temperature spans too little.
+    SmallSpan { low_c: f64, high_c: f64 },
+    /// The sensor moves for too large a share of the logs.
+    Moves { share: f64 },
+    /// The logs are too short.
+    TooShort { blocks: usize, needed: usize },
+    /// No model explains the record.
+    NoCurve,
+}
+
+rows!(match TempcalRefusal {
+    Self::SmallSpan { low_c, high_c } => Row {
+        code: "small-span",
+        text: format_args!(
+            "the temperature goes from {low_c:.1} to {high_c:.1} °C, and a curve needs at least 5 °C; warm or cool the \
+             sensor further"
+        ),
+    },
+    Self::Moves { share } => Row {
+        code: "moving",
+        text: format_args!(
+            "the sensor moves for {:.0} % of the log; record it at rest, or choose the rest with --skip and --until",
+            100.0 * share
+        ),
+    },
+    Self::TooShort { blocks, needed } => Row {
+        code: "too-few-samples",
+        text: format_args!("the log gives {blocks} means of a second or more, and a curve needs {needed}"),
+    },
+    Self::NoCurve => Row { code: "no-curve", text: format_args!("no model explains the record; does the rate vary at all?") },
+});
+
+impl fmt::Display for TempcalRefusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.text(f)
+    }
+}
+
+impl TempcalRefusal {
+    pub(super) fn of(error: ThermalError) -> Self {
+        match error {
+            ThermalError::TooFew { blocks, needed } => Self::TooShort { blocks, needed },
+            ThermalError::Degenerate => Self::NoCurve,
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! Dots with a curve and its band, in a panel for each axis of a sensor.
+
+use super::axes::Axis;
+use super::canvas::{self, Anchor, SMALL, clipped, path, px, stroke};
+use super::stack::Stack;
+use svg::node::element::{Circle, Group, Path};
+
+/// The panels, with their texts.
+#[derive(Clone, Debug, Default)]
+pub struct Scatter {
+    /// The heading.
+    pub title: String,
+    /// The line below the heading.
+    pub subtitle: String,
+    /// Name of the horizontal axis.
+    pub x_name: String,
+    /// The panels, from top to bottom. Each has its own vertical scale.
+    pub panels: Vec<ScatterPanel>,
+}
+
+/// The panel of one axis.
+#[derive(Clone, Debug, Default)]
+pub struct ScatterPanel {
+    /// The name of the axis, with its unit.
+    pub label: String,
+    /// The dots.
+    pub dots: Vec<Dot>,
+    /// The curve: place, value, and half of its interval.
+    pub curve: Vec<(f64, f64, f64)>,
+}
+
+/// A dot, coloured by the direction of the temperature.
+#[derive(Clone, Copy, Debug)]
+pub struct Dot {
+    /// Its place.
+    pub at: (f64, f64),
+    /// Whether the sensor was warming.
+    pub is_warming: bool,
+}
+
+const HEIGHT: f64 = 190.0;
+const WARMING: &str = "#d55e00";
+const COOLING: &str = "#0072b2";
+const CURVE: &str = "#222222";
+const RADIUS: f64 = 1.8;
+
+/// The picture as SVG.
+#[must_use]
+pub fn scatter(scatter: &Scatter) -> String {
+    let Scatter { title, subtitle, x_name, panels } = scatter;
+    let stack = Stack { title, subtitle, x_name, y_name: "", panels: panels.len(), height: HEIGHT };
+    let places = panels.iter().flat_map(|panel| panel.dots.iter().map(|dot| dot.at.0));
+    let (first, last) = range(places, 0.0);
+    let x = Axis::linear(first, last, stack.across());
+    let mut paper = stack.paper().add(legend(stack.across().1));
+    for (index, panel) in panels.iter().enumerate() {
+        let band = panel.curve.iter().flat_map(|(_, value, half)| [value - half, value + half]);
+        let (low, high) = range(panel.dots.iter().map(|dot| dot.at.1).chain(band), 0.08);
+        let y = Axis::linear(low, high, stack.upright(index));
+        let dots = panel.dots.iter().map(|dot| {
+            let (cx, cy) = (px(x.at(dot.at.0)), px(y.at(dot.at.1)));
+            let colour = if dot.is_warming { WARMING } else { COOLING };
+            Circle::new().set("cx", cx).set("cy", cy).set("r", RADIUS).set("fill", colour).set("fill-opacity", 0.45)
+        });
+        let inside = dots.fold(clipped(&stack.area(index)), Group::add).add(curve(panel, &x, &y));
+        paper = paper.add(stack.frame(index, &x, &y)).add(inside).add(stack.name(index, &panel.label).0);
+    }
+    paper.to_string()
+}
+
+fn curve(panel: &ScatterPanel, x: &Axis, y: &Axis) -> Group {
+    let edge = |sign: f64| move |(at, value, half): &(f64, f64, f64)| (x.at(*at), y.at(value + sign * half));
+    let outline = panel.curve.iter().map(edge(1.0)).chain(panel.curve.iter().rev().map(edge(-1.0)));
+    let band = Path::new().set("d", path(outline).close()).set("fill", CURVE).set("fill-opacity", 0.18);
+    match panel.curve.is_empty() {
+        true => Group::new(),
+        false => Group::new().add(band).add(stroke(path(panel.curve.iter().map(edge(0.0))), CURVE, 1.6)),
+    }
+}
+
+fn legend(right: f64) -> Group {
+    let entry = |(index, (name, colour)): (usize, (&str, &str))| {
+        let at = (right - 90.0 * (index + 1) as f64, 30.0);
+        let dot = Circle::new().set("cx", at.0).set("cy", at.1 - SMALL / 3.0).set("r", 4).set("fill", colour);
+        Group::new().add(dot).add(canvas::text(name, (at.0 + 9.0, at.1), Anchor::Start))
+    };
+    [("warming", WARMING), ("cooling", COOLING)].into_iter().enumerate().map(entry).fold(Group::new(), Group::add)
+}
+
+fn range(values: impl Iterator<Item = f64>, margin: f64) -> (f64, f64) {
+    let finite = values.filter(|value| value.is_finite());
+    let (low, high) = finite.fold((f64::MAX, f64::MIN), |(l, h), value| (l.min(value), h.max(value)));
+    match high - low {
+        width if width > 0.0 => (low - margin * width, high + margin * width),
+        _ => (-1.0, 1.0),
+    }
+}

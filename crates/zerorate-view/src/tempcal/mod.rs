@@ -1,0 +1,249 @@
+//! The bias over temperature of the axes in logs: numbers for scripts, a table in words, pictures and a page.
+
+mod page;
+mod pictures;
+mod words;
+
+pub use page::{TempcalPage, tempcal_page};
+pub use pictures::over_temperature;
+use serde::Serialize;
+pub use words::table;
+use zerorate::temperature::curve::{LogCurve, LogMeans};
+use zerorate_imu::Kind;
+
+/// Points of a curve.
+const POINTS: usize = 81;
+/// The reference temperature where the logs have it, °C.
+const REFERENCE_C: f64 = 25.0;
+
+/// What is known of an axis beside its curve.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured<'a> {
+    /// Topic or file, and the kind.
+    pub sensor: &'a str,
+    /// Name of the axis.
+    pub name: &'a str,
+    /// The kind of axis.
+    pub kind: Kind,
+    /// The wanted reference temperature, °C.
+    pub reference_c: Option<f64>,
+}
+
+/// The bias of an axis over temperature. All values are in `unit`.
+#[derive(Clone, Debug, Serialize)]
+pub struct AxisCurve {
+    /// Name of the axis.
+    pub name: String,
+    /// Topic or file, and the kind.
+    pub sensor: String,
+    /// The kind of axis.
+    pub kind: Kind,
+    /// °/s or m/s².
+    pub unit: &'static str,
+    /// Temperature at which the bias is stated, °C.
+    pub reference_c: f64,
+    /// Bias at the reference temperature; 0 for an accelerometer, which sees gravity.
+    pub bias: f64,
+    /// Its standard uncertainty.
+    pub u_bias: f64,
+    /// Change of the bias per °C at the reference temperature.
+    pub slope_per_c: f64,
+    /// Its standard uncertainty.
+    pub u_slope_per_c: f64,
+    /// The bias evenly over the temperatures of the logs.
+    pub curve: Vec<CurvePoint>,
+    /// The polynomial of order 3 that flight controllers and calibration files hold.
+    pub cubic: Cubic,
+    /// Time constant with which the bias follows the thermometer, s.
+    pub lag_s: f64,
+    /// Half width of the play between bias and thermometer, °C.
+    pub play_c: f64,
+    /// Half of the difference between warming and cooling; null with one direction.
+    pub hysteresis: Option<f64>,
+    /// Standard deviation of the bias from start to start; null with one log.
+    pub spread_of_starts: Option<f64>,
+    /// Span of the means without a correction.
+    pub before: f64,
+    /// What remains of it with the curve of the other parts of the record.
+    pub after: f64,
+    /// The noise found beside the curve.
+    pub noise: CurveNoise,
+    /// Warnings, with their codes.
+    pub warnings: Vec<String>,
+}
+
+/// A point of a curve; the names of its values state the unit.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(untagged)]
+#[expect(missing_docs, reason = "temperature, bias and standard uncertainty, with their units")]
+pub enum CurvePoint {
+    /// Of a gyroscope.
+    Gyroscope { temp_c: f64, bias_dps: f64, u_dps: f64 },
+    /// Of an accelerometer.
+    Accelerometer { temp_c: f64, bias_mps2: f64, u_mps2: f64 },
+}
+
+impl CurvePoint {
+    fn new(kind: Kind, temp_c: f64, bias: f64, u: f64) -> Self {
+        match kind {
+            Kind::Gyroscope => Self::Gyroscope { temp_c, bias_dps: bias, u_dps: u },
+            Kind::Accelerometer => Self::Accelerometer { temp_c, bias_mps2: bias, u_mps2: u },
+        }
+    }
+
+    /// Temperature, bias and standard uncertainty.
+    #[must_use]
+    pub fn values(&self) -> (f64, f64, f64) {
+        match *self {
+            Self::Gyroscope { temp_c, bias_dps, u_dps } => (temp_c, bias_dps, u_dps),
+            Self::Accelerometer { temp_c, bias_mps2, u_mps2 } => (temp_c, bias_mps2, u_mps2),
+        }
+    }
+}
+
+/// bias = Σ `terms[k]` · (T − `about_c`)ᵏ
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Cubic {
+    /// Temperature about which the polynomial is stated, °C.
+    pub about_c: f64,
+    /// The terms, the constant first.
+    pub terms: [f64; 4],
+    /// Largest distance from the curve.
+    pub left: f64,
+}
+
+/// White noise, bias instability and random walk, as in an Allan analysis.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct CurveNoise {
+    /// Density of the white noise, per √Hz.
+    pub n: f64,
+    /// Bias instability.
+    pub b: f64,
+    /// Random walk, per √s.
+    pub k: f64,
+}
+
+impl AxisCurve {
+    /// The numbers of a curve.
+    #[must_use]
+    pub fn new(measured: &Measured<'_>, curve: &LogCurve) -> Self {
+        let Measured { sensor, name, kind, reference_c } = *measured;
+        let (low_c, high_c) = curve.span_c();
+        let has = (low_c..=high_c).contains(&REFERENCE_C);
+        let reference_c = reference_c.unwrap_or(if has { REFERENCE_C } else { ((low_c + high_c) / 2.0).round() });
+        let level = Level::of(kind, curve, reference_c);
+        let point = |temp_c: f64| CurvePoint::new(kind, temp_c, level.bias(temp_c), level.u(temp_c));
+        let (mut terms, left) = curve.polynomial::<4>(reference_c);
+        terms[0] -= level.zero;
+        Self {
+            name: name.to_owned(),
+            sensor: sensor.to_owned(),
+            kind,
+            unit: kind.quantity().unit(),
+            reference_c,
+            bias: level.bias(reference_c),
+            u_bias: level.u(reference_c),
+            slope_per_c: curve.slope_at(reference_c),
+            u_slope_per_c: curve.u_slope_at(reference_c),
+            curve: curve.even_temps_c(POINTS).into_iter().map(point).collect(),
+            cubic: Cubic { about_c: reference_c, terms, left },
+            lag_s: curve.following.lag_s,
+            play_c: curve.following.play_c,
+            hysteresis: curve.hysteresis,
+            spread_of_starts: curve.spread_of_starts,
+            before: curve.span.before,
+            after: curve.span.after,
+            noise: CurveNoise {
+                n: curve.noise.white_dps_per_rt_hz,
+                b: curve.noise.bias_instability_dps,
+                k: curve.noise.rate_random_walk_dps_per_rt_s,
+            },
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Lowest and highest temperature, °C.
+    #[must_use]
+    pub fn span_c(&self) -> (f64, f64) {
+        let temp_c = |point: Option<&CurvePoint>| point.map_or(0.0, |point| point.values().0);
+        (temp_c(self.curve.first()), temp_c(self.curve.last()))
+    }
+}
+
+/// The level that a curve is stated above: zero for a gyroscope, and for an accelerometer the value at the reference
+/// temperature, since gravity hides the rest.
+struct Level<'a> {
+    curve: &'a LogCurve,
+    zero: f64,
+    reference_c: Option<f64>,
+}
+
+impl<'a> Level<'a> {
+    fn of(kind: Kind, curve: &'a LogCurve, reference_c: f64) -> Self {
+        match kind {
+            Kind::Gyroscope => Self { curve, zero: 0.0, reference_c: None },
+            Kind::Accelerometer => Self { curve, zero: curve.at(reference_c), reference_c: Some(reference_c) },
+        }
+    }
+
+    fn bias(&self, temp_c: f64) -> f64 {
+        self.curve.at(temp_c) - self.zero
+    }
+
+    fn u(&self, temp_c: f64) -> f64 {
+        self.reference_c.map_or_else(|| self.curve.u_at(temp_c), |from_c| self.curve.u_change(from_c, temp_c))
+    }
+}
+
+/// The means of an axis as pictures take them.
+#[derive(Clone, Debug, Default)]
+pub struct Points {
+    /// The means of all logs.
+    pub all: Vec<MeanPoint>,
+}
+
+/// A mean of an axis.
+#[derive(Clone, Copy, Debug)]
+pub struct MeanPoint {
+    /// Time in its log, s.
+    pub at_s: f64,
+    /// Temperature, °C.
+    pub temp_c: f64,
+    /// Value less the level that the curve is stated above, and less the steps.
+    pub value: f64,
+    /// The value less the curve.
+    pub left: f64,
+    /// Whether the sensor was warming.
+    pub is_warming: bool,
+}
+
+impl Points {
+    /// The means beside their curve.
+    #[must_use]
+    pub fn new(curve: &LogCurve, logs: &[LogMeans], axis: &AxisCurve) -> Self {
+        let zero = Level::of(axis.kind, curve, axis.reference_c).zero;
+        let mut all = Vec::new();
+        for (index, log) in logs.iter().enumerate() {
+            let blocks = log.blocks();
+            let followed_c = log.followed_c(&curve.following);
+            for (at, (block, temp_c)) in blocks.iter().zip(followed_c).enumerate() {
+                let at_s = block.start_s + block.length_s / 2.0;
+                let stepped = |step: &&zerorate::temperature::curve::CurveStep| step.log == index && step.at_s < at_s;
+                let steps: f64 = curve.steps.iter().filter(stepped).map(|step| step.size).sum();
+                let near = blocks[at.saturating_sub(NEAR)..(at + NEAR + 1).min(blocks.len())].iter();
+                let ends = near.clone().next().zip(near.last());
+                all.push(MeanPoint {
+                    at_s,
+                    temp_c: block.temp_c,
+                    value: block.rate_dps - zero - steps,
+                    left: block.rate_dps - steps - curve.at(temp_c),
+                    is_warming: ends.is_some_and(|(first, last)| last.temp_c >= first.temp_c),
+                });
+            }
+        }
+        Self { all }
+    }
+}
+
+/// Means on each side that tell whether the sensor warms.
+const NEAR: usize = 5;

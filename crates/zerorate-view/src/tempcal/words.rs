@@ -1,0 +1,48 @@
+//! The curves as a table for a terminal.
+
+use super::AxisCurve;
+use crate::plot::number;
+use std::fmt::Write;
+
+/// Coverage factor of the intervals in words.
+const FACTOR: f64 = 1.96;
+
+/// A table for each sensor, with a row for each axis.
+#[must_use]
+pub fn table(axes: &[AxisCurve]) -> String {
+    let mut text = String::new();
+    let mut last = "";
+    for axis in axes {
+        if axis.sensor != last {
+            last = &axis.sensor;
+            let (low_c, high_c) = axis.span_c();
+            let head = if text.is_empty() { "" } else { "\n" };
+            // writing to a string cannot fail
+            let _ = writeln!(text, "{head}{last}: {low_c:.1} to {high_c:.1} °C; value ± half of its 95 % interval");
+        }
+        row(&mut text, axis);
+    }
+    text
+}
+
+fn row(text: &mut String, axis: &AxisCurve) {
+    let AxisCurve { name, unit, reference_c, bias, u_bias, slope_per_c, u_slope_per_c, .. } = axis;
+    let half = |u: f64| number(FACTOR * u);
+    let at = format!("{} at {reference_c:.0} °C", plus_minus(*bias, FACTOR * u_bias));
+    let slope = format!("slope {} {unit}/°C", plus_minus(*slope_per_c, FACTOR * u_slope_per_c));
+    let (before, after) = (number(axis.before), number(axis.after));
+    let lag = if axis.lag_s < LEAST_LAG_S { "no lag".to_owned() } else { format!("lag {:.0} s", axis.lag_s) };
+    let hysteresis = axis.hysteresis.map_or_else(String::new, |half| format!(", hysteresis ±{} {unit}", number(half)));
+    let starts = axis.spread_of_starts.map_or_else(String::new, |u| format!(", ±{} {unit} from start to start", half(u)));
+    let _ = writeln!(text, "  {name}: bias {at} {unit}, {slope}");
+    let _ = writeln!(text, "    span {before} {unit} before, {after} {unit} after the curve; {lag}{hysteresis}{starts}");
+}
+
+/// A mean lag below this counts as none, s.
+const LEAST_LAG_S: f64 = 0.5;
+
+/// A value and half of its interval, with the digits that the interval makes worth writing.
+fn plus_minus(value: f64, half: f64) -> String {
+    let digits = if half > 0.0 { (1 - half.log10().floor() as i32).clamp(0, 9) as usize } else { 6 };
+    format!("{value:+.digits$} ± {half:.digits$}")
+}

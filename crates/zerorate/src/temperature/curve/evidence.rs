@@ -1,0 +1,301 @@
+//! One model of the logs: its coefficients, and how well it explains the means.
+
+use super::series::Series;
+use super::{COEFFICIENTS, CurveStep, LogMeans, has_two_directions};
+use crate::temperature::filter::Filter;
+use crate::temperature::follow::Following;
+use crate::temperature::{Block, Noise, gls};
+use alloc::vec;
+use alloc::vec::Vec;
+use zerorate_allan::linear::Cholesky;
+
+/// What all models share.
+pub(super) struct Record {
+    pub(super) logs: Vec<LogMeans>,
+    pub(super) series: Series,
+    /// Largest less smallest mean.
+    pub(super) scale: f64,
+    pub(super) two_directions: bool,
+    /// Steps of the level that are in every model.
+    pub(super) steps: Vec<StepAt>,
+    /// The level about which all is computed.
+    centre: f64,
+}
+
+/// The place of a step: the log, and the time in it from which the level is another, s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct StepAt {
+    pub(super) log: usize,
+    pub(super) at_s: f64,
+}
+
+/// Bias instability and rate random walk.
+pub(super) type SlowNoise = [f64; 2];
+
+/// Prior standard deviations of the coefficients.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shape {
+    /// Of the first order of the series.
+    size: f64,
+    /// Ratio of one order to the one before.
+    shrink: f64,
+    /// Of the offset by the direction of the temperature.
+    direction: f64,
+    /// Of the offset of a start.
+    starts: f64,
+}
+
+/// A model with its coefficients.
+#[derive(Clone, Debug)]
+pub(super) struct Model {
+    /// Posterior probability.
+    pub(super) weight: f64,
+    /// Logarithm of evidence and prior probability.
+    pub(super) log_score: f64,
+    /// Logarithm of the evidence over that of a bias without a temperature.
+    pub(super) log_odds: f64,
+    pub(super) noise: SlowNoise,
+    pub(super) following: Following,
+    pub(super) shape: Shape,
+    /// All coefficients: those of the series, then direction, starts and steps.
+    pub(super) all: Vec<f64>,
+    pub(super) coefficients: [f64; COEFFICIENTS],
+    pub(super) covariance: [[f64; COEFFICIENTS]; COEFFICIENTS],
+    pub(super) direction: f64,
+    pub(super) spread_of_starts: f64,
+}
+
+/// Sums of products of all whitened columns, the means first.
+pub(super) struct Products {
+    gram: Vec<Vec<f64>>,
+    log_determinant: f64,
+}
+
+/// Sizes of the first order, as ratios of the scale.
+const SIZES: [f64; 3] = [0.3, 1.0, 3.0];
+/// Ratios of one order to the one before.
+const SHRINKS: [f64; 2] = [0.15, 0.35];
+/// Offsets by direction, as ratios of the scale.
+const DIRECTIONS: [f64; 3] = [0.0, 0.01, 0.1];
+/// Offsets of starts, as ratios of the scale.
+const STARTS: [f64; 3] = [1e-3, 1e-2, 1e-1];
+/// Prior standard deviation of the level, as a ratio of the scale.
+const LEVEL: f64 = 10.0;
+/// Share of the span within which an offset by direction turns.
+const TURNS: f64 = 0.05;
+/// Least white noise of a mean, as a ratio of the scale.
+const LEAST_WHITE: f64 = 1e-6;
+
+impl Record {
+    pub(super) fn new(logs: Vec<LogMeans>) -> Self {
+        let blocks = || logs.iter().flat_map(LogMeans::blocks);
+        let series = Series::over(blocks().map(|block| block.temp_c));
+        let ends = |(low, high): (f64, f64), block: &Block| (low.min(block.rate_dps), high.max(block.rate_dps));
+        let (low, high) = blocks().fold((f64::MAX, f64::MIN), ends);
+        let centre = blocks().map(|block| block.rate_dps).sum::<f64>() / blocks().count().max(1) as f64;
+        let scale = (high - low).max(f64::MIN_POSITIVE);
+        let two_directions = has_two_directions(&logs);
+        Self { logs, series, scale, two_directions, steps: Vec::new(), centre }
+    }
+
+    /// The same record without blocks of one log. Centre and scale stay.
+    pub(super) fn others(&self, index: usize, is_kept: impl Fn(usize) -> bool) -> Self {
+        let mut logs = self.logs.clone();
+        logs[index].keep(is_kept);
+        Self { logs, steps: self.steps.clone(), ..*self }
+    }
+
+    /// One-sided density of the white noise: the mean over the logs.
+    pub(super) fn white(&self) -> f64 {
+        self.logs.iter().map(LogMeans::white).sum::<f64>() / self.logs.len().max(1) as f64
+    }
+
+    /// Standard deviation of a mean by white noise, and length of the longest log, s.
+    pub(super) fn white_of_mean(&self) -> (f64, f64) {
+        let block_s = self.logs.first().map_or(1.0, LogMeans::block_s);
+        let length_s = self.logs.iter().map(LogMeans::length_of_log_s).fold(0.0, f64::max);
+        ((self.white() / libm::sqrt(2.0 * block_s)).max(LEAST_WHITE * self.scale), length_s)
+    }
+
+    /// The filters of the logs under a noise.
+    pub(super) fn filters(&self, noise: &SlowNoise) -> Vec<Filter> {
+        self.logs.iter().map(|log| self.filter(noise, log)).collect()
+    }
+
+    pub(super) fn filter(&self, noise: &SlowNoise, log: &LogMeans) -> Filter {
+        let least = LEAST_WHITE * self.scale * libm::sqrt(2.0 * log.block_s());
+        let noise = Noise {
+            white_dps_per_rt_hz: log.white().max(least),
+            bias_instability_dps: noise[0],
+            rate_random_walk_dps_per_rt_s: noise[1],
+            gauss_markov: Vec::new(),
+        };
+        Filter::new(&noise, log.blocks())
+    }
+
+    /// The means of a log, then its columns.
+    pub(super) fn columns(&self, index: usize, following: &Following) -> Vec<Vec<f64>> {
+        let log = &self.logs[index];
+        let (low_c, high_c) = self.series.span_c();
+        let (followed_c, places) = log.followed(following, TURNS * (high_c - low_c));
+        let means = log.blocks().iter().map(|block| block.rate_dps - self.centre).collect();
+        let mut columns: Vec<Vec<f64>> = vec![Vec::with_capacity(followed_c.len()); COEFFICIENTS];
+        for temp_c in &followed_c {
+            columns.iter_mut().zip(self.series.at(*temp_c)).for_each(|(column, value)| column.push(value));
+        }
+        columns.insert(0, means);
+        if self.two_directions {
+            columns.push(places);
+        }
+        let count = followed_c.len();
+        if self.logs.len() > 1 {
+            columns.extend((0..self.logs.len()).map(|other| vec![f64::from(u8::from(other == index)); count]));
+        }
+        let share = |step: &StepAt, block: &Block| if step.log == index { block.share_after(step.at_s) } else { 0.0 };
+        columns.extend(self.steps.iter().map(|step| log.blocks().iter().map(|block| share(step, block)).collect()));
+        columns
+    }
+
+    pub(super) fn products(&self, filters: &[Filter], following: &Following) -> Option<Products> {
+        let mut sums: Option<Products> = None;
+        for (index, filter) in filters.iter().enumerate() {
+            let filtered = filter.filtered(&filter.whites(&self.columns(index, following)), &[])?;
+            match &mut sums {
+                None => sums = Some(Products { gram: filtered.gram, log_determinant: filtered.log_determinant }),
+                Some(sums) => {
+                    sums.log_determinant += filtered.log_determinant;
+                    for (row, more) in sums.gram.iter_mut().zip(filtered.gram) {
+                        row.iter_mut().zip(more).for_each(|(value, more)| *value += more);
+                    }
+                }
+            }
+        }
+        sums
+    }
+
+    /// The shapes that are tried.
+    pub(super) fn shapes(&self) -> Vec<Shape> {
+        let directions = if self.two_directions { &DIRECTIONS[..] } else { &DIRECTIONS[..1] };
+        let starts = if self.logs.len() > 1 { &STARTS[..] } else { &STARTS[..1] };
+        let mut shapes = Vec::new();
+        for (size, shrink) in SIZES.iter().flat_map(|size| SHRINKS.map(|shrink| (*size, shrink))) {
+            for (direction, starts) in directions.iter().flat_map(|of| starts.iter().map(move |starts| (*of, *starts))) {
+                let [size, direction, starts] = [size, direction, starts].map(|ratio| ratio * self.scale);
+                shapes.push(Shape { size, shrink, direction, starts });
+            }
+        }
+        shapes
+    }
+
+    /// Prior variances of all coefficients; 0 holds one at 0.
+    fn variances(&self, shape: &Shape) -> Vec<f64> {
+        let level = LEVEL * self.scale;
+        let order = |k: usize| shape.size * libm::pow(shape.shrink, k as f64);
+        let series = [level].into_iter().chain((0..COEFFICIENTS - 1).map(order));
+        let direction = self.two_directions.then_some(shape.direction);
+        let starts = self.logs.iter().filter(|_| self.logs.len() > 1).map(|_| shape.starts);
+        let steps = self.steps.iter().map(|_| self.scale);
+        series.chain(direction).chain(starts).chain(steps).map(|deviation| deviation * deviation).collect()
+    }
+
+    /// Coefficients under these prior variances, and the logarithm of the evidence.
+    pub(super) fn solve(&self, products: &Products, variances: &[f64]) -> Option<Solved> {
+        let used: Vec<usize> = (0..variances.len()).filter(|k| variances[*k] > 0.0).collect();
+        let product = |i: usize, j: usize| products.gram[i.max(j)][i.min(j)];
+        let row = |(place, i): (usize, &usize)| {
+            let mut row: Vec<f64> = used[..=place].iter().map(|j| product(i + 1, j + 1)).collect();
+            row[place] += 1.0 / variances[*i];
+            row
+        };
+        let information = Cholesky::new(used.iter().enumerate().map(row).collect(), LEAST_PIVOT)?;
+        let with_means: Vec<f64> = used.iter().map(|i| product(i + 1, 0)).collect();
+        let solution = information.solve(with_means.iter().copied());
+        let left = product(0, 0) - gls::dot(&solution, &with_means);
+        let log_prior: f64 = used.iter().map(|k| libm::log(variances[*k])).sum();
+        let log_evidence = -0.5 * (left + products.log_determinant + information.ln_determinant() + log_prior);
+        let mut coefficients = vec![0.0; variances.len()];
+        used.iter().zip(solution).for_each(|(k, value)| coefficients[*k] = value);
+        log_evidence.is_finite().then_some(Solved { coefficients, log_evidence, information, used })
+    }
+
+    /// The shape's coefficients.
+    pub(super) fn solve_shape(&self, products: &Products, shape: &Shape) -> Option<Solved> {
+        self.solve(products, &self.variances(shape))
+    }
+
+    /// Logarithm of the evidence of a bias that does not depend on the temperature.
+    pub(super) fn log_evidence_without(&self, products: &Products, shape: &Shape) -> Option<f64> {
+        let mut variances = self.variances(shape);
+        variances[1..COEFFICIENTS].fill(0.0);
+        if self.two_directions {
+            variances[COEFFICIENTS] = 0.0;
+        }
+        Some(self.solve(products, &variances)?.log_evidence)
+    }
+
+    /// The model of a solution.
+    pub(super) fn model(&self, solved: &Solved, (noise, following, shape): (SlowNoise, Following, Shape)) -> Model {
+        let all = solved.coefficients.clone();
+        let mut coefficients: [f64; COEFFICIENTS] = core::array::from_fn(|k| all[k]);
+        coefficients[0] += self.centre;
+        let direction = if self.two_directions { all[COEFFICIENTS] } else { 0.0 };
+        Model {
+            weight: 0.0,
+            log_score: solved.log_evidence,
+            log_odds: 0.0,
+            noise,
+            following,
+            shape,
+            coefficients,
+            covariance: solved.covariance(),
+            direction,
+            spread_of_starts: shape.starts,
+            all,
+        }
+    }
+
+    /// The steps, with their sizes in a model.
+    pub(super) fn steps_of(&self, model: &Model) -> Vec<CurveStep> {
+        let sizes = &model.all[model.all.len() - self.steps.len()..];
+        let step = |(step, size): (&StepAt, &f64)| CurveStep { log: step.log, at_s: step.at_s, size: *size };
+        self.steps.iter().zip(sizes).map(step).collect()
+    }
+
+    /// Change of the bias that is still to come at the end of the last log.
+    pub(super) fn unsettled(&self, following: &Following, bias: impl Fn(f64) -> f64) -> f64 {
+        let ends = self.logs.last().and_then(|log| log.at_end(following));
+        ends.map_or(0.0, |(last_c, late_c)| bias(last_c) - bias(late_c))
+    }
+}
+
+/// Least pivot of the information matrix.
+const LEAST_PIVOT: f64 = 1e-14;
+
+/// The coefficients of a model, and its information matrix.
+pub(super) struct Solved {
+    pub(super) coefficients: Vec<f64>,
+    pub(super) log_evidence: f64,
+    information: Cholesky,
+    /// The coefficients that the information matrix has.
+    used: Vec<usize>,
+}
+
+impl Solved {
+    /// Variance of a sum of the coefficients with these weights.
+    pub(super) fn variance(&self, weights: &[f64]) -> f64 {
+        let white = self.information.whiten(self.used.iter().map(|k| weights[*k]));
+        gls::dot(&white, &white)
+    }
+
+    fn covariance(&self) -> [[f64; COEFFICIENTS]; COEFFICIENTS] {
+        let column = |k: usize| {
+            let unit = self.used.iter().map(|used| f64::from(u8::from(*used == k)));
+            let solved = self.information.solve(unit);
+            let mut column = [0.0; COEFFICIENTS];
+            let of_series = self.used.iter().zip(solved).filter(|(used, _)| **used < COEFFICIENTS);
+            of_series.for_each(|(used, value)| column[*used] = value);
+            column
+        };
+        core::array::from_fn(column)
+    }
+}

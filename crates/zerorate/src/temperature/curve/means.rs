@@ -1,0 +1,274 @@
+//! Means over short stretches of a log, from its samples one by one.
+
+use super::thermometer::{Thermometer, smooth};
+use crate::temperature::Block;
+use crate::temperature::follow::Following;
+use alloc::vec::Vec;
+
+/// Parts of a block, for the temperature's course within it and the white noise.
+const PARTS: usize = 8;
+/// Blocks of a long log.
+const BLOCKS: f64 = 900.0;
+/// Shortest block, s.
+const SHORTEST_S: f64 = 1.0;
+/// Share of its samples that a block must have.
+const LEAST_SAMPLES: f64 = 0.5;
+/// Ratio of the variance within a block to the median from which the sensor moves.
+const MOVES: f64 = 4.0;
+
+/// The means of one log for one axis.
+#[derive(Clone, Debug)]
+pub struct LogMeans {
+    blocks: Vec<Block>,
+    /// Index of each block in time.
+    indices: Vec<usize>,
+    length_s: f64,
+    /// Temperature of each part of a block, without gaps, °C.
+    parts_c: Vec<f64>,
+    /// One-sided density of the white noise, in the unit of the samples per √Hz.
+    white: f64,
+    /// Times in which the sensor moves, from and to, s.
+    moving_s: Vec<(f64, f64)>,
+    /// Blocks of the log that have samples.
+    seen: usize,
+    thermometer: Thermometer,
+}
+
+/// Sums over a part of a block.
+#[derive(Clone, Copy, Debug, Default)]
+struct Part {
+    count: u32,
+    sum: f64,
+    squares: f64,
+    temps: u32,
+    temp_sum: f64,
+}
+
+impl Part {
+    fn mean(&self) -> Option<f64> {
+        (self.count > 0).then(|| self.sum / f64::from(self.count))
+    }
+}
+
+/// Takes the samples of a log.
+#[derive(Debug)]
+pub struct MeansBuilder {
+    rate_hz: f64,
+    /// Samples of a part.
+    per_part: usize,
+    parts: Vec<Part>,
+    readings_c: Vec<f64>,
+    samples: usize,
+    /// A sample about which the sums are taken, so that squares keep their digits.
+    origin: Option<f64>,
+}
+
+impl MeansBuilder {
+    /// Begins for a log of this many samples, missing ones included.
+    #[must_use]
+    pub fn new(samples: usize, rate_hz: f64) -> Self {
+        let length_s = (samples as f64 / rate_hz / BLOCKS).max(SHORTEST_S);
+        let per_part = (libm::round(length_s * rate_hz / PARTS as f64) as usize).max(1);
+        Self { rate_hz, per_part, parts: Vec::new(), readings_c: Vec::new(), samples: 0, origin: None }
+    }
+
+    /// Takes the next sample and its temperature, °C. NaN is a missing one.
+    pub fn push(&mut self, value: f64, temp_c: f64) {
+        if self.samples.is_multiple_of(self.per_part) {
+            self.parts.push(Part::default());
+        }
+        self.samples += 1;
+        let Some(part) = self.parts.last_mut() else { return };
+        if !value.is_nan() {
+            let value = value - *self.origin.get_or_insert(value);
+            part.count += 1;
+            part.sum += value;
+            part.squares += value * value;
+        }
+        if !temp_c.is_nan() {
+            part.temps += 1;
+            part.temp_sum += temp_c;
+        }
+    }
+
+    /// The means of all samples.
+    #[must_use]
+    pub fn finish(mut self) -> LogMeans {
+        let part_s = self.per_part as f64 / self.rate_hz;
+        let length_s = PARTS as f64 * part_s;
+        let temp_c = |part: &Part| if part.temps > 0 { part.temp_sum / f64::from(part.temps) } else { f64::NAN };
+        self.readings_c = self.parts.iter().map(temp_c).collect();
+        let (parts_c, thermometer) = smooth(&self.readings_c, part_s);
+        let whole: Vec<(usize, &[Part])> = self.parts.chunks_exact(PARTS).enumerate().collect();
+        let least = LEAST_SAMPLES * (PARTS * self.per_part) as f64;
+        let is_full = |parts: &[Part]| f64::from(parts.iter().map(|part| part.count).sum::<u32>()) >= least;
+        let is_known = |k: usize| parts_c[k * PARTS..(k + 1) * PARTS].iter().all(|temp_c| !temp_c.is_nan());
+        let full: Vec<(usize, &[Part])> =
+            whole.into_iter().filter(|(k, parts)| is_full(parts) && is_known(*k)).collect();
+        let variances: Vec<f64> = full.iter().map(|(_, parts)| variance(parts)).collect();
+        let usual = median(variances.clone());
+        let moves: Vec<bool> = variances.iter().map(|variance| *variance > MOVES * usual && usual > 0.0).collect();
+        let moving_s = spans(full.iter().zip(&moves).filter(|(_, moves)| **moves).map(|((k, _), _)| *k), length_s);
+        let seen = full.len();
+        let still = || full.iter().zip(&moves).filter(|(_, moves)| !**moves).map(|(block, _)| block);
+        let white = libm::sqrt(2.0 * part_s * median(still().map(|(_, parts)| white_variance(parts)).collect()));
+        let block = |(k, parts): &(usize, &[Part])| Block {
+            start_s: *k as f64 * length_s,
+            length_s,
+            rate_dps: self.origin.unwrap_or(0.0) + mean(parts),
+            temp_c: parts_c[k * PARTS..(k + 1) * PARTS].iter().sum::<f64>() / PARTS as f64,
+        };
+        let (blocks, indices) = (still().map(block).collect(), still().map(|(k, _)| *k).collect());
+        LogMeans { blocks, indices, length_s, parts_c: filled(parts_c), white, moving_s, seen, thermometer }
+    }
+}
+
+fn mean(parts: &[Part]) -> f64 {
+    let count: u32 = parts.iter().map(|part| part.count).sum();
+    parts.iter().map(|part| part.sum).sum::<f64>() / f64::from(count)
+}
+
+/// Variance of the samples within a block.
+fn variance(parts: &[Part]) -> f64 {
+    let count = f64::from(parts.iter().map(|part| part.count).sum::<u32>());
+    let mean = mean(parts);
+    parts.iter().map(|part| part.squares).sum::<f64>() / count - mean * mean
+}
+
+/// Ratio of the median to the mean of the mean square of seven differences of neighbours.
+const MEDIAN_OF_DIFFERENCES: f64 = 0.87;
+
+/// Variance of the means of parts by their differences, which slow changes hardly touch.
+fn white_variance(parts: &[Part]) -> f64 {
+    let differences = parts.windows(2).filter_map(|pair| Some(pair[1].mean()? - pair[0].mean()?));
+    let (sum, count) = differences.fold((0.0, 0u32), |(sum, count), d| (sum + d * d, count + 1));
+    if count == 0 { 0.0 } else { sum / f64::from(2 * count) / MEDIAN_OF_DIFFERENCES }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// Neighbouring blocks as times.
+fn spans(blocks: impl Iterator<Item = usize>, length_s: f64) -> Vec<(f64, f64)> {
+    let mut spans: Vec<(f64, f64)> = Vec::new();
+    for k in blocks {
+        let (from_s, to_s) = (k as f64 * length_s, (k + 1) as f64 * length_s);
+        match spans.last_mut() {
+            Some(last) if from_s - last.1 < length_s / 2.0 => last.1 = to_s,
+            _ => spans.push((from_s, to_s)),
+        }
+    }
+    spans
+}
+
+/// The temperatures with lines over gaps.
+fn filled(mut temps_c: Vec<f64>) -> Vec<f64> {
+    let known: Vec<usize> = (0..temps_c.len()).filter(|k| !temps_c[*k].is_nan()).collect();
+    if let (Some(&first), Some(&last)) = (known.first(), known.last()) {
+        let (first_c, last_c) = (temps_c[first], temps_c[last]);
+        temps_c[..first].fill(first_c);
+        temps_c[last..].fill(last_c);
+    }
+    for pair in known.windows(2) {
+        let (from, to) = (pair[0], pair[1]);
+        let (start_c, step_c) = (temps_c[from], (temps_c[to] - temps_c[from]) / (to - from) as f64);
+        (from + 1..to).for_each(|k| temps_c[k] = start_c + step_c * (k - from) as f64);
+    }
+    temps_c
+}
+
+impl LogMeans {
+    /// The means, without those of a moving sensor.
+    #[must_use]
+    pub fn blocks(&self) -> &[Block] {
+        &self.blocks
+    }
+
+    /// Times in which the sensor moves, from and to, s.
+    #[must_use]
+    pub fn moving_s(&self) -> &[(f64, f64)] {
+        &self.moving_s
+    }
+
+    /// Share of the blocks in which the sensor moves.
+    #[must_use]
+    pub fn moving_share(&self) -> f64 {
+        1.0 - self.blocks.len() as f64 / self.seen.max(1) as f64
+    }
+
+    /// Facts about the thermometer.
+    #[must_use]
+    pub fn thermometer(&self) -> Thermometer {
+        self.thermometer
+    }
+
+    /// Length of the log, s.
+    #[must_use]
+    pub fn length_of_log_s(&self) -> f64 {
+        self.parts_c.len() as f64 * self.length_s / PARTS as f64
+    }
+
+    pub(super) fn white(&self) -> f64 {
+        self.white
+    }
+
+    pub(super) fn block_s(&self) -> f64 {
+        self.length_s
+    }
+
+    /// Removes a block.
+    pub(super) fn remove(&mut self, at: usize) {
+        self.blocks.remove(at);
+        self.indices.remove(at);
+    }
+
+    /// Keeps the blocks whose place fulfils a condition.
+    pub(super) fn keep(&mut self, is_kept: impl Fn(usize) -> bool) {
+        let kept = |values: usize| (0..values).map(&is_kept).collect::<Vec<bool>>();
+        let mut which = kept(self.blocks.len()).into_iter();
+        self.blocks.retain(|_| which.next() == Some(true));
+        let mut which = kept(self.indices.len()).into_iter();
+        self.indices.retain(|_| which.next() == Some(true));
+    }
+
+    /// The temperature that the bias follows, for each block, °C.
+    #[must_use]
+    pub fn followed_c(&self, following: &Following) -> Vec<f64> {
+        self.followed(following, 1.0).0
+    }
+
+    /// The temperature that the bias follows, for each block, and the place of the bias in its play, from −1 while the
+    /// temperature falls to 1 while it rises. Both begin in balance.
+    pub(super) fn followed(&self, following: &Following, play_c: f64) -> (Vec<f64>, Vec<f64>) {
+        let part_s = self.length_s / PARTS as f64;
+        let decay = if following.lag_s > 0.0 { libm::exp(-part_s / following.lag_s) } else { 0.0 };
+        let first_c = self.parts_c.first().copied().unwrap_or(0.0);
+        let (mut late_c, mut held_c, mut turned_c) = (first_c, first_c, first_c);
+        let (mut sums, mut places) = (Vec::new(), Vec::new());
+        for parts_c in self.parts_c.chunks(PARTS) {
+            let (mut sum_c, mut place) = (0.0, 0.0);
+            for temp_c in parts_c {
+                late_c = temp_c + (late_c - temp_c) * decay;
+                held_c = held_c.clamp(late_c - following.play_c, late_c + following.play_c);
+                turned_c = turned_c.clamp(late_c - play_c, late_c + play_c);
+                sum_c += held_c;
+                place += (late_c - turned_c) / play_c;
+            }
+            sums.push(sum_c / parts_c.len() as f64);
+            places.push(place / parts_c.len() as f64);
+        }
+        let of = |all: Vec<f64>| self.indices.iter().map(|k| all[*k]).collect();
+        (of(sums), of(places))
+    }
+
+    /// The temperature at the end of the log and the one that the bias follows there, °C.
+    pub(super) fn at_end(&self, following: &Following) -> Option<(f64, f64)> {
+        let last_c = *self.parts_c.last()?;
+        let part_s = self.length_s / PARTS as f64;
+        let decay = if following.lag_s > 0.0 { libm::exp(-part_s / following.lag_s) } else { 0.0 };
+        let late_c = self.parts_c.iter().copied().reduce(|late_c, temp_c| temp_c + (late_c - temp_c) * decay)?;
+        Some((last_c, late_c))
+    }
+}

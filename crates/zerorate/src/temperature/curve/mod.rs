@@ -1,0 +1,271 @@
+//! The bias over temperature of any gyroscope or accelerometer, from one log or several, without knowledge of the part.
+//!
+//! value = bias(T) + flicker + random walk + white noise. The bias is a Chebyshev series of order 6 in the temperature
+//! that it follows (`follow.rs`). Its coefficients are normal and shrink with their order. The strength of the noises,
+//! the size and the shrinkage of the series, lag and play are not known beforehand. Each combination is a model that
+//! weighs by its marginal likelihood (`evidence.rs`), and the result is the mean over all of them (`search.rs`). Half
+//! of the prior probability is on a bias that follows at once. Steps and glitches are found in the whitened record and
+//! taken out (`disturbances.rs`).
+
+mod disturbances;
+mod evidence;
+mod lag;
+mod left_out;
+mod means;
+mod search;
+mod series;
+#[cfg(test)]
+mod tests;
+mod thermometer;
+
+use super::follow::Following;
+use super::{ThermalError, gls};
+use crate::noise::NoiseModel;
+use crate::temperature::sweeps;
+use alloc::vec::Vec;
+use evidence::{Model, Record};
+pub use lag::LagLikelihood;
+pub use means::{LogMeans, MeansBuilder};
+use series::Series;
+pub use thermometer::Thermometer;
+
+/// Coefficients of the series, from the constant one to order 6.
+pub const COEFFICIENTS: usize = 7;
+
+/// Least span of the temperature that gives a curve, °C.
+pub const LEAST_SPAN_C: f64 = 5.0;
+
+/// Largest share of blocks with motion that are left out.
+pub const MOST_MOTION: f64 = 0.3;
+
+/// The bias of one axis over temperature. All values are in the unit of the samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LogCurve {
+    series: Series,
+    /// Coefficients of the series, the constant first.
+    coefficients: [f64; COEFFICIENTS],
+    covariance: [[f64; COEFFICIENTS]; COEFFICIENTS],
+    /// The delay and the play of the bias behind the thermometer, as the mean over all models.
+    pub following: Following,
+    /// Posterior probability that the bias follows late.
+    pub late_probability: f64,
+    /// Half of the difference between a warming and a cooling sensor, in the middle of the temperatures; `None` if the
+    /// logs have one direction only.
+    pub hysteresis: Option<f64>,
+    /// Standard deviation of the bias from one start to the next; `None` with one log.
+    pub spread_of_starts: Option<f64>,
+    /// The noise, as geometric means over all models.
+    pub noise: NoiseModel,
+    /// Steps of the level that were taken out.
+    pub steps: Vec<CurveStep>,
+    /// Blocks with a glitch that were left out.
+    pub glitches: usize,
+    /// Logarithm of the evidence for this curve over that for a bias that does not depend on the temperature.
+    pub log_odds: f64,
+    /// Change of the bias that was still to come at the end of the last log, because the bias follows late.
+    pub unsettled: f64,
+    /// Largest difference between the means of the record, and what remains of it where the curve of the other parts
+    /// of the record is subtracted.
+    pub span: BeforeAfter,
+}
+
+/// A step of the level that was taken out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurveStep {
+    /// Index of the log.
+    pub log: usize,
+    /// Time in that log, s.
+    pub at_s: f64,
+    /// The level after the step less the level before it.
+    pub size: f64,
+}
+
+/// A span before and after the correction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BeforeAfter {
+    /// Largest less smallest mean, without a correction.
+    pub before: f64,
+    /// The same, with the correction.
+    pub after: f64,
+}
+
+impl LogCurve {
+    /// Lowest and highest temperature of the logs, °C.
+    #[must_use]
+    pub fn span_c(&self) -> (f64, f64) {
+        self.series.span_c()
+    }
+
+    /// The bias at a temperature, °C.
+    #[must_use]
+    pub fn at(&self, temp_c: f64) -> f64 {
+        gls::dot(&self.series.at(temp_c), &self.coefficients)
+    }
+
+    /// Standard uncertainty of the bias at a temperature, °C. It includes hysteresis and the spread of starts.
+    #[must_use]
+    pub fn u_at(&self, temp_c: f64) -> f64 {
+        let hysteresis = self.hysteresis.unwrap_or(0.0);
+        let spread = self.spread_of_starts.unwrap_or(0.0);
+        let variance = self.variance(&self.series.at(temp_c));
+        // a direction that is not known: a uniform distribution between both
+        libm::sqrt(variance + hysteresis * hysteresis / 3.0 + spread * spread)
+    }
+
+    /// Standard uncertainty of the change of the bias from a temperature to another, °C.
+    #[must_use]
+    pub fn u_change(&self, from_c: f64, to_c: f64) -> f64 {
+        let (from, to) = (self.series.at(from_c), self.series.at(to_c));
+        let hysteresis = self.hysteresis.unwrap_or(0.0);
+        let variance = self.variance(&core::array::from_fn(|k| to[k] - from[k]));
+        libm::sqrt(variance + hysteresis * hysteresis / 3.0)
+    }
+
+    /// Change of the bias with the temperature, per °C.
+    #[must_use]
+    pub fn slope_at(&self, temp_c: f64) -> f64 {
+        gls::dot(&self.series.slope_at(temp_c), &self.coefficients)
+    }
+
+    /// Standard uncertainty of [`LogCurve::slope_at`].
+    #[must_use]
+    pub fn u_slope_at(&self, temp_c: f64) -> f64 {
+        libm::sqrt(self.variance(&self.series.slope_at(temp_c)))
+    }
+
+    fn variance(&self, weights: &[f64; COEFFICIENTS]) -> f64 {
+        let row = |row: &[f64; COEFFICIENTS]| gls::dot(row, weights);
+        let variance: f64 = self.covariance.iter().zip(weights).map(|(of, weight)| weight * row(of)).sum();
+        variance.max(0.0)
+    }
+
+    /// The polynomial about a temperature that is nearest to the curve, by least squares over its span, and the
+    /// largest distance between both. The terms are powers of the temperature less `about_c`, the constant first.
+    #[must_use]
+    pub fn polynomial<const TERMS: usize>(&self, about_c: f64) -> ([f64; TERMS], f64) {
+        let points = self.even_temps_c(POINTS);
+        let half_c = (self.span_c().1 - self.span_c().0) / 2.0;
+        let power = |term: usize, temp_c: &f64| libm::pow((temp_c - about_c) / half_c, term as f64);
+        let columns: Vec<Vec<f64>> =
+            (0..TERMS).map(|term| points.iter().map(|temp_c| power(term, temp_c)).collect()).collect();
+        let curve: Vec<f64> = points.iter().map(|temp_c| self.at(*temp_c)).collect();
+        let fit = gls::Fit::new(&columns, &curve).map_or_else(|| alloc::vec![0.0; TERMS], |fit| fit.coefficients);
+        let terms = core::array::from_fn(|term| fit[term] / libm::pow(half_c, term as f64));
+        let at = |temp_c: f64| terms.iter().rev().fold(0.0, |sum: f64, term| sum * (temp_c - about_c) + term);
+        let left = points.iter().zip(&curve).map(|(temp_c, bias)| (bias - at(*temp_c)).abs());
+        (terms, left.fold(0.0, f64::max))
+    }
+
+    /// Temperatures evenly over the span, °C.
+    #[must_use]
+    pub fn even_temps_c(&self, count: usize) -> Vec<f64> {
+        let (low_c, high_c) = self.span_c();
+        (0..count).map(|k| low_c + (high_c - low_c) * k as f64 / (count - 1) as f64).collect()
+    }
+}
+
+/// Points at which a polynomial is compared with the curve.
+const POINTS: usize = 81;
+
+/// Fewest blocks that suffice.
+const FEWEST: usize = 40;
+
+/// One axis in the logs of one unit, without its steps and glitches.
+pub struct AxisRecord {
+    record: Record,
+    glitches: usize,
+    lag: LagLikelihood,
+}
+
+impl AxisRecord {
+    /// Prepares the logs of one axis.
+    ///
+    /// # Errors
+    /// Returns an error if there are too few blocks, or no model can explain them.
+    pub fn new(logs: Vec<LogMeans>) -> Result<Self, ThermalError> {
+        let blocks: usize = logs.iter().map(|log| log.blocks().len()).sum();
+        if blocks < FEWEST {
+            return Err(ThermalError::TooFew { blocks, needed: FEWEST });
+        }
+        let mut record = Record::new(logs);
+        let first = search::best(&record).ok_or(ThermalError::Degenerate)?;
+        let (glitches, best) = disturbances::take_out(&mut record, first);
+        let lag = search::lag_likelihood(&record, &best);
+        Ok(Self { record, glitches, lag })
+    }
+
+    /// The means, without glitches.
+    #[must_use]
+    pub fn logs(&self) -> &[LogMeans] {
+        &self.record.logs
+    }
+
+    /// The likelihood of the lag, for the other axes of the sensor.
+    #[must_use]
+    pub fn lag(&self) -> &LagLikelihood {
+        &self.lag
+    }
+
+    /// Finds the bias over temperature. `others` are the other axes of the sensor.
+    ///
+    /// # Errors
+    /// Returns an error if no model can explain the record.
+    pub fn curve(&self, others: &[&LagLikelihood]) -> Result<LogCurve, ThermalError> {
+        let Self { record, glitches, .. } = self;
+        let models = search::all(record, others);
+        let best = models.iter().max_by(|one, other| one.weight.total_cmp(&other.weight));
+        let best = best.ok_or(ThermalError::Degenerate)?;
+        Ok(average(record, &models, best, *glitches, left_out::span(record, best)))
+    }
+}
+
+/// Whether the logs cover a part of their temperatures both while the sensor warms and while it cools.
+fn has_two_directions(logs: &[LogMeans]) -> bool {
+    let temps = logs.iter().flat_map(|log| log.blocks().iter().map(|block| block.temp_c));
+    let (low_c, high_c) = temps.fold((f64::MAX, f64::MIN), |(low, high): (f64, f64), c| (low.min(c), high.max(c)));
+    let covered = logs.iter().map(|log| sweeps::covered_c(log.blocks().iter().map(|block| block.temp_c)));
+    let (rises_c, falls_c) = covered.fold((0.0, 0.0), |(up, down): (f64, f64), (r, f)| (up.max(r), down.max(f)));
+    rises_c.min(falls_c) > SHARED * (high_c - low_c)
+}
+
+/// Share of the temperatures that both directions must have in common.
+const SHARED: f64 = 0.25;
+
+fn average(record: &Record, models: &[Model], best: &Model, glitches: usize, span: BeforeAfter) -> LogCurve {
+    let mean = |of: &dyn Fn(&Model) -> f64| models.iter().map(|model| model.weight * of(model)).sum::<f64>();
+    let coefficients: [f64; COEFFICIENTS] = core::array::from_fn(|k| mean(&|model| model.coefficients[k]));
+    let covariance = core::array::from_fn(|i| {
+        core::array::from_fn(|j| {
+            let off = |model: &Model, k: usize| model.coefficients[k] - coefficients[k];
+            mean(&|model| model.covariance[i][j] + off(model, i) * off(model, j))
+        })
+    });
+    let geometric = |of: &dyn Fn(&Model) -> f64| libm::exp(mean(&|model| libm::log(of(model).max(f64::MIN_POSITIVE))));
+    let following =
+        Following { lag_s: mean(&|model| model.following.lag_s), play_c: mean(&|model| model.following.play_c) };
+    let curve = LogCurve {
+        series: record.series,
+        coefficients,
+        covariance,
+        following,
+        late_probability: mean(&|model| f64::from(u8::from(model.following.lag_s > 0.0))),
+        hysteresis: None,
+        spread_of_starts: (record.logs.len() > 1).then(|| mean(&|model| model.spread_of_starts)),
+        noise: NoiseModel {
+            white_dps_per_rt_hz: record.white(),
+            bias_instability_dps: geometric(&|model| model.noise[0]),
+            rate_random_walk_dps_per_rt_s: geometric(&|model| model.noise[1]),
+        },
+        steps: record.steps_of(best),
+        glitches,
+        log_odds: best.log_odds,
+        unsettled: 0.0,
+        span,
+    };
+    let (low_c, high_c) = curve.span_c();
+    let middle_c = (low_c + high_c) / 2.0;
+    let by_play = curve.slope_at(middle_c).abs() * following.play_c;
+    let hysteresis = record.two_directions.then(|| by_play + mean(&|model| model.direction).abs());
+    let unsettled = record.unsettled(&following, |temp_c| curve.at(temp_c));
+    LogCurve { hysteresis, unsettled, ..curve }
+}

@@ -1,0 +1,315 @@
+//! The search for the models that matter: strength of the noises, lag and play, and the shape of the series.
+
+use super::LogMeans;
+use super::lag::{LagLikelihood, LagPrior};
+use super::evidence::{Model, Products, Record, Shape, SlowNoise};
+use crate::temperature::filter::Filter;
+use crate::temperature::follow::Following;
+use alloc::collections::BTreeMap;
+use alloc::vec;
+use alloc::vec::Vec;
+
+/// Distance of the logarithm of the evidence from the best one at which a model does not matter.
+const NEGLIGIBLE: f64 = 6.0;
+/// Steps of the noises' lattice in a decade.
+const PER_DECADE: f64 = 4.0;
+/// Steps of the lattice from one noise to the next.
+const FINE: i32 = 1;
+/// First and last step of B, as a ratio of the white noise of a mean.
+const B_STEPS: (i32, i32) = (-4, 12);
+/// First and last step of K over the length of a log, as the same ratio.
+const K_STEPS: (i32, i32) = (-4, 16);
+/// Shortest lag that is tried, s.
+const SHORTEST_LAG_S: f64 = 3.0;
+/// Longest lag that is tried, s, and as a share of the longest log.
+const LONGEST_LAG: (f64, f64) = (600.0, 1.0 / 6.0);
+/// Smallest play that is tried, °C.
+const LEAST_PLAY_C: f64 = 0.05;
+/// Largest play, as a share of the span.
+const MOST_PLAY: f64 = 0.125;
+/// Ratio of one lag, or play, to the next before they are made finer.
+const RATIO: f64 = 1.7;
+/// Difference of the logarithm of the evidence between neighbours that calls for a value between them.
+const TOO_COARSE: f64 = 0.7;
+/// Rounds in which values are made finer.
+const FINER_ROUNDS: usize = 6;
+/// Rounds of the search over followings and noises in turn.
+const ROUNDS: usize = 2;
+
+/// A place in the lattice of noises.
+type Place = (i32, i32);
+
+struct Search<'a> {
+    record: &'a Record,
+    lag: LagPrior<'a>,
+    shapes: Vec<Shape>,
+    /// Units of B and K.
+    units: SlowNoise,
+    filters: BTreeMap<Place, Vec<Filter>>,
+}
+
+/// The best model on a coarse lattice.
+pub(super) fn best(record: &Record) -> Option<Model> {
+    let mut search = Search::new(record, &[]);
+    let followings = search.coarse();
+    let (place, following) = search.coarse_best(&followings)?;
+    search.models(place, &following, 0.0).into_iter().max_by(|one, other| one.log_score.total_cmp(&other.log_score))
+}
+
+/// The likelihood of the lag under the noise and the play of the best model.
+pub(super) fn lag_likelihood(record: &Record, best: &Model) -> LagLikelihood {
+    let mut search = Search::new(record, &[]);
+    let (lags, _) = search.coarse();
+    let place = search.place(&best.noise);
+    let with = |lag_s: f64, other: &Following| Following { lag_s, ..*other };
+    LagLikelihood::new(search.finer(place, &best.following, lags, with))
+}
+
+/// All models that matter, with their weights. Empty if none can be computed.
+pub(super) fn all(record: &Record, others: &[&LagLikelihood]) -> Vec<Model> {
+    let mut search = Search::new(record, others);
+    let (mut lags, mut plays) = search.coarse();
+    let Some((mut place, mut following)) = search.coarse_best(&(lags.clone(), plays.clone())) else {
+        return Vec::new();
+    };
+    let mut places = vec![place];
+    for _ in 0..ROUNDS {
+        let lag_of = |lag_s: f64, other: &Following| Following { lag_s, ..*other };
+        let play_of = |play_c: f64, other: &Following| Following { play_c, ..*other };
+        lags = values(search.finer(place, &following, lags, lag_of));
+        plays = values(search.finer(place, &following, plays, play_of));
+        following = search.best_of(place, &lags, &plays);
+        places = search.noises(place, &following);
+        place = places[0];
+    }
+    let shares = [shares(&lags, lag_ends_s(record)), shares(&plays, search.ends_c())];
+    let followings = search.relevant(place, (&lags, &plays), &shares);
+    let mut models: Vec<Model> = Vec::new();
+    for place in places {
+        for (following, log_prior) in &followings {
+            models.extend(search.models(place, following, *log_prior));
+        }
+    }
+    weigh(&mut models, search.log_evidence_without());
+    models
+}
+
+/// Gives each model its weight, and drops those that do not matter.
+fn weigh(models: &mut Vec<Model>, without: f64) {
+    let best = models.iter().map(|model| model.log_score).fold(f64::NEG_INFINITY, f64::max);
+    models.retain(|model| model.log_score > best - 2.0 * NEGLIGIBLE);
+    models.iter_mut().for_each(|model| model.weight = libm::exp(model.log_score - best));
+    let total: f64 = models.iter().map(|model| model.weight).sum();
+    for model in models {
+        model.weight /= total;
+        model.log_odds = best - without;
+    }
+}
+
+/// Logarithm of the share of the prior that each value stands for: half for 0, and the rest evenly over the logarithm.
+/// All of it if there is one value.
+fn shares(values: &[f64], (least, most): (f64, f64)) -> Vec<f64> {
+    if values.len() == 1 {
+        return vec![0.0];
+    }
+    let middle = |k: usize| libm::sqrt(values[k] * values[k + 1]);
+    let share = |k: usize| {
+        let low = if k == 1 { least } else { middle(k - 1) };
+        let high = if k + 1 == values.len() { most } else { middle(k) };
+        libm::log(0.5 * (libm::log(high / low) / libm::log(most / least)).max(1e-9))
+    };
+    (0..values.len()).map(|k| if k == 0 { libm::log(0.5) } else { share(k) }).collect()
+}
+
+/// 0, and values from `least` to `most` in about equal ratios.
+fn spread((least, most): (f64, f64)) -> Vec<f64> {
+    let count = libm::ceil(libm::log((most / least).max(1.0)) / libm::log(RATIO));
+    let ratio = libm::pow(most / least, 1.0 / count.max(1.0));
+    [0.0].into_iter().chain((0..=count as i32).map(|k| least * libm::pow(ratio, f64::from(k)))).collect()
+}
+
+/// The shortest and the longest lag.
+fn lag_ends_s(record: &Record) -> (f64, f64) {
+    let length_s = record.logs.iter().map(LogMeans::length_of_log_s).fold(0.0, f64::max);
+    (SHORTEST_LAG_S, (length_s * LONGEST_LAG.1).clamp(2.0 * SHORTEST_LAG_S, LONGEST_LAG.0))
+}
+
+fn values(scored: Vec<(f64, f64)>) -> Vec<f64> {
+    scored.into_iter().map(|(value, _)| value).collect()
+}
+
+fn log_sum(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    let best = values.clone().fold(f64::NEG_INFINITY, f64::max);
+    best + libm::log(values.map(|value| libm::exp(value - best)).sum::<f64>())
+}
+
+impl<'a> Search<'a> {
+    fn new(record: &'a Record, others: &'a [&'a LagLikelihood]) -> Self {
+        let (white, length_s) = record.white_of_mean();
+        let units = [white, white / libm::sqrt(length_s.max(1.0))];
+        let lag = LagPrior::new(others, lag_ends_s(record));
+        Self { record, lag, shapes: record.shapes(), units, filters: BTreeMap::new() }
+    }
+
+    /// The place of a noise of this lattice.
+    fn place(&self, noise: &SlowNoise) -> Place {
+        let step = |k: usize| libm::round(PER_DECADE * libm::log10(noise[k] / self.units[k])) as i32;
+        (step(0), step(1))
+    }
+
+    fn noise(&self, (b, k): Place) -> SlowNoise {
+        let level = |unit: f64, step: i32| unit * libm::pow(10.0, f64::from(step) / PER_DECADE);
+        [level(self.units[0], b), level(self.units[1], k)]
+    }
+
+    fn ends_c(&self) -> (f64, f64) {
+        let (low_c, high_c) = self.record.series.span_c();
+        (LEAST_PLAY_C, (MOST_PLAY * (high_c - low_c)).max(2.0 * LEAST_PLAY_C))
+    }
+
+    /// Lags and plays to begin with.
+    fn coarse(&self) -> (Vec<f64>, Vec<f64>) {
+        let plays = if self.record.two_directions { spread(self.ends_c()) } else { vec![0.0] };
+        (spread(lag_ends_s(self.record)), plays)
+    }
+
+    /// The best noise and the best following of a coarse search.
+    fn coarse_best(&mut self, (lags, plays): &(Vec<f64>, Vec<f64>)) -> Option<(Place, Following)> {
+        let decade = PER_DECADE as usize;
+        let steps = |(first, last): (i32, i32)| (first..=last).step_by(decade);
+        let places: Vec<Place> = steps(B_STEPS).flat_map(|b| steps(K_STEPS).map(move |k| (b, k))).collect();
+        let mut following = Following::default();
+        let mut place = (0, 0);
+        for _ in 0..ROUNDS {
+            let scores = places.iter().map(|place| (self.score(*place, &following), *place));
+            place = scores.max_by(|one, other| one.0.total_cmp(&other.0))?.1;
+            following = self.best_of(place, lags, plays);
+        }
+        self.score(place, &following).is_finite().then_some((place, following))
+    }
+
+    fn best_of(&mut self, place: Place, lags: &[f64], plays: &[f64]) -> Following {
+        let mut best = (f64::NEG_INFINITY, Following::default());
+        for (lag_s, play_c) in lags.iter().flat_map(|lag_s| plays.iter().map(move |play_c| (*lag_s, *play_c))) {
+            let following = Following { lag_s, play_c };
+            let score = self.score(place, &following);
+            if score > best.0 {
+                best = (score, following);
+            }
+        }
+        best.1
+    }
+
+    fn products(&mut self, place: Place, following: &Following) -> Option<Products> {
+        let noise = self.noise(place);
+        let record = self.record;
+        let filters = self.filters.entry(place).or_insert_with(|| record.filters(&noise));
+        record.products(filters, following)
+    }
+
+    /// Logarithm of the evidence over all shapes, with what other axes tell about the lag.
+    fn score(&mut self, place: Place, following: &Following) -> f64 {
+        let Some(products) = self.products(place, following) else { return f64::NEG_INFINITY };
+        let solved = self.shapes.iter().filter_map(|shape| self.record.solve_shape(&products, shape));
+        let scores: Vec<f64> = solved.map(|solved| solved.log_evidence).collect();
+        let all = if scores.is_empty() { f64::NEG_INFINITY } else { log_sum(scores.iter().copied()) };
+        all + self.lag.log_factor(following.lag_s)
+    }
+
+    /// Puts values between those whose evidence differs too much, near the best. Gives each with its score.
+    fn finer(
+        &mut self,
+        place: Place,
+        best: &Following,
+        values: Vec<f64>,
+        with: impl Fn(f64, &Following) -> Following,
+    ) -> Vec<(f64, f64)> {
+        let mut scored: Vec<(f64, f64)> =
+            values.into_iter().map(|value| (value, self.score(place, &with(value, best)))).collect();
+        for _ in 0..FINER_ROUNDS {
+            let top = scored.iter().map(|(_, score)| *score).fold(f64::NEG_INFINITY, f64::max);
+            let is_coarse = |pair: &&[(f64, f64)]| {
+                let matters = pair[0].1.max(pair[1].1) > top - NEGLIGIBLE;
+                // below the least value, only 0 follows
+                matters && (pair[0].1 - pair[1].1).abs() > TOO_COARSE && pair[0].0 > 0.0
+            };
+            let middles: Vec<f64> =
+                scored.windows(2).filter(is_coarse).map(|pair| libm::sqrt(pair[0].0 * pair[1].0)).collect();
+            if middles.is_empty() {
+                break;
+            }
+            scored.extend(middles.into_iter().map(|value| (value, self.score(place, &with(value, best)))));
+            scored.sort_unstable_by(|one, other| one.0.total_cmp(&other.0));
+        }
+        scored
+    }
+
+    /// The noises that matter, the best first.
+    fn noises(&mut self, start: Place, following: &Following) -> Vec<Place> {
+        let mut scores: BTreeMap<Place, f64> = BTreeMap::new();
+        let mut open = vec![start];
+        let mut best = f64::NEG_INFINITY;
+        while let Some(place) = open.pop() {
+            let (b, k) = place;
+            let is_inside = (B_STEPS.0..=B_STEPS.1).contains(&b) && (K_STEPS.0..=K_STEPS.1).contains(&k);
+            if !is_inside || scores.contains_key(&place) {
+                continue;
+            }
+            let score = self.score(place, following);
+            scores.insert(place, score);
+            best = best.max(score);
+            if score > best - NEGLIGIBLE {
+                open.extend([(b - FINE, k), (b + FINE, k), (b, k - FINE), (b, k + FINE)]);
+            }
+        }
+        let mut all: Vec<(Place, f64)> = scores.into_iter().filter(|(_, score)| *score > best - NEGLIGIBLE).collect();
+        all.sort_unstable_by(|one, other| other.1.total_cmp(&one.1));
+        if all.is_empty() { vec![start] } else { all.into_iter().map(|(place, _)| place).collect() }
+    }
+
+    /// The followings that matter under a noise, with the logarithms of their prior probabilities.
+    fn relevant(
+        &mut self,
+        place: Place,
+        (lags, plays): (&[f64], &[f64]),
+        shares: &[Vec<f64>; 2],
+    ) -> Vec<(Following, f64)> {
+        let mut all = Vec::new();
+        for (lag_s, of_lag) in lags.iter().zip(&shares[0]) {
+            for (play_c, of_play) in plays.iter().zip(&shares[1]) {
+                let following = Following { lag_s: *lag_s, play_c: *play_c };
+                all.push((following, of_lag + of_play, self.score(place, &following)));
+            }
+        }
+        let best = all.iter().map(|(_, prior, score)| prior + score).fold(f64::NEG_INFINITY, f64::max);
+        all.retain(|(_, prior, score)| prior + score > best - NEGLIGIBLE);
+        all.into_iter().map(|(following, prior, _)| (following, prior)).collect()
+    }
+
+    /// The models of all shapes.
+    fn models(&mut self, place: Place, following: &Following, log_prior: f64) -> Vec<Model> {
+        let Some(products) = self.products(place, following) else { return Vec::new() };
+        let noise = self.noise(place);
+        let solved = self.shapes.iter().filter_map(|shape| Some((shape, self.record.solve_shape(&products, shape)?)));
+        let solved: Vec<_> = solved.collect();
+        let best = solved.iter().map(|(_, solved)| solved.log_evidence).fold(f64::NEG_INFINITY, f64::max);
+        let relevant = solved.iter().filter(|(_, solved)| solved.log_evidence > best - NEGLIGIBLE);
+        let model = |(shape, solved): &(&Shape, _)| {
+            let mut model = self.record.model(solved, (noise, *following, **shape));
+            model.log_score += log_prior + self.lag.log_factor(following.lag_s);
+            model
+        };
+        relevant.map(model).collect()
+    }
+
+    /// Largest logarithm of the evidence of a bias that does not depend on the temperature, over all noises.
+    fn log_evidence_without(&mut self) -> f64 {
+        let mut best = f64::NEG_INFINITY;
+        for place in (B_STEPS.0..=B_STEPS.1).step_by(4).flat_map(|b| (K_STEPS.0..=K_STEPS.1).step_by(2).map(move |k| (b, k))) {
+            let Some(products) = self.products(place, &Following::default()) else { continue };
+            let of = |shape: &Shape| self.record.log_evidence_without(&products, shape);
+            best = self.shapes.first().and_then(of).map_or(best, |score| best.max(score));
+        }
+        best
+    }
+}

@@ -1,0 +1,49 @@
+//! A Chebyshev series over the temperatures of the logs.
+
+use super::COEFFICIENTS;
+
+/// The temperatures that the series spans, °C.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Series {
+    low_c: f64,
+    high_c: f64,
+}
+
+impl Series {
+    /// A series over these temperatures.
+    pub(super) fn over(temps_c: impl Iterator<Item = f64>) -> Self {
+        let (low_c, high_c) = temps_c.fold((f64::MAX, f64::MIN), |(low, high), c| (low.min(c), high.max(c)));
+        Self { low_c, high_c }
+    }
+
+    pub(super) fn span_c(&self) -> (f64, f64) {
+        (self.low_c, self.high_c)
+    }
+
+    /// Each polynomial at a temperature.
+    pub(super) fn at(&self, temp_c: f64) -> [f64; COEFFICIENTS] {
+        let x = self.x(temp_c);
+        let mut values = [1.0, x, 0.0, 0.0, 0.0, 0.0, 0.0];
+        for k in 2..COEFFICIENTS {
+            values[k] = 2.0 * x * values[k - 1] - values[k - 2];
+        }
+        values
+    }
+
+    /// The slope of each polynomial at a temperature, per °C: n·U(n−1), with Chebyshev polynomials of the second kind.
+    pub(super) fn slope_at(&self, temp_c: f64) -> [f64; COEFFICIENTS] {
+        let x = self.x(temp_c);
+        let mut second = [1.0, 2.0 * x, 0.0, 0.0, 0.0, 0.0, 0.0];
+        for k in 2..COEFFICIENTS {
+            second[k] = 2.0 * x * second[k - 1] - second[k - 2];
+        }
+        let per_c = 2.0 / (self.high_c - self.low_c);
+        core::array::from_fn(|k| if k == 0 { 0.0 } else { k as f64 * second[k - 1] * per_c })
+    }
+
+    /// The place of a temperature between −1 and 1. A temperature outside keeps the value at the end, because a
+    /// polynomial leaves the bias fast there.
+    fn x(&self, temp_c: f64) -> f64 {
+        (2.0 * (temp_c - self.low_c) / (self.high_c - self.low_c) - 1.0).clamp(-1.0, 1.0)
+    }
+}
