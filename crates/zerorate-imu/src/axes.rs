@@ -168,7 +168,7 @@ impl Axes {
         }
         let (mut axes, others) = Self::among(path, columns, options)?;
         let mut left_out: Vec<String> = others.iter().map(|column| column.name.clone()).collect();
-        let temperatures = others.into_iter().filter(is_temperature).collect();
+        let temperatures: Vec<Column> = others.into_iter().filter(is_temperature).collect();
         if axes.is_empty() {
             return Err(no_axes(path, &left_out, options));
         }
@@ -191,6 +191,7 @@ impl Axes {
             return Err(increments::question(path, &seen, &options.log));
         }
         warnings.extend(plausible::doubts(path, &axes, &options.log));
+        left_out.retain(|name| !temperatures.iter().any(|column: &Column| column.name == *name));
         if !left_out.is_empty() {
             let (path, names) = (path.display().to_string(), left_out.join(", "));
             warnings.push(LogWarning::ColumnsLeftOut { path, names });

@@ -89,7 +89,7 @@ fn is_axis(field: &Field) -> bool {
 }
 
 /// The messages of a log.
-struct Messages<'a> {
+pub struct Messages<'a> {
     path: &'a Path,
     file: BufReader<Input>,
     forms: BTreeMap<u8, Form>,
@@ -99,13 +99,13 @@ struct Messages<'a> {
 }
 
 impl<'a> Messages<'a> {
-    fn new(path: &'a Path, input: Input) -> Self {
+    pub fn new(path: &'a Path, input: Input) -> Self {
         let file = BufReader::with_capacity(BUFFER, input);
         Self { path, file, forms: BTreeMap::new(), skipped: 0, places: 0 }
     }
 
     /// Calls `take` with each message but FMT until it returns false. Skips bytes outside messages.
-    fn all(&mut self, mut take: impl FnMut(u8, &Form, &[u8]) -> bool) -> Result<(), InputError> {
+    pub fn all(&mut self, mut take: impl FnMut(u8, &Form, &[u8]) -> bool) -> Result<(), InputError> {
         let (mut head, mut body) = ([0; HEAD], [0; u8::MAX as usize]);
         let mut is_lost = false;
         let mut goes_on = self.fill(&mut head)?;
@@ -155,8 +155,8 @@ impl<'a> Messages<'a> {
 
 /// The layout of a message.
 #[derive(Clone, Debug)]
-struct Form {
-    name: String,
+pub struct Form {
+    pub name: String,
     /// Length of all fields in bytes.
     length: usize,
     fields: Vec<Field>,
@@ -190,6 +190,19 @@ impl Form {
 
     fn field(&self, name: &str) -> Option<&Field> {
         self.fields.iter().find(|field| field.name == name)
+    }
+
+    /// The number in a field.
+    pub fn number(&self, name: &str, body: &[u8]) -> Option<f64> {
+        self.field(name)?.number(body)
+    }
+
+    /// The text in a field.
+    pub fn text(&self, name: &str, body: &[u8]) -> Option<String> {
+        let field = self.field(name)?;
+        let bytes = body.get(field.at..field.at + size(field.kind)?)?;
+        let end = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
+        Some(std::str::from_utf8(&bytes[..end]).ok()?.to_owned())
     }
 
     /// The number of the sensor, where a message states it.

@@ -58,6 +58,7 @@ mod open;
 mod options;
 mod order;
 #[cfg(feature = "parquet")]
+mod parameters;
 mod parquet;
 mod parts;
 mod query;
@@ -100,6 +101,7 @@ pub use forms::kind;
 pub use number::Decimal;
 pub use only::Only;
 pub use options::{ColumnOptions, MAX_BAD};
+pub use parameters::parameters;
 pub use parts::{Parts, read_parts, read_with_temperature, read_without_rate};
 pub use raw_type::{RawNumber, RawType};
 pub use read::{read, read_all, read_table};

@@ -10,7 +10,9 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use zerorate_jobs::tempcal::{Tempcal, TempcalOptions, tempcal};
-use zerorate_view::tempcal::{AxisCurve, Points, TempcalPage, over_temperature, table, tempcal_page};
+use zerorate_view::tempcal::{
+    AxisCurve, Points, TempcalPage, ardupilot, over_temperature, px4, table, tempcal_page,
+};
 
 /// Find the bias over temperature of all axes in logs of any IMU at rest
 ///
@@ -91,6 +93,9 @@ struct Report<'a> {
     warnings: &'a [String],
 }
 
+/// Name of a part that nobody named.
+const PART: &str = "gyroscope";
+
 pub fn run(args: &TempcalArgs) -> Result<()> {
     let logs: Vec<&Path> = args.logs.iter().map(PathBuf::as_path).collect();
     let mut outputs = Outputs::new(args.force).printing().reading(logs)?;
@@ -116,18 +121,29 @@ pub fn run(args: &TempcalArgs) -> Result<()> {
     } else {
         print_lines(&table(axes))
     };
-    let of_axes = axes.iter().flat_map(|axis| axis.warnings.iter().map(move |line| (axis, line)));
-    let mut lines = notes.clone();
-    for (axis, line) in of_axes {
-        let (code, text) = line.split_once(": ").unwrap_or((line, ""));
-        lines.push(format!("{code}: {}: {text}", axis.name));
-    }
-    warn(&lines);
+    warn(&[&notes[..], &of_axes(axes)].concat());
     if let (Ok(()), Some(path)) = (&written, &args.output) {
         say(format_args!("wrote {}", path.display()));
     }
     written?;
     printed
+}
+
+/// The warnings of the axes, each with the names of the axes that have it.
+fn of_axes(axes: &[AxisCurve]) -> Vec<String> {
+    let mut lines: Vec<(&str, Vec<&str>)> = Vec::new();
+    for (axis, line) in axes.iter().flat_map(|axis| axis.warnings.iter().map(move |line| (axis, line))) {
+        match lines.iter_mut().find(|(known, _)| known == line) {
+            Some((_, names)) => names.push(&axis.name),
+            None => lines.push((line, vec![&axis.name])),
+        }
+    }
+    let worded = |(line, names): (&str, Vec<&str>)| {
+        let (code, text) = line.split_once(": ").unwrap_or((line, ""));
+        let of = if names.len() == axes.len() { "all axes".to_owned() } else { names.join(", ") };
+        format!("{code}: {of}: {text}")
+    };
+    lines.into_iter().map(worded).collect()
 }
 
 /// Writes the page and the file.
@@ -138,7 +154,9 @@ fn write(args: &TempcalArgs, found: &Tempcal, page: Option<StagedOutput>, file: 
     if let Some(file) = file {
         let text = match args.format {
             Form::Csv => csv(&found.axes),
-            Form::Toml | Form::Px4 | Form::Ardupilot => todo!(),
+            Form::Px4 => px4(&found.axes).map_err(|why| Usage(why.0))?,
+            Form::Ardupilot => ardupilot(&found.axes).map_err(|why| Usage(why.0))?,
+            Form::Toml => found.calibration(PART, args.serial.clone(), &args.logs)?.to_toml(),
         };
         file.fill(text.as_bytes())?;
     }

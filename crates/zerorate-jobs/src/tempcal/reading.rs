@@ -1,9 +1,11 @@
 //! The sensors in logs: their axes as means, each with its temperature.
 
 use super::TempcalOptions;
+use super::ardupilot::Corrected;
 use crate::InvalidOptions;
 use crate::code_scales::concerns;
 use anyhow::Result;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zerorate::temperature::curve::{LogMeans, MeansBuilder};
 use zerorate_host::files;
@@ -17,6 +19,8 @@ pub(super) struct Sensor {
     /// The topic, which tells apart the IMUs of a log.
     topic: Option<String>,
     pub(super) kind: Kind,
+    /// The number by which PX4 finds the sensor.
+    pub(super) device_id: Option<i64>,
     pub(super) axes: Vec<SensorAxis>,
 }
 
@@ -30,7 +34,10 @@ pub(super) struct SensorAxis {
 struct Imu {
     topic: Option<String>,
     columns: Vec<Column>,
-    temperature: Column,
+    /// Its temperature, °C, and the rate of that.
+    temps_c: Vec<f64>,
+    temps_hz: f64,
+    device_id: Option<i64>,
 }
 
 /// Reads all sensors of all logs, and the warnings about the logs.
@@ -50,25 +57,25 @@ pub(super) fn sensors(logs: &[PathBuf], options: &TempcalOptions) -> Result<(Vec
 }
 
 /// Adds the means of an IMU's axes to those of the logs before.
-fn take(sensors: &mut Vec<Sensor>, log: &Path, index: usize, imu: Imu) -> Result<()> {
-    let Imu { topic, columns, temperature } = imu;
-    let temps_c = values(&temperature, log)?;
-    for column in columns {
+fn take(sensors: &mut Vec<Sensor>, log: &Path, index: usize, mut imu: Imu) -> Result<()> {
+    for column in std::mem::take(&mut imu.columns) {
         let Some(kind) = column.quantity.and_then(Kind::of) else { continue };
-        let means = means(&column, &temps_c, temperature.rate_hz, log)?;
-        let place = sensors.iter().position(|sensor| sensor.kind == kind && sensor.topic == topic);
+        let name = column.name.clone();
+        let means = imu.means(column, log)?;
+        let place = sensors.iter().position(|sensor| sensor.kind == kind && sensor.topic == imu.topic);
         let place = place.unwrap_or_else(|| {
+            let Imu { topic, device_id, .. } = &imu;
             let of = topic.clone().unwrap_or_else(|| log.display().to_string());
             let name = format!("{of}, {}", kind.name());
-            sensors.push(Sensor { name, topic: topic.clone(), kind, axes: Vec::new() });
+            sensors.push(Sensor { name, topic: topic.clone(), kind, device_id: *device_id, axes: Vec::new() });
             sensors.len() - 1
         });
         let axes = &mut sensors[place].axes;
-        match axes.iter_mut().find(|axis| axis.name == column.name) {
+        match axes.iter_mut().find(|axis| axis.name == name) {
             Some(axis) => axis.logs.push(means),
-            None if index == 0 => axes.push(SensorAxis { name: column.name, logs: vec![means] }),
+            None if index == 0 => axes.push(SensorAxis { name, logs: vec![means] }),
             None => {
-                let (path, name) = (log.display(), column.name);
+                let path = log.display();
                 let text = format!("{path} has the axis {name}, which the first log has not; give logs of one unit");
                 return Err(InvalidOptions(text).into());
             }
@@ -78,41 +85,64 @@ fn take(sensors: &mut Vec<Sensor>, log: &Path, index: usize, imu: Imu) -> Result
 }
 
 /// The samples of a column in the unit of results, NaN where one is missing.
-fn values(column: &Column, log: &Path) -> Result<Vec<f64>> {
-    let mut values = match &column.series {
-        Series::Numbers(numbers) => numbers.clone(),
+fn values(column: Column, log: &Path) -> Result<Vec<f64>> {
+    let scale = column.scale;
+    let mut values = match column.series {
+        Series::Numbers(numbers) => numbers,
         Series::Codes(_) => column.points(log)?,
     };
-    if column.scale != 1.0 {
-        values.iter_mut().for_each(|value| *value *= column.scale);
+    if scale != 1.0 {
+        values.iter_mut().for_each(|value| *value *= scale);
     }
     Ok(values)
 }
 
-/// The means of an axis. A temperature that is sampled at another rate is taken at the same time.
-fn means(column: &Column, temps_c: &[f64], temps_hz: f64, log: &Path) -> Result<LogMeans> {
-    let points;
-    let samples = match &column.series {
-        Series::Numbers(numbers) => numbers,
-        Series::Codes(_) => {
-            points = column.points(log)?;
-            &points
+impl Imu {
+    /// The means of an axis. A temperature that is sampled at another rate is taken at the same time.
+    fn means(&self, column: Column, log: &Path) -> Result<LogMeans> {
+        let rate_hz = column.rate_hz;
+        let samples = values(column, log)?;
+        let mut means = MeansBuilder::new(samples.len(), rate_hz);
+        let is_same = self.temps_c.len() == samples.len();
+        let per_sample = self.temps_hz / rate_hz;
+        for (index, sample) in samples.into_iter().enumerate() {
+            let at = if is_same { index } else { ((index as f64 + 0.5) * per_sample) as usize };
+            means.push(sample, self.temps_c.get(at).copied().unwrap_or(f64::NAN));
         }
-    };
-    let mut means = MeansBuilder::new(samples.len(), column.rate_hz);
-    let is_same = temps_c.len() == samples.len();
-    let per_sample = temps_hz / column.rate_hz;
-    for (index, sample) in samples.iter().enumerate() {
-        let at = if is_same { index } else { ((index as f64 + 0.5) * per_sample) as usize };
-        means.push(sample * column.scale, temps_c.get(at).copied().unwrap_or(f64::NAN));
+        Ok(means.finish())
     }
-    Ok(means.finish())
+
+    /// Takes back what the parameters of an ArduPilot did to its readings.
+    fn undo(&mut self, parameters: &BTreeMap<String, f64>, log: &Path) -> Result<()> {
+        let corrected = Corrected::new(parameters, number(self.topic.as_deref()));
+        for kind in Kind::ALL {
+            let of_kind = |column: &&mut Column| column.quantity == Some(kind.quantity());
+            let mut columns: Vec<&mut Column> = self.columns.iter_mut().filter(of_kind).collect();
+            let Ok([x, y, z]) = <&mut [&mut Column; 3]>::try_from(&mut columns[..]) else { continue };
+            let mut axes = [values(x.clone(), log)?, values(y.clone(), log)?, values(z.clone(), log)?];
+            let wrong = |why: String| LogError::Ask(format!("{}: {why}", log.display()));
+            corrected.undo(kind, &mut axes, &self.temps_c).map_err(wrong)?;
+            for (column, values) in [x, y, z].into_iter().zip(axes) {
+                column.replace(Series::Numbers(values));
+                column.scale = 1.0;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The number in `sensor_gyro#1` or `IMU[1]`, from 0.
+fn number(topic: Option<&str>) -> u32 {
+    let (_, number) = topic.unwrap_or_default().trim_end_matches(']').rsplit_once(['#', '[']).unwrap_or_default();
+    number.parse().unwrap_or(0)
 }
 
 /// The IMUs of a log.
 fn imus(log: &Path, options: &TempcalOptions, notes: &mut Vec<String>) -> Result<Vec<Imu>> {
     let mut of_axes = options.axes.clone();
     let assumed = options.codes.apply(&mut of_axes)?;
+    let parameters = files::open(log).ok().map(|input| zerorate_logs::parameters(log, input)).transpose()?;
+    let parameters = parameters.unwrap_or_default();
     let mut imus = Vec::new();
     for axes in all_axes(log, &of_axes)? {
         let of_scale = assumed.iter().filter(|(kind, _)| concerns(*kind, &axes.columns)).map(|(_, said)| said);
@@ -123,7 +153,14 @@ fn imus(log: &Path, options: &TempcalOptions, notes: &mut Vec<String>) -> Result
         }
         let topic = axes.columns.first().and_then(|column| topic_of(&column.name));
         let temperature = temperature(log, &axes, topic.as_deref(), options)?;
-        imus.push(Imu { topic, columns: axes.columns, temperature });
+        let device_id = topic.as_deref().and_then(|topic| device_id(log, topic, options));
+        let temps_hz = temperature.rate_hz;
+        let temps_c = values(temperature, log)?;
+        let mut imu = Imu { topic, columns: axes.columns, temps_c, temps_hz, device_id };
+        if !parameters.is_empty() {
+            imu.undo(&parameters, log)?;
+        }
+        imus.push(imu);
     }
     Ok(imus)
 }
@@ -133,6 +170,22 @@ fn topic_of(column: &str) -> Option<String> {
     let (topic, _) = column.rsplit_once('.')?;
     let topic = topic.strip_suffix(".angular_velocity").or(topic.strip_suffix(".linear_acceleration")).unwrap_or(topic);
     Some(topic.to_owned())
+}
+
+impl Sensor {
+    /// The number of its IMU in a flight controller, from 0.
+    pub(super) fn imu(&self) -> u32 {
+        number(self.topic.as_deref())
+    }
+}
+
+/// The number that a driver of PX4 writes beside its readings.
+fn device_id(log: &Path, topic: &str, options: &TempcalOptions) -> Option<i64> {
+    let name = topic.starts_with("sensor_").then(|| format!("{topic}.device_id"))?;
+    let log_options = ColumnOptions { topic: Some(topic.to_owned()), ..options.axes.log.clone() };
+    let columns =
+        zerorate_logs::read_parts(log, files::log(log).ok()?, ColumnSelection::Listed(&[name]), &log_options).ok()?;
+    columns.first()?.points(log).ok()?.into_iter().find(|value| value.is_finite()).map(|value| value as i64)
 }
 
 /// The axes of each IMU. A flight controller logs several, and each counts.
@@ -225,7 +278,7 @@ const POSSIBLE_C: std::ops::RangeInclusive<f64> = -80.0..=180.0;
 
 /// Checks that the numbers can be in °C.
 fn checked(log: &Path, column: Column, options: &TempcalOptions) -> Result<Column> {
-    let values = values(&column, log)?;
+    let values = values(column.clone(), log)?;
     let known = || values.iter().copied().filter(|value| value.is_finite());
     let (low, high) = known().fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)));
     let is_possible = |value: f64| POSSIBLE_C.contains(&value);

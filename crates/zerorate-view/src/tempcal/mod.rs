@@ -1,9 +1,11 @@
 //! The bias over temperature of the axes in logs: numbers for scripts, a table in words, pictures and a page.
 
+mod autopilot;
 mod page;
 mod pictures;
 mod words;
 
+pub use autopilot::{ardupilot, px4};
 pub use page::{TempcalPage, tempcal_page};
 pub use pictures::over_temperature;
 use serde::Serialize;
@@ -27,6 +29,10 @@ pub struct Measured<'a> {
     pub kind: Kind,
     /// The wanted reference temperature, °C.
     pub reference_c: Option<f64>,
+    /// Number of the IMU in its flight controller, from 0.
+    pub imu: u32,
+    /// The number by which PX4 finds the sensor.
+    pub device_id: Option<i64>,
 }
 
 /// The bias of an axis over temperature. All values are in `unit`.
@@ -38,6 +44,12 @@ pub struct AxisCurve {
     pub sensor: String,
     /// The kind of axis.
     pub kind: Kind,
+    /// Number of the IMU in its flight controller, from 0.
+    #[serde(skip)]
+    pub imu: u32,
+    /// The number by which PX4 finds the sensor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub device_id: Option<i64>,
     /// °/s or m/s².
     pub unit: &'static str,
     /// Temperature at which the bias is stated, °C.
@@ -53,7 +65,7 @@ pub struct AxisCurve {
     /// The bias evenly over the temperatures of the logs.
     pub curve: Vec<CurvePoint>,
     /// The polynomial of order 3 that flight controllers and calibration files hold.
-    pub cubic: Cubic,
+    pub cubic: CubicReport,
     /// Time constant with which the bias follows the thermometer, s.
     pub lag_s: f64,
     /// Half width of the play between bias and thermometer, °C.
@@ -103,13 +115,23 @@ impl CurvePoint {
 
 /// bias = Σ `terms[k]` · (T − `about_c`)ᵏ
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct Cubic {
+pub struct CubicReport {
     /// Temperature about which the polynomial is stated, °C.
     pub about_c: f64,
     /// The terms, the constant first.
     pub terms: [f64; 4],
     /// Largest distance from the curve.
     pub left: f64,
+}
+
+impl CubicReport {
+    /// The terms about another temperature, °C.
+    #[must_use]
+    pub fn about(&self, about_c: f64) -> [f64; 4] {
+        let d = about_c - self.about_c;
+        let [t0, t1, t2, t3] = self.terms;
+        [t0 + d * (t1 + d * (t2 + d * t3)), t1 + d * (2.0 * t2 + d * 3.0 * t3), t2 + 3.0 * d * t3, t3]
+    }
 }
 
 /// White noise, bias instability and random walk, as in an Allan analysis.
@@ -127,18 +149,20 @@ impl AxisCurve {
     /// The numbers of a curve.
     #[must_use]
     pub fn new(measured: &Measured<'_>, curve: &LogCurve) -> Self {
-        let Measured { sensor, name, kind, reference_c } = *measured;
+        let Measured { sensor, name, kind, reference_c, imu, device_id } = *measured;
         let (low_c, high_c) = curve.span_c();
         let has = (low_c..=high_c).contains(&REFERENCE_C);
         let reference_c = reference_c.unwrap_or(if has { REFERENCE_C } else { ((low_c + high_c) / 2.0).round() });
         let level = Level::of(kind, curve, reference_c);
         let point = |temp_c: f64| CurvePoint::new(kind, temp_c, level.bias(temp_c), level.u(temp_c));
-        let (mut terms, left) = curve.polynomial::<4>(reference_c);
-        terms[0] -= level.zero;
+        let mut cubic = curve.cubic(reference_c);
+        cubic.terms[0] -= level.zero;
         Self {
             name: name.to_owned(),
             sensor: sensor.to_owned(),
             kind,
+            imu,
+            device_id,
             unit: kind.quantity().unit(),
             reference_c,
             bias: level.bias(reference_c),
@@ -146,7 +170,7 @@ impl AxisCurve {
             slope_per_c: curve.slope_at(reference_c),
             u_slope_per_c: curve.u_slope_at(reference_c),
             curve: curve.even_temps_c(POINTS).into_iter().map(point).collect(),
-            cubic: Cubic { about_c: reference_c, terms, left },
+            cubic: CubicReport { about_c: reference_c, terms: cubic.terms, left: cubic.left },
             lag_s: curve.following.lag_s,
             play_c: curve.following.play_c,
             hysteresis: curve.hysteresis,

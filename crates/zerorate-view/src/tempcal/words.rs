@@ -3,22 +3,23 @@
 use super::AxisCurve;
 use crate::plot::number;
 use std::fmt::Write;
+use zerorate_imu::Kind;
 
 /// Coverage factor of the intervals in words.
 const FACTOR: f64 = 1.96;
 
-/// A table for each sensor, with a row for each axis.
+/// The sensors, with two lines for each axis. A value is given ± half of its 95 % interval.
 #[must_use]
 pub fn table(axes: &[AxisCurve]) -> String {
-    let mut text = String::new();
+    let mut text = "value ± half of its 95 % interval; span of the bias before and after the correction\n\n".to_owned();
     let mut last = "";
     for axis in axes {
         if axis.sensor != last {
-            last = &axis.sensor;
             let (low_c, high_c) = axis.span_c();
-            let head = if text.is_empty() { "" } else { "\n" };
+            let head = if last.is_empty() { "" } else { "\n" };
             // writing to a string cannot fail
-            let _ = writeln!(text, "{head}{last}: {low_c:.1} to {high_c:.1} °C; value ± half of its 95 % interval");
+            last = &axis.sensor;
+            let _ = writeln!(text, "{head}{last}, {low_c:.1} to {high_c:.1} °C");
         }
         row(&mut text, axis);
     }
@@ -28,14 +29,18 @@ pub fn table(axes: &[AxisCurve]) -> String {
 fn row(text: &mut String, axis: &AxisCurve) {
     let AxisCurve { name, unit, reference_c, bias, u_bias, slope_per_c, u_slope_per_c, .. } = axis;
     let half = |u: f64| number(FACTOR * u);
-    let at = format!("{} at {reference_c:.0} °C", plus_minus(*bias, FACTOR * u_bias));
-    let slope = format!("slope {} {unit}/°C", plus_minus(*slope_per_c, FACTOR * u_slope_per_c));
+    let slope = format!("{} {unit}/°C at {reference_c:.0} °C", plus_minus(*slope_per_c, FACTOR * u_slope_per_c));
+    // gravity hides the bias of an accelerometer
+    let bias = match axis.kind {
+        Kind::Gyroscope => format!("bias {} {unit}, ", plus_minus(*bias, FACTOR * u_bias)),
+        Kind::Accelerometer => String::new(),
+    };
     let (before, after) = (number(axis.before), number(axis.after));
     let lag = if axis.lag_s < LEAST_LAG_S { "no lag".to_owned() } else { format!("lag {:.0} s", axis.lag_s) };
     let hysteresis = axis.hysteresis.map_or_else(String::new, |half| format!(", hysteresis ±{} {unit}", number(half)));
     let starts = axis.spread_of_starts.map_or_else(String::new, |u| format!(", ±{} {unit} from start to start", half(u)));
-    let _ = writeln!(text, "  {name}: bias {at} {unit}, {slope}");
-    let _ = writeln!(text, "    span {before} {unit} before, {after} {unit} after the curve; {lag}{hysteresis}{starts}");
+    let _ = writeln!(text, "  {name}: {bias}slope {slope}");
+    let _ = writeln!(text, "    span {before} {unit} before, {after} {unit} after; {lag}{hysteresis}{starts}");
 }
 
 /// A mean lag below this counts as none, s.

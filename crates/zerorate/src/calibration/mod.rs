@@ -10,11 +10,13 @@ mod date;
 mod file;
 mod form;
 mod limits;
+mod log_curve;
 
 pub use budget::Contribution;
 pub use chamber::ChamberRun;
 pub use date::is_rfc3339;
 pub use file::{FileError, FileWarning};
+pub use log_curve::LogUnit;
 
 use crate::check_lines::sha256_hex;
 use crate::correction::{Correction, Corrector, CorrectorConfig, Validity};

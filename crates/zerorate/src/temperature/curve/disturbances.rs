@@ -3,7 +3,6 @@
 use super::evidence::{Model, Record, StepAt};
 use super::search;
 use crate::temperature::gls;
-use alloc::vec;
 use alloc::vec::Vec;
 
 /// Gain in χ² from which a step or a glitch is believed. By chance, one record in a thousand has one.
@@ -56,45 +55,49 @@ pub(super) fn take_out(record: &mut Record, first: Model) -> (usize, Model) {
 /// The strongest step or glitch under a model, if one is believed.
 fn strongest(record: &Record, model: &Model) -> Option<Disturbance> {
     let filters = record.filters(&model.noise);
-    let products = record.products(&filters, &model.following)?;
-    let solved = record.solve_shape(&products, &model.shape)?;
+    let all = record.all_columns(&model.following);
+    let solved = record.solve_shape(&Record::products(&filters, &all)?, &model.shape)?;
     let mut best: Option<Disturbance> = None;
-    for (log, filter) in filters.iter().enumerate() {
-        let columns = record.columns(log, &model.following);
-        let whitened: Vec<Vec<f64>> = columns.iter().map(|column| filter.whiten(column).into_values()).collect();
+    for (log, (filter, columns)) in filters.iter().zip(&all).enumerate() {
+        let whitened = filter.whiten_all(columns);
         let (means, columns) = whitened.split_first()?;
         let mut left = means.clone();
         for (column, coefficient) in columns.iter().zip(&solved.coefficients) {
             left.iter_mut().zip(column).for_each(|(left, value)| *left -= coefficient * value);
         }
-        let gain = |column: &[f64]| {
-            let white = filter.whiten(column).into_values();
-            let with_columns: Vec<f64> = columns.iter().map(|other| gls::dot(other, &white)).collect();
-            let explained = solved.variance(&with_columns);
-            let (square, free) = (gls::dot(&white, &white), gls::dot(&white, &white) - explained);
+        let gain = |white: &Vec<f64>| {
+            let with_columns: Vec<f64> = columns.iter().map(|other| gls::dot(other, white)).collect();
+            let square = gls::dot(white, white);
+            let (free, share) = (square - solved.variance(&with_columns), gls::dot(white, &left));
             // a step that the curve explains cannot be told
-            let share = gls::dot(&white, &left);
             if free > LEAST_FREE * square { share * share / free } else { 0.0 }
         };
-        let count = left.len();
-        let mut column = vec![0.0; count];
-        for at in (0..count).rev() {
-            let mut pulse = vec![0.0; count];
-            pulse[at] = 1.0;
-            column[at] = 1.0;
-            // a step at the very beginning is the level
-            let is_inner = at >= NEAR_END && at + NEAR_END < count;
-            let step = if is_inner { gain(&column) } else { 0.0 };
-            let glitch = gain(&pulse);
-            let found = Disturbance { gain: step.max(glitch), log, at, is_step: step > glitch };
-            if found.gain > best.map_or(GAIN, |best| best.gain) {
-                best = Some(found);
+        let places: Vec<usize> = (0..left.len()).collect();
+        for some in places.chunks(AT_ONCE) {
+            let shapes: Vec<Vec<f64>> = some.iter().flat_map(|at| shapes(*at, left.len())).collect();
+            let gains: Vec<f64> = filter.whiten_all(&shapes).iter().map(gain).collect();
+            for (at, pair) in some.iter().zip(gains.chunks_exact(2)) {
+                // a step at the very beginning is the level
+                let is_inner = *at >= NEAR_END && at + NEAR_END < left.len();
+                let (glitch, step) = (pair[0], if is_inner { pair[1] } else { 0.0 });
+                let found = Disturbance { gain: step.max(glitch), log, at: *at, is_step: step > glitch };
+                if found.gain > best.map_or(GAIN, |best| best.gain) {
+                    best = Some(found);
+                }
             }
         }
     }
     best
 }
 
+/// A glitch of one block, and a step from it on.
+fn shapes(at: usize, count: usize) -> [Vec<f64>; 2] {
+    let is = |of: fn(&usize, &usize) -> bool| (0..count).map(|block| f64::from(u8::from(of(&block, &at)))).collect();
+    [is(usize::eq), is(usize::ge)]
+}
+
+/// Blocks that are tried at once.
+const AT_ONCE: usize = 4;
 /// Share of a column that the curve must leave.
 const LEAST_FREE: f64 = 0.02;
 /// Blocks at each end without a step.

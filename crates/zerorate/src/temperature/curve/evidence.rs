@@ -29,6 +29,9 @@ pub(super) struct StepAt {
     pub(super) at_s: f64,
 }
 
+/// The means of a log, then its columns.
+pub(super) type Columns = Vec<Vec<f64>>;
+
 /// Bias instability and rate random walk.
 pub(super) type SlowNoise = [f64; 2];
 
@@ -78,7 +81,7 @@ const SHRINKS: [f64; 2] = [0.15, 0.35];
 /// Offsets by direction, as ratios of the scale.
 const DIRECTIONS: [f64; 3] = [0.0, 0.01, 0.1];
 /// Offsets of starts, as ratios of the scale.
-const STARTS: [f64; 3] = [1e-3, 1e-2, 1e-1];
+const STARTS: [f64; 7] = [1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 1e-1];
 /// Prior standard deviation of the level, as a ratio of the scale.
 const LEVEL: f64 = 10.0;
 /// Share of the span within which an offset by direction turns.
@@ -134,7 +137,7 @@ impl Record {
     }
 
     /// The means of a log, then its columns.
-    pub(super) fn columns(&self, index: usize, following: &Following) -> Vec<Vec<f64>> {
+    pub(super) fn columns(&self, index: usize, following: &Following) -> Columns {
         let log = &self.logs[index];
         let (low_c, high_c) = self.series.span_c();
         let (followed_c, places) = log.followed(following, TURNS * (high_c - low_c));
@@ -156,10 +159,16 @@ impl Record {
         columns
     }
 
-    pub(super) fn products(&self, filters: &[Filter], following: &Following) -> Option<Products> {
+    /// The columns of all logs.
+    pub(super) fn all_columns(&self, following: &Following) -> Vec<Columns> {
+        (0..self.logs.len()).map(|index| self.columns(index, following)).collect()
+    }
+
+    /// The sums of products of the columns of all logs.
+    pub(super) fn products(filters: &[Filter], columns: &[Columns]) -> Option<Products> {
         let mut sums: Option<Products> = None;
-        for (index, filter) in filters.iter().enumerate() {
-            let filtered = filter.filtered(&filter.whites(&self.columns(index, following)), &[])?;
+        for (filter, columns) in filters.iter().zip(columns) {
+            let filtered = filter.filtered(&filter.whites(columns), &[])?;
             match &mut sums {
                 None => sums = Some(Products { gram: filtered.gram, log_determinant: filtered.log_determinant }),
                 Some(sums) => {

@@ -38,7 +38,7 @@ pub(super) fn span(record: &Record, model: &Model) -> BeforeAfter {
 fn without(record: &Record, model: &Model, index: usize, part: core::ops::Range<usize>) -> Vec<f64> {
     let others = record.others(index, |at| !part.contains(&at));
     let filters = others.filters(&model.noise);
-    let solved = others.products(&filters, &model.following).and_then(|of| others.solve_shape(&of, &model.shape));
+    let solved = Record::products(&filters, &others.all_columns(&model.following)).and_then(|of| others.solve_shape(&of, &model.shape));
     solved.map_or_else(|| model.all.clone(), |solved| solved.coefficients)
 }
 

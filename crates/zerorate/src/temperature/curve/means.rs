@@ -42,6 +42,7 @@ struct Part {
     squares: f64,
     temps: u32,
     temp_sum: f64,
+    last_c: Option<f64>,
 }
 
 impl Part {
@@ -57,7 +58,6 @@ pub struct MeansBuilder {
     /// Samples of a part.
     per_part: usize,
     parts: Vec<Part>,
-    readings_c: Vec<f64>,
     samples: usize,
     /// A sample about which the sums are taken, so that squares keep their digits.
     origin: Option<f64>,
@@ -69,7 +69,7 @@ impl MeansBuilder {
     pub fn new(samples: usize, rate_hz: f64) -> Self {
         let length_s = (samples as f64 / rate_hz / BLOCKS).max(SHORTEST_S);
         let per_part = (libm::round(length_s * rate_hz / PARTS as f64) as usize).max(1);
-        Self { rate_hz, per_part, parts: Vec::new(), readings_c: Vec::new(), samples: 0, origin: None }
+        Self { rate_hz, per_part, parts: Vec::new(), samples: 0, origin: None }
     }
 
     /// Takes the next sample and its temperature, °C. NaN is a missing one.
@@ -88,17 +88,18 @@ impl MeansBuilder {
         if !temp_c.is_nan() {
             part.temps += 1;
             part.temp_sum += temp_c;
+            part.last_c = Some(temp_c);
         }
     }
 
     /// The means of all samples.
     #[must_use]
-    pub fn finish(mut self) -> LogMeans {
+    pub fn finish(self) -> LogMeans {
         let part_s = self.per_part as f64 / self.rate_hz;
         let length_s = PARTS as f64 * part_s;
-        let temp_c = |part: &Part| if part.temps > 0 { part.temp_sum / f64::from(part.temps) } else { f64::NAN };
-        self.readings_c = self.parts.iter().map(temp_c).collect();
-        let (parts_c, thermometer) = smooth(&self.readings_c, part_s);
+        let last_c: Vec<f64> = self.parts.iter().map(|part| part.last_c.unwrap_or(f64::NAN)).collect();
+        let means_c: Vec<f64> = self.parts.iter().map(|part| part.temp_sum / f64::from(part.temps)).collect();
+        let (parts_c, thermometer) = smooth(&last_c, &means_c, part_s);
         let whole: Vec<(usize, &[Part])> = self.parts.chunks_exact(PARTS).enumerate().collect();
         let least = LEAST_SAMPLES * (PARTS * self.per_part) as f64;
         let is_full = |parts: &[Part]| f64::from(parts.iter().map(|part| part.count).sum::<u32>()) >= least;

@@ -17,9 +17,10 @@ mod series;
 #[cfg(test)]
 mod tests;
 mod thermometer;
+mod warning;
 
 use super::follow::Following;
-use super::{ThermalError, gls};
+use super::{TERMS, ThermalError, gls};
 use crate::noise::NoiseModel;
 use crate::temperature::sweeps;
 use alloc::vec::Vec;
@@ -28,6 +29,7 @@ pub use lag::LagLikelihood;
 pub use means::{LogMeans, MeansBuilder};
 use series::Series;
 pub use thermometer::Thermometer;
+pub use warning::{CurveRefusal, CurveWarning, check};
 
 /// Coefficients of the series, from the constant one to order 6.
 pub const COEFFICIENTS: usize = 7;
@@ -69,6 +71,27 @@ pub struct LogCurve {
     pub span: BeforeAfter,
 }
 
+/// A polynomial of order 3 in place of the curve: the bias is the sum of `terms[k]` · (T − `about_c`)ᵏ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cubic {
+    /// The temperature about which it is stated, °C.
+    pub about_c: f64,
+    /// The terms, the constant first.
+    pub terms: [f64; TERMS],
+    /// Covariance of the terms.
+    pub covariance: [[f64; TERMS]; TERMS],
+    /// Largest distance from the curve.
+    pub left: f64,
+}
+
+impl Cubic {
+    /// The bias at a temperature, °C.
+    #[must_use]
+    pub fn at(&self, temp_c: f64) -> f64 {
+        self.terms.iter().rev().fold(0.0, |sum, term| sum * (temp_c - self.about_c) + term)
+    }
+}
+
 /// A step of the level that was taken out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurveStep {
@@ -105,11 +128,13 @@ impl LogCurve {
     /// Standard uncertainty of the bias at a temperature, °C. It includes hysteresis and the spread of starts.
     #[must_use]
     pub fn u_at(&self, temp_c: f64) -> f64 {
-        let hysteresis = self.hysteresis.unwrap_or(0.0);
-        let spread = self.spread_of_starts.unwrap_or(0.0);
-        let variance = self.variance(&self.series.at(temp_c));
-        // a direction that is not known: a uniform distribution between both
-        libm::sqrt(variance + hysteresis * hysteresis / 3.0 + spread * spread)
+        libm::sqrt(self.variance(&self.series.at(temp_c)) + self.level_variance())
+    }
+
+    /// Variance by the direction of the temperature, uniform between both, and by the next start.
+    fn level_variance(&self) -> f64 {
+        let [hysteresis, spread] = [self.hysteresis, self.spread_of_starts].map(|value| value.unwrap_or(0.0));
+        hysteresis * hysteresis / 3.0 + spread * spread
     }
 
     /// Standard uncertainty of the change of the bias from a temperature to another, °C.
@@ -139,21 +164,34 @@ impl LogCurve {
         variance.max(0.0)
     }
 
-    /// The polynomial about a temperature that is nearest to the curve, by least squares over its span, and the
-    /// largest distance between both. The terms are powers of the temperature less `about_c`, the constant first.
+    /// The polynomial of order 3 about a temperature that is nearest to the curve, by least squares over its span. Its
+    /// covariance includes hysteresis, the spread of starts and what the polynomial leaves.
     #[must_use]
-    pub fn polynomial<const TERMS: usize>(&self, about_c: f64) -> ([f64; TERMS], f64) {
-        let points = self.even_temps_c(POINTS);
+    pub fn cubic(&self, about_c: f64) -> Cubic {
         let half_c = (self.span_c().1 - self.span_c().0) / 2.0;
+        let points = self.even_temps_c(POINTS);
         let power = |term: usize, temp_c: &f64| libm::pow((temp_c - about_c) / half_c, term as f64);
         let columns: Vec<Vec<f64>> =
             (0..TERMS).map(|term| points.iter().map(|temp_c| power(term, temp_c)).collect()).collect();
-        let curve: Vec<f64> = points.iter().map(|temp_c| self.at(*temp_c)).collect();
-        let fit = gls::Fit::new(&columns, &curve).map_or_else(|| alloc::vec![0.0; TERMS], |fit| fit.coefficients);
-        let terms = core::array::from_fn(|term| fit[term] / libm::pow(half_c, term as f64));
-        let at = |temp_c: f64| terms.iter().rev().fold(0.0, |sum: f64, term| sum * (temp_c - about_c) + term);
-        let left = points.iter().zip(&curve).map(|(temp_c, bias)| (bias - at(*temp_c)).abs());
-        (terms, left.fold(0.0, f64::max))
+        // the terms are linear in the coefficients
+        let terms_of = |k: usize| {
+            let values: Vec<f64> = points.iter().map(|temp_c| self.series.at(*temp_c)[k]).collect();
+            let fit = gls::Fit::new(&columns, &values).map_or_else(|| alloc::vec![0.0; TERMS], |fit| fit.coefficients);
+            core::array::from_fn::<f64, TERMS, _>(|term| fit[term] / libm::pow(half_c, term as f64))
+        };
+        let by_coefficient: [[f64; TERMS]; COEFFICIENTS] = core::array::from_fn(terms_of);
+        let weights = |term: usize| -> [f64; COEFFICIENTS] { core::array::from_fn(|k| by_coefficient[k][term]) };
+        let terms = core::array::from_fn(|term| gls::dot(&weights(term), &self.coefficients));
+        let mut cubic = Cubic { about_c, terms, covariance: [[0.0; TERMS]; TERMS], left: 0.0 };
+        let left = points.iter().map(|temp_c| (self.at(*temp_c) - cubic.at(*temp_c)).abs());
+        cubic.left = left.fold(0.0, f64::max);
+        let product = |i: usize, j: usize| {
+            let row = |row: &[f64; COEFFICIENTS]| gls::dot(row, &weights(j));
+            self.covariance.iter().zip(weights(i)).map(|(of, weight)| weight * row(of)).sum::<f64>()
+        };
+        cubic.covariance = core::array::from_fn(|i| core::array::from_fn(|j| product(i, j)));
+        cubic.covariance[0][0] += self.level_variance() + cubic.left * cubic.left / 3.0;
+        cubic
     }
 
     /// Temperatures evenly over the span, °C.

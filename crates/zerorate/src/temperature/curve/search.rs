@@ -2,7 +2,7 @@
 
 use super::LogMeans;
 use super::lag::{LagLikelihood, LagPrior};
-use super::evidence::{Model, Products, Record, Shape, SlowNoise};
+use super::evidence::{Columns, Model, Products, Record, Shape, SlowNoise};
 use crate::temperature::filter::Filter;
 use crate::temperature::follow::Following;
 use alloc::collections::BTreeMap;
@@ -28,9 +28,11 @@ const LEAST_PLAY_C: f64 = 0.05;
 /// Largest play, as a share of the span.
 const MOST_PLAY: f64 = 0.125;
 /// Ratio of one lag, or play, to the next before they are made finer.
-const RATIO: f64 = 1.7;
+const RATIO: f64 = 1.4;
 /// Difference of the logarithm of the evidence between neighbours that calls for a value between them.
 const TOO_COARSE: f64 = 0.7;
+/// Distance of the logarithm of the evidence from the best one within which values are made finer.
+const NEAR_BEST: f64 = 3.0;
 /// Rounds in which values are made finer.
 const FINER_ROUNDS: usize = 6;
 /// Rounds of the search over followings and noises in turn.
@@ -39,6 +41,16 @@ const ROUNDS: usize = 2;
 /// A place in the lattice of noises.
 type Place = (i32, i32);
 
+/// The values that the search has come to.
+struct Refined {
+    lags: Vec<f64>,
+    plays: Vec<f64>,
+    /// The noises that matter, the best first.
+    places: Vec<Place>,
+    /// The best following.
+    following: Following,
+}
+
 struct Search<'a> {
     record: &'a Record,
     lag: LagPrior<'a>,
@@ -46,14 +58,16 @@ struct Search<'a> {
     /// Units of B and K.
     units: SlowNoise,
     filters: BTreeMap<Place, Vec<Filter>>,
+    /// The columns by the bits of lag and play.
+    columns: BTreeMap<(u64, u64), Vec<Columns>>,
 }
 
-/// The best model on a coarse lattice.
+/// The best model.
 pub(super) fn best(record: &Record) -> Option<Model> {
     let mut search = Search::new(record, &[]);
-    let followings = search.coarse();
-    let (place, following) = search.coarse_best(&followings)?;
-    search.models(place, &following, 0.0).into_iter().max_by(|one, other| one.log_score.total_cmp(&other.log_score))
+    let Refined { places, following, .. } = search.refined()?;
+    let models = search.models(*places.first()?, &following, 0.0);
+    models.into_iter().max_by(|one, other| one.log_score.total_cmp(&other.log_score))
 }
 
 /// The likelihood of the lag under the noise and the play of the best model.
@@ -61,29 +75,15 @@ pub(super) fn lag_likelihood(record: &Record, best: &Model) -> LagLikelihood {
     let mut search = Search::new(record, &[]);
     let (lags, _) = search.coarse();
     let place = search.place(&best.noise);
-    let with = |lag_s: f64, other: &Following| Following { lag_s, ..*other };
-    LagLikelihood::new(search.finer(place, &best.following, lags, with))
+    LagLikelihood::new(search.finer(place, &best.following, lags, with_lag))
 }
 
 /// All models that matter, with their weights. Empty if none can be computed.
 pub(super) fn all(record: &Record, others: &[&LagLikelihood]) -> Vec<Model> {
     let mut search = Search::new(record, others);
-    let (mut lags, mut plays) = search.coarse();
-    let Some((mut place, mut following)) = search.coarse_best(&(lags.clone(), plays.clone())) else {
-        return Vec::new();
-    };
-    let mut places = vec![place];
-    for _ in 0..ROUNDS {
-        let lag_of = |lag_s: f64, other: &Following| Following { lag_s, ..*other };
-        let play_of = |play_c: f64, other: &Following| Following { play_c, ..*other };
-        lags = values(search.finer(place, &following, lags, lag_of));
-        plays = values(search.finer(place, &following, plays, play_of));
-        following = search.best_of(place, &lags, &plays);
-        places = search.noises(place, &following);
-        place = places[0];
-    }
+    let Some(Refined { lags, plays, places, .. }) = search.refined() else { return Vec::new() };
     let shares = [shares(&lags, lag_ends_s(record)), shares(&plays, search.ends_c())];
-    let followings = search.relevant(place, (&lags, &plays), &shares);
+    let followings = search.relevant(places[0], (&lags, &plays), &shares);
     let mut models: Vec<Model> = Vec::new();
     for place in places {
         for (following, log_prior) in &followings {
@@ -92,6 +92,14 @@ pub(super) fn all(record: &Record, others: &[&LagLikelihood]) -> Vec<Model> {
     }
     weigh(&mut models, search.log_evidence_without());
     models
+}
+
+fn with_lag(lag_s: f64, other: &Following) -> Following {
+    Following { lag_s, ..*other }
+}
+
+fn with_play(play_c: f64, other: &Following) -> Following {
+    Following { play_c, ..*other }
 }
 
 /// Gives each model its weight, and drops those that do not matter.
@@ -148,7 +156,7 @@ impl<'a> Search<'a> {
         let (white, length_s) = record.white_of_mean();
         let units = [white, white / libm::sqrt(length_s.max(1.0))];
         let lag = LagPrior::new(others, lag_ends_s(record));
-        Self { record, lag, shapes: record.shapes(), units, filters: BTreeMap::new() }
+        Self { record, lag, shapes: record.shapes(), units, filters: BTreeMap::new(), columns: BTreeMap::new() }
     }
 
     /// The place of a noise of this lattice.
@@ -173,28 +181,44 @@ impl<'a> Search<'a> {
         (spread(lag_ends_s(self.record)), plays)
     }
 
-    /// The best noise and the best following of a coarse search.
-    fn coarse_best(&mut self, (lags, plays): &(Vec<f64>, Vec<f64>)) -> Option<(Place, Following)> {
-        let decade = PER_DECADE as usize;
-        let steps = |(first, last): (i32, i32)| (first..=last).step_by(decade);
-        let places: Vec<Place> = steps(B_STEPS).flat_map(|b| steps(K_STEPS).map(move |k| (b, k))).collect();
-        let mut following = Following::default();
-        let mut place = (0, 0);
+    /// Values that are fine enough, and the noises that matter.
+    fn refined(&mut self) -> Option<Refined> {
+        let (mut lags, mut plays) = self.coarse();
+        let (mut place, mut following) = self.coarse_best(&(lags.clone(), plays.clone()))?;
+        let mut places = vec![place];
         for _ in 0..ROUNDS {
-            let scores = places.iter().map(|place| (self.score(*place, &following), *place));
-            place = scores.max_by(|one, other| one.0.total_cmp(&other.0))?.1;
-            following = self.best_of(place, lags, plays);
+            lags = values(self.finer(place, &following, lags, with_lag));
+            plays = values(self.finer(place, &following, plays, with_play));
+            let each = lags.iter().flat_map(|lag_s| plays.iter().map(|play_c| Following { lag_s: *lag_s, play_c: *play_c }));
+            following = self.best_pair(&[place], &each.collect::<Vec<_>>())?.1;
+            places = self.noises(place, &following);
+            place = places[0];
         }
-        self.score(place, &following).is_finite().then_some((place, following))
+        Some(Refined { lags, plays, places, following })
     }
 
-    fn best_of(&mut self, place: Place, lags: &[f64], plays: &[f64]) -> Following {
-        let mut best = (f64::NEG_INFINITY, Following::default());
-        for (lag_s, play_c) in lags.iter().flat_map(|lag_s| plays.iter().map(move |play_c| (*lag_s, *play_c))) {
-            let following = Following { lag_s, play_c };
-            let score = self.score(place, &following);
+    /// The best noise and the best following of a coarse search. A wrong lag looks like a strong random walk, so each
+    /// lag is tried under weak walks too.
+    fn coarse_best(&mut self, (lags, plays): &(Vec<f64>, Vec<f64>)) -> Option<(Place, Following)> {
+        let decades = |(first, last): (i32, i32)| (first..=last).step_by(PER_DECADE as usize);
+        let at_once = [Following::default()];
+        let all: Vec<Place> = decades(B_STEPS).flat_map(|b| decades(K_STEPS).map(move |k| (b, k))).collect();
+        let ((b, _), _) = self.best_pair(&all, &at_once)?;
+        let walks: Vec<Place> = decades(K_STEPS).map(|k| (b, k)).collect();
+        let late: Vec<Following> = lags.iter().map(|lag_s| Following { lag_s: *lag_s, play_c: 0.0 }).collect();
+        let (place, following) = self.best_pair(&walks, &late)?;
+        let with_plays: Vec<Following> = plays.iter().map(|play_c| with_play(*play_c, &following)).collect();
+        let (_, following) = self.best_pair(&[place], &with_plays)?;
+        self.best_pair(&all, &[following])
+    }
+
+    /// The best of all pairs; `None` if none can be computed.
+    fn best_pair(&mut self, places: &[Place], followings: &[Following]) -> Option<(Place, Following)> {
+        let mut best = (f64::NEG_INFINITY, None);
+        for pair in places.iter().flat_map(|place| followings.iter().map(move |following| (*place, *following))) {
+            let score = self.score(pair.0, &pair.1);
             if score > best.0 {
-                best = (score, following);
+                best = (score, Some(pair));
             }
         }
         best.1
@@ -204,7 +228,9 @@ impl<'a> Search<'a> {
         let noise = self.noise(place);
         let record = self.record;
         let filters = self.filters.entry(place).or_insert_with(|| record.filters(&noise));
-        record.products(filters, following)
+        let key = (following.lag_s.to_bits(), following.play_c.to_bits());
+        let columns = self.columns.entry(key).or_insert_with(|| record.all_columns(following));
+        Record::products(filters, columns)
     }
 
     /// Logarithm of the evidence over all shapes, with what other axes tell about the lag.
@@ -229,7 +255,7 @@ impl<'a> Search<'a> {
         for _ in 0..FINER_ROUNDS {
             let top = scored.iter().map(|(_, score)| *score).fold(f64::NEG_INFINITY, f64::max);
             let is_coarse = |pair: &&[(f64, f64)]| {
-                let matters = pair[0].1.max(pair[1].1) > top - NEGLIGIBLE;
+                let matters = pair[0].1.max(pair[1].1) > top - NEAR_BEST;
                 // below the least value, only 0 follows
                 matters && (pair[0].1 - pair[1].1).abs() > TOO_COARSE && pair[0].0 > 0.0
             };

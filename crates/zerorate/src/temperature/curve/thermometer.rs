@@ -34,18 +34,19 @@ const JUMP: f64 = 8.0;
 /// Least such jump, °C.
 const LEAST_JUMP_C: f64 = 0.5;
 
-/// Readings without the steps of a coarse thermometer, NaN where it sticks. A coarse reading stands for an interval:
-/// where it changes, the temperature is in the middle of both readings, and between two changes it is a line.
-pub(super) fn smooth(temps_c: &[f64], step_s: f64) -> (Vec<f64>, Thermometer) {
-    let runs = runs(temps_c);
+/// The temperatures of parts without the steps of a coarse thermometer, NaN where it sticks. `last_c` are the last
+/// readings of the parts, and `means_c` their means. A coarse reading stands for an interval: where it changes, the
+/// temperature is in the middle of both readings, and between two changes it is a line.
+pub(super) fn smooth(last_c: &[f64], means_c: &[f64], step_s: f64) -> (Vec<f64>, Thermometer) {
+    let runs = runs(last_c);
     let count = runs.len();
     let readings: usize = runs.iter().map(Run::length).sum();
     if count < 3 || readings == 0 {
-        return (temps_c.to_vec(), Thermometer::default());
+        return (means_c.to_vec(), Thermometer::default());
     }
     let is_coarse = readings > LONG_RUNS * count;
     let stuck: Vec<Run> = stuck(&runs, is_coarse);
-    let mut smoothed = if is_coarse { between_changes(temps_c, &runs) } else { temps_c.to_vec() };
+    let mut smoothed = if is_coarse { between_changes(last_c, &runs) } else { means_c.to_vec() };
     stuck.iter().for_each(|run| smoothed[run.start..run.end].fill(f64::NAN));
     let coarse_step_c = is_coarse.then(|| least_step_c(&runs));
     let stuck_s = stuck.iter().map(Run::length).sum::<usize>() as f64 * step_s;

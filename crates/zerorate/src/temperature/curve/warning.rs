@@ -1,15 +1,17 @@
 //! Warnings and refusals of a bias over temperature.
 
-use std::fmt;
-use zerorate::temperature::ThermalError;
-use zerorate::temperature::curve::{LogCurve, LogMeans};
+use super::{LEAST_SPAN_C, LogCurve, LogMeans, MOST_MOTION};
+use crate::temperature::{Block, ThermalError};
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use core::fmt;
 use zerorate_allan::rows;
-use zerorate_view::tempcal::AxisCurve;
 
 /// A warning about the curve of an axis.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(missing_docs, reason = "the variants say what their fields are")]
-pub enum TempcalWarning {
+pub enum CurveWarning {
     /// The bias does not depend on the temperature, as far as the record can tell.
     Unrelated,
     /// The thermometer reads in steps of this size, °C, which were taken as intervals.
@@ -28,7 +30,7 @@ pub enum TempcalWarning {
     BeyondCubic { left: f64, unit: &'static str },
 }
 
-rows!(match TempcalWarning {
+rows!(match CurveWarning {
     Self::Unrelated => Row {
         code: "temperature-unrelated",
         text: format_args!("the bias follows this temperature at no lag; is it the sensor's own?"),
@@ -63,13 +65,13 @@ rows!(match TempcalWarning {
     },
 });
 
-impl fmt::Display for TempcalWarning {
+impl fmt::Display for CurveWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.text(f)
     }
 }
 
-impl TempcalWarning {
+impl CurveWarning {
     /// The warning as scripts read it: `code: text`.
     #[must_use]
     pub fn coded(&self) -> String {
@@ -79,50 +81,57 @@ impl TempcalWarning {
 
 /// Difference of the logarithm of the evidence below which nothing speaks for a dependence.
 const NO_EVIDENCE: f64 = 2.0;
-/// Ratio to the uncertainty from which a change that is still to come, or what a cubic leaves, is worth a warning.
-const MATTERS: f64 = 1.0;
+/// Ratio to the uncertainty from which a change that is still to come is worth a warning.
+const UNSETTLED: f64 = 3.0;
+/// The same for what a cubic leaves, and the least share of the span of the bias.
+const LEFT: (f64, f64) = (1.0, 0.01);
 
-/// The warnings about a curve.
-pub(super) fn of(curve: &LogCurve, logs: &[LogMeans], axis: &AxisCurve) -> Vec<TempcalWarning> {
-    let unit = axis.unit;
-    let (low_c, high_c) = curve.span_c();
-    let u = curve.u_at((low_c + high_c) / 2.0);
-    let mut all = Vec::new();
-    if curve.log_odds < NO_EVIDENCE {
-        all.push(TempcalWarning::Unrelated);
+impl LogCurve {
+    /// The warnings about the curve, which comes from these logs. `unit` is that of the samples.
+    #[must_use]
+    pub fn warnings(&self, logs: &[LogMeans], unit: &'static str) -> Vec<CurveWarning> {
+        let (low_c, high_c) = self.span_c();
+        let middle_c = (low_c + high_c) / 2.0;
+        let (u, left, unsettled) = (self.u_at(middle_c), self.cubic(middle_c).left, self.unsettled.abs());
+        let thermometers = || logs.iter().map(LogMeans::thermometer);
+        let stuck_s: f64 = thermometers().map(|of| of.stuck_s).sum();
+        let coarse = thermometers().filter_map(|of| of.coarse_step_c).reduce(f64::max);
+        let moving: Vec<(f64, f64)> = logs.iter().flat_map(|log| log.moving_s().to_vec()).collect();
+        let ends = moving.first().zip(moving.last());
+        let (jumps, largest) = (self.steps.len(), self.steps.iter().map(|step| step.size.abs()).fold(0.0, f64::max));
+        let all = [
+            (self.log_odds < NO_EVIDENCE).then_some(CurveWarning::Unrelated),
+            coarse.map(|step_c| CurveWarning::CoarseThermometer { step_c }),
+            (stuck_s > 0.0).then_some(CurveWarning::StuckThermometer { stuck_s }),
+            ends.map(|(first, last)| CurveWarning::Moved { from_s: first.0, to_s: last.1, times: moving.len() }),
+            (jumps > 0).then_some(CurveWarning::Jumped { jumps, largest, unit }),
+            (unsettled > UNSETTLED * u).then_some(CurveWarning::StillFollowing { unsettled, unit }),
+            self.hysteresis.is_none().then_some(CurveWarning::OneDirection),
+            (left > LEFT.0 * u && left > LEFT.1 * self.span.before).then_some(CurveWarning::BeyondCubic { left, unit }),
+        ];
+        all.into_iter().flatten().collect()
     }
-    let thermometers = || logs.iter().map(LogMeans::thermometer);
-    if let Some(step_c) = thermometers().filter_map(|of| of.coarse_step_c).reduce(f64::max) {
-        all.push(TempcalWarning::CoarseThermometer { step_c });
+}
+
+/// Refuses the axes of a sensor, each with its logs, if they cannot give curves.
+///
+/// # Errors
+/// Returns the refusal, if the temperature spans too little, or the sensor moves too long.
+pub fn check<'a>(axes: impl Iterator<Item = &'a [LogMeans]> + Clone) -> Result<(), CurveRefusal> {
+    let logs = || axes.clone().flatten();
+    let ends = |(low, high): (f64, f64), block: &Block| (low.min(block.temp_c), high.max(block.temp_c));
+    let (low_c, high_c) = logs().flat_map(LogMeans::blocks).fold((f64::MAX, f64::MIN), ends);
+    if low_c <= high_c && high_c - low_c < LEAST_SPAN_C {
+        return Err(CurveRefusal::SmallSpan { low_c, high_c });
     }
-    let stuck_s: f64 = thermometers().map(|of| of.stuck_s).sum();
-    if stuck_s > 0.0 {
-        all.push(TempcalWarning::StuckThermometer { stuck_s });
-    }
-    let moving: Vec<(f64, f64)> = logs.iter().flat_map(|log| log.moving_s().to_vec()).collect();
-    if let (Some((from_s, _)), Some((_, to_s))) = (moving.first(), moving.last()) {
-        all.push(TempcalWarning::Moved { from_s: *from_s, to_s: *to_s, times: moving.len() });
-    }
-    if !curve.steps.is_empty() {
-        let largest = curve.steps.iter().map(|step| step.size.abs()).fold(0.0, f64::max);
-        all.push(TempcalWarning::Jumped { jumps: curve.steps.len(), largest, unit });
-    }
-    if curve.unsettled.abs() > MATTERS * u {
-        all.push(TempcalWarning::StillFollowing { unsettled: curve.unsettled.abs(), unit });
-    }
-    if curve.hysteresis.is_none() {
-        all.push(TempcalWarning::OneDirection);
-    }
-    if axis.cubic.left > MATTERS * u {
-        all.push(TempcalWarning::BeyondCubic { left: axis.cubic.left, unit });
-    }
-    all
+    let share = logs().map(LogMeans::moving_share).fold(0.0, f64::max);
+    if share > MOST_MOTION { Err(CurveRefusal::Moves { share }) } else { Ok(()) }
 }
 
 /// The reason why logs give no curve.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(missing_docs, reason = "temperatures, °C, shares and numbers of means")]
-pub enum TempcalRefusal {
+pub enum CurveRefusal {
     /// The temperature spans too little.
     SmallSpan { low_c: f64, high_c: f64 },
     /// The sensor moves for too large a share of the logs.
@@ -133,7 +142,7 @@ pub enum TempcalRefusal {
     NoCurve,
 }
 
-rows!(match TempcalRefusal {
+rows!(match CurveRefusal {
     Self::SmallSpan { low_c, high_c } => Row {
         code: "small-span",
         text: format_args!(
@@ -155,14 +164,14 @@ rows!(match TempcalRefusal {
     Self::NoCurve => Row { code: "no-curve", text: format_args!("no model explains the record; does the rate vary at all?") },
 });
 
-impl fmt::Display for TempcalRefusal {
+impl fmt::Display for CurveRefusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.text(f)
     }
 }
 
-impl TempcalRefusal {
-    pub(super) fn of(error: ThermalError) -> Self {
+impl From<ThermalError> for CurveRefusal {
+    fn from(error: ThermalError) -> Self {
         match error {
             ThermalError::TooFew { blocks, needed } => Self::TooShort { blocks, needed },
             ThermalError::Degenerate => Self::NoCurve,

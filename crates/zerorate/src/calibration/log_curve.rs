@@ -1,0 +1,95 @@
+//! Building of a calibration from curves over temperature in logs.
+
+use super::{CalibratedAxis, Calibration, CurveRecord, NoiseRecord, Notes, one_line};
+use crate::correction::{Correction, Validity};
+use crate::noise::FLICKER_CUTOFF_HZ;
+use crate::part::UNKNOWN_MARGIN_C;
+use crate::temperature::curve::LogCurve;
+use crate::uncertainty::Uncertainty;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+use zerorate_allan::FLOOR_PER_B;
+
+/// What is known of a unit beside its curves.
+#[derive(Clone, Debug)]
+pub struct LogUnit {
+    /// Name of the kind of part: letters, digits, `-`, `_` and `.`.
+    pub part: String,
+    /// Serial number.
+    pub serial: Option<String>,
+    /// The software that made the measurement.
+    pub software: String,
+    /// The logs.
+    pub device: String,
+    /// The temperature that the corrections refer to, °C.
+    pub t3_c: f64,
+}
+
+impl Calibration {
+    /// Builds the calibration of the gyroscopes of a unit from their curves, °/s, each with its name and its warnings.
+    /// A correction has terms up to the third order, and its uncertainty includes what they leave of the curve.
+    #[must_use]
+    pub fn of_log_curves(unit: LogUnit, axes: &[(String, &LogCurve, Vec<String>)]) -> Self {
+        let spans = || axes.iter().map(|(_, curve, _)| curve.span_c());
+        let validity = spans().reduce(|one, other| (one.0.max(other.0), one.1.min(other.1)));
+        Self {
+            part: unit.part,
+            serial: unit.serial.as_deref().map(one_line),
+            created: None,
+            method: Some("tempcal".to_string()),
+            software: Some(one_line(&unit.software)),
+            device: Some(one_line(&unit.device)),
+            config: None,
+            capture_sha256: None,
+            notes: Notes::default(),
+            warnings: Vec::new(),
+            temp: None,
+            axes: axes.iter().map(|(name, curve, warnings)| axis(name, curve, warnings, unit.t3_c)).collect(),
+            validity: validity.map(|(temp_min_c, temp_max_c)| Validity {
+                temp_min_c,
+                temp_max_c,
+                margin_c: UNKNOWN_MARGIN_C,
+            }),
+            run: None,
+        }
+    }
+}
+
+fn axis(name: &str, curve: &LogCurve, warnings: &[String], t3_c: f64) -> CalibratedAxis {
+    let cubic = curve.cubic(t3_c);
+    let [pbc, btc, btc2, btc3] = cubic.terms.map(|term| 0.0 - term);
+    CalibratedAxis {
+        name: name.to_string(),
+        warnings: warnings.iter().map(|line| one_line(line)).collect(),
+        rate: None,
+        correction: Correction {
+            pbc_dps: pbc,
+            btc_dps_per_c: btc,
+            t3_c,
+            btc2_dps_per_c2: btc2,
+            btc3_dps_per_c3: btc3,
+        },
+        measured: None,
+        uncertainty: None,
+        curve: Some(CurveRecord {
+            coverage: Uncertainty::COVERAGE,
+            coverage_factor: Uncertainty::FACTOR,
+            order: cubic.terms.len() - 1,
+            order_weights: [0.0, 0.0, 0.0, 1.0],
+            covariance: cubic.covariance,
+            lag_s: curve.following.lag_s,
+            play_c: curve.following.play_c,
+            steps: curve.steps.iter().map(|step| [step.at_s, step.size]).collect(),
+            sources: None,
+        }),
+        noise: Some(NoiseRecord {
+            white_dps_per_rt_hz: curve.noise.white_dps_per_rt_hz,
+            white_source: "measured".to_string(),
+            flicker_floor_dps: FLOOR_PER_B * curve.noise.bias_instability_dps,
+            flicker_cutoff_hz: FLICKER_CUTOFF_HZ,
+            flicker_source: "measured".to_string(),
+            rate_random_walk_dps_per_rt_s: curve.noise.rate_random_walk_dps_per_rt_s,
+            rate_random_walk_source: "measured".to_string(),
+        }),
+    }
+}
