@@ -230,7 +230,8 @@ impl Axes {
 /// Whether a column is a temperature, by its unit or its name: `temp_c`, `imu_temp`, `Temperature`, `T`.
 fn is_temperature(column: &Column) -> bool {
     let name = column.name.rsplit('.').next().unwrap_or_default().to_lowercase();
-    let is_word = |word: &str| matches!(word, "t" | "temps" | "temperature" | "temperatures") || word.ends_with("temp");
+    let is_word =
+        |word: &str| matches!(word, "t" | "temps" | "temperature" | "temperatures") || word.ends_with("temp");
     let is_named = || name.split(|c: char| !c.is_alphabetic()).any(is_word) || name.contains("temperature");
     column.quantity.map_or_else(is_named, |quantity| quantity == Quantity::Temperature)
 }

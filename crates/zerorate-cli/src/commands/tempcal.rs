@@ -10,9 +10,7 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use zerorate_jobs::tempcal::{Tempcal, TempcalOptions, tempcal};
-use zerorate_view::tempcal::{
-    AxisCurve, Points, TempcalPage, ardupilot, over_temperature, px4, table, tempcal_page,
-};
+use zerorate_view::tempcal::{AxisCurve, Points, TempcalPage, ardupilot, over_temperature, px4, table, tempcal_page};
 
 /// Find the bias over temperature of all axes in logs of any IMU at rest
 ///
@@ -116,11 +114,7 @@ pub fn run(args: &TempcalArgs) -> Result<()> {
     let drawn = pictures.write(|| over_temperature(&found.axes.iter().zip(&found.points).collect::<Vec<_>>()));
     let written = drawn.and_then(|()| write(args, &found, page, file));
     let Tempcal { axes, notes, .. } = &found;
-    let printed = if args.json {
-        print_json(&Report { axes, warnings: notes })
-    } else {
-        print_lines(&table(axes))
-    };
+    let printed = if args.json { print_json(&Report { axes, warnings: notes }) } else { print_lines(&table(axes)) };
     warn(&[&notes[..], &of_axes(axes)].concat());
     if let (Ok(()), Some(path)) = (&written, &args.output) {
         say(format_args!("wrote {}", path.display()));

@@ -3,18 +3,15 @@
 mod ardupilot;
 mod reading;
 
-use crate::{CodedRefusal, InvalidOptions};
 use crate::code_scales::CodeOptions;
+use crate::{CodedRefusal, InvalidOptions};
 use anyhow::Result;
-use reading::Sensor;
 use std::path::PathBuf;
-use std::thread;
 use zerorate::calibration::LogUnit;
-use zerorate::temperature::ThermalError;
-use zerorate::temperature::curve::{AxisRecord, CurveRefusal, CurveWarning, LagLikelihood, LogCurve, check};
-use zerorate_imu::{ImuOptions, Kind};
+use zerorate::temperature::curve::{CurveRefusal, LogCurve};
 use zerorate::{Calibration, MAX_AXES, SOFTWARE};
-use zerorate_view::tempcal::{AxisCurve, Measured, Points};
+use zerorate_imu::{ImuOptions, Kind};
+use zerorate_view::tempcal::{AxisCurve, Points};
 
 /// What is wanted of the logs.
 pub struct TempcalOptions {
@@ -48,7 +45,9 @@ pub fn tempcal(logs: &[PathBuf], options: &TempcalOptions) -> Result<Tempcal> {
     let (sensors, notes) = reading::sensors(logs, options)?;
     let mut all = Tempcal { axes: Vec::new(), curves: Vec::new(), points: Vec::new(), notes };
     for sensor in sensors {
-        for (axis, curve, points) in sensor.fitted(options.reference_c)? {
+        let name = sensor.name.clone();
+        let refused = |why: CurveRefusal| CodedRefusal::new(why.code(), format!("{name}: {why}"));
+        for (axis, curve, points) in sensor.fitted(options.reference_c).map_err(refused)? {
             all.axes.push(axis);
             all.curves.push(curve);
             all.points.push(points);
@@ -70,7 +69,8 @@ impl Tempcal {
         };
         if gyroscopes.len() > MAX_AXES {
             let count = gyroscopes.len();
-            let text = format!("a calibration holds {MAX_AXES} axes, and the log has {count}; choose one IMU by --topic");
+            let text =
+                format!("a calibration holds {MAX_AXES} axes, and the log has {count}; choose one IMU by --topic");
             return Err(InvalidOptions(text).into());
         }
         let unit = LogUnit {
@@ -90,45 +90,4 @@ impl Tempcal {
 fn word(name: &str) -> String {
     let letter = |c: char| if c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '_' };
     name.chars().map(letter).take(40).collect()
-}
-
-impl Sensor {
-    /// The curves of the axes. They share what they tell about the lag.
-    fn fitted(self, reference_c: Option<f64>) -> Result<Vec<(AxisCurve, LogCurve, Points)>> {
-        let name = &self.name;
-        let refused = |why: CurveRefusal| anyhow::Error::from(CodedRefusal::new(why.code(), format!("{name}: {why}")));
-        let of_error = |error: ThermalError| refused(error.into());
-        check(self.axes.iter().map(|axis| &axis.logs[..])).map_err(refused)?;
-        let records = on_threads(&self.axes, |axis| AxisRecord::new(axis.logs.clone()));
-        let records = records.into_iter().collect::<Result<Vec<AxisRecord>, ThermalError>>().map_err(of_error)?;
-        let indices: Vec<usize> = (0..records.len()).collect();
-        let curves = on_threads(&indices, |index| {
-            let others = records.iter().enumerate().filter(|(other, _)| other != index);
-            records[*index].curve(&others.map(|(_, other)| other.lag()).collect::<Vec<&LagLikelihood>>())
-        });
-        let mut all = Vec::new();
-        for ((axis, record), curve) in self.axes.iter().zip(&records).zip(curves) {
-            let curve = curve.map_err(of_error)?;
-            let (imu, device_id) = (self.imu(), self.device_id);
-            let measured = Measured { sensor: name, name: &axis.name, kind: self.kind, reference_c, imu, device_id };
-            let mut found = AxisCurve::new(&measured, &curve);
-            found.warnings = curve.warnings(record.logs(), found.unit).iter().map(CurveWarning::coded).collect();
-            let points = Points::new(&curve, record.logs(), &found);
-            all.push((found, curve, points));
-        }
-        Ok(all)
-    }
-}
-
-/// The result of a function for each item, on as many threads as there are items.
-fn on_threads<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    let of = &of;
-    thread::scope(|scope| {
-        let running: Vec<_> = items.iter().map(|item| scope.spawn(move || of(item))).collect();
-        let join = |thread: thread::ScopedJoinHandle<'_, R>| match thread.join() {
-            Ok(result) => result,
-            Err(panic) => std::panic::resume_unwind(panic),
-        };
-        running.into_iter().map(join).collect()
-    })
 }

@@ -7,138 +7,41 @@ use crate::code_scales::concerns;
 use anyhow::Result;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use zerorate::temperature::curve::{LogMeans, MeansBuilder};
 use zerorate_host::files;
 use zerorate_imu::{Axes, ImuOptions, Kind};
 use zerorate_logs::{Column, ColumnOptions, ColumnSelection, LogError, Series, Setting, TEMPERATURE_NAMES};
-
-/// The gyroscope or the accelerometer of an IMU.
-pub(super) struct Sensor {
-    /// Name in messages: topic or file, and the kind.
-    pub(super) name: String,
-    /// The topic, which tells apart the IMUs of a log.
-    topic: Option<String>,
-    pub(super) kind: Kind,
-    /// The number by which PX4 finds the sensor.
-    pub(super) device_id: Option<i64>,
-    pub(super) axes: Vec<SensorAxis>,
-}
-
-/// An axis with the means of each log.
-pub(super) struct SensorAxis {
-    pub(super) name: String,
-    pub(super) logs: Vec<LogMeans>,
-}
-
-/// The axes and the temperature of one IMU in one log.
-struct Imu {
-    topic: Option<String>,
-    columns: Vec<Column>,
-    /// Its temperature, °C, and the rate of that.
-    temps_c: Vec<f64>,
-    temps_hz: f64,
-    device_id: Option<i64>,
-}
+use zerorate_view::tempcal::{ImuColumns, Sensor, Sensors, number_of_imu, values};
 
 /// Reads all sensors of all logs, and the warnings about the logs.
 pub(super) fn sensors(logs: &[PathBuf], options: &TempcalOptions) -> Result<(Vec<Sensor>, Vec<String>)> {
-    let (mut sensors, mut notes) = (Vec::new(), Vec::new());
-    for (index, log) in logs.iter().enumerate() {
-        for imu in imus(log, options, &mut notes)? {
-            take(&mut sensors, log, index, imu)?;
-        }
-        let whole = |axis: &SensorAxis| axis.logs.len() == index + 1;
-        if let Some(axis) = sensors.iter().flat_map(|sensor: &Sensor| &sensor.axes).find(|axis| !whole(axis)) {
-            let (path, name) = (log.display(), &axis.name);
-            return Err(InvalidOptions(format!("{path} has no axis {name}; give logs of the same unit")).into());
-        }
+    let (mut sensors, mut notes) = (Sensors::default(), Vec::new());
+    for log in logs {
+        let other = |why: String| InvalidOptions(format!("{why}; give logs of the same unit"));
+        sensors.take(log, imus(log, options, &mut notes)?)?.map_err(other)?;
     }
-    Ok((sensors, notes))
+    Ok((sensors.all(), notes))
 }
 
-/// Adds the means of an IMU's axes to those of the logs before.
-fn take(sensors: &mut Vec<Sensor>, log: &Path, index: usize, mut imu: Imu) -> Result<()> {
-    for column in std::mem::take(&mut imu.columns) {
-        let Some(kind) = column.quantity.and_then(Kind::of) else { continue };
-        let name = column.name.clone();
-        let means = imu.means(column, log)?;
-        let place = sensors.iter().position(|sensor| sensor.kind == kind && sensor.topic == imu.topic);
-        let place = place.unwrap_or_else(|| {
-            let Imu { topic, device_id, .. } = &imu;
-            let of = topic.clone().unwrap_or_else(|| log.display().to_string());
-            let name = format!("{of}, {}", kind.name());
-            sensors.push(Sensor { name, topic: topic.clone(), kind, device_id: *device_id, axes: Vec::new() });
-            sensors.len() - 1
-        });
-        let axes = &mut sensors[place].axes;
-        match axes.iter_mut().find(|axis| axis.name == name) {
-            Some(axis) => axis.logs.push(means),
-            None if index == 0 => axes.push(SensorAxis { name, logs: vec![means] }),
-            None => {
-                let path = log.display();
-                let text = format!("{path} has the axis {name}, which the first log has not; give logs of one unit");
-                return Err(InvalidOptions(text).into());
-            }
+/// Takes back what the parameters of an ArduPilot did to its readings.
+fn undo(imu: &mut ImuColumns, parameters: &BTreeMap<String, f64>, log: &Path) -> Result<()> {
+    let corrected = Corrected::new(parameters, number_of_imu(imu.topic.as_deref()));
+    for kind in Kind::ALL {
+        let of_kind = |column: &&mut Column| column.quantity == Some(kind.quantity());
+        let mut columns: Vec<&mut Column> = imu.columns.iter_mut().filter(of_kind).collect();
+        let Ok([x, y, z]) = <&mut [&mut Column; 3]>::try_from(&mut columns[..]) else { continue };
+        let mut axes = [values(x.clone(), log)?, values(y.clone(), log)?, values(z.clone(), log)?];
+        let wrong = |why: String| LogError::Ask(format!("{}: {why}", log.display()));
+        corrected.undo(kind, &mut axes, &imu.temps_c).map_err(wrong)?;
+        for (column, values) in [x, y, z].into_iter().zip(axes) {
+            column.replace(Series::Numbers(values));
+            column.scale = 1.0;
         }
     }
     Ok(())
 }
 
-/// The samples of a column in the unit of results, NaN where one is missing.
-fn values(column: Column, log: &Path) -> Result<Vec<f64>> {
-    let scale = column.scale;
-    let mut values = match column.series {
-        Series::Numbers(numbers) => numbers,
-        Series::Codes(_) => column.points(log)?,
-    };
-    if scale != 1.0 {
-        values.iter_mut().for_each(|value| *value *= scale);
-    }
-    Ok(values)
-}
-
-impl Imu {
-    /// The means of an axis. A temperature that is sampled at another rate is taken at the same time.
-    fn means(&self, column: Column, log: &Path) -> Result<LogMeans> {
-        let rate_hz = column.rate_hz;
-        let samples = values(column, log)?;
-        let mut means = MeansBuilder::new(samples.len(), rate_hz);
-        let is_same = self.temps_c.len() == samples.len();
-        let per_sample = self.temps_hz / rate_hz;
-        for (index, sample) in samples.into_iter().enumerate() {
-            let at = if is_same { index } else { ((index as f64 + 0.5) * per_sample) as usize };
-            means.push(sample, self.temps_c.get(at).copied().unwrap_or(f64::NAN));
-        }
-        Ok(means.finish())
-    }
-
-    /// Takes back what the parameters of an ArduPilot did to its readings.
-    fn undo(&mut self, parameters: &BTreeMap<String, f64>, log: &Path) -> Result<()> {
-        let corrected = Corrected::new(parameters, number(self.topic.as_deref()));
-        for kind in Kind::ALL {
-            let of_kind = |column: &&mut Column| column.quantity == Some(kind.quantity());
-            let mut columns: Vec<&mut Column> = self.columns.iter_mut().filter(of_kind).collect();
-            let Ok([x, y, z]) = <&mut [&mut Column; 3]>::try_from(&mut columns[..]) else { continue };
-            let mut axes = [values(x.clone(), log)?, values(y.clone(), log)?, values(z.clone(), log)?];
-            let wrong = |why: String| LogError::Ask(format!("{}: {why}", log.display()));
-            corrected.undo(kind, &mut axes, &self.temps_c).map_err(wrong)?;
-            for (column, values) in [x, y, z].into_iter().zip(axes) {
-                column.replace(Series::Numbers(values));
-                column.scale = 1.0;
-            }
-        }
-        Ok(())
-    }
-}
-
-/// The number in `sensor_gyro#1` or `IMU[1]`, from 0.
-fn number(topic: Option<&str>) -> u32 {
-    let (_, number) = topic.unwrap_or_default().trim_end_matches(']').rsplit_once(['#', '[']).unwrap_or_default();
-    number.parse().unwrap_or(0)
-}
-
 /// The IMUs of a log.
-fn imus(log: &Path, options: &TempcalOptions, notes: &mut Vec<String>) -> Result<Vec<Imu>> {
+fn imus(log: &Path, options: &TempcalOptions, notes: &mut Vec<String>) -> Result<Vec<ImuColumns>> {
     let mut of_axes = options.axes.clone();
     let assumed = options.codes.apply(&mut of_axes)?;
     let parameters = files::open(log).ok().map(|input| zerorate_logs::parameters(log, input)).transpose()?;
@@ -156,9 +59,9 @@ fn imus(log: &Path, options: &TempcalOptions, notes: &mut Vec<String>) -> Result
         let device_id = topic.as_deref().and_then(|topic| device_id(log, topic, options));
         let temps_hz = temperature.rate_hz;
         let temps_c = values(temperature, log)?;
-        let mut imu = Imu { topic, columns: axes.columns, temps_c, temps_hz, device_id };
+        let mut imu = ImuColumns { topic, columns: axes.columns, temps_c, temps_hz, device_id };
         if !parameters.is_empty() {
-            imu.undo(&parameters, log)?;
+            undo(&mut imu, &parameters, log)?;
         }
         imus.push(imu);
     }
@@ -168,15 +71,9 @@ fn imus(log: &Path, options: &TempcalOptions, notes: &mut Vec<String>) -> Result
 /// `sensor_gyro#0` of `sensor_gyro#0.x`.
 fn topic_of(column: &str) -> Option<String> {
     let (topic, _) = column.rsplit_once('.')?;
-    let topic = topic.strip_suffix(".angular_velocity").or(topic.strip_suffix(".linear_acceleration")).unwrap_or(topic);
+    let topic =
+        topic.strip_suffix(".angular_velocity").or(topic.strip_suffix(".linear_acceleration")).unwrap_or(topic);
     Some(topic.to_owned())
-}
-
-impl Sensor {
-    /// The number of its IMU in a flight controller, from 0.
-    pub(super) fn imu(&self) -> u32 {
-        number(self.topic.as_deref())
-    }
 }
 
 /// The number that a driver of PX4 writes beside its readings.
@@ -259,7 +156,8 @@ fn temperature(log: &Path, axes: &Axes, topic: Option<&str>, options: &TempcalOp
     };
     let read = |name: &String| {
         let wanted = std::slice::from_ref(name);
-        let columns = zerorate_logs::read_parts(log, files::log(log).ok()?, ColumnSelection::Listed(wanted), &log_options);
+        let columns =
+            zerorate_logs::read_parts(log, files::log(log).ok()?, ColumnSelection::Listed(wanted), &log_options);
         columns.ok()?.pop()
     };
     match (wanted.iter().find_map(read), &options.temperature) {

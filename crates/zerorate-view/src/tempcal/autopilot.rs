@@ -101,7 +101,8 @@ fn triad(axes: &[AxisCurve]) -> Result<Triad<'_>, InvalidOptions> {
     let [one, other, third] = axes else { return Err(wrong()) };
     let before = names[0].chars().zip(names[1].chars()).take_while(|(one, other)| one == other).count();
     let letter = |axis: &AxisCurve| axis.name.chars().nth(before).map(|letter| letter.to_ascii_lowercase());
-    let named = |letters: [char; 2]| [one, other, third].into_iter().find(|axis| letters.map(Some).contains(&letter(axis)));
+    let named =
+        |letters: [char; 2]| [one, other, third].into_iter().find(|axis| letters.map(Some).contains(&letter(axis)));
     let found = [named(['x', '0']), named(['y', '1']), named(['z', '2'])];
     match found {
         [Some(x), Some(y), Some(z)] => Ok(Triad { axes: [x, y, z] }),

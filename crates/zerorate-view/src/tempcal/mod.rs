@@ -3,11 +3,13 @@
 mod autopilot;
 mod page;
 mod pictures;
+mod sensor;
 mod words;
 
 pub use autopilot::{ardupilot, px4};
 pub use page::{TempcalPage, tempcal_page};
 pub use pictures::over_temperature;
+pub use sensor::{FittedAxis, ImuColumns, Sensor, Sensors, number_of_imu, values};
 use serde::Serialize;
 pub use words::table;
 use zerorate::temperature::curve::{LogCurve, LogMeans};

@@ -11,7 +11,8 @@ const FACTOR: f64 = 1.96;
 /// The sensors, with two lines for each axis. A value is given ± half of its 95 % interval.
 #[must_use]
 pub fn table(axes: &[AxisCurve]) -> String {
-    let mut text = "value ± half of its 95 % interval; span of the bias before and after the correction\n\n".to_owned();
+    let mut text =
+        "value ± half of its 95 % interval; span of the bias before and after the correction\n\n".to_owned();
     let mut last = "";
     for axis in axes {
         if axis.sensor != last {
@@ -38,7 +39,8 @@ fn row(text: &mut String, axis: &AxisCurve) {
     let (before, after) = (number(axis.before), number(axis.after));
     let lag = if axis.lag_s < LEAST_LAG_S { "no lag".to_owned() } else { format!("lag {:.0} s", axis.lag_s) };
     let hysteresis = axis.hysteresis.map_or_else(String::new, |half| format!(", hysteresis ±{} {unit}", number(half)));
-    let starts = axis.spread_of_starts.map_or_else(String::new, |u| format!(", ±{} {unit} from start to start", half(u)));
+    let starts =
+        axis.spread_of_starts.map_or_else(String::new, |u| format!(", ±{} {unit} from start to start", half(u)));
     let _ = writeln!(text, "  {name}: {bias}slope {slope}");
     let _ = writeln!(text, "    span {before} {unit} before, {after} {unit} after; {lag}{hysteresis}{starts}");
 }

@@ -12,13 +12,11 @@ use crate::exit::{CodedRefusal, Usage};
 use crate::output::{Outputs, StagedOutput, command_line, print_json, print_lines, say, warn};
 use crate::picture::Pictures;
 use anyhow::Result;
-use clap::Args;
 use axes::{AxisArgs, option};
+use clap::Args;
 use std::path::PathBuf;
 use zerorate_allan::FitOptions;
-use zerorate_imu::{
-    AnalysisOptions, Combine, Format, ImuReport, ImuWarning, NoiseFileOptions, Record, Rule, span,
-};
+use zerorate_imu::{AnalysisOptions, Combine, Format, ImuReport, ImuWarning, NoiseFileOptions, Record, Rule, span};
 use zerorate_jobs::code_scales::CodeOptions;
 use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
 use zerorate_logs::{LogWarning, Names, Only};

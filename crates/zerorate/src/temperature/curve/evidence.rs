@@ -188,7 +188,8 @@ impl Record {
         let starts = if self.logs.len() > 1 { &STARTS[..] } else { &STARTS[..1] };
         let mut shapes = Vec::new();
         for (size, shrink) in SIZES.iter().flat_map(|size| SHRINKS.map(|shrink| (*size, shrink))) {
-            for (direction, starts) in directions.iter().flat_map(|of| starts.iter().map(move |starts| (*of, *starts))) {
+            for (direction, starts) in directions.iter().flat_map(|of| starts.iter().map(move |starts| (*of, *starts)))
+            {
                 let [size, direction, starts] = [size, direction, starts].map(|ratio| ratio * self.scale);
                 shapes.push(Shape { size, shrink, direction, starts });
             }

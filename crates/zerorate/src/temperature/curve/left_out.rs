@@ -1,7 +1,7 @@
 //! What remains of the bias where the curve comes from the other parts of the record.
 
-use super::evidence::{Model, Record};
 use super::BeforeAfter;
+use super::evidence::{Model, Record};
 use alloc::vec::Vec;
 
 /// Parts of a log that are left out, one at a time.
@@ -21,7 +21,8 @@ pub(super) fn span(record: &Record, model: &Model) -> BeforeAfter {
         for part in 0..PARTS {
             let (from, to) = (count * part / PARTS, count * (part + 1) / PARTS);
             let coefficients = without(record, model, index, from..to);
-            let bias = |at: usize| columns[1..].iter().zip(&coefficients).map(|(of, value)| of[at] * value).sum::<f64>();
+            let bias =
+                |at: usize| columns[1..].iter().zip(&coefficients).map(|(of, value)| of[at] * value).sum::<f64>();
             left.extend((from..to).map(|at| columns[0][at] - bias(at)));
         }
         let steps = columns.len() - record.steps.len();
@@ -38,7 +39,8 @@ pub(super) fn span(record: &Record, model: &Model) -> BeforeAfter {
 fn without(record: &Record, model: &Model, index: usize, part: core::ops::Range<usize>) -> Vec<f64> {
     let others = record.others(index, |at| !part.contains(&at));
     let filters = others.filters(&model.noise);
-    let solved = Record::products(&filters, &others.all_columns(&model.following)).and_then(|of| others.solve_shape(&of, &model.shape));
+    let solved = Record::products(&filters, &others.all_columns(&model.following))
+        .and_then(|of| others.solve_shape(&of, &model.shape));
     solved.map_or_else(|| model.all.clone(), |solved| solved.coefficients)
 }
 

@@ -1,8 +1,8 @@
 //! The search for the models that matter: strength of the noises, lag and play, and the shape of the series.
 
 use super::LogMeans;
-use super::lag::{LagLikelihood, LagPrior};
 use super::evidence::{Columns, Model, Products, Record, Shape, SlowNoise};
+use super::lag::{LagLikelihood, LagPrior};
 use crate::temperature::filter::Filter;
 use crate::temperature::follow::Following;
 use alloc::collections::BTreeMap;
@@ -189,7 +189,8 @@ impl<'a> Search<'a> {
         for _ in 0..ROUNDS {
             lags = values(self.finer(place, &following, lags, with_lag));
             plays = values(self.finer(place, &following, plays, with_play));
-            let each = lags.iter().flat_map(|lag_s| plays.iter().map(|play_c| Following { lag_s: *lag_s, play_c: *play_c }));
+            let each =
+                lags.iter().flat_map(|lag_s| plays.iter().map(|play_c| Following { lag_s: *lag_s, play_c: *play_c }));
             following = self.best_pair(&[place], &each.collect::<Vec<_>>())?.1;
             places = self.noises(place, &following);
             place = places[0];
@@ -331,7 +332,9 @@ impl<'a> Search<'a> {
     /// Largest logarithm of the evidence of a bias that does not depend on the temperature, over all noises.
     fn log_evidence_without(&mut self) -> f64 {
         let mut best = f64::NEG_INFINITY;
-        for place in (B_STEPS.0..=B_STEPS.1).step_by(4).flat_map(|b| (K_STEPS.0..=K_STEPS.1).step_by(2).map(move |k| (b, k))) {
+        for place in
+            (B_STEPS.0..=B_STEPS.1).step_by(4).flat_map(|b| (K_STEPS.0..=K_STEPS.1).step_by(2).map(move |k| (b, k)))
+        {
             let Some(products) = self.products(place, &Following::default()) else { continue };
             let of = |shape: &Shape| self.record.log_evidence_without(&products, shape);
             best = self.shapes.first().and_then(of).map_or(best, |score| best.max(score));

@@ -103,7 +103,8 @@ fn between_changes(temps_c: &[f64], runs: &[Run]) -> Vec<f64> {
         }
         knots.push(((before.end as f64 + after.start as f64) / 2.0, middle_c));
     }
-    let line = |(from, to): ((f64, f64), (f64, f64)), at: f64| from.1 + (to.1 - from.1) / (to.0 - from.0) * (at - from.0);
+    let line =
+        |(from, to): ((f64, f64), (f64, f64)), at: f64| from.1 + (to.1 - from.1) / (to.0 - from.0) * (at - from.0);
     let mut next = 1;
     let at = |(index, reading_c): (usize, &f64)| {
         let at = index as f64 + 0.5;
@@ -117,7 +118,8 @@ fn between_changes(temps_c: &[f64], runs: &[Run]) -> Vec<f64> {
         let is_outside = at < pair.0.0 || at > pair.1.0;
         let half_c = (pair.1.1 - pair.0.1).abs() / 2.0;
         // the first and the last run have one end only
-        let limit = |temp_c: f64| if is_outside { temp_c.clamp(reading_c - half_c, reading_c + half_c) } else { temp_c };
+        let limit =
+            |temp_c: f64| if is_outside { temp_c.clamp(reading_c - half_c, reading_c + half_c) } else { temp_c };
         limit(line(pair, at))
     };
     temps_c.iter().enumerate().map(at).collect()

@@ -35,10 +35,8 @@ rows!(match CurveWarning {
         code: "temperature-unrelated",
         text: format_args!("the bias follows this temperature at no lag; is it the sensor's own?"),
     },
-    Self::CoarseThermometer { step_c } => Row {
-        code: "temperature-coarse",
-        text: format_args!("steps of {step_c:.2} °C were taken as intervals"),
-    },
+    Self::CoarseThermometer { step_c } =>
+        Row { code: "temperature-coarse", text: format_args!("steps of {step_c:.2} °C were taken as intervals") },
     Self::StuckThermometer { stuck_s } => Row {
         code: "temperature-stuck",
         text: format_args!("the thermometer stood still for {stuck_s:.0} s, which is left out"),
@@ -55,14 +53,10 @@ rows!(match CurveWarning {
         code: "still-following",
         text: format_args!("{unsettled:.4} {unit} of the bias was still to come at the end; let it settle"),
     },
-    Self::Jumped { jumps, largest, unit } => Row {
-        code: "step",
-        text: format_args!("{jumps} jumps of up to {largest:.4} {unit} were taken out"),
-    },
-    Self::BeyondCubic { left, unit } => Row {
-        code: "beyond-cubic",
-        text: format_args!("a polynomial of order 3 leaves up to {left:.4} {unit}"),
-    },
+    Self::Jumped { jumps, largest, unit } =>
+        Row { code: "step", text: format_args!("{jumps} jumps of up to {largest:.4} {unit} were taken out") },
+    Self::BeyondCubic { left, unit } =>
+        Row { code: "beyond-cubic", text: format_args!("a polynomial of order 3 leaves up to {left:.4} {unit}") },
 });
 
 impl fmt::Display for CurveWarning {
@@ -107,7 +101,8 @@ impl LogCurve {
             (jumps > 0).then_some(CurveWarning::Jumped { jumps, largest, unit }),
             (unsettled > UNSETTLED * u).then_some(CurveWarning::StillFollowing { unsettled, unit }),
             self.hysteresis.is_none().then_some(CurveWarning::OneDirection),
-            (left > LEFT.0 * u && left > LEFT.1 * self.span.before).then_some(CurveWarning::BeyondCubic { left, unit }),
+            (left > LEFT.0 * u && left > LEFT.1 * self.span.before)
+                .then_some(CurveWarning::BeyondCubic { left, unit }),
         ];
         all.into_iter().flatten().collect()
     }
@@ -161,7 +156,8 @@ rows!(match CurveRefusal {
         code: "too-few-samples",
         text: format_args!("the log gives {blocks} means of a second or more, and a curve needs {needed}"),
     },
-    Self::NoCurve => Row { code: "no-curve", text: format_args!("no model explains the record; does the rate vary at all?") },
+    Self::NoCurve =>
+        Row { code: "no-curve", text: format_args!("no model explains the record; does the rate vary at all?") },
 });
 
 impl fmt::Display for CurveRefusal {

@@ -1,0 +1,186 @@
+//! The gyroscopes and accelerometers of logs, and the curves of their axes.
+
+use super::{AxisCurve, Measured, Points};
+use std::path::Path;
+use zerorate::temperature::ThermalError;
+use zerorate::temperature::curve::{
+    AxisRecord, CurveRefusal, CurveWarning, LagLikelihood, LogCurve, LogMeans, MeansBuilder, check,
+};
+use zerorate_imu::Kind;
+use zerorate_logs::{Column, Result, Series};
+
+/// The axes and the temperature of one IMU in one log.
+pub struct ImuColumns {
+    /// The topic or message of its columns, which tells apart the IMUs of a log.
+    pub topic: Option<String>,
+    /// The axes, with their quantities.
+    pub columns: Vec<Column>,
+    /// The temperature, °C.
+    pub temps_c: Vec<f64>,
+    /// Samples of the temperature per second, Hz.
+    pub temps_hz: f64,
+    /// The number by which PX4 finds the sensor.
+    pub device_id: Option<i64>,
+}
+
+/// The gyroscope or the accelerometer of an IMU.
+pub struct Sensor {
+    /// Name in messages: topic or file, and the kind.
+    pub name: String,
+    topic: Option<String>,
+    kind: Kind,
+    device_id: Option<i64>,
+    axes: Vec<SensorAxis>,
+}
+
+/// An axis with the means of each log.
+struct SensorAxis {
+    name: String,
+    logs: Vec<LogMeans>,
+}
+
+/// The sensors of logs of one unit.
+#[derive(Default)]
+pub struct Sensors {
+    all: Vec<Sensor>,
+    logs: usize,
+}
+
+impl Sensors {
+    /// Takes all IMUs of the next log.
+    ///
+    /// # Errors
+    /// Returns the text of an error if the log has other axes than those before.
+    pub fn take(&mut self, log: &Path, imus: Vec<ImuColumns>) -> Result<std::result::Result<(), String>> {
+        for mut imu in imus {
+            for column in std::mem::take(&mut imu.columns) {
+                let Some(kind) = column.quantity.and_then(Kind::of) else { continue };
+                let name = column.name.clone();
+                let means = imu.means(column, log)?;
+                let is_first = self.logs == 0;
+                let axes = &mut self.sensor(log, &imu, kind).axes;
+                match axes.iter_mut().find(|axis| axis.name == name) {
+                    Some(axis) => axis.logs.push(means),
+                    None if is_first => axes.push(SensorAxis { name, logs: vec![means] }),
+                    None => {
+                        return Ok(Err(format!("{} has the axis {name}, which the first log lacks", log.display())));
+                    }
+                }
+            }
+        }
+        self.logs += 1;
+        let lacks = |axis: &&SensorAxis| axis.logs.len() != self.logs;
+        let lacking = self.all.iter().flat_map(|sensor| &sensor.axes).find(lacks);
+        Ok(lacking.map_or(Ok(()), |axis| Err(format!("{} has no axis {}", log.display(), axis.name))))
+    }
+
+    /// The sensor of this kind in an IMU.
+    fn sensor(&mut self, log: &Path, imu: &ImuColumns, kind: Kind) -> &mut Sensor {
+        let place = self.all.iter().position(|sensor| sensor.kind == kind && sensor.topic == imu.topic);
+        let place = place.unwrap_or_else(|| {
+            let ImuColumns { topic, device_id, .. } = imu;
+            let of = topic.clone().unwrap_or_else(|| log.display().to_string());
+            let name = format!("{of}, {}", kind.name());
+            self.all.push(Sensor { name, topic: topic.clone(), kind, device_id: *device_id, axes: Vec::new() });
+            self.all.len() - 1
+        });
+        &mut self.all[place]
+    }
+
+    /// The sensors, in the order of the first log.
+    #[must_use]
+    pub fn all(self) -> Vec<Sensor> {
+        self.all
+    }
+}
+
+/// The samples of a column in the unit of results, NaN where one is missing. `log` names the log in messages.
+///
+/// # Errors
+/// Returns an error if too many samples are missing.
+pub fn values(column: Column, log: &Path) -> Result<Vec<f64>> {
+    let scale = column.scale;
+    let mut values = match column.series {
+        Series::Numbers(numbers) => numbers,
+        Series::Codes(_) => column.points(log)?,
+    };
+    if scale != 1.0 {
+        values.iter_mut().for_each(|value| *value *= scale);
+    }
+    Ok(values)
+}
+
+/// The number in `sensor_gyro#1` or `IMU[1]`, from 0.
+#[must_use]
+pub fn number_of_imu(topic: Option<&str>) -> u32 {
+    let (_, number) = topic.unwrap_or_default().trim_end_matches(']').rsplit_once(['#', '[']).unwrap_or_default();
+    number.parse().unwrap_or(0)
+}
+
+impl ImuColumns {
+    /// The means of an axis. A temperature that is sampled at another rate is taken at the same time.
+    fn means(&self, column: Column, log: &Path) -> Result<LogMeans> {
+        let rate_hz = column.rate_hz;
+        let samples = values(column, log)?;
+        let mut means = MeansBuilder::new(samples.len(), rate_hz);
+        let is_same = self.temps_c.len() == samples.len();
+        let per_sample = self.temps_hz / rate_hz;
+        for (index, sample) in samples.into_iter().enumerate() {
+            let at = if is_same { index } else { ((index as f64 + 0.5) * per_sample) as usize };
+            means.push(sample, self.temps_c.get(at).copied().unwrap_or(f64::NAN));
+        }
+        Ok(means.finish())
+    }
+}
+
+/// The curve of an axis, as numbers, as a function and as points of pictures.
+pub type FittedAxis = (AxisCurve, LogCurve, Points);
+
+impl Sensor {
+    /// The curves of the axes. They share what they tell about the lag.
+    ///
+    /// # Errors
+    /// Returns a refusal if the logs cannot give curves.
+    pub fn fitted(self, reference_c: Option<f64>) -> std::result::Result<Vec<FittedAxis>, CurveRefusal> {
+        check(self.axes.iter().map(|axis| &axis.logs[..]))?;
+        let records = on_threads(&self.axes, |axis| AxisRecord::new(axis.logs.clone()));
+        let records = records.into_iter().collect::<std::result::Result<Vec<AxisRecord>, ThermalError>>()?;
+        let indices: Vec<usize> = (0..records.len()).collect();
+        let curves = on_threads(&indices, |index| {
+            let others = records.iter().enumerate().filter(|(other, _)| other != index);
+            records[*index].curve(&others.map(|(_, other)| other.lag()).collect::<Vec<&LagLikelihood>>())
+        });
+        let mut all = Vec::new();
+        for ((axis, record), curve) in self.axes.iter().zip(&records).zip(curves) {
+            let curve = curve?;
+            let (sensor, name, kind, device_id) = (&*self.name, &*axis.name, self.kind, self.device_id);
+            let imu = number_of_imu(self.topic.as_deref());
+            let mut found = AxisCurve::new(&Measured { sensor, name, kind, reference_c, imu, device_id }, &curve);
+            found.warnings = curve.warnings(record.logs(), found.unit).iter().map(CurveWarning::coded).collect();
+            let points = Points::new(&curve, record.logs(), &found);
+            all.push((found, curve, points));
+        }
+        Ok(all)
+    }
+}
+
+/// The result of a function for each item, on as many threads as there are items.
+#[cfg(not(target_arch = "wasm32"))]
+fn on_threads<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    use std::thread;
+    let of = &of;
+    thread::scope(|scope| {
+        let running: Vec<_> = items.iter().map(|item| scope.spawn(move || of(item))).collect();
+        let join = |thread: thread::ScopedJoinHandle<'_, R>| match thread.join() {
+            Ok(result) => result,
+            Err(panic) => std::panic::resume_unwind(panic),
+        };
+        running.into_iter().map(join).collect()
+    })
+}
+
+/// The result of a function for each item. A browser has no threads.
+#[cfg(target_arch = "wasm32")]
+fn on_threads<T, R>(items: &[T], of: impl Fn(&T) -> R) -> Vec<R> {
+    items.iter().map(of).collect()
+}
