@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use zerorate::calibration::FileWarning;
 use zerorate::chamber::ChamberRefusal;
 use zerorate::health::Flags;
+use zerorate::temperature::curve::{CurveRefusal, CurveWarning};
 use zerorate::{Deviation, Finding, Refusal, Setting, Tone, Warning, Wording};
 use zerorate_allan::{AllanWarning, Cause, Misfit, MotionKind, Noise, PoolError, SettingName};
 use zerorate_host::SourceWarning;
@@ -29,7 +30,7 @@ fn every_code_has_a_section_and_every_section_a_code() {
 }
 
 fn warnings() -> BTreeSet<String> {
-    let of_core = Warning::codes().chain(Deviation::codes()).chain(FileWarning::codes());
+    let of_core = Warning::codes().chain(Deviation::codes()).chain(FileWarning::codes()).chain(CurveWarning::codes());
     let of_logs = AllanWarning::codes().chain(LogWarning::codes()).chain(ImuWarning::codes());
     let of_devices = InputWarning::codes()
         .into_iter()
@@ -43,7 +44,8 @@ fn warnings() -> BTreeSet<String> {
 fn refusals() -> BTreeSet<String> {
     let doubts = [Rejection::NoModel(String::new()), Rejection::Rejected(0.5)].map(|doubt| doubt.code());
     let no_pool = NoPool::NoCommonModel(PoolError::NothingInCommon).code();
-    let of_core = Refusal::codes().chain(Deviation::codes()).chain(ChamberRefusal::codes());
+    let of_core =
+        Refusal::codes().chain(Deviation::codes()).chain(ChamberRefusal::codes()).chain(CurveRefusal::codes());
     let of_enums = of_core.chain(doubts).chain(no_pool).map(str::to_owned);
     of_enums.chain(made_with(&["CodedRefusal::new(", "LogError::Refused("], &["moving", "times-uneven"])).collect()
 }
@@ -77,8 +79,18 @@ fn lines() -> Vec<String> {
     let captures = of_captures().into_iter().map(|one| one.coded());
     let sources = of_sources().into_iter().map(|one| one.coded());
     let imu = of_imu().into_iter().map(|one| one.coded());
+    let curves = of_curves().into_iter().map(|one| one.coded());
     let of_core = core.chain([format!("{}: {file}", file.code())]).chain(noise);
-    of_core.chain(exports).chain(sessions).chain(jobs).chain(logs).chain(captures).chain(sources).chain(imu).collect()
+    of_core
+        .chain(exports)
+        .chain(sessions)
+        .chain(jobs)
+        .chain(logs)
+        .chain(captures)
+        .chain(sources)
+        .chain(imu)
+        .chain(curves)
+        .collect()
 }
 
 /// The options of the command line.
@@ -102,6 +114,20 @@ fn options(warning: &AllanWarning) -> &'static str {
         AllanWarning::FollowsTemperature { .. } => " (--detrend temp, --skip)",
         _ => "",
     }
+}
+
+fn of_curves() -> Vec<CurveWarning> {
+    let unit = "m/s²";
+    vec![
+        CurveWarning::Unrelated,
+        CurveWarning::CoarseThermometer { step_c: 0.25 },
+        CurveWarning::StuckThermometer { stuck_s: 1234.0 },
+        CurveWarning::Moved { from_s: 1234.0, to_s: 2345.0, times: 12 },
+        CurveWarning::OneDirection,
+        CurveWarning::StillFollowing { unsettled: 0.0123, unit },
+        CurveWarning::Jumped { jumps: 12, largest: 0.0123, unit },
+        CurveWarning::BeyondCubic { left: 0.0123, unit },
+    ]
 }
 
 fn of_measurement() -> Vec<Warning> {

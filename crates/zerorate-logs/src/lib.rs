@@ -57,8 +57,8 @@ mod only;
 mod open;
 mod options;
 mod order;
-#[cfg(feature = "parquet")]
 mod parameters;
+#[cfg(feature = "parquet")]
 mod parquet;
 mod parts;
 mod query;

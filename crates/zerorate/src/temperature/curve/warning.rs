@@ -46,7 +46,7 @@ rows!(match CurveWarning {
         text: format_args!("the sensor moves from {from_s:.0} s to {to_s:.0} s ({times} times), which is left out"),
     },
     Self::OneDirection => Row {
-        code: "hysteresis-unseen",
+        code: "one-branch",
         text: format_args!("the logs only warm or only cool, so hysteresis is not in the band"),
     },
     Self::StillFollowing { unsettled, unit } => Row {
