@@ -111,8 +111,9 @@ pub fn run(args: &TempcalArgs) -> Result<()> {
         reference_c: args.reference_c,
     };
     let found = tempcal(&args.logs, &options)?;
+    let text = args.output.as_ref().map(|_| self::text(args, &found)).transpose()?;
     let drawn = pictures.write(|| over_temperature(&found.axes.iter().zip(&found.points).collect::<Vec<_>>()));
-    let written = drawn.and_then(|()| write(args, &found, page, file));
+    let written = drawn.and_then(|()| write(args, &found, page, file.zip(text)));
     let Tempcal { axes, notes, .. } = &found;
     let printed = if args.json { print_json(&Report { axes, warnings: notes }) } else { print_lines(&table(axes)) };
     warn(&[&notes[..], &of_axes(axes)].concat());
@@ -140,21 +141,27 @@ fn of_axes(axes: &[AxisCurve]) -> Vec<String> {
     lines.into_iter().map(worded).collect()
 }
 
+/// The content of the file.
+fn text(args: &TempcalArgs, found: &Tempcal) -> Result<String> {
+    Ok(match args.format {
+        Form::Csv => csv(&found.axes),
+        Form::Px4 => px4(&found.axes).map_err(|why| Usage(why.0))?,
+        Form::Ardupilot => ardupilot(&found.axes).map_err(|why| Usage(why.0))?,
+        Form::Toml => found.calibration(PART, args.serial.clone(), &args.logs)?.to_toml(),
+    })
+}
+
 /// Writes the page and the file.
-fn write(args: &TempcalArgs, found: &Tempcal, page: Option<StagedOutput>, file: Option<StagedOutput>) -> Result<()> {
+fn write(
+    args: &TempcalArgs,
+    found: &Tempcal,
+    page: Option<StagedOutput>,
+    file: Option<(StagedOutput, String)>,
+) -> Result<()> {
     if let Some(page) = page {
         page.fill(self::page(args, &found.axes, &found.points, &found.notes)?.as_bytes())?;
     }
-    if let Some(file) = file {
-        let text = match args.format {
-            Form::Csv => csv(&found.axes),
-            Form::Px4 => px4(&found.axes).map_err(|why| Usage(why.0))?,
-            Form::Ardupilot => ardupilot(&found.axes).map_err(|why| Usage(why.0))?,
-            Form::Toml => found.calibration(PART, args.serial.clone(), &args.logs)?.to_toml(),
-        };
-        file.fill(text.as_bytes())?;
-    }
-    Ok(())
+    file.map_or(Ok(()), |(file, text)| Ok(file.fill(text.as_bytes())?))
 }
 
 fn page(args: &TempcalArgs, axes: &[AxisCurve], points: &[Points], warnings: &[String]) -> Result<String> {

@@ -37,10 +37,10 @@ fn parameters(text: &str, read: impl Fn(&str) -> (String, f32)) -> BTreeMap<Stri
 }
 
 /// Rows of QGroundControl: vehicle, component, name, value and type, between tabs.
-fn of_px4(text: &str) -> BTreeMap<String, f32> {
+pub fn of_px4(text: &str) -> BTreeMap<String, f32> {
     parameters(text, |line| match line.split('\t').collect::<Vec<_>>()[..] {
         ["1", "1", name, value, kind] => {
-            let whole = matches!(name, "TC_G_ENABLE") || name.ends_with("_ID");
+            let whole = name.ends_with("_ENABLE") || name.ends_with("_ID");
             assert_eq!(kind, if whole { "6" } else { "9" }, "MAV_PARAM_TYPE of {name}");
             (name.to_owned(), value.parse().unwrap())
         }
@@ -49,7 +49,7 @@ fn of_px4(text: &str) -> BTreeMap<String, f32> {
 }
 
 /// Rows of Mission Planner and MAVProxy: name and value.
-fn of_ardupilot(text: &str) -> BTreeMap<String, f32> {
+pub fn of_ardupilot(text: &str) -> BTreeMap<String, f32> {
     parameters(text, |line| {
         let (name, value) = line.split_once(',').unwrap();
         assert!(name.len() <= 16, "{name} is no name of MAVLink");

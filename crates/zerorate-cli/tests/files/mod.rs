@@ -23,6 +23,7 @@ mod missing;
 mod noise_models;
 mod outputs;
 mod report;
+mod tempcal;
 mod temperature;
 mod verify;
 

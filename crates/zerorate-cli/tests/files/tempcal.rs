@@ -1,0 +1,268 @@
+//! `zerorate tempcal`: curves over temperature of logs whose bias is known, and parameters of flight controllers,
+//! evaluated by the formulas of their firmware.
+
+use super::autopilot::{of_ardupilot, of_px4};
+use super::{Bench, white};
+use serde_json::Value;
+use std::fmt::Write;
+
+const RATE_HZ: f64 = 20.0;
+const ROWS: usize = 24_000;
+/// Standard deviation of a sample, °/s.
+const SIGMA: f64 = 0.01;
+/// What the sensor sees at rest: gravity along z, m/s².
+const GRAVITY: [f64; 3] = [0.0, 0.0, 9.806_65];
+
+/// Terms of the bias over (T − 25 °C)/20 °C, in °/s and m/s².
+const GYRO: [[f64; 4]; 3] = [[0.5, 0.4, -0.08, 0.03], [-0.2, -0.3, 0.06, 0.02], [0.1, 0.05, 0.04, -0.03]];
+const ACCEL: [[f64; 4]; 3] = [[0.0, 0.05, 0.01, 0.004], [0.0, -0.03, 0.01, 0.0], [0.0, 0.02, -0.01, 0.003]];
+
+fn bias(terms: &[f64; 4], temp_c: f64) -> f64 {
+    let d = (temp_c - 25.0) / 20.0;
+    terms.iter().rev().fold(0.0, |sum, term| sum * d + term)
+}
+
+/// A reading: temperature, °C, rates, °/s, and accelerations, m/s².
+struct Reading {
+    at_s: f64,
+    temp_c: f64,
+    rates: [f64; 3],
+    accelerations: [f64; 3],
+}
+
+/// Twenty minutes of warming from 8 °C.
+fn readings() -> Vec<Reading> {
+    let noise = white(6 * ROWS, 1.0, 5);
+    let reading = |(row, noise): (usize, &[f64; 6])| {
+        let at_s = row as f64 / RATE_HZ;
+        let temp_c = 8.0 + 35.0 * (1.0 - (-at_s / 400.0).exp()) + 0.3 * (at_s / 100.0).sin();
+        let of = |terms: &[[f64; 4]; 3], sigma: f64, first: usize| {
+            [0, 1, 2].map(|axis| bias(&terms[axis], temp_c) + sigma * noise[first + axis])
+        };
+        let accelerations = of(&ACCEL, SIGMA, 3);
+        let accelerations = [0, 1, 2].map(|axis| accelerations[axis] + GRAVITY[axis]);
+        Reading { at_s, temp_c, rates: of(&GYRO, SIGMA, 0), accelerations }
+    };
+    noise.as_chunks::<6>().0.iter().enumerate().map(reading).collect()
+}
+
+fn csv(temp_name: &str, temp: impl Fn(f64) -> f64) -> String {
+    let mut text = format!("t_s,gx_dps,gy_dps,gz_dps,ax [m/s^2],ay [m/s^2],az [m/s^2],{temp_name}\n");
+    for Reading { at_s, temp_c, rates: [gx, gy, gz], accelerations: [ax, ay, az] } in readings() {
+        let temp = temp(temp_c);
+        let _ = writeln!(text, "{at_s:.3},{gx:.6},{gy:.6},{gz:.6},{ax:.6},{ay:.6},{az:.6},{temp:.3}");
+    }
+    text
+}
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.write("log.csv", csv("temp_c", |temp_c| temp_c));
+    bench
+}
+
+#[test]
+fn the_curves_of_a_table_are_the_true_ones() {
+    let bench = bench();
+    let found = bench.zerorate("tempcal log.csv --json").json();
+    let axes = found["axes"].as_array().unwrap();
+    assert_eq!(axes.len(), 6);
+    for (axis, terms) in axes.iter().zip(GYRO.iter().chain(&ACCEL)) {
+        let is_gyro = axis["kind"] == "gyroscope";
+        let (bias_key, u_key) = if is_gyro { ("bias_dps", "u_dps") } else { ("bias_mps2", "u_mps2") };
+        let points = axis["curve"].as_array().unwrap();
+        assert!(points.len() >= 9);
+        for point in points {
+            let number = |key: &str| point[key].as_f64().unwrap();
+            // of an accelerometer, the change from the reference temperature
+            let truth = bias(terms, number("temp_c")) - if is_gyro { 0.0 } else { bias(terms, 25.0) };
+            let off = (number(bias_key) - truth).abs();
+            assert!(off < 4.0 * number(u_key) + 1e-5 && off < 0.005, "{}: {point} {truth}", axis["name"]);
+        }
+        let number = |key: &str| axis[key].as_f64().unwrap();
+        assert!(number("after") < 0.2 * number("before") && number("lag_s") < 2.0, "{axis}");
+        assert_eq!((number("reference_c"), &axis["hysteresis"]), (25.0, &Value::Null));
+        assert!(
+            axis["warnings"].as_array().unwrap().iter().any(|line| line.as_str().unwrap().starts_with("one-branch"))
+        );
+    }
+    bench.zerorate("tempcal log.csv").ended_with(0).saying(&["warning: one-branch: all axes"]);
+}
+
+#[test]
+fn every_file_is_written_and_the_calibration_is_exported() {
+    let bench = bench();
+    let line = "tempcal log.csv --serial SN7 -o unit.toml --plot curve.svg --report page.html";
+    bench.zerorate(line).ended_with(0).saying(&["wrote unit.toml"]);
+    let text = |name: &str| std::fs::read_to_string(bench.path(name)).unwrap();
+    assert!(text("curve.svg").contains("Bias over temperature") && text("page.html").contains("gx_dps"));
+    assert!(text("unit.toml").contains("serial = \"SN7\""));
+    let exported = bench.zerorate("export unit.toml --format json").json();
+    for (axis, terms) in exported["axes"].as_array().unwrap().iter().zip(&GYRO) {
+        assert!((axis["pbc_dps"].as_f64().unwrap() + terms[0]).abs() < 0.002, "{axis}");
+        assert!((axis["btc_dps_per_c"].as_f64().unwrap() + terms[1] / 20.0).abs() < 0.0003, "{axis}");
+    }
+    bench.zerorate("tempcal log.csv --format csv -o curve.csv").ended_with(0);
+    assert!(text("curve.csv").starts_with("axis,unit,temp_c,bias,u\ngx_dps,°/s,8."));
+    assert!(bench.zerorate(line).fails(2).contains("exists"));
+}
+
+#[test]
+fn what_cannot_give_a_curve_is_refused_or_asked() {
+    let bench = Bench::new();
+    bench.write("still.csv", csv("temp_c", |temp_c| 25.0 + (temp_c - 25.0) / 20.0));
+    assert!(bench.zerorate("tempcal still.csv -o unit.toml").fails(3).contains("code: small-span"));
+    assert!(!bench.path("unit.toml").exists());
+    bench.write("kelvin.csv", csv("temperature", |temp_c| temp_c + 273.15));
+    assert!(bench.zerorate("tempcal kelvin.csv").fails(2).contains("looks like kelvins"));
+    bench.write("none.csv", csv("pressure_pa", |temp_c| temp_c));
+    let asked = bench.zerorate("tempcal none.csv").fails(2);
+    assert!(asked.contains("has no temperature") && asked.contains("--temp-column"), "{asked}");
+    bench.zerorate("tempcal none.csv --temp-column pressure_pa").ended_with(0);
+    assert!(
+        bench.zerorate("tempcal none.csv --temp-column pressure_pa --format px4 -o p").fails(2).contains("device_id")
+    );
+}
+
+#[test]
+fn logs_of_one_unit_are_fitted_together() {
+    let bench = bench();
+    let found = bench.zerorate("tempcal log.csv log.csv --json").json();
+    assert!(found["axes"][0]["spread_of_starts"].as_f64().unwrap() < 0.01, "{}", found["axes"][0]["spread_of_starts"]);
+    bench.write("other.csv", csv("temp_c", |temp_c| temp_c).replace("g", "w"));
+    assert!(bench.zerorate("tempcal log.csv other.csv").fails(2).contains("give logs of the same unit"));
+}
+
+/// Messages of DataFlash: FMT, PARM and IMU of two sensors, of which the first was corrected and both were turned.
+fn dataflash() -> Vec<u8> {
+    let mut log = Vec::new();
+    let form = |log: &mut Vec<u8>, id: u8, length: usize, name: &str, letters: &str, labels: &str| {
+        log.extend([0xA3, 0x95, 0x80, id, length as u8]);
+        for (text, size) in [(name, 4), (letters, 16), (labels, 64)] {
+            log.extend(text.bytes().chain(std::iter::repeat(0)).take(size));
+        }
+    };
+    form(&mut log, 64, 3 + 8 + 16 + 4, "PARM", "QNf", "TimeUS,Name,Value");
+    form(&mut log, 65, 3 + 8 + 1 + 28, "IMU", "QBfffffff", "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,T");
+    for (name, value) in PARAMETERS {
+        log.extend([0xA3, 0x95, 64]);
+        log.extend(1000_u64.to_le_bytes());
+        log.extend(name.bytes().chain(std::iter::repeat(0)).take(16));
+        log.extend(value.to_le_bytes());
+    }
+    for Reading { at_s, temp_c, rates, accelerations } in readings() {
+        for imu in 0..2_u8 {
+            let mut rates = rates.map(f64::to_radians);
+            if imu == 0 {
+                rates[0] -= corrected_before(temp_c);
+            }
+            // turned by 180° about x, as AHRS_ORIENTATION 8 says
+            let turned = |[x, y, z]: [f64; 3]| [x, -y, -z];
+            log.extend([0xA3, 0x95, 65]);
+            log.extend(((at_s * 1e6) as u64).to_le_bytes());
+            log.push(imu);
+            let values = turned(rates).into_iter().chain(turned(accelerations)).chain([temp_c]);
+            values.for_each(|value| log.extend((value as f32).to_le_bytes()));
+        }
+    }
+    log
+}
+
+const PARAMETERS: [(&str, f32); 6] = [
+    ("AHRS_ORIENTATION", 8.0),
+    ("INS_TCAL1_ENABLE", 1.0),
+    ("INS_TCAL1_TMIN", 10.0),
+    ("INS_TCAL1_TMAX", 40.0),
+    ("INS_TCAL1_GYR1_X", 300.0),
+    ("INS_GYR1_CALTEMP", 20.0),
+];
+
+/// What these parameters subtract from the rate about x, rad/s.
+fn corrected_before(temp_c: f64) -> f64 {
+    300e-6 * (temp_c.clamp(10.0, 40.0) - 20.0)
+}
+
+#[test]
+fn the_parameters_of_ardupilot_remove_the_bias_of_all_sensors() {
+    let bench = Bench::new();
+    bench.write("log.bin", dataflash());
+    bench.zerorate("tempcal log.bin --format ardupilot -o tcal.parm").ended_with(0).saying(&["wrote tcal.parm"]);
+    let of = of_ardupilot(&std::fs::read_to_string(bench.path("tcal.parm")).unwrap());
+    for (imu, (kind, truth)) in (1..3).flat_map(|imu| [("GYR", &GYRO), ("ACC", &ACCEL)].map(|of| (imu, of))) {
+        let tcal = |name: &str| of[&format!("INS_TCAL{imu}_{name}")];
+        let per_unit = if kind == "GYR" { 1_f64.to_radians() } else { 1.0 };
+        for (axis, terms) in ["X", "Y", "Z"].iter().zip(truth) {
+            // AP_InertialSensor_tempcal.cpp, polynomial_eval: no constant, about 35 °C, in millionths
+            let poly = |temp_c: f64| {
+                let d = temp_c as f32 - 35.0;
+                let of = |order: u32| tcal(&format!("{kind}{order}_{axis}"));
+                f64::from((of(1) + (of(2) + of(3) * d) * d) * d * 1.0e-6)
+            };
+            for temp_c in [10.0, 20.0, 30.0, 40.0] {
+                let change = (bias(terms, temp_c) - bias(terms, 35.0)) * per_unit;
+                let off = (poly(temp_c) - change).abs() / per_unit;
+                assert!(off < 0.004, "IMU {imu} {kind} {axis} at {temp_c}: {off}");
+            }
+        }
+        assert!((8.0..8.5).contains(&tcal("TMIN")) && (40.0..43.0).contains(&tcal("TMAX")), "{of:?}");
+    }
+}
+
+/// A log of PX4 with two gyroscopes and an accelerometer.
+fn ulog() -> Vec<u8> {
+    let message = |log: &mut Vec<u8>, kind: u8, body: &[u8]| {
+        log.extend((body.len() as u16).to_le_bytes());
+        log.push(kind);
+        log.extend(body);
+    };
+    let mut log = b"\x55\x4c\x6f\x67\x01\x12\x35\x01".to_vec();
+    log.extend(0_u64.to_le_bytes());
+    let fields =
+        "uint64_t timestamp;uint64_t timestamp_sample;uint32_t device_id;float x;float y;float z;float temperature;";
+    for name in ["sensor_gyro", "sensor_accel"] {
+        message(&mut log, b'F', format!("{name}:{fields}").as_bytes());
+    }
+    let topics = [("sensor_gyro", 0_u8), ("sensor_gyro", 1), ("sensor_accel", 0)];
+    for (id, (name, instance)) in (0_u16..).zip(topics) {
+        let head = [&[instance][..], &id.to_le_bytes(), name.as_bytes()].concat();
+        message(&mut log, b'A', &head);
+    }
+    for Reading { at_s, temp_c, rates, accelerations } in readings() {
+        for (id, (name, _)) in (0_u16..).zip(topics) {
+            let stamp = (at_s * 1e6) as u64;
+            let mut body = [&id.to_le_bytes()[..], &stamp.to_le_bytes(), &stamp.to_le_bytes()].concat();
+            body.extend((1_310_988 + u32::from(id)).to_le_bytes());
+            let values = if name == "sensor_gyro" { rates.map(f64::to_radians) } else { accelerations };
+            values.into_iter().chain([temp_c]).for_each(|value| body.extend((value as f32).to_le_bytes()));
+            message(&mut log, b'D', &body);
+        }
+    }
+    log
+}
+
+#[test]
+fn the_parameters_of_px4_remove_the_bias_of_all_sensors() {
+    let bench = Bench::new();
+    bench.write("log.ulg", ulog());
+    bench.zerorate("tempcal log.ulg --format px4 -o tc.params").ended_with(0);
+    let of = of_px4(&std::fs::read_to_string(bench.path("tc.params")).unwrap());
+    assert_eq!((of["TC_G_ENABLE"], of["TC_A_ENABLE"], of["TC_G1_ID"]), (1.0, 1.0, 1_310_989.0));
+    for (sensor, truth) in [("G0", &GYRO), ("G1", &GYRO), ("A0", &ACCEL)] {
+        let tc = |name: &str| of[&format!("TC_{sensor}_{name}")];
+        let is_gyro = sensor.starts_with('G');
+        let per_unit = if is_gyro { 1_f64.to_radians() } else { 1.0 };
+        for (axis, terms) in truth.iter().enumerate() {
+            // TemperatureCompensation.cpp, calc_thermal_offsets_3D
+            let offset = |temp_c: f64| {
+                let d = temp_c as f32 - tc("TREF");
+                let x = |order: u32| tc(&format!("X{order}_{axis}"));
+                f64::from(x(0) + x(1) * d + x(2) * d * d + x(3) * d * d * d)
+            };
+            let level = if is_gyro { 0.0 } else { offset(25.0) - bias(terms, 25.0) };
+            for temp_c in [10.0, 20.0, 30.0, 40.0] {
+                let off = (offset(temp_c) - level - bias(terms, temp_c) * per_unit).abs() / per_unit;
+                assert!(off < 0.004, "{sensor} {axis} at {temp_c}: {off}");
+            }
+        }
+    }
+}
