@@ -13,6 +13,7 @@ mod bridge;
 mod c;
 mod coverage;
 mod coverage_allan;
+mod coverage_tempcal;
 mod dist;
 mod endurance;
 mod firmware;
@@ -55,6 +56,8 @@ enum Task {
     Tracking(tracking::TrackingArgs),
     /// Simulate records at rest and compare the fitted noise coefficients with their truth
     CoverageAllan(coverage_allan::CoverageAllanArgs),
+    /// Simulate logs of gyroscopes that warm, and compare their curves over temperature with the truth
+    CoverageTempcal(coverage_tempcal::CoverageTempcalArgs),
     /// Time the Allan deviation beside its peers, which it installs, and print ratios
     BenchPeers(bench_peers::BenchPeersArgs),
     /// Serve the twin to 20 pages and 4 clients of libiio while it is recorded, and print what that costs
@@ -157,6 +160,7 @@ fn main() -> ExitCode {
         Task::Methods(args) => methods::run(&args),
         Task::Tracking(args) => tracking::run(&args),
         Task::CoverageAllan(args) => coverage_allan::run(&args),
+        Task::CoverageTempcal(args) => coverage_tempcal::run(&args),
         Task::BenchPeers(args) => bench_peers::run(&args),
         Task::BenchServe(args) => bench_serve::run(&args),
         Task::BenchWeb => bench_web::run(),

@@ -8,11 +8,12 @@ use std::path::PathBuf;
 use std::process::Command;
 
 /// The tasks, each with a description. A test of the lab compares this table with its command line.
-pub const TASKS: [(&str, &str); 19] = [
+pub const TASKS: [(&str, &str); 20] = [
     ("coverage", "Calibrate many units of the twin and compare the stated uncertainties with their truth"),
     ("methods", "Calibrate many units by every method, compare all with their truth, and write the page"),
     ("tracking", "Track many units of the twin for a day in four worlds, and print the table of docs/tracking.md"),
     ("coverage-allan", "Simulate records at rest and compare the fitted noise coefficients with their truth"),
+    ("coverage-tempcal", "Simulate logs of gyroscopes that warm, and compare their curves with the truth"),
     ("bench-peers", "Time the Allan deviation beside its peers, which it installs, and print ratios"),
     ("bench-serve", "Serve the twin to 20 pages and 4 clients of libiio while it is recorded, and print the cost"),
     ("bench-web", "Time the core in WebAssembly beside the program, and the page's first picture"),

@@ -1,0 +1,235 @@
+//! `cargo xtask coverage-tempcal`: simulates logs of gyroscopes that warm, and compares their curves with the truth.
+
+use crate::residuals::rms;
+use crate::seeds::{self, for_each_seed};
+use anyhow::{Context, anyhow};
+use rand::rngs::SmallRng;
+use rand::{RngExt, SeedableRng};
+use rand_distr::{Distribution, StandardNormal};
+use std::ops::RangeInclusive;
+use std::time::Instant;
+use zerorate::temperature::curve::{AxisRecord, LagLikelihood, LogCurve, LogMeans, MeansBuilder};
+use zerorate_allan::linear::Cholesky;
+
+/// Command line of `cargo xtask coverage-tempcal`.
+#[derive(clap::Args)]
+pub struct CoverageTempcalArgs {
+    /// Logs of each kind, by their seeds, both ends included
+    #[arg(long, default_value = "1..30", value_parser = seeds::parse, value_name = "A..B")]
+    seeds: RangeInclusive<u64>,
+    /// Logs at once
+    #[arg(long, default_value_t = std::thread::available_parallelism().map_or(1, usize::from))]
+    threads: usize,
+}
+
+const RATE_HZ: f64 = 50.0;
+const AXES: usize = 3;
+/// Standard deviations of the terms over (T − 25 °C)/20 °C, °/s.
+const TERMS_DPS: [f64; 4] = [1.0, 0.4, 0.08, 0.03];
+/// The same of the terms of order 4 and 5 of a hard bias.
+const HARD_DPS: f64 = 0.02;
+const N: f64 = 0.003 / std::f64::consts::SQRT_2;
+const K: f64 = 1e-4;
+/// Gauss–Markov processes that make the flicker: standard deviation, °/s, and correlation times, s.
+const FLICKER_DPS: f64 = 0.0006;
+const FLICKER_S: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
+const TEMP_NOISE_C: f64 = 0.02;
+const LSB_PER_DPS: f64 = 131.0;
+const LSB_PER_C: f64 = 340.0;
+
+/// A kind of log.
+struct Kind {
+    name: &'static str,
+    is_hard: bool,
+    /// Longest lag, s; each log draws its own from 0, or has this one.
+    lag_s: f64,
+    draws_lag: bool,
+    /// Half width of the play, °C, of which each log draws a share.
+    play_c: f64,
+    cools: bool,
+}
+
+const KINDS: [Kind; 5] = [
+    Kind { name: "cubic, no lag", is_hard: false, lag_s: 0.0, draws_lag: false, play_c: 0.0, cools: false },
+    Kind { name: "order 5, no lag", is_hard: true, lag_s: 0.0, draws_lag: false, play_c: 0.0, cools: false },
+    Kind { name: "cubic, lag of 60 s", is_hard: false, lag_s: 60.0, draws_lag: false, play_c: 0.0, cools: false },
+    Kind {
+        name: "cubic, lag of 0 to 150 s",
+        is_hard: false,
+        lag_s: 150.0,
+        draws_lag: true,
+        play_c: 0.0,
+        cools: false,
+    },
+    Kind {
+        name: "the same with play of 0 to 2 °C, warming and cooling",
+        is_hard: false,
+        lag_s: 150.0,
+        draws_lag: true,
+        play_c: 2.0,
+        cools: true,
+    },
+];
+
+/// Root mean squares of one axis, the mean taken out, and the ratios of errors to the stated uncertainty.
+struct AxisErrors {
+    cubic: f64,
+    quintic: f64,
+    curve: f64,
+    ratios: Vec<f64>,
+    elapsed_s: f64,
+}
+
+/// Temperatures at which curves are compared, °C.
+fn temps_c() -> impl Iterator<Item = f64> + Clone {
+    (0..60).map(|k| 6.0 + 37.0 * f64::from(k) / 59.0)
+}
+
+/// Prints the table of docs/reference/temperature.md.
+pub fn run(args: &CoverageTempcalArgs) -> anyhow::Result<()> {
+    println!("| log | order 3 | order 5 | curve | to order 3 | to order 5 | inside 95 % | rms(error/u) | s per log |");
+    println!("|---|---|---|---|---|---|---|---|---|");
+    for kind in &KINDS {
+        let logs = for_each_seed(&args.seeds, args.threads, |seed| errors(kind, seed))?;
+        let axes: Vec<&AxisErrors> = logs.iter().flatten().collect();
+        let of = |error: fn(&AxisErrors) -> f64| rms(axes.iter().map(|axis| error(axis)));
+        let [cubic, quintic, curve] = [of(|axis| axis.cubic), of(|axis| axis.quintic), of(|axis| axis.curve)];
+        let ratios = || axes.iter().flat_map(|axis| &axis.ratios);
+        let inside = ratios().filter(|ratio| ratio.abs() < 1.96).count() as f64 / ratios().count() as f64;
+        let elapsed_s = axes.iter().map(|axis| axis.elapsed_s).sum::<f64>() / logs.len() as f64;
+        println!(
+            "| {} | {cubic:.5} | {quintic:.5} | {curve:.5} | {:.2} | {:.2} | {:.1} % | {:.2} | {elapsed_s:.2} |",
+            kind.name,
+            curve / cubic,
+            curve / quintic,
+            100.0 * inside,
+            rms(ratios().copied())
+        );
+    }
+    Ok(())
+}
+
+/// A log: temperatures as read, rates of each axis, and the terms of the true bias.
+struct Log {
+    temps_c: Vec<f64>,
+    rates_dps: [Vec<f64>; AXES],
+    terms_dps: [[f64; 6]; AXES],
+}
+
+fn bias_dps(terms: &[f64; 6], temp_c: f64) -> f64 {
+    let d = (temp_c - 25.0) / 20.0;
+    terms.iter().rev().fold(0.0, |sum, term| sum * d + term)
+}
+
+/// The temperature of the sensor: 45 minutes of warming, and as long of cooling.
+fn course_c(at_s: f64) -> f64 {
+    let warm = |at_s: f64| 5.0 + 40.0 * (1.0 - (-at_s / 800.0).exp());
+    let turn_s = 2700.0;
+    let course =
+        if at_s < turn_s { warm(at_s) } else { 5.0 + (warm(turn_s) - 5.0) * (-(at_s - turn_s) / 900.0).exp() };
+    course + 0.3 * (at_s / 200.0).sin()
+}
+
+fn simulated(kind: &Kind, seed: u64) -> Log {
+    let mut random = SmallRng::seed_from_u64(seed);
+    let mut normal = |deviation: f64| -> f64 {
+        let number: f64 = StandardNormal.sample(&mut random);
+        deviation * number
+    };
+    let count = (RATE_HZ * if kind.cools { 5400.0 } else { 2700.0 }) as usize;
+    let hard = if kind.is_hard { HARD_DPS } else { 0.0 };
+    let sizes = [TERMS_DPS[0], TERMS_DPS[1], TERMS_DPS[2], TERMS_DPS[3], hard, hard];
+    let terms_dps: [[f64; 6]; AXES] = std::array::from_fn(|_| sizes.map(&mut normal));
+    let mut shares = SmallRng::seed_from_u64(!seed);
+    let mut share = || shares.random::<f64>();
+    let lag_s = kind.lag_s * if kind.draws_lag { share() } else { 1.0 };
+    let play_c = kind.play_c * share();
+    let decay = if lag_s > 0.0 { (-1.0 / RATE_HZ / lag_s).exp() } else { 0.0 };
+    let (mut late_c, mut held_c) = (course_c(0.0), course_c(0.0));
+    let (mut walks, mut flickers) = ([0.0; AXES], [[0.0; FLICKER_S.len()]; AXES]);
+    flickers.iter_mut().flatten().for_each(|state| *state = normal(FLICKER_DPS));
+    let mut log = Log { temps_c: Vec::new(), rates_dps: Default::default(), terms_dps };
+    for k in 0..count {
+        let temp_c = course_c(k as f64 / RATE_HZ);
+        late_c = temp_c + (late_c - temp_c) * decay;
+        held_c = f64::clamp(held_c, late_c - play_c, late_c + play_c);
+        log.temps_c.push(((temp_c + normal(TEMP_NOISE_C)) * LSB_PER_C).round() / LSB_PER_C);
+        for axis in 0..AXES {
+            walks[axis] += normal(K / RATE_HZ.sqrt());
+            for (state, tau_s) in flickers[axis].iter_mut().zip(FLICKER_S) {
+                let kept = (-1.0 / (RATE_HZ * tau_s)).exp();
+                *state = kept * *state + normal(FLICKER_DPS * (1.0 - kept * kept).sqrt());
+            }
+            let noise = normal(N * (RATE_HZ / 2.0).sqrt()) + walks[axis] + flickers[axis].iter().sum::<f64>();
+            let rate = bias_dps(&log.terms_dps[axis], held_c) + noise;
+            log.rates_dps[axis].push((rate * LSB_PER_DPS).round() / LSB_PER_DPS);
+        }
+    }
+    log
+}
+
+fn errors(kind: &Kind, seed: u64) -> anyhow::Result<Vec<AxisErrors>> {
+    let log = simulated(kind, seed);
+    let start = Instant::now();
+    let records = log.rates_dps.iter().map(|rates_dps| AxisRecord::new(vec![means(&log.temps_c, rates_dps)]));
+    let failed = |error| anyhow!("{error:?}");
+    let records = records.collect::<Result<Vec<_>, _>>().map_err(failed)?;
+    let curve = |index: usize| {
+        let others: Vec<&LagLikelihood> =
+            records.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| other.lag()).collect();
+        records[index].curve(&others)
+    };
+    let curves = (0..AXES).map(curve).collect::<Result<Vec<LogCurve>, _>>().map_err(failed)?;
+    let elapsed_s = start.elapsed().as_secs_f64() / AXES as f64;
+    let of_axis = |(axis, curve): (usize, &LogCurve)| {
+        let truth = |temp_c: f64| bias_dps(&log.terms_dps[axis], temp_c);
+        let points = points(&log.temps_c, &log.rates_dps[axis]);
+        let error = |order: usize| {
+            let terms = polynomial(&points, order)?;
+            let at = |temp_c: f64| terms.iter().rev().fold(0.0, |sum, term| sum * (temp_c - 25.0) + term);
+            Some(without_mean(temps_c().map(|temp_c| at(temp_c) - truth(temp_c))))
+        };
+        let off = |temp_c: f64| curve.at(temp_c) - truth(temp_c);
+        Ok(AxisErrors {
+            cubic: error(3).context("no polynomial")?,
+            quintic: error(5).context("no polynomial")?,
+            curve: without_mean(temps_c().map(off)),
+            ratios: temps_c().step_by(6).map(|temp_c| off(temp_c) / curve.u_at(temp_c)).collect(),
+            elapsed_s,
+        })
+    };
+    curves.iter().enumerate().map(of_axis).collect()
+}
+
+fn means(temps_c: &[f64], rates_dps: &[f64]) -> LogMeans {
+    let mut means = MeansBuilder::new(rates_dps.len(), RATE_HZ);
+    rates_dps.iter().zip(temps_c).for_each(|(rate_dps, temp_c)| means.push(*rate_dps, *temp_c));
+    means.finish()
+}
+
+/// Means of 2 s, as ArduPilot's script takes them.
+fn points(temps_c: &[f64], rates_dps: &[f64]) -> Vec<(f64, f64)> {
+    let per = (2.0 * RATE_HZ) as usize;
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    temps_c
+        .chunks_exact(per)
+        .zip(rates_dps.chunks_exact(per))
+        .map(|(temps, rates)| (mean(temps), mean(rates)))
+        .collect()
+}
+
+/// The terms over T − 25 °C of the polynomial of this order by least squares.
+fn polynomial(points: &[(f64, f64)], order: usize) -> Option<Vec<f64>> {
+    let powers = |temp_c: f64| -> Vec<f64> { (0..=order).map(|k| ((temp_c - 25.0) / 20.0).powi(k as i32)).collect() };
+    let all: Vec<(Vec<f64>, f64)> = points.iter().map(|(temp_c, rate)| (powers(*temp_c), *rate)).collect();
+    let product = |i: usize, j: usize| all.iter().map(|(powers, _)| powers[i] * powers[j]).sum::<f64>();
+    let rows = (0..=order).map(|i| (0..=i).map(|j| product(i, j)).collect()).collect();
+    let right = (0..=order).map(|i| all.iter().map(|(powers, rate)| powers[i] * rate).sum::<f64>());
+    let terms = Cholesky::new(rows, 0.0)?.solve(right);
+    Some(terms.iter().enumerate().map(|(k, term)| term / 20_f64.powi(k as i32)).collect())
+}
+
+fn without_mean(errors: impl Iterator<Item = f64> + Clone) -> f64 {
+    let (sum, count) = errors.clone().fold((0.0, 0.0), |(sum, count), error| (sum + error, count + 1.0));
+    rms(errors.map(|error| error - sum / count))
+}
