@@ -98,7 +98,7 @@ pub use cut::{Cut, CutTime};
 pub use error::{LogError, Result};
 pub use forms::kind;
 pub use number::Decimal;
-pub use only::Only;
+pub use only::{Condition, Only};
 pub use options::{ColumnOptions, MAX_BAD};
 pub use parts::{Parts, read_parts, read_with_temperature, read_without_rate};
 pub use raw_type::{RawNumber, RawType};

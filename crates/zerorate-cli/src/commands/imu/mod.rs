@@ -21,7 +21,7 @@ use zerorate_imu::{
 };
 use zerorate_jobs::code_scales::CodeOptions;
 use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
-use zerorate_logs::{LogWarning, Names, Only, Setting, Unit};
+use zerorate_logs::{Condition, LogWarning, Names, Only, Setting, Unit};
 use zerorate_view::noise::axes_svg;
 use zerorate_view::report::{AllanPage, Fact, allan_page};
 
@@ -81,12 +81,13 @@ pub struct ImuArgs {
     #[arg(long, value_name = "LIST", conflicts_with = "column", help_heading = UNITS)]
     accel: Option<String>,
 
-    /// The unit of the gyroscope's columns: dps, mdps, deg/min, deg/h, rad/s, mrad/s or urad/s [default: the one that
-    /// their names state].
+    /// The unit of the gyroscope's columns: dps, mdps, deg/min, deg/h, rad/s, mrad/s, urad/s or rpm [default: the one
+    /// that their names state].
     #[arg(long, value_name = "UNIT", help_heading = UNITS)]
     gyro_unit: Option<Unit>,
 
-    /// The unit of the accelerometer's columns: m/s², g, mg or ug [default: the one that their names state].
+    /// The unit of the accelerometer's columns: m/s², g, mg, ug, cm/s² or mm/s² [default: the one that their names
+    /// state].
     #[arg(long, value_name = "UNIT", help_heading = UNITS)]
     accel_unit: Option<Unit>,
 
@@ -136,7 +137,8 @@ pub struct ImuArgs {
 impl ImuArgs {
     /// The options for one of several series. Its files are named after its value: `imu-1.yaml`.
     fn of_series(&self, only: &Only) -> Self {
-        let value = only.value.replace(|c: char| !c.is_alphanumeric(), "_");
+        let plain = |one: &Condition| one.value.replace(|c: char| !c.is_alphanumeric(), "_");
+        let value = only.conditions.iter().map(plain).collect::<Vec<_>>().join("-");
         let named = |path: &PathBuf| {
             let [stem, ending] = [path.file_stem(), path.extension()].map(|part| part.unwrap_or_default().display());
             path.with_file_name(format!("{stem}-{value}.{ending}").trim_end_matches('.'))
