@@ -60,7 +60,7 @@ pub enum AllanWarning {
 rows!(match AllanWarning {
     Self::QuantisationLimited { q, below_s } => Row {
         code: "quantisation-limited",
-        text: format_args!("quantisation hides the white noise below {below_s:.3} s; read with a finer step"),
+        text: format_args!("quantisation is as large as the white noise at {below_s:.1e} s; read with a finer step"),
     },
     Self::Drift { r, over_record } => Row {
         code: "drift",
@@ -77,7 +77,7 @@ rows!(match AllanWarning {
     Self::ManyGlitches { most } => Row {
         code: "many-glitches",
         text: format_args!(
-            "over {:.0} % of the samples stand out, so none was replaced; look for bit errors",
+            "over {:.0} % of the samples stand out, so none was replaced; motion, or bit errors?",
             most * 100.0
         ),
     },

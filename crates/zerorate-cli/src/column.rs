@@ -16,8 +16,9 @@ pub struct LogArgs {
     #[arg(long, value_name = "TOPIC", conflicts_with = "raw")]
     topic: Vec<String>,
 
-    /// Read only the rows in which a column has this value, as in SensorId=1: for a table or text with the rows of
-    /// several sensors. Each of several values gives a result of its own.
+    /// Read only the rows in which a column has this value, as in SensorId=1, or several have theirs, as in
+    /// bus=0,sensor=1: for a table or text with the rows of several sensors. Each further --where gives a result of
+    /// its own.
     #[arg(long = "where", value_name = "COLUMN=VALUE", conflicts_with = "raw")]
     pub only: Vec<Only>,
 
@@ -112,8 +113,8 @@ pub struct ColumnArgs {
     #[arg(long, value_name = "NAME|INDEX")]
     column: Option<String>,
 
-    /// The unit of the column: dps, mdps, deg/min, deg/h, rad/s, mrad/s, urad/s, m/s², g, mg or ug [default: the one
-    /// that its name states, as in gyro_z_dps or `gz [rad/s]`].
+    /// The unit of the column: dps, mdps, deg/min, deg/h, rad/s, mrad/s, urad/s, rpm, m/s², g, mg, ug, cm/s² or mm/s²
+    /// [default: the one that its name states, as in gyro_z_dps or `gz [rad/s]`].
     #[arg(long, value_name = "UNIT")]
     unit: Option<Unit>,
 

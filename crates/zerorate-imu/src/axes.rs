@@ -163,7 +163,7 @@ impl Axes {
         // the first column carries what is of the log, and need not be an axis
         let of_log = |column: &mut Column| column.warnings.extract_if(.., |warning| warning.is_of_log()).collect();
         let mut warnings: Vec<LogWarning> = columns.iter_mut().flat_map::<Vec<_>, _>(of_log).collect();
-        if options.listed().is_none() && kalibr::give_units(&mut columns) {
+        if options.columns.is_none() && kalibr::give_units(&mut columns) {
             warnings.push(LogWarning::UnitsTaken { path: path.display().to_string() });
         }
         let (mut axes, others) = Self::among(path, columns, options)?;
@@ -296,6 +296,11 @@ fn without_strangers(path: &Path, axes: &mut Vec<OfKind>, options: &ImuOptions) 
         }
     };
     let option = options.log.names.of(setting);
+    let is_twice = |at: &usize| axes[..*at].iter().any(|(_, other)| other.name == axes[*at].1.name);
+    if let Some(at) = (0..axes.len()).find(is_twice) {
+        let why = format!("{} has several columns `{}`", path.display(), axes[at].1.name);
+        return Err(LogError::Ask(format!("{why}; choose the axes of one sensor with {option}, by number from 0")));
+    }
     let what = if setting == Setting::Column { "several IMUs" } else { "columns of several sensors" };
     let question = format!("{} has {what}; choose the axes of one with {option}:", path.display());
     Err(LogError::Choose { question, table, topics: Vec::new() })

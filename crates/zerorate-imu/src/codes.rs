@@ -38,7 +38,7 @@ impl Codes {
 }
 
 /// The samples that are there.
-fn numbers(column: &Column) -> Vec<f64> {
+pub(super) fn numbers(column: &Column) -> Vec<f64> {
     match &column.series {
         Series::Codes(codes) => codes.iter().map(|code| f64::from(*code)).collect(),
         Series::Numbers(numbers) => numbers.iter().copied().filter(|number| !number.is_nan()).collect(),

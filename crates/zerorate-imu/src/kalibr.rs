@@ -13,15 +13,21 @@ const COLUMNS: [(&str, Unit); 6] = [
     ("alpha_z", Unit::MPerS2),
 ];
 
-/// Gives the columns of Kalibr's format their units, if they are all columns of a log and measure gravity in m/s².
+/// Gives the columns of Kalibr's format their units, if a log has each of them once, in any order, and they measure
+/// gravity in m/s².
 pub(super) fn give_units(columns: &mut [Column]) -> bool {
-    let fits = columns.len() == COLUMNS.len()
-        && columns.iter().zip(COLUMNS).all(|(column, (name, _))| column.name == name && column.quantity.is_none());
-    let gravity = || plausible::is_gravity(columns[3..].iter().map(|column| column.facts().mean()));
-    if !fits || !gravity() {
+    let place = |(name, _): &(&str, Unit)| {
+        let mut all = columns.iter().enumerate().filter(|(_, column)| column.name == *name);
+        let (at, column) = all.next().filter(|_| all.next().is_none())?;
+        column.quantity.is_none().then_some(at)
+    };
+    let places: Vec<usize> = COLUMNS.iter().filter_map(place).collect();
+    let gravity = || plausible::is_gravity(places[3..].iter().map(|at| columns[*at].facts().mean()));
+    if places.len() < COLUMNS.len() || !gravity() {
         return false;
     }
-    for (column, (_, unit)) in columns.iter_mut().zip(COLUMNS) {
+    for (at, (_, unit)) in places.into_iter().zip(COLUMNS) {
+        let column = &mut columns[at];
         column.quantity = Some(unit.quantity());
         column.scale *= unit.in_results();
         column.warnings.retain(|warning| !matches!(warning, LogWarning::UnitUnknown { .. }));

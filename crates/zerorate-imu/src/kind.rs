@@ -2,7 +2,7 @@
 
 use crate::increments;
 use serde::Serialize;
-use zerorate_logs::{Column, Quantity};
+use zerorate_logs::{Column, Quantity, Unit};
 
 /// The kind of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -61,13 +61,30 @@ impl Kind {
     }
 
     /// Whether a column may be an axis, and is none of what ROS, PX4 and phyphox write beside the axes. Set points,
-    /// biases and speeds of wheels have the units of axes: they are left out if `others` are surely axes.
+    /// biases and speeds of wheels have the units of axes: they are left out if `others` are surely axes. So are the
+    /// accelerations of Movella and of phones from which gravity was subtracted: `FreeAccX`, `userAcceleration.x`.
     pub(super) fn is_axis(name: &str, others: bool) -> bool {
+        let is_rpm = Unit::of_column(name) == Some(Unit::Rpm);
         let name = name.to_lowercase();
-        let beside =
-            ["covariance", "integral", "clipping", "calibration", "timestamp", "absolute", "magn", "setpoint"];
+        let bare = name.trim_end_matches([']', ')']).trim_end_matches("rpm").trim_end_matches(['[', '(', ' ', '_']);
+        let is_of_motor = is_rpm && Self::named(bare).is_none();
+        let beside = [
+            "covariance",
+            "integral",
+            "clipping",
+            "calibration",
+            "timestamp",
+            "absolute",
+            "magn",
+            "setpoint",
+            "freeacc",
+            "free_acc",
+            "useracc",
+            "user_acc",
+        ];
         let words = ["cmd", "command", "target", "bias", "std", "norm", "total", "abs", "gravity", "mag", "load"];
-        let is_beside = beside.iter().any(|part| name.contains(part))
+        let is_beside = is_of_motor
+            || beside.iter().any(|part| name.contains(part))
             || name.split(|c: char| !c.is_alphanumeric()).any(|word| words.contains(&word));
         let is_doubtful = || ["wheel", "motor"].iter().any(|part| name.contains(part));
         !(is_beside || others && is_doubtful())
@@ -89,10 +106,13 @@ impl Kind {
             let is_axis = second.is_some_and(|axis| "xyz123".contains(axis)) && rest.next().is_none();
             is_axis && first.is_some_and(|first| letters.contains(first))
         };
+        // `gyX` of SparkFun's loggers, `BodyRateX`
+        let ends = |words: &[&str]| words.iter().any(|word| name.ends_with(word));
         match () {
             () if holds(&["mag", "temp", "press", "baro", "quat", "orient"]) => None,
             () if holds(&["gyr", "angular", "omega", "angvel", "anglvel", "rotationrate", "rotation_rate"])
-                || short("gw") =>
+                || short("gw")
+                || ends(&["gyx", "gyy", "gyz", "ratex", "ratey", "ratez", "rate_x", "rate_y", "rate_z"]) =>
             {
                 Some(Self::Gyroscope)
             }
@@ -108,11 +128,20 @@ mod tests {
 
     #[test]
     fn what_stands_beside_axes() {
-        for name in ["field.angular_velocity_covariance0", "gyro_integral_dt", "Absolute (rad/s)", "gyro_clipping"] {
+        for name in [
+            "field.angular_velocity_covariance0",
+            "gyro_integral_dt",
+            "Absolute (rad/s)",
+            "gyro_clipping",
+            "FreeAccX",
+            "FreeAcc_Y",
+            "userAcceleration.x (G)",
+            "fan_rpm",
+        ] {
             assert!(!Kind::is_axis(name, false), "{name}");
         }
         assert!(
-            !["gyro_rad[0]", "field.angular_velocity.x", "ax [m/s^2]"]
+            !["gyro_rad[0]", "field.angular_velocity.x", "ax [m/s^2]", "gx [rpm]"]
                 .into_iter()
                 .any(|name| !Kind::is_axis(name, true))
         );
@@ -129,6 +158,8 @@ mod tests {
             ("accel_y", Some(Kind::Accelerometer)),
             ("ax", Some(Kind::Accelerometer)),
             ("fz", Some(Kind::Accelerometer)),
+            ("gyX", Some(Kind::Gyroscope)),
+            ("BodyRateX", Some(Kind::Gyroscope)),
             ("mag_x", None),
             ("temp_acc", None),
             ("axle", None),

@@ -5,6 +5,7 @@ mod codes;
 mod coefficients;
 mod consumer;
 mod detrending;
+mod in_turn;
 pub mod increments;
 mod kalibr;
 mod kind;

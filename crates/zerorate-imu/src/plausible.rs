@@ -1,6 +1,6 @@
 //! Means that no sensor has at rest. They tell of a wrong unit, of a wrong scale, or of columns that are mixed.
 
-use crate::codes;
+use crate::{codes, in_turn};
 use std::path::Path;
 use zerorate_logs::{Column, ColumnOptions, LogWarning, Quantity, Series, Unit};
 
@@ -12,6 +12,10 @@ const WITHIN: f64 = 0.2;
 const SUBTRACTED_M_S2: f64 = 0.3;
 /// No gyroscope has such a bias, °/s: the data sheet of the MPU-6050 allows 20, and most allow less.
 const NO_BIAS_DPS: f64 = 50.0;
+/// No gyroscope has such white noise, °/s/√Hz: the MPU-3050 has 0.01, and the ADXRS620 0.05.
+const NO_NOISE_DPS_PER_RT_HZ: f64 = 0.15;
+/// No IMU is read so slowly, Hz.
+const SLOW_HZ: f64 = 0.5;
 /// Steps too coarse for a log: whole °/s and, with a margin, whole g in m/s².
 const WHOLE_DPS: f64 = 1.0;
 const WHOLE_M_S2: f64 = 9.0;
@@ -55,15 +59,41 @@ pub(super) fn doubts(path: &Path, axes: &[Column], log: &ColumnOptions) -> Vec<L
         format!("{} has steps of {:.3} {unit}, as codes without their scale have{remedy}", axis.name, axis.scale)
     };
     let whole = axes.iter().find(|axis| is_whole(axis)).map(whole);
-    turns.take(1).chain(fall).chain(small).chain(whole).map(warning).collect()
+    let slow = axes.iter().map(|axis| axis.rate_hz).find(|rate_hz| *rate_hz < SLOW_HZ);
+    let slow = slow.map(|rate_hz| format!("rows come at {rate_hz:.3} Hz"));
+    turns
+        .take(1)
+        .chain(fall)
+        .chain(small)
+        .chain(whole)
+        .chain(noisy(axes))
+        .chain(in_turn::doubt(axes))
+        .chain(slow)
+        .map(warning)
+        .collect()
 }
 
-/// Gravity of 1 in a unit that is smaller than g: the numbers are rather in g.
+/// White noise of all gyroscopes that no sensor has, at rest or slowly moving: the steps from sample to sample.
+fn noisy(axes: &[Column]) -> Option<String> {
+    let gyros = axes.iter().filter(|axis| axis.quantity == Some(Quantity::AngularRate) && !axis.is_blank());
+    let density = |axis: &Column| {
+        let numbers = codes::numbers(axis);
+        // the variance of a step is twice that of a sample, and so is the one-sided density, over the rate
+        in_turn::PER_MEAN * in_turn::steps(&numbers).0 * axis.scale / axis.rate_hz.sqrt()
+    };
+    let least = gyros.map(density).min_by(f64::total_cmp)?;
+    (least > NO_NOISE_DPS_PER_RT_HZ).then(|| format!("the noise of all gyroscopes is above {least:.2} °/s/√Hz"))
+}
+
+/// Gravity of 1 in a unit that is smaller than g: the numbers are rather in g. Where it is smaller yet, it may have
+/// been subtracted: the numbers are then those of a filter.
 fn small_gravity(axes: &[Column]) -> Option<String> {
     let m_s2 = acceleration(axes).filter(|m_s2| *m_s2 < SUBTRACTED_M_S2)?;
     let scale = axes.iter().find(|axis| axis.quantity == Some(Quantity::Acceleration))?.scale;
-    let is_one = (m_s2 / scale - 1.0).abs() < WITHIN_OF_INCREMENTS;
-    is_one.then(|| format!("gravity is 1.0 of the unit of its columns, {m_s2:.4} m/s², as if it were g"))
+    Some(match (m_s2 / scale - 1.0).abs() < WITHIN_OF_INCREMENTS {
+        true => format!("gravity is 1.0 of the unit of its columns, {m_s2:.4} m/s², as if it were g"),
+        false => format!("gravity is {m_s2:.3} m/s², as if it had been subtracted"),
+    })
 }
 
 /// Whether these means of three axes are gravity in m/s².

@@ -40,8 +40,8 @@ pub struct Record {
     pub detrended: Option<DetrendedRate>,
     /// The time left out at its beginning, s.
     pub skipped_s: f64,
-    /// Where it moves, s from its start, if it has no valid model.
-    moving_s: Vec<(f64, f64)>,
+    /// Where it moves, s from its start; `None` if a valid model describes it.
+    moving_s: Option<Vec<(f64, f64)>>,
     /// The names of the settings in messages.
     names: Names,
 }
@@ -144,12 +144,12 @@ impl Record {
         }
         let Preparation { detrended, follows } = settled;
         let follows = follows.filter(|_| !matches!(fit, Some(Ok(_))));
-        let has_result = match &fit {
-            Some(Ok(fit)) => !fit.is_rejected,
+        let is_sound = match &fit {
+            Some(Ok(fit)) => !fit.is_rejected && !stands_out(fit),
             Some(Err(_)) => false,
             None => true,
         };
-        let moving_s = if has_result { Vec::new() } else { moving(&column.points(file)?, column.rate_hz) };
+        let moving_s = if is_sound { None } else { Some(moving(&column.points(file)?, column.rate_hz)) };
         Ok(Self {
             file: file.to_owned(),
             column: column.name,
@@ -199,7 +199,7 @@ impl Record {
             plot_data: None,
             detrended: None,
             skipped_s: 0.0,
-            moving_s: Vec::new(),
+            moving_s: None,
             names: first.names,
         }
     }
@@ -304,7 +304,7 @@ impl Record {
         let Some(first) = axes.first() else { return Vec::new() };
         let (start_s, end_s) =
             (first.skipped_s, first.skipped_s + first.analysis.samples as f64 / first.analysis.rate_hz);
-        let spans: Vec<&[(f64, f64)]> = axes.iter().map(|axis| &axis.moving_s[..]).collect();
+        let spans: Vec<&[(f64, f64)]> = axes.iter().filter_map(|axis| axis.moving_s.as_deref()).collect();
         let moving = shared(&spans).into_iter().map(|(from_s, to_s)| (start_s + from_s, start_s + to_s)).collect();
         let moves = ImuWarning::of_moving(moving, (start_s, end_s), first.names);
         moves.into_iter().chain(ImuWarning::of_motion(&Self::models(axes), start_s, first.names)).collect()
@@ -357,6 +357,11 @@ fn gaps(options: &AnalysisOptions, file: &Path, column: &mut Column) -> Option<L
         column.close_gaps();
     }
     Some(LogWarning::Gaps { path, missing, among, are_closed })
+}
+
+/// Whether so many samples stand out of the noise that they are no glitches: the sensor may move.
+fn stands_out(fit: &Fit) -> bool {
+    fit.warnings.iter().any(|warning| matches!(warning, AllanWarning::ManyGlitches { .. }))
 }
 
 /// The label that tells a column from the columns of other logs.

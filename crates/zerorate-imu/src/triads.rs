@@ -4,7 +4,15 @@ use std::collections::BTreeMap;
 use zerorate_logs::Unit;
 
 /// The axes as names tell them apart; letters have precedence over digits.
-const AXES: [[char; 3]; 4] = [['x', 'y', 'z'], ['X', 'Y', 'Z'], ['0', '1', '2'], ['1', '2', '3']];
+const AXES: [[&str; 3]; 7] = [
+    ["x", "y", "z"],
+    ["X", "Y", "Z"],
+    ["0", "1", "2"],
+    ["1", "2", "3"],
+    ["roll", "pitch", "yaw"],
+    ["Roll", "Pitch", "Yaw"],
+    ["forward", "right", "down"],
+];
 
 /// The names in threes, x, y, z or 0, 1, 2 each, in the order of their first names.
 pub fn triads(names: &[&str]) -> Vec<[usize; 3]> {
@@ -13,10 +21,11 @@ pub fn triads(names: &[&str]) -> Vec<[usize; 3]> {
         let mut by_pattern: BTreeMap<(&str, &str), [Vec<usize>; 3]> = BTreeMap::new();
         let free = (0..names.len()).filter(|name| !found.iter().flatten().any(|taken| taken == name));
         for name in free {
-            for (place, letter) in names[name].char_indices() {
-                let Some(axis) = axes.iter().position(|of| *of == letter) else { continue };
-                let pattern = (&names[name][..place], &names[name][place + 1..]);
-                by_pattern.entry(pattern).or_default()[axis].push(name);
+            for (axis, word) in axes.into_iter().enumerate() {
+                for (place, _) in names[name].match_indices(word) {
+                    let pattern = (&names[name][..place], &names[name][place + word.len()..]);
+                    by_pattern.entry(pattern).or_default()[axis].push(name);
+                }
             }
         }
         for [x, y, z] in by_pattern.into_values() {
@@ -51,8 +60,9 @@ fn differ_in_axis(one: &str, other: &str) -> bool {
     let [left, right] = [one, other].map(|name| name.chars().collect::<Vec<char>>());
     let unlike: Vec<(char, char)> =
         left.iter().copied().zip(right.iter().copied()).filter(|(one, other)| one != other).collect();
+    let is_axis = |of: &[&str; 3], letter: char| of.contains(&&*letter.to_string());
     let is_letter = left.len() == right.len()
-        && matches!(unlike[..], [(one, other)] if AXES.iter().any(|of| of.contains(&one) && of.contains(&other)));
+        && matches!(unlike[..], [(one, other)] if AXES.iter().any(|of| is_axis(of, one) && is_axis(of, other)));
     let words = |name: &str| -> Vec<String> {
         let parts = name.split(|c: char| !c.is_alphanumeric()).filter(|part| !part.is_empty());
         let states_unit = Unit::of_column(name).is_some();
@@ -96,13 +106,17 @@ mod tests {
 
     #[test]
     fn names_that_differ_in_the_axis_alone_are_one_sensor() {
-        let cases: [(&[&str], &[[usize; 3]]); 6] = [
+        let cases: [(&[&str], &[[usize; 3]]); 7] = [
             (&["gyro1_x", "gyro1_y", "gyro1_z", "gyro2_x", "gyro2_y", "gyro2_z"], &[[0, 1, 2], [3, 4, 5]]),
             (&["gx_dps", "gy_dps", "gz_dps", "yaw_dps"], &[[0, 1, 2]]),
             (&["gyro3_x", "gyro1_x", "gyro2_x", "gyro1_y", "gyro1_z"], &[[1, 3, 4]]),
             (&["w[2]", "w[1]", "w[0]"], &[[2, 1, 0]]),
             (&["gyro_1", "gyro_2", "gyro_3", "speed"], &[[0, 1, 2]]),
             (&["gx", "gy", "speed_z"], &[]),
+            (
+                &["yaw_dps", "roll_dps", "pitch_dps", "cal_yaw_dps", "cal_roll_dps", "cal_pitch_dps"],
+                &[[1, 2, 0], [4, 5, 3]],
+            ),
         ];
         for (names, expected) in cases {
             assert_eq!(triads(names), expected, "{names:?}");

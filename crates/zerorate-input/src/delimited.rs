@@ -116,16 +116,19 @@ pub enum Delimiter {
     Semicolon,
     /// A tab.
     Tab,
+    /// A vertical bar.
+    Bar,
     /// Any run of blanks.
     Blanks,
 }
 
 impl Delimiter {
-    /// The delimiter of a line of data: the first of tab, semicolon, comma, blank that it contains.
+    /// The delimiter of a line of data: the first of tab, semicolon, bar, comma, blank that it contains.
     pub fn detect(line: &str) -> Self {
         match line {
             line if line.contains('\t') => Self::Tab,
             line if line.contains(';') => Self::Semicolon,
+            line if line.contains('|') => Self::Bar,
             line if line.contains(',') => Self::Comma,
             line if line.contains(' ') => Self::Blanks,
             _ => Self::Comma,
@@ -143,6 +146,7 @@ impl Delimiter {
             Self::Comma => Some(b','),
             Self::Semicolon => Some(b';'),
             Self::Tab => Some(b'\t'),
+            Self::Bar => Some(b'|'),
             Self::Blanks => None,
         }
     }
@@ -183,7 +187,7 @@ mod tests {
 
     #[test]
     fn cells_of_every_delimiter() {
-        let lines = ["1, 2 ,x", "1;2;x", "1\t2\tx", "  1   2 x", "\"1\",\"2\",\"x\"", "\"1\" 2 \"x\""];
+        let lines = ["1, 2 ,x", "1;2;x", "1 | 2|x", "1\t2\tx", "  1   2 x", "\"1\",\"2\",\"x\"", "\"1\" 2 \"x\""];
         for line in lines {
             let cells: Vec<_> = Delimiter::detect(line).cells(line.trim()).collect();
             assert_eq!(cells, ["1", "2", "x"], "{line:?}");

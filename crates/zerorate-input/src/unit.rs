@@ -52,6 +52,8 @@ pub enum Unit {
     MradPerS,
     /// 0.000 001 rad/s.
     UradPerS,
+    /// Turns per minute.
+    Rpm,
     /// m/s².
     MPerS2,
     /// Standard gravity, 9.806 65 m/s².
@@ -60,11 +62,15 @@ pub enum Unit {
     MilliG,
     /// 0.000 001 g.
     MicroG,
+    /// cm/s², or Gal.
+    CmPerS2,
+    /// mm/s².
+    MmPerS2,
 }
 
 impl Unit {
     /// All units.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 14] = [
         Self::Dps,
         Self::Mdps,
         Self::DegPerMin,
@@ -72,23 +78,33 @@ impl Unit {
         Self::RadPerS,
         Self::MradPerS,
         Self::UradPerS,
+        Self::Rpm,
         Self::MPerS2,
         Self::G,
         Self::MilliG,
         Self::MicroG,
+        Self::CmPerS2,
+        Self::MmPerS2,
     ];
 
     /// The quantity of the unit.
     pub fn quantity(self) -> Quantity {
         match self {
-            Self::MPerS2 | Self::G | Self::MilliG | Self::MicroG => Quantity::Acceleration,
+            Self::MPerS2 | Self::G | Self::MilliG | Self::MicroG | Self::CmPerS2 | Self::MmPerS2 => {
+                Quantity::Acceleration
+            }
             _ => Quantity::AngularRate,
         }
     }
 
     /// The name of the unit in this program.
     pub fn name(self) -> &'static str {
-        if self == Self::MPerS2 { "m/s²" } else { self.names()[0] }
+        match self {
+            Self::MPerS2 => "m/s²",
+            Self::CmPerS2 => "cm/s²",
+            Self::MmPerS2 => "mm/s²",
+            _ => self.names()[0],
+        }
     }
 
     /// Size of the unit in °/s or m/s². 1 rad = 180°/π.
@@ -101,10 +117,13 @@ impl Unit {
             Self::RadPerS => 180.0 / PI,
             Self::MradPerS => 0.18 / PI,
             Self::UradPerS => 0.000_18 / PI,
+            Self::Rpm => 6.0,
             Self::MPerS2 => 1.0,
             Self::G => STANDARD_GRAVITY,
             Self::MilliG => STANDARD_GRAVITY * 1e-3,
             Self::MicroG => STANDARD_GRAVITY * 1e-6,
+            Self::CmPerS2 => 1e-2,
+            Self::MmPerS2 => 1e-3,
         }
     }
 
@@ -118,10 +137,13 @@ impl Unit {
             Self::RadPerS => &["rad/s", "rads/s", "rads-1", "radps"],
             Self::MradPerS => &["mrad/s", "mradps"],
             Self::UradPerS => &["urad/s", "uradps"],
+            Self::Rpm => &["rpm", "rev/min", "r/min"],
             Self::MPerS2 => &["m/s2", "m/s/s", "ms-2", "mps2"],
-            Self::G => &["g", "gn", "g0"],
+            Self::G => &["g", "gn", "g0", "gee", "gees", "g-force", "gforce"],
             Self::MilliG => &["mg"],
             Self::MicroG => &["ug"],
+            Self::CmPerS2 => &["cm/s2", "cm/s/s", "cms-2", "gal"],
+            Self::MmPerS2 => &["mm/s2", "mm/s/s", "mms-2"],
         }
     }
 
@@ -135,10 +157,13 @@ impl Unit {
             Self::RadPerS => &["rad_s", "rads", "radps", "rad_per_s", "rad_per_sec"],
             Self::MradPerS => &["mrad_s", "mrads", "mradps", "mrad_per_s"],
             Self::UradPerS => &["urad_s", "urads", "uradps", "urad_per_s"],
+            Self::Rpm => &["rpm"],
             Self::MPerS2 => &["m_s2", "mps2", "m_per_s2", "ms2", "m_s_s"],
-            Self::G => &["g"],
-            Self::MilliG => &["mg"],
-            Self::MicroG => &["ug"],
+            Self::G => &["g", "gee", "gees"],
+            Self::MilliG => &["mg", "milli_g"],
+            Self::MicroG => &["ug", "micro_g"],
+            Self::CmPerS2 => &["cm_s2", "cm_per_s2", "cms2", "gal"],
+            Self::MmPerS2 => &["mm_s2", "mm_per_s2", "mms2"],
         }
     }
 
@@ -156,10 +181,15 @@ impl Unit {
         let words = name.char_indices().filter(|(_, c)| c.is_uppercase()).map(|(at, _)| &name[at..]);
         let camel = words.filter_map(rate).next();
         let lower = name.to_lowercase();
-        let ends = |unit: &Self| unit.endings().iter().any(|ending| has_ending(&lower, ending));
+        // the longest ending: `milli_g` is not g
+        let ending = |unit: &Self| {
+            unit.endings().iter().filter(|ending| has_ending(&lower, ending)).map(|ending| ending.len()).max()
+        };
+        let at_its_end = Self::ALL.into_iter().filter_map(|unit| Some((ending(&unit)?, unit)));
         // as in `gx_rad/s` and `wx, rad/s`
         let at_end = || lower.match_indices(['_', ' ', ',', ':']).find_map(|(at, _)| rate(&lower[at + 1..]));
-        let stated = Self::ALL.into_iter().find(ends).or(camel).or_else(at_end);
+        let ended = at_its_end.max_by_key(|(length, _)| *length).map(|(_, unit)| unit);
+        let stated = ended.or(camel).or_else(at_end);
         stated.or_else(|| match () {
             () if lower.contains("angular_velocity") => Some(Self::RadPerS),
             () if lower.contains("linear_acceleration") => Some(Self::MPerS2),
@@ -367,6 +397,24 @@ mod tests {
             ("heading_degs", None),
             ("flow_l/s", None),
             ("Msg", None),
+        ];
+        for (name, unit) in cases {
+            assert_eq!(Unit::of_column(name), unit, "{name}");
+        }
+    }
+
+    #[test]
+    fn names_that_state_a_rarer_unit() {
+        let cases = [
+            ("ax (cm/s2)", Some(Unit::CmPerS2)),
+            ("ax [cm/s²]", Some(Unit::CmPerS2)),
+            ("acc_z_mm_s2", Some(Unit::MmPerS2)),
+            ("ax (Gal)", Some(Unit::CmPerS2)),
+            ("ax (gee)", Some(Unit::G)),
+            ("ax_milli_g", Some(Unit::MilliG)),
+            ("gyro_x_rpm", Some(Unit::Rpm)),
+            ("gx (mrad/s)", Some(Unit::MradPerS)),
+            ("gx [°/hr]", Some(Unit::DegPerH)),
         ];
         for (name, unit) in cases {
             assert_eq!(Unit::of_column(name), unit, "{name}");

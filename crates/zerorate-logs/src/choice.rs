@@ -78,8 +78,8 @@ pub struct Choice {
     pub values: Vec<usize>,
     /// The column with the time.
     pub time: Option<usize>,
-    /// The column that selects the rows to read.
-    pub only: Option<usize>,
+    /// The columns that select the rows to read.
+    pub only: Vec<usize>,
 }
 
 impl Columns<'_> {
@@ -99,7 +99,9 @@ impl Columns<'_> {
 
     fn chosen(&self, wanted: ColumnSelection<'_>, args: &ColumnOptions, default: &[usize]) -> Result<Choice> {
         let time = args.time_column.as_deref().map(|wanted| self.position(wanted, Setting::TimeColumn)).transpose()?;
-        let only = args.only.as_ref().map(|only| self.position(&only.column, Setting::Where)).transpose()?;
+        let conditions = args.only.iter().flat_map(|only| &only.conditions);
+        let only = conditions.map(|condition| self.position(&condition.column, Setting::Where));
+        let only = only.collect::<Result<Vec<usize>>>()?;
         let is_open = args.rate.is_none() && time.is_none();
         let first = match wanted {
             ColumnSelection::First(names) => self.positions(names)?,
@@ -118,10 +120,10 @@ impl Columns<'_> {
             (ColumnSelection::One(None), _) => vec![self.only(time)?],
             (ColumnSelection::Listed(names), _) => self.positions(names)?,
             (ColumnSelection::First(_), _) => {
-                let others = self.all(time).into_iter().filter(|at| Some(*at) != only && !first.contains(at));
+                let others = self.all(time).into_iter().filter(|at| !only.contains(at) && !first.contains(at));
                 first.iter().copied().chain(others).collect()
             }
-            (ColumnSelection::All, []) => self.all(time).into_iter().filter(|at| Some(*at) != only).collect(),
+            (ColumnSelection::All, []) => self.all(time).into_iter().filter(|at| !only.contains(at)).collect(),
             (ColumnSelection::All, rates) => rates.to_vec(),
             (ColumnSelection::Described(columns), _) => {
                 columns.iter().map(|column| self.described(column)).collect::<Result<_>>()?

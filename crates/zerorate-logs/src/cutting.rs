@@ -1,5 +1,6 @@
 //! Reads a part of a log, by its time.
 
+use crate::clock::Times;
 use crate::cut::{Cut, CutTime, DAY_S};
 use crate::error::{LogError, Result};
 use crate::options::ColumnOptions;
@@ -12,6 +13,10 @@ use zerorate_input::TimeUnit;
 
 /// The Unix times of a log between these are dates, from 1973 to 2096; smaller ones count from some other start.
 const DATES_S: std::ops::Range<f64> = 1e8..4e9;
+
+/// A row later than this, in intervals, begins another log, and the largest number of logs in one file.
+const LATE: f64 = 64.0;
+const MOST_LOGS: usize = 16;
 
 /// Times that differ by less are the same, s.
 const SAME_S: f64 = 1e-6;
@@ -49,6 +54,23 @@ impl fmt::Display for Span {
             Some((first, last)) => write!(f, ", from {first} to {last}"),
             None => Ok(()),
         }
+    }
+}
+
+impl Times {
+    /// The time since the first row, in the unit of the file, of the last row of the first log, if this is the time of
+    /// several logs: few large steps back.
+    pub fn end_of_first(&self) -> Option<f64> {
+        let least = LATE * self.interval()?;
+        let mut falls = self.since_first().windows(2).filter(|pair| pair[0] - pair[1] > least);
+        let first = falls.next()?[0];
+        (falls.count() < MOST_LOGS).then_some(first)
+    }
+
+    /// The number of rows above the first that is not before this time.
+    pub fn rows_until(&self, until: CutTime, unit: TimeUnit) -> Option<usize> {
+        let CutTime::SinceStart(until_s) = until else { return None };
+        self.since_first().iter().position(|time| time / unit.per_s() >= until_s).filter(|rows| *rows > 0)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Gives the columns of a file their unit, rate and gaps.
 
-use crate::clock::{TimeBase, usual_step};
+use crate::clock::{TimeBase, Times, usual_step};
 use crate::column::Column;
 use crate::column_checks::ColumnChecks;
 use crate::error::{LogError, Result, no_time_unit, rate_of_steps, too_many, unsteady};
@@ -101,20 +101,17 @@ impl RawColumns {
         }
         let unit = self.clock.unit(args);
         let Clock::Column(name, times) = &mut self.clock else { return Ok(()) };
-        let said = order::repair_times(times, &mut self.columns).map_err(|why| {
-            let rate = args.names.of(Setting::Rate);
-            if let Some(seen) = lost_digits::reason(times, unit) {
-                let remedy = format!("export again with all digits, or give {rate}");
-                let why = format!("{}, column {name}: {seen}; {remedy}", path.display());
-                return LogError::Refused("times-disordered", why);
+        let mended = order::repair_times(times, &mut self.columns);
+        let until = args.cut.until.zip(unit).filter(|_| mended.is_err());
+        let mended = match until.and_then(|(until, unit)| times.rows_until(until, unit)) {
+            Some(rows) => {
+                times.keep(0, rows);
+                self.columns.iter_mut().for_each(|column| column.values.keep(0, rows));
+                order::repair_times(times, &mut self.columns)
             }
-            let remedy = "two logs in one file, or a clock that was set? Cut the log there";
-            let or = format!("give {rate} and no time column if the samples are evenly spaced all the same");
-            LogError::Refused(
-                "times-disordered",
-                format!("{}, column {name}: {why} ({remedy}, or {or})", path.display()),
-            )
-        })?;
+            None => mended,
+        };
+        let said = mended.map_err(|why| disordered((path, name), times, unit, &why, args.names))?;
         let (path, column) = (path.display().to_string(), &*name);
         let warning = |how| LogWarning::TimesMended { path: path.clone(), column: column.clone(), how };
         self.warnings.extend(said.into_iter().map(warning));
@@ -201,6 +198,32 @@ impl RawColumns {
         };
         Ok((columns.into_iter().map(finish).collect::<Result<_>>()?, no_rate))
     }
+}
+
+/// The refusal of times that cannot be put in order. If it is two logs, the time at which the first ends is stated.
+fn disordered(
+    (path, name): (&Path, &str),
+    times: &Times,
+    unit: Option<TimeUnit>,
+    why: &str,
+    names: Names,
+) -> LogError {
+    let [rate, until, only] = [Setting::Rate, Setting::Until, Setting::Where].map(|setting| names.of(setting));
+    let remedy = match lost_digits::reason(times, unit) {
+        Some(seen) => format!("{seen}; export again with all digits, or give {rate}"),
+        None => {
+            let cut = times
+                .end_of_first()
+                .zip(unit)
+                .map(|(end, unit)| format!("{until} {} reads the first", end / unit.per_s()));
+            let cut = cut.unwrap_or_else(|| "cut the log there".to_owned());
+            format!(
+                "{why} (two logs in one file, or a clock that was set? {cut}; {only}, if a column tells sensors \
+                 apart; or give {rate} and no time column if the samples are evenly spaced all the same)"
+            )
+        }
+    };
+    LogError::Refused("times-disordered", format!("{}, column {name}: {remedy}", path.display()))
 }
 
 impl RawColumn {

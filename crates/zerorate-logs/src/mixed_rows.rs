@@ -3,11 +3,15 @@
 //! Columns of flags, counters and coarse readings also have few values. So a column must meet two conditions. First,
 //! the rows of each value come in even steps by themselves. A flag is set within the rows of one sensor, and leaves
 //! holes in them. Second, there is other evidence: words, a name such as `SensorId`, times that overlap, or axes whose
-//! level or noise differs from value to value.
+//! level or noise differs from value to value. Two columns together may tell the sensors apart, as `bus` and `sensor`
+//! do. Where the rows come in no order, or all rows of one sensor stand above those of the next, the name of the
+//! column must say so.
 
 use crate::clock::{Times, median};
 use crate::error::{LogError, Result};
+use crate::only::{Condition, Only};
 use crate::options::ColumnOptions;
+use crate::rate_question::quoted;
 use crate::raw_columns::{Clock, RawColumns, first_rows};
 use crate::sample::{Cell, Sampled};
 use crate::setting::Setting;
@@ -59,6 +63,12 @@ const IDS: [&str; 42] = [
     "position", "stream",
 ];
 
+/// Those of these words that say so even where the rows of a sensor come in no order, or are not interrupted.
+const SENSORS: [&str; 25] = [
+    "id", "sensor", "device", "dev", "instance", "inst", "imu", "unit", "node", "source", "src", "addr", "address",
+    "serial", "sn", "mac", "topic", "tag", "label", "module", "board", "chip", "port", "probe", "bus",
+];
+
 /// Words in the names of columns that do not tell sensors apart.
 const NO_IDS: [&str; 18] = [
     "seq",
@@ -84,46 +94,55 @@ const NO_IDS: [&str; 18] = [
 /// Refuses a table that mixes the rows of several sensors.
 ///
 /// # Errors
-/// Returns a question that names the column that tells the sensors apart, and how many rows share a stamp.
+/// Returns a question that names the columns that tell the sensors apart, and how many rows share a stamp.
 pub fn check(found: &RawColumns, path: &Path, args: &ColumnOptions) -> Result<()> {
     let sample = first_rows(&found.sample, &found.columns);
     let stated = sample.iter().find(|column| column.stated_time().is_some()).and_then(Sampled::times);
     let times = if let Clock::Column(_, times) = &found.clock { Some(times) } else { stated.as_ref() };
     let read = found.columns.iter().map(|column| &*column.name).collect();
     let per_s = found.clock.unit(args).map(TimeUnit::per_s);
-    let Some(mixed) = find(&sample, &read, times.map(Times::since_first)) else { return Ok(()) };
-    let Mixed { column, values, steps } = mixed;
-    let series = |(value, step): (&String, &f64)| match per_s {
-        Some(per_s) if *step > 0.0 => format!("{value} ({} Hz)", (1000.0 * per_s / step).round() / 1000.0),
-        _ => value.clone(),
+    let mixed = find(&sample, &read, times.map(Times::since_first)).or_else(|| in_blocks(found, &sample));
+    let Some(Mixed { columns, values, steps }) = mixed else { return Ok(()) };
+    let series = |(at, value): (usize, &Vec<String>)| match (per_s, steps.get(at)) {
+        (Some(per_s), Some(step)) if *step > 0.0 => {
+            format!("{} ({} Hz)", value.join("-"), (1000.0 * per_s / step).round() / 1000.0)
+        }
+        _ => value.join("-"),
     };
-    let series = values.iter().zip(&steps).map(series).collect::<Vec<_>>().join(", ");
+    let series = values.iter().enumerate().map(series).collect::<Vec<_>>().join(", ");
     let same = times.map(|times| {
         let rows = times.since_first();
         let same = rows.windows(2).filter(|pair| pair[0] == pair[1]).count();
         let said = format!(", and {same} of {} rows repeat the stamp of the row before", rows.len());
         if same == 0 { String::new() } else { said }
     });
-    let (first, option) = (&values[0], args.names.of(Setting::Where));
+    let given = args.only.iter().flat_map(|only| &only.conditions).cloned();
+    let told = columns.iter().zip(&values[0]);
+    let told = told.map(|(column, value)| Condition { column: column.clone(), value: value.clone() });
+    let only = Only { conditions: given.chain(told).collect() }.to_string();
+    let option = args.names.of(Setting::Where);
+    let (plural, are) = if columns.len() == 1 { ("", "is") } else { ("s", "are") };
     Err(LogError::Ask(format!(
-        "{}: column `{column}` is {series} in turn{}: rows of {} sensors, which are not one record; give {option} \
-         {column}={first} to read one",
+        "{}: column{plural} `{}` {are} {series} in turn{}: rows of {} sensors, which are not one record; give \
+         {option} {} to read one",
         path.display(),
+        columns.join("`, `"),
         same.unwrap_or_default(),
-        values.len()
+        values.len(),
+        quoted(&only),
     )))
 }
 
-/// A column that tells the sensors of a table apart.
+/// The columns that tell the sensors of a table apart.
 struct Mixed {
-    column: String,
-    /// The values of the column, in the order of the file.
-    values: Vec<String>,
-    /// The usual time between two rows of each value.
+    columns: Vec<String>,
+    /// The values of these columns for each sensor, in the order of the file.
+    values: Vec<Vec<String>>,
+    /// The usual time between two rows of each sensor, where its rows come in turn.
     steps: Vec<f64>,
 }
 
-/// The column that tells sensors apart in the first rows of a table, of which these `columns` are read. `times` are
+/// The columns that tell sensors apart in the first rows of a table, of which these `columns` are read. `times` are
 /// the times of the rows, where they are known.
 fn find(sample: &[Sampled], columns: &BTreeSet<&str>, times: Option<&[f64]>) -> Option<Mixed> {
     let rows = sample.iter().map(|column| column.cells.len()).min()?;
@@ -133,23 +152,65 @@ fn find(sample: &[Sampled], columns: &BTreeSet<&str>, times: Option<&[f64]>) -> 
     let labels: Vec<Option<Labels<'_>>> = sample.iter().map(|column| Labels::of(&column.cells[..rows])).collect();
     let is_read = |at: &usize| labels[*at].is_none() && columns.contains(sample[*at].name.as_str());
     let readings: Vec<&[Cell]> = (0..sample.len()).filter(is_read).map(|at| &sample[at].cells[..rows]).collect();
+    let is_even = |labels: &Labels<'_>| labels.are_even(times) || labels.are_even(&numbers);
+    let differ = |labels: &Labels<'_>| readings.iter().any(|cells| labels.differ(cells));
     let tells = |name: &str, labels: &Labels<'_>| {
-        let words = words(name);
-        let is_known = |known: &[&str]| words.iter().any(|word| known.contains(&word.as_str()));
-        let is_id = || is_known(&IDS) || words.iter().any(|word| word.ends_with("id"));
-        let is_said = || {
-            labels.are_words()
-                || is_id()
-                || labels.share_stamps(times)
-                || readings.iter().any(|cells| labels.differ(cells))
-        };
-        let is_even = || labels.are_even(times) || labels.are_even(&numbers);
-        (overlap || !is_known(&NO_IDS) && is_said()) && is_even()
+        let is_said = || is_id(name, labels) || labels.share_stamps(times) || differ(labels);
+        let are_sure = || is_even(labels) || is_known(name, &SENSORS) && differ(labels);
+        (overlap || !is_known(name, &NO_IDS) && is_said()) && are_sure()
     };
-    let mut found = sample.iter().zip(&labels).filter_map(|(column, labels)| Some((column, labels.as_ref()?)));
-    let (column, labels) = found.find(|(column, labels)| tells(&column.name, labels))?;
+    let all: Vec<(&str, &Labels<'_>)> =
+        sample.iter().zip(&labels).filter_map(|(column, labels)| Some((&*column.name, labels.as_ref()?))).collect();
+    let single = all.iter().find(|(name, labels)| tells(name, labels));
+    let ids: Vec<_> = all.iter().filter(|(name, labels)| !is_known(name, &NO_IDS) && is_id(name, labels)).collect();
+    let pairs = ids.iter().enumerate().flat_map(|(at, one)| ids[at + 1..].iter().map(move |other| (*one, *other)));
+    let pairs = pairs.map(|(one, other)| (vec![one.0, other.0], one.1.beside(other.1)));
+    let least = single.map_or(1, |(_, labels)| labels.values.len());
+    let pair = pairs.into_iter().find(|(_, labels)| labels.values.len() > least && is_even(labels));
+    let single = single.map(|(name, labels)| (vec![*name], (*labels).clone()));
+    let (names, labels) = pair.or(single)?;
     let steps = (0..labels.values.len()).map(|value| median(&mut labels.steps(value, times).0)).collect();
-    Some(Mixed { column: column.name.clone(), values: labels.values.iter().map(|cell| worded(cell)).collect(), steps })
+    let worded = |value: &Vec<&Cell>| value.iter().map(|cell| worded(cell)).collect();
+    let columns = names.into_iter().map(str::to_owned).collect();
+    Some(Mixed { columns, values: labels.values.iter().map(worded).collect(), steps })
+}
+
+/// Whether a name has one of these words.
+fn is_known(name: &str, known: &[&str]) -> bool {
+    words(name).iter().any(|word| known.contains(&word.as_str()))
+}
+
+/// Whether a column of such values is called as one that tells sensors apart, or holds words.
+fn is_id(name: &str, labels: &Labels<'_>) -> bool {
+    labels.are_words() || is_known(name, &IDS) || words(name).iter().any(|word| word.ends_with("id"))
+}
+
+/// The column whose name says that it tells sensors apart, and in which all rows of one value stand above those of
+/// the next.
+fn in_blocks(found: &RawColumns, sample: &[Sampled]) -> Option<Mixed> {
+    let is_sensor = |name: &str| is_known(name, &SENSORS) && !is_known(name, &NO_IDS);
+    let read = found.columns.iter().filter(|column| is_sensor(&column.name)).map(|column| {
+        let numbers = column.values.rows_as_numbers();
+        let runs = numbers.chunk_by(|one, next| one == next);
+        (&column.name, runs.map(|run| (Cell::number(run[0]), run.len())).collect::<Vec<_>>())
+    });
+    let seen = sample.iter().filter(|column| is_sensor(&column.name)).map(|column| {
+        let runs = column.cells.chunk_by(|one, next| one == next);
+        (&column.name, runs.map(|run| (run[0].clone(), run.len())).collect())
+    });
+    let is_whole = |cell: &Cell| match cell {
+        Cell::Number(number) => number.fract() == 0.0,
+        Cell::Word(_) => true,
+        Cell::Missing => false,
+    };
+    let are_blocks = |runs: &[(Cell, usize)]| {
+        (2..=MOST).contains(&runs.len())
+            && runs.iter().all(|(cell, rows)| is_whole(cell) && *rows >= FEWEST)
+            && (1..runs.len()).all(|at| runs[..at].iter().all(|(cell, _)| *cell != runs[at].0))
+    };
+    let (name, runs) = read.chain(seen).find(|(_, runs)| are_blocks(runs))?;
+    let values = runs.iter().map(|(cell, _)| vec![worded(cell)]).collect();
+    Some(Mixed { columns: vec![name.clone()], values, steps: Vec::new() })
 }
 
 /// A value as text.
@@ -178,10 +239,11 @@ fn words(name: &str) -> Vec<String> {
     words
 }
 
-/// A column of few values.
+/// A column of few values, or several beside each other.
+#[derive(Clone)]
 struct Labels<'a> {
-    /// The values that count, in the order of the file.
-    values: Vec<&'a Cell>,
+    /// The values that count, in the order of the file, with a cell of each column.
+    values: Vec<Vec<&'a Cell>>,
     /// The index of each row's value; `None` if the value does not count.
     rows: Vec<Option<usize>>,
 }
@@ -204,16 +266,32 @@ impl<'a> Labels<'a> {
         }
         let least = FEWEST.max((SHARE * cells.len() as f64) as usize);
         let counts = |(value, count): &(&Cell, usize)| **value != Cell::Missing && *count >= least;
-        let values: Vec<&Cell> = all.iter().filter(|one| counts(one)).map(|(value, _)| *value).collect();
+        let values: Vec<Vec<&Cell>> = all.iter().filter(|one| counts(one)).map(|(value, _)| vec![*value]).collect();
         let places: Vec<Option<usize>> =
-            all.iter().map(|(value, _)| values.iter().position(|one| one == value)).collect();
+            all.iter().map(|(value, _)| values.iter().position(|one| one[0] == *value)).collect();
         let rows: Vec<Option<usize>> = rows.into_iter().map(|at| places[at]).collect();
         let others = rows.iter().filter(|row| row.is_none()).count();
         (values.len() > 1 && others as f64 <= OTHERS * cells.len() as f64).then_some(Self { values, rows })
     }
 
+    /// The pairs of values of two columns.
+    fn beside(&self, other: &Self) -> Self {
+        let mut pairs: Vec<(usize, usize)> = Vec::new();
+        let rows = self.rows.iter().zip(&other.rows).map(|(one, other)| {
+            let pair = ((*one)?, (*other)?);
+            let at = pairs.iter().position(|one| *one == pair);
+            at.or_else(|| {
+                pairs.push(pair);
+                Some(pairs.len() - 1)
+            })
+        });
+        let rows = rows.collect();
+        let values = pairs.iter().map(|(one, at)| [&self.values[*one][..], &other.values[*at][..]].concat());
+        Self { values: values.collect(), rows }
+    }
+
     fn are_words(&self) -> bool {
-        self.values.iter().any(|value| matches!(value, Cell::Word(_)))
+        self.values.iter().flatten().any(|value| matches!(value, Cell::Word(_)))
     }
 
     /// The times between the rows of a value, and how often other rows interrupt them.

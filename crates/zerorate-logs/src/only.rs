@@ -5,9 +5,16 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
-/// The rows of a table in which a column has this value.
+/// The rows of a table in which columns have these values.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Only {
+    /// What holds for each row; one or more.
+    pub conditions: Vec<Condition>,
+}
+
+/// A column of a table, and the value that it must have.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Condition {
     /// The column, by its name or its number counted from 0.
     pub column: String,
     /// The value, as the table has it.
@@ -15,15 +22,17 @@ pub struct Only {
 }
 
 impl Only {
-    /// The error for a value that no row has.
+    /// The error for values that no row has.
     pub(crate) fn without_rows(&self, path: &Path) -> LogError {
-        LogError::Ask(format!("{}: column `{}` is `{}` in no row", path.display(), self.column, self.value))
+        let all = self.conditions.iter().map(|Condition { column, value }| format!("`{column}` is `{value}`"));
+        LogError::Ask(format!("{}: column {} in no row", path.display(), all.collect::<Vec<_>>().join(" and ")))
     }
 }
 
 impl fmt::Display for Only {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}={}", self.column, self.value)
+        let all = self.conditions.iter().map(|Condition { column, value }| format!("{column}={value}"));
+        f.write_str(&all.collect::<Vec<_>>().join(","))
     }
 }
 
@@ -31,8 +40,39 @@ impl FromStr for Only {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let parts = text.rsplit_once('=').filter(|(column, _)| !column.is_empty());
-        let (column, value) = parts.ok_or("give a column and its value, as in SensorId=1")?;
-        Ok(Self { column: column.trim().to_owned(), value: value.trim().to_owned() })
+        // a comma may also stand in a value: `place=left, outside`
+        let mut parts: Vec<String> = Vec::new();
+        for part in text.split(',') {
+            match parts.last_mut() {
+                Some(last) if !part.contains('=') || !last.contains('=') => *last += &format!(",{part}"),
+                _ => parts.push(part.to_owned()),
+            }
+        }
+        let condition = |part: &String| {
+            let parts = part.rsplit_once('=').filter(|(column, _)| !column.is_empty());
+            let (column, value) = parts.ok_or("give a column and its value, as in SensorId=1")?;
+            Ok(Condition { column: column.trim().to_owned(), value: value.trim().to_owned() })
+        };
+        Ok(Self { conditions: parts.iter().map(condition).collect::<Result<_, String>>()? })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn conditions_are_cut_at_commas() {
+        for (text, expected) in [
+            ("SensorId=1", &[("SensorId", "1")][..]),
+            ("bus=0, sensor=1", &[("bus", "0"), ("sensor", "1")]),
+            ("place=left, outside", &[("place", "left, outside")]),
+            ("a,b=1", &[("a,b", "1")]),
+        ] {
+            let only: Only = text.parse().unwrap();
+            let found: Vec<_> = only.conditions.iter().map(|one| (&*one.column, &*one.value)).collect();
+            assert_eq!(found, expected, "{text}");
+        }
+        assert!("SensorId".parse::<Only>().is_err() && "=1".parse::<Only>().is_err());
     }
 }

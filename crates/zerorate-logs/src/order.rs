@@ -26,6 +26,9 @@ const MODULI: [f64; 13] = [
 /// The rows around a wrap of a counter lie within this many intervals of the place where it wraps.
 const AT_WRAP: f64 = 1000.0;
 
+/// The same as a share of the modulus. A log that was begun again has its last time anywhere.
+const AT_MOST: f64 = 1.0 / 16.0;
+
 /// Largest number of rows by which a row may be late: the queue of a bag reorders rows this far.
 const NEAR: usize = 64;
 
@@ -103,7 +106,7 @@ fn unwrap(rows: &mut [TimedRow], first: f64, interval: f64) -> Option<String> {
         let now = row.time;
         if now < before {
             let modulus = MODULI.into_iter().find(|modulus| {
-                let margin = margin.min(modulus / 2.0);
+                let margin = margin.min(modulus * AT_MOST);
                 let from = |start: f64| {
                     let (before, now) = (first + before - start, first + now - start);
                     before <= *modulus && before > modulus - margin && (-interval..margin).contains(&now)
@@ -120,7 +123,13 @@ fn unwrap(rows: &mut [TimedRow], first: f64, interval: f64) -> Option<String> {
     }
     let (row, modulus) = *found.first()?;
     let times = found.len();
-    Some(format!("the counter wraps around at {modulus} ({times} times, first at row {row})"))
+    let what = match modulus {
+        86_400.0 | 8.64e7 | 8.64e10 | 8.64e13 => "the time of day passes midnight".to_owned(),
+        604_800.0 | 6.048e8 | 6.048e11 => "the time of the week starts again".to_owned(),
+        3.6e12 => "the time of the hour starts again".to_owned(),
+        _ => format!("the counter wraps around at {modulus}"),
+    };
+    Some(format!("{what} ({times} times, first at row {row})"))
 }
 
 /// Sorts rows that are late, and follows a clock that was set back.
@@ -240,7 +249,7 @@ fn said_of(dropped: &[usize], wrong: &[usize], is_coarse: bool) -> Vec<String> {
         .first()
         .map(|row| format!("{} rows repeat the row before and are dropped (the first: row {row})", dropped.len()));
     let wrong = wrong.first().map(|row| {
-        let why = if is_coarse { "coarse clock" } else { "a wrong one" };
+        let why = if is_coarse { "coarse clock, or several sensors?" } else { "a wrong one" };
         format!("{} rows repeat a stamp ({why}); they count (the first: row {row})", wrong.len())
     });
     dropped.into_iter().chain(wrong).collect()
@@ -350,11 +359,15 @@ mod tests {
     /// A signed counter, and the time of day.
     #[test]
     fn counters_wrap_below_zero_and_at_midnight() {
-        for (start, modulus) in [(-32_768.0, 65_536.0), (-2_147_483_648.0, 4_294_967_296.0), (0.0, 86_400.0)] {
+        for (start, modulus, what) in [
+            (-32_768.0, 65_536.0, "wraps around at 65536 (1 times"),
+            (-2_147_483_648.0, 4_294_967_296.0, "wraps around at 4294967296 (1 times"),
+            (0.0, 86_400.0, "the time of day passes midnight (1 times"),
+        ] {
             let rows: Vec<_> =
                 (0..600).map(|row| (start + (modulus - 300.5 + f64::from(row)) % modulus, f64::from(row))).collect();
             let (times, _, said) = mended(&rows).unwrap();
-            assert!(is_even(&times, 600) && said.contains(&format!("wraps around at {modulus} (1 times")), "{said}");
+            assert!(is_even(&times, 600) && said.contains(what), "{said}");
         }
     }
 

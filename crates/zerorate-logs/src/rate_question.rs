@@ -21,11 +21,13 @@ const DAYS: [std::ops::Range<f64>; 2] = [36_526.0..73_051.0, 730_486.0..767_011.
 /// first rows in `sample`.
 pub fn no_rate(path: &Path, columns: &[&str], sample: &[Sampled], names: Names) -> LogError {
     let [rate, time, unit] = [Setting::Rate, Setting::TimeColumn, Setting::TimeUnit].map(|setting| names.of(setting));
-    let rises = |Rising { column, unit: fits, rate_hz }: Rising<'_>| {
-        let fits = fits.name();
-        let column = quoted(column);
-        let is_time = format!("if it is the time, as it rises evenly ({rate_hz:.3} Hz)");
-        format!("give {rate} in Hz, or {time} {column} with {unit} {fits} {is_time}")
+    let rises = |Rising { column, unit: fits, other, rate_hz }: Rising<'_>| {
+        let (or, or_hz) = other.map_or_else(Default::default, |other| {
+            (format!(" or {}", other.name()), format!(" or {:.3}", rate_hz / fits.per_s() * other.per_s()))
+        });
+        let (fits, column) = (fits.name(), quoted(column));
+        let is_time = format!("if it is the time, as it rises evenly ({rate_hz:.3}{or_hz} Hz)");
+        format!("give {rate} in Hz, or {time} {column} with {unit} {fits}{or} {is_time}")
     };
     let named = || match columns.iter().find(|name| is_like_time(name)) {
         Some(column) => format!("give {rate} in Hz, or {time} with {unit} if `{column}` is the time"),
@@ -99,6 +101,8 @@ struct Rising<'a> {
     column: &'a str,
     /// The unit in which rows come at a usual rate.
     unit: TimeUnit,
+    /// Another unit in which they come at a rate of an IMU.
+    other: Option<TimeUnit>,
     rate_hz: f64,
 }
 
@@ -118,7 +122,9 @@ impl<'a> Rising<'a> {
             return None;
         }
         let per_unit = times.time_base(TimeUnit::S, Names::default()).ok()?.rate_hz;
-        let unit = time_unit::dated(&times).or_else(|| time_unit::usual(per_unit))?;
-        Some(Self { column: &column.name, unit, rate_hz: per_unit * unit.per_s() })
+        let dated = time_unit::dated(&times);
+        let unit = dated.or_else(|| time_unit::usual(per_unit))?;
+        let other = time_unit::other(per_unit, unit).filter(|_| dated.is_none());
+        Some(Self { column: &column.name, unit, other, rate_hz: per_unit * unit.per_s() })
     }
 }

@@ -103,6 +103,78 @@ fn rows_of_two_sensors_in_tables() {
     }
 }
 
+/// Rows of four sensors, which two columns tell apart, in tables and in text.
+#[test]
+fn rows_of_sensors_that_two_columns_tell() {
+    let rows = || 0..800;
+    let log: Vec<(&str, ArrayRef)> = vec![
+        ("t_ms", Arc::new(Int64Array::from_iter_values(rows().map(|row| i64::from(row / 4 * 10))))),
+        ("bus", Arc::new(Int32Array::from_iter_values(rows().map(|row| row / 2 % 2)))),
+        ("sensor", Arc::new(Int32Array::from_iter_values(rows().map(|row| row % 2)))),
+        ("x", Arc::new(Float64Array::from_iter_values(rows().map(|row| f64::from(row) * 0.1)))),
+    ];
+    let line = |row: i32| format!("{},{},{},{}\n", row / 4 * 10, row / 2 % 2, row % 2, f64::from(row) * 0.1);
+    let text = rows().map(line).fold("t_ms,bus,sensor,x\n".to_owned(), |text, line| text + &line);
+    for content in tables(&log).into_iter().chain([text.into_bytes()]) {
+        let read = |said: &str| all(&content, ColumnSelection::One(Some("x")), said);
+        let said = read("--time-column t_ms").unwrap_err().to_string();
+        assert!(said.contains("columns `bus`, `sensor` are 0-0 (100 Hz), 0-1 (100 Hz), 1-0 (100 Hz)"), "{said}");
+        assert!(said.contains("rows of 4 sensors") && said.contains("--where bus=0,sensor=0 to read one"), "{said}");
+        let said = read("--time-column t_ms --where bus=1").unwrap_err().to_string();
+        assert!(said.contains("--where bus=1,sensor=0 to read one"), "{said}");
+        let x = &read("--time-column t_ms --where bus=1,sensor=0").unwrap()[0];
+        assert_eq!((x.rate_hz, x.series.len(), super::tests::numbers(x)[1]), (100.0, 200, 0.1 * 6.0));
+        let none = read("--time-column t_ms --where bus=1,sensor=7").unwrap_err().to_string();
+        assert!(none.contains("column `bus` is `1` and `sensor` is `7` in no row"), "{none}");
+    }
+}
+
+/// All rows of one sensor above those of the next: by number beyond the first rows, and by name.
+#[test]
+fn rows_of_sensors_in_blocks() {
+    let log = |names: [&str; 2], rows: usize| {
+        let line = |row: usize| format!("{},{},0.{}\n", row * 10, names[row / (rows / 2)], row * 7919 % 101);
+        (0..rows).map(line).fold("t_ms,imu,x\n".to_owned(), |text, line| text + &line)
+    };
+    for (names, rows) in [(["1", "2"], 6000), (["left", "right"], 40)] {
+        let text = log(names, rows);
+        let said = all(text.as_bytes(), ColumnSelection::All, "").unwrap_err().to_string();
+        assert!(said.contains(&format!("--where imu={} to read one", names[0])), "{said}");
+    }
+    let same = log(["1", "1"], 600);
+    assert_eq!(all(same.as_bytes(), ColumnSelection::All, "").unwrap().len(), 2);
+}
+
+/// Rows of two sensors in no order, without a time: the name of the column and another noise tell.
+#[test]
+fn rows_of_sensors_in_no_order() {
+    let log = |name: &str| {
+        let line = |row: usize| {
+            let (which, number) = (row * row * 31 % 97 % 2, (row * 7919 % 101) as f64 - 50.0);
+            format!("{},{:.3}\n", ["a", "b"][which], number * [0.1, 0.3][which])
+        };
+        (0..2000).map(line).fold(format!("{name},x\n"), |text, row| text + &row)
+    };
+    let said = all(log("sensor").as_bytes(), ColumnSelection::All, "--rate 100").unwrap_err().to_string();
+    assert!(said.contains("column `sensor` is a, b in turn") || said.contains("is b, a in turn"), "{said}");
+    assert_eq!(all(log("state").as_bytes(), ColumnSelection::All, "--rate 100").unwrap().len(), 1);
+}
+
+/// The first of two logs in one file is read up to the time that the refusal states.
+#[test]
+fn two_logs_in_one_file() {
+    let line = |row: usize| format!("{},0.{}\n", row % 300 * 10, row * 7919 % 101);
+    let text = (0..600).map(line).fold("t_ms,x\n".to_owned(), |text, line| text + &line);
+    let mut options = options("");
+    let mut read = |until: Option<&str>| {
+        options.cut.until = until.map(|until| until.parse().unwrap());
+        read_all(Path::new("log"), text.clone().into_bytes().into(), ColumnSelection::All, &options)
+    };
+    let said = read(None).unwrap_err().to_string();
+    assert!(said.contains("--until 2.99 reads the first"), "{said}");
+    assert_eq!(read(Some("2.99")).unwrap()[0].series.len(), 299);
+}
+
 #[test]
 fn columns_of_text() {
     let text = "x,t_ms,word,y,z_dps\n1,0,a,5,0.5\n2,10,b,,0.25\n3,30,c,7,-0.5\n4,40,d,8,1.0";

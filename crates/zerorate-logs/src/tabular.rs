@@ -58,12 +58,12 @@ pub fn read_described(
 /// Columns being read, with their time.
 pub struct TableColumns<'a> {
     path: &'a Path,
-    /// The columns to be read: the numbers, behind them the time, and the column of `only`.
+    /// The columns to be read: the numbers, behind them the time, and the columns of `only`.
     pub columns: Vec<usize>,
     values: Vec<TableColumn>,
     time: Option<(String, Times)>,
-    /// The choice of rows by the last of `columns`, and the name of that column; `None` reads all rows.
-    only: Option<(&'a Only, String)>,
+    /// The choice of rows by the last of `columns`, and the names of those columns; `None` reads all rows.
+    only: Option<(&'a Only, Vec<String>)>,
     /// The first rows of all columns of a table.
     sample: Vec<Sampled>,
 }
@@ -98,7 +98,7 @@ impl<'a> TableColumns<'a> {
         let beside = temperature.filter(|at| asked.with_temperature && !values.contains(at));
         let wanted = values.len();
         values.extend(beside);
-        if let (Some(_), Some(_)) = (described, only) {
+        if described.is_some() && !only.is_empty() {
             return Err(asked.args.only_of_tables(path));
         }
         // with a time column it is a table as any other
@@ -118,8 +118,8 @@ impl<'a> TableColumns<'a> {
         Ok(Self {
             path,
             values: values.iter().map(column).collect(),
-            columns: values.iter().copied().chain(time).chain(only).collect(),
-            only: asked.args.only.as_ref().zip(only.map(|at| names[at].to_owned())),
+            columns: values.iter().copied().chain(time).chain(only.iter().copied()).collect(),
+            only: asked.args.only.as_ref().map(|of| (of, only.iter().map(|at| names[*at].to_owned()).collect())),
             sample: Vec::new(),
             time: time_column,
         })
@@ -151,19 +151,22 @@ impl<'a> TableColumns<'a> {
         if self.sample.is_empty() {
             self.sample = batch.schema().fields().iter().map(|field| Sampled::of_field(field)).collect();
         }
-        let told = self.only.as_ref().and_then(|(_, name)| batch.column_by_name(name)).cloned();
-        if self.only.is_some() && told.is_none() {
-            return Ok(());
-        }
+        let telling = self.only.iter().flat_map(|(_, names)| names).map(|name| batch.column_by_name(name).cloned());
+        let Some(told) = telling.collect::<Option<Vec<ArrayRef>>>() else { return Ok(()) };
         let columns = self.wanted_rows(batch.columns().iter().cloned().chain(told).collect())?;
         self.sample.iter_mut().zip(&columns).for_each(|(sampled, column)| sampled.take(column));
         Ok(())
     }
 
-    /// The wanted rows, as the last column tells them.
+    /// The wanted rows, as the last columns tell them.
     fn wanted_rows(&self, columns: Vec<ArrayRef>) -> Result<Vec<ArrayRef>, InputError> {
-        let (Some((only, _)), Some(last)) = (&self.only, columns.last()) else { return Ok(columns) };
-        let wanted: BooleanArray = sample::cells(last).iter().map(|cell| Some(cell.is(&only.value))).collect();
+        let Some((only, names)) = &self.only else { return Ok(columns) };
+        let mut wanted = vec![true; columns.first().map_or(0, |column| column.len())];
+        for (column, condition) in columns[columns.len().saturating_sub(names.len())..].iter().zip(&only.conditions) {
+            let cells = sample::cells(column);
+            wanted.iter_mut().zip(&cells).for_each(|(wanted, cell)| *wanted &= cell.is(&condition.value));
+        }
+        let wanted = BooleanArray::from(wanted);
         let rows = |column: &ArrayRef| filter(column, &wanted);
         columns
             .iter()

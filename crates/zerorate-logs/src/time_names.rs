@@ -58,12 +58,18 @@ fn is_in_time_unit(name: &str) -> bool {
         || name.eq_ignore_ascii_case(SAMPLE_TIME_FINE)
 }
 
-/// The unit of a time whose name states another number than one: 0.1 ms of `time [0.1 ms]` and `ticks_100us`.
+/// The unit of a time whose name states another number than one: 0.1 ms of `time [0.1 ms]` and `ticks_100us`, 60 s of
+/// `Time (min)`.
 pub fn ticks(name: &str) -> Option<(TimeUnit, f64)> {
     let name = name.to_lowercase();
     let is_bare_t = name.strip_prefix('t').is_some_and(|rest| rest.starts_with(['_', ' ', '[', '(']));
     let is_time = is_bare_t || is_like_time(&name) || name.contains("tick");
     let text = name.trim_end_matches([']', ')']);
+    let longer = [("min", 60.0), ("minutes", 60.0), ("h", 3600.0), ("hours", 3600.0)];
+    let ends = |word: &str| text.strip_suffix(word).is_some_and(|rest| rest.ends_with(['[', '(']));
+    if let Some((_, step)) = longer.into_iter().find(|(word, _)| is_time && ends(word)) {
+        return Some((TimeUnit::S, step));
+    }
     let units =
         [(TimeUnit::Ms, "ms"), (TimeUnit::Us, "us"), (TimeUnit::Us, "µs"), (TimeUnit::Ns, "ns"), (TimeUnit::S, "s")];
     let (unit, rest) = units.into_iter().find_map(|(unit, word)| Some((unit, text.strip_suffix(word)?)))?;
@@ -113,6 +119,9 @@ mod tests {
         let cases = [
             ("time [0.1 ms]", Some((TimeUnit::Ms, 0.1))),
             ("Time (100us)", Some((TimeUnit::Us, 100.0))),
+            ("Time (min)", Some((TimeUnit::S, 60.0))),
+            ("t [h]", Some((TimeUnit::S, 3600.0))),
+            ("loop_time_min", None),
             ("ticks_0.1_ms", Some((TimeUnit::Ms, 0.1))),
             ("timestamp_10ns", Some((TimeUnit::Ns, 10.0))),
             ("time_ms", None),

@@ -13,6 +13,9 @@ const RATES_HZ: std::ops::RangeInclusive<f64> = 0.01..=50_000.0;
 /// Rate below which a column may count in a finer unit than its name states: `millis` that are microseconds.
 const SLOW_HZ: f64 = 0.5;
 
+/// Rates of IMUs, Hz: of several units with such a rate, the user chooses one.
+const RATES_OF_IMUS_HZ: std::ops::RangeInclusive<f64> = 2.0..=33_000.0;
+
 /// A usual rate, Hz.
 const USUAL_HZ: f64 = 100.0;
 
@@ -44,6 +47,12 @@ fn date(first: f64) -> Option<TimeUnit> {
 /// sensor.
 pub fn usual(per_unit: f64) -> Option<TimeUnit> {
     nearest(per_unit, ALL.into_iter()).filter(|unit| RATES_HZ.contains(&(per_unit * unit.per_s())))
+}
+
+/// Another unit in which rows come at a rate of an IMU, if so many of them come in each unit.
+pub fn other(per_unit: f64, unit: TimeUnit) -> Option<TimeUnit> {
+    let fits = |other: &TimeUnit| *other != unit && RATES_OF_IMUS_HZ.contains(&(per_unit * other.per_s()));
+    nearest(per_unit, ALL.into_iter().filter(fits))
 }
 
 /// The one of these units whose rate is nearest to a usual one.
@@ -87,14 +96,16 @@ pub fn check(
         let span_s = span / unit.per_s();
         format!("in {} the rows come at {} Hz over {} s", unit.name(), short(rate_hz), short(span_s))
     };
-    let better_hz = rate_hz / unit.per_s() * better.per_s();
+    let per_unit = rate_hz / unit.per_s();
+    let better_hz = per_unit * better.per_s();
+    let or = if is_open { Some(unit) } else { other(per_unit, better) };
+    let or = or.map_or_else(String::new, |or| format!(" or {}", or.name()));
     Err(LogError::Ask(format!(
-        "{}, column {column}: {}, and {}; give {column_option} {column} with {unit_option} {}{}, or {rate} alone",
+        "{}, column {column}: {}, and {}; give {column_option} {column} with {unit_option} {}{or}, or {rate} alone",
         path.display(),
         seen(unit, rate_hz),
         seen(better, better_hz),
         better.name(),
-        if is_open { format!(" or {}", unit.name()) } else { String::new() },
     )))
 }
 
@@ -129,6 +140,13 @@ fn better(unit: TimeUnit, rate_hz: f64, first: f64) -> Option<TimeUnit> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// 8000 Hz in µs would be 8 Hz in ms, and 100 Hz in ms is nothing else.
+    #[test]
+    fn another_unit_may_fit_as_well() {
+        assert_eq!((usual(0.008), other(0.008, TimeUnit::Ms)), (Some(TimeUnit::Ms), Some(TimeUnit::Us)));
+        assert_eq!((usual(0.1), other(0.1, TimeUnit::Ms)), (Some(TimeUnit::Ms), None));
+    }
 
     #[test]
     fn an_absurd_rate_or_date_tells_the_unit() {

@@ -136,8 +136,8 @@ def read_log(
     topic
         The topic of a bag, if it has several IMUs.
     where
-        Read only the rows in which a column has this value, as in ``"SensorId=1"``: for a table or text with the rows
-        of several sensors.
+        Read only the rows in which a column has this value, as in ``"SensorId=1"``, or several columns have theirs,
+        as in ``"bus=0,sensor=1"``: for a table or text with the rows of several sensors.
     skip, until
         Leave out the beginning, and what follows a time: seconds since the first sample, a duration such as
         ``"45m"``, or a clock time or date of the log's stamps, as in ``"12:30:00"`` (UTC where they state no zone).

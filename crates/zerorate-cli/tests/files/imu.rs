@@ -119,6 +119,26 @@ fn axes_beside_a_data_sheet() {
     assert!(run.contains("Beside the data sheet of ADIS16405") && run.contains("typical 0.05 °/s/√Hz"), "{run}");
 }
 
+/// A turn of 30 °/s about one axis for 6 s is motion, and not a matter of bit errors alone.
+#[test]
+fn a_slow_turn_is_motion() {
+    let bench = Bench::new();
+    let turned = |(row, line): (usize, &str)| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        if (4000..4600).contains(&row) {
+            cells[4] = (cells[4].parse::<f64>().unwrap() + 30.0).to_string();
+        }
+        cells.join(",") + "\n"
+    };
+    bench.write("imu.csv", log().lines().enumerate().map(turned).collect::<String>());
+    let said = bench.zerorate(LINE).ended_with(0).stderr;
+    assert!(
+        said.contains("motion: the sensor moves from 30 s to 50 s; the longest rest: --skip 51 --until"),
+        "{said}"
+    );
+    assert!(said.contains("so none was replaced; motion, or bit errors?"), "{said}");
+}
+
 /// What several axes have in common is one line, below the table, and the important first; `--json` has all of it.
 #[test]
 fn findings_are_a_line_for_each_kind() {

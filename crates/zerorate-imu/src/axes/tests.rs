@@ -166,8 +166,8 @@ fn topics_that_differ_in_gyro_and_accel_are_one_imu() {
 #[test]
 fn units_of_kalibr_are_taken_where_gravity_fits() {
     let read = |gravity: f64| {
-        let row = |at: i32| format!("{},0.1,0.{},0.3,0.{},0.1,{gravity}{}\n", at * 10, at % 7, at % 5, at % 3);
-        let head = "t_ms,omega_x,omega_y,omega_z,alpha_x,alpha_y,alpha_z\n".to_owned();
+        let row = |at: i32| format!("{},{gravity}{},0.1,0.{},0.3,0.{},0.1\n", at * 10, at % 3, at % 7, at % 5);
+        let head = "t_ms,alpha_z,omega_x,omega_y,omega_z,alpha_x,alpha_y\n".to_owned();
         let text = (0..60).map(row).fold(head, |text, row| text + &row);
         let parts = vec![(std::path::PathBuf::from("imu.csv"), text.into_bytes().into())];
         Axes::read(Path::new("imu.csv"), parts, &ImuOptions::default())
@@ -186,4 +186,43 @@ fn wheels_biases_and_commands_beside_a_gyroscope_are_left_out() {
     // an IMU on a wheel has no other axes
     let found = axes("t_ns,wheel_gyro_x_dps,wheel_gyro_y_dps").unwrap();
     assert_eq!(found.columns.len(), 2);
+}
+
+/// A log of these samples at 100 Hz, or of one in 10 s where its time is in s.
+fn noisy(head: &str, sample: impl Fn(usize, usize) -> f64) -> zerorate_logs::Result<Axes> {
+    let width = head.split(',').count();
+    let row = |at: usize| {
+        let cells = (1..width).map(|column| format!("{:.5}", sample(at, column)));
+        std::iter::once((at * 10).to_string()).chain(cells).collect::<Vec<_>>().join(",") + "\n"
+    };
+    let text = (0..1200).map(row).fold(format!("{head}\n"), |text, row| text + &row);
+    let parts = vec![(std::path::PathBuf::from("imu.csv"), text.into_bytes().into())];
+    Axes::read(Path::new("imu.csv"), parts, &ImuOptions::default())
+}
+
+fn noise(at: usize, column: usize) -> f64 {
+    ((at * 7919 + column * 104_729) * 48_271 % 65_537) as f64 / 65_537.0 - 0.5
+}
+
+#[test]
+fn numbers_that_no_imu_has_are_doubted() {
+    let doubts = |found: zerorate_logs::Result<Axes>| -> Vec<String> {
+        let warnings = found.unwrap().warnings;
+        warnings.iter().filter(|one| one.code() == "implausible").map(ToString::to_string).collect()
+    };
+    assert_eq!(doubts(noisy("t_ms,gx_dps,gy_dps,gz_dps", noise)), [""; 0]);
+    let loud = doubts(noisy("t_ms,gx_dps,gy_dps,gz_dps", |at, column| 30.0 * noise(at, column)));
+    assert!(loud[0].contains("the noise of all gyroscopes is above 1."), "{loud:?}");
+    let slow = doubts(noisy("t_s,gx_dps,gy_dps,gz_dps", |at, column| 0.01 * noise(at, column)));
+    assert!(slow[0].contains("rows come at 0.100 Hz"), "{slow:?}");
+    let free = doubts(noisy("t_ms,ax_m_s2,ay_m_s2,az_m_s2", noise));
+    assert!(free[0].contains("as if it had been subtracted"), "{free:?}");
+    let turned = doubts(noisy("t_ms,gx_dps,gy_dps,gz_dps", |at, column| noise(at, column) + (at % 2) as f64));
+    assert!(turned[0].contains("samples of gx_dps differ in turns of 2, as of 2 sensors"), "{turned:?}");
+}
+
+#[test]
+fn columns_of_one_name_are_chosen_by_number() {
+    let Err(said) = noisy("t_ms,gx_dps,gy_dps,gz_dps,gx_dps,gy_dps,gz_dps", noise) else { panic!("one sensor") };
+    assert!(said.to_string().contains("several columns `gx_dps`") && said.to_string().contains("by number from 0"));
 }

@@ -3,6 +3,7 @@
 
 use std::ops::Range;
 use zerorate_input::delimited::Delimiter;
+use zerorate_input::{Quantity, TimeUnit};
 
 /// The number of lines that are examined, and the fewest that show a mark.
 const LINES: usize = 1000;
@@ -19,6 +20,8 @@ pub struct Marks {
     arrow: Option<Delimiter>,
     /// The labels of the values, in order, and the delimiter behind values: `gx:0.5,gy:0.25` or `gx=0.5 gy=0.25`.
     labels: Option<(Delimiter, Vec<String>)>,
+    /// Whether rows stand in brackets: `(0.5, 0.25)`.
+    brackets: bool,
 }
 
 impl Marks {
@@ -32,11 +35,12 @@ impl Marks {
         let arrow = most(rests.iter().map(|rest| Delimiter::detect(rest))).map(|(delimiter, _)| delimiter);
         let labels = most(rests.iter().filter_map(|rest| {
             let delimiter = Delimiter::detect(rest);
-            let labels = labels(rest, delimiter)?.into_iter().map(|label| rest[label].to_owned());
-            Some((delimiter, labels.collect()))
+            let labels = labels(rest, delimiter)?;
+            Some((delimiter, labels.iter().map(|label| label.name(rest)).collect()))
         }));
         let labels = labels.filter(|(_, count)| are_most(*count)).map(|(labels, _)| labels);
-        Self { arrow: arrow.filter(|_| has_arrow), labels }
+        let brackets = are_most(lines.iter().filter(|line| are_in_brackets(line)).count());
+        Self { arrow: arrow.filter(|_| has_arrow), labels, brackets }
     }
 
     /// The names of the cells that the labels tell.
@@ -52,7 +56,7 @@ impl Marks {
 
     /// Whether there are any.
     pub fn are_there(&self) -> bool {
-        self.arrow.is_some() || self.labels.is_some()
+        self.arrow.is_some() || self.labels.is_some() || self.brackets
     }
 
     /// Replaces the marks in whole lines by blanks. A line with other labels stays as it is, and is broken.
@@ -64,18 +68,25 @@ impl Marks {
 
     fn erase_in(&self, line: &mut [u8]) {
         let Ok(text) = std::str::from_utf8(line) else { return };
+        if self.brackets && are_in_brackets(text.trim_ascii()) {
+            let ends = text.len() - text.trim_ascii_start().len()..text.trim_ascii_end().len();
+            line[ends.start] = b' ';
+            line[ends.end - 1] = b' ';
+            return;
+        }
         let found = self.arrow.and_then(|delimiter| Some((delimiter, arrow(text)?)));
         let start = found.as_ref().map_or(0, |(_, arrow)| arrow.end);
         let rest = &text[start..];
         let labels = self.labels.as_ref().and_then(|(delimiter, wanted)| {
             let labels = labels(rest, *delimiter)?;
-            labels.iter().map(|label| &rest[label.clone()]).eq(wanted).then_some(labels)
+            labels.iter().map(|label| label.name(rest)).eq(wanted.iter().cloned()).then_some(labels)
         });
         let found = found.filter(|(delimiter, _)| has_cells(rest, *delimiter));
         if let Some((labels, (delimiter, _))) = labels.zip(self.labels.as_ref()) {
-            for label in labels {
-                let mark = line[start + label.end..].iter().position(|byte| matches!(byte, b':' | b'='));
-                line[start + label.start..=start + label.end + mark.unwrap_or_default()].fill(b' ');
+            for Label { name, unit } in labels {
+                let mark = line[start + name.end..].iter().position(|byte| matches!(byte, b':' | b'='));
+                line[start + name.start..=start + name.end + mark.unwrap_or_default()].fill(b' ');
+                line[start + unit.start..start + unit.end].fill(b' ');
             }
             let end = line.trim_ascii_end().len();
             if let Some(last) = line[..end].last_mut().filter(|last| Some(**last) == delimiter.byte()) {
@@ -87,6 +98,10 @@ impl Marks {
             line[arrow.start] = delimiter.byte().unwrap_or(b' ');
         }
     }
+}
+
+fn are_in_brackets(line: &str) -> bool {
+    line.len() > 1 && line.starts_with(['(', '[']) && line.ends_with([')', ']'])
 }
 
 /// Whether a line holds values, and not what a board says when it starts.
@@ -108,9 +123,27 @@ fn arrow(line: &str) -> Option<Range<usize>> {
     Some(start..start + ARROW.len())
 }
 
-/// The places of the labels, if each value of a line has one.
-fn labels(line: &str, delimiter: Delimiter) -> Option<Vec<Range<usize>>> {
+/// The place of a label, and that of the unit behind its value, which may be empty.
+struct Label {
+    name: Range<usize>,
+    unit: Range<usize>,
+}
+
+impl Label {
+    /// The name of the column: `gx [deg/s]` of `gx: 0.5 deg/s`.
+    fn name(&self, line: &str) -> String {
+        let name = line[self.name.clone()].to_owned();
+        if self.unit.is_empty() { name } else { format!("{name} [{}]", &line[self.unit.clone()]) }
+    }
+}
+
+/// The labels, if each value of a line has one.
+fn labels(line: &str, delimiter: Delimiter) -> Option<Vec<Label>> {
     let is_end = |c: char| delimiter.byte().map_or(c.is_ascii_whitespace(), |byte| c == char::from(byte));
+    let word = |from: usize| {
+        let start = from + (line[from..].len() - line[from..].trim_start_matches(' ').len());
+        start..start + line[start..].find(|c| is_end(c) || c == ' ').unwrap_or(line.len() - start)
+    };
     let mut labels = Vec::new();
     let mut at = 0;
     while !line[at..].trim().is_empty() {
@@ -119,15 +152,21 @@ fn labels(line: &str, delimiter: Delimiter) -> Option<Vec<Range<usize>>> {
         let start = at + line[at..].len() - line[at..].trim_start().len();
         let is_label =
             label.starts_with(char::is_alphabetic) && (delimiter == Delimiter::Blanks || !label.contains(is_end));
-        let value = mark + 1 + (line[mark + 1..].len() - line[mark + 1..].trim_start_matches(' ').len());
-        let end = value + line[value..].find(is_end).unwrap_or(line.len() - value);
-        if !is_label || !is_value(&line[value..end]) {
+        let value = word(mark + 1);
+        let unit = Some(word(value.end)).filter(|unit| is_unit(&line[unit.clone()])).unwrap_or(value.end..value.end);
+        let end = unit.end + line[unit.end..].find(is_end).unwrap_or(line.len() - unit.end);
+        if !is_label || !is_value(&line[value]) || !line[unit.end..end].trim().is_empty() {
             return None;
         }
-        labels.push(start..start + label.len());
+        labels.push(Label { name: start..start + label.len(), unit });
         at = line.len().min(end + 1);
     }
     (!labels.is_empty()).then_some(labels)
+}
+
+fn is_unit(word: &str) -> bool {
+    let named = format!("x [{word}]");
+    Quantity::of_column(&named).is_some() || TimeUnit::of_column(&named).is_some()
 }
 
 /// The most frequent of these, and how often it comes.
@@ -169,11 +208,16 @@ mod tests {
             ("t=1 gx=0.5 gy=-.25", "t gx gy", "1|0.5|-.25"),
             ("gx(°/s): 0.5\tgy(°/s): -.25", "gx(°/s) gy(°/s)", "0.5|-.25"),
             ("gx = 0.5; gy = -.25;", "gx gy", "0.5|-.25"),
+            ("(0.5, -.25)", "", "0.5|-.25"),
             ("at: 15:23:45, gx: 1", "at gx", "15:23:45|1"),
         ] {
             let names = Some(names).filter(|names| !names.is_empty());
             let names = names.map(|names| names.split(' ').map(str::to_owned).collect());
             assert_eq!(erased(line), (names, cells.to_owned()), "{line}");
+        }
+        for line in ["t: 10 ms gx: 0.5 °/s ax: -.25 g", "t: 10 ms, gx: 0.5 °/s, ax: -.25 g"] {
+            let names = ["t [ms]", "gx [°/s]", "ax [g]"].map(str::to_owned).to_vec();
+            assert_eq!(erased(line), (Some(names), "10|0.5|-.25".to_owned()), "{line}");
         }
         assert_eq!(erased("Gyro X: 1 Gyro Y: 2").0.unwrap(), ["Gyro X", "Gyro Y"]);
     }

@@ -50,7 +50,8 @@ pub fn read(path: &Path, mut input: Input, room: MemoryBudget, asked: &ColumnQue
     let left_out = columns.left_out(asked.wanted, time);
     let mut cut = rows::cut(path, &head, &values, time);
     let shift = usize::from(head.index);
-    cut.only = asked.args.only.as_ref().zip(only).map(|(only, at)| (at + shift, only.value.clone()));
+    let conditions = asked.args.only.iter().flat_map(|only| &only.conditions);
+    cut.only = conditions.zip(only).map(|(condition, at)| (at + shift, condition.value.clone())).collect();
     let mut reading = TextColumns::new(&cut, room, &head);
     let mut blocks = Blocks::new(path, input).with_stamps(head.stamps).without_marks(&head.marks);
     let at_once = AT_ONCE * rayon::current_num_threads();

@@ -40,7 +40,7 @@ pub struct Cut<'a> {
     /// The names of all columns.
     all: Vec<String>,
     /// The place of a cell, and its value in the rows to read; `None` reads all rows.
-    pub only: Option<(usize, String)>,
+    pub only: Vec<(usize, String)>,
 }
 
 /// The content of a block of lines.
@@ -222,8 +222,10 @@ impl<'t> Reading<'_, 't> {
 
     /// Whether the line is a row that is not wanted.
     fn is_left_out(&self, line: &str) -> bool {
-        let Some((place, value)) = &self.cut.only else { return false };
-        self.cut.delimiter.cells(line).nth(*place).is_some_and(|cell| !self.cell(cell).is(value))
+        let mut wanted = self.cut.only.iter();
+        wanted.any(|(place, value)| {
+            self.cut.delimiter.cells(line).nth(*place).is_some_and(|cell| !self.cell(cell).is(value))
+        })
     }
 
     fn cell(&self, cell: &str) -> Cell {
@@ -373,6 +375,6 @@ pub fn cut<'a>(path: &'a Path, head: &Head, chosen: &[usize], time: Option<usize
         sentence: head.sentence.clone(),
         shift,
         all: head.names.clone(),
-        only: None,
+        only: Vec::new(),
     }
 }

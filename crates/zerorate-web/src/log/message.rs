@@ -15,7 +15,7 @@ pub struct LogSettings {
     pub columns: Option<Vec<String>>,
     /// The topic of a bag with several IMUs.
     pub topic: Option<String>,
-    /// The rows to read, as `SensorId=1`: those in which a column has this value.
+    /// The rows to read, as `SensorId=1` or `bus=0,sensor=1`: those in which the columns have these values.
     #[serde(rename = "where")]
     pub only: Option<String>,
     /// Samples per second, Hz.

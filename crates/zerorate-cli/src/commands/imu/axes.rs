@@ -22,12 +22,13 @@ pub struct AxisArgs {
     #[arg(long, value_name = "LIST", conflicts_with = "column", help_heading = UNITS)]
     accel: Option<String>,
 
-    /// The unit of the gyroscope's columns: dps, mdps, deg/min, deg/h, rad/s, mrad/s or urad/s [default: the one that
-    /// their names state].
+    /// The unit of the gyroscope's columns: dps, mdps, deg/min, deg/h, rad/s, mrad/s, urad/s or rpm [default: the one
+    /// that their names state].
     #[arg(long, value_name = "UNIT", help_heading = UNITS)]
     gyro_unit: Option<Unit>,
 
-    /// The unit of the accelerometer's columns: m/s², g, mg or ug [default: the one that their names state].
+    /// The unit of the accelerometer's columns: m/s², g, mg, ug, cm/s² or mm/s² [default: the one that their names
+    /// state].
     #[arg(long, value_name = "UNIT", help_heading = UNITS)]
     accel_unit: Option<Unit>,
 

@@ -19,7 +19,7 @@ use zerorate_allan::FitOptions;
 use zerorate_imu::{AnalysisOptions, Combine, Format, ImuReport, ImuWarning, NoiseFileOptions, Record, Rule, span};
 use zerorate_jobs::code_scales::CodeOptions;
 use zerorate_jobs::imu::{ImuNoise, ImuNoiseOptions, imu};
-use zerorate_logs::{LogWarning, Names, Only};
+use zerorate_logs::{Condition, LogWarning, Names, Only};
 use zerorate_view::noise::axes_svg;
 use zerorate_view::report::{AllanPage, Fact, allan_page};
 
@@ -105,7 +105,8 @@ pub struct ImuArgs {
 impl ImuArgs {
     /// The options for one of several series. Its files are named after its value: `imu-1.yaml`.
     fn of_series(&self, only: &Only) -> Self {
-        let value = only.value.replace(|c: char| !c.is_alphanumeric(), "_");
+        let plain = |one: &Condition| one.value.replace(|c: char| !c.is_alphanumeric(), "_");
+        let value = only.conditions.iter().map(plain).collect::<Vec<_>>().join("-");
         let named = |path: &PathBuf| {
             let [stem, ending] = [path.file_stem(), path.extension()].map(|part| part.unwrap_or_default().display());
             path.with_file_name(format!("{stem}-{value}.{ending}").trim_end_matches('.'))
