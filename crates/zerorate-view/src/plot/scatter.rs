@@ -56,6 +56,8 @@ pub fn scatter(scatter: &Scatter) -> String {
     for (index, panel) in panels.iter().enumerate() {
         let band = panel.curve.iter().flat_map(|(_, value, half)| [value - half, value + half]);
         let (low, high) = range(panel.dots.iter().map(|dot| dot.at.1).chain(band), 0.08);
+        // room for the name
+        let high = high + 0.12 * (high - low);
         let y = Axis::linear(low, high, stack.upright(index));
         let dots = panel.dots.iter().map(|dot| {
             let (cx, cy) = (px(x.at(dot.at.0)), px(y.at(dot.at.1)));

@@ -142,10 +142,9 @@ impl Record {
         let (low_c, high_c) = self.series.span_c();
         let (followed_c, places) = log.followed(following, TURNS * (high_c - low_c));
         let means = log.blocks().iter().map(|block| block.rate_dps - self.centre).collect();
-        let mut columns: Vec<Vec<f64>> = vec![Vec::with_capacity(followed_c.len()); COEFFICIENTS];
-        for temp_c in &followed_c {
-            columns.iter_mut().zip(self.series.at(*temp_c)).for_each(|(column, value)| column.push(value));
-        }
+        let values: Vec<[f64; COEFFICIENTS]> = followed_c.iter().map(|temp_c| self.series.at(*temp_c)).collect();
+        let of_order = |k: usize| values.iter().map(|values| values[k]).collect();
+        let mut columns: Vec<Vec<f64>> = (0..COEFFICIENTS).map(of_order).collect();
         columns.insert(0, means);
         if self.two_directions {
             columns.push(places);

@@ -7,6 +7,8 @@ use alloc::vec::Vec;
 
 /// Probability that an axis has the lag of the other axes.
 const COMMON: f64 = 0.9;
+/// Exponent of the likelihoods of other axes. They hold for the best noise alone, and are too sharp.
+const TRUST: f64 = 0.5;
 /// Least difference of the logarithm of a likelihood from the best one.
 const FLOOR: f64 = -30.0;
 /// Places over the logarithm of the lag at which priors are computed.
@@ -57,7 +59,7 @@ impl<'a> LagPrior<'a> {
     }
 
     fn of_others(&self, lag_s: f64) -> f64 {
-        self.others.iter().map(|other| other.at(lag_s)).sum()
+        TRUST * self.others.iter().map(|other| other.at(lag_s)).sum::<f64>()
     }
 
     /// The logarithm of the factor by which the other axes change the prior of a lag.
