@@ -3,6 +3,7 @@
 use super::axes::Axis;
 use super::canvas::{self, Anchor, SMALL, clipped, path, px, stroke};
 use super::stack::Stack;
+use svg::node::element::path::Data;
 use svg::node::element::{Circle, Group, Path};
 
 /// The panels, with their texts.
@@ -42,7 +43,7 @@ const HEIGHT: f64 = 190.0;
 const WARMING: &str = "#d55e00";
 const COOLING: &str = "#0072b2";
 const CURVE: &str = "#222222";
-const RADIUS: f64 = 1.8;
+const DOT: f64 = 3.6;
 
 /// The picture as SVG.
 #[must_use]
@@ -59,15 +60,20 @@ pub fn scatter(scatter: &Scatter) -> String {
         // room for the name
         let high = high + 0.12 * (high - low);
         let y = Axis::linear(low, high, stack.upright(index));
-        let dots = panel.dots.iter().map(|dot| {
-            let (cx, cy) = (px(x.at(dot.at.0)), px(y.at(dot.at.1)));
-            let colour = if dot.is_warming { WARMING } else { COOLING };
-            Circle::new().set("cx", cx).set("cy", cy).set("r", RADIUS).set("fill", colour).set("fill-opacity", 0.45)
-        });
-        let inside = dots.fold(clipped(&stack.area(index)), Group::add).add(curve(panel, &x, &y));
+        let [warming, cooling] = [true, false].map(|is_warming| dots(panel, is_warming, &x, &y));
+        let inside = clipped(&stack.area(index)).add(cooling).add(warming).add(curve(panel, &x, &y));
         paper = paper.add(stack.frame(index, &x, &y)).add(inside).add(stack.name(index, &panel.label).0);
     }
     paper.to_string()
+}
+
+/// The dots of one direction as one path of points with round ends.
+fn dots(panel: &ScatterPanel, is_warming: bool, x: &Axis, y: &Axis) -> Path {
+    let colour = if is_warming { WARMING } else { COOLING };
+    let all = panel.dots.iter().filter(|dot| dot.is_warming == is_warming);
+    let point = |data: Data, dot: &Dot| data.move_to((px(x.at(dot.at.0)), px(y.at(dot.at.1)))).horizontal_line_by(0);
+    let path = Path::new().set("d", all.fold(Data::new(), point)).set("fill", "none").set("stroke", colour);
+    path.set("stroke-width", DOT).set("stroke-linecap", "round").set("stroke-opacity", 0.45)
 }
 
 fn curve(panel: &ScatterPanel, x: &Axis, y: &Axis) -> Group {
