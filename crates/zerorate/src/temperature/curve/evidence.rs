@@ -20,6 +20,8 @@ pub(super) struct Record {
     pub(super) steps: Vec<StepAt>,
     /// The level about which all is computed.
     centre: f64,
+    /// Slope of a line through all means, which turns noise of the temperature into noise of the means.
+    slope_per_c: f64,
 }
 
 /// The place of a step: the log, and the time in it from which the level is another, s.
@@ -98,7 +100,8 @@ impl Record {
         let centre = blocks().map(|block| block.rate_dps).sum::<f64>() / blocks().count().max(1) as f64;
         let scale = (high - low).max(f64::MIN_POSITIVE);
         let two_directions = has_two_directions(&logs);
-        Self { logs, series, scale, two_directions, steps: Vec::new(), centre }
+        let slope_per_c = slope_per_c(blocks());
+        Self { logs, series, scale, two_directions, steps: Vec::new(), centre, slope_per_c }
     }
 
     /// The same record without blocks of one log. Centre and scale stay.
@@ -110,7 +113,7 @@ impl Record {
 
     /// One-sided density of the white noise: the mean over the logs.
     pub(super) fn white(&self) -> f64 {
-        self.logs.iter().map(LogMeans::white).sum::<f64>() / self.logs.len().max(1) as f64
+        self.logs.iter().map(|log| log.white(self.slope_per_c)).sum::<f64>() / self.logs.len().max(1) as f64
     }
 
     /// Standard deviation of a mean by white noise, and length of the longest log, s.
@@ -128,7 +131,7 @@ impl Record {
     pub(super) fn filter(&self, noise: &SlowNoise, log: &LogMeans) -> Filter {
         let least = LEAST_WHITE * self.scale * libm::sqrt(2.0 * log.block_s());
         let noise = Noise {
-            white_dps_per_rt_hz: log.white().max(least),
+            white_dps_per_rt_hz: log.white(self.slope_per_c).max(least),
             bias_instability_dps: noise[0],
             rate_random_walk_dps_per_rt_s: noise[1],
             gauss_markov: Vec::new(),
@@ -275,6 +278,16 @@ impl Record {
         let ends = self.logs.last().and_then(|log| log.at_end(following));
         ends.map_or(0.0, |(last_c, late_c)| bias(last_c) - bias(late_c))
     }
+}
+
+/// Slope of a line through means.
+fn slope_per_c<'a>(blocks: impl Iterator<Item = &'a Block> + Clone) -> f64 {
+    let count = blocks.clone().count().max(1) as f64;
+    let mean = |of: fn(&Block) -> f64| blocks.clone().map(of).sum::<f64>() / count;
+    let (temp_c, value) = (mean(|block| block.temp_c), mean(|block| block.rate_dps));
+    let products = blocks.map(|block| (block.temp_c - temp_c, block.rate_dps - value));
+    let (square, product) = products.fold((0.0, 0.0), |(square, product), (t, v)| (square + t * t, product + t * v));
+    if square > 0.0 { product / square } else { 0.0 }
 }
 
 /// Least pivot of the information matrix.

@@ -1,6 +1,6 @@
 //! Means over short stretches of a log, from its samples one by one.
 
-use super::thermometer::{Thermometer, smooth};
+use super::thermometer::{Thermometer, line, smooth};
 use crate::temperature::Block;
 use crate::temperature::follow::Following;
 use alloc::vec::Vec;
@@ -13,6 +13,12 @@ const BLOCKS: f64 = 900.0;
 const SHORTEST_S: f64 = 1.0;
 /// Share of its samples that a block must have.
 const LEAST_SAMPLES: f64 = 0.5;
+/// Distance of a reading from the median of its part from which it is an outlier, °C.
+const OUTLIER_C: f64 = 2.0;
+/// Ratio of the step of codes to the deviation of samples from which the means hold the rounding.
+const ROUNDED: f64 = 2.0;
+/// Share of the usual variance below which the samples stand still.
+const STANDS: f64 = 1e-6;
 /// Ratio of the variance within a block to the median from which the sensor moves.
 const MOVES: f64 = 4.0;
 
@@ -27,6 +33,10 @@ pub struct LogMeans {
     parts_c: Vec<f64>,
     /// One-sided density of the white noise, in the unit of the samples per √Hz.
     white: f64,
+    /// The same of the temperature, °C/√Hz.
+    temps_white: f64,
+    /// Standard uncertainty by rounding to codes, if the noise is too small to average it out.
+    rounding: f64,
     /// Times in which the sensor moves, from and to, s.
     moving_s: Vec<(f64, f64)>,
     /// Blocks of the log that have samples.
@@ -40,8 +50,7 @@ struct Part {
     count: u32,
     sum: f64,
     squares: f64,
-    temps: u32,
-    temp_sum: f64,
+    temp_c: Option<f64>,
     last_c: Option<f64>,
 }
 
@@ -59,6 +68,11 @@ pub struct MeansBuilder {
     per_part: usize,
     parts: Vec<Part>,
     samples: usize,
+    /// Readings of the temperature in the last part, °C.
+    readings_c: Vec<f64>,
+    last: f64,
+    /// Smallest difference of two samples in turn.
+    quantum: f64,
     /// A sample about which the sums are taken, so that squares keep their digits.
     origin: Option<f64>,
 }
@@ -69,15 +83,33 @@ impl MeansBuilder {
     pub fn new(samples: usize, rate_hz: f64) -> Self {
         let length_s = (samples as f64 / rate_hz / BLOCKS).max(SHORTEST_S);
         let per_part = (libm::round(length_s * rate_hz / PARTS as f64) as usize).max(1);
-        Self { rate_hz, per_part, parts: Vec::new(), samples: 0, origin: None }
+        Self {
+            rate_hz,
+            per_part,
+            parts: Vec::new(),
+            samples: 0,
+            readings_c: Vec::new(),
+            last: f64::NAN,
+            quantum: f64::MAX,
+            origin: None,
+        }
     }
 
     /// Takes the next sample and its temperature, °C. NaN is a missing one.
     pub fn push(&mut self, value: f64, temp_c: f64) {
         if self.samples.is_multiple_of(self.per_part) {
+            self.end_part();
             self.parts.push(Part::default());
         }
         self.samples += 1;
+        let change = (value - self.last).abs();
+        if change > 0.0 && change < self.quantum {
+            self.quantum = change;
+        }
+        self.last = value;
+        if !temp_c.is_nan() {
+            self.readings_c.push(temp_c);
+        }
         let Some(part) = self.parts.last_mut() else { return };
         if !value.is_nan() {
             let value = value - *self.origin.get_or_insert(value);
@@ -85,20 +117,27 @@ impl MeansBuilder {
             part.sum += value;
             part.squares += value * value;
         }
-        if !temp_c.is_nan() {
-            part.temps += 1;
-            part.temp_sum += temp_c;
-            part.last_c = Some(temp_c);
-        }
+    }
+
+    /// Takes the temperature of the last part: the mean of its readings without outliers.
+    fn end_part(&mut self) {
+        let Some(part) = self.parts.last_mut() else { return };
+        let middle_c = median(self.readings_c.clone());
+        let is_near = |temp_c: &&f64| (**temp_c - middle_c).abs() < OUTLIER_C;
+        let (sum, count) = self.readings_c.iter().filter(is_near).fold((0.0, 0.0), |(sum, n), c| (sum + c, n + 1.0));
+        part.temp_c = (count > 0.0).then(|| sum / count);
+        part.last_c = self.readings_c.iter().rfind(is_near).copied();
+        self.readings_c.clear();
     }
 
     /// The means of all samples.
     #[must_use]
-    pub fn finish(self) -> LogMeans {
+    pub fn finish(mut self) -> LogMeans {
+        self.end_part();
         let part_s = self.per_part as f64 / self.rate_hz;
         let length_s = PARTS as f64 * part_s;
         let last_c: Vec<f64> = self.parts.iter().map(|part| part.last_c.unwrap_or(f64::NAN)).collect();
-        let means_c: Vec<f64> = self.parts.iter().map(|part| part.temp_sum / f64::from(part.temps)).collect();
+        let means_c: Vec<f64> = self.parts.iter().map(|part| part.temp_c.unwrap_or(f64::NAN)).collect();
         let (parts_c, thermometer) = smooth(&last_c, &means_c, part_s);
         let whole: Vec<(usize, &[Part])> = self.parts.chunks_exact(PARTS).enumerate().collect();
         let least = LEAST_SAMPLES * (PARTS * self.per_part) as f64;
@@ -108,6 +147,8 @@ impl MeansBuilder {
             whole.into_iter().filter(|(k, parts)| is_full(parts) && is_known(*k)).collect();
         let variances: Vec<f64> = full.iter().map(|(_, parts)| variance(parts)).collect();
         let usual = median(variances.clone());
+        let full = varying(full, &variances, usual);
+        let variances: Vec<f64> = full.iter().map(|(_, parts)| variance(parts)).collect();
         let moves: Vec<bool> = variances.iter().map(|variance| *variance > MOVES * usual && usual > 0.0).collect();
         let moving_s = spans(full.iter().zip(&moves).filter(|(_, moves)| **moves).map(|((k, _), _)| *k), length_s);
         let seen = full.len();
@@ -120,7 +161,11 @@ impl MeansBuilder {
             temp_c: parts_c[k * PARTS..(k + 1) * PARTS].iter().sum::<f64>() / PARTS as f64,
         };
         let (blocks, indices) = (still().map(block).collect(), still().map(|(k, _)| *k).collect());
-        LogMeans { blocks, indices, length_s, parts_c: filled(parts_c), white, moving_s, seen, thermometer }
+        let temps_white = libm::sqrt(2.0 * part_s * median(white_temps(&parts_c)));
+        let is_rounded = self.quantum < f64::MAX && self.quantum > ROUNDED * libm::sqrt(usual);
+        let rounding = if is_rounded { self.quantum / libm::sqrt(12.0) } else { 0.0 };
+        let parts_c = filled(parts_c);
+        LogMeans { blocks, indices, length_s, parts_c, white, temps_white, rounding, moving_s, seen, thermometer }
     }
 }
 
@@ -136,6 +181,12 @@ fn variance(parts: &[Part]) -> f64 {
     parts.iter().map(|part| part.squares).sum::<f64>() / count - mean * mean
 }
 
+/// The blocks whose samples vary, if most do. Others are clipped or stand still.
+fn varying<'a>(full: Vec<(usize, &'a [Part])>, variances: &[f64], usual: f64) -> Vec<(usize, &'a [Part])> {
+    let varies = |(_, variance): &(_, &f64)| usual == 0.0 || **variance > STANDS * usual;
+    full.into_iter().zip(variances).filter(varies).map(|(block, _)| block).collect()
+}
+
 /// Ratio of the median to the mean of the mean square of seven differences of neighbours.
 const MEDIAN_OF_DIFFERENCES: f64 = 0.87;
 
@@ -146,7 +197,17 @@ fn white_variance(parts: &[Part]) -> f64 {
     if count == 0 { 0.0 } else { sum / f64::from(2 * count) / MEDIAN_OF_DIFFERENCES }
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
+/// The same of temperatures of parts, block by block.
+fn white_temps(parts_c: &[f64]) -> Vec<f64> {
+    let of_block = |temps_c: &[f64]| {
+        // second differences, which the course of the temperature hardly touches
+        let squares = temps_c.windows(3).map(|three| three[0] - 2.0 * three[1] + three[2]).map(|d| d * d);
+        squares.sum::<f64>() / 6.0 / (temps_c.len().max(3) - 2) as f64
+    };
+    parts_c.chunks_exact(PARTS).map(of_block).filter(|variance| !variance.is_nan()).collect()
+}
+
+pub(super) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
@@ -172,11 +233,7 @@ fn filled(mut temps_c: Vec<f64>) -> Vec<f64> {
         temps_c[..first].fill(first_c);
         temps_c[last..].fill(last_c);
     }
-    for pair in known.windows(2) {
-        let (from, to) = (pair[0], pair[1]);
-        let (start_c, step_c) = (temps_c[from], (temps_c[to] - temps_c[from]) / (to - from) as f64);
-        (from + 1..to).for_each(|k| temps_c[k] = start_c + step_c * (k - from) as f64);
-    }
+    known.windows(2).for_each(|pair| line(&mut temps_c, pair[0], pair[1]));
     temps_c
 }
 
@@ -196,7 +253,7 @@ impl LogMeans {
     /// Share of the blocks in which the sensor moves.
     #[must_use]
     pub fn moving_share(&self) -> f64 {
-        1.0 - self.blocks.len() as f64 / self.seen.max(1) as f64
+        if self.seen == 0 { 0.0 } else { 1.0 - self.blocks.len() as f64 / self.seen as f64 }
     }
 
     /// Facts about the thermometer.
@@ -211,8 +268,14 @@ impl LogMeans {
         self.parts_c.len() as f64 * self.length_s / PARTS as f64
     }
 
-    pub(super) fn white(&self) -> f64 {
-        self.white
+    /// Density of the white noise where the bias changes with the temperature by this much per °C.
+    pub(super) fn white(&self, slope_per_c: f64) -> f64 {
+        libm::hypot(self.white, slope_per_c * self.temps_white)
+    }
+
+    /// Standard uncertainty by rounding to codes.
+    pub(super) fn rounding(&self) -> f64 {
+        self.rounding
     }
 
     pub(super) fn block_s(&self) -> f64 {

@@ -56,6 +56,8 @@ pub struct LogCurve {
     pub hysteresis: Option<f64>,
     /// Standard deviation of the bias from one start to the next; `None` with one log.
     pub spread_of_starts: Option<f64>,
+    /// Standard uncertainty by rounding to codes, where the noise does not average it out.
+    pub rounding: f64,
     /// The noise, as geometric means over all models.
     pub noise: NoiseModel,
     /// Steps of the level that were taken out.
@@ -134,7 +136,7 @@ impl LogCurve {
     /// Variance by the direction of the temperature, uniform between both, and by the next start.
     fn level_variance(&self) -> f64 {
         let [hysteresis, spread] = [self.hysteresis, self.spread_of_starts].map(|value| value.unwrap_or(0.0));
-        hysteresis * hysteresis / 3.0 + spread * spread
+        hysteresis * hysteresis / 3.0 + spread * spread + self.rounding * self.rounding
     }
 
     /// Standard uncertainty of the change of the bias from a temperature to another, °C.
@@ -143,7 +145,7 @@ impl LogCurve {
         let (from, to) = (self.series.at(from_c), self.series.at(to_c));
         let hysteresis = self.hysteresis.unwrap_or(0.0);
         let variance = self.variance(&core::array::from_fn(|k| to[k] - from[k]));
-        libm::sqrt(variance + hysteresis * hysteresis / 3.0)
+        libm::sqrt(variance + hysteresis * hysteresis / 3.0 + 2.0 * self.rounding * self.rounding)
     }
 
     /// Change of the bias with the temperature, per °C.
@@ -289,6 +291,7 @@ fn average(record: &Record, models: &[Model], best: &Model, glitches: usize, spa
         late_probability: mean(&|model| f64::from(u8::from(model.following.lag_s > 0.0))),
         hysteresis: None,
         spread_of_starts: (record.logs.len() > 1).then(|| mean(&|model| model.spread_of_starts)),
+        rounding: record.logs.iter().map(LogMeans::rounding).fold(0.0, f64::max),
         noise: NoiseModel {
             white_dps_per_rt_hz: record.white(),
             bias_instability_dps: geometric(&|model| model.noise[0]),

@@ -1,5 +1,6 @@
 //! The readings of a thermometer: coarse ones as the intervals that they stand for, and times at which it sticks.
 
+use super::means::median;
 use alloc::vec::Vec;
 
 /// Facts about the thermometer of a log.
@@ -28,29 +29,55 @@ impl Run {
 /// Mean length of runs, in readings, from which the readings are taken as intervals.
 const LONG_RUNS: usize = 3;
 /// Ratio of the length of a run to the median from which the thermometer sticks, where readings are fine.
-const STICKS: usize = 60;
+const STICKS: f64 = 60.0;
 /// Ratio of a jump of the temperature to the median jump that ends a time in which the thermometer sticks.
 const JUMP: f64 = 8.0;
 /// Least such jump, °C.
 const LEAST_JUMP_C: f64 = 0.5;
+/// Share of the changes that turn back, from which the readings are noisy.
+const NOISY: f64 = 0.1;
+/// Longest time between two readings across which the temperature is a line, s, and in usual times between readings.
+const GAP: (f64, f64) = (60.0, 4.0);
+/// Largest difference of the lengths of runs, as a ratio, of a thermometer that is read at fixed times.
+const EVEN: f64 = 0.15;
 
-/// The temperatures of parts without the steps of a coarse thermometer, NaN where it sticks. `last_c` are the last
-/// readings of the parts, and `means_c` their means. A coarse reading stands for an interval: where it changes, the
-/// temperature is in the middle of both readings, and between two changes it is a line.
+/// The temperatures of parts without the steps of a coarse thermometer, NaN where they are not known. `last_c` are the
+/// last readings of the parts, and `means_c` their means.
 pub(super) fn smooth(last_c: &[f64], means_c: &[f64], step_s: f64) -> (Vec<f64>, Thermometer) {
     let runs = runs(last_c);
-    let count = runs.len();
     let readings: usize = runs.iter().map(Run::length).sum();
-    if count < 3 || readings == 0 {
+    if runs.len() < 3 || readings == 0 {
         return (means_c.to_vec(), Thermometer::default());
     }
-    let is_coarse = readings > LONG_RUNS * count;
-    let stuck: Vec<Run> = stuck(&runs, is_coarse);
-    let mut smoothed = if is_coarse { between_changes(last_c, &runs) } else { means_c.to_vec() };
+    let is_coarse = readings > LONG_RUNS * runs.len();
+    let is_held = is_coarse && are_even(&runs);
+    let mut smoothed = match (is_held, is_coarse) {
+        (true, _) => by_lines(last_c, &runs.iter().map(|run| (run.start as f64, run.temp_c)).collect::<Vec<_>>()),
+        (false, true) => by_lines(last_c, &changes(&runs)),
+        (false, false) => means_c.to_vec(),
+    };
+    fill(&mut smoothed, step_s);
+    let stuck = stuck(&runs, is_coarse);
     stuck.iter().for_each(|run| smoothed[run.start..run.end].fill(f64::NAN));
-    let coarse_step_c = is_coarse.then(|| least_step_c(&runs));
+    let coarse_step_c = (is_coarse && !is_held).then(|| least_step_c(&runs));
     let stuck_s = stuck.iter().map(Run::length).sum::<usize>() as f64 * step_s;
     (smoothed, Thermometer { coarse_step_c, stuck_s })
+}
+
+/// Puts lines between readings that are not too far apart.
+fn fill(temps_c: &mut [f64], step_s: f64) {
+    let known: Vec<usize> = (0..temps_c.len()).filter(|k| !temps_c[*k].is_nan()).collect();
+    let gaps = known.windows(2).map(|pair| (pair[1] - pair[0]) as f64);
+    let longest = (GAP.0 / step_s).max(GAP.1 * median(gaps.collect()));
+    for pair in known.windows(2).filter(|pair| (pair[1] - pair[0]) as f64 <= longest) {
+        line(temps_c, pair[0], pair[1]);
+    }
+}
+
+/// Puts a line between two temperatures.
+pub(super) fn line(temps_c: &mut [f64], from: usize, to: usize) {
+    let (start_c, step_c) = (temps_c[from], (temps_c[to] - temps_c[from]) / (to - from) as f64);
+    (from + 1..to).for_each(|k| temps_c[k] = start_c + step_c * (k - from) as f64);
 }
 
 fn runs(temps_c: &[f64]) -> Vec<Run> {
@@ -64,21 +91,26 @@ fn runs(temps_c: &[f64]) -> Vec<Run> {
     runs
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_unstable_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
+/// Whether a thermometer is read at fixed times, and each reading is held until the next: runs of one length.
+fn are_even(runs: &[Run]) -> bool {
+    let inner = &runs[1..runs.len() - 1];
+    let usual = median(inner.iter().map(|run| run.length() as f64).collect());
+    let is_usual = |run: &&Run| (run.length() as f64 - usual).abs() <= (EVEN * usual).max(1.0);
+    usual >= LONG_RUNS as f64 && 10 * inner.iter().filter(is_usual).count() > 9 * inner.len()
 }
 
-/// The times in which the thermometer sticks: much longer than usual where readings are fine, and before a jump where
-/// they are coarse.
+/// The times in which the thermometer sticks: much longer than usual where readings are fine and noisy, and before a
+/// jump elsewhere.
 fn stuck(runs: &[Run], is_coarse: bool) -> Vec<Run> {
     let usual = median(runs.iter().map(|run| run.length() as f64).collect()).max(1.0);
-    let jumps_c = || runs.windows(2).map(|pair| (pair[1].temp_c - pair[0].temp_c).abs());
-    let jump_c = LEAST_JUMP_C.max(JUMP * median(jumps_c().collect()));
-    let next_c = jumps_c().map(Some).chain([None]);
+    let changes_c = || runs.windows(2).map(|pair| pair[1].temp_c - pair[0].temp_c);
+    let jump_c = LEAST_JUMP_C.max(JUMP * median(changes_c().map(f64::abs).collect()));
+    let turns = changes_c().zip(changes_c().skip(1)).filter(|(one, next)| one * next < 0.0).count();
+    let is_noisy = !is_coarse && turns as f64 > NOISY * runs.len() as f64;
+    let next_c = changes_c().map(Some).chain([None]);
     let is_stuck = |(run, next_c): &(&Run, Option<f64>)| {
-        let is_long = run.length() as f64 > usual * if is_coarse { 2.0 } else { STICKS as f64 };
-        is_long && (!is_coarse || next_c.is_some_and(|next_c| next_c > jump_c))
+        let is_long = run.length() as f64 > usual * if is_coarse { 2.0 } else { STICKS };
+        is_long && (is_noisy || next_c.is_some_and(|next_c| next_c.abs() > jump_c))
     };
     runs.iter().zip(next_c).filter(is_stuck).map(|(run, _)| *run).collect()
 }
@@ -88,39 +120,39 @@ fn least_step_c(runs: &[Run]) -> f64 {
     runs.windows(2).map(|pair| (pair[1].temp_c - pair[0].temp_c).abs()).fold(f64::MAX, f64::min)
 }
 
-/// Lines between the changes of the readings. Where the temperature turns within a run, it goes a quarter of a step
-/// into the run.
-fn between_changes(temps_c: &[f64], runs: &[Run]) -> Vec<f64> {
+/// The changes of the readings, where the temperature is in the middle of both. Where it turns within a run, it goes a
+/// quarter of a step into the run.
+fn changes(runs: &[Run]) -> Vec<(f64, f64)> {
     let mut knots: Vec<(f64, f64)> = Vec::new();
     for pair in runs.windows(2) {
         let (before, after) = (pair[0], pair[1]);
         let middle_c = (before.temp_c + after.temp_c) / 2.0;
-        if let Some(&(last_at, last_c)) = knots.last() {
-            let turns = (last_c - before.temp_c) * (middle_c - before.temp_c) > 0.0;
-            if turns {
-                knots.push(((last_at + before.end as f64) / 2.0, (last_c + middle_c) / 4.0 + before.temp_c / 2.0));
-            }
+        if let Some(&(last_at, last_c)) = knots.last()
+            && (last_c - before.temp_c) * (middle_c - before.temp_c) > 0.0
+        {
+            knots.push(((last_at + before.end as f64) / 2.0, (last_c + middle_c) / 4.0 + before.temp_c / 2.0));
         }
         knots.push(((before.end as f64 + after.start as f64) / 2.0, middle_c));
     }
-    let line =
-        |(from, to): ((f64, f64), (f64, f64)), at: f64| from.1 + (to.1 - from.1) / (to.0 - from.0) * (at - from.0);
+    knots
+}
+
+/// Lines between knots, each a place and a temperature.
+fn by_lines(temps_c: &[f64], knots: &[(f64, f64)]) -> Vec<f64> {
     let mut next = 1;
     let at = |(index, reading_c): (usize, &f64)| {
         let at = index as f64 + 0.5;
         while next + 1 < knots.len() && knots[next].0 <= at {
             next += 1;
         }
-        let Some(pair) = knots.get(next - 1).copied().zip(knots.get(next).copied()) else { return *reading_c };
-        if reading_c.is_nan() {
-            return f64::NAN;
+        let Some((from, to)) = knots.get(next - 1).zip(knots.get(next)) else { return *reading_c };
+        let temp_c = from.1 + (to.1 - from.1) / (to.0 - from.0) * (at - from.0);
+        let half_c = (to.1 - from.1).abs() / 2.0;
+        match at < from.0 || at > to.0 {
+            // the first and the last run have one end only
+            true => temp_c.clamp(reading_c - half_c, reading_c + half_c),
+            false => temp_c,
         }
-        let is_outside = at < pair.0.0 || at > pair.1.0;
-        let half_c = (pair.1.1 - pair.0.1).abs() / 2.0;
-        // the first and the last run have one end only
-        let limit =
-            |temp_c: f64| if is_outside { temp_c.clamp(reading_c - half_c, reading_c + half_c) } else { temp_c };
-        limit(line(pair, at))
     };
     temps_c.iter().enumerate().map(at).collect()
 }
