@@ -105,7 +105,7 @@ impl Filter {
 
     /// Runs the filter over series of the blocks' length.
     pub(super) fn whites(&self, series: &[Vec<f64>]) -> Whites {
-        let series: Vec<White> = series.chunks(LANES).flat_map(|some| self.whiten_some(some)).collect();
+        let series: Vec<White> = series.chunks(LANES).flat_map(|some| self.whiten_chunk(some)).collect();
         let row = |k: usize| series[..=k].iter().map(|other| gls::dot(&series[k].values, &other.values)).collect();
         Whites { gram: (0..series.len()).map(row).collect(), series }
     }
@@ -128,11 +128,20 @@ impl Filter {
 
     /// The innovations of each series, in units of their standard deviations.
     pub(super) fn whiten_all(&self, series: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        series.chunks(LANES).flat_map(|some| self.whiten_some(some)).map(|white| white.values).collect()
+        series.chunks(LANES).flat_map(|some| self.whiten_chunk(some)).map(|white| white.values).collect()
     }
 
-    /// Runs the filter over up to [`LANES`] series in lockstep, which compilers turn into vector instructions.
-    fn whiten_some(&self, series: &[Vec<f64>]) -> impl Iterator<Item = White> + use<> {
+    /// Runs the filter over up to [`LANES`] series.
+    fn whiten_chunk(&self, series: &[Vec<f64>]) -> Vec<White> {
+        match series.len() {
+            1 | 2 => self.whiten_some::<2>(series).collect(),
+            3 | 4 => self.whiten_some::<4>(series).collect(),
+            _ => self.whiten_some::<LANES>(series).collect(),
+        }
+    }
+
+    /// Runs the filter over some series in lockstep, which compilers turn into vector instructions.
+    fn whiten_some<const LANES: usize>(&self, series: &[Vec<f64>]) -> impl Iterator<Item = White> + use<LANES> {
         let mut states = vec![[0.0; LANES]; self.states];
         let mut values: [Vec<f64>; LANES] = core::array::from_fn(|_| Vec::with_capacity(self.steps.len()));
         for (at, (step, gains)) in self.steps.iter().zip(self.gains.chunks_exact(self.states)).enumerate() {

@@ -48,6 +48,8 @@ pub(super) struct Shape {
     direction: f64,
     /// Of the offset of a start.
     starts: f64,
+    /// Whether a sensor that follows late may begin out of balance with its thermometer.
+    is_unsettled: bool,
 }
 
 /// A model with its coefficients.
@@ -84,6 +86,8 @@ const SHRINKS: [f64; 2] = [0.15, 0.35];
 const DIRECTIONS: [f64; 3] = [0.0, 0.01, 0.1];
 /// Offsets of starts, as ratios of the scale.
 const STARTS: [f64; 7] = [1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 1e-1];
+/// Prior probability that a sensor that follows late begins out of balance.
+const UNSETTLED: f64 = 0.2;
 /// Prior standard deviation of the level, as a ratio of the scale.
 const LEVEL: f64 = 10.0;
 /// Share of the span within which an offset by direction turns.
@@ -156,6 +160,13 @@ impl Record {
         if self.logs.len() > 1 {
             columns.extend((0..self.logs.len()).map(|other| vec![f64::from(u8::from(other == index)); count]));
         }
+        // of the size that is likely, so that its coefficient is about 1
+        let size = self.transient(log, following);
+        let decay = |block: &Block| size * libm::exp(-block.middle_s() / following.lag_s.max(f64::MIN_POSITIVE));
+        let transient: Vec<f64> = log.blocks().iter().map(decay).collect();
+        columns.extend(
+            (0..self.logs.len()).map(|other| if other == index { transient.clone() } else { vec![0.0; count] }),
+        );
         let share = |step: &StepAt, block: &Block| if step.log == index { block.share_after(step.at_s) } else { 0.0 };
         columns.extend(self.steps.iter().map(|step| log.blocks().iter().map(|block| share(step, block)).collect()));
         columns
@@ -193,10 +204,28 @@ impl Record {
             for (direction, starts) in directions.iter().flat_map(|of| starts.iter().map(move |starts| (*of, *starts)))
             {
                 let [size, direction, starts] = [size, direction, starts].map(|ratio| ratio * self.scale);
-                shapes.push(Shape { size, shrink, direction, starts });
+                for is_unsettled in [false, true] {
+                    shapes.push(Shape { size, shrink, direction, starts, is_unsettled });
+                }
             }
         }
         shapes
+    }
+
+    /// Logarithm of the prior of a shape for a bias that follows in this way; `None` if it is the same as another.
+    pub(super) fn log_prior(shape: &Shape, following: &Following) -> Option<f64> {
+        match (following.lag_s > 0.0, shape.is_unsettled) {
+            (false, false) => Some(0.0),
+            (false, true) => None,
+            (true, false) => Some(libm::log(1.0 - UNSETTLED)),
+            (true, true) => Some(libm::log(UNSETTLED)),
+        }
+    }
+
+    /// Standard deviation of the bias out of balance at the start of a log.
+    fn transient(&self, log: &LogMeans, following: &Following) -> f64 {
+        let (low_c, high_c) = self.series.span_c();
+        self.scale / (high_c - low_c) * log.start_c_per_s().abs() * following.lag_s
     }
 
     /// Prior variances of all coefficients; 0 holds one at 0.
@@ -206,8 +235,15 @@ impl Record {
         let series = [level].into_iter().chain((0..COEFFICIENTS - 1).map(order));
         let direction = self.two_directions.then_some(shape.direction);
         let starts = self.logs.iter().filter(|_| self.logs.len() > 1).map(|_| shape.starts);
+        let transients = self.logs.iter().map(|_| f64::from(u8::from(shape.is_unsettled)));
         let steps = self.steps.iter().map(|_| self.scale);
-        series.chain(direction).chain(starts).chain(steps).map(|deviation| deviation * deviation).collect()
+        series
+            .chain(direction)
+            .chain(starts)
+            .chain(transients)
+            .chain(steps)
+            .map(|deviation| deviation * deviation)
+            .collect()
     }
 
     /// Coefficients under these prior variances, and the logarithm of the evidence.

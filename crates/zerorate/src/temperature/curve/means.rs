@@ -13,6 +13,8 @@ const BLOCKS: f64 = 900.0;
 const SHORTEST_S: f64 = 1.0;
 /// Share of its samples that a block must have.
 const LEAST_SAMPLES: f64 = 0.5;
+/// Time at the start of a log over which the change of the temperature is taken, s.
+const START_S: f64 = 60.0;
 /// Distance of a reading from the median of its part from which it is an outlier, °C.
 const OUTLIER_C: f64 = 2.0;
 /// Ratio of the step of codes to the deviation of samples from which the means hold the rounding.
@@ -325,6 +327,13 @@ impl LogMeans {
         }
         let of = |all: Vec<f64>| self.indices.iter().map(|k| all[*k]).collect();
         (of(sums), of(places))
+    }
+
+    /// Change of the temperature at the start of the log, °C/s.
+    pub(super) fn start_c_per_s(&self) -> f64 {
+        let part_s = self.length_s / PARTS as f64;
+        let later = ((START_S / part_s) as usize).max(PARTS).min(self.parts_c.len() - 1);
+        (self.parts_c[later] - self.parts_c[0]) / (later as f64 * part_s)
     }
 
     /// The temperature at the end of the log and the one that the bias follows there, °C.

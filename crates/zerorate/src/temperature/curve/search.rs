@@ -1,7 +1,7 @@
 //! The search for the models that matter: strength of the noises, lag and play, and the shape of the series.
 
 use super::LogMeans;
-use super::evidence::{Columns, Model, Products, Record, Shape, SlowNoise};
+use super::evidence::{Columns, Model, Products, Record, Shape, SlowNoise, Solved};
 use super::lag::{LagLikelihood, LagPrior};
 use crate::temperature::filter::Filter;
 use crate::temperature::follow::Following;
@@ -237,8 +237,11 @@ impl<'a> Search<'a> {
     /// Logarithm of the evidence over all shapes, with what other axes tell about the lag.
     fn score(&mut self, place: Place, following: &Following) -> f64 {
         let Some(products) = self.products(place, following) else { return f64::NEG_INFINITY };
-        let solved = self.shapes.iter().filter_map(|shape| self.record.solve_shape(&products, shape));
-        let scores: Vec<f64> = solved.map(|solved| solved.log_evidence).collect();
+        let score = |shape: &Shape| {
+            let log_prior = Record::log_prior(shape, following)?;
+            Some(log_prior + self.record.solve_shape(&products, shape)?.log_evidence)
+        };
+        let scores: Vec<f64> = self.shapes.iter().filter_map(score).collect();
         let all = if scores.is_empty() { f64::NEG_INFINITY } else { log_sum(scores.iter().copied()) };
         all + self.lag.log_factor(following.lag_s)
     }
@@ -317,13 +320,17 @@ impl<'a> Search<'a> {
     fn models(&mut self, place: Place, following: &Following, log_prior: f64) -> Vec<Model> {
         let Some(products) = self.products(place, following) else { return Vec::new() };
         let noise = self.noise(place);
-        let solved = self.shapes.iter().filter_map(|shape| Some((shape, self.record.solve_shape(&products, shape)?)));
-        let solved: Vec<_> = solved.collect();
-        let best = solved.iter().map(|(_, solved)| solved.log_evidence).fold(f64::NEG_INFINITY, f64::max);
-        let relevant = solved.iter().filter(|(_, solved)| solved.log_evidence > best - NEGLIGIBLE);
-        let model = |(shape, solved): &(&Shape, _)| {
-            let mut model = self.record.model(solved, (noise, *following, **shape));
-            model.log_score += log_prior + self.lag.log_factor(following.lag_s);
+        let solve = |shape: &Shape| {
+            let of_shape = Record::log_prior(shape, following)?;
+            let solved = self.record.solve_shape(&products, shape)?;
+            Some((*shape, solved.log_evidence + of_shape, solved))
+        };
+        let solved: Vec<_> = self.shapes.iter().filter_map(solve).collect();
+        let best = solved.iter().map(|(_, score, _)| *score).fold(f64::NEG_INFINITY, f64::max);
+        let relevant = solved.iter().filter(|(_, score, _)| *score > best - NEGLIGIBLE);
+        let model = |(shape, score, solved): &(Shape, f64, Solved)| {
+            let mut model = self.record.model(solved, (noise, *following, *shape));
+            model.log_score = score + log_prior + self.lag.log_factor(following.lag_s);
             model
         };
         relevant.map(model).collect()
