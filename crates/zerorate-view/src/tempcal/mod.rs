@@ -139,7 +139,7 @@ impl CubicReport {
 /// White noise, bias instability and random walk, as in an Allan analysis.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct CurveNoise {
-    /// Density of the white noise, per √Hz.
+    /// White noise N, in the unit times √s.
     pub n: f64,
     /// Bias instability.
     pub b: f64,
@@ -180,7 +180,8 @@ impl AxisCurve {
             before: curve.span.before,
             after: curve.span.after,
             noise: CurveNoise {
-                n: curve.noise.white_dps_per_rt_hz,
+                // the density is one-sided
+                n: curve.noise.white_dps_per_rt_hz / std::f64::consts::SQRT_2,
                 b: curve.noise.bias_instability_dps,
                 k: curve.noise.rate_random_walk_dps_per_rt_s,
             },
