@@ -1,17 +1,19 @@
 //! The bias over temperature of the axes in logs: numbers for scripts, a table in words, pictures and a page.
 
 mod autopilot;
+mod files;
 mod page;
 mod pictures;
 mod sensor;
 mod words;
 
 pub use autopilot::{ardupilot, px4};
+pub use files::{UnitNames, calibration, csv};
 pub use page::{TempcalPage, tempcal_page};
 pub use pictures::over_temperature;
-pub use sensor::{FittedAxis, ImuColumns, Sensor, Sensors, number_of_imu, values};
+pub use sensor::{FittedAxis, ImuColumns, POSSIBLE_C, Sensor, Sensors, number_of_imu, span_c, topic_of, values};
 use serde::Serialize;
-pub use words::table;
+pub use words::{refusal_text, table};
 use zerorate::temperature::curve::{LogCurve, LogMeans};
 use zerorate_imu::Kind;
 
