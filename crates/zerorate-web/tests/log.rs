@@ -41,6 +41,34 @@ fn warming(span_c: f64) -> String {
     text
 }
 
+/// Half an hour at 10 Hz of a gyroscope in a log of PX4, which warms by 30 °C.
+fn of_px4() -> Vec<u8> {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(9);
+    let mut noise = || ((0..12).map(|_| random.next_u64() as f64 / 2f64.powi(64)).sum::<f64>() - 6.0) as f32;
+    let mut bytes = b"ULog\x01\x12\x35\x01".to_vec();
+    bytes.extend(0u64.to_le_bytes());
+    let mut message = |kind: u8, body: &[u8]| {
+        bytes.extend((body.len() as u16).to_le_bytes());
+        bytes.push(kind);
+        bytes.extend(body);
+    };
+    let fields = "uint64_t timestamp;uint32_t device_id;float x;float y;float z;float temperature;";
+    message(b'F', format!("sensor_gyro:{fields}").as_bytes());
+    message(b'A', b"\0\0\0sensor_gyro");
+    for row in 0..18_000u16 {
+        let temp_c = 20.0 + f32::from(row) / 600.0;
+        let mut body = vec![0, 0];
+        body.extend((u64::from(row) * 100_000).to_le_bytes());
+        body.extend(3_670_026u32.to_le_bytes());
+        for _ in 0..3 {
+            body.extend((3.5e-5 * temp_c + 3.5e-4 * noise()).to_le_bytes());
+        }
+        body.extend(temp_c.to_le_bytes());
+        message(b'D', &body);
+    }
+    bytes
+}
+
 /// The bias over temperature that the page shows, after the analysis.
 fn bias(text: &str) -> Option<LogBias> {
     let (LogInspection::Log(_), Some(mut reader)) = look(text, &LogSettings::default()) else { panic!("a log") };
@@ -110,6 +138,17 @@ fn a_changing_temperature_becomes_a_curve_and_files() {
         .sum::<f64>()
         / (0..81).map(|k| (30.0 * (f64::from(k) / 80.0 - 0.5)).powi(2)).sum::<f64>();
     assert!((slope / 0.002 - 1.0).abs() < 0.05, "{slope}");
+}
+
+#[test]
+fn a_log_of_px4_becomes_its_parameters() {
+    let bytes = of_px4();
+    let said = LogSettings { topic: Some("sensor_gyro".to_owned()), ..LogSettings::default() };
+    let (looked, reader) = LogReader::look("flight.ulg", || Input::from(bytes.clone()), &said);
+    let mut reader = reader.unwrap_or_else(|| panic!("{looked:?}"));
+    let found = reader.bias().expect("a curve");
+    let file = found.files.iter().find(|file| file.name == "px4.params").unwrap_or_else(|| panic!("{found:?}"));
+    assert!(file.text.contains("TC_G0_ID\t3670026\t6"), "{}", file.text);
 }
 
 #[test]

@@ -143,10 +143,10 @@ mod reader {
             }
             columns => of_imu_or_any(path, columns?, &options)?,
         };
-        let bias = match of_bias(&axes).or(temperature.as_ref()) {
-            Some(temperature) => Bias::of(path, open, &axes.columns, temperature, &options.log)?,
-            None => None,
-        };
+        let bias = of_bias(&axes).or(temperature.as_ref()).and_then(|temperature| {
+            let bias = Bias::of(path, open, &axes.columns, temperature, &options.log);
+            bias.unwrap_or_else(|error| Some(Bias::Elsewhere(error.to_string())))
+        });
         let first = axes.columns.first();
         let samples = first.map_or(0, length);
         let rate_hz = first.map_or(0.0, |first| first.rate_hz);
