@@ -346,7 +346,7 @@ def _source(log: Any, columns: Any, has_kinds: bool) -> _records.Source:
     if _records.is_array(log) and columns is None:
         if not has_kinds:
             raise ValueError(
-                "an array does not say which column is which axis: give gyro=[0, 1, 2] and temp_column=3, or columns=, "
+                "an array does not say which column is which axis: give gyro=[0, 1, 2] and temp_column=3, or columns= "
                 "such as ['gx', 'gy', 'gz', 'temp_c'], or a dictionary {'gyro': …, 'temp_c': …}"
             )
         columns = [f"column_{index}" for index in range(np.atleast_2d(np.asarray(log)).shape[1])]

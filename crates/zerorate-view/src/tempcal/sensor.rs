@@ -65,7 +65,8 @@ impl Sensors {
         Ok(lacking.map_or(Ok(()), |axis| Err(format!("{} has no axis {}", log.display(), axis.name))))
     }
 
-    /// Takes one axis of an IMU in the next log, in place of those in `imu`. Of a single log, all axes can be taken so.
+    /// Takes one axis of an IMU in the next log, in place of those in `imu`. All axes of a single log can be taken
+    /// like this.
     ///
     /// # Errors
     /// Returns the text of an error if the logs before do not have the axis.
