@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { after, before, test } from "node:test";
-import { fixture, giveLog, logIsDone, LOGS, SHORT, STATED } from "./logs.mjs";
+import { fixture, giveLog, logIsDone, LOGS, SHORT, STATED, warming } from "./logs.mjs";
 import { serveFolder } from "./static.mjs";
 import { bars, becomes, launch, open, PAGE, recorded, without } from "./world.mjs";
 
@@ -37,6 +37,23 @@ async function answer(answers) {
   await logIsDone(page);
   return page.textContent(".log .doing");
 }
+
+test("a log that warms: its bias over temperature, and the files", async () => {
+  assert.match(await give("warming.csv", warming()), /done/);
+  const card = page.locator(".log .bias");
+  assert.match(await card.locator("pre").textContent(), /20\.0 to 50\.0 °C[^]*gyro_x_dps: bias/);
+  assert.ok(await page.$eval(".bias img", (image) => image.decode().then(() => image.naturalWidth > 100)));
+  const names = await card.locator(".downloads button").allTextContents();
+  assert.deepEqual(names, ["bias-report.html", "bias-curve.csv", "calibration.toml", "ardupilot.param"]);
+  assert.match(await card.locator(".note").textContent(), /^px4\.params: .*device_id/);
+  const saving = page.waitForEvent("download");
+  await card.getByText("calibration.toml").click();
+  const text = readFileSync(await (await saving).path(), "utf8");
+  assert.match(text, /method = "tempcal"[^]*warming\.csv/);
+  assert.deepEqual(await bars(page), []);
+  await give("rest.csv", LOGS["rest.csv"].bytes());
+  assert.equal(await card.isVisible(), false);
+});
 
 for (const [name, { bytes, answers }] of Object.entries(LOGS)) {
   test(`${name}: its axes, coefficients, pictures`, async () => {

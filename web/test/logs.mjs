@@ -32,6 +32,18 @@ function text(count, head) {
   return [head, ...rows(count).map((row) => row.map((value) => value.toFixed(6)).join(","))].join("\n");
 }
 
+/** Half an hour at 10 Hz from 20 to 50 °C, with a bias of 0.002 °/s/°C. */
+export function warming() {
+  const noise = normal(43);
+  const count = 18_000;
+  const rows = Array.from({ length: count }, (_, k) => {
+    const temp_c = 20 + (30 * k) / count;
+    const rates = [0, 0, 0].map(() => 0.002 * temp_c + 0.2 * SD_DPS * noise.next().value);
+    return [k / 10, ...rates, temp_c].map((value) => value.toFixed(6)).join(",");
+  });
+  return Buffer.from([`${STATED},temp_c`, ...rows].join("\n"));
+}
+
 /** NumPy's own form: a header in Python, and numbers. */
 function npy(count) {
   const table = rows(count).flatMap((row) => row.slice(1));

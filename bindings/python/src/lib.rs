@@ -13,6 +13,7 @@ mod imu;
 mod log;
 mod record;
 mod settling;
+mod tempcal;
 mod twin;
 
 use pyo3::prelude::*;
@@ -38,6 +39,8 @@ mod _zerorate {
     use super::log::{read_columns, read_imu, read_temperature, temperatures};
     #[pymodule_export]
     use super::main;
+    #[pymodule_export]
+    use super::tempcal::tempcal;
     #[pymodule_export]
     use super::twin::{twin_device, twin_keys};
 }

@@ -62,10 +62,10 @@ pub struct Options {
 }
 
 /// Columns, unit and scale of a kind of axis, as the caller gives them.
-type OfKind = (Vec<String>, Option<String>, Option<f64>);
+pub type OfKind = (Vec<String>, Option<String>, Option<f64>);
 
 /// The part, and the full scales of gyroscope and accelerometer, as the caller gives them for integer codes.
-type OfCodes = (Option<String>, Option<f64>, Option<f64>);
+pub type OfCodes = (Option<String>, Option<f64>, Option<f64>);
 
 /// The axes, the topic, and the warnings.
 type AxesOfLog<'py> = (Vec<Bound<'py, PyDict>>, Option<String>, Vec<String>);
@@ -169,12 +169,7 @@ pub fn read_imu<'py>(
     codes: OfCodes,
     options: Options,
 ) -> PyResult<AxesOfLog<'py>> {
-    let said = |(columns, unit, scale): OfKind| {
-        let (unit, scale) = (parsed(&unit, "unit")?, positive(scale)?);
-        Ok::<_, PyErr>(KindOptions { columns, unit, scale, codes: None })
-    };
-    let (gyro, accel, log) = (said(gyro)?, said(accel)?, options.checked()?);
-    let mut options = ImuOptions { columns: names, gyro, accel, log, ..ImuOptions::default() };
+    let mut options = imu_options(names, gyro, accel, &options)?;
     let assumed = code_options(codes)?.apply(&mut options).map_err(|error| exception(&error.into()))?;
     let (gyro_unit, accel_unit) = (options.gyro.unit, options.accel.unit);
     let (path, axes) = match opened(source)? {
@@ -186,7 +181,7 @@ pub fn read_imu<'py>(
         }
         OpenSource::File(path) => (path.clone(), py.detach(|| Axes::read(&path, files::log(&path)?, &options))),
     };
-    let Axes { columns, topic, mut warnings } = axes.map_err(|error| exception(&error.into()))?;
+    let Axes { columns, topic, mut warnings, .. } = axes.map_err(|error| exception(&error.into()))?;
     warnings.extend(assumed.into_iter().filter(|(kind, _)| concerns(*kind, &columns)).map(|(_, said)| said));
     let of_kind = |column: &Column| match column.quantity {
         Some(Quantity::Acceleration) => accel_unit,
@@ -199,7 +194,23 @@ pub fn read_imu<'py>(
     Ok((columns.collect::<PyResult<_>>()?, topic, texts(&warnings)))
 }
 
-fn code_options((part, gyro_range, accel_range): OfCodes) -> PyResult<CodeOptions> {
+/// The axes of an IMU as the readers take them.
+pub fn imu_options(
+    columns: Option<Vec<String>>,
+    gyro: OfKind,
+    accel: OfKind,
+    options: &Options,
+) -> PyResult<ImuOptions> {
+    let said = |(columns, unit, scale): OfKind| {
+        let (unit, scale) = (parsed(&unit, "unit")?, positive(scale)?);
+        Ok::<_, PyErr>(KindOptions { columns, unit, scale, codes: None })
+    };
+    let (gyro, accel, log) = (said(gyro)?, said(accel)?, options.checked()?);
+    Ok(ImuOptions { columns, gyro, accel, log, ..ImuOptions::default() })
+}
+
+/// The scales of integer codes as the readers take them.
+pub fn code_options((part, gyro_range, accel_range): OfCodes) -> PyResult<CodeOptions> {
     let wrong = |why: String| refused("part", why);
     let read = |named: &String| match catalogue::find(named) {
         Some(text) => Ok(text.to_owned()),
@@ -284,12 +295,13 @@ fn positive(number: Option<f64>) -> PyResult<Option<f64>> {
 }
 
 /// A source that can be read without Python.
-enum OpenSource {
+pub enum OpenSource {
     Table(PathBuf, RecordBatch),
     File(PathBuf),
 }
 
-fn opened(source: Source<'_>) -> PyResult<OpenSource> {
+/// Takes a source out of Python.
+pub fn opened(source: Source<'_>) -> PyResult<OpenSource> {
     let (name, columns) = match source {
         Source::File(path) => return Ok(OpenSource::File(path)),
         Source::Table(name, columns) => (name, columns),

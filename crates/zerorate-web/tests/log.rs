@@ -7,7 +7,7 @@ use std::fmt::Write;
 use zerorate_imu::Kind;
 use zerorate_input::Input;
 use zerorate_web::log::LogReader;
-use zerorate_web::log::message::{LogInspection, LogSetting, LogSettings, NoiseFileCommand};
+use zerorate_web::log::message::{LogBias, LogInspection, LogSetting, LogSettings, NoiseFileCommand};
 
 /// White noise of six axes, of standard deviation 0.1.
 fn table(head: &str, rows: usize) -> String {
@@ -23,6 +23,57 @@ fn table(head: &str, rows: usize) -> String {
         text.push('\n');
     }
     text
+}
+
+/// Half an hour at 10 Hz that warms by `span_c`: a bias of 0.002 °/s/°C.
+fn warming(span_c: f64) -> String {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(9);
+    let mut noise = || (0..12).map(|_| random.next_u64() as f64 / 2f64.powi(64)).sum::<f64>() - 6.0;
+    let mut text = "t_s,gx_dps,gy_dps,gz_dps,temp_c\n".to_owned();
+    for row in 0..18_000 {
+        let temp_c = 20.0 + span_c * f64::from(row) / 18_000.0;
+        let _ = write!(text, "{}", f64::from(row) / 10.0);
+        for _ in 0..3 {
+            let _ = write!(text, ",{:.6}", 0.002 * temp_c + 0.02 * noise());
+        }
+        let _ = writeln!(text, ",{temp_c:.4}");
+    }
+    text
+}
+
+/// Half an hour at 10 Hz of a gyroscope in a log of PX4, which warms by 30 °C.
+fn of_px4() -> Vec<u8> {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(9);
+    let mut noise = || ((0..12).map(|_| random.next_u64() as f64 / 2f64.powi(64)).sum::<f64>() - 6.0) as f32;
+    let mut bytes = b"ULog\x01\x12\x35\x01".to_vec();
+    bytes.extend(0u64.to_le_bytes());
+    let mut message = |kind: u8, body: &[u8]| {
+        bytes.extend((body.len() as u16).to_le_bytes());
+        bytes.push(kind);
+        bytes.extend(body);
+    };
+    let fields = "uint64_t timestamp;uint32_t device_id;float x;float y;float z;float temperature;";
+    message(b'F', format!("sensor_gyro:{fields}").as_bytes());
+    message(b'A', b"\0\0\0sensor_gyro");
+    for row in 0..18_000u16 {
+        let temp_c = 20.0 + f32::from(row) / 600.0;
+        let mut body = vec![0, 0];
+        body.extend((u64::from(row) * 100_000).to_le_bytes());
+        body.extend(3_670_026u32.to_le_bytes());
+        for _ in 0..3 {
+            body.extend((3.5e-5 * temp_c + 3.5e-4 * noise()).to_le_bytes());
+        }
+        body.extend(temp_c.to_le_bytes());
+        message(b'D', &body);
+    }
+    bytes
+}
+
+/// The bias over temperature that the page shows, after the analysis.
+fn bias(text: &str) -> Option<LogBias> {
+    let (LogInspection::Log(_), Some(mut reader)) = look(text, &LogSettings::default()) else { panic!("a log") };
+    while reader.analyse().expect("an axis").is_some() {}
+    reader.bias()
 }
 
 const HEAD: &str = "t_s,gx_dps,gy_dps,gz_dps,ax_mps2,ay_mps2,az_mps2";
@@ -61,6 +112,49 @@ fn six_axes_become_coefficients_pictures_and_a_file() {
     let file = reader.noise_file(&command("kalibr")).expect("a file");
     assert!(file.text.contains("gyroscope_noise_density: 1.7") && file.text.contains("imu.csv"), "{}", file.text);
     assert!(reader.noise_file(&command("caliber")).is_err_and(|why| why.contains("kalibr")));
+}
+
+#[test]
+fn a_changing_temperature_becomes_a_curve_and_files() {
+    let found = bias(&warming(30.0)).expect("a curve");
+    assert_eq!((found.why_not, found.pictures.len()), (None, 1));
+    assert!(found.text.contains("gx_dps") && found.text.contains("20.0 to 50.0 °C"), "{}", found.text);
+    assert!(found.warnings.iter().any(|text| text.contains(": gx_dps: ")), "{:?}", found.warnings);
+    let names: Vec<&str> = found.files.iter().map(|file| file.name.as_str()).collect();
+    assert_eq!(names, ["bias-report.html", "bias-curve.csv", "calibration.toml", "ardupilot.param"]);
+    assert!(found.no_files.iter().all(|why| why.starts_with("px4.params: ") && why.contains("device_id")));
+    let toml = &found.files[2].text;
+    assert!(zerorate::Calibration::parse(toml).is_ok_and(|(known, _)| known.axes.len() == 3), "{toml}");
+    let slope: f64 = found.files[1]
+        .text
+        .lines()
+        .skip(1)
+        .take(81)
+        .map(|line| {
+            let values: Vec<&str> = line.split(',').collect();
+            let (temp_c, bias): (f64, f64) = (values[2].parse().expect("°C"), values[3].parse().expect("°/s"));
+            (temp_c - 35.0) * bias
+        })
+        .sum::<f64>()
+        / (0..81).map(|k| (30.0 * (f64::from(k) / 80.0 - 0.5)).powi(2)).sum::<f64>();
+    assert!((slope / 0.002 - 1.0).abs() < 0.05, "{slope}");
+}
+
+#[test]
+fn a_log_of_px4_becomes_its_parameters() {
+    let bytes = of_px4();
+    let said = LogSettings { topic: Some("sensor_gyro".to_owned()), ..LogSettings::default() };
+    let (looked, reader) = LogReader::look("flight.ulg", || Input::from(bytes.clone()), &said);
+    let mut reader = reader.unwrap_or_else(|| panic!("{looked:?}"));
+    let found = reader.bias().expect("a curve");
+    let file = found.files.iter().find(|file| file.name == "px4.params").unwrap_or_else(|| panic!("{found:?}"));
+    assert!(file.text.contains("TC_G0_ID\t3670026\t6"), "{}", file.text);
+}
+
+#[test]
+fn a_small_span_of_temperatures_is_not_offered() {
+    assert!(bias(&warming(4.0)).is_none());
+    assert!(bias(&table(HEAD, 2_000)).is_none());
 }
 
 #[test]

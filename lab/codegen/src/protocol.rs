@@ -4,7 +4,7 @@ use anyhow::Result;
 use std::fs;
 use ts_rs::{Config, TS};
 use zerorate_view::export::ExportForm;
-use zerorate_web::log::message::{LogAxis, LogInspection, LogSettings, LogSummary, NoiseFileCommand};
+use zerorate_web::log::message::{LogAxis, LogBias, LogInspection, LogSettings, LogSummary, NoiseFileCommand};
 use zerorate_web::message::{Answer, Frame, Request};
 
 const HEAD: &str = "// Made from zerorate-web/src/message.rs and log/message.rs, and zerorate-imu/src/report/.\n\n";
@@ -19,6 +19,7 @@ pub fn text() -> Result<String> {
     LogSettings::export_all(&config)?;
     LogInspection::export_all(&config)?;
     LogAxis::export_all(&config)?;
+    LogBias::export_all(&config)?;
     LogSummary::export_all(&config)?;
     NoiseFileCommand::export_all(&config)?;
     let mut files: Vec<_> = fs::read_dir(folder.path())?.map(|entry| Ok(entry?.path())).collect::<Result<_>>()?;

@@ -6,6 +6,7 @@ import type { LogSettings, LogInspection } from "../protocol";
 import type { FromLog, ToLog } from "../worker/log-messages";
 import { About } from "./about";
 import { Axes } from "./axes";
+import { Bias } from "./bias";
 import { NoiseFile } from "./noise-file";
 import { Pictures } from "./pictures";
 import { Questions } from "./questions";
@@ -23,6 +24,7 @@ export class Log implements Page {
   readonly #about = new About();
   readonly #axes = new Axes();
   readonly #pictures = new Pictures();
+  readonly #bias = new Bias();
   readonly #noise = new NoiseFile((command) => this.#tell({ do: "noise-file", command }));
   #worker: Worker | undefined;
   #file: File | undefined;
@@ -105,6 +107,7 @@ export class Log implements Page {
     if (told.is === "progress") this.#work(told.text, told.share);
     else if (told.is === "looked") this.#looked(told.looked);
     else if (told.is === "axis") this.#axes.add(told.axis);
+    else if (told.is === "bias") this.#bias.show(told.bias);
     else if (told.is === "summary") {
       this.#pictures.show(told.summary.pictures);
       this.#noise.offer(told.summary);
@@ -130,12 +133,14 @@ export class Log implements Page {
     this.#about.show(this.#file!, looked);
     this.#axes.begin();
     this.#pictures.show([]);
+    this.#bias.forget();
     this.#noise.forget();
     this.#questions.offer();
     this.#below.replaceChildren(
       this.#about.element,
       this.#axes.element,
       this.#pictures.element,
+      this.#bias.element,
       this.#noise.element,
       this.#questions.element,
     );

@@ -11,7 +11,8 @@ export class Pictures {
   }
 }
 
-function picture({ name, title, svg }: LogPicture): HTMLElement {
+/** A picture with its title and a button to save it. */
+export function picture({ name, title, svg }: LogPicture): HTMLElement {
   // an image runs no script, even if the name of a column contains one
   const image = h("img", { alt: title, src: `data:image/svg+xml;charset=utf-8,${encodeURIComponent(svg)}` });
   return h(

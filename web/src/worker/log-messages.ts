@@ -1,6 +1,6 @@
 // The messages between the page and the worker that reads a log. The worker is the same in both homes.
 
-import type { Download, LogAxis, LogSettings, LogSummary, LogInspection, NoiseFileCommand } from "../protocol";
+import type { Download, LogAxis, LogBias, LogSettings, LogSummary, LogInspection, NoiseFileCommand } from "../protocol";
 
 /** Messages to the worker. A worker that is ended while it works leaves nothing behind. */
 export type ToLog =
@@ -8,12 +8,14 @@ export type ToLog =
   | { do: "analyse" }
   | { do: "noise-file"; command: NoiseFileCommand };
 
-/** Messages from the worker. `looked` answers `look`; `axis` for each column and then `summary` answer `analyse`. */
+/** Messages from the worker. `looked` answers `look`; `axis` for each column, `bias` if there is one, and
+ * then `summary` answer `analyse`. */
 export type FromLog =
   /** Progress of the work: its share (0 … 1, if known), and what is being done. */
   | { is: "progress"; share: number | null; text: string }
   | { is: "looked"; looked: LogInspection }
   | { is: "axis"; axis: LogAxis }
+  | { is: "bias"; bias: LogBias }
   | { is: "summary"; summary: LogSummary }
   | { is: "file"; file: Download }
   | { is: "failed"; why: string };

@@ -1,7 +1,7 @@
 // Reads a log that was dropped on the page, in both homes. The file is read a piece at a time and never loaded as a whole.
 
 import init, { Log } from "../../gen/zerorate_log";
-import type { LogAxis, LogSettings, LogSummary, LogInspection } from "../protocol";
+import type { LogAxis, LogBias, LogSettings, LogSummary, LogInspection } from "../protocol";
 import { serveFile } from "./file";
 import type { FromLog, ToLog } from "./log-messages";
 
@@ -28,6 +28,9 @@ function analyse(open: Log): void {
     const axis = open.analyse();
     if (axis !== undefined) tell({ is: "axis", axis: JSON.parse(axis) as LogAxis });
   }
+  tell({ is: "progress", share: null, text: "fitting the bias over temperature" });
+  const bias = open.bias();
+  if (bias !== undefined) tell({ is: "bias", bias: JSON.parse(bias) as LogBias });
   tell({ is: "progress", share: null, text: "drawing" });
   tell({ is: "summary", summary: JSON.parse(open.summary()) as LogSummary });
 }

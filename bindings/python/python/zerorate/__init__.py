@@ -3,6 +3,7 @@
 ===================  ==================================================================
 `allan`              Allan deviation of a record or a log at rest, with limits and a noise model
 `imu`                the same for all axes of an IMU, and the noise files for filters
+`tempcal`            bias over temperature of all axes, and files for flight controllers
 `read_log`           columns of a log in any form
 `calibrate`          the procedure of AN-1042 on a `Twin`, with uncertainties
 `Calibration`        a calibration file; `Calibration.correct` removes the bias
@@ -39,6 +40,7 @@ from ._log import Log, read_log
 from ._model import BandShape, Cleaned, Coefficient, Detrended, Estimate, Fit, GaussMarkov, Line, WarmUp
 from ._procedure import Calibrated, CurvePoint, Truth, calibrate
 from ._result import Allan, AllanAxes, Unavailable
+from ._tempcal import BiasAxis, BiasCubic, BiasCurve, BiasMeans, BiasNoise, Tempcal, tempcal
 from ._twin import Twin, TwinKey
 from ._zerorate import Refused
 
@@ -48,6 +50,11 @@ __all__ = [
     "Allan",
     "AllanAxes",
     "BandShape",
+    "BiasAxis",
+    "BiasCubic",
+    "BiasCurve",
+    "BiasMeans",
+    "BiasNoise",
     "Calibrated",
     "CalibratedAxis",
     "Calibration",
@@ -71,6 +78,7 @@ __all__ = [
     "Refused",
     "Run",
     "Scale",
+    "Tempcal",
     "Truth",
     "Twin",
     "TwinKey",
@@ -84,4 +92,5 @@ __all__ = [
     "imu",
     "read_capture",
     "read_log",
+    "tempcal",
 ]

@@ -15,9 +15,13 @@ if TYPE_CHECKING:
 
     from ._model import Fit
     from ._result import Allan
+    from ._tempcal import BiasAxis
 
 _FLOOR_PER_B = np.sqrt(2 * np.log(2) / np.pi)
 """The floor of a curve in units of B, IEEE Std 952-1997 C.1.3."""
+
+_BAND = 1.96
+"""Half width of a 95 % band in standard uncertainties."""
 
 _TITLES = dict(_zerorate.statistics())
 
@@ -44,6 +48,35 @@ def kinds(groups: Sequence[Sequence[Allan]]) -> Figure:
         _settle(group, ax)
         ax.set_title(group[0].kind or "")
     return figure  # type: ignore[no-any-return]
+
+
+def biases(axes: Sequence[BiasAxis]) -> Figure:
+    """Draws the bias of each axis over temperature, a row for each sensor."""
+    pyplot = _frame.needed("matplotlib.pyplot", "plot()")
+    sensors: dict[str, list[BiasAxis]] = {}
+    for axis in axes:
+        sensors.setdefault(axis.sensor, []).append(axis)
+    wide = max(map(len, sensors.values()), default=1)
+    figure = pyplot.figure(figsize=(4.5 * wide, 3.5 * max(len(sensors), 1)), layout="constrained")
+    for row, of_sensor in enumerate(sensors.values()):
+        for at, axis in enumerate(of_sensor):
+            _bias(figure.add_subplot(len(sensors), wide, row * wide + at + 1), axis)
+    return figure  # type: ignore[no-any-return]
+
+
+def _bias(ax: Axes, axis: BiasAxis) -> None:
+    means, curve = axis.means, axis.curve
+    for name, of, colour in (("warming", means.is_warming, "C3"), ("cooling", ~means.is_warming, "C0")):
+        if of.any():
+            ax.plot(means.temp_c[of], means.bias[of], ".", color=colour, markersize=2, alpha=0.5, label=name)
+    ax.plot(curve.temp_c, curve.bias, color="0.1", linewidth=1.2, label="curve, and its 95 % band")
+    half = _BAND * curve.u
+    ax.fill_between(curve.temp_c, curve.bias - half, curve.bias + half, color="0.1", alpha=0.15, linewidth=0)
+    ax.set_title(axis.name)
+    ax.set_xlabel("temperature / °C")
+    ax.set_ylabel(f"bias / {axis.unit}")
+    ax.grid(True, alpha=0.35)
+    ax.legend(fontsize="small", framealpha=0.85)
 
 
 def _draw(axes: Sequence[Allan], ax: Axes) -> None:

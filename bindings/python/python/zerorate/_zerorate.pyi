@@ -32,6 +32,7 @@ __all__ = [
     "save_text",
     "statistics",
     "temp_c",
+    "tempcal",
     "temperatures",
     "twin_device",
     "twin_keys",
@@ -121,6 +122,13 @@ class _Settling(TypedDict):
     detrend: int | None
     skip: str
 
+class _Tempcal(TypedDict):
+    axes: list[dict[str, Any]]
+    warnings: list[str]
+    calibration: tuple[Calibration | None, str | None]
+    px4: tuple[str | None, str | None]
+    ardupilot: tuple[str | None, str | None]
+
 def analyse(
     name: str,
     record: NDArray[np.float64] | NDArray[np.int32],
@@ -152,6 +160,17 @@ def read_imu(
     codes: tuple[str | None, float | None, float | None],
     options: _Options,
 ) -> tuple[list[_Column], str | None, list[str]]: ...
+def tempcal(
+    sources: list[_Source],
+    names: list[str] | None,
+    gyro: tuple[list[str], str | None, float | None],
+    accel: tuple[list[str], str | None, float | None],
+    codes: tuple[str | None, float | None, float | None],
+    temp_column: str | None,
+    reference_c: float | None,
+    serial: str | None,
+    options: _Options,
+) -> _Tempcal: ...
 def imu_file(
     format: str,
     axes: list[tuple[str, str, Model]],

@@ -9,8 +9,10 @@ use anyhow::Result;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use zerorate_jobs::tempcal::{Tempcal, TempcalOptions, tempcal};
-use zerorate_view::tempcal::{AxisCurve, Points, TempcalPage, ardupilot, over_temperature, px4, table, tempcal_page};
+use zerorate_jobs::tempcal::{Tempcal, TempcalOptions, UnitLog, tempcal};
+use zerorate_view::tempcal::{
+    AxisCurve, Points, TempcalPage, ardupilot, csv, over_temperature, px4, table, tempcal_page,
+};
 
 /// Find the bias over temperature of all axes in logs of any IMU at rest
 ///
@@ -110,8 +112,9 @@ pub fn run(args: &TempcalArgs) -> Result<()> {
         temperature: args.temp_column.clone(),
         reference_c: args.reference_c,
     };
-    let found = tempcal(&args.logs, &options)?;
-    let text = args.output.as_ref().map(|_| self::text(args, &found)).transpose()?;
+    let logs: Vec<UnitLog> = args.logs.iter().cloned().map(UnitLog::File).collect();
+    let found = tempcal(&logs, &options)?;
+    let text = args.output.as_ref().map(|_| self::text(args, &logs, &found)).transpose()?;
     let drawn = pictures.write(|| over_temperature(&found.axes.iter().zip(&found.points).collect::<Vec<_>>()));
     let written = drawn.and_then(|()| write(args, &found, page, file.zip(text)));
     let Tempcal { axes, notes, .. } = &found;
@@ -142,12 +145,12 @@ fn of_axes(axes: &[AxisCurve]) -> Vec<String> {
 }
 
 /// The content of the file.
-fn text(args: &TempcalArgs, found: &Tempcal) -> Result<String> {
+fn text(args: &TempcalArgs, logs: &[UnitLog], found: &Tempcal) -> Result<String> {
     Ok(match args.format {
         Form::Csv => csv(&found.axes),
         Form::Px4 => px4(&found.axes).map_err(|why| Usage(why.0))?,
         Form::Ardupilot => ardupilot(&found.axes).map_err(|why| Usage(why.0))?,
-        Form::Toml => found.calibration(PART, args.serial.clone(), &args.logs)?.to_toml(),
+        Form::Toml => found.calibration(PART, args.serial.clone(), logs)?.to_toml(),
     })
 }
 
@@ -168,12 +171,4 @@ fn page(args: &TempcalArgs, axes: &[AxisCurve], points: &[Points], warnings: &[S
     let logs = args.logs.iter().map(|log| log.display().to_string()).collect::<Vec<_>>().join(", ");
     let title = format!("Bias over temperature in {logs}");
     tempcal_page(TempcalPage { title, command: command_line(), warnings, axes, points })
-}
-
-fn csv(axes: &[AxisCurve]) -> String {
-    let row = |axis: &AxisCurve| {
-        let point = |(temp_c, bias, u): (f64, f64, f64)| format!("{},{},{temp_c},{bias},{u}\n", axis.name, axis.unit);
-        axis.curve.iter().map(|one| point(one.values())).collect::<String>()
-    };
-    "axis,unit,temp_c,bias,u\n".to_owned() + &axes.iter().map(row).collect::<String>()
 }

@@ -1,17 +1,18 @@
 //! The bias over temperature of all axes in logs of one unit.
 
 mod ardupilot;
+mod log;
 mod reading;
 
 use crate::code_scales::CodeOptions;
 use crate::{CodedRefusal, InvalidOptions};
 use anyhow::Result;
-use std::path::PathBuf;
-use zerorate::calibration::LogUnit;
+pub use log::UnitLog;
+use zerorate::Calibration;
 use zerorate::temperature::curve::{CurveRefusal, LogCurve};
-use zerorate::{Calibration, MAX_AXES, SOFTWARE};
-use zerorate_imu::{ImuOptions, Kind};
-use zerorate_view::tempcal::{AxisCurve, Points};
+use zerorate_imu::ImuOptions;
+use zerorate_logs::Names;
+use zerorate_view::tempcal::{AxisCurve, Points, UnitNames, calibration, refusal_text};
 
 /// What is wanted of the logs.
 pub struct TempcalOptions {
@@ -35,18 +36,22 @@ pub struct Tempcal {
     pub points: Vec<Points>,
     /// Warnings about the logs as a whole, with their codes.
     pub notes: Vec<String>,
+    /// The names of the options, for messages.
+    names: Names,
 }
 
 /// Finds the bias over temperature of all axes of the sensors in logs of one unit.
 ///
 /// # Errors
 /// Returns an error if a log cannot be read, has no temperature or lacks axes, and a refusal if it cannot give a curve.
-pub fn tempcal(logs: &[PathBuf], options: &TempcalOptions) -> Result<Tempcal> {
+pub fn tempcal(logs: &[UnitLog], options: &TempcalOptions) -> Result<Tempcal> {
     let (sensors, notes) = reading::sensors(logs, options)?;
-    let mut all = Tempcal { axes: Vec::new(), curves: Vec::new(), points: Vec::new(), notes };
+    let names = options.axes.log.names;
+    let mut all = Tempcal { axes: Vec::new(), curves: Vec::new(), points: Vec::new(), notes, names };
     for sensor in sensors {
         let name = sensor.name.clone();
-        let refused = |why: CurveRefusal| CodedRefusal::new(why.code(), format!("{name}: {why}"));
+        let refused =
+            |why: CurveRefusal| CodedRefusal::new(why.code(), format!("{name}: {}", refusal_text(&why, names)));
         for (axis, curve, points) in sensor.fitted(options.reference_c).map_err(refused)? {
             all.axes.push(axis);
             all.curves.push(curve);
@@ -61,33 +66,9 @@ impl Tempcal {
     ///
     /// # Errors
     /// Returns an error if there are none, or more than a calibration holds.
-    pub fn calibration(&self, part: &str, serial: Option<String>, logs: &[PathBuf]) -> Result<Calibration> {
-        let of_kind = |(axis, _): &(&AxisCurve, &LogCurve)| axis.kind == Kind::Gyroscope;
-        let gyroscopes: Vec<(&AxisCurve, &LogCurve)> = self.axes.iter().zip(&self.curves).filter(of_kind).collect();
-        let Some(&(first, _)) = gyroscopes.first() else {
-            return Err(InvalidOptions("a calibration holds gyroscopes, and the log has none".to_owned()).into());
-        };
-        if gyroscopes.len() > MAX_AXES {
-            let count = gyroscopes.len();
-            let text =
-                format!("a calibration holds {MAX_AXES} axes, and the log has {count}; choose one IMU by --topic");
-            return Err(InvalidOptions(text).into());
-        }
-        let unit = LogUnit {
-            part: word(part),
-            serial,
-            software: SOFTWARE.to_owned(),
-            device: logs.iter().map(|log| log.display().to_string()).collect::<Vec<_>>().join(", "),
-            t3_c: first.reference_c,
-        };
-        let axis = |(axis, curve): (&AxisCurve, _)| (word(&axis.name), curve, axis.warnings.clone());
-        let axes: Vec<(String, &LogCurve, Vec<String>)> = gyroscopes.into_iter().map(axis).collect();
-        Ok(Calibration::of_log_curves(unit, &axes))
+    pub fn calibration(&self, part: &str, serial: Option<String>, logs: &[UnitLog]) -> Result<Calibration> {
+        let logs = logs.iter().map(|log| log.path().display().to_string()).collect::<Vec<_>>().join(", ");
+        let unit = UnitNames { part: part.to_owned(), serial, logs };
+        Ok(calibration(&self.axes, &self.curves, unit, self.names).map_err(|why| InvalidOptions(why.0))?)
     }
-}
-
-/// A name as calibrations have them.
-fn word(name: &str) -> String {
-    let letter = |c: char| if c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '_' };
-    name.chars().map(letter).take(40).collect()
 }

@@ -1,23 +1,25 @@
 //! The sensors in logs: their axes as means, each with its temperature.
 
-use super::TempcalOptions;
 use super::ardupilot::Corrected;
+use super::{TempcalOptions, UnitLog};
 use crate::InvalidOptions;
 use crate::code_scales::concerns;
 use anyhow::Result;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use zerorate_host::files;
 use zerorate_imu::{Axes, ImuOptions, Kind};
-use zerorate_logs::{Column, ColumnOptions, ColumnSelection, LogError, Series, Setting, TEMPERATURE_NAMES};
-use zerorate_view::tempcal::{ImuColumns, Sensor, Sensors, number_of_imu, values};
+use zerorate_logs::{
+    Column, ColumnOptions, ColumnSelection, LogError, LogWarning, Series, Setting, TEMPERATURE_NAMES,
+};
+use zerorate_view::tempcal::{ImuColumns, POSSIBLE_C, Sensor, Sensors, number_of_imu, span_c, topic_of, values};
 
 /// Reads all sensors of all logs, and the warnings about the logs.
-pub(super) fn sensors(logs: &[PathBuf], options: &TempcalOptions) -> Result<(Vec<Sensor>, Vec<String>)> {
+pub(super) fn sensors(logs: &[UnitLog], options: &TempcalOptions) -> Result<(Vec<Sensor>, Vec<String>)> {
     let (mut sensors, mut notes) = (Sensors::default(), Vec::new());
     for log in logs {
         let other = |why: String| InvalidOptions(format!("{why}; give logs of the same unit"));
-        sensors.take(log, imus(log, options, &mut notes)?)?.map_err(other)?;
+        sensors.take(log.path(), imus(log, options, &mut notes)?)?.map_err(other)?;
     }
     Ok((sensors.all(), notes))
 }
@@ -41,65 +43,70 @@ fn undo(imu: &mut ImuColumns, parameters: &BTreeMap<String, f64>, log: &Path) ->
 }
 
 /// The IMUs of a log.
-fn imus(log: &Path, options: &TempcalOptions, notes: &mut Vec<String>) -> Result<Vec<ImuColumns>> {
+fn imus(log: &UnitLog, options: &TempcalOptions, notes: &mut Vec<String>) -> Result<Vec<ImuColumns>> {
     let mut of_axes = options.axes.clone();
     let assumed = options.codes.apply(&mut of_axes)?;
-    let parameters = files::open(log).ok().map(|input| zerorate_logs::parameters(log, input)).transpose()?;
-    let parameters = parameters.unwrap_or_default();
+    let parameters = parameters(log)?;
     let mut imus = Vec::new();
     for axes in all_axes(log, &of_axes)? {
+        let topic = axes.columns.first().and_then(|column| topic_of(&column.name));
+        let temperature = temperature(log, &axes, topic.as_deref(), options)?;
+        // a column that was named as the temperature is not left out
+        let is_temperature =
+            |note: &LogWarning| matches!(note, LogWarning::ColumnsLeftOut { names, .. } if *names == temperature.name);
         let of_scale = assumed.iter().filter(|(kind, _)| concerns(*kind, &axes.columns)).map(|(_, said)| said);
-        for note in axes.warnings.iter().chain(of_scale).map(|note| note.coded()) {
+        for note in axes.warnings.iter().chain(of_scale).filter(|note| !is_temperature(note)) {
+            let note = note.coded();
             if !notes.contains(&note) {
                 notes.push(note);
             }
         }
-        let topic = axes.columns.first().and_then(|column| topic_of(&column.name));
-        let temperature = temperature(log, &axes, topic.as_deref(), options)?;
         let device_id = topic.as_deref().and_then(|topic| device_id(log, topic, options));
         let temps_hz = temperature.rate_hz;
-        let temps_c = values(temperature, log)?;
+        let temps_c = values(temperature, log.path())?;
         let mut imu = ImuColumns { topic, columns: axes.columns, temps_c, temps_hz, device_id };
         if !parameters.is_empty() {
-            undo(&mut imu, &parameters, log)?;
+            undo(&mut imu, &parameters, log.path())?;
         }
         imus.push(imu);
     }
     Ok(imus)
 }
 
-/// `sensor_gyro#0` of `sensor_gyro#0.x`.
-fn topic_of(column: &str) -> Option<String> {
-    let (topic, _) = column.rsplit_once('.')?;
-    let topic =
-        topic.strip_suffix(".angular_velocity").or(topic.strip_suffix(".linear_acceleration")).unwrap_or(topic);
-    Some(topic.to_owned())
+/// The parameters of the flight controller that wrote the log; empty for any other.
+fn parameters(log: &UnitLog) -> Result<BTreeMap<String, f64>> {
+    let UnitLog::File(path) = log else { return Ok(BTreeMap::new()) };
+    let parameters = files::open(path).ok().map(|input| zerorate_logs::parameters(path, input)).transpose()?;
+    Ok(parameters.unwrap_or_default())
 }
 
 /// The number that a driver of PX4 writes beside its readings.
-fn device_id(log: &Path, topic: &str, options: &TempcalOptions) -> Option<i64> {
+fn device_id(log: &UnitLog, topic: &str, options: &TempcalOptions) -> Option<i64> {
     let name = topic.starts_with("sensor_").then(|| format!("{topic}.device_id"))?;
     let log_options = ColumnOptions { topic: Some(topic.to_owned()), ..options.axes.log.clone() };
-    let columns =
-        zerorate_logs::read_parts(log, files::log(log).ok()?, ColumnSelection::Listed(&[name]), &log_options).ok()?;
-    columns.first()?.points(log).ok()?.into_iter().find(|value| value.is_finite()).map(|value| value as i64)
+    let columns = log.columns(ColumnSelection::Listed(&[name]), &log_options).ok()?;
+    columns.first()?.points(log.path()).ok()?.into_iter().find(|value| value.is_finite()).map(|value| value as i64)
 }
 
 /// The axes of each IMU. A flight controller logs several, and each counts.
-fn all_axes(log: &Path, options: &ImuOptions) -> Result<Vec<Axes>> {
-    let read = |options: &ImuOptions| Axes::read(log, files::log(log)?, options);
+fn all_axes(log: &UnitLog, options: &ImuOptions) -> Result<Vec<Axes>> {
     let of_topic = |topic: &String| {
         let one = ColumnOptions { topic: Some(topic.clone()), ..options.log.clone() };
-        read(&ImuOptions { log: one, more_topics: Vec::new(), ..options.clone() })
+        log.axes(&ImuOptions { log: one, more_topics: Vec::new(), ..options.clone() })
     };
     let given: Vec<&String> = options.log.topic.iter().chain(&options.more_topics).collect();
     if !given.is_empty() {
         return Ok(given.into_iter().map(of_topic).collect::<Result<_, _>>()?);
     }
-    let topics = match read(options) {
-        // a topic without a temperature that stands for the sensors behind it
-        Ok(axes) if axes.columns.iter().any(|column| column.name.starts_with(COMBINED)) => topics(log, options)?,
-        Ok(axes) => return Ok(vec![axes]),
+    let topics = match log.axes(options) {
+        Ok(axes) => {
+            // a topic without a temperature that stands for the sensors behind it
+            let is_combined = axes.columns.iter().any(|column| column.name.starts_with(COMBINED));
+            match if is_combined { topics(log, options)? } else { Vec::new() } {
+                topics if topics.is_empty() => return Ok(vec![axes]),
+                topics => topics,
+            }
+        }
         Err(LogError::Choose { topics, .. }) if !topics.is_empty() => topics,
         Err(error) => return Err(error.into()),
     };
@@ -118,9 +125,9 @@ fn with_temperatures(topics: Vec<String>) -> Vec<String> {
 }
 
 /// All topics with an IMU.
-fn topics(log: &Path, options: &ImuOptions) -> Result<Vec<String>> {
+fn topics(log: &UnitLog, options: &ImuOptions) -> Result<Vec<String>> {
     let none = ColumnOptions { topic: Some(String::new()), ..options.log.clone() };
-    match zerorate_logs::read_parts(log, files::log(log)?, ColumnSelection::All, &none) {
+    match log.columns(ColumnSelection::All, &none) {
         Err(LogError::Choose { topics, .. }) => Ok(topics),
         Err(error) => Err(error.into()),
         Ok(_) => Ok(Vec::new()),
@@ -128,12 +135,12 @@ fn topics(log: &Path, options: &ImuOptions) -> Result<Vec<String>> {
 }
 
 /// The temperature of an IMU.
-fn temperature(log: &Path, axes: &Axes, topic: Option<&str>, options: &TempcalOptions) -> Result<Column> {
+fn temperature(log: &UnitLog, axes: &Axes, topic: Option<&str>, options: &TempcalOptions) -> Result<Column> {
     let names = options.axes.log.names;
     let option = names.of(Setting::TempColumn);
-    let path = log.display();
+    let path = log.path().display();
     if let (None, [only]) = (&options.temperature, &axes.temperatures[..]) {
-        return checked(log, only.clone(), options);
+        return checked(log.path(), only.clone(), options);
     }
     if let (None, [_, _, ..]) = (&options.temperature, &axes.temperatures[..]) {
         let all: Vec<&str> = axes.temperatures.iter().map(|column| column.name.as_str()).collect();
@@ -154,14 +161,10 @@ fn temperature(log: &Path, axes: &Axes, topic: Option<&str>, options: &TempcalOp
         topic: topic.map(str::to_owned).filter(|_| options.temperature.is_none()).or(options.axes.log.topic.clone()),
         ..options.axes.log.clone()
     };
-    let read = |name: &String| {
-        let wanted = std::slice::from_ref(name);
-        let columns =
-            zerorate_logs::read_parts(log, files::log(log).ok()?, ColumnSelection::Listed(wanted), &log_options);
-        columns.ok()?.pop()
-    };
+    let read =
+        |name: &String| log.columns(ColumnSelection::Listed(std::slice::from_ref(name)), &log_options).ok()?.pop();
     match (wanted.iter().find_map(read), &options.temperature) {
-        (Some(column), _) => checked(log, column, options),
+        (Some(column), _) => checked(log.path(), column, options),
         (None, Some(name)) => Err(LogError::Ask(format!("{option}: {path} has no column {name:?} of numbers")).into()),
         (None, None) => Err(LogError::Ask(format!(
             "{path} has no temperature: no column states °C or is called {}; name it with {option}",
@@ -171,16 +174,11 @@ fn temperature(log: &Path, axes: &Axes, topic: Option<&str>, options: &TempcalOp
     }
 }
 
-/// Temperatures at which electronics are logged, °C.
-const POSSIBLE_C: std::ops::RangeInclusive<f64> = -80.0..=180.0;
-
 /// Checks that the numbers can be in °C.
 fn checked(log: &Path, column: Column, options: &TempcalOptions) -> Result<Column> {
     let values = values(column.clone(), log)?;
-    let known = || values.iter().copied().filter(|value| value.is_finite());
-    let (low, high) = known().fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)));
-    let is_possible = |value: f64| POSSIBLE_C.contains(&value);
-    if low > high || is_possible(low) && is_possible(high) {
+    let Some((low, high)) = span_c(&values) else { return Ok(column) };
+    if POSSIBLE_C.contains(&low) && POSSIBLE_C.contains(&high) {
         return Ok(column);
     }
     let option = options.axes.log.names.of(Setting::TempColumn);

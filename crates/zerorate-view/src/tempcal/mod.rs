@@ -1,17 +1,19 @@
 //! The bias over temperature of the axes in logs: numbers for scripts, a table in words, pictures and a page.
 
 mod autopilot;
+mod files;
 mod page;
 mod pictures;
 mod sensor;
 mod words;
 
 pub use autopilot::{ardupilot, px4};
+pub use files::{UnitNames, calibration, csv};
 pub use page::{TempcalPage, tempcal_page};
 pub use pictures::over_temperature;
-pub use sensor::{FittedAxis, ImuColumns, Sensor, Sensors, number_of_imu, values};
+pub use sensor::{FittedAxis, ImuColumns, POSSIBLE_C, Sensor, Sensors, number_of_imu, span_c, topic_of, values};
 use serde::Serialize;
-pub use words::table;
+pub use words::{refusal_text, table};
 use zerorate::temperature::curve::{LogCurve, LogMeans};
 use zerorate_imu::Kind;
 
@@ -139,7 +141,7 @@ impl CubicReport {
 /// White noise, bias instability and random walk, as in an Allan analysis.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct CurveNoise {
-    /// Density of the white noise, per √Hz.
+    /// White noise N, in the unit times √s.
     pub n: f64,
     /// Bias instability.
     pub b: f64,
@@ -180,7 +182,8 @@ impl AxisCurve {
             before: curve.span.before,
             after: curve.span.after,
             noise: CurveNoise {
-                n: curve.noise.white_dps_per_rt_hz,
+                // the density is one-sided
+                n: curve.noise.white_dps_per_rt_hz / std::f64::consts::SQRT_2,
                 b: curve.noise.bias_instability_dps,
                 k: curve.noise.rate_random_walk_dps_per_rt_s,
             },

@@ -54,17 +54,8 @@ impl Sensors {
     pub fn take(&mut self, log: &Path, imus: Vec<ImuColumns>) -> Result<std::result::Result<(), String>> {
         for mut imu in imus {
             for column in std::mem::take(&mut imu.columns) {
-                let Some(kind) = column.quantity.and_then(Kind::of) else { continue };
-                let name = column.name.clone();
-                let means = imu.means(column, log)?;
-                let is_first = self.logs == 0;
-                let axes = &mut self.sensor(log, &imu, kind).axes;
-                match axes.iter_mut().find(|axis| axis.name == name) {
-                    Some(axis) => axis.logs.push(means),
-                    None if is_first => axes.push(SensorAxis { name, logs: vec![means] }),
-                    None => {
-                        return Ok(Err(format!("{} has the axis {name}, which the first log lacks", log.display())));
-                    }
+                if let Err(why) = self.take_axis(log, &imu, column)? {
+                    return Ok(Err(why));
                 }
             }
         }
@@ -72,6 +63,30 @@ impl Sensors {
         let lacks = |axis: &&SensorAxis| axis.logs.len() != self.logs;
         let lacking = self.all.iter().flat_map(|sensor| &sensor.axes).find(lacks);
         Ok(lacking.map_or(Ok(()), |axis| Err(format!("{} has no axis {}", log.display(), axis.name))))
+    }
+
+    /// Takes one axis of an IMU in the next log, in place of those in `imu`. All axes of a single log can be taken
+    /// like this.
+    ///
+    /// # Errors
+    /// Returns the text of an error if the logs before do not have the axis.
+    pub fn take_axis(
+        &mut self,
+        log: &Path,
+        imu: &ImuColumns,
+        column: Column,
+    ) -> Result<std::result::Result<(), String>> {
+        let Some(kind) = column.quantity.and_then(Kind::of) else { return Ok(Ok(())) };
+        let name = column.name.clone();
+        let means = imu.means(column, log)?;
+        let is_first = self.logs == 0;
+        let axes = &mut self.sensor(log, imu, kind).axes;
+        match axes.iter_mut().find(|axis| axis.name == name) {
+            Some(axis) => axis.logs.push(means),
+            None if is_first => axes.push(SensorAxis { name, logs: vec![means] }),
+            None => return Ok(Err(format!("{} has the axis {name}, which the first log lacks", log.display()))),
+        }
+        Ok(Ok(()))
     }
 
     /// The sensor of this kind in an IMU.
@@ -108,6 +123,27 @@ pub fn values(column: Column, log: &Path) -> Result<Vec<f64>> {
         values.iter_mut().for_each(|value| *value *= scale);
     }
     Ok(values)
+}
+
+/// Temperatures at which electronics are logged, °C.
+pub const POSSIBLE_C: std::ops::RangeInclusive<f64> = -80.0..=180.0;
+
+/// Lowest and highest of some temperatures; `None` without any.
+#[must_use]
+pub fn span_c(temps_c: &[f64]) -> Option<(f64, f64)> {
+    let known = temps_c.iter().copied().filter(|value| value.is_finite());
+    known.fold(None, |ends, value| {
+        Some(ends.map_or((value, value), |(low, high): (f64, f64)| (low.min(value), high.max(value))))
+    })
+}
+
+/// The topic or message of a column: `sensor_gyro#0` of `sensor_gyro#0.x`.
+#[must_use]
+pub fn topic_of(column: &str) -> Option<String> {
+    let (topic, _) = column.rsplit_once('.')?;
+    let topic =
+        topic.strip_suffix(".angular_velocity").or(topic.strip_suffix(".linear_acceleration")).unwrap_or(topic);
+    Some(topic.to_owned())
 }
 
 /// The number in `sensor_gyro#1` or `IMU[1]`, from 0.

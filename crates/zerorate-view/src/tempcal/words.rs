@@ -3,10 +3,23 @@
 use super::AxisCurve;
 use crate::plot::number;
 use std::fmt::Write;
+use zerorate::temperature::curve::CurveRefusal;
 use zerorate_imu::Kind;
+use zerorate_logs::{Names, Setting};
 
 /// Coverage factor of the intervals in words.
 const FACTOR: f64 = 1.96;
+
+/// A refusal in words, with the settings that help.
+#[must_use]
+pub fn refusal_text(why: &CurveRefusal, names: Names) -> String {
+    match why {
+        CurveRefusal::Moves { .. } => {
+            format!("{why} with {} and {}", names.of(Setting::Skip), names.of(Setting::Until))
+        }
+        why => why.to_string(),
+    }
+}
 
 /// The sensors, with two lines for each axis. A value is given ± half of its 95 % interval.
 #[must_use]

@@ -1,5 +1,6 @@
 //! The messages between the page and its reader of logs: `docs/formats/page.md`. Part of `web/src/protocol.ts`.
 
+use crate::message::Download;
 use serde::{Deserialize, Serialize};
 #[cfg(feature = "types")]
 use ts_rs::TS;
@@ -154,6 +155,24 @@ pub struct LogSummary {
     pub warnings: Vec<String>,
     /// Why no file for a filter can be made, if so.
     pub no_noise_file: Option<String>,
+}
+
+/// The bias over temperature of a log whose temperature changes.
+#[derive(Clone, Debug, Default, Serialize)]
+#[cfg_attr(feature = "types", derive(TS))]
+pub struct LogBias {
+    /// The curves in words, as `zerorate tempcal` prints them.
+    pub text: String,
+    /// The means, the curve and its band, for each kind of axis.
+    pub pictures: Vec<LogPicture>,
+    /// Warnings about the curves.
+    pub warnings: Vec<String>,
+    /// The files that can be made: a report, a table, a calibration, parameters of flight controllers.
+    pub files: Vec<Download>,
+    /// Why other files cannot be made.
+    pub no_files: Vec<String>,
+    /// Why there are no curves, if so; all else is empty then.
+    pub why_not: Option<String>,
 }
 
 /// A picture.

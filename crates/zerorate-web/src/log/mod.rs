@@ -1,10 +1,12 @@
-//! A log that is dropped on the page: its content, its noise, and the file for a filter.
+//! A log that is dropped on the page: its content, its noise, its bias over temperature, and files.
 //!
 //! [`LogReader::look`] reads the log once. Columns are then analysed one at a time, so that the caller can show
 //! progress.
 
 #[cfg(feature = "readers")]
 mod axis;
+#[cfg(feature = "readers")]
+mod bias;
 pub mod message;
 #[cfg(feature = "readers")]
 mod settings;
@@ -14,7 +16,8 @@ pub use reader::LogReader;
 
 #[cfg(feature = "readers")]
 mod reader {
-    use super::message::{LogAbout, LogAxis, LogInspection, LogSettings, LogSummary, NoiseFileCommand};
+    use super::bias::Bias;
+    use super::message::{LogAbout, LogAxis, LogBias, LogInspection, LogSettings, LogSummary, NoiseFileCommand};
     use super::settings::{LABELS, asked_for, combine, format};
     use super::{axis, settings};
     use crate::message::Download;
@@ -32,6 +35,7 @@ mod reader {
         topic: Option<String>,
         warnings: Vec<String>,
         temperature: Option<Column>,
+        bias: Option<Bias>,
         waiting: IntoIter<Column>,
         analysed: Vec<Record>,
     }
@@ -78,6 +82,11 @@ mod reader {
             let message = axis::message(&record);
             self.analysed.push(record);
             Ok(Some(message))
+        }
+
+        /// The bias over temperature, if the temperature of the log changes enough. Only the first call returns it.
+        pub fn bias(&mut self) -> Option<LogBias> {
+            self.bias.take().map(|bias| bias.message(&self.path))
         }
 
         /// The summary of all axes, once all are analysed.
@@ -134,6 +143,10 @@ mod reader {
             }
             columns => of_imu_or_any(path, columns?, &options)?,
         };
+        let bias = of_bias(&axes).or(temperature.as_ref()).and_then(|temperature| {
+            let bias = Bias::of(path, open, &axes.columns, temperature, &options.log);
+            bias.unwrap_or_else(|error| Some(Bias::Elsewhere(error.to_string())))
+        });
         let first = axes.columns.first();
         let samples = first.map_or(0, length);
         let rate_hz = first.map_or(0.0, |first| first.rate_hz);
@@ -149,8 +162,13 @@ mod reader {
         let warnings = about.warnings.clone();
         let waiting = axes.columns.into_iter();
         let (path, topic, analysed) = (path.to_owned(), axes.topic, Vec::new());
-        let reader = LogReader { path, topic, warnings, temperature, waiting, analysed };
+        let reader = LogReader { path, topic, warnings, temperature, bias, waiting, analysed };
         Ok((about, reader))
+    }
+
+    /// The only temperature beside the axes.
+    fn of_bias(axes: &Axes) -> Option<&Column> {
+        <&[Column; 1]>::try_from(&axes.temperatures[..]).ok().map(|[only]| only)
     }
 
     /// The axes of an IMU. A log without them gives all its columns, in their own units.
@@ -159,7 +177,7 @@ mod reader {
             return Axes::of(path, columns, options);
         }
         let warnings = columns.iter_mut().flat_map(|column| std::mem::take(&mut column.warnings)).collect();
-        Ok(Axes { columns, topic: None, warnings })
+        Ok(Axes { columns, temperatures: Vec::new(), topic: None, warnings })
     }
 
     /// The number of samples, including missing ones.

@@ -45,6 +45,11 @@ impl Log {
         found.as_ref().map(json).transpose()
     }
 
+    /// The bias over temperature, a `LogBias` in JSON; none: the temperature changes too little.
+    pub fn bias(&mut self) -> Result<Option<String>, JsError> {
+        self.open()?.bias().as_ref().map(json).transpose()
+    }
+
     /// The summary of all columns: a `LogSummary` in JSON.
     pub fn summary(&mut self) -> Result<String, JsError> {
         json(&self.open()?.summary())

@@ -148,7 +148,7 @@ rows!(match CurveRefusal {
     Self::Moves { share } => Row {
         code: "moving",
         text: format_args!(
-            "the sensor moves for {:.0} % of the log; record it at rest, or choose the rest with --skip and --until",
+            "the sensor moves for {:.0} % of the log; record it at rest, or choose a part in which it rests",
             100.0 * share
         ),
     },

@@ -1,0 +1,400 @@
+"""The bias over temperature of the axes of one unit."""
+
+from __future__ import annotations
+
+import os
+import warnings as python_warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal, Union
+
+import numpy as np
+
+from . import _log, _plot, _records, _zerorate
+from ._calibration import Calibration
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike, NDArray
+
+    _Log = Union[str, os.PathLike[str], Mapping[str, ArrayLike], ArrayLike, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class BiasCurve:
+    """The bias evenly over the temperatures of the logs: arrays of equal length."""
+
+    temp_c: NDArray[np.float64]
+    """Temperature, °C, ascending."""
+    bias: NDArray[np.float64]
+    """The bias."""
+    u: NDArray[np.float64]
+    """Its standard uncertainty; bias ± 1.96 u is the 95 % band."""
+
+
+@dataclass(frozen=True, eq=False)
+class BiasMeans:
+    """The means of the logs from which a curve comes: arrays of equal length."""
+
+    at_s: NDArray[np.float64]
+    """Time in its log, s."""
+    temp_c: NDArray[np.float64]
+    """Temperature, °C."""
+    bias: NDArray[np.float64]
+    """The mean, less the steps that were taken out."""
+    left: NDArray[np.float64]
+    """The mean less the curve."""
+    is_warming: NDArray[np.bool_]
+    """Whether the sensor was warming."""
+
+
+@dataclass(frozen=True)
+class BiasCubic:
+    """The polynomial of order 3 that flight controllers and calibration files hold.
+
+    bias = Σ ``terms[k]`` · (T − ``about_c``)ᵏ
+    """
+
+    about_c: float
+    """Temperature about which it is stated, °C."""
+    terms: tuple[float, float, float, float]
+    """The terms, the constant first."""
+    left: float
+    """Largest distance from the curve."""
+
+
+@dataclass(frozen=True)
+class BiasNoise:
+    """The noise that was found beside the curve, as `allan` has it."""
+
+    n: float
+    """White noise N, in the unit times √s."""
+    b: float
+    """Bias instability."""
+    k: float
+    """Random walk, per √s."""
+
+
+@dataclass(frozen=True, eq=False)
+class BiasAxis:
+    """The bias of an axis over temperature. All values are in `unit`."""
+
+    name: str
+    """Name of the axis."""
+    sensor: str
+    """Topic or log, and the kind."""
+    kind: Literal["gyroscope", "accelerometer"]
+    """The kind of axis."""
+    unit: str
+    """``°/s`` or ``m/s²``, whatever the unit of the log."""
+    reference_c: float
+    """Temperature at which the bias is stated, °C."""
+    bias: float
+    """Bias at `reference_c`; 0 for an accelerometer, which sees gravity."""
+    u_bias: float
+    """Its standard uncertainty."""
+    slope_per_c: float
+    """Change of the bias per °C at `reference_c`."""
+    u_slope_per_c: float
+    """Its standard uncertainty."""
+    curve: BiasCurve = field(repr=False)
+    """The bias over temperature."""
+    cubic: BiasCubic = field(repr=False)
+    """The polynomial of order 3."""
+    lag_s: float
+    """Time constant with which the bias follows the thermometer, s."""
+    play_c: float
+    """Half width of the play between bias and thermometer, °C."""
+    hysteresis: float | None
+    """Half of the difference between warming and cooling; None with one direction."""
+    spread_of_starts: float | None
+    """Standard deviation of the bias from start to start; None with one log."""
+    before: float
+    """Span of the means without a correction."""
+    after: float
+    """What remains of it with the curve of the other parts of the record."""
+    noise: BiasNoise = field(repr=False)
+    """The noise beside the curve."""
+    means: BiasMeans = field(repr=False)
+    """The means from which the curve comes."""
+    warnings: list[str] = field(repr=False)
+    """Warnings about the axis, each ``code: text``."""
+    device_id: int | None = None
+    """The number by which PX4 finds the sensor; only its own logs state it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tempcal:
+    """The result of `tempcal`: the bias over temperature of every axis, and the files made from it."""
+
+    axes: dict[str, BiasAxis]
+    """The axes by the names of their columns, sensor by sensor."""
+    warnings: list[str] = field(repr=False)
+    """Warnings about the logs and about each axis."""
+    _calibration: tuple[Calibration | None, str | None] = field(repr=False)
+    _px4: tuple[str | None, str | None] = field(repr=False)
+    _ardupilot: tuple[str | None, str | None] = field(repr=False)
+
+    def __repr__(self) -> str:
+        axes = "".join(f"\n  {_line(axis)}" for axis in self.axes.values())
+        return f"<Tempcal {len(self.warnings)} warnings:{axes}>"
+
+    def __getitem__(self, name: str) -> BiasAxis:
+        """The axis with this name."""
+        return self.axes[name]
+
+    @property
+    def calibration(self) -> Calibration:
+        """The calibration of the gyroscopes, to correct with or to save.
+
+        Raises
+        ------
+        ValueError
+            If the logs have no gyroscope, or more axes than a calibration holds.
+        """
+        known, why_not = self._calibration
+        if known is None:
+            raise ValueError(why_not)
+        return known
+
+    def to_px4(self, path: str | os.PathLike[str] | None = None, *, force: bool = False) -> str:
+        """Makes the parameters of PX4: TC_Gn and TC_An of all sensors in the logs.
+
+        Parameters
+        ----------
+        path
+            The file to write. Without it, the text is only returned.
+        force
+            Overwrite an existing file.
+
+        Raises
+        ------
+        ValueError
+            If a sensor has not three axes, or no device id, by which PX4 finds it: give PX4's own log.
+        FileExistsError
+            If the file exists.
+        """
+        return _written(self._px4, path, force)
+
+    def to_ardupilot(self, path: str | os.PathLike[str] | None = None, *, force: bool = False) -> str:
+        """Makes the parameters of ArduPilot: INS_TCALn of all IMUs in the logs.
+
+        Parameters
+        ----------
+        path
+            The file to write. Without it, the text is only returned.
+        force
+            Overwrite an existing file.
+
+        Raises
+        ------
+        ValueError
+            If a sensor has not three axes.
+        FileExistsError
+            If the file exists.
+        """
+        return _written(self._ardupilot, path, force)
+
+    def plot(self) -> Figure:
+        """Draws a new figure with the means, the curve and its 95 % band of each axis, a row for each sensor.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed.
+        """
+        return _plot.biases(list(self.axes.values()))
+
+
+def tempcal(
+    log: _Log | Sequence[_Log],
+    *,
+    temp_column: str | int | None = None,
+    reference_c: float | None = None,
+    serial: str | None = None,
+    column: Sequence[str | int] | None = None,
+    columns: Sequence[str] | None = None,
+    gyro: Sequence[str | int] | None = None,
+    accel: Sequence[str | int] | None = None,
+    rate_hz: float | None = None,
+    topic: str | None = None,
+    where: str | None = None,
+    gyro_unit: str | None = None,
+    accel_unit: str | None = None,
+    force_unit: bool = False,
+    gyro_scale: float | None = None,
+    accel_scale: float | None = None,
+    part: str | os.PathLike[str] | None = None,
+    gyro_range: float | None = None,
+    accel_range: float | None = None,
+    increments: bool | None = None,
+    time_column: str | int | None = None,
+    time_unit: Literal["s", "ms", "us", "ns"] | None = None,
+    decimal: Literal[".", ","] | None = None,
+    raw: str | None = None,
+    max_bad: float | None = None,
+    skip: _log.CutTime | None = None,
+    until: _log.CutTime | None = None,
+) -> Tempcal:
+    """The bias over temperature of all axes in logs of any IMU at rest.
+
+    The sensor lies still while it warms or cools by at least 5 °C, best both. An accelerometer sees gravity, so of its
+    bias only the change over temperature is known. Other threads run meanwhile.
+
+    Parameters
+    ----------
+    log
+        A log or table with a temperature, in any form that `imu` takes; of a flight controller, all IMUs are read.
+        Or a list of these, all of one unit: several starts, a cold and a warm day. They are fitted together.
+    temp_column
+        The column with the temperature, °C, by name or by number counted from 0; unless given, the only one whose unit
+        or name says so.
+    reference_c
+        The temperature at which the bias is stated, °C; unless given, 25, or the middle of the temperatures.
+    serial
+        The serial number of the unit, for the calibration.
+    column, columns, gyro, accel, rate_hz, topic, gyro_unit, accel_unit, force_unit, gyro_scale, accel_scale
+        See `imu`.
+    part, gyro_range, accel_range, increments, time_column, time_unit
+        See `imu`.
+    decimal, raw, max_bad, where, skip, until
+        See `read_log`.
+
+    Returns
+    -------
+    Tempcal
+
+    Raises
+    ------
+    Refused
+        If the temperature spans too little, the sensor moves, or no model explains the logs.
+    ValueError
+        If a log has no temperature, or does not state enough; the text says what to give.
+    OSError
+        If a log cannot be read.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> t_s = np.arange(0.0, 1800.0, 0.1)
+    >>> temp_c = 25 - 20 * np.cos(2 * np.pi * t_s / 1800)
+    >>> noise = np.random.default_rng(1).normal(scale=0.02, size=(len(t_s), 3))
+    >>> gyro = 0.1 + 0.002 * (temp_c[:, np.newaxis] - 25) + noise
+    >>> found = tempcal({"gyro": gyro, "temp_c": temp_c}, rate_hz=10.0, gyro_unit="°/s")
+    >>> list(found.axes), round(found["gyro_x"].slope_per_c, 4)
+    (['gyro_x', 'gyro_y', 'gyro_z'], 0.002)
+    """
+    of_kinds = [[str(name) for name in of_kind or ()] for of_kind in (gyro, accel)]
+    if column is not None and any(of_kinds):
+        raise ValueError("give column, or gyro and accel, not both")
+    logs = _listed(log)
+    if rate_hz is None:
+        rate_hz = next((one.rate_hz for one in logs if isinstance(one, _log.Log)), None)
+    sources = [_source(one, columns, any(of_kinds)) for one in logs]
+    given = _log.options(
+        rate_hz=rate_hz,
+        time_column=time_column,
+        time_unit=time_unit,
+        force_unit=force_unit,
+        increments=increments,
+        decimal=decimal,
+        raw=raw,
+        max_bad=max_bad,
+        topic=topic,
+        where=where,
+        skip=skip,
+        until=until,
+    )
+    found = _zerorate.tempcal(
+        _numbered(sources),
+        None if column is None else [str(name) for name in _log.listed(column)],
+        (of_kinds[0], gyro_unit, _number(gyro_scale)),
+        (of_kinds[1], accel_unit, _number(accel_scale)),
+        (None if part is None else os.fspath(part), _number(gyro_range), _number(accel_range)),
+        None if temp_column is None else str(temp_column),
+        _number(reference_c),
+        serial,
+        _with_time(sources, given),
+    )
+    for text in found["warnings"]:
+        python_warnings.warn(text, stacklevel=2)
+    axes = _log.by_name((axis["name"], _axis(axis)) for axis in found["axes"])
+    of_axes = [f"{name}: {text}" for name, axis in axes.items() for text in axis.warnings]
+    core, why_not = found["calibration"]
+    calibration = None if core is None else Calibration._of(core)
+    return Tempcal(axes, found["warnings"] + of_axes, (calibration, why_not), found["px4"], found["ardupilot"])
+
+
+def _listed(log: Any) -> list[Any]:
+    """The logs one by one. A list of numbers is one record."""
+
+    def is_log(one: Any) -> bool:
+        return _records.is_path(one) or _records.is_table(one) or isinstance(one, _log.Log)
+
+    if isinstance(log, (list, tuple)):
+        if not log:
+            raise ValueError("the list of logs is empty: give one or more")
+        if all(is_log(one) for one in log):
+            return list(log)
+    return [log]
+
+
+def _source(log: Any, columns: Any, has_kinds: bool) -> _records.Source:
+    """A log in the form that the extension takes."""
+    if isinstance(log, _log.Log):
+        log = log._stating_units()
+    if _records.is_array(log) and columns is None:
+        if not has_kinds:
+            raise ValueError(
+                "an array does not say which column is which axis: give gyro=[0, 1, 2] and temp_column=3, or columns= "
+                "such as ['gx', 'gy', 'gz', 'temp_c'], or a dictionary {'gyro': …, 'temp_c': …}"
+            )
+        columns = [f"column_{index}" for index in range(np.atleast_2d(np.asarray(log)).shape[1])]
+    return _records.table(log, columns)
+
+
+def _numbered(sources: list[_records.Source]) -> list[_records.Source]:
+    """The sources, with a number in the name of each table if there are several."""
+    if len(sources) == 1:
+        return sources
+    return [
+        source if isinstance(source, str) else (f"{source[0]} {number}", source[1])
+        for number, source in enumerate(sources, start=1)
+    ]
+
+
+def _with_time(sources: list[_records.Source], given: _zerorate._Options) -> _zerorate._Options:
+    """The options with the column of times, which all tables must share."""
+    of_each = [_log.with_time(source, given) for source in sources]
+    if any(other != of_each[0] for other in of_each):
+        raise ValueError("the tables have the time under several names: give time_column=, the name in all of them")
+    return of_each[0]
+
+
+def _axis(axis: dict[str, Any]) -> BiasAxis:
+    tables = {
+        "curve": BiasCurve(**axis["curve"]),
+        "cubic": BiasCubic(**axis["cubic"]),
+        "noise": BiasNoise(**axis["noise"]),
+        "means": BiasMeans(**axis["means"]),
+    }
+    return BiasAxis(**{**axis, **tables})
+
+
+def _written(made: tuple[str | None, str | None], path: str | os.PathLike[str] | None, force: bool) -> str:
+    text, why_not = made
+    if text is None:
+        raise ValueError(why_not)
+    if path is not None:
+        _zerorate.save_text(path, text, force)
+    return text
+
+
+def _line(axis: BiasAxis) -> str:
+    unit, low_c, high_c = axis.unit, axis.curve.temp_c[0], axis.curve.temp_c[-1]
+    span = f"span {axis.before:.3g} {unit} before, {axis.after:.3g} {unit} after"
+    return f"{axis.name}: {axis.slope_per_c:+.3g} {unit}/°C, {low_c:.1f} to {high_c:.1f} °C, {span}"
+
+
+def _number(number: float | None) -> float | None:
+    return None if number is None else float(number)

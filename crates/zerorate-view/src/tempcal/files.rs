@@ -1,0 +1,72 @@
+//! The files that are made from curves: a calibration and a table.
+
+use super::AxisCurve;
+use crate::export::InvalidOptions;
+use std::fmt::Write;
+use zerorate::calibration::LogUnit;
+use zerorate::temperature::curve::LogCurve;
+use zerorate::{Calibration, MAX_AXES, SOFTWARE};
+use zerorate_imu::Kind;
+use zerorate_logs::{Names, Setting};
+
+/// What a calibration states about its unit.
+pub struct UnitNames {
+    /// Name of the kind of part.
+    pub part: String,
+    /// The serial number.
+    pub serial: Option<String>,
+    /// The logs.
+    pub logs: String,
+}
+
+/// The calibration of the gyroscopes. `names` are those of the settings.
+///
+/// # Errors
+/// Returns an error if there are none, or more than a calibration holds.
+pub fn calibration(
+    axes: &[AxisCurve],
+    curves: &[LogCurve],
+    unit: UnitNames,
+    names: Names,
+) -> Result<Calibration, InvalidOptions> {
+    let of_kind = |(axis, _): &(&AxisCurve, &LogCurve)| axis.kind == Kind::Gyroscope;
+    let gyroscopes: Vec<(&AxisCurve, &LogCurve)> = axes.iter().zip(curves).filter(of_kind).collect();
+    let Some(&(first, _)) = gyroscopes.first() else {
+        return Err(InvalidOptions("a calibration holds gyroscopes, and the log has none".to_owned()));
+    };
+    if gyroscopes.len() > MAX_AXES {
+        let (count, option) = (gyroscopes.len(), names.of(Setting::Topic));
+        return Err(InvalidOptions(format!(
+            "a calibration holds {MAX_AXES} axes, and the log has {count}; choose one IMU with {option}"
+        )));
+    }
+    let unit = LogUnit {
+        part: word(&unit.part),
+        serial: unit.serial,
+        software: SOFTWARE.to_owned(),
+        device: unit.logs,
+        t3_c: first.reference_c,
+    };
+    let axis = |(axis, curve): (&AxisCurve, _)| (word(&axis.name), curve, axis.warnings.clone());
+    let axes: Vec<(String, &LogCurve, Vec<String>)> = gyroscopes.into_iter().map(axis).collect();
+    Ok(Calibration::of_log_curves(unit, &axes))
+}
+
+/// A name as calibrations have them.
+fn word(name: &str) -> String {
+    let letter = |c: char| if c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '_' };
+    name.chars().map(letter).take(40).collect()
+}
+
+/// A table of all curves.
+#[must_use]
+pub fn csv(axes: &[AxisCurve]) -> String {
+    let mut text = "axis,unit,temp_c,bias,u\n".to_owned();
+    for axis in axes {
+        for (temp_c, bias, u) in axis.curve.iter().map(|point| point.values()) {
+            // writing to a string cannot fail
+            let _ = writeln!(text, "{},{},{temp_c},{bias},{u}", axis.name, axis.unit);
+        }
+    }
+    text
+}

@@ -1,0 +1,139 @@
+//! The bias over temperature of a log whose temperature changes.
+
+use super::message::{LogBias, LogPicture};
+use super::settings::LABELS;
+use crate::message::Download;
+use std::path::Path;
+use zerorate::temperature::curve::{CurveRefusal, LEAST_SPAN_C, LogCurve};
+use zerorate_input::Input;
+use zerorate_logs::{Column, ColumnOptions, ColumnSelection};
+use zerorate_view::tempcal::{
+    AxisCurve, FittedAxis, ImuColumns, POSSIBLE_C, Points, Sensor, Sensors, TempcalPage, UnitNames, ardupilot,
+    calibration, csv, over_temperature, px4, refusal_text, span_c, table, tempcal_page, topic_of, values,
+};
+
+/// Name of a part that nobody named.
+const PART: &str = "gyroscope";
+
+/// The sensors of a log whose temperature changes enough for a curve.
+pub enum Bias {
+    /// The means of the axes.
+    Sensors(Vec<Sensor>),
+    /// Why they cannot give curves here.
+    Elsewhere(String),
+}
+
+impl Bias {
+    /// Takes the means of the axes of a log; `None` if its temperature spans too little.
+    ///
+    /// # Errors
+    /// Returns an error if too many samples are missing.
+    pub fn of(
+        path: &Path,
+        open: &impl Fn() -> Input,
+        columns: &[Column],
+        temperature: &Column,
+        options: &ColumnOptions,
+    ) -> zerorate_logs::Result<Option<Self>> {
+        let temps_hz = temperature.rate_hz;
+        let temps_c = values(temperature.clone(), path)?;
+        let Some((low_c, high_c)) = span_c(&temps_c) else { return Ok(None) };
+        let is_possible = POSSIBLE_C.contains(&low_c) && POSSIBLE_C.contains(&high_c);
+        if !is_possible || high_c - low_c < LEAST_SPAN_C {
+            return Ok(None);
+        }
+        if !zerorate_logs::parameters(path, open())?.is_empty() {
+            return Ok(Some(Self::Elsewhere(CORRECTED.to_owned())));
+        }
+        let topic = columns.first().and_then(|column| topic_of(&column.name));
+        let device_id = topic.as_deref().and_then(|topic| device_id(path, open, topic, options));
+        let imu = ImuColumns { topic, columns: Vec::new(), temps_c, temps_hz, device_id };
+        let mut sensors = Sensors::default();
+        for column in columns {
+            if let Err(why) = sensors.take_axis(path, &imu, column.clone())? {
+                return Ok(Some(Self::Elsewhere(why)));
+            }
+        }
+        let sensors = sensors.all();
+        Ok((!sensors.is_empty()).then_some(Self::Sensors(sensors)))
+    }
+
+    /// The curves in words, pictures and files.
+    pub fn message(self, path: &Path) -> LogBias {
+        let fitted = match self {
+            Self::Elsewhere(why) => Err(why),
+            Self::Sensors(sensors) => fitted(sensors).map_err(|why| refusal_text(&why, LABELS)),
+        };
+        fitted
+            .map_or_else(|why_not| LogBias { why_not: Some(why_not), ..LogBias::default() }, |axes| found(path, axes))
+    }
+}
+
+/// The reason why a log of ArduPilot gives no curve here.
+const CORRECTED: &str = "ArduPilot has corrected and turned the readings of this log. `zerorate tempcal` takes that \
+                         back by the log's parameters, and writes new ones.";
+
+/// The number that a driver of PX4 writes beside its readings.
+fn device_id(path: &Path, open: &impl Fn() -> Input, topic: &str, options: &ColumnOptions) -> Option<i64> {
+    let name = topic.starts_with("sensor_").then(|| format!("{topic}.device_id"))?;
+    let columns = zerorate_logs::read_all(path, open(), ColumnSelection::Listed(&[name]), options).ok()?;
+    columns.first()?.points(path).ok()?.into_iter().find(|value| value.is_finite()).map(|value| value as i64)
+}
+
+fn fitted(sensors: Vec<Sensor>) -> Result<Vec<FittedAxis>, CurveRefusal> {
+    let each = sensors.into_iter().map(|sensor| sensor.fitted(None)).collect::<Result<Vec<_>, _>>()?;
+    Ok(each.into_iter().flatten().collect())
+}
+
+fn found(path: &Path, fitted: Vec<FittedAxis>) -> LogBias {
+    let (mut axes, mut curves, mut points) = (Vec::new(), Vec::new(), Vec::new());
+    for (axis, curve, means) in fitted {
+        axes.push(axis);
+        curves.push(curve);
+        points.push(means);
+    }
+    let warnings = axes.iter().flat_map(|axis| axis.warnings.iter().map(move |text| worded(axis, text))).collect();
+    let (mut files, mut no_files) = (Vec::new(), Vec::new());
+    for (name, media_type, text) in texts(path, &axes, &curves, &points) {
+        match text {
+            Ok(text) => files.push(Download { name: name.to_owned(), media_type: media_type.to_owned(), text }),
+            Err(why) => no_files.push(format!("{name}: {why}")),
+        }
+    }
+    LogBias { text: table(&axes), pictures: pictures(&axes, &points), warnings, files, no_files, why_not: None }
+}
+
+/// A warning with the name of its axis.
+fn worded(axis: &AxisCurve, warning: &str) -> String {
+    let (code, text) = warning.split_once(": ").unwrap_or(("", warning));
+    format!("{code}: {}: {text}", axis.name)
+}
+
+fn pictures(axes: &[AxisCurve], points: &[Points]) -> Vec<LogPicture> {
+    let all: Vec<(&AxisCurve, &Points)> = axes.iter().zip(points).collect();
+    let of_sensor = |axes: &[(&AxisCurve, &Points)]| {
+        let kind = axes.first().map_or("", |(axis, _)| axis.kind.name());
+        let title = format!("Bias over temperature: {kind}");
+        LogPicture { name: format!("{kind}-bias.svg"), title, svg: over_temperature(axes) }
+    };
+    all.chunk_by(|one, other| one.0.sensor == other.0.sensor).map(of_sensor).collect()
+}
+
+/// The files: name, media type, and text or the reason why there is none.
+type Texts = [(&'static str, &'static str, Result<String, String>); 5];
+
+fn texts(path: &Path, axes: &[AxisCurve], curves: &[LogCurve], points: &[Points]) -> Texts {
+    let logs = path.display().to_string();
+    let title = format!("Bias over temperature in {logs}");
+    let command = format!("zerorate tempcal {logs}");
+    let page = tempcal_page(TempcalPage { title, command, warnings: &[], axes, points });
+    let unit = UnitNames { part: PART.to_owned(), serial: None, logs };
+    let toml = calibration(axes, curves, unit, LABELS).map(|calibration| calibration.to_toml());
+    [
+        ("bias-report.html", "text/html", page.map_err(|error| error.to_string())),
+        ("bias-curve.csv", "text/csv", Ok(csv(axes))),
+        ("calibration.toml", "application/toml", toml.map_err(|why| why.0)),
+        ("px4.params", "text/plain", px4(axes).map_err(|why| why.0)),
+        ("ardupilot.param", "text/plain", ardupilot(axes).map_err(|why| why.0)),
+    ]
+}
