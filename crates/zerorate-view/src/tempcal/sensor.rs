@@ -2,7 +2,6 @@
 
 use super::{AxisCurve, Measured, Points};
 use std::path::Path;
-use zerorate::temperature::ThermalError;
 use zerorate::temperature::curve::{
     AxisRecord, CurveRefusal, CurveWarning, LagLikelihood, LogCurve, LogMeans, MeansBuilder, check,
 };
@@ -179,8 +178,12 @@ impl Sensor {
     /// Returns a refusal if the logs cannot give curves.
     pub fn fitted(self, reference_c: Option<f64>) -> std::result::Result<Vec<FittedAxis>, CurveRefusal> {
         check(self.axes.iter().map(|axis| &axis.logs[..]))?;
-        let records = on_threads(&self.axes, |axis| AxisRecord::new(axis.logs.clone()));
-        let records = records.into_iter().collect::<std::result::Result<Vec<AxisRecord>, ThermalError>>()?;
+        let of_axis = |axis: &SensorAxis| {
+            let unknown = |error| CurveRefusal::of_axis(error, &axis.name);
+            AxisRecord::new(axis.logs.clone()).map_err(unknown)
+        };
+        let records = on_threads(&self.axes, of_axis);
+        let records = records.into_iter().collect::<std::result::Result<Vec<AxisRecord>, CurveRefusal>>()?;
         let indices: Vec<usize> = (0..records.len()).collect();
         let curves = on_threads(&indices, |index| {
             let others = records.iter().enumerate().filter(|(other, _)| other != index);
@@ -188,7 +191,7 @@ impl Sensor {
         });
         let mut all = Vec::new();
         for ((axis, record), curve) in self.axes.iter().zip(&records).zip(curves) {
-            let curve = curve?;
+            let curve = curve.map_err(|error| CurveRefusal::of_axis(error, &axis.name))?;
             let (sensor, name, kind, device_id) = (&*self.name, &*axis.name, self.kind, self.device_id);
             let imu = number_of_imu(self.topic.as_deref());
             let mut found = AxisCurve::new(&Measured { sensor, name, kind, reference_c, imu, device_id }, &curve);

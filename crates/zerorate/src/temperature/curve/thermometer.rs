@@ -34,6 +34,9 @@ const STICKS: f64 = 60.0;
 const JUMP: f64 = 8.0;
 /// Least such jump, °C.
 const LEAST_JUMP_C: f64 = 0.5;
+/// Ratio of the length of the last run to the median, and its share of the log, from which the thermometer may have
+/// stuck to the end.
+const AT_END: (f64, f64) = (20.0, 0.1);
 /// Share of the changes that turn back, from which the readings are noisy.
 const NOISY: f64 = 0.1;
 /// Longest time between two readings across which the temperature is a line, s, and in usual times between readings.
@@ -100,7 +103,7 @@ fn are_even(runs: &[Run]) -> bool {
 }
 
 /// The times in which the thermometer sticks: much longer than usual where readings are fine and noisy, and before a
-/// jump elsewhere.
+/// jump or to the end elsewhere.
 fn stuck(runs: &[Run], is_coarse: bool) -> Vec<Run> {
     let usual = median(runs.iter().map(|run| run.length() as f64).collect()).max(1.0);
     let changes_c = || runs.windows(2).map(|pair| pair[1].temp_c - pair[0].temp_c);
@@ -108,9 +111,12 @@ fn stuck(runs: &[Run], is_coarse: bool) -> Vec<Run> {
     let turns = changes_c().zip(changes_c().skip(1)).filter(|(one, next)| one * next < 0.0).count();
     let is_noisy = !is_coarse && turns as f64 > NOISY * runs.len() as f64;
     let next_c = changes_c().map(Some).chain([None]);
+    let readings: usize = runs.iter().map(Run::length).sum();
     let is_stuck = |(run, next_c): &(&Run, Option<f64>)| {
-        let is_long = run.length() as f64 > usual * if is_coarse { 2.0 } else { STICKS };
-        is_long && (is_noisy || next_c.is_some_and(|next_c| next_c.abs() > jump_c))
+        let length = run.length() as f64;
+        let is_long = length > usual * if is_coarse { 2.0 } else { STICKS };
+        let is_very_long = length > (AT_END.0 * usual).max(AT_END.1 * readings as f64);
+        is_long && (is_noisy || next_c.map_or(is_very_long, |next_c| next_c.abs() > jump_c))
     };
     runs.iter().zip(next_c).filter(is_stuck).map(|(run, _)| *run).collect()
 }

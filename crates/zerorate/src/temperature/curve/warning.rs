@@ -131,10 +131,10 @@ pub enum CurveRefusal {
     SmallSpan { low_c: f64, high_c: f64 },
     /// The sensor moves for too large a share of the logs.
     Moves { share: f64 },
-    /// The logs are too short.
-    TooShort { blocks: usize, needed: usize },
-    /// No model explains the record.
-    NoCurve,
+    /// The logs are too short, or an axis stands still for most of them.
+    TooShort { axis: String, blocks: usize, needed: usize },
+    /// No model explains an axis.
+    NoCurve { axis: String },
 }
 
 rows!(match CurveRefusal {
@@ -152,12 +152,14 @@ rows!(match CurveRefusal {
             100.0 * share
         ),
     },
-    Self::TooShort { blocks, needed } => Row {
+    Self::TooShort { ref axis, blocks, needed } => Row {
         code: "too-few-samples",
-        text: format_args!("the log gives {blocks} means of a second or more, and a curve needs {needed}"),
+        text: format_args!("axis {axis} gives {blocks} means of a second or more, and a curve needs {needed}"),
     },
-    Self::NoCurve =>
-        Row { code: "no-curve", text: format_args!("no model explains the record; does the rate vary at all?") },
+    Self::NoCurve { ref axis } => Row {
+        code: "no-curve",
+        text: format_args!("axis {axis} does not vary, or no model explains it; choose the others, if they do"),
+    },
 });
 
 impl fmt::Display for CurveRefusal {
@@ -166,11 +168,14 @@ impl fmt::Display for CurveRefusal {
     }
 }
 
-impl From<ThermalError> for CurveRefusal {
-    fn from(error: ThermalError) -> Self {
+impl CurveRefusal {
+    /// The refusal of an axis.
+    #[must_use]
+    pub fn of_axis(error: ThermalError, axis: &str) -> Self {
+        let axis = axis.into();
         match error {
-            ThermalError::TooFew { blocks, needed } => Self::TooShort { blocks, needed },
-            ThermalError::Degenerate => Self::NoCurve,
+            ThermalError::TooFew { blocks, needed } => Self::TooShort { axis, blocks, needed },
+            ThermalError::Degenerate => Self::NoCurve { axis },
         }
     }
 }
