@@ -43,7 +43,7 @@ pub struct Tempcal {
 /// Finds the bias over temperature of all axes of the sensors in logs of one unit.
 ///
 /// # Errors
-/// Returns an error if a log cannot be read, has no temperature or lacks axes, and a refusal if it cannot give a curve.
+/// Returns an error if a log cannot be read, has no temperature or lacks axes, and a refusal if it gives no curve.
 pub fn tempcal(logs: &[UnitLog], options: &TempcalOptions) -> Result<Tempcal> {
     let (sensors, notes) = reading::sensors(logs, options)?;
     let names = options.axes.log.names;

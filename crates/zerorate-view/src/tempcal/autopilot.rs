@@ -1,4 +1,4 @@
-//! Parameters of flight controllers for all sensors of a log: bias polynomials of order 3, which the firmware subtracts.
+//! Parameters of flight controllers for all sensors of a log: bias polynomials of order 3, which firmware subtracts.
 
 use super::AxisCurve;
 use crate::export::InvalidOptions;
@@ -135,7 +135,7 @@ impl Triad<'_> {
         let Some(device_id) = self.axes[0].device_id else {
             let sensor = &self.axes[0].sensor;
             return Err(InvalidOptions(format!(
-                "{sensor}: PX4 finds a sensor by its device_id, which only its own logs state; give the log of PX4 (.ulg)"
+                "{sensor}: PX4 finds a sensor by its device_id, which only its own logs (.ulg) state"
             )));
         };
         let (low_c, high_c) = self.span_c();

@@ -1,7 +1,7 @@
 //! The lag of a sensor: what its axes tell about it together.
 //!
-//! The axes of one sensor lie on one chip beside one thermometer, so most likely they have one lag. What the other axes
-//! tell is a prior for each axis, mixed with the prior without them for a lag of its own.
+//! The axes of one sensor lie on one chip beside one thermometer, so most likely they have one lag. What the other
+//! axes tell is a prior for each axis, mixed with the prior without them for a lag of its own.
 
 use alloc::vec::Vec;
 

@@ -1,4 +1,4 @@
-//! The bias over temperature of any gyroscope or accelerometer, from one log or several, without knowledge of the part.
+//! The bias over temperature of any gyroscope or accelerometer, from one log or several, without knowledge of it.
 //!
 //! value = bias(T) + flicker + random walk + white noise. The bias is a Chebyshev series of order 6 in the temperature
 //! that it follows (`follow.rs`). Its coefficients are normal and shrink with their order. The strength of the noises,
