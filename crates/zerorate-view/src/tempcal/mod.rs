@@ -13,7 +13,7 @@ pub use page::{TempcalPage, tempcal_page};
 pub use pictures::over_temperature;
 pub use sensor::{FittedAxis, ImuColumns, POSSIBLE_C, Sensor, Sensors, number_of_imu, span_c, topic_of, values};
 use serde::Serialize;
-pub use words::{refusal_text, table};
+pub use words::{refusal_text, table, warnings_of_axes};
 use zerorate::temperature::curve::{LogCurve, LogMeans};
 use zerorate_imu::Kind;
 
