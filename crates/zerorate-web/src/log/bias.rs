@@ -8,9 +8,8 @@ use zerorate::temperature::curve::{CurveRefusal, LEAST_SPAN_C, LogCurve};
 use zerorate_input::Input;
 use zerorate_logs::{Column, ColumnOptions, ColumnSelection};
 use zerorate_view::tempcal::{
-    AxisCurve, FittedAxis, ImuColumns, POSSIBLE_C, Points, Sensor, Sensors, TempcalPage, UnitNames, ardupilot,
-    calibration, csv, over_temperature, px4, refusal_text, span_c, table, tempcal_page, topic_of, values,
-    warnings_of_axes,
+    AxisCurve, FittedAxis, ImuColumns, Points, Sensor, Sensors, TempcalPage, UnitNames, ardupilot, calibration, csv,
+    over_temperature, possible_c, px4, refusal_text, span_c, table, tempcal_page, topic_of, values, warnings_of_axes,
 };
 
 /// Name of a part that nobody named.
@@ -37,10 +36,8 @@ impl Bias {
         options: &ColumnOptions,
     ) -> zerorate_logs::Result<Option<Self>> {
         let temps_hz = temperature.rate_hz;
-        let temps_c = values(temperature.clone(), path)?;
-        let Some((low_c, high_c)) = span_c(&temps_c) else { return Ok(None) };
-        let is_possible = POSSIBLE_C.contains(&low_c) && POSSIBLE_C.contains(&high_c);
-        if !is_possible || high_c - low_c < LEAST_SPAN_C {
+        let Ok(temps_c) = possible_c(values(temperature.clone(), path)?) else { return Ok(None) };
+        if span_c(&temps_c).is_none_or(|(low_c, high_c)| high_c - low_c < LEAST_SPAN_C) {
             return Ok(None);
         }
         if !zerorate_logs::parameters(path, open())?.is_empty() {
