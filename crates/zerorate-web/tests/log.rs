@@ -119,7 +119,7 @@ fn a_changing_temperature_becomes_a_curve_and_files() {
     let found = bias(&warming(30.0)).expect("a curve");
     assert_eq!((found.why_not, found.pictures.len()), (None, 1));
     assert!(found.text.contains("gx_dps") && found.text.contains("20.0 to 50.0 °C"), "{}", found.text);
-    assert!(found.warnings.iter().any(|text| text.contains(": gx_dps: ")), "{:?}", found.warnings);
+    assert!(found.warnings.iter().any(|text| text.contains(": all axes: ")), "{:?}", found.warnings);
     let names: Vec<&str> = found.files.iter().map(|file| file.name.as_str()).collect();
     assert_eq!(names, ["bias-report.html", "bias-curve.csv", "calibration.toml", "ardupilot.param"]);
     assert!(found.no_files.iter().all(|why| why.starts_with("px4.params: ") && why.contains("device_id")));

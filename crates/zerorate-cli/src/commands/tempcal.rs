@@ -11,7 +11,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use zerorate_jobs::tempcal::{Tempcal, TempcalOptions, UnitLog, tempcal};
 use zerorate_view::tempcal::{
-    AxisCurve, Points, TempcalPage, ardupilot, csv, over_temperature, px4, table, tempcal_page,
+    AxisCurve, Points, TempcalPage, ardupilot, csv, over_temperature, px4, table, tempcal_page, warnings_of_axes,
 };
 
 /// Find the bias over temperature of all axes in logs of any IMU at rest
@@ -119,29 +119,12 @@ pub fn run(args: &TempcalArgs) -> Result<()> {
     let written = drawn.and_then(|()| write(args, &found, page, file.zip(text)));
     let Tempcal { axes, notes, .. } = &found;
     let printed = if args.json { print_json(&Report { axes, warnings: notes }) } else { print_lines(&table(axes)) };
-    warn(&[&notes[..], &of_axes(axes)].concat());
+    warn(&[&notes[..], &warnings_of_axes(axes)].concat());
     if let (Ok(()), Some(path)) = (&written, &args.output) {
         say(format_args!("wrote {}", path.display()));
     }
     written?;
     printed
-}
-
-/// The warnings of the axes, each with the names of the axes that have it.
-fn of_axes(axes: &[AxisCurve]) -> Vec<String> {
-    let mut lines: Vec<(&str, Vec<&str>)> = Vec::new();
-    for (axis, line) in axes.iter().flat_map(|axis| axis.warnings.iter().map(move |line| (axis, line))) {
-        match lines.iter_mut().find(|(known, _)| known == line) {
-            Some((_, names)) => names.push(&axis.name),
-            None => lines.push((line, vec![&axis.name])),
-        }
-    }
-    let worded = |(line, names): (&str, Vec<&str>)| {
-        let (code, text) = line.split_once(": ").unwrap_or((line, ""));
-        let of = if names.len() == axes.len() { "all axes".to_owned() } else { names.join(", ") };
-        format!("{code}: {of}: {text}")
-    };
-    lines.into_iter().map(worded).collect()
 }
 
 /// The content of the file.

@@ -12,7 +12,7 @@ use zerorate_imu::{Axes, ImuOptions, Kind};
 use zerorate_logs::{
     Column, ColumnOptions, ColumnSelection, LogError, LogWarning, Series, Setting, TEMPERATURE_NAMES,
 };
-use zerorate_view::tempcal::{ImuColumns, POSSIBLE_C, Sensor, Sensors, number_of_imu, span_c, topic_of, values};
+use zerorate_view::tempcal::{ImuColumns, Sensor, Sensors, number_of_imu, possible_c, topic_of, values};
 
 /// Reads all sensors of all logs, and the warnings about the logs.
 pub(super) fn sensors(logs: &[UnitLog], options: &TempcalOptions) -> Result<(Vec<Sensor>, Vec<String>)> {
@@ -174,30 +174,23 @@ fn temperature(log: &UnitLog, axes: &Axes, topic: Option<&str>, options: &Tempca
     }
 }
 
-/// Largest share of impossible readings that count as missing.
-const MOST_IMPOSSIBLE: f64 = 0.01;
-
-/// Checks that the numbers can be in °C. A few that cannot, as those of a broken transfer, count as missing.
+/// Checks that the numbers can be in °C. A few that cannot count as missing.
 fn checked(log: &Path, mut column: Column, options: &TempcalOptions) -> Result<Column> {
-    let mut values = values(column.clone(), log)?;
-    let Some((low, high)) = span_c(&values) else { return Ok(column) };
-    let is_impossible = |value: &f64| value.is_finite() && !POSSIBLE_C.contains(value);
-    let impossible = values.iter().filter(|value| is_impossible(value)).count();
-    if impossible as f64 > MOST_IMPOSSIBLE * values.len() as f64 {
-        let option = options.axes.log.names.of(Setting::TempColumn);
-        let kelvin = if low > 200.0 && high < 450.0 { ", which looks like kelvins" } else { "" };
-        return Err(LogError::Ask(format!(
-            "{}: the temperature {} goes from {low} to {high}{kelvin}; it must be in °C. Convert it, or name another \
-             column with {option}",
-            log.display(),
-            column.name
-        ))
-        .into());
-    }
-    if impossible > 0 {
-        values.iter_mut().filter(|value| is_impossible(value)).for_each(|value| *value = f64::NAN);
-        column.replace(Series::Numbers(values));
-        column.scale = 1.0;
-    }
-    Ok(column)
+    let (low, high) = match possible_c(values(column.clone(), log)?) {
+        Ok(values) => {
+            column.replace(Series::Numbers(values));
+            column.scale = 1.0;
+            return Ok(column);
+        }
+        Err(ends) => ends,
+    };
+    let option = options.axes.log.names.of(Setting::TempColumn);
+    let kelvin = if low > 200.0 && high < 450.0 { ", which looks like kelvins" } else { "" };
+    Err(LogError::Ask(format!(
+        "{}: the temperature {} goes from {low} to {high}{kelvin}; it must be in °C. Convert it, or name another \
+         column with {option}",
+        log.display(),
+        column.name
+    ))
+    .into())
 }

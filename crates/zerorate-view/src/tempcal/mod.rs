@@ -11,9 +11,9 @@ pub use autopilot::{ardupilot, px4};
 pub use files::{UnitNames, calibration, csv};
 pub use page::{TempcalPage, tempcal_page};
 pub use pictures::over_temperature;
-pub use sensor::{FittedAxis, ImuColumns, POSSIBLE_C, Sensor, Sensors, number_of_imu, span_c, topic_of, values};
+pub use sensor::{FittedAxis, ImuColumns, Sensor, Sensors, number_of_imu, possible_c, span_c, topic_of, values};
 use serde::Serialize;
-pub use words::{refusal_text, table};
+pub use words::{refusal_text, table, warnings_of_axes};
 use zerorate::temperature::curve::{LogCurve, LogMeans};
 use zerorate_imu::Kind;
 

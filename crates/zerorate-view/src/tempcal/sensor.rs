@@ -125,7 +125,23 @@ pub fn values(column: Column, log: &Path) -> Result<Vec<f64>> {
 }
 
 /// Temperatures at which electronics are logged, °C.
-pub const POSSIBLE_C: std::ops::RangeInclusive<f64> = -80.0..=180.0;
+const POSSIBLE_C: std::ops::RangeInclusive<f64> = -80.0..=180.0;
+/// Largest share of impossible readings that count as missing.
+const MOST_IMPOSSIBLE: f64 = 0.01;
+
+/// The temperatures, °C, with NaN in place of a few that are impossible, as those of a broken transfer.
+///
+/// # Errors
+/// Returns the lowest and the highest temperature if too many are impossible.
+pub fn possible_c(mut temps_c: Vec<f64>) -> std::result::Result<Vec<f64>, (f64, f64)> {
+    let is_impossible = |value: &f64| value.is_finite() && !POSSIBLE_C.contains(value);
+    let impossible = temps_c.iter().filter(|value| is_impossible(value)).count();
+    if impossible as f64 > MOST_IMPOSSIBLE * temps_c.len() as f64 {
+        return Err(span_c(&temps_c).unwrap_or_default());
+    }
+    temps_c.iter_mut().filter(|value| is_impossible(value)).for_each(|value| *value = f64::NAN);
+    Ok(temps_c)
+}
 
 /// Lowest and highest of some temperatures; `None` without any.
 #[must_use]

@@ -40,6 +40,24 @@ pub fn table(axes: &[AxisCurve]) -> String {
     text
 }
 
+/// The warnings of the axes, each with the names of the axes that have it.
+#[must_use]
+pub fn warnings_of_axes(axes: &[AxisCurve]) -> Vec<String> {
+    let mut lines: Vec<(&str, Vec<&str>)> = Vec::new();
+    for (axis, line) in axes.iter().flat_map(|axis| axis.warnings.iter().map(move |line| (axis, line))) {
+        match lines.iter_mut().find(|(known, _)| known == line) {
+            Some((_, names)) => names.push(&axis.name),
+            None => lines.push((line, vec![&axis.name])),
+        }
+    }
+    let worded = |(line, names): (&str, Vec<&str>)| {
+        let (code, text) = line.split_once(": ").unwrap_or((line, ""));
+        let of = if names.len() == axes.len() { "all axes".to_owned() } else { names.join(", ") };
+        format!("{code}: {of}: {text}")
+    };
+    lines.into_iter().map(worded).collect()
+}
+
 fn row(text: &mut String, axis: &AxisCurve) {
     let AxisCurve { name, unit, reference_c, bias, u_bias, slope_per_c, u_slope_per_c, .. } = axis;
     let half = |u: f64| number(FACTOR * u);

@@ -8,8 +8,8 @@ use zerorate::temperature::curve::{CurveRefusal, LEAST_SPAN_C, LogCurve};
 use zerorate_input::Input;
 use zerorate_logs::{Column, ColumnOptions, ColumnSelection};
 use zerorate_view::tempcal::{
-    AxisCurve, FittedAxis, ImuColumns, POSSIBLE_C, Points, Sensor, Sensors, TempcalPage, UnitNames, ardupilot,
-    calibration, csv, over_temperature, px4, refusal_text, span_c, table, tempcal_page, topic_of, values,
+    AxisCurve, FittedAxis, ImuColumns, Points, Sensor, Sensors, TempcalPage, UnitNames, ardupilot, calibration, csv,
+    over_temperature, possible_c, px4, refusal_text, span_c, table, tempcal_page, topic_of, values, warnings_of_axes,
 };
 
 /// Name of a part that nobody named.
@@ -36,10 +36,8 @@ impl Bias {
         options: &ColumnOptions,
     ) -> zerorate_logs::Result<Option<Self>> {
         let temps_hz = temperature.rate_hz;
-        let temps_c = values(temperature.clone(), path)?;
-        let Some((low_c, high_c)) = span_c(&temps_c) else { return Ok(None) };
-        let is_possible = POSSIBLE_C.contains(&low_c) && POSSIBLE_C.contains(&high_c);
-        if !is_possible || high_c - low_c < LEAST_SPAN_C {
+        let Ok(temps_c) = possible_c(values(temperature.clone(), path)?) else { return Ok(None) };
+        if span_c(&temps_c).is_none_or(|(low_c, high_c)| high_c - low_c < LEAST_SPAN_C) {
             return Ok(None);
         }
         if !zerorate_logs::parameters(path, open())?.is_empty() {
@@ -58,14 +56,16 @@ impl Bias {
         Ok((!sensors.is_empty()).then_some(Self::Sensors(sensors)))
     }
 
-    /// The curves in words, pictures and files.
-    pub fn message(self, path: &Path) -> LogBias {
+    /// The curves in words, pictures and files. `notes` are the warnings about the log.
+    pub fn message(self, path: &Path, notes: &[String]) -> LogBias {
         let fitted = match self {
             Self::Elsewhere(why) => Err(why),
             Self::Sensors(sensors) => fitted(sensors).map_err(|why| refusal_text(&why, LABELS)),
         };
-        fitted
-            .map_or_else(|why_not| LogBias { why_not: Some(why_not), ..LogBias::default() }, |axes| found(path, axes))
+        fitted.map_or_else(
+            |why_not| LogBias { why_not: Some(why_not), ..LogBias::default() },
+            |axes| found(path, notes, axes),
+        )
     }
 }
 
@@ -85,28 +85,22 @@ fn fitted(sensors: Vec<Sensor>) -> Result<Vec<FittedAxis>, CurveRefusal> {
     Ok(each.into_iter().flatten().collect())
 }
 
-fn found(path: &Path, fitted: Vec<FittedAxis>) -> LogBias {
+fn found(path: &Path, notes: &[String], fitted: Vec<FittedAxis>) -> LogBias {
     let (mut axes, mut curves, mut points) = (Vec::new(), Vec::new(), Vec::new());
     for (axis, curve, means) in fitted {
         axes.push(axis);
         curves.push(curve);
         points.push(means);
     }
-    let warnings = axes.iter().flat_map(|axis| axis.warnings.iter().map(move |text| worded(axis, text))).collect();
+    let warnings = warnings_of_axes(&axes);
     let (mut files, mut no_files) = (Vec::new(), Vec::new());
-    for (name, media_type, text) in texts(path, &axes, &curves, &points) {
+    for (name, media_type, text) in texts(path, notes, &axes, &curves, &points) {
         match text {
             Ok(text) => files.push(Download { name: name.to_owned(), media_type: media_type.to_owned(), text }),
             Err(why) => no_files.push(format!("{name}: {why}")),
         }
     }
     LogBias { text: table(&axes), pictures: pictures(&axes, &points), warnings, files, no_files, why_not: None }
-}
-
-/// A warning with the name of its axis.
-fn worded(axis: &AxisCurve, warning: &str) -> String {
-    let (code, text) = warning.split_once(": ").unwrap_or(("", warning));
-    format!("{code}: {}: {text}", axis.name)
 }
 
 fn pictures(axes: &[AxisCurve], points: &[Points]) -> Vec<LogPicture> {
@@ -122,11 +116,11 @@ fn pictures(axes: &[AxisCurve], points: &[Points]) -> Vec<LogPicture> {
 /// The files: name, media type, and text or the reason why there is none.
 type Texts = [(&'static str, &'static str, Result<String, String>); 5];
 
-fn texts(path: &Path, axes: &[AxisCurve], curves: &[LogCurve], points: &[Points]) -> Texts {
+fn texts(path: &Path, notes: &[String], axes: &[AxisCurve], curves: &[LogCurve], points: &[Points]) -> Texts {
     let logs = path.display().to_string();
     let title = format!("Bias over temperature in {logs}");
     let command = format!("zerorate tempcal {logs}");
-    let page = tempcal_page(TempcalPage { title, command, warnings: &[], axes, points });
+    let page = tempcal_page(TempcalPage { title, command, warnings: notes, axes, points });
     let unit = UnitNames { part: PART.to_owned(), serial: None, logs };
     let toml = calibration(axes, curves, unit, LABELS).map(|calibration| calibration.to_toml());
     [

@@ -86,7 +86,7 @@ mod reader {
 
         /// The bias over temperature, if the temperature of the log changes enough. Only the first call returns it.
         pub fn bias(&mut self) -> Option<LogBias> {
-            self.bias.take().map(|bias| bias.message(&self.path))
+            self.bias.take().map(|bias| bias.message(&self.path, &self.warnings))
         }
 
         /// The summary of all axes, once all are analysed.
