@@ -7,7 +7,7 @@ use std::process::Command;
 
 /// All packages but this one, with all that the program can have. Cargo compiles a library once for each set of
 /// features, so that whatever is built with these words is built once.
-pub const WHOLE: &str = "--release --workspace --exclude xtask --features zerorate-cli/full";
+pub const WHOLE: &str = "--release --workspace --exclude xtask --features zerorate-cli/full,zerorate-web/readers";
 
 /// Builds the program.
 pub fn program() -> Result<PathBuf> {

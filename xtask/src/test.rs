@@ -14,8 +14,10 @@ pub const WHOLE_STEP: Step =
     Step::new("test", "xtask test --full").about("All tests of the workspace, with all features of the program");
 
 /// The build of [`xtask::app::WHOLE`], tested.
-const WHOLE: Step =
-    Step::new("test", "test --release --workspace --exclude xtask --features zerorate-cli/full --locked");
+const WHOLE: Step = Step::new(
+    "test",
+    "test --release --workspace --exclude xtask --features zerorate-cli/full,zerorate-web/readers --locked",
+);
 
 /// What is not tested here.
 const BESIDE: &str = "`cargo xtask check` looks at format, lints, links and bare targets;\n`cargo xtask ci` does all \
