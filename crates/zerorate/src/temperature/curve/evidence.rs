@@ -87,7 +87,7 @@ const DIRECTIONS: [f64; 3] = [0.0, 0.01, 0.1];
 /// Offsets of starts, as ratios of the scale.
 const STARTS: [f64; 7] = [1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 1e-1];
 /// Prior probability that a sensor that follows late begins out of balance.
-const UNSETTLED: f64 = 0.2;
+const UNSETTLED: f64 = 0.02;
 /// Prior standard deviation of the level, as a ratio of the scale.
 const LEVEL: f64 = 10.0;
 /// Share of the span within which an offset by direction turns.
