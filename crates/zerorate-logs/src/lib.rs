@@ -101,7 +101,7 @@ pub use forms::kind;
 pub use number::Decimal;
 pub use only::{Condition, Only};
 pub use options::{ColumnOptions, MAX_BAD};
-pub use parameters::parameters;
+pub use parameters::{changed_parameter, parameters};
 pub use parts::{Parts, read_parts, read_with_temperature, read_without_rate};
 pub use raw_type::{RawNumber, RawType};
 pub use read::{read, read_all, read_table};

@@ -27,3 +27,34 @@ pub fn parameters(path: &Path, input: Input) -> Result<BTreeMap<String, f64>> {
     })?;
     Ok(found)
 }
+
+/// The first parameter of those that `is_wanted` names to change its value in a log of ArduPilot, and the time of the
+/// change since the first parameter, s.
+///
+/// # Errors
+/// Returns an error if the file cannot be read.
+pub fn changed_parameter(
+    path: &Path,
+    input: Input,
+    is_wanted: impl Fn(&str) -> bool,
+) -> Result<Option<(String, f64)>> {
+    let log = open::open(path, input)?;
+    if !log.start.starts_with(&ARDUPILOT) {
+        return Ok(None);
+    }
+    let (mut known, mut start_us, mut changed) = (BTreeMap::new(), None, None);
+    Messages::new(path, log.input).all(|_, form, body| {
+        if form.name == "PARM"
+            && let Some((name, value)) = form.text("Name", body).zip(form.number("Value", body))
+            && is_wanted(&name)
+        {
+            let time_us = form.number("TimeUS", body).unwrap_or(0.0);
+            let since_s = (time_us - *start_us.get_or_insert(time_us)) * 1e-6;
+            if known.insert(name.clone(), value).is_some_and(|before| before != value) {
+                changed = Some((name, since_s));
+            }
+        }
+        changed.is_none()
+    })?;
+    Ok(changed)
+}

@@ -108,7 +108,7 @@ fn every_file_is_written_and_the_calibration_is_exported() {
 }
 
 #[test]
-fn what_cannot_give_a_curve_is_refused_or_asked() {
+fn a_log_without_a_curve_is_refused_or_asked_about() {
     let bench = Bench::new();
     bench.write("still.csv", csv("temp_c", |temp_c| 25.0 + (temp_c - 25.0) / 20.0));
     assert!(bench.zerorate("tempcal still.csv -o unit.toml").fails(3).contains("code: small-span"));
@@ -134,7 +134,7 @@ fn logs_of_one_unit_are_fitted_together() {
 }
 
 /// Messages of DataFlash: FMT, PARM and IMU of two sensors, of which the first was corrected and both were turned.
-fn dataflash() -> Vec<u8> {
+fn dataflash(enabled_after: Option<f64>) -> Vec<u8> {
     let mut log = Vec::new();
     let form = |log: &mut Vec<u8>, id: u8, length: usize, name: &str, letters: &str, labels: &str| {
         log.extend([0xA3, 0x95, 0x80, id, length as u8]);
@@ -144,11 +144,16 @@ fn dataflash() -> Vec<u8> {
     };
     form(&mut log, 64, 3 + 8 + 16 + 4, "PARM", "QNf", "TimeUS,Name,Value");
     form(&mut log, 65, 3 + 8 + 1 + 28, "IMU", "QBfffffff", "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,T");
-    for (name, value) in PARAMETERS {
+    let parameter = |log: &mut Vec<u8>, at_s: f64, name: &str, value: f32| {
         log.extend([0xA3, 0x95, 64]);
-        log.extend(1000_u64.to_le_bytes());
+        log.extend(((at_s * 1e6) as u64).to_le_bytes());
         log.extend(name.bytes().chain(std::iter::repeat(0)).take(16));
         log.extend(value.to_le_bytes());
+    };
+    PARAMETERS.iter().for_each(|(name, value)| parameter(&mut log, 0.0, name, *value));
+    if let Some(at_s) = enabled_after {
+        parameter(&mut log, at_s, "INS_TCAL2_ENABLE", 2.0);
+        parameter(&mut log, at_s, "INS_TCAL2_ENABLE", 1.0);
     }
     for Reading { at_s, temp_c, rates, accelerations } in readings() {
         for imu in 0..2_u8 {
@@ -185,7 +190,7 @@ fn corrected_before(temp_c: f64) -> f64 {
 #[test]
 fn the_parameters_of_ardupilot_remove_the_bias_of_all_sensors() {
     let bench = Bench::new();
-    bench.write("log.bin", dataflash());
+    bench.write("log.bin", dataflash(None));
     bench.zerorate("tempcal log.bin --format ardupilot -o tcal.parm").ended_with(0).saying(&["wrote tcal.parm"]);
     let of = of_ardupilot(&std::fs::read_to_string(bench.path("tcal.parm")).unwrap());
     for (imu, (kind, truth)) in (1..3).flat_map(|imu| [("GYR", &GYRO), ("ACC", &ACCEL)].map(|of| (imu, of))) {
@@ -206,6 +211,15 @@ fn the_parameters_of_ardupilot_remove_the_bias_of_all_sensors() {
         }
         assert!((8.0..8.5).contains(&tcal("TMIN")) && (40.0..43.0).contains(&tcal("TMAX")), "{of:?}");
     }
+}
+
+#[test]
+fn a_log_in_which_ardupilot_begins_to_correct_asks_where_to_end() {
+    let bench = Bench::new();
+    bench.write("log.bin", dataflash(Some(900.0)));
+    let asked = bench.zerorate("tempcal log.bin").fails(2);
+    assert!(asked.contains("INS_TCAL2_ENABLE changes after 900 s") && asked.contains("--until 900"), "{asked}");
+    bench.zerorate("tempcal log.bin --until 900").ended_with(0);
 }
 
 /// A log of PX4 with two gyroscopes and an accelerometer.

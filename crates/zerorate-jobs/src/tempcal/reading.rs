@@ -47,6 +47,9 @@ fn imus(log: &UnitLog, options: &TempcalOptions, notes: &mut Vec<String>) -> Res
     let mut of_axes = options.axes.clone();
     let assumed = options.codes.apply(&mut of_axes)?;
     let parameters = parameters(log)?;
+    if !parameters.is_empty() && options.axes.log.cut.until.is_none() {
+        check_unchanged(log.path(), options)?;
+    }
     let mut imus = Vec::new();
     for axes in all_axes(log, &of_axes)? {
         let topic = axes.columns.first().and_then(|column| topic_of(&column.name));
@@ -78,6 +81,17 @@ fn parameters(log: &UnitLog) -> Result<BTreeMap<String, f64>> {
     let UnitLog::File(path) = log else { return Ok(BTreeMap::new()) };
     let parameters = files::open(path).ok().map(|input| zerorate_logs::parameters(path, input)).transpose()?;
     Ok(parameters.unwrap_or_default())
+}
+
+/// Asks for the part of a log in which the parameters that correct and turn its readings stay as they are. ArduPilot
+/// begins to correct as soon as it has learned.
+fn check_unchanged(path: &Path, options: &TempcalOptions) -> Result<()> {
+    let corrects = |name: &str| name.starts_with("INS_TCAL") || name == "AHRS_ORIENTATION";
+    let changed = zerorate_logs::changed_parameter(path, files::open(path)?, corrects)?;
+    let Some((name, at_s)) = changed else { return Ok(()) };
+    let (path, option, until_s) = (path.display(), options.axes.log.names.of(Setting::Until), at_s.floor());
+    let text = format!("{path}: its {name} changes after {until_s} s, and corrects the readings from then on; ");
+    Err(LogError::Ask(format!("{text}give {option} {until_s}, or less")).into())
 }
 
 /// The number that a driver of PX4 writes beside its readings.

@@ -6,13 +6,13 @@ use anyhow::{Result, bail, ensure};
 use zerorate::{Correction, Validity};
 
 /// The reference temperature of every ArduPilot, °C (AP_InertialSensor_tempcal.cpp, TEMP_REFERENCE).
-const ARDUPILOT_C: f64 = 35.0;
+pub(crate) const ARDUPILOT_C: f64 = 35.0;
 /// ArduPilot's parameters are its coefficients times this (the same file, SCALE_FACTOR).
-const ARDUPILOT_SCALE: f64 = 1e6;
+pub(crate) const ARDUPILOT_SCALE: f64 = 1e6;
 /// The sensors for which PX4 has parameters: TC_G0 to TC_G3 (src/modules/temperature_compensation).
-const PX4_SENSORS: std::ops::RangeInclusive<u32> = 0..=3;
+pub(crate) const PX4_SENSORS: std::ops::RangeInclusive<u32> = 0..=3;
 /// The IMUs for which ArduPilot has INS_TCALn.
-const ARDUPILOT_SENSORS: std::ops::RangeInclusive<u32> = 1..=3;
+pub(crate) const ARDUPILOT_SENSORS: std::ops::RangeInclusive<u32> = 1..=3;
 
 /// A bias over temperature, rad/s: the polynomial with `terms` (by order) in the temperature minus `about_c`.
 struct Bias {
@@ -149,6 +149,6 @@ fn head(export: &Export, what: &str) -> String {
 }
 
 /// The value as a parameter holds it: the shortest decimal that gives the same f32, without an exponent.
-fn single(value: f64) -> f32 {
+pub(crate) fn single(value: f64) -> f32 {
     value as f32 + 0.0
 }

@@ -1,6 +1,6 @@
 //! Exports a calibration in the form that firmware takes: table and integer coefficients.
 
-mod autopilot;
+pub(crate) mod autopilot;
 mod codes;
 mod firmware;
 mod form;

@@ -2,13 +2,9 @@
 
 use super::AxisCurve;
 use crate::export::InvalidOptions;
+use crate::export::autopilot::{ARDUPILOT_C, ARDUPILOT_SCALE, ARDUPILOT_SENSORS, PX4_SENSORS, single};
 use std::fmt::Write;
 use zerorate_imu::Kind;
-
-/// The reference temperature of every ArduPilot, °C (AP_InertialSensor_tempcal.cpp, TEMP_REFERENCE).
-const ARDUPILOT_C: f64 = 35.0;
-/// ArduPilot's parameters are its coefficients times this (the same file, SCALE_FACTOR).
-const ARDUPILOT_SCALE: f64 = 1e6;
 
 /// The three axes of a sensor, in the order x, y, z.
 struct Triad<'a> {
@@ -53,6 +49,12 @@ pub fn ardupilot(axes: &[AxisCurve]) -> Result<String, InvalidOptions> {
     imus.sort_unstable();
     imus.dedup();
     for imu in imus {
+        if !ARDUPILOT_SENSORS.contains(&(imu + 1)) {
+            return Err(InvalidOptions(format!(
+                "IMU {}: ArduPilot has INS_TCALn for IMUs 1 to 3; choose them",
+                imu + 1
+            )));
+        }
         let of_imu: Vec<&Triad<'_>> = triads.iter().filter(|triad| triad.imu() == imu).collect();
         let spans = || of_imu.iter().map(|triad| triad.span_c());
         let low_c = spans().map(|span| span.0).fold(f64::MIN, f64::max);
@@ -79,11 +81,6 @@ pub fn ardupilot(axes: &[AxisCurve]) -> Result<String, InvalidOptions> {
 
 fn head(what: &str) -> String {
     format!("# {what}\n# Written by {}.\n", zerorate::SOFTWARE)
-}
-
-/// The value as a parameter holds it: the shortest decimal that gives the same f32, without an exponent.
-fn single(value: f64) -> f32 {
-    value as f32 + 0.0
 }
 
 /// The sensors with their axes in order.
@@ -131,6 +128,9 @@ impl Triad<'_> {
 
     fn px4(&self, letter: char, text: &mut String) -> Result<(), InvalidOptions> {
         let number = self.imu();
+        if !PX4_SENSORS.contains(&number) {
+            return Err(InvalidOptions(format!("sensor {number}: PX4 has TC_{letter}n for 0 to 3; choose them")));
+        }
         let start = format!("TC_{letter}{number}_");
         let Some(device_id) = self.axes[0].device_id else {
             let sensor = &self.axes[0].sensor;
