@@ -187,17 +187,27 @@ fn described(metadata: &str) -> impl Iterator<Item = &str> {
     bare.filter_map(|name| Path::new(name).file_name()?.to_str())
 }
 
-/// The number of messages of each topic, by the description of a bag: the list `topics_with_message_count`, where
-/// the count of a topic follows behind its name.
+/// The number of messages of each topic, by the description of a bag: the list `topics_with_message_count`. Writers
+/// differ in the order of a topic's name and its count.
 fn stated(metadata: &str) -> Vec<(String, u64)> {
-    let lines = metadata.lines().map(|line| line.trim().trim_start_matches("- "));
-    let mut topic = None;
+    let indent = |line: &str| line.len() - line.trim_start().len();
+    let mut lines = metadata.lines().skip_while(|line| line.trim() != "topics_with_message_count:").skip(1).peekable();
+    let of_list = lines.peek().map_or(0, |first| indent(first));
+    let is_item = |line: &str| indent(line) == of_list && line.trim_start().starts_with("- ");
     let mut found = Vec::new();
-    for line in lines.skip_while(|line| *line != "topics_with_message_count:") {
+    let (mut topic, mut count) = (None, None);
+    for line in lines.take_while(|line| indent(line) > of_list || is_item(line)) {
+        if is_item(line) {
+            (topic, count) = (None, None);
+        }
+        let line = line.trim().trim_start_matches("- ");
         if let Some(name) = line.strip_prefix("name: ") {
             topic = Some(name.trim_matches(['"', '\'']).to_owned());
-        } else if let Some(Ok(count)) = line.strip_prefix("message_count: ").map(str::parse) {
-            found.extend(topic.take().map(|topic| (topic, count)));
+        } else if let Some(Ok(stated)) = line.strip_prefix("message_count: ").map(str::parse) {
+            count = Some(stated);
+        }
+        if let (Some(_), Some(stated)) = (&topic, count) {
+            found.extend(topic.take().map(|topic| (topic, stated)));
         }
     }
     found

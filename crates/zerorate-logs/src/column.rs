@@ -20,6 +20,8 @@ pub struct Column {
     pub gaps: Vec<Gap>,
     /// The time that was left out at the start of the log, s.
     pub skipped_s: f64,
+    /// The time of the first sample on the clock of the log, s; `None` if the rate does not come from a clock.
+    pub start_s: Option<f64>,
     /// Mean sampling rate in Hz; missing samples count.
     pub rate_hz: f64,
     /// The quantity of the column, if the file states its unit, or a unit or a scale was given.
@@ -43,6 +45,7 @@ impl Column {
             series,
             gaps,
             skipped_s: 0.0,
+            start_s: None,
             rate_hz,
             quantity: None,
             scale: 1.0,

@@ -350,6 +350,7 @@ fn unknown(path: &Path, asked: &ColumnQuery<'_>, wanted: Option<&str>, name: &st
 }
 
 fn without_imu(path: &Path) -> LogError {
+    // TCLR messages hold one mean per 0.5 °C, from which neither noise nor lag can be told
     let why = "it is a log of ArduPilot without messages IMU, GYR or ACC; set LOG_BITMASK so that it logs them";
     InputError::not_a_log(path, why.to_owned()).into()
 }

@@ -51,6 +51,12 @@ impl Clock {
         stated.or_else(|| time_unit::dated(times))
     }
 
+    /// The time of the first row, s.
+    fn start_s(&self, args: &ColumnOptions) -> Option<f64> {
+        let Self::Column(_, times) = self else { return None };
+        Some(times.first() / self.unit(args)?.per_s())
+    }
+
     /// Whether nothing but the name of a column says that it holds the time.
     pub fn is_guess(&self, args: &ColumnOptions) -> bool {
         args.time_column.is_none() && self.unit(args).is_none()
@@ -158,6 +164,7 @@ impl RawColumns {
         self.repair_times(path, args)?;
         let skipped_s = self.cut(path, args)?;
         let time_base = self.clock.time_base(path, args)?;
+        let start_s = self.clock.start_s(args);
         if let (Some((unit, time_base)), Clock::Column(_, times)) = (&time_base, &self.clock) {
             let path = || path.display().to_string();
             let jitter = time_base.jitter_text().map(|how| LogWarning::TimesJitter { path: path(), how });
@@ -172,6 +179,7 @@ impl RawColumns {
             (None, Clock::Column(name, _)) => (None, Vec::new(), Some(name)),
             (None, Clock::Silent) => (None, Vec::new(), None),
         };
+        let start_s = start_s.filter(|_| args.rate.is_none());
         let first_rows = first_rows(&sample, &columns);
         let stated = stated_rate.as_ref().map(|stated| stated.rate_hz);
         let stamps = || given_rate::of_stamps(measured.or(stated), &first_rows);
@@ -194,7 +202,7 @@ impl RawColumns {
         let finish = |mut column: RawColumn| {
             // warnings about the file are given once, with its first column
             column.warnings.splice(..0, of_file.drain(..));
-            Ok(Column { skipped_s, ..column.finish(path, rate_hz, &lost, args)? })
+            Ok(Column { skipped_s, start_s, ..column.finish(path, rate_hz, &lost, args)? })
         };
         Ok((columns.into_iter().map(finish).collect::<Result<_>>()?, no_rate))
     }
@@ -265,6 +273,7 @@ impl RawColumn {
             series,
             gaps,
             skipped_s: 0.0,
+            start_s: None,
             rate_hz,
             quantity: declared.map(|(quantity, _)| quantity),
             scale: declared.map_or(1.0, |(quantity, scale)| match quantity {

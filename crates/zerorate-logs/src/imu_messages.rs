@@ -1,8 +1,8 @@
-//! `sensor_msgs/Imu`, the message in which ROS carries gyroscopes: decoded from its bytes, and collected into
-//! columns.
+//! `sensor_msgs/Imu`, the message in which ROS carries gyroscopes, and `sensor_msgs/Temperature`: decoded from their
+//! bytes, and collected into columns.
 
 use super::clock::Times;
-use super::message::{Body, Encoding, is_imu};
+use super::message::{Body, Encoding, is_imu, is_temperature};
 use super::nested::{self, Place};
 use super::series::SeriesBuilder;
 use super::topics::{Survey, Topic, several};
@@ -32,8 +32,12 @@ const QUANTITIES: [(&str, usize); 6] = [
     ("linear_acceleration.z", 27),
 ];
 
-/// Number of values after the header.
-const NUMBERS: usize = 37;
+/// The quantity of a temperature message; its variance follows.
+const TEMPERATURE: [(&str, usize); 1] = [("temperature", 0)];
+
+/// Numbers after the header of an IMU and of a temperature.
+const NUMBERS_OF_IMU: usize = 37;
+const NUMBERS_OF_TEMPERATURE: usize = 2;
 
 /// The first bytes of Zstandard data. A bag may compress each message.
 const ZSTD: [u8; 4] = [0x28, 0xB5, 0x2F, 0xFD];
@@ -42,16 +46,26 @@ const ZSTD: [u8; 4] = [0x28, 0xB5, 0x2F, 0xFD];
 #[cfg(feature = "zstd")]
 const MAX_MESSAGE: usize = 1 << 16;
 
-/// An IMU of a bag: all messages of a topic, or a field of them.
+/// An IMU or a temperature of a bag: all messages of a topic, or a field of them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
     /// The topic of the messages.
     pub topic: String,
     /// The field with the IMU, where the messages are of another type.
     place: Option<Place>,
+    is_temperature: bool,
 }
 
 impl Source {
+    fn quantities(&self) -> &'static [(&'static str, usize)] {
+        if self.is_temperature { &TEMPERATURE } else { &QUANTITIES }
+    }
+
+    /// The name of the messages' type.
+    fn kind(&self) -> &'static str {
+        if self.is_temperature { "sensor_msgs/Temperature" } else { "sensor_msgs/Imu" }
+    }
+
     /// The body of a message, from this IMU on.
     fn body<'a>(&self, encoding: Encoding, message: &'a [u8]) -> Option<Body<'a>> {
         let body = Body::of(encoding, message)?;
@@ -60,17 +74,67 @@ impl Source {
     }
 }
 
-/// The IMUs of a bag by name: `/imu`, or `/bundle.imu` for a field of another message.
-pub type Sources = BTreeMap<String, Source>;
+/// The IMUs and the temperatures of a bag by name: `/imu`, or `/bundle.imu` for a field of another message.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sources(BTreeMap<String, Source>);
 
-/// The IMUs of a topic, by the name of its type and the text that defines it.
-pub fn sources(topic: &str, kind: &str, definition: &str) -> Sources {
-    let source = |place| Source { topic: topic.to_owned(), place };
-    if is_imu(kind) {
-        return [(topic.to_owned(), source(None))].into();
+impl Sources {
+    /// Those of a topic, by the name of its type and the text that defines it.
+    pub fn of(topic: &str, kind: &str, definition: &str) -> Self {
+        let source = |place| Source { topic: topic.to_owned(), place, is_temperature: is_temperature(kind) };
+        if is_imu(kind) || is_temperature(kind) {
+            return Self([(topic.to_owned(), source(None))].into());
+        }
+        let of_fields = nested::places(kind, definition).into_iter();
+        Self(of_fields.map(|place| (format!("{topic}.{}", place.path), source(Some(place)))).collect())
     }
-    let of_fields = nested::places(kind, definition).into_iter();
-    of_fields.map(|place| (format!("{topic}.{}", place.path), source(Some(place)))).collect()
+
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    pub fn extend(&mut self, others: Self) {
+        self.0.extend(others.0);
+    }
+
+    /// The IMUs.
+    pub fn imus(&self) -> impl Iterator<Item = (&String, &Source)> {
+        self.0.iter().filter(|(_, source)| !source.is_temperature)
+    }
+
+    /// The temperature of this name, or the only one if that is `temperature`. The name of a topic suffices.
+    fn temperature(&self, path: &Path, wanted: &str, asked: &ColumnQuery<'_>) -> Result<Option<Quantities>> {
+        let [(quantity, _)] = TEMPERATURE;
+        let all = || self.0.iter().filter(|(_, source)| source.is_temperature);
+        let of_topic = |(name, _): &(&String, &Source)| {
+            wanted.strip_prefix(name.as_str()).is_some_and(|rest| rest.is_empty() || rest == ".temperature")
+        };
+        let found = |(name, source): (&String, &Source)| {
+            Some(Quantities { name: name.clone(), source: source.clone(), all: TEMPERATURE.to_vec() })
+        };
+        if wanted != quantity {
+            return Ok(all().find(of_topic).and_then(found));
+        }
+        let imu = asked.args.topic.as_deref().unwrap_or_default();
+        let near = || all().filter(|(name, _)| !folder(imu).is_empty() && folder(name).starts_with(folder(imu)));
+        match (all().count(), near().count()) {
+            (1, _) => Ok(all().next().and_then(found)),
+            (_, 1) => Ok(near().next().and_then(found)),
+            (0, _) => Ok(None),
+            _ => {
+                let topics: Vec<String> = all().map(|(name, _)| name.clone()).collect();
+                let table = topics.iter().map(|name| format!("  {}", name.escape_debug())).collect();
+                let (path, option) = (path.display(), asked.args.names.of(Setting::TempColumn));
+                let question = format!("{path} has several temperatures; choose one with {option}:");
+                Err(LogError::Choose { question, table, topics })
+            }
+        }
+    }
+}
+
+/// The name of a topic up to its last part: `/front` of `/front/imu`.
+fn folder(topic: &str) -> &str {
+    topic.rsplit_once('/').map_or("", |(folder, _)| folder)
 }
 
 /// The wanted quantities of an IMU.
@@ -100,9 +164,14 @@ impl Quantities {
             ColumnSelection::Described(columns) => columns.iter().map(|column| Some(column.name.as_str())).collect(),
             ColumnSelection::All => QUANTITIES.iter().map(|(name, _)| Some(*name)).collect(),
         };
+        if let [Some(only)] = names[..]
+            && let Some(temperature) = topics.temperature(path, only, asked)?
+        {
+            return Ok(temperature);
+        }
         let only = match &asked.args.topic {
-            Some(topic) => topics.get_key_value(topic),
-            None => topics.first_key_value().filter(|_| topics.len() == 1),
+            Some(topic) => topics.imus().find(|(name, _)| *name == topic),
+            None => topics.imus().next().filter(|_| topics.imus().count() == 1),
         };
         let only = only.map(|(name, _)| name.as_str());
         let chosen = names.iter().map(|name| Self::choose_one(topics, only, *name).ok_or(*name));
@@ -126,12 +195,13 @@ impl Quantities {
     fn choose_one(topics: &Sources, only: Option<&str>, wanted: Option<&str>) -> Option<Self> {
         let wanted = wanted?;
         let of_topic = topics
-            .keys()
-            .find_map(|topic| Some((topic.as_str(), wanted.strip_prefix(topic.as_str())?.strip_prefix('.')?)));
+            .imus()
+            .find_map(|(topic, _)| Some((topic.as_str(), wanted.strip_prefix(topic.as_str())?.strip_prefix('.')?)));
         let (name, quantity) = of_topic.or_else(|| Some((only?, wanted)))?;
         let long = if quantity.len() == 1 { format!("angular_velocity.{quantity}") } else { quantity.to_owned() };
-        let (quantity, position) = QUANTITIES.into_iter().find(|(name, _)| *name == long)?;
-        Some(Self { name: name.to_owned(), source: topics.get(name)?.clone(), all: vec![(quantity, position)] })
+        let source = topics.0.get(name)?.clone();
+        let chosen = *source.quantities().iter().find(|(name, _)| *name == long)?;
+        Some(Self { name: name.to_owned(), source, all: vec![chosen] })
     }
 }
 
@@ -228,8 +298,9 @@ impl<'a> Collector<'a> {
         } else {
             message
         };
-        let Imu { stamp_ns, numbers } = decode(encoding, &self.wanted.source, message)
-            .ok_or_else(|| at(format!("its {} bytes are not a sensor_msgs/Imu in {encoding:?}", message.len())))?;
+        let source = &self.wanted.source;
+        let Stamped { stamp_ns, numbers } = decode(encoding, source, message)
+            .ok_or_else(|| at(format!("its {} bytes are not a {} in {encoding:?}", message.len(), source.kind())))?;
         self.times.push_integer(stamp_ns);
         self.recorded.push_integer(recorded_ns);
         for ((quantity, position), values) in self.wanted.all.iter().zip(&mut self.values) {
@@ -267,9 +338,10 @@ impl<'a> Collector<'a> {
             name: format!("{}.{quantity}", wanted.name),
             values,
             // REP-103 of ROS
-            stated: Some(match quantity.starts_with("angular") {
-                true => (Quantity::AngularRate, Unit::RadPerS.in_results()),
-                false => (Quantity::Acceleration, Unit::MPerS2.in_results()),
+            stated: Some(match quantity.split('_').next() {
+                Some("angular") => (Quantity::AngularRate, Unit::RadPerS.in_results()),
+                Some("linear") => (Quantity::Acceleration, Unit::MPerS2.in_results()),
+                _ => (Quantity::Temperature, 1.0),
             }),
             step: 1.0,
             warnings: Vec::new(),
@@ -291,9 +363,10 @@ fn unpacked_message(_: &[u8]) -> Result<Vec<u8>, String> {
     Err(NotBuiltIn::ZSTD.to_string())
 }
 
-struct Imu {
+/// The stamp of a message, and the numbers after its header.
+struct Stamped {
     stamp_ns: i64,
-    numbers: [f64; NUMBERS],
+    numbers: [f64; NUMBERS_OF_IMU],
 }
 
 /// The header of a message: stamp and frame.
@@ -322,13 +395,14 @@ impl Head {
 }
 
 /// Decodes `std_msgs/Header header; Quaternion orientation; float64[9]; Vector3 angular_velocity; float64[9]; Vector3
-/// linear_acceleration; float64[9]`.
-fn decode(encoding: Encoding, source: &Source, message: &[u8]) -> Option<Imu> {
+/// linear_acceleration; float64[9]`, or `std_msgs/Header header; float64 temperature; float64 variance`.
+fn decode(encoding: Encoding, source: &Source, message: &[u8]) -> Option<Stamped> {
     let body = source.body(encoding, message)?;
     let (_, start) = body.frame()?;
-    let mut numbers = [0.0; NUMBERS];
-    for (number, at) in numbers.iter_mut().zip((start..).step_by(8)) {
+    let mut numbers = [0.0; NUMBERS_OF_IMU];
+    let count = if source.is_temperature { NUMBERS_OF_TEMPERATURE } else { NUMBERS_OF_IMU };
+    for (number, at) in numbers[..count].iter_mut().zip((start..).step_by(8)) {
         *number = body.f64_at(at)?;
     }
-    Some(Imu { stamp_ns: body.stamp_ns()?, numbers })
+    Some(Stamped { stamp_ns: body.stamp_ns()?, numbers })
 }

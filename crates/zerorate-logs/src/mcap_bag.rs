@@ -2,7 +2,7 @@
 
 mod messages;
 
-use super::imu_messages::{Collector, Quantities, Sources, sources, without_imu};
+use super::imu_messages::{Collector, Quantities, Sources, without_imu};
 use super::message::Encoding;
 use super::open::Log;
 use super::topics::Survey;
@@ -22,7 +22,7 @@ use zerorate_input::{Input, InputError, InputWarning};
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let (path, mut file) = (log.path, log.input);
     let (topics, others) = topics(path, &mut file, log.room)?;
-    if topics.is_empty() {
+    if topics.imus().next().is_none() {
         return Err(without_imu(path, &others));
     }
     let wanted = Quantities::choose(path, &topics, asked, || survey(&mut file, log.room, &topics))?;
@@ -52,10 +52,10 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     Ok(collector.finish(cut.or(behind), stated))
 }
 
-/// The IMUs, and the types of the other topics. A channel may stand anywhere before its first message, so the whole
+/// The IMUs and temperatures, and the types of the topics without an IMU. A channel may stand anywhere before its first message, so the whole
 /// file is read.
 fn topics(path: &Path, file: &mut Input, room: MemoryBudget) -> Result<(Sources, BTreeMap<String, String>)> {
-    let (mut imus, mut others, mut seen) = (Sources::new(), BTreeMap::new(), BTreeSet::new());
+    let (mut all, mut others, mut seen) = (Sources::default(), BTreeMap::new(), BTreeSet::new());
     let mut first = true;
     for message in Messages::new(file, room) {
         match message {
@@ -63,11 +63,11 @@ fn topics(path: &Path, file: &mut Input, room: MemoryBudget) -> Result<(Sources,
                 let (topic, schema) = (&message.channel.topic, message.channel.schema.as_ref());
                 let kind = schema.map_or("no type", |schema| &schema.name);
                 let definition = schema.map_or(Cow::default(), |schema| String::from_utf8_lossy(&schema.data));
-                let of_topic = sources(topic, kind, &definition);
-                if of_topic.is_empty() {
+                let of_topic = Sources::of(topic, kind, &definition);
+                if of_topic.imus().next().is_none() {
                     others.insert(topic.clone(), kind.to_owned());
                 }
-                imus.extend(of_topic);
+                all.extend(of_topic);
             }
             Ok(_) => {}
             Err(error) if first => {
@@ -78,11 +78,11 @@ fn topics(path: &Path, file: &mut Input, room: MemoryBudget) -> Result<(Sources,
         }
         first = false;
     }
-    Ok((imus, others))
+    Ok((all, others))
 }
 
 /// The IMUs in the undamaged part of the file.
-fn survey(file: &mut Input, room: MemoryBudget, imus: &Sources) -> Survey {
+fn survey(file: &mut Input, room: MemoryBudget, sources: &Sources) -> Survey {
     let mut survey = Survey::default();
     if file.rewind().is_err() {
         return survey;
@@ -90,7 +90,7 @@ fn survey(file: &mut Input, room: MemoryBudget, imus: &Sources) -> Survey {
     for message in Messages::new(file, room).flatten() {
         let kind = message.channel.schema.as_ref().map_or("no type", |schema| &schema.name);
         let encoding = Encoding::of(&message.channel.message_encoding);
-        for (name, source) in imus.iter().filter(|(_, source)| source.topic == message.channel.topic) {
+        for (name, source) in sources.imus().filter(|(_, source)| source.topic == message.channel.topic) {
             survey.message((name, source), kind, encoding, &message.data);
         }
     }

@@ -25,6 +25,11 @@ pub fn is_imu(type_name: &str) -> bool {
     matches!(type_name, "sensor_msgs/msg/Imu" | "sensor_msgs/Imu")
 }
 
+/// Whether a message type is `sensor_msgs/Temperature`.
+pub fn is_temperature(type_name: &str) -> bool {
+    matches!(type_name, "sensor_msgs/msg/Temperature" | "sensor_msgs/Temperature")
+}
+
 /// The body of a message: the bytes after the mark of the encoding.
 pub struct Body<'a> {
     bytes: &'a [u8],

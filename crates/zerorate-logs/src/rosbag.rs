@@ -1,7 +1,7 @@
 //! Bags of ROS 1, version 2.0 (<https://wiki.ros.org/Bags/Format/2.0>): records with a head of named fields, most of
 //! them in chunks that may be packed. No library reads them without mapping the file into memory.
 
-use super::imu_messages::{Collector, Quantities, Sources, sources, without_imu};
+use super::imu_messages::{Collector, Quantities, Sources, without_imu};
 use super::message::Encoding;
 use super::open::{Log, ROS_BAG};
 use super::topics::Survey;
@@ -31,12 +31,13 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let (path, room) = (log.path, log.room);
     let mut file = BufReader::with_capacity(BUFFER, log.input);
     let (topics, others) = topics(path, &mut file, room)?;
-    let imus: Sources = topics.values().flat_map(|topic| topic.imus.clone()).collect();
-    if imus.is_empty() {
+    let mut sources = Sources::default();
+    topics.values().for_each(|topic| sources.extend(topic.sources.clone()));
+    if sources.imus().next().is_none() {
         return Err(without_imu(path, &others));
     }
     let seen = || survey(&mut Records { path, file: &mut file, room, bytes: 0 }, &topics);
-    let wanted = Quantities::choose(path, &imus, asked, seen)?;
+    let wanted = Quantities::choose(path, &sources, asked, seen)?;
     let topic = wanted.source.topic.clone();
     let mut collector = Collector::new(path, wanted, room, asked.args);
     let mut records = Records { path, file: &mut file, room, bytes: 0 };
@@ -58,22 +59,28 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     Ok(collector.finish(torn.map(|end| end.warning(path)), stated))
 }
 
-/// A topic with an IMU.
+/// A topic with an IMU or a temperature.
 struct Topic {
     name: String,
     kind: String,
-    imus: Sources,
+    sources: Sources,
 }
 
-/// The topics with an IMU by the number of their connection, and the types of the other topics. A bag that was closed
+/// These topics by the number of their connection, and the types of the topics without an IMU. A bag that was closed
 /// lists its connections behind its chunks. In other bags the connections are in the chunks.
 fn topics(path: &Path, file: &mut BufReader<Input>, room: MemoryBudget) -> Result<Topics> {
     let (mut connections, mut others) = (BTreeMap::new(), BTreeMap::new());
     for skip_chunks in [true, false] {
         let torn = Records { path, file, room, bytes: 0 }.each(skip_chunks, |record| {
             match record.connection() {
-                Some((at, topic)) if !topic.imus.is_empty() => drop(connections.insert(at, topic)),
-                Some((_, topic)) => drop(others.insert(topic.name, topic.kind)),
+                Some((at, topic)) => {
+                    if topic.sources.imus().next().is_none() {
+                        others.insert(topic.name.clone(), topic.kind.clone());
+                    }
+                    if !topic.sources.is_empty() {
+                        connections.insert(at, topic);
+                    }
+                }
                 None => {}
             }
             Ok(())
@@ -91,12 +98,12 @@ type Topics = (BTreeMap<u32, Topic>, BTreeMap<String, String>);
 /// The topics with an IMU in the undamaged part of the file.
 fn survey(records: &mut Records<'_>, topics: &BTreeMap<u32, Topic>) -> Survey {
     let mut survey = Survey::default();
-    topics.values().for_each(|topic| topic.imus.keys().for_each(|name| survey.topic(name, &topic.kind)));
+    topics.values().for_each(|topic| topic.sources.imus().for_each(|(name, _)| survey.topic(name, &topic.kind)));
     let seen = records.each(false, |record| {
         let topic = record.number(b"conn").and_then(|conn| topics.get(&conn));
         let topic = topic.filter(|_| record.op() == Some(MESSAGE));
         for (topic, (name, source)) in
-            topic.into_iter().flat_map(|topic| topic.imus.iter().map(move |imu| (topic, imu)))
+            topic.into_iter().flat_map(|topic| topic.sources.imus().map(move |imu| (topic, imu)))
         {
             survey.message((name, source), &topic.kind, Some(Encoding::Ros1), &record.data);
         }
@@ -141,8 +148,8 @@ impl Record {
         let conn = self.number(b"conn").filter(|_| self.op() == Some(CONNECTION))?;
         let (name, kind) = (text(field(&self.head, b"topic")?), text(field(&self.data, b"type")?));
         let definition = text(field(&self.data, b"message_definition").unwrap_or_default());
-        let imus = sources(&name, &kind, &definition);
-        Some((conn, Topic { name, kind, imus }))
+        let sources = Sources::of(&name, &kind, &definition);
+        Some((conn, Topic { name, kind, sources }))
     }
 }
 

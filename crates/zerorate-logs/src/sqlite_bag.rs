@@ -1,6 +1,6 @@
 //! ROS bags in SQLite, as ROS 2 made them before Iron.
 
-use super::imu_messages::{Collector, Quantities, Sources, sources, without_imu};
+use super::imu_messages::{Collector, Quantities, Sources, without_imu};
 use super::message::Encoding;
 use super::open::Log;
 use super::topics::Survey;
@@ -22,13 +22,13 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     };
     let behind = end(&log.input).map(|end| InputWarning::behind_end(path, &log.input, end)).transpose()?.flatten();
     let bag = open(log, failed)?;
-    let (topics, others): (Vec<Topic>, Vec<Topic>) =
-        topics_of(&bag).map_err(failed)?.into_iter().partition(|topic| !topic.imus.is_empty());
-    if topics.is_empty() {
-        return Err(without_imu(path, &others.into_iter().map(|topic| (topic.name, topic.kind)).collect()));
+    let topics = topics_of(&bag).map_err(failed)?;
+    let mut sources = Sources::default();
+    topics.iter().for_each(|topic| sources.extend(topic.sources.clone()));
+    if sources.imus().next().is_none() {
+        return Err(without_imu(path, &topics.into_iter().map(|topic| (topic.name, topic.kind)).collect()));
     }
-    let imus: Sources = topics.iter().flat_map(|topic| topic.imus.clone()).collect();
-    let wanted = Quantities::choose(path, &imus, asked, || survey(&bag, &topics))?;
+    let wanted = Quantities::choose(path, &sources, asked, || survey(&bag, &topics))?;
     let ids = topics.iter().filter(|topic| topic.name == wanted.source.topic);
     let mut collector = Collector::new(path, wanted.clone(), room, asked.args);
     for Topic { id, name: topic, format, .. } in ids {
@@ -94,15 +94,15 @@ struct Topic {
     name: String,
     kind: String,
     format: String,
-    imus: Sources,
+    sources: Sources,
 }
 
 fn topics_of(bag: &Connection) -> rusqlite::Result<Vec<Topic>> {
     let mut query = bag.prepare("SELECT id, name, type, serialization_format FROM topics")?;
     let topics = query.query_map([], |row| {
         let (name, kind): (String, String) = (row.get(1)?, row.get(2)?);
-        let imus = sources(&name, &kind, &definition(bag, &kind));
-        Ok(Topic { id: row.get(0)?, name, kind, format: row.get(3)?, imus })
+        let sources = Sources::of(&name, &kind, &definition(bag, &kind));
+        Ok(Topic { id: row.get(0)?, name, kind, format: row.get(3)?, sources })
     })?;
     topics.collect()
 }
@@ -116,13 +116,15 @@ fn definition(bag: &Connection, kind: &str) -> String {
 /// The topics with an IMU, as far as they can be read.
 fn survey(bag: &Connection, topics: &[Topic]) -> Survey {
     let mut survey = Survey::default();
-    for Topic { id, kind, format, imus, .. } in topics {
-        imus.keys().for_each(|name| survey.topic(name, kind));
+    for Topic { id, kind, format, sources, .. } in topics {
+        sources.imus().for_each(|(name, _)| survey.topic(name, kind));
         let Ok(mut query) = bag.prepare("SELECT data FROM messages WHERE topic_id = ?1") else { continue };
         let Ok(mut rows) = query.query([id]) else { continue };
         while let Ok(Some(row)) = rows.next() {
             if let Ok(ValueRef::Blob(message)) = row.get_ref(0) {
-                imus.iter().for_each(|imu| survey.message((imu.0, imu.1), kind, Encoding::of(format), message));
+                sources
+                    .imus()
+                    .for_each(|(name, imu)| survey.message((name, imu), kind, Encoding::of(format), message));
             }
         }
     }

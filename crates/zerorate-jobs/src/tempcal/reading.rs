@@ -65,9 +65,9 @@ fn imus(log: &UnitLog, options: &TempcalOptions, notes: &mut Vec<String>) -> Res
             }
         }
         let device_id = topic.as_deref().and_then(|topic| device_id(log, topic, options));
-        let temps_hz = temperature.rate_hz;
+        let (temps_hz, temps_start_s) = (temperature.rate_hz, temperature.start_s);
         let temps_c = values(temperature, log.path())?;
-        let mut imu = ImuColumns { topic, columns: axes.columns, temps_c, temps_hz, device_id };
+        let mut imu = ImuColumns { topic, columns: axes.columns, temps_c, temps_hz, temps_start_s, device_id };
         if !parameters.is_empty() {
             undo(&mut imu, &parameters, log.path())?;
         }
@@ -78,7 +78,11 @@ fn imus(log: &UnitLog, options: &TempcalOptions, notes: &mut Vec<String>) -> Res
 
 /// The parameters of the flight controller that wrote the log; empty for any other.
 fn parameters(log: &UnitLog) -> Result<BTreeMap<String, f64>> {
+    // a folder is a bag
     let UnitLog::File(path) = log else { return Ok(BTreeMap::new()) };
+    if path.is_dir() {
+        return Ok(BTreeMap::new());
+    }
     let parameters = files::open(path).ok().map(|input| zerorate_logs::parameters(path, input)).transpose()?;
     Ok(parameters.unwrap_or_default())
 }
@@ -163,8 +167,11 @@ fn temperature(log: &UnitLog, axes: &Axes, topic: Option<&str>, options: &Tempca
     }
     let of_topic = topic.map(|topic| ["temperature", "T", "Temp"].map(|field| format!("{topic}.{field}")));
     let of_topic = of_topic.into_iter().flatten();
+    // a bag has messages of temperatures, and reading it takes long
+    let is_bag = topic.is_some_and(|topic| topic.starts_with('/'));
     let wanted: Vec<String> = match &options.temperature {
         Some(name) => vec![name.clone()],
+        None if is_bag => vec!["temperature".to_owned()],
         None => of_topic.chain(TEMPERATURE_NAMES.map(str::to_owned)).collect(),
     };
     let log_options = ColumnOptions {
@@ -175,10 +182,17 @@ fn temperature(log: &UnitLog, axes: &Axes, topic: Option<&str>, options: &Tempca
         topic: topic.map(str::to_owned).filter(|_| options.temperature.is_none()).or(options.axes.log.topic.clone()),
         ..options.axes.log.clone()
     };
-    let read =
-        |name: &String| log.columns(ColumnSelection::Listed(std::slice::from_ref(name)), &log_options).ok()?.pop();
-    match (wanted.iter().find_map(read), &options.temperature) {
+    let read = |name: &String| match log.columns(ColumnSelection::Listed(std::slice::from_ref(name)), &log_options) {
+        Ok(mut columns) => columns.pop().map(Ok),
+        Err(question @ LogError::Choose { .. }) => Some(Err(question)),
+        Err(_) => None,
+    };
+    match (wanted.iter().find_map(read).transpose()?, &options.temperature) {
         (Some(column), _) => checked(log.path(), column, options),
+        (None, None) if is_bag => Err(LogError::Ask(format!(
+            "{path} has no topic of sensor_msgs/Temperature, which would tell the temperature of its IMU"
+        ))
+        .into()),
         (None, Some(name)) => Err(LogError::Ask(format!("{option}: {path} has no column {name:?} of numbers")).into()),
         (None, None) => Err(LogError::Ask(format!(
             "{path} has no temperature: no column states °C or is called {}; name it with {option}",

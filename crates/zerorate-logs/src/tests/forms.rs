@@ -225,10 +225,21 @@ fn mcap_of_type(
     encoding: &str,
     messages: impl Fn(u64) -> Vec<u8>,
 ) -> Vec<u8> {
+    let topics: Vec<(&str, &str)> = topics.iter().map(|topic| (*topic, kind)).collect();
+    mcap_of_types(packing, &topics, encoding, |_, i| messages(i))
+}
+
+/// Topics with their types; a message by the number of its topic and its own.
+fn mcap_of_types(
+    packing: Option<mcap::Compression>,
+    topics: &[(&str, &str)],
+    encoding: &str,
+    messages: impl Fn(usize, u64) -> Vec<u8>,
+) -> Vec<u8> {
     let mut file = Cursor::new(Vec::new());
     let mut writer = mcap::WriteOptions::new().compression(packing).create(&mut file).unwrap();
-    let schema = writer.add_schema(kind, "ros2msg", b"").unwrap();
-    for topic in topics {
+    for (at, (topic, kind)) in topics.iter().enumerate() {
+        let schema = writer.add_schema(kind, "ros2msg", b"").unwrap();
         let channel = writer.add_channel(schema, topic, encoding, &Default::default()).unwrap();
         for i in 0..20 {
             let log_time = i * 10_000_000;
@@ -238,7 +249,7 @@ fn mcap_of_type(
                 log_time,
                 publish_time: log_time,
             };
-            writer.write_to_known_channel(&header, &messages(i)).unwrap();
+            writer.write_to_known_channel(&header, &messages(at, i)).unwrap();
         }
     }
     writer.finish().unwrap();
@@ -360,4 +371,38 @@ fn bags_in_sqlite() {
         assert_eq!((column.series.len(), column.missing(), column.rate_hz), (9, 1, 100.0));
     }
     assert!(folder.fails(&content[..5000], "--column z").contains("ros2 bag"));
+}
+
+/// `std_msgs/Header header; float64 temperature; float64 variance` in CDR.
+fn temperature(ns: u64, temp_c: f64) -> Vec<u8> {
+    let mut message = imu(true, false, ns, 0.0);
+    message.truncate(message.len() - 37 * 8);
+    message.extend([temp_c, 0.0].map(f64::to_le_bytes).concat());
+    message
+}
+
+#[test]
+fn a_bag_with_topics_of_temperature() {
+    let folder = Folder::new();
+    let imus = |topics: &[&str]| {
+        let mut all = vec![("/front/imu", "sensor_msgs/msg/Imu")];
+        all.extend(topics.iter().map(|topic| (*topic, "sensor_msgs/msg/Temperature")));
+        mcap_of_types(None, &all, "cdr", |topic, i| match topic {
+            0 => imu(true, false, i * 10_000_000, i as f64),
+            topic => temperature(1_000_000 + i * 20_000_000, (20 * topic as u64 + i) as f64),
+        })
+    };
+    let one = imus(&["/front/temperature"]);
+    let column = folder.read(&one, "--column temperature").unwrap();
+    assert_eq!((column.name.as_str(), column.rate_hz), ("/front/temperature.temperature", 50.0));
+    assert_eq!((column.quantity, column.start_s), (Some(Quantity::Temperature), Some(0.001)));
+    assert_eq!(numbers(&column), (20..40).map(f64::from).collect::<Vec<_>>());
+    assert_eq!(folder.read(&one, "--column z").unwrap().name, "/front/imu.angular_velocity.z", "the only IMU");
+    let two = imus(&["/baro/temperature", "/front/temperature"]);
+    let near = folder.read(&two, "--column temperature --topic /front/imu").unwrap();
+    assert_eq!(near.name, "/front/temperature.temperature");
+    let given = folder.read(&two, "--column /baro/temperature").unwrap();
+    assert_eq!(given.name, "/baro/temperature.temperature");
+    let asked = folder.fails(&two, "--column temperature");
+    assert!(asked.contains("several temperatures; choose one with --temp-column:\n  /baro/temperature"), "{asked}");
 }

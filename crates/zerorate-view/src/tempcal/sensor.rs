@@ -18,6 +18,8 @@ pub struct ImuColumns {
     pub temps_c: Vec<f64>,
     /// Samples of the temperature per second, Hz.
     pub temps_hz: f64,
+    /// The time of its first sample on the clock of the log, s, if it is of another topic than the axes.
+    pub temps_start_s: Option<f64>,
     /// The number by which PX4 finds the sensor.
     pub device_id: Option<i64>,
 }
@@ -171,14 +173,22 @@ pub fn number_of_imu(topic: Option<&str>) -> u32 {
 impl ImuColumns {
     /// The means of an axis. A temperature that is sampled at another rate is taken at the same time.
     fn means(&self, column: Column, log: &Path) -> Result<LogMeans> {
-        let rate_hz = column.rate_hz;
+        let (rate_hz, start_s) = (column.rate_hz, column.start_s);
         let samples = values(column, log)?;
         let mut means = MeansBuilder::new(samples.len(), rate_hz);
         let is_same = self.temps_c.len() == samples.len();
         let per_sample = self.temps_hz / rate_hz;
+        let later = start_s.zip(self.temps_start_s).map(|(axis_s, temps_s)| (axis_s - temps_s) * self.temps_hz);
         for (index, sample) in samples.into_iter().enumerate() {
-            let at = if is_same { index } else { ((index as f64 + 0.5) * per_sample) as usize };
-            means.push(sample, self.temps_c.get(at).copied().unwrap_or(f64::NAN));
+            let at = match later {
+                None if is_same => index as f64,
+                None => (index as f64 + 0.5) * per_sample,
+                // half a sample later, against rounding
+                Some(later) => (index as f64 + 0.5) * per_sample + later,
+            };
+            // the last reading before
+            let temp_c = if at < 0.0 { None } else { self.temps_c.get(at as usize) };
+            means.push(sample, temp_c.copied().unwrap_or(f64::NAN));
         }
         Ok(means.finish())
     }
@@ -238,4 +248,29 @@ fn on_threads<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> R + Sync) -> Vec
 #[cfg(target_arch = "wasm32")]
 fn on_threads<T, R>(items: &[T], of: impl Fn(&T) -> R) -> Vec<R> {
     items.iter().map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A temperature of 1 °C per s on the clock of the log, once a second, from 10 s after the axis.
+    #[test]
+    fn a_temperature_of_another_topic_is_joined_by_time() {
+        let samples = (0..20_000).map(|k| f64::from(k % 7)).collect();
+        let mut axis = Column::new("x", Series::Numbers(samples), 100.0);
+        axis.start_s = Some(5.0);
+        let imu = ImuColumns {
+            topic: None,
+            columns: Vec::new(),
+            temps_c: (15..205).map(f64::from).collect(),
+            temps_hz: 1.0,
+            temps_start_s: Some(15.0),
+            device_id: None,
+        };
+        let means = imu.means(axis, Path::new("log")).unwrap();
+        let (first, last) = (means.blocks()[0], means.blocks()[means.blocks().len() - 1]);
+        assert!((9.5..10.5).contains(&first.start_s), "{first:?}");
+        assert!(means.blocks().iter().all(|block| (block.temp_c - block.start_s - 5.5).abs() < 0.1), "{last:?}");
+    }
 }

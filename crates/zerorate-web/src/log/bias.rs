@@ -35,7 +35,7 @@ impl Bias {
         temperature: &Column,
         options: &ColumnOptions,
     ) -> zerorate_logs::Result<Option<Self>> {
-        let temps_hz = temperature.rate_hz;
+        let (temps_hz, temps_start_s) = (temperature.rate_hz, temperature.start_s);
         let Ok(temps_c) = possible_c(values(temperature.clone(), path)?) else { return Ok(None) };
         if span_c(&temps_c).is_none_or(|(low_c, high_c)| high_c - low_c < LEAST_SPAN_C) {
             return Ok(None);
@@ -45,7 +45,7 @@ impl Bias {
         }
         let topic = columns.first().and_then(|column| topic_of(&column.name));
         let device_id = topic.as_deref().and_then(|topic| device_id(path, open, topic, options));
-        let imu = ImuColumns { topic, columns: Vec::new(), temps_c, temps_hz, device_id };
+        let imu = ImuColumns { topic, columns: Vec::new(), temps_c, temps_hz, temps_start_s, device_id };
         let mut sensors = Sensors::default();
         for column in columns {
             if let Err(why) = sensors.take_axis(path, &imu, column.clone())? {

@@ -155,6 +155,7 @@ fn by_lines(temps_c: &[f64], knots: &[(f64, f64)]) -> Vec<f64> {
         let temp_c = from.1 + (to.1 - from.1) / (to.0 - from.0) * (at - from.0);
         let half_c = (to.1 - from.1).abs() / 2.0;
         match at < from.0 || at > to.0 {
+            true if reading_c.is_nan() => f64::NAN,
             // the first and the last run have one end only
             true => temp_c.clamp(reading_c - half_c, reading_c + half_c),
             false => temp_c,
