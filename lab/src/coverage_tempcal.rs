@@ -17,6 +17,9 @@ pub struct CoverageTempcalArgs {
     /// Logs of each kind, by their seeds, both ends included
     #[arg(long, default_value = "1..30", value_parser = seeds::parse, value_name = "A..B")]
     seeds: RangeInclusive<u64>,
+    /// Only the kinds of logs whose name holds this text
+    #[arg(long, default_value = "", hide_default_value = true)]
+    only: String,
     /// Logs at once
     #[arg(long, default_value_t = std::thread::available_parallelism().map_or(1, usize::from))]
     threads: usize,
@@ -47,28 +50,28 @@ struct Kind {
     /// Half width of the play, °C, of which each log draws a share.
     play_c: f64,
     cools: bool,
+    /// Longest time from switch-on to the start of the log, s, of which each log draws a share.
+    begins_s: f64,
 }
 
-const KINDS: [Kind; 5] = [
-    Kind { name: "cubic, no lag", is_hard: false, lag_s: 0.0, draws_lag: false, play_c: 0.0, cools: false },
-    Kind { name: "order 5, no lag", is_hard: true, lag_s: 0.0, draws_lag: false, play_c: 0.0, cools: false },
-    Kind { name: "cubic, lag of 60 s", is_hard: false, lag_s: 60.0, draws_lag: false, play_c: 0.0, cools: false },
-    Kind {
-        name: "cubic, lag of 0 to 150 s",
-        is_hard: false,
-        lag_s: 150.0,
-        draws_lag: true,
-        play_c: 0.0,
-        cools: false,
-    },
-    Kind {
-        name: "the same with play of 0 to 2 °C, warming and cooling",
-        is_hard: false,
-        lag_s: 150.0,
-        draws_lag: true,
-        play_c: 2.0,
-        cools: true,
-    },
+const AT_ONCE: Kind = Kind {
+    name: "cubic, no lag",
+    is_hard: false,
+    lag_s: 0.0,
+    draws_lag: false,
+    play_c: 0.0,
+    cools: false,
+    begins_s: 0.0,
+};
+const DRAWN: Kind = Kind { name: "cubic, lag of 0 to 150 s", lag_s: 150.0, draws_lag: true, ..AT_ONCE };
+const KINDS: [Kind; 7] = [
+    AT_ONCE,
+    Kind { name: "order 5, no lag", is_hard: true, ..AT_ONCE },
+    Kind { name: "cubic, lag of 60 s", lag_s: 60.0, ..AT_ONCE },
+    DRAWN,
+    Kind { name: "the same with play of 0 to 2 °C, warming and cooling", play_c: 2.0, cools: true, ..DRAWN },
+    Kind { name: "cubic, no lag, begins up to 400 s after switch-on", begins_s: 400.0, ..AT_ONCE },
+    Kind { name: "cubic, lag of 0 to 150 s, begins up to 400 s after switch-on", begins_s: 400.0, ..DRAWN },
 ];
 
 /// Root mean squares of one axis, the mean taken out, and the ratios of errors to the stated uncertainty.
@@ -80,16 +83,17 @@ struct AxisErrors {
     elapsed_s: f64,
 }
 
-/// Temperatures at which curves are compared, °C.
-fn temps_c() -> impl Iterator<Item = f64> + Clone {
-    (0..60).map(|k| 6.0 + 37.0 * f64::from(k) / 59.0)
+/// Temperatures at which curves are compared, °C: those of the log, less a degree at each end.
+fn temps_c(log: &Log) -> impl Iterator<Item = f64> + Clone + use<> {
+    let low_c = log.temps_c[0] + 1.0;
+    (0..60).map(move |k| low_c + (43.0 - low_c) * f64::from(k) / 59.0)
 }
 
 /// Prints the table of docs/reference/temperature.md.
 pub fn run(args: &CoverageTempcalArgs) -> anyhow::Result<()> {
     println!("| log | order 3 | order 5 | curve | to order 3 | to order 5 | inside 95 % | rms(error/u) | s per log |");
     println!("|---|---|---|---|---|---|---|---|---|");
-    for kind in &KINDS {
+    for kind in KINDS.iter().filter(|kind| kind.name.contains(&args.only)) {
         let logs = for_each_seed(&args.seeds, args.threads, |seed| errors(kind, seed))?;
         let axes: Vec<&AxisErrors> = logs.iter().flatten().collect();
         let of = |error: fn(&AxisErrors) -> f64| rms(axes.iter().map(|axis| error(axis)));
@@ -165,6 +169,9 @@ fn simulated(kind: &Kind, seed: u64) -> Log {
             log.rates_dps[axis].push((rate * LSB_PER_DPS).round() / LSB_PER_DPS);
         }
     }
+    let begins = (RATE_HZ * kind.begins_s * share()) as usize;
+    log.temps_c.drain(..begins);
+    log.rates_dps.iter_mut().for_each(|rates_dps| drop(rates_dps.drain(..begins)));
     log
 }
 
@@ -187,14 +194,14 @@ fn errors(kind: &Kind, seed: u64) -> anyhow::Result<Vec<AxisErrors>> {
         let error = |order: usize| {
             let terms = polynomial(&points, order)?;
             let at = |temp_c: f64| terms.iter().rev().fold(0.0, |sum, term| sum * (temp_c - 25.0) + term);
-            Some(without_mean(temps_c().map(|temp_c| at(temp_c) - truth(temp_c))))
+            Some(without_mean(temps_c(&log).map(|temp_c| at(temp_c) - truth(temp_c))))
         };
         let off = |temp_c: f64| curve.at(temp_c) - truth(temp_c);
         Ok(AxisErrors {
             cubic: error(3).context("no polynomial")?,
             quintic: error(5).context("no polynomial")?,
-            curve: without_mean(temps_c().map(off)),
-            ratios: temps_c().step_by(6).map(|temp_c| off(temp_c) / curve.u_at(temp_c)).collect(),
+            curve: without_mean(temps_c(&log).map(off)),
+            ratios: temps_c(&log).step_by(6).map(|temp_c| off(temp_c) / curve.u_at(temp_c)).collect(),
             elapsed_s,
         })
     };

@@ -72,16 +72,12 @@ fn topics(path: &Path, file: &mut BufReader<Input>, room: MemoryBudget) -> Resul
     let (mut connections, mut others) = (BTreeMap::new(), BTreeMap::new());
     for skip_chunks in [true, false] {
         let torn = Records { path, file, room, bytes: 0 }.each(skip_chunks, |record| {
-            match record.connection() {
-                Some((at, topic)) => {
-                    if topic.sources.imus().next().is_none() {
-                        others.insert(topic.name.clone(), topic.kind.clone());
-                    }
-                    if !topic.sources.is_empty() {
-                        connections.insert(at, topic);
-                    }
-                }
-                None => {}
+            let Some((at, topic)) = record.connection() else { return Ok(()) };
+            if topic.sources.imus().next().is_none() {
+                others.insert(topic.name.clone(), topic.kind.clone());
+            }
+            if !topic.sources.is_empty() {
+                connections.insert(at, topic);
             }
             Ok(())
         })?;

@@ -398,7 +398,11 @@ fn a_part_of_which_little_is_known_is_calibrated_with_warnings() {
         assert!(codes.contains(&code), "no {code} in {codes:?}");
     }
     assert!(!codes.contains(&"curvature-unseen"), "{codes:?}");
-    assert_eq!(outcome.correction, calibrated(&known, plan).correction, "the numbers come from the samples");
+    let of_known = calibrated(&known, plan);
+    assert_eq!(outcome.correction, of_known.correction, "the numbers come from the samples");
+    assert!(outcome.noise.flicker_measured && outcome.noise.walk_measured);
+    let ratio = outcome.uncertainty.u_pbc_dps / of_known.uncertainty.u_pbc_dps;
+    assert!((0.5..4.0).contains(&ratio), "the noise of the record stands in for the typical one: {ratio}");
 }
 
 /// A part with half as many codes per °/s turns twice as fast by the same codes.

@@ -105,6 +105,9 @@ class BiasAxis:
     """Time constant with which the bias follows the thermometer, s."""
     play_c: float
     """Half width of the play between bias and thermometer, °C."""
+    u_if_on_before: float | None
+    """Largest standard uncertainty of the bias if the sensor was on before the log began and follows late; None if the
+    log tells that it was not, or did not."""
     hysteresis: float | None
     """Half of the difference between warming and cooling; None with one direction."""
     spread_of_starts: float | None

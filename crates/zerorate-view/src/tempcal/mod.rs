@@ -74,6 +74,9 @@ pub struct AxisCurve {
     pub lag_s: f64,
     /// Half width of the play between bias and thermometer, °C.
     pub play_c: f64,
+    /// Largest standard uncertainty of the bias if the sensor was on before the log began and follows late; null if
+    /// the log tells that it was not, or did not.
+    pub u_if_on_before: Option<f64>,
     /// Half of the difference between warming and cooling; null with one direction.
     pub hysteresis: Option<f64>,
     /// Standard deviation of the bias from start to start; null with one log.
@@ -177,6 +180,7 @@ impl AxisCurve {
             cubic: CubicReport { about_c: reference_c, terms: cubic.terms, left: cubic.left },
             lag_s: curve.following.lag_s,
             play_c: curve.following.play_c,
+            u_if_on_before: curve.u_if_on_before,
             hysteresis: curve.hysteresis,
             spread_of_starts: curve.spread_of_starts,
             before: curve.span.before,
@@ -254,7 +258,7 @@ impl Points {
         let mut all = Vec::new();
         for (index, log) in logs.iter().enumerate() {
             let blocks = log.blocks();
-            let followed_c = log.followed_c(&curve.following);
+            let followed_c = log.followed_c(&curve.following, curve.was_on);
             for (at, (block, temp_c)) in blocks.iter().zip(followed_c).enumerate() {
                 let at_s = block.start_s + block.length_s / 2.0;
                 let stepped = |step: &&zerorate::temperature::curve::CurveStep| step.log == index && step.at_s < at_s;

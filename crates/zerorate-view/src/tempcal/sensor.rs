@@ -170,12 +170,24 @@ pub fn number_of_imu(topic: Option<&str>) -> u32 {
     number.parse().unwrap_or(0)
 }
 
+/// Time after switch-on from which a log begins late, s. An autopilot takes some seconds to begin.
+const LATE_S: f64 = 60.0;
+
 impl ImuColumns {
+    /// Whether the sensor was on before the log began, where the clock of the log tells: those of autopilots begin at
+    /// switch-on.
+    fn was_on(&self, start_s: Option<f64>) -> Option<bool> {
+        let of_autopilot =
+            |topic: &String| ["sensor_", "IMU", "GYR", "ACC"].iter().any(|start| topic.starts_with(start));
+        start_s.filter(|_| self.topic.as_ref().is_some_and(of_autopilot)).map(|start_s| start_s > LATE_S)
+    }
+
     /// The means of an axis. A temperature that is sampled at another rate is taken at the same time.
     fn means(&self, column: Column, log: &Path) -> Result<LogMeans> {
-        let (rate_hz, start_s) = (column.rate_hz, column.start_s);
+        let (rate_hz, start_s, skipped_s) = (column.rate_hz, column.start_s, column.skipped_s);
         let samples = values(column, log)?;
-        let mut means = MeansBuilder::new(samples.len(), rate_hz);
+        let was_on = if skipped_s > 0.0 { Some(true) } else { self.was_on(start_s) };
+        let mut means = MeansBuilder::new(samples.len(), rate_hz).was_on(was_on);
         let is_same = self.temps_c.len() == samples.len();
         let per_sample = self.temps_hz / rate_hz;
         let later = start_s.zip(self.temps_start_s).map(|(axis_s, temps_s)| (axis_s - temps_s) * self.temps_hz);

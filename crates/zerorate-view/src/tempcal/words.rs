@@ -69,11 +69,14 @@ fn row(text: &mut String, axis: &AxisCurve) {
     };
     let (before, after) = (number(axis.before), number(axis.after));
     let lag = if axis.lag_s < LEAST_LAG_S { "no lag".to_owned() } else { format!("lag {:.0} s", axis.lag_s) };
+    let on = axis
+        .u_if_on_before
+        .map_or_else(String::new, |u| format!(" if switched on with the log, else the bias ±{} {unit}", half(u)));
     let hysteresis = axis.hysteresis.map_or_else(String::new, |half| format!(", hysteresis ±{} {unit}", number(half)));
     let starts =
         axis.spread_of_starts.map_or_else(String::new, |u| format!(", ±{} {unit} from start to start", half(u)));
     let _ = writeln!(text, "  {name}: {bias}slope {slope}");
-    let _ = writeln!(text, "    span {before} {unit} before, {after} {unit} after; {lag}{hysteresis}{starts}");
+    let _ = writeln!(text, "    span {before} {unit} before, {after} {unit} after; {lag}{on}{hysteresis}{starts}");
 }
 
 /// A mean lag below this counts as none, s.

@@ -11,7 +11,9 @@ use crate::notice::{Deviation, Refusal, Warning};
 use crate::part::Axis;
 use crate::plan::{Plan, STATES, State};
 use crate::temperature::BiasCurve;
+use crate::temperature::curve::{AxisRecord, LogCurve, MeansBuilder};
 use crate::uncertainty::Uncertainty;
+use alloc::vec;
 use alloc::vec::Vec;
 use zerorate_allan::FLOOR_PER_B;
 
@@ -150,7 +152,11 @@ pub(crate) fn outcome_of_hour(seen: &Evidence<'_>, blocks: &Blocks) -> Result<Ou
         Some(hour) => blocks.eighths_less(State::Offset, |start_s, end_s| hour.disturbance_dps(start_s, end_s)),
         None => seen.window(State::Offset).eighths,
     };
-    outcome(seen, hour.as_ref(), eighths, |warnings| {
+    let noise = match seen.axis.noise {
+        Some(_) => measured_noise(seen, eighths),
+        None => noise_of_hour(seen, &seconds),
+    };
+    outcome(seen, hour.as_ref(), noise, |warnings| {
         let found = hour.iter().flat_map(Findings::distinct).map(Warning::Found);
         let restless = hour.iter().filter(|hour| hour.unexplained).map(|_| Warning::Restless);
         warnings.iter().copied().chain(found).chain(restless).collect()
@@ -159,7 +165,8 @@ pub(crate) fn outcome_of_hour(seen: &Evidence<'_>, blocks: &Blocks) -> Result<Ou
 
 /// The result of a procedure that has reached its end and kept the windows alone.
 pub(crate) fn outcome_of_windows(seen: &Evidence<'_>) -> Result<Outcome<WindowWarnings>, Refusal> {
-    outcome(seen, None, seen.window(State::Offset).eighths, |warnings| warnings)
+    let noise = measured_noise(seen, seen.window(State::Offset).eighths);
+    outcome(seen, None, noise, |warnings| warnings)
 }
 
 /// The question to the checks of the hour.
@@ -178,13 +185,12 @@ fn question(seen: &Evidence<'_>) -> Result<Question, Refusal> {
 fn outcome<W>(
     seen: &Evidence<'_>,
     hour: Option<&Findings>,
-    eighths: Adjacent,
+    noise: Noise,
     complete: impl FnOnce(WindowWarnings) -> W,
 ) -> Result<Outcome<W>, Refusal> {
     let plan = *seen.plan;
     let slope = Slope::new(seen)?;
     let level = Level::new(seen, slope.btc_dps_per_c())?;
-    let noise = measured_noise(seen, eighths);
     let uncertainty = uncertainty(seen, &slope, &level, &noise.model, hour);
     accept(seen, &slope, &level, &noise, &uncertainty, hour)?;
 
@@ -413,16 +419,30 @@ const SIGNIFICANT_Z: f64 = 3.09;
 fn measured_noise(seen: &Evidence<'_>, eighths: Adjacent) -> Noise {
     let typical = seen.noise();
     let expected = typical.allan_variance(eighths.m as f64 * BLOCK_S);
-    let unknown = seen.axis.noise.is_none();
-    if unknown
-        || eighths.variance <= expected * stationarity::allowance(eighths.count.saturating_sub(1), SIGNIFICANT_Z)
-    {
+    let allowance = stationarity::allowance(eighths.count.saturating_sub(1), SIGNIFICANT_Z);
+    if seen.axis.noise.is_none() || eighths.variance <= expected * allowance {
         return Noise { model: typical, flicker_measured: false, walk_measured: false };
     }
     let floor_dps = seen.flicker_floor_dps();
     let floor = libm::sqrt(eighths.variance - expected + floor_dps * floor_dps);
     let model = NoiseModel { bias_instability_dps: floor / FLOOR_PER_B, ..typical };
     Noise { model, flicker_measured: true, walk_measured: false }
+}
+
+/// The noise of a part whose typical noise is not known: white noise as measured, and flicker and random walk as the
+/// whole hour shows them beside the temperature.
+fn noise_of_hour(seen: &Evidence<'_>, seconds: &[Second]) -> Noise {
+    let last_s = seconds.last().map_or(0.0, |second| second.at_s);
+    let mut by_second = vec![(f64::NAN, f64::NAN); last_s as usize + 1];
+    seconds.iter().for_each(|second| by_second[second.at_s as usize] = (second.rate_dps, second.temp_c));
+    let mut means = MeansBuilder::new(by_second.len(), 1.0);
+    by_second.into_iter().for_each(|(rate_dps, temp_c)| means.push(rate_dps, temp_c));
+    let found = AxisRecord::new(vec![means.finish()]).and_then(|record| record.curve(&[]));
+    let Ok(LogCurve { noise, .. }) = found else {
+        return Noise { model: seen.noise(), flicker_measured: false, walk_measured: false };
+    };
+    let model = NoiseModel { white_dps_per_rt_hz: white_density(seen), ..noise };
+    Noise { model, flicker_measured: true, walk_measured: true }
 }
 
 fn temperature_range(seen: &Evidence<'_>) -> (f64, f64) {
@@ -465,7 +485,7 @@ fn warnings(
         needed_hz.filter(|needed_hz| rate_hz < *needed_hz).map(|needed_hz| Warning::Aliased { rate_hz, needed_hz }),
         when(lost > 0, Warning::Lost { lost, fraction: lost as f64 / (lost + samples) as f64 }),
         when(
-            noise.flicker_measured,
+            noise.flicker_measured && seen.axis.noise.is_some(),
             Warning::Wandering {
                 floor_dps: FLOOR_PER_B * model.bias_instability_dps,
                 typical_dps: seen.flicker_floor_dps(),

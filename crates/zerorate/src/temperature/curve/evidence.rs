@@ -22,6 +22,10 @@ pub(super) struct Record {
     centre: f64,
     /// Slope of a line through all means, which turns noise of the temperature into noise of the means.
     slope_per_c: f64,
+    /// Whether the sensor was on before the logs whose start is not known.
+    was_on: bool,
+    /// Logarithm of the prior probability of that.
+    log_start: f64,
 }
 
 /// The place of a step: the log, and the time in it from which the level is another, s.
@@ -63,6 +67,7 @@ pub(super) struct Model {
     pub(super) log_odds: f64,
     pub(super) noise: SlowNoise,
     pub(super) following: Following,
+    pub(super) was_on: bool,
     pub(super) shape: Shape,
     /// All coefficients: those of the series, then direction, starts and steps.
     pub(super) all: Vec<f64>,
@@ -88,6 +93,14 @@ const DIRECTIONS: [f64; 3] = [0.0, 0.01, 0.1];
 const STARTS: [f64; 7] = [1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 1e-1];
 /// Prior probability that a sensor that follows late begins out of balance.
 const UNSETTLED: f64 = 0.02;
+/// Prior probability that the sensor was on before the log began, where nothing tells.
+const WAS_ON: f64 = 0.1;
+/// Lag from which longer ones become unlikely, s. The start of a log tells nothing of the lag of a sensor that was on
+/// before, and in still air the rest of it tells little.
+const USUAL_LAG_S: f64 = 100.0;
+/// Prior standard deviation of the bias that is behind at the start of a log whose sensor was on before, as a ratio of
+/// that bias.
+const BEHIND: f64 = 0.3;
 /// Prior standard deviation of the level, as a ratio of the scale.
 const LEVEL: f64 = 10.0;
 /// Share of the span within which an offset by direction turns.
@@ -105,7 +118,36 @@ impl Record {
         let scale = (high - low).max(f64::MIN_POSITIVE);
         let two_directions = has_two_directions(&logs);
         let slope_per_c = slope_per_c(blocks());
-        Self { logs, series, scale, two_directions, steps: Vec::new(), centre, slope_per_c }
+        Self {
+            logs,
+            series,
+            scale,
+            two_directions,
+            steps: Vec::new(),
+            centre,
+            slope_per_c,
+            was_on: false,
+            log_start: 0.0,
+        }
+    }
+
+    /// The same record with a sensor that was switched on with the logs, and with one that was on before, where that
+    /// is not known and matters.
+    pub(super) fn starts(&self) -> Vec<Self> {
+        let either = self.logs.iter().any(LogMeans::may_have_been_on);
+        let starts = if either { &[false, true][..] } else { &[false] };
+        let with = |was_on: &bool| Self {
+            logs: self.logs.clone(),
+            steps: self.steps.clone(),
+            was_on: *was_on,
+            log_start: match (either, was_on) {
+                (true, true) => libm::log(WAS_ON),
+                (true, false) => libm::log(1.0 - WAS_ON),
+                (false, _) => 0.0,
+            },
+            ..*self
+        };
+        starts.iter().map(with).collect()
     }
 
     /// The same record without blocks of one log. Centre and scale stay.
@@ -147,9 +189,9 @@ impl Record {
     pub(super) fn columns(&self, index: usize, following: &Following) -> Columns {
         let log = &self.logs[index];
         let (low_c, high_c) = self.series.span_c();
-        let (followed_c, places) = log.followed(following, TURNS * (high_c - low_c));
+        let (followed_c, places) = log.followed(following, self.was_on, TURNS * (high_c - low_c));
         let means = log.blocks().iter().map(|block| block.rate_dps - self.centre).collect();
-        let values: Vec<[f64; COEFFICIENTS]> = followed_c.iter().map(|temp_c| self.series.at(*temp_c)).collect();
+        let values: Vec<[f64; COEFFICIENTS]> = followed_c.iter().map(|temp_c| self.series.followed(*temp_c)).collect();
         let of_order = |k: usize| values.iter().map(|values| values[k]).collect();
         let mut columns: Vec<Vec<f64>> = (0..COEFFICIENTS).map(of_order).collect();
         columns.insert(0, means);
@@ -213,13 +255,16 @@ impl Record {
     }
 
     /// Logarithm of the prior of a shape for a bias that follows in this way; `None` if it is the same as another.
-    pub(super) fn log_prior(shape: &Shape, following: &Following) -> Option<f64> {
-        match (following.lag_s > 0.0, shape.is_unsettled) {
-            (false, false) => Some(0.0),
-            (false, true) => None,
-            (true, false) => Some(libm::log(1.0 - UNSETTLED)),
-            (true, true) => Some(libm::log(UNSETTLED)),
-        }
+    pub(super) fn log_prior(&self, shape: &Shape, following: &Following) -> Option<f64> {
+        let of_shape = match (following.lag_s > 0.0, shape.is_unsettled) {
+            (false, false) => 0.0,
+            (false, true) => return None,
+            (true, false) => libm::log(1.0 - UNSETTLED),
+            (true, true) => libm::log(UNSETTLED),
+        };
+        let lags = following.lag_s / USUAL_LAG_S;
+        let of_lag = if self.was_on { -libm::log(1.0 + lags * lags) } else { 0.0 };
+        Some(self.log_start + of_shape + of_lag)
     }
 
     /// Standard deviation of the bias out of balance at the start of a log.
@@ -235,7 +280,12 @@ impl Record {
         let series = [level].into_iter().chain((0..COEFFICIENTS - 1).map(order));
         let direction = self.two_directions.then_some(shape.direction);
         let starts = self.logs.iter().filter(|_| self.logs.len() > 1).map(|_| shape.starts);
-        let transients = self.logs.iter().map(|_| f64::from(u8::from(shape.is_unsettled)));
+        let transient = |log: &LogMeans| match (shape.is_unsettled, log.was_on(self.was_on)) {
+            (true, _) => 1.0,
+            (false, true) => BEHIND,
+            (false, false) => 0.0,
+        };
+        let transients = self.logs.iter().map(transient);
         let steps = self.steps.iter().map(|_| self.scale);
         series
             .chain(direction)
@@ -293,6 +343,7 @@ impl Record {
             log_odds: 0.0,
             noise,
             following,
+            was_on: self.was_on,
             shape,
             coefficients,
             covariance: solved.covariance(),
@@ -311,7 +362,7 @@ impl Record {
 
     /// Change of the bias that is still to come at the end of the last log.
     pub(super) fn unsettled(&self, following: &Following, bias: impl Fn(f64) -> f64) -> f64 {
-        let ends = self.logs.last().and_then(|log| log.at_end(following));
+        let ends = self.logs.last().and_then(|log| log.at_end(following, self.was_on));
         ends.map_or(0.0, |(last_c, late_c)| bias(last_c) - bias(late_c))
     }
 }

@@ -15,6 +15,8 @@ const SHORTEST_S: f64 = 1.0;
 const LEAST_SAMPLES: f64 = 0.5;
 /// Time at the start of a log over which the change of the temperature is taken, s.
 const START_S: f64 = 60.0;
+/// Share of the span of the temperature over that time from which it changes at the start.
+const CHANGES: f64 = 0.01;
 /// Distance of a reading from the median of its part from which it is an outlier, °C.
 const OUTLIER_C: f64 = 2.0;
 /// Ratio of the step of codes to the deviation of samples from which the means hold the rounding.
@@ -44,6 +46,8 @@ pub struct LogMeans {
     /// Blocks of the log that have samples.
     seen: usize,
     thermometer: Thermometer,
+    /// Whether the sensor was on before the log began; `None` if that is not known.
+    was_on: Option<bool>,
 }
 
 /// Sums over a part of a block.
@@ -77,6 +81,7 @@ pub struct MeansBuilder {
     quantum: f64,
     /// A sample about which the sums are taken, so that squares keep their digits.
     origin: Option<f64>,
+    was_on: Option<bool>,
 }
 
 impl MeansBuilder {
@@ -94,7 +99,15 @@ impl MeansBuilder {
             last: f64::NAN,
             quantum: f64::MAX,
             origin: None,
+            was_on: None,
         }
+    }
+
+    /// Says whether the sensor was on before the log began, if that is known. A bias that follows late is then behind
+    /// from the start, and otherwise it begins in balance.
+    #[must_use]
+    pub fn was_on(self, was_on: Option<bool>) -> Self {
+        Self { was_on, ..self }
     }
 
     /// Takes the next sample and its temperature, °C. NaN is a missing one.
@@ -166,8 +179,20 @@ impl MeansBuilder {
         let temps_white = libm::sqrt(2.0 * part_s * median(white_temps(&parts_c)));
         let is_rounded = self.quantum < f64::MAX && self.quantum > ROUNDED * libm::sqrt(usual);
         let rounding = if is_rounded { self.quantum / libm::sqrt(12.0) } else { 0.0 };
-        let parts_c = filled(parts_c);
-        LogMeans { blocks, indices, length_s, parts_c, white, temps_white, rounding, moving_s, seen, thermometer }
+        let (parts_c, was_on) = (filled(parts_c), self.was_on);
+        LogMeans {
+            blocks,
+            indices,
+            length_s,
+            parts_c,
+            white,
+            temps_white,
+            rounding,
+            moving_s,
+            seen,
+            thermometer,
+            was_on,
+        }
     }
 }
 
@@ -299,18 +324,19 @@ impl LogMeans {
         self.indices.retain(|_| which.next() == Some(true));
     }
 
-    /// The temperature that the bias follows, for each block, °C.
+    /// The temperature that the bias follows, for each block, °C. `was_on` says whether the sensor was on before the
+    /// log began, where that is not known.
     #[must_use]
-    pub fn followed_c(&self, following: &Following) -> Vec<f64> {
-        self.followed(following, 1.0).0
+    pub fn followed_c(&self, following: &Following, was_on: bool) -> Vec<f64> {
+        self.followed(following, was_on, 1.0).0
     }
 
     /// The temperature that the bias follows, for each block, and the place of the bias in its play, from −1 while the
-    /// temperature falls to 1 while it rises. Both begin in balance.
-    pub(super) fn followed(&self, following: &Following, play_c: f64) -> (Vec<f64>, Vec<f64>) {
+    /// temperature falls to 1 while it rises.
+    pub(super) fn followed(&self, following: &Following, was_on: bool, play_c: f64) -> (Vec<f64>, Vec<f64>) {
         let part_s = self.length_s / PARTS as f64;
         let decay = if following.lag_s > 0.0 { libm::exp(-part_s / following.lag_s) } else { 0.0 };
-        let first_c = self.parts_c.first().copied().unwrap_or(0.0);
+        let first_c = self.first_c(following, was_on);
         let (mut late_c, mut held_c, mut turned_c) = (first_c, first_c, first_c);
         let (mut sums, mut places) = (Vec::new(), Vec::new());
         for parts_c in self.parts_c.chunks(PARTS) {
@@ -329,6 +355,25 @@ impl LogMeans {
         (of(sums), of(places))
     }
 
+    /// The temperature that the bias follows at the start of the log, °C.
+    fn first_c(&self, following: &Following, was_on: bool) -> f64 {
+        let behind_c = if self.was_on(was_on) { self.start_c_per_s() * following.lag_s } else { 0.0 };
+        self.parts_c.first().copied().unwrap_or(0.0) - behind_c
+    }
+
+    /// Whether the sensor was on before the log began, which is `unknown` where nothing tells.
+    pub(super) fn was_on(&self, unknown: bool) -> bool {
+        self.was_on.unwrap_or(unknown)
+    }
+
+    /// Whether it is not known if the sensor was on before the log began, and matters: the temperature changes from
+    /// the start.
+    pub(super) fn may_have_been_on(&self) -> bool {
+        let ends = |(low, high): (f64, f64), c: &f64| (low.min(*c), high.max(*c));
+        let (low_c, high_c) = self.parts_c.iter().fold((f64::MAX, f64::MIN), ends);
+        self.was_on.is_none() && self.start_c_per_s().abs() * START_S > CHANGES * (high_c - low_c)
+    }
+
     /// Change of the temperature at the start of the log, °C/s.
     pub(super) fn start_c_per_s(&self) -> f64 {
         let part_s = self.length_s / PARTS as f64;
@@ -337,11 +382,12 @@ impl LogMeans {
     }
 
     /// The temperature at the end of the log and the one that the bias follows there, °C.
-    pub(super) fn at_end(&self, following: &Following) -> Option<(f64, f64)> {
+    pub(super) fn at_end(&self, following: &Following, was_on: bool) -> Option<(f64, f64)> {
         let last_c = *self.parts_c.last()?;
         let part_s = self.length_s / PARTS as f64;
         let decay = if following.lag_s > 0.0 { libm::exp(-part_s / following.lag_s) } else { 0.0 };
-        let late_c = self.parts_c.iter().copied().reduce(|late_c, temp_c| temp_c + (late_c - temp_c) * decay)?;
+        let follow = |late_c, temp_c: &f64| temp_c + (late_c - temp_c) * decay;
+        let late_c = self.parts_c.iter().fold(self.first_c(following, was_on), follow);
         Some((last_c, late_c))
     }
 }

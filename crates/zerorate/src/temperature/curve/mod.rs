@@ -51,6 +51,11 @@ pub struct LogCurve {
     pub following: Following,
     /// Posterior probability that the bias follows late.
     pub late_probability: f64,
+    /// Whether the sensor was more likely on before the logs began than not, where nothing tells.
+    pub was_on: bool,
+    /// Largest standard uncertainty of the bias if the sensor was on before the logs began and follows late; `None` if
+    /// the logs tell that it was not, or did not.
+    pub u_if_on_before: Option<f64>,
     /// Half of the difference between a warming and a cooling sensor, in the middle of the temperatures; `None` if the
     /// logs have one direction only.
     pub hysteresis: Option<f64>,
@@ -227,8 +232,10 @@ impl AxisRecord {
         if blocks < FEWEST {
             return Err(ThermalError::TooFew { blocks, needed: FEWEST });
         }
-        let mut record = Record::new(logs);
-        let first = search::best(&record).ok_or(ThermalError::Degenerate)?;
+        let likelier = |one: &(Record, Model), other: &(Record, Model)| one.1.log_score.total_cmp(&other.1.log_score);
+        let starts = Record::new(logs).starts().into_iter();
+        let each = starts.filter_map(|record| search::best(&record).map(|best| (record, best)));
+        let (mut record, first) = each.max_by(likelier).ok_or(ThermalError::Degenerate)?;
         let (glitches, best) = disturbances::take_out(&mut record, first);
         let lag = search::lag_likelihood(&record, &best);
         Ok(Self { record, glitches, lag })
@@ -252,7 +259,8 @@ impl AxisRecord {
     /// Returns an error if no model can explain the record.
     pub fn curve(&self, others: &[&LagLikelihood]) -> Result<LogCurve, ThermalError> {
         let Self { record, glitches, .. } = self;
-        let models = search::all(record, others);
+        let mut models: Vec<Model> = record.starts().iter().flat_map(|start| search::all(start, others)).collect();
+        search::weigh(&mut models);
         let best = models.iter().max_by(|one, other| one.weight.total_cmp(&other.weight));
         let best = best.ok_or(ThermalError::Degenerate)?;
         Ok(average(record, &models, best, *glitches, left_out::span(record, best)))
@@ -271,15 +279,39 @@ fn has_two_directions(logs: &[LogMeans]) -> bool {
 /// Share of the temperatures that both directions must have in common.
 const SHARED: f64 = 0.25;
 
-fn average(record: &Record, models: &[Model], best: &Model, glitches: usize, span: BeforeAfter) -> LogCurve {
-    let mean = |of: &dyn Fn(&Model) -> f64| models.iter().map(|model| model.weight * of(model)).sum::<f64>();
-    let coefficients: [f64; COEFFICIENTS] = core::array::from_fn(|k| mean(&|model| model.coefficients[k]));
-    let covariance = core::array::from_fn(|i| {
+/// The sum over models by their weights.
+fn mean(models: &[Model], of: &dyn Fn(&Model) -> f64) -> f64 {
+    models.iter().map(|model| model.weight * of(model)).sum()
+}
+
+/// Covariance of the coefficients of all models about some.
+fn covariance(models: &[Model], about: &[f64; COEFFICIENTS]) -> [[f64; COEFFICIENTS]; COEFFICIENTS] {
+    core::array::from_fn(|i| {
         core::array::from_fn(|j| {
-            let off = |model: &Model, k: usize| model.coefficients[k] - coefficients[k];
-            mean(&|model| model.covariance[i][j] + off(model, i) * off(model, j))
+            let off = |model: &Model, k: usize| model.coefficients[k] - about[k];
+            mean(models, &|model| model.covariance[i][j] + off(model, i) * off(model, j))
         })
-    });
+    })
+}
+
+/// Probability from which a sensor may have been on before the logs began and follow late.
+const POSSIBLE: f64 = 0.01;
+
+/// Largest standard uncertainty of a curve if the sensor was on before the logs began and follows late.
+fn u_if_on_before(models: &[Model], curve: &LogCurve) -> Option<f64> {
+    let is_behind = |model: &&Model| model.was_on && model.following.lag_s > 0.0;
+    let mut on: Vec<Model> = models.iter().filter(is_behind).cloned().collect();
+    let total: f64 = on.iter().map(|model| model.weight).sum();
+    on.iter_mut().for_each(|model| model.weight /= total);
+    let of_on = LogCurve { covariance: covariance(&on, &curve.coefficients), ..curve.clone() };
+    let u = curve.even_temps_c(POINTS).into_iter().map(|temp_c| of_on.u_at(temp_c));
+    (total > POSSIBLE).then(|| u.fold(0.0, f64::max))
+}
+
+fn average(record: &Record, models: &[Model], best: &Model, glitches: usize, span: BeforeAfter) -> LogCurve {
+    let mean = |of: &dyn Fn(&Model) -> f64| mean(models, of);
+    let coefficients: [f64; COEFFICIENTS] = core::array::from_fn(|k| mean(&|model| model.coefficients[k]));
+    let covariance = covariance(models, &coefficients);
     let geometric = |of: &dyn Fn(&Model) -> f64| libm::exp(mean(&|model| libm::log(of(model).max(f64::MIN_POSITIVE))));
     let following =
         Following { lag_s: mean(&|model| model.following.lag_s), play_c: mean(&|model| model.following.play_c) };
@@ -297,6 +329,8 @@ fn average(record: &Record, models: &[Model], best: &Model, glitches: usize, spa
             bias_instability_dps: geometric(&|model| model.noise[0]),
             rate_random_walk_dps_per_rt_s: geometric(&|model| model.noise[1]),
         },
+        was_on: mean(&|model| f64::from(u8::from(model.was_on))) > 0.5,
+        u_if_on_before: None,
         steps: record.steps_of(best),
         glitches,
         log_odds: best.log_odds,
@@ -308,5 +342,6 @@ fn average(record: &Record, models: &[Model], best: &Model, glitches: usize, spa
     let by_play = curve.slope_at(middle_c).abs() * following.play_c;
     let hysteresis = record.two_directions.then(|| by_play + mean(&|model| model.direction).abs());
     let unsettled = record.unsettled(&following, |temp_c| curve.at(temp_c));
-    LogCurve { hysteresis, unsettled, ..curve }
+    let curve = LogCurve { hysteresis, unsettled, ..curve };
+    LogCurve { u_if_on_before: u_if_on_before(models, &curve), ..curve }
 }

@@ -78,7 +78,7 @@ pub(super) fn lag_likelihood(record: &Record, best: &Model) -> LagLikelihood {
     LagLikelihood::new(search.finer(place, &best.following, lags, with_lag))
 }
 
-/// All models that matter, with their weights. Empty if none can be computed.
+/// All models that may matter, without weights. Empty if none can be computed.
 pub(super) fn all(record: &Record, others: &[&LagLikelihood]) -> Vec<Model> {
     let mut search = Search::new(record, others);
     let Some(Refined { lags, plays, places, .. }) = search.refined() else { return Vec::new() };
@@ -90,7 +90,8 @@ pub(super) fn all(record: &Record, others: &[&LagLikelihood]) -> Vec<Model> {
             models.extend(search.models(place, following, *log_prior));
         }
     }
-    weigh(&mut models, search.log_evidence_without());
+    let without = search.log_evidence_without();
+    models.iter_mut().for_each(|model| model.log_odds = model.log_score - without);
     models
 }
 
@@ -103,15 +104,12 @@ fn with_play(play_c: f64, other: &Following) -> Following {
 }
 
 /// Gives each model its weight, and drops those that do not matter.
-fn weigh(models: &mut Vec<Model>, without: f64) {
+pub(super) fn weigh(models: &mut Vec<Model>) {
     let best = models.iter().map(|model| model.log_score).fold(f64::NEG_INFINITY, f64::max);
     models.retain(|model| model.log_score > best - 2.0 * NEGLIGIBLE);
     models.iter_mut().for_each(|model| model.weight = libm::exp(model.log_score - best));
     let total: f64 = models.iter().map(|model| model.weight).sum();
-    for model in models {
-        model.weight /= total;
-        model.log_odds = best - without;
-    }
+    models.iter_mut().for_each(|model| model.weight /= total);
 }
 
 /// Logarithm of the share of the prior that each value stands for: half for 0, and the rest evenly over the logarithm.
@@ -238,7 +236,7 @@ impl<'a> Search<'a> {
     fn score(&mut self, place: Place, following: &Following) -> f64 {
         let Some(products) = self.products(place, following) else { return f64::NEG_INFINITY };
         let score = |shape: &Shape| {
-            let log_prior = Record::log_prior(shape, following)?;
+            let log_prior = self.record.log_prior(shape, following)?;
             Some(log_prior + self.record.solve_shape(&products, shape)?.log_evidence)
         };
         let scores: Vec<f64> = self.shapes.iter().filter_map(score).collect();
@@ -321,7 +319,7 @@ impl<'a> Search<'a> {
         let Some(products) = self.products(place, following) else { return Vec::new() };
         let noise = self.noise(place);
         let solve = |shape: &Shape| {
-            let of_shape = Record::log_prior(shape, following)?;
+            let of_shape = self.record.log_prior(shape, following)?;
             let solved = self.record.solve_shape(&products, shape)?;
             Some((*shape, solved.log_evidence + of_shape, solved))
         };

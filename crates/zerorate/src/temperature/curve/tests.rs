@@ -18,6 +18,8 @@ struct Simulated {
     offset: f64,
     /// Step of the thermometer, °C.
     step_c: f64,
+    /// Time from switch-on to the start of the log, samples.
+    begins: usize,
     /// Coefficient of the bias over (T − 25 °C)/20 °C.
     bias: [f64; 4],
 }
@@ -29,6 +31,7 @@ const WARMING: Simulated = Simulated {
     cools: false,
     offset: 0.0,
     step_c: 0.003,
+    begins: 0,
     bias: [0.5, 0.4, -0.08, 0.03],
 };
 const N: f64 = 0.002;
@@ -63,7 +66,7 @@ impl Simulated {
             let rate = self.bias(held_c) + self.offset + random.next() * N * libm::sqrt(RATE_HZ / 2.0);
             (rate, libm::round(temp_c / self.step_c) * self.step_c)
         };
-        (0..count).map(sample).collect()
+        (0..count).map(sample).skip(self.begins).collect()
     }
 
     fn means(&self) -> LogMeans {
@@ -119,6 +122,17 @@ fn a_lag_is_found_and_the_curve_is_that_of_the_sensor() {
     assert!((found.following.lag_s - 60.0).abs() < 6.0, "{:?}", found.following);
     let (most, ratio) = error(&found, |c| late.bias(c));
     assert!(most < 0.004 && ratio < 3.5, "{most} {ratio}");
+}
+
+/// In a log that begins two minutes after switch-on, the bias is behind from the start.
+#[test]
+fn a_lag_is_found_where_the_sensor_was_on_before() {
+    let late = Simulated { lag_s: 60.0, begins: 1200, ..WARMING };
+    let found = curve(vec![late.means()]);
+    assert!(found.was_on && (found.following.lag_s - 60.0).abs() < 10.0, "{:?}", found.following);
+    let off = (15..=40).map(|c| (found.at(c.into()) - late.bias(c.into())).abs());
+    assert!(off.fold(0.0, f64::max) < 0.005);
+    assert!(!curve(vec![Simulated { begins: 0, ..late }.means()]).was_on);
 }
 
 #[test]
