@@ -391,7 +391,7 @@ fn a_small_step_inside_an_average_is_motion_for_the_one_on_fixed_memory() {
 fn a_part_of_which_little_is_known_is_calibrated_with_warnings() {
     let known = Axis::ADIS16130;
     let unknown = Axis { range_dps: None, noise: None, bias: zerorate::TypicalBias::default(), ..known };
-    let plan = Plan { warmup_s: 60.0, settle_s: 120.0, offset_s: 20.0, max_u_btc_dps_per_c: 0.2, ..Plan::default() };
+    let plan = Plan { warmup_s: 60.0, settle_s: 400.0, offset_s: 20.0, max_u_btc_dps_per_c: 0.2, ..Plan::default() };
     let outcome = calibrated(&unknown, plan);
     let codes: Vec<_> = outcome.warnings.iter().map(Warning::code).collect();
     for code in ["rest-unjudged", "hour-unchecked", "curvature-unknown"] {

@@ -367,11 +367,12 @@ impl LogMeans {
     }
 
     /// Whether it is not known if the sensor was on before the log began, and matters: the temperature changes from
-    /// the start.
+    /// the start. A coarse thermometer does not tell how it starts.
     pub(super) fn may_have_been_on(&self) -> bool {
         let ends = |(low, high): (f64, f64), c: &f64| (low.min(*c), high.max(*c));
         let (low_c, high_c) = self.parts_c.iter().fold((f64::MAX, f64::MIN), ends);
-        self.was_on.is_none() && self.start_c_per_s().abs() * START_S > CHANGES * (high_c - low_c)
+        let tells = self.was_on.is_none() && self.thermometer.coarse_step_c.is_none();
+        tells && self.start_c_per_s().abs() * START_S > CHANGES * (high_c - low_c)
     }
 
     /// Change of the temperature at the start of the log, °C/s.
