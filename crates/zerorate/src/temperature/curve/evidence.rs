@@ -97,7 +97,7 @@ const UNSETTLED: f64 = 0.02;
 const WAS_ON: f64 = 0.1;
 /// Lag from which longer ones become unlikely, s. The start of a log tells nothing of the lag of a sensor that was on
 /// before, and in still air the rest of it tells little.
-const USUAL_LAG_S: f64 = 100.0;
+const USUAL_LAG_S: f64 = 80.0;
 /// Prior standard deviation of the bias that is behind at the start of a log whose sensor was on before, as a ratio of
 /// that bias.
 const BEHIND: f64 = 0.3;
