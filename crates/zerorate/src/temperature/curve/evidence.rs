@@ -132,9 +132,9 @@ impl Record {
     }
 
     /// The same record with a sensor that was switched on with the logs, and with one that was on before, where that
-    /// is not known and matters.
+    /// is not known and matters. Two directions of the temperature tell the lag without the start.
     pub(super) fn starts(&self) -> Vec<Self> {
-        let either = self.logs.iter().any(LogMeans::may_have_been_on);
+        let either = !self.two_directions && self.logs.iter().any(LogMeans::may_have_been_on);
         let starts = if either { &[false, true][..] } else { &[false] };
         let with = |was_on: &bool| Self {
             logs: self.logs.clone(),
