@@ -5,7 +5,7 @@ mod outcome;
 use outcome::outcome;
 use zerorate::calibration::{CalibratedAxis, Calibration, FileError, FileWarning, Notes, Origin};
 use zerorate::track::TrackerConfig;
-use zerorate::{Axis, Correction, Part};
+use zerorate::{Axis, Correction, Outcome, Part, Warning};
 
 fn origin() -> Origin {
     Origin {
@@ -25,6 +25,14 @@ fn measured() -> Calibration {
 
 fn error(text: &str) -> FileError {
     Calibration::parse(text).expect_err("must be refused")
+}
+
+/// Whoever reads the file may have another front end, whose settings have other names.
+#[test]
+fn a_warning_in_the_file_names_no_setting() {
+    let outcome = Outcome { warnings: vec![Warning::EarthIncluded], ..outcome() };
+    let calibration = Calibration::new(&Part::ADIS16130, &[outcome], origin());
+    assert_eq!(calibration.warnings, ["Earth rotation (up to 0.00418 °/s) is part of PBC; give its component"]);
 }
 
 #[test]

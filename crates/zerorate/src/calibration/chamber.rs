@@ -1,6 +1,6 @@
 //! Building of a calibration from a measurement in a chamber.
 
-use super::{CalibratedAxis, Calibration, CurveRecord, Origin, Run, noise_record, one_line};
+use super::{CalibratedAxis, Calibration, CurveRecord, Origin, Run, noise_record, one_line, said};
 use crate::chamber::{ChamberOutcome, Record};
 use crate::correction::Validity;
 use crate::health::Tally;
@@ -8,7 +8,7 @@ use crate::notice::Warning;
 use crate::part::{NamedAxis, Part};
 use crate::plan::Plan;
 use crate::procedure::Noise;
-use alloc::string::{String, ToString};
+use alloc::string::ToString;
 use alloc::vec::Vec;
 
 /// The data of a chamber's run that its record does not have.
@@ -37,7 +37,7 @@ impl Calibration {
     ) -> Self {
         let is_only = outcomes.len() == 1;
         let of_only = outcomes.iter().filter(|_| is_only).flat_map(ChamberOutcome::warnings);
-        let warnings = run.warnings.iter().copied().chain(of_only).map(said).collect();
+        let warnings = run.warnings.iter().copied().chain(of_only).map(|warning| said(&warning)).collect();
         Self {
             part: part.name.to_string(),
             serial: origin.serial.as_deref().map(one_line),
@@ -57,15 +57,11 @@ impl Calibration {
     }
 }
 
-fn said(warning: Warning) -> String {
-    one_line(&warning.to_string())
-}
-
 /// Builds one axis. It keeps its own warnings, unless it is the only axis: then the calibration has them.
 fn calibrated(axis: &NamedAxis, outcome: &ChamberOutcome, is_only: bool) -> CalibratedAxis {
     CalibratedAxis {
         name: axis.name.to_string(),
-        warnings: if is_only { Vec::new() } else { outcome.warnings().map(said).collect() },
+        warnings: if is_only { Vec::new() } else { outcome.warnings().map(|warning| said(&warning)).collect() },
         rate: Some(axis.axis.rate),
         correction: outcome.curve.correction,
         measured: None,

@@ -23,6 +23,7 @@ use crate::correction::{Correction, Corrector, CorrectorConfig, Validity};
 use crate::noise::FLICKER_CUTOFF_HZ;
 use crate::notice::Warning;
 use crate::part::{NamedAxis, Part, Scale};
+use crate::plan::Wording as _;
 use crate::procedure::{Measured, Noise, Outcome};
 use crate::temperature::{self, BiasCurve, Sources, TERMS};
 use crate::uncertainty::Uncertainty;
@@ -30,7 +31,7 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
 use serde::{Deserialize, Serialize};
-use zerorate_allan::FLOOR_PER_B;
+use zerorate_allan::{FLOOR_PER_B, SettingName};
 
 /// The newest version of the file form that this software reads and writes.
 pub const SCHEMA: u32 = 4;
@@ -257,7 +258,7 @@ impl Calibration {
             config: Some(one_line(&origin.config)),
             capture_sha256: Some(origin.capture_sha256),
             notes: origin.notes.one_line(),
-            warnings: common.iter().map(|warning| one_line(&warning.to_string())).collect(),
+            warnings: common.iter().map(|warning| said(warning)).collect(),
             temp: part.axes.first().map(|first| first.axis.temp),
             axes: part.axes.iter().zip(outcomes).map(|(axis, outcome)| calibrated(axis, outcome, &common)).collect(),
             validity: validity(part, outcomes),
@@ -433,11 +434,16 @@ fn one_line(text: &str) -> String {
     line
 }
 
+/// A warning in the file. It names no setting, because whoever reads it may have another front end.
+fn said(warning: &Warning) -> String {
+    one_line(&warning.with(|_| SettingName::text("")).to_string())
+}
+
 fn calibrated(axis: &NamedAxis, outcome: &Outcome, common: &[&Warning]) -> CalibratedAxis {
     let own = outcome.warnings.iter().filter(|warning| !common.contains(warning));
     CalibratedAxis {
         name: axis.name.to_string(),
-        warnings: own.map(|warning| one_line(&warning.to_string())).collect(),
+        warnings: own.map(said).collect(),
         rate: Some(axis.axis.rate),
         correction: outcome.correction,
         measured: outcome.means,

@@ -117,7 +117,7 @@ impl Remedy {
     }
 }
 
-/// Writes remedies as the end of a sentence, each with the name of its setting in brackets.
+/// Writes remedies as the end of a sentence, each with the name of its setting in brackets. An empty name is left out.
 pub(crate) fn write_remedies(remedies: &[Remedy], f: &mut fmt::Formatter<'_>, names: SettingNames) -> fmt::Result {
     for (index, remedy) in remedies.iter().enumerate() {
         let before = match index {
@@ -126,8 +126,8 @@ pub(crate) fn write_remedies(remedies: &[Remedy], f: &mut fmt::Formatter<'_>, na
             _ => ", ",
         };
         write!(f, "{before}{}", remedy.text())?;
-        if let Some(setting) = remedy.setting() {
-            write!(f, " ({})", names(setting))?;
+        if let Some(name) = remedy.setting().map(names).filter(|name| !name.word.is_empty()) {
+            write!(f, " ({name})")?;
         }
     }
     Ok(())
