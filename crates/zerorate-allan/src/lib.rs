@@ -69,7 +69,7 @@ pub use setting_name::SettingName;
 pub use stat::{Stat, UnknownStat};
 pub use stream::{NotAdjacent, Stream};
 pub use taus::{Taus, TausError, longest};
-pub use warning::{AllanWarning, LONGEST_RECORD_S, Noise};
+pub use warning::{AllanWarning, LONGEST_RECORD_S, Noise, span};
 #[cfg(feature = "std")]
 pub use welch::{Density, welch};
 

@@ -209,9 +209,20 @@ impl Noise {
 /// Says how long a record would identify a coefficient.
 fn longer(needed_s: f64) -> String {
     match needed_s <= LONGEST_RECORD_S {
-        true if needed_s < 7200.0 => format!("in this record; record about {needed_s:.0} s"),
-        true => format!("in this record; record about {:.1} h", needed_s / 3600.0),
+        true => format!("in this record; record about {}", span(needed_s)),
         false => String::from("in any practical record; do without it"),
+    }
+}
+
+/// A time as one says it: `40 min`, `3.5 h`, `12 d`.
+#[must_use]
+pub fn span(seconds: f64) -> String {
+    match seconds {
+        s if s < 10.0 => format!("{s:.2} s"),
+        s if s < 120.0 => format!("{s:.0} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s if s < 172_800.0 => format!("{:.1} h", s / 3600.0),
+        s => format!("{:.0} d", s / 86_400.0),
     }
 }
 

@@ -1,7 +1,6 @@
 //! Noise coefficients in the units that data sheets, standards and users have them in.
 
-use zerorate_allan::FLOOR_PER_B;
-use zerorate_allan::{Coefficient, Estimate, Fit, LONGEST_RECORD_S};
+use zerorate_allan::{Coefficient, Estimate, FLOOR_PER_B, Fit, LONGEST_RECORD_S, span};
 use zerorate_logs::{Quantity, STANDARD_GRAVITY};
 
 /// A coefficient by name and units, its main unit first.
@@ -115,17 +114,5 @@ impl Named<'_> {
             (false, Some(needed_s)) => format!("not identified: record about {}", span(needed_s)),
             (false, None) => "not identified".to_owned(),
         }
-    }
-}
-
-/// A time as one says it: `40 min`, `3.5 h`, `12 d`.
-#[must_use]
-pub fn span(seconds: f64) -> String {
-    match seconds {
-        s if s < 10.0 => format!("{s:.2} s"),
-        s if s < 120.0 => format!("{s:.0} s"),
-        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
-        s if s < 172_800.0 => format!("{:.1} h", s / 3600.0),
-        s => format!("{:.0} d", s / 86_400.0),
     }
 }

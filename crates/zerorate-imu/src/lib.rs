@@ -23,7 +23,7 @@ mod warning;
 
 pub use axes::{Axes, ImuOptions, KindOptions};
 pub use codes::Codes;
-pub use coefficients::{B, Named, Units, coefficients, span};
+pub use coefficients::{B, Named, Units, coefficients};
 pub use consumer::Format;
 pub use detrending::{Detrending, DetrendingError};
 pub use kind::Kind;

@@ -1,7 +1,7 @@
 //! The advice that follows from a noise model, in words.
 
-use crate::{Record, span};
-use zerorate_allan::{self as allan, Averaging};
+use crate::Record;
+use zerorate_allan::{self as allan, Averaging, span};
 use zerorate_logs::{Quantity, STANDARD_GRAVITY};
 
 /// The advice of the fit, one sentence each. A rejected fit gives none.

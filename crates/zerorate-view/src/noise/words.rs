@@ -2,8 +2,8 @@
 
 use crate::Interval;
 use crate::plot::number;
-use zerorate_allan::{Corner, Estimate, Line, Term};
-use zerorate_imu::{AllanReport, CoefficientReport, FitReport, span};
+use zerorate_allan::{Corner, Estimate, Line, Term, span};
+use zerorate_imu::{AllanReport, CoefficientReport, FitReport};
 
 /// Whether chance explains how the spectrum scatters about the model, to the digit that is shown.
 #[must_use]
@@ -38,8 +38,8 @@ pub fn predicts(report: &AllanReport) -> Option<String> {
     let (longest_s, ..) = bands.last()?;
     let widest = bands.iter().map(|(_, dev, lo, hi)| (hi / dev).max(dev / lo)).fold(1.0, f64::max);
     Some(format!(
-        "95 % of other records of this sensor lie within {:.0} % of the model, for averages up to {}; longer ones are \
-         not predicted.",
+        "The model expects 95 % of other records of this sensor within {:.0} % of its curve, for averages up to {}. It \
+         predicts no longer ones.",
         (widest - 1.0) * 100.0,
         span(*longest_s)
     ))
@@ -96,7 +96,9 @@ fn of_term(fit: &FitReport, term: &Term) -> TermRow {
             ("band shape", Vec::new(), remark)
         }
         Term::Line(Line { frequency_hz, width_hz, rms }) => {
-            ("line, left out", vec![in_rate(&exact(*rms))], format!("at {frequency_hz:.4} Hz, {width_hz:.4} Hz wide"))
+            let unit = fit.rate_units.last().map_or("rms", |unit| &*unit.unit);
+            let strength = vec![(interval_of(exact(*rms)), format!("{unit} rms"))];
+            ("line, left out", strength, format!("at {frequency_hz:.4} Hz, {width_hz:.4} Hz wide"))
         }
         Term::WarmUp { size, tau_s } => {
             ("warm-up", vec![in_rate(size)], format!("with a time constant of {}", span(*tau_s)))

@@ -8,7 +8,8 @@ use crate::plot::number;
 use crate::printable;
 use anyhow::Result;
 use askama::Template;
-use zerorate_imu::{AllanReport, PointReport, Record, span};
+use zerorate_allan::span;
+use zerorate_imu::{AllanReport, PointReport, Record};
 
 /// The content of the page.
 #[derive(Default)]

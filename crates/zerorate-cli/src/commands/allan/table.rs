@@ -2,7 +2,8 @@
 
 use anyhow::Result;
 use std::fmt::Write;
-use zerorate_imu::{AllanReport, DetrendReport, PointReport, span};
+use zerorate_allan::span;
+use zerorate_imu::{AllanReport, DetrendReport, PointReport};
 use zerorate_view::noise::{self, TermRow, term_rows};
 use zerorate_view::plot::number;
 

@@ -5,6 +5,7 @@ use zerorate::temperature::TERMS;
 use zerorate_jobs::calibrate::{AxisNumbers, CalibrationReport, CurveTerms, POINTS};
 use zerorate_view::PlusMinus;
 use zerorate_view::duration::Seconds;
+use zerorate_view::plot::number;
 
 /// Formats the result; `file` holds the calibration.
 pub fn text(report: &CalibrationReport, file: Option<&Path>, serial: Option<&str>) -> String {
@@ -94,8 +95,8 @@ fn against_truth(numbers: &AxisNumbers) -> Option<String> {
     let truth = numbers.truth.as_ref()?;
     if numbers.higher.is_some() {
         let off = numbers.curve.iter().zip(&truth.curve).map(|(one, other)| one.correction_dps - other.correction_dps);
-        let rms_dph = 3600.0 * (off.map(|off| off * off).sum::<f64>() / f64::from(POINTS)).sqrt();
-        return Some(format!("the twin's truth: the curve is {rms_dph:.1} °/h off, rms over the temperatures seen\n"));
+        let rms_dps = number((off.map(|off| off * off).sum::<f64>() / f64::from(POINTS)).sqrt());
+        return Some(format!("the twin's truth: the curve is {rms_dps} °/s off, rms over the temperatures seen\n"));
     }
     Some(format!(
         "the twin's truth: PBC {:+.4} °/s (measured {:+.4} off), BTC {:+.4} °/s/°C (measured {:+.4} off)\n",
@@ -108,7 +109,7 @@ fn against_truth(numbers: &AxisNumbers) -> Option<String> {
 
 fn curve(higher: &CurveTerms, numbers: &AxisNumbers, factor: f64) -> String {
     let squares: f64 = numbers.curve.iter().filter_map(|point| point.u_dps).map(|u_dps| u_dps * u_dps).sum();
-    let u_dph = 3600.0 * (squares / f64::from(POINTS)).sqrt();
+    let u_dps = (squares / f64::from(POINTS)).sqrt();
     let kind = ["a constant", "a line", "a curve of order 2", "a curve of order 3"][higher.order.min(TERMS - 1)];
     let terms = match higher.order {
         2 => format!("  BTC2 {:+.3e} °/s/°C²\n", higher.btc2_dps_per_c2),
@@ -118,9 +119,9 @@ fn curve(higher: &CurveTerms, numbers: &AxisNumbers, factor: f64) -> String {
         _ => String::new(),
     };
     format!(
-        "{terms}  {kind} (probability {:.0} %), known to ±{:.1} °/h, rms over the temperatures seen\n",
+        "{terms}  {kind} (probability {:.0} %), known to ±{} °/s, rms over the temperatures seen\n",
         100.0 * higher.order_weights[higher.order.min(TERMS - 1)],
-        factor * u_dph
+        number(factor * u_dps)
     )
 }
 

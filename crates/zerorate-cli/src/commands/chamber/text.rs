@@ -7,6 +7,7 @@ use zerorate_jobs::calibrate::POINTS;
 use zerorate_jobs::chamber::{AxisReport, ChamberReport, ChamberResults};
 use zerorate_view::PlusMinus;
 use zerorate_view::duration::Seconds;
+use zerorate_view::plot::number;
 use zerorate_view::report::{ChamberPage, Fact, chamber_page};
 
 /// Formats the result for people; `file` holds the calibration.
@@ -41,17 +42,17 @@ pub fn page(results: &ChamberResults) -> Result<String> {
     chamber_page(ChamberPage { title: &title, calibration, record, outcomes, warnings: &warnings, facts })
 }
 
-/// Uncertainty of the curve: the rms over the temperatures seen, °/h at 95 %.
-fn u_dph(axis: &AxisReport) -> f64 {
+/// Uncertainty of the curve: the rms over the temperatures seen, °/s at 95 %.
+fn u_dps(axis: &AxisReport) -> f64 {
     let squares: f64 = axis.curve.iter().filter_map(|point| point.u_dps).map(|u_dps| u_dps * u_dps).sum();
-    3600.0 * Uncertainty::FACTOR * (squares / f64::from(POINTS)).sqrt()
+    Uncertainty::FACTOR * (squares / f64::from(POINTS)).sqrt()
 }
 
-/// Distance of the curve from the twin's true curve: the rms over the temperatures seen, °/h.
-fn off_dph(axis: &AxisReport) -> Option<f64> {
+/// Distance of the curve from the twin's true curve: the rms over the temperatures seen, °/s.
+fn off_dps(axis: &AxisReport) -> Option<f64> {
     let truth = &axis.truth.as_ref()?.curve;
     let off = axis.curve.iter().zip(truth).map(|(one, other)| one.correction_dps - other.correction_dps);
-    Some(3600.0 * (off.map(|off| off * off).sum::<f64>() / f64::from(POINTS)).sqrt())
+    Some((off.map(|off| off * off).sum::<f64>() / f64::from(POINTS)).sqrt())
 }
 
 fn facts(axis: &AxisReport) -> Vec<Fact> {
@@ -84,7 +85,7 @@ fn facts(axis: &AxisReport) -> Vec<Fact> {
     }
     let weight = 100.0 * axis.order_weights.get(axis.order).copied().unwrap_or_default();
     facts.push(Fact::new("order", format!("{} (probability {weight:.0} %)", axis.order)));
-    facts.push(Fact::new("known to", format!("±{:.1} °/h, rms over the temperatures seen", u_dph(axis))));
+    facts.push(Fact::new("known to", format!("±{} °/s, rms over the temperatures seen", number(u_dps(axis)))));
     facts.push(Fact::new("lag", format!("{:.0} s", axis.lag_s)));
     let apart = axis.branches.as_ref().map_or_else(
         || "not seen: no temperature was passed in both directions".to_owned(),
@@ -94,7 +95,7 @@ fn facts(axis: &AxisReport) -> Vec<Fact> {
         },
     );
     facts.push(Fact::new("loop", apart));
-    facts.extend(off_dph(axis).map(|off_dph| Fact::new("twin's truth", format!("{off_dph:.1} °/h off, rms"))));
+    facts.extend(off_dps(axis).map(|off_dps| Fact::new("twin's truth", format!("{} °/s off, rms", number(off_dps)))));
     facts
 }
 

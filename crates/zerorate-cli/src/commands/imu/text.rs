@@ -2,7 +2,8 @@
 
 use anyhow::Result;
 use std::fmt::Write;
-use zerorate_imu::{AllanReport, AxisReport, CoefficientReport, FitReport, ImuReport, Kind, span};
+use zerorate_allan::span;
+use zerorate_imu::{AllanReport, AxisReport, CoefficientReport, FitReport, ImuReport, Kind};
 use zerorate_view::noise::{GaussMarkov, gauss_markov, is_without_misfit, stated};
 use zerorate_view::plot::number;
 use zerorate_view::report::Table;
