@@ -42,7 +42,9 @@ fn soak_points_give_a_curve_within_its_uncertainty_and_the_log_gives_it_again() 
     assert!(number(&result["temp_max_c"]) - number(&result["temp_min_c"]) > 29.0);
     assert!(!bench.path("u.toml.chamber").exists(), "nothing is left to go on with");
     let page = text(&bench, "u.html");
-    assert!(page.contains("What the correction leaves over temperature") && page.contains("Soak points"));
+    for said in ["SIMULATED: the software twin", "What the correction leaves over temperature", "Soak points"] {
+        assert!(page.contains(said), "{said}");
+    }
 
     bench.zerorate("chamber quick.toml --device replay:u.arrows -o again.toml").ok();
     assert_eq!(text(&bench, "u.toml"), text(&bench, "again.toml"));

@@ -122,11 +122,12 @@ impl<'a> Group<'a> {
         let (first, heading) = (self.records.first(), self.heading());
         let interval = first.map(|record| interval(record.confidence)).unwrap_or_default();
         let has_memory = curves.iter().flat_map(|curve| &curve.remarks).any(|remark| remark.starts_with(MEMORY));
-        let memory = if has_memory { "; GM: Gauss–Markov σ and time" } else { "" };
+        let memory = if has_memory { ", GM: Gauss–Markov σ and time" } else { "" };
         let options = plot::Options {
             title: Some(format!("{heading}: {}", first.map(Record::title).unwrap_or_default())),
             subtitle: Some(format!(
-                "{interval}; black: model, grey: 95 % of other records, dotted: of this; B is drawn at 0.664 B{memory}"
+                "coloured band: {interval}; black: the model; dashed: its terms, B at 0.664 B{memory}\n\
+                 grey: where the model expects 95 % of other records; dotted: where it expects this one"
             )),
             quantity: "deviation".to_owned(),
             unit: first.and_then(Record::deviation_unit).unwrap_or_default().to_owned(),
@@ -227,8 +228,8 @@ fn subtitle(records: &[Record]) -> String {
     }
     if first.analysis.stat.is_allan() && models().next().is_some() {
         text += match records {
-            [_] => "; grey: other records",
-            _ => "; dashed: models, with 95 % of other records",
+            [_] => "\ngrey: where the model expects 95 % of other records; dotted: where it expects this one",
+            _ => "\ndashed: the models, with bands where they expect 95 % of other records",
         };
     }
     text

@@ -87,7 +87,7 @@ pub struct Mark {
 pub struct Options {
     /// The heading.
     pub title: Option<String>,
-    /// The line below it.
+    /// The text below it, of up to two lines.
     pub subtitle: Option<String>,
     /// Name of the vertical axis.
     pub quantity: String,

@@ -103,8 +103,7 @@ impl Axis {
 
     fn steps(&self) -> Vec<Tick> {
         let most = ((self.span.1 - self.span.0).abs() / ROOM).clamp(2.0, 7.0).floor();
-        let step = round_125((self.high - self.low) / most, f64::ceil);
-        let places = usize::try_from(-exponent(step)).unwrap_or(0);
+        let (step, places) = round_step((self.high - self.low) / most);
         let first = (self.low / step - 1e-9).ceil() as i64;
         let last = (self.high / step + 1e-9).floor() as i64;
         let tick = |k: i64| {
@@ -113,6 +112,12 @@ impl Axis {
         };
         (first..=last).map(tick).collect()
     }
+}
+
+/// The round step of at least this size, and the decimals of its multiples.
+pub fn round_step(least: f64) -> (f64, usize) {
+    let step = round_125(least, f64::ceil);
+    (step, usize::try_from(-exponent(step)).unwrap_or(0))
 }
 
 /// A number with three significant digits: 0.0123, 1.23·10⁻⁵.
@@ -129,7 +134,7 @@ pub fn number(value: f64) -> String {
 }
 
 /// Replaces the hyphen by the typographic minus sign.
-fn minus(text: &str) -> String {
+pub fn minus(text: &str) -> String {
     text.replace('-', "−")
 }
 

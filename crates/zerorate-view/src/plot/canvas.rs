@@ -7,8 +7,9 @@ use svg::node::element::{ClipPath, Definitions, Group, Line, Path, Rectangle, Te
 
 /// Fonts in the order in which they are tried. The PNG is drawn with the first.
 const FONTS: &str = "Inter, 'Noto Sans', 'DejaVu Sans', 'Segoe UI', Helvetica, Arial, sans-serif";
-/// Mean width of a character in units of the type size, generous for ordinary text.
-const CHARACTER: f64 = 0.58;
+/// Mean width of a character in units of the type size, generous for ordinary text in DejaVu Sans, the widest of the
+/// fonts.
+const CHARACTER: f64 = 0.62;
 pub const INK: &str = "#222222";
 const MAJOR: &str = "#cccccc";
 const MINOR: &str = "#ebebeb";
@@ -90,6 +91,11 @@ pub fn shortened(text: &str, characters: usize) -> String {
     all[..head].iter().chain(&['…']).chain(&all[all.len() - tail..]).collect()
 }
 
+/// Shortens a text to what fits into so many pixels.
+pub fn fitting(text: &str, size: f64, room: f64) -> String {
+    shortened(text, (room / (size * CHARACTER)) as usize)
+}
+
 /// A number of pixels without useless digits.
 pub fn px(value: f64) -> f64 {
     (value * 100.0).round() / 100.0
@@ -130,14 +136,14 @@ pub fn stacked(pictures: &[String]) -> String {
     only.clone()
 }
 
-/// Heading and the line below it, if there are any.
+/// Heading and up to two lines below it, if there are any.
 pub fn headings(left: f64, title: Option<&str>, subtitle: Option<&str>, room: f64) -> Group {
-    let fitting = |text: &str, size: f64| shortened(text, (room / (size * CHARACTER)) as usize);
     let title =
-        title.map(|title| text(&fitting(title, HEADING), (left, 28.0), Anchor::Start).set("font-size", HEADING));
-    let subtitle =
-        subtitle.map(|line| text(&fitting(line, SMALL), (left, 49.0), Anchor::Start).set("fill", "#555555"));
-    title.into_iter().chain(subtitle).fold(Group::new(), Group::add)
+        title.map(|title| text(&fitting(title, HEADING, room), (left, 28.0), Anchor::Start).set("font-size", HEADING));
+    let below = subtitle.into_iter().flat_map(str::lines).zip([49.0, 66.0]);
+    let below =
+        below.map(|(line, y)| text(&fitting(line, SMALL, room), (left, y), Anchor::Start).set("fill", "#555555"));
+    title.into_iter().chain(below).fold(Group::new(), Group::add)
 }
 
 /// A line of text.

@@ -10,7 +10,7 @@ use svg::node::element::Group;
 const WIDTH: f64 = 960.0;
 const LEFT: f64 = 92.0;
 const RIGHT: f64 = 20.0;
-const HEAD: f64 = 62.0;
+const HEAD: f64 = 76.0;
 const FOOT: f64 = 68.0;
 const GAP: f64 = 36.0;
 const COLUMNS: usize = 3;
@@ -54,7 +54,7 @@ pub fn allan_multiples(curves: &[Curve], options: &Options) -> String {
             x_name: is_lowest.then_some(""),
             y_name: (index % columns == 0).then_some(""),
         };
-        let name = canvas::shortened(&curve.label, (width / (SMALL * 0.58)) as usize);
+        let name = canvas::fitting(&curve.label, SMALL, width);
         let name = canvas::text(&name, (area.left, area.top - 8.0), Anchor::Start).set("font-weight", 600);
         paper = paper.add(frame.draw()).add(name).add(panel(curve, colour, &scales, area, &options.marks));
     }

@@ -9,8 +9,8 @@ use askama::Template;
 use zerorate::calibration::{CalibratedAxis, Contribution, CurveRecord, Run, SIMULATED, Uncertainties};
 use zerorate::{Calibration, Correction, Validity};
 
-/// Step and reach of the table of AN-1042 (F-52), °C.
-const TABLE_C: (f64, f64) = (0.02, 0.12);
+/// The largest number of rows of the look-up table.
+const ROWS: f64 = 16.0;
 /// Reach of the picture beyond the span of the measurement, or around T3 if no span is stated, °C.
 const BEYOND_C: f64 = 5.0;
 /// Points of the curve in the picture.
@@ -24,8 +24,11 @@ struct Page<'a> {
     below: String,
     software: &'a str,
     file: &'a str,
+    /// Warnings about several axes; those of a single axis stand below its result.
     warnings: &'a [String],
     span: String,
+    /// The span of the look-up table in words.
+    table_span: String,
     /// Level of the headings below an axis.
     level: u8,
     axes: Vec<AxisPart<'a>>,
@@ -36,7 +39,7 @@ struct Page<'a> {
 struct AxisPart<'a> {
     /// The name of the axis; a single axis has none.
     name: Option<&'a str>,
-    warnings: &'a [String],
+    warnings: Vec<&'a String>,
     coverage: String,
     quantities: Vec<Quantity>,
     budget: Vec<BudgetRow>,
@@ -49,7 +52,8 @@ struct AxisPart<'a> {
     picture: String,
     has_band: bool,
     has_means: bool,
-    table: Vec<LookUpRow>,
+    /// Temperature, correction, and half of its interval if that is stated.
+    table: Vec<Vec<String>>,
     sections: Vec<Section>,
 }
 
@@ -69,11 +73,6 @@ struct BudgetRow {
     share: String,
 }
 
-struct LookUpRow {
-    delta: String,
-    correction: String,
-}
-
 struct Section {
     name: &'static str,
     facts: Vec<Fact>,
@@ -82,7 +81,7 @@ struct Section {
 /// A calibration as one HTML page; `file` is the name of the calibration's file.
 ///
 /// # Errors
-/// Returns an error if the look-up table cannot be computed.
+/// No error is known, because the template is compiled.
 pub fn calibration_page(calibration: &Calibration, file: &str) -> Result<String> {
     let serial = calibration.serial.as_deref().map_or(String::new(), |serial| format!(", serial {serial}"));
     let created = match calibration.created.as_deref() {
@@ -101,29 +100,27 @@ pub fn calibration_page(calibration: &Calibration, file: &str) -> Result<String>
         below: format!("{file}: calibration {}, {created}", calibration.id()),
         software: zerorate::SOFTWARE,
         file,
-        warnings: &calibration.warnings,
+        warnings: if several { &calibration.warnings } else { &[] },
         span: span(calibration),
+        table_span: table_span(calibration),
         level: if several { 3 } else { 2 },
-        axes: calibration.axes.iter().map(|axis| axis_part(calibration, axis)).collect::<Result<_>>()?,
+        axes: calibration.axes.iter().map(|axis| axis_part(calibration, axis)).collect(),
         sections: sections(calibration),
     };
     Ok(printable::page(&page.render()?))
 }
 
-fn axis_part<'a>(calibration: &Calibration, axis: &'a CalibratedAxis) -> Result<AxisPart<'a>> {
+fn axis_part<'a>(calibration: &'a Calibration, axis: &'a CalibratedAxis) -> AxisPart<'a> {
     let correction = &axis.correction;
     let several = calibration.axes.len() > 1;
-    let row = |row: zerorate::TableRow| LookUpRow {
-        delta: format!("{:+.2}", row.delta_c + 0.0),
-        correction: format!("{:+.6}", row.correction_dps + 0.0),
-    };
+    let of_all = calibration.warnings.iter().filter(|_| !several);
     let own = [Section { name: "Means", facts: means(axis) }, Section { name: "Noise", facts: noise(axis) }];
-    Ok(AxisPart {
+    AxisPart {
         name: several.then_some(axis.name.as_str()),
-        warnings: &axis.warnings,
+        warnings: of_all.chain(&axis.warnings).collect(),
         coverage: coverage(axis),
         quantities: quantities(axis),
-        budget: axis.budget().iter().map(budget_row).collect(),
+        budget: axis.budget().iter().filter(|part| part.u > 0.0).map(budget_row).collect(),
         pbc: signed_term(correction.pbc_dps),
         btc: format!("{:+.6}", correction.btc_dps_per_c),
         t3: format!("{:.4}", correction.t3_c),
@@ -132,9 +129,37 @@ fn axis_part<'a>(calibration: &Calibration, axis: &'a CalibratedAxis) -> Result<
         picture: calibration_picture(axis, calibration.validity),
         has_band: stated(axis).is_some(),
         has_means: !means_of(axis).is_empty(),
-        table: correction.table(TABLE_C.0, TABLE_C.1)?.into_iter().map(row).collect(),
+        table: look_up(axis, table_c(calibration, axis)),
         sections: own.into_iter().filter(|section| several && !section.facts.is_empty()).collect(),
-    })
+    }
+}
+
+/// The temperatures of the look-up table, °C: those that were measured, or some around T3 if no span is stated.
+fn table_c(calibration: &Calibration, axis: &CalibratedAxis) -> (f64, f64) {
+    let t3_c = axis.correction.t3_c;
+    calibration.validity.map_or((t3_c - BEYOND_C, t3_c + BEYOND_C), |span| (span.temp_min_c, span.temp_max_c))
+}
+
+fn table_span(calibration: &Calibration) -> String {
+    match calibration.validity {
+        Some(_) => "over the temperatures that were measured".to_owned(),
+        None => format!("from {BEYOND_C} °C below T3 to {BEYOND_C} °C above"),
+    }
+}
+
+/// The rows of the look-up table: the ends of the span, and multiples of a round step between them.
+fn look_up(axis: &CalibratedAxis, (low_c, high_c): (f64, f64)) -> Vec<Vec<String>> {
+    let (step_c, _) = plot::round_step((high_c - low_c) / (ROWS - 1.0));
+    let factor = stated(axis).map(|stated| stated.factor);
+    let row = |temp_c: f64| {
+        let half = factor.zip(axis.u_correction_dps(temp_c)).map(|(factor, u)| format!("{:.6}", factor * u));
+        let correction = format!("{:+.6}", axis.correction.apply(0.0, temp_c));
+        [format!("{temp_c:.2}"), correction].into_iter().chain(half).collect()
+    };
+    let multiples = (low_c / step_c).ceil() as i64..=(high_c / step_c).floor() as i64;
+    let is_apart = |temp_c: &f64| temp_c - low_c > step_c / 2.0 && high_c - temp_c > step_c / 2.0;
+    let between = multiples.map(|k| k as f64 * step_c).filter(is_apart);
+    std::iter::once(low_c).chain(between).chain([high_c]).map(row).collect()
 }
 
 fn budget_row(part: &Contribution) -> BudgetRow {
@@ -294,7 +319,8 @@ fn measurement(calibration: &Calibration) -> Vec<Fact> {
     if let Some(span) = calibration.validity {
         facts.push(Fact::new("temperatures", format!("{:.2} … {:.2} °C", span.temp_min_c, span.temp_max_c)));
     }
-    facts.extend(calibration.run.iter().flat_map(run));
+    let is_line = calibration.axes.iter().all(|axis| axis.curve.is_none());
+    facts.extend(calibration.run.iter().flat_map(|stated| run(stated, is_line)));
     facts
 }
 
@@ -312,29 +338,29 @@ fn means(axis: &CalibratedAxis) -> Vec<Fact> {
     ]
 }
 
-fn run(run: &Run) -> Vec<Fact> {
+/// The run as it went. Only a line has the windows of AN-1042, and an uncertainty that allows for curvature.
+fn run(run: &Run, is_line: bool) -> Vec<Fact> {
     let share = 100.0 * run.lost_samples as f64 / (run.samples + run.lost_samples).max(1) as f64;
     let earth = match run.earth_dps {
         Some(dps) => format!("{dps:+.5} °/s subtracted"),
         None => "not subtracted: its component along the axis is inside PBC".to_owned(),
     };
-    vec![
+    let plan = format!(
+        "averages of {}, warm-up {}, settling {}, offset average {}",
+        Seconds(run.average_s),
+        Seconds(run.warmup_s),
+        Seconds(run.settle_s),
+        Seconds(run.offset_s)
+    );
+    let curvature = if run.assume_linear { "assumed to be none" } else { "inside the uncertainty of BTC" };
+    let of_line = [Fact::new("plan", plan), Fact::new("curvature", curvature)];
+    let facts = [
         Fact::new("duration", Seconds(run.duration_s.round()).to_string()),
         Fact::new("samples", format!("{} at {:.2} Hz (data ready {:.2} Hz)", run.samples, run.rate_hz, run.rdy_hz)),
         Fact::new("lost samples", format!("{} ({share:.4} %; limit {} %)", run.lost_samples, run.max_lost * 100.0)),
-        Fact::new(
-            "plan",
-            format!(
-                "averages of {}, warm-up {}, settling {}, offset average {}",
-                Seconds(run.average_s),
-                Seconds(run.warmup_s),
-                Seconds(run.settle_s),
-                Seconds(run.offset_s)
-            ),
-        ),
         Fact::new("Earth's rotation", earth),
-        Fact::new("curvature", if run.assume_linear { "assumed to be none" } else { "inside the uncertainty of BTC" }),
-    ]
+    ];
+    facts.into_iter().chain(of_line.into_iter().filter(|_| is_line)).collect()
 }
 
 fn noise(axis: &CalibratedAxis) -> Vec<Fact> {
@@ -409,8 +435,13 @@ mod tests {
 
     #[test]
     fn a_calibration_by_hand_says_what_is_not_known() {
-        let (calibration, _) = Calibration::parse(BY_HAND).unwrap();
+        let (mut calibration, _) = Calibration::parse(BY_HAND).unwrap();
+        calibration.warnings.push("the base moved".to_owned());
         let html = calibration_page(&calibration, "<unit>.toml").unwrap();
+        let place = |text: &str| html.find(text).unwrap_or_else(|| panic!("{text} in {html}"));
+        assert!(
+            place("T3, reference") < place("the base moved") && place("the base moved") < place("How to apply it")
+        );
         for expected in [
             "Calibration of ADIS16130",
             "RATE − 0.25000 °/s + (TEMP − 31.5000 °C) · (-0.040000 °/s/°C)",
@@ -420,9 +451,10 @@ mod tests {
         ] {
             assert!(html.contains(expected), "{expected} in {html}");
         }
-        // F-52 for BTC = −0.04: first and last row
-        assert!(html.contains("+0.12</td><td class=\"number\">-0.004800"), "{html}");
-        assert!(html.contains("-0.12</td><td class=\"number\">+0.004800"), "{html}");
+        // T3 − 5 °C is 26.5 °C, where −0.25 − 0.04 · (26.5 − 31.5) = −0.05 is added
+        for row in ["26.50</td><td class=\"number\">-0.05", "31.00</td><td class=\"number\">-0.23"] {
+            assert!(html.contains(row), "{row} in {html}");
+        }
         assert!(!html.contains("<unit>"), "the name is escaped");
     }
 }

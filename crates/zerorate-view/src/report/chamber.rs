@@ -27,6 +27,7 @@ pub struct ChamberPage<'a> {
 #[derive(Template)]
 #[template(path = "chamber.html")]
 struct Page<'a> {
+    simulated: bool,
     title: &'a str,
     below: String,
     software: &'a str,
@@ -61,7 +62,8 @@ pub fn chamber_page(page: ChamberPage<'_>) -> Result<String> {
             }
         });
     let below = format!("calibration {}, {} soak points", calibration.id(), record.soaks.len());
-    let page = Page { title, below, software: zerorate::SOFTWARE, warnings, axes: axes.collect() };
+    let simulated = calibration.is_simulated();
+    let page = Page { simulated, title, below, software: zerorate::SOFTWARE, warnings, axes: axes.collect() };
     Ok(printable::page(&page.render()?))
 }
 

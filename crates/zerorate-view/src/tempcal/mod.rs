@@ -17,6 +17,8 @@ pub use words::{refusal_text, table, warnings_of_axes};
 use zerorate::temperature::curve::{LogCurve, LogMeans};
 use zerorate_imu::Kind;
 
+/// Coverage factor of 95 % intervals.
+const FACTOR: f64 = 1.96;
 /// Points of a curve.
 const POINTS: usize = 81;
 /// The reference temperature where the logs have it, °C.

@@ -1,11 +1,13 @@
 //! The page of a bias over temperature.
 
-use super::{AxisCurve, Points, pictures};
-use crate::plot::number;
+use super::{AxisCurve, FACTOR, Points, pictures};
+use crate::interval::PlusMinus;
+use crate::plot::{minus, number};
 use crate::printable;
 use crate::report::Table;
 use anyhow::Result;
 use askama::Template;
+use zerorate_imu::Kind;
 
 /// The content of the page.
 pub struct TempcalPage<'a> {
@@ -65,24 +67,29 @@ fn sensor(axes: &[(&AxisCurve, &Points)]) -> Sensor {
 }
 
 fn results(axes: &[(&AxisCurve, &Points)]) -> Table {
+    // gravity hides the bias of an accelerometer
+    let has_bias = axes.iter().any(|(axis, _)| axis.kind == Kind::Gyroscope);
     let head = ["axis", "unit", "bias", "slope per °C", "span before", "span after", "lag, s", "hysteresis"];
+    let shown = |index: &usize| *index != BIAS || has_bias;
     let row = |(axis, _): &(&AxisCurve, &Points)| {
-        let stated = |value: f64, u: f64| format!("{} ± {}", number(value), number(1.96 * u));
-        vec![
+        let stated = |value: f64, u: f64| minus(&PlusMinus { value, half: FACTOR * u }.to_string());
+        let cells = [
             axis.name.clone(),
             axis.unit.to_owned(),
             stated(axis.bias, axis.u_bias),
             stated(axis.slope_per_c, axis.u_slope_per_c),
             number(axis.before),
             number(axis.after),
-            number(axis.lag_s),
+            format!("{:.0}", axis.lag_s),
             axis.hysteresis.map_or_else(|| "not seen".to_owned(), |half| format!("±{}", number(half))),
-        ]
+        ];
+        only(cells, shown)
     };
-    let reference_c = axes.first().map_or(0.0, |(axis, _)| axis.reference_c);
+    let (reference_c, of) =
+        (axes.first().map_or(0.0, |(axis, _)| axis.reference_c), if has_bias { "Bias" } else { "Slope" });
     Table {
-        title: format!("Bias at {reference_c:.0} °C"),
-        head: head.map(str::to_owned).to_vec(),
+        title: format!("{of} at {reference_c:.0} °C"),
+        head: only(head.map(str::to_owned), shown),
         rows: axes.iter().map(row).collect(),
         note: "± is half of a 95 % interval. The span after is that of what remains where the curve comes from the \
                other parts of the record."
@@ -90,10 +97,17 @@ fn results(axes: &[(&AxisCurve, &Points)]) -> Table {
     }
 }
 
+/// The column with the bias.
+const BIAS: usize = 2;
+
+fn only(cells: [String; 8], shown: impl Fn(&usize) -> bool) -> Vec<String> {
+    cells.into_iter().enumerate().filter(|(index, _)| shown(index)).map(|(_, cell)| cell).collect()
+}
+
 fn cubics(axes: &[(&AxisCurve, &Points)]) -> Table {
     let head = ["axis", "unit", "X0", "X1", "X2", "X3", "leaves up to"];
     let row = |(axis, _): &(&AxisCurve, &Points)| {
-        let terms = axis.cubic.terms.iter().map(|term| format!("{term:.4e}"));
+        let terms = axis.cubic.terms.iter().map(|term| minus(&format!("{term:.4e}")));
         let ends = [axis.name.clone(), axis.unit.to_owned()];
         ends.into_iter().chain(terms).chain([number(axis.cubic.left)]).collect()
     };

@@ -1,10 +1,7 @@
 //! Pictures of the bias over temperature.
 
-use super::{AxisCurve, Points};
+use super::{AxisCurve, FACTOR, Points};
 use crate::plot::{Dot, Scatter, ScatterPanel, scatter};
-
-/// Coverage factor of the band.
-const FACTOR: f64 = 1.96;
 
 /// The means, the curve and its band over temperature, with a panel for each axis of a unit.
 #[must_use]

@@ -1,14 +1,12 @@
 //! The curves as a table for a terminal.
 
-use super::AxisCurve;
+use super::{AxisCurve, FACTOR};
+use crate::interval::PlusMinus;
 use crate::plot::number;
 use std::fmt::Write;
 use zerorate::temperature::curve::CurveRefusal;
 use zerorate_imu::Kind;
 use zerorate_logs::{Names, Setting};
-
-/// Coverage factor of the intervals in words.
-const FACTOR: f64 = 1.96;
 
 /// A refusal in words, with the settings that help.
 #[must_use]
@@ -61,10 +59,11 @@ pub fn warnings_of_axes(axes: &[AxisCurve]) -> Vec<String> {
 fn row(text: &mut String, axis: &AxisCurve) {
     let AxisCurve { name, unit, reference_c, bias, u_bias, slope_per_c, u_slope_per_c, .. } = axis;
     let half = |u: f64| number(FACTOR * u);
-    let slope = format!("{} {unit}/°C at {reference_c:.0} °C", plus_minus(*slope_per_c, FACTOR * u_slope_per_c));
+    let stated = |value: f64, u: f64| PlusMinus { value, half: FACTOR * u };
+    let slope = format!("{} {unit}/°C at {reference_c:.0} °C", stated(*slope_per_c, *u_slope_per_c));
     // gravity hides the bias of an accelerometer
     let bias = match axis.kind {
-        Kind::Gyroscope => format!("bias {} {unit}, ", plus_minus(*bias, FACTOR * u_bias)),
+        Kind::Gyroscope => format!("bias {} {unit}, ", stated(*bias, *u_bias)),
         Kind::Accelerometer => String::new(),
     };
     let (before, after) = (number(axis.before), number(axis.after));
@@ -81,9 +80,3 @@ fn row(text: &mut String, axis: &AxisCurve) {
 
 /// A mean lag below this counts as none, s.
 const LEAST_LAG_S: f64 = 0.5;
-
-/// A value and half of its interval, with the digits that the interval makes worth writing.
-fn plus_minus(value: f64, half: f64) -> String {
-    let digits = if half > 0.0 { (1 - half.log10().floor() as i32).clamp(0, 9) as usize } else { 6 };
-    format!("{value:+.digits$} ± {half:.digits$}")
-}

@@ -19,7 +19,7 @@ pub fn by_axis(group: &Group<'_>) -> Table {
                 let value = of.filter(|_| !fit.rejected).and_then(|of| Some((of.in_unit(index)?, of.identified)));
                 value.map_or_else(|| NONE.to_owned(), |(value, identified)| stated(value, identified))
             };
-            rows.push(row(title, of_axes.iter().zip(&fits).map(cell), &in_unit.unit));
+            rows.push(row(title, &in_unit.unit, of_axes.iter().zip(&fits).map(cell)));
         }
     }
     if rows.is_empty() {
@@ -32,7 +32,7 @@ pub fn by_axis(group: &Group<'_>) -> Table {
         Some(error) => format!("{:.1} %", error * 100.0),
         None => "no model".to_owned(),
     };
-    rows.push(row("misfit of the model".to_owned(), fits.iter().map(error), ""));
+    rows.push(row("misfit of the model".to_owned(), "", fits.iter().map(error)));
     Table {
         title: "Coefficients by axis".to_owned(),
         head: head("", group),
@@ -53,11 +53,11 @@ fn coefficient(fit: &FitReport, letter: char) -> Option<&CoefficientReport> {
 const NONE: &str = "–";
 
 fn head(title: &str, group: &Group<'_>) -> Vec<String> {
-    row(title.to_owned(), group.names().into_iter(), "unit")
+    row(title.to_owned(), "unit", group.names().into_iter())
 }
 
-fn row(title: String, cells: impl Iterator<Item = String>, unit: &str) -> Vec<String> {
-    std::iter::once(title).chain(cells).chain([unit.to_owned()]).collect()
+fn row(title: String, unit: &str, cells: impl Iterator<Item = String>) -> Vec<String> {
+    [title, unit.to_owned()].into_iter().chain(cells).collect()
 }
 
 /// The rows of Gauss–Markov terms, two for each term of an axis.
@@ -73,8 +73,8 @@ fn gauss_markov_rows(fits: &[FitReport]) -> Vec<Vec<String>> {
         };
         let unit = all.iter().find_map(|terms| terms.get(index)).map_or("", |term| &*term.unit);
         [
-            row("Gauss–Markov σ".to_owned(), cells(|term| term.sigma), unit),
-            row("its correlation time".to_owned(), cells(|term| term.tau_s), "s"),
+            row("Gauss–Markov σ".to_owned(), unit, cells(|term| term.sigma)),
+            row("its correlation time".to_owned(), "s", cells(|term| term.tau_s)),
         ]
     });
     rows.collect()
@@ -101,7 +101,7 @@ pub fn lines(group: &Group<'_>) -> Table {
                 count => format!("{} ({count})", number(rms)),
             }
         };
-        row(frequency, (0..group.records.len()).map(cell), &format!("{} rms", group.unit()))
+        row(frequency, &format!("{} rms", group.unit()), (0..group.records.len()).map(cell))
     };
     Table {
         title: "Lines in the spectrum".to_owned(),
