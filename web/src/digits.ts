@@ -95,6 +95,11 @@ export function moment(seconds: number, decimals: number): string {
   return sign + parts.join(" ");
 }
 
+/** The decimals of the multiples of a step: 2 for 0.05, and 3 for 0.025. */
+export function decimalsOf(step: number): number {
+  return (String(Number(step.toPrecision(3))).split(".")[1] ?? "").length;
+}
+
 /** A number of the time axis, in the largest unit that divides the step between two of them: `120 s`, `2 min`, `3 h`. */
 export function onAxis(seconds: number, step: number): string {
   for (const [size, unit] of [[3600, "h"], [60, "min"]] as const) {

@@ -112,7 +112,7 @@ export function table(caption: string, head: string[], rows: string[][]): HTMLTa
 
 /** A message of the program as nodes: its code, if it begins with one (`code: text`), and its text. */
 export function coded(text: string): Node[] {
-  const [, code, words] = /^([a-z][a-z0-9]*(?:-[a-z0-9]+)+): (.*)$/s.exec(text) ?? [];
+  const [, code, words] = /^([a-z][a-z0-9]*(?:-[a-z0-9]+)*): (.*)$/s.exec(text) ?? [];
   return code ? [h("code", {}, code), document.createTextNode(` ${words}`)] : [document.createTextNode(text)];
 }
 

@@ -66,3 +66,8 @@ test("numbers of a time axis name their unit", () => {
   assert.equal(digits.onAxis(5400, 900), "90 min");
   assert.equal(digits.onAxis(7200, 3600), "2 h");
 });
+
+test("multiples of a step are told apart", () => {
+  for (const [step, decimals] of [[0.025, 3], [0.05, 2], [5, 0], [250, 0], [1e-6, 6]])
+    assert.equal(digits.decimalsOf(step), decimals, step);
+});

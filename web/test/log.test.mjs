@@ -72,6 +72,12 @@ for (const [name, { bytes, answers }] of Object.entries(LOGS)) {
     assert.ok((await page.locator(".pictures img").count()) > 0);
     assert.ok(await page.$eval(".pictures img", (image) => image.decode().then(() => image.naturalWidth > 100)));
     assert.deepEqual(await bars(page), []);
+    await page.setViewportSize({ width: 1440, height: 900 });
+    const cut = await page.$$eval(".axes-of-log .card", (cards) =>
+      cards.map((card) => [card, ...card.querySelectorAll("*")].some((one) => one.scrollWidth > one.clientWidth + 1)),
+    );
+    await page.setViewportSize({ width: 1280, height: 900 });
+    assert.deepEqual(cut, [false, false, false]);
   });
 
   test(`${name}, damaged and cut off: said, not hidden`, async () => {
@@ -82,6 +88,15 @@ for (const [name, { bytes, answers }] of Object.entries(LOGS)) {
     if (!name.endsWith(".csv")) await isSaid(name, bytes().subarray(0, Math.floor(damaged.length / 2)));
   });
 }
+
+test("a picture opens large, and closes", async () => {
+  await give("rest.csv", LOGS["rest.csv"].bytes());
+  await page.click(".pictures .larger");
+  assert.ok(await page.$eval(".large img", (image) => image.clientWidth > 1.5 * 600));
+  assert.deepEqual(await bars(page, 5), []);
+  await page.keyboard.press("Escape");
+  assert.equal(await page.locator(".large").count(), 0);
+});
 
 test("a file for a filter", async () => {
   await give("rest.csv", LOGS["rest.csv"].bytes());

@@ -158,6 +158,24 @@ fn a_small_span_of_temperatures_is_not_offered() {
 }
 
 #[test]
+fn a_temperature_of_any_name_gives_the_bias_once_it_is_named() {
+    let text = warming(30.0).replacen("temp_c", "heat", 1);
+    let named = |name: &str| LogSettings { temp_column: Some(name.to_owned()), ..LogSettings::default() };
+    let why_not = |settings: &LogSettings| {
+        let (_, reader) = look(&text, settings);
+        let mut reader = reader.expect("a log");
+        while reader.analyse().expect("an axis").is_some() {}
+        reader.bias().map(|bias| bias.why_not)
+    };
+    assert_eq!(why_not(&LogSettings::default()), None);
+    assert_eq!(why_not(&named("heat")), Some(None));
+    let still = why_not(&named("t_s")).flatten().expect("a time is no temperature");
+    assert!(still.contains("t_s is no temperature"), "{still}");
+    let LogInspection::Question { text, settings, .. } = look(&text, &named("cold")).0 else { panic!("a question") };
+    assert!(settings == [LogSetting::TempColumn] && text.contains("no column \"cold\""), "{text}");
+}
+
+#[test]
 fn facts_that_a_log_lacks_are_asked_for() {
     let text = table("row,gx,gy,gz,ax,ay,az", 2_000);
     let (looked, _) = look(&text, &LogSettings::default());

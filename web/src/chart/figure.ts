@@ -17,7 +17,7 @@ export type Drawing = Pick<uPlot.Options, "scales" | "axes" | "series" | "bands"
 const FRAME = {
   legend: { show: false },
   cursor: { show: false },
-  padding: [8, 10, 0, 0] as uPlot.Padding,
+  padding: [8, 18, 0, 0] as uPlot.Padding,
 };
 
 /** A chart that is redrawn from scratch when its numbers change. A table below it holds the numbers. */

@@ -1,5 +1,5 @@
 import uPlot from "uplot";
-import { moment, onAxis, significant } from "../digits";
+import { decimalsOf, moment, onAxis, significant } from "../digits";
 import { h, say } from "../dom";
 import type { Column, Ring } from "../ring";
 import { settings } from "../settings";
@@ -191,7 +191,7 @@ export class Strip {
       width: this.#box.clientWidth,
       height: this.#height,
       legend: { show: false },
-      padding: [6, 14, 0, 0],
+      padding: [6, 24, 0, 0],
       scales: { x: { time: false, auto: false }, y: { auto: false } },
       cursor: {
         sync: { key: "strips", scales: ["x", null] },
@@ -202,7 +202,7 @@ export class Strip {
         {
           ...axis,
           size: this.kind.times ? 24 : 6,
-          space: 64,
+          space: 90,
           incrs: STEPS_S,
           values: (_, splits) => this.#times(splits),
         },
@@ -237,8 +237,7 @@ export class Strip {
 
   #tick(value: number, splits: number[]): string {
     const step = ((splits[1] ?? 1) - (splits[0] ?? 0)) * this.scale;
-    const decimals = Math.max(0, Math.min(6, -Math.floor(Math.log10(step) + 1e-9)));
-    const text = (value * this.scale).toFixed(decimals);
+    const text = (value * this.scale).toFixed(decimalsOf(step));
     return /[1-9]/.test(text) ? text.replace("-", "\u2212") : text.replace("-", "");
   }
 

@@ -54,12 +54,10 @@ function point({ tau_s, dev, lo, hi, model }: PointReport) {
 }
 
 function table(name: string, terms: LogTerm[]): HTMLElement {
-  const head = ["Coefficient", "Value with 95 % interval", "State"].map((words) =>
-    h("th", { scope: "col" }, words),
-  );
+  const head = ["Coefficient", "Value with 95 % interval"].map((words) => h("th", { scope: "col" }, words));
   return h(
     "div",
-    { class: "coefficients wide", tabindex: 0, role: "region", "aria-label": `Coefficients of ${name}` },
+    { class: "coefficients" },
     h(
       "table",
       {},
@@ -76,8 +74,12 @@ function row({ name, values, identified, remark }: LogTerm): HTMLElement {
     "tr",
     {},
     h("th", { scope: "row" }, letter, ...(words === undefined ? [] : [h("span", { class: "other" }, words)])),
-    h("td", { class: "values" }, ...values.map((value) => h("div", {}, value))),
-    h("td", {}, h("span", { class: identified && !remark ? "state good" : "state" }, remark || "identified")),
+    h(
+      "td",
+      { class: "values" },
+      ...values.map((value) => h("div", {}, value)),
+      h("div", { class: identified && !remark ? "state good" : "state" }, remark || "identified"),
+    ),
   );
 }
 

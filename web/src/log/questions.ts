@@ -16,6 +16,7 @@ const KINDS: Record<LogSetting, Kind> = {
   rate_hz: { words: "Sample rate, Hz", hint: "100", number: true },
   time_column: { words: "Time column", hint: "t" },
   time_unit: { words: "Unit of time", hint: "", options: ["", "s", "ms", "us", "ns"] },
+  temp_column: { words: "Temperature column", hint: "temp_c" },
   skip: { words: "Leave out before", hint: "45m after the start, or 12:30:00" },
   until: { words: "Leave out after", hint: "2h after the start, or 14:30:00" },
   gyro_unit: { words: "Gyroscope unit", hint: "dps, rad/s, deg/h" },

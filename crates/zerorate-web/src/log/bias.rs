@@ -56,6 +56,11 @@ impl Bias {
         Ok((!sensors.is_empty()).then_some(Self::Sensors(sensors)))
     }
 
+    /// Why the temperature that the user named gives no curve.
+    pub fn unfit(name: &str) -> Self {
+        Self::Elsewhere(format!("{name} is no temperature in °C that changes by {LEAST_SPAN_C} °C or more"))
+    }
+
     /// The curves in words, pictures and files. `notes` are the warnings about the log.
     pub fn message(self, path: &Path, notes: &[String]) -> LogBias {
         let fitted = match self {

@@ -25,6 +25,8 @@ pub struct LogSettings {
     pub time_column: Option<String>,
     /// `s`, `ms`, `us` or `ns`.
     pub time_unit: Option<String>,
+    /// The column with the temperature, °C; none: one with a usual name.
+    pub temp_column: Option<String>,
     /// Leaves out what is before this time: `45m` after the first sample, or a clock time.
     pub skip: Option<String>,
     /// Leaves out what follows this time.
@@ -53,6 +55,7 @@ pub enum LogSetting {
     RateHz,
     TimeColumn,
     TimeUnit,
+    TempColumn,
     Skip,
     Until,
     GyroUnit,

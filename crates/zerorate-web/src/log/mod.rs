@@ -27,7 +27,7 @@ mod reader {
     use zerorate_imu::{AnalysisOptions, Record};
     use zerorate_imu::{Axes, ImuOptions, ImuWarning, NoNoiseFile, NoiseFileOptions, Rule};
     use zerorate_input::Input;
-    use zerorate_logs::{Column, ColumnSelection, LogError, LogWarning};
+    use zerorate_logs::{Column, ColumnSelection, LogError, LogWarning, Setting};
 
     /// A log that was read.
     pub struct LogReader {
@@ -133,9 +133,14 @@ mod reader {
         let options = settings::options(said)?;
         let wanted = options.columns.as_deref().map_or(ColumnSelection::All, ColumnSelection::Listed);
         let columns = zerorate_logs::read_all(path, open(), wanted, &options.log);
-        let temperature = zerorate_logs::temperature(None, Some(open()), |names| {
+        let named = said.temp_column.as_deref();
+        let temperature = zerorate_logs::temperature(named, Some(open()), |names| {
             zerorate_logs::read_all(path, open(), ColumnSelection::Listed(names), &options.log)
         });
+        if let (Some(name), None) = (named, &temperature) {
+            let of = LABELS.of(Setting::TempColumn);
+            return Err(LogError::Ask(format!("{of}: the log has no column {name:?} of numbers")));
+        }
         let axes = match columns {
             // two of the topics may be one IMU, and joined rows are its two sensors
             Err(LogError::Choose { .. } | LogError::Merged { .. }) => {
@@ -143,9 +148,11 @@ mod reader {
             }
             columns => of_imu_or_any(path, columns?, &options)?,
         };
-        let bias = of_bias(&axes).or(temperature.as_ref()).and_then(|temperature| {
+        let of_axes = of_bias(&axes).filter(|_| named.is_none());
+        let bias = of_axes.or(temperature.as_ref()).and_then(|temperature| {
             let bias = Bias::of(path, open, &axes.columns, temperature, &options.log);
-            bias.unwrap_or_else(|error| Some(Bias::Elsewhere(error.to_string())))
+            let bias = bias.unwrap_or_else(|error| Some(Bias::Elsewhere(error.to_string())));
+            bias.or_else(|| named.map(Bias::unfit))
         });
         let first = axes.columns.first();
         let samples = first.map_or(0, length);

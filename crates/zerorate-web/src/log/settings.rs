@@ -9,7 +9,7 @@ use zerorate_logs::{ColumnOptions, Cut, CutTime, Decimal, LogError, Names, Setti
 pub const LABELS: Names = Names(label);
 
 /// A setting, its label, and its field on the page.
-const FIELDS: [(Setting, &str, LogSetting); 13] = [
+const FIELDS: [(Setting, &str, LogSetting); 14] = [
     (Setting::Column, "“columns”", LogSetting::Columns),
     (Setting::Topic, "“topic”", LogSetting::Topic),
     (Setting::Where, "“only the rows with”", LogSetting::Where),
@@ -18,6 +18,7 @@ const FIELDS: [(Setting, &str, LogSetting); 13] = [
     (Setting::Rate, "“sample rate”", LogSetting::RateHz),
     (Setting::TimeColumn, "“time column”", LogSetting::TimeColumn),
     (Setting::TimeUnit, "“unit of time”", LogSetting::TimeUnit),
+    (Setting::TempColumn, "“temperature column”", LogSetting::TempColumn),
     (Setting::GyroUnit, "“gyroscope unit”", LogSetting::GyroUnit),
     (Setting::AccelUnit, "“accelerometer unit”", LogSetting::AccelUnit),
     (Setting::Decimal, "“decimal mark”", LogSetting::Decimal),
