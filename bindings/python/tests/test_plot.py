@@ -31,7 +31,7 @@ def test_a_deviation_with_its_model_and_coefficients(tmp_path: Path) -> None:
     assert legend is not None and found.fit is not None
     labels = [text.get_text() for text in legend.get_texts()]
     of_n = f"N/√τ, N = {found.fit.n.value:.3g} °/s·√s"
-    assert labels == ["rate, limits of 68.3 %", "model, and 95 % of other records", of_n]
+    assert labels == ["rate, limits of 68.3 %", "model, and where it expects 95 % of other records", of_n]
     np.testing.assert_array_equal(np.asarray(ax.lines[0].get_ydata()), found.dev)
     pyplot.savefig(tmp_path / "allan.png")
     assert (tmp_path / "allan.png").read_bytes().startswith(b"\x89PNG")

@@ -100,7 +100,7 @@ def _draw(axes: Sequence[Allan], ax: Axes) -> None:
     drawn, labels = ax.get_legend_handles_labels()
     # curves come before their models
     order = sorted(range(len(drawn)), key=lambda at: not isinstance(drawn[at], tuple))
-    title = None if len(axes) == 1 else "points: measured, lines: models, and 95 % of other records"
+    title = None if len(axes) == 1 else "points: measured, lines: models, bands: 95 % of other records expected"
     ax.legend(
         [drawn[at] for at in order], [labels[at] for at in order], fontsize="small", title=title,
         title_fontsize="small", framealpha=0.85, loc=_free_corner(axes),
@@ -131,7 +131,7 @@ def _curve(ax: Axes, axis: Allan, is_alone: bool) -> None:
     if axis.model is None or axis.predicted_lo is None or axis.predicted_hi is None or axis.fit is None:
         return
     name = "model, REJECTED" if axis.fit.rejected else "model"
-    label = f"{name}, and 95 % of other records" if is_alone else ""
+    label = f"{name}, and where it expects 95 % of other records" if is_alone else ""
     ax.plot(axis.tau_s, axis.model, color=colour, linewidth=1.2, label=label or None)
     alpha = 0.15 if is_alone else 0.08
     ax.fill_between(axis.tau_s, axis.predicted_lo, axis.predicted_hi, color=colour, alpha=alpha, linewidth=0)
