@@ -105,7 +105,10 @@ rows!(match AllanWarning {
     Self::WarmUp { size, tau_s } => Row {
         code: "warm-up",
         text: format_args!(
-            "the level falls by {size:.3e} (time constant {tau_s:.0} s) and hides K; let the sensor settle"
+            "the level {} by {:.3e} (time constant {}) and hides K; let the sensor settle",
+            if size < 0.0 { "rises" } else { "falls" },
+            size.abs(),
+            span(tau_s)
         ),
     },
     Self::MemoryOrFlicker { markovs, others, worse } => Row {
