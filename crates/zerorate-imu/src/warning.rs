@@ -120,7 +120,7 @@ rows!(match ImuWarning {
         Row { code: "motion", text: format_args!("axes jump together {}; longest rest: {rest}", Jumps(moments)) },
     Self::Knocks(ref moments) => Row {
         code: "motion",
-        text: format_args!("several axes have a glitch together at {}; was the sensor knocked?", Named(moments)),
+        text: format_args!("axes glitch together at {}; was the sensor knocked?", Named(moments)),
     },
     Self::KindAbsent(kind, None) =>
         Row { code: "kind-absent", text: format_args!("the log has no {}; fill in its numbers", kind.name()) },

@@ -75,7 +75,8 @@ fn the_page_says_all_that_the_calibration_knows() {
         &"ab".repeat(32),
         "gpiochip0:25&#38;hz=4000000",
         "measured here",
-        "<td class=\"number\">-0.004800</td>",
+        // −0.25 − 0.04 · (26 − 31.5)
+        "26.00</td><td class=\"number\">-0.030000</td>",
     ] {
         assert!(html.contains(expected), "{expected} in {html}");
     }
