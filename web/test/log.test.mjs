@@ -97,7 +97,7 @@ test("a picture opens large, and closes", async () => {
   assert.ok(await page.$eval(".large img", (image) => image.clientWidth > 1.5 * 600));
   assert.deepEqual(await bars(page, 5), []);
   await page.keyboard.press("Escape");
-  assert.equal(await page.locator(".large").count(), 0);
+  await page.locator(".large").waitFor({ state: "detached" });
 });
 
 test("a file for a filter", async () => {
