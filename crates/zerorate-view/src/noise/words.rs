@@ -38,8 +38,8 @@ pub fn predicts(report: &AllanReport) -> Option<String> {
     let (longest_s, ..) = bands.last()?;
     let widest = bands.iter().map(|(_, dev, lo, hi)| (hi / dev).max(dev / lo)).fold(1.0, f64::max);
     Some(format!(
-        "The model expects 95 % of other records of this sensor within {:.0} % of its curve, for averages up to {}. It \
-         predicts no longer ones.",
+        "The model expects 95 % of other records of this sensor within {:.0} % of its curve, for averages up to {}. \
+         It predicts no longer ones.",
         (widest - 1.0) * 100.0,
         span(*longest_s)
     ))
