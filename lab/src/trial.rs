@@ -138,9 +138,6 @@ pub enum TrialEnd {
     Refused,
 }
 
-/// Warnings that repeat the plan, or that every measurement has.
-const STANDING: [&str; 4] = ["earth-included", "earth-subtracted", "curvature-unseen", "short-average"];
-
 /// Calibrates a unit.
 ///
 /// # Errors
@@ -148,8 +145,10 @@ const STANDING: [&str; 4] = ["earth-included", "earth-subtracted", "curvature-un
 pub fn run(spec: Spec, plan: Plan) -> anyhow::Result<TrialEnd> {
     match Rig::new(spec).calibrate(plan) {
         Ok((outcome, truth)) => {
-            let codes = outcome.warnings.iter().map(zerorate::Warning::code);
-            let warnings = codes.filter(|code| !STANDING.contains(code)).collect();
+            let of_events = outcome.warnings.iter().filter(|warning| !warning.is_standing());
+            let codes = of_events.map(zerorate::Warning::code);
+            // the plan is short on purpose
+            let warnings = codes.filter(|code| *code != "short-average").collect();
             Ok(TrialEnd::Calibrated { unit: judge(&outcome, &truth), warnings })
         }
         Err(error) => error.downcast::<Refusal>().map(|_| TrialEnd::Refused),

@@ -185,8 +185,8 @@ fn run(
     let done = prepare(acquisition, plan, files, argument)?.run(caller)?;
     done.delivery.map_err(|failure| failure.error(""))?;
     let mut report = serde_json::to_value(&done.report)?;
-    if let Some(Value::Array(warnings)) = report.get_mut("warnings") {
-        for warning in warnings {
+    for key in ["warnings", "remarks"] {
+        for warning in report.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten() {
             if let Value::String(text) = warning {
                 *text = joined(text);
             }

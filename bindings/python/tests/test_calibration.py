@@ -51,16 +51,15 @@ def test_the_report_has_the_keys_of_the_command_line(unit: tuple[zerorate.Calibr
     command = [sys.executable, "-m", "zerorate", "recalibrate", str(folder / "unit.arrows"), "--json", "--max-u-btc=1"]
     command += ["--average=10s", "--warmup=1m", "--settle=1m", "--offset=20s"]
     report = json.loads(subprocess.run(command, capture_output=True, check=True, text=True).stdout)
-    different = {"device", "file", "warnings", "curve"}
+    different = {"device", "file", "warnings", "remarks", "curve"}
     for key in report.keys() - different:
         assert getattr(found, key) == report[key], key
     assert found.curve == [zerorate.CurvePoint(**point) for point in report["curve"]]
     # the same warnings, but each front end names its own settings
-    assert [warning.split(":")[0] for warning in found.warnings] == [
-        warning.split(":")[0] for warning in report["warnings"]
-    ]
-    assert any("(earth_dps=)" in warning for warning in found.warnings)
-    assert not any("--" in warning for warning in found.warnings)
+    for own, theirs in [(found.warnings, report["warnings"]), (found.remarks, report["remarks"])]:
+        assert [text.split(":")[0] for text in own] == [text.split(":")[0] for text in theirs]
+        assert not any("--" in text for text in own)
+    assert any("(earth_dps=)" in remark for remark in found.remarks)
     of_curves = {
         "order",
         "order_weights",

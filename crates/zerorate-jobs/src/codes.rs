@@ -19,7 +19,7 @@ pub struct Group {
 pub struct Explanation {
     /// The code that a warning begins with, and that a refusal names.
     pub code: &'static str,
-    /// The severity: `warning`, `refusal` or `warning or refusal`.
+    /// The severity: `warning`, `refusal` or `remark`, or two of them as in `warning or refusal`.
     pub says: String,
     /// The commands of `zerorate` that print it.
     pub by: Vec<String>,
@@ -120,7 +120,8 @@ mod tests {
         assert_eq!([all().count(), codes.len()], [PAGE.matches("\n### ").count(); 2], "{codes:?}");
         for one in all() {
             let is_word = one.code.bytes().all(|byte| byte.is_ascii_lowercase() || byte == b'-');
-            assert!(is_word && ["warning", "refusal", "warning or refusal"].contains(&&*one.says), "{one:?}");
+            let kinds = one.says.split(" or ").all(|kind| ["warning", "refusal", "remark"].contains(&kind));
+            assert!(is_word && kinds, "{one:?}");
             for text in [&one.seen, &one.matters, &one.remedy] {
                 assert!(text.len() > 15 && text.ends_with(['.', ')']) && !text.contains("  "), "{one:?}");
             }

@@ -67,6 +67,16 @@ impl JobWarning {
     pub fn coded(self, names: SettingNames) -> CodedWarning {
         CodedWarning { axis: None, warning: self, names }
     }
+
+    /// Separates what every measurement by the same plan says from the warnings about this measurement.
+    pub(crate) fn remarks_apart(
+        warnings: impl IntoIterator<Item = Warning>,
+        names: SettingNames,
+    ) -> (Vec<CodedWarning>, Vec<CodedWarning>) {
+        let (remarks, warnings): (Vec<_>, Vec<_>) = warnings.into_iter().partition(Warning::is_standing);
+        let coded = |all: Vec<Warning>| all.into_iter().map(|one| Self::from(one).coded(names)).collect();
+        (coded(remarks), coded(warnings))
+    }
 }
 
 rows!(match JobWarning {
@@ -152,6 +162,18 @@ impl CodedWarning {
     #[must_use]
     pub fn of_axis(self, name: &str) -> Self {
         Self { axis: Some(name.to_owned()), ..self }
+    }
+
+    /// The code of the warning.
+    #[must_use]
+    pub fn code(&self) -> &'static str {
+        self.warning.code()
+    }
+
+    /// The text without code and axis.
+    #[must_use]
+    pub fn text(&self) -> String {
+        self.warning.with(self.names).to_string()
     }
 }
 

@@ -257,6 +257,12 @@ impl TypicalBias {
         self.initial_dps.map(|initial_dps| 10.0 * initial_dps)
     }
 
+    /// The typical bias, °/s, if this bias is more than three times as large: one unit in 370 has so much.
+    #[must_use]
+    pub fn exceeded_by(&self, bias_dps: f64) -> Option<f64> {
+        self.initial_dps.filter(|typical_dps| bias_dps.abs() > 3.0 * typical_dps)
+    }
+
     /// The largest temperature coefficient that a unit may have, °/s/°C: six spreads above the typical one.
     #[must_use]
     pub fn largest_tempco_dps_per_c(&self) -> Option<f64> {

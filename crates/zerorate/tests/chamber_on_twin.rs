@@ -275,11 +275,11 @@ fn a_step_of_the_supply_is_named_and_taken_out() {
         let unit = Spec { fault_at_s: Some(1200.0), ..quick(seed) };
         let spec = Spec { supply_step_mv: 300.0, ..unit.clone() };
         let outcome = &short_profile(&spec).outcomes(&PART, None, 3).expect("a curve")[0];
-        let Some(Warning::StepTaken { at_s, size_dps, u_dps }) = outcome.warnings().next() else {
+        let Some(Warning::StepTaken { at_s, size_dps, u_dps }) = outcome.warnings(&Axis::ADIS16130).next() else {
             panic!("seed {seed}: no step in {:?}", outcome.curve);
         };
         assert!((at_s - 1200.0).abs() < 20.0 && (size_dps - 0.06).abs() < 4.0 * u_dps, "{at_s} {size_dps} {u_dps}");
-        assert_eq!(outcome.warnings().count(), 1, "seed {seed}: {:?}", outcome.curve.steps);
+        assert_eq!(outcome.warnings(&Axis::ADIS16130).count(), 1, "seed {seed}: {:?}", outcome.curve.steps);
         let without = &short_profile(&unit).outcomes(&PART, None, 3).expect("a curve")[0];
         for temp_c in [0.0, 30.0, 60.0] {
             let moved_dps = without.curve.correction.at(temp_c) - outcome.curve.correction.at(temp_c);
@@ -305,7 +305,7 @@ fn a_slow_sway_is_named_and_taken_out() {
         let outcome = &record.outcomes(&PART, None, 3).expect("a curve")[0];
         let (correction, truth) = (&outcome.curve.correction, bench.unit.truth());
         let off = (correction.pbc_dps - truth.pbc_dps(correction.t3_c)) / outcome.curve.covariance[0][0].sqrt();
-        let codes: Vec<&str> = outcome.warnings().map(|warning| warning.code()).collect();
+        let codes: Vec<&str> = outcome.warnings(&Axis::ADIS16130).map(|warning| warning.code()).collect();
         assert!(off.abs() < 4.0 && codes.contains(&"swaying"), "seed {seed}: PBC off by {off} u, {codes:?}");
     }
     let spec = Spec { motion: Motion::Sway, sway_dps: 0.2, sway_hz: 0.000_7, ..quick(55) };
@@ -318,6 +318,6 @@ fn a_slow_sway_is_named_and_taken_out() {
 fn no_step_is_found_where_none_is() {
     for seed in 31..41 {
         let outcome = &short_profile(&quick(seed)).outcomes(&PART, None, 3).expect("a curve")[0];
-        assert_eq!(outcome.warnings().collect::<Vec<_>>(), [], "seed {seed}: {:?}", outcome.curve);
+        assert_eq!(outcome.warnings(&Axis::ADIS16130).collect::<Vec<_>>(), [], "seed {seed}: {:?}", outcome.curve);
     }
 }

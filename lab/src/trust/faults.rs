@@ -71,7 +71,7 @@ fn calibrate(bench: &Bench, class: &'static str, seed: u64) -> Result<Verdict> {
 }
 
 /// Warnings that say nothing about this measurement.
-const ALWAYS: [&str; 4] = ["earth-included", "curvature-unseen", "short-average", "lost-samples"];
+const ALWAYS: [&str; 2] = ["short-average", "lost-samples"];
 
 /// Compares a calibration with the twin's truth.
 pub fn judge(run: &Run) -> Result<Verdict> {

@@ -103,6 +103,8 @@ class Calibrated:
     """SHA-256 of the samples."""
     warnings: list[str]
     """Warnings, each ``code: text``: what was seen and what to do."""
+    remarks: list[str]
+    """What every measurement by this plan implies, in the same form: ``earth-included``, ``curvature-unseen``."""
     curve: list[CurvePoint]
     """The correction at nine temperatures, evenly spread over the measured range."""
     calibration: Calibration = field(repr=False)

@@ -36,8 +36,10 @@ fn number(result: &Value, key: &str) -> f64 {
 
 #[test]
 fn the_text_report_shows_values_with_units_and_what_next() {
-    let text = calibrated(&Bench::new(), "-o unit.toml").saying(&["warning: ", "Earth"]).stdout;
-    for part in ["PBC", "BTC", "°/s/°C", "±", "T3 =", "95 %", "zerorate stream --cal"] {
+    let text = calibrated(&Bench::new(), "-o unit.toml").saying(&["warning: short-average"]).stdout;
+    for part in
+        ["PBC", "BTC", "°/s/°C", "±", "T3 =", "95 %", "uncertainty (earth-included): ", "zerorate stream --cal"]
+    {
         assert!(text.contains(part), "{part} in\n{text}");
     }
     let text = calibrate(&["--earth-dps", "-0.003", "--assume-linear"]).ended_with(0).stdout;

@@ -38,6 +38,8 @@ pub struct CalibrationReport {
     pub capture_sha256: Option<String>,
     /// Warnings about all axes.
     pub warnings: Vec<CodedWarning>,
+    /// What the plan implies for all axes, whatever was measured.
+    pub remarks: Vec<CodedWarning>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub axes: Vec<AxisReport>,
     /// The calibration itself, where a file that was asked for could not be written.
@@ -54,6 +56,8 @@ pub struct AxisReport {
     pub numbers: AxisNumbers,
     /// Warnings about this axis alone.
     pub warnings: Vec<CodedWarning>,
+    /// What the plan implies for this axis alone.
+    pub remarks: Vec<CodedWarning>,
 }
 
 /// The results of an axis.
@@ -214,17 +218,19 @@ impl CalibrationReport {
     /// 8; empty where the part is not a twin.
     pub fn new(outcomes: &[Outcome], calibration: &Calibration, truths: &[Truth], names: SettingNames) -> Self {
         let common: Vec<&Warning> = Outcome::shared_warnings(outcomes).collect();
-        let coded = |warning: &Warning| JobWarning::from(*warning).coded(names);
+        let coded = |warnings: &mut dyn Iterator<Item = &Warning>| JobWarning::remarks_apart(warnings.copied(), names);
         let mut axes: Vec<AxisReport> = Vec::new();
         for (index, (outcome, axis)) in outcomes.iter().zip(&calibration.axes).enumerate() {
-            let own = outcome.warnings.iter().filter(|warning| !common.contains(warning));
+            let (remarks, warnings) = coded(&mut outcome.warnings.iter().filter(|warning| !common.contains(warning)));
             axes.push(AxisReport {
                 name: axis.name.clone(),
                 numbers: AxisNumbers::new(outcome, axis, truths.get(index)),
-                warnings: own.map(coded).collect(),
+                warnings,
+                remarks,
             });
         }
         let only = if axes.len() == 1 { axes.pop().map(|axis| axis.numbers) } else { None };
+        let (remarks, warnings) = coded(&mut common.into_iter());
         let (run, span) = (calibration.run, calibration.validity);
         let of_run = |number: fn(&Run) -> f64| run.as_ref().map_or(f64::NAN, number);
         Self {
@@ -247,7 +253,8 @@ impl CalibrationReport {
             simulated: calibration.is_simulated(),
             file: None,
             capture_sha256: calibration.capture_sha256.clone(),
-            warnings: common.into_iter().map(coded).collect(),
+            warnings,
+            remarks,
             axes,
             rescued: None,
         }

@@ -254,10 +254,10 @@ impl ChamberResults {
         // what was measured before an interruption is in no recording of this run
         let capture_sha256 = if is_resumed { String::new() } else { capture_sha256 };
         let calibration = Calibration::of_chamber(&part, &record, &outcomes, &run, info.origin(capture_sha256));
-        let of_run = warnings.into_iter().map(JobWarning::from).chain(acquisition.disbelief());
-        let of_run = of_run.chain(is_resumed.then_some(JobWarning::Resumed)).map(|warning| warning.coded(names));
-        let said = of_run.chain(of_axes(&outcomes, &part, names)).collect();
-        let report = ChamberReport::new(&plan.name, &calibration, &record, &outcomes, &truths, said);
+        let (remarks, mut warnings) = JobWarning::remarks_apart(warnings, names);
+        let of_run = acquisition.disbelief().chain(is_resumed.then_some(JobWarning::Resumed));
+        warnings.extend(of_run.map(|warning| warning.coded(names)).chain(of_axes(&outcomes, &part, names)));
+        let report = ChamberReport::new(&plan.name, &calibration, &record, &outcomes, &truths, (remarks, warnings));
         Ok(Self { report, calibration, record, outcomes })
     }
 }
@@ -269,7 +269,7 @@ fn of_axes(outcomes: &[ChamberOutcome], part: &Part, names: SettingNames) -> imp
     let own = axes().flat_map(move |(outcome, axis)| {
         let coded = move |warning: Warning| JobWarning::from(warning).coded(names);
         let of_axis = move |one: CodedWarning| if several { one.of_axis(&axis.name) } else { one };
-        outcome.warnings().map(coded).map(of_axis)
+        outcome.warnings(&axis.axis).map(coded).map(of_axis)
     });
     let wide = axes().filter_map(|(outcome, axis)| wide_loop(outcome, &axis.name));
     own.chain(wide.map(move |text| JobWarning::from(SessionWarning::WideLoop(text)).coded(names)))

@@ -30,8 +30,12 @@ pub struct ChamberReport {
     /// Share of the time in which the part was not at rest, and which is in no result.
     pub restless: f64,
     pub calibration_id: String,
+    /// Whether the part was the software twin.
+    pub simulated: bool,
     pub capture_sha256: Option<String>,
     pub warnings: Vec<CodedWarning>,
+    /// What the options imply for all axes, whatever was measured.
+    pub remarks: Vec<CodedWarning>,
 }
 
 /// The results of an axis.
@@ -93,7 +97,7 @@ impl ChamberReport {
         record: &Record,
         outcomes: &[ChamberOutcome],
         truths: &[Truth],
-        warnings: Vec<CodedWarning>,
+        (remarks, warnings): (Vec<CodedWarning>, Vec<CodedWarning>),
     ) -> Self {
         let (temp_min_c, temp_max_c) = record.span_c().unwrap_or_default();
         let axis = |(index, outcome): (usize, &ChamberOutcome)| {
@@ -118,8 +122,10 @@ impl ChamberReport {
             temp_max_c,
             restless: record.restless(),
             calibration_id: calibration.id(),
+            simulated: calibration.is_simulated(),
             capture_sha256: calibration.capture_sha256.clone(),
             warnings,
+            remarks,
         }
     }
 

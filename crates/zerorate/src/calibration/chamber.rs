@@ -36,7 +36,8 @@ impl Calibration {
         origin: Origin,
     ) -> Self {
         let is_only = outcomes.len() == 1;
-        let of_only = outcomes.iter().filter(|_| is_only).flat_map(ChamberOutcome::warnings);
+        let axes = part.axes.iter().zip(outcomes);
+        let of_only = axes.filter(|_| is_only).flat_map(|(axis, outcome)| outcome.warnings(&axis.axis));
         let warnings = run.warnings.iter().copied().chain(of_only).map(|warning| said(&warning)).collect();
         Self {
             part: part.name.to_string(),
@@ -61,7 +62,7 @@ impl Calibration {
 fn calibrated(axis: &NamedAxis, outcome: &ChamberOutcome, is_only: bool) -> CalibratedAxis {
     CalibratedAxis {
         name: axis.name.to_string(),
-        warnings: if is_only { Vec::new() } else { outcome.warnings().map(|warning| said(&warning)).collect() },
+        warnings: if is_only { Vec::new() } else { outcome.warnings(&axis.axis).map(|warning| said(&warning)).collect() },
         rate: Some(axis.axis.rate),
         correction: outcome.curve.correction,
         measured: None,

@@ -7,7 +7,7 @@ use crate::noise::WeightedMean;
 use crate::notice::Warning;
 use crate::part::{Axis, NamedAxis, Part};
 use crate::plan::Plan;
-use crate::procedure::{Searched, Second, motions_hz, steps_s, taken_out};
+use crate::procedure::{Searched, Second, motions_hz, steps_s, taken_out, turning};
 use crate::temperature::{self, Assumed, BiasCurve, Block};
 use alloc::vec::Vec;
 
@@ -25,9 +25,9 @@ pub struct ChamberOutcome {
 }
 
 impl ChamberOutcome {
-    /// The warnings about steps and base motion that were removed.
-    pub fn warnings(&self) -> impl Iterator<Item = Warning> {
-        taken_out(&self.curve)
+    /// The warnings about this axis: an unusual bias, and the steps and base motion that were removed.
+    pub fn warnings(&self, axis: &Axis) -> impl Iterator<Item = Warning> {
+        turning(axis, self.curve.correction.pbc_dps).into_iter().chain(taken_out(&self.curve))
     }
 }
 

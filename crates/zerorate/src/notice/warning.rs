@@ -19,6 +19,8 @@ pub enum Warning {
     EarthIncluded,
     /// The Earth's rotation was subtracted, and no other constant rotation is accounted for.
     EarthSubtracted { earth_dps: f64 },
+    /// The bias is far above that of a typical unit: the part may have turned.
+    Turning { rate_dps: f64, typical_dps: f64 },
     /// A line through two temperatures shows no curvature. The uncertainty of BTC allows for its typical size.
     CurvatureUnseen { u_dps_per_c: f64 },
     /// The temperature moved between the rate average and T3.
@@ -81,6 +83,11 @@ rows_with_remedies!(match Warning {
         code: "earth-subtracted",
         text: format_args!("{earth_dps:+.5} °/s of Earth rotation was subtracted; check that nothing else turns"),
         remedies: &[],
+    },
+    Self::Turning { rate_dps, typical_dps } => Row {
+        code: "turning",
+        text: format_args!("a bias of {rate_dps:+.2} °/s (±{typical_dps} is typical) may be rotation"),
+        remedies: &[Remedy::KeepStill],
     },
     Self::CurvatureUnseen { u_dps_per_c } => Row {
         code: "curvature-unseen",
@@ -222,6 +229,15 @@ rows_with_remedies!(match Warning {
         remedies: &[Remedy::GiveUpTarget, Remedy::Chamber],
     },
 });
+
+impl Warning {
+    /// Whether the warning follows from the plan alone, so that every measurement by this plan has it.
+    #[must_use]
+    pub const fn is_standing(&self) -> bool {
+        use Warning::{CurvatureUnseen, EarthIncluded, EarthSubtracted, OneBranch};
+        matches!(self, EarthIncluded | EarthSubtracted { .. } | CurvatureUnseen { .. } | OneBranch { .. })
+    }
+}
 
 impl Wording for Warning {
     fn fmt_with(&self, f: &mut fmt::Formatter<'_>, names: SettingNames) -> fmt::Result {

@@ -155,7 +155,14 @@ pub struct PlanError {
 impl Wording for PlanError {
     fn fmt_with(&self, f: &mut fmt::Formatter<'_>, names: SettingNames) -> fmt::Result {
         let Self { setting, value, least, most, unit } = self;
-        write!(f, "{} is {value}; it must be a number from {least} to {most} {unit}", names(*setting))?;
+        let name = names(*setting);
+        // a front end takes the target in °/h, and names it so
+        let (per, unit) = match *setting == Setting::Target && name.word == setting.word() {
+            true => (3600.0, "°/h"),
+            false => (1.0, *unit),
+        };
+        let [value_in, least, most] = [value, least, most].map(|number| per * number);
+        write!(f, "{name} is {value_in}; it must be a number from {least} to {most} {unit}")?;
         let in_dps = value / 3600.0;
         if *setting == Setting::Earth && value.abs() > 0.1 && in_dps.abs() <= EARTH_DPS {
             write!(f, ": if that was °/h, give {in_dps:.5}")?;

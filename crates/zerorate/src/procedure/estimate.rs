@@ -131,7 +131,7 @@ pub(crate) fn span_suffices(seen: &Evidence<'_>) -> Result<(), Refusal> {
 
 /// The warnings that need the windows alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WindowWarnings([Option<Warning>; 12]);
+pub struct WindowWarnings([Option<Warning>; 13]);
 
 impl WindowWarnings {
     /// The warnings that apply.
@@ -499,8 +499,15 @@ fn warnings(
                 typical_dps_per_c: -bias.tempco_dps_per_c.unwrap_or(0.0),
             },
         ),
+        turning(seen.axis, level.pbc_dps),
         when(hour.is_none(), Warning::HourUnchecked),
         when(unjudged, Warning::RestUnjudged),
         when(!plan.assume_linear && !known, Warning::CurvatureUnknown),
     ])
+}
+
+/// The warning about a bias that a typical part does not have: it may be a rotation.
+pub(crate) fn turning(axis: &Axis, pbc_dps: f64) -> Option<Warning> {
+    let typical_dps = axis.bias.exceeded_by(pbc_dps)?;
+    Some(Warning::Turning { rate_dps: -pbc_dps, typical_dps })
 }

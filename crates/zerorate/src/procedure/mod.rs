@@ -17,4 +17,5 @@ pub use one_axis::{Action, Event, FixedProcedure, Procedure, Progress};
 pub use recording::{Forecast, Reached};
 
 pub(crate) use blocks::Second;
+pub(crate) use estimate::turning;
 pub(crate) use recording::{Searched, motions_hz, steps_s, taken_out};

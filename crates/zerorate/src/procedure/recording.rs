@@ -3,7 +3,7 @@
 
 use super::blocks::{Blocks, Second};
 use super::drift_checks::{self, Findings, Question};
-use super::estimate::{Evidence, Noise, Outcome};
+use super::estimate::{Evidence, Noise, Outcome, turning};
 use super::window_sums::{Summary, WindowSums};
 #[cfg(feature = "std")]
 use crate::health::block_means::BLOCK_S;
@@ -403,6 +403,7 @@ fn warnings(seen: &Evidence<'_>, summary: &Summary, curve: &BiasCurve, hour: Opt
             Warning::Impossible { count: summary.faulty, fraction: summary.faulty as f64 / samples as f64 },
         ),
         when(axis.noise.is_none(), Warning::RestUnjudged),
+        turning(axis, curve.correction.pbc_dps),
         when(hour.is_none(), Warning::HourUnchecked),
         plan.target_dps.filter(|target| u_dps > *target).map(|target_dps| Warning::TargetMissed { u_dps, target_dps }),
         when(plan.method == Method::Warmup, branch(axis)),

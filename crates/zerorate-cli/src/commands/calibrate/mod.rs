@@ -16,6 +16,7 @@ use anyhow::Result;
 use clap::Args;
 use plan::PlanArgs;
 use std::path::PathBuf;
+pub use text::remarks;
 use zerorate::Plan;
 use zerorate_host::{DeviceSpec, Pace, Setup};
 use zerorate_jobs::Acquisition;
@@ -146,6 +147,7 @@ fn calibrate(acquisition: Acquisition, plan: Plan, result: &ResultArgs, files: F
         if result.output.is_none() {
             say(whereto(&job));
         }
+        plan::durations(job.plan()).iter().for_each(say);
         forecast::lines(job.part(), job.plan()).iter().for_each(|line| say(format_args!("{line}")));
     }
     let mut meter = Meter::new(job.plan().total_s());

@@ -67,6 +67,15 @@ enum MethodArg {
     Cycle,
 }
 
+/// The durations of the procedure, which a unit left out would change.
+pub fn durations(plan: &Plan) -> Option<String> {
+    let [average, warmup, settle, offset] = [plan.average_s, plan.warmup_s, plan.settle_s, plan.offset_s].map(Seconds);
+    (plan.method == Method::An1042).then(|| {
+        let total = Seconds(plan.total_s());
+        format!("averages of {average}, warm-up {warmup}, settling {settle}, offset average {offset}: {total} in all")
+    })
+}
+
 impl PlanArgs {
     /// The plan for the core. A method without steps uses the whole of a recording.
     pub fn plan(&self, recorded: bool) -> Plan {

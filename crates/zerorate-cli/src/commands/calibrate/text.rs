@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use zerorate::temperature::TERMS;
+use zerorate_jobs::CodedWarning;
 use zerorate_jobs::calibrate::{AxisNumbers, CalibrationReport, CurveTerms, POINTS};
 use zerorate_view::PlusMinus;
 use zerorate_view::duration::Seconds;
@@ -11,10 +12,11 @@ use zerorate_view::plot::number;
 pub fn text(report: &CalibrationReport, file: Option<&Path>, serial: Option<&str>) -> String {
     let mut text = head(report);
     for axis in &report.axes {
-        text += &format!("axis {}\n{}\n", axis.name, found(&axis.numbers, report.coverage_factor));
+        text += &format!("axis {}\n{}", axis.name, found(&axis.numbers, report.coverage_factor));
+        text += &format!("{}\n", remarks(&axis.remarks));
     }
     text += &report.only.as_ref().map_or_else(String::new, |only| found(only, report.coverage_factor) + "\n");
-    text += &meaning(report);
+    text += &(meaning(report) + &remarks(&report.remarks));
     for axis in &report.axes {
         let truth = against_truth(&axis.numbers);
         text += &truth.map_or_else(String::new, |truth| format!("axis {}: {truth}", axis.name));
@@ -27,6 +29,19 @@ pub fn text(report: &CalibrationReport, file: Option<&Path>, serial: Option<&str
 pub fn warnings(report: &CalibrationReport) -> Vec<String> {
     let own = report.axes.iter().flat_map(|axis| axis.warnings.iter().map(|one| format!("axis {}: {one}", axis.name)));
     report.warnings.iter().map(ToString::to_string).chain(own).collect()
+}
+
+/// What every measurement by the same plan implies, in lines of the result.
+pub fn remarks(remarks: &[CodedWarning]) -> String {
+    let line = |remark: &CodedWarning| {
+        let place = match remark.code() {
+            "curvature-unseen" => "in the uncertainty",
+            "earth-subtracted" => "taken out",
+            _ => "not in the uncertainty",
+        };
+        format!("{place} ({}): {}\n", remark.code(), remark.text())
+    };
+    remarks.iter().map(line).collect()
 }
 
 fn head(report: &CalibrationReport) -> String {
@@ -181,14 +196,14 @@ mod tests {
         let json = serde_json::to_value(&several).unwrap();
         assert_eq!((&json["pbc_dps"], &json["axes"][1]["pbc_dps"]), (&serde_json::Value::Null, &0.25.into()));
         assert_eq!((&json["axes"][0]["name"], &json["axes"][0]["impossible_readings"]), (&"x".into(), &1.into()));
-        assert_eq!((json["warnings"].as_array().unwrap().len(), &json["samples"]), (1, &317_100.into()));
+        assert_eq!((json["remarks"].as_array().unwrap().len(), &json["samples"]), (1, &317_100.into()));
         let codes: Vec<String> = warnings(&several).iter().map(|text| text[..14].to_owned()).collect();
-        assert_eq!(codes, ["earth-included", "axis x: restle", "axis y: rest-u"]);
+        assert_eq!(codes, ["axis x: restle", "axis y: rest-u"]);
         let text = text(&several, None, None);
         assert!(text.contains("axis x\n  PBC  -0.5000") && text.contains("axis y\n  PBC  +0.2500"), "{text}");
 
         let json = serde_json::to_value(report("{ name = \"x\" }", &two[..1])).unwrap();
         assert_eq!((&json["pbc_dps"], &json["axes"]), (&(-0.5).into(), &serde_json::Value::Null));
-        assert_eq!(json["warnings"].as_array().unwrap().len(), 2);
+        assert_eq!((json["warnings"].as_array().unwrap().len(), json["remarks"].as_array().unwrap().len()), (1, 1));
     }
 }

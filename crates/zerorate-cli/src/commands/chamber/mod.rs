@@ -54,14 +54,14 @@ pub struct ChamberArgs {
     sampling: SamplingArgs,
 
     /// Largest share of lost samples, 0 … 1. Above it the measurement is refused.
-    #[arg(long, value_name = "F", default_value_t = 0.001)]
+    #[arg(long, value_name = "F", default_value_t = 0.001, help_heading = "Procedure")]
     max_lost: f64,
 
     #[command(flatten)]
     earth: EarthArgs,
 
     /// Highest order of the bias over temperature to try, 1 to 3. The evidence decides which order is taken.
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=3))]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=3), help_heading = "Procedure")]
     max_order: u8,
 
     #[command(flatten)]

@@ -1,5 +1,6 @@
 //! The result of a measurement in a chamber, for people.
 
+use crate::commands::calibrate::remarks;
 use anyhow::Result;
 use std::path::Path;
 use zerorate::Uncertainty;
@@ -13,7 +14,8 @@ use zerorate_view::report::{ChamberPage, Fact, chamber_page};
 /// Formats the result for people; `file` holds the calibration.
 pub fn text(report: &ChamberReport, file: Option<&Path>) -> String {
     let mut text = format!(
-        "Calibration {} of {}, {}\n{} samples in {}, {} lost, part between {:.1} and {:.1} °C\n",
+        "{}Calibration {} of {}, {}\n{} samples in {}, {} lost, part between {:.1} and {:.1} °C\n",
+        if report.simulated { "SIMULATED: " } else { "" },
         report.calibration_id,
         report.device.as_deref().unwrap_or_default(),
         report.plan,
@@ -27,6 +29,7 @@ pub fn text(report: &ChamberReport, file: Option<&Path>) -> String {
         text += &axis_text(axis, report.axes.len() > 1);
     }
     text += "± is the 95 % interval; outside these temperatures the correction is an extrapolation\n";
+    text += &remarks(&report.remarks);
     match file.map(Path::display) {
         Some(file) => text + &format!("\nWritten to {file}. Next: zerorate report {file} -o report.html\n"),
         None => text + "\nNothing was saved: give -o unit.toml to keep the calibration.\n",
@@ -37,7 +40,7 @@ pub fn text(report: &ChamberReport, file: Option<&Path>) -> String {
 pub fn page(results: &ChamberResults) -> Result<String> {
     let ChamberResults { report, calibration, record, outcomes } = results;
     let title = format!("{} in a chamber: {}", calibration.part, report.plan);
-    let warnings: Vec<String> = report.warnings.iter().map(ToString::to_string).collect();
+    let warnings: Vec<String> = report.warnings.iter().chain(&report.remarks).map(ToString::to_string).collect();
     let facts = report.all().map(facts).collect();
     chamber_page(ChamberPage { title: &title, calibration, record, outcomes, warnings: &warnings, facts })
 }

@@ -125,9 +125,9 @@ impl GuidedMethod for ByHand {
             u_btc_dps_per_c: outcome.curve.u_btc_dps_per_c(),
             span_c,
         };
-        let of_axes: Vec<Warning> = outcomes.iter().flat_map(ChamberOutcome::warnings).collect();
-        let loops = outcomes.iter().zip(part.axes.iter());
-        let loops = loops
+        let axes = || outcomes.iter().zip(part.axes.iter());
+        let of_axes: Vec<Warning> = axes().flat_map(|(outcome, axis)| outcome.warnings(&axis.axis)).collect();
+        let loops = axes()
             .filter_map(|(outcome, axis)| report::wide_loop(outcome, &axis.name))
             .map(|text| SessionWarning::WideLoop(text).into());
         Ok(GuidedResult {
