@@ -6,22 +6,23 @@ use crate::output::{Outputs, print};
 use crate::picture::{self, Kind};
 use anyhow::Result;
 use clap::Args;
+use std::io::{self, IsTerminal};
 use std::path::PathBuf;
 use zerorate::Calibration;
 use zerorate_view::report;
 
-/// Write a calibration as one self-contained HTML page
+/// Write calibrations as one self-contained HTML page
 ///
 /// The page has the coefficients with their uncertainties, how to apply them, the correction over temperature, the
 /// look-up table around T3, and how and from which samples they were measured. It needs no network and prints on
-/// paper.
+/// paper. Several calibrations come one after the other, below a table that compares them.
 #[derive(Args, Debug)]
 pub struct ReportArgs {
-    /// The calibration file.
-    #[arg(value_name = "CALIBRATION")]
-    cal: PathBuf,
+    /// The calibration files.
+    #[arg(value_name = "CALIBRATION", required = true)]
+    cals: Vec<PathBuf>,
 
-    /// The file to write [default: stdout]. A name that ends in .svg or .png gives only the picture of the page, the
+    /// The file to write [default: stdout, if that is not a terminal]. A name that ends in .svg or .png gives only the picture of the page, the
     /// correction over temperature.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -33,13 +34,17 @@ pub struct ReportArgs {
 
 pub fn run(args: &ReportArgs) -> Result<()> {
     let mut outputs = Outputs::new(args.force);
-    let calibration = load(&args.cal, &mut outputs)?;
-    let page = || report::calibration_page(&calibration, &args.cal.display().to_string());
+    let of_file = |path: &PathBuf| Ok((load(path, &mut outputs)?, path.display().to_string()));
+    let calibrations = args.cals.iter().map(of_file).collect::<Result<Vec<_>>>()?;
+    let page = || report::calibration_page(&calibrations);
     match &args.output {
+        None if io::stdout().is_terminal() => {
+            Err(Usage("the page is HTML for a browser; name its file: -o report.html".to_owned()).into())
+        }
         None => print(&page()?),
         Some(path) => match Kind::of(path)? {
             Some(kind) => {
-                let svg = correction(&calibration)?;
+                let svg = correction(&calibrations)?;
                 picture::write(kind, outputs.derived(path)?, &svg)
             }
             None => Ok(outputs.derived(path)?.fill(page()?.as_bytes())?),
@@ -47,12 +52,13 @@ pub fn run(args: &ReportArgs) -> Result<()> {
     }
 }
 
-fn correction(calibration: &Calibration) -> Result<String> {
-    match calibration.axes.as_slice() {
-        [only] => Ok(report::calibration_picture(only, calibration.validity)),
-        axes => Err(Usage(format!(
-            "a picture shows one axis, and this calibration has {}: write a page (.html), which has a picture of each",
-            axes.len()
+fn correction(calibrations: &[(Calibration, String)]) -> Result<String> {
+    let axes = || calibrations.iter().flat_map(|(one, _)| one.axes.iter().map(|axis| (axis, one.validity)));
+    match axes().collect::<Vec<_>>().as_slice() {
+        [(only, validity)] => Ok(report::calibration_picture(only, *validity)),
+        all => Err(Usage(format!(
+            "a picture shows one axis, and these are {}: write a page (.html), which has a picture of each",
+            all.len()
         ))
         .into()),
     }

@@ -19,10 +19,16 @@ const POINTS: u32 = 80;
 #[derive(Template)]
 #[template(path = "calibration.html")]
 struct Page<'a> {
+    title: String,
+    software: &'a str,
+    units: Vec<Unit<'a>>,
+}
+
+/// The page's content for one calibration.
+struct Unit<'a> {
     simulated: bool,
     title: String,
     below: String,
-    software: &'a str,
     file: &'a str,
     /// Warnings about several axes; those of a single axis stand below its result.
     warnings: &'a [String],
@@ -78,11 +84,20 @@ struct Section {
     facts: Vec<Fact>,
 }
 
-/// A calibration as one HTML page; `file` is the name of the calibration's file.
+/// Calibrations as one HTML page, each with the name of its file.
 ///
 /// # Errors
 /// No error is known, because the template is compiled.
-pub fn calibration_page(calibration: &Calibration, file: &str) -> Result<String> {
+pub fn calibration_page(calibrations: &[(Calibration, String)]) -> Result<String> {
+    let units: Vec<Unit<'_>> = calibrations.iter().map(|(one, file)| unit(one, file)).collect();
+    let title = match units.as_slice() {
+        [only] => only.title.clone(),
+        several => format!("{} calibrations", several.len()),
+    };
+    Ok(printable::page(&Page { title, software: zerorate::SOFTWARE, units }.render()?))
+}
+
+fn unit<'a>(calibration: &'a Calibration, file: &'a str) -> Unit<'a> {
     let serial = calibration.serial.as_deref().map_or(String::new(), |serial| format!(", serial {serial}"));
     let created = match calibration.created.as_deref() {
         _ if calibration.is_simulated() => SIMULATED.to_owned(),
@@ -90,7 +105,7 @@ pub fn calibration_page(calibration: &Calibration, file: &str) -> Result<String>
         None => "no date".to_owned(),
     };
     let several = calibration.axes.len() > 1;
-    let page = Page {
+    Unit {
         simulated: calibration.is_simulated(),
         title: format!(
             "{}Calibration of {}{serial}",
@@ -98,7 +113,6 @@ pub fn calibration_page(calibration: &Calibration, file: &str) -> Result<String>
             calibration.part
         ),
         below: format!("{file}: calibration {}, {created}", calibration.id()),
-        software: zerorate::SOFTWARE,
         file,
         warnings: if several { &calibration.warnings } else { &[] },
         span: span(calibration),
@@ -106,8 +120,7 @@ pub fn calibration_page(calibration: &Calibration, file: &str) -> Result<String>
         level: if several { 3 } else { 2 },
         axes: calibration.axes.iter().map(|axis| axis_part(calibration, axis)).collect(),
         sections: sections(calibration),
-    };
-    Ok(printable::page(&page.render()?))
+    }
 }
 
 fn axis_part<'a>(calibration: &'a Calibration, axis: &'a CalibratedAxis) -> AxisPart<'a> {
@@ -417,7 +430,9 @@ mod tests {
             steps: Vec::new(),
             sources: None,
         });
-        let html = calibration_page(&calibration, "unit.toml").unwrap();
+        let other = Calibration::parse(BY_HAND).unwrap().0;
+        let both = [(calibration.clone(), "unit.toml".to_owned()), (other, "other.toml".to_owned())];
+        let html = calibration_page(&both[..1]).unwrap();
         for expected in [
             "-0.25200 … -0.24800</td><td class=\"number\">0.00100",
             "-0.040400 … -0.039600</td><td class=\"number\">0.000200",
@@ -428,6 +443,10 @@ mod tests {
             assert!(html.contains(expected), "{expected} in {html}");
         }
         assert!(!html.contains("not stated"), "{html}");
+        let compared = calibration_page(&both).unwrap();
+        for expected in ["<title>2 calibrations", "unit.toml</th>", "other.toml</th>", "other.toml: calibration"] {
+            assert!(compared.contains(expected), "{expected} in {compared}");
+        }
         let plain = CalibratedAxis { curve: None, ..calibration.axes[0].clone() };
         let pictures = [&calibration.axes[0], &plain].map(|axis| calibration_picture(axis, None));
         assert_ne!(pictures[0], pictures[1], "the band is drawn");
@@ -437,7 +456,7 @@ mod tests {
     fn a_calibration_by_hand_says_what_is_not_known() {
         let (mut calibration, _) = Calibration::parse(BY_HAND).unwrap();
         calibration.warnings.push("the base moved".to_owned());
-        let html = calibration_page(&calibration, "<unit>.toml").unwrap();
+        let html = calibration_page(&[(calibration, "<unit>.toml".to_owned())]).unwrap();
         let place = |text: &str| html.find(text).unwrap_or_else(|| panic!("{text} in {html}"));
         assert!(
             place("T3, reference") < place("the base moved") && place("the base moved") < place("How to apply it")
