@@ -12,6 +12,7 @@ fn everything_that_is_handed_out_has_the_version_of_the_workspace() {
         assert_eq!(version.trim_matches('"'), env!("CARGO_PKG_VERSION"), "{manifest}");
     }
     assert!(read("bindings/python/pyproject.toml").contains("dynamic = [\"version\"]"));
+    assert!(read("bindings/c/zerorate.pc").contains(&format!("Version: {}\n", env!("CARGO_PKG_VERSION"))));
     assert!(read("packaging/c/trial/CMakeLists.txt").contains(&format!("find_package(zerorate {} ", minor())));
 }
 

@@ -33,8 +33,10 @@ static void on_rdy(void)
     } else if (status == ZERORATE_OK) {
         overrun += 1 + sample.lost;
     } else if (status < 0) {
-        failure = status;
-        (void)zerorate_gyro_initialise(&gyro);
+        /* a part that does not answer gives no edge: restart_if_silent tries again, and reports */
+        const zerorate_status again = zerorate_gyro_initialise(&gyro);
+
+        failure = again == ZERORATE_OK ? status : again;
     }
 }
 
@@ -50,6 +52,7 @@ static void restart_if_silent(void)
         const zerorate_status cause = zerorate_gyro_diagnose(&gyro);
 
         failure = cause == ZERORATE_OK ? status : cause;
+        /* where this fails, the line stays silent, and the next call reports it */
         (void)zerorate_gyro_initialise(&gyro);
     }
     board_rdy_interrupt(on_rdy);
@@ -65,9 +68,11 @@ int main(void)
     uint32_t temp_code = 0;
     int has_temp = 0;
 
-    zerorate_settings_default(&settings);
+    status = zerorate_settings_default(&settings);
     settings.every_temp = 57;
-    status = zerorate_correction_to_integer(&CORRECTION, &correction);
+    if (status == ZERORATE_OK) {
+        status = zerorate_correction_to_integer(&CORRECTION, &correction);
+    }
     if (status == ZERORATE_OK) {
         status = zerorate_gyro_set_up(&gyro, &bus, &settings);
     }

@@ -18,8 +18,10 @@ int main(void)
     zerorate_codes reading;
     zerorate_status status;
 
-    zerorate_settings_default(&settings);
-    status = zerorate_correction_to_integer(&CORRECTION, &correction);
+    status = zerorate_settings_default(&settings);
+    if (status == ZERORATE_OK) {
+        status = zerorate_correction_to_integer(&CORRECTION, &correction);
+    }
     if (status == ZERORATE_OK) {
         status = zerorate_gyro_set_up(&gyro, &bus, &settings);
     }

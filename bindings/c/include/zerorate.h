@@ -16,6 +16,18 @@
  *            and so are objects that were not set up, provided that their memory was zero.
  * Clocks     Times are in ns of one clock that runs evenly and does not go back. The library reads no clock itself.
  *
+ * What is where, in the order of use:
+ *   read       zerorate_settings_default, zerorate_gyro_set_up, zerorate_gyro_initialise; then in a loop
+ *              zerorate_gyro_wait_ready and zerorate_gyro_read, or zerorate_gyro_sample at each edge of RDY.
+ *              Where no edge comes: zerorate_gyro_silent, zerorate_gyro_diagnose
+ *   convert    zerorate_rate_dps, zerorate_temp_c
+ *   correct    zerorate_correct, zerorate_correct_f32, zerorate_correct_integer, zerorate_correct_curve, with the
+ *              numbers of zerorate_correction_to_...; a stream: zerorate_corrector_...; a table: zerorate_table_...
+ *   calibrate  zerorate_plan_default, zerorate_procedure_...
+ *   track      zerorate_tracker_...
+ *   self-test  zerorate_self_test_plan_default, zerorate_gyro_self_test
+ *   say why    zerorate_text; ZERORATE_E_..., ZERORATE_WARNING_..., ZERORATE_REMEDY_...
+ *
  * F-01 and the like are facts with their sources: docs/facts.md.
  */
 

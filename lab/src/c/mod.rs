@@ -96,6 +96,12 @@ fn on_host(seed: u64, expected: &str) -> Result<()> {
         let program = link(&[&format!("examples/{example}.c"), "tests/board_twin.c"], example)?;
         done(&mut Command::new(program))?;
     }
+    let shown = printed(&mut Command::new(link(&["examples/on_twin.c"], "on_twin")?))?;
+    let page = fs::read_to_string(Path::new(PROJECT).join("README.md"))?;
+    ensure!(
+        page.contains(&format!("```text\n{shown}```\n")),
+        "{PROJECT}/README.md lacks what on_twin prints: {shown}"
+    );
     println!("the examples run on the twin");
     Ok(())
 }
