@@ -220,7 +220,8 @@ impl fmt::Display for SpecError {
             }
             Self::NoValue { item } => write!(f, "`{item}` is not key=value"),
             Self::BadValue { key, value, allowed } => {
-                write!(f, "{key}={value}: {key} takes {allowed}")
+                write!(f, "{key}={value}: {key} takes {allowed}")?;
+                if value.contains([';', '&']) { write!(f, ", and a comma goes before the next key") } else { Ok(()) }
             }
             Self::Repeated { key } => write!(f, "{key} is given twice"),
         }

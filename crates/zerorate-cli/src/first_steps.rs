@@ -2,9 +2,11 @@
 
 use crate::cli::Cli;
 use crate::output::say;
-use clap::Parser;
-use clap::error::{ContextKind, ContextValue, Error};
+use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
+use clap::{Arg, Command, CommandFactory, FromArgMatches};
+use std::error::Error as _;
 use std::ffi::OsString;
+use std::num::{ParseFloatError, ParseIntError};
 use std::process::ExitCode;
 
 /// The text that the program prints without arguments.
@@ -16,8 +18,9 @@ const LINES: [&str; 5] = [
     "  zerorate help                                  all commands; `zerorate help COMMAND` explains one",
 ];
 
-/// The commands that are written in Python, and how to install each in a clone.
-const OF_PYTHON: [(&str, &str); 2] = [
+/// Words that are commands elsewhere: where, and how to install those in a clone.
+const ELSEWHERE: [(&str, &str); 3] = [
+    ("version", "is an option: zerorate --version"),
     ("fleet", "is in the Python package: pip install './bindings/python[fleet]' in a clone"),
     (
         "certificate",
@@ -35,9 +38,20 @@ pub fn parse(args: &[OsString]) -> Result<Cli, ExitCode> {
         LINES.iter().for_each(say);
         return Err(ExitCode::from(USAGE));
     }
-    let cli = Cli::try_parse_from(args).map_err(|error| printed(&advised(error)))?;
+    let cli = parsed(args).map_err(|error| printed(&advised(error)))?;
     cli.set_limits();
     Ok(cli)
+}
+
+/// The command line. An option takes a number below zero as its value, so that its own error names the limits, and
+/// names of values in any case.
+fn parsed<T: Into<OsString> + Clone>(args: impl IntoIterator<Item = T>) -> Result<Cli, Error> {
+    let lenient = |arg: Arg| match arg.get_action().takes_values() && !arg.is_positional() {
+        true => arg.allow_negative_numbers(true).ignore_case(true),
+        false => arg,
+    };
+    let command = Cli::command().mut_subcommands(|command| command.mut_args(lenient));
+    Cli::from_arg_matches_mut(&mut command.try_get_matches_from(args)?)
 }
 
 /// Prints an error of clap's, or the help that was asked for.
@@ -58,24 +72,78 @@ fn brief(error: &str) -> impl Iterator<Item = &str> {
     lines.filter(move |line| !(has_usage && line.starts_with("For more information")))
 }
 
-/// The error, with a tip where a number has a decimal comma, or a command is written in Python.
+/// The error, with a tip of ours where it is about a number, a command elsewhere, or an argument without a place.
 fn advised(mut error: Error) -> Error {
     let given = |kind| match error.get(kind) {
         Some(ContextValue::String(given)) => Some(given.as_str()),
         _ => None,
     };
-    let point = given(ContextKind::InvalidValue).and_then(with_point);
-    let command = given(ContextKind::InvalidSubcommand);
-    let of_python = OF_PYTHON.iter().find(|(name, _)| command == Some(name));
-    let tip = match (point, of_python) {
-        (Some(point), _) => format!("use a decimal point: {point}"),
-        (None, Some((command, how))) => format!("`{command}` {how}"),
-        (None, None) => return error,
+    let argument = given(ContextKind::InvalidArg).filter(|_| error.kind() == ErrorKind::UnknownArgument);
+    let number = given(ContextKind::InvalidValue).and_then(|value| of_number(value, error.source()));
+    let tip = match (number, given(ContextKind::InvalidSubcommand), argument) {
+        (Some(tip), _, _) => Some(tip),
+        (None, Some(command), _) => {
+            let Some((name, how)) = ELSEWHERE.iter().find(|(name, _)| *name == command) else { return error };
+            Some(format!("`{name}` {how}"))
+        }
+        (None, None, Some(argument)) => of_argument(argument, &usage(&error)),
+        (None, None, None) => return error,
     };
     // the user means this command, and none of a similar name
     error.remove(ContextKind::SuggestedSubcommand);
-    error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+    error.remove(ContextKind::Suggested);
+    if let Some(tip) = tip {
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+    }
     error
+}
+
+/// The usage line of an error.
+fn usage(error: &Error) -> String {
+    match error.get(ContextKind::Usage) {
+        Some(ContextValue::StyledStr(usage)) => usage.to_string(),
+        _ => String::new(),
+    }
+}
+
+/// The tip about a value that is not the number that the option takes.
+fn of_number(value: &str, why: Option<&(dyn std::error::Error + 'static)>) -> Option<String> {
+    let is_whole = || why.is_some_and(|why| why.is::<ParseIntError>());
+    let is_float = || why.is_some_and(|why| why.is::<ParseFloatError>());
+    match (with_point(value), value.strip_suffix('%').and_then(|share| share.parse::<f64>().ok())) {
+        (Some(point), _) => Some(format!("use a decimal point: {point}")),
+        (None, Some(percent)) => Some(format!("write the share as a number: {}", percent / 100.0)),
+        (None, None) if is_whole() => Some("give a whole number, such as 10".to_owned()),
+        (None, None) if is_float() => Some("give a number, such as 0.01".to_owned()),
+        (None, None) => None,
+    }
+}
+
+/// The tip about an argument that has no place in a command of this usage.
+fn of_argument(argument: &str, usage: &str) -> Option<String> {
+    let cli = Cli::command();
+    if let Some(option) = argument.strip_prefix('-') {
+        if option.starts_with(|c: char| c.is_ascii_digit()) {
+            return Some("join a value that begins with - to its option: --OPTION=-5".to_owned());
+        }
+        let is_it = |arg: &Arg| names(arg).contains(&argument.to_owned());
+        let has = |command: &&Command| command.get_arguments().any(is_it);
+        let commands: Vec<&str> = cli.get_subcommands().filter(has).map(Command::get_name).collect();
+        return (!commands.is_empty()).then(|| format!("`{argument}` is an option of {}", commands.join(", ")));
+    }
+    if argument.contains('=') {
+        return Some(format!("keys of the simulated sensor belong to a device: --device twin:{argument}"));
+    }
+    let command = cli.find_subcommand(usage.split_whitespace().nth(2)?)?;
+    let takes_file = |arg: &&Arg| !arg.is_positional() && arg.get_value_names().is_some_and(|names| names == ["FILE"]);
+    let options: Vec<String> = command.get_arguments().filter(takes_file).flat_map(|arg| names(arg).pop()).collect();
+    (!options.is_empty()).then(|| format!("an option goes before a file: {}", options.join(", ")))
+}
+
+/// The short name and the long name of an option.
+fn names(arg: &Arg) -> Vec<String> {
+    let short = arg.get_short().map(|short| format!("-{short}"));
+    short.into_iter().chain(arg.get_long().map(|long| format!("--{long}"))).collect()
 }
 
 /// `100,5` and `1,5h` with a point; none of what is not one number with a comma in it.
@@ -112,17 +180,41 @@ mod tests {
             "zerorate certificate unit.toml",
         ];
         for command in wrong {
-            let error = Cli::try_parse_from(command.split(' ')).expect_err(command);
+            let error = parsed(command.split(' ')).expect_err(command);
             let text = advised(error).render().to_string();
             assert!((1..=4).contains(&brief(&text).count()), "{command}: {text}");
         }
     }
 
     #[test]
+    fn tips_are_about_the_mistake() {
+        for (command, tip) in [
+            ("zerorate probe --fit", Some("`--fit` is an option of allan")),
+            ("zerorate calibrate --settle -5m", Some("join a value that begins with - to its option: --OPTION=-5")),
+            ("zerorate calibrate --unknown-thing", None),
+            ("zerorate export a.toml b.toml --format c", Some("an option goes before a file: --output")),
+            ("zerorate calibrate unit.toml", Some("an option goes before a file: --output, --log")),
+            ("zerorate twin seed=3", Some("keys of the simulated sensor belong to a device: --device twin:seed=3")),
+            ("zerorate calibrate --max-lost 1%", Some("write the share as a number: 0.01")),
+            ("zerorate capture -o a.csv --samples many", Some("give a whole number, such as 10")),
+            ("zerorate version", Some("`version` is an option: zerorate --version")),
+        ] {
+            let error = advised(parsed(command.split(' ')).expect_err(command)).render().to_string();
+            let line = error.lines().find_map(|line| line.trim().strip_prefix("tip: "));
+            assert_eq!(line, tip, "{error}");
+        }
+        let error = parsed("zerorate allan log.csv --rate -5".split(' ')).expect_err("-5 Hz").to_string();
+        assert!(
+            error.starts_with("error: invalid value '-5' for '--rate <HZ>': must be a number above zero"),
+            "{error}"
+        );
+    }
+
+    #[test]
     fn every_first_step_is_a_command() {
         for line in &LINES[1..4] {
             let command = line.trim().split("  ").next().unwrap_or_default();
-            Cli::try_parse_from(command.split(' ')).unwrap_or_else(|why| panic!("{command}: {why}"));
+            parsed(command.split(' ')).unwrap_or_else(|why| panic!("{command}: {why}"));
         }
     }
 }

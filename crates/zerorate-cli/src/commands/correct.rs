@@ -1,6 +1,7 @@
 //! `zerorate correct`: corrects a recorded file and keeps its raw columns.
 
-use super::serial::Part;
+use super::serial::{GIVE, Part, one_line};
+use crate::exit::Usage;
 use crate::interrupt;
 use crate::output::{Outputs, say, warn};
 use crate::part::PartArgs;
@@ -39,6 +40,10 @@ pub struct CorrectArgs {
     /// The file to write.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+
+    /// The serial number of the sensor, where the capture does not state it.
+    #[arg(long, value_name = "SN", value_parser = one_line)]
+    serial: Option<String>,
 
     /// The form of the file [default: as its ending states, or arrows without an ending].
     #[arg(long, value_enum)]
@@ -95,9 +100,13 @@ fn other_file(path: &Path) -> Error {
 
 fn check_serial(args: &CorrectArgs, info: &CaptureInfo, calibration: &Calibration) -> Result<()> {
     let name = args.capture.display().to_string();
-    let advice = "record with `zerorate capture --serial SN`";
-    let checked = Part { name: &name, serial: info.serial.as_deref(), advice }.check(calibration, &args.cal);
-    match checked {
+    let serial = match (info.serial.as_deref(), args.serial.as_deref()) {
+        (Some(recorded), Some(given)) if recorded != given => {
+            return Err(Usage(format!("{name} states that its part is {recorded}; leave out --serial {given}")).into());
+        }
+        (recorded, given) => recorded.or(given),
+    };
+    match (Part { name: &name, serial, advice: GIVE }).check(calibration, &args.cal) {
         Err(mismatch) if args.force => warn(&[mismatch]),
         Err(mismatch) => bail!("{mismatch} (--force corrects nevertheless)"),
         Ok(doubt) => warn(doubt.map(coded).as_slice()),

@@ -46,7 +46,7 @@ pub struct ExportArgs {
     sensor: Option<u32>,
 
     /// The device_id of the gyroscope, as PX4 states it in sensor_gyro.
-    #[arg(long, value_name = "ID", allow_negative_numbers = true)]
+    #[arg(long, value_name = "ID")]
     device_id: Option<i32>,
 
     /// The file to write [default: stdout].
@@ -71,7 +71,7 @@ fn formats() -> PossibleValuesParser {
 }
 
 pub fn run(args: &ExportArgs) -> Result<()> {
-    let form = ExportForm::named(&args.format);
+    let form = ExportForm::named(&args.format.to_lowercase());
     ensure!(
         args.prefix.is_none() || form.is_some_and(ExportForm::is_code),
         Usage("--prefix is for names in C and Rust; the other forms have none".to_owned())

@@ -3,7 +3,7 @@
 use crate::interrupt;
 use crate::output::{Outputs, print, warn};
 use crate::wording::form;
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail, ensure};
 use arrow_array::RecordBatch;
 use arrow_schema::{Field, Metadata, SchemaRef};
 use clap::Args;
@@ -86,6 +86,9 @@ impl IntactPart {
         let missing = match damage {
             Some(error) if rows == 0 => return Err(error.into()),
             Some(error) => Some(format!("{}{error}", stated.unwrap_or_default())),
+            None if rows == 0 && table.is_torn() => {
+                bail!("{}: no row of it can be kept: take another copy", path.display())
+            }
             None if table.is_torn() || table.behind_end().is_some() => {
                 let texts: Vec<String> = table.warnings().iter().map(CaptureWarning::to_string).collect();
                 Some(texts.join("; "))

@@ -9,9 +9,12 @@ use zerorate_view::SessionWarning;
 
 /// Parses a text that files and messages show as one line.
 pub fn one_line(text: &str) -> Result<String, String> {
-    match text.contains(char::is_control) {
-        true => Err("it must be one line of plain text, without control characters".to_owned()),
-        false => Ok(text.to_owned()),
+    match text.trim() {
+        "" => Err("it is empty; leave the option out".to_owned()),
+        _ if text.contains(char::is_control) => {
+            Err("it must be one line of plain text, without control characters".to_owned())
+        }
+        _ => Ok(text.to_owned()),
     }
 }
 

@@ -22,6 +22,11 @@ fn the_calibration_of_another_part_is_refused() {
     let doubtful = bench.zerorate("correct nameless.csv --cal a1.toml -o doubtful.arrows");
     assert!(doubtful.stderr.contains("unknown-serial") && doubtful.stderr.contains("part A1"));
     doubtful.ok();
+    let known = bench.zerorate("correct nameless.csv --cal a1.toml -o known.arrows --serial A1");
+    assert!(!known.stderr.contains("unknown-serial"), "{}", known.stderr);
+    known.ok();
+    bench.zerorate("correct nameless.csv --cal a1.toml -o b2.arrows --serial B2").fails(1);
+    bench.zerorate("correct rest.csv --cal a1.toml -o b2.arrows --serial B2").fails(2);
     bench.write("nameless.toml", calibration(-0.25, -0.04, 24.0));
     let doubtful = bench.zerorate("correct rest.csv --cal nameless.toml -o doubtful.csv");
     assert!(doubtful.stderr.contains("unknown-serial") && doubtful.stderr.contains("calibrate with one next time"));

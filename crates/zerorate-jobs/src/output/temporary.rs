@@ -23,6 +23,14 @@ pub fn remove_all_for_good() {
     std::mem::forget(all);
 }
 
+/// The error without the name of the temporary file, which the user did not give.
+fn without_path(error: io::Error) -> io::Error {
+    match error.to_string().split_once(" at path ") {
+        Some((why, _)) => io::Error::new(error.kind(), why),
+        None => error,
+    }
+}
+
 /// A file with a name that nothing had before, made exclusively.
 #[derive(Debug)]
 pub struct Temporary {
@@ -44,7 +52,7 @@ impl Temporary {
 
     fn create(folder: &Path, builder: &Builder<'_, '_>) -> io::Result<Self> {
         let mut all = all();
-        let file = builder.tempfile_in(folder)?;
+        let file = builder.tempfile_in(folder).map_err(without_path)?;
         all.insert(file.path().to_owned());
         let listed = ListEntry(file.path().to_owned());
         Ok(Self { file, _listed: listed })

@@ -202,6 +202,9 @@ fn temperature(log: &UnitLog, axes: &Axes, topic: Option<&str>, options: &Tempca
     }
 }
 
+/// The temperature of a capture, in codes.
+const TEMP_CODE: &str = "temp_code";
+
 /// Checks that the numbers can be in °C. A few that cannot count as missing.
 fn checked(log: &Path, mut column: Column, options: &TempcalOptions) -> Result<Column> {
     let (low, high) = match possible_c(values(column.clone(), log)?) {
@@ -213,6 +216,10 @@ fn checked(log: &Path, mut column: Column, options: &TempcalOptions) -> Result<C
         Err(ends) => ends,
     };
     let option = options.axes.log.names.of(Setting::TempColumn);
+    if column.name == TEMP_CODE {
+        let what = "this is a capture of one sensor; `zerorate recalibrate --method warmup` finds its bias";
+        return Err(LogError::Ask(format!("{}: {what}", log.display())).into());
+    }
     let kelvin = if low > 200.0 && high < 450.0 { ", which looks like kelvins" } else { "" };
     Err(LogError::Ask(format!(
         "{}: the temperature {} goes from {low} to {high}{kelvin}; it must be in °C. Convert it, or name another \
