@@ -93,6 +93,16 @@ impl Cli {
         }
     }
 
+    /// What a command without a measure of its progress is doing.
+    pub fn activity(&self) -> Option<String> {
+        use Command::{Allan, Correct, Imu, Repair, Tempcal, Verify};
+        let (Allan(_) | Imu(_) | Tempcal(_) | Correct(_) | Verify(_) | Repair(_)) = self.command else { return None };
+        let files = self.foreign_files();
+        let (first, rest) = files.split_first()?;
+        let more = if rest.is_empty() { String::new() } else { format!(" and {} more", rest.len()) };
+        Some(format!("working on {}{more}", first.display()))
+    }
+
     /// The files of unknown origin that the command will read.
     pub fn foreign_files(&self) -> Vec<&Path> {
         match &self.command {

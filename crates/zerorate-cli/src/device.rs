@@ -15,7 +15,7 @@ use zerorate_jobs::{Acquisition, WarningSink};
 #[derive(Args, Debug)]
 pub struct SourceArgs {
     /// The sensor to read, such as twin:, replay:FILE or bridge:… (all: `zerorate help device`).
-    #[arg(short, long, value_name = "DEV", default_value = "twin:")]
+    #[arg(short, long, value_name = "DEV", default_value = "twin:", help_heading = "Sensor")]
     pub device: DeviceSpec,
 
     #[command(flatten)]
@@ -29,7 +29,7 @@ pub struct DeviceArgs {
     pub source: SourceArgs,
 
     /// Pace simulated or replayed time to the wall clock [default: as fast as possible].
-    #[arg(long)]
+    #[arg(long, help_heading = "Sensor")]
     pub realtime: bool,
 }
 
@@ -77,12 +77,12 @@ impl Deref for DeviceArgs {
 #[derive(Args, Debug, Clone, Copy)]
 pub struct SamplingArgs {
     /// Read the temperature with every N-th rate sample only, for a slow host [default: 1].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "Sensor")]
     pub every_temp: Option<u16>,
 
     /// Read on every N-th data-ready edge only; the resulting rate is measured and stated [default: 1]. Where a
     /// counter divides the line itself, put divided=N into the address. A divider then counts the edges behind it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = "Sensor")]
     pub divider: Option<u16>,
 }
 

@@ -61,7 +61,9 @@ pub fn main_confined(args: impl IntoIterator<Item = OsString>) -> ExitCode {
 }
 
 fn run(cli: &cli::Cli) -> ExitCode {
+    let busy = cli.activity().map(progress::Busy::with);
     let ended = interrupt::handle().and_then(|()| cli.run());
+    drop(busy);
     exit_message::say_after(|| match ended {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => exit::report(&error),

@@ -1,9 +1,11 @@
 //! The progress bar on stderr: the step in words, the progress, the time left. It is hidden where stderr is not a
 //! terminal.
 
-use crate::output::warn;
+use crate::output::{clear, show, warn};
 use crate::wording::{coded, flag};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::thread;
+use std::time::Duration;
 use zerorate::{Progress, Reached, Setting, SettingNames};
 use zerorate_jobs::JobWarning;
 use zerorate_jobs::calibrate::Watch;
@@ -24,6 +26,7 @@ impl Meter {
         let style = ProgressStyle::with_template("{msg:32} {wide_bar:.cyan/dim} {percent:>3} %  {eta} left ");
         // the template is a constant; if it were wrong, the plain bar would still do
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        show(&bar);
         Self { bar, scale: STEPS as f64 / total.max(f64::MIN_POSITIVE), note: None }
     }
 
@@ -70,7 +73,34 @@ impl Watch for Meter {
 
 impl Drop for Meter {
     fn drop(&mut self) {
-        self.bar.finish_and_clear();
+        clear();
+    }
+}
+
+/// Shows that a command of unknown length is at work.
+pub struct Busy;
+
+impl Busy {
+    /// Shows `message` and the time since now, once the command has taken two seconds.
+    pub fn with(message: String) -> Self {
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden()).with_message(message);
+        let style = ProgressStyle::with_template("{spinner} {msg} {elapsed}");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+        show(&bar);
+        thread::spawn(move || {
+            thread::sleep(Duration::from_secs(2));
+            if !bar.is_finished() {
+                bar.set_draw_target(ProgressDrawTarget::stderr());
+                bar.enable_steady_tick(Duration::from_millis(200));
+            }
+        });
+        Self
+    }
+}
+
+impl Drop for Busy {
+    fn drop(&mut self) {
+        clear();
     }
 }
 

@@ -7,12 +7,12 @@ use zerorate::EARTH_DPS;
 pub struct EarthArgs {
     /// The component of the Earth's rotation on the axis, °/s, to subtract from the bias [default: as the recording
     /// states it; otherwise it stays part of PBC, and a warning says so]. A --log states it.
-    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", help_heading = "Procedure")]
     earth_dps: Option<f64>,
 
     /// The same for an axis that points straight up, by the latitude: 0.00418 °/s × sin(DEG), north positive.
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true, conflicts_with = "earth_dps",
-          value_parser = latitude)]
+    #[arg(long, value_name = "DEG", conflicts_with = "earth_dps",
+          value_parser = latitude, help_heading = "Procedure")]
     latitude: Option<f64>,
 }
 

@@ -1,6 +1,7 @@
 //! `zerorate tempcal`: the bias of all axes over temperature, from logs of any IMU at rest.
 
 use super::imu::axes::AxisArgs;
+use super::serial::one_line;
 use crate::column::LogArgs;
 use crate::exit::Usage;
 use crate::output::{Outputs, StagedOutput, command_line, print_json, print_lines, say, warn};
@@ -31,39 +32,39 @@ pub struct TempcalArgs {
     pub logs: Vec<PathBuf>,
 
     /// The file to write.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", help_heading = "Result")]
     output: Option<PathBuf>,
 
     /// The form of that file.
-    #[arg(long, value_enum, default_value = "toml", ignore_case = true)]
+    #[arg(long, value_enum, default_value = "toml", help_heading = "Result")]
     format: Form,
 
     /// The temperature at which the bias is stated, °C [default: 25, or the middle of the temperatures].
-    #[arg(long, value_name = "C", allow_negative_numbers = true)]
+    #[arg(long, value_name = "C", help_heading = "Temperature")]
     reference_c: Option<f64>,
 
     /// The column with the temperature, °C [default: the only one whose unit or name says so].
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", help_heading = "Temperature")]
     temp_column: Option<String>,
 
     /// The serial number of the unit, for the file.
-    #[arg(long, value_name = "SN")]
+    #[arg(long, value_name = "SN", value_parser = one_line, help_heading = "Result")]
     serial: Option<String>,
 
     /// Draw means, curve and band of each axis (.svg, .png).
-    #[arg(long, value_name = "PICTURE")]
+    #[arg(long, value_name = "PICTURE", help_heading = "Result")]
     plot: Vec<PathBuf>,
 
     /// Write one self-contained HTML page with numbers, curves and what they leave over temperature and time.
-    #[arg(long, value_name = "PAGE")]
+    #[arg(long, value_name = "PAGE", help_heading = "Result")]
     report: Option<PathBuf>,
 
     /// Print the result as one JSON object.
-    #[arg(long)]
+    #[arg(long, help_heading = "Result")]
     json: bool,
 
     /// Overwrite existing files.
-    #[arg(long)]
+    #[arg(long, help_heading = "Result")]
     force: bool,
 
     #[command(flatten)]

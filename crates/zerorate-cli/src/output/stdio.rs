@@ -1,7 +1,10 @@
 //! The standard streams: the reader of stdout may leave, and stderr may be full.
 
+use clap::builder::styling::{AnsiColor, Style};
+use indicatif::ProgressBar;
 use std::fmt::Display;
-use std::io::{self, ErrorKind, StdoutLock, Write};
+use std::io::{self, ErrorKind, IsTerminal, StdoutLock, Write};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use zerorate_input::plain;
 
 /// The reader of stdout left, as in `zerorate … | head`. This ends the run but is not a failure.
@@ -9,10 +12,58 @@ use zerorate_input::plain;
 #[error("the reader of stdout is gone")]
 struct ReaderLeft;
 
+/// The bar on stderr, while there is one.
+static BAR: Mutex<Option<ProgressBar>> = Mutex::new(None);
+
+fn bar() -> MutexGuard<'static, Option<ProgressBar>> {
+    BAR.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// From here on lines are printed above this bar.
+pub fn show(new: &ProgressBar) {
+    *bar() = Some(new.clone());
+}
+
+/// Removes the bar, if there is one.
+pub fn clear() {
+    if let Some(bar) = bar().take() {
+        bar.finish_and_clear();
+    }
+}
+
 /// Prints a line for people to stderr, without control characters. A line that cannot be written must not end the
 /// measurement.
 pub fn say(line: impl Display) {
-    let _ = writeln!(io::stderr().lock(), "{}", plain::line(&line.to_string()));
+    let line = line.to_string();
+    let line = painted(&plain::line(&line));
+    let write = || drop(writeln!(io::stderr().lock(), "{line}"));
+    match &*bar() {
+        Some(bar) => bar.suspend(write),
+        None => write(),
+    }
+}
+
+/// The words that begin a line, and how they look on a terminal.
+const LABELS: [(&str, Style); 4] = [
+    ("error:", AnsiColor::Red.on_default().bold()),
+    ("refused:", AnsiColor::Red.on_default().bold()),
+    ("warning:", AnsiColor::Yellow.on_default().bold()),
+    ("  tip:", AnsiColor::Green.on_default()),
+];
+
+fn painted(line: &str) -> String {
+    static IS_COLOURED: OnceLock<bool> = OnceLock::new();
+    let set = |name| std::env::var_os(name).filter(|value| !value.is_empty());
+    let understands = || match cfg!(windows) {
+        true => set("WT_SESSION").is_some(),
+        false => set("TERM").is_some_and(|term| term != "dumb"),
+    };
+    let wanted = || io::stderr().is_terminal() && set("NO_COLOR").is_none() && understands();
+    let label = LABELS.iter().find_map(|(label, style)| Some((label, style, line.strip_prefix(label)?)));
+    match label {
+        Some((label, style, rest)) if *IS_COLOURED.get_or_init(wanted) => format!("{style}{label}{style:#}{rest}"),
+        _ => line.to_owned(),
+    }
 }
 
 /// Stdout, for data. [`ReaderLeft`] distinguishes its broken pipe from every other one.
@@ -20,8 +71,9 @@ pub fn say(line: impl Display) {
 pub struct Stdout(StdoutLock<'static>);
 
 impl Stdout {
-    /// Locks stdout: nothing else prints until this is dropped.
+    /// Locks stdout: nothing else prints until this is dropped. A bar would stand among the data, so it ends here.
     pub fn lock() -> Self {
+        clear();
         Self(io::stdout().lock())
     }
 }

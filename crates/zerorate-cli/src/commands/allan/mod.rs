@@ -42,58 +42,59 @@ pub struct AllanArgs {
     #[arg(value_name = "FILE", required = true)]
     pub files: Vec<PathBuf>,
 
-    #[command(flatten)]
-    column: ColumnArgs,
-
-    #[arg(long, default_value = "oadev", help = statistics())]
+    #[arg(long, default_value = "oadev", help = statistics(), help_heading = "Deviations")]
     stat: Stat,
 
     /// The averaging times: octave, fine, decade, log:N, all, or a list in seconds such as 0.1,1,10 [default: octave,
     /// in pictures fine].
     ///
     /// fine has four to an octave, decade has 1, 2, 4, 10 … samples, log:N has N times at even steps of the logarithm.
-    #[arg(long)]
+    #[arg(long, help_heading = "Deviations")]
     taus: Option<Taus>,
 
     /// The content of the column: the rate, or its integral, the phase (the angle).
-    #[arg(long, value_enum, default_value = "rate")]
+    #[arg(long, value_enum, default_value = "rate", help_heading = "Deviations")]
     data: Data,
 
     /// The probability that an interval contains the true deviation.
-    #[arg(long, default_value_t = 0.683, value_parser = probability, value_name = "P")]
+    #[arg(long, default_value_t = 0.683, value_parser = probability, value_name = "P", help_heading = "Deviations")]
     confidence: f64,
+
+    /// Close up the gaps where samples are missing, which changes the result.
+    #[arg(long, help_heading = "Deviations")]
+    ignore_gaps: bool,
 
     /// Fit a noise model: N (angle random walk), B (bias instability), K (rate random walk) and more.
     ///
     /// Q (quantisation), R (ramp), Gauss–Markov terms, the sensor's band and lines are added where they are
     /// significant. Glitches and steps are removed first, from the deviations too, and warnings say which. A model
     /// that is off by more than 10 % is rejected: exit code 3, as for a record that has no model.
-    #[arg(long)]
+    #[arg(long, help_heading = "Noise model")]
     fit: bool,
 
     /// Fit one model to all the logs, which must be of one type of sensor at rest.
     ///
     /// The likelihoods are added. The result states the spread between the records and names those that do not fit.
     /// Text, picture, page and YAML then show the common model. --json has every log as well.
-    #[arg(long)]
+    #[arg(long, help_heading = "Noise model")]
     pool: bool,
 
     /// Remove samples that cannot be noise (knocks, bit errors) before a fit. This is the default.
-    #[arg(long, conflicts_with = "keep_glitches")]
+    #[arg(long, conflicts_with = "keep_glitches", help_heading = "Noise model")]
     cut_glitches: bool,
 
     /// Keep such samples.
-    #[arg(long)]
+    #[arg(long, help_heading = "Noise model")]
     keep_glitches: bool,
 
     /// What to do before a fit where the level jumps and stays, up to three times.
-    #[arg(long, value_enum, default_value = "remove")]
+    #[arg(long, value_enum, default_value = "remove", help_heading = "Noise model")]
     steps: Steps,
 
     /// The frequency up to which the noise model holds, Hz [default: the data choose].
     ///
     /// Above it the sensor's filter shapes the noise, and the Allan deviation is that of the measured spectrum.
-    #[arg(long, value_parser = frequency, value_name = "HZ", allow_negative_numbers = true)]
+    #[arg(long, value_parser = frequency, value_name = "HZ", help_heading = "Noise model")]
     max_freq: Option<f64>,
 
     #[command(flatten)]
@@ -101,33 +102,32 @@ pub struct AllanArgs {
 
     /// Draw the deviations with their intervals, the fit with its band, and the averaging times of AN-1042 (.svg,
     /// .png).
-    #[arg(long, value_name = "PICTURE")]
+    #[arg(long, value_name = "PICTURE", help_heading = "Result")]
     plot: Vec<PathBuf>,
 
     /// Write one self-contained HTML page with pictures, tables, coefficients and advice.
-    #[arg(long, value_name = "PAGE")]
+    #[arg(long, value_name = "PAGE", help_heading = "Result")]
     report: Option<PathBuf>,
 
     /// Write N and K as Kalibr, VINS and OpenVINS read them (imu.yaml). Several logs give their largest values.
-    #[arg(long, value_name = "YAML")]
+    #[arg(long, value_name = "YAML", help_heading = "Result")]
     imu_yaml: Option<PathBuf>,
 
-    /// Close up the gaps where samples are missing, which changes the result.
-    #[arg(long)]
-    ignore_gaps: bool,
-
     /// Overwrite pictures, pages and YAML files that exist, but never a capture.
-    #[arg(long)]
+    #[arg(long, help_heading = "Result")]
     force: bool,
 
     /// Print the table as CSV.
-    #[arg(long, conflicts_with = "json")]
+    #[arg(long, conflicts_with = "json", help_heading = "Result")]
     csv: bool,
 
     /// Print the result as one JSON object. With --fit or --pool it has the noise model, and says so if the model is
     /// rejected. Without a model the coefficients are null. Both are exit code 3.
-    #[arg(long)]
+    #[arg(long, help_heading = "Result")]
     json: bool,
+
+    #[command(flatten)]
+    column: ColumnArgs,
 }
 
 fn statistics() -> String {

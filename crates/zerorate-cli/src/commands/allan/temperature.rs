@@ -12,11 +12,11 @@ use zerorate_logs::Names;
 pub struct TemperatureArgs {
     /// Remove a polynomial over temperature first, by least squares: of order 1, or up to 3 as in temp:2. Noise that
     /// it may have removed widens the intervals of long averages and of K.
-    #[arg(long, value_name = "temp[:ORDER]", value_parser = order)]
+    #[arg(long, value_name = "temp[:ORDER]", value_parser = order, help_heading = "Temperature")]
     detrend: Option<usize>,
 
     /// The column with the temperature [default: temp_code of a capture, else temp, temp_c or temperature].
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", help_heading = "Temperature")]
     pub temp_column: Option<String>,
 }
 

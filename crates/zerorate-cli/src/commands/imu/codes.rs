@@ -1,6 +1,6 @@
 //! The options about integer codes.
 
-use crate::column::positive;
+use crate::column::{UNITS, positive};
 use crate::exit::Usage;
 use crate::output::Outputs;
 use crate::part;
@@ -15,16 +15,16 @@ pub struct CodeArgs {
     /// The sensor whose integer codes the columns hold: a name of `zerorate parts`, or a file
     /// (docs/formats/part.md). It gives the scales of each kind without a unit. --gyro-range and --accel-range choose
     /// the full scale [default: as after power-up, with a warning].
-    #[arg(long, value_name = "PART")]
+    #[arg(long, value_name = "PART", help_heading = UNITS)]
     part: Option<PathBuf>,
 
     /// The full scale of the gyroscope, °/s, if its columns hold integer codes of 16 bits: 250 means 250/32768 °/s for
     /// each, or the sensitivity of --part there.
-    #[arg(long, value_name = "DPS", value_parser = positive, conflicts_with_all = ["gyro_unit", "gyro_scale"])]
+    #[arg(long, value_name = "DPS", value_parser = positive, conflicts_with_all = ["gyro_unit", "gyro_scale"], help_heading = UNITS)]
     gyro_range: Option<f64>,
 
     /// The full scale of the accelerometer, g, likewise.
-    #[arg(long, value_name = "G", value_parser = positive, conflicts_with_all = ["accel_unit", "accel_scale"])]
+    #[arg(long, value_name = "G", value_parser = positive, conflicts_with_all = ["accel_unit", "accel_scale"], help_heading = UNITS)]
     accel_range: Option<f64>,
 }
 

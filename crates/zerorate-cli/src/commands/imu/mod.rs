@@ -38,15 +38,15 @@ pub struct ImuArgs {
     pub log: PathBuf,
 
     /// The file to write.
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", help_heading = "Noise file")]
     output: Option<PathBuf>,
 
     /// The program that will read the file.
-    #[arg(long, value_enum, default_value = "kalibr", ignore_case = true)]
+    #[arg(long, value_enum, default_value = "kalibr", help_heading = "Noise file")]
     format: Format,
 
     /// How to combine the axes of a kind where the reader takes one number.
-    #[arg(long, value_enum, default_value = "worst")]
+    #[arg(long, value_enum, default_value = "worst", help_heading = "Noise file")]
     combine: Combine,
 
     /// The longest time over which the filter is to trust its own uncertainty, s [default: a third of the record, at
@@ -55,51 +55,51 @@ pub struct ImuArgs {
     /// Filters know white noise N and a random walk K only. N and K are chosen so that N²/τ + K²τ/3 covers the
     /// Allan variance of the noise from 1 s to the horizon, with the least excess. Kalibr, which weighs a minute or
     /// two, gets the fitted N, and only K is lifted.
-    #[arg(long, value_name = "S", value_parser = horizon, allow_negative_numbers = true)]
+    #[arg(long, value_name = "S", value_parser = horizon, help_heading = "Noise file")]
     horizon: Option<f64>,
 
     /// Write N and K as they were fitted.
-    #[arg(long, conflicts_with = "horizon")]
+    #[arg(long, conflicts_with = "horizon", help_heading = "Noise file")]
     as_fitted: bool,
 
     /// Multiply all noise by F, to allow for errors that a record at rest does not show: vibration, temperature,
     /// scale. Filters are often tuned with 5 to 20.
-    #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = positive)]
+    #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = positive, help_heading = "Noise file")]
     inflate: f64,
 
-    #[command(flatten)]
-    axes: AxisArgs,
+    /// Write -o also from noise models that are rejected; the file says so inside.
+    #[arg(long, requires = "output", help_heading = "Noise file")]
+    accept_rejected: bool,
 
     /// Draw the deviations of all axes, with fit and band (.svg, .png).
-    #[arg(long, value_name = "PICTURE")]
+    #[arg(long, value_name = "PICTURE", help_heading = "Result")]
     plot: Vec<PathBuf>,
 
     /// Write one self-contained HTML page with coefficients by axis, curves, spectra and records.
-    #[arg(long, value_name = "PAGE")]
+    #[arg(long, value_name = "PAGE", help_heading = "Result")]
     report: Option<PathBuf>,
 
     /// Compare with the noise of a data sheet: a name of `zerorate parts`, or a TOML file
     /// (docs/formats/datasheet.md).
-    #[arg(long, value_name = "PART")]
+    #[arg(long, value_name = "PART", help_heading = "Result")]
     datasheet: Option<PathBuf>,
 
     /// Print the result as one JSON object.
-    #[arg(long)]
+    #[arg(long, help_heading = "Result")]
     json: bool,
 
     /// Overwrite existing files.
-    #[arg(long)]
+    #[arg(long, help_heading = "Result")]
     force: bool,
-
-    /// Write -o also from noise models that are rejected; the file says so inside.
-    #[arg(long, requires = "output")]
-    accept_rejected: bool,
-
-    #[command(flatten)]
-    reading: LogArgs,
 
     #[command(flatten)]
     temperature: TemperatureArgs,
+
+    #[command(flatten)]
+    axes: AxisArgs,
+
+    #[command(flatten)]
+    reading: LogArgs,
 }
 
 impl ImuArgs {

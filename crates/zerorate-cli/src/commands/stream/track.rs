@@ -29,7 +29,7 @@ pub struct TrackArgs {
     /// The Earth's rotation on the axis at rest, °/s, at most 0.0042 [default: as in the calibration].
     ///
     /// Give it only if the calibration was made with --earth-dps.
-    #[arg(long, value_name = "DPS", requires = "track", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DPS", requires = "track")]
     earth_dps: Option<f64>,
 
     /// The slowest steady turn that must not be learned as bias.
