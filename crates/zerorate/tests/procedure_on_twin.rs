@@ -374,6 +374,16 @@ fn fixed_memory_refuses_for_the_same_reasons() {
     }
 }
 
+/// M-01: five times the spread of the bias over units.
+#[test]
+fn a_constant_rotation_far_above_the_typical_bias_is_warned_of() {
+    for seed in 1..6 {
+        let still = measure(quick(seed), SHORT).unwrap().outcome;
+        let turning = measure(Spec { rotation_dps: 5.0, ..quick(seed) }, SHORT).unwrap().outcome;
+        assert!(!codes(&still).contains(&"turning") && codes(&turning).contains(&"turning"), "seed {seed}");
+    }
+}
+
 /// The one case in which the two differ on purpose.
 #[test]
 fn a_small_step_inside_an_average_is_motion_for_the_one_on_fixed_memory() {

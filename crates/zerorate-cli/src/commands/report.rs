@@ -22,8 +22,8 @@ pub struct ReportArgs {
     #[arg(value_name = "CALIBRATION", required = true)]
     cals: Vec<PathBuf>,
 
-    /// The file to write [default: stdout, if that is not a terminal]. A name that ends in .svg or .png gives only the picture of the page, the
-    /// correction over temperature.
+    /// The file to write [default: stdout, if that is not a terminal]. A name that ends in .svg or .png gives only the
+    /// picture of the page, the correction over temperature.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 

@@ -61,7 +61,8 @@ pub struct ChamberArgs {
     earth: EarthArgs,
 
     /// Highest order of the bias over temperature to try, 1 to 3. The evidence decides which order is taken.
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=3), help_heading = "Procedure")]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=3),
+        help_heading = "Procedure")]
     max_order: u8,
 
     #[command(flatten)]

@@ -20,11 +20,13 @@ pub struct CodeArgs {
 
     /// The full scale of the gyroscope, °/s, if its columns hold integer codes of 16 bits: 250 means 250/32768 °/s for
     /// each, or the sensitivity of --part there.
-    #[arg(long, value_name = "DPS", value_parser = positive, conflicts_with_all = ["gyro_unit", "gyro_scale"], help_heading = UNITS)]
+    #[arg(long, value_name = "DPS", value_parser = positive, conflicts_with_all = ["gyro_unit", "gyro_scale"],
+        help_heading = UNITS)]
     gyro_range: Option<f64>,
 
     /// The full scale of the accelerometer, g, likewise.
-    #[arg(long, value_name = "G", value_parser = positive, conflicts_with_all = ["accel_unit", "accel_scale"], help_heading = UNITS)]
+    #[arg(long, value_name = "G", value_parser = positive, conflicts_with_all = ["accel_unit", "accel_scale"],
+        help_heading = UNITS)]
     accel_range: Option<f64>,
 }
 
