@@ -62,7 +62,11 @@ impl Calibration {
 fn calibrated(axis: &NamedAxis, outcome: &ChamberOutcome, is_only: bool) -> CalibratedAxis {
     CalibratedAxis {
         name: axis.name.to_string(),
-        warnings: if is_only { Vec::new() } else { outcome.warnings(&axis.axis).map(|warning| said(&warning)).collect() },
+        warnings: if is_only {
+            Vec::new()
+        } else {
+            outcome.warnings(&axis.axis).map(|warning| said(&warning)).collect()
+        },
         rate: Some(axis.axis.rate),
         correction: outcome.curve.correction,
         measured: None,

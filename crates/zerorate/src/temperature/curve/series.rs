@@ -30,8 +30,8 @@ impl Series {
         values
     }
 
-    /// Each polynomial at a temperature that the bias follows. A sensor that was on before the log began may follow one
-    /// from before, outside of the logs: each polynomial goes on along its tangent.
+    /// Each polynomial at a temperature that the bias follows. A sensor that was on before the log began may follow
+    /// one from before, outside of the logs: each polynomial goes on along its tangent.
     pub(super) fn followed(&self, temp_c: f64) -> [f64; COEFFICIENTS] {
         let beyond_c = temp_c - temp_c.clamp(self.low_c, self.high_c);
         let (mut values, slopes) = (self.at(temp_c), self.slope_at(temp_c));
@@ -39,7 +39,8 @@ impl Series {
         values
     }
 
-    /// The slope of each polynomial at a temperature, per °C: n·U(n−1), with Chebyshev polynomials of the second kind.
+    /// The slope of each polynomial at a temperature, per °C: n·U(n−1), with Chebyshev polynomials of the second
+    /// kind.
     pub(super) fn slope_at(&self, temp_c: f64) -> [f64; COEFFICIENTS] {
         let x = self.x(temp_c);
         let mut second = [1.0, 2.0 * x, 0.0, 0.0, 0.0, 0.0, 0.0];
