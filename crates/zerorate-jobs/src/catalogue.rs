@@ -2,8 +2,9 @@
 
 use crate::InvalidOptions;
 use crate::output::{OutputError, Outputs};
-use std::io;
-use std::path::Path;
+use anyhow::Result;
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
 use zerorate_input::limits;
 
 macro_rules! files {
@@ -29,6 +30,27 @@ pub fn text(named: &Path, outputs: &mut Outputs) -> Result<io::Result<String>, O
     }
 }
 
+/// The text of a part's file, and the full scale in °/s that `named` states: `icm20948:500`.
+///
+/// # Errors
+/// Returns [`InvalidOptions`] if there is no such part, or the errors of [`Outputs::reads`].
+pub fn named(named: &Path, outputs: &mut Outputs) -> Result<(String, Option<f64>)> {
+    let (file, range_dps) = split(named);
+    let text = text(&file, outputs)?.map_err(|error| match error.kind() {
+        ErrorKind::NotFound => unknown(&file.display().to_string()),
+        _ => InvalidOptions(format!("cannot read it: {error}")),
+    })?;
+    Ok((text, range_dps))
+}
+
+fn split(named: &Path) -> (PathBuf, Option<f64>) {
+    let of_text = |text: &str| {
+        let (name, range) = text.rsplit_once(':')?;
+        Some((PathBuf::from(name), Some(range.parse().ok()?)))
+    };
+    named.to_str().and_then(of_text).unwrap_or_else(|| (named.to_owned(), None))
+}
+
 /// The file of the part with this name. Only letters and digits count, of either case.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static str> {
@@ -48,4 +70,21 @@ pub fn unknown(name: &str) -> InvalidOptions {
 
 fn key(name: &str) -> String {
     name.chars().filter(char::is_ascii_alphanumeric).map(|c| c.to_ascii_lowercase()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_scale_stands_behind_a_colon() {
+        for (text, name, range_dps) in [
+            ("icm20948:500", "icm20948", Some(500.0)),
+            ("icm20948", "icm20948", None),
+            ("a/part.toml:62.5", "a/part.toml", Some(62.5)),
+            ("C:\\part.toml", "C:\\part.toml", None),
+        ] {
+            assert_eq!(split(Path::new(text)), (PathBuf::from(name), range_dps), "{text}");
+        }
+    }
 }

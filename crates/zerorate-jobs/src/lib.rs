@@ -10,6 +10,7 @@
 //! * [`chamber`]: a calibration over the temperatures of a chamber.
 //! * [`correct`]: a capture, corrected.
 //! * [`probe`]: is there a part, and is it wired right?
+//! * [`record`]: raw codes into a file.
 //! * [`stream`]: the corrected rate, row by row as it comes.
 //! * [`Acquisition`]: the samples of a device, one after the other, counted and judged.
 //! * [`codes`]: what each warning and refusal means.
@@ -31,6 +32,7 @@ pub mod output;
 pub mod pool;
 pub mod probe;
 pub mod proposal;
+pub mod record;
 pub mod recorder;
 pub mod stream;
 pub mod tempcal;

@@ -7,11 +7,12 @@ pub use track::{LearnedAxis, TrackOptions, TrackedAxis, Tracking, UnusableState}
 use crate::acquisition::Acquisition;
 use crate::error::CodedRefusal;
 use crate::warning::JobWarning;
-use anyhow::Result;
+use anyhow::{Error, Result, bail};
 use std::path::Path;
 use zerorate::health::{Flags, Judged};
 use zerorate::{Axis, Calibration, CodeSum, Correction, Corrector};
 use zerorate_record::valid;
+use zerorate_view::SessionWarning;
 
 /// Receives the rows and the events of a stream.
 pub trait Listener {
@@ -64,6 +65,32 @@ pub struct StreamOptions {
     pub period_ns: Option<u64>,
     /// The duration of the stream.
     pub duration_ns: Option<u64>,
+}
+
+/// The period of this many rows per second, ns; `None` outside of 0.0001 to 1000000 Hz.
+#[must_use]
+pub fn period_ns(rate_hz: f64) -> Option<u64> {
+    (1e-4..=1e6).contains(&rate_hz).then(|| (1e9 / rate_hz).round() as u64)
+}
+
+/// Checks that the calibration belongs to the part that is read. `given` is its serial number, if the user states one;
+/// messages call the calibration `cal` and the device `name`. `advice` says how to state the serial number.
+///
+/// # Errors
+/// Returns an error if the calibration or the recording is of another part.
+pub fn check_serial(
+    acquisition: &Acquisition,
+    (cal, calibration): (&str, &Calibration),
+    (name, given): (&str, Option<&str>),
+    advice: &'static str,
+) -> Result<Option<JobWarning>> {
+    acquisition.check_serial(given)?;
+    if let (Some(given), None) = (given, &calibration.serial) {
+        bail!("{cal} is the calibration of a part without a serial number, not of part {given}");
+    }
+    let serial = given.or(acquisition.facts().info.serial.as_deref());
+    let warning = SessionWarning::of_serial((cal.to_owned(), calibration.serial.as_deref()), (name, serial), advice);
+    Ok(warning.map_err(Error::msg)?.map(JobWarning::Session))
 }
 
 /// Streams the corrected rate until the part, the time or `listener` ends it.

@@ -3,21 +3,19 @@
 mod track;
 
 use super::correct::load;
-use super::serial::{GIVE, Part, one_line};
+use super::serial::{GIVE, one_line};
 use crate::device::{DeviceArgs, SamplingArgs};
 use crate::exit::Usage;
 use crate::output::{Outputs, Stdout, say, warn};
 use crate::wording::coded;
-use anyhow::{Result, bail};
+use anyhow::Result;
 use clap::{Args, ValueEnum};
 use serde::Serializer;
 use serde_json::json;
 use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use track::{TrackArgs, say_learned};
-use zerorate::Calibration;
-use zerorate_host::DeviceInfo;
-use zerorate_jobs::stream::{LearnedAxis, Listener, StreamOptions, StreamRow, stream};
+use zerorate_jobs::stream::{LearnedAxis, Listener, StreamOptions, StreamRow, check_serial, period_ns, stream};
 use zerorate_jobs::{Acquisition, JobWarning};
 use zerorate_view::duration::Seconds;
 
@@ -83,38 +81,21 @@ pub fn run(args: &StreamArgs) -> Result<()> {
     let calibration = load(&args.cal, &mut outputs)?;
     let on_terminal = io::stdout().is_terminal() && args.rate.is_none();
     let rate_hz = args.rate.or(on_terminal.then_some(READABLE_HZ));
-    let period_ns = rate_hz.map(period_ns).transpose()?;
+    let wrong = |rate_hz| Usage(format!("--rate is {rate_hz}; it must lie between 0.0001 and 1000000 Hz"));
+    let period_ns = rate_hz.map(|rate_hz| period_ns(rate_hz).ok_or_else(|| wrong(rate_hz))).transpose()?;
     let setup = args.device.setup(args.sampling, &mut outputs)?;
     if on_terminal {
         say(format_args!("{READABLE_HZ} rows a second, at the speed of the clock; --rate HZ gives others"));
     }
     let acquisition = args.device.open_at(setup, on_terminal)?;
-    acquisition.check_serial(args.serial.as_deref())?;
-    check_serial(args, acquisition.facts(), &calibration)?;
+    let (cal, device) = (args.cal.display().to_string(), args.device.device.to_string());
+    let part = (device.as_str(), args.serial.as_deref());
+    warn(check_serial(&acquisition, (&cal, &calibration), part, GIVE)?.map(coded).as_slice());
     acquisition.initialise()?;
     let tracking = args.tracking.begin(acquisition.facts(), &calibration, &mut outputs)?;
     let mut rows = RowPrinter::new(args.format, &acquisition, calibration.id(), tracking.is_some())?;
     let options = StreamOptions { period_ns, duration_ns: args.duration.map(Seconds::nanos) };
     stream(acquisition, &calibration, options, tracking, &mut rows)
-}
-
-/// Checks that the serial number matches the calibration.
-fn check_serial(args: &StreamArgs, facts: &DeviceInfo, calibration: &Calibration) -> Result<()> {
-    let (given, recorded) = (args.serial.as_deref(), facts.info.serial.as_deref());
-    if let (Some(given), None) = (given, &calibration.serial) {
-        bail!("{} is the calibration of a part without a serial number, not of part {given}", args.cal.display());
-    }
-    let name = args.device.device.to_string();
-    let part = Part { name: &name, serial: given.or(recorded), advice: GIVE };
-    warn(part.check(calibration, &args.cal)?.map(coded).as_slice());
-    Ok(())
-}
-
-fn period_ns(rate_hz: f64) -> Result<u64> {
-    if !(1e-4..=1e6).contains(&rate_hz) {
-        return Err(Usage(format!("--rate is {rate_hz}; it must lie between 0.0001 and 1000000 Hz")).into());
-    }
-    Ok((1e9 / rate_hz).round() as u64)
 }
 
 /// Prints rows.

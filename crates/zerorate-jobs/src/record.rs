@@ -1,0 +1,191 @@
+//! Recording of the raw codes of a device: [`record`].
+
+use crate::acquisition::Acquisition;
+use crate::error::CodedRefusal;
+use crate::output::Outputs;
+use crate::recorder::Recorder;
+use crate::warning::CodedWarning;
+use anyhow::{Context, Result};
+use serde::Serialize;
+use std::path::PathBuf;
+use zerorate::SettingNames;
+use zerorate::calibration::Notes;
+use zerorate::health::{FaultCounts, Health};
+use zerorate_record::{Format, Row, valid};
+
+/// What to record, and where.
+#[derive(Clone, Debug)]
+pub struct RecordOptions {
+    /// The file.
+    pub output: PathBuf,
+    /// Its form.
+    pub format: Format,
+    /// When the recording ends.
+    pub length: Length,
+    /// Serial number of the part.
+    pub serial: Option<String>,
+    /// Circumstances of the recording, as the user describes them.
+    pub notes: Notes,
+}
+
+/// The length of a recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Length {
+    /// Part time, ns.
+    Time(u64),
+    /// Number of samples.
+    Samples(u64),
+}
+
+/// The state of a recording.
+#[derive(Clone, Copy, Debug)]
+pub struct RecordProgress {
+    /// Seconds of part time, or samples, as the [`Length`] counts.
+    pub done: f64,
+    /// The samples so far.
+    pub samples: u64,
+}
+
+impl Length {
+    /// The end of the recording, in the unit of [`RecordProgress::done`].
+    #[must_use]
+    pub fn total(self) -> f64 {
+        match self {
+            Self::Time(ns) => ns as f64 * 1e-9,
+            Self::Samples(samples) => samples as f64,
+        }
+    }
+
+    fn progress(self, elapsed_ns: u64, samples: u64) -> RecordProgress {
+        let done = match self {
+            Self::Time(_) => elapsed_ns as f64 * 1e-9,
+            Self::Samples(_) => samples as f64,
+        };
+        RecordProgress { done, samples }
+    }
+
+    #[inline]
+    fn is_reached(self, elapsed_ns: u64, samples: u64) -> bool {
+        match self {
+            Self::Time(ns) => elapsed_ns >= ns,
+            Self::Samples(wanted) => samples >= wanted,
+        }
+    }
+}
+
+/// The result of a recording.
+#[derive(Debug, Serialize)]
+pub struct RecordReport {
+    /// The file.
+    pub file: String,
+    /// Samples in it.
+    pub samples: u64,
+    /// Samples lost.
+    pub lost_samples: u64,
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// Data-ready edges per second.
+    pub rdy_hz: f64,
+    /// From the first sample to the last, s.
+    pub duration_s: f64,
+    /// Whether it was stopped before its end.
+    pub interrupted: bool,
+    /// Readings that the part cannot have made: bit errors.
+    pub impossible_readings: u64,
+    /// Temperatures that the part cannot have measured.
+    pub impossible_temps: u64,
+    /// Readings out of range.
+    pub out_of_range: u64,
+    /// Readings too far apart to be judged.
+    pub unjudged: u64,
+    /// Whether the part had stopped at the end.
+    pub frozen: bool,
+    /// The warnings about the samples.
+    pub warnings: Vec<CodedWarning>,
+    #[serde(skip)]
+    why_frozen: Option<String>,
+}
+
+impl RecordReport {
+    /// Refuses a recording whose end is not a measurement. The file is complete and stays.
+    ///
+    /// # Errors
+    /// Returns [`CodedRefusal`] if the part had stopped at the end.
+    pub fn refuse_frozen(&self) -> Result<(), CodedRefusal> {
+        match &self.why_frozen {
+            None => Ok(()),
+            Some(why) => {
+                let file = &self.file;
+                Err(CodedRefusal::new("frozen", format!("{why}; {file} holds the raw codes up to the end")))
+            }
+        }
+    }
+}
+
+/// Initialises the part, and records its samples until the length is reached, the recording that is replayed ends, or
+/// a stop is asked. `show` receives the progress every 4096 samples. Warnings call settings by `names`.
+///
+/// # Errors
+/// Returns an error if the device or the file fails. The file then has the samples up to there.
+pub fn record(
+    acquisition: &mut Acquisition,
+    outputs: &mut Outputs,
+    options: &RecordOptions,
+    names: SettingNames,
+    show: &mut dyn FnMut(RecordProgress),
+) -> Result<RecordReport> {
+    let info = acquisition.info(options.serial.as_deref(), &options.notes)?;
+    acquisition.initialise()?;
+    let file = outputs.recording(&options.output)?;
+    let mut writer = Recorder::create(file, options.format, &info)?;
+    let recorded = follow(acquisition, options.length, show, |row| Ok(writer.push(row)?));
+    let saved = writer.finish()?.samples;
+    recorded.with_context(|| format!("{} ends after {saved} samples", options.output.display()))?;
+    Ok(report(acquisition, options, names))
+}
+
+fn follow(
+    acquisition: &mut Acquisition,
+    length: Length,
+    show: &mut dyn FnMut(RecordProgress),
+    mut take: impl FnMut(&Row) -> Result<()>,
+) -> Result<()> {
+    let mut first_ns = None;
+    while let Some(row) = acquisition.next_row()? {
+        take(&row)?;
+        acquisition.look_at(&row);
+        let elapsed_ns = row.t_ns - *first_ns.get_or_insert(row.t_ns);
+        let samples = acquisition.tally().samples;
+        if length.is_reached(elapsed_ns, samples) {
+            break;
+        }
+        if acquisition.is_time_to_show() {
+            show(length.progress(elapsed_ns, samples));
+        }
+    }
+    Ok(())
+}
+
+fn report(acquisition: &mut Acquisition, options: &RecordOptions, names: SettingNames) -> RecordReport {
+    let warnings = acquisition.warnings().into_iter().map(|warning| warning.coded(names)).collect();
+    let counts: Vec<&FaultCounts> = acquisition.healths().map(Health::fault_counts).collect();
+    let sum = |count: fn(&FaultCounts) -> u64| counts.iter().copied().map(count).sum();
+    let tally = acquisition.tally();
+    let frozen = acquisition.frozen_at_end();
+    RecordReport {
+        file: options.output.display().to_string(),
+        samples: tally.samples,
+        lost_samples: tally.lost,
+        rate_hz: tally.rate_hz(),
+        rdy_hz: tally.rdy_hz(),
+        duration_s: tally.duration_s(),
+        interrupted: acquisition.is_stopped(),
+        impossible_readings: sum(|counts| counts.impossible),
+        impossible_temps: sum(|counts| counts.impossible_temps),
+        out_of_range: sum(|counts| counts.out_of_range),
+        unjudged: sum(|counts| counts.unjudged),
+        frozen: frozen.is_some(),
+        warnings,
+        why_frozen: frozen.map(|frozen| valid::frozen_text(&frozen, acquisition.start_ns())),
+    }
+}
