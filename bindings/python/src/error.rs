@@ -1,22 +1,22 @@
 //! Errors as exceptions.
 
-use pyo3::create_exception;
-use pyo3::exceptions::{PyFileExistsError, PyFileNotFoundError, PyOSError, PyPermissionError, PyValueError};
+use pyo3::exceptions::{
+    PyFileExistsError, PyFileNotFoundError, PyIsADirectoryError, PyOSError, PyPermissionError, PyValueError,
+};
 use pyo3::prelude::*;
+use std::error::Error;
 use std::io::{self, ErrorKind};
+use zerorate_host::{Cause, DeviceError};
+use zerorate_input::InputError;
 use zerorate_jobs::output::{could_be_forced, is_refusal};
 use zerorate_logs::LogError;
+use zerorate_record::CaptureError;
 
-create_exception!(
-    _zerorate,
-    Refused,
-    PyValueError,
-    "The measurement was refused: there are numbers, but they must not become a calibration. The text says why and \
-     what to do."
-);
+pyo3::import_exception!(zerorate._errors, ZerorateError);
+pyo3::import_exception!(zerorate._errors, Refused);
 
-/// The exception for an error: [`Refused`], an `OSError` for an error of the system, otherwise a `ValueError`. The
-/// text is the same as on the command line, but names arguments.
+/// The exception for an error: [`Refused`], [`ZerorateError`] for a device, an `OSError` for an error of the system,
+/// otherwise a `ValueError`. The text is the same as on the command line, but names arguments.
 pub fn exception(error: &anyhow::Error) -> PyErr {
     let text = joined(&format!("{error:#}"));
     if error.is::<zerorate_jobs::CodedRefusal>() || matches!(error.downcast_ref(), Some(LogError::Refused(..))) {
@@ -26,6 +26,15 @@ pub fn exception(error: &anyhow::Error) -> PyErr {
         let remedy = if could_be_forced(error) { ", or give force=True" } else { "" };
         return PyFileExistsError::new_err(text + remedy);
     }
+    if error.chain().any(is_folder) {
+        return PyIsADirectoryError::new_err(text);
+    }
+    match error.chain().find_map(|cause| cause.downcast_ref()).map(DeviceError::cause) {
+        Some(Cause::Refused(_)) => return Refused::new_err(text),
+        // a recording in place of a device is a file
+        None | Some(Cause::Request | Cause::File) => {}
+        Some(_) => return ZerorateError::new_err(text),
+    }
     match error.chain().find_map(|cause| cause.downcast_ref::<io::Error>()).map(io::Error::kind) {
         None => PyValueError::new_err(text),
         Some(ErrorKind::NotFound) => PyFileNotFoundError::new_err(text),
@@ -33,6 +42,17 @@ pub fn exception(error: &anyhow::Error) -> PyErr {
         Some(ErrorKind::PermissionDenied) => PyPermissionError::new_err(text),
         Some(_) => PyOSError::new_err(text),
     }
+}
+
+/// Whether a folder was given where a file is wanted.
+fn is_folder(cause: &(dyn Error + 'static)) -> bool {
+    let log = cause
+        .downcast_ref()
+        .is_some_and(|error| matches!(error, LogError::File(InputError::NotALog { path, .. }) if path.is_dir()));
+    let capture = cause
+        .downcast_ref()
+        .is_some_and(|error| matches!(error, CaptureError::NotACapture { path, .. } if path.is_dir()));
+    log || capture
 }
 
 /// Joins arguments and their values as Python writes them: `divider=4` for `divider= 4` and for `divider= is 4`.

@@ -8,13 +8,17 @@ mod calibrate;
 mod calibration;
 mod capture;
 mod correction;
+mod device;
 mod error;
 mod imu;
 mod log;
 mod record;
+mod recording;
 mod settling;
+mod stream;
 mod tempcal;
 mod twin;
+mod worker;
 
 use pyo3::prelude::*;
 
@@ -32,13 +36,15 @@ mod _zerorate {
     #[pymodule_export]
     use super::correction::{Corrector, correct};
     #[pymodule_export]
-    use super::error::Refused;
-    #[pymodule_export]
     use super::imu::{column_unit, imu_file, is_time, motion, save_text, unit_kind};
     #[pymodule_export]
     use super::log::{read_columns, read_imu, read_temperature, temperatures};
     #[pymodule_export]
     use super::main;
+    #[pymodule_export]
+    use super::recording::capture;
+    #[pymodule_export]
+    use super::stream::Stream;
     #[pymodule_export]
     use super::tempcal::tempcal;
     #[pymodule_export]

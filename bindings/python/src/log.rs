@@ -7,14 +7,13 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use zerorate_allan::SettingName;
 use zerorate_host::files;
 use zerorate_imu::{Axes, ImuOptions, KindOptions};
-use zerorate_input::limits;
 use zerorate_jobs::code_scales::{CodeOptions, CodeScales, concerns};
+use zerorate_jobs::output::Outputs;
 use zerorate_jobs::{catalogue, temperature};
 use zerorate_logs::TEMPERATURE_NAMES;
 use zerorate_logs::{
@@ -212,17 +211,18 @@ pub fn imu_options(
 /// The scales of integer codes as the readers take them.
 pub fn code_options((part, gyro_range, accel_range): OfCodes) -> PyResult<CodeOptions> {
     let wrong = |why: String| refused("part", why);
-    let read = |named: &String| match catalogue::find(named) {
-        Some(text) => Ok(text.to_owned()),
-        None => files::text(Path::new(named), limits::TEXT).map_err(|error| match error.kind() {
-            ErrorKind::NotFound => wrong(catalogue::unknown(named).0),
-            _ => wrong(format!("{named} cannot be read: {error}")),
-        }),
+    let read = |named: &String| {
+        catalogue::named(Path::new(named), &mut Outputs::new(false)).map_err(|error| wrong(format!("{error:#}")))
     };
+    let (text, range_dps) = part.as_ref().map(read).transpose()?.unzip();
+    let (gyro_range, range_dps) = (positive(gyro_range)?, range_dps.flatten());
+    if gyro_range.is_some() && range_dps.is_some() {
+        return Err(wrong("it states the full scale, and so does gyro_range=".to_owned()));
+    }
     let scales = |text: String| CodeScales::parse(&text).map_err(|error| wrong(error.to_string()));
     Ok(CodeOptions {
-        part: part.as_ref().map(read).transpose()?.map(scales).transpose()?,
-        gyro_range_dps: positive(gyro_range)?,
+        part: text.map(scales).transpose()?,
+        gyro_range_dps: gyro_range.or(range_dps),
         accel_range_g: positive(accel_range)?,
     })
 }

@@ -193,8 +193,11 @@ def test_what_is_wrong_is_said(match: str, values: Any, options: dict[str, Any])
         zerorate.allan(values, **{"rate_hz": 1.0, **options})
 
 
-def test_nothing_is_nothing() -> None:
-    assert len(zerorate.allan([], rate_hz=1.0).dev) == 0
+def test_an_empty_record_is_refused() -> None:
+    empty: list[Any] = [[], {"gx_dps": []}]
+    for nothing in empty:
+        with pytest.raises(ValueError, match="is empty: give a value for each sample"):
+            zerorate.allan(nothing, rate_hz=1.0)
 
 
 def test_other_threads_run_meanwhile() -> None:

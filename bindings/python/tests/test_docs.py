@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 import doctest
+import inspect
+import sys
+from collections.abc import Callable
 
-from zerorate import _allan, _imu, _tempcal, _twin
+import pytest
+
+import zerorate
 
 
+@pytest.mark.filterwarnings("ignore:unknown-serial")
 def test_the_examples() -> None:
-    for module in (_allan, _imu, _tempcal, _twin):
-        tried = doctest.testmod(module)
-        assert tried.attempted and not tried.failed
+    shown: list[Callable[..., object]] = [zerorate.allan, zerorate.imu, zerorate.tempcal, zerorate.Twin]
+    for one in [*shown, zerorate.capture, zerorate.stream]:
+        inner = inspect.unwrap(one)
+        known = {**vars(sys.modules[inner.__module__]), "calibrate": zerorate.calibrate}
+        (tests,) = [found for found in doctest.DocTestFinder(recurse=False).find(inner, globs=known) if found.examples]
+        assert doctest.DocTestRunner().run(tests).failed == 0

@@ -130,6 +130,27 @@ def test_columns_without_names_are_axes_by_number() -> None:
         zerorate.imu(rest(), rate_hz=RATE_HZ, gyro=[0], column=[0])
 
 
+def test_a_drift_with_the_temperature_is_taken_out_of_every_axis(tmp_path: Path) -> None:
+    temp_c = 25 + 10 * np.linspace(0, 1, 20_000) ** 2
+    warming = table(rest() + 1e-3 * temp_c[:, np.newaxis])
+    named = {**warming, "temp_c": temp_c}
+    asked: dict[str, Any] = {"rate_hz": RATE_HZ}
+    assert any("follows-temperature" in text for text in zerorate.imu(named, **asked).warnings)
+    for data, options in ((named, asked), (warming, {**asked, "temp_c": temp_c})):
+        found = zerorate.imu(data, detrend=1, **options)
+        for name in GYRO:
+            detrended = found[name].detrended
+            assert detrended is not None and detrended.coefficients[0] == pytest.approx(1e-3, rel=0.05)
+    with pytest.raises(ValueError, match="detrend=: the dict has no column"):
+        zerorate.imu(warming, detrend=1, **asked)
+    recorded = tmp_path / "rest.arrows"
+    zerorate.capture("twin:", recorded, samples=6000)
+    capture = zerorate.read_capture(recorded)
+    assert zerorate.imu(capture, detrend=1, skip=0.5)[0].skipped_s == pytest.approx(0.5, rel=1e-3)
+    with pytest.raises(ValueError, match="gyro_unit=, until= is for logs and tables, not for a capture"):
+        zerorate.imu(capture, until=3, gyro_unit="dps")
+
+
 def test_a_rejected_model_is_no_file_unless_accepted() -> None:
     t = np.arange(40_000) / RATE_HZ
     rng = np.random.default_rng(8)

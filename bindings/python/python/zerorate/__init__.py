@@ -5,16 +5,20 @@
 `imu`                the same for all axes of an IMU, and the noise files for filters
 `tempcal`            bias over temperature of all axes, and files for flight controllers
 `read_log`           columns of a log in any form
-`calibrate`          the procedure of AN-1042 on a `Twin`, with uncertainties
+`calibrate`          the procedure of AN-1042 on a sensor or a `Twin`, with uncertainties
+`capture`            a recording of a sensor's raw codes
+`stream`             the corrected rate of a sensor, row by row
 `Calibration`        a calibration file; `Calibration.correct` removes the bias
 `Corrector`          the same for a stream with occasional temperatures
-`read_capture`       a recording of raw codes as numpy columns
+`read_capture`       such a recording as numpy columns
 `Twin`               a simulated sensor, drawn from a seed
 `allantools_compat`  the deviations of allantools: change the import, keep the program
 ===================  ==================================================================
 
 Units are in the names: ``rate_dps`` is in °/s, ``tau_s`` in seconds, ``temp_c`` in °C. Invalid arguments raise
-ValueError, whose text says what to do. A measurement that must not become a calibration raises `Refused`.
+ValueError, whose text says what to do. A file that cannot be read or written raises OSError, and a device that cannot
+be read `ZerorateError`. A measurement that must not become a result raises `Refused`, which is both a `ZerorateError`
+and a ValueError.
 """
 
 from importlib.metadata import version
@@ -35,14 +39,17 @@ from ._calibration import (
     Validity,
 )
 from ._capture import Capture, read_capture
+from ._device import Progress
+from ._errors import Refused, ZerorateError
 from ._imu import Imu, imu
 from ._log import Log, read_log
 from ._model import BandShape, Cleaned, Coefficient, Detrended, Estimate, Fit, GaussMarkov, Line, WarmUp
 from ._procedure import Calibrated, CurvePoint, Truth, calibrate
+from ._recording import Captured, capture
 from ._result import Allan, AllanAxes, Unavailable
+from ._stream import Stream, StreamRow, stream
 from ._tempcal import BiasAxis, BiasCubic, BiasCurve, BiasMeans, BiasNoise, Tempcal, tempcal
 from ._twin import Twin, TwinKey
-from ._zerorate import Refused
 
 __version__ = version("zerorate")
 
@@ -59,6 +66,7 @@ __all__ = [
     "CalibratedAxis",
     "Calibration",
     "Capture",
+    "Captured",
     "Cleaned",
     "Coefficient",
     "Corrected",
@@ -75,9 +83,12 @@ __all__ = [
     "Log",
     "Measured",
     "NoiseRecord",
+    "Progress",
     "Refused",
     "Run",
     "Scale",
+    "Stream",
+    "StreamRow",
     "Tempcal",
     "Truth",
     "Twin",
@@ -86,11 +97,14 @@ __all__ = [
     "Uncertainties",
     "Validity",
     "WarmUp",
+    "ZerorateError",
     "__version__",
     "allan",
     "calibrate",
+    "capture",
     "imu",
     "read_capture",
     "read_log",
+    "stream",
     "tempcal",
 ]

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, Union, overload
 
 from . import _log, _records, _zerorate
 from ._capture import Capture
+from ._keywords import checked
 from ._result import Allan, AllanAxes
 from ._settling import Seconds, Settling
 from ._analysis import LONG, AnalysisOptions, Stat, Taus, side_by_side
@@ -51,24 +52,26 @@ ASSUMED_UNIT = "°/s"
 
 @overload
 def allan(
-    rate: Any, *, columns: Sequence[str], column: Several | None = ..., **options: Unpack[_Options]
+    rate: Any, /, *, columns: Sequence[str], column: Several | None = ..., **options: Unpack[_Options]
 ) -> AllanAxes: ...
 @overload
-def allan(rate: Any, *, column: Several, **options: Unpack[_Options]) -> AllanAxes: ...
+def allan(rate: Any, /, *, column: Several, **options: Unpack[_Options]) -> AllanAxes: ...
 @overload
-def allan(rate: Any, *, column: str | int, **options: Unpack[_Options]) -> Allan: ...
+def allan(rate: Any, /, *, column: str | int, **options: Unpack[_Options]) -> Allan: ...
 @overload
-def allan(rate: Mapping[str, ArrayLike], **options: Unpack[_Options]) -> AllanAxes: ...
+def allan(rate: Mapping[str, ArrayLike], /, **options: Unpack[_Options]) -> AllanAxes: ...
 @overload
 def allan(
-    rate: Capture | str | os.PathLike[str] | Sequence[float] | NDArray[Any], **options: Unpack[_Options]
+    rate: Capture | str | os.PathLike[str] | Sequence[float] | NDArray[Any], /, **options: Unpack[_Options]
 ) -> Allan: ...
 @overload
-def allan(rate: Any, **options: Unpack[_Options]) -> Any: ...
+def allan(rate: Any, /, **options: Unpack[_Options]) -> Any: ...
 
 
+@checked
 def allan(
     rate: Any,
+    /,
     *,
     rate_hz: float | None = None,
     column: _log.Column | None = None,

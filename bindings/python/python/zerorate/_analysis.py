@@ -85,7 +85,7 @@ class AnalysisOptions:
             scales = [given["scale"] or 1.0 if is_other else one["scale"] for one in found]
             found = [{**one, "unit": label, "scale": scale} for one, scale in zip(found, scales)]
         for text in (text for one in found for text in one["warnings"]):
-            warnings.warn(text, stacklevel=3)
+            warnings.warn(text, stacklevel=4)
         return side_by_side(lambda of: self.of_column(of, temperature), found)
 
     def of_column(self, column: _zerorate._Column, temperature: Temperature | None = None) -> Allan:

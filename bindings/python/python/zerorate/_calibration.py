@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from . import _zerorate
+from . import _html, _zerorate
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -36,6 +36,10 @@ class Correction:
     """Quadratic term BTC2, °/s/°C²; 0 for a line."""
     btc3_dps_per_c3: float = 0.0
     """Cubic term BTC3, °/s/°C³; 0 for a line."""
+
+    def _told(self) -> str:
+        curve = ", a curve" if self.btc2_dps_per_c2 or self.btc3_dps_per_c3 else ""
+        return f"PBC {self.pbc_dps:+.5g} °/s, BTC {self.btc_dps_per_c:+.4g} °/s/°C at {self.t3_c:.2f} °C{curve}"
 
 
 @dataclass(frozen=True)
@@ -297,6 +301,15 @@ class Calibration:
         calibration = cls(**_tables(fields), axes=axes, id=core.id, text=core.text)
         calibration.__dict__["_core"] = core
         return calibration
+
+    def __repr__(self) -> str:
+        serial = f" {self.serial}" if self.serial else ""
+        axes = "; ".join(f"{axis.name}: {axis.correction._told()}" for axis in self.axes)
+        axes = axes if len(self.axes) > 1 else self.axes[0].correction._told()
+        return f"<Calibration {self.id} of {self.part}{serial}: {axes}>"
+
+    def _repr_html_(self) -> str:
+        return _html.with_pictures(self, self.pictures())
 
     @cached_property
     def _core(self) -> _zerorate.Calibration:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import _zerorate
+from ._keywords import checked
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -59,6 +60,11 @@ class Capture:
     def good(self) -> NDArray[np.bool_]:
         """Which rates are valid."""
         return np.asarray((self.flags & 7) == 0, dtype=np.bool_)
+
+    def __repr__(self) -> str:
+        lost, warned = int(self.lost.sum(dtype=np.uint64)), "" if self.warning is None else ", with a warning"
+        span = f"{len(self)} samples at {self.rate_hz:.6g} Hz, {lost} lost{warned}"
+        return f"<Capture of {span}: {', '.join(self.axes)}>"
 
     def __len__(self) -> int:
         return len(self.t_ns)
@@ -143,7 +149,8 @@ class Capture:
         return temps
 
 
-def read_capture(path: str | os.PathLike[str]) -> Capture:
+@checked
+def read_capture(path: str | os.PathLike[str], /) -> Capture:
     """Reads a capture of ``zerorate capture`` or ``calibrate --log``: Arrow stream, Parquet or CSV.
 
     A file whose end is missing is read up to its last whole batch, with a UserWarning. A file with invalid readings
@@ -158,5 +165,5 @@ def read_capture(path: str | os.PathLike[str]) -> Capture:
     """
     capture = Capture(**_zerorate.read_capture(os.fspath(path)))
     if capture.warning is not None:
-        warnings.warn(capture.warning, stacklevel=2)
+        warnings.warn(capture.warning, stacklevel=3)
     return capture

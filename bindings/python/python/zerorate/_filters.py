@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal
 
 from . import _zerorate
+from ._errors import Refused
 
 if TYPE_CHECKING:
     from ._result import Allan
@@ -62,4 +63,4 @@ def _no_model(axis: Allan) -> ValueError:
     if axis.fit is not None:
         why = "the result came from another process, which keeps its noise model: make the file there"
         return ValueError(f"{axis.name}: {why}")
-    return _zerorate.Refused(f"{axis.name}: {axis.no_fit or 'it has no noise model: give fit=True'}")
+    return Refused(f"{axis.name}: {axis.no_fit or 'it has no noise model: give fit=True'}")

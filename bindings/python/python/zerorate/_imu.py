@@ -5,14 +5,14 @@ from __future__ import annotations
 import os
 import warnings as python_warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
-
-from . import _filters, _log, _plot, _records, _zerorate
+from . import _axes, _filters, _html, _log, _plot, _zerorate
 from ._capture import Capture
+from ._keywords import checked
 from ._result import Allan, AllanAxes
+from ._settling import Settling
 from ._analysis import AnalysisOptions, Stat, Taus, side_by_side
 
 if TYPE_CHECKING:
@@ -37,6 +37,13 @@ class Imu:
 
     def __repr__(self) -> str:
         return f"<Imu {self.log}, {len(self.warnings)} warnings: {self.axes!r}>"
+
+    def _repr_html_(self) -> str:
+        return _html.with_figure(self, self.plot)
+
+    def __getitem__(self, name: str | int) -> Allan:
+        """An axis by the name of its column, or by its number counted from 0."""
+        return self.axes[name]
 
     @property
     def gyroscope(self) -> AllanAxes:
@@ -132,8 +139,10 @@ class Imu:
         return _plot.kinds([list(of.values()) for of in (self.gyroscope, self.accelerometer) if of])
 
 
+@checked
 def imu(
     log: str | os.PathLike[str] | Mapping[str, ArrayLike] | ArrayLike | Any,
+    /,
     *,
     column: Sequence[str | int] | None = None,
     columns: Sequence[str] | None = None,
@@ -164,6 +173,8 @@ def imu(
     glitches: Literal["cut", "keep"] = "cut",
     steps: Literal["remove", "keep"] = "remove",
     max_freq_hz: float | None = None,
+    temp_c: ArrayLike | str | None = None,
+    detrend: Literal[1, 2, 3] | None = None,
 ) -> Imu:
     """Deviations and noise models of all axes of an IMU at rest, and the noise file for a filter.
 
@@ -208,7 +219,7 @@ def imu(
         The column with the time of each row, and its unit; otherwise the only column whose name states a unit of time.
     decimal, raw, max_bad, where, skip, until
         See `read_log`.
-    stat, taus, confidence, glitches, steps, max_freq_hz
+    stat, taus, confidence, glitches, steps, max_freq_hz, temp_c, detrend
         See `allan`.
 
     Returns
@@ -234,54 +245,38 @@ def imu(
     >>> print(found.to_yaml().splitlines()[4].split()[0])
     gyroscope_noise_density:
     """
-    of_kinds = [[str(name) for name in of_kind or ()] for of_kind in (gyro, accel)]
-    if column is not None and any(of_kinds):
-        raise ValueError("give column, or gyro and accel, not both")
-    if _records.is_array(log) and columns is None:
-        if not any(of_kinds):
-            raise ValueError(
-                "an array does not say which column is which axis: give gyro=[0, 1, 2], accel=[3, 4, 5], or columns=, "
-                "such as ['gx', 'gy', 'gz', 'ax', 'ay', 'az'], or a dictionary {'gyro': …, 'accel': …}"
-            )
-        columns = [f"column_{index}" for index in range(np.atleast_2d(np.asarray(log)).shape[1])]
+    arguments = locals()
     options = AnalysisOptions.of(stat, taus, "rate", confidence, True, glitches, steps, max_freq_hz)
+    settling = Settling.of(temp_c, detrend, skip if isinstance(log, Capture) else None, False)
+    options = replace(options, settling=settling)
     if isinstance(log, Capture):
+        named = [name for name in (*_axes.OF_AXES, *_axes.OF_READING) if name not in ("rate_hz", "skip")]
+        others = [name for name in named if arguments[name] is not None and arguments[name] is not False]
+        if others:
+            raise ValueError(f"{'=, '.join(others)}= is for logs and tables, not for a capture: leave it out")
         return _of_capture(log, options, log.rate_hz if rate_hz is None else rate_hz)
-    if isinstance(log, _log.Log):
-        rate_hz = log.rate_hz if rate_hz is None else rate_hz
-        log = log._stating_units()
-    source = _records.table(log, columns)
-    given = _log.options(
-        rate_hz=rate_hz,
-        time_column=time_column,
-        time_unit=time_unit,
-        force_unit=force_unit,
-        increments=increments,
-        decimal=decimal,
-        raw=raw,
-        max_bad=max_bad,
-        topic=topic,
-        where=where,
-        skip=skip,
-        until=until,
-    )
-    found, of_bag, said = _zerorate.read_imu(
-        source,
-        None if column is None else [str(name) for name in _log.listed(column)],
-        (of_kinds[0], gyro_unit, _number(gyro_scale)),
-        (of_kinds[1], accel_unit, _number(accel_scale)),
-        (None if part is None else os.fspath(part), _number(gyro_range), _number(accel_range)),
-        _log.with_time(source, given),
-    )
+    asked = _axes.AskedAxes.of(arguments, [log])
+    source = asked.source(log, _ARRAY)
+    given = _log.with_time(source, asked.options)
+    found, of_bag, said = _zerorate.read_imu(source, asked.names, asked.gyro, asked.accel, asked.codes, given)
     for text in said:
-        python_warnings.warn(text, stacklevel=2)
+        python_warnings.warn(text, stacklevel=3)
+    temperature = settling.of_source(source, given)
     given_units = {"gyroscope": gyro_unit, "accelerometer": accel_unit}
     for one in found:
         kind = _zerorate.unit_kind(one["unit"] or "")
         one["unit"] = (given_units[kind] if kind else None) or one["unit"]
-    axes = _log.by_name((axis.name, axis) for axis in side_by_side(options.of_column, found))
+    analysed = side_by_side(lambda one: options.of_column(one, temperature), found)
+    axes = _log.by_name((axis.name, axis) for axis in analysed)
     name = source if isinstance(source, str) else source[0]
     return Imu(AllanAxes(axes), found[0]["rate_hz"], of_bag, name, said + _said(axes))
+
+
+_ARRAY = (
+    "gyro=[0, 1, 2], accel=[3, 4, 5], or columns=, such as ['gx', 'gy', 'gz', 'ax', 'ay', 'az'], or a dictionary "
+    "{'gyro': …, 'accel': …}"
+)
+"""How an array says which of its columns are axes."""
 
 
 def _of_capture(capture: Capture, options: AnalysisOptions, rate_hz: float) -> Imu:
@@ -296,7 +291,3 @@ def _said(axes: Mapping[str, Allan]) -> list[str]:
     skipped_s = max((axis.skipped_s for axis in axes.values()), default=0.0)
     moved = _zerorate.motion([(name, axis._core) for name, axis in axes.items() if axis._core is not None], skipped_s)
     return moved + [f"{name}: {text}" for name, texts in of_axes for text in texts]
-
-
-def _number(number: float | None) -> float | None:
-    return None if number is None else float(number)

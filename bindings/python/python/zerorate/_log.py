@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union
 import numpy as np
 
 from . import _frame, _records, _zerorate
+from ._keywords import checked
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -82,8 +83,10 @@ class Log(Mapping[str, "NDArray[np.float64]"]):
         return _frame.frame({"t_s": self.t_s, **self.columns}, library)
 
 
+@checked
 def read_log(
     log: str | os.PathLike[str],
+    /,
     column: Column | None = ALL,
     *,
     rate_hz: float | None = None,
@@ -175,7 +178,7 @@ def read_log(
     # without a unit, the last warning is about that, and `Log.units` says it already
     said = [text for one in found for text in one["warnings"][: None if one["unit"] else -1]]
     for text in said:
-        warnings.warn(text, stacklevel=2)
+        warnings.warn(text, stacklevel=3)
     return Log(
         columns=by_name((one["name"], np.asarray(one["values"] * one["scale"], dtype=np.float64)) for one in found),
         units={one["name"]: one["unit"] for one in found},

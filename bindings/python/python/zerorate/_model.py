@@ -155,6 +155,12 @@ class Fit:
     warnings: list[str] = field(default_factory=list)
     """Warnings, each ``code: text``: what was seen and what to do."""
 
+    def __repr__(self) -> str:
+        named = [(name, getattr(self, name.lower())) for name in "NBKQR"]
+        told = [f"{name} = {of.value:.4g} {of.unit}" for name, of in named if of is not None and of.identified]
+        told += [type(term).__name__ for term in self.terms]
+        return f"<Fit {'REJECTED: ' if self.rejected else ''}{', '.join(told)}; {len(self.warnings)} warnings>"
+
 
 def fitted(found: _zerorate._Fit, warnings: list[str], unit: str) -> Fit:
     """The fit of the extension, with the units of its coefficients."""

@@ -26,20 +26,23 @@ _BAND = 1.96
 _TITLES = dict(_zerorate.statistics())
 
 
-def curves(axes: Sequence[Allan], ax: Axes | None) -> Axes:
+def curves(axes: Sequence[Allan], ax: Axes | None) -> Figure:
     """Draws deviations in one picture, each with its limits and its model."""
+    _check(axes)
     if ax is not None:
         _draw(axes, ax)
-        return ax
+        return ax.figure  # type: ignore[return-value]
     figure = _frame.needed("matplotlib.pyplot", "plot()").figure(figsize=(7.5, 5.0), layout="constrained")
     ax = figure.add_subplot()
     _draw(axes, ax)
     _settle(axes, ax)
-    return ax
+    return figure  # type: ignore[no-any-return]
 
 
 def kinds(groups: Sequence[Sequence[Allan]]) -> Figure:
     """Draws a picture for each kind of axis, side by side."""
+    for group in groups:
+        _check(group)
     pyplot = _frame.needed("matplotlib.pyplot", "plot()")
     figure = pyplot.figure(figsize=(6.5 * max(len(groups), 1), 5.0), layout="constrained")
     for at, group in enumerate(groups, start=1):
@@ -79,7 +82,8 @@ def _bias(ax: Axes, axis: BiasAxis) -> None:
     ax.legend(fontsize="small", framealpha=0.85)
 
 
-def _draw(axes: Sequence[Allan], ax: Axes) -> None:
+def _check(axes: Sequence[Allan]) -> None:
+    """Checks that there is one picture to draw, before a figure is opened for it."""
     units = sorted({axis.unit for axis in axes})
     if len(units) > 1:
         told = ", ".join(units)
@@ -87,10 +91,13 @@ def _draw(axes: Sequence[Allan], ax: Axes) -> None:
     if not any((axis.dev > 0).any() for axis in axes):
         whose = ", ".join(axis.name for axis in axes)
         raise ValueError(f"there is nothing to draw: no deviation of {whose} is above zero")
+
+
+def _draw(axes: Sequence[Allan], ax: Axes) -> None:
     for axis in axes:
         _curve(ax, axis, len(axes) == 1)
     stats = {axis.stat for axis in axes}
-    unit = "".join(units) + ("·s" if stats == {"tdev"} else "")
+    unit = axes[0].unit + ("·s" if stats == {"tdev"} else "")
     ax.set_xscale("log")
     ax.set_yscale("log")
     ax.set_xlabel("averaging time τ / s")

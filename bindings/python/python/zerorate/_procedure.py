@@ -6,10 +6,10 @@ import os
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from . import _zerorate
+from . import _device, _html, _zerorate
 from ._calibration import Calibration
+from ._keywords import checked
 from ._settling import Seconds
-from ._twin import Twin
 
 @dataclass(frozen=True)
 class Truth:
@@ -136,9 +136,21 @@ class Calibrated:
     file: str | None = None
     """The file that holds the calibration."""
 
+    def __repr__(self) -> str:
+        half = self.coverage_factor
+        pbc = f"PBC {self.pbc_dps:+.5g} ± {half * self.u_pbc_dps:.2g} °/s"
+        btc = f"BTC {self.btc_dps_per_c:+.4g} ± {half * self.u_btc_dps_per_c:.2g} °/s/°C at {self.t3_c:.2f} °C"
+        origin = f"{self.method} on {self.device}"
+        return f"<Calibrated by {origin}: {pbc}, {btc} ({self.coverage:.0%}), {len(self.warnings)} warnings>"
 
+    def _repr_html_(self) -> str:
+        return _html.with_pictures(self, self.calibration.pictures())
+
+
+@checked
 def calibrate(
-    twin: Twin,
+    device: _device.Device,
+    /,
     *,
     method: Literal["an1042", "warmup", "cycle"] = "an1042",
     target_dph: float | None = None,
@@ -150,8 +162,10 @@ def calibrate(
     max_u_btc: float | None = None,
     earth_dps: float | None = None,
     assume_linear: bool = False,
+    part: str | os.PathLike[str] | None = None,
     every_temp: int | None = None,
     divider: int | None = None,
+    realtime: bool = False,
     serial: str | None = None,
     supply_note: str | None = None,
     ambient_note: str | None = None,
@@ -159,16 +173,19 @@ def calibrate(
     log: str | os.PathLike[str] | None = None,
     output: str | os.PathLike[str] | None = None,
     force: bool = False,
+    progress: _device.OnProgress | None = None,
 ) -> Calibrated:
-    """Calibrates a simulated sensor with the procedure of AN-1042: 53 simulated minutes, in seconds.
+    """Calibrates a sensor with the procedure of AN-1042: 53 minutes, of a simulated sensor in seconds.
 
     Other threads run meanwhile, and Ctrl-C ends it. ``zerorate calibrate`` has the same options, and its help states
     the defaults.
 
     Parameters
     ----------
-    twin
-        The simulated sensor.
+    device
+        The sensor as ``zerorate help device`` lists them: ``"spi:/dev/spidev0.0?rdy=gpiochip0:25"``,
+        ``"bridge:/dev/ttyACM0"``, ``"tcp:HOST:PORT"``, ``"iio:NAME"``, ``"replay:FILE"``, ``"twin:seed=7"``; or a
+        `Twin`.
     method
         ``an1042``: two temperatures and the line through them. ``warmup``: a curve through every sample of the same
         time. ``cycle``: the same for a sensor that is heated and cooled.
@@ -191,18 +208,25 @@ def calibrate(
         The Earth's rotation on the part's axis, °/s, to be subtracted from the bias.
     assume_linear
         Assume that the bias is a straight line over temperature.
+    part
+        The properties of a part other than the ADIS16130: a name of ``zerorate parts``, such as ``"icm20948:500"``
+        with its full scale in °/s, or a file.
     every_temp
         Read the temperature with every N-th rate sample.
     divider
         Read on every N-th data-ready edge only.
+    realtime
+        Pace simulated or replayed time to the wall clock.
     serial, supply_note, ambient_note, operator
         Stored in the calibration and in the log.
     log
         Record every sample to this file (`read_capture` reads it).
     output
-        Write the calibration file.
+        Write the calibration file. Without it, the result is only returned: `Calibration.save` writes it.
     force
         Overwrite an existing ``output`` and ``log``, but never a capture by a calibration.
+    progress
+        A function that is called with a `Progress`, at most ten times a second.
 
     Returns
     -------
@@ -211,6 +235,8 @@ def calibrate(
 
     Raises
     ------
+    ZerorateError
+        If the device cannot be opened or read.
     Refused
         If the sensor moves, freezes, hardly changes its temperature, or loses too many samples.
     ValueError
@@ -229,8 +255,6 @@ def calibrate(
         "max_u_btc": max_u_btc,
         "earth_dps": earth_dps,
         "assume_linear": assume_linear,
-        "every_temp": every_temp,
-        "divider": divider,
         "serial": serial,
         "supply_note": supply_note,
         "ambient_note": ambient_note,
@@ -239,7 +263,8 @@ def calibrate(
         "output": output,
         "force": force,
     }
-    report, core = _zerorate.calibrate(twin.device, options)
+    read = _device.options(device, part, every_temp, divider, realtime)
+    report, core = _zerorate.calibrate(read, options, _device.showing(progress))
     truth = report.pop("truth", None)
     if truth is not None:
         truth["curve"] = [CurvePoint(**point) for point in truth["curve"]]

@@ -62,7 +62,9 @@ def record(values: Any, data: str = "rate", what: str = "the record") -> NDArray
         raise ValueError(f"{what} is one value of the type {type(values).__name__}: give an array, a table or a path")
     if array.ndim != 1:
         raise ValueError(f"{what} has the shape {array.shape}: give one column, for example record[:, 0]")
-    if array.dtype.kind not in "iuf" and array.size:
+    if not array.size:
+        raise ValueError(f"{what} is empty: give a value for each sample")
+    if array.dtype.kind not in "iuf":
         raise ValueError(f"{what} holds {array.dtype}, not real numbers: convert it to numbers first")
     if data == "rate" and array.dtype.kind in "iu" and _fits_int32(array):
         return np.ascontiguousarray(array, dtype=np.int32)
@@ -221,6 +223,6 @@ def _times(values: Any) -> NDArray[np.int64]:
 
 def _fits_int32(array: NDArray[Any]) -> bool:
     limits = np.iinfo(np.int32)
-    if array.dtype.itemsize < 4 or array.dtype == np.int32 or not array.size:
+    if array.dtype.itemsize < 4 or array.dtype == np.int32:
         return True
     return bool(array.min() >= limits.min and array.max() <= limits.max)

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from . import _filters, _frame, _log, _plot, _zerorate
+from . import _filters, _frame, _html, _log, _plot, _zerorate
 from ._model import Cleaned, Detrended, Fit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes as Picture
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
 
@@ -99,6 +100,9 @@ class Allan:
         span = f"{len(self.dev)} points of {self.stat} from {self.samples} samples at {self.rate_hz:.6g} Hz"
         return f"<Allan {self.name}: {span}{told}>"
 
+    def _repr_html_(self) -> str:
+        return _html.with_figure(self, self.plot)
+
     @property
     def kind(self) -> Literal["gyroscope", "accelerometer"] | None:
         """The kind of axis that has this unit."""
@@ -116,10 +120,10 @@ class Allan:
         names += list(_MODEL) if self.model is not None else []
         return _frame.frame({name: getattr(self, name) for name in names}, library)
 
-    def plot(self, ax: Picture | None = None) -> Picture:
+    def plot(self, ax: Picture | None = None) -> Figure:
         """Draws deviation with limits, model with its band, and coefficients into `ax`, or into a new figure.
 
-        Needs matplotlib. Returns the axes, so that ``result.plot().figure.savefig("allan.png")`` writes a file.
+        Returns the figure, so that ``result.plot().savefig("allan.png")`` writes a file.
 
         Raises
         ------
@@ -164,6 +168,9 @@ class AllanAxes(Mapping[str, Allan]):
     def __repr__(self) -> str:
         return "".join(["<AllanAxes", *(f"\n  {axis!r}" for axis in self.axes.values()), ">"])
 
+    def _repr_html_(self) -> str:
+        return _html.with_figure(self, self.plot)
+
     def __getitem__(self, name: str | int) -> Allan:
         """The deviation of a column, by its name or its number counted from 0."""
         return list(self.axes.values())[name] if isinstance(name, int) else self.axes[name]
@@ -185,7 +192,7 @@ class AllanAxes(Mapping[str, Allan]):
         """
         return _frame.frame(_long(self.axes), library)
 
-    def plot(self, ax: Picture | None = None) -> Picture:
+    def plot(self, ax: Picture | None = None) -> Figure:
         """Draws all columns in one picture, as `Allan.plot` does. They must have the same unit.
 
         Raises

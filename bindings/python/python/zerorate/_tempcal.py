@@ -8,13 +8,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, Union
 
-import numpy as np
-
-from . import _log, _plot, _records, _zerorate
+from . import _axes, _html, _log, _plot, _records, _zerorate
 from ._calibration import Calibration
+from ._keywords import checked
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
     _Log = Union[str, os.PathLike[str], Mapping[str, ArrayLike], ArrayLike, Any]
@@ -125,6 +125,9 @@ class BiasAxis:
     device_id: int | None = None
     """The number by which PX4 finds the sensor; only its own logs state it."""
 
+    def __repr__(self) -> str:
+        return f"<BiasAxis {_line(self)}>"
+
 
 @dataclass(frozen=True, eq=False)
 class Tempcal:
@@ -141,6 +144,9 @@ class Tempcal:
     def __repr__(self) -> str:
         axes = "".join(f"\n  {_line(axis)}" for axis in self.axes.values())
         return f"<Tempcal {len(self.warnings)} warnings:{axes}>"
+
+    def _repr_html_(self) -> str:
+        return _html.with_figure(self, self.plot)
 
     def __getitem__(self, name: str) -> BiasAxis:
         """The axis with this name."""
@@ -209,8 +215,10 @@ class Tempcal:
         return _plot.biases(list(self.axes.values()))
 
 
+@checked
 def tempcal(
     log: _Log | Sequence[_Log],
+    /,
     *,
     temp_column: str | int | None = None,
     reference_c: float | None = None,
@@ -287,45 +295,34 @@ def tempcal(
     >>> list(found.axes), round(found["gyro_x"].slope_per_c, 4)
     (['gyro_x', 'gyro_y', 'gyro_z'], 0.002)
     """
-    of_kinds = [[str(name) for name in of_kind or ()] for of_kind in (gyro, accel)]
-    if column is not None and any(of_kinds):
-        raise ValueError("give column, or gyro and accel, not both")
     logs = _listed(log)
-    if rate_hz is None:
-        rate_hz = next((one.rate_hz for one in logs if isinstance(one, _log.Log)), None)
-    sources = [_source(one, columns, any(of_kinds)) for one in logs]
-    given = _log.options(
-        rate_hz=rate_hz,
-        time_column=time_column,
-        time_unit=time_unit,
-        force_unit=force_unit,
-        increments=increments,
-        decimal=decimal,
-        raw=raw,
-        max_bad=max_bad,
-        topic=topic,
-        where=where,
-        skip=skip,
-        until=until,
-    )
+    asked = _axes.AskedAxes.of(locals(), logs)
+    sources = _numbered([asked.source(one, _ARRAY) for one in logs])
     found = _zerorate.tempcal(
-        _numbered(sources),
-        None if column is None else [str(name) for name in _log.listed(column)],
-        (of_kinds[0], gyro_unit, _number(gyro_scale)),
-        (of_kinds[1], accel_unit, _number(accel_scale)),
-        (None if part is None else os.fspath(part), _number(gyro_range), _number(accel_range)),
+        sources,
+        asked.names,
+        asked.gyro,
+        asked.accel,
+        asked.codes,
         None if temp_column is None else str(temp_column),
-        _number(reference_c),
+        _axes.number(reference_c),
         serial,
-        _with_time(sources, given),
+        _with_time(sources, asked.options),
     )
     for text in found["warnings"]:
-        python_warnings.warn(text, stacklevel=2)
+        python_warnings.warn(text, stacklevel=3)
     axes = _log.by_name((axis["name"], _axis(axis)) for axis in found["axes"])
     of_axes = [f"{name}: {text}" for name, axis in axes.items() for text in axis.warnings]
     core, why_not = found["calibration"]
     calibration = None if core is None else Calibration._of(core)
     return Tempcal(axes, found["warnings"] + of_axes, (calibration, why_not), found["px4"], found["ardupilot"])
+
+
+_ARRAY = (
+    "gyro=[0, 1, 2] and temp_column=3, or columns= such as ['gx', 'gy', 'gz', 'temp_c'], or a dictionary "
+    "{'gyro': …, 'temp_c': …}"
+)
+"""How an array says which of its columns are axes."""
 
 
 def _listed(log: Any) -> list[Any]:
@@ -340,20 +337,6 @@ def _listed(log: Any) -> list[Any]:
         if all(is_log(one) for one in log):
             return list(log)
     return [log]
-
-
-def _source(log: Any, columns: Any, has_kinds: bool) -> _records.Source:
-    """A log in the form that the extension takes."""
-    if isinstance(log, _log.Log):
-        log = log._stating_units()
-    if _records.is_array(log) and columns is None:
-        if not has_kinds:
-            raise ValueError(
-                "an array does not say which column is which axis: give gyro=[0, 1, 2] and temp_column=3, or columns= "
-                "such as ['gx', 'gy', 'gz', 'temp_c'], or a dictionary {'gyro': …, 'temp_c': …}"
-            )
-        columns = [f"column_{index}" for index in range(np.atleast_2d(np.asarray(log)).shape[1])]
-    return _records.table(log, columns)
 
 
 def _numbered(sources: list[_records.Source]) -> list[_records.Source]:
@@ -397,7 +380,3 @@ def _line(axis: BiasAxis) -> str:
     unit, low_c, high_c = axis.unit, axis.curve.temp_c[0], axis.curve.temp_c[-1]
     span = f"span {axis.before:.3g} {unit} before, {axis.after:.3g} {unit} after"
     return f"{axis.name}: {axis.slope_per_c:+.3g} {unit}/°C, {low_c:.1f} to {high_c:.1f} °C, {span}"
-
-
-def _number(number: float | None) -> float | None:
-    return None if number is None else float(number)

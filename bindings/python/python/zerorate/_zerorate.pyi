@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Literal, TypedDict, Union, final
 
 import numpy as np
@@ -14,9 +14,10 @@ __all__ = [
     "Calibration",
     "Corrector",
     "Model",
-    "Refused",
+    "Stream",
     "analyse",
     "calibrate",
+    "capture",
     "column_unit",
     "correct",
     "deviations",
@@ -38,8 +39,6 @@ __all__ = [
     "twin_keys",
     "unit_kind",
 ]
-
-class Refused(ValueError): ...
 
 @final
 class Calibration:
@@ -68,6 +67,28 @@ class Model:
     def __copy__(self) -> Model: ...
     def __deepcopy__(self, _memo: Any) -> Model: ...
     def __reduce__(self) -> tuple[type[None], tuple[()]]: ...
+
+@final
+class Stream:
+    def __new__(
+        cls,
+        device: _Device,
+        calibration: Calibration,
+        serial: str | None,
+        rate_hz: float | None,
+        duration: float | str | None,
+    ) -> Stream: ...
+    @property
+    def axes(self) -> list[str]: ...
+    def next(self) -> tuple[float, list[float], float, int, str] | None: ...
+    def close(self) -> None: ...
+
+class _Device(TypedDict):
+    device: str
+    part: str | None
+    every_temp: int | None
+    divider: int | None
+    realtime: bool
 
 _Cells = Union[NDArray[np.int32], NDArray[np.float64], NDArray[np.int64], int]
 _Source = Union[str, tuple[str, list[tuple[str, _Cells]]]]
@@ -191,7 +212,12 @@ def statistics() -> list[tuple[str, str]]: ...
 def main(args: list[str]) -> int: ...
 def twin_device(keys: str) -> str: ...
 def twin_keys() -> list[tuple[str, str, str, str]]: ...
-def calibrate(device: str, options: Mapping[str, object]) -> tuple[dict[str, Any], Calibration]: ...
+def calibrate(
+    device: _Device, options: Mapping[str, object], progress: Callable[[str, float, float], Any] | None
+) -> tuple[dict[str, Any], Calibration]: ...
+def capture(
+    device: _Device, options: Mapping[str, object], progress: Callable[[str, float, float], Any] | None
+) -> dict[str, Any]: ...
 def save_text(path: str | os.PathLike[str], text: str, force: bool) -> None: ...
 def correct(
     rate_dps: NDArray[np.float64],

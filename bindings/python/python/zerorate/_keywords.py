@@ -1,0 +1,47 @@
+"""Says which keyword was meant."""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import inspect
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
+_F = TypeVar("_F", bound=Callable[..., Any])
+
+_RATE = "rate_hz=, samples per second"
+_MEANT = {
+    **dict.fromkeys(["rate", "fs", "sample_rate", "sampling_rate", "sr", "freq", "frequency", "hz"], _RATE),
+    **dict.fromkeys(["dt", "ts", "period"], "rate_hz=1/dt, samples per second"),
+    "units": "unit=",
+    "statistic": "stat=",
+    "tau": "taus=",
+}
+"""Names from elsewhere, and ours."""
+
+
+def checked(function: _F) -> _F:
+    """A function that says which keyword was meant in place of one that it does not have."""
+    parameters = inspect.signature(function).parameters.values()
+    data = [one.name for one in parameters if one.kind is one.POSITIONAL_ONLY]
+    known = [one.name for one in parameters if one.kind is not one.POSITIONAL_ONLY]
+
+    @functools.wraps(function)
+    def called(*args: Any, **kwargs: Any) -> Any:
+        if len(args) < len(data):
+            raise TypeError(f"give {' and '.join(data)} without a name: {function.__name__}({', '.join(data)}, …)")
+        for name in kwargs:
+            if name not in known:
+                raise TypeError(f"{function.__name__}() has no argument {name}={_hint(name, known)}")
+        return function(*args, **kwargs)
+
+    return cast(_F, called)
+
+
+def _hint(name: str, known: list[str]) -> str:
+    meant = _MEANT.get(name)
+    if meant is not None and meant.partition("=")[0] in known:
+        return f": give {meant}"
+    near = difflib.get_close_matches(name, known, n=1)
+    return f": did you mean {near[0]}=?" if near else f"; it has {', '.join(known)}"

@@ -1,0 +1,116 @@
+"""Recordings of a device's raw codes."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+
+from . import _device, _zerorate
+from ._keywords import checked
+from ._settling import Seconds
+
+
+@dataclass(frozen=True)
+class Captured:
+    """The result of a recording: the keys of ``zerorate capture --json``. `read_capture` reads its file."""
+
+    file: str
+    """The file."""
+    samples: int
+    """Rate samples in it."""
+    lost_samples: int
+    """Rate samples lost."""
+    rate_hz: float
+    """Rate samples per second."""
+    rdy_hz: float
+    """Data-ready edges per second."""
+    duration_s: float
+    """From the first sample to the last, s."""
+    interrupted: bool
+    """Whether it ended early."""
+    impossible_readings: int
+    """Readings that the part cannot have made (bit errors)."""
+    impossible_temps: int
+    """Temperatures that the part cannot have measured."""
+    out_of_range: int
+    """Readings out of range."""
+    unjudged: int
+    """Readings too far apart to be judged."""
+    frozen: bool
+    """Whether the part had stopped at the end; it then is `Refused`."""
+    warnings: list[str]
+    """Warnings, each ``code: text``: what was seen and what to do."""
+
+
+@checked
+def capture(
+    device: _device.Device,
+    output: str | os.PathLike[str],
+    /,
+    *,
+    duration: Seconds = "10m",
+    samples: int | None = None,
+    part: str | os.PathLike[str] | None = None,
+    every_temp: int | None = None,
+    divider: int | None = None,
+    realtime: bool = False,
+    serial: str | None = None,
+    supply_note: str | None = None,
+    ambient_note: str | None = None,
+    operator: str | None = None,
+    force: bool = False,
+    progress: _device.OnProgress | None = None,
+) -> Captured:
+    """Records the raw codes of a device with their times, as ``zerorate capture`` does.
+
+    Other threads run meanwhile. Ctrl-C ends it; the file then is complete up to there.
+
+    Parameters
+    ----------
+    device
+        See `calibrate`.
+    output
+        The file: ``.arrows``, ``.parquet`` or ``.csv``.
+    duration
+        The part's time to record: seconds, or a text such as ``"1h30m"``.
+    samples
+        Record this many samples instead.
+    part, every_temp, divider, realtime, serial, supply_note, ambient_note, operator, progress
+        See `calibrate`.
+    force
+        Overwrite an existing file, but never the one that is replayed.
+
+    Returns
+    -------
+    Captured
+
+    Raises
+    ------
+    ZerorateError
+        If the device cannot be opened or read. The file has the samples up to there.
+    Refused
+        If the sensor had stopped at the end. The file is complete.
+    ValueError
+        For invalid options.
+    OSError
+        If the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> file = pathlib.Path(tempfile.mkdtemp()) / "rest.arrows"
+    >>> capture("twin:seed=7", file, samples=1000).samples
+    1000
+    """
+    options = {
+        "output": os.fspath(output),
+        "duration": duration,
+        "samples": samples,
+        "serial": serial,
+        "supply_note": supply_note,
+        "ambient_note": ambient_note,
+        "operator": operator,
+        "force": force,
+    }
+    read = _device.options(device, part, every_temp, divider, realtime)
+    return Captured(**_zerorate.capture(read, options, _device.showing(progress)))

@@ -1,0 +1,134 @@
+//! Work in a thread of its own, while the thread of Python listens to Ctrl-C.
+
+use crate::error::exception;
+use pyo3::exceptions::{PyRuntimeError, PyUserWarning};
+use pyo3::prelude::*;
+use std::ffi::CString;
+use std::panic::resume_unwind;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+use zerorate_host::Stop;
+
+/// Longest time until Ctrl-C is noticed, and between two reports of progress.
+const PATIENCE: Duration = Duration::from_millis(100);
+
+/// A thread that works with a device and runs no Python. It ends when this is dropped.
+pub struct Worker<E, T> {
+    events: Option<Receiver<E>>,
+    thread: Option<JoinHandle<anyhow::Result<T>>>,
+    stop: Stop,
+}
+
+impl<E: Send + 'static, T: Send + 'static> Worker<E, T> {
+    /// Starts the work. It tells its events by the sender of the channel.
+    pub fn start<S: Send + 'static>(
+        (tell, events): (S, Receiver<E>),
+        work: impl FnOnce(&Stop, S) -> anyhow::Result<T> + Send + 'static,
+    ) -> Self {
+        let stop = Stop::default();
+        let asked = stop.clone();
+        let thread = thread::spawn(move || work(&asked, tell));
+        Self { events: Some(events), thread: Some(thread), stop }
+    }
+
+    /// The request by which the work ends early.
+    pub fn stop(&self) -> &Stop {
+        &self.stop
+    }
+
+    /// Waits a moment for the next event. Raises KeyboardInterrupt after Ctrl-C.
+    pub fn wait(&mut self, py: Python<'_>) -> PyResult<Result<E, RecvTimeoutError>> {
+        let Some(events) = &mut self.events else { return Ok(Err(RecvTimeoutError::Disconnected)) };
+        if let Ok(event) = events.try_recv() {
+            return Ok(Ok(event));
+        }
+        let heard = py.detach(move || events.recv_timeout(PATIENCE));
+        py.check_signals()?;
+        Ok(heard)
+    }
+
+    /// The result of the work, which has no more events.
+    pub fn end(mut self, py: Python<'_>) -> PyResult<T> {
+        let Some(thread) = self.thread.take() else { return Err(PyRuntimeError::new_err("the work has ended")) };
+        let done = py.detach(|| thread.join()).unwrap_or_else(|panic| resume_unwind(panic));
+        done.map_err(|error| exception(&error))
+    }
+}
+
+impl<E, T> Drop for Worker<E, T> {
+    fn drop(&mut self) {
+        self.stop.ask();
+        // a thread that waits for room in the channel must learn that nobody reads it
+        self.events = None;
+        let _ = self.thread.take().map(JoinHandle::join);
+    }
+}
+
+/// Tells what happens during work: warnings, and the latest progress.
+#[derive(Clone)]
+pub struct Reporter {
+    warnings: Sender<String>,
+    latest: Latest,
+}
+
+/// The progress that was not shown yet.
+#[derive(Clone, Default)]
+struct Latest(Arc<Mutex<Option<Step>>>);
+
+/// A step in words, how much is done, and how much there is in all.
+type Step = (String, f64, f64);
+
+impl Reporter {
+    /// Hands on a warning. After the end nobody hears it.
+    pub fn warn(&self, text: String) {
+        let _ = self.warnings.send(text);
+    }
+
+    /// Replaces the progress. It never waits for the reader.
+    pub fn show(&self, step: String, done: f64, total: f64) {
+        *self.latest.lock() = Some((step, done, total));
+    }
+}
+
+impl Latest {
+    fn lock(&self) -> MutexGuard<'_, Option<Step>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn take(&self) -> Option<Step> {
+        self.lock().take()
+    }
+}
+
+/// Does the work in a thread, and returns its result. Warnings become Python's, and `progress` is called with each
+/// step, at most ten times a second. Ctrl-C and an exception of `progress` end the work.
+pub fn supervised<T: Send + 'static>(
+    py: Python<'_>,
+    progress: Option<&Bound<'_, PyAny>>,
+    work: impl FnOnce(&Stop, Reporter) -> anyhow::Result<T> + Send + 'static,
+) -> PyResult<T> {
+    let (warnings, heard) = channel();
+    let latest = Latest::default();
+    let mut worker = Worker::start((Reporter { warnings, latest: latest.clone() }, heard), work);
+    loop {
+        let event = worker.wait(py)?;
+        if let (Some(progress), Some(step)) = (progress, latest.take()) {
+            progress.call1(step)?;
+        }
+        match event {
+            Ok(text) => warn(py, &text, OF_CALLER)?,
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return worker.end(py),
+        }
+    }
+}
+
+/// The line of the user's program, below a function of the package and what checks its keywords.
+pub const OF_CALLER: i32 = 3;
+
+/// Raises a warning of Python for the line that many calls up.
+pub fn warn(py: Python<'_>, text: &str, calls: i32) -> PyResult<()> {
+    PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(text.replace('\0', " "))?, calls)
+}

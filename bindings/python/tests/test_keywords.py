@@ -1,0 +1,44 @@
+"""Names of arguments: the right ones, and what is said about others."""
+
+from __future__ import annotations
+
+import inspect
+from typing import Any
+
+import numpy as np
+import pytest
+
+import zerorate
+from zerorate import _axes
+
+
+@pytest.mark.parametrize(
+    ("match", "options"),
+    [
+        (r"no argument rate=: give rate_hz=", {"rate": 200.0}),
+        (r"no argument fs=: give rate_hz=", {"fs": 200.0}),
+        (r"no argument dt=: give rate_hz=1/dt", {"dt": 0.005}),
+        (r"did you mean detrend=\?", {"detrends": 1}),
+        (r"no argument rms=; it has rate_hz, column", {"rms": 1}),
+    ],
+)
+def test_another_name_says_which_was_meant(match: str, options: dict[str, Any]) -> None:
+    with pytest.raises(TypeError, match=match):
+        zerorate.allan(np.ones(100), **options)
+
+
+def test_data_have_no_name() -> None:
+    data = {"allan": ["rate"], "imu": ["log"], "tempcal": ["log"], "read_log": ["log"], "read_capture": ["path"]}
+    data.update({"calibrate": ["device"], "capture": ["device", "output"], "stream": ["device", "calibration"]})
+    for name, expected in data.items():
+        parameters = inspect.signature(getattr(zerorate, name)).parameters.values()
+        assert [one.name for one in parameters if one.kind is one.POSITIONAL_ONLY] == expected
+    with pytest.raises(TypeError, match=r"give rate without a name: allan\(rate, …\)"):
+        zerorate.allan(rate=np.ones(100))  # type: ignore[call-overload]
+
+
+def test_imu_and_tempcal_have_the_same_arguments_for_a_log() -> None:
+    imu, tempcal = (inspect.signature(of).parameters for of in (zerorate.imu, zerorate.tempcal))
+    shared = [*_axes.OF_READING, *_axes.OF_AXES]
+    assert sorted(shared) == sorted(imu.keys() & tempcal.keys() - {"log"})
+    assert all(imu[name] == tempcal[name] for name in shared)
