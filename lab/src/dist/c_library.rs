@@ -1,6 +1,6 @@
 //! The C library as archives: header, static library, and the files for CMake and pkg-config.
 
-use super::{Folder, TARGET_DIR, VERSION, fill, papers, put, without_paths};
+use super::{Folder, TARGET_DIR, VERSION, fill, papers, put, repository, without_paths};
 use crate::targets;
 use crate::tools::{Tool, available};
 use crate::venv::{done, printed};
@@ -69,7 +69,8 @@ pub fn make(folder: &Folder) -> Result<()> {
         for file in ["zerorate-config.cmake", "zerorate-config-version.cmake"] {
             fill(&format!("c/{file}"), &to.join("lib/cmake/zerorate").join(file), &[("VERSION", VERSION)])?;
         }
-        fill("c/zerorate.pc", &to.join("lib/pkgconfig/zerorate.pc"), &[("VERSION", VERSION)])?;
+        let values = [("VERSION", VERSION), ("URL", &repository("URL"))];
+        fill("c/zerorate.pc", &to.join("lib/pkgconfig/zerorate.pc"), &values)?;
         for (from, file) in [("bindings/c/include", "zerorate.h"), ("bindings/c", "README.md")] {
             let folder = if file.ends_with(".h") { to.join("include") } else { to.clone() };
             put(&folder.join(file), &fs::read(Path::new(from).join(file))?)?;

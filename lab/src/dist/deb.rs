@@ -5,7 +5,7 @@
 
 use super::machine::{MACHINES, Machine};
 use super::root::Root;
-use super::{Folder, VERSION, fill, papers, program, put};
+use super::{Folder, VERSION, fill, papers, program, put, repository};
 use crate::tools::{Tool, available};
 use crate::venv::{done, printed};
 use anyhow::{Context, Result};
@@ -82,7 +82,9 @@ fn lay_out(folder: &Folder, machine: &Machine, tree: &Path) -> Result<()> {
     }
     let kibibytes = printed(Command::new("du").args(["--summarize", "--block-size=KiB"]).arg(tree))?;
     let kibibytes = kibibytes.split("KiB").next().context("du prints a size")?;
-    let values = [("VERSION", VERSION), ("ARCHITECTURE", machine.debian), ("KIBIBYTES", kibibytes)];
+    let homepage = repository("Homepage");
+    let values =
+        [("VERSION", VERSION), ("ARCHITECTURE", machine.debian), ("KIBIBYTES", kibibytes), ("HOMEPAGE", &homepage)];
     fill("debian/control", &tree.join("DEBIAN/control"), &values)
 }
 
@@ -92,7 +94,7 @@ fn documents(folder: &Folder, to: &Path) -> Result<()> {
         .lines()
         .map(|line| if line.is_empty() { " .\n".to_owned() } else { format!(" {line}\n") })
         .collect();
-    fill("debian/copyright", &to.join("copyright"), &[("MIT", mit.trim_end())])?;
+    fill("debian/copyright", &to.join("copyright"), &[("MIT", mit.trim_end()), ("SOURCE", &repository("Source"))])?;
     put(&to.join("changelog"), &fs::read("CHANGELOG.md")?)?;
     for paper in [papers::licences("zerorate"), papers::materials("zerorate"), papers::RUST_LIBRARY.to_owned()] {
         let bytes = fs::read(folder.of(&paper)).with_context(|| format!("{paper}: make the part papers first"))?;

@@ -53,6 +53,8 @@ const PARTS: [Part; 7] = [
 
 /// The version of everything that is distributed: the workspace's version.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
+/// The address of the repository; empty until a release states it in `Cargo.toml`.
+const REPOSITORY: &str = env!("CARGO_PKG_REPOSITORY");
 /// Apart from the developer's own, since other flags give other files.
 const TARGET_DIR: &str = "target/cross";
 const SUMS: &str = "SHA256SUMS";
@@ -149,6 +151,11 @@ fn without_paths() -> Result<String> {
     let home = std::env::var("CARGO_HOME").or_else(|_| std::env::var("HOME").map(|home| format!("{home}/.cargo")))?;
     let here = std::env::current_dir()?;
     Ok(format!("--remap-path-prefix={home}=/cargo --remap-path-prefix={}=/zerorate", here.display()))
+}
+
+/// A line `NAME: address` about the repository, if there is an address.
+fn repository(name: &str) -> String {
+    if REPOSITORY.is_empty() { String::new() } else { format!("{name}: {REPOSITORY}\n") }
 }
 
 /// Copies a file of `packaging/`, with `@NAME@` replaced.
