@@ -116,11 +116,11 @@ impl Stream {
     }
 
     /// Ends the stream. A thread that reads it meanwhile gets None.
-    fn close(&self) {
+    fn close(&self, py: Python<'_>) {
         self.stop.ask();
-        if let Ok(mut held) = self.worker.try_lock() {
-            held.take();
-        }
+        let worker = self.worker.try_lock().ok().and_then(|mut held| held.take());
+        // a device that does not answer is given up after seconds
+        py.detach(move || drop(worker));
     }
 }
 

@@ -112,6 +112,21 @@ pub fn supervised<T: Send + 'static>(
     let (warnings, heard) = channel();
     let latest = Latest::default();
     let mut worker = Worker::start((Reporter { warnings, latest: latest.clone() }, heard), work);
+    match follow(py, progress, &latest, &mut worker) {
+        Ok(()) => worker.end(py),
+        Err(error) => {
+            py.detach(move || drop(worker));
+            Err(error)
+        }
+    }
+}
+
+fn follow<T: Send + 'static>(
+    py: Python<'_>,
+    progress: Option<&Bound<'_, PyAny>>,
+    latest: &Latest,
+    worker: &mut Worker<String, T>,
+) -> PyResult<()> {
     loop {
         let event = worker.wait(py)?;
         if let (Some(progress), Some(step)) = (progress, latest.take()) {
@@ -120,7 +135,7 @@ pub fn supervised<T: Send + 'static>(
         match event {
             Ok(text) => warn(py, &text, OF_CALLER)?,
             Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => return worker.end(py),
+            Err(RecvTimeoutError::Disconnected) => return Ok(()),
         }
     }
 }

@@ -27,6 +27,17 @@ def test_another_name_says_which_was_meant(match: str, options: dict[str, Any]) 
         zerorate.allan(np.ones(100), **options)
 
 
+def test_the_names_of_the_package() -> None:
+    names = """
+    Allan AllanAxes BandShape BiasAxis BiasCubic BiasCurve BiasMeans BiasNoise Calibrated CalibratedAxis
+    Calibration Capture Captured Cleaned Coefficient Corrected Correction Corrector CurvePoint CurveRecord
+    Detrended Estimate Fit GaussMarkov Imu Line Log Measured NoiseRecord Progress Refused Run Scale Stream
+    StreamRow Tempcal Truth Twin TwinKey Unavailable Uncertainties Validity WarmUp ZerorateError __version__
+    allan calibrate capture imu read_capture read_log stream tempcal
+    """
+    assert zerorate.__all__ == names.split() and all(hasattr(zerorate, name) for name in names.split())
+
+
 def test_data_have_no_name() -> None:
     data = {"allan": ["rate"], "imu": ["log"], "tempcal": ["log"], "read_log": ["log"], "read_capture": ["path"]}
     data.update({"calibrate": ["device"], "capture": ["device", "output"], "stream": ["device", "calibration"]})

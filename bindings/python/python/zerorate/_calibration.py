@@ -186,6 +186,9 @@ class CalibratedAxis:
     noise: NoiseRecord | None = None
     """The noise behind the uncertainty."""
 
+    def __repr__(self) -> str:
+        return f"<CalibratedAxis {self.name}: {self.correction._told()}>"
+
 
 @dataclass(frozen=True)
 class Run:
