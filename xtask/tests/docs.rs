@@ -36,6 +36,31 @@ fn every_cited_fact_is_defined_in_facts_md() {
     assert!(unknown.is_empty(), "facts cited but not defined in docs/facts.md:\n{}", unknown.join("\n"));
 }
 
+/// Each row of the page about what is stable names tests as `` `name` in `file` ``.
+#[test]
+fn every_test_that_holds_something_stable_exists() {
+    let page = fs::read_to_string(root().join("docs/reference/stable.md")).unwrap();
+    let quoted: Vec<&str> = page.split('`').skip(1).step_by(2).collect();
+    let mut names = Vec::new();
+    let mut found = 0;
+    for word in quoted {
+        let is_test = word.ends_with(".rs") || word.ends_with(".py");
+        match is_test {
+            true => {
+                let text = fs::read_to_string(root().join(word)).unwrap_or_else(|_| panic!("{word} does not exist"));
+                let last = names.pop().unwrap_or_else(|| panic!("no test is named before {word}"));
+                assert!(
+                    [format!("fn {last}("), format!("def {last}(")].iter().any(|def| text.contains(def)),
+                    "{last}"
+                );
+                found += 1;
+            }
+            false => names.push(word),
+        }
+    }
+    assert!(found > 9, "the page was not understood");
+}
+
 #[test]
 fn every_page_that_the_code_cites_is_in_the_project() {
     let pages: Vec<String> = files(&["md"]).iter().map(|(path, _)| path.display().to_string()).collect();
