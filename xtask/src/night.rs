@@ -40,10 +40,10 @@ const STEPS: [Step; 18] = [
     Step::new("trust", "xtask trust --quick --seed {seed}")
         .about("No result is wrong and silent where sensor, cable, disk, files or program break")
         .at(Pace::Beside),
-    Step::new("python-more", "xtask python stores notebook allantools certificate")
-        .about("The fleet on Dask and S3, the notebook, allantools' own tests, certificates")
+    Step::new("python-more", "xtask python stores notebook allantools certificate bridge")
+        .about("The fleet on Dask and S3, the notebook, allantools' own tests, certificates, an emulated bridge")
         .at(Pace::Beside)
-        .installing("what requirements-night.txt names, below target/; pango1.0-tools"),
+        .installing("what requirements-night.txt names, below target/; pango1.0-tools qemu-system-arm"),
     Step::new("proofs", "xtask proofs --check --seed {seed}")
         .about("The C interface in Miri, and called at random under AddressSanitizer, where nightly Rust is installed")
         .at(Pace::Beside)

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use xtask::app;
 use xtask::arguments::Arguments;
+use xtask::images::{QEMU, image_of};
 use xtask::tools::{self, Tool};
 use xtask::venv::done;
 use xtask::wheel;
@@ -14,12 +15,13 @@ use xtask::wheel;
 type Part = fn(&Wheel) -> Result<()>;
 
 /// The first one runs where none is named.
-const PARTS: [(&str, Part); 5] = [
+const PARTS: [(&str, Part); 6] = [
     ("tests", tests),
     ("stores", stores),
     ("notebook", notebook),
     ("allantools", allantools),
     ("certificate", certificate),
+    ("bridge", bridge),
 ];
 
 /// The wheel, and the environment of the gate that built it.
@@ -45,6 +47,7 @@ Builds the wheel, installs it into an environment below target/, and runs
   notebook      the examples
   allantools    allantools' own tests against our functions
   certificate   the tests of extras/zerorate-certificate
+  bridge        its tests at a bridge in an emulator
 Where python3 or the package registry is missing, it says so and passes.";
 
 pub fn help() -> String {
@@ -138,6 +141,18 @@ fn certificate(wheel: &Wheel) -> Result<()> {
     wheel::install_into(&python, &wheel.path)?;
     wheel::install_into(&python, Path::new(CERTIFICATE))?;
     pytest(&python, CERTIFICATE, &["--durations=5"])
+}
+
+/// The package at the firmware of a bridge, which has the twin as its part.
+fn bridge(wheel: &Wheel) -> Result<()> {
+    if !tools::available(&[QEMU], "the Python package at a bridge")? {
+        return Ok(());
+    }
+    wheel::install_into(&wheel.python, &wheel.path)?;
+    let image = fs::canonicalize(image_of("bridge")?)?;
+    let mut pytest = Command::new(&wheel.python);
+    pytest.args(["-m", "pytest", "-q", "-m", "bridge"]).env("ZERORATE_BRIDGE", image);
+    done(pytest.current_dir(PACKAGE))
 }
 
 /// The environment of the parts that run at night, with the wheel.
