@@ -1,8 +1,7 @@
 //! The procedure of AN-1042.
 
 use crate::calibration::Calibration;
-use crate::device::{Device, DeviceOptions, Duration, sink, text};
-use crate::error::joined;
+use crate::device::{Device, DeviceOptions, Duration, argument, in_words, sink, text};
 use crate::worker::{Reporter, supervised};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -11,7 +10,6 @@ use serde_json::Value;
 use std::path::PathBuf;
 use zerorate::calibration::Notes;
 use zerorate::{Method, Plan, Progress, Setting, SettingNames};
-use zerorate_allan::SettingName;
 use zerorate_host::Stop;
 use zerorate_jobs::JobWarning;
 use zerorate_jobs::calibrate::{Files, OutputOptions, Watch, prepare, settle_s};
@@ -67,15 +65,6 @@ impl CalibrateOptions {
     }
 }
 
-/// The name of a setting in the functions that read a device.
-pub fn argument(setting: Setting) -> SettingName {
-    let suffix = if setting == Setting::AssumeLinear { "=True" } else { "=" };
-    match setting {
-        Setting::FinalTemperature | Setting::Edge | Setting::Device | Setting::SelfTest => setting.name(),
-        other => SettingName { suffix, ..SettingName::text(other.word()) },
-    }
-}
-
 /// Watches the procedure for Python.
 struct Caller(Reporter);
 
@@ -128,16 +117,4 @@ fn run(
     let done = prepare(acquisition, plan, files, argument)?.run(&mut Caller(reporter))?;
     done.delivery.map_err(|failure| failure.error(""))?;
     Ok((in_words(serde_json::to_value(&done.report)?), done.calibration))
-}
-
-/// The report with the arguments in its warnings as Python writes them.
-pub fn in_words(mut report: Value) -> Value {
-    for key in ["warnings", "remarks"] {
-        for warning in report.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten() {
-            if let Value::String(text) = warning {
-                *text = joined(text);
-            }
-        }
-    }
-    report
 }

@@ -1,12 +1,13 @@
 //! The device that Python names, and how it is read.
 
-use crate::calibrate::argument;
 use crate::error::joined;
 use crate::worker::Reporter;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use serde_json::Value;
 use std::path::PathBuf;
 use zerorate::{Part, Setting};
+use zerorate_allan::SettingName;
 use zerorate_host::{DeviceSpec, Pace, Sampling, Setup, SourceWarning, Stop};
 use zerorate_jobs::output::Outputs;
 use zerorate_jobs::{Acquisition, InvalidOptions, JobWarning, catalogue};
@@ -81,6 +82,27 @@ impl Device {
         })?;
         Ok(Some(Part::parse_at(&text, range_dps).map_err(|error| wrong(error.to_string()))?))
     }
+}
+
+/// The name of a setting in the functions that read a device.
+pub fn argument(setting: Setting) -> SettingName {
+    let suffix = if setting == Setting::AssumeLinear { "=True" } else { "=" };
+    match setting {
+        Setting::FinalTemperature | Setting::Edge | Setting::Device | Setting::SelfTest => setting.name(),
+        other => SettingName { suffix, ..SettingName::text(other.word()) },
+    }
+}
+
+/// The report with the arguments in its warnings as Python writes them.
+pub fn in_words(mut report: Value) -> Value {
+    for key in ["warnings", "remarks"] {
+        for warning in report.get_mut(key).and_then(Value::as_array_mut).into_iter().flatten() {
+            if let Value::String(text) = warning {
+                *text = joined(text);
+            }
+        }
+    }
+    report
 }
 
 /// A warning as Python shows it: ``code: text``.

@@ -1,7 +1,6 @@
 //! Recordings of raw codes.
 
-use crate::calibrate::{argument, in_words};
-use crate::device::{DeviceOptions, Duration, sink};
+use crate::device::{DeviceOptions, Duration, argument, in_words, sink};
 use crate::worker::{Reporter, supervised};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
