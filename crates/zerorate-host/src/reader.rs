@@ -5,7 +5,7 @@ use anyhow::{Context, Result, anyhow};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
-use std::thread;
+use std::thread::{self, JoinHandle};
 
 /// Number of samples that can wait: 11 s at the full rate, 2.6 MB.
 const QUEUE: usize = 1 << 16;
@@ -21,8 +21,17 @@ pub enum WhenFull {
 
 /// A thread that reads samples, and their queue.
 pub struct Reader {
-    samples: Receiver<Result<Sample>>,
+    samples: Option<Receiver<Result<Sample>>>,
     overflowed: Arc<AtomicU64>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// The thread has what it reads open, so that it must have ended before another can open it.
+impl Drop for Reader {
+    fn drop(&mut self) {
+        self.samples = None;
+        let _ = self.thread.take().map(JoinHandle::join);
+    }
 }
 
 impl Reader {
@@ -49,13 +58,15 @@ impl Reader {
             prepare();
             feeder.run(next);
         };
-        thread::Builder::new().name("reader".to_owned()).spawn(body).context("starting the reading thread")?;
-        Ok(Self { samples, overflowed })
+        let thread =
+            thread::Builder::new().name("reader".to_owned()).spawn(body).context("starting the reading thread")?;
+        Ok(Self { samples: Some(samples), overflowed, thread: Some(thread) })
     }
 
     /// Waits for the next sample.
     pub fn next(&self) -> Result<Sample> {
-        self.samples.recv().unwrap_or_else(|_| Err(anyhow!("the reading thread has ended")))
+        let sample = self.samples.as_ref().and_then(|samples| samples.recv().ok());
+        sample.unwrap_or_else(|| Err(anyhow!("the reading thread has ended")))
     }
 
     /// Number of samples that found the queue full. The sample after them counts them as lost.
