@@ -52,8 +52,8 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     Ok(collector.finish(cut.or(behind), stated))
 }
 
-/// The IMUs and temperatures, and the types of the topics without an IMU. A channel may stand anywhere before its first
-/// message, so the whole file is read.
+/// The IMUs and temperatures, and the types of the topics without an IMU. A channel may stand anywhere before its
+/// first message, so the whole file is read.
 fn topics(path: &Path, file: &mut Input, room: MemoryBudget) -> Result<(Sources, BTreeMap<String, String>)> {
     let (mut all, mut others, mut seen) = (Sources::default(), BTreeMap::new(), BTreeSet::new());
     let mut first = true;
