@@ -80,6 +80,8 @@ struct AxisErrors {
     quintic: f64,
     curve: f64,
     ratios: Vec<f64>,
+    /// The same with the uncertainty of a sensor that was on before the log began, where it is stated.
+    ratios_on: Vec<f64>,
     elapsed_s: f64,
 }
 
@@ -91,26 +93,35 @@ fn temps_c(log: &Log) -> impl Iterator<Item = f64> + Clone + use<> {
 
 /// Prints the table of docs/reference/temperature.md.
 pub fn run(args: &CoverageTempcalArgs) -> anyhow::Result<()> {
-    println!("| log | order 3 | order 5 | curve | to order 3 | to order 5 | inside 95 % | rms(error/u) | s per log |");
-    println!("|---|---|---|---|---|---|---|---|---|");
+    println!(
+        "| log | order 3 | order 5 | curve | to order 3 | to order 5 | inside 95 % | or if on before | rms(error/u) | s per log |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|");
     for kind in KINDS.iter().filter(|kind| kind.name.contains(&args.only)) {
         let logs = for_each_seed(&args.seeds, args.threads, |seed| errors(kind, seed))?;
         let axes: Vec<&AxisErrors> = logs.iter().flatten().collect();
         let of = |error: fn(&AxisErrors) -> f64| rms(axes.iter().map(|axis| error(axis)));
         let [cubic, quintic, curve] = [of(|axis| axis.cubic), of(|axis| axis.quintic), of(|axis| axis.curve)];
         let ratios = || axes.iter().flat_map(|axis| &axis.ratios);
-        let inside = ratios().filter(|ratio| ratio.abs() < 1.96).count() as f64 / ratios().count() as f64;
+        let ratios_on = || axes.iter().flat_map(|axis| &axis.ratios_on);
+        let [inside, inside_on] = [inside(ratios()), inside(ratios_on())];
         let elapsed_s = axes.iter().map(|axis| axis.elapsed_s).sum::<f64>() / logs.len() as f64;
         println!(
-            "| {} | {cubic:.5} | {quintic:.5} | {curve:.5} | {:.2} | {:.2} | {:.1} % | {:.2} | {elapsed_s:.2} |",
+            "| {} | {cubic:.5} | {quintic:.5} | {curve:.5} | {:.2} | {:.2} | {:.1} % | {:.1} % | {:.2} | {elapsed_s:.2} |",
             kind.name,
             curve / cubic,
             curve / quintic,
             100.0 * inside,
+            100.0 * inside_on,
             rms(ratios().copied())
         );
     }
     Ok(())
+}
+
+/// Share of the ratios inside 95 % intervals.
+fn inside<'a>(ratios: impl Iterator<Item = &'a f64> + Clone) -> f64 {
+    ratios.clone().filter(|ratio| ratio.abs() < 1.96).count() as f64 / ratios.count() as f64
 }
 
 /// A log: temperatures as read, rates of each axis, and the terms of the true bias.
@@ -197,11 +208,13 @@ fn errors(kind: &Kind, seed: u64) -> anyhow::Result<Vec<AxisErrors>> {
             Some(without_mean(temps_c(&log).map(|temp_c| at(temp_c) - truth(temp_c))))
         };
         let off = |temp_c: f64| curve.at(temp_c) - truth(temp_c);
+        let u_on = |temp_c: f64| curve.u_if_on_before.unwrap_or(0.0).max(curve.u_at(temp_c));
         Ok(AxisErrors {
             cubic: error(3).context("no polynomial")?,
             quintic: error(5).context("no polynomial")?,
             curve: without_mean(temps_c(&log).map(off)),
             ratios: temps_c(&log).step_by(6).map(|temp_c| off(temp_c) / curve.u_at(temp_c)).collect(),
+            ratios_on: temps_c(&log).step_by(6).map(|temp_c| off(temp_c) / u_on(temp_c)).collect(),
             elapsed_s,
         })
     };
