@@ -94,7 +94,8 @@ fn temps_c(log: &Log) -> impl Iterator<Item = f64> + Clone + use<> {
 /// Prints the table of docs/reference/temperature.md.
 pub fn run(args: &CoverageTempcalArgs) -> anyhow::Result<()> {
     println!(
-        "| log | order 3 | order 5 | curve | to order 3 | to order 5 | inside 95 % | or if on before | rms(error/u) | s per log |"
+        "| log | order 3 | order 5 | curve | to order 3 | to order 5 | inside 95 % | or if on before | rms(error/u) | \
+         s per log |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     for kind in KINDS.iter().filter(|kind| kind.name.contains(&args.only)) {
@@ -107,7 +108,8 @@ pub fn run(args: &CoverageTempcalArgs) -> anyhow::Result<()> {
         let [inside, inside_on] = [inside(ratios()), inside(ratios_on())];
         let elapsed_s = axes.iter().map(|axis| axis.elapsed_s).sum::<f64>() / logs.len() as f64;
         println!(
-            "| {} | {cubic:.5} | {quintic:.5} | {curve:.5} | {:.2} | {:.2} | {:.1} % | {:.1} % | {:.2} | {elapsed_s:.2} |",
+            "| {} | {cubic:.5} | {quintic:.5} | {curve:.5} | {:.2} | {:.2} | {:.1} % | {:.1} % | {:.2} | \
+             {elapsed_s:.2} |",
             kind.name,
             curve / cubic,
             curve / quintic,
