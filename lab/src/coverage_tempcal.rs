@@ -85,7 +85,7 @@ struct AxisErrors {
     elapsed_s: f64,
 }
 
-/// Temperatures at which curves are compared, °C: those of the log, less a degree at each end.
+/// Temperatures at which curves are compared, °C: the span of the log, less a degree at each end.
 fn temps_c(log: &Log) -> impl Iterator<Item = f64> + Clone + use<> {
     let low_c = log.temps_c[0] + 1.0;
     (0..60).map(move |k| low_c + (43.0 - low_c) * f64::from(k) / 59.0)

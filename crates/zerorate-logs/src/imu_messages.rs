@@ -79,7 +79,7 @@ impl Source {
 pub struct Sources(BTreeMap<String, Source>);
 
 impl Sources {
-    /// Those of a topic, by the name of its type and the text that defines it.
+    /// The IMUs and the temperature of a topic, by the name of its type and the text that defines it.
     pub fn of(topic: &str, kind: &str, definition: &str) -> Self {
         let source = |place| Source { topic: topic.to_owned(), place, is_temperature: is_temperature(kind) };
         if is_imu(kind) || is_temperature(kind) {
@@ -102,6 +102,10 @@ impl Sources {
         self.0.iter().filter(|(_, source)| !source.is_temperature)
     }
 
+    pub fn has_imu(&self) -> bool {
+        self.imus().next().is_some()
+    }
+
     /// The temperature of this name, or the only one if that is `temperature`. The name of a topic suffices.
     fn temperature(&self, path: &Path, wanted: &str, asked: &ColumnQuery<'_>) -> Result<Option<Quantities>> {
         let [(quantity, _)] = TEMPERATURE;
@@ -115,8 +119,8 @@ impl Sources {
         if wanted != quantity {
             return Ok(all().find(of_topic).and_then(found));
         }
-        let imu = asked.args.topic.as_deref().unwrap_or_default();
-        let near = || all().filter(|(name, _)| !folder(imu).is_empty() && folder(name).starts_with(folder(imu)));
+        let beside = folder(asked.args.topic.as_deref().unwrap_or_default());
+        let near = || all().filter(|(name, _)| !beside.is_empty() && name.starts_with(&format!("{beside}/")));
         match (all().count(), near().count()) {
             (1, _) => Ok(all().next().and_then(found)),
             (_, 1) => Ok(near().next().and_then(found)),

@@ -22,7 +22,7 @@ use zerorate_input::{Input, InputError, InputWarning};
 pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let (path, mut file) = (log.path, log.input);
     let (topics, others) = topics(path, &mut file, log.room)?;
-    if topics.imus().next().is_none() {
+    if !topics.has_imu() {
         return Err(without_imu(path, &others));
     }
     let wanted = Quantities::choose(path, &topics, asked, || survey(&mut file, log.room, &topics))?;
@@ -64,7 +64,7 @@ fn topics(path: &Path, file: &mut Input, room: MemoryBudget) -> Result<(Sources,
                 let kind = schema.map_or("no type", |schema| &schema.name);
                 let definition = schema.map_or(Cow::default(), |schema| String::from_utf8_lossy(&schema.data));
                 let of_topic = Sources::of(topic, kind, &definition);
-                if of_topic.imus().next().is_none() {
+                if !of_topic.has_imu() {
                     others.insert(topic.clone(), kind.to_owned());
                 }
                 all.extend(of_topic);

@@ -33,7 +33,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let (topics, others) = topics(path, &mut file, room)?;
     let mut sources = Sources::default();
     topics.values().for_each(|topic| sources.extend(topic.sources.clone()));
-    if sources.imus().next().is_none() {
+    if !sources.has_imu() {
         return Err(without_imu(path, &others));
     }
     let seen = || survey(&mut Records { path, file: &mut file, room, bytes: 0 }, &topics);
@@ -73,7 +73,7 @@ fn topics(path: &Path, file: &mut BufReader<Input>, room: MemoryBudget) -> Resul
     for skip_chunks in [true, false] {
         let torn = Records { path, file, room, bytes: 0 }.each(skip_chunks, |record| {
             let Some((at, topic)) = record.connection() else { return Ok(()) };
-            if topic.sources.imus().next().is_none() {
+            if !topic.sources.has_imu() {
                 others.insert(topic.name.clone(), topic.kind.clone());
             }
             if !topic.sources.is_empty() {

@@ -25,7 +25,7 @@ pub fn read(log: Log<'_>, asked: &ColumnQuery<'_>) -> Result<RawColumns> {
     let topics = topics_of(&bag).map_err(failed)?;
     let mut sources = Sources::default();
     topics.iter().for_each(|topic| sources.extend(topic.sources.clone()));
-    if sources.imus().next().is_none() {
+    if !sources.has_imu() {
         return Err(without_imu(path, &topics.into_iter().map(|topic| (topic.name, topic.kind)).collect()));
     }
     let wanted = Quantities::choose(path, &sources, asked, || survey(&bag, &topics))?;

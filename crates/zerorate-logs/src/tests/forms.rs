@@ -401,6 +401,9 @@ fn a_bag_with_topics_of_temperature() {
     let two = imus(&["/baro/temperature", "/front/temperature"]);
     let near = folder.read(&two, "--column temperature --topic /front/imu").unwrap();
     assert_eq!(near.name, "/front/temperature.temperature");
+    let likewise = imus(&["/front2/temperature", "/front/imu/temperature"]);
+    let near = folder.read(&likewise, "--column temperature --topic /front/imu").unwrap();
+    assert_eq!(near.name, "/front/imu/temperature.temperature", "another sensor's name begins alike");
     let given = folder.read(&two, "--column /baro/temperature").unwrap();
     assert_eq!(given.name, "/baro/temperature.temperature");
     let asked = folder.fails(&two, "--column temperature");

@@ -174,8 +174,8 @@ pub fn number_of_imu(topic: Option<&str>) -> u32 {
 const LATE_S: f64 = 60.0;
 
 impl ImuColumns {
-    /// Whether the sensor was on before the log began, where the clock of the log tells: those of autopilots begin at
-    /// switch-on.
+    /// Whether the sensor was on before the log began, where the clock of the log tells. The clocks of autopilots
+    /// begin at switch-on.
     fn was_on(&self, start_s: Option<f64>) -> Option<bool> {
         let of_autopilot =
             |topic: &String| ["sensor_", "IMU", "GYR", "ACC"].iter().any(|start| topic.starts_with(start));

@@ -19,7 +19,7 @@ pub enum Warning {
     EarthIncluded,
     /// The Earth's rotation was subtracted, and no other constant rotation is accounted for.
     EarthSubtracted { earth_dps: f64 },
-    /// The bias is far above that of a typical unit: the part may have turned.
+    /// The bias is far above a typical one: the part may have turned.
     Turning { rate_dps: f64, typical_dps: f64 },
     /// A line through two temperatures shows no curvature. The uncertainty of BTC allows for its typical size.
     CurvatureUnseen { u_dps_per_c: f64 },
