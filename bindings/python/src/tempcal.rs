@@ -29,12 +29,14 @@ pub fn tempcal<'py>(
     codes: OfCodes,
     temp_column: Option<String>,
     reference_c: Option<f64>,
+    max_u_dps: Option<f64>,
     serial: Option<String>,
     options: Options,
 ) -> PyResult<Bound<'py, PyDict>> {
     let mut axes = imu_options(names, gyro, accel, &options)?;
     axes.log.names = Names(name);
-    let options = TempcalOptions { axes, codes: code_options(codes)?, temperature: temp_column, reference_c };
+    let options =
+        TempcalOptions { axes, codes: code_options(codes)?, temperature: temp_column, reference_c, max_u_dps };
     let logs = sources.into_iter().map(log).collect::<PyResult<Vec<UnitLog>>>()?;
     let found = py.detach(|| found(&logs, &options)).map_err(|error| exception(&error))?;
     let result = PyDict::new(py);

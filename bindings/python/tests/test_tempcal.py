@@ -170,6 +170,8 @@ def test_the_picture_has_a_panel_for_each_axis(found: zerorate.Tempcal) -> None:
 @pytest.mark.parametrize(
     ("match", "kind", "change", "options"),
     [
+        ("is uncertain by .* above the limit", zerorate.Refused, {}, {"max_u_dps": 1e-9}),
+        ("give a number above 0", ValueError, {}, {"max_u_dps": float("nan")}),
         ("goes from .* a curve needs at least 5 °C", zerorate.Refused, {"temp_c": np.linspace(20, 23, SAMPLES)}, {}),
         ("has no temperature.*temp_column=", ValueError, {"temp_c": None}, {}),
         ('temp_column=: the dict has no column "tc"', ValueError, {}, {"temp_column": "tc"}),

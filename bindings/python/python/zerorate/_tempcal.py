@@ -222,6 +222,7 @@ def tempcal(
     *,
     temp_column: str | int | None = None,
     reference_c: float | None = None,
+    max_u_dps: float | None = None,
     serial: str | None = None,
     column: Sequence[str | int] | None = None,
     columns: Sequence[str] | None = None,
@@ -262,6 +263,8 @@ def tempcal(
         or name says so.
     reference_c
         The temperature at which the bias is stated, °C; unless given, 25, or the middle of the temperatures.
+    max_u_dps
+        The largest accepted standard uncertainty of a gyroscope's bias over the temperatures of the logs, °/s.
     serial
         The serial number of the unit, for the calibration.
     column, columns, gyro, accel, rate_hz, topic, gyro_unit, accel_unit, force_unit, gyro_scale, accel_scale
@@ -278,7 +281,8 @@ def tempcal(
     Raises
     ------
     Refused
-        If the temperature spans too little, the sensor moves, or no model explains the logs.
+        If the temperature spans too little, the sensor moves, no model explains the logs, or the bias is more
+        uncertain than `max_u_dps`.
     ValueError
         If a log has no temperature, or does not state enough; the text says what to give.
     OSError
@@ -306,6 +310,7 @@ def tempcal(
         asked.codes,
         None if temp_column is None else str(temp_column),
         _axes.number(reference_c),
+        _axes.number(max_u_dps),
         serial,
         _with_time(sources, asked.options),
     )

@@ -189,6 +189,7 @@ def tempcal(
     codes: tuple[str | None, float | None, float | None],
     temp_column: str | None,
     reference_c: float | None,
+    max_u_dps: float | None,
     serial: str | None,
     options: _Options,
 ) -> _Tempcal: ...

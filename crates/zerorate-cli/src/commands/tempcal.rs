@@ -2,7 +2,7 @@
 
 use super::imu::axes::AxisArgs;
 use super::serial::one_line;
-use crate::column::LogArgs;
+use crate::column::{LogArgs, positive};
 use crate::exit::Usage;
 use crate::output::{Outputs, StagedOutput, command_line, print_json, print_lines, say, warn};
 use crate::picture::Pictures;
@@ -42,6 +42,11 @@ pub struct TempcalArgs {
     /// The temperature at which the bias is stated, °C [default: 25, or the middle of the temperatures].
     #[arg(long, value_name = "C", help_heading = "Temperature")]
     reference_c: Option<f64>,
+
+    /// Refuse the curve of a gyroscope that is more uncertain than this anywhere in the log (one standard uncertainty,
+    /// °/s).
+    #[arg(long, value_name = "DPS", value_parser = positive, help_heading = "Temperature")]
+    max_u: Option<f64>,
 
     /// The column with the temperature, °C [default: the only one whose unit or name says so].
     #[arg(long, value_name = "NAME", help_heading = "Temperature")]
@@ -112,6 +117,7 @@ pub fn run(args: &TempcalArgs) -> Result<()> {
         codes,
         temperature: args.temp_column.clone(),
         reference_c: args.reference_c,
+        max_u_dps: args.max_u,
     };
     let logs: Vec<UnitLog> = args.logs.iter().cloned().map(UnitLog::File).collect();
     let found = tempcal(&logs, &options)?;

@@ -113,6 +113,10 @@ fn a_log_without_a_curve_is_refused_or_asked_about() {
     bench.write("still.csv", csv("temp_c", |temp_c| 25.0 + (temp_c - 25.0) / 20.0));
     assert!(bench.zerorate("tempcal still.csv -o unit.toml").fails(3).contains("code: small-span"));
     assert!(!bench.path("unit.toml").exists());
+    bench.write("log.csv", csv("temp_c", |temp_c| temp_c));
+    bench.zerorate("tempcal log.csv --max-u 0.01").ended_with(0);
+    let refused = bench.zerorate("tempcal log.csv --max-u 1e-5").fails(3);
+    assert!(refused.contains("code: uncertain") && refused.contains("the bias of g"), "{refused}");
     bench.write("kelvin.csv", csv("temperature", |temp_c| temp_c + 273.15));
     assert!(bench.zerorate("tempcal kelvin.csv").fails(2).contains("looks like kelvins"));
     bench.write("none.csv", csv("pressure_pa", |temp_c| temp_c));

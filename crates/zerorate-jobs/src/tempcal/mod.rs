@@ -24,6 +24,8 @@ pub struct TempcalOptions {
     pub temperature: Option<String>,
     /// The temperature at which the bias is stated, °C; none: 25 °C, or the middle if the logs do not have it.
     pub reference_c: Option<f64>,
+    /// The largest standard uncertainty of a gyroscope's bias over the temperatures of the logs, °/s; none: any.
+    pub max_u_dps: Option<f64>,
 }
 
 /// The curves of all axes.
@@ -45,6 +47,9 @@ pub struct Tempcal {
 /// # Errors
 /// Returns an error if a log cannot be read, has no temperature or lacks axes, and a refusal if it gives no curve.
 pub fn tempcal(logs: &[UnitLog], options: &TempcalOptions) -> Result<Tempcal> {
+    if let Some(wanted) = options.max_u_dps.filter(|wanted| !(wanted.is_finite() && *wanted > 0.0)) {
+        return Err(InvalidOptions(format!("the largest uncertainty is {wanted} °/s; give a number above 0")).into());
+    }
     let (sensors, notes) = reading::sensors(logs, options)?;
     let names = options.axes.log.names;
     let mut all = Tempcal { axes: Vec::new(), curves: Vec::new(), points: Vec::new(), notes, names };
@@ -53,6 +58,7 @@ pub fn tempcal(logs: &[UnitLog], options: &TempcalOptions) -> Result<Tempcal> {
         let refused =
             |why: CurveRefusal| CodedRefusal::new(why.code(), format!("{name}: {}", refusal_text(&why, names)));
         for (axis, curve, points) in sensor.fitted(options.reference_c).map_err(refused)? {
+            options.max_u_dps.map_or(Ok(()), |wanted| axis.known_to(wanted)).map_err(refused)?;
             all.axes.push(axis);
             all.curves.push(curve);
             all.points.push(points);

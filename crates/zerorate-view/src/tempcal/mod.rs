@@ -14,7 +14,7 @@ pub use pictures::over_temperature;
 pub use sensor::{FittedAxis, ImuColumns, Sensor, Sensors, number_of_imu, possible_c, span_c, topic_of, values};
 use serde::Serialize;
 pub use words::{refusal_text, table, warnings_of_axes};
-use zerorate::temperature::curve::{LogCurve, LogMeans};
+use zerorate::temperature::curve::{CurveRefusal, LogCurve, LogMeans};
 use zerorate_imu::Kind;
 
 /// Coverage factor of 95 % intervals.
@@ -194,6 +194,23 @@ impl AxisCurve {
                 k: curve.noise.rate_random_walk_dps_per_rt_s,
             },
             warnings: Vec::new(),
+        }
+    }
+
+    /// Checks that the bias of a gyroscope is nowhere more uncertain than wanted, °/s.
+    ///
+    /// # Errors
+    /// Returns a refusal that names the worst temperature.
+    pub fn known_to(&self, wanted_dps: f64) -> Result<(), CurveRefusal> {
+        let u_of = |point: &CurvePoint| match *point {
+            CurvePoint::Gyroscope { temp_c, u_dps, .. } => Some((temp_c, u_dps)),
+            CurvePoint::Accelerometer { .. } => None,
+        };
+        match self.curve.iter().filter_map(u_of).max_by(|(_, a), (_, b)| a.total_cmp(b)) {
+            Some((at_c, u_dps)) if u_dps > wanted_dps => {
+                Err(CurveRefusal::TooUncertain { axis: self.name.clone(), u_dps, at_c, wanted_dps })
+            }
+            _ => Ok(()),
         }
     }
 

@@ -135,6 +135,8 @@ pub enum CurveRefusal {
     TooShort { axis: String, blocks: usize, needed: usize },
     /// No model explains an axis.
     NoCurve { axis: String },
+    /// The bias is more uncertain than was asked for.
+    TooUncertain { axis: String, u_dps: f64, at_c: f64, wanted_dps: f64 },
 }
 
 rows!(match CurveRefusal {
@@ -159,6 +161,13 @@ rows!(match CurveRefusal {
     Self::NoCurve { ref axis } => Row {
         code: "no-curve",
         text: format_args!("axis {axis} does not vary, or no model explains it; choose the others, if they do"),
+    },
+    Self::TooUncertain { ref axis, u_dps, at_c, wanted_dps } => Row {
+        code: "uncertain",
+        text: format_args!(
+            "the bias of {axis} is uncertain by {u_dps:.2e} °/s at {at_c:.1} °C (standard), above the limit of \
+             {wanted_dps}; warm it further or more slowly, let it settle, give more logs, or accept more"
+        ),
     },
 });
 
