@@ -127,7 +127,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_stands_beside_axes() {
+    fn columns_beside_axes_are_told_by_name() {
         for name in [
             "field.angular_velocity_covariance0",
             "gyro_integral_dt",

@@ -72,7 +72,7 @@ mod tests {
     use arrow_array::{Decimal128Array, DurationMillisecondArray, Float32Array, Int16Array, StringArray, UInt64Array};
 
     #[test]
-    fn what_fits_is_the_same_number() {
+    fn a_number_that_fits_stays_the_same() {
         let shorts = Int16Array::from(vec![Some(-3), None, Some(7)]);
         assert_eq!(
             integers::<Int32Type>(&shorts).expect("integers").iter().collect::<Vec<_>>(),
@@ -88,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_an_error() {
+    fn a_number_that_does_not_fit_is_an_error() {
         let error = |column: &dyn Array| integers::<UInt8Type>(column).expect_err("no fit").to_string();
         assert!(error(&Int16Array::from(vec![300])).contains("300"));
         assert!(error(&Float32Array::from(vec![0.5])).contains("0.5"));

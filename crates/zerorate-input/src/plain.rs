@@ -40,7 +40,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_acts_on_a_terminal_is_shown() {
+    fn control_characters_are_shown() {
         for text in ["", "0.5 °/s ± 3 %", "ä · … − 漢字", "naïve \u{1F600}"] {
             assert_eq!(line(text), text);
         }

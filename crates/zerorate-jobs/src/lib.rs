@@ -9,6 +9,7 @@
 //! * [`tempcal`]: the bias over temperature of all axes in logs.
 //! * [`chamber`]: a calibration over the temperatures of a chamber.
 //! * [`correct`]: a capture, corrected.
+//! * [`course`]: the capture of a calibration as means over time.
 //! * [`probe`]: is there a part, and is it wired right?
 //! * [`record`]: raw codes into a file.
 //! * [`stream`]: the corrected rate, row by row as it comes.
@@ -25,6 +26,7 @@ pub mod chamber;
 pub mod code_scales;
 pub mod codes;
 pub mod correct;
+pub mod course;
 mod error;
 pub mod imu;
 mod judged;

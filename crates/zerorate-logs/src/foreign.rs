@@ -245,7 +245,7 @@ fn logs_of_ardupilot() {
 }
 
 #[test]
-fn what_is_no_log_says_what_to_do() {
+fn a_file_that_is_not_a_log_gets_advice() {
     let folder = Folder::new();
     for (start, said) in [
         (&b"{\"t\":0,\"gz\":1}\n"[..], "in Python `pandas.read_json('FILE').to_csv('log.csv')`"),

@@ -60,7 +60,7 @@ fn a_file_that_is_filled_up_with_zeros_is_as_good_as_alone() {
 }
 
 #[test]
-fn what_follows_the_end_of_a_form_is_said_with_its_length() {
+fn bytes_behind_the_end_are_counted() {
     let own_head: [(&[u8], &str); 5] = [
         (MAT, "--column gz --time-column t --time-unit s"),
         (MAT_PACKED, "--column gz --time-column t --time-unit s"),
@@ -99,7 +99,7 @@ fn where_the_first_file_would_be_lost_the_place_of_the_second_is_named() {
 
 /// Forms whose reader continues behind a joint: repeated rows are there, or their times are refused.
 #[test]
-fn what_can_be_read_on_is_not_lost() {
+fn joined_texts_are_read_and_joined_logs_are_named() {
     let twice = Folder::new().fails([DATAFLASH, DATAFLASH].concat(), "--column IMU[0].GyrZ");
     assert!(twice.contains("two logs in one file"), "{twice}");
     let text = "gz_dps\n1\n2\n3\n";

@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_sense_has_no_imu() {
+    fn a_definition_without_sense_has_no_imu() {
         for text in ["sensor_msgs/Imu imu\n", "Loop loop\n", "wstring a\nsensor_msgs/Imu imu\n", ""] {
             let text = format!("{text}===\nMSG: my/Loop\nLoop loop\n");
             assert_eq!(places("my/Bundle", &text), [], "{text}");

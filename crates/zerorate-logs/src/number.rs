@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn what_could_be_thousands_is_asked_about() {
+    fn a_possible_thousands_separator_is_asked_about() {
         let (_, doubt) = read(&["5", "1,234", "-56,789"]);
         let (line, what) = doubt.unwrap();
         assert_eq!(line, 2);

@@ -300,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_in_order_is_left() {
+    fn rows_in_order_stay_unchanged() {
         let (times, values, said) = mended(&even(100)).unwrap();
         assert!(is_even(&times, 100) && values[99] == 49.5 && said.is_empty());
     }
@@ -373,7 +373,7 @@ mod tests {
 
     /// A digit of a stamp was corrupted or lost by a cable.
     #[test]
-    fn a_stamp_that_cannot_be_is_no_leap_of_the_clock() {
+    fn an_impossible_stamp_is_not_a_leap_of_the_clock() {
         for stray in [0.0, 5.0, 1e9, 300.0] {
             let mut rows = even(400);
             rows[100].0 = stray;

@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_said_of_one_rate() {
+    fn one_rate_gives_no_warning() {
         assert_eq!([1.0, 1.01, 0.99].map(|change| said(&changing(change))), [false; 3]);
         let row = || (0..20_000).map(f64::from);
         let late: Vec<f64> = row().zip(noise(20_000)).map(|(row, z)| 0.01 * (row + 0.4 * z)).collect();

@@ -251,7 +251,7 @@ fn a_column_is_chosen_once_and_by_a_name_that_exists() {
 
 /// More columns take more of the memory limit of the file.
 #[test]
-fn memory_is_that_of_all_columns() {
+fn the_memory_of_all_columns_is_counted() {
     let one = SeriesBuilder::new(zerorate_input::limits::MemoryBudget::of(0));
     let eight = SeriesBuilder::sharing(zerorate_input::limits::MemoryBudget::of(0), 8);
     let rows = zerorate_input::limits::FREE_BYTES / 16;

@@ -136,7 +136,7 @@ fn rows_of_another_layout_are_refused() {
 }
 
 #[test]
-fn what_no_capture_can_have() {
+fn names_that_no_capture_can_have_are_refused() {
     let named = |names: &[&str]| {
         let mut part = part();
         for (axis, name) in part.axes.to_mut().iter_mut().zip(names) {

@@ -249,7 +249,7 @@ mod tests {
 
     /// Extra edges of a stuttering line, a wrap of the count, late edges: none of these is a contradiction.
     #[test]
-    fn what_happens_is_no_contradiction() {
+    fn late_rows_are_not_a_contradiction() {
         let mut rows = rows(1000);
         for (i, row) in rows.iter_mut().enumerate() {
             let late_ns = if i % 97 == 0 { 5_000_000 } else { 0 };

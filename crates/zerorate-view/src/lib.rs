@@ -6,10 +6,12 @@ mod interval;
 pub mod noise;
 pub mod plot;
 mod printable;
+mod remark;
 pub mod report;
 mod session_warning;
 pub mod tempcal;
 
 pub use duration::Seconds;
 pub use interval::{Interval, PlusMinus};
+pub use remark::{remark, remarks_apart};
 pub use session_warning::SessionWarning;

@@ -30,7 +30,7 @@ pub use correction::{
     IntegerCorrection, IntegerCurve, IntegerError, IntegerForm, RowIndex, TableError, TableRow, Validity,
 };
 pub use health::{Checkup, Limits, Tally};
-pub use notice::{Deviation, Finding, Refusal, Remedy, Warning};
+pub use notice::{Deviation, Finding, Refusal, Remedy, Warning, standing_place};
 #[cfg(feature = "file")]
 pub use part::PartError;
 pub use part::{

@@ -32,7 +32,8 @@ fn error(text: &str) -> FileError {
 fn a_warning_in_the_file_names_no_setting() {
     let outcome = Outcome { warnings: vec![Warning::EarthIncluded], ..outcome() };
     let calibration = Calibration::new(&Part::ADIS16130, &[outcome], origin());
-    assert_eq!(calibration.warnings, ["Earth rotation (up to 0.00418 °/s) is part of PBC; give its component"]);
+    let warning = "earth-included: Earth rotation (up to 0.00418 °/s) is part of PBC; give its component";
+    assert_eq!(calibration.warnings, [warning]);
 }
 
 #[test]
@@ -149,7 +150,7 @@ fn a_curve_is_schema_3() {
 
 /// A whole number is a number, too. Each line of a measured file, as it must not be.
 #[test]
-fn what_no_measurement_states_is_refused_with_its_line() {
+fn an_impossible_value_is_refused_with_its_line() {
     let unmarked = |line: &&str| !line.starts_with("checksum") && !line.starts_with("line_checks");
     let text: Vec<String> = measured().to_toml().lines().filter(unmarked).map(str::to_owned).collect();
     assert!(Calibration::parse(&text.join("\n")).is_ok());
@@ -232,7 +233,7 @@ impl Normal {
 /// The measurement itself, many times: a line over temperature, a mean rate with an error, a T3 with an equally large
 /// error, and a BTC whose error is correlated with the rate's.
 #[test]
-fn the_uncertainty_of_a_correction_is_that_of_many_measurements() {
+fn the_uncertainty_of_a_correction_is_the_scatter_of_many_measurements() {
     const DRAWS: u32 = 40_000;
     let (bias_dps, btc, t3_c) = (0.3, -0.04, 33.0);
     let (u_rate, u_t3, u_btc, shared): (f64, f64, f64, f64) = (0.0026, 0.05, 0.0008, 0.6);

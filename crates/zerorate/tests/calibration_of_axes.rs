@@ -50,12 +50,13 @@ fn three_axes_come_back_bit_for_bit() {
 }
 
 #[test]
-fn what_concerns_all_axes_stands_once() {
+fn a_warning_of_all_axes_stands_once() {
     let calibration = measured();
     // a file names no setting of one front end
-    assert_eq!(calibration.warnings, ["Earth rotation (up to 0.00418 °/s) is part of PBC; give its component"]);
+    let warning = "earth-included: Earth rotation (up to 0.00418 °/s) is part of PBC; give its component";
+    assert_eq!(calibration.warnings, [warning]);
     let own = calibration.axes.iter().map(|axis| axis.warnings.as_slice());
-    let expected = [Warning::Restless, Warning::CurvatureUnknown, Warning::RestUnjudged].map(|one| [one.to_string()]);
+    let expected = [Warning::Restless, Warning::CurvatureUnknown, Warning::RestUnjudged].map(|one| [format!("{}: {one}", one.code())]);
     assert!(own.eq(expected.iter().map(|one| &one[..])));
 }
 

@@ -417,7 +417,7 @@ fn a_part_of_which_little_is_known_is_calibrated_with_warnings() {
 
 /// A part with half as many codes per °/s turns twice as fast by the same codes.
 #[test]
-fn the_scale_is_that_of_the_part() {
+fn the_part_gives_the_scale() {
     let plan = Plan { warmup_s: 60.0, settle_s: 120.0, offset_s: 20.0, max_u_btc_dps_per_c: 0.4, ..Plan::default() };
     let fine = Axis::ADIS16130;
     let noise = fine.noise.map(|noise| zerorate::TypicalNoise {

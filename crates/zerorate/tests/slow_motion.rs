@@ -101,7 +101,7 @@ type Claim = (&'static str, Method, fn(u64) -> Spec);
 /// Checks each text that says that the uncertainty includes something, on units to which that happens. The result is
 /// inside, and the stated error adds to the uncertainty of the same unit without it.
 #[test]
-fn what_is_said_to_be_in_the_uncertainty_is_in_it() {
+fn a_stated_uncertainty_holds_the_named_effect() {
     let claims: [Claim; 5] = [
         ("swaying", Method::Warmup, |seed| sway(seed, 0.05, 0.000_35)),
         ("swaying", Method::An1042, |seed| sway(seed, 0.05, 0.0008)),

@@ -128,7 +128,7 @@ fn motion_is_not_learned_from() {
 
 /// Another axis that moves, a gap or a missing reading ends a rest. A rate without any temperature is ignored.
 #[test]
-fn what_is_missing_is_no_rest() {
+fn missing_samples_are_not_taken_for_rest() {
     let mut random = Random::new(1);
     for (rate_dps, temp_c, still) in [(Some(0.25), Some(33.0), false), (None, None, true)] {
         let mut tracker = tracker();
@@ -149,7 +149,7 @@ fn what_is_missing_is_no_rest() {
 
 /// Rest, motion, rest at another level and at other temperatures, a gap, and a turn: what is known after each.
 #[test]
-fn what_is_learned_stays_as_it_is() {
+fn a_learned_bias_stays_as_it_is() {
     let mut tracker = tracker();
     let mut known = String::new();
     for (seconds, level_dps, sway_dps, temp_c) in [

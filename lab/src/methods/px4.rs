@@ -44,7 +44,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_median_is_that_of_scipy() {
+    fn the_median_equals_the_one_of_scipy() {
         // scipy.signal.medfilt(numpy.arange(1, 41), 31): the zeros before and after pull its ends down
         let rates: Vec<f64> = (1..=40).map(f64::from).collect();
         let found = median(&rates);

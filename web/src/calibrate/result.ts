@@ -61,7 +61,7 @@ export class Result implements Stage {
         downloads(this.app, result.entry.id),
         h("div", { class: "actions" }, this.#apply, again),
       ),
-      remarks(result.warnings),
+      remarks(result),
     );
     this.#choose(0);
   }
@@ -81,13 +81,14 @@ function legend({ axes }: CalibrationResult): HTMLElement {
   return h("p", { class: "note" }, `Line: the correction. Band: the 95 % interval.${hasTruth ? truth : ""}`);
 }
 
-function remarks(warnings: string[]): HTMLElement {
-  const rows = warnings.map((text) => h("li", {}, ...coded(text)));
+function remarks({ warnings, remarks }: CalibrationResult): HTMLElement {
+  const rows = (texts: string[]) => texts.map((text) => h("li", {}, ...coded(text)));
   return h(
     "section",
     { class: "card" },
-    h("h2", {}, "Remarks"),
-    h("ul", { class: "remarks" }, ...(rows.length > 0 ? rows : [h("li", { class: "none" }, "None.")])),
+    h("h2", {}, warnings.length > 0 ? "Warnings" : "No warnings"),
+    h("ul", { class: "warnings" }, ...rows(warnings)),
+    h("ul", { class: "remarks" }, ...rows(remarks)),
   );
 }
 

@@ -98,7 +98,7 @@ fn a_spectrum_without_scatter_gives_its_coefficients() {
 
 /// For white noise the relative standard deviation of N from all L samples is 1/√(2L).
 #[test]
-fn interval_of_white_noise_is_that_of_a_variance() {
+fn white_noise_has_the_interval_of_a_variance() {
     let fit = of(&Truth { n: 0.01, ..Truth::default() }.noise(100_000, 2));
     let half_width = (fit.n.hi - fit.n.lo) / 2.0 / 0.01;
     let expected = 1.96 / (2.0 * 100_000f64).sqrt();

@@ -2,14 +2,16 @@
 
 use super::correct::load;
 use crate::exit::Usage;
+use crate::interrupt;
 use crate::output::{Outputs, print};
 use crate::picture::{self, Kind};
 use anyhow::Result;
 use clap::Args;
 use std::io::{self, IsTerminal};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use zerorate::Calibration;
-use zerorate_view::report;
+use zerorate_jobs::course::course;
+use zerorate_view::report::{self, Course};
 
 /// Write calibrations as one self-contained HTML page
 ///
@@ -27,6 +29,11 @@ pub struct ReportArgs {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
+    /// The capture that the calibration was made from, as `calibrate --log` writes it. The page then shows rate,
+    /// temperature and corrected rate over time.
+    #[arg(long, value_name = "CAPTURE")]
+    capture: Option<PathBuf>,
+
     /// Overwrite an existing file, but never a capture.
     #[arg(long, requires = "output")]
     force: bool,
@@ -36,7 +43,8 @@ pub fn run(args: &ReportArgs) -> Result<()> {
     let mut outputs = Outputs::new(args.force);
     let of_file = |path: &PathBuf| Ok((load(path, &mut outputs)?, path.display().to_string()));
     let calibrations = args.cals.iter().map(of_file).collect::<Result<Vec<_>>>()?;
-    let page = || report::calibration_page(&calibrations);
+    let course = args.capture.as_ref().map(|path| course_of(path, &calibrations, &mut outputs)).transpose()?;
+    let page = || report::calibration_page(&calibrations, course.as_ref());
     match &args.output {
         None if io::stdout().is_terminal() => {
             Err(Usage("the page is HTML for a browser; name its file: -o report.html".to_owned()).into())
@@ -50,6 +58,16 @@ pub fn run(args: &ReportArgs) -> Result<()> {
             None => Ok(outputs.derived(path)?.fill(page()?.as_bytes())?),
         },
     }
+}
+
+fn course_of(path: &Path, calibrations: &[(Calibration, String)], outputs: &mut Outputs) -> Result<Course> {
+    let [(calibration, _)] = calibrations else {
+        return Err(Usage("--capture belongs to one calibration; give that one alone".to_owned()).into());
+    };
+    let reader = outputs.capture(path)?;
+    let part = reader.info().part();
+    interrupt::listen();
+    course(path, reader, &part, calibration, interrupt::stop())
 }
 
 fn correction(calibrations: &[(Calibration, String)]) -> Result<String> {

@@ -99,6 +99,6 @@ fn calibration() {
         assert!(calibration.axes.iter().all(|axis| axis.correction.apply(0.0, 25.0).is_finite()));
         let (again, _) = Calibration::parse(&calibration.to_toml()).expect("what is written can be read");
         assert_eq!(again, calibration);
-        zerorate_view::report::calibration_page(&[(calibration, "edited".to_owned())]).expect("a page");
+        zerorate_view::report::calibration_page(&[(calibration, "edited".to_owned())], None).expect("a page");
     });
 }

@@ -91,4 +91,11 @@ fn a_recorded_warm_up_gives_the_same_file() {
     let [live, again] = ["live.toml", "again.toml"].map(|name| text(&bench, name));
     let curve = |text: &str| text.split("[curve]").nth(1).expect("a curve").to_owned();
     assert_eq!(curve(&live), curve(&again));
+    bench.zerorate("report live.toml --capture log.arrows -o live.html").ended_with(0);
+    let page = text(&bench, "live.html");
+    let shown = ["The measurement</h", "rate with the correction, °/s", "not in the uncertainty (earth-included)"];
+    assert!(shown.iter().all(|part| page.contains(part)), "{page}");
+    bench.zerorate("capture --device twin:seed=4 --samples 900 -o other.arrows").ended_with(0);
+    bench.zerorate("report live.toml --capture other.arrows -o b.html").ended_with(1).saying(&["is not the capture"]);
+    bench.zerorate("report live.toml again.toml --capture log.arrows -o b.html").ended_with(2).saying(&["alone"]);
 }

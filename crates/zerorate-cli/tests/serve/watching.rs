@@ -182,7 +182,7 @@ fn a_lost_device_is_reported_and_can_be_opened_again() {
 
 /// Every part has its own bias: as of `stream`, what is not of this one is refused, and what may not be is said.
 #[test]
-fn a_calibration_must_be_that_of_the_part() {
+fn a_calibration_of_another_part_is_refused() {
     let bench = Bench::new();
     let unit = |serial: &str| {
         let correction = "[correction]\npbc_dps = -0.25\nbtc_dps_per_c = -0.04\nt3_c = 31.5\n";

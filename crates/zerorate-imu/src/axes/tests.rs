@@ -4,7 +4,7 @@ use super::*;
 
 /// `rostopic echo -p` writes variances of an angular velocity; they are not axes, unless somebody asks for them.
 #[test]
-fn what_stands_beside_axes_is_left_out() {
+fn columns_beside_the_axes_are_left_out() {
     let text = "%time,field.angular_velocity.x,field.angular_velocity_covariance0,gyro_clipping\n\
                 1000,0.5,0.0,0\n2000,0.25,0.0,0\n3000,1.5,0.0,1\n";
     let read = |columns: Option<Vec<String>>| {
@@ -69,7 +69,7 @@ fn gravity_tells_the_full_scale_or_the_unit() {
 }
 
 #[test]
-fn what_cannot_be_codes_is_not_scaled_as_codes() {
+fn fractions_are_not_scaled_as_codes() {
     let of = |setting, width_bits, unit, scale| KindOptions {
         unit: Some(unit),
         scale: Some(scale),

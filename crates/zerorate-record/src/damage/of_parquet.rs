@@ -34,7 +34,7 @@ fn row_groups_that_are_removed_repeated_or_moved_are_noticed() {
 
 /// Pyarrow and others write description and columns again, and drop the checks.
 #[test]
-fn what_other_software_wrote_again_is_said_to_be_unchecked() {
+fn a_file_that_other_software_wrote_again_is_unchecked() {
     let dir = TempDir::new().unwrap();
     let path = dir.path().join("whole.arrows");
     write(&path, Format::Arrows, &slow(50));

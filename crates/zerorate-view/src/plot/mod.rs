@@ -15,6 +15,7 @@ mod curve;
 mod label;
 mod lines;
 mod multiples;
+mod over_time;
 #[cfg(feature = "png")]
 mod raster;
 mod residuals;
@@ -32,6 +33,7 @@ pub use canvas::stacked;
 pub use correction::{CorrectionCurve, CorrectionPoint, correction};
 pub use lines::{Lines, Panel, lines};
 pub use multiples::allan_multiples;
+pub use over_time::{Series, over_time};
 #[cfg(feature = "png")]
 pub use raster::png;
 pub use residuals::{ResidualPoint, residuals};

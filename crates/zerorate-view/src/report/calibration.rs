@@ -1,6 +1,7 @@
 //! The page of a calibration.
 
 use super::Fact;
+use super::course::{self, Course};
 use crate::duration::Seconds;
 use crate::plot::{self, CorrectionCurve, CorrectionPoint};
 use crate::printable;
@@ -58,6 +59,8 @@ struct AxisPart<'a> {
     picture: String,
     has_band: bool,
     has_means: bool,
+    /// The measurement over time.
+    over_time: Option<String>,
     /// Temperature, correction, and half of its interval if that is stated.
     table: Vec<Vec<String>>,
     sections: Vec<Section>,
@@ -84,12 +87,17 @@ struct Section {
     facts: Vec<Fact>,
 }
 
-/// Calibrations as one HTML page, each with the name of its file.
+/// Calibrations as one HTML page, each with the name of its file. `course` is the one of the first.
 ///
 /// # Errors
 /// No error is known, because the template is compiled.
-pub fn calibration_page(calibrations: &[(Calibration, String)]) -> Result<String> {
-    let units: Vec<Unit<'_>> = calibrations.iter().map(|(one, file)| unit(one, file)).collect();
+pub fn calibration_page(calibrations: &[(Calibration, String)], course: Option<&Course>) -> Result<String> {
+    let mut units: Vec<Unit<'_>> = calibrations.iter().map(|(one, file)| unit(one, file)).collect();
+    if let (Some(course), Some((calibration, _)), Some(unit)) = (course, calibrations.first(), units.first_mut()) {
+        for (part, axis) in unit.axes.iter_mut().zip(&calibration.axes) {
+            part.over_time = course::picture(course, calibration, axis);
+        }
+    }
     let title = match units.as_slice() {
         [only] => only.title.clone(),
         several => format!("{} calibrations", several.len()),
@@ -142,6 +150,7 @@ fn axis_part<'a>(calibration: &'a Calibration, axis: &'a CalibratedAxis) -> Axis
         picture: calibration_picture(axis, calibration.validity),
         has_band: stated(axis).is_some(),
         has_means: !means_of(axis).is_empty(),
+        over_time: None,
         table: look_up(axis, table_c(calibration, axis)),
         sections: own.into_iter().filter(|section| several && !section.facts.is_empty()).collect(),
     }
@@ -432,7 +441,7 @@ mod tests {
         });
         let other = Calibration::parse(BY_HAND).unwrap().0;
         let both = [(calibration.clone(), "unit.toml".to_owned()), (other, "other.toml".to_owned())];
-        let html = calibration_page(&both[..1]).unwrap();
+        let html = calibration_page(&both[..1], None).unwrap();
         for expected in [
             "-0.25200 … -0.24800</td><td class=\"number\">0.00100",
             "-0.040400 … -0.039600</td><td class=\"number\">0.000200",
@@ -443,7 +452,7 @@ mod tests {
             assert!(html.contains(expected), "{expected} in {html}");
         }
         assert!(!html.contains("not stated"), "{html}");
-        let compared = calibration_page(&both).unwrap();
+        let compared = calibration_page(&both, None).unwrap();
         for expected in ["<title>2 calibrations", "unit.toml</th>", "other.toml</th>", "other.toml: calibration"] {
             assert!(compared.contains(expected), "{expected} in {compared}");
         }
@@ -455,8 +464,8 @@ mod tests {
     #[test]
     fn a_calibration_by_hand_says_what_is_not_known() {
         let (mut calibration, _) = Calibration::parse(BY_HAND).unwrap();
-        calibration.warnings.push("the base moved".to_owned());
-        let html = calibration_page(&[(calibration, "<unit>.toml".to_owned())]).unwrap();
+        calibration.warnings.extend(["the base moved", "earth-included: Earth"].map(str::to_owned));
+        let html = calibration_page(&[(calibration, "<unit>.toml".to_owned())], None).unwrap();
         let place = |text: &str| html.find(text).unwrap_or_else(|| panic!("{text} in {html}"));
         assert!(
             place("T3, reference") < place("the base moved") && place("the base moved") < place("How to apply it")
@@ -467,6 +476,8 @@ mod tests {
             "not stated",
             "does not state the temperatures",
             "<svg",
+            "Warning: the base moved",
+            "<p class=\"below\">not in the uncertainty (earth-included): Earth",
         ] {
             assert!(html.contains(expected), "{expected} in {html}");
         }

@@ -3,10 +3,12 @@
 mod allan;
 mod calibration;
 mod chamber;
+mod course;
 
 pub use allan::{AllanPage, Table, allan_page};
 pub use calibration::{calibration_page, calibration_picture};
 pub use chamber::{ChamberPage, chamber_page, over_temperature, over_time, wide_loop};
+pub use course::{Course, Moment};
 
 /// A line of a table of facts.
 #[derive(Clone, Debug, PartialEq)]

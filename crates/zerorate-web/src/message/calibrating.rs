@@ -94,6 +94,8 @@ pub struct CalibrationResult {
     pub axes: Vec<AxisResult>,
     /// Warnings about the result.
     pub warnings: Vec<String>,
+    /// What every measurement by the same plan implies.
+    pub remarks: Vec<String>,
 }
 
 /// The result of a calibration for an axis.

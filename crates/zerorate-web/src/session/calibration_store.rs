@@ -135,7 +135,11 @@ impl CalibrationStore {
             "toml" => file("toml", "application/toml", calibration.to_toml()),
             "report" => {
                 let name = format!("{stem}.toml");
-                file("html", "text/html", report::calibration_page(&[(calibration.clone(), name)]).map_err(failed)?)
+                file(
+                    "html",
+                    "text/html",
+                    report::calibration_page(&[(calibration.clone(), name)], None).map_err(failed)?,
+                )
             }
             name => {
                 let form = ExportForm::named(name).filter(|form| !form.is_autopilot());

@@ -27,6 +27,7 @@ use crate::plan::Wording as _;
 use crate::procedure::{Measured, Noise, Outcome};
 use crate::temperature::{self, BiasCurve, Sources, TERMS};
 use crate::uncertainty::Uncertainty;
+use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use core::fmt;
@@ -436,7 +437,7 @@ fn one_line(text: &str) -> String {
 
 /// A warning in the file. It names no setting, because whoever reads it may have another front end.
 fn said(warning: &Warning) -> String {
-    one_line(&warning.with(|_| SettingName::text("")).to_string())
+    one_line(&format!("{}: {}", warning.code(), warning.with(|_| SettingName::text(""))))
 }
 
 fn calibrated(axis: &NamedAxis, outcome: &Outcome, common: &[&Warning]) -> CalibratedAxis {

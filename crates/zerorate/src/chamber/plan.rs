@@ -321,7 +321,7 @@ mod tests {
 
     /// 300 s at 25 °C, 600 s of ramp, 900 s at 45 °C, every 10 s and with the errors of a sensor.
     #[test]
-    fn what_a_chamber_did_is_a_plan_by_the_clock() {
+    fn the_steps_of_a_chamber_become_a_plan_by_the_clock() {
         let air_c = |s: f64| 25.0 + ((s - 300.0) / 30.0).clamp(0.0, 20.0);
         let noise_c = |k: u32| if k.is_multiple_of(3) { 0.1 } else { -0.05 };
         let course: Vec<(f64, f64)> =

@@ -135,7 +135,7 @@ mod tests {
 
     /// 40 s of another drift, then 100 s of 0.01 °C/s with an error of ±0.1 °C that alternates.
     #[test]
-    fn a_drift_is_that_of_a_straight_line_with_the_uncertainty_of_its_scatter() {
+    fn a_drift_is_the_slope_of_a_line_and_its_uncertainty_comes_from_the_scatter() {
         let (mut record, n) = (Record::new(1), 100.0);
         for k in 0..140_u32 {
             let (at_s, error_c) = (f64::from(k), if k % 2 == 0 { 0.1 } else { -0.1 });

@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_saved_comes_back_to_the_bit() {
+    fn saved_steps_come_back_to_the_bit() {
         let text = saved().to_toml("plan", &Part::ADIS16130, "twin:", "SN1");
         assert_eq!(Saved::parse(&text, "plan", &Part::ADIS16130, "twin:", "SN1"), Ok(saved()));
     }
@@ -298,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_whole_is_refused() {
+    fn an_incomplete_file_is_refused() {
         let text = saved().to_toml("plan", &Part::ADIS16130, "twin:", "SN1");
         let changed = parsed(&text.replace("lost = 1\n", "lost = 2\n"));
         assert!(matches!(changed, Err(SavedError::Altered(Damage::Changed { .. }))), "{changed:?}");

@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_refused() {
+    fn a_value_beyond_its_integer_is_refused() {
         let steep = Correction::line(0.0, 1e6, 25.0);
         assert_eq!(steep.fill_table(0.02, 0.12, &mut [0; 12]), Err(TableError::NoRoom { needed: 13, room: 12 }));
         assert!(matches!(steep.fill_table(0.02, 0.12, &mut [0; 13]), Err(TableError::TooSteep { .. })));

@@ -288,7 +288,7 @@ mod tests {
     /// Compares the stated loss of a table with a fine search: half a step off the nearest row, and between rows
     /// joined by straight lines.
     #[test]
-    fn what_a_table_loses_is_bounded() {
+    fn the_error_of_a_table_is_bounded() {
         let (step_c, reach_c) = (0.5, 20.0);
         let parabola = Correction { btc2_dps_per_c2: 0.0007, ..TYPICAL };
         for correction in [TYPICAL, parabola, CURVED, Correction { btc2_dps_per_c2: 0.0, ..CURVED }] {

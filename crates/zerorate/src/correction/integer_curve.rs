@@ -326,7 +326,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_named() {
+    fn a_term_beyond_its_integer_is_named() {
         let named = |correction: Correction| correction.to_integer_curve(&RATE, &TEMP).unwrap_err();
         assert_eq!(named(curve(0.0, 0.0, 25.0, 0.0, 0.1)).coefficient, "btc3_dps_per_c3");
         assert_eq!(named(curve(0.0, 0.0, 25.0, 1.0, 0.0)).coefficient, "btc2_dps_per_c2");

@@ -8,7 +8,7 @@ mod warning;
 pub use deviation::{Deviation, Finding};
 pub use refusal::Refusal;
 pub use remedy::Remedy;
-pub use warning::Warning;
+pub use warning::{Warning, standing_place};
 
 /// Generates `remedies()` in addition to the items of [`zerorate_allan::rows!`].
 macro_rules! rows_with_remedies {

@@ -230,12 +230,22 @@ rows_with_remedies!(match Warning {
     },
 });
 
+/// What a measurement did with the effect that a warning names, if every measurement by the same plan has the warning.
+#[must_use]
+pub fn standing_place(code: &str) -> Option<&'static str> {
+    match code {
+        "earth-included" | "one-branch" => Some("not in the uncertainty"),
+        "curvature-unseen" => Some("in the uncertainty"),
+        "earth-subtracted" => Some("taken out"),
+        _ => None,
+    }
+}
+
 impl Warning {
     /// Whether the warning follows from the plan alone, so that every measurement by this plan has it.
     #[must_use]
-    pub const fn is_standing(&self) -> bool {
-        use Warning::{CurvatureUnseen, EarthIncluded, EarthSubtracted, OneBranch};
-        matches!(self, EarthIncluded | EarthSubtracted { .. } | CurvatureUnseen { .. } | OneBranch { .. })
+    pub fn is_standing(&self) -> bool {
+        standing_place(self.code()).is_some()
     }
 }
 

@@ -467,7 +467,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said() {
+    fn each_error_is_named() {
         for (from, to, said) in [
             ("schema = 1", "schema = 2", "schema 2 is unknown"),
             ("name = \"ADIS16130\"", "name = \"a\\nb\"", "use up to 40 letters"),

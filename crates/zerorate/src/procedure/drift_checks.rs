@@ -426,7 +426,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_found_in_noise() {
+    fn noise_alone_gives_no_finding() {
         for seed in 1..30 {
             let seen = findings(&record(seed, |_| 0.0), &asked()).unwrap();
             assert!(seen.found.is_empty() && !seen.unexplained, "seed {seed}: {seen:?}");

@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_covers_nothing() {
+    fn one_temperature_covers_no_span() {
         assert_eq!(covered_c(core::iter::empty()), (0.0, 0.0));
         assert_eq!(covered_c([25.0; 9].into_iter()), (0.0, 0.0));
     }

@@ -134,7 +134,7 @@ fn a_lag_is_found() {
 
 /// Five minutes after power-on the element is still behind by more than the interval. The curve holds in balance.
 #[test]
-fn a_lag_is_no_bias() {
+fn a_lag_is_not_taken_for_a_bias() {
     for seed in 3..6 {
         let (blocks, truth) = beginning(&Spec { lag_s: 30.0, ..Spec::from_seed(seed) }, 150);
         let curve = fit(&blocks, &assumed(&[], blocks[149].temp_c)).unwrap();
@@ -159,7 +159,7 @@ fn a_step_that_is_none_is_left_out() {
 }
 
 #[test]
-fn what_cannot_be_fitted_is_an_error() {
+fn a_series_without_numbers_or_too_short_is_an_error() {
     let block = |k: u32| Block { start_s: f64::from(k), length_s: 1.0, rate_dps: f64::NAN, temp_c: 25.0 };
     let blocks: Vec<Block> = (0..100).map(block).collect();
     assert_eq!(fit(&blocks, &assumed(&[], 25.0)), Err(ThermalError::Degenerate));

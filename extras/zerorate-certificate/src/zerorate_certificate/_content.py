@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import warnings
 from dataclasses import dataclass
 from datetime import date, datetime, timedelta
@@ -121,13 +122,17 @@ class Content:
 
     @property
     def warnings(self) -> list[str]:
-        """Every warning of the measurement."""
+        """Every warning of the measurement, without the codes of the program."""
         of_axes = [
-            warning if result.name is None else f"axis {result.name}: {warning}"
+            _words(warning) if result.name is None else f"axis {result.name}: {_words(warning)}"
             for axis, result in zip(self.calibration.axes, self.axes)
             for warning in axis.warnings
         ]
-        return [*self.calibration.warnings, *of_axes]
+        return [*map(_words, self.calibration.warnings), *of_axes]
+
+
+def _words(warning: str) -> str:
+    return re.sub(r"^[a-z][a-z0-9-]*: ", "", warning)
 
 
 def is_simulated(calibration: Calibration) -> bool:

@@ -129,7 +129,7 @@ fn a_long_record_has_the_same_spectrum() {
 }
 
 #[test]
-fn the_interval_of_white_noise_is_that_of_its_samples() {
+fn white_noise_has_the_interval_of_its_samples() {
     for seed in 820..825 {
         let fit = of(&white(100_000, seed));
         let half = (fit.n.hi / fit.n.lo).ln() / 2.0;

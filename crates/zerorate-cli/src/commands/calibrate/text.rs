@@ -4,9 +4,9 @@ use std::path::Path;
 use zerorate::temperature::TERMS;
 use zerorate_jobs::CodedWarning;
 use zerorate_jobs::calibrate::{AxisNumbers, CalibrationReport, CurveTerms, POINTS};
-use zerorate_view::PlusMinus;
 use zerorate_view::duration::Seconds;
 use zerorate_view::plot::number;
+use zerorate_view::{PlusMinus, remark};
 
 /// Formats the result; `file` holds the calibration.
 pub fn text(report: &CalibrationReport, file: Option<&Path>, serial: Option<&str>) -> String {
@@ -33,15 +33,7 @@ pub fn warnings(report: &CalibrationReport) -> Vec<String> {
 
 /// What every measurement by the same plan implies, in lines of the result.
 pub fn remarks(remarks: &[CodedWarning]) -> String {
-    let line = |remark: &CodedWarning| {
-        let place = match remark.code() {
-            "curvature-unseen" => "in the uncertainty",
-            "earth-subtracted" => "taken out",
-            _ => "not in the uncertainty",
-        };
-        format!("{place} ({}): {}\n", remark.code(), remark.text())
-    };
-    remarks.iter().map(line).collect()
+    remarks.iter().filter_map(|one| remark(one.code(), &one.text())).map(|line| line + "\n").collect()
 }
 
 fn head(report: &CalibrationReport) -> String {

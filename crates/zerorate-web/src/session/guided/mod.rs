@@ -16,6 +16,7 @@ use zerorate::calibration::Origin;
 use zerorate::{Calibration, Correction, EARTH_DPS, Part, Scan, Setting, Tally, Warning, Wording};
 use zerorate_allan::SettingName;
 use zerorate_record::{CaptureInfo, Row, SampleHash};
+use zerorate_view::remarks_apart;
 
 /// Time between two looks at what would be refused, s of part time.
 const LOOK_EVERY_S: f64 = 2.0;
@@ -163,12 +164,10 @@ impl GuidedCalibration {
         let GuidedResult { calibration, axes, warnings } =
             self.procedure.finish(source, info.origin(self.hash.hex()))?;
         let shown = axes.iter().enumerate().map(|(index, found)| source.axis(index, found, &calibration));
-        let result = CalibrationResult {
-            method: self.method,
-            entry: entry(&calibration, false),
-            axes: shown.collect(),
-            warnings: warnings.iter().map(NoticeText::to_string).collect(),
-        };
+        let lines: Vec<String> = warnings.iter().map(NoticeText::to_string).collect();
+        let (remarks, warnings) = remarks_apart(&lines);
+        let entry = entry(&calibration, false);
+        let result = CalibrationResult { method: self.method, entry, axes: shown.collect(), warnings, remarks };
         Ok((result, calibration))
     }
 }

@@ -116,7 +116,7 @@ fn a_bias_that_follows_at_once_is_found_without_a_lag() {
 }
 
 #[test]
-fn a_lag_is_found_and_the_curve_is_that_of_the_sensor() {
+fn a_lag_is_found_and_the_curve_is_true() {
     let late = Simulated { lag_s: 60.0, ..WARMING };
     let found = curve(vec![late.means()]);
     assert!((found.following.lag_s - 60.0).abs() < 6.0, "{:?}", found.following);
