@@ -99,7 +99,7 @@ pub extern "C" fn zerorate_text(status: Status) -> *const c_char {
         ZERORATE_E_STUCK_HIGH => c"SDO is stuck at ones; check its wire, CS and the supply",
         ZERORATE_E_STUCK_LOW => c"SDO is stuck at zeros; check its wire, CS and the supply",
         ZERORATE_E_CONFIGURATION_LOST => c"the part has lost its configuration; check the supply, initialise it",
-        ZERORATE_E_UNEXPECTED => c"a register reads back wrong; the line carries errors",
+        ZERORATE_E_UNEXPECTED => c"a register reads back wrong; initialise the part, or the line carries errors",
         ZERORATE_E_OUT_OF_RANGE => c"the input is out of range",
         ZERORATE_E_NO_READING => c"no reading yet; initialise the part and wait for RDY",
         ZERORATE_E_COEFFICIENT => c"a coefficient does not fit the integer correction",

@@ -70,7 +70,7 @@ impl Calibration {
     /// The correction of each axis over temperature, as SVG.
     fn pictures(&self) -> Vec<String> {
         let axes = self.known.axes.iter();
-        axes.map(|axis| calibration_picture(axis, self.known.validity)).collect()
+        axes.map(|axis| calibration_picture(&self.known, axis)).collect()
     }
 }
 

@@ -93,6 +93,7 @@ fn advised(mut error: Error) -> Error {
     error.remove(ContextKind::SuggestedSubcommand);
     error.remove(ContextKind::Suggested);
     if let Some(tip) = tip {
+        error.remove(ContextKind::SuggestedArg);
         error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
     }
     error
@@ -121,6 +122,9 @@ fn of_number(value: &str, why: Option<&(dyn std::error::Error + 'static)>) -> Op
 
 /// The tip about an argument that has no place in a command of this usage.
 fn of_argument(argument: &str, usage: &str) -> Option<String> {
+    if argument == "--port" {
+        return Some("--listen takes address and port: --listen 127.0.0.1:8130".to_owned());
+    }
     let cli = Cli::command();
     if let Some(option) = argument.strip_prefix('-') {
         if option.starts_with(|c: char| c.is_ascii_digit()) {
@@ -197,6 +201,7 @@ mod tests {
             ("zerorate twin seed=3", Some("keys of the simulated sensor belong to a device: --device twin:seed=3")),
             ("zerorate calibrate --max-lost 1%", Some("write the share as a number: 0.01")),
             ("zerorate capture -o a.csv --samples many", Some("give a whole number, such as 10")),
+            ("zerorate serve --port 80", Some("--listen takes address and port: --listen 127.0.0.1:8130")),
             ("zerorate version", Some("`version` is an option: zerorate --version")),
         ] {
             let error = advised(parsed(command.split(' ')).expect_err(command)).render().to_string();

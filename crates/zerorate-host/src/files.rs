@@ -17,7 +17,7 @@ use zerorate_record::{CaptureError, CaptureReader};
 /// Returns an error if the file is not a regular file or cannot be opened.
 pub fn open(path: &Path) -> Result<Input, InputError> {
     let failed = |error| InputError::io("read", path, error);
-    let metadata = path.metadata().map_err(failed)?;
+    let metadata = path.metadata().map_err(|error| failed(not_an_address(path, error)))?;
     if !metadata.is_file() && !metadata.is_dir() {
         let how = "it is a pipe or a device: copy it into a file, or pipe a log into `zerorate allan -`";
         return Err(failed(std::io::Error::other(how)));
@@ -115,6 +115,12 @@ pub fn log_length(path: &Path) -> u64 {
         }
         _ => length(path),
     }
+}
+
+/// The error of a file that is missing, or the better one of an address in its place.
+fn not_an_address(path: &Path, error: std::io::Error) -> std::io::Error {
+    let is_address = path.to_str().is_some_and(|text| text.contains("://"));
+    if is_address { std::io::Error::other("addresses are not fetched; download the file first") } else { error }
 }
 
 /// Copies a pipe to a file without a name, because several forms are not read from start to end.

@@ -56,7 +56,8 @@ fn a_warning_of_all_axes_stands_once() {
     let warning = "earth-included: Earth rotation (up to 0.00418 °/s) is part of PBC; give its component";
     assert_eq!(calibration.warnings, [warning]);
     let own = calibration.axes.iter().map(|axis| axis.warnings.as_slice());
-    let expected = [Warning::Restless, Warning::CurvatureUnknown, Warning::RestUnjudged].map(|one| [format!("{}: {one}", one.code())]);
+    let expected = [Warning::Restless, Warning::CurvatureUnknown, Warning::RestUnjudged]
+        .map(|one| [format!("{}: {one}", one.code())]);
     assert!(own.eq(expected.iter().map(|one| &one[..])));
 }
 

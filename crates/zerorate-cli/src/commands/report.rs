@@ -71,9 +71,9 @@ fn course_of(path: &Path, calibrations: &[(Calibration, String)], outputs: &mut 
 }
 
 fn correction(calibrations: &[(Calibration, String)]) -> Result<String> {
-    let axes = || calibrations.iter().flat_map(|(one, _)| one.axes.iter().map(|axis| (axis, one.validity)));
+    let axes = || calibrations.iter().flat_map(|(one, _)| one.axes.iter().map(move |axis| (one, axis)));
     match axes().collect::<Vec<_>>().as_slice() {
-        [(only, validity)] => Ok(report::calibration_picture(only, *validity)),
+        [(calibration, axis)] => Ok(report::calibration_picture(calibration, axis)),
         all => Err(Usage(format!(
             "a picture shows one axis, and these are {}: write a page (.html), which has a picture of each",
             all.len()

@@ -139,7 +139,7 @@ fn an_interrupted_calibration_writes_nothing_but_its_log() {
     let child = start(&mut bench.command("calibrate --realtime -o unit.toml --log log.arrows"));
     has_samples(&bench, "log.arrows");
     send("INT", &child);
-    Run::ended(child).ended_with(1).saying(&["interrupted", "nothing written"]);
+    Run::ended(child).ended_with(1).saying(&["interrupted", "no calibration written; the log stands whole"]);
     let left: Vec<_> =
         std::fs::read_dir(bench.dir.path()).expect("the folder").map(|e| e.expect("an entry").file_name()).collect();
     assert_eq!(left, ["log.arrows"]);

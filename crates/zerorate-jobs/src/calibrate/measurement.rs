@@ -198,7 +198,8 @@ impl<'a> Measurement<'a> {
 
     #[cold]
     fn interrupted(&self) -> anyhow::Error {
-        anyhow!("interrupted after {}; nothing written", Seconds(self.procedure.progress().elapsed_s))
+        let kept = if self.log.is_some() { "; the log stands whole up to here" } else { "" };
+        anyhow!("interrupted after {}; no calibration written{kept}", Seconds(self.procedure.progress().elapsed_s))
     }
 }
 

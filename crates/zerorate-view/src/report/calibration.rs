@@ -8,7 +8,7 @@ use crate::printable;
 use anyhow::Result;
 use askama::Template;
 use zerorate::calibration::{CalibratedAxis, Contribution, CurveRecord, Run, SIMULATED, Uncertainties};
-use zerorate::{Calibration, Correction, Validity};
+use zerorate::{Calibration, Correction};
 
 /// The largest number of rows of the look-up table.
 const ROWS: f64 = 16.0;
@@ -31,6 +31,7 @@ struct Unit<'a> {
     title: String,
     below: String,
     file: &'a str,
+    method: &'a str,
     /// Warnings about several axes; those of a single axis stand below its result.
     warnings: &'a [String],
     span: String,
@@ -122,6 +123,7 @@ fn unit<'a>(calibration: &'a Calibration, file: &'a str) -> Unit<'a> {
         ),
         below: format!("{file}: calibration {}, {created}", calibration.id()),
         file,
+        method: calibration.method.as_deref().unwrap_or("by hand"),
         warnings: if several { &calibration.warnings } else { &[] },
         span: span(calibration),
         table_span: table_span(calibration),
@@ -135,7 +137,8 @@ fn axis_part<'a>(calibration: &'a Calibration, axis: &'a CalibratedAxis) -> Axis
     let correction = &axis.correction;
     let several = calibration.axes.len() > 1;
     let of_all = calibration.warnings.iter().filter(|_| !several);
-    let own = [Section { name: "Means", facts: means(axis) }, Section { name: "Noise", facts: noise(axis) }];
+    let own =
+        [Section { name: "Means", facts: means(calibration, axis) }, Section { name: "Noise", facts: noise(axis) }];
     AxisPart {
         name: several.then_some(axis.name.as_str()),
         warnings: of_all.chain(&axis.warnings).collect(),
@@ -147,9 +150,9 @@ fn axis_part<'a>(calibration: &'a Calibration, axis: &'a CalibratedAxis) -> Axis
         t3: format!("{:.4}", correction.t3_c),
         symbols: if correction.is_line() { "" } else { " + (TEMP − T3)² · BTC2 + (TEMP − T3)³ · BTC3" },
         terms: terms(correction),
-        picture: calibration_picture(axis, calibration.validity),
+        picture: calibration_picture(calibration, axis),
         has_band: stated(axis).is_some(),
-        has_means: !means_of(axis).is_empty(),
+        has_means: !means_of(calibration, axis).is_empty(),
         over_time: None,
         table: look_up(axis, table_c(calibration, axis)),
         sections: own.into_iter().filter(|section| several && !section.facts.is_empty()).collect(),
@@ -285,10 +288,10 @@ fn span(calibration: &Calibration) -> String {
 }
 
 /// The picture of the page, as SVG: the correction of an axis over temperature (°/s over °C), with its interval and
-/// the span of the measurement.
-pub fn calibration_picture(axis: &CalibratedAxis, validity: Option<Validity>) -> String {
+/// the span of the measurement. The axis is one of the calibration.
+pub fn calibration_picture(calibration: &Calibration, axis: &CalibratedAxis) -> String {
     let correction = &axis.correction;
-    let valid_c = validity.map(|span| (span.temp_min_c, span.temp_max_c));
+    let valid_c = calibration.validity.map(|span| (span.temp_min_c, span.temp_max_c));
     let (coldest, hottest) = valid_c.unwrap_or((correction.t3_c, correction.t3_c));
     let (from, to) = (coldest.min(correction.t3_c) - BEYOND_C, hottest.max(correction.t3_c) + BEYOND_C);
     let factor = stated(axis).map_or(0.0, |stated| stated.factor);
@@ -301,22 +304,29 @@ pub fn calibration_picture(axis: &CalibratedAxis, validity: Option<Validity>) ->
         }
     };
     let points = (0..=POINTS).map(point).collect();
-    plot::correction(&CorrectionCurve { points, means: means_of(axis), t3_c: correction.t3_c, valid_c })
+    plot::correction(&CorrectionCurve { points, means: means_of(calibration, axis), t3_c: correction.t3_c, valid_c })
 }
 
-/// Minus the means of steps 4, 6 and 8, with their intervals: what a line by AN-1042 rests on.
-fn means_of(axis: &CalibratedAxis) -> Vec<CorrectionPoint> {
+/// Minus the means of steps 4, 6 and 8 without the Earth's rotation, with their intervals: what a line by AN-1042 rests
+/// on.
+fn means_of(calibration: &Calibration, axis: &CalibratedAxis) -> Vec<CorrectionPoint> {
     let Some((means, u)) = axis.measured.zip(axis.uncertainty) else { return Vec::new() };
+    let earth_dps = earth_dps(calibration);
     let mean = |temp_c, correction_dps, u_dps| CorrectionPoint {
         temp_c,
         correction_dps,
         half_dps: u.coverage_factor * u_dps,
     };
     vec![
-        mean(means.t1_c, -means.b1_dps, u.u_b1_dps),
-        mean(means.t2_c, -means.b2_dps, u.u_b2_dps),
+        mean(means.t1_c, earth_dps - means.b1_dps, u.u_b1_dps),
+        mean(means.t2_c, earth_dps - means.b2_dps, u.u_b2_dps),
         mean(axis.correction.t3_c, axis.correction.pbc_dps, u.u_pbc_dps),
     ]
+}
+
+/// The part of the Earth's rotation that was subtracted, °/s.
+fn earth_dps(calibration: &Calibration) -> f64 {
+    calibration.run.as_ref().and_then(|run| run.earth_dps).unwrap_or(0.0)
 }
 
 fn sections(calibration: &Calibration) -> Vec<Section> {
@@ -336,7 +346,7 @@ fn measurement(calibration: &Calibration) -> Vec<Fact> {
         facts.push(Fact::new("method", format!("{method}{note}")));
     }
     if let [only] = calibration.axes.as_slice() {
-        facts.extend(means(only));
+        facts.extend(means(calibration, only));
     }
     if let Some(span) = calibration.validity {
         facts.push(Fact::new("temperatures", format!("{:.2} … {:.2} °C", span.temp_min_c, span.temp_max_c)));
@@ -346,17 +356,19 @@ fn measurement(calibration: &Calibration) -> Vec<Fact> {
     facts
 }
 
-/// The means of steps 4 and 6 (F-51).
-fn means(axis: &CalibratedAxis) -> Vec<Fact> {
+/// The means of steps 4, 6 and 8 (F-51), as they were measured.
+fn means(calibration: &Calibration, axis: &CalibratedAxis) -> Vec<Fact> {
     let Some(means) = axis.measured else { return Vec::new() };
     let with = |value: f64, u: Option<f64>| u.map_or(format!("{value:+.5}"), |u| format!("{value:+.5} (u = {u:.5})"));
     let u = axis.uncertainty;
     let mean = |name, dps, u_dps, temp: f64, t: &str| {
         Fact::new(name, format!("{} °/s at {t} = {temp:.4} °C", with(dps, u_dps)))
     };
+    let b3_dps = earth_dps(calibration) - axis.correction.pbc_dps;
     vec![
         mean("B1, mean before warming", means.b1_dps, u.map(|u| u.u_b1_dps), means.t1_c, "T1"),
         mean("B2, mean after warming", means.b2_dps, u.map(|u| u.u_b2_dps), means.t2_c, "T2"),
+        mean("B3, mean after settling", b3_dps, u.map(|u| u.u_pbc_dps), axis.correction.t3_c, "T3"),
     ]
 }
 
@@ -364,7 +376,7 @@ fn means(axis: &CalibratedAxis) -> Vec<Fact> {
 fn run(run: &Run, is_line: bool) -> Vec<Fact> {
     let share = 100.0 * run.lost_samples as f64 / (run.samples + run.lost_samples).max(1) as f64;
     let earth = match run.earth_dps {
-        Some(dps) => format!("{dps:+.5} °/s subtracted"),
+        Some(dps) => format!("{dps:+.5} °/s subtracted from PBC, and inside B1, B2 and B3"),
         None => "not subtracted: its component along the axis is inside PBC".to_owned(),
     };
     let plan = format!(
@@ -396,7 +408,7 @@ fn noise(axis: &CalibratedAxis) -> Vec<Fact> {
     ]
 }
 
-fn origin(calibration: &Calibration) -> Vec<Fact> {
+pub(super) fn origin(calibration: &Calibration) -> Vec<Fact> {
     let known = [
         ("serial number", &calibration.serial),
         ("measured", &calibration.created),
@@ -457,7 +469,7 @@ mod tests {
             assert!(compared.contains(expected), "{expected} in {compared}");
         }
         let plain = CalibratedAxis { curve: None, ..calibration.axes[0].clone() };
-        let pictures = [&calibration.axes[0], &plain].map(|axis| calibration_picture(axis, None));
+        let pictures = [&calibration.axes[0], &plain].map(|axis| calibration_picture(&calibration, axis));
         assert_ne!(pictures[0], pictures[1], "the band is drawn");
     }
 

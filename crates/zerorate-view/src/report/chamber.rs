@@ -1,5 +1,6 @@
 //! The page of a measurement in a chamber.
 
+use super::calibration::origin;
 use super::{Fact, calibration_picture};
 use crate::plot::{ResidualPoint, residuals};
 use crate::printable;
@@ -33,6 +34,7 @@ struct Page<'a> {
     software: &'a str,
     warnings: &'a [String],
     axes: Vec<AxisPart>,
+    origin: Vec<Fact>,
 }
 
 struct AxisPart {
@@ -55,7 +57,7 @@ pub fn chamber_page(page: ChamberPage<'_>) -> Result<String> {
             AxisPart {
                 name: (outcomes.len() > 1).then(|| axis.name.clone()),
                 facts,
-                correction: calibration_picture(axis, calibration.validity),
+                correction: calibration_picture(calibration, axis),
                 over_time: over_time(outcome),
                 over_temperature: over_temperature(outcome),
                 points: points(record, outcome, index),
@@ -63,7 +65,8 @@ pub fn chamber_page(page: ChamberPage<'_>) -> Result<String> {
         });
     let below = format!("calibration {}, {} soak points", calibration.id(), record.soaks.len());
     let simulated = calibration.is_simulated();
-    let page = Page { simulated, title, below, software: zerorate::SOFTWARE, warnings, axes: axes.collect() };
+    let (software, origin) = (zerorate::SOFTWARE, origin(calibration));
+    let page = Page { simulated, title, below, software, warnings, axes: axes.collect(), origin };
     Ok(printable::page(&page.render()?))
 }
 

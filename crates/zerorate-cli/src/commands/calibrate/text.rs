@@ -3,7 +3,7 @@
 use std::path::Path;
 use zerorate::temperature::TERMS;
 use zerorate_jobs::CodedWarning;
-use zerorate_jobs::calibrate::{AxisNumbers, CalibrationReport, CurveTerms, POINTS};
+use zerorate_jobs::calibrate::{AxisNumbers, CalibrationReport, CurvePoint, CurveTerms, POINTS};
 use zerorate_view::duration::Seconds;
 use zerorate_view::plot::number;
 use zerorate_view::{PlusMinus, remark};
@@ -88,6 +88,7 @@ fn found(numbers: &AxisNumbers, factor: f64) -> String {
     let btc = PlusMinus { value: *btc_dps_per_c, half: numbers.u_btc_dps_per_c * factor };
     let line = format!("  PBC  {pbc} °/s at T3 = {t3_c:.2} °C\n  BTC  {btc} °/s/°C\n");
     line + &means(numbers)
+        .map(|means| means + &ends(numbers, factor))
         .or_else(|| numbers.higher.as_ref().map(|higher| curve(higher, numbers, factor)))
         .unwrap_or_default()
 }
@@ -96,6 +97,18 @@ fn found(numbers: &AxisNumbers, factor: f64) -> String {
 fn means(numbers: &AxisNumbers) -> Option<String> {
     let (b1_dps, t1_c, b2_dps, t2_c) = (numbers.b1_dps?, numbers.t1_c?, numbers.b2_dps?, numbers.t2_c?);
     Some(format!("  B1   {b1_dps:+.4} °/s at T1 = {t1_c:.2} °C\n  B2   {b2_dps:+.4} °/s at T2 = {t2_c:.2} °C\n"))
+}
+
+/// How well a line is known at the ends of the temperatures seen.
+fn ends(numbers: &AxisNumbers, factor: f64) -> String {
+    let end = |point: Option<&CurvePoint>| {
+        let CurvePoint { temp_c, u_dps, .. } = point?;
+        Some(format!("±{} °/s at {temp_c:.1} °C", number(factor * (*u_dps)?)))
+    };
+    match (end(numbers.curve.first()), end(numbers.curve.last())) {
+        (Some(low), Some(high)) => format!("  known to {low}, {high}\n"),
+        _ => String::new(),
+    }
 }
 
 fn against_truth(numbers: &AxisNumbers) -> Option<String> {
