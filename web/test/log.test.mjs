@@ -109,6 +109,9 @@ test("a file for a filter", async () => {
     await page.click(".noise button.primary");
     await becomes(page, ".noise pre", pattern);
   }
+  await give("short.csv", LOGS["rest.csv"].bytes().subarray(0, 20_000));
+  await page.click(".noise button.primary");
+  await becomes(page, ".noise pre", /# warning: short-record: gyro_x_dps: /);
 });
 
 for (const name of SHORT) {

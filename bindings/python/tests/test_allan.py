@@ -198,6 +198,11 @@ def test_an_empty_record_is_refused() -> None:
     for nothing in empty:
         with pytest.raises(ValueError, match="is empty: give a value for each sample"):
             zerorate.allan(nothing, rate_hz=1.0)
+    for record in ([1.0], [float("nan")] * 100):
+        with pytest.raises(ValueError, match="fewer than 2 of its samples are numbers"):
+            zerorate.allan(record, rate_hz=1.0)
+    with pytest.raises(KeyError, match="no axis gz; there are gx_dps, gy_dps"):
+        zerorate.allan({"gx_dps": [1.0, 2.0, 4.0], "gy_dps": [3.0, 1.0, 2.0]}, rate_hz=1.0)["gz"]  # type: ignore[index]
 
 
 def test_other_threads_run_meanwhile() -> None:

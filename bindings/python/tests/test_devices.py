@@ -56,7 +56,7 @@ def test_a_stream_gives_the_rows_of_the_program(calibration: zerorate.Calibratio
     command = [sys.executable, "-m", "zerorate", "stream", "-d", "twin:seed=7", "--cal", str(tmp_path / "unit.toml")]
     command += ["--serial=A7", "--rate=20", "--duration=1s", "--format=jsonl"]
     printed = subprocess.run(command, capture_output=True, check=True, text=True).stdout
-    with zerorate.stream("twin:seed=7", calibration, rate_hz=20, duration=1, serial="A7") as rows:
+    with zerorate.stream("twin:seed=7", tmp_path / "unit.toml", rate_hz=20, duration=1, serial="A7") as rows:
         assert rows.axes == ["rate"] and "twin:seed=7" in repr(rows)
         found = [(row.t_s, row.rate_dps, row.temp_c, row.lost, row.flags) for row in rows]
     assert found == [

@@ -46,6 +46,8 @@ def test_data_have_no_name() -> None:
         assert [one.name for one in parameters if one.kind is one.POSITIONAL_ONLY] == expected
     with pytest.raises(TypeError, match=r"give rate without a name: allan\(rate, …\)"):
         zerorate.allan(rate=np.ones(100))  # type: ignore[call-overload]
+    with pytest.raises(TypeError, match="takes rate without a name, and all else by name"):
+        zerorate.allan(np.ones(100), 100.0)  # type: ignore[call-overload]
 
 
 def test_imu_and_tempcal_have_the_same_arguments_for_a_log() -> None:

@@ -136,9 +136,16 @@ fn of_argument(argument: &str, usage: &str) -> Option<String> {
         return (!commands.is_empty()).then(|| format!("`{argument}` is an option of {}", commands.join(", ")));
     }
     if argument.contains('=') {
-        return Some(format!("keys of the simulated sensor belong to a device: --device twin:{argument}"));
+        let keys = argument.strip_prefix("twin:").unwrap_or(argument);
+        return Some(format!("keys of the simulated sensor belong to a device: --device twin:{keys}"));
+    }
+    if ["s", "min", "h", "ms", "Hz"].contains(&argument) {
+        return Some(format!("join a number and its unit: 5{argument}"));
     }
     let command = cli.find_subcommand(usage.split_whitespace().nth(2)?)?;
+    if command.get_positionals().any(|arg| arg.get_id() == "log") {
+        return Some(format!("`{}` takes one log", command.get_name()));
+    }
     let takes_file = |arg: &&Arg| !arg.is_positional() && arg.get_value_names().is_some_and(|names| names == ["FILE"]);
     let options: Vec<String> = command.get_arguments().filter(takes_file).flat_map(|arg| names(arg).pop()).collect();
     (!options.is_empty()).then(|| format!("an option goes before a file: {}", options.join(", ")))
@@ -201,6 +208,12 @@ mod tests {
             ("zerorate twin seed=3", Some("keys of the simulated sensor belong to a device: --device twin:seed=3")),
             ("zerorate calibrate --max-lost 1%", Some("write the share as a number: 0.01")),
             ("zerorate capture -o a.csv --samples many", Some("give a whole number, such as 10")),
+            (
+                "zerorate probe twin:seed=3",
+                Some("keys of the simulated sensor belong to a device: --device twin:seed=3"),
+            ),
+            ("zerorate stream --cal a.toml --duration 5 min", Some("join a number and its unit: 5min")),
+            ("zerorate imu a.csv b.csv", Some("`imu` takes one log")),
             ("zerorate serve --port 80", Some("--listen takes address and port: --listen 127.0.0.1:8130")),
             ("zerorate version", Some("`version` is an option: zerorate --version")),
         ] {

@@ -68,8 +68,8 @@ pub(super) fn of_gravity(axes: &[&Column], log: &ColumnOptions) -> Option<String
     let mut units = Unit::ALL.into_iter().filter(|unit| unit.quantity() == Kind::Accelerometer.quantity());
     let unit = units.find(|unit| is_near(STANDARD_GRAVITY / unit.in_results()));
     if let Some(unit) = unit {
-        let (given, unit) = (names.of(Setting::AccelUnit), unit.name());
-        return Some(format!("gravity of {steps:.4} looks like {unit}: {given} {unit}"));
+        let given = unit_to_give(names, Setting::AccelUnit, unit, x);
+        return Some(format!("gravity of {steps:.4} looks like {}: {given}", unit.name()));
     }
     let range_g = FULL_SCALES_G.into_iter().find(|range_g| is_near(CODES / range_g))?;
     if !axes.iter().all(|axis| are_whole(axis)) {
@@ -77,6 +77,15 @@ pub(super) fn of_gravity(axes: &[&Column], log: &ColumnOptions) -> Option<String
     }
     let (given, per_g) = (names.of(Setting::AccelRange), CODES / range_g);
     Some(format!("gravity of {steps:.0} looks like codes of ±{range_g} g ({per_g:.0} per g): {given} {range_g}"))
+}
+
+/// How to give the unit of a column, which may state another.
+pub(super) fn unit_to_give(names: Names, setting: Setting, unit: Unit, column: &Column) -> String {
+    let (given, unit_name) = (names.of(setting), unit.name());
+    match Unit::of_column(&column.name).filter(|stated| *stated != unit) {
+        Some(_) => format!("{given} {unit_name}, and {}", names.of(Setting::ForceUnit)),
+        None => format!("{given} {unit_name}"),
+    }
 }
 
 /// What to give for a gyroscope whose samples look like codes.

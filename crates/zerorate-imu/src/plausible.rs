@@ -2,7 +2,7 @@
 
 use crate::{codes, in_turn};
 use std::path::Path;
-use zerorate_logs::{Column, ColumnOptions, LogWarning, Quantity, Series, Unit};
+use zerorate_logs::{Column, ColumnOptions, LogWarning, Quantity, Series, Setting, Unit};
 
 /// Gravity, m/s². It differs by 0.3 % over the Earth.
 const GRAVITY_M_S2: f64 = 9.8;
@@ -66,7 +66,7 @@ pub(super) fn doubts(path: &Path, axes: &[Column], log: &ColumnOptions) -> Vec<L
         .chain(fall)
         .chain(small)
         .chain(whole)
-        .chain(noisy(axes))
+        .chain(noisy(axes, log))
         .chain(in_turn::doubt(axes))
         .chain(slow)
         .map(warning)
@@ -74,15 +74,20 @@ pub(super) fn doubts(path: &Path, axes: &[Column], log: &ColumnOptions) -> Vec<L
 }
 
 /// White noise of all gyroscopes that no sensor has, at rest or slowly moving: the steps from sample to sample.
-fn noisy(axes: &[Column]) -> Option<String> {
+fn noisy(axes: &[Column], log: &ColumnOptions) -> Option<String> {
     let gyros = axes.iter().filter(|axis| axis.quantity == Some(Quantity::AngularRate) && !axis.is_blank());
+    let first = gyros.clone().next()?;
     let density = |axis: &Column| {
         let numbers = codes::numbers(axis);
         // the variance of a step is twice that of a sample, and so is the one-sided density, over the rate
         in_turn::PER_MEAN * in_turn::steps(&numbers).0 * axis.scale / axis.rate_hz.sqrt()
     };
     let least = gyros.map(density).min_by(f64::total_cmp)?;
-    (least > NO_NOISE_DPS_PER_RT_HZ).then(|| format!("the noise of all gyroscopes is above {least:.2} °/s/√Hz"))
+    let is_rad = first.scale == Unit::RadPerS.in_results() && least.to_radians() < NO_NOISE_DPS_PER_RT_HZ;
+    let remedy = || codes::unit_to_give(log.names, Setting::GyroUnit, Unit::Dps, first);
+    let remedy = if is_rad { format!(" (if the numbers are °/s: {})", remedy()) } else { String::new() };
+    (least > NO_NOISE_DPS_PER_RT_HZ)
+        .then(|| format!("the noise of all gyroscopes is above {least:.2} °/s/√Hz{remedy}"))
 }
 
 /// Gravity of 1 in a unit that is smaller than g: the numbers are rather in g. Where it is smaller yet, it may have

@@ -62,8 +62,8 @@ pub fn unsteady(path: &Path, column: &str, why: &str) -> LogError {
 /// The question for the rate where a column holds the step between rows.
 pub fn rate_of_steps(path: &Path, column: &str, rate_hz: f64, names: Names) -> LogError {
     let (path, rate) = (path.display(), names.of(Setting::Rate));
-    let what = format!("`{column}` holds the step between rows; the usual one tells {rate} {rate_hz:.6}");
-    LogError::Ask(format!("{path} does not say how fast it was sampled: {what}; give it"))
+    let what = format!("`{column}` holds the step between rows; the usual step means {rate} {rate_hz:.6}");
+    LogError::Ask(format!("{path} does not say how fast it was sampled: {what}; give that"))
 }
 
 /// The error for more missing samples than can be filled in.

@@ -105,9 +105,16 @@ const FOREIGN: &[(&[u8], &str)] = &[
     (b"RDX3\n", RDA),
     (b"H Product:Black", "it is a log of Betaflight; `blackbox_decode FILE` writes a table"),
     (b"\xFA\xFF", "it holds messages of Xsens (MTB); export it as text in MT Manager"),
+    (b"\x89PNG", PICTURE),
+    (b"\xFF\xD8\xFF", PICTURE),
+    (b"GIF8", PICTURE),
+    (b"%PDF", "it is a PDF; take the numbers from the program that made it"),
+    (b"\x7FELF", "it is a program"),
     (b"\x80\x04\x95", PICKLE),
     (b"\x80\x05\x95", PICKLE),
 ];
+
+const PICTURE: &str = "it is a picture; take the numbers from the program that drew it";
 
 const DATAFLASH: &str = "it is a log of ArduPilot as text; name the .bin file, or convert it with pymavlink: \
                          `mavlogdump.py --format csv --types IMU FILE > imu.csv`, in which column `I` is the sensor";

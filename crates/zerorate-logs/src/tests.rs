@@ -469,7 +469,7 @@ fn steps_between_rows_tell_the_rate() {
     let pair = |at: u64| format!("{},{}\n{},{}\n", step(at), at % 7, 20 - step(at), at % 5);
     let text = (0..60).map(pair).fold("dt_ms,gz_dps\n2345,1\n".to_owned(), |text, rows| text + &rows);
     let why = Folder::new().fails(&text, "--column gz_dps");
-    assert!(why.contains("`dt_ms` holds the step between rows; the usual one tells --rate 100.000000"), "{why}");
+    assert!(why.contains("`dt_ms` holds the step between rows; the usual step means --rate 100.000000"), "{why}");
     let why = Folder::new()
         .fails((0..60).map(|at| format!("10,{}\n", at % 7)).fold("dt_ms,gz\n".to_owned(), |a, b| a + &b), "");
     assert!(why.contains("tells --rate 100.000000"), "{why}");

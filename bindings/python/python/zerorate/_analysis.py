@@ -133,6 +133,8 @@ class AnalysisOptions:
         model, taken_out, core = (found.pop(key, None) for key in ("fit", "cleaned", "core"))
         polynomial, warned, of_fit = (found.pop(key, None) for key in ("detrended", "warnings", "fit_warnings"))
         unavailable = [Unavailable(*point) for point in found.pop("unavailable")]
+        if len(found["dev"]) == 0 and not unavailable:
+            raise ValueError(f"{name}: fewer than 2 of its samples are numbers ({found['samples']} in all)")
         return Allan(
             **found,
             unavailable=unavailable,

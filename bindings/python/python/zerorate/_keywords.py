@@ -31,6 +31,8 @@ def checked(function: _F) -> _F:
     def called(*args: Any, **kwargs: Any) -> Any:
         if len(args) < len(data):
             raise TypeError(f"give {' and '.join(data)} without a name: {function.__name__}({', '.join(data)}, …)")
+        if len(args) > len(data):
+            raise TypeError(f"{function.__name__}() takes {', '.join(data)} without a name, and all else by name")
         for name in kwargs:
             if name not in known:
                 raise TypeError(f"{function.__name__}() has no argument {name}={_hint(name, known)}")

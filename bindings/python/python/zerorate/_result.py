@@ -173,7 +173,11 @@ class AllanAxes(Mapping[str, Allan]):
 
     def __getitem__(self, name: str | int) -> Allan:
         """The deviation of a column, by its name or its number counted from 0."""
-        return list(self.axes.values())[name] if isinstance(name, int) else self.axes[name]
+        if isinstance(name, int):
+            return list(self.axes.values())[name]
+        if name not in self.axes:
+            raise KeyError(f"no axis {name}; there are {', '.join(self.axes)}")
+        return self.axes[name]
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.axes)

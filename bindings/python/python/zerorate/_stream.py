@@ -82,7 +82,7 @@ class Stream(Iterator[StreamRow]):
 @checked
 def stream(
     device: _device.Device,
-    calibration: Calibration,
+    calibration: Calibration | str | os.PathLike[str],
     /,
     *,
     rate_hz: float | None = None,
@@ -102,7 +102,7 @@ def stream(
     device
         See `calibrate`.
     calibration
-        The calibration to apply.
+        The calibration to apply, or the path of its file.
     rate_hz
         Rows per second, each the mean of all samples in its interval; unless given, a row for each sample.
     duration
@@ -121,11 +121,11 @@ def stream(
     Raises
     ------
     ZerorateError
-        If the device cannot be opened or read, or has another serial number than the calibration.
+        If the device cannot be opened or read.
     Refused
         If the sensor is frozen.
     ValueError
-        For invalid options.
+        For invalid options, or if the sensor has another serial number than the calibration.
 
     Examples
     --------
@@ -135,5 +135,6 @@ def stream(
     10
     """
     read = _device.options(device, part, every_temp, divider, realtime)
-    inner = _zerorate.Stream(read, calibration._core, serial, None if rate_hz is None else float(rate_hz), duration)
+    known = calibration if isinstance(calibration, Calibration) else Calibration.load(calibration)
+    inner = _zerorate.Stream(read, known._core, serial, None if rate_hz is None else float(rate_hz), duration)
     return Stream(inner, read["device"])

@@ -92,6 +92,36 @@ enum Form {
     Csv,
 }
 
+impl Form {
+    /// The name on the command line, the usual endings of such files, and what they are.
+    fn row(self) -> (&'static str, &'static [&'static str], &'static str) {
+        match self {
+            Self::Toml => ("toml", &["toml"], "(a calibration of the gyroscopes)"),
+            Self::Px4 => ("px4", &["params"], "for PX4"),
+            Self::Ardupilot => ("ardupilot", &["parm", "param"], "for ArduPilot"),
+            Self::Csv => ("csv", &["csv"], "(all curves)"),
+        }
+    }
+
+    fn what(self) -> &'static str {
+        self.row().2
+    }
+}
+
+/// Refuses a file whose ending belongs to another form.
+fn check_ending(args: &TempcalArgs) -> Result<()> {
+    let Some(ending) = args.output.as_ref().and_then(|path| path.extension()?.to_str()) else { return Ok(()) };
+    let is_of = |form: &&Form| form.row().1.contains(&ending);
+    match Form::value_variants().iter().find(is_of) {
+        Some(other) if *other != args.format => {
+            let (given, name) = (args.format.row().0, other.row().0);
+            Err(Usage(format!("-o: .{ending} is the ending of --format {name}, and the form is {given}; give either"))
+                .into())
+        }
+        _ => Ok(()),
+    }
+}
+
 /// What `--json` prints.
 #[derive(Serialize)]
 struct Report<'a> {
@@ -105,6 +135,7 @@ const PART: &str = "gyroscope";
 pub fn run(args: &TempcalArgs) -> Result<()> {
     let logs: Vec<&Path> = args.logs.iter().map(PathBuf::as_path).collect();
     let mut outputs = Outputs::new(args.force).printing().reading(logs)?;
+    check_ending(args)?;
     let codes = args.axes.codes.options(&mut outputs)?;
     let file = args.output.as_ref().map(|path| outputs.derived(path)).transpose()?;
     let page = args.report.as_ref().map(|path| outputs.derived(path)).transpose()?;
@@ -128,7 +159,7 @@ pub fn run(args: &TempcalArgs) -> Result<()> {
     let printed = if args.json { print_json(&Report { axes, warnings: notes }) } else { print_lines(&table(axes)) };
     warn(&[&notes[..], &warnings_of_axes(axes)].concat());
     if let (Ok(()), Some(path)) = (&written, &args.output) {
-        say(format_args!("wrote {}", path.display()));
+        say(format_args!("wrote {} {}", path.display(), args.format.what()));
     }
     written?;
     printed

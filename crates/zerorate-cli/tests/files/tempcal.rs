@@ -131,7 +131,9 @@ fn a_log_without_a_curve_is_refused_or_asked_about() {
 #[test]
 fn logs_of_one_unit_are_fitted_together() {
     let bench = bench();
-    let found = bench.zerorate("tempcal log.csv log.csv --json").json();
+    assert!(bench.zerorate("tempcal log.csv log.csv").fails(2).contains("was given before"));
+    bench.write("again.csv", csv("temp_c", |temp_c| temp_c + 0.01));
+    let found = bench.zerorate("tempcal log.csv again.csv --json").json();
     assert!(found["axes"][0]["spread_of_starts"].as_f64().unwrap() < 0.01, "{}", found["axes"][0]["spread_of_starts"]);
     bench.write("other.csv", csv("temp_c", |temp_c| temp_c).replace("g", "w"));
     assert!(bench.zerorate("tempcal log.csv other.csv").fails(2).contains("give logs of the same unit"));

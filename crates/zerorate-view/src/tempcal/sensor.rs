@@ -83,6 +83,9 @@ impl Sensors {
         let is_first = self.logs == 0;
         let axes = &mut self.sensor(log, imu, kind).axes;
         match axes.iter_mut().find(|axis| axis.name == name) {
+            Some(axis) if axis.logs.iter().any(|log| is_same(log, &means)) => {
+                return Ok(Err(format!("{} was given before: it has the same samples", log.display())));
+            }
             Some(axis) => axis.logs.push(means),
             None if is_first => axes.push(SensorAxis { name, logs: vec![means] }),
             None => return Ok(Err(format!("{} has the axis {name}, which the first log lacks", log.display()))),
@@ -108,6 +111,11 @@ impl Sensors {
     pub fn all(self) -> Vec<Sensor> {
         self.all
     }
+}
+
+/// Whether two logs have the same samples.
+fn is_same(one: &LogMeans, other: &LogMeans) -> bool {
+    !one.blocks().is_empty() && one.blocks() == other.blocks()
 }
 
 /// The samples of a column in the unit of results, NaN where one is missing. `log` names the log in messages.

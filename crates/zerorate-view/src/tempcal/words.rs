@@ -70,7 +70,7 @@ fn row(text: &mut String, axis: &AxisCurve) {
     let lag = if axis.lag_s < LEAST_LAG_S { "no lag".to_owned() } else { format!("lag {:.0} s", axis.lag_s) };
     let on = axis
         .u_if_on_before
-        .map_or_else(String::new, |u| format!(" if switched on with the log, else the bias ±{} {unit}", half(u)));
+        .map_or_else(String::new, |u| format!("; bias ±{} {unit} if it was on before the log", half(u)));
     let hysteresis = axis.hysteresis.map_or_else(String::new, |half| format!(", hysteresis ±{} {unit}", number(half)));
     let starts =
         axis.spread_of_starts.map_or_else(String::new, |u| format!(", ±{} {unit} from start to start", half(u)));

@@ -105,6 +105,15 @@ mod reader {
             Record::motion(&self.analysed).iter().map(ImuWarning::coded).collect()
         }
 
+        /// Warnings about single axes, with the names of the axes.
+        fn of_axes(&self) -> impl Iterator<Item = String> {
+            let of_axis = |record: &Record| -> Vec<String> {
+                let named = |line: String| line.replacen(": ", &format!(": {}: ", record.column), 1);
+                record.notes.iter().map(LogWarning::coded).chain(record.noise_warnings().map(named)).collect()
+            };
+            self.analysed.iter().flat_map(of_axis)
+        }
+
         /// The file for a filter.
         ///
         /// # Errors
@@ -114,7 +123,8 @@ mod reader {
             let (axes, doubts) = (Record::axes(&self.analysed), Record::doubts(&self.analysed));
             let (log, topic) = (self.path.display().to_string(), self.topic.clone());
             let (inflate, rule) = (command.inflate, Rule::Covers(None));
-            let warnings = NoiseFileOptions::mattering(self.warnings.iter().cloned().chain(self.findings()));
+            let all = self.warnings.iter().cloned().chain(self.findings()).chain(self.of_axes());
+            let warnings = NoiseFileOptions::mattering(all);
             let choice = NoiseFileOptions { log, topic, combine, rule, inflate, names: LABELS, warnings };
             Ok(Download {
                 name: format!("imu-{}.yaml", format.name()),

@@ -37,6 +37,9 @@ fn label(setting: Setting) -> SettingName {
         Setting::AccelRange => "`zerorate imu --accel-range`",
         Setting::Part => "`zerorate imu --part`",
         Setting::Increments => "rates in place of increments",
+        Setting::Combine => "“one number for all axes”:",
+        Setting::Horizon => "for another time `zerorate imu --horizon`",
+        Setting::AsFitted => "`zerorate imu --as-fitted`",
         Setting::NoIncrements => "rename the columns",
         _ => field.map_or_else(|| setting.word(), |(_, label, _)| label),
     })

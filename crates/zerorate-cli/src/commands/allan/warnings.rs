@@ -54,11 +54,15 @@ pub fn code(line: &str) -> &str {
     line.split_once(": ").map_or("", |(code, _)| code)
 }
 
+/// The code whose lines differ in their cause and in what to do.
+const EACH: &str = "implausible";
+
 /// The first line of each code, with the number of other lines that have the code.
 pub fn first_of_each(lines: &[String]) -> Vec<String> {
     let mut firsts: Vec<(&String, Vec<&String>)> = Vec::new();
     for line in lines {
-        match firsts.iter_mut().find(|(first, _)| code(first) == code(line)) {
+        let is_same = |first: &String| code(first) == code(line) && (code(line) != EACH || first == line);
+        match firsts.iter_mut().find(|(first, _)| is_same(first)) {
             Some((first, others)) if *first != line && !others.contains(&line) => others.push(line),
             Some(_) => {}
             None => firsts.push((line, Vec::new())),

@@ -117,7 +117,9 @@ pub fn check<'a>(axes: impl Iterator<Item = &'a [LogMeans]> + Clone) -> Result<(
     let ends = |(low, high): (f64, f64), block: &Block| (low.min(block.temp_c), high.max(block.temp_c));
     let (low_c, high_c) = logs().flat_map(LogMeans::blocks).fold((f64::MAX, f64::MIN), ends);
     if low_c <= high_c && high_c - low_c < LEAST_SPAN_C {
-        return Err(CurveRefusal::SmallSpan { low_c, high_c });
+        let ends_s = logs().flat_map(LogMeans::blocks).map(|block| block.start_s + block.length_s);
+        let length_s = ends_s.fold(0.0, f64::max);
+        return Err(CurveRefusal::SmallSpan { low_c, high_c, length_s });
     }
     let share = logs().map(LogMeans::moving_share).fold(0.0, f64::max);
     if share > MOST_MOTION { Err(CurveRefusal::Moves { share }) } else { Ok(()) }
@@ -128,7 +130,7 @@ pub fn check<'a>(axes: impl Iterator<Item = &'a [LogMeans]> + Clone) -> Result<(
 #[expect(missing_docs, reason = "temperatures, °C, shares and numbers of means")]
 pub enum CurveRefusal {
     /// The temperature spans too little.
-    SmallSpan { low_c: f64, high_c: f64 },
+    SmallSpan { low_c: f64, high_c: f64, length_s: f64 },
     /// The sensor moves for too large a share of the logs.
     Moves { share: f64 },
     /// The logs are too short, or an axis stands still for most of them.
@@ -140,11 +142,11 @@ pub enum CurveRefusal {
 }
 
 rows!(match CurveRefusal {
-    Self::SmallSpan { low_c, high_c } => Row {
+    Self::SmallSpan { low_c, high_c, length_s } => Row {
         code: "small-span",
         text: format_args!(
-            "the temperature goes from {low_c:.1} to {high_c:.1} °C, and a curve needs at least 5 °C; warm or cool it \
-             further"
+            "the temperature goes from {low_c:.1} to {high_c:.1} °C in {length_s:.1} s, and a curve needs at least 5 °C; \
+             warm or cool it further"
         ),
     },
     Self::Moves { share } => Row {
