@@ -80,6 +80,11 @@ if (toLookAt) {
   await liveBench(page);
   await page.waitForTimeout(12_000);
   await take(page, "bench-phone");
+  await page.click('nav a[href="#calibrate"]');
+  await beginCalibration(page, "warmup");
+  await page.getByLabel("max", { exact: true }).check();
+  await page.waitForSelector(".result", { timeout: 3 * PATIENCE });
+  await take(page, "calibrate-result-phone");
 }
 await browser.close();
 site.stop();

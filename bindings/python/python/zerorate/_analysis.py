@@ -133,7 +133,7 @@ class AnalysisOptions:
         model, taken_out, core = (found.pop(key, None) for key in ("fit", "cleaned", "core"))
         polynomial, warned, of_fit = (found.pop(key, None) for key in ("detrended", "warnings", "fit_warnings"))
         unavailable = [Unavailable(*point) for point in found.pop("unavailable")]
-        if len(found["dev"]) == 0 and not unavailable:
+        if len(found["dev"]) == 0 and np.count_nonzero(np.isfinite(values)) < 2:
             raise ValueError(f"{name}: fewer than 2 of its samples are numbers ({found['samples']} in all)")
         return Allan(
             **found,

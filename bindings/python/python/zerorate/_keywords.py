@@ -24,6 +24,7 @@ _MEANT = {
 def checked(function: _F) -> _F:
     """A function that says which keyword was meant in place of one that it does not have."""
     parameters = inspect.signature(function).parameters.values()
+    has_named_alone = not any(one.kind is one.POSITIONAL_OR_KEYWORD for one in parameters)
     data = [one.name for one in parameters if one.kind is one.POSITIONAL_ONLY]
     known = [one.name for one in parameters if one.kind is not one.POSITIONAL_ONLY]
 
@@ -31,7 +32,7 @@ def checked(function: _F) -> _F:
     def called(*args: Any, **kwargs: Any) -> Any:
         if len(args) < len(data):
             raise TypeError(f"give {' and '.join(data)} without a name: {function.__name__}({', '.join(data)}, …)")
-        if len(args) > len(data):
+        if len(args) > len(data) and has_named_alone:
             raise TypeError(f"{function.__name__}() takes {', '.join(data)} without a name, and all else by name")
         for name in kwargs:
             if name not in known:
