@@ -472,7 +472,7 @@ fn steps_between_rows_tell_the_rate() {
     assert!(why.contains("`dt_ms` holds the step between rows; the usual step means --rate 100.000000"), "{why}");
     let why = Folder::new()
         .fails((0..60).map(|at| format!("10,{}\n", at % 7)).fold("dt_ms,gz\n".to_owned(), |a, b| a + &b), "");
-    assert!(why.contains("tells --rate 100.000000"), "{why}");
+    assert!(why.contains("means --rate 100.000000"), "{why}");
     let why = Folder::new().fails(
         (0..60).map(|at| format!("0.005,{}\n", at % 7)).fold("dt,gz\n".to_owned(), |a, b| a + &b),
         "--column gz",
