@@ -212,7 +212,7 @@ impl Noise {
 /// Says how long a record would identify a coefficient.
 fn longer(needed_s: f64) -> String {
     match needed_s <= LONGEST_RECORD_S {
-        true => format!("in this record; record about {}", span(needed_s)),
+        true => format!("in this record; a value of this order takes about {}", span(needed_s)),
         false => String::from("in any practical record; do without it"),
     }
 }

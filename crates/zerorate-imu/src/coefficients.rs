@@ -111,7 +111,7 @@ impl Named<'_> {
             (false, Some(needed_s)) if needed_s > LONGEST_RECORD_S => {
                 "not identified: no record of practical length would tell".to_owned()
             }
-            (false, Some(needed_s)) => format!("not identified: record about {}", span(needed_s)),
+            (false, Some(needed_s)) => format!("not identified: a value of this order takes about {}", span(needed_s)),
             (false, None) => "not identified".to_owned(),
         }
     }

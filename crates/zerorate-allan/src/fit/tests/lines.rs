@@ -118,8 +118,8 @@ fn a_slow_line_beside_gaps_is_taken_out() {
 #[test]
 fn an_impractical_length_is_not_advised() {
     let said = |needed_s| AllanWarning::NotIdentified { noise: Noise::RateRandomWalk, record_s: 60.0, needed_s };
-    assert!(said(900.0).to_string().ends_with("record about 15 min"));
-    assert!(said(7200.0).to_string().ends_with("record about 2.0 h"));
+    assert!(said(900.0).to_string().ends_with("a value of this order takes about 15 min"));
+    assert!(said(7200.0).to_string().ends_with("a value of this order takes about 2.0 h"));
     let endless = said(602_803_200.0).to_string();
     assert!(endless.contains("in any practical record") && !endless.contains("602803200"), "{endless}");
 }
