@@ -307,8 +307,7 @@ pub fn calibration_picture(calibration: &Calibration, axis: &CalibratedAxis) -> 
     plot::correction(&CorrectionCurve { points, means: means_of(calibration, axis), t3_c: correction.t3_c, valid_c })
 }
 
-/// Minus the means of steps 4, 6 and 8 without the Earth's rotation, with their intervals: what a line by AN-1042 rests
-/// on.
+/// Minus the means of steps 4, 6 and 8 without the Earth's rotation, with their intervals: the base of a line.
 fn means_of(calibration: &Calibration, axis: &CalibratedAxis) -> Vec<CorrectionPoint> {
     let Some((means, u)) = axis.measured.zip(axis.uncertainty) else { return Vec::new() };
     let earth_dps = earth_dps(calibration);

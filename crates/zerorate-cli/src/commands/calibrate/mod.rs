@@ -132,7 +132,10 @@ fn of_still_twin(device: &DeviceSpec, earth_dps: Option<f64>) -> Option<String> 
     let earth_dps = earth_dps.filter(|dps| *dps != 0.0)?;
     let stands_still = device.is_simulated() && !device.to_string().contains("rotation_dps=");
     stands_still.then(|| {
-        format!("the twin does not turn with the Earth, so PBC will be {earth_dps:+.5} °/s off: add rotation_dps={earth_dps:.5} to its keys")
+        format!(
+            "the twin does not turn with the Earth, so PBC will be {earth_dps:+.5} °/s off: add \
+             rotation_dps={earth_dps:.5} to its keys"
+        )
     })
 }
 

@@ -145,8 +145,8 @@ rows!(match CurveRefusal {
     Self::SmallSpan { low_c, high_c, length_s } => Row {
         code: "small-span",
         text: format_args!(
-            "the temperature goes from {low_c:.1} to {high_c:.1} °C in {length_s:.1} s, and a curve needs at least 5 °C; \
-             warm or cool it further"
+            "the temperature goes from {low_c:.1} to {high_c:.1} °C in {length_s:.1} s, and a curve needs at least \
+             5 °C; warm or cool it further"
         ),
     },
     Self::Moves { share } => Row {
