@@ -28,7 +28,7 @@ export class About {
       h(
         "div",
         { class: "wide", tabindex: 0, role: "region", "aria-label": "Columns" },
-        table("Columns that are analysed", ["Column", "Kind", "Unit", "Missing samples"], rows),
+        table("Columns that are analysed", ["Column", "Kind", "Shown in", "Missing samples"], rows),
       ),
       warnings(about.warnings),
     );

@@ -84,7 +84,7 @@ pub(super) fn load(path: &Path, outputs: &mut Outputs) -> Result<Calibration> {
         ErrorKind::FileTooLarge => anyhow!("{}; {error}", other_file(path)),
         _ => Error::from(error).context(format!("cannot read {name}")),
     })?;
-    let (calibration, warnings) = Calibration::parse(&text).map_err(|error| match text.contains("correction") {
+    let (calibration, warnings) = Calibration::parse(&text).map_err(|error| match text.contains("correction]") {
         true => Error::from(error).context(name.to_string()),
         false => other_file(path),
     })?;
