@@ -781,7 +781,7 @@ typedef struct zerorate_tracker_prior {
  */
 typedef struct zerorate_tracker_state {
   /**
-   * Offset, slope, curvature, flicker.
+   * Offset, slope and curvature of the bias, and its three flicker states, in deg/s and deg C.
    */
   float state[6];
   /**

@@ -106,7 +106,7 @@ impl Sample {
         }
     }
 
-    /// Converts it to the procedure's type.
+    /// Converts the sample to the driver's type. It fails if `bits` is neither 16 nor 24.
     pub fn to_driver(self) -> Result<DriverSample, Status> {
         let width = width(self.bits)?;
         let raw = |code24: u32| code24 >> (24 - width.bits());

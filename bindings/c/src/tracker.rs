@@ -37,7 +37,7 @@ pub struct TrackerPrior {
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct TrackerState {
-    /// Offset, slope, curvature, flicker.
+    /// Offset, slope and curvature of the bias, and its three flicker states, in deg/s and deg C.
     pub state: [f32; 6],
     /// Lower triangle of their covariance, row by row.
     pub covariance: [f32; 21],

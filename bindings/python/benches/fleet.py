@@ -113,7 +113,7 @@ def overhead(source: Path, name: str, make: Optional[Callable[..., Any]]) -> Non
 
 
 def memory(program: str) -> None:
-    """Peak memory of the commands on an hour of the full rate, beside what the driver reserves."""
+    """Prints the peak memory of the commands on an hour at the full rate, beside what the fleet reserves for them."""
     with tempfile.TemporaryDirectory() as folder:
         for ending in ("arrows", "parquet"):
             path = Path(folder) / f"hour.{ending}"

@@ -72,7 +72,7 @@ pub fn frozen(input: Input<'_>, rate_hz: f64, name: &str) -> Option<String> {
     }
 }
 
-/// A warning, with the arguments that help.
+/// Formats a warning as `code: text`. The text names the arguments of Python that remedy the problem.
 pub fn text(warning: &AllanWarning) -> String {
     joined(&zerorate_imu::coded(warning, Names(argument)))
 }

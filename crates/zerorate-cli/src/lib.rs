@@ -45,8 +45,9 @@ pub fn main(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     }
 }
 
-/// Runs the command line in a process of its own. On Linux, a command that reads files of unknown origin runs in a
-/// child process with a limit on its memory.
+/// Runs the command line as the main function of a program.
+///
+/// On Linux, a command that reads files of unknown origin runs in a child process with limited memory.
 pub fn main_confined(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     let args: Vec<OsString> = args.into_iter().collect();
     let cli = match first_steps::parse(&args) {

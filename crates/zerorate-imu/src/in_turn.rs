@@ -5,7 +5,7 @@ use zerorate_logs::Column;
 
 /// Samples that are compared.
 const SAMPLES: usize = 1 << 16;
-/// Standard deviation of normal noise over the mean of all but the largest hundredth.
+/// Standard deviation of normal noise, divided by the mean of its absolute values without the largest 1 %.
 pub(super) const PER_MEAN: f64 = 1.29;
 
 /// Fewest groups of samples that show rows in turn.

@@ -25,7 +25,7 @@ pub struct Job<'a> {
 }
 
 impl<'a> Job<'a> {
-    /// Makes the correction of `capture` ready, which is read from `reader`.
+    /// Prepares the correction of a capture. `reader` reads it, and `capture` is its path.
     ///
     /// # Errors
     /// Returns an error if the capture is already corrected.

@@ -123,8 +123,9 @@ fn finer(unit: TimeUnit, rate_hz: f64) -> Option<TimeUnit> {
     }
 }
 
-/// The unit that fits better than `unit`, in which rows come at `rate_hz` from the time `first` on; `None` where that
-/// unit makes sense.
+/// Returns a time unit that fits the log better than `unit`, or `None` if `unit` fits or no other does.
+///
+/// `rate_hz` is the rate of rows that `unit` implies. `first` is the first time as it is written.
 fn better(unit: TimeUnit, rate_hz: f64, first: f64) -> Option<TimeUnit> {
     if first / unit.per_s() > TOO_LATE_S
         && let Some(dated) = date(first)

@@ -53,8 +53,8 @@ const SEEN_SIGMA: f64 = 8.0;
 const STEP_8_S: f64 = 160.0;
 /// Frequency of a sway below which the hour has less than a full turn.
 const SEEN_HZ: f64 = 3e-4;
-/// Less than half a turn of a small sway passed for the random walk of the part, or for a bend. The bound comes from
-/// trials and is not derived.
+/// Below these limits, a slow sway cannot be told from random walk or a bend of the bias: periods in the recording,
+/// and amplitude. The limits come from trials and are not derived.
 const WALK_TURNS: f64 = 0.5;
 const WALK_DPS: f64 = 0.04;
 /// One run in so many has the clock and the bandwidth of the part. The others have a fiftieth of the clock and 50 Hz

@@ -175,7 +175,9 @@ def calibrate(
     force: bool = False,
     progress: _device.OnProgress | None = None,
 ) -> Calibrated:
-    """Calibrates a sensor with the procedure of AN-1042: 53 minutes, of a simulated sensor in seconds.
+    """Calibrates a sensor, by default with the procedure of AN-1042.
+
+    That procedure takes 53 minutes on a real sensor, and seconds on a simulated one.
 
     Other threads run meanwhile, and Ctrl-C ends it. ``zerorate calibrate`` has the same options, and its help states
     the defaults.

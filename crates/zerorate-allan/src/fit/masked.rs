@@ -149,8 +149,10 @@ pub(super) fn leakage(lines: &[Whole], rows: &[BinRow], hz: f64) -> Option<(Line
     (most > MOST_LEAKAGE).then_some((strongest.line, most))
 }
 
-/// The largest share of its power that a sine in the middle of a run has in another run. If the sine is zero at the
-/// ends of the record, every second coefficient d further on has the share 4/(πd)².
+/// Returns the largest share of a sine's power that leaks from the middle of one run of coefficients into another.
+///
+/// In the worst case the sine is zero at both ends of the record. Then every second coefficient, at a distance d from
+/// the sine, receives the share 4/(πd)².
 fn leak((first, end): (usize, usize), (from, to): (usize, usize)) -> f64 {
     let middle = (first + end - 1) as f64 / 2.0;
     let (near, far) = if from as f64 > middle {

@@ -445,8 +445,9 @@ pub(super) fn white(local: &Local, found: &Optimum, row: usize) -> f64 {
     local.slopes[N2][row] * found.at[N2]
 }
 
-/// The relative model error that explains the scatter of the bins; 0 if chance explains it. An error that a run of
-/// adjacent bins shares counts as much as the errors of as many independent bins.
+/// Returns the relative model error that accounts for the scatter of the upper bins, or 0 if chance does.
+///
+/// Adjacent bins may share an error. So means over 1 to 16 bins are tested, and the largest error counts.
 pub(super) fn model_error(problem: &Problem, found: &Optimum) -> f64 {
     let rows = problem.table.rows.iter().zip(&found.density).filter(|(row, _)| is_upper(problem, row.f_hz));
     let off: Vec<(f64, f64)> = rows.map(|(row, density)| (row.bin.power / density - 1.0, row.bin.freedom)).collect();

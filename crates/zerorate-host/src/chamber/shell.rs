@@ -145,7 +145,7 @@ impl Output {
         String::from_utf8_lossy(&self.stdout).lines().next().unwrap_or_default().trim().to_owned()
     }
 
-    /// The last line of stderr that is not blank, after a colon.
+    /// Returns `: ` and the start of the last line of stderr that is not blank, or an empty text without such a line.
     fn last_line(&self) -> String {
         let text = String::from_utf8_lossy(&self.stderr);
         let line = text.lines().map(str::trim).rfind(|line| !line.is_empty());

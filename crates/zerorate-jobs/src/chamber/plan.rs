@@ -104,7 +104,7 @@ mod tests {
     use adis16130_twin::facts::OVEN_MIN_C;
     use zerorate::chamber::StepEnd;
 
-    /// The corners of F-57 as the twin has them, and the 210 minutes that are recorded.
+    /// The built-in plan `f57` has the corners of the twin's chamber profile (F-57), and lasts 210 minutes.
     #[test]
     fn the_plan_of_f57_is_f57() {
         let plan = PlanFile::read(Path::new("f57"), false, &mut Outputs::new(false), Setting::name)

@@ -185,7 +185,7 @@ fn most<T: PartialEq>(all: impl Iterator<Item = T>) -> Option<(T, usize)> {
 mod tests {
     use super::*;
 
-    /// The names that the labels of these lines tell, and the second line without marks.
+    /// Erases arrows and labels from a text that repeats `line`. Returns the names in the labels, and a line of cells.
     fn erased(line: &str) -> (Option<Vec<String>>, String) {
         let mut bytes = format!("ready\n{line}\n{line}\n{line}\n{line}").into_bytes();
         let marks = Marks::of(std::str::from_utf8(&bytes).unwrap());

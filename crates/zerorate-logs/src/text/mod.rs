@@ -105,7 +105,7 @@ fn head(path: &Path, input: &mut Input, asked: &ColumnQuery<'_>) -> Result<Head>
     Ok(head)
 }
 
-/// The options, with the time column that the lines above the data tell.
+/// Adds the time column that the header of the file names, unless the options give a rate or a time column.
 fn timed<'a>(args: &'a ColumnOptions, head: &Head) -> Cow<'a, ColumnOptions> {
     match head.scales.time().filter(|_| args.rate.is_none() && args.time_column.is_none()) {
         Some(time) => Cow::Owned(ColumnOptions { time_column: Some(time.to_owned()), ..args.clone() }),

@@ -15,7 +15,7 @@ use zerorate_allan::SettingName;
 use zerorate_input::InputError;
 use zerorate_input::delimited::Delimiter;
 
-/// The wanted cells of a line.
+/// How to cut the wanted cells out of each line of a file.
 pub struct Cut<'a> {
     /// The file.
     pub path: &'a Path,

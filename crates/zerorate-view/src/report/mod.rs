@@ -20,7 +20,7 @@ pub struct Fact {
 }
 
 impl Fact {
-    /// A fact of two texts.
+    /// Makes a fact from its name and its value.
     pub fn new(name: impl Into<String>, value: impl Into<String>) -> Self {
         Self { name: name.into(), value: value.into() }
     }

@@ -84,7 +84,7 @@ pub struct CalibratedAxis {
     pub rate: Option<Scale>,
     /// PBC, BTC and T3 (F-50), and the terms of a curve.
     pub correction: Correction,
-    /// The means that AN-1042 is computed from.
+    /// The measured means from which the method of AN-1042 computes the calibration.
     pub measured: Option<Measured>,
     /// Standard uncertainties and covariances of a calibration by AN-1042.
     pub uncertainty: Option<Uncertainties>,

@@ -17,7 +17,7 @@ const HEADER: &str =
     "# An interrupted measurement in a chamber: zerorate chamber goes on with it (docs/chamber.md).\n";
 /// Longest time of a record, s: ten years, including the pauses of a resumed measurement.
 const LONGEST_S: f64 = 3.2e8;
-/// Largest number of samples: more than ten years have, and small enough to be added.
+/// Largest valid number of samples. Ten years hold fewer, and sums of such numbers do not overflow.
 const MOST_SAMPLES: u64 = 1 << 50;
 /// Possible drifts of the temperature of a part, °C/min.
 const DRIFTS_C_PER_MIN: RangeInclusive<f64> = -1e4..=1e4;

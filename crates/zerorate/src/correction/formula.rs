@@ -155,7 +155,7 @@ pub struct CorrectionF32 {
     pub t3_c: f32,
     /// Quadratic term, °/s/°C²: zero for F-50.
     pub btc2_dps_per_c2: f32,
-    /// Cubic term, °/s/°C³: zero for F-50.
+    /// Coefficient of the cubic term, °/s/°C³. It is zero for the straight line of AN-1042 (F-50).
     pub btc3_dps_per_c3: f32,
 }
 

@@ -21,8 +21,9 @@ pub struct Reading {
     pub lost: u32,
 }
 
-/// One reading of all axes of a part at one time, in codes as the part gave them. It holds a rate for each axis, and
-/// always has room for [`MAX_AXES`] axes, so that it needs no memory of its own.
+/// One reading of all axes of a part at one time. Rates and temperature are codes less their zero codes.
+///
+/// A fixed array has room for [`MAX_AXES`] rates, so a scan needs no heap.
 ///
 /// ```
 /// use zerorate::Scan;

@@ -163,7 +163,7 @@ impl Filter {
         }
     }
 
-    /// Widens the offset by this much, °/s (1 σ), as after a power-up.
+    /// Adds the square of `u_dps`, °/s (1 σ), to the variance of the offset, as a power-up calls for.
     pub(super) fn inflate_bias_variance(&mut self, u_dps: f64) {
         *self.variance(OFFSET) += square(u_dps);
     }

@@ -115,8 +115,9 @@ fn clocks() -> Config {
     config
 }
 
-/// The controller divides by a power of two. The HAL takes the nearest clock, which may be faster than the requested
-/// one. This function therefore requests one of them exactly.
+/// Sets the fastest SPI clock that is not above `hz`, or else the slowest one. Returns that clock, Hz.
+///
+/// The controller divides its clock by a power of two, and the HAL alone may take a faster one than was requested.
 fn set_clock(controller: &mut Controller, hz: u32) -> u32 {
     let kernel_hz = rcc::frequency::<peripherals::SPI1>().0;
     let divided = (1..=8).map(|power| kernel_hz >> power).find(|clock| *clock <= hz);

@@ -51,7 +51,7 @@ class File:
     size: int
 
     def key(self, digest: str) -> str:
-        """The name of its row for a recipe."""
+        """The name under which the result of this file is stored. `digest` identifies the settings of the analysis."""
         name = f"{self.url}|{self.version}|{digest}"
         return hashlib.sha256(name.encode("utf-8", "surrogatepass")).hexdigest()[:24]
 

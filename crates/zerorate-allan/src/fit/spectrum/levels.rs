@@ -1,8 +1,8 @@
-//! Levels of a record: its samples, and means over more and more samples.
+//! Decimates a record in levels. The first level holds the samples, and the next ones hold ever longer means.
 //!
-//! A mean of `step` samples contains the noise of its own band, and aliases from higher bands. The levels before have
-//! measured the aliases, which are subtracted. If samples are missing, each mean has another frequency response. The
-//! mean response is the gain, and the scatter about it turns noise of any frequency into white noise.
+//! A mean contains noise of its band and aliases from higher bands. Shorter means have measured those bands, so their
+//! aliases are computed and subtracted. Gaps give each mean its own frequency response. The average response is the
+//! gain. The scatter about it turns noise of any frequency into white noise.
 
 use super::super::lines::Narrow;
 use super::averages::averages;

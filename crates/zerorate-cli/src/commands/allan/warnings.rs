@@ -30,7 +30,7 @@ const BY_WEIGHT: [&str; 18] = [
 /// A longer line about the model of an axis goes without its advice, which `explain` has as well.
 const MOST_CHARS: usize = 100;
 
-/// Formats the events that several axes of one log show at once: the jumps as one line, the knocks as another.
+/// Formats the motion that several axes of one log show at once. Moving spans, jumps and knocks get a line each.
 pub fn of_motion(axes: &[Record]) -> Vec<String> {
     Record::motion(axes).iter().map(ImuWarning::coded).collect()
 }

@@ -98,7 +98,7 @@ fn shapes(at: usize, count: usize) -> [Vec<f64>; 2] {
 
 /// Blocks that are tried at once.
 const AT_ONCE: usize = 4;
-/// Share of a column that the curve must leave.
+/// Least share of the squared norm of a step or glitch that the curve must not explain. Below it, none is looked for.
 const LEAST_FREE: f64 = 0.02;
 /// Blocks at each end without a step.
 const NEAR_END: usize = 2;
