@@ -173,8 +173,10 @@ def test_each_axis_has_its_results(made: dict[str, Made], lab: Lab) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_warning_is_there_in_full(kind: str, made: dict[str, Made], lab: Lab) -> None:
     file = tomllib.loads(made[kind].path.read_text(encoding="utf-8"))
-    wanted = [*file["warnings"]]
-    wanted += [f"axis {axis['name']}: {text}" for axis in file.get("axis", []) for text in axis["warnings"]]
+    # the code of a warning is for the program; older files have none
+    words = [re.sub("^[a-z-]+: ", "", text) for text in file["warnings"]]
+    of_axes = [(axis["name"], text) for axis in file.get("axis", []) for text in axis["warnings"]]
+    wanted = words + [f"axis {name}: {re.sub('^[a-z-]+: ', '', text)}" for name, text in of_axes]
     assert wanted
     assert texts(tree_of(made[kind].path, lab), ".//dcc:metaData/dcc:declaration") == wanted
 
