@@ -170,7 +170,7 @@ rows!(match AllanWarning {
     },
     Self::NotIdentified { noise, record_s, needed_s } => Row {
         code: "not-identified",
-        text: format_args!("{} cannot be told from zero {}", noise.name(), longer(needed_s)),
+        text: format_args!("{} cannot be told from zero{}", noise.name(), longer(needed_s)),
     },
 });
 
@@ -212,8 +212,8 @@ impl Noise {
 /// Says how long a record would identify a coefficient.
 fn longer(needed_s: f64) -> String {
     match needed_s <= LONGEST_RECORD_S {
-        true => format!("in this record; a value of this order takes about {}", span(needed_s)),
-        false => String::from("in any practical record; do without it"),
+        true => format!("; a value of this order takes about {}", span(needed_s)),
+        false => String::from(" in any practical record; do without it"),
     }
 }
 
