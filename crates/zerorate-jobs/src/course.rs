@@ -1,6 +1,6 @@
 //! The course of a calibration: the samples of its capture as means over time.
 
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 use std::path::Path;
 use zerorate::{Calibration, Part};
 use zerorate_host::Stop;
@@ -9,11 +9,14 @@ use zerorate_view::report::{Course, Moment};
 
 /// Length of a mean, ns.
 const LENGTH_NS: u64 = 5_000_000_000;
+/// The last temperature of a procedure lies within so many rows behind its last sample.
+const ROWS_BEHIND: u64 = 64;
 
-/// Reads the capture that a calibration was made from. `stop` ends it.
+/// Reads what a calibration was made from: a capture, or its beginning if it goes on. `stop` ends it.
 ///
 /// # Errors
-/// Returns an error if the capture is damaged, or if the calibration was made from another.
+/// Returns an error if the capture is damaged, or if the calibration was made from another, or does not state from
+/// which.
 pub fn course(
     capture: &Path,
     mut reader: CaptureReader,
@@ -21,12 +24,14 @@ pub fn course(
     calibration: &Calibration,
     stop: &Stop,
 ) -> Result<Course> {
+    let made_from = calibration.capture_sha256.as_ref().zip(calibration.run.as_ref());
+    let (sha256, run) = made_from.context("the calibration does not state its capture; leave out --capture")?;
     let layout = reader.info().layout.clone();
     let mut hash = SampleHash::new(&layout);
-    let (mut moments, mut start_ns, mut sums) = (Vec::new(), None, Sums::default());
-    while let Some(rows) = reader.next_rows()? {
+    let (mut moments, mut start_ns, mut sums, mut rows) = (Vec::new(), None, Sums::default(), 0);
+    'all: while let Some(batch) = reader.next_rows()? {
         ensure!(!stop.asked(), "interrupted; nothing written");
-        for row in rows.iter() {
+        for row in batch.iter() {
             hash.update(&row);
             let stretch = row.t_ns.saturating_sub(*start_ns.get_or_insert(row.t_ns)) / LENGTH_NS;
             if stretch != sums.stretch {
@@ -34,11 +39,15 @@ pub fn course(
                 sums = Sums { stretch, ..Sums::default() };
             }
             sums.add(&layout, part, &row);
+            rows += 1;
+            if (run.samples..=run.samples + ROWS_BEHIND).contains(&rows) && hash.hex() == *sha256 {
+                break 'all;
+            }
         }
     }
     moments.push(sums.moment());
     ensure!(
-        calibration.capture_sha256.as_ref().is_none_or(|made_from| *made_from == hash.hex()),
+        hash.hex() == *sha256,
         "{} is not the capture that the calibration was made from; give that one, or leave out --capture",
         capture.display()
     );

@@ -225,7 +225,7 @@ fn a_supply_step_is_a_warning_with_its_time_and_widens_what_it_spoils() {
 
 /// It used to be "the temperature hardly changed": the step looked like flicker, and that spoilt BTC.
 #[test]
-fn a_step_inside_step_8_is_no_lack_of_temperature() {
+fn a_step_inside_step_8_is_not_taken_for_a_lack_of_temperature() {
     let outcome = measure(stepped(300.0, 134.0), SHORT).unwrap().outcome;
     assert_eq!(found(&outcome).len(), 1, "{:?}", outcome.warnings);
     assert!(!outcome.noise.flicker_measured && outcome.uncertainty.u_pbc_dps > 0.01, "{outcome:?}");

@@ -93,28 +93,29 @@ enum Form {
 }
 
 impl Form {
-    /// The name on the command line, the usual endings of such files, and what they are.
-    fn row(self) -> (&'static str, &'static [&'static str], &'static str) {
+    /// The usual endings of such files, and what they are.
+    fn row(self) -> (&'static [&'static str], &'static str) {
         match self {
-            Self::Toml => ("toml", &["toml"], "(a calibration of the gyroscopes)"),
-            Self::Px4 => ("px4", &["params"], "for PX4"),
-            Self::Ardupilot => ("ardupilot", &["parm", "param"], "for ArduPilot"),
-            Self::Csv => ("csv", &["csv"], "(all curves)"),
+            Self::Toml => (&["toml"], "(a calibration of the gyroscopes)"),
+            Self::Px4 => (&["params"], "for PX4"),
+            Self::Ardupilot => (&["parm", "param"], "for ArduPilot"),
+            Self::Csv => (&["csv"], "(all curves)"),
         }
     }
 
-    fn what(self) -> &'static str {
-        self.row().2
+    /// The name on the command line.
+    fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
 }
 
 /// Refuses a file whose ending belongs to another form.
 fn check_ending(args: &TempcalArgs) -> Result<()> {
     let Some(ending) = args.output.as_ref().and_then(|path| path.extension()?.to_str()) else { return Ok(()) };
-    let is_of = |form: &&Form| form.row().1.contains(&ending);
+    let is_of = |form: &&Form| form.row().0.contains(&ending);
     match Form::value_variants().iter().find(is_of) {
         Some(other) if *other != args.format => {
-            let (given, name) = (args.format.row().0, other.row().0);
+            let (given, name) = (args.format.name(), other.name());
             Err(Usage(format!("-o: .{ending} is the ending of --format {name}, and the form is {given}; give either"))
                 .into())
         }
@@ -159,7 +160,7 @@ pub fn run(args: &TempcalArgs) -> Result<()> {
     let printed = if args.json { print_json(&Report { axes, warnings: notes }) } else { print_lines(&table(axes)) };
     warn(&[&notes[..], &warnings_of_axes(axes)].concat());
     if let (Ok(()), Some(path)) = (&written, &args.output) {
-        say(format_args!("wrote {} {}", path.display(), args.format.what()));
+        say(format_args!("wrote {} {}", path.display(), args.format.row().1));
     }
     written?;
     printed

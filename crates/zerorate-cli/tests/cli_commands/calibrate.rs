@@ -97,5 +97,17 @@ fn a_recorded_warm_up_gives_the_same_file() {
     assert!(shown.iter().all(|part| page.contains(part)), "{page}");
     bench.zerorate("capture --device twin:seed=4 --samples 900 -o other.arrows").ended_with(0);
     bench.zerorate("report live.toml --capture other.arrows -o b.html").ended_with(1).saying(&["is not the capture"]);
+    // a capture that goes on after the calibration
+    let short = "--average 2s --warmup 30s --settle 5s --offset 5s --max-u-btc 1";
+    bench.zerorate(&format!("recalibrate log.arrows {short} -o part.toml")).ok();
+    bench.zerorate("report part.toml --capture log.arrows -o part.html").ended_with(0);
+    bench.write(
+        "hand.toml",
+        "schema = 1\npart = \"ADIS16130\"\n[correction]\npbc_dps = 0\nbtc_dps_per_c = 0\nt3_c = 30\n",
+    );
+    bench
+        .zerorate("report hand.toml --capture log.arrows -o b.html")
+        .ended_with(1)
+        .saying(&["does not state its capture"]);
     bench.zerorate("report live.toml again.toml --capture log.arrows -o b.html").ended_with(2).saying(&["alone"]);
 }

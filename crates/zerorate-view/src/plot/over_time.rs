@@ -2,7 +2,7 @@
 
 use super::allan::COLOURS;
 use super::axes::Axis;
-use super::canvas::{Area, clipped, path, px, rectangle, stroke};
+use super::canvas::{Area, clipped, path, rectangle, stroke};
 use super::stack::Stack;
 
 /// A quantity over time.
@@ -33,9 +33,7 @@ pub fn over_time(title: &str, all: &[Series], windows_s: &[(f64, f64)]) -> Strin
         let shade = |&(from_s, to_s): &(f64, f64)| {
             let (left, right) = (x.at(from_s * per_s), x.at(to_s * per_s));
             // a window of seconds would vanish in an hour
-            rectangle(&Area { left, right: right.max(left + 2.0), ..area })
-                .set("fill", "#bbbbbb")
-                .set("opacity", px(0.5))
+            rectangle(&Area { left, right: right.max(left + 2.0), ..area }).set("fill", "#bbbbbb").set("opacity", 0.5)
         };
         let line = stroke(path(finite().map(|(at_s, value)| (x.at(at_s * per_s), y.at(value)))), colour, 1.4);
         let inside = windows_s.iter().map(shade).fold(clipped(&area), svg::node::element::Group::add).add(line);
