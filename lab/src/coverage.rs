@@ -7,7 +7,7 @@ use adis16130::Sample;
 use adis16130_twin::Spec;
 use anyhow::{Context, ensure};
 use std::ops::RangeInclusive;
-use zerorate::{Axis, Correction, Plan, Reading, Uncertainty};
+use zerorate::{Axis, Correction, Plan, Reading, Refusal, Uncertainty};
 
 /// How long the part is off before its second warm-up, s.
 const OFF_S: u64 = 3600;
@@ -46,8 +46,9 @@ pub fn run(args: &CoverageArgs) -> anyhow::Result<()> {
         report_intervals("BTC", "°/s/°C", units.iter().map(|unit| unit.btc));
     }
     if !args.linear_units {
-        let units = for_each_seed(&args.seeds, args.threads, default_unit)?;
-        println!("{} default units, seeds {:?}:", units.len(), args.seeds);
+        let all = for_each_seed(&args.seeds, args.threads, default_unit)?;
+        let units: Vec<DefaultUnit> = all.iter().flatten().copied().collect();
+        println!("{} default units, {} refused, seeds {:?}:", units.len(), all.len() - units.len(), args.seeds);
         report_intervals("PBC", "°/s", units.iter().map(|unit| unit.judged.pbc));
         report_intervals("BTC", "°/s/°C", units.iter().map(|unit| unit.judged.btc));
         let raw = rms(units.iter().map(|unit| unit.raw_change_dps));
@@ -61,6 +62,7 @@ pub fn run(args: &CoverageArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
+#[derive(Clone, Copy)]
 struct DefaultUnit {
     judged: Unit,
     raw_change_dps: f64,
@@ -102,14 +104,18 @@ fn linear_unit(seed: u64) -> anyhow::Result<Unit> {
     Ok(judge(&outcome, &truth))
 }
 
-fn default_unit(seed: u64) -> anyhow::Result<DefaultUnit> {
+/// `None` if the measurement was refused.
+fn default_unit(seed: u64) -> anyhow::Result<Option<DefaultUnit>> {
     let mut rig = Rig::new(Spec::from_seed(seed));
-    let (outcome, truth) = rig.calibrate(Plan::default())?;
+    let (outcome, truth) = match rig.calibrate(Plan::default()) {
+        Ok(measured) => measured,
+        Err(error) => return error.downcast::<Refusal>().map(|_| None),
+    };
     rig.twin.power_off();
     rig.twin.advance_ns(OFF_S * 1_000_000_000);
     rig.twin.power_on();
     let (raw_change_dps, corrected_change_dps) = warm_up(&mut rig, &outcome.correction)?;
-    Ok(DefaultUnit { judged: judge(&outcome, &truth), raw_change_dps, corrected_change_dps })
+    Ok(Some(DefaultUnit { judged: judge(&outcome, &truth), raw_change_dps, corrected_change_dps }))
 }
 
 /// How the mean rate changes from the first 10 s after switching on to the last 150 s of F-51's time, raw and
