@@ -61,7 +61,7 @@ def test_white_noise_has_an_angle_random_walk_and_nothing_else() -> None:
     assert zerorate.allan(white(1000), rate_hz=1.0, stat="mdev").model is None
 
 
-def test_what_is_in_a_record_has_its_term() -> None:
+def test_each_noise_of_a_record_has_its_term() -> None:
     rate = white(200_000)
     rate += 2.0 * np.sin(2 * np.pi * 3.0 * np.arange(len(rate)) / 100.0)
     rate[1000] = 1e4
@@ -113,7 +113,7 @@ def test_a_record_too_short_for_coefficients_says_so() -> None:
     assert result.no_fit is not None and "record longer" in result.no_fit
 
 
-def test_what_cannot_be_computed_is_reported() -> None:
+def test_times_without_a_deviation_are_reported() -> None:
     result = zerorate.allan(white(1000), rate_hz=10.0, taus=[0.1, 1.0, 1000.0])
     assert result.tau_s.tolist() == [0.1, 1.0]
     assert [point.tau_s for point in result.unavailable] == [1000.0]
@@ -188,7 +188,7 @@ def test_missing_samples_are_gaps() -> None:
         ("not real numbers", [1j, 2j], {}),
     ],
 )
-def test_what_is_wrong_is_said(match: str, values: Any, options: dict[str, Any]) -> None:
+def test_each_error_is_named(match: str, values: Any, options: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=match):
         zerorate.allan(values, **{"rate_hz": 1.0, **options})
 

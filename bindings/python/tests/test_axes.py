@@ -48,7 +48,7 @@ def test_each_axis_is_a_column(capture: zerorate.Capture) -> None:
     assert capture.rate_hz == pytest.approx(100)
 
 
-def test_what_is_out_of_range_is_no_number(capture: zerorate.Capture) -> None:
+def test_readings_out_of_range_become_nan(capture: zerorate.Capture) -> None:
     assert capture.flags.shape == (5, 3) and capture.flags[2, 2] == 2
     np.testing.assert_array_equal(np.isnan(capture.rate_dps).nonzero(), ([2], [2]))
 

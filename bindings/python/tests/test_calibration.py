@@ -265,7 +265,7 @@ def test_a_stream_takes_the_last_temperature(two: zerorate.Calibration) -> None:
         zerorate.Corrector(two).take([0.0], [31.5])
 
 
-def test_what_is_wrong_is_said(tmp_path: Path) -> None:
+def test_each_error_is_named(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
         zerorate.Calibration.load(tmp_path / "none.toml")
     with pytest.raises(FileNotFoundError, match=r"none\.arrows"):

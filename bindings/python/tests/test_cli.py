@@ -43,7 +43,7 @@ def test_exit_codes_pass_through(code: int, args: list[str], tmp_path: Path, mon
     assert "Traceback" not in done.stderr
 
 
-def test_a_closed_pipe_is_no_failure() -> None:
+def test_a_closed_pipe_does_not_fail() -> None:
     reading = subprocess.Popen([PROGRAM, "twin"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert reading.stdout is not None and reading.stderr is not None
     reading.stdout.close()

@@ -62,7 +62,7 @@ def test_missing_values_at_the_ends_are_cut_off() -> None:
         np.testing.assert_array_equal(whole, cut)
 
 
-def test_what_is_not_offered_says_so() -> None:
+def test_missing_functions_say_so() -> None:
     for name in at.NOT_OFFERED:
         with pytest.raises(AttributeError, match="take it from allantools"):
             getattr(at, name)

@@ -58,7 +58,7 @@ def test_every_axis_is_found(found: zerorate.Imu, log: Path) -> None:
     assert not any("temp_c" in text for text in found.warnings) and str(log) in repr(found)
 
 
-def test_what_is_in_memory_is_read_as_a_log(found: zerorate.Imu) -> None:
+def test_tables_in_memory_are_read_as_logs(found: zerorate.Imu) -> None:
     pandas, polars = (pytest.importorskip(name) for name in ("pandas", "polars"))
     named = table(rest())
     times = pandas.to_timedelta(np.arange(20_000) * 10, unit="ms")
@@ -151,7 +151,7 @@ def test_a_drift_with_the_temperature_is_taken_out_of_every_axis(tmp_path: Path)
         zerorate.imu(capture, until=3, gyro_unit="dps")
 
 
-def test_a_rejected_model_is_no_file_unless_accepted() -> None:
+def test_a_rejected_model_gives_a_file_only_if_accepted() -> None:
     t = np.arange(40_000) / RATE_HZ
     rng = np.random.default_rng(8)
     growing = rng.normal(size=len(t)) * np.exp(4 * np.sin(2 * np.pi * t / 50)) + np.sign(np.sin(t)) * 3
@@ -179,7 +179,7 @@ def test_a_rejected_model_is_no_file_unless_accepted() -> None:
         ("time_unit='h'", {"t": np.arange(300.0), "gx_dps": rest(300)[:, 0]}, {"time_column": "t", "time_unit": "h"}),
     ],
 )
-def test_what_is_wrong_speaks_of_arguments(match: str, data: Any, options: dict[str, Any]) -> None:
+def test_errors_speak_of_arguments(match: str, data: Any, options: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=match) as error:
         zerorate.imu(data, **{"rate_hz": None if "time_column" in options else RATE_HZ, **options})
     assert "--" not in str(error.value)

@@ -72,12 +72,12 @@ def test_an_array_of_columns_has_a_result_for_each() -> None:
         ("infinite at sample 0", np.array([[np.inf], [1.0]]), {}),
     ],
 )
-def test_what_is_no_record_says_what_to_give(match: str, array: Any, options: dict[str, Any]) -> None:
+def test_an_array_that_is_not_a_record_gets_advice(match: str, array: Any, options: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=match):
         zerorate.allan(array, **{"rate_hz": 1.0, **options})
 
 
-def test_what_is_masked_is_missing() -> None:
+def test_masked_samples_are_missing() -> None:
     rate, mask = white(512, 1)[:, 0], np.zeros(512, dtype=bool)
     mask[100:110] = True
     missing = np.where(mask, np.nan, rate)

@@ -71,7 +71,7 @@ def test_a_capture_that_follows_its_temperature_is_as_on_the_command_line(folder
     same(skipped, run(folder, "allan", "a.arrows", "--fit", "--json", "--skip", "30m"))
 
 
-def test_what_was_read_is_what_is_on_disk(folder: Path) -> None:
+def test_the_read_samples_equal_those_on_disk(folder: Path) -> None:
     capture = zerorate.read_capture(folder / "a.arrows")
     warned, detrended = zerorate.allan(capture), zerorate.allan(capture, detrend=2)
     assert warned.fit is not None and codes(warned.fit.warnings)[0] == "follows-temperature"
@@ -135,7 +135,7 @@ def test_tables_and_logs_have_it_in_a_column(tmp_path: Path) -> None:
         ("skip=soon", {"skip": "soon"}),
     ],
 )
-def test_what_cannot_be_done_is_said(match: str, options: dict[str, Any]) -> None:
+def test_impossible_requests_are_refused(match: str, options: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=match):
         zerorate.allan(np.random.default_rng(1).normal(size=1000), rate_hz=1.0, **options)
 

@@ -95,7 +95,7 @@ def test_the_numbers_are_those_of_the_program(found: zerorate.Tempcal, log: Path
 
 
 @pytest.mark.filterwarnings("error")
-def test_what_is_in_memory_is_read_as_a_log(found: zerorate.Tempcal) -> None:
+def test_tables_in_memory_are_read_as_logs(found: zerorate.Tempcal) -> None:
     pandas, polars, pyarrow = (pytest.importorskip(name) for name in ("pandas", "polars", "pyarrow"))
     columns = record()
     named = {name: column for name, column in columns.items() if name != "t_s"}
@@ -181,7 +181,7 @@ def test_the_picture_has_a_panel_for_each_axis(found: zerorate.Tempcal) -> None:
         ("is not a unit", ValueError, {}, {"gyro_unit": "furlong"}),
     ],
 )
-def test_what_is_wrong_speaks_of_arguments(
+def test_errors_speak_of_arguments(
     match: str, kind: type[Exception], change: dict[str, Any], options: dict[str, Any]
 ) -> None:
     columns = {name: column for name, column in {**record(), **change}.items() if column is not None}

@@ -57,7 +57,7 @@ def test_an_existing_file_is_kept_without_force(measured: Path, lab_file: Path, 
     assert output.read_bytes().startswith(b"<?xml")
 
 
-def test_what_is_missing_is_named(measured: Path, lab_file: Path, tmp_path: Path) -> None:
+def test_missing_facts_are_named(measured: Path, lab_file: Path, tmp_path: Path) -> None:
     output = tmp_path / "x.xml"
     fails(2, "missing: the calibration file, --lab, -o")
     fails(2, "missing: --lab", measured, "-o", output)
@@ -81,7 +81,7 @@ def test_a_wrong_calibration_is_refused(measured: Path, lab_file: Path, tmp_path
     assert not output.exists()
 
 
-def test_nothing_of_the_current_folder_is_run(measured: Path, lab_file: Path, tmp_path: Path) -> None:
+def test_code_in_the_current_folder_does_not_run(measured: Path, lab_file: Path, tmp_path: Path) -> None:
     pytest.importorskip("weasyprint", minversion="67", reason="a PDF needs WeasyPrint 67, which needs Python 3.10")
     folder = tmp_path / "foreign"
     folder.mkdir()

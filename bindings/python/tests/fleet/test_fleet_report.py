@@ -134,7 +134,7 @@ def test_a_simulated_population_says_so(tmp_path: Path) -> None:
     assert "SIMULATED: 1 of 2" in page and "<script>" not in page
 
 
-def test_what_is_wrong_is_named(tmp_path: Path) -> None:
+def test_each_error_is_named(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="`zerorate fleet table` makes it"):
         page_of(tmp_path)
     write(tmp_path, [row(1)])

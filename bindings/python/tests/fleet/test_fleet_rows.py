@@ -51,7 +51,7 @@ def test_a_row_is_what_the_program_says_of_the_file(captures: Path, recorded: Pa
         assert not any(warning.startswith("earth-included: ") for warning in row["warnings"])
 
 
-def test_what_stands_beside_captures_is_left_out(recorded: Path, tmp_path: Path) -> None:
+def test_other_files_beside_captures_are_left_out(recorded: Path, tmp_path: Path) -> None:
     ended = fleet.run(str(recorded), str(tmp_path / "out"), RECIPE)
     assert (ended.states, ended.left_out) == ({"ok": UNITS}, UNITS)  # a calibration beside each capture
 
@@ -286,7 +286,7 @@ def test_the_command_line(captures: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("engine", [[], pytest.param(["--dask", "local", "--workers", "1"], marks=pytest.mark.stores)])
-def test_nothing_of_the_current_folder_is_run(engine: list[str], captures: Path, tmp_path: Path) -> None:
+def test_code_in_the_current_folder_does_not_run(engine: list[str], captures: Path, tmp_path: Path) -> None:
     if engine and sys.version_info < (3, 11):
         pytest.skip("this Python cannot leave out the current folder")
     folder = trapped(tmp_path / "foreign")
@@ -309,7 +309,7 @@ def test_nothing_of_the_current_folder_is_run(engine: list[str], captures: Path,
         (["rnu"], 2, "invalid choice"),
     ],
 )
-def test_what_is_wrong_is_named(
+def test_each_error_is_named(
     arguments: list[str], code: int, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
