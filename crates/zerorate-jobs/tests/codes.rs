@@ -137,6 +137,7 @@ fn of_measurement() -> Vec<Warning> {
     vec![
         Warning::EarthIncluded,
         Warning::EarthSubtracted { earth_dps: 0.003_21 },
+        Warning::TwinAtRest { earth_dps: -0.003_21 },
         Warning::Turning { rate_dps: -4.8139, typical_dps: 1.0 },
         Warning::CurvatureUnseen { u_dps_per_c: 0.002_34 },
         Warning::Drifting { drift_c: 0.123, shift_dps: -0.012_34, u_pbc_dps: 0.0045 },

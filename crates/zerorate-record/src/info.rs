@@ -6,7 +6,7 @@ use adis16130::Width;
 use arrow_schema::Metadata;
 use std::path::Path;
 use zerorate::calibration::{Notes, Origin, SIMULATED, is_rfc3339, is_twin};
-use zerorate::{Axis, NamedAxis, Part};
+use zerorate::{Axis, NamedAxis, Part, Warning};
 
 /// Version of the format that this program writes, and the highest it reads.
 pub const SCHEMA_VERSION: u32 = 2;
@@ -120,6 +120,14 @@ impl CaptureInfo {
     #[must_use]
     pub fn is_simulated(&self) -> bool {
         is_twin(&self.device)
+    }
+
+    /// Warns of a twin that does not turn where the Earth's rotation is subtracted.
+    #[must_use]
+    pub fn twin_at_rest(&self, earth_dps: Option<f64>) -> Option<Warning> {
+        let earth_dps = earth_dps.filter(|dps| *dps != 0.0)?;
+        let is_at_rest = self.is_simulated() && !self.device.contains("rotation_dps=");
+        is_at_rest.then_some(Warning::TwinAtRest { earth_dps })
     }
 
     /// The origin of a calibration from the samples with this digest ([`SampleHash`](super::SampleHash)).

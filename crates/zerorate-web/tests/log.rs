@@ -181,6 +181,8 @@ fn facts_that_a_log_lacks_are_asked_for() {
     let (looked, _) = look(&text, &LogSettings::default());
     let LogInspection::Question { text: question, settings, .. } = looked else { panic!("{looked:?}") };
     assert!(settings.contains(&LogSetting::RateHz) && question.contains("“sample rate”"), "{question}");
+    // the page asks for the units in the same round
+    assert!(settings.contains(&LogSetting::GyroUnit) && settings.contains(&LogSetting::AccelUnit), "{question}");
     let mut said = LogSettings { rate_hz: Some(100.0), ..LogSettings::default() };
     let (looked, _) = look(&text, &said);
     let LogInspection::Question { settings, .. } = looked else { panic!("{looked:?}") };

@@ -37,7 +37,7 @@ pub use part::{
     Axis, CodeSum, MAX_AXES, NamedAxis, NoiseSources, Part, Reading, Scale, Scan, SelfHeating, Tone, TypicalBias,
     TypicalNoise,
 };
-pub use plan::{EARTH_DPS, Method, Plan, PlanError, Setting, SettingNames, State, Worded, Wording};
+pub use plan::{Bounds, EARTH_DPS, Method, Plan, PlanError, Setting, SettingNames, State, Worded, Wording};
 pub use procedure::{
     Action, AxisRefusal, Event, FixedProcedure, Forecast, Measured, Noise, Outcome, PartProcedure, Procedure,
     Progress, Reached, WindowWarnings,

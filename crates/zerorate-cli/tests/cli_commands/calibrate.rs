@@ -76,6 +76,11 @@ fn the_latitude_gives_the_earths_rotation() {
     };
     let (without, north, south) = (earth(&[]), earth(&["--latitude", "30"]), earth(&["--latitude", "-30"]));
     assert!((north - without - 0.00209).abs() < 1e-9 && (south - without + 0.00209).abs() < 1e-9, "{north} {south}");
+    // a twin turns only as its keys say
+    let at_rest = calibrate(&["--device", "twin:seed=7", "--latitude", "30"]).ended_with(0);
+    at_rest.saying(&["twin-at-rest", "PBC is +0.00209 °/s off", "rotation_dps=0.00209"]);
+    let turning = calibrate(&["--device", "twin:seed=7,rotation_dps=0.00209", "--latitude", "30"]).ended_with(0);
+    assert!(!turning.stderr.contains("twin-at-rest"), "{}", turning.stderr);
     calibrate(&["--latitude", "91"]).ended_with(2).saying(&["from -90 to 90"]);
     calibrate(&["--latitude", "1", "--earth-dps", "0"]).ended_with(2);
 }

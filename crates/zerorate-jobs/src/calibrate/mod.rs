@@ -146,7 +146,9 @@ impl Job {
         let names = watch.names();
         let log = files.log(&info)?;
         let mut measured = Measurement::new(acquisition, procedure, log, watch).run()?;
-        measured.outcomes.iter_mut().for_each(|outcome| outcome.warnings.extend(measured.resonance));
+        let at_rest = info.twin_at_rest(info.earth_dps);
+        let of_all = measured.resonance.into_iter().chain(at_rest);
+        measured.outcomes.iter_mut().for_each(|outcome| outcome.warnings.extend(of_all.clone()));
         let calibration = Calibration::new(&measured.part, &measured.outcomes, info.origin(measured.capture_sha256));
         let mut report = CalibrationReport::new(&measured.outcomes, &calibration, &measured.truths, names);
         if saves {

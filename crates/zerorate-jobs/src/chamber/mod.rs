@@ -249,7 +249,8 @@ impl ChamberResults {
         let record = procedure.finish().map_err(refused)?;
         let outcomes = record.outcomes(&part, earth_dps, max_order).map_err(refused)?;
         let aliased = part.axes.first().and_then(|axis| aliasing(&axis.axis, &tally));
-        let warnings: Vec<Warning> = record.warnings(earth_dps).chain(aliased).collect();
+        let of_device = aliased.into_iter().chain(info.twin_at_rest(earth_dps));
+        let warnings: Vec<Warning> = record.warnings(earth_dps).chain(of_device).collect();
         let run = ChamberRun { tally: &tally, max_lost, earth_dps, warnings: &warnings };
         // what was measured before an interruption is in no recording of this run
         let capture_sha256 = if is_resumed { String::new() } else { capture_sha256 };

@@ -14,6 +14,14 @@ const BLOCK: usize = 1 << 22;
 #[cfg(test)]
 const BLOCK: usize = 1 << 12;
 
+/// Number of bytes at the start that tell whether a file is text.
+const BINARY_START: usize = 4096;
+
+/// Control characters are at most one in this many characters of a text.
+const MOST_CONTROL: usize = 20;
+/// So many control characters are taken as broken text in any file.
+const FEWEST_CONTROL: usize = 20;
+
 /// Length of the longest line in bytes: a bound on memory when a file is not text at all.
 const MAX_LINE: usize = 1 << 20;
 
@@ -30,6 +38,13 @@ impl Block {
     /// The bytes of the lines.
     pub fn bytes(&self) -> &[u8] {
         &self.buffer[..self.end]
+    }
+
+    /// Whether the start has more control characters than a text that a cable broke.
+    pub fn is_binary(&self) -> bool {
+        let start = &self.bytes()[..self.end.min(BINARY_START)];
+        let is_control = |byte: &&u8| byte.is_ascii_control() && !byte.is_ascii_whitespace();
+        start.iter().filter(is_control).count() > FEWEST_CONTROL.max(start.len() / MOST_CONTROL)
     }
 
     /// The text of the lines. Bytes that are not UTF-8 are replaced, so that a line that a cable broke stays one line.

@@ -9,7 +9,7 @@ use super::sentence;
 use crate::error::{LogError, Result};
 use crate::number::Decimal;
 use crate::options::ColumnOptions;
-use crate::setting::Setting;
+use crate::setting::{Names, Setting};
 use std::path::Path;
 use zerorate_input::delimited::Delimiter;
 use zerorate_input::{InputError, TimeUnit, Unit};
@@ -76,6 +76,12 @@ struct Shape {
 /// Whether a line is a comment.
 pub fn is_comment(line: &str) -> bool {
     line.starts_with(['#', '%'])
+}
+
+/// The error for a file of bytes that are not text.
+pub fn not_text(path: &Path, names: Names) -> LogError {
+    let what = format!("it is not UTF-8 text; raw numbers need their type ({})", names.of(Setting::Raw));
+    InputError::damaged(path, "as a text file", what).into()
 }
 
 impl Head {
@@ -171,10 +177,10 @@ impl Head {
         if args.decimal == Some(Decimal::Comma) && first.contains(',') {
             return Err(InputError::damaged(path, "as a text file", CLASH).into());
         }
-        let what = match is_text {
-            true => format!("none of its first {some} lines holds a number (`{}`): is it a log?", shortened(first)),
-            false => format!("it is not UTF-8 text; raw numbers need their type ({})", args.names.of(Setting::Raw)),
-        };
+        if !is_text {
+            return Err(not_text(path, args.names));
+        }
+        let what = format!("none of its first {some} lines holds a number (`{}`): is it a log?", shortened(first));
         Err(InputError::damaged(path, "as a text file", what).into())
     }
 

@@ -84,6 +84,9 @@ fn head(path: &Path, input: &mut Input, asked: &ColumnQuery<'_>) -> Result<Head>
     let failed = |error| InputError::io("read", path, error);
     let clone = |input: &Input| input.try_clone().map_err(failed);
     let mut start = Blocks::new(path, clone(input)?).next()?;
+    if start.as_ref().is_some_and(Block::is_binary) {
+        return Err(head::not_text(path, asked.args.names));
+    }
     let text = start.as_ref().map(Block::legible).unwrap_or_default();
     let (stamps, marks) = (head::stamps(&text), Marks::of(&text));
     drop(text);

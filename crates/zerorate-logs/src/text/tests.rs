@@ -44,6 +44,13 @@ fn a_header_with_one_name_too_few() {
 }
 
 #[test]
+fn a_binary_file_is_not_read_as_text() {
+    let codes: Vec<u8> = (0..20_000u32).map(|k| (k.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+    let said = Folder::new().fails(codes, "--rate 10");
+    assert!(said.contains("is not UTF-8 text; raw numbers need their type (--raw)"), "{said}");
+}
+
+#[test]
 fn one_column_with_decimal_commas() {
     let expected = [Some(0.5), Some(-1.25), Some(3.0), Some(2.0)];
     assert_eq!(there(&read("gz\n0,5\n-1,25\n3\n2,0\n", "--rate 10")), expected);

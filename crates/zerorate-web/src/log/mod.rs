@@ -17,7 +17,9 @@ pub use reader::LogReader;
 #[cfg(feature = "readers")]
 mod reader {
     use super::bias::Bias;
-    use super::message::{LogAbout, LogAxis, LogBias, LogInspection, LogSettings, LogSummary, NoiseFileCommand};
+    use super::message::{
+        LogAbout, LogAxis, LogBias, LogInspection, LogSetting, LogSettings, LogSummary, NoiseFileCommand,
+    };
     use super::settings::{LABELS, asked_for, combine, format};
     use super::{axis, settings};
     use crate::message::Download;
@@ -52,6 +54,7 @@ mod reader {
                     (LogInspection::Question { text, choices, settings }, None)
                 }
                 Err(LogError::Ask(text)) if !asked_for(&text).is_empty() => {
+                    let text = with_next(text, path, &open, said);
                     let settings = asked_for(&text);
                     (LogInspection::Question { text, choices: Vec::new(), settings }, None)
                 }
@@ -131,6 +134,19 @@ mod reader {
                 media_type: "application/yaml".to_owned(),
                 text: format.file(choice, &axes, &doubts, command.accept_rejected).map_err(|why| why.to_string())?,
             })
+        }
+    }
+
+    /// A question about the time with the question that would follow it, so that the user answers both at once.
+    fn with_next(text: String, path: &Path, open: &impl Fn() -> Input, said: &LogSettings) -> String {
+        let of_time = [LogSetting::RateHz, LogSetting::TimeColumn, LogSetting::TimeUnit];
+        if said.rate_hz.is_some() || !asked_for(&text).iter().all(|setting| of_time.contains(setting)) {
+            return text;
+        }
+        let with_rate = LogSettings { rate_hz: Some(1.0), ..said.clone() };
+        match read(path, open, &with_rate) {
+            Err(LogError::Ask(next)) if !asked_for(&next).is_empty() => format!("{text}. {next}"),
+            _ => text,
         }
     }
 

@@ -19,6 +19,8 @@ pub enum Warning {
     EarthIncluded,
     /// The Earth's rotation was subtracted, and no other constant rotation is accounted for.
     EarthSubtracted { earth_dps: f64 },
+    /// The Earth's rotation was subtracted from a simulated part that does not turn.
+    TwinAtRest { earth_dps: f64 },
     /// The bias is far above a typical one: the part may have turned.
     Turning { rate_dps: f64, typical_dps: f64 },
     /// A line through two temperatures shows no curvature. The uncertainty of BTC allows for its typical size.
@@ -82,6 +84,13 @@ rows_with_remedies!(match Warning {
     Self::EarthSubtracted { earth_dps } => Row {
         code: "earth-subtracted",
         text: format_args!("{earth_dps:+.5} °/s of Earth rotation was subtracted; check that nothing else turns"),
+        remedies: &[],
+    },
+    Self::TwinAtRest { earth_dps } => Row {
+        code: "twin-at-rest",
+        text: format_args!(
+            "the twin does not turn: PBC is {earth_dps:+.5} °/s off; give it rotation_dps={earth_dps:.5}"
+        ),
         remedies: &[],
     },
     Self::Turning { rate_dps, typical_dps } => Row {

@@ -3,7 +3,7 @@
 mod setting;
 mod states;
 
-pub use setting::{Setting, SettingNames, Worded, Wording};
+pub use setting::{Bounds, Setting, SettingNames, Worded, Wording};
 pub use states::State;
 pub(crate) use states::{Check, STATES, Until};
 
@@ -108,34 +108,25 @@ impl Plan {
 
     /// Checks that every number is possible for a measurement on Earth.
     pub(crate) fn check(&self) -> Result<(), PlanError> {
-        let within = |setting, value: f64, least: f64, most: f64, unit| {
-            if (least..=most).contains(&value) { Ok(()) } else { Err(PlanError { setting, value, least, most, unit }) }
+        let numbers = [
+            (Setting::Average, Some(self.average_s)),
+            (Setting::WarmUp, Some(self.warmup_s)),
+            (Setting::Settle, Some(self.settle_s)),
+            (Setting::Offset, Some(self.offset_s)),
+            (Setting::FinalTemperature, Some(self.final_temp_s)),
+            (Setting::Target, self.target_dps),
+            (Setting::MaxLost, Some(self.max_lost)),
+            (Setting::MaxUBtc, Some(self.max_u_btc_dps_per_c)),
+            (Setting::Earth, self.earth_dps),
+        ];
+        let beyond = |(setting, value): (Setting, Option<f64>)| {
+            let (value, bounds) = value.zip(setting.bounds())?;
+            let is_within = (bounds.least..=bounds.most).contains(&value);
+            (!is_within).then_some(PlanError { setting, value, bounds })
         };
-        within(Setting::Average, self.average_s, 1.0, DAY_S, "s")?;
-        within(Setting::WarmUp, self.warmup_s, 0.0, DAY_S, "s")?;
-        within(Setting::Settle, self.settle_s, 0.0, DAY_S, "s")?;
-        within(Setting::Offset, self.offset_s, 1.0, DAY_S, "s")?;
-        within(Setting::FinalTemperature, self.final_temp_s, 0.1, DAY_S, "s")?;
-        within(Setting::Target, self.target_dps.unwrap_or(1.0), LEAST_TARGET_DPS, MOST_TARGET_DPS, "°/s")?;
-        within(Setting::MaxLost, self.max_lost, 0.0, 1.0, "of all samples")?;
-        within(Setting::MaxUBtc, self.max_u_btc_dps_per_c, LEAST_U_BTC_DPS_PER_C, MOST_U_BTC_DPS_PER_C, "°/s/°C")?;
-        within(Setting::Earth, self.earth_dps.unwrap_or(0.0), -EARTH_DPS, EARTH_DPS, "°/s (F-16)")
+        numbers.into_iter().find_map(beyond).map_or(Ok(()), Err)
     }
 }
-
-/// Longest step of F-51, s: a day, in which the ambient temperature goes round once.
-const DAY_S: f64 = 86_400.0;
-/// Least uncertainty of BTC that may be asked for, °/s/°C. No day reaches it: the white noise of such a part alone
-/// (F-02) makes ten times as much.
-const LEAST_U_BTC_DPS_PER_C: f64 = 1e-8;
-/// Largest uncertainty of BTC that may be asked for, °/s/°C. It tells nothing: it is 25 times the coefficient itself
-/// (F-05).
-const MOST_U_BTC_DPS_PER_C: f64 = 1.0;
-
-/// Least target, °/s: a thousandth of the flicker floor (M-04), which no hour reaches.
-const LEAST_TARGET_DPS: f64 = 1e-6;
-/// Largest target, °/s. It tells nothing: a part out of the box is as good (M-01).
-const MOST_TARGET_DPS: f64 = 1.0;
 
 /// A plan that cannot be carried out.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -144,17 +135,13 @@ pub struct PlanError {
     pub setting: Setting,
     /// The value that was asked for, in its unit.
     pub value: f64,
-    /// Least value that makes sense.
-    pub least: f64,
-    /// Largest value that makes sense.
-    pub most: f64,
-    /// Unit of these values.
-    pub unit: &'static str,
+    /// The values that make sense.
+    pub bounds: Bounds,
 }
 
 impl Wording for PlanError {
     fn fmt_with(&self, f: &mut fmt::Formatter<'_>, names: SettingNames) -> fmt::Result {
-        let Self { setting, value, least, most, unit } = self;
+        let Self { setting, value, bounds: Bounds { least, most, unit } } = self;
         let name = names(*setting);
         // a front end takes the target in °/h, and names it so
         let (per, unit) = match *setting == Setting::Target && name.word == setting.word() {

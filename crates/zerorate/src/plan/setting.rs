@@ -1,11 +1,23 @@
 //! The settings of a measurement, and texts that name them as each front end does.
 
+use super::EARTH_DPS;
 use core::fmt;
 use zerorate_allan::SettingName;
 
-/// Makes [`Setting`] from a row for each: its variant, its word, and its field.
+/// The values that a setting of [`Plan`](crate::Plan) may have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// The least value.
+    pub least: f64,
+    /// The largest value.
+    pub most: f64,
+    /// Unit of both.
+    pub unit: &'static str,
+}
+
+/// Makes [`Setting`] from a row for each: its variant, its word, its field, and the bounds of a number.
 macro_rules! settings {
-    ($($setting:ident $word:literal $field:literal),* $(,)?) => {
+    ($($setting:ident $word:literal $field:literal $($least:expr, $most:expr, $unit:literal)?;)*) => {
         /// A setting of a measurement, for which each front end has its own name.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         #[non_exhaustive]
@@ -24,26 +36,47 @@ macro_rules! settings {
             pub const fn name(self) -> SettingName {
                 SettingName::text(match self { $(Self::$setting => $field),* })
             }
+
+            /// The values that make sense for a measurement on Earth; `None` if the plan does not bound them.
+            #[must_use]
+            pub fn bounds(self) -> Option<Bounds> {
+                match self {
+                    $(Self::$setting => [$(Bounds { least: $least, most: $most, unit: $unit })?].first().copied()),*
+                }
+            }
         }
     };
 }
 
+/// Longest step of F-51, s: a day, in which the ambient temperature goes round once.
+const DAY_S: f64 = 86_400.0;
+/// Least uncertainty of BTC that may be asked for, °/s/°C. No day reaches it: the white noise of such a part alone
+/// (F-02) makes ten times as much.
+const LEAST_U_BTC: f64 = 1e-8;
+/// Largest uncertainty of BTC that may be asked for, °/s/°C. It tells nothing: it is 25 times the coefficient itself
+/// (F-05).
+const MOST_U_BTC: f64 = 1.0;
+/// Least target, °/s: a thousandth of the flicker floor (M-04), which no hour reaches.
+const LEAST_TARGET_DPS: f64 = 1e-6;
+/// Largest target, °/s. It tells nothing: a part out of the box is as good (M-01).
+const MOST_TARGET_DPS: f64 = 1.0;
+
 settings! {
-    Average "average" "average_s",
-    WarmUp "warmup" "warmup_s",
-    Settle "settle" "settle_s",
-    Offset "offset" "offset_s",
-    FinalTemperature "final_temp" "final_temp_s",
-    MaxLost "max_lost" "max_lost",
-    MaxUBtc "max_u_btc" "max_u_btc_dps_per_c",
-    Earth "earth_dps" "earth_dps",
-    AssumeLinear "assume_linear" "assume_linear",
-    Target "target_dph" "target_dps",
-    EveryTemp "every_temp" "every_temp",
-    Divider "divider" "divider",
-    Edge "edge" "rdy_edge",
-    Device "device" "device",
-    SelfTest "self_test" "self_test",
+    Average "average" "average_s" 1.0, DAY_S, "s";
+    WarmUp "warmup" "warmup_s" 0.0, DAY_S, "s";
+    Settle "settle" "settle_s" 0.0, DAY_S, "s";
+    Offset "offset" "offset_s" 1.0, DAY_S, "s";
+    FinalTemperature "final_temp" "final_temp_s" 0.1, DAY_S, "s";
+    MaxLost "max_lost" "max_lost" 0.0, 1.0, "of all samples";
+    MaxUBtc "max_u_btc" "max_u_btc_dps_per_c" LEAST_U_BTC, MOST_U_BTC, "°/s/°C";
+    Earth "earth_dps" "earth_dps" -EARTH_DPS, EARTH_DPS, "°/s (F-16)";
+    AssumeLinear "assume_linear" "assume_linear";
+    Target "target_dph" "target_dps" LEAST_TARGET_DPS, MOST_TARGET_DPS, "°/s";
+    EveryTemp "every_temp" "every_temp";
+    Divider "divider" "divider";
+    Edge "edge" "rdy_edge";
+    Device "device" "device";
+    SelfTest "self_test" "self_test";
 }
 
 /// The names that a front end uses for the settings.

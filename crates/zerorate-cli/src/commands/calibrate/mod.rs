@@ -121,22 +121,7 @@ pub fn run(args: &CalibrateArgs) -> Result<()> {
     let files = Files::claim(outputs, args.result.output_options(args.log.clone(), !args.no_save))?;
     let acquisition = args.device.open(setup)?;
     let plan = args.plan.plan(args.device.file().is_some());
-    if let Some(note) = of_still_twin(&args.device.source.device, plan.earth_dps) {
-        say(note);
-    }
     calibrate(acquisition, plan, &args.result, files)
-}
-
-/// A simulated sensor turns only as its keys say.
-fn of_still_twin(device: &DeviceSpec, earth_dps: Option<f64>) -> Option<String> {
-    let earth_dps = earth_dps.filter(|dps| *dps != 0.0)?;
-    let stands_still = device.is_simulated() && !device.to_string().contains("rotation_dps=");
-    stands_still.then(|| {
-        format!(
-            "the twin does not turn with the Earth, so PBC will be {earth_dps:+.5} °/s off: add \
-             rotation_dps={earth_dps:.5} to its keys"
-        )
-    })
 }
 
 pub fn run_again(args: &RecalibrateArgs) -> Result<()> {

@@ -116,7 +116,8 @@ impl GuidedMethod for ByHand {
         let (part, earth_dps) = (self.procedure.part().clone(), self.earth_dps);
         let record = self.procedure.finish().map_err(worded)?;
         let outcomes = record.outcomes(&part, earth_dps, MAX_ORDER).map_err(worded)?;
-        let warnings: Vec<Warning> = record.warnings(earth_dps).collect();
+        let at_rest = source.info.twin_at_rest(earth_dps);
+        let warnings: Vec<Warning> = record.warnings(earth_dps).chain(at_rest).collect();
         let run = ChamberRun { tally: source.tally, max_lost: self.max_lost, earth_dps, warnings: &warnings };
         let span_c = record.span_c().unwrap_or_default();
         let found = |outcome: &ChamberOutcome| GuidedAxis {

@@ -104,7 +104,8 @@ impl GuidedMethod for Hour {
         let average_s = plan.average_s.min(plan.offset_s);
         let (rate_hz, edges) = (source.tally.sampling_hz(), source.info.edges_per_reading());
         let tone = part.axes.first().and_then(|first| resonance::warning(&first.axis, rate_hz, edges, average_s));
-        outcomes.iter_mut().for_each(|outcome| outcome.warnings.extend(tone));
+        let of_all = tone.into_iter().chain(source.info.twin_at_rest(plan.earth_dps));
+        outcomes.iter_mut().for_each(|outcome| outcome.warnings.extend(of_all.clone()));
         let found = |outcome: &Outcome| GuidedAxis {
             correction: outcome.correction,
             u_pbc_dps: outcome.uncertainty.u_pbc_dps,
