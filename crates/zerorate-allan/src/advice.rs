@@ -31,7 +31,7 @@ pub enum Averaging {
     },
 }
 
-/// The advice that the curve gives.
+/// The advice from a fitted Allan deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Advice {
     /// The advised averaging time for the bias.
@@ -91,7 +91,7 @@ fn taus(fit: &Fit) -> impl Iterator<Item = f64> {
         let tau_s = tau_s(step);
         deviation(fit, tau_s) < FILTERED_BELOW * fit.n.value / libm::sqrt(tau_s)
     };
-    // over the next octave
+    // ratio of the deviation one octave later
     let change = |step: u32| deviation(fit, 2.0 * tau_s(step)) / deviation(fit, tau_s(step));
     let before_the_last = ((octaves - 1.0).max(0.0) * STEPS_PER_OCTAVE) as u32;
     let last_fall = (0..before_the_last).rev().find(|step| change(*step) * FLAT_WITHIN < 1.0).unwrap_or(0);
@@ -101,7 +101,7 @@ fn taus(fit: &Fit) -> impl Iterator<Item = f64> {
     ((from..steps).find(|step| !is_filtered(*step)).unwrap_or(from)..=steps).map(tau_s)
 }
 
-/// The fitted deviation. The span of the fit starts at one sample.
+/// The fitted deviation at `tau_s`. The span of the fit starts at one sample interval.
 fn deviation(fit: &Fit, tau_s: f64) -> f64 {
     fit.deviation(libm::round(tau_s / fit.span_s.0).max(1.0) as u64)
 }

@@ -13,7 +13,7 @@ pub struct Coefficient {
     pub hi: f64,
     /// Whether zero is outside the interval.
     pub identified: bool,
-    /// Length of a record, s, in which a coefficient of `value` or `hi / 2`, whichever is more, would be identified in
-    /// four of five cases. `None` if the coefficient is identified.
+    /// Record length, s, that would identify a coefficient of `value` or `hi / 2`, whichever is larger, in four of
+    /// five cases. `None` if the coefficient is identified.
     pub needed_s: Option<f64>,
 }

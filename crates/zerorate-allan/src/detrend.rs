@@ -16,7 +16,7 @@ pub const MOST_ORDER: usize = 3;
 /// exceeds it once in 130 000. At most one in 400 records of walk, flicker and white noise during a warm-up exceeds it
 /// (the tests below).
 const SIGNIFICANT: f64 = 20.0;
-/// The least share of the slow variance that the line must explain.
+/// The least share of the slow variance that a line over temperature must explain.
 const LEAST_EXPLAINED: f64 = 0.25;
 
 /// The dependence of a rate on the temperature.
@@ -43,9 +43,10 @@ pub struct DetrendedRate {
     pub explained: f64,
     /// Degrees of freedom that the polynomial takes besides the mean: its order.
     pub lost_dof: usize,
-    /// Share of a random walk's Allan variance that is left without the polynomial, in averages of 1, 2, 4 … parts.
+    /// Share of the Allan variance of a random walk that remains after the removal, for averages of 1, 2, 4 …
+    /// parts.
     kept: Vec<f64>,
-    /// The share of the variance of a random walk about its mean that is left.
+    /// Share of the variance of a random walk about its mean that remains after the removal.
     walk_kept: f64,
     samples_per_part: f64,
 }

@@ -197,7 +197,7 @@ enum Regime {
     Sum(f64),
     /// The record is longer than the correlation.
     Long,
-    /// Neither: a coarser sum is used.
+    /// The terms are too many to sum, and the record is too short for the asymptote: a coarser sum is used.
     Truncated,
 }
 

@@ -49,7 +49,7 @@ impl Kernel {
         }
     }
 
-    /// Longest averaging length about which `points` phase points hold information, in samples.
+    /// Longest averaging length, in samples, that `points` phase points can determine.
     pub fn longest(self, points: u64) -> u64 {
         let steps = points.saturating_sub(1);
         match self {

@@ -76,8 +76,8 @@ pub use welch::{Density, welch};
 /// √(2 ln 2/π) = 0.664: the floor of an Allan deviation divided by the bias instability B (IEEE Std 952-1997 C.1.3).
 pub const FLOOR_PER_B: f64 = 0.664_282_470_267_960_1;
 
-/// The averaging lengths 1, 2, 4 … samples of which a record of `len` samples holds two adjacent averages. This is
-/// [`Taus::Octave`] of [`Stat::Oadev`].
+/// The averaging lengths 1, 2, 4 … samples, up to the longest for which a record of `len` samples holds two
+/// adjacent averages. This is [`Taus::Octave`] of [`Stat::Oadev`].
 pub fn octaves(len: usize) -> alloc::vec::Vec<u64> {
     Taus::Octave.lengths(longest(Stat::Oadev, len as u64 + 1))
 }

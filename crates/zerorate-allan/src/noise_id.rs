@@ -11,7 +11,7 @@ use alloc::vec::Vec;
 use core::f64::consts::PI;
 use core::ops::Range;
 
-/// Number of averages of τ that the lag-1 autocorrelation needs.
+/// Least number of averages of τ for the lag-1 autocorrelation.
 const FOR_LAG1: u64 = 30;
 /// Number of averages of τ with which the lag-1 autocorrelation mistakes white noise for phase noise in only 1 of 100
 /// records; with 40 averages, in 1 of 10.
@@ -89,7 +89,7 @@ struct DecimatedPhase {
     m: u64,
     next: u64,
     series: Series,
-    /// Only one run in this many is used.
+    /// Every `sparse`-th run is used.
     sparse: u64,
 }
 
@@ -224,7 +224,7 @@ fn expected_b1(n: f64, mu: i32) -> f64 {
     }
 }
 
-/// Sums in a fixed number of lanes: fast, and the same on every machine.
+/// Sums with a fixed number of partial sums, which is fast and rounds alike on every machine.
 fn sum(points: &[f64]) -> f64 {
     let mut lanes = [0.0; 8];
     let (chunks, rest) = points.as_chunks::<8>();
@@ -235,7 +235,7 @@ fn sum(points: &[f64]) -> f64 {
     lanes.iter().sum()
 }
 
-/// Tests phase noise that B1 found by R(n): `Some(2)` where it is white.
+/// Tests by R(n) whether phase noise that B1 found is white; if so, `Some(2)`.
 fn resolve_phase_noise(input: &Input<'_>, all: &[DecimatedPhase], found: &[Option<i32>]) -> Vec<Option<i32>> {
     let question = |(series, alpha): (&DecimatedPhase, &Option<i32>)| match &series.series {
         Series::Short(short) if *alpha == Some(1) => {
@@ -256,8 +256,8 @@ fn resolve_phase_noise(input: &Input<'_>, all: &[DecimatedPhase], found: &[Optio
 }
 
 impl Short {
-    /// A rough R(n) from modified terms that do not overlap, without another pass over the record. Usually it is
-    /// clear.
+    /// A rough R(n) from modified terms that do not overlap, without another pass over the record. Usually it
+    /// suffices.
     fn r_at_a_glance(&self, m: f64) -> f64 {
         let averages: Vec<f64> = self.area.windows(2).map(|area| (area[1] - area[0]) / m).collect();
         allan_variance(&averages) / allan_variance(&self.phase)

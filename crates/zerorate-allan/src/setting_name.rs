@@ -5,18 +5,18 @@ use core::fmt::{self, Write as _};
 /// The name of a setting in a front end: a word between two affixes, such as `--max-u-btc` or `max_u_btc=`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SettingName {
-    /// What stands before the word.
+    /// Text before the word.
     pub prefix: &'static str,
     /// The word.
     pub word: &'static str,
-    /// What stands in place of `_` in the word.
+    /// Character that replaces `_` in the word.
     pub joint: char,
-    /// What stands behind the word.
+    /// Text after the word.
     pub suffix: &'static str,
 }
 
 impl SettingName {
-    /// A name as it is.
+    /// A name without affixes.
     #[must_use]
     pub const fn text(text: &'static str) -> Self {
         Self { prefix: "", word: text, joint: '_', suffix: "" }

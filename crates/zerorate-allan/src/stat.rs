@@ -14,13 +14,13 @@ pub(super) struct StatRow {
     /// Divisor of the mean square of the differences of averages. It makes the statistic of white noise equal to the
     /// standard deviation of the averages.
     pub divisor: f64,
-    /// Factor of the root, which determines the unit.
+    /// Factor on the deviation, which determines its unit.
     pub factor: Factor,
     /// The formula for the degrees of freedom.
     pub freedom: Freedom,
     /// Number of averages of τ below which the noise type is not identified.
     pub fewest_averages: u64,
-    /// Largest noise exponent α that lengths with still fewer averages take over from shorter lengths.
+    /// Cap on the noise exponent α that lengths with fewer averages inherit from the next shorter length.
     pub carried_alpha: i32,
     /// Whether the expected square is the Allan variance, so that a [`Fit`](super::Fit) models it.
     pub is_allan: bool,

@@ -5,11 +5,11 @@ use alloc::format;
 use alloc::string::String;
 use core::fmt;
 
-/// The longest record that anybody makes, s: a thousand hours.
+/// The longest practical record, s: a thousand hours.
 pub const LONGEST_RECORD_S: f64 = 3.6e6;
 
-/// A warning: the coefficients stand, but there is something to know. `Display` says in one line what was seen and
-/// what to do. A number without a unit is in the unit of the rate.
+/// A warning about a valid result. `Display` states in one line what was seen and what to do. A number without a
+/// unit is in the unit of the rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are the numbers that the text shows, with their units")]
@@ -22,9 +22,9 @@ pub enum AllanWarning {
     Glitches { glitches: u64, samples: u64, ratio: f64 },
     /// So many samples stand out of their neighbours that none was replaced.
     ManyGlitches { most: f64 },
-    /// A jump of the level was taken out.
+    /// A step of the level was removed.
     Step { at_s: f64, size: f64 },
-    /// The level jumps more often than is taken out.
+    /// The level steps too often for the steps to be removed.
     ManySteps { most: usize },
     /// Samples are missing.
     Gaps { missing: u64, samples: u64 },
@@ -34,8 +34,8 @@ pub enum AllanWarning {
     WarmUp { size: f64, tau_s: f64 },
     /// Another number of Gauss–Markov terms fits about as well.
     MemoryOrFlicker { markovs: usize, others: usize, worse: f64 },
-    /// A Gauss–Markov term and white noise behind a low-pass explain the record alike. `n` belongs to the other
-    /// reading, unit·√s.
+    /// A Gauss–Markov term and low-pass filtered white noise explain the record equally well. `n` is N in the
+    /// other explanation, unit·√s.
     MemoryOrFilter { tau_s: f64, n: f64 },
     /// A drift and a random walk fit about as well.
     DriftOrWalk { has_drift: bool, worse: f64 },
@@ -196,7 +196,7 @@ pub enum Noise {
 }
 
 impl Noise {
-    /// Name and letter.
+    /// The name and the symbol.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -209,7 +209,7 @@ impl Noise {
     }
 }
 
-/// Says how long a record would identify a coefficient.
+/// The record length that would identify a coefficient, as the end of a sentence.
 fn longer(needed_s: f64) -> String {
     match needed_s <= LONGEST_RECORD_S {
         true => format!("; a value of this order takes about {}", span(needed_s)),
@@ -217,7 +217,7 @@ fn longer(needed_s: f64) -> String {
     }
 }
 
-/// A time as one says it: `40 min`, `3.5 h`, `12 d`.
+/// Formats a time in the unit that suits its size: `40 min`, `3.5 h`, `12 d`.
 #[must_use]
 pub fn span(seconds: f64) -> String {
     match seconds {
@@ -229,7 +229,7 @@ pub fn span(seconds: f64) -> String {
     }
 }
 
-/// The ending of a noun that is counted.
+/// The plural ending of a counted noun.
 const fn plural(count: u64) -> &'static str {
     if count == 1 { "" } else { "s" }
 }

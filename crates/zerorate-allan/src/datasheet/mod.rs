@@ -74,7 +74,7 @@ pub enum Verdict {
     Better,
     /// More noise than stated.
     Worse,
-    /// The record does not decide it.
+    /// The record is too short or the model unusable for a verdict.
     Open,
 }
 

@@ -74,7 +74,7 @@ fn denominator(text: &str) -> Option<(i32, f64)> {
     })
 }
 
-/// The text with all spellings made the same.
+/// The text with all spellings of a unit unified.
 fn plain(text: &str) -> String {
     let small: String = text.to_lowercase().chars().filter(|c| !c.is_whitespace() && !"()".contains(*c)).collect();
     [

@@ -27,7 +27,7 @@ impl ExactSum {
         self.high += more.high;
     }
 
-    /// The nearest f64, or one next to it.
+    /// The nearest f64, or one of its neighbours.
     pub fn to_f64(self) -> f64 {
         self.high as f64 * TWO_POW_128 + self.low as f64
     }

@@ -11,8 +11,8 @@ const PIECE: usize = 1 << 17;
 /// Number of samples that are summed from zero before the total is added, so that little precision is lost.
 const SHORT: usize = 256;
 
-/// Running sum of the rate less approximately its mean; differences cancel a constant. `None` if samples are missing,
-/// which the first of two passes finds.
+/// Running sum of the rate minus its approximate mean, which cancels in differences. `None` if samples are
+/// missing, which the first of two passes finds.
 pub(super) fn phase(rate: &[f64]) -> Option<Array<f64>> {
     let pieces: Vec<&[f64]> = rate.chunks(PIECE).collect();
     let near = near_mean(rate);
@@ -70,7 +70,8 @@ pub(super) fn squares(x: &[f64], kernel: Kernel, m: &[usize]) -> Vec<Result<Squa
     sums.into_iter().zip(m).map(|pair| Ok(squares(pair))).collect()
 }
 
-/// Longest averages of each class with one fixed-point step. Short averages need a fine step, long ones a wide range.
+/// Upper bounds of the averaging lengths in each class, exclusive. Each class has one fixed-point step: short
+/// averages need a fine step, long ones a wide range.
 const CLASSES: [usize; 3] = [1 << 8, 1 << 16, usize::MAX];
 
 /// Inner sums of second differences are third differences of the running sum of x. In f64 that sum would lose small
@@ -120,7 +121,8 @@ impl Bounds {
         }
     }
 
-    /// A power of two, so that x and the inner sums of averages of `m` are below 2^62 steps; NaN for infinite numbers.
+    /// The fixed-point step: a power of two, so that x and the inner sums of averages of `m` are below 2^62 steps.
+    /// NaN for infinite numbers.
     fn step(&self, m: usize) -> f64 {
         let m = m as f64;
         let largest = self.x.max(m * f64::min(4.0 * self.x, 2.0 * m * self.differences));

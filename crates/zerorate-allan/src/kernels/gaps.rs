@@ -180,7 +180,7 @@ impl Sums {
 /// A mean over the samples present.
 struct Average {
     mean: f64,
-    /// Mean excess of the squared error over the complete average's. `None` if one sample stands for several.
+    /// Expected squared difference from the average of all samples. `None` if one sample stands for several.
     excess: Option<f64>,
 }
 

@@ -58,7 +58,7 @@ impl Line {
     }
 }
 
-/// The largest distances of the phase less a line.
+/// The largest deviations of the phase from a line.
 pub(super) struct Reach {
     /// The largest distance from the line.
     pub level: f64,
@@ -66,7 +66,7 @@ pub(super) struct Reach {
     pub difference: f64,
 }
 
-/// The reach of points from number `first` on, and of the differences between them.
+/// The reach of the points `x`, the first of which has the index `first`.
 #[cfg_attr(feature = "std", multiversion::multiversion(targets("x86_64+avx512dq", "x86_64+avx2+fma", "aarch64+neon")))]
 pub(super) fn reach(line: Line, first: usize, x: &[f64]) -> Reach {
     let first = first as f64;
@@ -155,7 +155,7 @@ pub(super) const SHORT: usize = 64;
 pub(super) struct Survey {
     pub low: i32,
     pub high: i32,
-    /// The sum of each [`SHORT`] codes.
+    /// The sums of [`SHORT`] codes each.
     pub sums: Vec<i64>,
 }
 

@@ -1,8 +1,8 @@
 //! Computes all averaging times in one pass over the running sum.
 //!
-//! A block of starts goes through every averaging time before the next block does. So data that two averaging times
-//! share are read from memory once. Blocks are cut at fixed places and their sums are added in order, so any number of
-//! threads gives the same bits.
+//! A start is the first point of a difference. A block of starts goes through every averaging time before the next
+//! block does, so data that two averaging times share are read from memory once. Blocks are cut at fixed places
+//! and their sums are added in order, so any number of threads gives the same bits.
 
 use super::array::Number;
 use super::exact::ExactSum;
@@ -53,8 +53,8 @@ fn near_sums<T: Step>(x: &[T::Number], plain: Plain, m: &[usize]) -> Vec<T::Sum>
     joined::<T>(pieces, m.len())
 }
 
-/// Handles averages of whole rows of [`ROW`] points, whose differences stay within a column. As many columns as fit
-/// into the cache are processed as one record.
+/// Handles averages of a multiple of [`ROW`] samples. In a table with rows of [`ROW`] points, their differences
+/// stay within a column. As many columns as fit into the cache are processed as one record.
 fn far_sums<T: Step>(x: &[T::Number], plain: Plain, m: &[usize]) -> Vec<T::Sum> {
     if m.is_empty() {
         return Vec::new();
@@ -139,7 +139,8 @@ pub(super) fn reflected_sums<T: Step>(x: &[T::Number], m: &[usize]) -> Vec<T::Su
     sums
 }
 
-/// Sums around `middles`. All or none of them are within m of the start; a cut makes this hold for the end, too.
+/// Sum over the terms around the points `middles`. All or none of them are within m of the start; a cut makes this
+/// hold for the end, too.
 fn reflected<T: Step>(x: &[T::Number], m: usize, middles: Range<usize>) -> T::Sum {
     let cut = x.len().saturating_sub(m).clamp(middles.start, middles.end);
     let mut sum = T::Sum::default();
