@@ -86,7 +86,7 @@ impl Kernel {
         }
     }
 
-    /// The finite differences that form the terms. Beyond the ends of the record, the terms repeat these differences.
+    /// The finite differences that form the terms. Reflected terms beyond the ends of the record repeat these.
     pub const fn difference(self) -> Difference {
         match self {
             Self::Plain(plain) => {

@@ -39,7 +39,7 @@ pub enum AllanWarning {
     MemoryOrFilter { tau_s: f64, n: f64 },
     /// A drift and a random walk fit about as well.
     DriftOrWalk { has_drift: bool, worse: f64 },
-    /// A disturbance that repeats explains the slow noise better than a random walk, which then has this K, unit/√s.
+    /// A periodic disturbance explains the slow noise better than a random walk. `k` is K without it, unit/√s.
     PeriodOrWalk { period_s: f64, k: f64 },
     /// The halves of the record differ.
     Unsteady { tau_s: f64, ratio: f64 },

@@ -15,8 +15,8 @@ use super::select::{
 };
 use alloc::vec::Vec;
 
-/// The upper ends that are tried: half the rate and this many steps of half an octave below it, each with at least
-/// this many coefficients.
+/// The upper ends to try: half the rate, and down to `STEPS_DOWN` half octaves below it, each with at least
+/// `FEWEST_COEFFICIENTS` coefficients.
 const STEPS_DOWN: u32 = 14;
 const FEWEST_COEFFICIENTS: f64 = 1500.0;
 /// Least share of white noise in the power of the plateau bin. With less, the plateau is not seen.
@@ -41,8 +41,9 @@ struct Look {
     slow: Vec<f64>,
 }
 
-/// The upper end of the model, Hz. A Gauss–Markov term looks like a filter from below. So a scan with one counts if
-/// the term earns its price up to the end found, and the white noise beside it is seen.
+/// The upper end of the model, Hz. Seen from low frequencies, a Gauss–Markov term looks like a filter. So a scan
+/// with such a term counts only if the term is worth its price up to the end found, and the white noise beside it
+/// is seen.
 pub(super) fn top_hz(table: &Table) -> f64 {
     let tops = tops(table);
     let &[lowest, .., full] = &tops[..] else { return table.top_hz };
@@ -141,8 +142,8 @@ fn sees_plateau(problem: &Problem, found: &Optimum) -> bool {
     white(&problem.local(found), found, at) > PLATEAU * (found.density[at] - rows[at].bin.response.offset)
 }
 
-/// The model with the most cosines, up to `most`, that are worth their price, from the best of several starts without
-/// any.
+/// The model with as many cosines, up to `most`, as are worth their price in likelihood. The best of `starts`,
+/// which have no cosines, counts.
 fn best(problem: &Problem, starts: &[Vec<f64>], markovs: usize, most: usize) -> Option<PricedModel> {
     let from = |slow: &Vec<f64>| {
         let cosines = fewest_cosines(problem);
@@ -164,7 +165,7 @@ fn best(problem: &Problem, starts: &[Vec<f64>], markovs: usize, most: usize) -> 
     sound.chain([of_cosines]).min_by(|a, b| a.price.total_cmp(&b.price))
 }
 
-/// Whether a Gauss–Markov term earns its price up to the end of its scan.
+/// Whether a Gauss–Markov term is worth its price in likelihood up to the end of its scan.
 fn has_memory(table: &Table, look: &Look) -> bool {
     let problem = Problem::new(table.below(look.top_hz), look.error);
     let one = best(&problem, core::slice::from_ref(&look.slow), 1, MOST_CHOSEN);

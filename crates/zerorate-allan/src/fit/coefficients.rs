@@ -42,15 +42,15 @@ impl Coefficients<'_> {
         Coefficient { value, lo: lo.min(value), hi: hi.max(value), identified, needed_s }
     }
 
-    /// N, and another reading of the spectrum if there is one. The interval allows for an unsteady record, and
-    /// includes N with and without the tail of a resonance.
+    /// N, and a second interpretation of the spectrum if one fits as well. The interval allows for an unsteady
+    /// record, and includes N with and without the tail of a resonance.
     pub(super) fn n(&self, unsteady: f64, tail: f64) -> (Coefficient, Option<Other>) {
         let n = self.of(N2);
         let steady = 1.96 * unsteady;
         let doubt = tail / (2.0 * self.chosen.found.at[N2]);
         let wider = |ratio: f64| libm::exp(libm::log(ratio).max(steady) + doubt);
         let wide = Coefficient { lo: n.value / wider(n.value / n.lo), hi: n.value * wider(n.hi / n.value), ..n };
-        // less than the model error of the other noise is not evidence of white noise
+        // white noise below the model error of the other noise is not identified
         let is_hidden = white_share(&self.chosen.problem, &self.chosen.found) < MOST_ERROR && !self.is_rejected;
         let needed_s = n.needed_s.or(is_hidden.then_some(f64::INFINITY));
         let own = if is_hidden { Coefficient { lo: 0.0, identified: false, needed_s, ..wide } } else { wide };

@@ -155,7 +155,7 @@ pub struct Cleaning {
     pub glitches_s: Vec<f64>,
     /// The jumps that were removed.
     pub steps: Vec<Step>,
-    /// The first jumps found, if there were so many that all were kept in the record.
+    /// The first jumps found, if there were too many to remove any of them.
     pub put_back: Vec<Step>,
     /// The record without glitches and steps, in the unit of the result; NaN is a missing sample. `None` if nothing
     /// was removed.
@@ -245,7 +245,7 @@ impl Fit {
         }
         let (dev, edf) = (self.deviation(m), self.model.freedom(m, samples));
         let doubt = self.model.doubt(m);
-        // of ln σ: chance and the error of the fit add as squares, and the unsteadiness of the record adds linearly
+        // of ln σ: the variances of chance and of the fit add up, and the unsteadiness of the record adds linearly
         let limit = |p: f64| {
             let chance = libm::log(chi2_quantile(p, edf) / edf);
             let known = libm::sqrt(chance * chance + TWO_SIDED_95 * TWO_SIDED_95 * doubt.own);

@@ -34,8 +34,8 @@ pub(super) struct Profile<'a> {
 }
 
 impl<'a> Profile<'a> {
-    /// The profile of a squared coefficient. The estimate of this one may be below zero. The other estimates may not,
-    /// or absent B and K would trade with a Gauss–Markov term.
+    /// The profile of a squared coefficient. Its estimate may be below zero. The estimates of the others may not:
+    /// absent B and K could then compensate for a Gauss–Markov term.
     pub(super) fn of_square(problem: &'a Problem, found: &Optimum, place: usize) -> Self {
         let best = match found.at[place] > 0.0 {
             true => found.clone(),
@@ -75,8 +75,8 @@ impl<'a> Profile<'a> {
         r + correction.clamp(-MOST_CORRECTION, MOST_CORRECTION)
     }
 
-    /// The ends of the 95 % interval. If the best value is below zero, the upper end is counted from zero: counted
-    /// from the best value it could be zero itself.
+    /// The ends of the 95 % interval. If the best value is below zero, the upper end is measured from zero:
+    /// measured from the best value it could be zero itself.
     pub(super) fn interval(&self) -> (f64, f64) {
         if let Some(found) = &self.at_zero {
             let counted = Self::between(self.problem, found, self.place, self.bounds);

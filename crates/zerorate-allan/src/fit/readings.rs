@@ -1,4 +1,4 @@
-//! Other readings of a spectrum that is bent by a filter or a Gauss–Markov term.
+//! Other explanations of a spectrum that a filter or a Gauss–Markov term bends.
 
 use super::scoring::{ModelForm, N2, Optimum, Problem, Reading, SHORTEST};
 use super::select::{DESCENT, LOOK, SURVIVORS, level_near, start, white, with_cosine};
@@ -13,7 +13,7 @@ const CORNERS: u32 = 12;
 const PERIODS: f64 = 25.0;
 /// Largest number of cosines that are tried beside a low-pass.
 const MOST_BESIDE: usize = 2;
-/// Least value of the largest share of white noise in the density, beside a Gauss–Markov term of few samples.
+/// White noise beside a Gauss–Markov term of few samples must reach this share of the density in some bin.
 const LEAST_WHITE: f64 = 0.5;
 
 /// Fits white noise behind a low-pass, with slow noise added after it, and a Gauss–Markov term of few samples.

@@ -32,7 +32,7 @@ pub(super) struct ModelForm {
 /// The explanation of a spectrum that bends at its upper end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Reading {
-    /// A shape of all noise.
+    /// One shape filters all noise.
     Usual,
     /// A shape of the white noise only. The slow noise is added after the filter.
     Joins,
@@ -87,7 +87,7 @@ impl ModelForm {
 /// A Gauss–Markov term shorter than this, in samples, belongs to the band shape, unless it is read as short.
 pub(super) const SHORTEST: f64 = 20.0;
 const SHORTEST_OF_ALL: f64 = 2.0;
-/// A Gauss–Markov term longer than this, in records, is a random walk.
+/// A Gauss–Markov term longer than this share of the record is a random walk.
 pub(super) const LONGEST: f64 = 0.25;
 /// The default price of a cosine of the shape, in −2 ln L: the 1.4 % point of χ² with one degree of freedom.
 pub(super) const SHAPE_PRICE: f64 = 6.0;
@@ -114,7 +114,7 @@ pub(super) struct Problem {
     pub(super) nu: Vec<f64>,
     /// Relative error of the model, ε.
     pub(super) error: f64,
-    /// The price of a cosine.
+    /// The price of a cosine: what it must lower −2 ln L by.
     pub(super) shape_price: f64,
     least_white: f64,
 }

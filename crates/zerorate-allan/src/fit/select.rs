@@ -62,16 +62,16 @@ pub(super) struct Selection {
     pub(super) found: Optimum,
     /// The best model with other slow terms, and by how much its price is higher.
     pub(super) runner_up: Option<(ModelForm, f64)>,
-    /// Another reading that explains the whole spectrum as well, with another N.
+    /// Another explanation of the whole spectrum that fits as well, with a different N.
     pub(super) other: Option<Other>,
 }
 
-/// Another reading: a Gauss–Markov term in place of a low-pass of the white noise, or the other way round.
+/// Another explanation: a Gauss–Markov term in place of a low-pass of the white noise, or the other way round.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Other {
     /// The time constant of the Gauss–Markov term or low-pass.
     pub(super) tau_s: f64,
-    /// N in this reading.
+    /// N in this explanation.
     pub(super) n: f64,
 }
 
@@ -103,7 +103,8 @@ impl Selection {
         }
     }
 
-    /// The reading of the model's own Gauss–Markov term as a low-pass, or the other way round.
+    /// The explanation that takes the model's own Gauss–Markov term for a low-pass, or its low-pass for such a
+    /// term.
     fn own_other(&self) -> Option<Other> {
         let (found, n2) = (&self.found, self.found.at[N2]);
         if let (Reading::Joins, [pole]) = (found.form.reading, &found.at[SHAPE + found.form.cosines..]) {
@@ -118,7 +119,7 @@ impl Selection {
         Some(Other { tau_s, n: libm::sqrt(n2 + plateau) })
     }
 
-    /// Another reading, with an N outside of this interval.
+    /// Another explanation, with an N outside the interval of `n`.
     pub(super) fn other(&self, n: &Coefficient) -> Option<Other> {
         self.own_other().or_else(|| self.other.filter(|other| other.n < n.lo || other.n > n.hi))
     }
@@ -160,7 +161,7 @@ pub(super) fn select(table: Table, shape_price: f64) -> Option<Selection> {
         best.found = with_refined_warm_up(&problem, best.found, tau_s);
     }
     if best.found.form.cosines > 0 {
-        // the plainest shape that the data allow biases N, and the interval does not include that
+        // the shape with the fewest cosines biases N, and the interval does not include the bias
         best.found = with_cosine(&problem, &best.found);
     }
     let close = all.iter().take_while(|other| other.price < best.price + CLOSE);
@@ -168,7 +169,7 @@ pub(super) fn select(table: Table, shape_price: f64) -> Option<Selection> {
     best.price.is_finite().then_some(Selection { problem, found: best.found, runner_up, other })
 }
 
-/// Other readings of a whole spectrum that bends by more than a few cosines can follow.
+/// Other explanations of a whole spectrum that bends by more than a few cosines can follow.
 fn other_readings(problem: &Problem, families: &[PricedModel]) -> Vec<Optimum> {
     let is_bent = |found: &Optimum| {
         found.form.markovs > 0

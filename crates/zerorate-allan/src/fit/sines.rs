@@ -1,5 +1,5 @@
-//! Sines that last as long as the record. A transform of the record shows such a sine at all frequencies, since it
-//! begins and ends with the record. So a strong sine is removed from the samples before.
+//! Sines that last as long as the record. Such a sine begins and ends with the record, so its transform has power
+//! at all frequencies. Strong sines are therefore removed from the samples before the transform.
 
 use crate::linear::Cholesky;
 use alloc::vec::Vec;
