@@ -10,16 +10,17 @@ use crate::{increments, kalibr};
 use std::path::Path;
 use zerorate_logs::{Column, ColumnOptions, ColumnSelection, LogError, LogWarning, Parts, Quantity, Setting, Unit};
 
-/// Facts about the axes that a log may not state itself.
+/// What the user states about the axes, because a log may not state it.
 #[derive(Clone, Debug, Default)]
 pub struct ImuOptions {
-    /// The columns, by name or number; none: all that are axes, or those that a kind has.
+    /// The columns, by name or number. `None` takes the columns in `gyro` and `accel`, or else all columns that
+    /// are axes.
     pub columns: Option<Vec<String>>,
     /// Facts about the gyroscope.
     pub gyro: KindOptions,
     /// Facts about the accelerometer.
     pub accel: KindOptions,
-    /// Topic, rate, time and names of the options.
+    /// How to read the log (topic, rate, time), and the names of the options in messages.
     pub log: ColumnOptions,
     /// Further topics of the same IMU, such as the one of its accelerometer.
     pub more_topics: Vec<String>,
@@ -28,36 +29,36 @@ pub struct ImuOptions {
 /// The columns, unit and scale of a kind of axis, as the user states them.
 #[derive(Clone, Debug, Default)]
 pub struct KindOptions {
-    /// Its columns, by name or number, whatever they are called.
+    /// The columns of this kind, by name or number, whatever their names suggest.
     pub columns: Vec<String>,
-    /// Their unit.
+    /// The unit of these columns.
     pub unit: Option<Unit>,
-    /// The size of a step of 1, in that unit.
+    /// The size of a step of 1 in these columns, in that unit.
     pub scale: Option<f64>,
-    /// What the user says about their codes; `None` if nobody says that they are codes.
+    /// The codes in these columns; `None` if the user does not state that they hold codes.
     pub codes: Option<Codes>,
 }
 
 /// The axes of a log.
 pub struct Axes {
-    /// In the order of the file, gyroscopes first; each has its quantity.
+    /// The axes in the order of the file, gyroscopes first. Each has its quantity.
     pub columns: Vec<Column>,
-    /// Columns beside the axes that are temperatures, by unit or name.
+    /// The temperature columns, found by unit or name.
     pub temperatures: Vec<Column>,
-    /// The topic of a bag.
+    /// The topic of the axes, if the log is a bag.
     pub topic: Option<String>,
     /// The warnings about the log.
     pub warnings: Vec<LogWarning>,
 }
 
-/// An axis, with its kind.
+/// A column that is an axis, with its kind.
 type OfKind = (Kind, Column);
 
-/// The ends of the names of the first columns in a bag.
+/// Endings of the names of the first axis of each kind in a bag.
 const FIRST: [&str; 2] = [".angular_velocity.x", ".linear_acceleration.x"];
 
 impl Axes {
-    /// Reads all of them, one pass for each topic; `path` names the log in messages.
+    /// Reads all axes of a log, in one pass for each topic. `path` names the log in messages.
     ///
     /// # Errors
     /// Returns the errors of [`zerorate_logs::read_parts`], and an error if no column is an axis or a unit is unknown.
@@ -84,7 +85,7 @@ impl Axes {
         Self::together(path, each, options)
     }
 
-    /// The axes of sensors whose rows were joined by time, each read alone.
+    /// The axes of a table that joins the rows of several sensors by time. Each sensor is read alone.
     fn of_groups(
         path: &Path,
         parts: &Parts,
@@ -104,7 +105,7 @@ impl Axes {
         Self::together(path, each, options)
     }
 
-    /// The axes of several topics as those of one IMU.
+    /// Joins the axes of several topics to those of one IMU.
     fn together(path: &Path, each: Vec<Self>, options: &ImuOptions) -> zerorate_logs::Result<Self> {
         let has_gyroscope = |of: &&Self| of.columns.iter().any(|axis| axis.quantity == Some(Quantity::AngularRate));
         let topic = each.iter().find(has_gyroscope).or(each.first()).and_then(|of| of.topic.clone());
@@ -138,7 +139,7 @@ impl Axes {
         }
     }
 
-    /// The kinds of axis that the log has nothing of, or, where these chose columns, the columns.
+    /// A warning for each kind of axis that the log lacks or, if the options list columns, that these lack.
     pub fn absent(&self, options: &ImuOptions) -> impl Iterator<Item = ImuWarning> {
         let has = |kind: &Kind| self.columns.iter().any(|column| column.quantity == Some(kind.quantity()));
         let chosen_by = match options.columns {
@@ -149,7 +150,7 @@ impl Axes {
         absent.into_iter().map(move |kind| ImuWarning::KindAbsent(kind, chosen_by))
     }
 
-    /// Whether there are any among the columns of a log, where nobody said which they are.
+    /// Whether any column of a log is an axis by its name or unit alone.
     #[must_use]
     pub fn are_among(columns: &[Column]) -> bool {
         columns.iter().any(|column| Kind::is_axis(&column.name, false) && Kind::of_column(column).is_some())
@@ -160,7 +161,7 @@ impl Axes {
     /// # Errors
     /// Returns an error if no column is an axis, or the unit of an axis is not known.
     pub fn of(path: &Path, mut columns: Vec<Column>, options: &ImuOptions) -> zerorate_logs::Result<Self> {
-        // the first column carries what is of the log, and need not be an axis
+        // the first column carries the warnings about the log, and need not be an axis
         let of_log = |column: &mut Column| column.warnings.extract_if(.., |warning| warning.is_of_log()).collect();
         let mut warnings: Vec<LogWarning> = columns.iter_mut().flat_map::<Vec<_>, _>(of_log).collect();
         if options.columns.is_none() && kalibr::give_units(&mut columns) {
@@ -236,7 +237,7 @@ fn is_temperature(column: &Column) -> bool {
     column.quantity.map_or_else(is_named, |quantity| quantity == Quantity::Temperature)
 }
 
-/// Both questions in one: all that is missing is asked for at once.
+/// Joins two questions, so that the user is asked for everything at once.
 fn both(path: &Path, first: LogError, second: LogError) -> LogError {
     match (first, second) {
         (LogError::Ask(first), LogError::Ask(more)) => {
@@ -248,8 +249,9 @@ fn both(path: &Path, first: LogError, second: LogError) -> LogError {
     }
 }
 
-/// Leaves out the axes that nothing measured, unless there is nothing else. A message of ROS has three axes of each
-/// kind, even from a part with fewer axes. In a table, an axis of a kind that has others is rather a broken one.
+/// Leaves out blank axes, which nothing measured, unless all are blank. A ROS message has three axes of each kind,
+/// even from a sensor with fewer. In a table, a blank axis stays if others of its kind have values: it is probably
+/// broken.
 fn without_blanks(path: &Path, axes: &mut Vec<OfKind>, is_message: bool) -> Option<LogWarning> {
     let is_alive = |kind: Kind| axes.iter().any(|(of, column)| *of == kind && !column.is_blank());
     let dead: Vec<Kind> = Kind::ALL.into_iter().filter(|kind| !is_alive(*kind)).collect();
@@ -263,7 +265,8 @@ fn without_blanks(path: &Path, axes: &mut Vec<OfKind>, is_message: bool) -> Opti
     Some(LogWarning::BlanksLeftOut { path, names })
 }
 
-/// Leaves out what is beside the three axes of a sensor. Columns that may be of several sensors are a question.
+/// Leaves out the columns beside the three axes of one sensor. Asks for a choice if the columns may be of several
+/// sensors.
 ///
 /// # Errors
 /// Returns the question, with the columns of each sensor.
@@ -314,14 +317,14 @@ impl ImuOptions {
         }
     }
 
-    /// The columns that are asked for: gyroscopes first.
+    /// The columns that the user listed, gyroscopes first; `None` if none are listed.
     #[must_use]
     pub fn listed(&self) -> Option<Vec<String>> {
         let of_kinds = || Kind::ALL.into_iter().flat_map(|kind| self.said(kind).columns.clone()).collect::<Vec<_>>();
         self.columns.clone().or_else(|| Some(of_kinds()).filter(|columns| !columns.is_empty()))
     }
 
-    /// The columns to read, where these are listed: with one kind listed, the other is found by its names.
+    /// The columns to read if `listed` are listed. If only one kind is listed, the other is found by its names.
     #[must_use]
     pub fn selection<'a>(&self, listed: Option<&'a [String]>) -> ColumnSelection<'a> {
         let are_all = self.columns.is_some() || Kind::ALL.iter().all(|kind| !self.said(*kind).columns.is_empty());
@@ -332,21 +335,21 @@ impl ImuOptions {
         }
     }
 
-    /// Whether a column that nobody listed may be an axis of this kind. Beside a listed kind, another is taken only if
-    /// it needs no question.
+    /// Whether a column that is not listed may be an axis of this kind. If the user listed columns of the other
+    /// kind, it may only if its unit is known.
     fn may_be(&self, kind: Kind, column: &Column) -> bool {
         let KindOptions { columns, unit, scale, .. } = self.said(kind);
         let is_known = column.quantity.is_some() || unit.is_some() || scale.is_some();
         self.listed().is_none() || self.columns.is_some() || columns.is_empty() && is_known
     }
 
-    /// The kind of each of these columns, where the user states it.
+    /// The kinds of the listed columns, in their order. Empty if the user does not state kinds.
     fn kinds(&self) -> Vec<Kind> {
         let of_kind = |kind: Kind| std::iter::repeat_n(kind, self.said(kind).columns.len());
         if self.columns.is_some() { Vec::new() } else { Kind::ALL.into_iter().flat_map(of_kind).collect() }
     }
 
-    /// The kind that the user states, unless the column states another.
+    /// The kind that the user states. Returns an error if the unit of the column contradicts it.
     fn agreed(&self, path: &Path, kind: Kind, column: &Column) -> zerorate_logs::Result<Kind> {
         match column.quantity.filter(|quantity| *quantity != kind.quantity()) {
             None => Ok(kind),
@@ -361,7 +364,7 @@ impl ImuOptions {
         }
     }
 
-    /// The question for the unit of columns, with what their numbers tell about it.
+    /// The question for the unit of columns, with a hint from their numbers.
     fn ask_unit(&self, kind: Kind, columns: &[&Column]) -> String {
         let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
         let seen = match &names[..] {
@@ -387,7 +390,7 @@ impl ImuOptions {
 }
 
 impl Kind {
-    /// The option that gives the columns of such axes.
+    /// The option that gives the columns of axes of this kind.
     fn setting(self) -> Setting {
         match self {
             Self::Gyroscope => Setting::Gyro,
@@ -395,7 +398,7 @@ impl Kind {
         }
     }
 
-    /// The option that gives the unit of such axes.
+    /// The option that gives the unit of axes of this kind.
     fn unit_setting(self) -> Setting {
         match self {
             Self::Gyroscope => Setting::GyroUnit,
@@ -404,7 +407,7 @@ impl Kind {
     }
 }
 
-/// Checks that the axes are not increments unless somebody says so, and that their units are known.
+/// Checks that the axes are not increments by name, unless the user says so, and that their units are known.
 fn check(options: &ImuOptions, path: &Path, axes: &[OfKind]) -> zerorate_logs::Result<()> {
     let columns: Vec<&Column> = axes.iter().map(|(_, column)| column).collect();
     let asked = increments::ask(path, &columns, &options.log);
@@ -414,7 +417,7 @@ fn check(options: &ImuOptions, path: &Path, axes: &[OfKind]) -> zerorate_logs::R
     }
 }
 
-/// Checks that each kind has a unit of its own.
+/// Checks that the unit of each kind is known, and is a unit of that kind.
 fn check_units(options: &ImuOptions, path: &Path, axes: &[OfKind]) -> zerorate_logs::Result<()> {
     let mut unknown = Vec::new();
     for kind in Kind::ALL {
@@ -449,10 +452,10 @@ fn check_units(options: &ImuOptions, path: &Path, axes: &[OfKind]) -> zerorate_l
     }
 }
 
-/// Axes of an IMU in each kind.
+/// Number of axes of each kind in an IMU.
 const AXES: usize = 3;
 
-/// The unit that was given, where the log states none.
+/// Gives an axis its quantity and the unit and scale that the user states. Moves its warnings to `warnings`.
 fn give_unit(options: &ImuOptions, kind: Kind, mut column: Column, warnings: &mut Vec<LogWarning>) -> Column {
     let &KindOptions { unit, scale, .. } = options.said(kind);
     if unit.is_some() || scale.is_some() {
@@ -460,7 +463,7 @@ fn give_unit(options: &ImuOptions, kind: Kind, mut column: Column, warnings: &mu
         let step = unit.map_or(1.0, Unit::in_results) * scale.unwrap_or(column.step);
         column.scale = step * options.log.per_second(column.rate_hz);
     }
-    // several axes say the same of their log
+    // several axes have the same warning about their log
     for warning in column.warnings.drain(..) {
         if !warnings.contains(&warning) {
             warnings.push(warning);
@@ -480,15 +483,15 @@ fn no_axes(path: &Path, found: &[String], options: &ImuOptions) -> LogError {
     ))
 }
 
-/// The only two topics of a bag, if one is called after the gyroscope and the other after the accelerometer, as those
-/// of a RealSense: `/camera/gyro/sample` and `/camera/accel/sample`.
+/// The two topics of a bag, if one is named after the gyroscope and the other after the accelerometer, as on a
+/// RealSense: `/camera/gyro/sample` and `/camera/accel/sample`.
 fn halves(topics: &[String]) -> Option<Vec<String>> {
     let [one, other] = topics else { return None };
     let of_pair = |gyro: &str, accel: &str| gyro.contains("gyro") && gyro.replacen("gyro", "accel", 1) == accel;
     (of_pair(one, other) || of_pair(other, one)).then(|| topics.to_vec())
 }
 
-/// `/imu0` of `/imu0.angular_velocity.x` or `/imu0.linear_acceleration.x`.
+/// The topic in a column name: `/imu0` for `/imu0.angular_velocity.x` or `/imu0.linear_acceleration.x`.
 fn topic_of(column: &str) -> Option<String> {
     let topic = FIRST.into_iter().find_map(|first| column.strip_suffix(first))?;
     topic.starts_with('/').then(|| topic.to_owned())

@@ -1,15 +1,15 @@
-//! Columns of integer codes: whether they can be codes, and what to give for them.
+//! Checks whether columns can hold integer codes, and suggests the options to give for them.
 
 use super::Kind;
 use std::path::Path;
 use zerorate_logs::{Column, ColumnOptions, LogError, Names, Result, STANDARD_GRAVITY, Series, Setting, Unit};
 
-/// What the user says about the codes of a kind of axis. Unit and scale are those of a step of 1.
+/// The user's statement that the columns of a kind hold codes. Unit and scale are then those of a step of 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Codes {
     /// The option that says that the columns hold codes.
     pub setting: Setting,
-    /// The bits of a code, which has a sign.
+    /// Width of a code in bits, sign included.
     pub width_bits: u8,
 }
 
@@ -37,7 +37,7 @@ impl Codes {
     }
 }
 
-/// The samples that are there.
+/// The samples that are present.
 pub(super) fn numbers(column: &Column) -> Vec<f64> {
     match &column.series {
         Series::Codes(codes) => codes.iter().map(|code| f64::from(*code)).collect(),
@@ -56,10 +56,11 @@ const WITHIN: f64 = 0.05;
 /// The usual full scales of accelerometers, g.
 const FULL_SCALES_G: [f64; 8] = [2.0, 4.0, 8.0, 16.0, 3.0, 6.0, 12.0, 24.0];
 
-/// Codes of 16 bits on one side of zero.
+/// Number of 16-bit codes on one side of zero.
 const CODES: f64 = 32768.0;
 
-/// What the mean of three accelerometers says about their unit or scale: it is gravity.
+/// A hint at the unit or scale of three accelerometers, whose mean is gravity. `None` if no usual unit or scale
+/// fits.
 pub(super) fn of_gravity(axes: &[&Column], log: &ColumnOptions) -> Option<String> {
     let ([x, y, z], names) = (axes, log.names) else { return None };
     let mean = |axis: &Column| axis.facts().mean() * log.per_second(axis.rate_hz);
@@ -79,7 +80,7 @@ pub(super) fn of_gravity(axes: &[&Column], log: &ColumnOptions) -> Option<String
     Some(format!("gravity of {steps:.0} looks like codes of ±{range_g} g ({per_g:.0} per g): {given} {range_g}"))
 }
 
-/// How to give the unit of a column, which may state another.
+/// The options that give the unit of a column. Its name may state another unit, which one more option overrides.
 pub(super) fn unit_to_give(names: Names, setting: Setting, unit: Unit, column: &Column) -> String {
     let (given, unit_name) = (names.of(setting), unit.name());
     match Unit::of_column(&column.name).filter(|stated| *stated != unit) {
@@ -88,7 +89,7 @@ pub(super) fn unit_to_give(names: Names, setting: Setting, unit: Unit, column: &
     }
 }
 
-/// What to give for a gyroscope whose samples look like codes.
+/// The options to give for a gyroscope whose samples look like codes.
 pub(super) fn of_gyroscope(names: Names) -> String {
     let [range, part] = [Setting::GyroRange, Setting::Part].map(|setting| names.of(setting));
     format!("if these are codes, {range} with the full scale in °/s, or {part} with the name of the sensor")

@@ -1,9 +1,9 @@
-//! Noise coefficients in the units that data sheets, standards and users have them in.
+//! Noise coefficients in the units of data sheets, standards and users.
 
 use zerorate_allan::{Coefficient, Estimate, FLOOR_PER_B, Fit, LONGEST_RECORD_S, span};
 use zerorate_logs::{Quantity, STANDARD_GRAVITY};
 
-/// A coefficient by name and units, its main unit first.
+/// A coefficient with its name and units.
 pub struct Named<'a> {
     /// Its letter in IEEE Std 952-1997.
     pub letter: char,
@@ -13,13 +13,13 @@ pub struct Named<'a> {
     pub slope: f64,
     /// Deviation at 1 s per unit of the coefficient.
     pub at_1s: f64,
-    /// The values.
+    /// The value and its interval, in the unit of the fit.
     pub coefficient: &'a Coefficient,
-    /// Unit, and how many of it are one of the fit's.
+    /// Units, the main one first, each with the factor from the unit of the fit.
     pub units: Vec<(String, f64)>,
 }
 
-/// Units of a coefficient: for fits in °/s and in m/s², and as an ending of any other unit.
+/// Units of a coefficient for fits in °/s and in m/s², and its suffix to any other unit.
 pub struct Units {
     rate: &'static [(&'static str, f64)],
     acceleration: &'static [(&'static str, f64)],
@@ -37,7 +37,7 @@ const N: Units = Units {
     acceleration: &[("m/s/√h", 60.0), ("m/s/√s", 1.0), ("µg/√Hz, one-sided", SQRT_2 * MICRO_G)],
     other: "·√s",
 };
-/// The bias instability B, and every other value in the unit of the rate.
+/// Units of the bias instability B, and of every other value in the unit of the rate.
 pub const B: Units = Units {
     rate: &[("°/h", 3600.0), ("°/s", 1.0)],
     acceleration: &[("µg", MICRO_G), ("mg", MICRO_G / 1e3), ("m/s²", 1.0)],
@@ -56,7 +56,7 @@ const R: Units = Units {
 };
 
 impl Units {
-    /// The units for a quantity, the usual one first, each with its number per unit of the fit.
+    /// The units for a quantity, the usual one first, each with the factor from the unit of the fit.
     #[must_use]
     pub fn of(&self, quantity: Option<Quantity>) -> Vec<(String, f64)> {
         let known = match quantity {
@@ -69,7 +69,7 @@ impl Units {
     }
 }
 
-/// The coefficients of a model of this quantity, those that every fit has first.
+/// The coefficients of a model of this quantity: N, B and K, then Q and R if the model has them.
 #[must_use]
 pub fn coefficients(fit: &Fit, quantity: Option<Quantity>) -> Vec<Named<'_>> {
     let named = |letter, name, slope, at_1s, coefficient, units: &Units| Named {

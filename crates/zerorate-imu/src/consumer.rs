@@ -1,4 +1,4 @@
-//! Files for the filters that take the noise of an IMU: one complete text for each, every number with its meaning.
+//! Noise files for the programs that use the noise of an IMU. Each file is complete, and explains every number.
 //!
 //! `docs/imu.md` states which number goes where, and the source of each rule.
 
@@ -9,7 +9,7 @@ use zerorate_input::plain;
 /// Name and version of this software, as in the files that it writes.
 const SOFTWARE: &str = concat!("zerorate ", env!("CARGO_PKG_VERSION"));
 
-/// Who reads the file.
+/// The program that reads the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Format {
@@ -28,10 +28,10 @@ pub enum Format {
 }
 
 impl Format {
-    /// All of them.
+    /// All formats.
     pub const ALL: [Self; 6] = [Self::Kalibr, Self::Openvins, Self::Vins, Self::Orbslam3, Self::KfGins, Self::Ros];
 
-    /// Its name as an option.
+    /// The name of the format as an option value.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -44,13 +44,13 @@ impl Format {
         }
     }
 
-    /// Whether it takes a number for each of three axes.
+    /// Whether the format has a number for each of three axes.
     #[must_use]
     pub const fn is_by_axis(self) -> bool {
         matches!(self, Self::KfGins | Self::Ros)
     }
 
-    /// How it uses N and K.
+    /// How the reader uses N and K.
     #[must_use]
     pub(super) const fn usage(self) -> Usage {
         match self {
@@ -59,7 +59,7 @@ impl Format {
         }
     }
 
-    /// Its name for people.
+    /// The names of the reader and of its file, for people.
     #[must_use]
     pub fn reader(self) -> &'static str {
         match self {
@@ -147,7 +147,7 @@ fn openvins(file: &mut Text, numbers: &Numbers) {
     file.line(OPENVINS_REST);
 }
 
-/// Standard gravity; VINS wants the local gravity.
+/// Standard gravity, m/s². VINS needs the local gravity.
 const G_NORM: &str = "9.80665";
 
 fn vins(file: &mut Text, numbers: &Numbers) {
@@ -218,7 +218,7 @@ fn ros(file: &mut Text, numbers: &Numbers) {
     file.line(&format!("# the rate: {rate_hz:.6} Hz; at another the numbers are others"));
 }
 
-/// YAML in the making.
+/// YAML text that is being written.
 #[derive(Default)]
 struct Text(String);
 
@@ -262,7 +262,7 @@ impl Text {
         }
     }
 
-    /// A comment in the place of what the log does not tell.
+    /// Writes a comment in place of a number that the log does not give.
     fn missing(&mut self, key: &str, unit: &str) {
         self.line(&format!("# {}:   # {unit}: no such axes were read; fill it in", key.trim_start()));
     }
@@ -278,7 +278,7 @@ impl Text {
         }
     }
 
-    /// The variances of the axes on the diagonal.
+    /// Writes a covariance with the variances of the axes on the diagonal.
     fn covariance(&mut self, key: &str, sensor: &Option<Sensor>, of: impl Fn(&AxisNumbers) -> f64, what: &str) {
         let Some(sensor) = sensor else { return self.missing(key, what) };
         let mut all = [0.0; 9];
@@ -294,7 +294,7 @@ impl Text {
     }
 }
 
-/// A number that is one in YAML 1.0 to 1.2: PyYAML takes `1.5e3` for a word.
+/// Formats a number so that YAML 1.0 to 1.2 reads a number: PyYAML takes `1.5e3` for a word.
 fn number(value: f64) -> String {
     if value == 0.0 {
         return "0.0".to_owned();
@@ -313,7 +313,7 @@ fn decimal(value: f64) -> String {
     if short.ends_with('.') { format!("{short}0") } else { short.to_owned() }
 }
 
-/// Quotes any word for YAML. OpenCV takes the comment behind a word without quotes for a part of the word.
+/// Quotes a word for YAML. OpenCV takes the comment behind an unquoted word for a part of the word.
 fn quoted(word: &str) -> String {
     format!("\"{}\"", plain::line(word).replace('\\', "\\\\").replace('"', "\\\""))
 }

@@ -1,34 +1,35 @@
-//! Preparation of a column before the analysis: its temperature.
+//! Preparation of a column before the analysis: the dependence on temperature is removed.
 
 use std::path::Path;
 use zerorate_allan::{AllanWarning, DetrendError, Follows, Preparation, detrend, follows_temperature};
 use zerorate_logs::{Column, LogError, Names, Series, Setting};
 
-/// The removal of what follows the temperature.
+/// The settings for the removal of the dependence on temperature.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Detrending {
-    /// Order of the polynomial over temperature that is taken out; none: nothing is.
+    /// Order of the polynomial over temperature to remove; `None` removes nothing.
     pub order: Option<usize>,
     /// The names of these options in messages.
     pub names: Names,
 }
 
-/// Why it cannot be done.
+/// The reason why the dependence on temperature cannot be removed.
 #[derive(Debug, thiserror::Error)]
 pub enum DetrendingError {
-    /// The polynomial cannot be found, for this column and this temperature.
+    /// The polynomial cannot be fitted for this column and this temperature.
     #[error("{0}: {1}")]
     Detrend(String, DetrendError),
-    /// The column cannot be written out.
+    /// The column cannot be expanded to evenly spaced samples.
     #[error(transparent)]
     Log(#[from] LogError),
 }
 
 impl Detrending {
-    /// Removes it from a column of `file`, whose temperature is another column.
+    /// Removes the polynomial over `temperature` from a column of `file`. Without an order, only detects the
+    /// dependence.
     ///
     /// # Errors
-    /// Returns an error if the temperature does not fit.
+    /// Returns an error if the polynomial cannot be fitted, or if a column cannot be expanded.
     pub fn apply(
         &self,
         column: &mut Column,
@@ -39,7 +40,7 @@ impl Detrending {
             return Ok(Preparation::default());
         };
         let rates = match column.points(file) {
-            // so many are lost that the record cannot be written out; nothing was asked that needs it
+            // too many samples are lost to expand the record, and no removal was requested
             Err(_) if self.order.is_none() => return Ok(Preparation::default()),
             rates => rates?,
         };

@@ -1,14 +1,14 @@
-//! Detects rows of several sensors that stand in turn, where no column tells the sensors apart.
+//! Detects interleaved rows of several sensors, where no column tells the sensors apart.
 
 use crate::codes;
 use zerorate_logs::Column;
 
-/// Samples that are compared.
+/// Largest number of samples that are compared.
 const SAMPLES: usize = 1 << 16;
 /// Standard deviation of normal noise, divided by the mean of its absolute values without the largest 1 %.
 pub(super) const PER_MEAN: f64 = 1.29;
 
-/// Fewest groups of samples that show rows in turn.
+/// Least number of groups of samples for the test.
 const FEWEST_GROUPS: f64 = 200.0;
 
 /// Least significance of a difference between the places in a group, in standard deviations. Of normal, filtered,
@@ -18,7 +18,7 @@ const SURE: f64 = 7.0;
 /// Standard deviation of the ratio of two noises in one group, in relative standard deviations of a step.
 const OF_NOISES: f64 = 2.6;
 
-/// Least ratio between the noise of two sensors.
+/// Least ratio of the noise of two sensors that counts as different.
 const NOISES: f64 = 1.25;
 
 /// The mean of the steps from sample to sample without the largest hundredth, and their relative standard deviation.
@@ -32,7 +32,7 @@ pub(super) fn steps(samples: &[f64]) -> (f64, f64) {
     (usual, mean(&mut most.iter().map(|step| (step - usual).powi(2))).sqrt() / usual)
 }
 
-/// The number of sensors whose rows stand in turn, as their levels or their noise tell.
+/// Describes interleaved rows of two to four sensors, if the levels or the noise of the samples show them.
 pub(super) fn doubt(axes: &[Column]) -> Option<String> {
     let of_axis = |axis: &Column| {
         let numbers = codes::numbers(axis);
@@ -43,8 +43,8 @@ pub(super) fn doubt(axes: &[Column]) -> Option<String> {
     axes.iter().find_map(of_axis)
 }
 
-/// Whether the first, second … of each `several` samples differ: their mean deviation from the mean of all these, or
-/// their steps from one to the next of the same place.
+/// Whether samples differ by their place in each group of `several`: in the mean deviation from the mean of the
+/// group, or in the steps between samples at the same place of adjacent groups.
 fn differ_in_turn(samples: &[f64], several: usize) -> bool {
     let groups = || samples.chunks_exact(several);
     let count = groups().len() as f64;

@@ -1,9 +1,9 @@
-//! Columns of increments: the angle or the velocity of a sample in place of its rate.
+//! Columns of increments: the change of angle or velocity during a sample, in place of its rate.
 
 use std::path::Path;
 use zerorate_logs::{Column, ColumnOptions, LogError, Quantity, Result, Setting};
 
-/// Words in the names of increments of an angle, and of a velocity, without anything but letters.
+/// Words in the names of increments of an angle, and of a velocity. Only letters are compared.
 const ANGLES: [&str; 10] = [
     "dtheta",
     "deltatheta",
@@ -18,14 +18,14 @@ const ANGLES: [&str; 10] = [
 ];
 const VELOCITIES: [&str; 7] = ["dvel", "deltavel", "deltvel", "delvel", "velincr", "velocityincr", "incvel"];
 
-/// Beginnings of such names before the axis.
+/// Beginnings of such names, before the letter or digit of the axis.
 const SHORT_ANGLES: [&str; 3] = ["dth", "dang", "dphi"];
 const SHORT_VELOCITIES: [&str; 3] = ["dv", "deltav", "delv"];
 
-/// Units of increments behind the axis, without anything but letters and digits.
+/// Units of increments after the letter or digit of the axis. Only letters and digits are compared.
 const UNITS: [&str; 9] = ["", "rad", "mrad", "urad", "deg", "mdeg", "ms", "mps", "gs"];
 
-/// The quantity of which the name of a column states increments.
+/// The quantity whose increments a column holds, according to its name.
 pub fn named(name: &str) -> Option<Quantity> {
     let name: String = name.to_lowercase().chars().filter(|c| c.is_alphanumeric()).collect();
     let is_axis_of = |start: &&str| {
@@ -45,7 +45,7 @@ pub fn named(name: &str) -> Option<Quantity> {
 /// Asks about columns that are increments by their names, unless the user says whether they are.
 ///
 /// # Errors
-/// The names of such columns.
+/// Returns a question that names these columns.
 pub fn ask(path: &Path, columns: &[&Column], args: &ColumnOptions) -> Result<()> {
     let names: Vec<&str> = columns.iter().map(|column| &*column.name).filter(|name| named(name).is_some()).collect();
     match names.is_empty() || args.increments.is_some() {

@@ -1,4 +1,4 @@
-//! The units of a file whose names do not state them, but whose format does.
+//! Units of Kalibr's files, whose column names do not state them.
 
 use crate::plausible;
 use zerorate_logs::{Column, LogWarning, Unit};
@@ -13,8 +13,8 @@ const COLUMNS: [(&str, Unit); 6] = [
     ("alpha_z", Unit::MPerS2),
 ];
 
-/// Gives the columns of Kalibr's format their units, if a log has each of them once, in any order, and they measure
-/// gravity in m/s².
+/// Gives the columns of Kalibr's format their units, if a log has each of them once, in any order, and its
+/// accelerometers measure gravity in m/s². Returns whether it did.
 pub(super) fn give_units(columns: &mut [Column]) -> bool {
     let place = |(name, _): &(&str, Unit)| {
         let mut all = columns.iter().enumerate().filter(|(_, column)| column.name == *name);

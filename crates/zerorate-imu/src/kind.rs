@@ -16,10 +16,10 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Both.
+    /// All kinds.
     pub const ALL: [Self; 2] = [Self::Gyroscope, Self::Accelerometer];
 
-    /// The word for it.
+    /// The word for this kind.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -35,7 +35,7 @@ impl Kind {
         }
     }
 
-    /// The quantity that it measures.
+    /// The quantity that this kind measures.
     #[must_use]
     pub const fn quantity(self) -> Quantity {
         match self {
@@ -55,14 +55,15 @@ impl Kind {
         column.quantity.map_or_else(|| Self::named(&column.name), Self::of)
     }
 
-    /// The kind that a name states, by a unit or by itself.
+    /// The kind that a column name states, by a unit in it or else by its words.
     pub(super) fn of_name(name: &str) -> Option<Self> {
         Quantity::of_column(name).map_or_else(|| Self::named(name), |(quantity, _)| Self::of(quantity))
     }
 
-    /// Whether a column may be an axis, and is none of what ROS, PX4 and phyphox write beside the axes. Set points,
-    /// biases and speeds of wheels have the units of axes: they are left out if `others` are surely axes. So are the
-    /// accelerations of Movella and of phones from which gravity was subtracted: `FreeAccX`, `userAcceleration.x`.
+    /// Whether a column may be an axis, and is not one of the other columns that ROS, PX4 and phyphox write. Set
+    /// points, biases and speeds of motors have the units of axes, but are never axes. Nor are accelerations of
+    /// Movella and of phones from which gravity was subtracted: `FreeAccX`, `userAcceleration.x`. Columns of
+    /// wheels and motors are left out only if `others` are surely axes.
     pub(super) fn is_axis(name: &str, others: bool) -> bool {
         let is_rpm = Unit::of_column(name) == Some(Unit::Rpm);
         let name = name.to_lowercase();
@@ -90,7 +91,8 @@ impl Kind {
         !(is_beside || others && is_doubtful())
     }
 
-    /// `gyro_x`, `wx`, `omega.x`; `acc_x`, `ax`, `f_y`; increments as `dtheta_x`.
+    /// The kind that the words of a name state, as in `gyro_x`, `wx`, `omega.x`; `acc_x`, `ax`, `f_y`; increments
+    /// as `dtheta_x`.
     fn named(name: &str) -> Option<Self> {
         if let Some(quantity) = increments::named(name) {
             return Self::of(quantity);

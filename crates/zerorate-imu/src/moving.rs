@@ -1,10 +1,10 @@
 //! Finds where a sensor moved in a record that has no noise model: there its samples spread far more than elsewhere.
 
-/// Length of a window, s, and its fewest samples.
+/// Length of a window, s, and its least number of samples.
 const WINDOW_S: f64 = 10.0;
 const FEWEST: usize = 20;
 
-/// Ratio between the spread in a window and the usual one, from which the sensor moves.
+/// Ratio of the spread in a window to the usual spread, above which the sensor moves.
 const MOVES: f64 = 4.0;
 
 /// The times in which the samples spread far more than usually, as pairs of start and end, s. NaN is a missing sample.
@@ -26,7 +26,7 @@ pub fn moving(samples: &[f64], rate_hz: f64) -> Vec<(f64, f64)> {
     })
 }
 
-/// Standard deviation of the samples that are there.
+/// Standard deviation of the samples that are present.
 fn spread(samples: &[f64]) -> f64 {
     let present = || samples.iter().filter(|sample| !sample.is_nan());
     let count = present().count() as f64;
@@ -34,11 +34,11 @@ fn spread(samples: &[f64]) -> f64 {
     (present().map(|sample| (sample - mean).powi(2)).sum::<f64>() / count).sqrt()
 }
 
-/// The times that lie in spans of at least half of the axes, joined.
+/// The times at which at least half of the axes move, as joined spans.
 pub fn shared(axes: &[&[(f64, f64)]]) -> Vec<(f64, f64)> {
     let mut edges: Vec<(f64, i32)> =
         axes.iter().flat_map(|spans| spans.iter()).flat_map(|(from, to)| [(*from, 1), (*to, -1)]).collect();
-    // at one time, spans begin before others end
+    // at equal times, a span begins before another ends
     edges.sort_by(|one, other| one.0.total_cmp(&other.0).then(other.1.cmp(&one.1)));
     let enough = axes.len().div_ceil(2) as i32;
     let (mut open, mut found): (i32, Vec<(f64, f64)>) = (0, Vec::new());

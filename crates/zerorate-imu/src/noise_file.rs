@@ -1,28 +1,28 @@
-//! Whether there is a file for a filter.
+//! Writes the noise file for a filter, or reports why it cannot.
 
 use super::numbers::Numbers;
 use super::{Axis, Format, Kind, NoiseFileOptions, Rejections};
 
-/// Why no file for a filter can be written.
+/// The reason why a noise file cannot be written.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum NoNoiseFile {
-    /// There is nothing to write.
+    /// No column is an axis.
     #[error("no column is stated to be an axis of a gyroscope or an accelerometer")]
     NoAxis,
     /// The factor on all noise is not a number above zero.
     #[error("the factor on all noise must be a number above zero")]
     Inflate(f64),
-    /// The numbers are not valid.
+    /// The noise models are missing or rejected.
     #[error("{0}")]
     Rejected(Rejections),
-    /// The reader takes a number for each of three axes, and this kind has so many.
+    /// The format needs three axes of each kind, and this kind has another number.
     #[error("{count} {kind} {axes}, and {reader} takes three; choose three",
         kind = .0.name(), count = .1, axes = if *.1 == 1 { "axis" } else { "axes" }, reader = .2.reader())]
     NotThree(Kind, usize, Format),
 }
 
 impl Format {
-    /// Checks that each kind of axis has three or none, where the reader takes a number for each.
+    /// Checks that each kind has three axes or none, if the format has a number for each axis.
     ///
     /// # Errors
     /// Returns `NotThree` for a kind with another number of axes.
@@ -36,8 +36,7 @@ impl Format {
         Ok(())
     }
 
-    /// The text of the file, if its numbers are results. With `accept_rejected` the models may also be rejected,
-    /// and the file says so.
+    /// The text of the file. With `accept_rejected` the models may be rejected, and the file says so.
     ///
     /// # Errors
     /// Returns the reason why no file can be written.

@@ -1,4 +1,4 @@
-//! From fitted models to the numbers that filters take.
+//! Converts fitted models to the numbers that filters use.
 
 use super::{Kind, Rejections};
 use zerorate_allan::{Coefficient, Covering, FLOOR_PER_B, Fit, Term, Usage};
@@ -14,27 +14,27 @@ pub enum Combine {
     Mean,
 }
 
-/// The rule that makes N and K of a model.
+/// The rule that derives N and K from a noise model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule {
-    /// They cover the noise from 1 s to a horizon, s, as the reader uses them; unless given, the horizon is that of
-    /// the reader.
+    /// N and K cover the noise from 1 s to this horizon, s, for the way in which the reader uses them. `None`
+    /// takes the horizon of the reader.
     Covers(Option<f64>),
-    /// They are those of the model.
+    /// N and K are those of the model.
     AsFitted,
 }
 
 /// An axis with its noise model.
 pub struct Axis<'a> {
-    /// Its name.
+    /// The name of the axis.
     pub name: &'a str,
-    /// Its kind.
+    /// The kind of axis.
     pub kind: Kind,
     /// Samples per second.
     pub rate_hz: f64,
     /// The model.
     pub fit: &'a Fit,
-    /// The unit of the model in the unit of results, °/s or m/s².
+    /// Factor from the unit of the model to the unit of results, °/s or m/s².
     pub scale: f64,
 }
 
@@ -42,15 +42,15 @@ pub struct Axis<'a> {
 pub struct NoiseFileOptions {
     /// The log that was read.
     pub log: String,
-    /// The topic of a bag.
+    /// The topic, if the log is a bag.
     pub topic: Option<String>,
     /// The rule that makes one value of all axes of a kind.
     pub combine: Combine,
-    /// The rule that makes N and K of a model.
+    /// The rule that derives N and K from a model.
     pub rule: Rule,
-    /// Factor on all noise, 1 unless it was asked for.
+    /// Factor on all noise; 1 by default.
     pub inflate: f64,
-    /// The names of the options in the file.
+    /// The names of the options, for the comments in the file.
     pub names: Names,
     /// The warnings that matter to the reader of the file, each `code: text`.
     pub warnings: Vec<String>,
@@ -72,7 +72,8 @@ impl Default for NoiseFileOptions {
 }
 
 impl NoiseFileOptions {
-    /// The warnings about a log or its axes that matter to the reader of the file: not those about what was left out.
+    /// The warnings about a log or its axes that matter to the reader of the file. Those with a code in `BESIDE`
+    /// do not.
     pub fn mattering(warnings: impl IntoIterator<Item = String>) -> Vec<String> {
         // the name of an axis may stand before the code
         let matters = |line: &String| !line.split(": ").take(2).any(|word| BESIDE.contains(&word));
@@ -80,7 +81,7 @@ impl NoiseFileOptions {
     }
 }
 
-/// Codes of warnings that say nothing of the numbers in the file.
+/// Codes of warnings that do not concern the numbers in the file.
 const BESIDE: [&str; 4] = ["columns-left-out", "kind-absent", "lines-skipped", "not-identified"];
 
 /// The numbers of the file, in rad/s and m/s².
@@ -89,31 +90,31 @@ pub struct Numbers {
     pub choice: NoiseFileOptions,
     /// How the reader uses N and K.
     pub usage: Usage,
-    /// The doubts that were overruled.
+    /// The rejections of models that the user chose to accept.
     pub doubts: Vec<String>,
     /// Effects that the numbers leave out, per affected axis.
     pub left_out: Vec<String>,
     /// Samples per second.
     pub rate_hz: f64,
-    /// None where there is no such axis.
+    /// The gyroscope; `None` if no axis is one.
     pub gyroscope: Option<Sensor>,
-    /// None where there is no such axis.
+    /// The accelerometer; `None` if no axis is one.
     pub accelerometer: Option<Sensor>,
-    /// The bias as a Gauss–Markov process.
+    /// The correlation time of the bias as a Gauss–Markov process.
     pub memory: Memory,
 }
 
 /// The axes of one kind.
 pub struct Sensor {
-    /// N of all axes together.
+    /// N for all axes, combined by the rule.
     pub n: Chosen,
-    /// K of all axes together.
+    /// K for all axes, combined by the rule.
     pub k: Chosen,
-    /// Each by itself.
+    /// The numbers of each axis.
     pub axes: Vec<AxisNumbers>,
 }
 
-/// A number, and which it is.
+/// A number and its source.
 #[derive(Clone)]
 pub struct Chosen {
     /// The number.
@@ -130,7 +131,7 @@ impl Chosen {
     }
 }
 
-/// One axis.
+/// The noise numbers of one axis.
 pub struct AxisNumbers {
     /// White noise.
     pub n: Chosen,
@@ -142,23 +143,23 @@ pub struct AxisNumbers {
     pub sigma: f64,
 }
 
-/// One correlation time for all.
+/// The correlation time that all axes share.
 pub struct Memory {
-    /// The time.
+    /// Correlation time, s.
     pub tau_s: f64,
-    /// Its source.
+    /// The source of the correlation time, for the file.
     pub from: String,
 }
 
 impl Sensor {
-    /// A number of each.
+    /// One number of each axis.
     pub fn by_axis(&self, of: impl Fn(&AxisNumbers) -> f64) -> Vec<f64> {
         self.axes.iter().map(of).collect()
     }
 }
 
 impl Axis<'_> {
-    /// rad/s or m/s² in a unit of the model.
+    /// Factor from the unit of the model to rad/s or m/s².
     fn si(&self) -> f64 {
         match self.kind {
             Kind::Gyroscope => self.scale.to_radians(),
@@ -183,7 +184,7 @@ impl Axis<'_> {
             let from = format!("{letter} of {axis}, covers the noise up to {horizon_s:.0} s; {fitted}");
             Chosen { value: value * self.si(), from }
         };
-        // where N alone covers the noise, nothing but the fit speaks of K
+        // if N alone covers the noise, only the fit gives K
         let of_n = n_covers * n_covers / horizon_s;
         let is_seen = k_covers * k_covers * horizon_s / 3.0 > SEEN * of_n;
         let k = if is_seen { covers("K", k_covers, &self.fit.k) } else { k };
@@ -204,7 +205,8 @@ impl Axis<'_> {
         Chosen { value: value * self.si(), from }
     }
 
-    /// Name, and what its record has beside noise: lines, drift, warm-up, steps and glitches.
+    /// The name of the axis, and the effects in its record that are not noise: lines, drift, warm-up, steps and
+    /// glitches.
     fn left_out(&self) -> Option<String> {
         let (fit, unit) = (self.fit, if self.kind == Kind::Gyroscope { "rad/s" } else { "m/s²" });
         let size = |value: f64| format!("{:.1e} {unit}", value.abs() * self.si());
@@ -253,7 +255,7 @@ impl Axis<'_> {
     }
 }
 
-/// The share of the variance of N at the horizon from which a random walk is seen there: N is hardly known better.
+/// K counts if its variance at the horizon is above this share of the variance of N, which is hardly known better.
 const SEEN: f64 = 0.1;
 
 /// The averaging time at which the Allan deviation of a Gauss–Markov process peaks, in correlation times.
@@ -277,9 +279,9 @@ impl Numbers {
 }
 
 impl Memory {
-    /// The correlation time of the Gauss–Markov terms, their geometric mean. Without one, of a process whose Allan
-    /// deviation peaks at the longest averaging time that all models speak of. Gyroscopes set it, if there are any:
-    /// those of accelerometers are often another.
+    /// The geometric mean of the correlation times of the Gauss–Markov terms. Without such terms, the correlation
+    /// time of a process whose Allan deviation peaks at the longest averaging time that all models cover. If there
+    /// are gyroscopes, only they count: accelerometers often have other correlation times.
     fn of(axes: &[Axis<'_>]) -> Self {
         let kind = axes.iter().map(|axis| axis.kind).find(|kind| *kind == Kind::Gyroscope);
         let of_kind = || axes.iter().filter(|axis| kind.is_none_or(|kind| axis.kind == kind));
@@ -333,7 +335,7 @@ impl Rule {
 }
 
 impl Combine {
-    /// One of several.
+    /// Combines several numbers into one; `None` if there are none.
     fn choose<'a>(self, all: impl Iterator<Item = &'a Chosen>) -> Option<Chosen> {
         let all: Vec<&Chosen> = all.collect();
         match self {
@@ -355,7 +357,7 @@ impl Combine {
         format!("the {taken} was taken ({} {taken})", names.of(Setting::Combine))
     }
 
-    /// Its name as an option.
+    /// The name of the rule as an option value.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

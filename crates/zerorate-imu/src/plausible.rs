@@ -1,29 +1,29 @@
-//! Means that no sensor has at rest. They tell of a wrong unit, of a wrong scale, or of columns that are mixed.
+//! Detects values that no sensor has at rest. They indicate a wrong unit, a wrong scale, or mixed columns.
 
 use crate::{codes, in_turn};
 use std::path::Path;
 use zerorate_logs::{Column, ColumnOptions, LogWarning, Quantity, Series, Setting, Unit};
 
-/// Gravity, m/s². It differs by 0.3 % over the Earth.
+/// Gravity, m/s². It varies by 0.3 % over the Earth.
 const GRAVITY_M_S2: f64 = 9.8;
-/// The share by which the accelerometers may be off it: scales by 3 %, and an axis of the MPU-6050 by 0.8 m/s².
+/// Largest relative error of gravity: scales are off by up to 3 %, and an axis of the MPU-6050 by 0.8 m/s².
 const WITHIN: f64 = 0.2;
-/// Below this, gravity has been subtracted, m/s².
+/// If the mean acceleration is below this, m/s², gravity has been subtracted.
 const SUBTRACTED_M_S2: f64 = 0.3;
-/// No gyroscope has such a bias, °/s: the data sheet of the MPU-6050 allows 20, and most allow less.
+/// No gyroscope has a bias above this, °/s: the data sheet of the MPU-6050 allows 20, and most allow less.
 const NO_BIAS_DPS: f64 = 50.0;
-/// No gyroscope has such white noise, °/s/√Hz: the MPU-3050 has 0.01, and the ADXRS620 0.05.
+/// No gyroscope has white noise above this, °/s/√Hz: the MPU-3050 has 0.01, and the ADXRS620 0.05.
 const NO_NOISE_DPS_PER_RT_HZ: f64 = 0.15;
-/// No IMU is read so slowly, Hz.
+/// No IMU is read more slowly than this, Hz.
 const SLOW_HZ: f64 = 0.5;
 /// Steps too coarse for a log: whole °/s and, with a margin, whole g in m/s².
 const WHOLE_DPS: f64 = 1.0;
 const WHOLE_M_S2: f64 = 9.0;
 
-/// The share by which increments may be off gravity.
+/// Largest relative error of gravity from increments, or in a unit taken for g.
 const WITHIN_OF_INCREMENTS: f64 = 0.05;
 
-/// The evidence that accelerometers hold velocities of a sample: these times the rate are gravity.
+/// Evidence that accelerometer columns hold velocity increments: their mean times the sample rate is gravity.
 pub(super) fn increments(axes: &[Column]) -> Option<String> {
     let m_s = acceleration(axes)?;
     let rate_hz = axes.first()?.rate_hz;
@@ -73,13 +73,15 @@ pub(super) fn doubts(path: &Path, axes: &[Column], log: &ColumnOptions) -> Vec<L
         .collect()
 }
 
-/// White noise of all gyroscopes that no sensor has, at rest or slowly moving: the steps from sample to sample.
+/// A doubt if all gyroscopes have more white noise than any sensor at rest or in slow motion. The noise is
+/// estimated from the steps between samples.
 fn noisy(axes: &[Column], log: &ColumnOptions) -> Option<String> {
     let gyros = axes.iter().filter(|axis| axis.quantity == Some(Quantity::AngularRate) && !axis.is_blank());
     let first = gyros.clone().next()?;
     let density = |axis: &Column| {
         let numbers = codes::numbers(axis);
-        // the variance of a step is twice that of a sample, and so is the one-sided density, over the rate
+        // a step has twice the variance of a sample, and the one-sided density is twice that variance over the
+        // rate
         in_turn::PER_MEAN * in_turn::steps(&numbers).0 * axis.scale / axis.rate_hz.sqrt()
     };
     let least = gyros.map(density).min_by(f64::total_cmp)?;
@@ -90,8 +92,8 @@ fn noisy(axes: &[Column], log: &ColumnOptions) -> Option<String> {
         .then(|| format!("the noise of all gyroscopes is above {least:.2} °/s/√Hz{remedy}"))
 }
 
-/// Gravity of 1 in a unit that is smaller than g: the numbers are rather in g. Where it is smaller yet, it may have
-/// been subtracted: the numbers are then those of a filter.
+/// A doubt about gravity below [`SUBTRACTED_M_S2`]. If gravity is 1 in the unit of the columns, the numbers are
+/// probably in g. Otherwise a filter may have subtracted gravity.
 fn small_gravity(axes: &[Column]) -> Option<String> {
     let m_s2 = acceleration(axes).filter(|m_s2| *m_s2 < SUBTRACTED_M_S2)?;
     let scale = axes.iter().find(|axis| axis.quantity == Some(Quantity::Acceleration))?.scale;
@@ -107,7 +109,7 @@ pub(super) fn is_gravity(means_m_s2: impl Iterator<Item = f64>) -> bool {
     (m_s2 / GRAVITY_M_S2 - 1.0).abs() < WITHIN
 }
 
-/// The mean of three accelerometers, m/s²: gravity.
+/// The norm of the means of three accelerometers, m/s²: gravity.
 fn acceleration(axes: &[Column]) -> Option<f64> {
     let of_kind: Vec<&Column> = axes.iter().filter(|axis| axis.quantity == Some(Quantity::Acceleration)).collect();
     let has_sign = of_kind.iter().any(|axis| has_sign(axis));
@@ -116,19 +118,19 @@ fn acceleration(axes: &[Column]) -> Option<f64> {
     Some((x * x + y * y + z * z).sqrt())
 }
 
-/// The mean in °/s or m/s²; none where codes may have their zero in the middle of the scale.
+/// The mean in °/s or m/s². `None` for codes whose zero may be in the middle of the scale.
 fn mean(axis: &Column, has_sign: bool) -> Option<f64> {
     let is_plain = Unit::ALL.into_iter().any(|unit| unit.in_results() == axis.scale);
     let is_known = matches!(axis.series, Series::Numbers(_)) || has_sign || is_plain;
     Some(axis.scale * axis.facts().mean()).filter(|mean| is_known && mean.is_finite())
 }
 
-/// Whether codes have their zero at zero: some are below.
+/// Whether codes are signed: some are below zero.
 fn has_sign(axis: &Column) -> bool {
     matches!(&axis.series, Series::Codes(codes) if codes.iter().any(|code| *code < 0))
 }
 
-/// Whether all samples are whole numbers of a step that no sensor has: codes whose scale nobody gave.
+/// Whether all samples are multiples of a step that no sensor has, as codes without their scale are.
 fn is_whole(axis: &Column) -> bool {
     let step = match axis.quantity {
         Some(Quantity::AngularRate) => WHOLE_DPS,

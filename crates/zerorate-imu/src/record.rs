@@ -1,6 +1,7 @@
-//! A column of a log on its way from file to result: its deviations, its noise model, and what is to be said of it.
+//! A column of a log with its results: deviations, noise model and warnings.
 //!
-//! The command line and the page take this way. Python analyses arrays in place, and takes the pieces.
+//! The command line and the page analyse columns in this way. Python analyses arrays in place, with the same
+//! parts.
 
 use crate::moving::{moving, shared};
 use crate::{Axis, ImuWarning, Kind, Rejection, Rejections, coded};
@@ -12,45 +13,45 @@ use zerorate_allan::{
 };
 use zerorate_logs::{Column, LogError, LogWarning, Names, Quantity};
 
-/// A column of a log and what was found in it.
+/// A column of a log with its results.
 pub struct Record {
     /// The log.
     pub file: PathBuf,
     /// The name of the column.
     pub column: String,
-    /// The quantity of the deviations, in the unit of its results; none: nobody stated the unit.
+    /// The quantity of the column; the deviations are in its unit of results. `None` if the unit is unknown.
     pub quantity: Option<Quantity>,
     /// Confidence of the intervals.
     pub confidence: f64,
     /// Its deviations.
     pub analysis: Analysis,
-    /// The deviations at the averaging times of pictures, where those differ.
+    /// The deviations at the averaging times of plots, if those differ.
     finer: Option<Analysis>,
-    /// None where nobody asked for it.
+    /// The noise model, or the reason why there is none. `None` if no model was requested.
     pub fit: Option<Result<Fit, FitError>>,
-    /// The rate in the unit of the results; only where it is fitted once more, and nothing was taken out before.
+    /// The rate in the unit of the results. `None` unless it was requested and the fit removed nothing from it.
     pub rate: Option<Vec<f64>>,
     /// The warnings about the log.
     pub notes: Vec<LogWarning>,
-    /// The rate follows the temperature, and the record has no model that would say so.
+    /// The warning that the rate follows the temperature, if no model carries it.
     pub follows: Option<AllanWarning>,
-    /// The picture beside its curve; none unless it was asked for, and only of a rate.
+    /// The data of plots beside the curve. `None` unless requested, and for a phase.
     pub plot_data: Option<PlotData>,
-    /// The polynomial over temperature that was taken out.
+    /// The polynomial over temperature that was removed.
     pub detrended: Option<DetrendedRate>,
-    /// The time left out at its beginning, s.
+    /// The time left out at the beginning of the log, s.
     pub skipped_s: f64,
-    /// Where it moves, s from its start; `None` if a valid model describes it.
+    /// The times in which the sensor moves, s from the start; `None` if a valid model describes the record.
     moving_s: Option<Vec<(f64, f64)>>,
     /// The names of the settings in messages.
     names: Names,
 }
 
-/// A record as one looks at it.
+/// The data for plots of a record over time and of its spectrum.
 pub struct PlotData {
     /// The samples as they were read.
     pub envelope: Envelope,
-    /// Without what was taken out before the fit.
+    /// The spectrum without the glitches and steps that the fit removed.
     pub spectrum: Vec<Density>,
 }
 
@@ -67,46 +68,46 @@ impl PlotData {
 /// The options of an analysis.
 #[derive(Clone, Debug, Default)]
 pub struct AnalysisOptions {
-    /// It holds a phase, the integral of a rate.
+    /// Whether the column holds a phase, the integral of a rate.
     pub is_phase: bool,
-    /// Its gaps are closed up.
+    /// Whether gaps are closed up.
     pub closes_gaps: bool,
-    /// In the unit of the column.
+    /// The options of the deviations, in the unit of the column.
     pub deviations: Options,
-    /// Pictures have more averaging times than the options say.
+    /// Whether plots have more averaging times than `deviations` requests.
     pub draws_finely: bool,
-    /// Before a fit; none: no fit.
+    /// The options of the fit; `None` for no fit.
     pub fit: Option<FitOptions>,
-    /// Whether the record itself is drawn, and its spectrum.
+    /// Whether the record itself is plotted, and its spectrum.
     pub draws: bool,
-    /// The rate is needed for a model of several records.
+    /// Whether the rate is kept for a model of several records.
     pub keeps_rate: bool,
-    /// The preparation: time left out, temperature and drift taken out.
+    /// The preparation: the removal of the dependence on temperature.
     pub detrending: Detrending,
 }
 
-/// Why a column cannot be analysed.
+/// The reason why a column cannot be analysed.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
     /// The preparation failed.
     #[error(transparent)]
     Detrending(#[from] DetrendingError),
-    /// Its numbers must not become a result, or cannot be written out.
+    /// The numbers of the column must not become a result, or cannot be expanded.
     #[error(transparent)]
     Log(#[from] LogError),
     /// Too few samples for a deviation.
     #[error("{0}: {1} samples are too few, at least 2 are needed")]
     TooFew(String, usize),
-    /// The options ask for what there is not.
+    /// The options are invalid.
     #[error("cannot analyse {0}: {1}")]
     Analysis(String, AnalysisError),
-    /// It has no spectrum.
+    /// The spectrum cannot be computed.
     #[error("{0}: {1}")]
     Spectrum(String, String),
 }
 
 impl Record {
-    /// Analyses a column of the log `file`. Its temperature is another column.
+    /// Analyses a column of the log `file`. `temperature` is the column with its temperature.
     ///
     /// # Errors
     /// Returns an error if the record has nothing to analyse, or its numbers must not become a result.
@@ -123,7 +124,7 @@ impl Record {
         if samples < 2 {
             return Err(RecordError::TooFew(label(file, &column.name), samples));
         }
-        // a lost phase point is a point that is not there
+        // a lost point of a phase becomes NaN
         let phase = options.is_phase.then(|| column.points(file)).transpose()?;
         let input = phase.as_deref().map_or_else(|| column.input(), Input::Phase);
         notes.extend(column.stopped(file)?);
@@ -169,7 +170,7 @@ impl Record {
         })
     }
 
-    /// Records of one type as one: the mean of the curves, each weighed by its terms, with the common model.
+    /// Joins records of one type: the mean of the curves, weighted by their terms, with the common model.
     pub fn together(used: &[&Self], fit: Fit, notes: Vec<LogWarning>) -> Self {
         let first = used[0];
         let samples = used.iter().map(|record| record.analysis.samples).max().unwrap_or(0);
@@ -209,27 +210,27 @@ impl Record {
         self.model().map_or(&[], |fit| &fit.warnings)
     }
 
-    /// The warnings about its noise: that it follows the temperature, and the warnings about the model.
+    /// The warnings about the noise: that the rate follows the temperature, and those about the model.
     pub fn of_noise(&self) -> impl Iterator<Item = &AllanWarning> {
         self.follows.iter().chain(self.of_model())
     }
 
-    /// All its warnings as scripts read them, `code: text`, those about the log first.
+    /// All warnings as scripts read them, `code: text`, those about the log first.
     pub fn warnings(&self) -> Vec<String> {
         self.notes.iter().map(LogWarning::coded).chain(self.noise_warnings()).collect()
     }
 
-    /// The warnings about its noise as scripts read them.
+    /// The warnings about the noise as scripts read them.
     pub fn noise_warnings(&self) -> impl Iterator<Item = String> {
         self.of_noise().map(|warning| coded(warning, self.names))
     }
 
-    /// The label that tells this log from others: the file, and the column.
+    /// The label that tells this record from others: the file and the column.
     pub fn label(&self) -> String {
         label(&self.file, &self.column)
     }
 
-    /// Whether it is of the part that AN-1042 is about, as the columns of captures and corrections of it are called.
+    /// Whether the column is of the ADIS16130, the sensor of AN-1042, by the column names of its captures.
     pub fn is_of_adis16130(&self) -> bool {
         matches!(self.column.as_str(), "rate_code" | "rate_corrected_dps")
     }
@@ -239,7 +240,7 @@ impl Record {
         self.analysis.stat.title()
     }
 
-    /// The analysis that pictures show.
+    /// The analysis that plots show.
     pub fn drawn(&self) -> &Analysis {
         self.finer.as_ref().unwrap_or(&self.analysis)
     }
@@ -249,18 +250,18 @@ impl Record {
         self.fit.as_ref()?.as_ref().ok()
     }
 
-    /// The frequency up to which its model holds, Hz, if the sensor's filter shapes the noise above.
+    /// The frequency up to which the model holds, Hz, if the sensor's filter shapes the noise above.
     pub fn max_freq_hz(&self) -> Option<f64> {
         let max_freq_hz = self.model()?.max_freq_hz;
         (max_freq_hz < 0.499 * self.analysis.rate_hz).then_some(max_freq_hz)
     }
 
-    /// The lines in its spectrum.
+    /// The lines in the spectrum.
     pub fn lines(&self) -> impl Iterator<Item = &Line> {
         self.model().into_iter().flat_map(Fit::lines)
     }
 
-    /// The model, if it is not rejected: what may be called a result and go into files.
+    /// The model, if it is not rejected. Only such a model counts as a result and goes into files.
     ///
     /// # Errors
     /// Returns a [`Rejection`] if there is no model, or the model is rejected.
@@ -272,12 +273,12 @@ impl Record {
         }
     }
 
-    /// The kind of axis of an IMU, if it is one.
+    /// The kind of axis, if the record is of an axis of an IMU.
     pub fn kind(&self) -> Option<Kind> {
         Kind::of(self.quantity?)
     }
 
-    /// Itself with its model, where it has one and is an axis of an IMU.
+    /// The record as an axis with its model, if it is of an axis of an IMU and has a model.
     pub fn axis(&self) -> Option<Axis<'_>> {
         let (kind, fit, rate_hz) = (self.kind()?, self.model()?, self.analysis.rate_hz);
         Some(Axis { name: &self.column, kind, rate_hz, fit, scale: 1.0 })
@@ -288,7 +289,7 @@ impl Record {
         records.iter().filter_map(Self::axis).collect()
     }
 
-    /// Why axes of an IMU among several records have no result.
+    /// The reasons why axes of an IMU among several records have no result.
     pub fn doubts(records: &[Self]) -> Rejections {
         let axes = records.iter().filter(|record| record.kind().is_some());
         Rejections::about(axes.map(|record| (record.column.as_str(), record.valid_model().err())))
@@ -315,15 +316,15 @@ impl Record {
         self.model()?.expected(&self.analysis, point)
     }
 
-    /// The band in which another record of this sensor lies at a point, of the same length; none beyond what the model
-    /// predicts.
+    /// The band in which another record of this sensor, of the same length, lies at a point. `None` for averages
+    /// longer than the model predicts, and for other statistics than the overlapping Allan deviation.
     pub fn predicted(&self, point: &Point) -> Option<Prediction> {
         let model = self.model().filter(|_| self.analysis.stat == Stat::Oadev)?;
         model.predicted(point.m, self.analysis.samples)
     }
 
-    /// Averaging time and deviation of the minimum: from the fit, or from the points where the fit describes another
-    /// statistic.
+    /// Averaging time and deviation of the minimum: from the fit or, if the fit describes another statistic or is
+    /// not valid, from the points. `None` if there is no minimum, or the rate follows the temperature.
     pub fn minimum(&self) -> Option<(f64, f64)> {
         if let (true, Ok(fit)) = (self.analysis.stat.is_allan(), self.valid_model()) {
             return match allan::advice(fit)?.averaging {
@@ -340,13 +341,13 @@ impl Record {
         inside.then_some((least.tau_s, least.dev))
     }
 
-    /// Whether it is of a part whose rate follows its temperature.
+    /// Whether the rate follows the temperature.
     fn follows_temperature(&self) -> bool {
         self.of_noise().any(|warning| matches!(warning, AllanWarning::FollowsTemperature { .. }))
     }
 }
 
-/// Closes the gaps if asked to, and gives the warning about them.
+/// Closes the gaps if requested, and returns the warning about them.
 fn gaps(options: &AnalysisOptions, file: &Path, column: &mut Column) -> Option<LogWarning> {
     let missing = column.missing();
     if missing == 0 {
@@ -359,7 +360,7 @@ fn gaps(options: &AnalysisOptions, file: &Path, column: &mut Column) -> Option<L
     Some(LogWarning::Gaps { path, missing, among, are_closed })
 }
 
-/// Whether so many samples stand out of the noise that they are no glitches: the sensor may move.
+/// Whether so many samples stand out of the noise that they are not glitches: the sensor may move.
 fn stands_out(fit: &Fit) -> bool {
     fit.warnings.iter().any(|warning| matches!(warning, AllanWarning::ManyGlitches { .. }))
 }

@@ -3,28 +3,28 @@
 use std::fmt;
 use zerorate_allan::Fit;
 
-/// Why the coefficients of an axis must not become a result.
+/// The reason why the coefficients of an axis must not become a result.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rejection {
     /// The record has no noise model.
     NoModel(String),
-    /// Relative error of the model.
+    /// The model is rejected. The number is its relative error.
     Rejected(f64),
 }
 
 impl Rejection {
-    /// About a model, if there is one.
+    /// The rejection of a model; `None` if the model is valid.
     #[must_use]
     pub fn about(fit: &Fit) -> Option<Self> {
         fit.is_rejected.then_some(Self::Rejected(fit.model_error))
     }
 
-    /// Whether another one is about the same thing, by whatever number.
+    /// Whether another rejection has the same reason, even with another number.
     fn is_as(&self, other: &Self) -> bool {
         self == other || matches!((self, other), (Self::Rejected(_), Self::Rejected(_)))
     }
 
-    /// The code of a refusal for it.
+    /// The stable code of the rejection, for scripts.
     #[must_use]
     pub const fn code(&self) -> &'static str {
         match self {
@@ -48,12 +48,12 @@ impl fmt::Display for Rejection {
     }
 }
 
-/// The doubts about several axes, each kind with the axes that have it.
+/// The rejections of several axes, grouped by reason.
 #[derive(Clone, Debug, Default)]
 pub struct Rejections(Vec<Vec<(String, Rejection)>>);
 
 impl Rejections {
-    /// About axes by name.
+    /// Groups the rejections of named axes by reason.
     pub fn about<'a>(axes: impl IntoIterator<Item = (&'a str, Option<Rejection>)>) -> Self {
         let mut all: Vec<Vec<(String, Rejection)>> = Vec::new();
         for (name, doubt) in axes.into_iter().filter_map(|(name, doubt)| Some((name.to_owned(), doubt?))) {
@@ -69,7 +69,7 @@ impl Rejections {
         self.0.iter().flatten().map(|(_, doubt)| doubt)
     }
 
-    /// The code of a refusal for them; none: there is no doubt.
+    /// The code of the first rejection; `None` if there is none.
     #[must_use]
     pub fn code(&self) -> Option<&'static str> {
         self.each().next().map(Rejection::code)
@@ -88,7 +88,7 @@ impl Rejections {
     }
 }
 
-/// A doubt about one or more axes.
+/// The text of one reason, with its axes.
 fn of_kind(kind: &[(String, Rejection)]) -> String {
     let axes = |named: fn(&(String, Rejection)) -> String| kind.iter().map(named).collect::<Vec<_>>().join(", ");
     match kind {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use zerorate_logs::Unit;
 
-/// The axes as names tell them apart; letters have precedence over digits.
+/// Words that tell the axes apart in names. Letters have precedence over digits.
 const AXES: [[&str; 3]; 7] = [
     ["x", "y", "z"],
     ["X", "Y", "Z"],
@@ -14,7 +14,8 @@ const AXES: [[&str; 3]; 7] = [
     ["forward", "right", "down"],
 ];
 
-/// The names in threes, x, y, z or 0, 1, 2 each, in the order of their first names.
+/// Groups names into triads, each in the order x, y, z or 0, 1, 2. The triads are in the order of their first
+/// names.
 pub fn triads(names: &[&str]) -> Vec<[usize; 3]> {
     let mut found: Vec<[usize; 3]> = Vec::new();
     for axes in AXES {

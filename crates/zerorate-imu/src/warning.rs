@@ -48,7 +48,7 @@ pub struct Rest {
     options: [SettingName; 2],
 }
 
-/// Time from a jump to the rest around it, s.
+/// Time between a jump and the rest before or after it, s.
 const AROUND_S: f64 = 1.0;
 
 impl Rest {
@@ -161,7 +161,7 @@ impl fmt::Display for Jumps<'_> {
 /// The first moments in words, and the number of those that follow.
 struct Named<'a>(&'a [Moment]);
 
-/// Moments that a text names.
+/// Number of moments that a text names.
 const NAMED: usize = 1;
 
 impl fmt::Display for Named<'_> {

@@ -84,7 +84,7 @@ impl ModelForm {
     }
 }
 
-/// A Gauss–Markov term shorter than this, in samples, belongs to the band shape, unless it is read as short.
+/// A Gauss–Markov term shorter than this, in samples, belongs to the band shape, unless the reading is `Short`.
 pub(super) const SHORTEST: f64 = 20.0;
 const SHORTEST_OF_ALL: f64 = 2.0;
 /// A Gauss–Markov term longer than this share of the record is a random walk.

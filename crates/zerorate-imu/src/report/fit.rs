@@ -17,11 +17,11 @@ pub struct FitReport {
     pub b: CoefficientReport,
     /// Rate random walk, or acceleration random walk.
     pub k: CoefficientReport,
-    /// Quantisation, where it is significant.
+    /// Quantisation, if significant.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "types", ts(optional))]
     pub q: Option<CoefficientReport>,
-    /// Ramp, where it is significant.
+    /// Ramp, if significant.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "types", ts(optional))]
     pub r: Option<CoefficientReport>,
@@ -31,7 +31,7 @@ pub struct FitReport {
     pub p_value: Option<f64>,
     /// The frequency up to which the model holds, Hz.
     pub f_max_hz: Option<f64>,
-    /// Whether the error is too large: nothing is identified.
+    /// Whether the model is rejected because its error is too large. Nothing is identified then.
     pub rejected: bool,
     /// The other terms, in the unit of the rate.
     #[cfg_attr(feature = "types", ts(type = "({ kind: string } & Record<string, unknown>)[]"))]
@@ -46,19 +46,19 @@ pub struct FitReport {
 pub struct CoefficientReport {
     /// The name.
     pub name: &'static str,
-    /// The value; none: without a model.
+    /// The value; `None` without a model.
     pub value: Option<f64>,
-    /// Lower end.
+    /// Lower end of the 95 % interval.
     pub lo: Option<f64>,
-    /// Upper end.
+    /// Upper end of the 95 % interval.
     pub hi: Option<f64>,
-    /// Unit of these three.
+    /// Unit of `value`, `lo` and `hi`.
     pub unit: String,
-    /// Whether the record shows this noise: zero is outside of the interval. If not, only `hi` says something.
+    /// Whether the record shows this noise: zero is outside the interval. If not, only `hi` has a meaning.
     pub identified: bool,
     /// The length of a record that would identify it, s.
     pub needed_s: Option<f64>,
-    /// What is to be said where it is not identified.
+    /// The text to show if the coefficient is not identified; otherwise empty.
     pub remark: String,
     /// The units that people use for it, the usual one first.
     pub units: Vec<UnitReport>,
@@ -75,7 +75,7 @@ pub struct UnitReport {
 }
 
 impl FitReport {
-    /// Reports on the model of a record of this quantity; none: there is no model, and no coefficient has numbers.
+    /// Reports on the model of a record of this quantity. Without a model, the coefficients have no numbers.
     #[must_use]
     pub fn new(fit: Option<&Fit>, quantity: Option<Quantity>) -> Self {
         let named = fit.map_or_else(Vec::new, |fit| coefficients(fit, quantity));
@@ -105,7 +105,7 @@ impl FitReport {
 }
 
 impl CoefficientReport {
-    /// Value and limits in the unit at `index`; none: without a model.
+    /// Value and limits in the unit at `index`; `None` without a model.
     #[must_use]
     pub fn in_unit(&self, index: usize) -> Option<Estimate> {
         let factor = self.units.get(index)?.factor;

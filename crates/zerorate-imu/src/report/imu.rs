@@ -54,7 +54,7 @@ pub struct AxisReport {
     pub report: AllanReport,
 }
 
-/// A line of a data sheet beside an axis.
+/// The comparison of an axis with a line of a data sheet.
 #[derive(Clone, Debug, Serialize)]
 pub struct LineReport {
     /// The figure that is compared.
@@ -65,7 +65,7 @@ pub struct LineReport {
     pub value: f64,
     /// The unit of the line.
     pub unit: String,
-    /// The document that prints the line, if it is another one.
+    /// The document that prints the line, if it is not the source of the sheet.
     pub source: Option<String>,
     /// The measured value, in the unit of the line.
     pub measured: Option<f64>,

@@ -35,7 +35,7 @@ pub struct AllanReport {
     /// The statistic.
     #[cfg_attr(feature = "types", ts(type = "string"))]
     pub stat: Stat,
-    /// The unit of the deviations; none: nobody stated the unit of the column.
+    /// The unit of the deviations; `None` if the unit of the column is unknown.
     pub unit: Option<&'static str>,
     /// The probability that an interval contains the true deviation.
     pub confidence: f64,
@@ -43,17 +43,17 @@ pub struct AllanReport {
     pub points: Vec<PointReport>,
     /// The averaging times without a deviation.
     pub unavailable: Vec<UnavailableReport>,
-    /// The noise model; none: nobody asked for one.
+    /// The noise model; `None` if none was requested.
     pub fit: Option<FitReport>,
     /// Why there is no noise model, if one was asked for.
     pub fit_error: Option<String>,
-    /// Why the coefficients are no result, if a model was asked for: there is none, or it is rejected.
+    /// Why the coefficients are not a result, if a model was requested: the model is missing or rejected.
     pub rejection: Option<String>,
-    /// What was taken out of the record before the fit.
+    /// The glitches and steps that were removed before the fit.
     pub cleaned: CleanedReport,
     /// The averaging times that the model advises, a sentence each.
     pub advice: Vec<String>,
-    /// The polynomial over temperature that was taken out.
+    /// The polynomial over temperature that was removed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub detrend: Option<DetrendReport>,
     /// The time left out at the beginning, s.
@@ -67,7 +67,7 @@ fn is_zero(seconds: &f64) -> bool {
     *seconds == 0.0
 }
 
-/// A deviation, and the model there.
+/// A deviation, with the model at the same averaging time.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct PointReport {
@@ -89,7 +89,7 @@ pub struct PointReport {
     /// Number of terms in the mean square.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub n: u64,
-    /// The name of that noise; none: the record is too short to tell.
+    /// The name of that noise; `None` if the record is too short to tell.
     pub noise: Option<&'static str>,
     /// The deviation of the model.
     pub model: Option<f64>,
@@ -97,9 +97,10 @@ pub struct PointReport {
     pub model_lo: Option<f64>,
     /// Upper end of that band.
     pub model_hi: Option<f64>,
-    /// The deviation that the model predicts for another record of this sensor, up to 1/128 of the record.
+    /// The deviation that the model predicts for another record of this sensor, for averages up to 1/128 of the
+    /// record.
     pub predicted: Option<f64>,
-    /// Lower end of the band in which 95 % of them lie.
+    /// Lower end of the band in which 95 % of such deviations lie.
     pub predicted_lo: Option<f64>,
     /// Upper end of that band.
     pub predicted_hi: Option<f64>,
@@ -111,23 +112,23 @@ pub struct PointReport {
 pub struct UnavailableReport {
     /// The averaging time, s.
     pub tau_s: f64,
-    /// Why it has none.
+    /// The reason why there is no deviation.
     pub reason: String,
 }
 
-/// What was taken out of a record before the fit.
+/// The glitches and steps that were removed from a record before the fit.
 #[derive(Clone, Debug, Default, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct CleanedReport {
     /// Glitches whose samples were replaced.
     #[cfg_attr(feature = "types", ts(type = "number"))]
     pub glitches: u64,
-    /// Jumps of the level.
+    /// Steps of the level.
     #[cfg_attr(feature = "types", ts(type = "{ at_s: number, size: number }[]"))]
     pub steps: Vec<allan::Step>,
 }
 
-/// A polynomial over temperature that was taken out of a record.
+/// A polynomial over temperature that was removed from a record.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "types", derive(TS))]
 pub struct DetrendReport {
@@ -137,15 +138,15 @@ pub struct DetrendReport {
     pub order: usize,
     /// The method.
     pub method: &'static str,
-    /// In the unit of the rate per °C, °C², °C³, about `mean_c`.
+    /// Coefficients from the first power on: unit of the rate per °C, °C², °C³, about `mean_c`.
     pub coefficients: Vec<f64>,
     /// Mean temperature, °C.
     pub mean_c: f64,
-    /// Share of the variance of the slow rate that it explains.
+    /// Share of the variance of the slow rate that the polynomial explains.
     pub explained: f64,
-    /// Degrees of freedom that it took beside the mean.
+    /// Degrees of freedom that the polynomial takes besides the mean.
     pub lost_dof: usize,
-    /// Share of the variance of a random walk that is left.
+    /// Share of the variance of a random walk that remains.
     pub walk_kept: f64,
 }
 
@@ -223,8 +224,8 @@ impl PointReport {
     }
 }
 
-/// Averages in the record from which the exponent of its noise can be told: the exponent is found to about 2/√averages
-/// and rounded to a whole number, which 62 averages get right 19 times of 20.
+/// Least number of averages in the record for a named noise. The exponent is found to about 2/√averages and
+/// rounded to a whole number, which is right 19 times of 20 with 62 averages.
 const TELLING: f64 = 62.0;
 
 /// The usual name of the noise whose spectral density has the exponent α.
@@ -272,7 +273,7 @@ impl DetrendReport {
 }
 
 impl Record {
-    /// The unit of the deviations; none: nobody stated the unit of the column.
+    /// The unit of the deviations; `None` if the unit of the column is unknown.
     #[must_use]
     pub fn deviation_unit(&self) -> Option<&'static str> {
         let quantity = self.quantity?;
