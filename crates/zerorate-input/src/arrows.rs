@@ -1,4 +1,4 @@
-//! Reads Arrow IPC streams. This is the form for recording, because every whole batch stays readable.
+//! Reads Arrow IPC streams, the form of recordings: every whole batch stays readable if the stream is cut off.
 
 use crate::catch_panic::catch_panic;
 use crate::limits::MemoryBudget;
@@ -19,7 +19,7 @@ pub struct StreamReader {
     path: PathBuf,
     messages: Messages<BufReader<Input>>,
     decoder: StreamDecoder,
-    /// Another input of the same file, to search after a place that cannot be read.
+    /// Another input of the same file, to search for messages after a place that cannot be read.
     rest: Input,
     len: u64,
     room: MemoryBudget,

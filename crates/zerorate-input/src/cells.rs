@@ -50,7 +50,7 @@ fn misfit<T: ArrowPrimitiveType>(value: impl std::fmt::Display) -> ArrowError {
     ArrowError::CastError(format!("{value} does not fit the type {}", T::DATA_TYPE))
 }
 
-/// The values as floating-point numbers, rounded to the nearest.
+/// The values as the nearest floating-point numbers.
 pub fn floats(column: &dyn Array) -> Result<Float64Array, ArrowError> {
     downcast_integer_array! {
         column => { Ok(column.unary(|value| value as f64)) }

@@ -24,7 +24,7 @@ pub enum InputError {
     #[error("{}: {missing}", path.display())]
     NotBuiltIn { path: PathBuf, missing: NotBuiltIn },
 
-    /// The content does not fit into the memory that the file may take.
+    /// The content needs more memory than the file may take.
     #[error("{}: {why}", path.display())]
     OverBudget { path: PathBuf, why: OverBudget },
 

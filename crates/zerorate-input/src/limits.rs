@@ -12,7 +12,7 @@ pub const FREE_BYTES: u64 = 64 << 20;
 /// is about 20 to 1.
 pub const FACTOR: u64 = 256;
 
-/// Largest size of a small text file: a calibration, a part, a data sheet, a token, the state of a tracker.
+/// Largest size of a small text file: a calibration, a part file, a data sheet, a token, the state of a tracker.
 pub const TEXT: Bytes = Bytes(1 << 20);
 
 /// Least memory that the commands need for their threads and a batch of each form, bytes.

@@ -58,7 +58,7 @@ pub trait BatchSource {
     /// What the source has stated so far beside its rows: the schema, checks, and whether it has ended.
     fn stated(&self) -> &Stated;
 
-    /// The same statements, to be changed.
+    /// Mutable access to the same statements.
     fn stated_mut(&mut self) -> &mut Stated;
 
     /// Reads the next batch of the form, if there is one. It is not called again after the end or an error.
