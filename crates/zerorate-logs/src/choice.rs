@@ -83,7 +83,8 @@ pub struct Choice {
 }
 
 impl Columns<'_> {
-    /// Chooses the wanted columns. Where the request is open, columns in `default` have precedence over all others.
+    /// Chooses the wanted columns. If the request names no columns, those in `default` have precedence over all
+    /// others.
     pub fn choose(&self, wanted: ColumnSelection<'_>, args: &ColumnOptions, default: &[usize]) -> Result<Choice> {
         let lacks_rate = args.rate.is_none() && args.time_column.is_none() && self.stated_time(&[]).is_none();
         let asks_rate = lacks_rate && default.is_empty() && !matches!(wanted, ColumnSelection::Described(_));
@@ -110,7 +111,7 @@ impl Columns<'_> {
         let time = match (wanted, default) {
             (ColumnSelection::First(_), _) if is_open => self.time(&first),
             (ColumnSelection::All, []) if is_open => self.time(&[]),
-            // a column that is only called a time may be the one that is meant
+            // a column whose name merely suggests a time may be the wanted one
             (ColumnSelection::One(None), []) if is_open => self.stated_time(&[]),
             _ => time,
         };
@@ -151,8 +152,8 @@ impl Columns<'_> {
         is_said.then(|| LogWarning::NoNumbers { path: self.path.display().to_string(), names: left.join(", ") })
     }
 
-    /// The column outside `values` with the time: the only one whose name states a unit of time, or the only one that
-    /// is called a time. The latter is not taken where its numbers are not dates in one unit.
+    /// The column outside `values` with the time: the only one whose name states a unit of time, or the only one
+    /// with the name of a time. The latter does not count if its numbers are not dates in one unit.
     fn time(&self, values: &[usize]) -> Option<usize> {
         let is_likely = |at: &usize| !values.contains(at) && self.numeric[*at] && is_named_time(self.names[*at]);
         let likely: Vec<usize> = (0..self.names.len()).filter(is_likely).collect();
@@ -190,7 +191,8 @@ impl Columns<'_> {
         stated.or_else(|| self.clock(values).filter(|_| clear.is_empty()))
     }
 
-    /// The only column outside `values` that holds times by its content or its type, if no number is called a time.
+    /// The only column outside `values` that holds times by its content or its type, if no numeric column is named
+    /// a time.
     fn clock(&self, values: &[usize]) -> Option<usize> {
         let is_other = |(at, name): (usize, &&str)| self.numeric[at] && is_named_time(name);
         let mut clocks = (0..self.clocks.len()).filter(|at| self.clocks[*at] && !values.contains(at));
@@ -219,7 +221,7 @@ impl Columns<'_> {
         Ok(())
     }
 
-    /// All columns of numbers, except the time and an unnamed column among named ones: an index.
+    /// All columns of numbers, except the time, and except an unnamed column among named ones, which is an index.
     fn all(&self, time: Option<usize>) -> Vec<usize> {
         let are_named = self.names.iter().any(|name| !name.is_empty());
         let is_fraction = |index: usize| time.is_some_and(|time| is_fraction(self.names[index], self.names[time]));
@@ -259,7 +261,7 @@ impl Columns<'_> {
 
     /// The column of this name or number. A name has precedence over a number.
     fn position(&self, wanted: &str, setting: Setting) -> Result<usize> {
-        // a name may be given as a header in a comment has it
+        // a name may be given with the mark of the comment that holds the header
         let bare = wanted.trim_start_matches(['#', '%', ' ']);
         let is_named = |(_, name): &(usize, &&str)| **name == wanted || !bare.is_empty() && **name == bare;
         let mut named = self.names.iter().enumerate().filter(is_named).map(|(at, _)| at);

@@ -12,7 +12,8 @@ const SAID_JITTER: f64 = 0.1;
 /// of 0.69 intervals has this jitter from rounding alone.
 const CLEAR_JITTER: f64 = 0.2;
 
-/// Largest jitter at which the rows around tell this. Beyond, half of the rows are nearer to another row's place.
+/// Largest jitter at which the surrounding rows tell this. Beyond, half of the rows are nearer to another row's
+/// place.
 const MAX_JITTER: f64 = 0.5;
 
 /// A row behind a missing sample may come this fraction of an interval early; the sample still counts as missing.
@@ -135,7 +136,7 @@ impl Times {
         self.since_first = self.since_first[first..end].iter().map(|time| time - start).collect();
     }
 
-    /// Keeps these rows, which are in order and are not none.
+    /// Keeps these rows, which must be ascending. Does nothing without rows.
     pub fn select(&mut self, rows: &[usize]) {
         let all = self.since_first.clone();
         if let (Some(first), Some(last)) = (rows.first(), rows.last()) {
@@ -337,13 +338,14 @@ pub fn median(numbers: &mut [f64]) -> f64 {
     if numbers.is_empty() { 0.0 } else { *numbers.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
-/// The mean of steps between rows. The first step may reach back to the start of the board, and a long one is a gap.
+/// The mean of the steps between rows that are near their median. A first step since the start of the board and
+/// gaps are left out. `None` if the median is not positive.
 pub fn usual_step(mut steps: Vec<f64>) -> Option<f64> {
     let middle = Some(median(&mut steps)).filter(|median| *median > 0.0)?;
     Some(mean(steps.into_iter().filter(|step| (0.5..=2.0).contains(&(step / middle)))))
 }
 
-/// The rate and the gaps of a log, as its timestamps tell them.
+/// The rate and the gaps of a log according to its timestamps.
 #[derive(Debug, PartialEq)]
 pub struct TimeBase {
     /// Mean rate, lost samples included.

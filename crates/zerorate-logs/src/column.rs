@@ -124,7 +124,7 @@ impl Column {
                 });
                 self.gaps.drain(..before.count());
                 let skipped = codes.len().min((samples - missing) as usize);
-                // a gap that the cut goes through leaves the codes behind it
+                // if the cut is inside a gap, the codes behind the gap stay
                 let skipped = self.gaps.first().map_or(skipped, |gap| skipped.min(gap.at));
                 codes.drain(..skipped);
                 self.gaps.iter_mut().for_each(|gap| gap.at -= skipped);

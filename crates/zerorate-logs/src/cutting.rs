@@ -14,7 +14,8 @@ use zerorate_input::TimeUnit;
 /// The Unix times of a log between these are dates, from 1973 to 2096; smaller ones count from some other start.
 const DATES_S: std::ops::Range<f64> = 1e8..4e9;
 
-/// A row later than this, in intervals, begins another log, and the largest number of logs in one file.
+/// A row earlier than the one before by more than this, in intervals, begins another log. One file has at most
+/// `MOST_LOGS`.
 const LATE: f64 = 64.0;
 const MOST_LOGS: usize = 16;
 
@@ -58,8 +59,8 @@ impl fmt::Display for Span {
 }
 
 impl Times {
-    /// The time since the first row, in the unit of the file, of the last row of the first log, if this is the time of
-    /// several logs: few large steps back.
+    /// If the file holds several logs, which few large steps back in time show: the time of the last row of the
+    /// first log, since the first row, in the unit of the file.
     pub fn end_of_first(&self) -> Option<f64> {
         let least = LATE * self.interval()?;
         let mut falls = self.since_first().windows(2).filter(|pair| pair[0] - pair[1] > least);
@@ -67,7 +68,7 @@ impl Times {
         (falls.count() < MOST_LOGS).then_some(first)
     }
 
-    /// The number of rows above the first that is not before this time.
+    /// The number of rows before the first one at this time or later.
     pub fn rows_until(&self, until: CutTime, unit: TimeUnit) -> Option<usize> {
         let CutTime::SinceStart(until_s) = until else { return None };
         self.since_first().iter().position(|time| time / unit.per_s() >= until_s).filter(|rows| *rows > 0)

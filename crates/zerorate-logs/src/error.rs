@@ -10,7 +10,7 @@ pub enum LogError {
     /// The file cannot be read, or is damaged.
     #[error(transparent)]
     File(#[from] InputError),
-    /// The file does not say enough, or does not have the requested columns.
+    /// The file lacks a fact or a requested column. The text asks for it.
     #[error("{0}")]
     Ask(String),
     /// The file has several candidates.
@@ -20,7 +20,7 @@ pub enum LogError {
         question: String,
         /// A line for each candidate, below a header if it needs one.
         table: Vec<String>,
-        /// The topics, if it is these that there are several of.
+        /// The topics, if the candidates are topics.
         topics: Vec<String>,
     },
     /// The rows are of several sensors, joined by time: the question, and the columns of each sensor.
@@ -59,7 +59,7 @@ pub fn unsteady(path: &Path, column: &str, why: &str) -> LogError {
     LogError::Refused("times-uneven", format!("{}, column {column}: {why}", path.display()))
 }
 
-/// The question for the rate where a column holds the step between rows.
+/// The question for the rate if a column holds the steps between rows.
 pub fn rate_of_steps(path: &Path, column: &str, rate_hz: f64, names: Names) -> LogError {
     let (path, rate) = (path.display(), names.of(Setting::Rate));
     let what = format!("`{column}` holds the step between rows; the usual step means {rate} {rate_hz:.6}");

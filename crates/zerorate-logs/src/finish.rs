@@ -18,7 +18,7 @@ use zerorate_allan::Gap;
 use zerorate_input::{InputError, Quantity, TimeUnit};
 
 impl Clock {
-    /// The unit of the times, and the rate and gaps that they tell; `None` without a time column.
+    /// The unit of the times, and the rate and gaps that follow from them; `None` without a time column.
     pub fn time_base(&self, path: &Path, args: &ColumnOptions) -> Result<Option<(TimeUnit, TimeBase)>> {
         let Self::Column(name, times) = self else { return Ok(None) };
         if let (Some(asked), Some(stated)) = (args.time_unit, times.unit)
@@ -57,12 +57,12 @@ impl Clock {
         Some(times.first() / self.unit(args)?.per_s())
     }
 
-    /// Whether nothing but the name of a column says that it holds the time.
+    /// Whether only the name of the column suggests that it holds the time.
     pub fn is_guess(&self, args: &ColumnOptions) -> bool {
         args.time_column.is_none() && self.unit(args).is_none()
     }
 
-    /// Scales times whose unit is a number of s, ms, us or ns, as their name states.
+    /// Scales times that count in a multiple of s, ms, us or ns, as their name states.
     fn scale_ticks(&mut self, args: &ColumnOptions) {
         let Self::Column(name, times) = self else { return };
         let known = ticks(name).or_else(|| time_unit::of_xsens(name, times));
@@ -72,7 +72,7 @@ impl Clock {
         }
     }
 
-    /// The rate that steps between rows tell, Hz, if the column holds steps and not times.
+    /// The column and its rate, Hz, if it holds the steps between rows instead of times.
     fn rate_of_steps(&self) -> Option<(&str, f64)> {
         let Self::Column(name, times) = self else { return None };
         let unit = TimeUnit::of_column(name).filter(|_| is_step(name))?;
@@ -82,7 +82,7 @@ impl Clock {
         Some((name, unit.per_s() / usual_step(steps).filter(|_| falls)?))
     }
 
-    /// The warning about a unit that the dates tell.
+    /// The warning that the unit was inferred from dates.
     fn dated(&self, path: &Path, args: &ColumnOptions) -> Option<LogWarning> {
         let Self::Column(name, times) = self else { return None };
         let is_stated = times.unit.or(args.time_unit).or_else(|| TimeUnit::of_column(name)).is_some();
@@ -208,7 +208,8 @@ impl RawColumns {
     }
 }
 
-/// The refusal of times that cannot be put in order. If it is two logs, the time at which the first ends is stated.
+/// The refusal of times that cannot be put in order. If the file seems to hold two logs, it states where the first
+/// ends.
 fn disordered(
     (path, name): (&Path, &str),
     times: &Times,

@@ -12,17 +12,17 @@ use zerorate_input::{Input, InputError, NotBuiltIn};
 
 /// A form that has a reader of its own. All else is a capture, an Arrow stream or text.
 pub struct Form {
-    /// The first bytes of a file; any of them will do.
+    /// The marks at the start of a file. One of them suffices.
     marks: &'static [&'static [u8]],
-    /// Its name in words.
+    /// The name of the form in words.
     pub words: &'static str,
-    /// What it holds.
+    /// The kind of content.
     pub content: Content,
-    /// Its reader, or the feature that adds the reader.
+    /// The reader of the form, or the feature that adds it.
     pub reader: Result<Reader, NotBuiltIn>,
 }
 
-/// What a form holds.
+/// The kind of content of a form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
     /// Arrays or messages.

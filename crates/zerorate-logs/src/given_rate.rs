@@ -9,10 +9,10 @@ use std::path::Path;
 /// sensor differ by less.
 const RATE_OFF: f64 = 0.02;
 
-/// The same limit where rows share stamps, which tell the rate less precisely.
+/// The same limit if several rows share a stamp, so that the stamps give the rate less precisely.
 const COARSE_RATE_OFF: f64 = 0.1;
 
-/// Least number of steps of a coarse clock that tell its rate.
+/// Least number of steps of a coarse clock from which its rate is computed.
 const FEWEST_STEPS: usize = 20;
 
 /// The warning about a given rate that differs from the rate of the stamps by more than the fraction `within`.

@@ -209,11 +209,11 @@ struct Set {
     set: Dataset,
 }
 
-/// What a file holds.
+/// The content of a file.
 #[derive(Default)]
 struct Content {
     sets: Vec<Set>,
-    /// The sample rates in Hz that it states, with their names.
+    /// The sample rates in Hz that the file states, with their names.
     rates: Vec<(String, f64)>,
     /// Names and classes of MATLAB's objects.
     objects: Vec<(String, String)>,

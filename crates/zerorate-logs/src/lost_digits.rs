@@ -6,13 +6,13 @@ use zerorate_input::TimeUnit;
 /// Digits that float32 keeps, and Excel in `1.70000E+18`.
 const DIGITS: usize = 7;
 
-/// Stamps from here on have more digits than these.
+/// Stamps from this size on have more digits than that.
 const LARGE: f64 = 1e9;
 
 /// Share of the rows that repeat the stamp of the row before.
 const REPEATED: f64 = 0.5;
 
-/// What shows that most stamps repeat because their last digits were cut.
+/// The evidence that most stamps repeat because their last digits were cut; `None` without evidence.
 pub fn reason(times: &Times, unit: Option<TimeUnit>) -> Option<String> {
     let rows = times.since_first();
     let repeated = rows.windows(2).filter(|pair| pair[0] == pair[1]).count();

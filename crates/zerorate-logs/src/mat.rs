@@ -193,7 +193,7 @@ impl<'a> Iterator for Parts<'a> {
 }
 
 impl<'a> Parts<'a> {
-    /// The next part, which must be there.
+    /// Returns the next part, or an error if there is none.
     fn part(&mut self, what: &str) -> Result<(u32, &'a [u8]), String> {
         self.next().ok_or_else(|| format!("its {what} are missing or cut short"))
     }
@@ -216,7 +216,7 @@ impl Element {
         let mut parts = Parts { bytes: &self.data, big_endian: self.big_endian };
         let is_object = number(parts.next()?.1, self.big_endian).to_le_bytes()[0] == OBJECT;
         let mut text = || Some(String::from_utf8_lossy(parts.next()?.1).into_owned());
-        // the system of types stands between them: MCOS
+        // the name of the system of types, MCOS, stands between them
         let (name, _, class) = (text()?, text()?, text()?);
         is_object.then_some((name, class))
     }

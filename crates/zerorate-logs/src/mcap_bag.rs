@@ -73,7 +73,7 @@ fn topics(path: &Path, file: &mut Input, room: MemoryBudget) -> Result<(Sources,
             Err(error) if first => {
                 return Err(InputError::damaged(path, "as an MCAP file", error.to_string()).into());
             }
-            // the whole part of the file will be read
+            // the undamaged part of the file will be read
             Err(_) => {}
         }
         first = false;

@@ -13,7 +13,8 @@ const FEWEST: usize = 8;
 const ALONE: f64 = 0.9;
 
 impl RawColumns {
-    /// Drops the rows of other sensors, in which the columns that were read are empty. Stamps show what is missing.
+    /// Drops the rows of other sensors, in which the columns that were read are empty. The stamps show which
+    /// samples are missing.
     ///
     /// # Errors
     /// Returns [`LogError::Merged`] if the columns that were read are of several sensors.
@@ -31,7 +32,7 @@ impl RawColumns {
                 None => groups.push(vec![column]),
             }
         }
-        // a single column that is there now and then, such as a temperature, is no sensor of its own
+        // a single column with a cell now and then, such as a temperature, does not count as a sensor
         groups.retain(|group| group.len() > 1);
         if groups.len() > 1 {
             let names = |group: Vec<&Presence>| group.iter().map(|one| one.name.clone()).collect::<Vec<_>>();
@@ -72,12 +73,12 @@ impl Presence {
         Self { name: column.name.clone(), rows }
     }
 
-    /// Whether this column is of another sensor than the other.
+    /// Whether this column belongs to another sensor than the other.
     fn is_apart(&self, other: &Self) -> bool {
         self.alternates(other) || self.is_thinner(other) || other.is_thinner(self)
     }
 
-    /// Whether this column is there in every second row of the other, or in every third and so on.
+    /// Whether this column has a cell in every second row of the other, or in every third and so on.
     fn is_thinner(&self, other: &Self) -> bool {
         let there = |of: &Self| (0..of.rows.len()).filter(|row| of.rows[*row]).collect::<Vec<usize>>();
         let (own, others) = (there(self), there(other));
@@ -89,7 +90,7 @@ impl Presence {
         is_even && own.len() * 3 <= others.len() * 2
     }
 
-    /// Whether this column is there in the rows in which the other is not, and the other way round.
+    /// Whether nearly all cells of the two columns are in rows in which the other column has none.
     fn alternates(&self, other: &Self) -> bool {
         let pairs = || self.rows.iter().zip(&other.rows);
         let one_alone = pairs().filter(|(one, other)| **one && !**other).count();

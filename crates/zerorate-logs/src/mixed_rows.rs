@@ -26,10 +26,10 @@ const MOST: usize = 16;
 const FEWEST: usize = 8;
 const SHARE: f64 = 0.02;
 
-/// Share of the rows that may have other values.
+/// Share of the rows that may have values that do not count.
 const OTHERS: f64 = 0.05;
 
-/// Uneven steps of a value for each time that its rows are interrupted. A flag has one for each interruption.
+/// Largest number of uneven steps of a value per interruption of its rows. A flag has one for each interruption.
 const UNEVEN: f64 = 0.25;
 
 /// Share of rows with an earlier time than the row above, from which on the times of several sensors overlap.
@@ -63,7 +63,7 @@ const IDS: [&str; 42] = [
     "position", "stream",
 ];
 
-/// Those of these words that say so even where the rows of a sensor come in no order, or are not interrupted.
+/// The words among these that suffice even if the rows of a sensor come in no order, or are not interrupted.
 const SENSORS: [&str; 25] = [
     "id", "sensor", "device", "dev", "instance", "inst", "imu", "unit", "node", "source", "src", "addr", "address",
     "serial", "sn", "mac", "topic", "tag", "label", "module", "board", "chip", "port", "probe", "bus",
@@ -180,7 +180,7 @@ fn is_known(name: &str, known: &[&str]) -> bool {
     words(name).iter().any(|word| known.contains(&word.as_str()))
 }
 
-/// Whether a column of such values is called as one that tells sensors apart, or holds words.
+/// Whether the name of a column, or words as values, suggest that it tells sensors apart.
 fn is_id(name: &str, labels: &Labels<'_>) -> bool {
     labels.are_words() || is_known(name, &IDS) || words(name).iter().any(|word| word.ends_with("id"))
 }
@@ -239,7 +239,7 @@ fn words(name: &str) -> Vec<String> {
     words
 }
 
-/// A column of few values, or several beside each other.
+/// A column with few different values, or several such columns combined.
 #[derive(Clone)]
 struct Labels<'a> {
     /// The values that count, in the order of the file, with a cell of each column.
@@ -274,7 +274,7 @@ impl<'a> Labels<'a> {
         (values.len() > 1 && others as f64 <= OTHERS * cells.len() as f64).then_some(Self { values, rows })
     }
 
-    /// The pairs of values of two columns.
+    /// Combines two columns into one of pairs of values.
     fn beside(&self, other: &Self) -> Self {
         let mut pairs: Vec<(usize, usize)> = Vec::new();
         let rows = self.rows.iter().zip(&other.rows).map(|(one, other)| {
@@ -312,7 +312,7 @@ impl<'a> Labels<'a> {
         })
     }
 
-    /// Whether each stamp stands in a row of every value, as where several sensors are read at once.
+    /// Whether each stamp has one row of every value, as if several sensors were read at once.
     fn share_stamps(&self, times: &[f64]) -> bool {
         let repeated = times.windows(2).filter(|pair| pair[0] == pair[1]).count() as f64;
         let expected = 1.0 - 1.0 / self.values.len() as f64;

@@ -56,7 +56,7 @@ impl Array {
         let fields = match (header.shape.as_slice(), name) {
             ([], name) if !name.is_empty() => Vec::new(),
             (_, "") => fields(path, &header)?,
-            // nobody can ask for a field that is not a column
+            // an array of an archive that cannot be read has no columns
             (shape, name) => {
                 fields(path, &header).unwrap_or_default().into_iter().map(|field| field.of(name, shape)).collect()
             }

@@ -138,7 +138,7 @@ impl Numerals {
     }
 }
 
-/// The largest integer below which an f64 holds every one.
+/// The largest integer up to which an f64 holds every integer.
 const EXACT: u64 = 1 << 53;
 
 /// Powers of ten that an f64 holds exactly.

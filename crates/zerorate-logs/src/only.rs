@@ -8,7 +8,7 @@ use std::str::FromStr;
 /// The rows of a table in which columns have these values.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Only {
-    /// What holds for each row; one or more.
+    /// The conditions that each row must meet; one or more.
     pub conditions: Vec<Condition>,
 }
 

@@ -57,7 +57,7 @@ pub fn packing(start: &[u8]) -> Option<String> {
 }
 
 impl Log<'_> {
-    /// Refuses a file that is empty, or of a form that people have but nobody reads here.
+    /// Refuses a file that is empty, or of a common form that is not supported.
     pub fn check(&self) -> Result<(), InputError> {
         let foreign = FOREIGN.iter().find(|(mark, _)| self.start.starts_with(mark));
         match foreign {
