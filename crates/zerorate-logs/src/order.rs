@@ -26,7 +26,7 @@ const MODULI: [f64; 13] = [
 /// The rows around a wrap of a counter lie within this many intervals of the place where it wraps.
 const AT_WRAP: f64 = 1000.0;
 
-/// The same as a share of the modulus. A log that was begun again has its last time anywhere.
+/// The same limit as a share of the modulus. If a log was started again, its last time may be anywhere.
 const AT_MOST: f64 = 1.0 / 16.0;
 
 /// Largest number of rows by which a row may be late: the queue of a bag reorders rows this far.
@@ -44,7 +44,7 @@ const MAX_STEP: f64 = 0.01;
 /// Share of the rows at which a clock may be set back.
 const MAX_STEPS: f64 = 0.001;
 
-/// Share of the rows with the stamp of the row before from which the clock counts as coarse.
+/// Share of the rows that repeat the stamp of the row before, above which the clock counts as coarse.
 const COARSE: f64 = 0.05;
 
 /// Puts rows in the order of their times. Returns the texts about the repairs; `Err` tells why repair is impossible.
@@ -174,8 +174,8 @@ fn set_back(steps: &[(f64, String)]) -> String {
     }
 }
 
-/// The rows among which `row` and those behind it are late, as far as they fill a hole there. A clock that was set
-/// back leaves no hole.
+/// The range of rows to sort, if `row` and those behind it are late: they fill a hole in the times before them. A
+/// clock that was set back leaves no hole.
 fn late(rows: &[TimedRow], row: usize, interval: f64) -> Option<(usize, usize)> {
     let latest = rows[row - 1].time;
     let behind = &rows[row..rows.len().min(row + NEAR)];

@@ -92,8 +92,8 @@ impl Groups<'_> {
         (0..self.len()).map_while(next).collect()
     }
 
-    /// The first rows of a row group in all columns with numbers or words; `None` if one of them cannot be read,
-    /// because nobody asked for it.
+    /// The first rows of a row group in all columns with numbers or words. `None` if one of them cannot be read,
+    /// which is not an error, because it was not requested.
     fn first_rows_of(&self, group: usize) -> Option<RecordBatch> {
         let fits = |field: &Field| {
             let of = field.data_type();

@@ -48,7 +48,7 @@ pub fn quoted(name: &str) -> String {
     if is_plain { name.to_owned() } else { format!("'{name}'") }
 }
 
-/// The first column of dates or times that are not read, with a cell and the reason.
+/// The first column of dates or times that cannot be read, with a cell and the reason.
 fn unread(sample: &[Sampled]) -> Option<String> {
     sample.iter().find_map(|column| {
         let words = || column.cells.iter().filter_map(Cell::as_word);
@@ -67,7 +67,7 @@ fn clocks(sample: &[Sampled]) -> Option<String> {
     (all.len() > 1).then(|| all.join(", "))
 }
 
-/// The rate that a column of dates in days tells, as Excel and MATLAB count them.
+/// A remedy with the rate that a column of dates in days implies, as Excel and MATLAB count days.
 fn days(sample: &[Sampled], rate: SettingName) -> Option<String> {
     let dated = |column: &&Sampled| {
         let first = column.cells.first().and_then(Cell::as_number);
@@ -81,7 +81,7 @@ fn days(sample: &[Sampled], rate: SettingName) -> Option<String> {
     })
 }
 
-/// The rate that a column tells whose name says that it holds the steps between rows, in an unknown unit.
+/// A remedy with the rate of a column that, by its name, holds the steps between rows, in an unknown unit.
 fn steps(sample: &[Sampled], rate: SettingName) -> Option<String> {
     let column = sample.iter().find(|column| is_step(&column.name))?;
     let step = usual_step(column.cells.iter().filter_map(Cell::as_number).collect())?;
@@ -106,7 +106,7 @@ struct Rising<'a> {
     rate_hz: f64,
 }
 
-/// The column that rises evenly; of several, one that is called a time.
+/// A column that rises evenly, if possible one with the name of a time.
 fn rising(sample: &[Sampled]) -> Option<Rising<'_>> {
     let all: Vec<Rising<'_>> = sample.iter().filter_map(Rising::of).collect();
     let at = all.iter().position(|rising| is_like_time(rising.column)).unwrap_or_default();

@@ -12,7 +12,7 @@ use crate::setting::Setting;
 use std::io::Read;
 use zerorate_input::{Input, InputError};
 
-/// Bytes that are read at a time, apart from what is less than a record. (To map the file into memory would take
+/// Bytes that are read at a time, rounded down to whole records. (To map the file into memory would take
 /// `unsafe` code.)
 const BLOCK: usize = 1 << 18;
 

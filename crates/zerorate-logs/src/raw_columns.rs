@@ -16,7 +16,7 @@ pub struct RawColumns {
     pub warnings: Vec<LogWarning>,
     /// The first rows of all columns of the file; empty if the reader saw only `columns`.
     pub sample: Vec<Sampled>,
-    /// The sample rate that stands beside the columns.
+    /// The sample rate that the file states beside the columns.
     pub stated_rate: Option<StatedRate>,
 }
 

@@ -12,7 +12,7 @@ const MAX_CHANNELS: usize = 256;
 pub struct RawType {
     /// The numbers in a record, all of one type.
     pub channels: usize,
-    /// The type of each.
+    /// The type of each number.
     pub number: RawNumber,
     /// Whether the first byte of a number is the highest.
     pub is_big_endian: bool,
@@ -123,7 +123,7 @@ impl RawType {
         Ok(())
     }
 
-    /// Adds the times in a channel; `Err` is the index of the first that is not one, and the reason.
+    /// Adds the times in a channel. `Err` is the index of the first number that is not a time, and the reason.
     pub fn append_times(self, times: &mut Times, block: &[u8], channel: usize) -> Result<(), (usize, String)> {
         let mut rows = self.channel(block, channel).into_iter().enumerate();
         rows.try_for_each(|(row, time)| times.push_number(time).map_err(|why| (row, why)))

@@ -1,4 +1,4 @@
-//! The first rows of a table in all columns. Columns that nobody asked for tell about the rows, too.
+//! The first rows of a table in all columns. Columns that were not requested tell about the rows, too.
 
 use crate::clock::Times;
 use crate::time_names::ticks;

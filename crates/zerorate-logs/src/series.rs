@@ -287,7 +287,7 @@ fn merged(empty_rows: &[Gap], between_rows: &[Gap]) -> Vec<Gap> {
             rows_empty += next.missing;
             join(&mut all, next);
         }
-        // in the middle of a run of empty rows it is as good as at its end
+        // a gap within a run of empty rows may as well be at its end
         let at = (gap.at as u64).saturating_sub(rows_empty) as usize;
         let at = at.max(all.last().map_or(0, |last| last.at));
         join(&mut all, Gap { at: at.min(empty.peek().map_or(at, |next| next.at)), missing: gap.missing });

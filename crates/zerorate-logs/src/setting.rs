@@ -46,7 +46,7 @@ impl Setting {
         SettingName::text(self.word())
     }
 
-    /// The word from which front ends make its name: `time_column`.
+    /// The word from which front ends make the name of the option: `time_column`.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {

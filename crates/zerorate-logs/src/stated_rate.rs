@@ -20,7 +20,7 @@ const WORDS: [&str; 9] = [
     "odr",
 ];
 
-/// Whether a number is called a sample rate, apart from the structure or the group that holds it.
+/// Whether a name is that of a sample rate, apart from the structure or the group that holds it.
 pub fn is_rate(name: &str) -> bool {
     let own = name.rsplit(['.', '/', '@']).next().unwrap_or_default().to_lowercase();
     let word: String = own.chars().filter(|c| c.is_alphanumeric()).collect();
@@ -28,7 +28,7 @@ pub fn is_rate(name: &str) -> bool {
 }
 
 impl StatedRate {
-    /// The rate among single numbers and their names; `None` if they state several rates.
+    /// The rate among single numbers and their names; `None` if they state no rate, or several.
     pub fn among(numbers: impl IntoIterator<Item = (String, f64)>) -> Option<Self> {
         let is_stated = |(name, rate_hz): &(String, f64)| is_rate(name) && *rate_hz > 0.0 && rate_hz.is_finite();
         let mut stated = numbers.into_iter().filter(is_stated);

@@ -101,7 +101,7 @@ impl<'a> TableColumns<'a> {
         if described.is_some() && !only.is_empty() {
             return Err(asked.args.only_of_tables(path));
         }
-        // with a time column it is a table as any other
+        // with a time column, a described table is read like any other
         let described = described.filter(|_| time.is_none());
         let column = |index: &usize| {
             let name = names[*index].to_owned();
@@ -158,7 +158,7 @@ impl<'a> TableColumns<'a> {
         Ok(())
     }
 
-    /// The wanted rows, as the last columns tell them.
+    /// The wanted rows, chosen by the values in the last columns.
     fn wanted_rows(&self, columns: Vec<ArrayRef>) -> Result<Vec<ArrayRef>, InputError> {
         let Some((only, names)) = &self.only else { return Ok(columns) };
         let mut wanted = vec![true; columns.first().map_or(0, |column| column.len())];

@@ -8,7 +8,8 @@ pub fn is_like_time(name: &str) -> bool {
     name == "t" || name.contains("time") || name.contains("stamp")
 }
 
-/// Whether a column is called the time and nothing else: `timestamp`, `field.header.stamp`, but not `runtime`.
+/// Whether the name of a column means the time and nothing else: `timestamp`, `field.header.stamp`, but not
+/// `runtime`.
 pub fn is_named_time(name: &str) -> bool {
     let words = [
         "t",
@@ -33,7 +34,7 @@ pub fn is_named_time(name: &str) -> bool {
     is_like_time(&name) && parts.all(|part| words.contains(&part))
 }
 
-/// Whether a column is called by its unit alone, as `ms`, which may also be a part of a time.
+/// Whether the name of a column is a unit alone, such as `ms`. The column may then be a part of another time.
 pub fn is_bare_unit(name: &str) -> bool {
     name.chars().all(char::is_alphanumeric) && !name.to_lowercase().contains("time")
 }
@@ -46,7 +47,7 @@ pub fn states_time(name: &str) -> bool {
     !is_duration(name) && is_in_time_unit(name)
 }
 
-/// Whether a column holds a time that something took, and not the time of its row: `latency_us`.
+/// Whether a column holds a duration, and not the time of its row: `latency_us`.
 fn is_duration(name: &str) -> bool {
     let words =
         ["latency", "exposure", "age", "period", "loop", "cpu", "delay", "duration", "jitter", "timeout", "lag"];
@@ -58,8 +59,8 @@ fn is_in_time_unit(name: &str) -> bool {
         || name.eq_ignore_ascii_case(SAMPLE_TIME_FINE)
 }
 
-/// The unit of a time whose name states another number than one: 0.1 ms of `time [0.1 ms]` and `ticks_100us`, 60 s of
-/// `Time (min)`.
+/// The unit of a time and the size of its step in that unit, if the name states a step other than one unit: 0.1 ms
+/// of `time [0.1 ms]` and `ticks_100us`, 60 s of `Time (min)`.
 pub fn ticks(name: &str) -> Option<(TimeUnit, f64)> {
     let name = name.to_lowercase();
     let is_bare_t = name.strip_prefix('t').is_some_and(|rest| rest.starts_with(['_', ' ', '[', '(']));

@@ -13,7 +13,7 @@ const RATES_HZ: std::ops::RangeInclusive<f64> = 0.01..=50_000.0;
 /// Rate below which a column may count in a finer unit than its name states: `millis` that are microseconds.
 const SLOW_HZ: f64 = 0.5;
 
-/// Rates of IMUs, Hz: of several units with such a rate, the user chooses one.
+/// Rates of IMUs, Hz. If several units give such a rate, the user is asked for one.
 const RATES_OF_IMUS_HZ: std::ops::RangeInclusive<f64> = 2.0..=33_000.0;
 
 /// A usual rate, Hz.
@@ -27,8 +27,8 @@ const TOO_LATE_S: f64 = 1e10;
 
 const ALL: [TimeUnit; 4] = [TimeUnit::S, TimeUnit::Ms, TimeUnit::Us, TimeUnit::Ns];
 
-/// The unit in which times are dates of 2000 to 2100, counted from 1970. Where rows then come slower than
-/// [`SLOWEST_HZ`], the times may be those since the start in a finer unit, and nothing is told.
+/// The unit in which times are dates of 2000 to 2100, counted from 1970. `None` if rows then come slower than
+/// [`SLOWEST_HZ`]: the times may count from the start in a finer unit.
 pub fn dated(times: &Times) -> Option<TimeUnit> {
     let unit = date(times.first())?;
     let span_s = times.since_first().last()? / unit.per_s();
@@ -43,13 +43,13 @@ fn date(first: f64) -> Option<TimeUnit> {
     ALL.into_iter().find(|unit| EPOCH_S.contains(&(first / unit.per_s())))
 }
 
-/// The unit in which rows come at a usual rate, if so many of them come in each unit; `None` if no rate is one of a
+/// The unit that gives the most usual rate, for `per_unit` rows in each unit; `None` if that rate is not one of a
 /// sensor.
 pub fn usual(per_unit: f64) -> Option<TimeUnit> {
     nearest(per_unit, ALL.into_iter()).filter(|unit| RATES_HZ.contains(&(per_unit * unit.per_s())))
 }
 
-/// Another unit in which rows come at a rate of an IMU, if so many of them come in each unit.
+/// Another unit that gives a rate of an IMU, for `per_unit` rows in each unit.
 pub fn other(per_unit: f64, unit: TimeUnit) -> Option<TimeUnit> {
     let fits = |other: &TimeUnit| *other != unit && RATES_OF_IMUS_HZ.contains(&(per_unit * other.per_s()));
     nearest(per_unit, ALL.into_iter().filter(fits))
@@ -72,7 +72,7 @@ pub fn of_xsens(name: &str, times: &Times) -> Option<(TimeUnit, f64)> {
     Some(if interval < FINE { (TimeUnit::Ms, 0.1) } else { (TimeUnit::Us, 1.0) })
 }
 
-/// Checks that times in this unit, in a column of a log, make sense. `is_named` tells that nothing but the name of the
+/// Checks that times in this unit, in a column of a log, make sense. `is_named` means that only the name of the
 /// column states the unit.
 ///
 /// # Errors

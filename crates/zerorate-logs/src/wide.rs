@@ -21,7 +21,7 @@ fn order(start: &[u8]) -> Option<bool> {
     }
 }
 
-/// The text in UTF-8, if it is in UTF-16; anything else as it is.
+/// Converts text in UTF-16 to UTF-8. Any other input is returned as it is.
 pub fn narrowed(path: &Path, mut input: Input, room: MemoryBudget) -> Result<Input, InputError> {
     let failed = |error| InputError::io("read", path, error);
     let mut start = Vec::new();

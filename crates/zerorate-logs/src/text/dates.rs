@@ -11,7 +11,7 @@ pub enum DateOrder {
     MonthFirst,
 }
 
-/// What the first cells of a column say about times in it.
+/// The facts about times in a column, from its first cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DateColumn {
     /// Whether the cells are times of day, with or without a date, that rise from row to row.
@@ -53,7 +53,7 @@ pub fn nanoseconds(cell: &str, order: Option<DateOrder>) -> Option<i64> {
     })
 }
 
-/// The reason why a cell that looks like a time is not read.
+/// The reason why a cell that looks like a time cannot be read.
 pub fn reason(cell: &str) -> Option<&'static str> {
     let looks_like_time = cell.starts_with(|c: char| c.is_ascii_digit()) && cell.contains(':');
     looks_like_time.then_some(match minutes(cell) {

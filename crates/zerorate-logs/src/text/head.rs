@@ -31,7 +31,7 @@ pub struct Head {
     pub names: Vec<String>,
     /// Whether each column holds numbers.
     pub numeric: Vec<bool>,
-    /// The dates in each column without numbers.
+    /// The facts about dates in each column without numbers.
     pub dates: Vec<DateColumn>,
     /// Number of lines before the first row.
     pub lines: u64,
@@ -310,7 +310,7 @@ impl Shape {
     }
 }
 
-/// What the lines of the most common shape show: the first row, the columns of numbers, and the decimal mark.
+/// The facts from the lines of the most common shape: the first row, the columns of numbers, and the decimal mark.
 struct Rows {
     /// Index of the first line that is not a header.
     first: usize,

@@ -43,7 +43,7 @@ impl Marks {
         Self { arrow: arrow.filter(|_| has_arrow), labels, brackets }
     }
 
-    /// The names of the cells that the labels tell.
+    /// The names of the cells according to the labels; `None` without labels.
     pub fn names(&self) -> Option<Vec<String>> {
         let (_, labels) = self.labels.as_ref()?;
         Some(self.arrow.map(|_| CLOCK.to_owned()).into_iter().chain(labels.iter().cloned()).collect())
@@ -54,7 +54,7 @@ impl Marks {
         self.arrow.map(|_| CLOCK)
     }
 
-    /// Whether there are any.
+    /// Whether the text has any marks.
     pub fn are_there(&self) -> bool {
         self.arrow.is_some() || self.labels.is_some() || self.brackets
     }

@@ -51,7 +51,7 @@ impl Scales {
         time_s.or(self.gyro_rad_s).or(self.accel_g).is_some()
     }
 
-    /// The column whose scale in s the log states.
+    /// The column with the time, if the log states its step in s.
     pub fn time(&self) -> Option<&'static str> {
         self.time.map(|(column, _)| column)
     }
