@@ -48,7 +48,7 @@ pub fn noise_types(input: &Input<'_>, stat: Stat, m: &[u64]) -> Vec<i32> {
 
 /// The noise at one averaging length.
 pub(crate) struct NoiseType {
-    /// The answer of [`noise_types`].
+    /// The exponent that [`noise_types`] returns.
     pub alpha: i32,
     /// The exponent for the degrees of freedom. With few averages, white noise is too often mistaken for phase noise
     /// (by B1 with 10: in 28 % of the records), and phase noise has as many degrees of freedom as samples. So this

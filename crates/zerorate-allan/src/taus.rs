@@ -19,7 +19,7 @@ pub enum Taus {
     /// This many lengths, evenly spaced in logarithm from one sample to the longest. Lengths that round to the same
     /// number of samples count once, so there may be fewer.
     Log(u32),
-    /// Every number of samples.
+    /// 1, 2, 3 … samples.
     All,
     /// A list of times, s, each rounded to whole samples. A repeated length is computed once, and the repetition is
     /// reported as [`Reason::SameLength`](crate::Reason::SameLength).

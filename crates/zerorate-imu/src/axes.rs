@@ -16,9 +16,9 @@ pub struct ImuOptions {
     /// The columns, by name or number. `None` takes the columns in `gyro` and `accel`, or else all columns that
     /// are axes.
     pub columns: Option<Vec<String>>,
-    /// Facts about the gyroscope.
+    /// What the user states about the gyroscope.
     pub gyro: KindOptions,
-    /// Facts about the accelerometer.
+    /// What the user states about the accelerometer.
     pub accel: KindOptions,
     /// How to read the log (topic, rate, time), and the names of the options in messages.
     pub log: ColumnOptions,

@@ -5,11 +5,11 @@ use zerorate_logs::{Quantity, STANDARD_GRAVITY};
 
 /// A coefficient with its name and units.
 pub struct Named<'a> {
-    /// Its letter in IEEE Std 952-1997.
+    /// The letter of the coefficient in IEEE Std 952-1997.
     pub letter: char,
-    /// Its name.
+    /// The name of the coefficient.
     pub name: &'static str,
-    /// Slope of its line in the plot.
+    /// Slope of the coefficient's line in the log-log plot.
     pub slope: f64,
     /// Deviation at 1 s per unit of the coefficient.
     pub at_1s: f64,

@@ -3,7 +3,7 @@
 use std::path::Path;
 use zerorate_logs::{Column, ColumnOptions, LogError, Quantity, Result, Setting};
 
-/// Words in the names of increments of an angle, and of a velocity. Only letters are compared.
+/// Words in the names of increments of an angle, and of a velocity. Only letters and digits are compared.
 const ANGLES: [&str; 10] = [
     "dtheta",
     "deltatheta",

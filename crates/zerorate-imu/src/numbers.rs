@@ -139,7 +139,7 @@ pub struct AxisNumbers {
     pub fitted_n: Chosen,
     /// Random walk.
     pub k: Chosen,
-    /// Standard deviation of the Gauss–Markov process that stands for the wander of its bias.
+    /// Standard deviation of the Gauss–Markov process that stands for the wander of the bias.
     pub sigma: f64,
 }
 
@@ -233,7 +233,7 @@ impl Axis<'_> {
         (!all.is_empty()).then(|| format!("{}: {}", self.name, all.join(", ")))
     }
 
-    /// Correlation time of its largest Gauss–Markov term, s.
+    /// Correlation time of the largest Gauss–Markov term, s.
     fn memory_s(&self) -> Option<f64> {
         let of_term = |term: &Term| match term {
             Term::GaussMarkov { sigma, tau_s } => Some((sigma.value, tau_s.value)),

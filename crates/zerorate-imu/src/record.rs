@@ -23,7 +23,7 @@ pub struct Record {
     pub quantity: Option<Quantity>,
     /// Confidence of the intervals.
     pub confidence: f64,
-    /// Its deviations.
+    /// The deviations.
     pub analysis: Analysis,
     /// The deviations at the averaging times of plots, if those differ.
     finer: Option<Analysis>,

@@ -11,7 +11,7 @@ use std::fmt;
 use std::path::Path;
 use zerorate_input::TimeUnit;
 
-/// The Unix times of a log between these are dates, from 1973 to 2096; smaller ones count from some other start.
+/// Times in this range, in s, are dates since 1970 (from 1973 to 2096). Smaller times count from some other start.
 const DATES_S: std::ops::Range<f64> = 1e8..4e9;
 
 /// A row earlier than the one before by more than this, in intervals, begins another log. One file has at most

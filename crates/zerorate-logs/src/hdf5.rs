@@ -1,4 +1,4 @@
-//! HDF5, which MATLAB writes as `-v7.3`.
+//! Reads HDF5, which MATLAB writes as `-v7.3`.
 //!
 //! A data set of numbers is named by its path: `imu/gyro`, or in MATLAB `imu.gyro`. A field of a compound data set, as
 //! PyTables writes tables, is named `table.gz`. Other data sets are ignored.

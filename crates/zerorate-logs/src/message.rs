@@ -40,7 +40,7 @@ pub struct Body<'a> {
 }
 
 impl<'a> Body<'a> {
-    /// `None` if the mark of the encoding is invalid.
+    /// Splits off the mark of the encoding. `None` if the mark is invalid.
     pub fn of(encoding: Encoding, message: &'a [u8]) -> Option<Self> {
         let (big_endian, bytes) = match encoding {
             Encoding::Ros1 => (false, message),

@@ -44,7 +44,7 @@ const LEVELS: f64 = 0.5;
 /// Least ratio between the noise of two sensors.
 const NOISES: f64 = 1.4;
 
-/// Least significance of these differences, in standard deviations that chance causes in so many samples.
+/// Least significance of these differences, in standard deviations of chance for the number of samples.
 const SURE: f64 = 6.0;
 
 /// Standard deviation of a median, and relative standard deviation of [`PER_MEDIAN`] times the median absolute

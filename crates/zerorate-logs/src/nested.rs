@@ -49,7 +49,7 @@ pub fn places(kind: &str, definition: &str) -> Vec<Place> {
     if whole.is_some() { found } else { Vec::new() }
 }
 
-/// `package/Type` of both `package/Type` and `package/msg/Type`.
+/// The name without `msg/`: `package/Type` for both `package/Type` and `package/msg/Type`.
 fn short(name: &str) -> String {
     name.replace("/msg/", "/")
 }

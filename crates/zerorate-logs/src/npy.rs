@@ -64,7 +64,7 @@ impl Array {
         Ok(Self { fields, rows, start, end, is_rate })
     }
 
-    /// The name and the value of a single number.
+    /// The name and the value of an array that is a single number.
     fn rate(&self, path: &Path, file: &mut BufReader<Input>) -> Result<Option<(String, f64)>, InputError> {
         let Some(field) = self.fields.first().filter(|field| field.kind.is_some()) else { return Ok(None) };
         let mut rate = None;
@@ -137,7 +137,7 @@ pub fn read_arrays(
     Ok(RawColumns { stated_rate: StatedRate::among(rates), ..RawColumns::new(columns, time, left_out) })
 }
 
-/// An error: the row among the rows at hand, and the text.
+/// An error: the row within the block, and the text.
 type Wrong = (usize, String);
 
 fn push_values(values: &mut SeriesBuilder, cells: &Cells<'_>, field: &Field) -> Result<(), Wrong> {

@@ -147,7 +147,7 @@ const TENS: [f64; 23] = [
     1e20, 1e21, 1e22,
 ];
 
-/// Digits that always fit a u64.
+/// Number of digits that always fit a u64.
 const DIGITS: usize = 18;
 
 /// Reads a number of only a sign, digits and a point, as nearly all are. An integer over a power of ten, both exact,

@@ -42,7 +42,7 @@ pub fn no_rate(path: &Path, columns: &[&str], sample: &[Sampled], names: Names) 
     LogError::Ask(format!("{} does not say how fast it was sampled: {remedy}", path.display()))
 }
 
-/// A name as a shell takes it.
+/// Quotes a name for a shell, if it needs quotes.
 pub fn quoted(name: &str) -> String {
     let is_plain = name.chars().all(|c| c.is_alphanumeric() || "_-./:#,=".contains(c));
     if is_plain { name.to_owned() } else { format!("'{name}'") }
@@ -101,7 +101,7 @@ struct Rising<'a> {
     column: &'a str,
     /// The unit in which rows come at a usual rate.
     unit: TimeUnit,
-    /// Another unit in which they come at a rate of an IMU.
+    /// Another unit in which rows come at a rate of an IMU.
     other: Option<TimeUnit>,
     rate_hz: f64,
 }

@@ -1,4 +1,4 @@
-//! The numbers in a file that is nothing but numbers.
+//! The types of the numbers in a file that is nothing but numbers.
 
 use crate::clock::Times;
 use crate::series::SeriesBuilder;

@@ -71,7 +71,7 @@ impl Sampled {
         Self { time_unit: time_unit(field.data_type()), ..Self::new(field.name()) }
     }
 
-    /// A column of the first of these times, counted from the first row.
+    /// The first of these times as a column, counted from the first row.
     #[cfg(any(feature = "mcap", feature = "ros", feature = "sqlite"))]
     pub fn of_times(name: &str, times: &Times) -> Self {
         let cells = times.since_first().iter().take(ROWS).map(|time| Cell::number(*time)).collect();

@@ -11,7 +11,7 @@ const MAX_FILLED: u64 = 10_000_000;
 /// much; if that is too much, the memory limit of the process stops it.
 pub const ROW_BYTES: u64 = 16;
 
-/// Numbers, as exact as the file has them.
+/// A series of numbers, as exact as in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Series {
     /// Integer codes. Gaps beside them mark missing samples.
@@ -277,7 +277,8 @@ pub fn missing_in(gaps: &[Gap]) -> u64 {
     gaps.iter().fold(0, |sum, gap| sum.saturating_add(gap.missing))
 }
 
-/// Both kinds of gaps, counted in codes. A gap between rows stands where it would if each empty row were one more row.
+/// Merges both kinds of gaps, with their places counted in codes. The places of `between_rows` also count empty
+/// rows.
 fn merged(empty_rows: &[Gap], between_rows: &[Gap]) -> Vec<Gap> {
     let mut all = Vec::with_capacity(empty_rows.len() + between_rows.len());
     let mut empty = empty_rows.iter().copied().peekable();

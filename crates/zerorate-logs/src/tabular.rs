@@ -146,7 +146,7 @@ impl<'a> TableColumns<'a> {
         self.append(&columns)
     }
 
-    /// Keeps the first of these rows, in all columns.
+    /// Keeps the first wanted rows of a batch, in all columns.
     pub fn sample(&mut self, batch: &RecordBatch) -> Result<(), InputError> {
         if self.sample.is_empty() {
             self.sample = batch.schema().fields().iter().map(|field| Sampled::of_field(field)).collect();

@@ -61,7 +61,7 @@ fn nearest(per_unit: f64, units: impl Iterator<Item = TimeUnit>) -> Option<TimeU
     units.min_by(|one, other| off(one).total_cmp(&off(other)))
 }
 
-/// Interval of `SampleTimeFine` from which it counts microseconds.
+/// Least interval at which `SampleTimeFine` counts microseconds.
 const FINE: f64 = 5000.0;
 
 /// The unit of Xsens's `SampleTimeFine`: 0.1 ms in an MTi, whose interval is below half a second, and µs in a

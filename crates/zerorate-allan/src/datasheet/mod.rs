@@ -25,7 +25,7 @@ pub struct DataSheet {
 /// A noise figure as printed in a data sheet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
-    /// The quantity.
+    /// The quantity that is stated.
     pub figure: Figure,
     /// Whether the value is a maximum instead of a typical value.
     pub is_maximum: bool,

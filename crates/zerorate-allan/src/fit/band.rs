@@ -24,7 +24,7 @@ const PLATEAU: f64 = 0.7;
 /// Standard deviations by which two upper ends may differ in ln N. At 3 a record without a filter loses half an octave
 /// in 3 of 100 cases, at 3.5 in none.
 const AGREE: f64 = 3.5;
-/// Least variance of the difference, as a share of the lower end's variance.
+/// Least variance of a difference of ln N, as a share of the variance at the lower end.
 const LEAST_DIFFERENCE: f64 = 0.04;
 
 /// A fit up to one frequency.

@@ -15,7 +15,7 @@ const HORIZON: f64 = 1.0 / 3.0;
 /// Number of steps of N² that are tried.
 const STEPS: u32 = 60;
 
-/// The use of N and K.
+/// The way in which an estimator uses N and K.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Usage {
     /// A filter that runs for long: N may grow to twice the fitted N, and the default horizon is at most 1000 s.

@@ -28,7 +28,7 @@ const MARGIN: f64 = 1.15;
 /// Number of coefficients that are tested together for narrow lines, and the margin for them.
 const GROUP: usize = 4;
 const NARROW_MARGIN: f64 = 1.1;
-/// Number of coefficients that are removed before the first of such a group, and from it on.
+/// Number of coefficients that are removed before the first coefficient of such a group, and from it on.
 const BEFORE: usize = 2;
 const AFTER: usize = 6;
 

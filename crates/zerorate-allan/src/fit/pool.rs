@@ -102,7 +102,7 @@ pub enum PoolError {
     Rates {
         /// Rate of the first record.
         first_hz: f64,
-        /// Rate of another one.
+        /// Rate of a record that differs from it.
         other_hz: f64,
     },
     /// Fewer than two records have an accepted model and similar white noise.

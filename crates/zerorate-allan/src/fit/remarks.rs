@@ -8,7 +8,7 @@ use super::{Fit, MOST_ERROR, Term, steadiness};
 use crate::{AllanWarning, Noise};
 use alloc::vec::Vec;
 
-/// Length, s, and number of missing samples of the raw record.
+/// The raw record: its length, s, and the number of its missing samples.
 #[derive(Clone, Copy)]
 pub(super) struct Raw {
     pub(super) record_s: f64,

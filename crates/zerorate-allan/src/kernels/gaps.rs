@@ -1,4 +1,4 @@
-//! Records with missing samples.
+//! Computes the deviations of records with missing samples.
 
 use super::Squares;
 use crate::kernel::{Kernel, Order, Plain, Reason};
@@ -128,7 +128,7 @@ trait Record {
     }
 }
 
-/// Phase. If the first or the last point is missing, there is no point to reflect at.
+/// The points of a phase. If the first or the last is missing, there is no point to reflect at.
 struct Points<'a>(&'a [f64]);
 
 impl Points<'_> {

@@ -134,9 +134,9 @@ pub struct CleanedReport {
 pub struct DetrendReport {
     /// The variable: `temperature`.
     pub over: &'static str,
-    /// The order.
+    /// The order of the polynomial.
     pub order: usize,
-    /// The method.
+    /// The method of the fit.
     pub method: &'static str,
     /// Coefficients from the first power on: unit of the rate per °C, °C², °C³, about `mean_c`.
     pub coefficients: Vec<f64>,
@@ -245,7 +245,7 @@ fn noise(alpha: i32, quantity: Option<Quantity>) -> &'static str {
 }
 
 impl CleanedReport {
-    /// Reports on a cleaning.
+    /// Reports on the glitches and steps that were removed.
     #[must_use]
     pub fn new(cleaned: &allan::Cleaning) -> Self {
         Self { glitches: cleaned.glitches, steps: cleaned.steps.clone() }
@@ -253,10 +253,10 @@ impl CleanedReport {
 }
 
 impl DetrendReport {
-    /// The method.
+    /// The method of the fit.
     pub const METHOD: &str = "least squares over means of 128 parts";
 
-    /// Reports on a polynomial.
+    /// Reports on a polynomial over temperature.
     #[must_use]
     pub fn new(detrended: &DetrendedRate) -> Self {
         Self {

@@ -18,7 +18,7 @@ pub struct Block<'a> {
     samples: &'a [f64],
     /// The sample before the block; `None` before the first block.
     before: Option<f64>,
-    /// `None` if a sample is missing or too large, if the block is short, and for the first block.
+    /// The facts. `None` if a sample is missing or too large, if the block is short, and for the first block.
     pub facts: Option<Facts>,
     looked_at: Cell<u64>,
 }
@@ -40,7 +40,7 @@ pub struct Facts {
 }
 
 impl<'a> Block<'a> {
-    /// The block behind the first `before` of these samples.
+    /// The block of these samples without the first `before` (0 or 1), which precede the block.
     fn new(samples: &'a [f64], before: usize) -> Self {
         let facts = samples.first_chunk().map(facts);
         let is_finite = |facts: &Facts| facts.sum.is_finite() && facts.largest < LARGEST && facts.least > -LARGEST;

@@ -38,7 +38,7 @@ pub enum Kind {
     Signed,
     Unsigned,
     Float,
-    /// A signed number of units since some time.
+    /// A date or a duration: a signed number of time units.
     Time,
 }
 

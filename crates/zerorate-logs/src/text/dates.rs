@@ -20,7 +20,8 @@ pub struct DateColumn {
     pub order: Option<DateOrder>,
 }
 
-/// Share of the cells that must be times, and share of the rows at which they may fall: at midnight, or out of order.
+/// Share of the cells that must be times, and of the rows at which the times may go back: at midnight, or out of
+/// order.
 const TIMES: f64 = 0.95;
 const FALLS: f64 = 0.01;
 

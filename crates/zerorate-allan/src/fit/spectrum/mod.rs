@@ -129,7 +129,7 @@ impl Spectrum {
         }
     }
 
-    /// The parts of all levels, the fastest first, in the coefficients of the last.
+    /// Joins the parts of all levels, which start with the fastest, in coefficients of the last.
     fn joined(parts: Vec<Part>, rate_hz: f64) -> Self {
         let hz = parts.last().map_or(rate_hz, |part| part.hz);
         let low = parts.last().map_or_else(Vec::new, |part| part.low.clone());
@@ -177,7 +177,7 @@ impl Part {
         self.bins.first().map_or(0.0, |bin| (bin.first as f64 - 0.5) * self.hz)
     }
 
-    /// Sets the response from the density of the samples to the density of the level.
+    /// Sets the response of each bin: from the density of the samples to the density of the level.
     fn respond(&mut self, level: &Level<'_>, known: &MeasuredLevels) {
         let scattered = level.scattered(known);
         for bin in &mut self.bins {
@@ -204,7 +204,8 @@ impl Level<'_> {
         values < FEW || values <= LONGEST && self.present > NEARLY_COMPLETE
     }
 
-    /// Values in a mean of the next level, whose band reaches well above the first frequency of the segments.
+    /// Number of values in a mean of the next level, whose band must reach well above the first frequency of the
+    /// segments.
     fn next(&self) -> usize {
         (segments::length(self.values.len()) / (USED_FROM / FIRST)).clamp(2, NEXT)
     }
