@@ -43,8 +43,7 @@ pub struct DetrendedRate {
     pub explained: f64,
     /// Degrees of freedom that the polynomial takes besides the mean: its order.
     pub lost_dof: usize,
-    /// Share of the Allan variance of a random walk that remains after the removal, for averages of 1, 2, 4 …
-    /// parts.
+    /// Share of a random walk's Allan variance that remains after the removal, for averages of 1, 2, 4 … parts.
     kept: Vec<f64>,
     /// Share of the variance of a random walk about its mean that remains after the removal.
     walk_kept: f64,

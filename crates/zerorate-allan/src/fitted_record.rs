@@ -47,9 +47,8 @@ impl<'a> FittedRecord<'a> {
         Self { input, rate_hz, scale, detrended: detrended.clone(), fit }
     }
 
-    /// The deviations of the record without the glitches and steps that the fit removed, so that the curve can be
-    /// compared with the fit. A removed polynomial over temperature widens the intervals. `options.scale` is not
-    /// used.
+    /// The deviations of the record without the glitches and steps that the fit removed, so that curve and fit can be
+    /// compared. A removed polynomial over temperature widens the intervals. `options.scale` is not used.
     ///
     /// # Errors
     /// Returns the errors of [`analyse`].

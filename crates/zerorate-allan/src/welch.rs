@@ -53,8 +53,7 @@ pub fn welch(rate: &[f64], rate_hz: f64) -> Result<Vec<Density>, FftError> {
     Ok(if segments > 0.0 { averaged(&power, rate_hz / length as f64) } else { Vec::new() })
 }
 
-/// The windowed segment, and the sum of squares of the window over the samples present. `None` if most are
-/// missing.
+/// The windowed segment, and the sum of squares of the window over samples present. `None` if most are missing.
 fn windowed(segment: &[f64], window: &[f64]) -> Option<(Vec<f64>, f64)> {
     let there = || segment.iter().filter(|value| !value.is_nan());
     let count = there().count();

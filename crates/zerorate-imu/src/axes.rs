@@ -13,8 +13,7 @@ use zerorate_logs::{Column, ColumnOptions, ColumnSelection, LogError, LogWarning
 /// What the user states about the axes, because a log may not state it.
 #[derive(Clone, Debug, Default)]
 pub struct ImuOptions {
-    /// The columns, by name or number. `None` takes the columns in `gyro` and `accel`, or else all columns that
-    /// are axes.
+    /// The columns, by name or number. `None` takes those in `gyro` and `accel`, or else all columns that are axes.
     pub columns: Option<Vec<String>>,
     /// What the user states about the gyroscope.
     pub gyro: KindOptions,
@@ -250,8 +249,7 @@ fn both(path: &Path, first: LogError, second: LogError) -> LogError {
 }
 
 /// Leaves out blank axes, which nothing measured, unless all are blank. A ROS message has three axes of each kind,
-/// even from a sensor with fewer. In a table, a blank axis stays if others of its kind have values: it is probably
-/// broken.
+/// even from a sensor with fewer. In a table, a blank axis stays if others of its kind have values: it may be broken.
 fn without_blanks(path: &Path, axes: &mut Vec<OfKind>, is_message: bool) -> Option<LogWarning> {
     let is_alive = |kind: Kind| axes.iter().any(|(of, column)| *of == kind && !column.is_blank());
     let dead: Vec<Kind> = Kind::ALL.into_iter().filter(|kind| !is_alive(*kind)).collect();
@@ -265,8 +263,7 @@ fn without_blanks(path: &Path, axes: &mut Vec<OfKind>, is_message: bool) -> Opti
     Some(LogWarning::BlanksLeftOut { path, names })
 }
 
-/// Leaves out the columns beside the three axes of one sensor. Asks for a choice if the columns may be of several
-/// sensors.
+/// Leaves out the columns beside the three axes of one sensor. Asks if the columns may be of several sensors.
 ///
 /// # Errors
 /// Returns the question, with the columns of each sensor.

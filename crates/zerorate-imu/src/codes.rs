@@ -59,8 +59,7 @@ const FULL_SCALES_G: [f64; 8] = [2.0, 4.0, 8.0, 16.0, 3.0, 6.0, 12.0, 24.0];
 /// Number of 16-bit codes on one side of zero.
 const CODES: f64 = 32768.0;
 
-/// A hint at the unit or scale of three accelerometers, whose mean is gravity. `None` if no usual unit or scale
-/// fits.
+/// A hint at the unit or scale of three accelerometers, whose mean is gravity. `None` if no usual one fits.
 pub(super) fn of_gravity(axes: &[&Column], log: &ColumnOptions) -> Option<String> {
     let ([x, y, z], names) = (axes, log.names) else { return None };
     let mean = |axis: &Column| axis.facts().mean() * log.per_second(axis.rate_hz);

@@ -25,8 +25,7 @@ pub enum DetrendingError {
 }
 
 impl Detrending {
-    /// Removes the polynomial over `temperature` from a column of `file`. Without an order, only detects the
-    /// dependence.
+    /// Removes the polynomial over `temperature` from a column of `file`; without an order, detects the dependence.
     ///
     /// # Errors
     /// Returns an error if the polynomial cannot be fitted, or if a column cannot be expanded.

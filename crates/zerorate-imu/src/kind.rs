@@ -60,10 +60,9 @@ impl Kind {
         Quantity::of_column(name).map_or_else(|| Self::named(name), |(quantity, _)| Self::of(quantity))
     }
 
-    /// Whether a column may be an axis, and is not one of the other columns that ROS, PX4 and phyphox write. Set
-    /// points, biases and speeds of motors have the units of axes, but are never axes. Nor are accelerations of
-    /// Movella and of phones from which gravity was subtracted: `FreeAccX`, `userAcceleration.x`. Columns of
-    /// wheels and motors are left out only if `others` are surely axes.
+    /// Whether a column may be an axis, and is not one of the other columns that ROS, PX4 and phyphox write. Never
+    /// axes are set points, biases, speeds of motors, and accelerations without gravity of Movella and phones:
+    /// `FreeAccX`, `userAcceleration.x`. Columns of wheels and motors are left out only if `others` are surely axes.
     pub(super) fn is_axis(name: &str, others: bool) -> bool {
         let is_rpm = Unit::of_column(name) == Some(Unit::Rpm);
         let name = name.to_lowercase();
@@ -91,8 +90,8 @@ impl Kind {
         !(is_beside || others && is_doubtful())
     }
 
-    /// The kind that the words of a name state, as in `gyro_x`, `wx`, `omega.x`; `acc_x`, `ax`, `f_y`; increments
-    /// as `dtheta_x`.
+    /// The kind that the words of a name state: `gyro_x`, `wx`, `omega.x`; `acc_x`, `ax`, `f_y`; increments
+    /// `dtheta_x`.
     fn named(name: &str) -> Option<Self> {
         if let Some(quantity) = increments::named(name) {
             return Self::of(quantity);

@@ -72,8 +72,7 @@ impl Default for NoiseFileOptions {
 }
 
 impl NoiseFileOptions {
-    /// The warnings about a log or its axes that matter to the reader of the file. Those with a code in `BESIDE`
-    /// do not.
+    /// The warnings that matter to the reader of the file: all but those with a code in `BESIDE`.
     pub fn mattering(warnings: impl IntoIterator<Item = String>) -> Vec<String> {
         // the name of an axis may stand before the code
         let matters = |line: &String| !line.split(": ").take(2).any(|word| BESIDE.contains(&word));
@@ -205,8 +204,7 @@ impl Axis<'_> {
         Chosen { value: value * self.si(), from }
     }
 
-    /// The name of the axis, and the effects in its record that are not noise: lines, drift, warm-up, steps and
-    /// glitches.
+    /// The name of the axis, and what its record has beside noise: lines, drift, warm-up, steps and glitches.
     fn left_out(&self) -> Option<String> {
         let (fit, unit) = (self.fit, if self.kind == Kind::Gyroscope { "rad/s" } else { "m/s²" });
         let size = |value: f64| format!("{:.1e} {unit}", value.abs() * self.si());

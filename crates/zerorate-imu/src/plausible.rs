@@ -73,15 +73,13 @@ pub(super) fn doubts(path: &Path, axes: &[Column], log: &ColumnOptions) -> Vec<L
         .collect()
 }
 
-/// A doubt if all gyroscopes have more white noise than any sensor at rest or in slow motion. The noise is
-/// estimated from the steps between samples.
+/// A doubt if the steps between samples of all gyroscopes show more noise than a sensor at rest or in slow motion.
 fn noisy(axes: &[Column], log: &ColumnOptions) -> Option<String> {
     let gyros = axes.iter().filter(|axis| axis.quantity == Some(Quantity::AngularRate) && !axis.is_blank());
     let first = gyros.clone().next()?;
     let density = |axis: &Column| {
         let numbers = codes::numbers(axis);
-        // a step has twice the variance of a sample, and the one-sided density is twice that variance over the
-        // rate
+        // a step has twice the variance of a sample, and the one-sided density is twice that over the rate
         in_turn::PER_MEAN * in_turn::steps(&numbers).0 * axis.scale / axis.rate_hz.sqrt()
     };
     let least = gyros.map(density).min_by(f64::total_cmp)?;

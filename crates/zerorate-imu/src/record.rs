@@ -1,7 +1,6 @@
 //! A column of a log with its results: deviations, noise model and warnings.
 //!
-//! The command line and the page analyse columns in this way. Python analyses arrays in place, with the same
-//! parts.
+//! The command line and the page analyse columns in this way. Python analyses arrays, with the same parts.
 
 use crate::moving::{moving, shared};
 use crate::{Axis, ImuWarning, Kind, Rejection, Rejections, coded};

@@ -14,8 +14,7 @@ const AXES: [[&str; 3]; 7] = [
     ["forward", "right", "down"],
 ];
 
-/// Groups names into triads, each in the order x, y, z or 0, 1, 2. The triads are in the order of their first
-/// names.
+/// Groups names into triads, each in the order x, y, z or 0, 1, 2, in the order of their first names.
 pub fn triads(names: &[&str]) -> Vec<[usize; 3]> {
     let mut found: Vec<[usize; 3]> = Vec::new();
     for axes in AXES {

@@ -83,8 +83,7 @@ pub struct Choice {
 }
 
 impl Columns<'_> {
-    /// Chooses the wanted columns. If the request names no columns, those in `default` have precedence over all
-    /// others.
+    /// Chooses the wanted columns. If the request names none, columns in `default` have precedence over all others.
     pub fn choose(&self, wanted: ColumnSelection<'_>, args: &ColumnOptions, default: &[usize]) -> Result<Choice> {
         let lacks_rate = args.rate.is_none() && args.time_column.is_none() && self.stated_time(&[]).is_none();
         let asks_rate = lacks_rate && default.is_empty() && !matches!(wanted, ColumnSelection::Described(_));
@@ -191,8 +190,7 @@ impl Columns<'_> {
         stated.or_else(|| self.clock(values).filter(|_| clear.is_empty()))
     }
 
-    /// The only column outside `values` that holds times by its content or its type, if no numeric column is named
-    /// a time.
+    /// The only column outside `values` that holds times by content or type, if no numeric column is named a time.
     fn clock(&self, values: &[usize]) -> Option<usize> {
         let is_other = |(at, name): (usize, &&str)| self.numeric[at] && is_named_time(name);
         let mut clocks = (0..self.clocks.len()).filter(|at| self.clocks[*at] && !values.contains(at));

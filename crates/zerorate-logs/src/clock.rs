@@ -12,8 +12,7 @@ const SAID_JITTER: f64 = 0.1;
 /// of 0.69 intervals has this jitter from rounding alone.
 const CLEAR_JITTER: f64 = 0.2;
 
-/// Largest jitter at which the surrounding rows tell this. Beyond, half of the rows are nearer to another row's
-/// place.
+/// Largest jitter at which the surrounding rows tell this. Beyond, half of the rows are nearer to another's place.
 const MAX_JITTER: f64 = 0.5;
 
 /// A row behind a missing sample may come this fraction of an interval early; the sample still counts as missing.
@@ -338,8 +337,7 @@ pub fn median(numbers: &mut [f64]) -> f64 {
     if numbers.is_empty() { 0.0 } else { *numbers.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
-/// The mean of the steps between rows that are near their median. A first step since the start of the board and
-/// gaps are left out. `None` if the median is not positive.
+/// Mean of the steps near the median, without a first step since power-on and gaps. `None` unless it is positive.
 pub fn usual_step(mut steps: Vec<f64>) -> Option<f64> {
     let middle = Some(median(&mut steps)).filter(|median| *median > 0.0)?;
     Some(mean(steps.into_iter().filter(|step| (0.5..=2.0).contains(&(step / middle)))))

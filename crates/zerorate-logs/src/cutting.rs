@@ -14,8 +14,7 @@ use zerorate_input::TimeUnit;
 /// Times in this range, in s, are dates since 1970 (from 1973 to 2096). Smaller times count from some other start.
 const DATES_S: std::ops::Range<f64> = 1e8..4e9;
 
-/// A row earlier than the one before by more than this, in intervals, begins another log. One file has at most
-/// `MOST_LOGS`.
+/// A row this many intervals earlier than the row before begins another log. A file has at most `MOST_LOGS`.
 const LATE: f64 = 64.0;
 const MOST_LOGS: usize = 16;
 

@@ -208,8 +208,7 @@ impl RawColumns {
     }
 }
 
-/// The refusal of times that cannot be put in order. If the file seems to hold two logs, it states where the first
-/// ends.
+/// The refusal of times that cannot be put in order. For two logs in one file, it states where the first ends.
 fn disordered(
     (path, name): (&Path, &str),
     times: &Times,

@@ -106,8 +106,8 @@ impl Sources {
         self.imus().next().is_some()
     }
 
-    /// The temperature named `wanted`, with or without its quantity. For `temperature` alone, it is the only one,
-    /// or the only one next to the topic of the IMU.
+    /// The temperature named `wanted`, with or without its quantity. Plain `temperature` is the only or the nearest
+    /// one.
     fn temperature(&self, path: &Path, wanted: &str, asked: &ColumnQuery<'_>) -> Result<Option<Quantities>> {
         let [(quantity, _)] = TEMPERATURE;
         let all = || self.0.iter().filter(|(_, source)| source.is_temperature);

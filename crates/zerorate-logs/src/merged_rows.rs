@@ -13,8 +13,7 @@ const FEWEST: usize = 8;
 const ALONE: f64 = 0.9;
 
 impl RawColumns {
-    /// Drops the rows of other sensors, in which the columns that were read are empty. The stamps show which
-    /// samples are missing.
+    /// Drops rows of other sensors, in which the columns that were read are empty. Stamps show the missing samples.
     ///
     /// # Errors
     /// Returns [`LogError::Merged`] if the columns that were read are of several sensors.

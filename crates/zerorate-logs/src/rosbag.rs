@@ -66,9 +66,8 @@ struct Topic {
     sources: Sources,
 }
 
-/// The topics with an IMU or a temperature, by the number of their connection, and the types of the topics without
-/// an IMU. A bag that was closed lists its connections behind its chunks. In other bags the connections are in the
-/// chunks.
+/// The topics with an IMU or a temperature by the number of their connection, and the types of topics without an IMU.
+/// A bag that was closed lists its connections behind its chunks. In other bags the connections are in the chunks.
 fn topics(path: &Path, file: &mut BufReader<Input>, room: MemoryBudget) -> Result<Topics> {
     let (mut connections, mut others) = (BTreeMap::new(), BTreeMap::new());
     for skip_chunks in [true, false] {

@@ -277,8 +277,7 @@ pub fn missing_in(gaps: &[Gap]) -> u64 {
     gaps.iter().fold(0, |sum, gap| sum.saturating_add(gap.missing))
 }
 
-/// Merges both kinds of gaps, with their places counted in codes. The places of `between_rows` also count empty
-/// rows.
+/// Merges both kinds of gaps, with places counted in codes. In `between_rows`, places also count empty rows.
 fn merged(empty_rows: &[Gap], between_rows: &[Gap]) -> Vec<Gap> {
     let mut all = Vec::with_capacity(empty_rows.len() + between_rows.len());
     let mut empty = empty_rows.iter().copied().peekable();

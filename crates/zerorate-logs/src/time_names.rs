@@ -8,8 +8,7 @@ pub fn is_like_time(name: &str) -> bool {
     name == "t" || name.contains("time") || name.contains("stamp")
 }
 
-/// Whether the name of a column means the time and nothing else: `timestamp`, `field.header.stamp`, but not
-/// `runtime`.
+/// Whether the name of a column means the time and nothing else: `field.header.stamp`, but not `runtime`.
 pub fn is_named_time(name: &str) -> bool {
     let words = [
         "t",

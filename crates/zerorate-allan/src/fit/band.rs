@@ -41,9 +41,8 @@ struct Look {
     slow: Vec<f64>,
 }
 
-/// The upper end of the model, Hz. Seen from low frequencies, a Gauss–Markov term looks like a filter. So a scan
-/// with such a term counts only if the term is worth its price up to the end found, and the white noise beside it
-/// is seen.
+/// The upper end of the model, Hz. Seen from low frequencies, a Gauss–Markov term looks like a filter. So a scan with
+/// one counts only if the term is worth its price up to the end found, and the white noise is seen beside it.
 pub(super) fn top_hz(table: &Table) -> f64 {
     let tops = tops(table);
     let &[lowest, .., full] = &tops[..] else { return table.top_hz };

@@ -193,9 +193,8 @@ impl Windows<'_> {
     }
 }
 
-/// The size, as a multiple of the limit, above which windows are glitches. It is 1 if the tail of the noise ends
-/// below the limit, otherwise the lowest gap in the sizes that is not due to chance. `sizes` are those above
-/// [`TAIL`].
+/// The size, as a multiple of the limit, above which windows are glitches: 1 if the tail of the noise ends below the
+/// limit, otherwise the lowest gap in the sizes that is not due to chance. `sizes` are above [`TAIL`].
 fn isolated(mut sizes: Vec<f64>, windows: f64, limit: f64) -> f64 {
     sizes.sort_unstable_by(f64::total_cmp);
     let beyond = sizes.len() - sizes.partition_point(|size| *size <= 1.0);

@@ -26,13 +26,11 @@ const NEAR_THE_END: f64 = 2.0;
 /// Least number of half widths of a resonance that the mask is assumed to cover.
 const LEAST_REACH: f64 = 1.0;
 
-/// A line stands out within a quarter of its period if its power is above this factor times its frequency times
-/// N².
+/// A line stands out within a quarter of its period if its power is above this factor times frequency times N².
 const SEEN: f64 = 8.0;
 
-/// The coefficients of all lines, each as the first and one past the last, if one line stands out of the noise
-/// within a quarter of its period: the ends of such a line look like steps. Some lines are its tails, so all lines
-/// count.
+/// The coefficients of all lines, as the first and one past the last, if one line stands out of the noise within a
+/// quarter of its period: its ends look like steps. Some lines are its tails, so all lines count.
 pub(super) fn loud(spectrum: &Spectrum, chosen: &Selection, rate_hz: f64) -> Vec<(usize, usize)> {
     let narrow = spectrum.narrow.iter().filter(|narrow| !narrow.is_gone).map(|narrow| {
         let ((first, end), half) = (narrow.run, (narrow.run.1 - narrow.run.0).div_ceil(2));

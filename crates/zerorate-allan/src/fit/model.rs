@@ -256,8 +256,7 @@ impl Model {
         fourth.iter().map(|(weight, k)| weight * phase(lag_s + k * tau_s)).sum::<f64>() / (tau_s * tau_s)
     }
 
-    /// Covariances of two differences of averages for the short noise, from its autocovariance, at every `step`-th
-    /// lag.
+    /// Covariances of two differences of averages for the short noise, at every `step`-th lag.
     fn short_covariances(&self, m: usize, last: usize, step: u64) -> Vec<f64> {
         let len = last + 4 * m + 2;
         let mut covariance = vec![0.0; len];

@@ -103,8 +103,7 @@ impl Selection {
         }
     }
 
-    /// The explanation that takes the model's own Gauss–Markov term for a low-pass, or its low-pass for such a
-    /// term.
+    /// The explanation that takes the model's Gauss–Markov term for a low-pass, or its low-pass for such a term.
     fn own_other(&self) -> Option<Other> {
         let (found, n2) = (&self.found, self.found.at[N2]);
         if let (Reading::Joins, [pole]) = (found.form.reading, &found.at[SHAPE + found.form.cosines..]) {

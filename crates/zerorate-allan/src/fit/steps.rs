@@ -73,8 +73,7 @@ pub(super) fn largest(
     scan(&rate, &density.iter().map(|density| density * rate_hz).collect::<Vec<f64>>(), &left_out)
 }
 
-/// Averages so long that few are missing, with their length and their numbers of samples. Straight lines across
-/// long gaps would look like steps.
+/// Averages so long that few are missing (lines across long gaps look like steps), with their length and counts.
 fn slots_without_gaps(rate: &[f64]) -> (usize, Vec<f64>, Vec<usize>) {
     let mut slot = slot_length(rate.len());
     loop {

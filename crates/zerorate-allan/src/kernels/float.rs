@@ -70,8 +70,7 @@ pub(super) fn squares(x: &[f64], kernel: Kernel, m: &[usize]) -> Vec<Result<Squa
     sums.into_iter().zip(m).map(|pair| Ok(squares(pair))).collect()
 }
 
-/// Upper bounds of the averaging lengths in each class, exclusive. Each class has one fixed-point step: short
-/// averages need a fine step, long ones a wide range.
+/// Exclusive ends of the classes of averages with one fixed-point step: fine for short ones, wide for long ones.
 const CLASSES: [usize; 3] = [1 << 8, 1 << 16, usize::MAX];
 
 /// Inner sums of second differences are third differences of the running sum of x. In f64 that sum would lose small
@@ -121,8 +120,7 @@ impl Bounds {
         }
     }
 
-    /// The fixed-point step: a power of two, so that x and the inner sums of averages of `m` are below 2^62 steps.
-    /// NaN for infinite numbers.
+    /// The fixed-point step: a power of two for which x and all inner sums are below 2^62 steps. NaN for infinities.
     fn step(&self, m: usize) -> f64 {
         let m = m as f64;
         let largest = self.x.max(m * f64::min(4.0 * self.x, 2.0 * m * self.differences));

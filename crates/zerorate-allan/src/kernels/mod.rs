@@ -49,20 +49,18 @@ struct Squares {
 /// The sample rate matters to the time deviation and to phase. [`Stat`] has the formulas.
 ///
 /// Codes without gaps give exact sums of squares, rounded once. So neither an offset nor reversal of the record
-/// changes the deviations (reversal with every m-th difference: only if the averages fill the record). A rate in
-/// f64 is rounded in its running sum. The deviations of 393 216 samples then differ from those of the same numbers
-/// as codes by less than 1e-14 of their values for a random walk and 1e-13 for white noise. For white noise on a
-/// ramp or a parabola of more than 1000 times its size it is 3e-11. The number of threads (feature `std`) does not
-/// change a bit.
+/// changes the deviations (reversal with every m-th difference: only if the averages fill the record). A rate in f64
+/// is rounded in its running sum. The deviations of 393 216 samples then differ from those of the same codes by less
+/// than 1e-14 of their values for a random walk and 1e-13 for white noise. For white noise on a ramp or a parabola of
+/// more than 1000 times its size it is 3e-11. The number of threads (feature `std`) does not change a bit.
 ///
 /// With missing samples an average is the mean of the samples present. An average is used if at least half of its
-/// samples are present, and a difference is used if all its averages are. The inner mean of MDEV and TDEV is over
-/// the differences that are used, if these are at least half. Means of fewer samples scatter more. ADEV, OADEV and
-/// TOTDEV are corrected for this: σ² = ½⟨(ȳ₂ − ȳ₁)² − s₁²(1/c₁ − 1/m) − s₂²(1/c₂ − 1/m)⟩. Here s² is the variance
-/// of the c samples of an average, as for a sample without replacement. If 40 % of the samples are lost one by
-/// one, the result is within 1 % instead of 25 to 40 % too large. These three do not use an average that has one
-/// of two samples. The other statistics are not corrected. A missing point of phase removes the differences that
-/// contain it.
+/// samples are present, and a difference is used if all its averages are. The inner mean of MDEV and TDEV is over the
+/// differences that are used, if these are at least half. Means of fewer samples scatter more. ADEV, OADEV and TOTDEV
+/// are corrected for this: σ² = ½⟨(ȳ₂ − ȳ₁)² − s₁²(1/c₁ − 1/m) − s₂²(1/c₂ − 1/m)⟩. Here s² is the variance of the c
+/// samples of an average, as for a sample without replacement. With 40 % lost one by one, the result is within 1 %
+/// instead of 25 to 40 % too large. These three do not use an average of one sample in place of two. The others are
+/// not corrected. A missing point of phase removes the differences that contain it.
 ///
 /// ```
 /// use zerorate_allan::{Input, Stat, deviations};

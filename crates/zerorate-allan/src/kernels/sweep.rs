@@ -139,8 +139,7 @@ pub(super) fn reflected_sums<T: Step>(x: &[T::Number], m: &[usize]) -> Vec<T::Su
     sums
 }
 
-/// Sum over the terms around the points `middles`. All or none of them are within m of the start; a cut makes this
-/// hold for the end, too.
+/// Sum over the terms around `middles`. All or none are within m of the start; a cut makes this hold for the end.
 fn reflected<T: Step>(x: &[T::Number], m: usize, middles: Range<usize>) -> T::Sum {
     let cut = x.len().saturating_sub(m).clamp(middles.start, middles.end);
     let mut sum = T::Sum::default();

@@ -97,8 +97,7 @@ pub struct PointReport {
     pub model_lo: Option<f64>,
     /// Upper end of that band.
     pub model_hi: Option<f64>,
-    /// The deviation that the model predicts for another record of this sensor, for averages up to 1/128 of the
-    /// record.
+    /// The predicted deviation of another record of this sensor, for averages up to 1/128 of the record.
     pub predicted: Option<f64>,
     /// Lower end of the band in which 95 % of such deviations lie.
     pub predicted_lo: Option<f64>,

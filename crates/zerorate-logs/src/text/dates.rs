@@ -20,8 +20,7 @@ pub struct DateColumn {
     pub order: Option<DateOrder>,
 }
 
-/// Share of the cells that must be times, and of the rows at which the times may go back: at midnight, or out of
-/// order.
+/// Share of the cells that must be times, and of the rows at which times may go back: at midnight, or out of order.
 const TIMES: f64 = 0.95;
 const FALLS: f64 = 0.01;
 

@@ -59,8 +59,7 @@ impl Marks {
         self.arrow.is_some() || self.labels.is_some() || self.brackets
     }
 
-    /// Replaces the marks in whole lines by blanks. A line with other labels stays as it is, and later counts as
-    /// broken.
+    /// Replaces the marks in whole lines by blanks. A line with other labels stays as it is, and is a broken line.
     pub fn erase(&self, lines: &mut [u8]) {
         if self.are_there() {
             lines.split_mut(|byte| *byte == b'\n').for_each(|line| self.erase_in(line));

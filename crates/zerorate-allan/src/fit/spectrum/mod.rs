@@ -204,8 +204,7 @@ impl Level<'_> {
         values < FEW || values <= LONGEST && self.present > NEARLY_COMPLETE
     }
 
-    /// Number of values in a mean of the next level, whose band must reach well above the first frequency of the
-    /// segments.
+    /// Number of values in a mean of the next level. Its band reaches well above the first frequency of the segments.
     fn next(&self) -> usize {
         (segments::length(self.values.len()) / (USED_FROM / FIRST)).clamp(2, NEXT)
     }
