@@ -13,7 +13,7 @@ pub fn describes_itself(schema: &Schema) -> bool {
     schema.metadata().keys().any(|key| key.starts_with(DESCRIPTION))
 }
 
-/// The start of the metadata keys of checks, which a writer adds to the rows.
+/// The start of the metadata keys of checks: digests of the rows, which the writer adds.
 pub const CHECKS: &str = "zerorate.check.";
 
 /// Key of the check of a batch.

@@ -15,7 +15,7 @@ use core::f64::consts::PI;
 pub(super) struct ModelForm {
     /// Number of cosines of the band shape.
     pub(super) cosines: usize,
-    /// Order of a low-pass in the band shape, which cosines follow only slowly: 0, 1 (a pole) or 2 (a corner and its
+    /// Order of a low-pass in the band shape, which cosines follow only slowly: 0, 1 (a pole) or 2 (corner and
     /// damping).
     pub(super) poles: usize,
     pub(super) reading: Reading,

@@ -142,8 +142,7 @@ fn running_sum(codes: &[i32], bounds: &Bounds) -> Array<i64> {
     x
 }
 
-/// Running sum of the running sum, modulo 2^64. Its third differences are the inner sums of the modified Allan
-/// deviation.
+/// Running sum of the running sum, modulo 2^64. Its third differences are the inner sums of the modified deviation.
 fn sum_of_sums(codes: &[i32], bounds: &Bounds) -> Array<i64> {
     let sums = |piece: usize| {
         let mut sum = bounds.before[piece];
