@@ -41,19 +41,19 @@ pub(crate) fn file(header: &str, fields: &impl Serialize) -> String {
     with_checks(header, &toml::to_string(fields).unwrap_or_default())
 }
 
-/// Writes a file from fields that are a text already.
+/// Writes a file from fields that are already TOML text.
 pub(crate) fn with_checks(header: &str, fields: &str) -> String {
     [header, &lines_for(&[header, fields].concat()), fields].concat()
 }
 
-/// The two check lines, each with its line end, for these lines.
+/// Returns the two check lines of a text, each with its line end.
 fn lines_for(body: &str) -> String {
     let lines: Vec<&str> = normal(body).map(|(_, line)| line).collect();
     let checks: String = lines.iter().map(|line| short(line)).collect();
     format!("{CHECKSUM}{}\"\n{LINE_CHECKS}{checks}\"\n", digest(&checks, &lines))
 }
 
-/// Whether the file has check lines. `Err` if they do not match the other lines.
+/// Returns whether the file has check lines. `Err` if they do not match the other lines.
 pub(crate) fn verify(text: &str) -> Result<bool, Damage> {
     let checksum = value_of(text, CHECKSUM);
     let line_checks = value_of(text, LINE_CHECKS);
@@ -96,8 +96,8 @@ fn locate(body: &[(usize, &str)], line_checks: &str) -> Option<Damage> {
     expected.next().map(|_| Damage::EndsEarly { line })
 }
 
-/// The lines that the check covers, with their numbers. Line ends, trailing blanks and blank lines, which editors and
-/// checkouts change, do not matter.
+/// Returns the lines that the check covers, with their numbers. Line ends, trailing blanks and blank lines do not
+/// count, because editors and checkouts change them.
 fn normal(text: &str) -> impl Iterator<Item = (usize, &str)> {
     text.lines().enumerate().map(|(index, line)| (index + 1, line.trim_end())).filter(|(_, line)| !line.is_empty())
 }

@@ -7,7 +7,7 @@ use serde::Serialize;
 /// One source of uncertainty of a coefficient.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Contribution {
-    /// `PBC` or `BTC`.
+    /// The coefficient, `PBC` or `BTC`.
     pub of: &'static str,
     /// Where the uncertainty comes from.
     pub source: &'static str,
@@ -50,7 +50,8 @@ const NOISE: &str = "noise of the recording";
 const MODELS: &str = "order, lag, play and steps that the recording leaves open";
 const BASE_MOTION: &str = "slow base motion, by its probability";
 
-/// The contributions of the known sources, and of `rest`, which has the rest of the variance.
+/// Returns the contributions of `rest` and of the known sources. `rest` gets the variance that the known ones
+/// leave.
 fn of(
     name: &'static str,
     u: f64,

@@ -11,14 +11,14 @@ use crate::procedure::Noise;
 use alloc::string::ToString;
 use alloc::vec::Vec;
 
-/// The data of a chamber's run that its record does not have.
+/// Facts about a chamber run that its `Record` does not hold.
 #[derive(Clone, Debug)]
 pub struct ChamberRun<'a> {
-    /// Samples of this run, for its rates.
+    /// Sample counts of this run, which give its data rates.
     pub tally: &'a Tally,
-    /// Largest share of lost samples.
+    /// Largest allowed share of lost samples, 0 … 1.
     pub max_lost: f64,
-    /// Component of the Earth's rotation that was subtracted, °/s.
+    /// Component of the Earth's rotation that was subtracted, °/s. `None` if it is part of PBC.
     pub earth_dps: Option<f64>,
     /// The warnings of the measurement.
     pub warnings: &'a [Warning],
@@ -58,7 +58,7 @@ impl Calibration {
     }
 }
 
-/// Builds one axis. It keeps its own warnings, unless it is the only axis: then the calibration has them.
+/// Builds one axis with its own warnings. If it is the only axis, the calibration carries them instead.
 fn calibrated(axis: &NamedAxis, outcome: &ChamberOutcome, is_only: bool) -> CalibratedAxis {
     CalibratedAxis {
         name: axis.name.to_string(),
@@ -81,7 +81,7 @@ fn validity(part: &Part, record: &Record) -> Option<Validity> {
     Some(Validity { temp_min_c, temp_max_c, margin_c: part.axes.first()?.axis.temp_margin_c() })
 }
 
-/// The data of the run. A chamber's run has none of the steps of F-51.
+/// Facts about the run. The times of the steps of F-51 are 0, because a chamber run does not have these steps.
 fn of_run(record: &Record, run: &ChamberRun<'_>) -> Run {
     let &ChamberRun { tally, max_lost, earth_dps, .. } = run;
     let ends = record.start_s.first().zip(record.start_s.last());

@@ -1,4 +1,4 @@
-//! Times as RFC 3339 writes them.
+//! A check of times in the format of RFC 3339.
 
 /// Whether a text is a time as in RFC 3339, section 5.6, such as `2026-03-01T12:00:00Z`, on an existing day.
 #[must_use]
@@ -36,7 +36,7 @@ fn is_time(time: &str) -> bool {
     is_clock && is_offset && number(fraction, fraction.len()).is_some()
 }
 
-/// Reads numbers of two digits with a mark between them.
+/// Reads `N` two-digit numbers that are separated by `mark`.
 fn pairs<const N: usize>(text: &str, mark: char) -> Option<[u32; N]> {
     let mut parts = text.split(mark);
     let mut numbers = [0; N];

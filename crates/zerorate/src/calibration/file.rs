@@ -52,7 +52,7 @@ impl fmt::Display for FileError {
     }
 }
 
-/// The axis to which a line belongs.
+/// Writes `, axis NAME` after a line number if the line belongs to an axis.
 struct Of<'a>(&'a Option<String>);
 
 impl fmt::Display for Of<'_> {

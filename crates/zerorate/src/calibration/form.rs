@@ -1,4 +1,4 @@
-//! The tables of a calibration file, and their meaning.
+//! The TOML tables of a calibration file, and their conversion from and to [`Calibration`].
 
 use super::{CalibratedAxis, Calibration, CurveRecord, NoiseRecord, Notes, Run, Uncertainties};
 use crate::correction::{Correction, Validity};
@@ -8,16 +8,16 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize, Serializer};
 
-/// The first schema with several axes, and with any part.
+/// The first schema that allows several axes, and parts other than the ADIS16130.
 pub(super) const SEVERAL: u32 = 2;
 
-/// The first schema with the terms of a curve, in either form.
+/// The first schema that allows the higher-order terms of a curve, for one axis or for several.
 pub(super) const CURVED: u32 = 3;
 
-/// The first schema with notes other than the supply, in either form.
+/// The first schema that allows notes other than the supply, for one axis or for several.
 pub(super) const NOTED: u32 = 4;
 
-/// Every key of all schemas, in the order in which they are written.
+/// The keys of a calibration file of any schema, in the order in which they are written.
 #[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct CalibrationForm {
@@ -38,7 +38,7 @@ pub(super) struct CalibrationForm {
     warnings: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) temperature: Option<TempScale>,
-    /// The plain form, for the only axis.
+    /// The correction of the only axis, in a file without `[[axis]]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) correction: Option<Correction>,
     pub(super) measured: Option<Measured>,
@@ -48,7 +48,7 @@ pub(super) struct CalibrationForm {
     pub(super) noise: Option<NoiseRecord>,
     pub(super) validity: Option<Span>,
     pub(super) run: Option<Run>,
-    /// The form of several axes.
+    /// The axes, in a file with `[[axis]]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) axis: Option<Vec<AxisForm>>,
 }
@@ -123,7 +123,7 @@ impl From<Scale> for TempScale {
 }
 
 impl CalibrationForm {
-    /// Converts tables that are known to be sound.
+    /// Converts the tables. They must have passed [`CalibrationForm::check`].
     pub(super) fn into_calibration(self) -> Calibration {
         let only = Part::ADIS16130.axes[0].clone();
         let (temp, axes) = match self.axis {

@@ -1,4 +1,4 @@
-//! Limits of the numbers of a calibration.
+//! Checks of the values of a calibration file.
 
 use super::form::{AxisForm, CURVED, CalibrationForm, NOTED, SEVERAL, Span};
 use super::{CurveRecord, NoiseRecord, Run, SCHEMA, SIMULATED, SourcesRecord, Uncertainties, is_rfc3339};
@@ -14,17 +14,17 @@ use toml::Spanned;
 use toml::de::DeValue;
 use zerorate_allan::entry::{Document, Entry, EntryError};
 
-/// Numbers of a calibration, in any unit.
+/// Allowed values of signed numbers, in any unit.
 const NUMBERS: RangeInclusive<f64> = -1e9..=1e9;
-/// Uncertainties, durations, rates and other numbers that are not below 0.
+/// Allowed uncertainties, durations, rates and other numbers that cannot be negative.
 const SIZES: RangeInclusive<f64> = 0.0..=1e9;
-/// Shares of a whole.
+/// Allowed shares of a whole.
 const SHARES: RangeInclusive<f64> = 0.0..=1.0;
-/// Share by which rounding may let a sum of squares exceed the square that it was split from.
+/// Share by which the parts of a variance may exceed it, because of rounding.
 const ROUNDING: f64 = 1e-9;
-/// Temperatures that a sensor may state, °C.
+/// Temperatures that a temperature sensor may report, °C.
 const TEMPS_C: RangeInclusive<f64> = -100.0..=200.0;
-/// Fastest rate of any gyroscope, °/s.
+/// Largest rate of any gyroscope, °/s.
 const FASTEST_DPS: f64 = 1e5;
 
 /// Limits of the coefficients of a correction.
@@ -34,7 +34,7 @@ struct Limits {
     t3_c: RangeInclusive<f64>,
 }
 
-/// Names of the terms of a curve in the file.
+/// Keys of the second- and third-order terms of a curve in the file.
 const CURVE: [&str; 2] = ["btc2_dps_per_c2", "btc3_dps_per_c3"];
 
 impl Limits {
@@ -49,7 +49,7 @@ impl Limits {
         t3_c: -60.0..=150.0,
     };
 
-    /// The limits that the codes set: BTC changes a rate by at most the whole scale in 1 °C.
+    /// The limits that the scales of the codes imply: BTC changes a rate by at most the whole scale in 1 °C.
     fn of(rate: Option<Scale>, temp: Option<Scale>) -> Self {
         let span_dps = rate.map_or(FASTEST_DPS, |rate| rate.span() / rate.lsb_per_unit);
         let t3_c = temp.map_or(TEMPS_C, |temp| {
@@ -62,7 +62,7 @@ impl Limits {
 }
 
 impl CalibrationForm {
-    /// Checks that one can compute with this calibration.
+    /// Checks that every value is possible and belongs to the schema of the file.
     pub(super) fn check(&self, document: &Document<'_>) -> Result<(), EntryError> {
         let root = document.root();
         for (key, note) in [("ambient_note", &self.ambient_note), ("operator", &self.operator), ("host", &self.host)] {
@@ -193,7 +193,7 @@ fn curved() -> String {
 
 const COVARIANCE: &str = "is not a covariance: it must be symmetric, and no sum may have a variance below 0";
 
-/// Checks the tables of an axis that both forms have, except its correction.
+/// Checks the tables of an axis that files with and without `[[axis]]` share, except its correction.
 fn check_of_axis(
     axis: Entry<'_>,
     measured: Option<&Measured>,
@@ -212,7 +212,7 @@ fn check_coverage(table: Entry<'_>, coverage: f64, factor: f64) -> Result<(), En
     table.at("coverage_factor").require(is_factor, || "must be a number above 0".into())
 }
 
-/// Checks numbers of a table by their keys.
+/// Checks that numbers of a table lie within `limits`; each number comes with its key.
 fn check_within(
     table: Entry<'_>,
     limits: &RangeInclusive<f64>,
@@ -224,8 +224,7 @@ fn check_within(
     })
 }
 
-/// Whether a matrix can be a covariance: it is symmetric, and no sum of its quantities has a variance below 0, but for
-/// rounding.
+/// Whether a matrix can be a covariance: it is symmetric and positive semidefinite, up to rounding.
 fn is_covariance<const N: usize>(matrix: &[[f64; N]; N]) -> bool {
     /// Error of a correlation whose inputs were rounded to seven digits.
     const ROUNDING: f64 = 1e-6;

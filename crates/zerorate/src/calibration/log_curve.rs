@@ -10,7 +10,7 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use zerorate_allan::FLOOR_PER_B;
 
-/// What is known of a unit beside its curves.
+/// Facts about a unit that its curves do not hold.
 #[derive(Clone, Debug)]
 pub struct LogUnit {
     /// Name of the kind of part: letters, digits, `-`, `_` and `.`.
@@ -19,15 +19,16 @@ pub struct LogUnit {
     pub serial: Option<String>,
     /// The software that made the measurement.
     pub software: String,
-    /// The logs.
+    /// The logs that the curves come from.
     pub device: String,
     /// The temperature that the corrections refer to, °C.
     pub t3_c: f64,
 }
 
 impl Calibration {
-    /// Builds the calibration of the gyroscopes of a unit from their curves, °/s, each with its name and its warnings.
-    /// A correction has terms up to the third order, and its uncertainty includes what they leave of the curve.
+    /// Builds the calibration of the gyroscopes of a unit from their curves, °/s, each with its name and its
+    /// warnings. Corrections have terms up to the third order. Their uncertainty includes the part of the curve
+    /// that these terms miss.
     #[must_use]
     pub fn of_log_curves(unit: LogUnit, axes: &[(String, &LogCurve, Vec<String>)]) -> Self {
         let spans = || axes.iter().map(|(_, curve, _)| curve.span_c());

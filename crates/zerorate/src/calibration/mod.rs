@@ -40,7 +40,7 @@ pub const SCHEMA: u32 = 4;
 /// Value of [`Calibration::created`] in place of a date, if the part was the software twin.
 pub const SIMULATED: &str = "SIMULATED";
 
-/// The calibration of one unit. Part and corrections are mandatory, and a measured calibration has everything.
+/// The calibration of one unit. Only its part and its corrections are mandatory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
     /// Name of the kind of part.
@@ -49,7 +49,8 @@ pub struct Calibration {
     pub serial: Option<String>,
     /// Time at which the samples were recorded, RFC 3339; [`SIMULATED`] for the software twin.
     pub created: Option<String>,
-    /// Method of the measurement. `an1042` is F-51, and `warmup` and `cycle` use every block of a recording.
+    /// Method of the measurement: `an1042` (F-51), `warmup` and `cycle` (which use every block of a recording),
+    /// `chamber` or `tempcal`.
     pub method: Option<String>,
     /// The software that made the measurement.
     pub software: Option<String>,
@@ -63,13 +64,13 @@ pub struct Calibration {
     pub notes: Notes,
     /// Texts of the measurement's warnings that concern all axes.
     pub warnings: Vec<String>,
-    /// Scale of the codes of the temperature that all axes share.
+    /// Scale of the temperature codes, which all axes share.
     pub temp: Option<Scale>,
     /// The axes, from one to [`MAX_AXES`](crate::MAX_AXES).
     pub axes: Vec<CalibratedAxis>,
     /// The temperatures at which the corrections hold.
     pub validity: Option<Validity>,
-    /// The run itself.
+    /// Facts about the measurement run.
     pub run: Option<Run>,
 }
 
@@ -80,15 +81,15 @@ pub struct CalibratedAxis {
     pub name: String,
     /// Texts of the warnings that concern this axis alone.
     pub warnings: Vec<String>,
-    /// Scale of the codes of the axis.
+    /// Scale of the rate codes.
     pub rate: Option<Scale>,
-    /// PBC, BTC and T3 (F-50), and the terms of a curve.
+    /// PBC, BTC and T3 (F-50), and the higher-order terms of a curve.
     pub correction: Correction,
     /// The measured means from which the method of AN-1042 computes the calibration.
     pub measured: Option<Measured>,
     /// Standard uncertainties and covariances of a calibration by AN-1042.
     pub uncertainty: Option<Uncertainties>,
-    /// Uncertainties of a curve, and its basis.
+    /// Uncertainties of a curve, and the model that it was computed with.
     pub curve: Option<CurveRecord>,
     /// The noise that the uncertainties are computed from.
     pub noise: Option<NoiseRecord>,
@@ -117,8 +118,8 @@ pub struct Uncertainties {
     pub drift_dps: Option<f64>,
 }
 
-/// The uncertainty of a curve and its basis: value ± `coverage_factor` × u covers the truth with the probability
-/// `coverage`.
+/// The uncertainty of a curve, and the model that it was computed with. Value ± `coverage_factor` × u covers the
+/// truth with the probability `coverage`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(missing_docs, reason = "as the fields of `BiasCurve`")]
@@ -132,16 +133,16 @@ pub struct CurveRecord {
     pub covariance: [[f64; TERMS]; TERMS],
     /// Lag of the bias behind the temperature sensor, s.
     pub lag_s: f64,
-    /// Half width of the play between bias and temperature, °C.
+    /// Half width of the play between bias and temperature (a hysteresis, as of a gear with backlash), °C.
     pub play_c: f64,
-    /// Steps that were taken out: time, s, and size, °/s.
+    /// Bias steps that were removed from the data: time, s, and size, °/s.
     pub steps: Vec<[f64; 2]>,
     /// Sources of the uncertainties of PBC and BTC; `None` in older files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sources: Option<SourcesRecord>,
 }
 
-/// Parts of the uncertainties of PBC and BTC of a curve; the rest is noise.
+/// Contributions of the choice of model and of base motion to the uncertainties of PBC and BTC. The rest is noise.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[expect(missing_docs, reason = "as the fields of `Sources`, of PBC and BTC")]
@@ -194,7 +195,7 @@ pub fn is_twin(device: &str) -> bool {
     device == "twin" || device.starts_with("twin:")
 }
 
-/// Facts about a measurement that the core cannot know.
+/// Facts about a measurement that only the caller knows.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[expect(missing_docs, reason = "as the fields of `Calibration`")]
 pub struct Origin {
@@ -221,7 +222,7 @@ pub struct Notes {
 }
 
 impl Notes {
-    /// These notes, with the notes of `other` in place of missing ones.
+    /// Returns these notes, with the notes of `other` in place of missing ones.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self {
@@ -273,7 +274,7 @@ impl Calibration {
         self.created.as_deref() == Some(SIMULATED) || self.device.as_deref().is_some_and(is_twin)
     }
 
-    /// The axis of this name.
+    /// Returns the axis with this name.
     #[must_use]
     pub fn axis(&self, name: &str) -> Option<&CalibratedAxis> {
         self.axes.iter().find(|axis| axis.name == name)
@@ -369,7 +370,7 @@ impl CalibratedAxis {
     }
 }
 
-/// Rounds a probability to the digits that are worth writing.
+/// Rounds a probability to four decimals, as it is written.
 fn rounded(probability: f64) -> f64 {
     libm::round(1e4 * probability) / 1e4
 }
@@ -435,7 +436,8 @@ fn one_line(text: &str) -> String {
     line
 }
 
-/// A warning in the file. It names no setting, because whoever reads it may have another front end.
+/// The text of a warning for the file. It leaves out the names of settings, because the reader may use another
+/// front end.
 fn said(warning: &Warning) -> String {
     one_line(&format!("{}: {}", warning.code(), warning.with(|_| SettingName::text(""))))
 }

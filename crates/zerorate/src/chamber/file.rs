@@ -8,12 +8,12 @@ use core::ops::RangeInclusive;
 use serde::Deserialize;
 use zerorate_allan::entry::{Bounds, Document, Entry, EntryError};
 
-/// Version of the file form, and the newest that is read.
+/// The only version of the file form that is supported.
 const SCHEMA: u32 = 1;
-/// Largest number of steps of all cycles: a week of them.
+/// Largest number of steps over all cycles, enough for a week.
 pub(super) const MAX_STEPS: usize = 1000;
 
-/// Possible set points of a plan, °C.
+/// Allowed set points of a plan, °C.
 pub(super) const SET_POINTS_C: RangeInclusive<f64> = -100.0..=250.0;
 const TO_C: Bounds = Bounds::Within(SET_POINTS_C, "°C");
 const SAFE_C: Bounds = Bounds::Within(-40.0..=60.0, "°C");

@@ -44,16 +44,18 @@ pub struct Residual {
     pub warming: Option<bool>,
 }
 
-/// The loop of the bias as the temperature goes up and down.
+/// The hysteresis loop of the bias between warming and cooling.
 ///
-/// `half_width_dps` is half of the mean bias while cooling less the mean while warming, over the temperatures that
-/// were passed in both directions. If the bias falls with the temperature, the sign is the other one, so a bias that
-/// follows late has a positive half width. Hysteresis and a lag of the sensing element both open it.
+/// `half_width_dps` is half of the difference between the mean bias while cooling and the mean bias while warming,
+/// over the temperatures that were passed in both directions. If the bias falls with temperature, the sign is
+/// reversed, so a bias that lags has a positive half width. Both hysteresis and a lag of the sensing element open
+/// the loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Branches {
-    /// Half of the distance, °/s.
+    /// Half width of the loop, °/s.
     pub half_width_dps: f64,
-    /// Standard uncertainty of the half width, °/s: all noises of the curve, with the random walk between directions.
+    /// Standard uncertainty of the half width, °/s, from all noise terms, including the random walk between
+    /// directions.
     pub u_dps: f64,
     /// Coldest and warmest temperature that was passed in both directions, °C.
     pub span_c: (f64, f64),
@@ -61,15 +63,15 @@ pub struct Branches {
 
 /// Approximate number of means for a curve. More means cost time and add no information.
 const MOST_BLOCKS: usize = 1600;
-/// Shortest and longest mean, s: short compared with all slow effects in a part.
+/// Shortest and longest averaging time of a mean, s: short compared with all slow effects in a part.
 const BLOCK_S: (usize, usize) = (2, 60);
 /// Largest change of temperature within a mean, °C. A mean over more belongs to no single temperature.
 const BLOCK_SPAN_C: f64 = 5.0;
-/// Least span of temperature, °C. A part that warms itself covers as much without a chamber.
+/// Smallest temperature span of a record, °C. Self-heating alone covers as much without a chamber.
 const LEAST_SPAN_C: f64 = 5.0;
 /// Width of the bins in which temperatures count as the same, °C.
 const BIN_C: f64 = 5.0;
-/// A part whose temperature changes by less is neither warming nor cooling, °C/s: 0.2 °C/min.
+/// Largest change of temperature at which a part is neither warming nor cooling, °C/s: 0.2 °C/min.
 const STILL_C_PER_S: f64 = 0.2 / 60.0;
 /// T3, to which the correction refers, is the mean temperature over this many seconds at the end.
 const T3_S: usize = 10;
@@ -138,8 +140,7 @@ impl Record {
         Ok(ChamberOutcome { curve, residuals, soak_residuals_dps, branches })
     }
 
-    /// Times at which the level of a rate seems to have changed, s, and frequencies of possible base motions,
-    /// Hz.
+    /// Returns the times of suspected bias steps, s, and the frequencies of possible base motions, Hz.
     fn suspects(&self, axis: &Axis, rates_dps: &[f64], white_dps_per_rt_hz: f64) -> (Vec<f64>, Vec<f64>) {
         let second = |k: usize| Second { at_s: self.start_s[k], rate_dps: rates_dps[k], temp_c: self.temp_c[k] };
         let seconds: Vec<Second> = (0..self.len()).filter(|k| self.at_rest[*k]).map(second).collect();
@@ -150,14 +151,14 @@ impl Record {
         (steps_s(found.as_ref()), motions_hz(times_s.1 - times_s.0, found.as_ref()))
     }
 
-    /// Means over stretches of equal length without a gap, in which the part was at rest.
+    /// Returns the means over windows of equal length without a gap, in which the part was at rest.
     fn blocks(&self, rates_dps: &[f64], earth_dps: f64) -> Vec<Block> {
         let length = self.len().div_ceil(MOST_BLOCKS).clamp(BLOCK_S.0, BLOCK_S.1);
         let (mut blocks, mut from) = (Vec::new(), 0);
         while from + length <= self.len() {
             let to = from + length;
             let whole_s = self.start_s[to - 1] - self.start_s[from];
-            // a stretch with a gap in it begins anew behind the gap
+            // a window with a gap starts again behind the gap
             if whole_s > (length - 1) as f64 + 0.5 || self.at_rest[from..to].contains(&false) {
                 from += 1;
                 continue;

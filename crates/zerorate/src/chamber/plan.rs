@@ -1,11 +1,11 @@
-//! The plan of a chamber, and the rules by which a part has followed it.
+//! The plan of a measurement in a chamber, with the averaging time and the drift limit of its soak points.
 
 use crate::part::{NamedAxis, Part};
 use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
 
-/// Distance from the set point at which the air has reached it, °C.
+/// Largest distance of the air from a set point that counts as reached, °C.
 pub(super) const REACHED_C: f64 = 3.0;
 
 /// The steps of a measurement in a chamber. `docs/formats/plan.md` specifies the file form.
@@ -30,10 +30,10 @@ pub struct ChamberPlan {
     pub name: String,
     /// All steps in their order, with the steps of every cycle.
     pub steps: Vec<Step>,
-    /// Largest drift of the part's own temperature at a soak point, °C/min. `None` allows as much as hides below the
-    /// noise of the average ([`ChamberPlan::drift_c_per_s`]).
+    /// Largest drift of the part's own temperature at a soak point, °C/min. `None` allows a drift whose effect
+    /// stays below the noise of the average ([`ChamberPlan::drift_c_per_s`]).
     pub drift_c_per_min: Option<f64>,
-    /// Time over which that drift is measured, s.
+    /// Time over which the drift is measured, s.
     pub window_s: f64,
     /// Time limit for settling after the set point was reached, s.
     pub settle_timeout_s: f64,
@@ -59,8 +59,8 @@ pub struct Step {
 pub enum StepEnd {
     /// The step ends this long after the set point was reached, s.
     Hold(f64),
-    /// The step ends when the part has settled and was averaged for this long, s. `None` takes the time of the least
-    /// Allan deviation.
+    /// The step ends when the part has settled and was averaged for this long, s. `None` takes the time at which
+    /// the Allan deviation is lowest.
     Average(Option<f64>),
 }
 
@@ -72,18 +72,18 @@ impl Step {
     }
 }
 
-/// Shortest and longest average of `auto`, s.
+/// Shortest and longest averaging time that `auto` chooses, s.
 const AVERAGE_S: (f64, f64) = (30.0, 3600.0);
 /// Allowed drift if the part's noise or temperature coefficient is not known, °C/min.
 const DRIFT_C_PER_MIN: f64 = 0.05;
 
 impl ChamberPlan {
-    /// Makes a plan of timed steps from the course of a chamber: times, s, and temperatures, °C, in order. Each
-    /// stretch where the temperature stayed within 1 °C for five minutes becomes a step, and the time between two of
-    /// them becomes a ramp.
+    /// Makes a plan of timed steps from the temperatures that a chamber went through: times, s, and temperatures,
+    /// °C, in order. Each stretch where the temperature stayed within 1 °C for five minutes becomes a step, and
+    /// the time between two stretches becomes a ramp.
     ///
     /// # Errors
-    /// Returns an error for fewer than two rows, times that do not rise, or more than 1000 such stretches.
+    /// Returns an error for fewer than two rows, times that do not rise, or more than 1000 stretches.
     pub fn of_course(course: &[(f64, f64)]) -> Result<Self, ChamberPlanError> {
         let row = |index: usize| alloc::format!("row {}", index + 1);
         if let Some(index) = course.windows(2).position(|pair| pair[0].0.partial_cmp(&pair[1].0) != Some(LESS)) {
@@ -114,23 +114,24 @@ impl ChamberPlan {
         })
     }
 
-    /// Set points at the beginning of a step and at its end, °C: the first step begins where it ends.
+    /// Returns the set points at the beginning and at the end of a step, °C. The first step begins at its own set
+    /// point.
     #[must_use]
     pub fn course_c(&self, step: usize) -> (f64, f64) {
         let to_c = |index: usize| self.steps.get(index).map_or(self.safe_c, |step| step.to_c);
         (to_c(step.saturating_sub(1)), to_c(step))
     }
 
-    /// Coldest and warmest set point, °C.
+    /// Returns the coldest and the warmest set point, °C.
     #[must_use]
     pub fn span_c(&self) -> (f64, f64) {
         let temps = self.steps.iter().map(|step| step.to_c);
         temps.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), c| (low.min(c), high.max(c)))
     }
 
-    /// Length of an average, s: the planned one, or the time at which the Allan deviation of this part is lowest
-    /// ([`NoiseModel::best_averaging_s`](crate::noise::NoiseModel::best_averaging_s)). The white noise of each axis is
-    /// as measured, and the axis with the longest time decides.
+    /// Returns the length of an average, s: the planned one, or the time at which the Allan deviation of this part
+    /// is lowest ([`NoiseModel::best_averaging_s`](crate::noise::NoiseModel::best_averaging_s)). It uses the
+    /// measured white noise of each axis, and the axis with the longest time decides.
     #[must_use]
     pub fn average_s(&self, planned_s: Option<f64>, part: &Part, white_dps_per_rt_hz: &[Option<f64>]) -> f64 {
         let best_s = |(axis, white): (&NamedAxis, &Option<f64>)| {
@@ -142,9 +143,9 @@ impl ChamberPlan {
         planned_s.unwrap_or_else(|| libm::ceil(best_s().clamp(AVERAGE_S.0, AVERAGE_S.1)))
     }
 
-    /// Largest drift of the part's own temperature at a soak point, °C/s. It is as planned, or so small that the bias
-    /// changes over an average by no more than the noise of that average. That limit is σ(τ)/(|tempco| τ), with the
-    /// typical noise and coefficient of the most sensitive axis.
+    /// Returns the largest allowed drift of the part's own temperature at a soak point, °C/s: the planned limit,
+    /// or the drift at which the bias changes over an average by no more than the noise of that average. That
+    /// limit is σ(τ)/(|tempco| τ), with the typical noise and coefficient of the most sensitive axis.
     #[must_use]
     pub fn drift_c_per_s(&self, average_s: f64, part: &Part) -> f64 {
         if let Some(c_per_min) = self.drift_c_per_min {
@@ -157,8 +158,8 @@ impl ChamberPlan {
         least.reduce(f64::min).unwrap_or(DRIFT_C_PER_MIN / 60.0)
     }
 
-    /// Least remaining time from a step on, s. It assumes that a soak point settles within one window and is averaged
-    /// for as long as a typical part needs.
+    /// Returns the least remaining time from a step on, s. It assumes that a soak point settles within one window
+    /// and is averaged for as long as a typical part needs.
     #[must_use]
     pub fn least_s(&self, from_step: usize, part: &Part) -> f64 {
         let typical: Vec<Option<f64>> = part.axes.iter().map(|_| None).collect();
@@ -193,8 +194,8 @@ impl ChamberPlan {
 }
 
 impl ChamberPlan {
-    /// Checks that the part bears every temperature of this plan. Call this before anything is heated or cooled. A
-    /// recording needs no such check, because it has happened already.
+    /// Checks that the part withstands every temperature of this plan. Call this before anything is heated or
+    /// cooled. A recording needs no such check, because it has happened already.
     ///
     /// # Errors
     /// Returns an error if a set point, or the temperature after the measurement, is beyond [`Part::operating_c`].
@@ -213,12 +214,12 @@ impl ChamberPlan {
 }
 
 const LESS: core::cmp::Ordering = core::cmp::Ordering::Less;
-/// Air that stays within this span, °C, for the time below, s, has come to rest.
+/// The air is at rest if it stays within `STAYS_C`, °C, for `STAYS_S`, s.
 const STAYS_C: f64 = 1.0;
 const STAYS_S: f64 = 300.0;
 const MAX_STRETCHES: usize = 1000;
 
-/// First and last row of each stretch at rest, as long as possible.
+/// Returns the first and last row of each stretch in which the air was at rest.
 fn stays(course: &[(f64, f64)]) -> Vec<(usize, usize)> {
     let (mut stays, mut from) = (Vec::new(), 0);
     while from < course.len() {
@@ -237,8 +238,8 @@ fn stays(course: &[(f64, f64)]) -> Vec<(usize, usize)> {
     stays
 }
 
-/// Makes a ramp that ends at a time and temperature, and a hold after it. If the first row is late, the step waits for
-/// it.
+/// Makes a ramp that arrives at a time and a temperature, and a hold after it. If the temperature does not change,
+/// the step holds for the time of the ramp as well.
 fn timed((from_s, from_c): (f64, f64), (to_s, to_c): (f64, f64), hold_s: f64) -> Option<Step> {
     let (ramp_s, way_c) = (to_s - from_s, (to_c - from_c).abs());
     let is_ramp = ramp_s > 0.0 && way_c > 0.0;
@@ -247,7 +248,7 @@ fn timed((from_s, from_c): (f64, f64), (to_s, to_c): (f64, f64), hold_s: f64) ->
     (is_ramp || hold_s > 0.0).then_some(Step { to_c, c_per_min, end: StepEnd::Hold(hold_s) })
 }
 
-/// The reason why a plan cannot be carried out.
+/// The error of a plan that cannot be read or carried out.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ChamberPlanError(String);
 

@@ -1,9 +1,9 @@
-//! The measurement in a chamber as a state machine without clock, bus or chamber: readings and times go in, and the
-//! set point of the air comes out.
+//! The measurement in a chamber, as a state machine without clock, bus or chamber. Readings and times go in, and
+//! the set point of the air comes out.
 //!
-//! All transitions stand in one table (`states.rs`), and the judgements (`procedure/judging.rs`) say when
-//! they are due. Samples alone decide them. The chamber's reading of its air can only end a measurement, so a
-//! recording of the samples gives the same result.
+//! All transitions are in one table (`states.rs`), and `procedure/judging.rs` decides from the samples alone when
+//! they are due. The air temperature that the chamber reports can only end a measurement, so a recording of the
+//! samples gives the same result.
 
 mod judging;
 
@@ -17,7 +17,7 @@ use crate::part::{Axis, CodeSum, NamedAxis, Part, Scan};
 
 use alloc::vec::Vec;
 
-/// The next task of the caller.
+/// The next thing for the caller to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChamberAction {
     /// Initialise the part and report the time of its first reading by [`ChamberProcedure::begin`].
@@ -52,43 +52,44 @@ const MAX_RESTLESS: f64 = 0.1;
 /// Length of a second, ns: ten blocks.
 const SECOND_NS: u64 = 10 * BLOCK_NS;
 
-/// Sums of a block of 0.1 s of one axis.
+/// Sums of the codes of one axis over a block of 0.1 s.
 #[derive(Clone, Copy, Debug, Default)]
 struct Block {
     rate: CodeSum,
     temp: CodeSum,
 }
 
-/// State of one axis: its judge, its second so far, and the blocks over which rest is judged.
+/// State of one axis: its health checks, the second that is being filled, and the blocks from which rest is
+/// judged.
 #[derive(Clone, Debug)]
 struct AxisState {
     axis: Axis,
     health: Health,
     second: [Block; 10],
-    /// Rate and temperature, °/s and °C.
+    /// Mean rate and temperature of each block, °/s and °C.
     blocks: Vec<(f64, f64)>,
     white_dps_per_rt_hz: Option<f64>,
 }
 
-/// The way of the air into the span of the plan. At first the air may be outside.
+/// The approach of the air to the temperature span of the plan. The air may start outside of the span.
 #[derive(Clone, Copy, Debug, Default)]
 enum Coming {
     /// The chamber has not reported an air temperature yet.
     #[default]
     Unknown,
-    /// The air comes from this temperature, °C, during this step.
+    /// The air was at this temperature, °C, outside of the span, during this step.
     From { air_c: f64, step: usize },
-    /// The air has reached the span, or the time for that is over.
+    /// The air has reached the span, or the time limit for that has passed.
     Over,
 }
 
-/// The data of the present state.
+/// Data of the present state.
 #[derive(Clone, Copy, Debug, Default)]
 struct Present {
     began_s: f64,
     /// Index in the record of the first second of the state.
     first: usize,
-    /// Length of the average, s, if the state is one.
+    /// Length of the average, s, if the state is an average.
     average_s: f64,
     out_of_range: bool,
 }

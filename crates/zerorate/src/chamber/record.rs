@@ -1,4 +1,4 @@
-//! The record of a measurement in a chamber: means over all its seconds, and its soak points.
+//! The record of a measurement in a chamber: the means over each second, and the soak points.
 
 use crate::notice::Warning;
 use alloc::vec::Vec;
@@ -14,7 +14,7 @@ pub struct Record {
     pub rates_dps: Vec<Vec<f64>>,
     /// Whether the part was at rest, judged by its rate.
     pub at_rest: Vec<bool>,
-    /// The soak points.
+    /// The means at the soak points.
     pub soaks: Vec<Soak>,
     /// Rate samples that were read.
     pub samples: u64,
@@ -24,7 +24,7 @@ pub struct Record {
     pub impossible: u64,
 }
 
-/// The mean of a step: over its average, or over the end of a timed step.
+/// The mean readings of a soak point: over the average of a step, or over the end of a timed step.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "file", derive(serde::Serialize, serde::Deserialize))]
 pub struct Soak {
@@ -51,8 +51,8 @@ impl Record {
         Self { rates_dps: alloc::vec![Vec::new(); axes], ..Self::default() }
     }
 
-    /// The warnings of the record, with any outcome. `earth_dps` is the subtracted component of the Earth's rotation,
-    /// °/s.
+    /// Returns the warnings of the record, whatever its outcome. `earth_dps` is the subtracted component of the
+    /// Earth's rotation, °/s.
     pub fn warnings(&self, earth_dps: Option<f64>) -> impl Iterator<Item = Warning> {
         let earth = earth_dps.map_or(Warning::EarthIncluded, |earth_dps| Warning::EarthSubtracted { earth_dps });
         let Self { samples, lost, impossible, .. } = *self;
@@ -93,8 +93,8 @@ impl Record {
         self.start_s.partition_point(|at_s| *at_s < start_s)
     }
 
-    /// Drift of the temperature over the seconds from an index on, °C/s, and its standard uncertainty from their
-    /// scatter about it. `None` for fewer than ten seconds.
+    /// Returns the slope of a line through the temperatures from an index on, °C/s, and its standard uncertainty
+    /// from the scatter about the line. `None` for fewer than ten seconds.
     pub(super) fn drift(&self, from: usize) -> Option<Drift> {
         let (times, temps) = (self.start_s.get(from..)?, self.temp_c.get(from..)?);
         let n = times.len() as f64;

@@ -22,21 +22,21 @@ pub enum ChamberRefusal {
     Lost { lost: u64, samples: u64, limit: f64 },
     /// The part's temperature never came to rest near the set point. `air_c` is the last reading of the chamber.
     NotSettled { step: usize, set_c: f64, temp_c: f64, drift_c_per_min: f64, most_c_per_min: f64, air_c: Option<f64> },
-    /// The air is far from the set point for too long.
+    /// The air was far from the set point for too long.
     NotReached { step: usize, set_c: f64, air_c: f64, after_s: f64 },
     /// The air went beyond all temperatures of the plan.
     Overshoot { step: usize, air_c: f64, low_c: f64, high_c: f64 },
     /// The air is at a temperature that may harm the part.
     BeyondPart { step: usize, air_c: f64, low_c: f64, high_c: f64 },
-    /// The average of a soak point was disturbed again and again.
+    /// The average of a soak point was disturbed too often.
     Disturbed { step: usize, times: u32, why: Disturbance },
-    /// The temperature hardly changed.
+    /// The temperature of the part hardly changed.
     Span { span_c: f64, least_c: f64 },
-    /// The slope at the end is not known well enough.
+    /// The uncertainty of BTC is above the limit.
     Uncertain { u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
-    /// The record does not give a curve.
+    /// The record does not determine a curve.
     NoCurve(ThermalError),
-    /// The platform moves slowly, and by more than the limit.
+    /// The slow base motion is larger than the limit.
     BaseMotion { hz: f64, size_dps: f64, limit_dps: f64 },
     /// The part was not at rest for too great a share of the time.
     Restless { share: f64, limit: f64 },
@@ -162,7 +162,7 @@ impl core::error::Error for ChamberRefusal {}
 pub enum Disturbance {
     /// The temperature left the soak point.
     Temperature { moved_c: f64, limit_c: f64 },
-    /// The part moved, or it shows noise that is not its own.
+    /// The part moved, or the rate was noisier than the part itself.
     Motion { axis: usize },
     /// Less than 80 % of the samples of the average were read.
     Gaps,

@@ -11,7 +11,7 @@ use core::ops::RangeInclusive;
 use serde::{Deserialize, Serialize};
 use zerorate_allan::entry::{Document, EntryError};
 
-/// Version of the text, and the only one that is read.
+/// The only version of the text form that is supported.
 const SCHEMA: u32 = 1;
 const HEADER: &str =
     "# An interrupted measurement in a chamber: zerorate chamber goes on with it (docs/chamber.md).\n";
@@ -19,7 +19,7 @@ const HEADER: &str =
 const LONGEST_S: f64 = 3.2e8;
 /// Largest valid number of samples. Ten years hold fewer, and sums of such numbers do not overflow.
 const MOST_SAMPLES: u64 = 1 << 50;
-/// Possible drifts of the temperature of a part, °C/min.
+/// Allowed drifts of the temperature of a part, °C/min.
 const DRIFTS_C_PER_MIN: RangeInclusive<f64> = -1e4..=1e4;
 
 /// The finished steps of a measurement. `docs/chamber.md` says when they are written and read.
@@ -43,7 +43,7 @@ pub enum SavedError {
     Altered(Damage),
     /// The text has no check lines, so nothing shows whether it is whole.
     Unchecked,
-    /// Lists have different lengths.
+    /// Lists have different lengths, or times do not rise.
     Damaged,
     /// A number is impossible for a measurement.
     Impossible { what: &'static str },
@@ -89,7 +89,7 @@ struct SavedForm {
     impossible: u64,
     start_s: Vec<f64>,
     temp_c: Vec<f64>,
-    /// A digit for each second: whether the part was at rest.
+    /// A digit for each second: 1 if the part was at rest, 0 if not.
     at_rest: String,
     #[serde(default)]
     soak: Vec<Soak>,
@@ -103,7 +103,7 @@ struct AxisForm {
     rate_dps: Vec<f64>,
 }
 
-/// The identity of a measurement. A measurement continues only if all of it agrees.
+/// The identity of a measurement. A saved text must agree with all of it.
 pub(super) struct Identity<'a> {
     plan_text: &'a str,
     part: &'a Part,
@@ -137,7 +137,7 @@ impl Saved {
         check_lines::file(HEADER, &form)
     }
 
-    /// Reads the text of an interrupted measurement, if it is whole and belongs to this one.
+    /// Reads the text of an interrupted measurement, if it is complete and belongs to this measurement.
     ///
     /// # Errors
     /// Returns the reason why the text cannot continue this measurement.
@@ -173,7 +173,7 @@ impl Saved {
     }
 }
 
-/// The values that the codes of a scale stand for.
+/// Returns the range of values that the codes of a scale express.
 fn values(scale: &Scale) -> RangeInclusive<f64> {
     let (first, last) = scale.codes();
     scale.value(first - scale.zero_code)..=scale.value(last - scale.zero_code)

@@ -38,7 +38,7 @@ pub(super) enum To {
         hold: ChamberState,
         average: ChamberState,
     },
-    /// The next step, or the end.
+    /// The first state of the next step, or the end after the last step.
     Next {
         step: ChamberState,
         end: ChamberState,

@@ -3,8 +3,8 @@
 use super::formula::{Correction, TableError};
 use crate::part::Scale;
 
-/// The table of F-52, (TEMP − T3) × BTC in µ°/s, found by the temperature code: no allocation, no division, no
-/// floating point.
+/// The table of F-52, (TEMP − T3) × BTC in µ°/s, with a look-up by temperature code that needs no allocation,
+/// division or floating point.
 ///
 /// Row r, counted from 0, is for TEMP − T3 = (R − r) · step with 2R + 1 rows. The nearest row is r = ⌊R + ½ − (temp −
 /// T3) / step⌋ with temperatures and the step in codes. T3 lies between two codes, and counts with its fraction. The
@@ -46,8 +46,8 @@ impl<'a> CodeTable<'a> {
         self.rows_udps.get(row).copied()
     }
 
-    /// The nearest row, which is the first or the last one for a temperature beyond the table. There it is wrong by
-    /// BTC times the distance to that row. A table without rows corrects nothing.
+    /// Returns the nearest row. For a temperature beyond the table it is the first or the last row, which is wrong
+    /// by BTC times the distance to it. A table without rows corrects nothing.
     #[inline]
     #[must_use]
     pub fn look_up_held_udps(&self, temp_code: u32) -> i32 {
@@ -56,10 +56,10 @@ impl<'a> CodeTable<'a> {
     }
 }
 
-/// Place of a temperature in a table: `row = (middle_q + (t3_code − temp) · rows_per_code_q) >> 32`.
+/// Finds the row of a temperature code: `row = (middle_q + (t3_code − temp) · rows_per_code_q) >> 32`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RowIndex {
-    /// The row of `t3_code` and a half, times 2³².
+    /// Position of `t3_code` in rows, plus a half, times 2³².
     pub middle_q: i64,
     /// Rows per temperature code, times 2³².
     pub rows_per_code_q: i64,
@@ -71,8 +71,8 @@ impl RowIndex {
     /// Fraction bits of `middle_q` and `rows_per_code_q`.
     pub const Q: u32 = 32;
 
-    /// The index for a table of `rows` rows in steps of `step_c` °C around `t3_c` °C. A step below 10⁻⁶ °C counts as
-    /// 10⁻⁶ °C.
+    /// Makes the index for a table of `rows` rows in steps of `step_c` °C around `t3_c` °C. A step below 10⁻⁶ °C
+    /// counts as 10⁻⁶ °C.
     #[must_use]
     pub fn new(rows: usize, step_c: f64, t3_c: f64, temp: &Scale) -> Self {
         let one = (1i64 << Self::Q) as f64;
@@ -89,7 +89,8 @@ impl RowIndex {
         }
     }
 
-    /// The number of the row of a 24-bit temperature code: negative above the table, beyond its end below it.
+    /// Returns the row of a 24-bit temperature code. It is negative for a code above the table, and beyond the
+    /// last row for a code below it.
     #[inline]
     #[must_use]
     pub const fn row(&self, temp_code: u32) -> i64 {

@@ -4,7 +4,7 @@
 use alloc::vec::Vec;
 use core::fmt;
 
-/// The three numbers of F-50, and two more if the bias follows the temperature along a curve: RATE + PBC + d·BTC +
+/// The coefficients of F-50, and two more for a bias that is a curve over temperature: RATE + PBC + d·BTC +
 /// d²·BTC2 + d³·BTC3 with d = TEMP − T3. All coefficients are *added*: each is minus the bias that it removes.
 ///
 /// ```
@@ -51,14 +51,14 @@ impl Correction {
         self.btc2_dps_per_c2 == 0.0 && self.btc3_dps_per_c3 == 0.0
     }
 
-    /// The corrected rate in °/s of a rate in °/s taken at a temperature in °C.
+    /// Returns the corrected rate, °/s, of a rate in °/s that was taken at a temperature in °C.
     #[inline]
     #[must_use]
     pub fn apply(&self, rate_dps: f64, temp_c: f64) -> f64 {
         rate_dps + self.pbc_dps + self.rise_dps(temp_c - self.t3_c)
     }
 
-    /// The correction that is added to a rate at a temperature in °C: minus the bias there, °/s.
+    /// Returns the correction that is added to a rate at a temperature in °C: minus the bias there, °/s.
     #[must_use]
     pub fn at(&self, temp_c: f64) -> f64 {
         self.pbc_dps + self.rise_dps(temp_c - self.t3_c)
@@ -85,8 +85,8 @@ impl Correction {
         [-reach_c, reach_c, turn_c].iter().map(|delta_c| self.slope_dps_per_c(*delta_c).abs()).fold(0.0, f64::max)
     }
 
-    /// Largest error of straight lines between the rows of a table in steps of `step_c` within `reach_c` of T3, °/s.
-    /// It is step² / 8 times the largest second derivative, and zero for a line.
+    /// Largest error of linear interpolation between the rows of a table in steps of `step_c` within `reach_c` of
+    /// T3, °/s. It is step² / 8 times the largest second derivative, and zero for a line.
     #[must_use]
     pub fn bend_dps(&self, step_c: f64, reach_c: f64) -> f64 {
         let second = 2.0 * self.btc2_dps_per_c2.abs() + 6.0 * self.btc3_dps_per_c3.abs() * reach_c;

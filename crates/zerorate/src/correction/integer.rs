@@ -68,8 +68,8 @@ impl IntegerCorrection {
         self.apply_as(&IntegerForm::ADIS16130, rate, temp) as u32
     }
 
-    /// Corrects a rate code with the temperature code taken with it, in the form that the correction was made for. An
-    /// impossible code counts as the nearest possible one.
+    /// Corrects a rate code with the temperature code taken with it. `form` must be the form for which the
+    /// correction was made. An impossible code counts as the nearest possible one.
     ///
     /// ```
     /// use zerorate::{Axis, Correction, IntegerForm, Scale};
@@ -89,7 +89,7 @@ impl IntegerCorrection {
     }
 }
 
-/// The nearest possible code.
+/// Returns the possible code that is nearest to a code.
 #[inline]
 pub(crate) const fn held(code: i64, (first, last): (i64, i64)) -> i64 {
     if code < first {
@@ -145,7 +145,7 @@ impl Correction {
 pub struct IntegerError {
     /// Name of the coefficient in the calibration.
     pub coefficient: &'static str,
-    /// The largest BTC of these scales, °/s/°C.
+    /// The largest |BTC| that fits these scales, °/s/°C.
     pub largest_btc_dps_per_c: f64,
     /// Bits of a rate code.
     pub rate_bits: u8,

@@ -8,7 +8,7 @@ use core::fmt;
 /// The format of an [`IntegerCurve`]. It follows from the scales of rate and temperature alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CurveForm {
-    /// The distance from T3 in codes, times 2 to this power, fills 32 bits with its sign.
+    /// Left shift that makes the distance from T3, in codes, a signed number of 32 bits.
     pub temp_shift: u32,
     /// First and last code of the rate.
     pub rate_codes: (i64, i64),
@@ -34,7 +34,7 @@ impl CurveForm {
         Self { temp_shift, rate_codes: rate.codes(), temp_codes: temp.codes() }
     }
 
-    /// First and last distance from T3, in codes. Farther out the temperature counts as these ends.
+    /// Returns the lowest and highest distance from T3, in codes. Temperatures farther out are clamped to these.
     #[must_use]
     pub const fn reach(&self) -> (i64, i64) {
         let codes = 1_i64 << (31 - self.temp_shift);
@@ -75,7 +75,7 @@ impl IntegerCurve {
     /// Fewest and most fraction bits.
     pub const FRACTION: (u32, u32) = (1, 16);
 
-    /// Largest difference from the curve in f64 within the reach, rate codes: ½ + 2.69 · 2⁻ᶠ.
+    /// Largest difference from the curve in f64 within [`CurveForm::REACH_C`] of T3, rate codes: ½ + 2.69 · 2⁻ᶠ.
     #[must_use]
     pub fn bound_codes(&self) -> f64 {
         0.5 + 2.69 * libm::exp2(-f64::from(self.fraction))
@@ -89,8 +89,8 @@ impl IntegerCurve {
         self.apply_as(&CurveForm::ADIS16130, rate, temp) as u32
     }
 
-    /// Corrects a rate code with the temperature code taken with it, in the form that the correction was made for. An
-    /// impossible code counts as the nearest possible one.
+    /// Corrects a rate code with the temperature code taken with it. `form` must be the form for which the
+    /// correction was made. An impossible code counts as the nearest possible one.
     #[inline]
     #[must_use]
     pub const fn apply_as(&self, form: &CurveForm, rate: i64, temp: i64) -> i64 {
@@ -111,8 +111,8 @@ const fn high(a: i32, b: i32) -> i32 {
 }
 
 impl Correction {
-    /// Converts the correction to the codes of an axis, see [`IntegerCurve`]. It takes a line too, for which
-    /// [`Correction::to_integer`] takes fewer instructions.
+    /// Converts the correction to the codes of an axis, see [`IntegerCurve`]. It accepts a line too, but
+    /// [`Correction::to_integer`] needs fewer instructions for it.
     ///
     /// # Errors
     /// Returns an error if the terms come to more than 2²⁹ codes within the reach (22 857 °/s for the ADIS16130), T3
@@ -129,7 +129,7 @@ impl Correction {
         if !known || reach_c < CurveForm::REACH_C - 1.0 {
             return Err(error("t3_c", t3_exact));
         }
-        // T3 rounds to a code: the same curve about the temperature of that code
+        // T3 rounds to a code, so shift the origin of the curve to the temperature of that code
         let shift_c = (t3_code - t3_exact) / temp.lsb_per_unit;
         let about = [
             self.at(self.t3_c + shift_c),
@@ -176,7 +176,7 @@ pub struct CurveError {
     pub coefficient: &'static str,
     /// Size of the terms within the reach, rate codes. For T3 it is the code of T3.
     pub codes: f64,
-    /// The reach from T3, °C.
+    /// Largest distance from T3 that the form covers, °C.
     pub reach_c: f64,
 }
 

@@ -1,5 +1,5 @@
-//! Judgement of a measurement in a chamber, second by second: silence, an open door, the dwell at a set point, and
-//! rest.
+//! Checks of a measurement in a chamber, second by second: missing readings, an open door, the time at a set
+//! point, and rest.
 
 use super::{ChamberProcedure, Coming, Present};
 use crate::chamber::plan::{REACHED_C, StepEnd};
@@ -12,14 +12,14 @@ use crate::temperature::gls::{dot, take_out};
 
 use alloc::vec::Vec;
 
-/// Number of readings beyond the limits that ends the measurement. A single one may be a transmission error.
+/// Number of successive air readings beyond the limits that ends the measurement. One may be a transmission error.
 const BEYOND: u32 = 2;
 /// Time in which the air must reach the set point, s, once the ramp has ended. Chambers take an hour for a hundred
 /// degrees.
 const REACH_S: f64 = 5400.0;
 /// Largest change of the temperature during an average, °C.
 const AVERAGE_MOVES_C: f64 = 1.0;
-/// Number of times that a soak point is averaged anew.
+/// Number of times that the average of a soak point may be repeated.
 const MAX_DISTURBED: u32 = 3;
 /// Seconds over which rest is judged while the temperature changes.
 const REST_S: usize = 100;
@@ -28,7 +28,7 @@ const REST_S: usize = 100;
 const SELF_HEATING_C: (f64, f64) = (-5.0, 25.0);
 /// Time without a reading after which the measurement ends, s.
 const SILENT_S: u64 = 60;
-/// Time within which a part must give its temperature, s.
+/// Time within which a temperature of the part must be read, s.
 const TEMPERATURE_S: f64 = 30.0;
 
 impl ChamberProcedure {
@@ -58,9 +58,9 @@ impl ChamberProcedure {
         Ok(())
     }
 
-    /// The range in which the plan allows the air, °C. It covers the set points and the temperature after the
-    /// measurement, because an open door lets the air go there. At first the air may be outside, until it has reached
-    /// this range, and for no longer than the first step takes.
+    /// Returns the range in which the plan allows the air, °C. It covers the set points and the temperature after
+    /// the measurement, because an open door lets the air go there. It also covers the first air temperature,
+    /// until the air has come into the rest of the range or the first step is over.
     fn air_may_be_c(&mut self, air_c: f64) -> (f64, f64) {
         let ((low_c, high_c), safe_c) = (self.plan.span_c(), self.plan.safe_c);
         let (low_c, high_c) = (low_c.min(safe_c), high_c.max(safe_c));
@@ -236,8 +236,8 @@ impl ChamberProcedure {
         self.record.soaks.push(soak);
     }
 
-    /// Judges whether the part was at rest since the last call, and returns an axis that was not. It marks the
-    /// seconds, and quiet ones give the white noise.
+    /// Judges whether the part was at rest since the last call, and returns an axis that was not. If one moved, it
+    /// marks the seconds as moving. The axes at rest give the white noise.
     pub(super) fn judge_rest(&mut self) -> Option<usize> {
         let (from, len) = (self.blocks_from, self.record.len());
         let mut moving = None;
@@ -259,11 +259,11 @@ impl ChamberProcedure {
     }
 }
 
-/// The shortest record that gives the white noise, s.
+/// Shortest time at rest that gives the white noise, s.
 const WHITE_S: f64 = 20.0;
 
-/// Rates less the parabola over temperature that fits them best. A bias that follows the temperature is not motion,
-/// and within [`REST_S`] a chamber may go far.
+/// Returns the rates less their best parabola over temperature. A bias that follows the temperature is not motion,
+/// and a chamber can change its temperature much within [`REST_S`].
 fn without_temperature(blocks: &[(f64, f64)]) -> Vec<f64> {
     let mean_c = blocks.iter().map(|(_, c)| c).sum::<f64>() / blocks.len().max(1) as f64;
     let mut rates_dps: Vec<f64> = blocks.iter().map(|(dps, _)| *dps).collect();
