@@ -7,12 +7,12 @@ use zerorate_allan::FLOOR_PER_B;
 /// Lowest frequency of the flicker noise, Hz (M-04).
 pub const FLICKER_CUTOFF_HZ: f64 = 1e-4;
 
-/// Highest frequency at which flicker is modelled, Hz: a hundred times above where it meets the white noise of F-02.
+/// Highest frequency of modelled flicker, Hz: a hundred times the one where it equals the white noise of F-02.
 const FLICKER_TOP_HZ: f64 = 10.0;
-/// First-order processes that make up the 1/f spectrum: two per octave.
+/// Number of first-order processes that make up the 1/f spectrum: two per octave.
 const CELLS: usize = 34;
 
-/// Three noises, as they appear at the output.
+/// White noise, flicker noise and rate random walk, as they appear at the output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoiseModel {
     /// One-sided density of the white noise, °/s/√Hz: a mean over T has the variance d²/(2T).
@@ -42,8 +42,8 @@ impl NoiseModel {
 
     /// Covariance of two weighted sums of window means, (°/s)².
     ///
-    /// The random walk has no mean to refer to, so the weights of each sum must add up to zero unless K is zero: a
-    /// change, not a level.
+    /// A random walk has no mean. So unless K is zero, the weights of each sum must add up to zero: the sum is
+    /// then a change between levels, not a level.
     #[must_use]
     pub fn covariance(&self, a: &[WeightedMean], b: &[WeightedMean]) -> f64 {
         let kernel = Kernel::new(self);
@@ -75,14 +75,14 @@ impl NoiseModel {
         windows.iter().enumerate().map(|(i, a)| windows[..=i].iter().map(|b| covariance(a, b)).collect()).collect()
     }
 
-    /// The same model without its random walk: for the level of a mean rather than its change.
+    /// Returns the model without its random walk, for the level of a mean instead of a change between means.
     #[must_use]
     pub fn without_random_walk(self) -> Self {
         Self { rate_random_walk_dps_per_rt_s: 0.0, ..self }
     }
 }
 
-/// The mean over an interval of time, with the weight it carries in a sum.
+/// The mean over an interval of time, with its weight in a sum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WeightedMean {
     /// Start, s.
@@ -93,7 +93,7 @@ pub struct WeightedMean {
     pub weight: f64,
 }
 
-/// Whole seconds from a start to an end.
+/// A window of whole seconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Window {
     pub(crate) start_s: u32,
@@ -110,7 +110,8 @@ impl Window {
     }
 }
 
-/// Twice integrated autocovariance G (G'' = R, even): the covariance of two window means is a second difference of it.
+/// The twice integrated autocovariance G (G'' = R, even). The covariance of two window means is a second
+/// difference of G.
 struct Kernel {
     white: f64,
     walk: f64,
@@ -154,8 +155,9 @@ impl Process {
     }
 }
 
-/// Corner frequencies evenly spread over the logarithm from the cutoff to the top, each at the middle of its cell. The
-/// variance of a cell is the integral of S(f) = B²/(πf) over the cell.
+/// Returns the processes of the flicker noise. Their corner frequencies are spread evenly over the logarithm from
+/// the cutoff to the top, each at the middle of its cell. The variance of a cell is the integral of S(f) = B²/(πf)
+/// over it.
 fn flicker_processes(bias_instability_dps: f64) -> [Process; CELLS] {
     let octaves_per_cell = libm::log2(FLICKER_TOP_HZ / FLICKER_CUTOFF_HZ) / CELLS as f64;
     let variance = square(bias_instability_dps) / PI * LN_2 * octaves_per_cell;

@@ -45,7 +45,7 @@ pub struct NamedAxis {
     pub name: Cow<'static, str>,
     /// Column in logs, if it differs from the name.
     pub column: Option<Cow<'static, str>>,
-    /// The numbers of the axis.
+    /// The properties of the axis.
     pub axis: Axis,
     /// Sources of the axis's typical noise.
     pub sources: NoiseSources,
@@ -61,7 +61,7 @@ pub struct NoiseSources {
 }
 
 impl Part {
-    /// The built-in part, at its own bandwidth (F-03).
+    /// The built-in part, with the bandwidth that it has without an external capacitor (F-03).
     pub const ADIS16130: Self = Self {
         name: Cow::Borrowed("ADIS16130"),
         axes: Cow::Borrowed(&[NamedAxis {
@@ -78,8 +78,8 @@ impl Part {
     };
 }
 
-/// The numbers of one axis, and of the temperature that belongs to it. An unknown number is `None`, and a step that
-/// needs it is left out. If the user has to know that, a warning says so.
+/// The properties of one axis, and of its temperature. An unknown property is `None`, and a step that needs it is
+/// left out. If the user has to know that, a warning says so.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
     /// Scale of the rate codes, °/s.
@@ -98,7 +98,7 @@ pub struct Axis {
     pub bias: TypicalBias,
     /// Self-heating of a typical unit after it is switched on.
     pub self_heating: Option<SelfHeating>,
-    /// A tone that sampling may fold to zero.
+    /// A mechanical resonance that sampling may fold to zero.
     pub resonance: Option<Tone>,
     /// Whether one converter takes rate and temperature in turn, so that reading every N-th edge gives 1/(N + 1) of
     /// its conversions.
@@ -136,7 +136,7 @@ impl Scale {
         }
     }
 
-    /// The value of a code less the zero code, divided once.
+    /// Returns the value of a code less the zero code, by a single division.
     ///
     /// ```
     /// let axis = zerorate::Axis::ADIS16130;
@@ -147,13 +147,13 @@ impl Scale {
         from_zero as f64 / self.lsb_per_unit + self.zero_value
     }
 
-    /// The code, not rounded, of a value.
+    /// Returns the code of a value, not rounded.
     #[must_use]
     pub fn code(&self, value: f64) -> f64 {
         (value - self.zero_value) * self.lsb_per_unit + self.zero_code as f64
     }
 
-    /// The code nearest to a value, which is the first or last code for a value beyond the scale.
+    /// Returns the code nearest to a value: the first or the last code for a value beyond the scale.
     #[must_use]
     pub fn nearest_code(&self, value: f64) -> i64 {
         let (first, last) = self.codes();
@@ -211,11 +211,11 @@ impl TypicalNoise {
 pub struct SelfHeating {
     /// Size of the fast share, °C.
     pub fast_c: f64,
-    /// Time constant of that share, s.
+    /// Time constant of the fast share, s.
     pub fast_s: f64,
     /// Size of the slow share, °C.
     pub slow_c: f64,
-    /// Time constant of that share, s.
+    /// Time constant of the slow share, s.
     pub slow_s: f64,
 }
 
@@ -240,7 +240,7 @@ pub struct TypicalBias {
     pub initial_dps: Option<f64>,
     /// Typical temperature coefficient of the bias, °/s/°C.
     pub tempco_dps_per_c: Option<f64>,
-    /// Standard deviation of that coefficient over units, °/s/°C.
+    /// Standard deviation of the temperature coefficient over units, °/s/°C.
     pub tempco_spread_dps_per_c: Option<f64>,
     /// Standard deviation of the curvature over units, °/s/°C².
     pub curvature_dps_per_c2: Option<f64>,
@@ -269,7 +269,7 @@ impl TypicalBias {
         Some(self.tempco_dps_per_c?.abs() + 6.0 * self.tempco_spread_dps_per_c?)
     }
 
-    /// The smallest temperature coefficient that is not remarkable, °/s/°C: three spreads below the typical one.
+    /// The smallest temperature coefficient that is still usual, °/s/°C: three spreads below the typical one.
     #[must_use]
     pub fn least_tempco_dps_per_c(&self) -> Option<f64> {
         Some(self.tempco_dps_per_c?.abs() - 3.0 * self.tempco_spread_dps_per_c?)
@@ -288,7 +288,7 @@ impl TypicalBias {
 pub struct Tone {
     /// Frequency of the tone, Hz.
     pub hz: f64,
-    /// Tolerance of that frequency, Hz: half of the last digit that is printed.
+    /// Tolerance of the frequency, Hz: half a unit of the last printed digit.
     pub tolerance_hz: f64,
     /// Rms of the tone before sampling, °/s.
     pub rms_dps: f64,
@@ -308,9 +308,10 @@ impl Tone {
         (turns - libm::round(turns)).abs() * rate_hz
     }
 
-    /// Frequency below which the tone counts as near zero, Hz, for means over `average_s`. There averaging leaves more
-    /// of the tone than of white noise of this density, and the tolerance is added. If the tolerance is more than an
-    /// eighth of the rate, it counts as that eighth, because no such low rate is safe.
+    /// Frequency below which the folded tone counts as near zero, Hz, for means over `average_s`. It is the
+    /// frequency below which averaging leaves more of the tone than of white noise of this density, plus the
+    /// tolerance. A tolerance of more than an eighth of the rate counts as that eighth, because no such low rate
+    /// is safe.
     #[must_use]
     pub fn near_zero_hz(&self, rate_hz: f64, average_s: f64, white_dps_per_rt_hz: f64) -> f64 {
         let averaged_hz = 2.0 * self.rms_dps / (PI * white_dps_per_rt_hz * libm::sqrt(average_s));
@@ -325,7 +326,7 @@ impl Tone {
 }
 
 impl Axis {
-    /// The ADIS16130 in 24 bit, at its own bandwidth. A 16-bit code counts as 256 of these (F-43).
+    /// The ADIS16130 in 24 bits, without an external capacitor. A 16-bit code counts as 256 of these (F-43).
     pub const ADIS16130: Self = Self {
         rate: Scale { lsb_per_unit: 23_488.0, zero_value: 0.0, ..Scale::OFFSET_24 }, // F-40
         temp: Scale { lsb_per_unit: 14_093.0, zero_value: 25.0, ..Scale::OFFSET_24 }, // F-41

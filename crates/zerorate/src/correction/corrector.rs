@@ -9,7 +9,7 @@ use crate::notice::Warning;
 pub struct CorrectorConfig<C = [Correction; 1]> {
     /// PBC, BTC and T3 of each axis.
     pub corrections: C,
-    /// The temperatures at which the corrections hold, if that is stated.
+    /// The temperatures at which the corrections hold; `None` if they are not known.
     pub validity: Option<Validity>,
 }
 
@@ -45,7 +45,7 @@ pub struct Corrected {
     pub rate_dps: Option<f64>,
     /// The temperature that was used, °C.
     pub temp_c: Option<f64>,
-    /// Whether that temperature lies outside the span where the correction holds.
+    /// Whether the temperature lies outside the span where the correction holds.
     pub extrapolated: bool,
 }
 
@@ -71,29 +71,29 @@ impl<C: AsRef<[Correction]>> Corrector<C> {
         }
     }
 
-    /// Corrects a rate of an axis, °/s, or a mean of rates: F-50. `None` without a rate, before the first temperature,
-    /// and for an axis that has no correction.
+    /// Corrects a rate of an axis, °/s, or a mean of rates, by F-50. `None` without a rate, before the first
+    /// temperature, and for an axis that has no correction.
     #[inline]
     #[must_use]
     pub fn correct(&self, axis: usize, rate_dps: Option<f64>) -> Option<f64> {
         Some(self.config.corrections.as_ref().get(axis)?.apply(rate_dps?, self.temp_c?))
     }
 
-    /// Reads and corrects for a part with one axis: a rate in °/s, or a mean of rates, with the temperature in °C that
-    /// was read with it.
+    /// Takes in and corrects a reading of a part with one axis: a rate in °/s, or a mean of rates, with the
+    /// temperature in °C that was read with it.
     #[inline]
     pub fn take(&mut self, rate_dps: Option<f64>, read_c: Option<f64>) -> Corrected {
         self.read(read_c);
         Corrected { rate_dps: self.correct(0, rate_dps), temp_c: self.temp_c, extrapolated: self.is_extrapolated() }
     }
 
-    /// The temperature that is used, °C.
+    /// The last temperature that was read, °C. Corrections use it.
     #[must_use]
     pub fn temp_c(&self) -> Option<f64> {
         self.temp_c
     }
 
-    /// Whether that temperature lies outside the span where the corrections hold.
+    /// Whether the last temperature lies outside the span where the corrections hold.
     #[must_use]
     pub fn is_extrapolated(&self) -> bool {
         let outside = |(validity, temp_c): (Validity, f64)| !validity.covers(temp_c);
@@ -106,7 +106,7 @@ impl<C: AsRef<[Correction]>> Corrector<C> {
         self.range_c
     }
 
-    /// The warning that a temperature left the span, if one did.
+    /// Returns a warning if a temperature left the span where the corrections hold.
     #[must_use]
     pub fn warning(&self) -> Option<Warning> {
         let (low_c, high_c) = self.range_c?;

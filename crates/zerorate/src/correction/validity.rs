@@ -1,4 +1,4 @@
-//! The temperatures at which a correction holds, and the warning elsewhere.
+//! The temperatures at which a correction holds, and the warning about other temperatures.
 
 use crate::notice::Warning;
 use crate::part::UNKNOWN_MARGIN_C;
@@ -24,7 +24,7 @@ impl Validity {
         (self.temp_min_c - self.margin_c..=self.temp_max_c + self.margin_c).contains(&temp_c)
     }
 
-    /// The warning that temperatures from `low_c` to `high_c` leave the span, if they do.
+    /// Returns a warning if temperatures from `low_c` to `high_c` leave the span.
     #[must_use]
     pub fn warning(&self, low_c: f64, high_c: f64) -> Option<Warning> {
         let Self { temp_min_c, temp_max_c, .. } = *self;

@@ -1,4 +1,4 @@
-//! Check whether a part at rest looks healthy: the judgement of `probe`, with its limits.
+//! Checks whether a part at rest looks healthy, as the command `probe` does.
 
 use super::judge::Judged;
 use super::tally::Tally;
@@ -26,7 +26,7 @@ impl Default for Limits {
     }
 }
 
-/// Readings of some seconds at rest.
+/// Collects the readings of some seconds at rest, and judges them.
 ///
 /// ```
 /// use zerorate::health::Health;
@@ -57,7 +57,7 @@ pub struct Checkup {
 }
 
 impl Checkup {
-    /// Takes a reading in.
+    /// Adds a reading.
     pub fn push(&mut self, judged: &Judged) {
         match (judged.rate(), self.gaps.last_mut().filter(|gap| gap.at == self.rate_codes.len())) {
             (Some(rate), _) => {
@@ -84,8 +84,8 @@ impl Checkup {
         self.temps.mean(&axis.temp)
     }
 
-    /// One-sided density d of the white noise, °/s/√Hz, of samples at `rate_hz`: at τ well above the filter of the
-    /// part the Allan deviation is d/√(2τ).
+    /// One-sided density d of the white noise, °/s/√Hz, from samples at `rate_hz`. The Allan deviation is d/√(2τ)
+    /// at a τ well above the time constant of the part's filter. `None` if there are too few samples.
     #[must_use]
     pub fn white_dps_per_rt_hz(&self, axis: &Axis, rate_hz: f64) -> Option<f64> {
         let m = libm::round(WHITE_TAU_S * rate_hz) as u64;
@@ -123,7 +123,7 @@ impl Checkup {
     }
 }
 
-/// Averaging time for the white noise, s: long against the filter (F-03, F-04), short against flicker and drift.
+/// Averaging time for the white noise, s: long compared with the filter (F-03, F-04), short for flicker and drift.
 const WHITE_TAU_S: f64 = 0.05;
 
 #[cfg(test)]

@@ -2,15 +2,15 @@
 
 use crate::part::Reading;
 
-/// Time without a change after which a noisy channel is frozen, if it was read [`FROZEN_READINGS`] times meanwhile.
+/// Time without a change after which a noisy channel counts as frozen, if it was read [`FROZEN_READINGS`] times.
 const FROZEN_NS: u64 = 100_000_000;
-/// Number of readings for [`FROZEN_NS`]. Noise gives the same code twice with a probability below 0.2, even in 16 bits
-/// and behind the filter of F-04. So this many equal codes have a probability below 10⁻²².
+/// Number of equal readings that [`FROZEN_NS`] requires. Noise gives the same code twice with a probability below
+/// 0.2, even in 16 bits and behind the filter of F-04. So this many equal codes have a probability below 10⁻²².
 const FROZEN_READINGS: u64 = 32;
-/// Time and number of readings after which two channels that have never changed are frozen.
+/// Time and number of readings after which rate and temperature that have never changed count as frozen.
 const DEAD_NS: u64 = 2_000_000_000;
 const DEAD_READINGS: u64 = 100;
-/// Time after which a rate alone that has never changed is frozen.
+/// Time after which a rate that has never changed counts as frozen, if there is no temperature.
 const DEAD_ALONE_NS: u64 = 10_000_000_000;
 
 /// The time since which the readings have not changed.

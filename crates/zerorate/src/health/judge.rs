@@ -10,15 +10,15 @@ use core::fmt;
 pub struct Flags(u8);
 
 impl Flags {
-    /// Nothing is wrong.
+    /// No fault.
     pub const NONE: Self = Self(0);
-    /// The part cannot have measured this rate between its neighbours: a bit error.
+    /// The part cannot have measured this rate, given the readings next to it: a bit error.
     pub const IMPOSSIBLE: Self = Self(1);
     /// The rate is beyond the range of the converter (F-35).
     pub const OUT_OF_RANGE: Self = Self(2);
     /// The readings have stopped changing.
     pub const FROZEN: Self = Self(4);
-    /// The temperature cannot follow the one before: a bit error.
+    /// The temperature differs too much from those before it: a bit error.
     pub const IMPOSSIBLE_TEMP: Self = Self(8);
 
     const NAMES: [(Self, &str); 4] = [
@@ -106,9 +106,10 @@ pub struct FaultCounts {
     pub out_of_range: u64,
     /// Readings after the part had stopped.
     pub frozen: u64,
-    /// Temperatures that cannot follow the one before.
+    /// Temperatures that differ too much from those before them.
     pub impossible_temps: u64,
-    /// Rates too far from their neighbours to be judged.
+    /// Rates that could not be judged, because the next readings are too far away or the part's limits are not
+    /// known.
     pub unjudged: u64,
 }
 
@@ -120,7 +121,7 @@ impl FaultCounts {
     }
 }
 
-/// Judges a stream of readings of one axis, and hands on each reading with its faults, two readings late.
+/// Judges a stream of readings of one axis, and returns each reading with its faults, two readings late.
 ///
 /// [`plausible`](crate::health::plausible) says what counts as impossible, and how often that is a false alarm.
 ///
@@ -161,7 +162,7 @@ impl Health {
         self.plausible.has_limits()
     }
 
-    /// Takes a reading in, and hands on the reading that came two before it.
+    /// Takes a reading in, and returns the reading that came two before it.
     #[inline]
     pub fn push(&mut self, reading: &Reading) -> Option<Judged> {
         self.frozen = self.freeze.watch(reading);
@@ -169,26 +170,26 @@ impl Health {
         judged.map(|(reading, finding)| self.judged(reading, finding.rate, finding.temp_impossible))
     }
 
-    /// Hands on the next waiting reading, judged by the neighbours that it has. Call this at the end of a record, or
-    /// where a mean ends.
+    /// Returns the next waiting reading, judged by the neighbours that it has. Call this at the end of a record,
+    /// or where a mean ends.
     pub fn finish(&mut self) -> Option<Judged> {
         let judged = self.plausible.early();
         judged.map(|(reading, finding)| self.judged(reading, finding.rate, finding.temp_impossible))
     }
 
-    /// Number of readings that wait to be handed on: two at most.
+    /// Number of readings that are not returned yet: two at most.
     #[must_use]
     pub fn waiting(&self) -> u64 {
         self.plausible.waiting()
     }
 
-    /// Tells whether the part is frozen now, and since when.
+    /// Returns since when the part is frozen. `None` if it is not.
     #[must_use]
     pub fn frozen(&self) -> Option<Frozen> {
         self.frozen
     }
 
-    /// Whether the part is frozen at the end of a record, however short the record is.
+    /// Like [`Health::frozen`], but at the end of a record, where a shorter time without change is enough.
     #[must_use]
     pub fn frozen_at_end(&self) -> Option<Frozen> {
         self.frozen.or_else(|| self.freeze.at_end())

@@ -17,30 +17,29 @@
 //!   1.5, 2 and 3 times that period it is 0.104, 0.141 and 0.202 °/s. A resonance of M-08 gives at most 0.075 °/s.
 //!   Even at three times that noise Θ lies 6.6 deviations out, which is less than one false mark in 2·10¹⁰ readings
 //!   (40 days). At the noise of F-02 it lies 16 deviations out, so there are no false marks in practice.
-//! * Motion: a sine of frequency f and amplitude A shows L = A·|H(f)|·(8/3)·sin⁴(πfT), with the poles H of F-03. For
-//!   250 °/s (F-08) at the bandwidth of 300 Hz this is 0.35 °/s, the second term of Θ. So no motion within range and
-//!   bandwidth is ever marked, nor any other with an angular acceleration below 43 000 °/s². A hard shock or a
-//!   vibration above 1 kHz (0.5 kHz at a third of the full rate) may cost one or two marks where it begins. After that
-//!   its neighbours and its past are rough, and nothing is marked.
+//! * Motion: a sine of frequency f and amplitude A shows L = A·|H(f)|·(8/3)·sin⁴(πfT), with the poles H of F-03.
+//!   For 250 °/s (F-08) at the bandwidth of 300 Hz this is 0.35 °/s, the second term of Θ. So no motion within
+//!   range and bandwidth is ever marked, nor any other with an angular acceleration below 43 000 °/s². A hard
+//!   shock or a vibration above 1 kHz (0.5 kHz at a third of the full rate) may cost one or two marks where it
+//!   begins. After that the readings around it are rough too, so nothing is marked.
 //! * Limits: an error smaller than Θ, 1.5 °/s at the full rate, is not found. The same is true of an error that comes
 //!   together with such a shock, or with another error of the same size within two samples.
 //!
 //! # Loose rule
 //!
-//! This rule holds next to a loss, at either end of a record, and for readings more than 0.6 ms apart. There a reading
-//! is impossible if it cannot be reached from either of two neighbours. The response of the two poles (F-03) to any
-//! input within ±250 °/s (F-08) moves by no more than 2 · 250 °/s · 1194/s · t in a time t, 105 °/s in a sample.
-//! 1194/s is the largest value of their impulse response, at 0.26 ms. For readings more than 1.2 ms apart even that
-//! says nothing, and the reading is *unjudged*.
+//! This rule holds next to a loss, at either end of a record, and for readings more than 0.6 ms apart. There a
+//! reading is impossible if it cannot be reached from either of two neighbours. The response of the two poles
+//! (F-03) to any input within ±250 °/s (F-08) moves by no more than 2 · 250 °/s · 1194/s · t in a time t, 105 °/s
+//! in a sample. 1194/s is the largest value of their impulse response, at 0.26 ms. For readings more than 1.2 ms
+//! apart this is more than the whole scale, and the reading is *unjudged*.
 //!
-//! A reading out of range, alone among neighbours from which the end of the range cannot be reached, is impossible
-//! too.
+//! A single reading out of range is impossible too, if the end of the range cannot be reached from its neighbours.
 //!
 //! # Temperatures
 //!
-//! A temperature is impossible if it differs from each of the last two good ones by more than 1 °C plus 2 °C/s. The
-//! noise of M-05 has 0.053 °C in a reading, so this is 13 deviations, and F-55 expects up to 1 °C/s. A second one in a
-//! row that agrees with the first is valid.
+//! A temperature is impossible if it differs from each of the last two good ones by more than 1 °C plus 2 °C/s.
+//! The noise of M-05 has 0.053 °C in a reading, so this is 13 deviations, and F-55 expects up to 1 °C/s. If a
+//! second such temperature in a row agrees with the first, it is valid.
 
 use crate::part::{Axis, Reading};
 use core::num::NonZeroU64;
@@ -50,8 +49,8 @@ use core::num::NonZeroU64;
 struct Limits {
     /// Noise part of Θ, 2⁻¹⁶ codes per µs.
     noise_per_us_q16: u64,
-    /// The noise part never falls below its value at this distance, µs, because a part that converts only its rate is
-    /// faster.
+    /// Period of the readings below which the noise part of Θ is constant, µs. A part that converts only its rate
+    /// has a shorter period.
     least_us: u64,
     /// Motion part of Θ, µs⁴ per code.
     motion_us4_per_code: NonZeroU64,
@@ -59,7 +58,7 @@ struct Limits {
     longest_strict_us: u64,
     /// Slew limit of the loose rule, codes per µs.
     slew_codes_per_us: u64,
-    /// Noise that the loose rule allows for on top, codes.
+    /// Allowance of the loose rule for noise, codes.
     slew_noise_codes: u64,
     /// Largest difference of two codes.
     span_codes: u64,
@@ -96,13 +95,13 @@ impl Limits {
     }
 }
 
-/// Ratio by which a reading must be rougher than its past.
+/// Factor by which a reading must be rougher than the readings before it.
 const ROUGHNESS: u32 = 4;
-/// Divisor of a mark's size where the mark counts for the past of later readings.
+/// Divisor of the L of a marked reading when it counts as roughness for later readings.
 const MARK_SHARE: u32 = 2;
-/// Number of judgements for which a mark counts for the past. The readings' own past has a shock after three.
+/// Number of judgements for which a marked reading counts as roughness. After three, later readings show a shock.
 const SHOCK_LASTS: u8 = 8;
-/// log₂ of the readings over which the past fades.
+/// log₂ of the number of readings over which the roughness of past readings fades.
 const FADING: u32 = 5;
 /// Number of readings that are kept.
 const KEPT: usize = 8;
@@ -136,7 +135,7 @@ pub(crate) struct Plausible {
     /// Codes, newest last. An impossible one is replaced by the value that its neighbours suggest.
     codes: [i32; KEPT],
     times_ns: [u64; KEPT],
-    /// A bit for each code, newest lowest: out of range by status or code.
+    /// A bit for each code, the newest in the lowest bit: set if status or code is out of range.
     out_of_range: u8,
     /// Number of codes.
     filled: usize,
@@ -150,7 +149,8 @@ pub(crate) struct Plausible {
     temps: Temps,
 }
 
-/// The last mark. A shock that has begun looks like one too, and must not be marked again.
+/// The last marked reading. The onset of a shock is marked like a bit error, but the readings after it must not
+/// be.
 #[derive(Clone, Copy, Debug, Default)]
 struct Shock {
     roughness: u32,
@@ -285,7 +285,7 @@ impl Plausible {
         Verdict::Impossible
     }
 
-    /// Judges by two neighbours: one on each side, or two on one.
+    /// Judges by the loose rule, with one neighbour on each side, or with two on one side.
     #[cold]
     fn loose(&mut self, limits: &Limits, place: usize) -> Verdict {
         let there = |place: &usize| self.is_there(*place);
@@ -325,15 +325,15 @@ fn around(codes: &[i32; KEPT], place: usize) -> [i32; 5] {
     [at(0), at(1), at(2), at(3), at(4)]
 }
 
-/// 6 L around a place.
+/// Returns 6 L of the reading at a place.
 #[inline]
 fn six_times_deviation(codes: &[i32; KEPT], place: usize) -> u32 {
     let [y0, y1, y2, y3, y4] = around(codes, place);
     (6 * y2 - 4 * (y1 + y3) + y0 + y4).unsigned_abs()
 }
 
-/// Judges temperatures by the last two good ones. An error just below the limit must not make the reading after it
-/// look wrong.
+/// Judges temperatures by the last two valid ones. Because there are two, an error just below the limit does not
+/// make the next temperature look wrong.
 #[derive(Clone, Copy, Debug)]
 struct Temps {
     /// Allowance for noise and quantisation: 1 °C.

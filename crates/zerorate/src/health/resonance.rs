@@ -15,7 +15,7 @@ use crate::part::Axis;
 pub fn warning(axis: &Axis, rate_hz: f64, divider: u16, average_s: f64) -> Option<Warning> {
     let (tone, white) = (axis.resonance?, axis.noise?.white_dps_per_rt_hz);
     let divider = divider.max(1);
-    // F-56: N gives f_conv/(N + 1) if the channels alternate, and so does N = 1, where an edge comes with every pair
+    // F-56: if the channels alternate, N gives f_conv/(N + 1). N = 1 does too, since an edge comes with every pair
     let extra = if axis.alternates { 1.0 } else { 0.0 };
     let rate_at = |other: u16| rate_hz * (f64::from(divider) + extra) / (f64::from(other) + extra);
     tone.looks_like_bias(rate_hz, average_s, white).then(|| Warning::Resonance {

@@ -28,9 +28,9 @@ pub enum Verdict {
     Noisy { seen_dps_per_rt_hz: f64, limit_dps_per_rt_hz: f64 },
 }
 
-/// Judges a window by its Allan variances alone: of single blocks, and of averages of `m` of them if there are any.
-/// Then a step counts as motion. A part whose typical noise or temperature coefficient is not known cannot be judged,
-/// and passes.
+/// Judges a window by its Allan variances alone: of single blocks, and of averages of `m` blocks if `averages`
+/// returns them. A step counts as motion then. A part whose typical noise or temperature coefficient is not known
+/// cannot be judged, and passes.
 pub(crate) fn judge_variances(
     axis: &Axis,
     blocks: Adjacent,
@@ -75,9 +75,9 @@ pub fn judge(axis: &Axis, rates_dps: &[f64], temp_slope_c_per_s: f64) -> Verdict
     }
 }
 
-/// Judges the means of blocks of 0.1 s without their part that follows the temperature. A step and the temperature are
-/// fitted together: a polynomial that is taken out first would bend about the step, and the rest would look like
-/// motion.
+/// Judges the means of blocks of 0.1 s after removing their dependence on temperature. A step is fitted together
+/// with the temperature. A polynomial that is removed first would bend around the step, and the rest would look
+/// like motion.
 pub(crate) fn judge_without_temperature(axis: &Axis, blocks: &[Block]) -> Verdict {
     let ladder = |blocks: &[Block]| {
         let rates_dps = temperature::without_temperature(blocks);
@@ -146,14 +146,14 @@ fn rung(typical: &NoiseModel, seen: Adjacent, white_dps_per_rt_hz: f64, drift_dp
     }
 }
 
-/// A level that changes once, before block `at`.
+/// A change of the level before block `at`.
 struct Step {
     at: usize,
     size_dps: f64,
 }
 
 impl Step {
-    /// The step that explains most of the variance.
+    /// Finds the step that explains most of the variance.
     fn best(rates_dps: &[f64]) -> Self {
         let total: f64 = rates_dps.iter().sum();
         let len = rates_dps.len() as f64;

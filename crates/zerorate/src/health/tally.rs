@@ -4,7 +4,7 @@ use crate::notice::Refusal;
 use crate::part::Reading;
 use crate::plan::State;
 
-/// Counts of samples that came and were lost, and their rate.
+/// Counts of samples that were read and lost, and the rates of samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     /// Rate samples read.

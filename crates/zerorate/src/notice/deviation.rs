@@ -6,13 +6,13 @@ use core::fmt;
 /// A deviation of the rate from a line over temperature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Deviation {
-    /// The level changed: by the supply, or by a turn of the platform.
+    /// The level changed, because of the supply or because the platform turned.
     Step {
         /// Time from the first sample, s.
         at_s: f64,
         /// The level after the step less the level before it, °/s.
         size_dps: f64,
-        /// The least step of the supply with this effect, mV, if that is known.
+        /// Smallest step of the supply with this effect, mV. `None` if the sensitivity is not known.
         supply_mv: Option<f64>,
     },
     /// The bias bends over temperature.
@@ -20,21 +20,21 @@ pub enum Deviation {
         /// Quadratic coefficient, °/s/°C².
         dps_per_c2: f64,
     },
-    /// The sensing element follows the temperature sensor late.
+    /// The bias lags behind the temperature sensor.
     Lag {
         /// Time constant, s.
         lag_s: f64,
     },
-    /// The bias holds still until the temperature has changed by `width_c`, and then follows at that distance.
+    /// The bias stays constant until the temperature has changed by `width_c`, and then follows that far behind.
     Hysteresis {
-        /// That change, °C.
+        /// Change of the temperature without effect on the bias, °C.
         width_c: f64,
     },
-    /// The base, with the sensor, oscillates.
+    /// The base oscillates, and the sensor with it.
     BaseMotion {
         /// Frequency, Hz.
         hz: f64,
-        /// Peak, °/s.
+        /// Peak rate, °/s.
         size_dps: f64,
     },
 }
@@ -84,7 +84,7 @@ impl fmt::Display for Deviation {
     }
 }
 
-/// The step of the supply that would explain a step of the rate.
+/// Writes the step of the supply that would explain a step of the rate.
 struct AsSupply(Option<f64>);
 
 impl fmt::Display for AsSupply {

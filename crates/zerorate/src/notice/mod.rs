@@ -1,4 +1,4 @@
-//! Notices of a measurement: warnings beside its numbers, and refusals that end it.
+//! Notices of a measurement: warnings about its result, and refusals, which end it.
 
 mod deviation;
 mod refusal;

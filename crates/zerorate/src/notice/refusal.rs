@@ -20,9 +20,9 @@ pub enum Refusal {
     Span { t1_c: f64, t2_c: f64, u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
     /// The uncertainty of BTC comes from a possible curvature, so a larger span does not help.
     Curvature { u_btc_dps_per_c: f64, u_curvature_dps_per_c: f64, wanted_dps_per_c: f64 },
-    /// A deviation of the rate during the hour makes BTC too uncertain.
+    /// A deviation of the rate during the recording makes BTC too uncertain.
     Found { finding: Finding, u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
-    /// The platform moves slowly, and far.
+    /// The slow base motion is larger than the limit.
     BaseMotion { hz: f64, size_dps: f64, limit_dps: f64 },
     /// The bias wanders so much during step 8 that BTC would be too uncertain.
     Unsteady { floor_dps: f64, typical_dps: f64, u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
@@ -38,11 +38,11 @@ pub enum Refusal {
     Stuttering { window: State, lost: u64, samples: u64, silent_gaps: u64, gaps: u64 },
     /// A window holds too few samples.
     TooFew { window: State, samples: u64, needed: u64 },
-    /// A window holds no temperature. A host that listens to the edge before new data finds none.
+    /// A window holds no temperature. With `wrong_edge`, the host listens to the edge before new data.
     NoTemperature { window: State, wrong_edge: bool },
     /// The temperature did not both rise and fall. The fields are the spans that it covered in each direction.
     OneWay { rise_c: f64, fall_c: f64 },
-    /// A step or a base motion cannot be told from what the temperature did.
+    /// A step or a base motion cannot be told from an effect of the temperature.
     StepOrTemperature { finding: Finding, u_btc_dps_per_c: f64, wanted_dps_per_c: f64 },
 }
 

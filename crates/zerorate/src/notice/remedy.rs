@@ -48,7 +48,7 @@ pub enum Remedy {
 }
 
 impl Remedy {
-    /// A number for C that never changes.
+    /// The number of the remedy in the C interface. It never changes.
     #[must_use]
     pub const fn code(self) -> u8 {
         self as u8

@@ -25,19 +25,19 @@ pub enum Warning {
     Turning { rate_dps: f64, typical_dps: f64 },
     /// A line through two temperatures shows no curvature. The uncertainty of BTC allows for its typical size.
     CurvatureUnseen { u_dps_per_c: f64 },
-    /// The temperature moved between the rate average and T3.
+    /// The temperature changed between the average of the rate and that of T3.
     Drifting { drift_c: f64, shift_dps: f64, u_pbc_dps: f64 },
-    /// The rate did something that neither noise nor a line over temperature explains.
+    /// The rate changed in a way that neither noise nor a line over temperature explains.
     Found(Finding),
-    /// The rate did more than what was found.
+    /// The rate varies more than the reported deviations explain.
     Restless,
     /// The bias hardly follows the temperature.
     Flat { btc_dps_per_c: f64, typical_dps_per_c: f64 },
-    /// The hour as a whole was not checked, because its seconds were not kept or are too few.
+    /// The recording as a whole was not checked, because its seconds were not kept or are too few.
     HourUnchecked,
     /// PBC was averaged for less than half of the best time.
     ShortAverage { average_s: f64, best_s: f64 },
-    /// The rate was read below twice the bandwidth.
+    /// The rate was sampled at less than twice the bandwidth.
     Aliased { rate_hz: f64, needed_hz: f64 },
     /// Samples were lost, within the limit.
     Lost { lost: u64, fraction: f64 },
@@ -47,7 +47,7 @@ pub enum Warning {
     Impossible { count: u64, fraction: f64 },
     /// The mechanical resonance appears near zero, where it looks like a bias.
     Resonance { tone: Tone, folded_hz: f64, rate_hz: f64, divider: Option<u16> },
-    /// A correction was used where it was not measured.
+    /// A correction was used at temperatures at which it was not measured.
     Extrapolated { low_c: f64, high_c: f64, temp_min_c: f64, temp_max_c: f64 },
     /// The typical noise or temperature coefficient of the part is not known: rest was not judged.
     RestUnjudged,
@@ -61,13 +61,13 @@ pub enum Warning {
     Losing { lost: u64 },
     /// The samples do not come as fast as they should.
     RateOff { rate_hz: f64, nominal_hz: f64 },
-    /// No temperature was read. A host that listens to the edge before new data finds none.
+    /// No temperature was read. With `wrong_edge`, the host listens to the edge before new data.
     NoTemperature { wrong_edge: bool },
-    /// A step of the rate was taken out.
+    /// A step of the rate was removed.
     StepTaken { at_s: f64, size_dps: f64, u_dps: f64 },
     /// An oscillation of the base was removed.
     BaseMotionRemoved { hz: f64, size_dps: f64 },
-    /// The bias follows the temperature late. The curve holds for a temperature at rest.
+    /// The bias lags behind the temperature. The curve holds for a steady temperature.
     Late { lag_s: f64 },
     /// The sensor was only warmed, so that one branch of the hysteresis was measured.
     OneBranch { hysteresis_dps: Option<f64> },
@@ -239,7 +239,8 @@ rows_with_remedies!(match Warning {
     },
 });
 
-/// What a measurement did with the effect that a warning names, if every measurement by the same plan has the warning.
+/// Says whether the effect of a standing warning is in the uncertainty or was taken out. A standing warning comes
+/// with every measurement by the same plan. `None` for other codes.
 #[must_use]
 pub fn standing_place(code: &str) -> Option<&'static str> {
     match code {
@@ -271,7 +272,7 @@ impl fmt::Display for Warning {
     }
 }
 
-/// Names a divider that does not fold a resonance, if there is one.
+/// Writes a divider at which the resonance does not look like a bias, if there is one.
 struct NoneAt(Option<u16>);
 
 impl fmt::Display for NoneAt {

@@ -2,7 +2,7 @@
 
 use super::Scale;
 
-/// The sum and the number of codes of one channel, each less the zero code. The sum is exact for up to 2³² codes.
+/// The exact sum of up to 2³² codes of one channel, each less the zero code, and their number.
 ///
 /// ```
 /// use zerorate::{Axis, CodeSum};
@@ -45,7 +45,7 @@ impl CodeSum {
         self.count
     }
 
-    /// Mean of the codes as a value, divided once. `None` without codes.
+    /// Mean of the codes as a value, by a single division. `None` without codes.
     #[must_use]
     pub fn mean(&self, scale: &Scale) -> Option<f64> {
         let lsb = f64::from(self.count) * scale.lsb_per_unit;

@@ -9,7 +9,7 @@ use core::fmt;
 use serde::Deserialize;
 use zerorate_allan::entry::{Bounds, Document, Entry, EntryError, PART_KEYS};
 
-/// Version of the file form, and the newest that is read.
+/// The only version of the file form that is supported.
 const SCHEMA: u32 = 1;
 
 impl Part {
@@ -95,7 +95,7 @@ struct File {
     axis: Vec<AxisForm>,
 }
 
-/// The entries of an axis that differ from the rest of the part.
+/// The tables of an axis, which replace those of the part.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct AxisForm {
@@ -119,7 +119,7 @@ struct Rate {
     bandwidth_hz: Option<Number>,
 }
 
-/// A range other than the default one.
+/// A full scale other than the default one.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FullScale {
@@ -259,7 +259,7 @@ impl File {
 }
 
 impl Rate {
-    /// The scale and the range, at a full scale or at the default one.
+    /// Returns the scale and the range, °/s, for the given full scale or for the default one.
     fn at(&self, table: Entry<'_>, range_dps: Option<f64>) -> Result<(Scale, Option<f64>), EntryError> {
         let (Some(lsb_per_dps), Some(zero_code), Some(width_bits)) =
             (&self.lsb_per_dps, self.zero_code, self.width_bits)
@@ -276,7 +276,7 @@ impl Rate {
         Ok((scale.map_err(|why| table.error(why))?, range_dps))
     }
 
-    /// Codes per °/s at a full scale.
+    /// Returns the codes per °/s at a full scale.
     fn full_scale(&self, table: Entry<'_>, range_dps: f64) -> Result<f64, EntryError> {
         let entry = table.at("full_scales");
         let found = self.full_scales.iter().find(|full_scale| full_scale.range_dps.value == range_dps);

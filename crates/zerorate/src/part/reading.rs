@@ -1,4 +1,4 @@
-//! The input of the core: a reading of one axis, or of all axes of a part at one time.
+//! The input of this crate: a reading of one axis, or of all axes of a part at one time.
 
 use super::MAX_AXES;
 
@@ -17,7 +17,7 @@ pub struct Reading {
     pub temp: Option<i32>,
     /// Whether the rate is beyond the range, by the status of the part or by a code at the end of the scale.
     pub out_of_range: bool,
-    /// Readings lost since the one before.
+    /// Number of readings that were lost between the one before and this one.
     pub lost: u32,
 }
 
@@ -38,9 +38,9 @@ pub struct Scan {
     pub t_ns: u64,
     /// Running number, as in [`Reading`].
     pub seq: u32,
-    /// Readings of all axes together that were lost since the one before.
+    /// Number of scans that were lost between the one before and this one.
     pub lost: u32,
-    /// Code of the one temperature less the zero code, if it was read.
+    /// Code of the shared temperature less the zero code, if it was read.
     pub temp: Option<i32>,
     rates: [i32; MAX_AXES],
     axes: u8,
@@ -91,7 +91,7 @@ impl Scan {
         &self.rates[..usize::from(self.axes).min(MAX_AXES)]
     }
 
-    /// The reading of one axis.
+    /// Returns the reading of one axis. `None` if the scan does not have this axis.
     #[must_use]
     #[inline]
     pub fn reading(&self, axis: usize) -> Option<Reading> {

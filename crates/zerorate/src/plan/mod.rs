@@ -1,4 +1,4 @@
-//! Durations of the steps of the procedure, and limits of what is accepted.
+//! The plan of a measurement: the durations of its steps, and the limits of what is accepted.
 
 mod setting;
 mod states;
@@ -20,7 +20,7 @@ pub enum Method {
     An1042,
     /// A curve through every block of the recording ([`temperature`](crate::temperature)).
     Warmup,
-    /// The same curve, through a recording that warms and cools.
+    /// A curve through every block of a recording that warms and cools.
     Cycle,
 }
 
@@ -39,32 +39,33 @@ impl Method {
     }
 }
 
-/// Durations and limits; the default is F-51.
+/// Durations and limits of a measurement. The default is F-51.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
     /// Method of the measurement. All but AN-1042 make one recording of the same total time, without steps.
     pub method: Method,
-    /// Average of steps 4 and 6, s.
+    /// Averaging time of steps 4 and 6, s.
     pub average_s: f64,
-    /// Warming up by itself, step 5, s.
+    /// Duration of the warm-up by self-heating, step 5, s.
     pub warmup_s: f64,
-    /// Settling, step 7, s.
+    /// Settling time, step 7, s.
     pub settle_s: f64,
-    /// Average of step 8, s.
+    /// Averaging time of step 8, s.
     pub offset_s: f64,
-    /// Average of the temperature of step 9, s.
+    /// Averaging time of the temperature in step 9, s.
     pub final_temp_s: f64,
-    /// Largest share of lost samples in an average, 0 … 1.
+    /// Largest allowed share of lost samples in an average, 0 … 1.
     pub max_lost: f64,
-    /// Largest standard uncertainty of BTC, °/s/°C.
+    /// Largest allowed standard uncertainty of BTC, °/s/°C.
     pub max_u_btc_dps_per_c: f64,
     /// The component of the Earth's rotation on the part's axis, °/s, which is subtracted from the bias (F-16).
+    /// `None` subtracts nothing.
     pub earth_dps: Option<f64>,
-    /// Whether to take the bias as a straight line over temperature, without an allowance for curvature and
+    /// Whether to assume that the bias is linear in temperature, without an allowance for curvature and
     /// hysteresis.
     pub assume_linear: bool,
-    /// End the recording once the temperature has settled and the standard uncertainty of the correction, rms over the
-    /// temperatures seen, is no more than this, °/s. It does not apply to AN-1042.
+    /// Ends the recording once the temperature has settled and the standard uncertainty of the correction, rms
+    /// over the temperatures seen, is no more than this, °/s. It does not apply to AN-1042.
     pub target_dps: Option<f64>,
 }
 
@@ -106,7 +107,7 @@ impl Plan {
         steps_s.into_iter().map(ns).sum()
     }
 
-    /// Checks that every number is possible for a measurement on Earth.
+    /// Checks that every duration and limit is possible for a measurement on Earth.
     pub(crate) fn check(&self) -> Result<(), PlanError> {
         let numbers = [
             (Setting::Average, Some(self.average_s)),
@@ -128,14 +129,14 @@ impl Plan {
     }
 }
 
-/// A plan that cannot be carried out.
+/// The error of a plan with an impossible value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlanError {
     /// The setting that is out of range.
     pub setting: Setting,
     /// The value that was asked for, in its unit.
     pub value: f64,
-    /// The values that make sense.
+    /// The allowed values.
     pub bounds: Bounds,
 }
 
@@ -143,7 +144,7 @@ impl Wording for PlanError {
     fn fmt_with(&self, f: &mut fmt::Formatter<'_>, names: SettingNames) -> fmt::Result {
         let Self { setting, value, bounds: Bounds { least, most, unit } } = self;
         let name = names(*setting);
-        // a front end takes the target in °/h, and names it so
+        // a front end that uses the word of the setting takes the target in °/h
         let (per, unit) = match *setting == Setting::Target && name.word == setting.word() {
             true => (3600.0, "°/h"),
             false => (1.0, *unit),

@@ -25,13 +25,14 @@ macro_rules! settings {
         pub enum Setting { $($setting),* }
 
         impl Setting {
-            /// The word from which front ends make its name: `max_u_btc`.
+            /// The word from which front ends make the name of the setting, such as `max_u_btc`.
             #[must_use]
             pub const fn word(self) -> &'static str {
                 match self { $(Self::$setting => $word),* }
             }
 
-            /// Its name as a field of [`Plan`](crate::Plan) or of the reader of the sensor: `max_u_btc_dps_per_c`.
+            /// The name as a field of [`Plan`](crate::Plan) or of the sensor's reader, such as
+            /// `max_u_btc_dps_per_c`.
             #[must_use]
             pub const fn name(self) -> SettingName {
                 SettingName::text(match self { $(Self::$setting => $field),* })
@@ -48,17 +49,17 @@ macro_rules! settings {
     };
 }
 
-/// Longest step of F-51, s: a day, in which the ambient temperature goes round once.
+/// Longest step of F-51, s: a day, one cycle of the ambient temperature.
 const DAY_S: f64 = 86_400.0;
-/// Least uncertainty of BTC that may be asked for, °/s/°C. No day reaches it: the white noise of such a part alone
-/// (F-02) makes ten times as much.
+/// Smallest uncertainty of BTC that may be asked for, °/s/°C. No measurement of a day reaches it: the white noise of an
+/// ADIS16130 alone (F-02) makes ten times as much.
 const LEAST_U_BTC: f64 = 1e-8;
-/// Largest uncertainty of BTC that may be asked for, °/s/°C. It tells nothing: it is 25 times the coefficient itself
+/// Largest uncertainty of BTC that may be asked for, °/s/°C. It is no restriction: it is 25 times the coefficient itself
 /// (F-05).
 const MOST_U_BTC: f64 = 1.0;
-/// Least target, °/s: a thousandth of the flicker floor (M-04), which no hour reaches.
+/// Smallest target, °/s: a thousandth of the flicker floor (M-04), which no recording of an hour reaches.
 const LEAST_TARGET_DPS: f64 = 1e-6;
-/// Largest target, °/s. It tells nothing: a part out of the box is as good (M-01).
+/// Largest target, °/s. It is no restriction: a part without calibration reaches it (M-01).
 const MOST_TARGET_DPS: f64 = 1.0;
 
 settings! {
@@ -87,7 +88,7 @@ pub trait Wording {
     /// Writes the text with these names for settings.
     ///
     /// # Errors
-    /// Passes on the errors of the writer.
+    /// Returns the errors of the writer.
     fn fmt_with(&self, f: &mut fmt::Formatter<'_>, names: SettingNames) -> fmt::Result;
 
     /// Returns the text with these names, to be displayed.

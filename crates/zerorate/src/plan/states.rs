@@ -29,7 +29,7 @@ pub(crate) enum Until {
     Never,
 }
 
-/// One line of the table: in `from` until `until`, then through `check` into `to`.
+/// One row of the table: `until` ends the state `from`, and `to` follows if `check` passes.
 pub(crate) struct StateRow {
     from: State,
     name: &'static str,
@@ -71,7 +71,7 @@ const TABLE: [StateRow; STATES] = [
           until: Until::Never, check: Check::Nothing, to: State::Done },
 ];
 
-/// Each state finds its row by its number.
+/// The number of a state is the index of its row.
 const _: () = {
     let mut index = 0;
     while index < STATES {
@@ -96,7 +96,7 @@ impl State {
         &TABLE[self as usize]
     }
 
-    /// The state behind this one.
+    /// Returns the state after this one.
     pub(crate) fn next(self, method: Method) -> Self {
         match (self, method) {
             (Self::Start, Method::Warmup | Method::Cycle) => Self::Recording,

@@ -1,4 +1,4 @@
-//! The procedure for all axes of a part in one hour. Each axis has a [`Procedure`], and all of them see the same times
+//! The procedure for all axes of a part at once. Each axis has a [`Procedure`], and all of them get the same times
 //! and the same temperature.
 
 use super::estimate::Outcome;
@@ -68,8 +68,8 @@ impl PartProcedure {
         self.axes.first().map_or(none, Procedure::progress)
     }
 
-    /// Takes in an event. A refusal is final: the measurement is over. An axis that a scan lacks was not read at its
-    /// time.
+    /// Takes in an event. A refusal is final: the measurement is over. An axis that a scan lacks counts as not
+    /// read at that time.
     ///
     /// # Errors
     /// Returns a refusal if the measurement of an axis must not become a calibration.
@@ -89,14 +89,14 @@ impl PartProcedure {
         Ok(())
     }
 
-    /// The refusals of the axes if the present step ended now ([`Procedure::pending_refusal`]).
+    /// Returns the refusals that would follow if the present step ended now ([`Procedure::pending_refusal`]).
     pub fn pending_refusals(&self) -> impl Iterator<Item = AxisRefusal> + '_ {
         let of =
             |(index, axis): (usize, &Procedure)| Some(AxisRefusal::new(&self.part, index, axis.pending_refusal()?));
         self.axes.iter().enumerate().filter_map(of)
     }
 
-    /// Ends the recording here ([`Procedure::end_recording`]).
+    /// Ends the recording now ([`Procedure::end_recording`]).
     ///
     /// # Errors
     /// Returns the same errors as [`PartProcedure::handle`].
@@ -120,7 +120,8 @@ impl PartProcedure {
     /// Returns the outcomes in the order of the axes, once [`PartProcedure::next`] returns [`Action::Done`].
     ///
     /// # Errors
-    /// Returns the errors of [`PartProcedure::handle`] or, before the end, the window that is still short of samples.
+    /// Returns the errors of [`PartProcedure::handle`] or, before the end, a refusal because a window has too few
+    /// samples.
     pub fn finish(self) -> Result<Vec<Outcome>, AxisRefusal> {
         let Self { part, axes, .. } = self;
         let finish = |(index, procedure): (usize, Procedure)| {

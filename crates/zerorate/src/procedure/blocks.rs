@@ -30,7 +30,7 @@ impl Blocks {
         blocks.map(move |block| (or_none(block.rate_dps(&self.axis)), or_none(block.temp_c(&self.axis))))
     }
 
-    /// The eighths of a step (`Summary::eighths`) after a disturbance was removed from the rate: `less` gives the mean
+    /// Returns `Summary::eighths` of a step after a disturbance was removed from the rate: `less` gives the mean
     /// of the disturbance between two times.
     pub(crate) fn eighths_less(&self, state: State, less: impl Fn(f64, f64) -> f64) -> Adjacent {
         let segment = &self.segments[state as usize];
@@ -100,7 +100,7 @@ fn eighths(rates_dps: &[f64]) -> Adjacent {
     adjacent(rates_dps, (rates_dps.len() / 8).max(1))
 }
 
-/// Number of blocks in the stretches over which rest is judged: 150 s.
+/// Number of blocks in each window in which rest is judged: 150 s.
 const STRETCH_BLOCKS: usize = 1500;
 
 /// The samples of one step of the procedure.
@@ -124,7 +124,7 @@ pub(crate) struct Second {
 }
 
 impl Segment {
-    /// An empty segment over times that count from the start of the procedure.
+    /// Makes an empty segment. The times count from the start of the procedure.
     fn new(start_ns: u64, end_ns: u64) -> Self {
         Self { start_ns, end_ns, ..Self::default() }
     }
@@ -176,8 +176,8 @@ impl Segment {
         }
     }
 
-    /// Judges rest in stretches as long as the longest average of F-51, without the part of the rate that follows the
-    /// temperature. A part may warm much faster at the start than in any of the averages.
+    /// Judges rest in windows as long as the longest average of F-51, without the part of the rate that follows
+    /// the temperature. A part may warm much faster at the start than during any of the averages.
     fn verdict_of_stretches(&self, axis: &Axis) -> Verdict {
         let judged = self.blocks.chunks(STRETCH_BLOCKS).map(|blocks| {
             let block = |block: &Block| {

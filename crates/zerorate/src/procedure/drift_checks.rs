@@ -1,8 +1,8 @@
-//! Compares the whole hour with one line over temperature. Finds other changes of the rate, from a step to a lag, and
-//! the errors that they make in PBC and BTC.
+//! Compares a whole measurement with one line over temperature. Finds other changes of the rate, such as steps or
+//! a lag, and the errors of PBC and BTC that they cause.
 //!
-//! The means over seconds are put together into some 300 bins and whitened by the part's noise (`gls.rs`). The shape
-//! (`shape.rs`) that explains most of the rate is taken into the model. This repeats until noise alone could explain
+//! The means over seconds are averaged into some 300 bins and whitened by the part's noise (`gls.rs`). The shape
+//! (`shape.rs`) that explains most of the rate is added to the model. This repeats until noise alone could explain
 //! the rest.
 
 use super::blocks::Second;
@@ -15,24 +15,25 @@ use alloc::vec::Vec;
 use core::f64::consts::PI;
 use zerorate_allan::linear::Cholesky;
 
-/// All findings of the hour.
+/// All findings of a measurement.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Findings {
     /// The deviations that are beyond doubt, the strongest first.
     pub(crate) found: Vec<Finding>,
-    /// Whether [`MOST`] deviations do not explain the rate.
+    /// Whether the rate deviates even after [`MOST`] deviations were found.
     pub(crate) unexplained: bool,
-    /// Share of certain and suspected deviations in the uncertainty of PBC, °/s.
+    /// Contribution of certain and suspected deviations to the uncertainty of PBC, °/s.
     pub(crate) u_pbc_dps: f64,
-    /// The same share for BTC, °/s/°C.
+    /// Contribution of these deviations to the uncertainty of BTC, °/s/°C.
     pub(crate) u_btc_dps_per_c: f64,
-    /// Rms error of BTC by the curvature, as far as the hour shows it, °/s/°C.
+    /// Rms error of BTC by curvature, given what the measurement shows of it, °/s/°C.
     pub(crate) u_curvature_dps_per_c: f64,
     taken: Vec<(Shape, f64)>,
 }
 
 impl Findings {
-    /// The strongest deviation of each kind, and all steps. A wandering oscillation is found more than once.
+    /// The strongest deviation of each kind, and all steps, because a wandering oscillation is found more than
+    /// once.
     pub(crate) fn distinct(&self) -> impl Iterator<Item = Finding> + '_ {
         let kind = |finding: &Finding| core::mem::discriminant(&finding.deviation);
         let found = &self.found;
@@ -46,17 +47,17 @@ impl Findings {
         self.found.iter().copied().max_by(|a, b| a.btc_dps_per_c.abs().total_cmp(&b.btc_dps_per_c.abs()))
     }
 
-    /// Mean of the steps and the motion that were found, between two times, °/s.
+    /// Mean of the steps and the base motion that were found, between two times, °/s.
     pub(crate) fn disturbance_dps(&self, start_s: f64, end_s: f64) -> f64 {
         let disturbs = |(shape, _): &&(Shape, f64)| matches!(shape, Shape::Step { .. } | Shape::Oscillation { .. });
         self.taken.iter().filter(disturbs).map(|(shape, size)| size * shape.mean(start_s, end_s)).sum()
     }
 }
 
-/// The averages of the procedure, and the assumptions about the unit.
+/// The input of the search: the averages of the procedure, and the assumptions about the unit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Question {
-    /// Steps 4, 6 and 8.
+    /// The averages of steps 4, 6 and 8.
     pub(crate) averages: [WeightedMean; 3],
     /// T2 − T1, °C.
     pub(crate) span_c: f64,
@@ -68,14 +69,14 @@ pub(crate) struct Question {
     pub(crate) supply_dps_per_mv: Option<f64>,
 }
 
-/// Largest number of deviations that are told apart.
+/// Largest number of deviations that the search tells apart.
 const MOST: usize = 4;
-/// Fewest bins that suffice.
+/// Smallest number of bins for a search.
 const FEWEST: usize = 40;
-/// Standard deviations from which a deviation is suspected, and widens the uncertainty.
+/// Number of standard deviations from which a deviation is suspected, and widens the uncertainty.
 const SUSPECT: f64 = 3.0;
 
-/// Looks for deviations. `None` if the record is too short or has too many holes.
+/// Looks for deviations. `None` if the record is too short or has too many gaps.
 pub(crate) fn findings(seconds: &[Second], question: &Question) -> Option<Findings> {
     let bins = bins(seconds);
     if bins.len() < FEWEST {
@@ -94,7 +95,8 @@ struct Bin {
 /// Number of bins of a record, without the short ones at its ends.
 const BINS: u32 = 280;
 
-/// Puts the record into bins, with short ones at its ends. Bins with less than half of their seconds are left out.
+/// Averages the record into bins, shorter ones at its ends. Bins with less than half of their seconds are left
+/// out.
 fn bins(seconds: &[Second]) -> Vec<Bin> {
     let total_s = seconds.last().map_or(0, |second| second.at_s as u32 + 1);
     let longest = total_s.div_ceil(BINS).max(1);
@@ -115,7 +117,7 @@ fn bins(seconds: &[Second]) -> Vec<Bin> {
     bins
 }
 
-/// The search, with the model so far.
+/// State of the search, with the model so far.
 struct Search<'a> {
     question: &'a Question,
     windows: Vec<Window>,
@@ -183,7 +185,8 @@ impl<'a> Search<'a> {
         self.columns.push(column);
     }
 
-    /// The shape with the details that its candidate leaves open: the second of a step, the phase of an oscillation.
+    /// Returns the shape of a candidate with its missing detail: the second of a step, the phase of an
+    /// oscillation.
     fn refined(&self, candidate: &Candidate) -> Shape {
         match candidate.shape {
             Shape::Step { at_s, .. } => self.located(at_s),
@@ -192,7 +195,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The step at a second near `near_s`, with the first and the last second that fit nearly as well.
+    /// Returns the best step near `near_s`, with the first and the last second that fit nearly as well.
     fn located(&self, near_s: f64) -> Shape {
         let reach = self.windows.iter().map(Window::length_s).fold(1.0, f64::max) as i32;
         let gain = |at_s: f64| {
@@ -229,7 +232,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Standard uncertainty of the error that all findings make.
+    /// Standard uncertainty of the error that all findings together cause.
     fn u(&self, fit: &Fit, of: fn(&Finding) -> f64) -> f64 {
         let shapes = self.shapes.iter().map(|shape| of(&self.finding(shape, 1.0)));
         let weights: Vec<f64> = vec![0.0; self.columns.len() - self.shapes.len()].into_iter().chain(shapes).collect();
@@ -252,7 +255,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The largest errors of PBC and BTC by deviations that are suspected only.
+    /// Returns the largest errors of PBC and BTC by deviations that are only suspected.
     fn suspects(&self) -> (f64, f64) {
         let doubtful = |candidate: &&Candidate| {
             matches!(candidate.shape, Shape::Step { .. } | Shape::Lagged { .. } | Shape::Held { .. })
@@ -265,8 +268,8 @@ impl<'a> Search<'a> {
         errors.fold((0.0, 0.0), |worst: (f64, f64), error| (worst.0.max(error.0), worst.1.max(error.1)))
     }
 
-    /// Rms error of BTC by a curvature of the typical spread, given what the hour shows of it: the mean and the
-    /// variance of a normal variable that is seen in noise.
+    /// Rms error of BTC by a curvature of the typical spread, given what the measurement shows of it. It follows
+    /// from the posterior mean and variance of a normal variable.
     fn curvature_error(&self) -> f64 {
         let Some(bent) = self.candidates.iter().find(|candidate| matches!(candidate.shape, Shape::Curved(_))) else {
             return 0.0;
@@ -279,10 +282,11 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Largest loss of gain at which a place is as good as the best one: the 95 % point of χ² with one degree of freedom.
+/// Largest loss of gain at which a time fits as well as the best one: the 95 % point of χ² with one degree of
+/// freedom.
 const NEARLY: f64 = 3.84;
 
-/// The gain from which a shape is beyond doubt. Measured on ordinary units: docs/reference/accuracy.md.
+/// The gain from which a shape is beyond doubt, as measured on ordinary units (docs/reference/accuracy.md).
 fn alarm(shape: &Shape) -> f64 {
     match shape {
         Shape::Step { .. } => 22.0,
@@ -292,7 +296,7 @@ fn alarm(shape: &Shape) -> f64 {
     }
 }
 
-/// The gain that a shape has by its freedom alone: an oscillation may have any frequency and phase.
+/// The extra gain of a shape by its freedom alone: an oscillation may have any frequency and phase.
 fn freedom(shape: &Shape) -> f64 {
     if matches!(shape, Shape::Oscillation { .. }) { alarm(shape) - alarm(&Shape::step(0.0)) } else { 0.0 }
 }
@@ -324,12 +328,12 @@ impl Question {
     }
 }
 
-/// A shape that may be in the rates, whitened and less its part in the model.
+/// A shape that the rates may contain, whitened, without what the model explains of it.
 struct Candidate {
     shape: Shape,
     /// One column, or two for an oscillation, a quarter of a period apart.
     columns: Vec<Vec<f64>>,
-    /// Squares of the columns before anything was taken out.
+    /// Sum of squares of the columns before anything was removed from them.
     full: f64,
 }
 
@@ -349,7 +353,7 @@ impl Candidate {
         self.columns.iter_mut().for_each(|column| gls::take_out(column, unit));
     }
 
-    /// Decrease of the sum of squares by this shape. It is χ² if the shape is absent.
+    /// Decrease of the sum of squares by this shape. If the shape is absent, it has a χ² distribution.
     fn gain(&self, residual: &[f64]) -> f64 {
         let sizes = self.sizes(residual);
         self.columns.iter().zip(sizes).map(|(column, size)| size * dot(column, residual)).sum()
@@ -365,7 +369,7 @@ impl Candidate {
         libm::atan2(cosine, sine)
     }
 
-    /// Sizes of the columns. They are zero if the model leaves next to nothing of them.
+    /// Sizes of the columns. They are zero if the model explains nearly all of the columns.
     fn sizes(&self, residual: &[f64]) -> [f64; 2] {
         let a = &self.columns[0];
         let b = self.columns.get(1).unwrap_or(a);
@@ -382,7 +386,7 @@ impl Candidate {
     }
 }
 
-/// Adds the outer square of `column` times the variance of its size.
+/// Adds the covariance of a shape whose size has the standard deviation `sd`.
 fn add_square(covariances: &mut [Vec<f64>], column: &[f64], sd: f64) {
     for (row, a) in covariances.iter_mut().zip(column) {
         row.iter_mut().zip(column).for_each(|(covariance, b)| *covariance += sd * sd * a * b);

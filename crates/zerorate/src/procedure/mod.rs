@@ -1,5 +1,5 @@
-//! The calibration of F-51 as a state machine: the procedure for one axis and for all axes of a sensor, its two
-//! memories for samples, and the estimators that turn these into an outcome.
+//! The calibration of F-51 as a state machine: the procedure for one axis and for all axes of a sensor, two kinds
+//! of sums over its samples, and the estimators that turn these into an outcome.
 
 mod all_axes;
 mod blocks;

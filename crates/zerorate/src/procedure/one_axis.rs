@@ -13,7 +13,7 @@ use crate::notice::Refusal;
 use crate::part::{Axis, Reading};
 use crate::plan::{Check, Method, Plan, PlanError, State, Until, ns};
 
-/// Time from the start of a step before which nothing is judged, s.
+/// Time from the start of a step before which no refusal is reported ahead of its end, s.
 const FIRST_LOOK_S: f64 = 2.0;
 
 /// Time after which samples without any temperature are refused, ns. A longer wait brings none.
@@ -24,7 +24,7 @@ pub(crate) const TEMPERATURE_NS: u64 = 30_000_000_000;
 pub enum Action {
     /// Initialise the part with F-30 and report [`Event::Initialised`].
     Initialise,
-    /// Hand in readings as they come, or the time while none come.
+    /// Pass on each reading, or the present time while there is none.
     Read,
     /// Call [`Procedure::finish`].
     Done,
@@ -82,15 +82,15 @@ pub struct Procedure<S = Blocks> {
     health: Health,
 }
 
-/// The procedure on fixed memory, about 3 KB, for a microcontroller. It allocates nothing. It always follows AN-1042,
-/// even if its plan names another method, because the others need every block.
+/// The procedure on fixed memory, about 3 KB, for a microcontroller. It allocates nothing. It always follows
+/// AN-1042, even if its plan names another method, because the other methods need every block.
 ///
-/// PBC, BTC and T3 agree with [`Procedure`] bit for bit. Uncertainties and refusals agree too, with two differences.
-/// First, it does not check the hour as a whole ([`Warning::Found`](crate::Warning::Found)), so its uncertainties do
-/// not allow for such deviations. [`Warning::HourUnchecked`](crate::Warning::HourUnchecked) says so. Second, it
-/// refuses a small step inside an average as motion or as unsteady, while [`Procedure`] accepts it with a warning. If
-/// blocks of 0.1 s stayed empty, the two may group the others differently, and then their uncertainties differ by a
-/// few per cent.
+/// PBC, BTC and T3 agree with [`Procedure`] bit for bit. Uncertainties and refusals agree too, with two
+/// differences. First, it does not check the measurement as a whole ([`Warning::Found`](crate::Warning::Found)),
+/// so its uncertainties do not allow for such deviations.
+/// [`Warning::HourUnchecked`](crate::Warning::HourUnchecked) says so. Second, it refuses a small step inside an
+/// average as motion or as unsteady, while [`Procedure`] accepts it with a warning. If some blocks of 0.1 s are
+/// empty, the two may group the others differently, and then their uncertainties differ by a few per cent.
 ///
 /// ```
 /// use zerorate::{Action, Axis, FixedProcedure, Plan};
@@ -113,7 +113,8 @@ impl Procedure {
     /// Returns the result, once [`Procedure::next`] returns [`Action::Done`].
     ///
     /// # Errors
-    /// Returns the errors of [`Procedure::handle`] or, before the end, the window that is still short of samples.
+    /// Returns the errors of [`Procedure::handle`] or, before the end, a refusal because a window has too few
+    /// samples.
     pub fn finish(self) -> Result<Outcome, Refusal> {
         match self.plan.method {
             Method::An1042 => estimate::outcome_of_hour(&self.seen(), &self.sums),
@@ -121,8 +122,8 @@ impl Procedure {
         }
     }
 
-    /// The result of the recording if it ended now, or the refusal. `None` outside of a recording, as by AN-1042. It
-    /// takes as long as [`Procedure::finish`].
+    /// Returns the uncertainties if the recording ended now, or the refusal. `None` outside of a recording, as
+    /// during AN-1042. It takes as long as [`Procedure::finish`].
     pub fn reached(&self) -> Option<Result<Reached, Refusal>> {
         (self.state == State::Recording).then(|| {
             let mut ahead = self.clone();
@@ -144,7 +145,8 @@ impl FixedProcedure {
     /// Returns the result, once [`Procedure::next`] returns [`Action::Done`]. The procedure stays as it is.
     ///
     /// # Errors
-    /// Returns the errors of [`Procedure::handle`] or, before the end, the window that is still short of samples.
+    /// Returns the errors of [`Procedure::handle`] or, before the end, a refusal because a window has too few
+    /// samples.
     pub fn outcome(&self) -> Result<Outcome<WindowWarnings>, Refusal> {
         estimate::outcome_of_windows(&self.seen())
     }
@@ -223,8 +225,8 @@ impl<S: WindowSums> Procedure<S> {
         Evidence { axis: &self.axis, plan: &self.plan, windows: self.sums.summaries(), tally: &self.tally }
     }
 
-    /// Ends the recording here, because its source has ended. It returns false and does nothing if the method needs
-    /// steps that are still to come.
+    /// Ends the recording now. Call this if the source of the samples has ended. It returns false and does nothing
+    /// outside of a recording, because AN-1042 needs the steps that are still to come.
     ///
     /// # Errors
     /// Returns the same errors as [`Procedure::handle`].
@@ -336,7 +338,7 @@ impl<S: WindowSums> Procedure<S> {
             return Err(Refusal::Overranged { window, count: seen.overranged, samples });
         }
         if seen.overranged > 0 {
-            // bits flip more often than the range is left, and some of them flip the status
+            // bit errors are more frequent than rates out of range, and some of them flip the status
             let count = seen.faulty + seen.overranged;
             return Err(Refusal::BitErrors { window, count, samples, still_moves: false });
         }

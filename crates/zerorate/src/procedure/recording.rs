@@ -24,7 +24,7 @@ const MOST_BLOCKS: f64 = 1600.0;
 /// Shortest block, s.
 const SHORTEST_S: f64 = 2.0;
 
-/// The result of a recording if it ended now.
+/// The uncertainties that a recording would have if it ended now.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reached {
     /// Standard uncertainty of the correction, rms over the temperatures seen, °/s.
@@ -33,9 +33,9 @@ pub struct Reached {
     pub u_pbc_dps: f64,
     /// Standard uncertainty of BTC, °/s/°C.
     pub u_btc_dps_per_c: f64,
-    /// Time until the temperature has settled, s, if it goes on as a self-heating does.
+    /// Expected time until the temperature has settled, s, if it changes as by a typical self-heating.
     pub left_s: f64,
-    /// Whether the temperature has settled: the change to come is inside the margin of the calibration.
+    /// Whether the temperature has settled: the remaining change is within the margin of the calibration.
     pub settled: bool,
 }
 
@@ -45,14 +45,14 @@ const SETTLING_S: f64 = 600.0;
 const SLOPE_S: f64 = 60.0;
 
 impl Reached {
-    /// Time of the next estimate after the one at `looked_s`, s. An estimate takes as long as the end of a recording,
-    /// and longer in a longer recording.
+    /// Returns the time of the next estimate after the one at `looked_s`, s. The intervals grow, because an
+    /// estimate takes as long as the end of a recording, which takes longer for a longer recording.
     #[must_use]
     pub const fn next_look_s(looked_s: f64) -> f64 {
         looked_s + (looked_s / 10.0).max(60.0)
     }
 
-    /// The less certain of two axes in each number.
+    /// Returns the worse of two axes in each number.
     pub(crate) fn or_worse(self, other: Self) -> Self {
         Self {
             u_dps: self.u_dps.max(other.u_dps),
@@ -64,7 +64,7 @@ impl Reached {
     }
 }
 
-/// The numbers of the outcome if the recording ended now.
+/// Returns the uncertainties if the recording ended now.
 pub(crate) fn reached(seen: &Evidence<'_>, sums: &Blocks) -> Result<Reached, Refusal> {
     let Outcome { uncertainty, curve, .. } = outcome(seen, sums)?;
     let left_s = settles_in_s(&sums.seconds().collect::<Vec<_>>(), seen.axis.temp_margin_c());
@@ -77,7 +77,7 @@ pub(crate) fn reached(seen: &Evidence<'_>, sums: &Blocks) -> Result<Reached, Ref
     })
 }
 
-/// Time until the temperature will change by less than the margin, s, if it goes on as a self-heating does.
+/// Time until the remaining change of temperature is within the margin, s, if it goes on like a self-heating.
 fn settles_in_s(seconds: &[Second], margin_c: f64) -> f64 {
     let Some(last) = seconds.last() else { return f64::INFINITY };
     let before = seconds.iter().rev().find(|second| second.at_s <= last.at_s - SLOPE_S);
@@ -97,8 +97,9 @@ pub struct Forecast {
 }
 
 impl Axis {
-    /// Time at which a typical unit has settled and its correction reaches a standard uncertainty, °/s. If it never
-    /// does, this is the end of the time, s. `None` if its noise or its self-heating is not known.
+    /// Forecasts when a typical unit has settled and its correction reaches the standard uncertainty `target_dps`,
+    /// °/s. If it never does, the forecast is for `total_s`, s. `None` if its noise or its self-heating is not
+    /// known.
     #[must_use]
     pub fn forecast(&self, target_dps: f64, total_s: f64) -> Option<Forecast> {
         let heating = self.self_heating?;
@@ -109,7 +110,8 @@ impl Axis {
         forecasts.into_iter().find(|forecast| forecast.u_dps <= target_dps).or_else(|| at(total_s))
     }
 
-    /// The expected uncertainty, °/s. It does not depend on the rates, only on the temperatures and the noise.
+    /// Standard uncertainty that is expected at a time, °/s. It depends on temperatures and noise, not on the
+    /// rates.
     fn expected_u_dps(&self, heating: &SelfHeating, after_s: f64) -> Option<f64> {
         let noise = self.noise?;
         let count = libm::floor(after_s / SHORTEST_S) as u32;
@@ -205,7 +207,7 @@ pub(crate) struct Searched<'a> {
 }
 
 impl Searched<'_> {
-    /// The deviations. `None` if the part's noise is not known.
+    /// Returns the deviations. `None` if the part's noise is not known.
     pub(crate) fn findings(&self, seconds: &[Second]) -> Option<Findings> {
         let &Self { axis, white_dps_per_rt_hz, times_s: (start_s, end_s), span_c } = self;
         axis.noise?;
@@ -223,7 +225,7 @@ impl Searched<'_> {
     }
 }
 
-/// Times at which the level seems to have changed, s. The models of a curve decide about them.
+/// Returns the times of suspected steps, s. The models of a curve decide whether they are steps.
 pub(crate) fn steps_s(hour: Option<&Findings>) -> Vec<f64> {
     let found = hour.into_iter().flat_map(|hour| &hour.found);
     found
@@ -231,7 +233,7 @@ pub(crate) fn steps_s(hour: Option<&Findings>) -> Vec<f64> {
         .collect()
 }
 
-/// Suspected steps and base motions in a recording. The models of the curve decide about them.
+/// Suspected steps and base motions in a recording. The models of the curve decide whether they are real.
 #[derive(Clone, Debug, Default)]
 struct Suspects {
     steps_s: Vec<f64>,
@@ -240,11 +242,11 @@ struct Suspects {
 
 /// Cycles per recording of the slowest and of the fastest base motion that is always tried.
 const SLOW_CYCLES: (f64, f64) = (0.25, 4.0);
-/// Ratio of one frequency to the next.
+/// Ratio of each of these frequencies to the one before.
 const BASE_MOTION_RATIO: f64 = 1.15;
 
-/// Frequencies of possible base motions, Hz, in rising order: slow ones, which look like a bias that wanders,
-/// and those that stand out.
+/// Returns the frequencies of possible base motions, Hz, in rising order: slow ones, which look like a bias that
+/// wanders, and those near the oscillations that were found.
 pub(crate) fn motions_hz(length_s: f64, hour: Option<&Findings>) -> Vec<f64> {
     let cycles = core::iter::successors(Some(SLOW_CYCLES.0), |cycles| Some(cycles * BASE_MOTION_RATIO));
     let mut all: Vec<f64> = cycles.take_while(|count| *count < SLOW_CYCLES.1).map(|count| count / length_s).collect();
@@ -258,8 +260,9 @@ pub(crate) fn motions_hz(length_s: f64, hour: Option<&Findings>) -> Vec<f64> {
     all
 }
 
-/// White noise and Gauss–Markov terms of the recording itself. They come from a model of its residuals after the
-/// curve, without outliers and steps. `None` if the recording is too short for a model, or follows none.
+/// Returns the white noise and Gauss–Markov terms of the recording itself. They come from a model of its residuals
+/// after the curve, without outliers and steps. `None` if the recording is too short for a model, or no model
+/// fits.
 #[cfg(feature = "std")]
 fn own_noise(sums: &Blocks, curve: &BiasCurve) -> Option<(f64, Vec<(f64, f64)>)> {
     let left = |(k, (rate_dps, temp_c)): (usize, (f64, f64))| {
@@ -359,7 +362,7 @@ fn rms_u_dps(curve: &BiasCurve) -> f64 {
     libm::sqrt(squares.sum::<f64>() / 9.0)
 }
 
-/// Refuses motion, and a slope that is too uncertain.
+/// Refuses a large base motion, and a slope that is too uncertain.
 fn accept(seen: &Evidence<'_>, curve: &BiasCurve, hour: Option<&Findings>) -> Result<(), Refusal> {
     let limit_dps = seen.axis.bias.largest_supply_step_dps();
     if let Some(motion) = curve.base_motion
@@ -427,7 +430,7 @@ pub(crate) fn taken_out(curve: &BiasCurve) -> impl Iterator<Item = Warning> {
 /// Shortest lag with a warning, s. A shorter one moves a bias by less than its uncertainty.
 const LAG_WORTH_SAYING_S: f64 = 5.0;
 
-/// The warning that one warming shows only one branch of the hysteresis.
+/// The warning that a warm-up shows only one branch of the hysteresis.
 fn branch(axis: &Axis) -> Warning {
     Warning::OneBranch { hysteresis_dps: axis.bias.hysteresis_dps }
 }

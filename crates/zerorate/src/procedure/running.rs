@@ -1,4 +1,4 @@
-//! The procedure's samples in fixed memory: sums and running Allan variances instead of blocks.
+//! Window sums in fixed memory, with running Allan variances instead of blocks.
 
 use super::window_sums::{Summary, WindowSums};
 use crate::health::block_means::{Adjacent, BLOCK_NS};
@@ -39,7 +39,7 @@ struct Totals {
     temp_range_c: Option<(f64, f64)>,
 }
 
-/// The step that is going on.
+/// The present step.
 #[derive(Clone, Debug, Default)]
 struct Live {
     block: u64,

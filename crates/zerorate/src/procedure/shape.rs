@@ -1,20 +1,20 @@
-//! Shapes over time that a rate may follow beside the temperature, each of size 1.
+//! Shapes over time that a rate may follow in addition to the temperature, each of size 1.
 
 use super::blocks::Second;
 use crate::noise::Window;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
-/// A shape that a rate may have over the hour.
+/// A shape that a rate may have over a measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Shape {
     /// A step from 0 to 1 at a time that is known to lie between two others.
     Step { at_s: f64, from_s: f64, to_s: f64 },
-    /// The square of the temperature over T3, °C².
+    /// The square of the temperature less T3, °C².
     Curved(Series),
-    /// The temperature less a follower with a time constant, °C.
+    /// The temperature less its low-pass filtered value with the time constant `lag_s`, °C.
     Lagged { lag_s: f64, ahead: Series },
-    /// The temperature less a follower with a play of half this width, °C.
+    /// The temperature less a value that follows it with a play of ±`width_c`, °C.
     Held { width_c: f64, ahead: Series },
     /// A sine.
     Oscillation { hz: f64, phase: f64 },
@@ -60,8 +60,8 @@ impl Shape {
         }
     }
 
-    /// Share of the shape that belongs to the bias in balance at a time, s. A level belongs to it, and motion and
-    /// delay do not.
+    /// Value of the shape at a time, s, as far as it belongs to the steady bias. A level and a hysteresis belong
+    /// to it, and motion and lag do not.
     pub(crate) fn bias_at(&self, time_s: f64) -> f64 {
         match self {
             Self::Step { at_s, .. } => f64::from(u8::from(*at_s < time_s)),
@@ -96,7 +96,8 @@ fn spread(first: f64, end: f64, ratio: f64) -> impl Iterator<Item = f64> {
     core::iter::successors(Some(first), move |value| Some(value * ratio)).take_while(move |value| *value < end)
 }
 
-/// The temperature less a follower, which `next` moves on.
+/// Returns the temperature less a follower. `next` gets the last value of the follower, the temperature and the
+/// time since then, and returns the next value.
 fn followed(seconds: &[Second], next: impl Fn(f64, f64, f64) -> f64) -> Series {
     let (mut follower_c, mut last_s) = seconds.first().map_or((0.0, 0.0), |second| (second.temp_c, second.at_s));
     let ahead = |second: &Second| {

@@ -6,8 +6,8 @@ use crate::health::stationarity::Verdict;
 use crate::part::Axis;
 use crate::plan::{STATES, State};
 
-/// Sums over the windows of the procedure, one for each step: over all blocks ([`Blocks`](super::blocks::Blocks)), or
-/// over as many as fit into fixed memory ([`Running`](super::running::Running)). Times count from the start.
+/// Sums over the windows of the procedure, one for each step. [`Blocks`](super::blocks::Blocks) keeps every block,
+/// and [`Running`](super::running::Running) needs only fixed memory. Times count from the start of the procedure.
 pub trait WindowSums: Clone + core::fmt::Debug {
     /// Makes empty sums for readings of this axis.
     fn new(axis: &Axis) -> Self;
@@ -43,7 +43,7 @@ pub struct Summary {
     pub(crate) overranged: u64,
     /// Readings that are impossible. No sum includes them.
     pub(crate) faulty: u64,
-    /// Mean rate, °/s: the exact sum of the codes, divided once.
+    /// Mean rate, °/s: the exact sum of the codes with a single division.
     pub(crate) rate_dps: Option<f64>,
     /// Mean temperature, °C.
     pub(crate) temp_c: Option<f64>,

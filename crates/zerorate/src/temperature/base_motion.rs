@@ -2,12 +2,12 @@
 
 use alloc::vec::Vec;
 
-/// Prior odds of a base motion: it is as rare as a step. Less than a cycle looks like a level, so a larger prior would
-/// widen PBC of a base that stands still beyond its error.
+/// Prior odds of a base motion, which is assumed to be as rare as a step. Less than one cycle looks like a level,
+/// so larger odds would make PBC of a still base more uncertain than it is.
 const ODDS: f64 = 0.02;
-/// Difference of the logarithms of the evidence of two frequencies above which another one between them is tried.
+/// Difference of the log evidence of two neighbouring frequencies above which one between them is tried.
 const COARSE: f64 = 1.0;
-/// Distance of the logarithm of the evidence from the best one at which frequencies need no finer steps.
+/// Frequencies whose log evidence is this far below the best one need no finer steps.
 const FAR: f64 = 6.0;
 /// Largest number of frequencies that are tried.
 const MOST: usize = 96;
@@ -21,8 +21,8 @@ pub(super) struct Candidate {
     pub(super) log_prior: f64,
 }
 
-/// The frequencies in rising order with their probabilities: all logarithms of frequencies are equally likely, and
-/// each frequency stands for its neighbourhood.
+/// Returns the frequencies in rising order with their prior probabilities. The prior is uniform in the logarithm
+/// of the frequency, and each frequency stands for its neighbourhood.
 pub(super) fn of(all_hz: &[f64]) -> Vec<Candidate> {
     let (Some(first), Some(last)) = (all_hz.first(), all_hz.last()) else { return Vec::new() };
     let range = libm::log(last / first).max(f64::MIN_POSITIVE);
@@ -32,7 +32,7 @@ pub(super) fn of(all_hz: &[f64]) -> Vec<Candidate> {
     all_hz.iter().enumerate().map(weighted).collect()
 }
 
-/// The frequencies, and more of them where the evidence, of which `score` gives the logarithms, changes fast.
+/// Adds frequencies where the evidence changes fast. `score` returns the log evidence of frequencies.
 pub(super) fn refined(all_hz: &[f64], score: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
     let mut known: Vec<(f64, f64)> = all_hz.iter().copied().zip(score(all_hz)).collect();
     while known.len() < MOST {

@@ -3,7 +3,7 @@
 use super::{Block, TERMS};
 use alloc::vec::Vec;
 
-/// Polynomials of degree 0 to 3 in the temperature, the leading coefficient 1 in x = (T − centre)/half span.
+/// Polynomials of degree 0 to 3 in the temperature, with the leading coefficient 1 in x = (T − centre)/half span.
 #[derive(Clone, Debug)]
 pub(super) struct Basis {
     centre_c: f64,
@@ -41,12 +41,12 @@ impl Basis {
         self.half_span_c
     }
 
-    /// The polynomial of a degree at a temperature.
+    /// The value of the polynomial of a degree at a temperature.
     pub(super) fn at(&self, degree: usize, temp_c: f64) -> f64 {
         at(&self.polynomials[degree], (temp_c - self.centre_c) / self.half_span_c)
     }
 
-    /// The same polynomial in powers of the temperature over a reference, °C.
+    /// The coefficients of that polynomial in powers of the temperature less a reference, °C.
     pub(super) fn about(&self, degree: usize, reference_c: f64) -> [f64; TERMS] {
         let (slope, offset) = (1.0 / self.half_span_c, (reference_c - self.centre_c) / self.half_span_c);
         self.polynomials[degree].iter().rev().fold([0.0; TERMS], |sum, coefficient| {

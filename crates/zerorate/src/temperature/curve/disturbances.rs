@@ -1,17 +1,17 @@
-//! Steps and glitches of the means, found in the whitened record beside the curve.
+//! Finds steps and outliers among the means, in the whitened record after the curve.
 
 use super::evidence::{Model, Record, StepAt};
 use super::search;
 use crate::temperature::gls;
 use alloc::vec::Vec;
 
-/// Gain in χ² from which a step or a glitch is believed. By chance, one record in a thousand has one.
+/// Gain in χ² from which a step or an outlier is accepted. By chance, one record in a thousand has one.
 const GAIN: f64 = 30.0;
-/// Most steps of all logs.
+/// Largest number of steps in all logs together.
 const MOST_STEPS: usize = 8;
-/// Largest share of the blocks that are left out as glitches.
+/// Largest share of the blocks that are left out as outliers.
 const MOST_GLITCHES: f64 = 0.05;
-/// Searches for the noise, each with what was found before.
+/// Number of searches for the noise model, each without the disturbances that were found before.
 const ROUNDS: usize = 3;
 
 /// The most likely disturbance of a log.
@@ -24,8 +24,7 @@ struct Disturbance {
     is_step: bool,
 }
 
-/// Takes steps and glitches out of the record. Returns the number of glitches, and the best model without
-/// them.
+/// Removes steps and outliers from the record. Returns the number of outliers, and the best model without them.
 pub(super) fn take_out(record: &mut Record, first: Model) -> (usize, Model) {
     let blocks: usize = record.logs.iter().map(|log| log.blocks().len()).sum();
     let most = (MOST_GLITCHES * blocks as f64) as usize;
@@ -52,7 +51,7 @@ pub(super) fn take_out(record: &mut Record, first: Model) -> (usize, Model) {
     (glitches, model)
 }
 
-/// The strongest step or glitch under a model, if one is believed.
+/// Returns the strongest step or outlier under a model, if one is significant.
 fn strongest(record: &Record, model: &Model) -> Option<Disturbance> {
     let filters = record.filters(&model.noise);
     let all = record.all_columns(&model.following);
@@ -69,7 +68,7 @@ fn strongest(record: &Record, model: &Model) -> Option<Disturbance> {
             let with_columns: Vec<f64> = columns.iter().map(|other| gls::dot(other, white)).collect();
             let square = gls::dot(white, white);
             let (free, share) = (square - solved.variance(&with_columns), gls::dot(white, &left));
-            // a step that the curve explains cannot be told
+            // a step that the curve could explain as well is not found
             if free > LEAST_FREE * square { share * share / free } else { 0.0 }
         };
         let places: Vec<usize> = (0..left.len()).collect();
@@ -90,15 +89,15 @@ fn strongest(record: &Record, model: &Model) -> Option<Disturbance> {
     best
 }
 
-/// A glitch of one block, and a step from it on.
+/// Returns the shapes of an outlier in one block, and of a step that begins with this block.
 fn shapes(at: usize, count: usize) -> [Vec<f64>; 2] {
     let is = |of: fn(&usize, &usize) -> bool| (0..count).map(|block| f64::from(u8::from(of(&block, &at)))).collect();
     [is(usize::eq), is(usize::ge)]
 }
 
-/// Blocks that are tried at once.
+/// Number of blocks that are tried at once.
 const AT_ONCE: usize = 4;
-/// Least share of the squared norm of a step or glitch that the curve must not explain. Below it, none is looked for.
+/// Smallest share of the squared norm of a step or outlier that the curve must leave. Below it, none is found.
 const LEAST_FREE: f64 = 0.02;
-/// Blocks at each end without a step.
+/// Number of blocks at each end in which no step is looked for.
 const NEAR_END: usize = 2;
