@@ -17,7 +17,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use zerorate_allan::FLOOR_PER_B;
 
-/// All data for the result.
+/// The data from which the result is computed.
 pub(crate) struct Evidence<'a> {
     pub(crate) axis: &'a Axis,
     pub(crate) plan: &'a Plan,
@@ -75,7 +75,7 @@ pub struct Outcome<W = Vec<Warning>> {
     pub temp_max_c: f64,
     /// The plan that was carried out.
     pub plan: Plan,
-    /// The warnings beside the numbers.
+    /// The warnings about the result.
     pub warnings: W,
     /// The bias over temperature. `None` for AN-1042.
     pub curve: Option<BiasCurve>,
@@ -93,7 +93,7 @@ pub struct Measured {
 }
 
 impl Outcome {
-    /// The warnings that the outcomes of all axes of a part share, number for number.
+    /// Returns the warnings that the outcomes of all axes of a part have in common, with the same numbers.
     pub fn shared_warnings(outcomes: &[Self]) -> impl Iterator<Item = &Warning> {
         let by_all = |warning: &&Warning| outcomes.iter().all(|outcome| outcome.warnings.contains(warning));
         outcomes.iter().take(1).flat_map(|first| &first.warnings).filter(by_all)
@@ -103,7 +103,7 @@ impl Outcome {
 /// The noise at the output. White noise is measured, and the other terms are measured as far as the record allows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
-    /// The three noises. White noise is always measured.
+    /// White noise, flicker and random walk. White noise is always measured.
     pub model: NoiseModel,
     /// Whether the flicker was measured. Otherwise it is the part's typical value (M-04), which so short a record
     /// cannot improve.
@@ -113,7 +113,7 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// The noise under which a curve was found.
+    /// The noise with which a curve was estimated.
     pub(crate) fn of_curve(curve: &BiasCurve) -> Self {
         let [flicker_measured, walk_measured] = curve.noise_told;
         Self { model: curve.noise, flicker_measured, walk_measured }
@@ -129,7 +129,7 @@ pub(crate) fn span_suffices(seen: &Evidence<'_>) -> Result<(), Refusal> {
     slope.accept(u_noise, u_curvature, seen.plan)
 }
 
-/// The warnings that need the windows alone.
+/// The warnings that need only the sums over the windows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindowWarnings([Option<Warning>; 13]);
 
@@ -140,7 +140,7 @@ impl WindowWarnings {
     }
 }
 
-/// The result of a procedure that has reached its end and kept its seconds, which show the deviations of the rate.
+/// Returns the result of a finished procedure that kept its seconds, in which it looks for deviations of the rate.
 pub(crate) fn outcome_of_hour(seen: &Evidence<'_>, blocks: &Blocks) -> Result<Outcome, Refusal> {
     let seconds: Vec<Second> = blocks.seconds().collect();
     let hour = match seen.axis.noise {
@@ -163,13 +163,13 @@ pub(crate) fn outcome_of_hour(seen: &Evidence<'_>, blocks: &Blocks) -> Result<Ou
     })
 }
 
-/// The result of a procedure that has reached its end and kept the windows alone.
+/// Returns the result of a finished procedure that kept only the sums over its windows.
 pub(crate) fn outcome_of_windows(seen: &Evidence<'_>) -> Result<Outcome<WindowWarnings>, Refusal> {
     let noise = measured_noise(seen, seen.window(State::Offset).eighths);
     outcome(seen, None, noise, |warnings| warnings)
 }
 
-/// The question to the checks of the hour.
+/// Makes the input of the drift checks.
 fn question(seen: &Evidence<'_>) -> Result<Question, Refusal> {
     let slope = Slope::new(seen)?;
     Ok(Question {
@@ -289,8 +289,8 @@ impl Slope {
         libm::hypot(noise.sd(&self.windows), temps_dps) / self.span_c().abs()
     }
 
-    /// Uncertainty of BTC by a typical curvature, as the secant through T1 and T2 against the tangent at T3, and by
-    /// two branches of the hysteresis.
+    /// Uncertainty of BTC by a typical curvature, which makes the secant through T1 and T2 differ from the tangent
+    /// at T3, and by the two branches of the hysteresis.
     fn u_curvature(&self, seen: &Evidence<'_>, t3_c: f64) -> f64 {
         if seen.plan.assume_linear {
             return 0.0;
@@ -300,8 +300,8 @@ impl Slope {
         libm::hypot(curvature, branches)
     }
 
-    /// The uncertainty of [`Self::u_curvature`], or a larger one if the hour shows more. It is never smaller, because
-    /// the hour covers only a few degrees and depends on a noise model.
+    /// The uncertainty of [`Self::u_curvature`], or a larger one if the measurement shows more. It is never
+    /// smaller, because the measurement covers only a few degrees and depends on a noise model.
     fn u_curvature_seen(&self, seen: &Evidence<'_>, t3_c: f64, hour: Option<&Findings>) -> f64 {
         let typical = self.u_curvature(seen, t3_c);
         hour.map_or(typical, |hour| hour.u_curvature_dps_per_c.max(typical))
@@ -319,7 +319,7 @@ impl Slope {
     }
 }
 
-/// Steps 8 and 9.
+/// Steps 8 and 9: the level of the bias, and T3.
 struct Level {
     pbc_dps: f64,
     t3_c: f64,
@@ -372,7 +372,8 @@ fn uncertainty(
     }
 }
 
-/// White noise and flicker of the mean of step 8, and how far the bias walks from that mean to its end, °/s.
+/// Uncertainty of PBC by noise, °/s: white noise and flicker of the mean of step 8, and the random walk from that
+/// mean to the end of the step.
 fn u_offset_noise(seen: &Evidence<'_>, noise: &NoiseModel) -> f64 {
     let mean = window(seen, State::Offset, 1.0);
     let end = WeightedMean { start_s: mean.end_s - 1e-3, end_s: mean.end_s + 1e-3, weight: -1.0 };
@@ -391,7 +392,7 @@ fn window(seen: &Evidence<'_>, state: State, weight: f64) -> WeightedMean {
     WeightedMean { start_s, end_s, weight }
 }
 
-/// Standard uncertainty of the mean temperature of a window, °C, from how much adjacent readings differ.
+/// Standard uncertainty of the mean temperature of a window, °C, from the scatter of adjacent block means.
 fn u_temp_c(seen: &Evidence<'_>, state: State) -> f64 {
     let temps = seen.window(state).temps;
     libm::sqrt(temps.variance / temps.count.max(1) as f64)
@@ -414,8 +415,8 @@ fn white_density(seen: &Evidence<'_>) -> f64 {
 /// Upper 0.1 % point of the normal distribution.
 const SIGNIFICANT_Z: f64 = 3.09;
 
-/// White noise as measured. Flicker is typical, unless step 8 wanders significantly more: then it is as large as step
-/// 8 shows.
+/// Returns the white noise as measured. Flicker is typical, unless step 8 wanders significantly more. Then it is
+/// as large as step 8 shows.
 fn measured_noise(seen: &Evidence<'_>, eighths: Adjacent) -> Noise {
     let typical = seen.noise();
     let expected = typical.allan_variance(eighths.m as f64 * BLOCK_S);
@@ -429,8 +430,8 @@ fn measured_noise(seen: &Evidence<'_>, eighths: Adjacent) -> Noise {
     Noise { model, flicker_measured: true, walk_measured: false }
 }
 
-/// The noise of a part whose typical noise is not known: white noise as measured, and flicker and random walk as the
-/// whole hour shows them beside the temperature.
+/// Returns the noise of a part whose typical noise is not known: white noise as measured, and the flicker and
+/// random walk that the whole measurement shows beside the temperature.
 fn noise_of_hour(seen: &Evidence<'_>, seconds: &[Second]) -> Noise {
     let last_s = seconds.last().map_or(0.0, |second| second.at_s);
     let mut by_second = vec![(f64::NAN, f64::NAN); last_s as usize + 1];
@@ -506,7 +507,7 @@ fn warnings(
     ])
 }
 
-/// The warning about a bias that a typical part does not have: it may be a rotation.
+/// Returns a warning if the bias is too large for a typical part, because it may be a rotation.
 pub(crate) fn turning(axis: &Axis, pbc_dps: f64) -> Option<Warning> {
     let typical_dps = axis.bias.exceeded_by(pbc_dps)?;
     Some(Warning::Turning { rate_dps: -pbc_dps, typical_dps })

@@ -1,10 +1,11 @@
 //! Least squares under correlated noise: a Kalman filter whose states are the noise, run over the rates and over every
 //! column of the model at once.
 //!
-//! The gains of a Kalman filter do not depend on the data, so it is a linear map of a series to its innovations, which
-//! are white. The innovations of all series give the normal equations of generalised least squares, in a time that is
-//! linear in the blocks. The method is that of Harvey, Forecasting, Structural Time Series Models and the Kalman
-//! Filter, 1989, section 3.4.2. The walk at the end is the part of the bias that no column holds.
+//! The gains of a Kalman filter do not depend on the data, so it is a linear map of a series to its innovations,
+//! which are white. The innovations of all series give the normal equations of generalised least squares, in a
+//! time that is linear in the blocks. The method is that of Harvey, Forecasting, Structural Time Series Models and
+//! the Kalman Filter, 1989, section 3.4.2. The random walk at the end is the part of the bias that no column
+//! describes.
 
 use super::{Block, Noise, gls};
 use crate::noise::FLICKER_CUTOFF_HZ;
@@ -17,7 +18,7 @@ const FLICKER_TOP_HZ: f64 = 10.0;
 /// Ratio of the length of a block to the correlation time of a process from which that process counts as white.
 const WHITE_FROM: f64 = 3.0;
 
-/// Series that are whitened at once.
+/// Number of series that are whitened at once.
 const LANES: usize = 8;
 
 /// The part of a filter run over the blocks of a recording that does not depend on the data: gains, and the variances
@@ -26,8 +27,8 @@ pub(super) struct Filter {
     states: usize,
     /// One step for each block.
     steps: Vec<Step>,
-    /// Factors by which the states decay from a block to the next. Recordings have few different distances between
-    /// blocks.
+    /// Factors by which the states decay from a block to the next, for each distance of blocks. Recordings have
+    /// few different distances.
     decays: Vec<Vec<f64>>,
     /// Gains of all states, block after block.
     gains: Vec<f64>,
@@ -45,7 +46,7 @@ struct Step {
 pub(super) struct White {
     /// The innovations in units of their standard deviations.
     values: Vec<f64>,
-    /// Share of the series in the walk at the end.
+    /// Estimate of the random walk at the end from this series.
     walk: f64,
 }
 
@@ -63,14 +64,14 @@ pub(super) struct Filtered {
     pub(super) gram: Vec<Vec<f64>>,
     /// Logarithm of the determinant of the blocks' covariance.
     pub(super) log_determinant: f64,
-    /// Share of each series in the walk at the end.
+    /// Estimate of the random walk at the end from each series.
     pub(super) walk: Vec<f64>,
-    /// Variance of the walk at the end for a known model, (°/s)².
+    /// Variance of the random walk at the end for a known model, (°/s)².
     pub(super) walk_variance: f64,
 }
 
 impl Filter {
-    /// Runs the filter for blocks of one length.
+    /// Computes the gains for blocks of one length.
     pub(super) fn new(noise: &Noise, blocks: &[Block]) -> Self {
         let mut covariance = Covariance::new(noise, blocks.first().map_or(1.0, |block| block.length_s));
         let states = covariance.rows.len();
@@ -87,7 +88,7 @@ impl Filter {
         for block in blocks {
             let time_s = block.middle_s() - last_s;
             last_s = block.middle_s();
-            // times are multiples of a block, give or take a rounding
+            // times are multiples of a block, up to rounding
             let near = |known: &f64| (known - time_s).abs() < 1e-6 * block.length_s;
             let decay = passed.iter().position(near).unwrap_or(passed.len());
             if decay == passed.len() {
@@ -103,7 +104,7 @@ impl Filter {
         filter
     }
 
-    /// Runs the filter over series of the blocks' length.
+    /// Whitens series that have one value for each block.
     pub(super) fn whites(&self, series: &[Vec<f64>]) -> Whites {
         let series: Vec<White> = series.chunks(LANES).flat_map(|some| self.whiten_chunk(some)).collect();
         let row = |k: usize| series[..=k].iter().map(|other| gls::dot(&series[k].values, &other.values)).collect();
@@ -184,7 +185,7 @@ impl Filter {
     }
 }
 
-/// Covariance of the states: the walk, then the processes that are slow against a block.
+/// Covariance of the states: the random walk, then the processes that are slow compared with a block.
 struct Covariance {
     white_variance: f64,
     walk_variance_per_s: f64,
@@ -235,7 +236,7 @@ impl Covariance {
         }
     }
 
-    /// Takes in a block. It returns the variance of its innovation, and appends the gains to the others.
+    /// Takes in a block. Returns the variance of its innovation, and appends its gains to `gains`.
     fn observe(&mut self, gains: &mut Vec<f64>) -> f64 {
         let start = gains.len();
         gains.extend(self.rows.iter().map(|row| row.iter().sum::<f64>()));

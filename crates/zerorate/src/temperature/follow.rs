@@ -1,9 +1,9 @@
-//! The temperature that the bias follows if it is not the measured one: late, or with play.
+//! The temperature that the bias follows: the measured one, after a lag and a play.
 
 use super::Block;
 use alloc::vec::Vec;
 
-/// The temperature at which the play holds the bias, and the temperature without play.
+/// The temperature that the bias follows with play, and the one that it would follow without.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Held {
     pub(super) at_c: f64,
@@ -20,8 +20,8 @@ pub struct Following {
 }
 
 impl Following {
-    /// The temperature of the bias for each block, and its distance from the sensing element by the play at the end.
-    /// Both start in balance and in the middle of the play.
+    /// Returns the temperature that the bias follows for each block, and for the last block the one with and the
+    /// one without play. Both start in balance and in the middle of the play.
     pub(super) fn temps_c(&self, blocks: &[Block]) -> (Vec<f64>, Held) {
         let Some(first) = blocks.first() else { return Default::default() };
         let (mut late_c, mut held_c, mut last) = (first.temp_c, first.temp_c, *first);

@@ -1,5 +1,5 @@
-//! Least squares under the part's own noise: a record is whitened by its covariance, and then every deviation counts
-//! the same.
+//! Least squares under the part's own noise: the covariance of a record whitens it, so that all deviations have
+//! the same weight.
 
 use alloc::vec::Vec;
 use zerorate_allan::linear::Cholesky;
@@ -36,7 +36,7 @@ impl Fit {
     }
 }
 
-/// Takes the projection on the unit vector `unit` out of `column`.
+/// Removes the projection on the unit vector `unit` from `column`.
 pub(crate) fn take_out(column: &mut [f64], unit: &[f64]) {
     let share = dot(column, unit);
     column.iter_mut().zip(unit).for_each(|(value, unit)| *value -= share * unit);

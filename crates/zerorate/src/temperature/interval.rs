@@ -1,8 +1,8 @@
-//! The interval of a value on which models disagree. A mean and a variance do not describe two separate peaks.
+//! The interval of a value if models disagree. A mean and a variance do not describe two separate peaks.
 
 use core::f64::consts::SQRT_2;
 
-/// The value by models of one kind: a normal distribution, and their weight among all models.
+/// The distribution of a value by models of one kind: normal, with their weight among all models.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Peak {
     pub(super) weight: f64,
@@ -13,16 +13,16 @@ pub(super) struct Peak {
 /// Half widths, in standard uncertainties, of the intervals that users rely on: 95 %, 99.73 % and 99.994 % of a normal
 /// distribution.
 const RELIED_ON: [f64; 3] = [crate::uncertainty::Uncertainty::FACTOR, 3.0, 4.0];
-/// Halvings of a bracket, after which it is narrower than any rounding that matters.
+/// Number of halvings of a bracket. After them it is narrower than any rounding that matters.
 const HALVINGS: u32 = 40;
 
-/// The least standard uncertainty about `centre`, from `sd` up, whose intervals hold as much of all peaks as they
-/// would hold of a normal distribution.
+/// Returns the smallest standard uncertainty about `centre`, at least `sd`, whose intervals contain as much of all
+/// peaks as they would contain of a normal distribution.
 pub(super) fn honest_u(peaks: &[Peak], centre: f64, sd: f64) -> f64 {
     RELIED_ON.iter().map(|factor| half_width(peaks, centre, *factor, factor * sd) / factor).fold(sd, f64::max)
 }
 
-/// The half width, `least` or more, outside of which at most as much lies as outside of ±`factor` standard deviations.
+/// The smallest half width, `least` or more, that leaves outside at most what ±`factor` standard deviations leave.
 fn half_width(peaks: &[Peak], centre: f64, factor: f64, least: f64) -> f64 {
     let allowed = libm::erfc(factor / SQRT_2);
     if outside(peaks, centre, least) <= allowed {

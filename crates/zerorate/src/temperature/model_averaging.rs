@@ -9,7 +9,7 @@ use crate::noise::NoiseModel;
 use crate::part::Axis;
 use alloc::vec::Vec;
 
-/// Distance of the logarithm of the evidence from the best one at which a combination does not matter.
+/// Difference to the best log evidence at which a combination does not matter.
 const NEGLIGIBLE: f64 = 5.0;
 /// Ratio of one lag to the next.
 const LAG_RATIO: f64 = 1.25;
@@ -27,11 +27,11 @@ const K_RATIO: f64 = 2.0;
 const FINER_PLAYS: i32 = 8;
 /// Number of times that plays are made finer.
 const FINER_ROUNDS: i32 = 2;
-/// Number of steps of noise, up and down, that are tried.
+/// Largest number of lattice steps of noise, up and down, that are tried.
 const NOISE_REACH: i32 = 20;
 /// Spread over units of the logarithms of B and K, if the part states typical values.
 const TYPICAL_SPREAD: [f64; 2] = [0.35, 0.5];
-/// The same spread, if the part states none.
+/// The same spread, if the part states no typical values.
 const UNKNOWN_SPREAD: [f64; 2] = [1.0, 1.5];
 /// Prior probability of a step in a recording.
 const STEP_PROBABILITY: f64 = 0.02;
@@ -41,7 +41,7 @@ const STEP_PROBABILITY: f64 = 0.02;
 pub(super) struct Hypothesis {
     pub(super) noise: Noise,
     pub(super) following: Following,
-    /// Number of steps that are there, the strongest first.
+    /// Number of steps in the recording, the strongest first.
     pub(super) steps: usize,
     /// Frequency of the base motion, Hz, if there is one.
     pub(super) motion_hz: Option<f64>,
@@ -76,14 +76,14 @@ pub(super) fn weigh(record: &Record<'_>, assumed: &Assumed<'_>) -> Vec<Weighed> 
     models
 }
 
-/// The model of the highest order under the typical noise, for a bias that follows at once.
+/// The model of the highest order under the typical noise, for a bias that follows without lag.
 pub(super) fn typical(record: &Record<'_>, assumed: &Assumed<'_>) -> Option<Weighed> {
     let lattice = Lattice::new(record, assumed);
     let model = lattice.models(&lattice.filter((0, 0)), (0, 0), &Path::default()).last()?;
     Some(Weighed { weight: 1.0, ..model })
 }
 
-/// Spread over units of the logarithms of B and K beforehand.
+/// Prior spread over units of the logarithms of B and K.
 pub(super) fn spread(axis: &Axis) -> [f64; 2] {
     if axis.noise.is_some() { TYPICAL_SPREAD } else { UNKNOWN_SPREAD }
 }
@@ -102,7 +102,7 @@ struct Path {
     following: Following,
     steps: usize,
     motion: Option<Candidate>,
-    /// Logarithm of the number of plays that share the place of one.
+    /// Logarithm of the number of finer plays that share the prior probability of one.
     log_finer: f64,
 }
 
@@ -195,7 +195,7 @@ impl<'a> Lattice<'a> {
         self.paired(filter, noise, &paths, &motions)
     }
 
-    /// Each of the paths with each of the base motions.
+    /// Scores each of the paths with each of the base motions.
     fn paired(&self, filter: &Filter, noise: (i32, i32), paths: &[Path], motions: &[Candidate]) -> Vec<(f64, Path)> {
         let whites: Vec<[White; 2]> = motions.iter().map(|motion| self.record.motion(filter, motion.hz)).collect();
         let with = |path: &Path| -> Vec<(f64, Path)> {
@@ -242,7 +242,7 @@ impl<'a> Lattice<'a> {
         self.score_of(filter, noise, path, &columns, motion.as_ref().map_or(&[], |motion| &motion[..]))
     }
 
-    /// The score of whitened columns.
+    /// Score of a path from its whitened columns.
     fn score_of(&self, filter: &Filter, noise: (i32, i32), path: &Path, columns: &Columns, motion: &[White]) -> f64 {
         let log_prior = self.log_prior(noise, path);
         let evidences = self.record.log_evidences(filter, columns, motion).into_iter();
@@ -302,7 +302,8 @@ fn lags(record: &Record<'_>) -> Vec<f64> {
     core::iter::once(0.0).chain(geometric(SHORTEST_LAG_S, length_s / 4.0, LAG_RATIO)).collect()
 }
 
-/// No play, and plays up to half of the span, at which the bias hardly follows. Only no play if play shows nowhere.
+/// No play, and plays up to half of the span, at which the bias hardly follows. Only no play for a very small
+/// span.
 fn plays(record: &Record<'_>) -> Vec<f64> {
     core::iter::once(0.0).chain(geometric(LEAST_PLAY_C, record.basis.half_span_c(), PLAY_RATIO)).collect()
 }
@@ -319,8 +320,8 @@ fn relevant<T>(mut scored: Vec<(f64, T)>) -> Vec<T> {
     scored.into_iter().take_while(|(score, _)| *score > best - NEGLIGIBLE).map(|(_, value)| value).collect()
 }
 
-/// Keeps the items of two families that are not negligible in their own, the best first. A family is left out only as
-/// a whole, since many small items may add up.
+/// Keeps the items of two families that are not negligible in their own family, the best first. A family is left
+/// out only as a whole, since many small items may add up.
 fn relevant_families<T>(one: Vec<(f64, T)>, other: Vec<(f64, T)>) -> Vec<T> {
     let evidences = [evidence(&one), evidence(&other)];
     let best = evidences[0].max(evidences[1]);

@@ -1,15 +1,15 @@
-//! What remains of the bias where the curve comes from the other parts of the record.
+//! Cross-validation: the bias that remains if the curve comes from the other parts of the record.
 
 use super::BeforeAfter;
 use super::evidence::{Model, Record};
 use alloc::vec::Vec;
 
-/// Parts of a log that are left out, one at a time.
+/// Number of parts of a log, which are left out one at a time.
 const PARTS: usize = 10;
-/// Means of the record that are compared.
+/// Approximate number of means of the record that are compared.
 const MEANS: usize = 60;
 
-/// The span of the means without a correction, and with the curve of the other parts.
+/// Returns the span of the means without a correction, and with a correction by the curve of the other parts.
 pub(super) fn span(record: &Record, model: &Model) -> BeforeAfter {
     let (mut before, mut after) = (Ends::default(), Ends::default());
     let blocks: usize = record.logs.iter().map(|log| log.blocks().len()).sum();
@@ -35,7 +35,7 @@ pub(super) fn span(record: &Record, model: &Model) -> BeforeAfter {
     BeforeAfter { before: before.span(), after: after.span() }
 }
 
-/// The coefficients without a part of one log.
+/// Returns the coefficients of the record without a part of one log.
 fn without(record: &Record, model: &Model, index: usize, part: core::ops::Range<usize>) -> Vec<f64> {
     let others = record.others(index, |at| !part.contains(&at));
     let filters = others.filters(&model.noise);

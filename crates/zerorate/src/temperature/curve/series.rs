@@ -2,7 +2,7 @@
 
 use super::COEFFICIENTS;
 
-/// The temperatures that the series spans, °C.
+/// The temperature span of the series, °C.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Series {
     low_c: f64,
@@ -20,7 +20,7 @@ impl Series {
         (self.low_c, self.high_c)
     }
 
-    /// Each polynomial at a temperature.
+    /// Values of the polynomials at a temperature.
     pub(super) fn at(&self, temp_c: f64) -> [f64; COEFFICIENTS] {
         let x = self.x(temp_c);
         let mut values = [1.0, x, 0.0, 0.0, 0.0, 0.0, 0.0];
@@ -30,8 +30,8 @@ impl Series {
         values
     }
 
-    /// Each polynomial at a temperature that the bias follows. A sensor that was on before the log began may follow
-    /// one from before, outside of the logs: each polynomial goes on along its tangent.
+    /// Values of the polynomials at a temperature that the bias follows. If the sensor was on before the log
+    /// began, it may lie outside of the logs. There, each polynomial continues along its tangent.
     pub(super) fn followed(&self, temp_c: f64) -> [f64; COEFFICIENTS] {
         let beyond_c = temp_c - temp_c.clamp(self.low_c, self.high_c);
         let (mut values, slopes) = (self.at(temp_c), self.slope_at(temp_c));
@@ -51,8 +51,8 @@ impl Series {
         core::array::from_fn(|k| if k == 0 { 0.0 } else { k as f64 * second[k - 1] * per_c })
     }
 
-    /// The place of a temperature between −1 and 1. A temperature outside keeps the value at the end, because a
-    /// polynomial leaves the bias fast there.
+    /// Maps a temperature to −1 … 1. A temperature outside of the span is clamped, because a polynomial departs
+    /// fast from the bias there.
     fn x(&self, temp_c: f64) -> f64 {
         (2.0 * (temp_c - self.low_c) / (self.high_c - self.low_c) - 1.0).clamp(-1.0, 1.0)
     }

@@ -1,4 +1,4 @@
-//! The readings of a thermometer: coarse ones as the intervals that they stand for, and times at which it sticks.
+//! Smooths the readings of a coarse thermometer, and finds the times at which a thermometer sticks.
 
 use super::means::median;
 use alloc::vec::Vec;
@@ -6,9 +6,10 @@ use alloc::vec::Vec;
 /// Facts about the thermometer of a log.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Thermometer {
-    /// The smallest step between two readings, °C, if the readings are so coarse that they were taken as intervals.
+    /// The smallest step between two readings, °C, if the readings are so coarse that each was taken as an
+    /// interval.
     pub coarse_step_c: Option<f64>,
-    /// Time in which it stuck, s.
+    /// Total time in which the thermometer stuck, s.
     pub stuck_s: f64,
 }
 
@@ -26,26 +27,26 @@ impl Run {
     }
 }
 
-/// Mean length of runs, in readings, from which the readings are taken as intervals.
+/// Mean length of runs, in readings, above which the readings are coarse and are taken as intervals.
 const LONG_RUNS: usize = 3;
-/// Ratio of the length of a run to the median from which the thermometer sticks, where readings are fine.
+/// Ratio of the length of a run to the median above which a thermometer with fine readings counts as stuck.
 const STICKS: f64 = 60.0;
-/// Ratio of a jump of the temperature to the median jump that ends a time in which the thermometer sticks.
+/// Ratio of a jump of the temperature to the median change above which the thermometer was stuck before it.
 const JUMP: f64 = 8.0;
-/// Least such jump, °C.
+/// Smallest such jump, °C.
 const LEAST_JUMP_C: f64 = 0.5;
-/// Ratio of the length of the last run to the median, and its share of the log, from which the thermometer may have
-/// stuck to the end.
+/// Ratio of the length of the last run to the median, and its share of the log, above which the thermometer may
+/// have stuck to the end.
 const AT_END: (f64, f64) = (20.0, 0.1);
-/// Share of the changes that turn back, from which the readings are noisy.
+/// Share of changes that reverse the one before, above which the readings count as noisy.
 const NOISY: f64 = 0.1;
-/// Longest time between two readings across which the temperature is a line, s, and in usual times between readings.
+/// Longest gap between readings that is interpolated: in s, and in usual gaps.
 const GAP: (f64, f64) = (60.0, 4.0);
-/// Largest difference of the lengths of runs, as a ratio, of a thermometer that is read at fixed times.
+/// Largest relative difference of run lengths if the thermometer is read at fixed times.
 const EVEN: f64 = 0.15;
 
-/// The temperatures of parts without the steps of a coarse thermometer, NaN where they are not known. `last_c` are the
-/// last readings of the parts, and `means_c` their means.
+/// Returns the temperatures of parts without the steps of a coarse thermometer, NaN where they are not known.
+/// `last_c` are the last readings of the parts, and `means_c` their means.
 pub(super) fn smooth(last_c: &[f64], means_c: &[f64], step_s: f64) -> (Vec<f64>, Thermometer) {
     let runs = runs(last_c);
     let readings: usize = runs.iter().map(Run::length).sum();
@@ -67,7 +68,7 @@ pub(super) fn smooth(last_c: &[f64], means_c: &[f64], step_s: f64) -> (Vec<f64>,
     (smoothed, Thermometer { coarse_step_c, stuck_s })
 }
 
-/// Puts lines between readings that are not too far apart.
+/// Interpolates between readings that are not too far apart.
 fn fill(temps_c: &mut [f64], step_s: f64) {
     let known: Vec<usize> = (0..temps_c.len()).filter(|k| !temps_c[*k].is_nan()).collect();
     let gaps = known.windows(2).map(|pair| (pair[1] - pair[0]) as f64);
@@ -77,7 +78,7 @@ fn fill(temps_c: &mut [f64], step_s: f64) {
     }
 }
 
-/// Puts a line between two temperatures.
+/// Interpolates linearly between the temperatures at two indices.
 pub(super) fn line(temps_c: &mut [f64], from: usize, to: usize) {
     let (start_c, step_c) = (temps_c[from], (temps_c[to] - temps_c[from]) / (to - from) as f64);
     (from + 1..to).for_each(|k| temps_c[k] = start_c + step_c * (k - from) as f64);
@@ -94,7 +95,7 @@ fn runs(temps_c: &[f64]) -> Vec<Run> {
     runs
 }
 
-/// Whether a thermometer is read at fixed times, and each reading is held until the next: runs of one length.
+/// Whether all runs have one length, because the thermometer is read at fixed times and each reading is held.
 fn are_even(runs: &[Run]) -> bool {
     let inner = &runs[1..runs.len() - 1];
     let usual = median(inner.iter().map(|run| run.length() as f64).collect());
@@ -102,8 +103,8 @@ fn are_even(runs: &[Run]) -> bool {
     usual >= LONG_RUNS as f64 && 10 * inner.iter().filter(is_usual).count() > 9 * inner.len()
 }
 
-/// The times in which the thermometer sticks: much longer than usual where readings are fine and noisy, and before a
-/// jump or to the end elsewhere.
+/// Returns the runs in which the thermometer sticks. With fine and noisy readings they are much longer than usual.
+/// Otherwise they are long, and end with a jump or with the log.
 fn stuck(runs: &[Run], is_coarse: bool) -> Vec<Run> {
     let usual = median(runs.iter().map(|run| run.length() as f64).collect()).max(1.0);
     let changes_c = || runs.windows(2).map(|pair| pair[1].temp_c - pair[0].temp_c);
@@ -126,8 +127,8 @@ fn least_step_c(runs: &[Run]) -> f64 {
     runs.windows(2).map(|pair| (pair[1].temp_c - pair[0].temp_c).abs()).fold(f64::MAX, f64::min)
 }
 
-/// The changes of the readings, where the temperature is in the middle of both. Where it turns within a run, it goes a
-/// quarter of a step into the run.
+/// Returns the changes of the readings as knots: at a change, the temperature is midway between both readings. If
+/// it turns within a run, it is taken to go a quarter of a step into the run.
 fn changes(runs: &[Run]) -> Vec<(f64, f64)> {
     let mut knots: Vec<(f64, f64)> = Vec::new();
     for pair in runs.windows(2) {
@@ -143,7 +144,7 @@ fn changes(runs: &[Run]) -> Vec<(f64, f64)> {
     knots
 }
 
-/// Lines between knots, each a place and a temperature.
+/// Interpolates linearly between knots, each an index and a temperature.
 fn by_lines(temps_c: &[f64], knots: &[(f64, f64)]) -> Vec<f64> {
     let mut next = 1;
     let at = |(index, reading_c): (usize, &f64)| {
@@ -156,7 +157,7 @@ fn by_lines(temps_c: &[f64], knots: &[(f64, f64)]) -> Vec<f64> {
         let half_c = (to.1 - from.1).abs() / 2.0;
         match at < from.0 || at > to.0 {
             true if reading_c.is_nan() => f64::NAN,
-            // the first and the last run have one end only
+            // the first and the last run have a knot at one end only
             true => temp_c.clamp(reading_c - half_c, reading_c + half_c),
             false => temp_c,
         }

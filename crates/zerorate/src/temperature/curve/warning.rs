@@ -22,11 +22,11 @@ pub enum CurveWarning {
     Moved { from_s: f64, to_s: f64, times: usize },
     /// The logs have one direction of the temperature, so the hysteresis is not known.
     OneDirection,
-    /// The bias was still following at the end: this much of it, in the unit, was to come.
+    /// The bias was still lagging behind at the end: this change, in the unit, was to come.
     StillFollowing { unsettled: f64, unit: &'static str },
-    /// Jumps of the level were taken out: number, and the largest in the unit.
+    /// Steps of the level were removed: their number, and the size of the largest in the unit.
     Jumped { jumps: usize, largest: f64, unit: &'static str },
-    /// A polynomial of order 3 is off the curve by up to this much.
+    /// A polynomial of order 3 differs from the curve by up to this much, in the unit.
     BeyondCubic { left: f64, unit: &'static str },
 }
 
@@ -73,11 +73,11 @@ impl CurveWarning {
     }
 }
 
-/// Difference of the logarithm of the evidence below which nothing speaks for a dependence.
+/// Difference of the log evidence below which nothing speaks for a dependence on temperature.
 const NO_EVIDENCE: f64 = 2.0;
-/// Ratio to the uncertainty from which a change that is still to come is worth a warning.
+/// Ratio of the change that is still to come to the uncertainty above which there is a warning.
 const UNSETTLED: f64 = 3.0;
-/// The same for what a cubic leaves, and the least share of the span of the bias.
+/// The same ratio for the part of the curve that a cubic leaves, and its least share of the span of the bias.
 const LEFT: (f64, f64) = (1.0, 0.01);
 
 impl LogCurve {
@@ -108,10 +108,10 @@ impl LogCurve {
     }
 }
 
-/// Refuses the axes of a sensor, each with its logs, if they cannot give curves.
+/// Checks that the axes of a sensor, each with its logs, can give curves.
 ///
 /// # Errors
-/// Returns the refusal, if the temperature spans too little, or the sensor moves too long.
+/// Returns a refusal if the temperature spans too little, or the sensor moves too long.
 pub fn check<'a>(axes: impl Iterator<Item = &'a [LogMeans]> + Clone) -> Result<(), CurveRefusal> {
     let logs = || axes.clone().flatten();
     let ends = |(low, high): (f64, f64), block: &Block| (low.min(block.temp_c), high.max(block.temp_c));
@@ -133,7 +133,7 @@ pub enum CurveRefusal {
     SmallSpan { low_c: f64, high_c: f64, length_s: f64 },
     /// The sensor moves for too large a share of the logs.
     Moves { share: f64 },
-    /// The logs are too short, or an axis stands still for most of them.
+    /// The logs are too short, or an axis is constant for most of them.
     TooShort { axis: String, blocks: usize, needed: usize },
     /// No model explains an axis.
     NoCurve { axis: String },
@@ -180,7 +180,7 @@ impl fmt::Display for CurveRefusal {
 }
 
 impl CurveRefusal {
-    /// The refusal of an axis.
+    /// Makes the refusal of an axis from its error.
     #[must_use]
     pub fn of_axis(error: ThermalError, axis: &str) -> Self {
         let axis = axis.into();
