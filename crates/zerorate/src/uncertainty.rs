@@ -24,8 +24,8 @@ pub struct Uncertainty {
     pub cov_pbc_btc: f64,
     /// Covariance of PBC and T3, °C·°/s.
     pub cov_pbc_t3: f64,
-    /// A part of [`u_pbc_dps`](Self::u_pbc_dps) with a known sign, °/s. As AN-1042 takes it, PBC belongs to the mean
-    /// temperature of step 8. So it is above its value at T3 by −BTC × (T3 − mean temperature).
+    /// A part of [`u_pbc_dps`](Self::u_pbc_dps) with a known sign, °/s. As AN-1042 computes it, PBC belongs to the
+    /// mean temperature of step 8. So it is above its value at T3 by −BTC × (T3 − mean temperature).
     pub drift_dps: f64,
 }
 

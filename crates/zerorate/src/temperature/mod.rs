@@ -8,7 +8,7 @@
 //! most evidence is taken, unless it is more likely too low than not. The uncertainty covers all models together, so
 //! models that the recording cannot tell apart widen it (Hoeting et al., Bayesian Model Averaging, Statistical Science
 //! 14, 1999). The uncertainties of PBC and of the slope at T3 are widened further if models disagree more than a
-//! variance can tell (`interval.rs`).
+//! variance can describe (`interval.rs`).
 
 mod base_motion;
 mod basis;
@@ -36,11 +36,11 @@ use posterior::{Powers, Record};
 
 /// Largest number of steps of a curve.
 pub const MOST_STEPS: usize = 4;
-/// Coefficients of a bias over temperature, from the constant to the cubic one.
+/// Number of coefficients of a bias over temperature, from the constant to the cubic one.
 pub const TERMS: usize = 4;
 
-/// The mean over a stretch of a recording. All blocks of a recording have the same length, and there may be gaps
-/// between them.
+/// The mean over a short window of a recording. All blocks of a recording have the same length, and there may be
+/// gaps between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block {
     /// Start of the block, s.
@@ -62,13 +62,13 @@ impl Block {
         self.start_s + self.length_s
     }
 
-    /// Share of the block after a time.
+    /// Share of the block that lies after a time.
     fn share_after(&self, at_s: f64) -> f64 {
         ((self.end_s() - at_s) / self.length_s).clamp(0.0, 1.0)
     }
 }
 
-/// The noise of a model.
+/// The strengths of the noises in a model.
 #[derive(Clone, Debug, PartialEq)]
 struct Noise {
     white_dps_per_rt_hz: f64,
@@ -78,7 +78,7 @@ struct Noise {
     gauss_markov: Vec<(f64, f64)>,
 }
 
-/// The knowledge about a recording beside its blocks.
+/// The knowledge about a recording in addition to its blocks.
 #[derive(Clone, Copy, Debug)]
 pub struct Assumed<'a> {
     /// The typical axis, which gives the prior probabilities of coefficients and noises.
@@ -87,11 +87,11 @@ pub struct Assumed<'a> {
     pub white_dps_per_rt_hz: f64,
     /// Gauss–Markov processes in the noise: standard deviation, °/s, and correlation time, s.
     pub gauss_markov: &'a [(f64, f64)],
-    /// Times at which the level seems to have changed, s, the strongest first. The first [`MOST_STEPS`] are taken, and
-    /// the models decide about them.
+    /// Times of suspected steps, s, the strongest first. The first [`MOST_STEPS`] are tried, and the models decide
+    /// whether they are real.
     pub steps_s: &'a [f64],
-    /// Frequencies of possible base motions, Hz, in rising order. The models decide about them. If there are none, no
-    /// base motion is looked for.
+    /// Frequencies of possible base motions, Hz, in rising order. The models decide whether one is real. If there
+    /// are none, no base motion is looked for.
     pub motions_hz: &'a [f64],
     /// The highest order that is tried, 0 to 3.
     pub max_order: usize,
@@ -104,27 +104,27 @@ pub struct Assumed<'a> {
 pub struct BiasCurve {
     /// The correction that is added to a rate: minus the bias.
     pub correction: Correction,
-    /// Covariance of PBC and the coefficients of the first to third order: of °/s/°Cⁿ each. Orders that disagree on
-    /// PBC or BTC make two peaks, and intervals by their variance alone would miss the smaller one too often. So the
-    /// variances of PBC and BTC are larger than that of all models together.
+    /// Covariance of PBC and the coefficients of the first to third order, in °/s/°Cⁿ each. Orders that disagree
+    /// on PBC or BTC make two peaks, and intervals by their variance alone would miss the smaller one too often.
+    /// So the variances of PBC and BTC are larger than that of all models together.
     pub covariance: [[f64; TERMS]; TERMS],
     /// Sources of the variances of PBC and BTC.
     pub sources: Sources,
-    /// The order that was taken.
+    /// The order that was chosen.
     pub order: usize,
     /// Posterior probability of each order.
     pub order_weights: [f64; TERMS],
-    /// The way in which the bias follows the temperature, as the mean over all models.
+    /// The lag and the play of the bias, as the mean over all models.
     pub following: Following,
-    /// Whether the bias is more likely to follow late than at once.
+    /// Whether the bias lags more likely than not.
     pub is_late: bool,
     /// The noise: white as given, B and K the geometric means over all models.
     pub noise: NoiseModel,
-    /// Whether the recording narrowed B, and K, beyond the prior.
+    /// Whether the recording determined B, and K, clearly better than the prior.
     pub noise_told: [bool; 2],
-    /// Steps that are more likely there than not.
+    /// Steps that are real with a probability above one half.
     pub steps: [Option<Step>; MOST_STEPS],
-    /// The base motion, if one is more likely there than not.
+    /// The base motion, if one is real with a probability above one half.
     pub base_motion: Option<BaseMotion>,
     /// Lowest and highest temperature of the blocks, °C.
     pub span_c: (f64, f64),
@@ -137,7 +137,7 @@ impl BiasCurve {
         libm::sqrt(self.covariance[1][1])
     }
 
-    /// Difference of the mean over a block from the level at the end by the removed steps and base motion,
+    /// Effect of the removed steps and base motion on the mean over a block, relative to the level at the end,
     /// °/s.
     pub(crate) fn disturbed_dps(&self, block: &Block) -> f64 {
         let stepped = |step: &Step| step.size_dps * (block.share_after(step.at_s) - 1.0);
@@ -146,18 +146,18 @@ impl BiasCurve {
     }
 }
 
-/// Sources of the variances of PBC and BTC beside the noise: a standard uncertainty each, in °/s and °/s/°C.
+/// Contributions to the standard uncertainties of PBC, °/s, and BTC, °/s/°C, in addition to the noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sources {
-    /// Models that disagree: on order, lag, play, steps and strength of the noise.
+    /// Disagreement of the models on order, lag, play, steps and strength of the noise.
     pub u_models: [f64; 2],
-    /// A slow base motion, by the weight of the models that have one.
+    /// Possible slow base motion, by the weight of the models that have one.
     pub u_base_motion: [f64; 2],
     /// Posterior probability of a base motion.
     pub base_motion_probability: f64,
 }
 
-/// A change of the level that was taken out.
+/// A change of the level that was removed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
     /// Time of the step, s.
@@ -180,7 +180,7 @@ pub struct BaseMotion {
 }
 
 impl BaseMotion {
-    /// Peak, °/s.
+    /// Peak rate, °/s.
     #[must_use]
     pub fn size_dps(&self) -> f64 {
         libm::hypot(self.sine_dps, self.cosine_dps)
@@ -197,18 +197,18 @@ impl BaseMotion {
 /// The reason why a recording does not give a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ThermalError {
-    /// Fewer blocks than a model has parameters.
+    /// The recording has fewer blocks than a fit needs.
     TooFew {
         /// Number of blocks.
         blocks: usize,
-        /// Least number of blocks.
+        /// Smallest number of blocks.
         needed: usize,
     },
     /// A rate or temperature is not a finite number, or nothing varies.
     Degenerate,
 }
 
-/// Fewest blocks that suffice.
+/// Smallest number of blocks for a fit.
 const FEWEST: usize = 40;
 
 /// Finds the bias over temperature at the end of a recording.
@@ -228,7 +228,7 @@ pub fn fit(blocks: &[Block], assumed: &Assumed<'_>) -> Result<BiasCurve, Thermal
     if models.is_empty() { Err(ThermalError::Degenerate) } else { Ok(average(&record, assumed.axis, &models)) }
 }
 
-/// The rates less the best polynomial over temperature, significant or not.
+/// Returns the rates less their best polynomial over temperature, even if that is not significant.
 pub(crate) fn without_temperature(blocks: &[Block]) -> Vec<f64> {
     let basis = Basis::over(blocks);
     let mut left: Vec<f64> = blocks.iter().map(|block| block.rate_dps).collect();
@@ -241,8 +241,8 @@ pub(crate) fn without_temperature(blocks: &[Block]) -> Vec<f64> {
     left
 }
 
-/// The step that explains most of the rates beside a level and a polynomial over temperature, by least squares over
-/// all three. Returns the block that it comes before, and its size, °/s.
+/// Finds the step that explains most of the rates in addition to a level and a polynomial over temperature, by
+/// least squares over all three. Returns the index of the block after the step, and the size of the step, °/s.
 pub(crate) fn step_beside_temperature(blocks: &[Block]) -> (usize, f64) {
     let basis = Basis::over(blocks);
     let column = |degree| blocks.iter().map(|block| basis.at(degree, block.temp_c)).collect::<Vec<f64>>();
@@ -253,7 +253,7 @@ pub(crate) fn step_beside_temperature(blocks: &[Block]) -> (usize, f64) {
         let share = gls::dot(column, &left) / square;
         left.iter_mut().zip(column).for_each(|(rate_dps, value)| *rate_dps -= share * value);
     }
-    // sums over the blocks behind the step
+    // sums over the blocks after the step
     let (mut behind, mut sums, mut most) = (0.0, [0.0; TERMS], (0.0, 0, 0.0));
     for at in (1..blocks.len()).rev() {
         behind += left[at];
@@ -269,8 +269,8 @@ pub(crate) fn step_beside_temperature(blocks: &[Block]) -> (usize, f64) {
     (most.1, most.2)
 }
 
-/// The curve before its rates are known, as a forecast: its covariance does not depend on them. It takes the typical
-/// noise and the highest order.
+/// Forecasts a curve before its rates are known, because its covariance does not depend on them. It assumes the
+/// typical noise and the highest order.
 pub(crate) fn expected(blocks: &[Block], assumed: &Assumed<'_>) -> Option<BiasCurve> {
     let basis = Basis::over(blocks);
     let prior_dps = prior(&assumed.axis.bias, &basis, blocks);
@@ -300,10 +300,10 @@ fn prior(typical: &TypicalBias, basis: &Basis, blocks: &[Block]) -> [f64; TERMS]
 /// specified for (F-08).
 const HALF_RANGE_C: f64 = 62.5;
 
-/// Share of its prior spread below which a quantity was measured by the recording.
+/// Ratio of the posterior to the prior spread below which a quantity counts as measured by the recording.
 const TOLD: f64 = 0.7;
 
-/// The mean over the models of the order that is taken, and the covariance of all models about it.
+/// Averages the models of the chosen order, and computes the covariance of all models about this mean.
 fn average(record: &Record<'_>, axis: &Axis, models: &[Weighed]) -> BiasCurve {
     let mut order_weights = [0.0; TERMS];
     models.iter().for_each(|model| order_weights[model.posterior.order] += model.weight);
@@ -376,8 +376,9 @@ fn variance_of_logarithm(models: &[Weighed], of: fn(&Noise) -> f64) -> f64 {
     models.iter().map(|model| model.weight * (off(model) * off(model))).sum()
 }
 
-/// The order with the most evidence, of those that are not too low with a probability of more than one half. So a bend
-/// that quadratic and cubic models share wins against a line that is more likely than either of them.
+/// Chooses the order with the most evidence, of those that are not too low with a probability of more than one
+/// half. So a bend that quadratic and cubic models share wins against a line that is more likely than either of
+/// them.
 fn order_taken(order_weights: &[f64; TERMS]) -> usize {
     let above = |order: usize| order_weights[order + 1..].iter().sum::<f64>();
     let high_enough = (0..TERMS).filter(|order| above(*order) <= 0.5);
@@ -389,9 +390,9 @@ fn base_motion_probability(models: &[Weighed]) -> f64 {
     models.iter().filter(|model| model.hypothesis.motion_hz.is_some()).fold(0.0, |sum, model| sum + model.weight)
 }
 
-/// Probability from which models with a base motion are peaks of their own: the stated intervals could miss them. A
-/// less likely one counts in the variance by its weight. Intervals that hold the rarest one as well would say nothing
-/// of a platform at rest.
+/// Probability above which models with a base motion form peaks of their own, because the stated intervals could
+/// miss them. A less likely base motion counts in the variance by its weight. Intervals that contain the rarest
+/// one as well would be useless for a platform at rest.
 const MOTION_PEAK: f64 = 1.0 - Uncertainty::COVERAGE;
 
 /// Excess variance that a coefficient needs so that its intervals keep their stated probability. Its models are in
@@ -415,9 +416,10 @@ fn excess(models: &[Weighed], k: usize, value: f64, variance: f64) -> f64 {
     if u > sd { u * u - variance } else { 0.0 }
 }
 
-/// Splits the variances of PBC and BTC. Noise has the variance for a known model and a known base motion. Base motion
-/// has the variance by its unknown size, and the square of the distance between models with and without it. Models
-/// that disagree have the rest. `excess` belongs to the base motion if that makes the peaks.
+/// Splits the variances of PBC and BTC into their sources. Noise gets the variance for a known model and a known
+/// base motion. Base motion gets the variance by its unknown size, and the squared distance between models with
+/// and without it. Disagreement of models gets the rest. `excess` belongs to the base motion if that makes the
+/// peaks.
 fn sources(models: &[Weighed], variances: [f64; 2], excess: [f64; 2]) -> Sources {
     let probability = base_motion_probability(models);
     let sum = |of: &dyn Fn(&Weighed) -> f64| models.iter().map(|model| model.weight * of(model)).sum::<f64>();
@@ -438,7 +440,7 @@ fn sources(models: &[Weighed], variances: [f64; 2], excess: [f64; 2]) -> Sources
     Sources { u_models, u_base_motion, base_motion_probability: probability }
 }
 
-/// The steps that are more likely there than not, with their mean sizes.
+/// The steps that are real with a probability above one half, with their mean sizes.
 fn steps(record: &Record<'_>, models: &[Weighed]) -> [Option<Step>; MOST_STEPS] {
     let step = |index: usize| {
         let with = || models.iter().filter(move |model| model.posterior.steps.len() > index);
@@ -454,7 +456,7 @@ fn steps(record: &Record<'_>, models: &[Weighed]) -> [Option<Step>; MOST_STEPS] 
     core::array::from_fn(|index| if index < record.steps_s.len() { step(index) } else { None })
 }
 
-/// The base motion of the most likely model that has one, if that is more likely there than not.
+/// The base motion of the most likely model that has one, if its probability is above one half.
 fn base_motion(models: &[Weighed]) -> Option<BaseMotion> {
     let with = || models.iter().filter_map(|model| Some((model, model.hypothesis.motion_hz?)));
     let weight: f64 = with().map(|(model, _)| model.weight).sum();

@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 use core::f64::consts::PI;
 use zerorate_allan::linear::Cholesky;
 
-/// Coefficients in powers of the temperature over T3.
+/// Coefficients in powers of T − T3.
 pub(super) type Powers = [f64; TERMS];
 
 /// The bias at the end of the recording over temperature, by one model.
@@ -25,7 +25,7 @@ pub(super) struct Posterior {
     pub(super) steps: Vec<(f64, f64)>,
     /// Sine and cosine of the base motion, °/s. They are zero if the model has none.
     pub(super) motion_dps: [f64; 2],
-    /// Part of the variance of each coefficient that would be gone if the base motion were known.
+    /// Part of the variance of each coefficient that would vanish if the base motion were known.
     pub(super) from_motion: Powers,
 }
 
@@ -40,7 +40,7 @@ pub(super) struct Columns {
 pub(super) struct Record<'a> {
     pub(super) blocks: &'a [Block],
     pub(super) basis: &'a Basis,
-    /// Times at which the level changes, s.
+    /// Times of the suspected steps, s.
     pub(super) steps_s: &'a [f64],
     pub(super) t3_c: f64,
     /// Prior standard deviations of the coefficients of the basis, °/s, from the first degree on.
@@ -48,9 +48,9 @@ pub(super) struct Record<'a> {
     pub(super) max_order: usize,
 }
 
-/// Prior spread of a step, °/s: a supply that changes by some tenths of a volt (F-01).
+/// Prior spread of a step, °/s: the effect of a supply that changes by some tenths of a volt (F-01).
 const STEP_DPS: f64 = 0.05;
-/// Prior spread of the columns.
+/// One combination of prior spreads of the columns.
 #[derive(Clone, Copy)]
 struct Spread {
     /// The bend of the bias over temperature, as a ratio of the typical one.
@@ -61,11 +61,11 @@ struct Spread {
     log_share: f64,
 }
 
-/// Bends, as ratios of the typical one, and the shares of units with such a bend, the typical one last. Without the
-/// strong bends a slow base motion would explain them better.
+/// Bends, as ratios of the typical one, and the shares of units with such a bend, the typical one last. Without
+/// the strong bends as a prior, a slow base motion would explain them better.
 const BENDS: [(f64, f64); 2] = [(8.0, 0.1), (1.0, 0.9)];
-/// Sizes of a base motion, °/s. Small and large ones are equally likely. Without small ones the random walk of
-/// the part would explain them better.
+/// Sizes of a base motion, °/s. Small and large ones are equally likely. Without the small ones as a prior, the
+/// random walk of the part would explain small motions better.
 const BASE_MOTIONS_DPS: [f64; 3] = [0.01, 0.03, 0.1];
 
 /// The spreads that are tried for the columns of an order, with a base motion or without.
@@ -92,7 +92,7 @@ impl Record<'_> {
         temps.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), temp_c| (low.min(temp_c), high.max(temp_c)))
     }
 
-    /// The columns of a bias that follows the temperature in this way, with this number of steps.
+    /// The whitened columns of a bias that follows the temperature like this, with this number of steps.
     pub(super) fn columns(&self, filter: &Filter, following: Following, steps: usize) -> Columns {
         let (followed, held) = following.temps_c(self.blocks);
         let rates = self.blocks.iter().map(|block| block.rate_dps).collect();
@@ -119,7 +119,7 @@ impl Record<'_> {
         self.all_solved(&filtered, columns.steps).map(|solved| solved.posterior(&filtered, &constants)).collect()
     }
 
-    /// The logarithms of the evidence of all orders alone.
+    /// Only the logarithms of the evidence of all orders.
     pub(super) fn log_evidences(&self, filter: &Filter, columns: &Columns, motion: &[White]) -> Vec<f64> {
         let Some(filtered) = filter.filtered(&columns.whites, motion) else { return Vec::new() };
         self.all_solved(&filtered, columns.steps).map(|solved| solved.log_evidence).collect()
@@ -133,8 +133,8 @@ impl Record<'_> {
         all.filter_map(move |(order, spread)| self.solved(order, spread, filtered, steps))
     }
 
-    /// Contribution of a unit of each column to the bias at the end, in powers of the temperature over T3. The share
-    /// of the walk is taken off, and the distance at which the play holds the bias is included.
+    /// Contribution of one unit of each column to the bias at the end, in powers of T − T3. It is less the
+    /// column's share of the random walk, and includes the effect of the play at the end.
     fn constants(&self, filtered: &Filtered, steps: usize, held: Held) -> Vec<Powers> {
         let polynomial = |degree| {
             let mut powers = self.basis.about(degree, self.t3_c);
@@ -179,7 +179,7 @@ impl Record<'_> {
     }
 }
 
-/// The sizes of a model's columns.
+/// The solution of a model.
 struct Solved {
     order: usize,
     steps: usize,

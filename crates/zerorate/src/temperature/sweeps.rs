@@ -46,7 +46,7 @@ impl TemperatureSweeps {
         self.seen = (self.seen.0.min(temp_c), self.seen.1.max(temp_c));
     }
 
-    /// A sweep in the other direction has begun at the last turning point.
+    /// Ends the present sweep, because one in the other direction has begun at the last turning point.
     fn turn(&mut self, begun: Range) {
         self.end();
         self.rising = self.rising.map(|rising| !rising);

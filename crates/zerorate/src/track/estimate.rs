@@ -4,10 +4,11 @@ use super::filter::{Drift, Filter, place, sd};
 
 /// Number of states in the estimate: offset, slope and curvature.
 const SHOWN: usize = 3;
-/// Change of the bias that is accepted by half if all stretches are rotations, in units of the least rotation.
+/// Change of the bias of which half is accepted if all quiet periods are rotations, in units of the least
+/// rotation.
 const DOUBTED: f32 = 1.75;
 
-/// The bias that the calibration leaves, of all hypotheses together.
+/// The bias that the calibration leaves, merged over all hypotheses.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Estimate {
     state: [f32; SHOWN],
@@ -18,7 +19,7 @@ pub(super) struct Estimate {
 }
 
 impl Estimate {
-    /// Prepares the answer. `excess` is the excess of rotations among the quiet stretches.
+    /// Prepares the answer. `excess` is the excess of rotations among the quiet periods.
     pub(super) fn new(known: &Filter, excess: f32, least_turn_dps: f32) -> Self {
         let [offset, slope, curvature, ..] = known.state;
         let of = |row, column| known.covariance[place(row, column)];
@@ -35,9 +36,10 @@ impl Estimate {
         }
     }
 
-    /// Bias beyond the calibration at T − T3 and its standard uncertainty, °/s, `seconds` later.
+    /// Returns the bias beyond the calibration at T − T3 and its standard uncertainty, °/s, `seconds` later.
     ///
-    /// A change m is accepted by m²/(m² + τ²), and wholly while rotations are few. The rest adds to the uncertainty.
+    /// Of a change m, the share m²/(m² + τ²) is accepted. It is 1 while rotations are few. The rest adds to the
+    /// uncertainty.
     pub(super) fn at(&self, d_c: f32, seconds: f32, drift: &Drift) -> (f32, f32) {
         let polynomial = |[a, b, c]: &[f32; SHOWN]| a + d_c * (b + d_c * c);
         let change_dps = polynomial(&self.state);

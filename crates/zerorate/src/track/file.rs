@@ -53,7 +53,7 @@ fn one() -> f32 {
     1.0
 }
 
-/// The reason why a text cannot be taken up as a state. Lines count from 1.
+/// The reason why a text cannot be used as a state. Lines count from 1.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 #[expect(missing_docs, reason = "the fields are what the text shows")]
@@ -126,7 +126,7 @@ impl TrackFile {
         }
     }
 
-    /// Reads a state, and checks that it is whole.
+    /// Reads a state, and checks that it is complete.
     ///
     /// # Errors
     /// Returns the first error in the text, with its line.
@@ -173,8 +173,8 @@ impl TrackFile {
     }
 }
 
-/// Assumed uncertainty of PBC for a calibration that states none, such as one written by hand, °/s: a setting. With
-/// it, a first rest within ±0.1 °/s is learned from, after others like it.
+/// Assumed uncertainty of PBC for a calibration that states none, such as one written by hand, °/s. It is a
+/// choice. With it, the tracker learns from a first rest within ±0.1 °/s after more rests like it.
 const UNSTATED_U_PBC_DPS: f64 = 0.05;
 
 impl Prior {

@@ -1,8 +1,9 @@
 //! The bias as six numbers and their covariance, in a Kalman filter on fixed memory.
 //!
-//! The calibration leaves b(T) = offset + slope · d + curvature · d² + flicker, with d = T − T3. The offset walks with
-//! K, the flicker is three first-order processes, slope and curvature stay. Time and temperature are arguments. All
-//! numbers are f32, which a Cortex-M4F computes in hardware. `tests/track_on_twin.rs` holds the covariance over days.
+//! The calibration leaves b(T) = offset + slope · d + curvature · d² + flicker, with d = T − T3. The offset is a
+//! random walk with K, the flicker is three first-order processes, slope and curvature stay constant. Time and
+//! temperature are arguments. All numbers are f32, which a Cortex-M4F computes in hardware.
+//! `tests/track_on_twin.rs` checks the covariance over days.
 
 use core::f64::consts::PI;
 use libm::{exp, expf, log, sqrtf};
@@ -23,12 +24,12 @@ const FLICKER: usize = 3;
 
 /// Frequency above which flicker counts as noise of a mean, Hz: 1/(2π · 4 s), for the shortest mean that is taken in.
 const FLICKER_TOP_HZ: f64 = 0.04;
-/// Variance of a mean over τ by the flicker above that, in units of B²/π: at most this over τ. The integral of
-/// sinc²(τf)/f from there on is 0.96 for 4 s, 0.38 for 8 s, 0.15 for 12 s, 0.05 for 16 s.
+/// Bound of the variance of a mean over τ by the flicker above that frequency, in units of B²/π: this number over
+/// τ. The integral of sinc²(τf)/f from there on is 0.96 for 4 s, 0.38 for 8 s, 0.15 for 12 s, 0.05 for 16 s.
 const FLICKER_ABOVE_S: f64 = 4.0;
 /// Largest relative amount by which rounding lets a squared covariance exceed the product of its two variances.
 const ROUNDING: f32 = 1e-4;
-/// Longest time that passes at once, s: 32 years. Beyond it nothing is known anyway.
+/// Longest time step, s: 32 years. After it nothing is known anyway.
 const LONGEST_S: f64 = 1e9;
 
 /// The processes that drive the bias.
@@ -63,7 +64,7 @@ impl Drift {
         }
     }
 
-    /// Variance of a mean over this many seconds beside the bias that the filter follows, (°/s)².
+    /// Variance of a mean over this many seconds by noise outside of the filter's state, (°/s)².
     pub(super) fn of_mean(&self, length_s: f32) -> f32 {
         (self.white_dps2_s + self.fast_flicker_dps2_s) / length_s
     }
@@ -75,12 +76,12 @@ impl Drift {
         0.5 * stayed * stayed
     }
 
-    /// Variance by which the offset walks, (°/s)².
+    /// Variance that the random walk adds to the offset, (°/s)².
     pub(super) fn of_walk(&self, seconds: f32) -> f32 {
         self.walk_dps2_per_s * seconds
     }
 
-    /// Effect of `seconds` on any bias.
+    /// Returns the effect of a time step on the state of any filter.
     pub(super) fn over(&self, seconds: f64) -> Passing {
         let seconds = seconds.clamp(0.0, LONGEST_S) as f32;
         let decays = self.flicker_per_s.map(|rate| expf(-rate * seconds));
@@ -88,7 +89,7 @@ impl Drift {
     }
 }
 
-/// The effect of time that passes.
+/// The effect of a time step on the state of a filter.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Passing {
     walk_dps2: f32,
@@ -103,7 +104,7 @@ pub struct Prior {
     pub u_pbc_dps: f64,
     /// Standard uncertainty of BTC, °/s/°C.
     pub u_btc_dps_per_c: f64,
-    /// Covariance of both, (°/s)²/°C.
+    /// Covariance of PBC and BTC, (°/s)²/°C.
     pub cov_pbc_btc_dps2_per_c: f64,
     /// Standard uncertainty of the quadratic term, °/s/°C²: from the calibration if it has one, else from the spread
     /// over units.
@@ -163,7 +164,7 @@ impl Filter {
         }
     }
 
-    /// Adds the square of `u_dps`, °/s (1 σ), to the variance of the offset, as a power-up calls for.
+    /// Adds the square of `u_dps`, °/s (1 σ), to the variance of the offset, as after a power-up.
     pub(super) fn inflate_bias_variance(&mut self, u_dps: f64) {
         *self.variance(OFFSET) += square(u_dps);
     }
@@ -183,7 +184,7 @@ impl Filter {
         (dot(&self.state, shape), dot(shape, &self.times(shape)).max(0.0) + drift.of_play(d_c - self.at_c))
     }
 
-    /// Takes in a mean at rest, °/s beyond the calibration, at T − T3.
+    /// Updates the state by a mean at rest, °/s beyond the calibration, at T − T3.
     pub(super) fn learn(&mut self, mean_dps: f32, length_s: f32, d_c: f32, drift: &Drift) {
         *self.variance(OFFSET) += drift.of_play(d_c - self.at_c);
         self.at_c = d_c;

@@ -9,14 +9,14 @@ use super::filter::{Drift, Filter, Innovation};
 use super::level::{self, RestPrior};
 use libm::{expf, logf};
 
-/// Number of hypotheses between two stretches.
+/// Number of hypotheses that are kept between two quiet periods.
 const KEPT: usize = 4;
 /// Probability below which a hypothesis is dropped.
 const LEAST: f32 = 1e-4;
-/// Information that may be lost where two hypotheses become one, although there is room for both.
+/// Information loss below which two hypotheses are merged even if there is room for both.
 const SAME: f32 = 1e-3;
-/// Power of the probabilities after each stretch. It lets old evidence fade, because the rotations of a platform
-/// need not be independent of each other.
+/// Exponent of the probabilities after each quiet period. It lets old evidence fade, because the rotations of a
+/// platform need not be independent of each other.
 const FADING: f32 = 0.97;
 
 /// A mean over some windows at rest.
@@ -27,11 +27,11 @@ pub(super) struct Mean {
     pub(super) length_s: f32,
 }
 
-/// The filter after a stretch, if the stretch is rest.
+/// The filter after a quiet period, if the period is rest.
 #[derive(Clone, Copy, Debug)]
 struct Lesson {
     filter: Filter,
-    /// Sum over the seconds of the stretch: the means less their expected values.
+    /// Sum over the seconds of the quiet period: the means less their expected values.
     innovation_dps_s: f32,
 }
 
@@ -49,13 +49,13 @@ impl Lesson {
 
 #[derive(Clone, Copy, Debug)]
 struct Hypothesis {
-    /// Probability before the stretch, zero if it is not used.
+    /// Probability before the quiet period. It is zero if the hypothesis is not used.
     weight: f32,
     before: Filter,
     /// The lesson without the newest windows, in which a rotation may have begun.
     sure: Lesson,
     now: Lesson,
-    /// Probabilities with the stretch: it is rest, or it is a rotation.
+    /// Probability together with the quiet period being rest, and with it being a rotation (`rotation`).
     rest: f32,
     rotation: f32,
 }
@@ -70,7 +70,7 @@ impl Hypothesis {
 /// A filter with its probability.
 type Candidate = (f32, Filter);
 
-/// The hypotheses, and the stretch that they look at.
+/// The hypotheses, and the quiet period that they are about to explain.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HypothesisBank {
     hypotheses: [Hypothesis; KEPT],
@@ -110,26 +110,26 @@ impl HypothesisBank {
         }
     }
 
-    /// Takes in the next mean of the stretch.
+    /// Takes in the next mean of the quiet period.
     pub(super) fn take(&mut self, mean: &Mean, drift: &Drift) {
         self.used().for_each(|it| it.now.take(mean, &it.before, drift));
         self.seconds += mean.length_s;
         self.d_c = mean.d_c;
     }
 
-    /// Takes in a mean that has become old enough to be sure of.
+    /// Takes in a mean that is old enough that no rotation can have begun in it.
     pub(super) fn make_sure(&mut self, mean: &Mean, drift: &Drift) {
         self.used().for_each(|it| it.sure.take(mean, &it.before, drift));
         self.sure_s += mean.length_s;
     }
 
-    /// Drops the windows that are not sure.
+    /// Drops what was learned from the windows that are not sure yet.
     pub(super) fn go_back(&mut self) {
         self.used().for_each(|it| it.now = it.sure);
         self.seconds = self.sure_s;
     }
 
-    /// Judges all hypotheses by the level of the whole stretch.
+    /// Judges all hypotheses by the level of the whole quiet period.
     pub(super) fn judge(&mut self, least_turn_dps: f32, drift: &Drift) {
         let (length_s, d_c, prior) = (self.seconds, self.d_c, self.rest_prior.probability());
         let mut sum = 0.0;
@@ -145,23 +145,23 @@ impl HypothesisBank {
         }
     }
 
-    /// Probability that the stretch is rest. `None` without a mean of the stretch.
+    /// Probability that the quiet period is rest. `None` without a mean of the period.
     pub(super) fn rest(&self) -> Option<f32> {
         (self.seconds > 0.0).then(|| self.hypotheses.iter().map(|it| it.rest).sum())
     }
 
-    /// Length of the stretch, s.
+    /// Length of the quiet period, s.
     pub(super) fn seconds(&self) -> f32 {
         self.seconds
     }
 
-    /// All hypotheses as one.
+    /// Merges all hypotheses into one filter.
     pub(super) fn known(&self) -> Filter {
         let (_, known) = self.candidates().into_iter().fold((0.0, self.hypotheses[0].before), united);
         known
     }
 
-    /// Ends the stretch.
+    /// Ends the quiet period.
     pub(super) fn close(&mut self, drift: &Drift) {
         if let Some(rest) = self.rest() {
             self.rest_prior.count(rest);
@@ -191,13 +191,13 @@ fn faded(weight: f32) -> f32 {
     if weight > LEAST { expf(FADING * logf(weight)) } else { 0.0 }
 }
 
-/// Two hypotheses as one, with their mean and covariance.
+/// Merges two hypotheses into one with their mean and covariance.
 fn united((weight, filter): Candidate, (more, other): Candidate) -> Candidate {
     let sum = weight + more;
     if more > 0.0 { (sum, filter.mixed(weight / sum, &other)) } else { (weight, filter) }
 }
 
-/// Unites the closest hypotheses until there is room for all.
+/// Merges the closest hypotheses until there is room for all.
 fn reduce(candidates: &mut [Candidate; 2 * KEPT], d_c: f32, drift: &Drift) {
     // each pass has one candidate less
     for _ in 0..candidates.len() {
@@ -216,7 +216,8 @@ fn reduce(candidates: &mut [Candidate; 2 * KEPT], d_c: f32, drift: &Drift) {
     }
 }
 
-/// The pair whose union loses the least information about the bias (Runnalls 2007, in one dimension), and the loss.
+/// The pair whose merger loses the least information about the bias (Runnalls 2007, in one dimension), and the
+/// loss.
 fn closest(candidates: &[Candidate; 2 * KEPT], d_c: f32, drift: &Drift) -> Option<(usize, usize, f32)> {
     let levels = candidates.map(|(weight, filter)| {
         let (dps, dps2) = filter.change(d_c, drift);

@@ -1,31 +1,31 @@
-//! The probability that the level of a quiet stretch is the bias, and not a slow rotation.
+//! The probability that the level of a quiet period is the bias, and not a slow rotation.
 //!
 //! A rotation that is slower than a possible change of the bias cannot be told from that change. So nothing is
-//! decided: `hypothesis_bank.rs` keeps both possibilities. The frequency of rotations is learned from the stretches so
-//! far.
+//! decided: `hypothesis_bank.rs` keeps both possibilities. The frequency of rotations is learned from the quiet
+//! periods so far.
 
 use super::filter::{Innovation, sd};
 use libm::expf;
 
-/// Number of rates of quiet rotations.
+/// Number of rotation rates that are compared with a level.
 const ROTATIONS: usize = 9;
 /// Slowest of these rates, in units of the slowest rotation to be detected.
 const SLOWEST: f32 = 0.7;
-/// Each rate over the one before. All are equally likely, in both directions.
+/// Ratio of each rate to the one before. All are equally likely, in both directions.
 const RATIO: f32 = core::f32::consts::SQRT_2;
-/// Standard deviation of a rate about the listed one, so that the rates between two are as likely.
+/// Relative standard deviation of a rate about the listed one, so that the rates in between are as likely.
 const SPREAD: f32 = 0.17;
-/// Standard deviations beyond which a bias does not explain a level. Noise exceeds them once in 16 000.
+/// Number of standard deviations above which a bias does not explain a level. Noise exceeds them once in 16 000.
 const MOST: f32 = 4.0;
 
-/// Densities of a level for a sensor at rest and for one that rotates, from its quiet mean and the slowest rotation to
-/// be detected, °/s. Both lack the factor 1/√2π.
+/// Densities of a level for a sensor at rest and for one that rotates. `seen` is its quiet mean, and
+/// `least_turn_dps` the slowest rotation to be detected, °/s. Both densities lack the factor 1/√2π.
 pub(super) fn densities(seen: &Innovation, least_turn_dps: f32) -> (f32, f32) {
     let normal = |x_dps: f32, dps2: f32| expf(-0.5 * x_dps * x_dps / dps2) / sd(dps2);
     let rest = if seen.dps.abs() > MOST * sd(seen.dps2) { 0.0 } else { normal(seen.dps, seen.dps2) };
     let rates = core::iter::successors(Some(SLOWEST * least_turn_dps), |rate_dps| Some(RATIO * rate_dps));
     let fastest_dps = rates.clone().nth(ROTATIONS - 1).unwrap_or(least_turn_dps);
-    // a faster rotation is told beyond doubt, and says nothing about the bias
+    // a faster rotation is recognised beyond doubt, and says nothing about the bias
     let level_dps = seen.dps.max(-fastest_dps).min(fastest_dps);
     let both = |rate_dps: f32| {
         let dps2 = seen.dps2 + SPREAD * SPREAD * rate_dps * rate_dps;
@@ -34,7 +34,7 @@ pub(super) fn densities(seen: &Innovation, least_turn_dps: f32) -> (f32, f32) {
     (rest, rates.take(ROTATIONS).map(both).sum::<f32>() / (2 * ROTATIONS) as f32)
 }
 
-/// The prior probability that a quiet stretch is rest, from the stretches so far. Each counts by its probabilities.
+/// The prior probability that a quiet period is rest, from the periods so far. Each counts by its probabilities.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestPrior {
     /// Number of rests so far, plus one.
@@ -43,26 +43,26 @@ pub struct RestPrior {
     pub rotations: f32,
 }
 
-/// Number of stretches beyond which old ones are forgotten.
+/// Number of quiet periods beyond which old ones are forgotten.
 const REMEMBERED: f32 = 100.0;
 /// Share of rotations up to which every change of the bias is accepted.
 const FEW: f32 = 0.6;
 
 impl RestPrior {
-    /// The prior before the first stretch: one half.
+    /// The prior before the first quiet period: one half.
     pub const EVEN: Self = Self { rests: 1.0, rotations: 1.0 };
 
-    /// Share of the stretches that were rests.
+    /// Share of the quiet periods that were rests.
     pub(super) fn probability(&self) -> f32 {
         self.rests / (self.rests + self.rotations)
     }
 
-    /// Excess of rotations: 0 while they are few, 1 if all stretches are rotations.
+    /// Excess of rotations: 0 while they are few, 1 if all quiet periods are rotations.
     pub(super) fn rotation_excess(&self) -> f32 {
         ((1.0 - self.probability() - FEW) / (1.0 - FEW)).max(0.0)
     }
 
-    /// Counts a stretch that was a rest with this probability.
+    /// Counts a quiet period that was a rest with this probability.
     pub(super) fn count(&mut self, rest: f32) {
         let forget = (REMEMBERED / (self.rests + self.rotations + 1.0)).min(1.0);
         (self.rests, self.rotations) = ((self.rests + rest) * forget, (self.rotations + 1.0 - rest) * forget);

@@ -49,7 +49,7 @@ const WINDOWS_PER_MEAN: u32 = 4;
 /// Blocks per second.
 const BLOCKS_PER_S: u32 = 10;
 
-/// The bias to track, and the numbers of the tracking.
+/// The configuration of a tracker: the calibration, the part's noise, and the limits of the tracking.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackerConfig {
     /// The calibration.
@@ -70,10 +70,10 @@ pub struct TrackerConfig {
 }
 
 impl TrackerConfig {
-    /// Default of the slowest rotation, °/s: a setting.
+    /// Default of `least_turn_dps`, °/s. It is a choice.
     pub const LEAST_TURN_DPS: f64 = 0.02;
-    /// Default change by a power-up, °/s: a setting, because no source states one for the ADIS16130. Six times the
-    /// floor of its flicker (M-04).
+    /// Default of `power_up_dps`, °/s. It is a choice, because no source states a value for the ADIS16130: six
+    /// times the floor of its flicker (M-04).
     pub const POWER_UP_DPS: f64 = 0.01;
 
     /// Makes a configuration with the typical noise and hysteresis of an axis.
@@ -123,7 +123,7 @@ pub struct Counts {
     pub learned_s: u32,
     /// Quiet seconds whose level a slow rotation explains better.
     pub doubtful_s: u32,
-    /// Times that a rotation began within a rest, and the last learning was dropped.
+    /// Number of times that a rotation began within a rest, so that the last learning was dropped.
     pub rolled_back: u32,
 }
 
@@ -132,7 +132,7 @@ pub struct Counts {
 pub struct Saved {
     /// Bias and covariance, of all hypotheses together.
     pub filter: Filter,
-    /// Prior probability of rest, from the quiet stretches.
+    /// Prior probability of rest, from the quiet periods.
     pub rest_prior: RestPrior,
     /// Counts so far.
     pub counts: Counts,
@@ -151,10 +151,10 @@ pub struct Tracker {
     drift: Drift,
     bank: HypothesisBank,
     estimate: Estimate,
-    /// Seconds that have not passed in the bank yet.
+    /// Seconds by which the bank is behind the present time.
     due_s: u32,
     quiet: Quiet,
-    /// Numbers of windows of the stretch that were taken in, and that are sure.
+    /// Numbers of windows of the quiet period that were learned from, and that are sure (`sure`).
     taken: u32,
     sure: u32,
     temp_c: Option<f32>,
@@ -303,7 +303,7 @@ impl Tracker {
         }
     }
 
-    /// Takes in the windows until this one of the stretch, in means of up to 16 s.
+    /// Learns from the windows of the quiet period up to `end`, in means of up to 16 s.
     fn take_until(&mut self, end: u32) {
         self.pass();
         while self.taken < end {
@@ -320,7 +320,7 @@ impl Tracker {
         self.prepare();
     }
 
-    /// Lets the time pass that is due.
+    /// Brings the bank to the present time.
     fn pass(&mut self) {
         self.bank.wait(f64::from(core::mem::take(&mut self.due_s)), &self.drift);
     }
@@ -329,13 +329,13 @@ impl Tracker {
         self.estimate = Estimate::new(&self.bank.known(), self.bank.rest_prior.rotation_excess(), self.least_turn_dps);
     }
 
-    /// Ends the stretch after a motion. All of it counts, except for the last window.
+    /// Ends the quiet period after a motion. All of it counts, except for the last window.
     fn end(&mut self) {
         self.close(self.quiet.windows().saturating_sub(1), Phase::Moving);
         self.quiet.begin_anew();
     }
 
-    /// Handles a step within a stretch: a rotation has begun or ended in its last windows, which are dropped.
+    /// Handles a step within a quiet period: a rotation has begun or ended in its last windows, which are dropped.
     fn step(&mut self, late: u32) {
         let end = self.quiet.windows().saturating_sub(late);
         if end < self.taken {
@@ -348,7 +348,7 @@ impl Tracker {
         self.quiet.begin_stretch();
     }
 
-    /// Closes the stretch after this window. Its learning counts by the probability that it was rest.
+    /// Closes the quiet period after window `end`. Its learning counts by the probability that it was rest.
     fn close(&mut self, end: u32, phase: Phase) {
         if self.quiet.windows() > 0 {
             self.take_until(end);

@@ -14,24 +14,24 @@ const BLOCKS: u32 = 10;
 pub(super) const WINDOW_S: u32 = 4;
 /// Number of windows that are kept: twice 64 s, and some that `mod.rs` has not learned from yet.
 const WINDOWS: usize = 64;
-/// Largest number of windows from a change of the rate until it is found.
+/// Largest number of windows until a change of the rate is found.
 pub(super) const MOST_LATE: u32 = 32;
 
 /// Tests of adjacent means: the number of windows in each, and the ratio of their difference to its standard deviation
 /// beyond which noise does not explain it. Noise exceeds these in one of 10 000, 4600 and 2100 differences, which come
 /// every 4 s.
 const STEPS: [(u32, f64); 3] = [(1, 3.9), (4, 3.7), (16, 3.5)];
-/// The same ratio for adjacent seconds, exceeded in one of 16 000.
+/// The same ratio for adjacent seconds, which noise exceeds in one of 16 000.
 const SECOND_FACTOR: f64 = 4.0;
-/// χ² of nine degrees of freedom that noise exceeds in one of 33 000 seconds: variance of the ten means of 0.1 s.
+/// Limit of χ², nine degrees of freedom, for the ten means of 0.1 s. Noise exceeds it in one of 33 000 seconds.
 const SECOND_CHI2: f32 = 36.8;
 /// Largest valid rate, °/s, and temperature, °C.
 const LARGEST: f32 = 1e5;
 
-/// The finding after a block.
+/// The result after a block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Seen {
-    /// There is no finding yet.
+    /// There is no result yet.
     Open,
     /// Another mean over four quiet seconds is complete.
     Window,
@@ -41,7 +41,7 @@ pub(super) enum Seen {
     Step(u32),
 }
 
-/// The detector, on fixed memory.
+/// The detector of quiet, on fixed memory.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Quiet {
     block_dps2: f32,
@@ -103,12 +103,12 @@ impl Quiet {
         if self.blocks < BLOCKS { Seen::Open } else { self.second() }
     }
 
-    /// Starts afresh: everything before belongs to another stretch.
+    /// Starts afresh: everything before belongs to another quiet period.
     pub(super) fn begin_anew(&mut self) {
         (self.blocks, self.seconds, self.filled, self.last_second_dps) = (0, 0, 0, None);
     }
 
-    /// Begins another stretch with the next window. The part is as quiet as before.
+    /// Begins another quiet period with the next window. The part is as quiet as before.
     pub(super) fn begin_stretch(&mut self) {
         self.filled = 0;
     }
@@ -148,7 +148,7 @@ impl Quiet {
         Seen::Window
     }
 
-    /// Number of windows of the stretch.
+    /// Number of windows of the quiet period.
     pub(super) fn windows(&self) -> u32 {
         self.filled
     }

@@ -9,33 +9,33 @@ use alloc::vec;
 use alloc::vec::Vec;
 use zerorate_allan::linear::Cholesky;
 
-/// What all models share.
+/// The data that all models share.
 pub(super) struct Record {
     pub(super) logs: Vec<LogMeans>,
     pub(super) series: Series,
-    /// Largest less smallest mean.
+    /// Largest mean less smallest mean.
     pub(super) scale: f64,
     pub(super) two_directions: bool,
     /// Steps of the level that are in every model.
     pub(super) steps: Vec<StepAt>,
-    /// The level about which all is computed.
+    /// Mean of all means. The models describe the deviations from it.
     centre: f64,
     /// Slope of a line through all means, which turns noise of the temperature into noise of the means.
     slope_per_c: f64,
-    /// Whether the sensor was on before the logs whose start is not known.
+    /// Whether the sensor was on before those logs that do not say so.
     was_on: bool,
-    /// Logarithm of the prior probability of that.
+    /// Logarithm of the prior probability of `was_on`.
     log_start: f64,
 }
 
-/// The place of a step: the log, and the time in it from which the level is another, s.
+/// The log of a step, and the time in it at which the level changes, s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct StepAt {
     pub(super) log: usize,
     pub(super) at_s: f64,
 }
 
-/// The means of a log, then its columns.
+/// The means of a log, followed by the columns of its model.
 pub(super) type Columns = Vec<Vec<f64>>;
 
 /// Bias instability and rate random walk.
@@ -44,15 +44,15 @@ pub(super) type SlowNoise = [f64; 2];
 /// Prior standard deviations of the coefficients.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape {
-    /// Of the first order of the series.
+    /// Standard deviation of the first order of the series.
     size: f64,
-    /// Ratio of one order to the one before.
+    /// Ratio of the standard deviation of each order to that of the order before.
     shrink: f64,
-    /// Of the offset by the direction of the temperature.
+    /// Standard deviation of the offset by the direction of the temperature.
     direction: f64,
-    /// Of the offset of a start.
+    /// Standard deviation of the offset of each log.
     starts: f64,
-    /// Whether a sensor that follows late may begin out of balance with its thermometer.
+    /// Whether a sensor that lags may begin out of balance with its thermometer.
     is_unsettled: bool,
 }
 
@@ -63,7 +63,7 @@ pub(super) struct Model {
     pub(super) weight: f64,
     /// Logarithm of evidence and prior probability.
     pub(super) log_score: f64,
-    /// Logarithm of the evidence over that of a bias without a temperature.
+    /// Logarithm of the ratio of the evidence to that of a bias that does not depend on temperature.
     pub(super) log_odds: f64,
     pub(super) noise: SlowNoise,
     pub(super) following: Following,
@@ -83,27 +83,27 @@ pub(super) struct Products {
     log_determinant: f64,
 }
 
-/// Sizes of the first order, as ratios of the scale.
+/// Sizes of the first order that are tried, as ratios of the scale.
 const SIZES: [f64; 3] = [0.3, 1.0, 3.0];
-/// Ratios of one order to the one before.
+/// Ratios of one order to the one before that are tried.
 const SHRINKS: [f64; 2] = [0.15, 0.35];
-/// Offsets by direction, as ratios of the scale.
+/// Offsets by direction that are tried, as ratios of the scale.
 const DIRECTIONS: [f64; 3] = [0.0, 0.01, 0.1];
-/// Offsets of starts, as ratios of the scale.
+/// Offsets of the logs that are tried, as ratios of the scale.
 const STARTS: [f64; 7] = [1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 1e-1];
-/// Prior probability that a sensor that follows late begins out of balance.
+/// Prior probability that a sensor that lags begins out of balance.
 const UNSETTLED: f64 = 0.02;
-/// Prior probability that the sensor was on before the log began, where nothing tells.
+/// Prior probability that the sensor was on before the log began, if nothing says so.
 const WAS_ON: f64 = 0.1;
-/// Lag from which longer ones become unlikely, s. The start of a log tells nothing of the lag of a sensor that was on
-/// before, and in still air the rest of it tells little.
+/// Lag from which longer ones become unlikely, s. If the sensor was on before, the start of a log does not show
+/// the lag, and in still air the rest of the log shows little of it.
 const USUAL_LAG_S: f64 = 80.0;
-/// Prior standard deviation of the bias that is behind at the start of a log whose sensor was on before, as a ratio of
-/// that bias.
+/// Prior standard deviation of the missing bias at the start of a log whose sensor lags and was on before, as a
+/// ratio of its expected size.
 const BEHIND: f64 = 0.3;
 /// Prior standard deviation of the level, as a ratio of the scale.
 const LEVEL: f64 = 10.0;
-/// Share of the span within which an offset by direction turns.
+/// Share of the temperature span over which an offset by direction changes sign after a turn of the temperature.
 const TURNS: f64 = 0.05;
 /// Least white noise of a mean, as a ratio of the scale.
 const LEAST_WHITE: f64 = 1e-6;
@@ -131,8 +131,9 @@ impl Record {
         }
     }
 
-    /// The same record with a sensor that was switched on with the logs, and with one that was on before, where that
-    /// is not known and matters. Two directions of the temperature tell the lag without the start.
+    /// Returns the record for both possible starts, if the start is not known and matters: the sensor was switched
+    /// on with the logs, or was on before. With both directions of the temperature, the lag is known without the
+    /// start.
     pub(super) fn starts(&self) -> Vec<Self> {
         let either = !self.two_directions && self.logs.iter().any(LogMeans::may_have_been_on);
         let starts = if either { &[false, true][..] } else { &[false] };
@@ -150,7 +151,7 @@ impl Record {
         starts.iter().map(with).collect()
     }
 
-    /// The same record without blocks of one log. Centre and scale stay.
+    /// Returns the record with only some blocks of one log. Centre and scale stay the same.
     pub(super) fn others(&self, index: usize, is_kept: impl Fn(usize) -> bool) -> Self {
         let mut logs = self.logs.clone();
         logs[index].keep(is_kept);
@@ -169,7 +170,7 @@ impl Record {
         ((self.white() / libm::sqrt(2.0 * block_s)).max(LEAST_WHITE * self.scale), length_s)
     }
 
-    /// The filters of the logs under a noise.
+    /// The filters of the logs for a noise.
     pub(super) fn filters(&self, noise: &SlowNoise) -> Vec<Filter> {
         self.logs.iter().map(|log| self.filter(noise, log)).collect()
     }
@@ -185,7 +186,7 @@ impl Record {
         Filter::new(&noise, log.blocks())
     }
 
-    /// The means of a log, then its columns.
+    /// Returns the means of a log, followed by the columns of its model.
     pub(super) fn columns(&self, index: usize, following: &Following) -> Columns {
         let log = &self.logs[index];
         let (low_c, high_c) = self.series.span_c();
@@ -202,7 +203,7 @@ impl Record {
         if self.logs.len() > 1 {
             columns.extend((0..self.logs.len()).map(|other| vec![f64::from(u8::from(other == index)); count]));
         }
-        // of the size that is likely, so that its coefficient is about 1
+        // the likely size of the transient, so that its coefficient is about 1
         let size = self.transient(log, following);
         let decay = |block: &Block| size * libm::exp(-block.middle_s() / following.lag_s.max(f64::MIN_POSITIVE));
         let transient: Vec<f64> = log.blocks().iter().map(decay).collect();
@@ -254,7 +255,7 @@ impl Record {
         shapes
     }
 
-    /// Logarithm of the prior of a shape for a bias that follows in this way; `None` if it is the same as another.
+    /// Logarithm of the prior of a shape, if the bias follows like this. `None` if the shape equals another one.
     pub(super) fn log_prior(&self, shape: &Shape, following: &Following) -> Option<f64> {
         let of_shape = match (following.lag_s > 0.0, shape.is_unsettled) {
             (false, false) => 0.0,
@@ -267,13 +268,13 @@ impl Record {
         Some(self.log_start + of_shape + of_lag)
     }
 
-    /// Standard deviation of the bias out of balance at the start of a log.
+    /// Expected size of the bias that is out of balance at the start of a log.
     fn transient(&self, log: &LogMeans, following: &Following) -> f64 {
         let (low_c, high_c) = self.series.span_c();
         self.scale / (high_c - low_c) * log.start_c_per_s().abs() * following.lag_s
     }
 
-    /// Prior variances of all coefficients; 0 holds one at 0.
+    /// Prior variances of all coefficients. A variance of 0 fixes a coefficient at 0.
     fn variances(&self, shape: &Shape) -> Vec<f64> {
         let level = LEVEL * self.scale;
         let order = |k: usize| shape.size * libm::pow(shape.shrink, k as f64);
@@ -296,7 +297,7 @@ impl Record {
             .collect()
     }
 
-    /// Coefficients under these prior variances, and the logarithm of the evidence.
+    /// Computes the coefficients under these prior variances, and the logarithm of the evidence.
     pub(super) fn solve(&self, products: &Products, variances: &[f64]) -> Option<Solved> {
         let used: Vec<usize> = (0..variances.len()).filter(|k| variances[*k] > 0.0).collect();
         let product = |i: usize, j: usize| products.gram[i.max(j)][i.min(j)];
@@ -316,7 +317,7 @@ impl Record {
         log_evidence.is_finite().then_some(Solved { coefficients, log_evidence, information, used })
     }
 
-    /// The shape's coefficients.
+    /// Computes the coefficients under the prior of a shape.
     pub(super) fn solve_shape(&self, products: &Products, shape: &Shape) -> Option<Solved> {
         self.solve(products, &self.variances(shape))
     }
@@ -331,7 +332,7 @@ impl Record {
         Some(self.solve(products, &variances)?.log_evidence)
     }
 
-    /// The model of a solution.
+    /// Makes the model of a solution.
     pub(super) fn model(&self, solved: &Solved, (noise, following, shape): (SlowNoise, Following, Shape)) -> Model {
         let all = solved.coefficients.clone();
         let mut coefficients: [f64; COEFFICIENTS] = core::array::from_fn(|k| all[k]);
@@ -360,7 +361,7 @@ impl Record {
         self.steps.iter().zip(sizes).map(step).collect()
     }
 
-    /// Change of the bias that is still to come at the end of the last log.
+    /// Change of the bias that is still to come at the end of the last log, because of the lag.
     pub(super) fn unsettled(&self, following: &Following, bias: impl Fn(f64) -> f64) -> f64 {
         let ends = self.logs.last().and_then(|log| log.at_end(following, self.was_on));
         ends.map_or(0.0, |(last_c, late_c)| bias(last_c) - bias(late_c))
@@ -385,7 +386,7 @@ pub(super) struct Solved {
     pub(super) coefficients: Vec<f64>,
     pub(super) log_evidence: f64,
     information: Cholesky,
-    /// The coefficients that the information matrix has.
+    /// Indices of the coefficients that the information matrix has. The others are 0.
     used: Vec<usize>,
 }
 

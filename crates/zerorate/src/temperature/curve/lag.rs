@@ -1,17 +1,18 @@
-//! The lag of a sensor: what its axes tell about it together.
+//! The lag of a sensor, estimated from all its axes together.
 //!
-//! The axes of one sensor lie on one chip beside one thermometer, so most likely they have one lag. What the other
-//! axes tell is a prior for each axis, mixed with the prior without them for a lag of its own.
+//! The axes of one sensor lie on one chip beside one thermometer, so most likely they have one lag. The
+//! likelihoods of the other axes are a prior for each axis. It is mixed with a prior without them, because an axis
+//! may have its own lag.
 
 use alloc::vec::Vec;
 
 /// Probability that an axis has the lag of the other axes.
 const COMMON: f64 = 0.9;
-/// Exponent of the likelihoods of other axes. They hold for the best noise alone, and are too sharp.
+/// Exponent of the likelihoods of other axes. They are too sharp, because they hold for the best noise alone.
 const TRUST: f64 = 0.5;
-/// Least difference of the logarithm of a likelihood from the best one.
+/// Lowest log likelihood relative to the best lag.
 const FLOOR: f64 = -30.0;
-/// Places over the logarithm of the lag at which priors are computed.
+/// Number of lags, evenly spaced in logarithm, at which priors are computed.
 const PLACES: usize = 200;
 
 /// The logarithm of the likelihood of one axis over the lag, less that of the best lag.
@@ -22,14 +23,14 @@ pub struct LagLikelihood {
 }
 
 impl LagLikelihood {
-    /// The likelihood by values at some lags.
+    /// Makes the likelihood from its logarithms at some lags.
     pub(super) fn new(mut points: Vec<(f64, f64)>) -> Self {
         let best = points.iter().map(|(_, score)| *score).fold(f64::NEG_INFINITY, f64::max);
         points.iter_mut().for_each(|(_, score)| *score = (*score - best).max(FLOOR));
         Self { points }
     }
 
-    /// The logarithm at a lag: lines over the logarithm of the lag.
+    /// Log likelihood at a lag, by linear interpolation over the logarithm of the lag.
     fn at(&self, lag_s: f64) -> f64 {
         let above = self.points.iter().position(|(lag, _)| *lag >= lag_s).unwrap_or(self.points.len() - 1);
         let (high_s, high) = self.points[above];
@@ -41,7 +42,7 @@ impl LagLikelihood {
     }
 }
 
-/// The prior of a lag: half of it on 0, half evenly over the logarithm, and what other axes tell.
+/// The prior of a lag: half of it on 0, half evenly over the logarithm, and the factor of the other axes.
 #[derive(Clone, Debug)]
 pub(super) struct LagPrior<'a> {
     others: &'a [&'a LagLikelihood],

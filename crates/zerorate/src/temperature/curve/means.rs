@@ -1,49 +1,50 @@
-//! Means over short stretches of a log, from its samples one by one.
+//! Means over short blocks of a log, from its samples one by one.
 
 use super::thermometer::{Thermometer, line, smooth};
 use crate::temperature::Block;
 use crate::temperature::follow::Following;
 use alloc::vec::Vec;
 
-/// Parts of a block, for the temperature's course within it and the white noise.
+/// Number of parts of a block, which show the temperature within it and the white noise.
 const PARTS: usize = 8;
-/// Blocks of a long log.
+/// Number of blocks of a long log.
 const BLOCKS: f64 = 900.0;
 /// Shortest block, s.
 const SHORTEST_S: f64 = 1.0;
-/// Share of its samples that a block must have.
+/// Share of its samples that a block must have at least.
 const LEAST_SAMPLES: f64 = 0.5;
 /// Time at the start of a log over which the change of the temperature is taken, s.
 const START_S: f64 = 60.0;
-/// Share of the span of the temperature over that time from which it changes at the start.
+/// Share of the temperature span by which the temperature must change in `START_S` to count as changing at the
+/// start.
 const CHANGES: f64 = 0.01;
 /// Distance of a reading from the median of its part from which it is an outlier, °C.
 const OUTLIER_C: f64 = 2.0;
-/// Ratio of the step of codes to the deviation of samples from which the means hold the rounding.
+/// Ratio of the code step to the deviation of samples above which rounding remains in the means.
 const ROUNDED: f64 = 2.0;
-/// Share of the usual variance below which the samples stand still.
+/// Share of the usual variance below which the samples count as constant.
 const STANDS: f64 = 1e-6;
-/// Ratio of the variance within a block to the median from which the sensor moves.
+/// Ratio of the variance within a block to the median above which the sensor counts as moving.
 const MOVES: f64 = 4.0;
 
 /// The means of one log for one axis.
 #[derive(Clone, Debug)]
 pub struct LogMeans {
     blocks: Vec<Block>,
-    /// Index of each block in time.
+    /// Position of each block in the log, counted in blocks.
     indices: Vec<usize>,
     length_s: f64,
     /// Temperature of each part of a block, without gaps, °C.
     parts_c: Vec<f64>,
     /// One-sided density of the white noise, in the unit of the samples per √Hz.
     white: f64,
-    /// The same of the temperature, °C/√Hz.
+    /// One-sided density of the white noise of the temperature, °C/√Hz.
     temps_white: f64,
     /// Standard uncertainty by rounding to codes, if the noise is too small to average it out.
     rounding: f64,
-    /// Times in which the sensor moves, from and to, s.
+    /// Times in which the sensor moves: begin and end, s.
     moving_s: Vec<(f64, f64)>,
-    /// Blocks of the log that have samples.
+    /// Number of blocks of the log that have samples.
     seen: usize,
     thermometer: Thermometer,
     /// Whether the sensor was on before the log began; `None` if that is not known.
@@ -66,26 +67,26 @@ impl Part {
     }
 }
 
-/// Takes the samples of a log.
+/// Builds [`LogMeans`] from the samples of a log.
 #[derive(Debug)]
 pub struct MeansBuilder {
     rate_hz: f64,
-    /// Samples of a part.
+    /// Number of samples in a part.
     per_part: usize,
     parts: Vec<Part>,
     samples: usize,
     /// Readings of the temperature in the last part, °C.
     readings_c: Vec<f64>,
     last: f64,
-    /// Smallest difference of two samples in turn.
+    /// Smallest difference between successive samples.
     quantum: f64,
-    /// A sample about which the sums are taken, so that squares keep their digits.
+    /// The first sample. It is subtracted before summing, so that squares keep their digits.
     origin: Option<f64>,
     was_on: Option<bool>,
 }
 
 impl MeansBuilder {
-    /// Begins for a log of this many samples, missing ones included.
+    /// Begins the means of a log with this many samples, missing ones included.
     #[must_use]
     pub fn new(samples: usize, rate_hz: f64) -> Self {
         let length_s = (samples as f64 / rate_hz / BLOCKS).max(SHORTEST_S);
@@ -103,14 +104,14 @@ impl MeansBuilder {
         }
     }
 
-    /// Says whether the sensor was on before the log began, if that is known. A bias that follows late is then behind
-    /// from the start, and otherwise it begins in balance.
+    /// Says whether the sensor was on before the log began, if that is known. A bias that lags is then behind from
+    /// the start. Otherwise it begins in balance.
     #[must_use]
     pub fn was_on(self, was_on: Option<bool>) -> Self {
         Self { was_on, ..self }
     }
 
-    /// Takes the next sample and its temperature, °C. NaN is a missing one.
+    /// Takes the next sample and its temperature, °C. NaN marks a missing value.
     pub fn push(&mut self, value: f64, temp_c: f64) {
         if self.samples.is_multiple_of(self.per_part) {
             self.end_part();
@@ -134,7 +135,7 @@ impl MeansBuilder {
         }
     }
 
-    /// Takes the temperature of the last part: the mean of its readings without outliers.
+    /// Sets the temperature of the last part: the mean of its readings without outliers.
     fn end_part(&mut self) {
         let Some(part) = self.parts.last_mut() else { return };
         let middle_c = median(self.readings_c.clone());
@@ -145,7 +146,7 @@ impl MeansBuilder {
         self.readings_c.clear();
     }
 
-    /// The means of all samples.
+    /// Returns the means of all samples.
     #[must_use]
     pub fn finish(mut self) -> LogMeans {
         self.end_part();
@@ -208,26 +209,26 @@ fn variance(parts: &[Part]) -> f64 {
     parts.iter().map(|part| part.squares).sum::<f64>() / count - mean * mean
 }
 
-/// The blocks whose samples vary, if most do. Others are clipped or stand still.
+/// Keeps the blocks whose samples vary, if most do. Others are clipped or constant.
 fn varying<'a>(full: Vec<(usize, &'a [Part])>, variances: &[f64], usual: f64) -> Vec<(usize, &'a [Part])> {
     let varies = |(_, variance): &(_, &f64)| usual == 0.0 || **variance > STANDS * usual;
     full.into_iter().zip(variances).filter(varies).map(|(block, _)| block).collect()
 }
 
-/// Ratio of the median to the mean of the mean square of seven differences of neighbours.
+/// Ratio of the median to the expectation of the mean square of seven adjacent differences.
 const MEDIAN_OF_DIFFERENCES: f64 = 0.87;
 
-/// Variance of the means of parts by their differences, which slow changes hardly touch.
+/// Variance of the means of parts, from their differences, which slow changes hardly affect.
 fn white_variance(parts: &[Part]) -> f64 {
     let differences = parts.windows(2).filter_map(|pair| Some(pair[1].mean()? - pair[0].mean()?));
     let (sum, count) = differences.fold((0.0, 0u32), |(sum, count), d| (sum + d * d, count + 1));
     if count == 0 { 0.0 } else { sum / f64::from(2 * count) / MEDIAN_OF_DIFFERENCES }
 }
 
-/// The same of temperatures of parts, block by block.
+/// Variances of the temperatures of parts, one for each block.
 fn white_temps(parts_c: &[f64]) -> Vec<f64> {
     let of_block = |temps_c: &[f64]| {
-        // second differences, which the course of the temperature hardly touches
+        // second differences, which slow changes of the temperature hardly affect
         let squares = temps_c.windows(3).map(|three| three[0] - 2.0 * three[1] + three[2]).map(|d| d * d);
         squares.sum::<f64>() / 6.0 / (temps_c.len().max(3) - 2) as f64
     };
@@ -239,7 +240,7 @@ pub(super) fn median(mut values: Vec<f64>) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// Neighbouring blocks as times.
+/// Joins adjacent blocks, and returns their times: begin and end, s.
 fn spans(blocks: impl Iterator<Item = usize>, length_s: f64) -> Vec<(f64, f64)> {
     let mut spans: Vec<(f64, f64)> = Vec::new();
     for k in blocks {
@@ -252,7 +253,7 @@ fn spans(blocks: impl Iterator<Item = usize>, length_s: f64) -> Vec<(f64, f64)> 
     spans
 }
 
-/// The temperatures with lines over gaps.
+/// Returns the temperatures with gaps filled by linear interpolation.
 fn filled(mut temps_c: Vec<f64>) -> Vec<f64> {
     let known: Vec<usize> = (0..temps_c.len()).filter(|k| !temps_c[*k].is_nan()).collect();
     if let (Some(&first), Some(&last)) = (known.first(), known.last()) {
@@ -271,7 +272,7 @@ impl LogMeans {
         &self.blocks
     }
 
-    /// Times in which the sensor moves, from and to, s.
+    /// Times in which the sensor moves: begin and end, s.
     #[must_use]
     pub fn moving_s(&self) -> &[(f64, f64)] {
         &self.moving_s
@@ -295,7 +296,7 @@ impl LogMeans {
         self.parts_c.len() as f64 * self.length_s / PARTS as f64
     }
 
-    /// Density of the white noise where the bias changes with the temperature by this much per °C.
+    /// Density of the white noise, if the bias changes by this much per °C.
     pub(super) fn white(&self, slope_per_c: f64) -> f64 {
         libm::hypot(self.white, slope_per_c * self.temps_white)
     }
@@ -315,7 +316,7 @@ impl LogMeans {
         self.indices.remove(at);
     }
 
-    /// Keeps the blocks whose place fulfils a condition.
+    /// Keeps the blocks whose index fulfils a condition.
     pub(super) fn keep(&mut self, is_kept: impl Fn(usize) -> bool) {
         let kept = |values: usize| (0..values).map(&is_kept).collect::<Vec<bool>>();
         let mut which = kept(self.blocks.len()).into_iter();
@@ -324,15 +325,15 @@ impl LogMeans {
         self.indices.retain(|_| which.next() == Some(true));
     }
 
-    /// The temperature that the bias follows, for each block, °C. `was_on` says whether the sensor was on before the
-    /// log began, where that is not known.
+    /// The temperature that the bias follows, for each block, °C. `was_on` says whether the sensor was on before
+    /// the log began, if the log does not say so.
     #[must_use]
     pub fn followed_c(&self, following: &Following, was_on: bool) -> Vec<f64> {
         self.followed(following, was_on, 1.0).0
     }
 
-    /// The temperature that the bias follows, for each block, and the place of the bias in its play, from −1 while the
-    /// temperature falls to 1 while it rises.
+    /// The temperature that the bias follows, for each block, and the position of the bias in its play, from −1
+    /// while the temperature falls to 1 while it rises.
     pub(super) fn followed(&self, following: &Following, was_on: bool, play_c: f64) -> (Vec<f64>, Vec<f64>) {
         let part_s = self.length_s / PARTS as f64;
         let decay = if following.lag_s > 0.0 { libm::exp(-part_s / following.lag_s) } else { 0.0 };
@@ -361,13 +362,13 @@ impl LogMeans {
         self.parts_c.first().copied().unwrap_or(0.0) - behind_c
     }
 
-    /// Whether the sensor was on before the log began, which is `unknown` where nothing tells.
+    /// Whether the sensor was on before the log began. Returns `unknown` if the log does not say so.
     pub(super) fn was_on(&self, unknown: bool) -> bool {
         self.was_on.unwrap_or(unknown)
     }
 
-    /// Whether it is not known if the sensor was on before the log began, and matters: the temperature changes from
-    /// the start. A coarse thermometer does not tell how it starts.
+    /// Whether the log does not say if the sensor was on before it began, and this matters, because the
+    /// temperature changes from the start. A coarse thermometer does not show how the temperature starts.
     pub(super) fn may_have_been_on(&self) -> bool {
         let ends = |(low, high): (f64, f64), c: &f64| (low.min(*c), high.max(*c));
         let (low_c, high_c) = self.parts_c.iter().fold((f64::MAX, f64::MIN), ends);
@@ -382,7 +383,7 @@ impl LogMeans {
         (self.parts_c[later] - self.parts_c[0]) / (later as f64 * part_s)
     }
 
-    /// The temperature at the end of the log and the one that the bias follows there, °C.
+    /// Returns the temperature at the end of the log, and the temperature that the bias follows there, °C.
     pub(super) fn at_end(&self, following: &Following, was_on: bool) -> Option<(f64, f64)> {
         let last_c = *self.parts_c.last()?;
         let part_s = self.length_s / PARTS as f64;

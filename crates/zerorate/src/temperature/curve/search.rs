@@ -9,15 +9,15 @@ use alloc::collections::BTreeMap;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Distance of the logarithm of the evidence from the best one at which a model does not matter.
+/// Difference to the best log evidence at which a model does not matter.
 const NEGLIGIBLE: f64 = 6.0;
-/// Steps of the noises' lattice in a decade.
+/// Number of lattice steps in a decade of noise.
 const PER_DECADE: f64 = 4.0;
-/// Steps of the lattice from one noise to the next.
+/// Number of lattice steps from one noise to the next.
 const FINE: i32 = 1;
-/// First and last step of B, as a ratio of the white noise of a mean.
+/// First and last lattice step of the bias instability B, as a ratio of the white noise of a mean.
 const B_STEPS: (i32, i32) = (-4, 12);
-/// First and last step of K over the length of a log, as the same ratio.
+/// First and last lattice step of the random walk K over the length of a log, as the same ratio.
 const K_STEPS: (i32, i32) = (-4, 16);
 /// Shortest lag that is tried, s.
 const SHORTEST_LAG_S: f64 = 3.0;
@@ -27,27 +27,27 @@ const LONGEST_LAG: (f64, f64) = (600.0, 1.0 / 6.0);
 const LEAST_PLAY_C: f64 = 0.05;
 /// Largest play, as a share of the span.
 const MOST_PLAY: f64 = 0.125;
-/// Ratio of one lag, or play, to the next before they are made finer.
+/// Ratio of each lag, or play, to the one before, until refinement.
 const RATIO: f64 = 1.4;
-/// Difference of the logarithm of the evidence between neighbours that calls for a value between them.
+/// Difference of the log evidence of two neighbours above which a value between them is tried.
 const TOO_COARSE: f64 = 0.7;
-/// Distance of the logarithm of the evidence from the best one within which values are made finer.
+/// Difference to the best log evidence within which values are refined.
 const NEAR_BEST: f64 = 3.0;
-/// Rounds in which values are made finer.
+/// Largest number of rounds of refinement.
 const FINER_ROUNDS: usize = 6;
-/// Rounds of the search over followings and noises in turn.
+/// Number of rounds of the search. Each is over followings and then over noises.
 const ROUNDS: usize = 2;
 
-/// A place in the lattice of noises.
+/// A point in the lattice of noises: the steps of B and of K.
 type Place = (i32, i32);
 
-/// The values that the search has come to.
+/// The result of the search.
 struct Refined {
     lags: Vec<f64>,
     plays: Vec<f64>,
     /// The noises that matter, the best first.
     places: Vec<Place>,
-    /// The best following.
+    /// The best way in which the bias follows the temperature.
     following: Following,
 }
 
@@ -55,14 +55,14 @@ struct Search<'a> {
     record: &'a Record,
     lag: LagPrior<'a>,
     shapes: Vec<Shape>,
-    /// Units of B and K.
+    /// B and K at step 0 of the lattice.
     units: SlowNoise,
     filters: BTreeMap<Place, Vec<Filter>>,
     /// The columns by the bits of lag and play.
     columns: BTreeMap<(u64, u64), Vec<Columns>>,
 }
 
-/// The best model.
+/// Returns the best model. `None` if none can be computed.
 pub(super) fn best(record: &Record) -> Option<Model> {
     let mut search = Search::new(record, &[]);
     let Refined { places, following, .. } = search.refined()?;
@@ -70,7 +70,7 @@ pub(super) fn best(record: &Record) -> Option<Model> {
     models.into_iter().max_by(|one, other| one.log_score.total_cmp(&other.log_score))
 }
 
-/// The likelihood of the lag under the noise and the play of the best model.
+/// Returns the likelihood of the lag under the noise and the play of the best model.
 pub(super) fn lag_likelihood(record: &Record, best: &Model) -> LagLikelihood {
     let mut search = Search::new(record, &[]);
     let (lags, _) = search.coarse();
@@ -78,7 +78,7 @@ pub(super) fn lag_likelihood(record: &Record, best: &Model) -> LagLikelihood {
     LagLikelihood::new(search.finer(place, &best.following, lags, with_lag))
 }
 
-/// All models that may matter, without weights. Empty if none can be computed.
+/// Returns all models that may matter, without weights. Empty if none can be computed.
 pub(super) fn all(record: &Record, others: &[&LagLikelihood]) -> Vec<Model> {
     let mut search = Search::new(record, others);
     let Some(Refined { lags, plays, places, .. }) = search.refined() else { return Vec::new() };
@@ -112,8 +112,8 @@ pub(super) fn weigh(models: &mut Vec<Model>) {
     models.iter_mut().for_each(|model| model.weight /= total);
 }
 
-/// Logarithm of the share of the prior that each value stands for: half for 0, and the rest evenly over the logarithm.
-/// All of it if there is one value.
+/// Log prior probability of each value: half for 0, and the rest spread evenly over the logarithm. A single value
+/// gets all of it.
 fn shares(values: &[f64], (least, most): (f64, f64)) -> Vec<f64> {
     if values.len() == 1 {
         return vec![0.0];
@@ -127,7 +127,7 @@ fn shares(values: &[f64], (least, most): (f64, f64)) -> Vec<f64> {
     (0..values.len()).map(|k| if k == 0 { libm::log(0.5) } else { share(k) }).collect()
 }
 
-/// 0, and values from `least` to `most` in about equal ratios.
+/// Returns 0, and values from `least` to `most` in about equal ratios.
 fn spread((least, most): (f64, f64)) -> Vec<f64> {
     let count = libm::ceil(libm::log((most / least).max(1.0)) / libm::log(RATIO));
     let ratio = libm::pow(most / least, 1.0 / count.max(1.0));
@@ -157,7 +157,7 @@ impl<'a> Search<'a> {
         Self { record, lag, shapes: record.shapes(), units, filters: BTreeMap::new(), columns: BTreeMap::new() }
     }
 
-    /// The place of a noise of this lattice.
+    /// Returns the lattice point of a noise.
     fn place(&self, noise: &SlowNoise) -> Place {
         let step = |k: usize| libm::round(PER_DECADE * libm::log10(noise[k] / self.units[k])) as i32;
         (step(0), step(1))
@@ -173,13 +173,13 @@ impl<'a> Search<'a> {
         (LEAST_PLAY_C, (MOST_PLAY * (high_c - low_c)).max(2.0 * LEAST_PLAY_C))
     }
 
-    /// Lags and plays to begin with.
+    /// Returns the lags and plays with which the search begins.
     fn coarse(&self) -> (Vec<f64>, Vec<f64>) {
         let plays = if self.record.two_directions { spread(self.ends_c()) } else { vec![0.0] };
         (spread(lag_ends_s(self.record)), plays)
     }
 
-    /// Values that are fine enough, and the noises that matter.
+    /// Refines lags and plays, and finds the noises that matter.
     fn refined(&mut self) -> Option<Refined> {
         let (mut lags, mut plays) = self.coarse();
         let (mut place, mut following) = self.coarse_best(&(lags.clone(), plays.clone()))?;
@@ -232,7 +232,7 @@ impl<'a> Search<'a> {
         Record::products(filters, columns)
     }
 
-    /// Logarithm of the evidence over all shapes, with what other axes tell about the lag.
+    /// Log evidence over all shapes, with the factor of the other axes for the lag.
     fn score(&mut self, place: Place, following: &Following) -> f64 {
         let Some(products) = self.products(place, following) else { return f64::NEG_INFINITY };
         let score = |shape: &Shape| {
@@ -244,7 +244,7 @@ impl<'a> Search<'a> {
         all + self.lag.log_factor(following.lag_s)
     }
 
-    /// Puts values between those whose evidence differs too much, near the best. Gives each with its score.
+    /// Adds values near the best between those whose evidence differs too much. Returns each value with its score.
     fn finer(
         &mut self,
         place: Place,
@@ -258,7 +258,7 @@ impl<'a> Search<'a> {
             let top = scored.iter().map(|(_, score)| *score).fold(f64::NEG_INFINITY, f64::max);
             let is_coarse = |pair: &&[(f64, f64)]| {
                 let matters = pair[0].1.max(pair[1].1) > top - NEAR_BEST;
-                // below the least value, only 0 follows
+                // no value is tried between 0 and the least one
                 matters && (pair[0].1 - pair[1].1).abs() > TOO_COARSE && pair[0].0 > 0.0
             };
             let middles: Vec<f64> =
@@ -295,7 +295,7 @@ impl<'a> Search<'a> {
         if all.is_empty() { vec![start] } else { all.into_iter().map(|(place, _)| place).collect() }
     }
 
-    /// The followings that matter under a noise, with the logarithms of their prior probabilities.
+    /// The ways of following that matter under a noise, with the logarithms of their prior probabilities.
     fn relevant(
         &mut self,
         place: Place,
@@ -314,7 +314,7 @@ impl<'a> Search<'a> {
         all.into_iter().map(|(following, prior, _)| (following, prior)).collect()
     }
 
-    /// The models of all shapes.
+    /// The models of all shapes that matter.
     fn models(&mut self, place: Place, following: &Following, log_prior: f64) -> Vec<Model> {
         let Some(products) = self.products(place, following) else { return Vec::new() };
         let noise = self.noise(place);
