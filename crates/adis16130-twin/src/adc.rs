@@ -8,7 +8,7 @@ use crate::tally::{Conversion, LastRead, LostUnread, Reading, Tally};
 /// The time of an event that never comes.
 pub(crate) const NEVER: u64 = u64::MAX;
 
-/// A data register with the state of its content.
+/// A data register, and what the status registers say about it.
 #[derive(Copy, Clone)]
 struct Data {
     code: u32,
@@ -36,11 +36,11 @@ pub(crate) struct Adc {
     converting: Channel,
     /// When the running conversion ends, in ps, or [`NEVER`].
     pub(crate) next_update_ps: u64,
-    /// Whether the data registers keep their codes.
+    /// Whether the data registers keep their codes, as by `Fault::Frozen`.
     pub(crate) frozen: bool,
 }
 
-/// The demands of the registers on the converter, worked out when they change.
+/// The configuration of the converter, computed from the registers when they change.
 #[derive(Copy, Clone)]
 struct Plan {
     enabled: u8,
@@ -81,7 +81,7 @@ impl Plan {
     }
 }
 
-/// The effects of an update besides the stored code.
+/// The effects of an update apart from the stored code.
 #[derive(Copy, Clone, PartialEq, Eq)]
 pub(crate) struct Update {
     /// Whether the condition for a low RDY holds, so that the level falls.
@@ -113,8 +113,8 @@ impl Adc {
         self.next_update_ps = NEVER;
     }
 
-    /// Takes new register contents. `restart` begins the sequence anew (a write to MODE, SYNC let go). Otherwise a
-    /// running conversion ends as it was begun. `held` tells whether the SYNC pin is low.
+    /// Takes new register contents. `restart` begins the sequence anew (after a write to MODE, or when SYNC is
+    /// released). Otherwise a running conversion ends as it was begun. `held` tells whether the SYNC pin is low.
     pub(crate) fn plan(&mut self, registers: &Registers, held: bool, restart: bool, now_ps: u64) {
         self.plan = Plan::of(registers, self.mclk_hz, held);
         if !self.plan.running {
@@ -139,7 +139,7 @@ impl Adc {
         self.converting
     }
 
-    /// Ends the running conversion, which gave `unlimited`, and begins the next one.
+    /// Ends the running conversion, whose code before clamping is `unlimited`, and begins the next one.
     #[inline]
     pub(crate) fn update(&mut self, unlimited: i64) -> Update {
         let channel = self.converting;
@@ -187,7 +187,7 @@ impl Adc {
         now_ps >= self.scaling_from_ps()
     }
 
-    /// The condition of F-32 for a low RDY, scaling time aside.
+    /// Whether the condition of F-32 for a low RDY holds, apart from the scaling time.
     #[inline]
     pub(crate) fn rdy_due(&self) -> bool {
         let unread = self.unread & self.plan.enabled;
@@ -207,7 +207,7 @@ impl Adc {
         }
     }
 
-    /// The COM byte of a read was accepted: latches the 24-bit code, which counts as read from now on.
+    /// Begins a read after its COM byte: latches the 24-bit code, which counts as read from now on.
     #[inline]
     pub(crate) fn begin_read(&mut self, channel: Channel) -> u32 {
         self.reading = Some(channel);

@@ -3,7 +3,7 @@
 use crate::adc::{Adc, to_16_bits};
 use crate::registers::{Channel, IOP_SYNC, MODE_MD, Register, Registers};
 
-/// A row of this many ones on SDI with CS low resets the part (F-23).
+/// Number of ones in a row on SDI with CS low that resets the part (F-23).
 const RESET_ONES: u32 = 32;
 
 /// The state of a command. CS does not appear here, so both framings of F-22 work.
@@ -17,7 +17,7 @@ enum Phase {
     Read { left: u8, shift: u32 },
 }
 
-/// The effect of a byte besides the state of the link.
+/// The effect of a byte, apart from the state of the link.
 #[derive(Copy, Clone, PartialEq, Eq)]
 pub(crate) enum Effect {
     None,

@@ -12,16 +12,16 @@ use core::str::FromStr;
 /// One key of the text form.
 #[derive(Debug)]
 pub struct Key {
-    /// The key; its unit is in the name.
+    /// The key, as in the text.
     pub name: &'static str,
-    /// The default value, in words where the seed draws it.
+    /// The default value, or the distribution from which the seed draws it.
     pub default: &'static str,
-    /// The setting, in a few words.
+    /// The meaning of the key, in a few words.
     pub help: &'static str,
     kind: Kind,
 }
 
-/// A word and its effect.
+/// A word that a key accepts, and its effect.
 type Choice = (&'static str, fn(&mut Spec));
 
 #[derive(Debug)]

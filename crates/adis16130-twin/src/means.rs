@@ -1,4 +1,4 @@
-//! A unit seen through averages alone: hundreds of hours in the time that converter and bus take for one.
+//! A unit that gives averages only: hundreds of hours in the time that converter and bus take for one.
 
 use crate::gyro::slow::Slow;
 use crate::normal::{Layers, Normal, Process};
@@ -6,7 +6,7 @@ use crate::spec::{Motion, Spec};
 use crate::truth::Truth;
 use alloc::rc::Rc;
 
-/// The tick of the slow processes, in ps: above it, flicker and temperature are straight lines.
+/// The tick of the slow processes, in ps. Between two ticks, flicker and temperature are straight lines.
 const TICK_PS: u64 = 100_000_000_000;
 
 /// Averages of both channels over blocks that follow each other, from the moment of switching on.

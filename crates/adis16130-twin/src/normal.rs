@@ -66,7 +66,7 @@ impl Normal {
         self.random.sample()
     }
 
-    /// Makes the draw (one in about 80) that the layer's rectangle does not settle.
+    /// Draws a number if the layer's rectangle does not settle it, which happens in one of about 80 draws.
     #[cold]
     #[inline(never)]
     fn outside(&mut self, layer: usize, x: f64) -> f64 {

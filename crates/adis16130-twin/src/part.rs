@@ -26,7 +26,7 @@ pub(crate) struct Part {
     faults: WireFaults,
     switched_on: bool,
     supplied: bool,
-    /// Whether bytes are neither recorded nor altered.
+    /// Whether bytes pass without being recorded or altered by a fault.
     plain: bool,
     /// Whether RDY cannot fall, in any state of the converter.
     rdy_masked: bool,
@@ -111,7 +111,8 @@ impl Part {
         self.edge_ps = t_ps;
     }
 
-    /// The latest edge not yet reported, or the next one within `timeout_ps`: its time and number.
+    /// Returns time and number of the latest edge that was not reported yet, or of the next one within
+    /// `timeout_ps`.
     #[inline]
     pub(crate) fn next_falling_edge(&mut self, timeout_ps: u64) -> Option<(u64, u32)> {
         if self.edge_seq == self.reported_seq {
@@ -130,7 +131,7 @@ impl Part {
         Some((self.edge_ps, self.edge_seq))
     }
 
-    /// The next edge of this kind within `timeout_ps`, or one not yet reported.
+    /// Returns an edge of this kind that was not reported yet, or the next one within `timeout_ps`.
     pub(crate) fn next_edge(&mut self, rising: bool, timeout_ps: u64) -> Option<(u64, u32)> {
         if rising == (self.spec.rdy != RdyOutput::Level) {
             self.next_falling_edge(timeout_ps)
@@ -139,7 +140,7 @@ impl Part {
         }
     }
 
-    /// The next edge where the scaling time begins. It does not announce new data.
+    /// Returns the next edge at which the scaling time begins. It does not announce new data.
     fn next_scaling(&mut self, timeout_ps: u64) -> Option<(u64, u32)> {
         let deadline_ps = self.now_ps.saturating_add(timeout_ps).min(NEVER - 1);
         while self.next_event_ps <= deadline_ps || self.chip.adc.scaling_from_ps() <= deadline_ps {
@@ -156,7 +157,7 @@ impl Part {
         None
     }
 
-    /// The time of the next event without a bus, or [`NEVER`].
+    /// The time of the next event that happens without bus traffic, or [`NEVER`].
     pub(crate) fn next_event_ps(&self) -> u64 {
         self.next_event_ps
     }
@@ -244,7 +245,7 @@ impl Part {
         }
     }
 
-    /// Whether RDY shows, by either level, that no new data has come.
+    /// Whether RDY shows that there is no new data, whichever level that is.
     fn rdy_idle(&self) -> bool {
         !self.supplied || self.rdy_masked || !self.chip.adc.rdy_low(self.now_ps)
     }

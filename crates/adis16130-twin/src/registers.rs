@@ -60,8 +60,8 @@ impl Register {
         }
     }
 
-    /// Bytes that a write to this register carries. The data registers' own width counts, although they ignore the
-    /// write.
+    /// Number of data bytes of a write to this register. A write to a data register has the register's width,
+    /// although it is ignored.
     pub(crate) const fn write_len(self, wide: bool) -> u8 {
         match self {
             Self::Com => 0,

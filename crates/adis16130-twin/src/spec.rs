@@ -11,7 +11,7 @@ pub enum Profile {
     Constant,
     /// From [`Spec::ambient_c`] by [`Spec::ramp_c_per_min`], stopping at −40 °C or +85 °C.
     Ramp,
-    /// The chamber profile F-57, 25 → −40 → +85 → 25 °C in 175 min. [`Spec::ambient_c`] does not enter.
+    /// The chamber profile F-57, 25 → −40 → +85 → 25 °C in 175 min. [`Spec::ambient_c`] is ignored.
     Oven,
 }
 
@@ -20,8 +20,8 @@ pub enum Profile {
 pub enum RdyOutput {
     /// High during the scaling time, low from the update until the data is read: new data at the falling edge.
     Level,
-    /// Low during the scaling time only, as the words of the note say ("pulses low for 26 µs"): new data at the rising
-    /// edge.
+    /// Low during the scaling time only, as the text of the note says ("pulses low for 26 µs"): new data at the
+    /// rising edge.
     Pulse,
     /// [`RdyOutput::Level`] behind an inverting level shifter: new data at the rising edge.
     Inverted,
@@ -132,7 +132,7 @@ pub struct Spec {
     /// Relative error of the sensitivity (M-07). It scales the input of the sensing element (rotation, slow bias,
     /// flicker, random walk, self-test). White noise and resonance are stated at the output and not scaled.
     pub sensitivity_error: f64,
-    /// Shift by an active self-test pin, in °/s. F-11 states no value, so this one is ours.
+    /// Shift by an active self-test pin, in °/s. F-11 states no value, so this one is a choice.
     pub self_test_dps: f64,
     /// SPI clock, in Hz.
     pub sclk_hz: f64,

@@ -42,8 +42,8 @@ pub struct Reading {
 /// A conversion of one channel.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct Conversion {
-    /// Number of the conversion among all conversions of the channel since the start, from 1 on. A conversion that the
-    /// register did not take up counts as well.
+    /// Number of the conversion among all conversions of the channel since the start, from 1 on. A conversion
+    /// whose result the register did not store counts as well.
     pub number: u64,
     /// Simulated time of the end of the conversion, in ns from the start.
     pub t_ns: u64,

@@ -24,7 +24,7 @@ pub struct Truth {
     pub tempco_dps_per_c: f64,
     /// Quadratic coefficient, before the sensitivity error, in °/s/°C².
     pub curvature_dps_per_c2: f64,
-    /// Share of the supply voltage (F-01), before the sensitivity error, in °/s.
+    /// Effect of the supply voltage (F-01), before the sensitivity error, in °/s.
     pub supply_dps: f64,
     /// Random-walk state, before the sensitivity error, in °/s.
     pub random_walk_dps: f64,

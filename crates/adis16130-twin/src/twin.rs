@@ -21,7 +21,7 @@ pub struct TwinEdge {
     pub seq: u32,
 }
 
-/// The part in software. This is a handle, and clones of it are handles of the same part.
+/// The simulated part. This is a handle, and clones of it are handles of the same part.
 ///
 /// Simulated time starts at 0 with the supply switched on. It passes only by SPI frames, by [`TwinDelay`], by waiting
 /// for RDY and by [`Twin::advance_ns`].
@@ -79,8 +79,9 @@ impl Twin {
         edge.map(|(t_ps, seq)| TwinEdge { t_ns: t_ps / 1000, seq })
     }
 
-    /// As [`Twin::next_falling_edge`], for the rising or the falling edge of the line as [`Spec::rdy`] makes it. One
-    /// of the two announces new data. The other comes where the scaling time begins (F-32), 26 µs before.
+    /// Like [`Twin::next_falling_edge`], for the rising or the falling edge of the line, whose shape [`Spec::rdy`]
+    /// sets. One of the two announces new data. The other comes where the scaling time begins (F-32), 26 µs
+    /// before.
     pub fn next_edge(&self, rising: bool, timeout_ns: u64) -> Option<TwinEdge> {
         let edge = self.part.borrow_mut().next_edge(rising, timeout_ns.saturating_mul(1000));
         edge.map(|(t_ps, seq)| TwinEdge { t_ns: t_ps / 1000, seq })
@@ -147,9 +148,9 @@ impl Twin {
         self.part.borrow_mut().replug();
     }
 
-    /// Takes the air around the part to a temperature, in °C, in a straight line over `over_s` seconds (from within 8
-    /// ms on). It stays there, and the wander goes on. From here on [`Spec::profile`] does not act: a chamber sets the
-    /// air.
+    /// Takes the air around the part to a temperature, in °C, in a straight line over `over_s` seconds (from
+    /// within 8 ms on). It stays there, and the wander goes on. [`Spec::profile`] has no effect after this call,
+    /// as if a chamber set the air.
     pub fn set_ambient(&self, temp_c: f64, over_s: f64) {
         self.part.borrow_mut().set_ambient(temp_c, over_s);
     }

@@ -34,8 +34,8 @@ impl Channel {
     }
 }
 
-/// The channels that are known to have converted since MODE was written. The reset code can be a reading of these
-/// channels only.
+/// The channels that are known to have converted since MODE was written. The code that the data registers have
+/// after a reset can be a reading of these channels only.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(crate) struct ConvertedChannels(u8);
 

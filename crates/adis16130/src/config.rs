@@ -15,7 +15,7 @@ pub enum Channels {
     /// Rate and temperature in turn (F-30).
     #[default]
     Both,
-    /// Rate only, at more than twice the rate.
+    /// Rate only, with more than twice as many samples.
     Rate,
     /// Temperature only. A [`Sampler`](crate::Sampler) then has nothing to do.
     Temp,
@@ -235,8 +235,8 @@ impl Write {
     }
 }
 
-/// A [`Config`] as it is stored: the arguments of the builders, so that it cannot hold any other mode. A missing field
-/// has its value of F-30.
+/// A [`Config`] as it is stored: the arguments of the builders, so that it holds only what these can set. A
+/// missing field has its value of F-30.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]

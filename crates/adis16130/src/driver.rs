@@ -145,8 +145,8 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(R::decode(answer, width))
     }
 
-    /// Reads all registers as they are, in the order of their addresses. This takes the readings that wait in the data
-    /// registers, so their edge brings no sample.
+    /// Reads all registers as they are, in the order of their addresses. This consumes the unread readings of the
+    /// data registers, so their edge gives no sample.
     pub async fn read_all(&mut self) -> Result<[(Address, u32); 13], BusError<SPI::Error>> {
         Ok([
             (Address::Iop, self.read_register::<Iop>().await?.bits().into()),
@@ -309,8 +309,9 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(())
     }
 
-    /// Checks a rate that a dead line or a part without a reading would give. Returns true if the link is healthy. The
-    /// status of a rate at the end of its scale shows that as well, and is wanted.
+    /// Checks a rate that a dead line or a part without a reading would give. Returns the status for the sample,
+    /// which it reads if the rate is at the end of its scale. A status that is out of range, as the rate is, shows
+    /// a healthy link.
     #[cold]
     async fn status_of_doubtful(
         &mut self,
@@ -347,7 +348,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
         Ok(Some(D::decode(answer, width)))
     }
 
-    /// Checks, before the data register is read, whether it holds a reading. Reading it would wipe the mark.
+    /// Checks, before the data register is read, whether it holds a reading. Reading it clears RDY in its status.
     #[cold]
     async fn look_for_first(&mut self, channel: Channel) -> Result<(), SampleError<SPI::Error>> {
         self.require_healthy().await?;
@@ -419,7 +420,7 @@ impl<SPI: SpiDevice, RDY> Adis16130<SPI, RDY> {
 
 #[bisync]
 impl<SPI: SpiDevice, RDY: RdyPin> Adis16130<SPI, RDY> {
-    /// Measures the shift of the rate by the self-test, and judges nothing (F-11).
+    /// Measures the shift of the rate by the self-test. It does not judge the shift (F-11).
     ///
     /// `pin` drives the self-test pins 1–7 and 9 together and is active high. It is low when this returns, also with
     /// an error, and when an async call is dropped. The part must be initialised. Use a slow or undisturbed moment,
@@ -454,7 +455,7 @@ impl<SPI: SpiDevice, RDY: RdyPin> Adis16130<SPI, RDY> {
         Ok(level)
     }
 
-    /// Waits for the next unread rate. Both channels are read, since either may hold RDY.
+    /// Waits for the next unread rate. Both channels are read, since unread data of either may hold RDY.
     async fn next_rate<P>(
         &mut self,
         delay: &mut impl DelayNs,

@@ -87,8 +87,8 @@ pub enum VerifyError<E> {
     Differs(Differences),
 }
 
-/// The error of reading a sample at an edge. The next [`Sample`](crate::Sample) counts the rate samples that this
-/// cost.
+/// The error of reading a sample at an edge. The next [`Sample`](crate::Sample) counts the rate samples that were
+/// lost by it.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SampleError<E> {
@@ -365,7 +365,7 @@ widen! {
     VerifyError<E> => InitError::Verify;
 }
 
-/// Does the same for [`enum@Error`], whose other parameters are the caller's.
+/// Implements the same conversions for [`enum@Error`], which has more type parameters.
 macro_rules! gather {
     ($($from:ty => $variant:ident;)*) => {$(
         impl<E, R, P> From<$from> for Error<E, R, P> {

@@ -24,8 +24,8 @@ pub struct SelfTestPlan {
 }
 
 impl SelfTestPlan {
-    /// Averages `samples` rates, rounded up to a multiple of 16, without and with the self-test.
-    /// Take a second's worth or more: each of the 16 batches must be long against 1/(300 Hz).
+    /// Averages `samples` rates, rounded up to a multiple of 16, without and with the self-test. Take a second's
+    /// worth or more: each of the 16 batches must be long compared with 1/(300 Hz).
     pub const fn new(samples: u16) -> Self {
         let per_batch = match NonZeroU16::new(samples.div_ceil(BATCHES as u16)) {
             Some(per_batch) => per_batch,
@@ -34,7 +34,7 @@ impl SelfTestPlan {
         Self { per_batch, settle_us: 100_000, bound: WaitBound::from_us(20_000) }
     }
 
-    /// Sets the wait after each change of the pin, in µs: 100 ms by default (ours: the time is not published).
+    /// Sets the wait after each change of the pin, in µs: 100 ms by default (a choice: no time is published).
     pub const fn with_settle_us(mut self, settle_us: u32) -> Self {
         self.settle_us = settle_us;
         self
@@ -131,7 +131,7 @@ fn sqrt(x: f32) -> f32 {
 pub(crate) struct Active<'a, P: OutputPin>(Option<&'a mut P>);
 
 impl<'a, P: OutputPin> Active<'a, P> {
-    /// The pin is under control before it is set, so that a failed attempt releases it too.
+    /// Sets the pin high. The guard owns the pin before that, so that a failed attempt releases it too.
     pub(crate) fn activate(pin: &'a mut P) -> Result<Self, P::Error> {
         let mut active = Self(Some(pin));
         active.0.as_mut().map_or(Ok(()), |pin| pin.set_high())?;

@@ -41,7 +41,7 @@ impl Gyro {
         }
     }
 
-    /// The temperature noise is white up to half the rate at which the channel is sampled: sd = n/√(2·period).
+    /// Sets the sampling period. The temperature noise is white up to half the sampling rate: sd = n/√(2·period).
     pub(crate) fn set_period_ps(&mut self, period_ps: u64) {
         let period_s = period_ps as f64 * 1e-12;
         self.temp_sd_c = self.temp_noise_c_per_rt_hz / libm::sqrt(2.0 * period_s);
@@ -51,7 +51,7 @@ impl Gyro {
         self.self_test = if active { self.self_test_dps } else { 0.0 };
     }
 
-    /// The unlimited rate code at `t_ps`.
+    /// The rate code at `t_ps`, before it is limited to 24 bits.
     #[inline]
     pub(crate) fn rate_code(&mut self, t_ps: u64) -> i64 {
         let mut dps = self.slow.rate_dps(t_ps) + self.self_test;
@@ -61,7 +61,7 @@ impl Gyro {
         quantise(dps * facts::RATE_LSB_PER_DPS)
     }
 
-    /// The unlimited temperature code at `t_ps`.
+    /// The temperature code at `t_ps`, before it is limited to 24 bits.
     #[inline]
     pub(crate) fn temp_code(&mut self, t_ps: u64) -> i64 {
         let mut c = self.slow.sensor_c(t_ps);
@@ -72,10 +72,10 @@ impl Gyro {
     }
 }
 
-/// The code of `lsb` above the zero code, to nearest.
+/// Returns the code that is nearest to `lsb` above the zero code.
 #[inline]
 fn quantise(lsb: f64) -> i64 {
-    // Truncation is rounding down for positive numbers, and the bias keeps them so.
+    // Truncation rounds positive numbers down, and BIAS makes the number positive.
     const BIAS: i64 = 1 << 40;
     (lsb + (BIAS as f64 + 0.5)) as i64 - BIAS + i64::from(facts::ZERO_CODE)
 }

@@ -1,4 +1,4 @@
-//! The slow processes, on a tick of their own that bus traffic cannot shift: temperatures, bias, flicker, motion.
+//! The slow processes (temperatures, bias, flicker, motion), on a tick of their own that bus traffic cannot shift.
 
 use super::motion::Platform;
 use super::noise::{Flicker, RandomWalk};
@@ -8,7 +8,7 @@ use crate::normal::Layers;
 use crate::spec::Spec;
 use alloc::rc::Rc;
 
-/// The tick of the part, in ps. Between two ticks everything is a straight line.
+/// The tick of the slow processes in a whole part, in ps. Between two ticks everything is a straight line.
 pub(crate) const TICK_PS: u64 = 4_000_000_000;
 
 /// The slow quantities at one instant.
@@ -26,7 +26,7 @@ pub(crate) struct Point {
     pub(crate) supply_dps: f64,
 }
 
-/// The slow processes, between two ticks.
+/// The slow processes, with their values at the last tick and at the next one.
 pub(crate) struct Slow {
     left: Point,
     right: Point,
@@ -72,7 +72,7 @@ impl Slow {
         slow
     }
 
-    /// Advances to `t_ps`, which must not lie before the tick reached.
+    /// Advances to `t_ps`, which must not be before the last tick.
     #[inline]
     pub(crate) fn follow(&mut self, t_ps: u64) {
         while t_ps - self.left_ps >= self.tick_ps {
@@ -87,7 +87,7 @@ impl Slow {
         between(self.left.rate_dps, self.right.rate_dps, self.share(t_ps))
     }
 
-    /// The temperature sensor at `t_ps`, in °C.
+    /// The temperature of the temperature sensor at `t_ps`, in °C.
     #[inline]
     pub(crate) fn sensor_c(&mut self, t_ps: u64) -> f64 {
         self.follow(t_ps);
@@ -143,7 +143,7 @@ impl Slow {
         self.right = self.point(t_s);
     }
 
-    /// The state of the processes, which have reached `t_s`.
+    /// Evaluates the processes, which have advanced to `t_s`.
     fn point(&mut self, t_s: f64) -> Point {
         let (flicker_dps, walk_dps) = match &self.noises {
             Some((flicker, walk)) => (flicker.value(), walk.value),

@@ -16,7 +16,7 @@ pub const SILENT: &str =
 /// The text about the end of a connection, to follow the name of the bridge.
 pub const GONE: &str = "is gone: its cable was pulled, or the bridge has no power; connect it and start again";
 
-/// Sends requests and reads the answers. Its owner moves the bytes and passes the time, which counts from any moment.
+/// Sends requests and reads the answers. Its owner moves the bytes and passes the time since any fixed moment.
 #[derive(Clone, Debug, Default)]
 pub struct Client {
     decoder: Decoder,
@@ -40,7 +40,7 @@ pub struct Pending<'a> {
 pub enum Step<T> {
     /// Send this frame.
     Send(Frame),
-    /// Come back with the next bytes, or at this time.
+    /// Call again with the next bytes, or at this time.
     Wait(Duration),
     /// The request was answered.
     Answered(T),
@@ -83,8 +83,8 @@ impl<'a> Pending<'a> {
 }
 
 impl Client {
-    /// Looks for the answer in the received bytes, and returns the next step. `take` returns `None` for an answer that
-    /// does not fit. Samples on the way are dropped: requests end sampling, or begin it.
+    /// Looks for the answer in the received bytes, and returns the next step. `take` returns `None` for an answer
+    /// that does not fit. Samples before the answer are dropped, because requests end sampling, or begin it.
     pub fn poll<T>(
         &mut self,
         pending: &mut Pending<'_>,
@@ -105,7 +105,7 @@ impl Client {
         self.frame(pending.command).map(Step::Send)
     }
 
-    /// The frame of a request whose answer is only an [event](Self::next_event).
+    /// Makes the frame of a request whose answer the caller reads by [`next_event`](Self::next_event).
     pub fn frame(&mut self, command: Command<'_>) -> Result<Frame, RequestError> {
         self.tag = self.tag.wrapping_add(1);
         let mut bytes = [0; MAX_FRAME + 1];
@@ -116,7 +116,7 @@ impl Client {
         Ok(Frame { bytes, len })
     }
 
-    /// The next message of the bridge in the received bytes, without answers to earlier requests.
+    /// Returns the next message of the bridge in the received bytes, except for answers to earlier requests.
     pub fn next_event(&mut self, received: &mut impl Iterator<Item = u8>) -> Option<Event> {
         let last = self.tag;
         received.find_map(|byte| match self.message(byte)? {

@@ -2,9 +2,9 @@
 //! frames, the firmware's end without its pins ([`Station`]), and the host's end without its port and clock
 //! ([`Client`]).
 //!
-//! The bytes are specified in `docs/formats/bridge.md` of the project. A host asks, the bridge answers. While it
-//! samples, it sends every sample by itself, as fast as they come. Nothing is sent twice: a loss on the way shows in
-//! the numbers of the samples ([`WireSample`]), and [`Continuity`] counts it.
+//! The bytes are specified in `docs/formats/bridge.md` of the project. A host asks, the bridge answers. While the
+//! bridge samples, it sends every sample by itself, as fast as they come. Nothing is sent twice: a loss on the way
+//! shows in the numbers of the samples ([`WireSample`]), and [`Continuity`] counts it.
 //!
 //! A firmware hands bytes to a [`Decoder`], and the requests and the edges of RDY to a [`Station`]. It sends the
 //! messages that the station returns by [`encode`]. This example has both ends of the link, on a bus that a firmware
@@ -83,7 +83,7 @@ use serde::{Deserialize, Serialize};
 /// Version of the protocol that this module speaks.
 pub const PROTOCOL: u16 = 2;
 
-/// Largest number of bytes of one [`Command::Transfer`]. No command of the part is as long.
+/// Largest number of bytes of one [`Command::Transfer`]. All commands of the part are shorter.
 pub const MAX_TRANSFER: usize = 8;
 
 /// A message from the host to the bridge.
@@ -106,7 +106,7 @@ pub enum Command<'a> {
         /// The clock, Hz.
         sclk_hz: u32,
     },
-    /// Exchange these bytes with the part in one frame of CS. Refused while it samples.
+    /// Exchange these bytes with the part in one frame of CS. Refused while the bridge samples.
     Transfer {
         /// The bytes, at most [`MAX_TRANSFER`].
         bytes: &'a [u8],
@@ -269,8 +269,8 @@ impl WireSample {
     }
 }
 
-/// Makes samples of readings, and counts the losses between them: readings that the bridge lost, that did not fit on
-/// the link, and that were damaged there. Make a new one with every [`Command::Start`].
+/// Converts wire samples to samples, and counts the losses between them: samples that the bridge lost, that did
+/// not fit on the link, and that were damaged there. Make a new one with every [`Command::Start`].
 #[derive(Clone, Debug)]
 pub struct Continuity {
     width: Width,
@@ -291,7 +291,7 @@ impl Continuity {
         Self { width, next_number: 0, next_position: 0, missing: 0 }
     }
 
-    /// The sample of a reading. Its `lost` counts everything since the reading before.
+    /// Converts a wire sample. `lost` of the sample counts all losses since the sample before.
     pub fn sample(&mut self, reading: &WireSample) -> Sample {
         let lost = reading.position().wrapping_sub(self.next_position);
         self.missing = self.missing.wrapping_add(reading.number.wrapping_sub(self.next_number));

@@ -1,4 +1,4 @@
-//! The settings of a part's configuration that a host can choose, on the wire.
+//! The settings of a part's configuration that a host can choose, in their form on the wire.
 
 use crate::codes::Width;
 use crate::config::{Config, RdyEdge};

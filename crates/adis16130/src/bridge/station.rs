@@ -14,13 +14,14 @@ pub trait Bus: SpiDevice {
     /// Sets the fastest clock that is not above this one, or else the slowest there is, and returns it, in Hz.
     fn set_sclk_hz(&mut self, hz: u32) -> u32;
 
-    /// Takes edges of this kind as "new data", from now on (F-32). Returns whether that is possible. The default
-    /// detects falling edges only.
+    /// Sets the kind of edges that mean "new data" from now on (F-32). Returns whether the bridge can detect them.
+    /// The default detects falling edges only.
     fn set_rdy_edge(&mut self, edge: RdyEdge) -> bool {
         matches!(edge, RdyEdge::Falling)
     }
 
-    /// Makes the self-test pins active, or releases them (F-11). Returns whether that is possible: by default not.
+    /// Makes the self-test pins active, or releases them (F-11). Returns whether there are such pins: by default
+    /// not.
     fn set_self_test(&mut self, _on: bool) -> bool {
         false
     }

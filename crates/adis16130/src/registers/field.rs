@@ -1,6 +1,6 @@
 //! The fields of the registers in plain words, for programs that show them.
 
-/// Some neighbouring bits of a register.
+/// A field of a register: adjacent bits with a name and a meaning.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct Field {
     /// The name in docs/facts.md section 3.

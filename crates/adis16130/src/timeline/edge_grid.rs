@@ -17,8 +17,7 @@ pub(crate) enum Pattern {
     Divided,
 }
 
-/// The times of the updates as far as they are known beforehand: a rate update at each tick, a temperature update in
-/// between.
+/// The expected times of the updates: a rate update at each tick, a temperature update in between.
 #[derive(Clone, Debug)]
 pub(crate) struct EdgeGrid {
     /// Nominal time from one tick to the next.
@@ -26,9 +25,9 @@ pub(crate) struct EdgeGrid {
     /// Time from a tick to the temperature update after it, as a fraction of the period in 2⁻¹⁶. 0 if there is none.
     temp_fraction: i64,
     /// The time by which an edge may come early and still belong to its tick: an eighth of the time from the
-    /// temperature update to it, or a sixteenth of the period if that is more and lies behind the middle of that time.
-    /// This is more than MCLK, off by 2 %, shifts an edge in a period. It is half a period where edges have a phase of
-    /// their own.
+    /// temperature update to the tick, or a sixteenth of the period, limited to half of that time, if that is
+    /// more. This is more than an edge shifts in a period if MCLK is off by 2 %. Edges with a phase of their own
+    /// have half a period.
     pub(super) margin: i64,
     pattern: Pattern,
 }
@@ -37,7 +36,8 @@ pub(crate) struct EdgeGrid {
 const LONGEST_PERIOD: u64 = 1 << (36 + FRACTION_BITS);
 
 impl EdgeGrid {
-    /// The first argument has the conversion times of rate and temperature in MCLK cycles, 0 for a disabled channel.
+    /// Makes a grid. The first argument has the conversion times of rate and temperature in MCLK cycles, 0 for
+    /// none.
     pub(crate) fn new((rate_cycles, temp_cycles): (u32, u32), mclk_hz: u32, pattern: Pattern) -> Self {
         let cycles = u64::from((rate_cycles + temp_cycles).max(1));
         let period = quotient((cycles * 1_000_000_000) << FRACTION_BITS, mclk_hz.max(1_000).into()) as i64;
@@ -55,8 +55,8 @@ impl EdgeGrid {
         Self { period, temp_fraction: 0, margin: period >> 1, pattern: Pattern::Divided }
     }
 
-    /// The time in which this many edges come while nothing is read, and 3/4 of the shorter conversion, in whole ns.
-    /// After a read of both they take a conversion more.
+    /// The time in which this many edges come if nothing is read, plus 3/4 of the shorter conversion, in whole ns.
+    /// After a read of both channels, these edges take one conversion longer.
     pub(crate) fn unread_ns(&self, edges: u32) -> u64 {
         let (period, temp) = (self.period >> FRACTION_BITS, self.share_of_temp(self.period) >> FRACTION_BITS);
         let shorter = temp.min(period - temp);
@@ -118,9 +118,9 @@ impl EdgeGrid {
         nearest
     }
 
-    /// The largest distance of another gap from a gap between neighbouring edges: 3/8 of a period. Where edges
-    /// announce one kind of update, a change of the kind is not such a gap. So it is 3/4 of what a change adds or
-    /// takes away.
+    /// Largest difference between a gap and a regular gap of neighbouring edges: 3/8 of a period. If edges
+    /// announce one kind of update, a gap in which the kind changes must not count as regular. So the limit is
+    /// then 3/4 of what a change adds or takes away.
     pub(super) fn nearness(&self, (period, temp): (i64, i64)) -> i64 {
         let shift = if matches!(self.pattern, Pattern::Steady) { temp.min(period - temp) } else { period >> 1 };
         3 * (shift >> 2)

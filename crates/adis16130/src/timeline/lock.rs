@@ -1,16 +1,16 @@
-//! The lock: whether the edges lie on the grid, and the offset of the clock, from the gaps between edges that are not
-//! reliable yet.
+//! Lock detection: whether the edges lie on the grid. Before the loop begins, the gaps between edges give the
+//! offset of the clock.
 
 use super::EdgeGrid;
 use crate::quotient::quotient;
 
-/// Gaps between neighbouring edges, and their lengths with the nominal clock.
+/// Sums over regular gaps between neighbouring edges: their number, nominal length, and excess over that length.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Gaps {
     count: u32,
     nominal: i64,
     excess: i64,
-    /// Whether the gap before was not near.
+    /// Whether the previous gap was not regular.
     far: bool,
 }
 
@@ -19,8 +19,8 @@ pub(super) struct Gaps {
 const OFFSET_BITS: u32 = 20;
 
 impl Gaps {
-    /// Adds a gap if it lies near a gap between neighbouring edges, and if the gap before did, too. After a longer gap
-    /// the first timestamp may be late.
+    /// Adds a gap if it is near a regular gap between neighbouring edges, and if the previous gap was, too. After
+    /// a longer gap the first timestamp may be late.
     pub(super) fn push(&mut self, grid: &EdgeGrid, learned: (i64, i64), gap: i64) {
         let (nearest, nominal) = grid.nearest_gap(learned, gap);
         let far = (gap - nearest).abs() > grid.nearness(learned);
@@ -69,8 +69,9 @@ impl Grip {
     }
 }
 
-/// Judges after every 256 edges (45 ms with F-31) whether they still lie on the grid. These are twice as many as are
-/// learned from before the loop begins, so that the second check at the latest finds a grid that was learned wrong.
+/// Checks after every 256 edges (45 ms with F-31) whether they still lie on the grid. These are twice as many as
+/// the loop learns from before it begins, so that the second check at the latest finds a grid that was learned
+/// wrong.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lock {
     edges: u8,

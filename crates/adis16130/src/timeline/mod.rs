@@ -85,8 +85,8 @@ enum Phase {
 
 /// Learns phase and period of the rate updates from the edges, and numbers them.
 ///
-/// Every honest edge lies on a point of the [`EdgeGrid`], because RDY only falls when a data register has been updated
-/// (F-32).
+/// Every real edge lies on a point of the [`EdgeGrid`], because RDY only falls when a data register has been
+/// updated (F-32).
 #[derive(Clone, Debug)]
 pub(crate) struct Timeline {
     grid: EdgeGrid,
@@ -130,8 +130,8 @@ impl Timeline {
         }
     }
 
-    /// Takes the next edge and returns the ticks until then since [`count_from`](Self::count_from). `None` if it is
-    /// the edge before again.
+    /// Takes the next edge, and returns the ticks up to it since [`count_from`](Self::count_from). `None` if it is
+    /// the previous edge again.
     ///
     /// As long as it is unknown whether the first edge announced a rate or a temperature update, this is the lower of
     /// the two possible numbers.
@@ -170,14 +170,14 @@ impl Timeline {
         self.ticks.saturating_sub(self.is_ambiguous().into())
     }
 
-    /// Counts from this tick on, which lies `ticks` after the one before.
+    /// Counts from this tick on, which lies `ticks` after the one that was counted from before.
     pub(crate) fn count_from(&mut self, ticks: i32) {
         self.ticks = self.ticks.saturating_sub(ticks);
     }
 
-    /// States that the edge just taken announced a rate update, not a temperature update. Only the first call counts:
-    /// from then on the phase is tracked. Returns whether there is one tick more than was counted: its number is the
-    /// higher of two, or that of the anchor was the lower.
+    /// States that the edge just taken announced a rate update, not a temperature update. Only the first call
+    /// counts: from then on the phase is tracked. Returns whether one more tick passed than was counted: this edge
+    /// has the higher of two possible numbers, or the anchor had the lower.
     pub(crate) fn align(&mut self) -> bool {
         if self.phase == Phase::Known {
             return false;
@@ -199,8 +199,8 @@ impl Timeline {
         is_ambiguous
     }
 
-    /// States that the edge just taken, without a new rate, counts as the first one. An edge that may announce a
-    /// temperature alone does not.
+    /// States that the edge just taken brought no new rate, and counts as the first one. It has no effect if edges
+    /// may announce a temperature alone.
     pub(crate) fn begin(&mut self) {
         if self.grid.announces_temps() {
             return;

@@ -1,11 +1,12 @@
-//! The bias over temperature of any gyroscope or accelerometer, from one log or several, without knowledge of it.
+//! The bias over temperature of any gyroscope or accelerometer, from one log or several, without knowledge of the
+//! sensor.
 //!
-//! value = bias(T) + flicker + random walk + white noise. The bias is a Chebyshev series of order 6 in the temperature
-//! that it follows (`follow.rs`). Its coefficients are normal and shrink with their order. The strength of the noises,
-//! the size and the shrinkage of the series, lag and play are not known beforehand. Each combination is a model that
-//! weighs by its marginal likelihood (`evidence.rs`), and the result is the mean over all of them (`search.rs`). Half
-//! of the prior probability is on a bias that follows at once. Steps and glitches are found in the whitened record and
-//! taken out (`disturbances.rs`).
+//! value = bias(T) + flicker + random walk + white noise. The bias is a Chebyshev series of order 6 in the
+//! temperature that it follows (`follow.rs`). Its coefficients are normal and shrink with their order. The
+//! strength of the noises, the size and the shrinkage of the series, lag and play are not known beforehand. Each
+//! combination is a model that weighs by its marginal likelihood (`evidence.rs`), and the result is the mean over
+//! all of them (`search.rs`). Half of the prior probability is on a bias without lag. Steps and outliers are found
+//! in the whitened record and removed (`disturbances.rs`).
 
 mod disturbances;
 mod evidence;
@@ -31,13 +32,13 @@ use series::Series;
 pub use thermometer::Thermometer;
 pub use warning::{CurveRefusal, CurveWarning, check};
 
-/// Coefficients of the series, from the constant one to order 6.
+/// Number of coefficients of the series, from the constant one to order 6.
 pub const COEFFICIENTS: usize = 7;
 
-/// Least span of the temperature that gives a curve, °C.
+/// Smallest temperature span that gives a curve, °C.
 pub const LEAST_SPAN_C: f64 = 5.0;
 
-/// Largest share of blocks with motion that are left out.
+/// Largest share of blocks with motion that may be left out.
 pub const MOST_MOTION: f64 = 0.3;
 
 /// The bias of one axis over temperature. All values are in the unit of the samples.
@@ -47,47 +48,47 @@ pub struct LogCurve {
     /// Coefficients of the series, the constant first.
     coefficients: [f64; COEFFICIENTS],
     covariance: [[f64; COEFFICIENTS]; COEFFICIENTS],
-    /// The delay and the play of the bias behind the thermometer, as the mean over all models.
+    /// The lag and the play of the bias behind the thermometer, as the mean over all models.
     pub following: Following,
-    /// Posterior probability that the bias follows late.
+    /// Posterior probability that the bias lags.
     pub late_probability: f64,
-    /// Whether the sensor was more likely on before the logs began than not, where nothing tells.
+    /// Whether the sensor was probably on before those logs that do not say so.
     pub was_on: bool,
-    /// Largest standard uncertainty of the bias if the sensor was on before the logs began and follows late; `None` if
-    /// the logs tell that it was not, or did not.
+    /// Largest standard uncertainty of the bias if the sensor was on before the logs began and its bias lags.
+    /// `None` if the probability of that is at most 1 %.
     pub u_if_on_before: Option<f64>,
-    /// Half of the difference between a warming and a cooling sensor, in the middle of the temperatures; `None` if the
-    /// logs have one direction only.
+    /// Half of the difference between a warming and a cooling sensor, in the middle of the temperatures. `None` if
+    /// the logs have one direction only.
     pub hysteresis: Option<f64>,
-    /// Standard deviation of the bias from one start to the next; `None` with one log.
+    /// Standard deviation of the bias from one log to the next. `None` with one log.
     pub spread_of_starts: Option<f64>,
-    /// Standard uncertainty by rounding to codes, where the noise does not average it out.
+    /// Standard uncertainty by rounding to codes. It is zero if the noise averages the rounding out.
     pub rounding: f64,
     /// The noise, as geometric means over all models.
     pub noise: NoiseModel,
-    /// Steps of the level that were taken out.
+    /// Steps of the level that were removed.
     pub steps: Vec<CurveStep>,
-    /// Blocks with a glitch that were left out.
+    /// Number of blocks that were left out as outliers.
     pub glitches: usize,
-    /// Logarithm of the evidence for this curve over that for a bias that does not depend on the temperature.
+    /// Log ratio of the evidence for this curve to that for a bias that does not depend on the temperature.
     pub log_odds: f64,
-    /// Change of the bias that was still to come at the end of the last log, because the bias follows late.
+    /// Change of the bias that was still to come at the end of the last log, because the bias lags.
     pub unsettled: f64,
-    /// Largest difference between the means of the record, and what remains of it where the curve of the other parts
-    /// of the record is subtracted.
+    /// Cross-validation: the span of the means of the record, before and after the correction by a curve that
+    /// comes from the other parts of the record.
     pub span: BeforeAfter,
 }
 
 /// A polynomial of order 3 in place of the curve: the bias is the sum of `terms[k]` · (T − `about_c`)ᵏ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cubic {
-    /// The temperature about which it is stated, °C.
+    /// The temperature that the polynomial refers to, °C.
     pub about_c: f64,
     /// The terms, the constant first.
     pub terms: [f64; TERMS],
     /// Covariance of the terms.
     pub covariance: [[f64; TERMS]; TERMS],
-    /// Largest distance from the curve.
+    /// Largest difference from the curve.
     pub left: f64,
 }
 
@@ -99,7 +100,7 @@ impl Cubic {
     }
 }
 
-/// A step of the level that was taken out.
+/// A step of the level that was removed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurveStep {
     /// Index of the log.
@@ -115,7 +116,7 @@ pub struct CurveStep {
 pub struct BeforeAfter {
     /// Largest less smallest mean, without a correction.
     pub before: f64,
-    /// The same, with the correction.
+    /// Largest less smallest mean, with the correction.
     pub after: f64,
 }
 
@@ -138,7 +139,8 @@ impl LogCurve {
         libm::sqrt(self.variance(&self.series.at(temp_c)) + self.level_variance())
     }
 
-    /// Variance by the direction of the temperature, uniform between both, and by the next start.
+    /// Variance of the level by hysteresis (uniform between both directions), by the spread of starts and by
+    /// rounding.
     fn level_variance(&self) -> f64 {
         let [hysteresis, spread] = [self.hysteresis, self.spread_of_starts].map(|value| value.unwrap_or(0.0));
         hysteresis * hysteresis / 3.0 + spread * spread + self.rounding * self.rounding
@@ -153,7 +155,7 @@ impl LogCurve {
         libm::sqrt(variance + hysteresis * hysteresis / 3.0 + 2.0 * self.rounding * self.rounding)
     }
 
-    /// Change of the bias with the temperature, per °C.
+    /// Slope of the bias at a temperature, per °C.
     #[must_use]
     pub fn slope_at(&self, temp_c: f64) -> f64 {
         gls::dot(&self.series.slope_at(temp_c), &self.coefficients)
@@ -171,8 +173,8 @@ impl LogCurve {
         variance.max(0.0)
     }
 
-    /// The polynomial of order 3 about a temperature that is nearest to the curve, by least squares over its span. Its
-    /// covariance includes hysteresis, the spread of starts and what the polynomial leaves.
+    /// Returns the polynomial of order 3 about a temperature that fits the curve best, by least squares over its
+    /// span. Its covariance includes hysteresis, the spread of starts and the difference from the curve.
     #[must_use]
     pub fn cubic(&self, about_c: f64) -> Cubic {
         let half_c = (self.span_c().1 - self.span_c().0) / 2.0;
@@ -201,7 +203,7 @@ impl LogCurve {
         cubic
     }
 
-    /// Temperatures evenly over the span, °C.
+    /// Returns `count` temperatures that are spaced evenly over the span, °C.
     #[must_use]
     pub fn even_temps_c(&self, count: usize) -> Vec<f64> {
         let (low_c, high_c) = self.span_c();
@@ -209,13 +211,13 @@ impl LogCurve {
     }
 }
 
-/// Points at which a polynomial is compared with the curve.
+/// Number of temperatures at which a polynomial is compared with the curve.
 const POINTS: usize = 81;
 
-/// Fewest blocks that suffice.
+/// Smallest number of blocks for a curve.
 const FEWEST: usize = 40;
 
-/// One axis in the logs of one unit, without its steps and glitches.
+/// The logs of one axis of one unit, without their outliers, and with their steps found.
 pub struct AxisRecord {
     record: Record,
     glitches: usize,
@@ -241,7 +243,7 @@ impl AxisRecord {
         Ok(Self { record, glitches, lag })
     }
 
-    /// The means, without glitches.
+    /// The means, without outliers.
     #[must_use]
     pub fn logs(&self) -> &[LogMeans] {
         &self.record.logs
@@ -253,7 +255,7 @@ impl AxisRecord {
         &self.lag
     }
 
-    /// Finds the bias over temperature. `others` are the other axes of the sensor.
+    /// Finds the bias over temperature. `others` are the lag likelihoods of the other axes of the sensor.
     ///
     /// # Errors
     /// Returns an error if no model can explain the record.
@@ -276,15 +278,15 @@ fn has_two_directions(logs: &[LogMeans]) -> bool {
     rises_c.min(falls_c) > SHARED * (high_c - low_c)
 }
 
-/// Share of the temperatures that both directions must have in common.
+/// Share of the temperature span that the sensor must cover in each direction.
 const SHARED: f64 = 0.25;
 
-/// The sum over models by their weights.
+/// The weighted mean over models.
 fn mean(models: &[Model], of: &dyn Fn(&Model) -> f64) -> f64 {
     models.iter().map(|model| model.weight * of(model)).sum()
 }
 
-/// Covariance of the coefficients of all models about some.
+/// Covariance of the coefficients over all models, about given coefficients.
 fn covariance(models: &[Model], about: &[f64; COEFFICIENTS]) -> [[f64; COEFFICIENTS]; COEFFICIENTS] {
     core::array::from_fn(|i| {
         core::array::from_fn(|j| {
@@ -294,10 +296,10 @@ fn covariance(models: &[Model], about: &[f64; COEFFICIENTS]) -> [[f64; COEFFICIE
     })
 }
 
-/// Probability from which a sensor may have been on before the logs began and follow late.
+/// Probability above which the uncertainty is stated for a sensor that was on before the logs began and lags.
 const POSSIBLE: f64 = 0.01;
 
-/// Largest standard uncertainty of a curve if the sensor was on before the logs began and follows late.
+/// Largest standard uncertainty of a curve if the sensor was on before the logs began and lags.
 fn u_if_on_before(models: &[Model], curve: &LogCurve) -> Option<f64> {
     let is_behind = |model: &&Model| model.was_on && model.following.lag_s > 0.0;
     let mut on: Vec<Model> = models.iter().filter(is_behind).cloned().collect();
