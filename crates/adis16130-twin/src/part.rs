@@ -111,8 +111,7 @@ impl Part {
         self.edge_ps = t_ps;
     }
 
-    /// Returns time and number of the latest edge that was not reported yet, or of the next one within
-    /// `timeout_ps`.
+    /// Returns time and number of the latest edge that was not reported yet, or of the next one within `timeout_ps`.
     #[inline]
     pub(crate) fn next_falling_edge(&mut self, timeout_ps: u64) -> Option<(u64, u32)> {
         if self.edge_seq == self.reported_seq {

@@ -80,8 +80,7 @@ impl Twin {
     }
 
     /// Like [`Twin::next_falling_edge`], for the rising or the falling edge of the line, whose shape [`Spec::rdy`]
-    /// sets. One of the two announces new data. The other comes where the scaling time begins (F-32), 26 µs
-    /// before.
+    /// sets. One of the two announces new data. The other comes where the scaling time begins (F-32), 26 µs before.
     pub fn next_edge(&self, rising: bool, timeout_ns: u64) -> Option<TwinEdge> {
         let edge = self.part.borrow_mut().next_edge(rising, timeout_ns.saturating_mul(1000));
         edge.map(|(t_ps, seq)| TwinEdge { t_ns: t_ps / 1000, seq })

@@ -19,10 +19,10 @@ pub struct SamplerConfig {
     /// 0 counts as 1. A divider counts the edges behind that counter.
     #[cfg_attr(feature = "serde", serde(default = "undivided"))]
     pub divided: u16,
-    /// Read the status of the rate channel with every sample. It can only be left out with both channels, RDYFN = 1
-    /// and no counter in the line. Even then it is read where an edge is doubtful. Leave it on where the line
-    /// may lose edges, or where other calls read the data registers between samples: then an edge of the right time
-    /// may bring the sample before again.
+    /// Read the status of the rate channel with every sample. It can only be left out with both channels, RDYFN =
+    /// 1 and no counter in the line. Even then it is read if an edge is doubtful. Leave it on if the line may lose
+    /// edges, or if other calls read the data registers between samples. Otherwise an edge at the expected time
+    /// may give the previous sample again.
     pub read_status: bool,
 }
 
@@ -90,12 +90,11 @@ pub struct Due {
 /// caught up.
 const SUSPICIOUS_SAMPLES: u8 = 8;
 
-/// A part that lives shows an edge at the latest after this many periods, or distances of divided edges. The longest
-/// gap comes from a drop of the part (F-33), a few edges missed in a row and the tolerance of MCLK; this is several
-/// times that gap.
+/// A working part gives an edge within this many periods, or intervals of divided edges. The longest gap comes from a
+/// drop of the part (F-33), a few edges missed in a row and the tolerance of MCLK; this is several times that gap.
 const SILENT_PERIODS: u32 = 64;
 
-/// Largest number by which the number of a sample may be ahead of its edge: the surplus of late timestamps.
+/// Largest number of ticks by which samples may be counted ahead of their edges, after edges with late timestamps.
 const MAX_AHEAD: i32 = 3;
 
 /// After this many samples without temperature, with no edge missed, the next edge announces a rate update. At the
@@ -108,7 +107,7 @@ const PATIENT_READINGS: u8 = 16;
 /// The longest pause is 2¹⁰ edges: a tenth of a second with F-30, as long as nothing is read.
 const LONGEST_PAUSE_LOG2: u8 = 10;
 
-/// The sample before.
+/// Facts about the previous sample.
 #[derive(Copy, Clone, Debug)]
 struct LastSample {
     /// Time, in ns, and number of the sample's edge.
@@ -231,11 +230,11 @@ pub struct Sampler {
     untaken: u8,
     /// Number of edges until the next reading is due.
     pause: u16,
-    /// Time of the last edge, or of the first call of [`silent_since`](Self::silent_since) after it.
+    /// Time of the last edge. If there was none, time of the first call of [`silent_since`](Self::silent_since).
     heard_ns: Option<u64>,
 }
 
-/// The rules that follow from the values of [`SamplerConfig`] and [`Config`], worked out once.
+/// The rules that follow from the values of [`SamplerConfig`] and [`Config`], computed once.
 #[derive(Clone, Debug)]
 struct Rules {
     /// As in [`SamplerConfig`]; 0 if the temperature is not converted.
@@ -245,8 +244,8 @@ struct Rules {
     reads_rate: bool,
     /// Whether edges keep to one kind of update, rate or temperature, so that the sampler can find out the kind.
     steady: bool,
-    /// An edge sooner than this after the one that was read cannot be new. Times that differ by a multiple of 2³² ns
-    /// pass for equal, which costs a look at the status.
+    /// An edge that comes sooner than this after the edge that was read cannot be new. Times are compared modulo
+    /// 2³² ns. A wrong match only costs a read of the status.
     early_ns: u32,
     /// Number of conversions from one reading that is due to the next.
     conversions: u32,
@@ -288,7 +287,8 @@ impl Rules {
         (rules, grid)
     }
 
-    /// Number of readings lost if `ticks` have passed since the sample before, and the tick of the new sample.
+    /// Returns the number of readings lost if `ticks` have passed since the previous sample, and the advance of
+    /// the count.
     ///
     /// A sample whose edge was numbered too low still advances by one: the edge before had a late timestamp, and the
     /// surplus that it counted is not counted again. But a sample is never far ahead of its edge, so that no loss is
@@ -303,7 +303,7 @@ impl Rules {
         }
     }
 
-    /// Number of readings that are due in this many ticks of the timeline.
+    /// Returns the number of readings that are due in this many ticks of the timeline.
     fn readings_in(&self, ticks: i32) -> u32 {
         let (per_tick, step) =
             if self.counts_edges { (1, self.divider.into()) } else { (self.conversions_per_period, self.conversions) };
@@ -383,17 +383,17 @@ impl Sampler {
         lost
     }
 
-    /// Notes that the due reading was not new: the status shows that the reading before took it. If that was the first
-    /// reading, it came late, and the samples that it overtook were lost before it.
+    /// Notes that the due reading was not new: the status shows that the previous reading took the data. If that
+    /// was the first reading, it came late. The samples that it missed were lost before it, and are not counted.
     pub fn stale(&mut self) {
         if self.taken.is_some_and(|taken| taken.first) {
             self.timeline.begin();
         }
     }
 
-    /// Notes that the part has been initialised anew, so that its conversions have another phase. The samples that the
-    /// gap cost are counted at the next sample, to within one. Forget the edges from before: one that is handed over
-    /// later makes it two.
+    /// Notes that the part has been initialised anew, so that its conversions have another phase. The samples that
+    /// were lost in the gap are counted at the next sample, to within one. Discard the edges from before: if one
+    /// is passed on later, the count is right to within two.
     pub fn restarted(&mut self) {
         self.timeline.restart();
         self.heard_ns = None;
@@ -412,7 +412,7 @@ impl Sampler {
     }
 
     /// The time without an edge that counts as silence, in ns: 64 periods of the rate, 11.2 ms with F-30, or 64
-    /// distances of divided edges.
+    /// intervals of divided edges.
     pub fn silence_ns(&self) -> u64 {
         self.timeline.eighths_of_period_ns(8 * SILENT_PERIODS)
     }

@@ -308,10 +308,9 @@ impl Tone {
         (turns - libm::round(turns)).abs() * rate_hz
     }
 
-    /// Frequency below which the folded tone counts as near zero, Hz, for means over `average_s`. It is the
-    /// frequency below which averaging leaves more of the tone than of white noise of this density, plus the
-    /// tolerance. A tolerance of more than an eighth of the rate counts as that eighth, because no such low rate
-    /// is safe.
+    /// Frequency below which the folded tone counts as near zero, Hz, for means over `average_s`. It is the frequency
+    /// below which averaging leaves more of the tone than of white noise of this density, plus the tolerance. A
+    /// tolerance of more than an eighth of the rate counts as that eighth, because no such low rate is safe.
     #[must_use]
     pub fn near_zero_hz(&self, rate_hz: f64, average_s: f64, white_dps_per_rt_hz: f64) -> f64 {
         let averaged_hz = 2.0 * self.rms_dps / (PI * white_dps_per_rt_hz * libm::sqrt(average_s));

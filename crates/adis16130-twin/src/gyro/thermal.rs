@@ -148,10 +148,9 @@ fn oven_c(minutes: f64) -> f64 {
 /// The temperature part of the bias, f(T) = tempco·(T − 25) + curvature·(T − 25)², and the play with which the bias
 /// follows it.
 ///
-/// The play is in units of bias. The bias p stays constant while its distance from f(T) is at most h, and is
-/// dragged along at that distance otherwise. So a temperature cycle traces a loop of half width h =
-/// `hysteresis_dps` with any coefficients. The *branch offset* p − f(T) is −h after warming and +h after cooling
-/// where f rises. It starts at 0.
+/// The play is in units of bias. The bias p stays constant while its distance from f(T) is at most h, and is dragged
+/// along at that distance otherwise. So a temperature cycle traces a loop of half width h = `hysteresis_dps` with any
+/// coefficients. The *branch offset* p − f(T) is −h after warming and +h after cooling where f rises. It starts at 0.
 pub(crate) struct TemperatureBias {
     tempco: f64,
     curvature: f64,

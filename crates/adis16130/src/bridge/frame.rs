@@ -35,7 +35,7 @@ impl Display for DamagedFrame {
 
 impl core::error::Error for DamagedFrame {}
 
-/// The frame of a message, written to the front of `room`.
+/// Writes a message as a frame to the front of `room`.
 pub fn encode<'a>(message: &impl Serialize, room: &'a mut [u8; MAX_FRAME]) -> Result<&'a [u8], TooLong> {
     let cobs = Cobs::try_new(Slice::new(room)).map_err(|_| TooLong)?;
     let frame = postcard::serialize_with_flavor(message, CrcModifier::new(cobs, CRC.digest()));

@@ -20,8 +20,7 @@ pub trait Bus: SpiDevice {
         matches!(edge, RdyEdge::Falling)
     }
 
-    /// Makes the self-test pins active, or releases them (F-11). Returns whether there are such pins: by default
-    /// not.
+    /// Makes the self-test pins active, or releases them (F-11). Returns whether there are such pins: by default not.
     fn set_self_test(&mut self, _on: bool) -> bool {
         false
     }

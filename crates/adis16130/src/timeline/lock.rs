@@ -69,9 +69,8 @@ impl Grip {
     }
 }
 
-/// Checks after every 256 edges (45 ms with F-31) whether they still lie on the grid. These are twice as many as
-/// the loop learns from before it begins, so that the second check at the latest finds a grid that was learned
-/// wrong.
+/// Checks after every 256 edges (45 ms with F-31) whether they still lie on the grid. These are twice as many as the
+/// loop learns from before it begins, so that the second check at the latest finds a grid that was learned wrong.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lock {
     edges: u8,

@@ -50,8 +50,7 @@ const NOISE: &str = "noise of the recording";
 const MODELS: &str = "order, lag, play and steps that the recording leaves open";
 const BASE_MOTION: &str = "slow base motion, by its probability";
 
-/// Returns the contributions of `rest` and of the known sources. `rest` gets the variance that the known ones
-/// leave.
+/// Returns the contributions of `rest` and of the known sources. `rest` gets the variance that the known ones leave.
 fn of(
     name: &'static str,
     u: f64,

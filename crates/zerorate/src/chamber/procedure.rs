@@ -59,8 +59,7 @@ struct Block {
     temp: CodeSum,
 }
 
-/// State of one axis: its health checks, the second that is being filled, and the blocks from which rest is
-/// judged.
+/// State of one axis: its health checks, the second that is being filled, and the blocks from which rest is judged.
 #[derive(Clone, Debug)]
 struct AxisState {
     axis: Axis,

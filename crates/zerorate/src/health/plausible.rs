@@ -149,8 +149,7 @@ pub(crate) struct Plausible {
     temps: Temps,
 }
 
-/// The last marked reading. The onset of a shock is marked like a bit error, but the readings after it must not
-/// be.
+/// The last marked reading. The onset of a shock is marked like a bit error, but the readings after it must not be.
 #[derive(Clone, Copy, Debug, Default)]
 struct Shock {
     roughness: u32,

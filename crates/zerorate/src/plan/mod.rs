@@ -61,8 +61,7 @@ pub struct Plan {
     /// The component of the Earth's rotation on the part's axis, °/s, which is subtracted from the bias (F-16).
     /// `None` subtracts nothing.
     pub earth_dps: Option<f64>,
-    /// Whether to assume that the bias is linear in temperature, without an allowance for curvature and
-    /// hysteresis.
+    /// Whether to assume that the bias is linear in temperature, without an allowance for curvature and hysteresis.
     pub assume_linear: bool,
     /// Ends the recording once the temperature has settled and the standard uncertainty of the correction, rms
     /// over the temperatures seen, is no more than this, °/s. It does not apply to AN-1042.

@@ -31,8 +31,7 @@ macro_rules! settings {
                 match self { $(Self::$setting => $word),* }
             }
 
-            /// The name as a field of [`Plan`](crate::Plan) or of the sensor's reader, such as
-            /// `max_u_btc_dps_per_c`.
+            /// The name as a field of [`Plan`](crate::Plan) or of the sensor's reader, such as `max_u_btc_dps_per_c`.
             #[must_use]
             pub const fn name(self) -> SettingName {
                 SettingName::text(match self { $(Self::$setting => $field),* })

@@ -32,8 +32,7 @@ pub(crate) struct Findings {
 }
 
 impl Findings {
-    /// The strongest deviation of each kind, and all steps, because a wandering oscillation is found more than
-    /// once.
+    /// The strongest deviation of each kind, and all steps, because a wandering oscillation is found more than once.
     pub(crate) fn distinct(&self) -> impl Iterator<Item = Finding> + '_ {
         let kind = |finding: &Finding| core::mem::discriminant(&finding.deviation);
         let found = &self.found;
@@ -95,8 +94,7 @@ struct Bin {
 /// Number of bins of a record, without the short ones at its ends.
 const BINS: u32 = 280;
 
-/// Averages the record into bins, shorter ones at its ends. Bins with less than half of their seconds are left
-/// out.
+/// Averages the record into bins, shorter ones at its ends. Bins with less than half of their seconds are left out.
 fn bins(seconds: &[Second]) -> Vec<Bin> {
     let total_s = seconds.last().map_or(0, |second| second.at_s as u32 + 1);
     let longest = total_s.div_ceil(BINS).max(1);
@@ -185,8 +183,7 @@ impl<'a> Search<'a> {
         self.columns.push(column);
     }
 
-    /// Returns the shape of a candidate with its missing detail: the second of a step, the phase of an
-    /// oscillation.
+    /// Returns the shape of a candidate with its missing detail: the second of a step, the phase of an oscillation.
     fn refined(&self, candidate: &Candidate) -> Shape {
         match candidate.shape {
             Shape::Step { at_s, .. } => self.located(at_s),
@@ -282,8 +279,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Largest loss of gain at which a time fits as well as the best one: the 95 % point of χ² with one degree of
-/// freedom.
+/// Largest loss of gain at which a time fits as well as the best one: the 95 % point of χ² with one degree of freedom.
 const NEARLY: f64 = 3.84;
 
 /// The gain from which a shape is beyond doubt, as measured on ordinary units (docs/reference/accuracy.md).

@@ -113,8 +113,7 @@ impl Procedure {
     /// Returns the result, once [`Procedure::next`] returns [`Action::Done`].
     ///
     /// # Errors
-    /// Returns the errors of [`Procedure::handle`] or, before the end, a refusal because a window has too few
-    /// samples.
+    /// Returns the errors of [`Procedure::handle`] or, before the end, a refusal because a window has too few samples.
     pub fn finish(self) -> Result<Outcome, Refusal> {
         match self.plan.method {
             Method::An1042 => estimate::outcome_of_hour(&self.seen(), &self.sums),
@@ -145,8 +144,7 @@ impl FixedProcedure {
     /// Returns the result, once [`Procedure::next`] returns [`Action::Done`]. The procedure stays as it is.
     ///
     /// # Errors
-    /// Returns the errors of [`Procedure::handle`] or, before the end, a refusal because a window has too few
-    /// samples.
+    /// Returns the errors of [`Procedure::handle`] or, before the end, a refusal because a window has too few samples.
     pub fn outcome(&self) -> Result<Outcome<WindowWarnings>, Refusal> {
         estimate::outcome_of_windows(&self.seen())
     }

@@ -98,8 +98,7 @@ pub struct Forecast {
 
 impl Axis {
     /// Forecasts when a typical unit has settled and its correction reaches the standard uncertainty `target_dps`,
-    /// °/s. If it never does, the forecast is for `total_s`, s. `None` if its noise or its self-heating is not
-    /// known.
+    /// °/s. If it never does, the forecast is for `total_s`, s. `None` if its noise or its self-heating is not known.
     #[must_use]
     pub fn forecast(&self, target_dps: f64, total_s: f64) -> Option<Forecast> {
         let heating = self.self_heating?;
@@ -110,8 +109,7 @@ impl Axis {
         forecasts.into_iter().find(|forecast| forecast.u_dps <= target_dps).or_else(|| at(total_s))
     }
 
-    /// Standard uncertainty that is expected at a time, °/s. It depends on temperatures and noise, not on the
-    /// rates.
+    /// Standard uncertainty that is expected at a time, °/s. It depends on temperatures and noise, not on the rates.
     fn expected_u_dps(&self, heating: &SelfHeating, after_s: f64) -> Option<f64> {
         let noise = self.noise?;
         let count = libm::floor(after_s / SHORTEST_S) as u32;
@@ -261,8 +259,7 @@ pub(crate) fn motions_hz(length_s: f64, hour: Option<&Findings>) -> Vec<f64> {
 }
 
 /// Returns the white noise and Gauss–Markov terms of the recording itself. They come from a model of its residuals
-/// after the curve, without outliers and steps. `None` if the recording is too short for a model, or no model
-/// fits.
+/// after the curve, without outliers and steps. `None` if the recording is too short for a model, or no model fits.
 #[cfg(feature = "std")]
 fn own_noise(sums: &Blocks, curve: &BiasCurve) -> Option<(f64, Vec<(f64, f64)>)> {
     let left = |(k, (rate_dps, temp_c)): (usize, (f64, f64))| {

@@ -137,8 +137,7 @@ impl BiasCurve {
         libm::sqrt(self.covariance[1][1])
     }
 
-    /// Effect of the removed steps and base motion on the mean over a block, relative to the level at the end,
-    /// °/s.
+    /// Effect of the removed steps and base motion on the mean over a block, relative to the level at the end, °/s.
     pub(crate) fn disturbed_dps(&self, block: &Block) -> f64 {
         let stepped = |step: &Step| step.size_dps * (block.share_after(step.at_s) - 1.0);
         let motion_dps = self.base_motion.map_or(0.0, |motion| motion.at(block.middle_s()));
@@ -376,9 +375,8 @@ fn variance_of_logarithm(models: &[Weighed], of: fn(&Noise) -> f64) -> f64 {
     models.iter().map(|model| model.weight * (off(model) * off(model))).sum()
 }
 
-/// Chooses the order with the most evidence, of those that are not too low with a probability of more than one
-/// half. So a bend that quadratic and cubic models share wins against a line that is more likely than either of
-/// them.
+/// Chooses the order with the most evidence, of those that are not too low with a probability of more than one half.
+/// So a bend that quadratic and cubic models share wins against a line that is more likely than either of them.
 fn order_taken(order_weights: &[f64; TERMS]) -> usize {
     let above = |order: usize| order_weights[order + 1..].iter().sum::<f64>();
     let high_enough = (0..TERMS).filter(|order| above(*order) <= 0.5);
@@ -416,10 +414,9 @@ fn excess(models: &[Weighed], k: usize, value: f64, variance: f64) -> f64 {
     if u > sd { u * u - variance } else { 0.0 }
 }
 
-/// Splits the variances of PBC and BTC into their sources. Noise gets the variance for a known model and a known
-/// base motion. Base motion gets the variance by its unknown size, and the squared distance between models with
-/// and without it. Disagreement of models gets the rest. `excess` belongs to the base motion if that makes the
-/// peaks.
+/// Splits the variances of PBC and BTC into their sources. Noise gets the variance for a known model and a known base
+/// motion. Base motion gets the variance by its unknown size, and the squared distance between models with and without
+/// it. Disagreement of models gets the rest. `excess` belongs to the base motion if that makes the peaks.
 fn sources(models: &[Weighed], variances: [f64; 2], excess: [f64; 2]) -> Sources {
     let probability = base_motion_probability(models);
     let sum = |of: &dyn Fn(&Weighed) -> f64| models.iter().map(|model| model.weight * of(model)).sum::<f64>();

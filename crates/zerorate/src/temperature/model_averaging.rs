@@ -302,8 +302,7 @@ fn lags(record: &Record<'_>) -> Vec<f64> {
     core::iter::once(0.0).chain(geometric(SHORTEST_LAG_S, length_s / 4.0, LAG_RATIO)).collect()
 }
 
-/// No play, and plays up to half of the span, at which the bias hardly follows. Only no play for a very small
-/// span.
+/// No play, and plays up to half of the span, at which the bias hardly follows. Only no play for a very small span.
 fn plays(record: &Record<'_>) -> Vec<f64> {
     core::iter::once(0.0).chain(geometric(LEAST_PLAY_C, record.basis.half_span_c(), PLAY_RATIO)).collect()
 }

@@ -4,8 +4,7 @@ use super::filter::{Drift, Filter, place, sd};
 
 /// Number of states in the estimate: offset, slope and curvature.
 const SHOWN: usize = 3;
-/// Change of the bias of which half is accepted if all quiet periods are rotations, in units of the least
-/// rotation.
+/// Change of the bias of which half is accepted if all quiet periods are rotations, in units of the least rotation.
 const DOUBTED: f32 = 1.75;
 
 /// The bias that the calibration leaves, merged over all hypotheses.

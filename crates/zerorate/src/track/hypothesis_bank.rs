@@ -216,8 +216,7 @@ fn reduce(candidates: &mut [Candidate; 2 * KEPT], d_c: f32, drift: &Drift) {
     }
 }
 
-/// The pair whose merger loses the least information about the bias (Runnalls 2007, in one dimension), and the
-/// loss.
+/// The pair whose merger loses the least information about the bias (Runnalls 2007, in one dimension), and the loss.
 fn closest(candidates: &[Candidate; 2 * KEPT], d_c: f32, drift: &Drift) -> Option<(usize, usize, f32)> {
     let levels = candidates.map(|(weight, filter)| {
         let (dps, dps2) = filter.change(d_c, drift);

@@ -131,9 +131,8 @@ impl Record {
         }
     }
 
-    /// Returns the record for both possible starts, if the start is not known and matters: the sensor was switched
-    /// on with the logs, or was on before. With both directions of the temperature, the lag is known without the
-    /// start.
+    /// Returns the record for both possible starts, if the start is not known and matters: the sensor was switched on
+    /// with the logs, or was on before. With both directions of the temperature, the lag is known without the start.
     pub(super) fn starts(&self) -> Vec<Self> {
         let either = !self.two_directions && self.logs.iter().any(LogMeans::may_have_been_on);
         let starts = if either { &[false, true][..] } else { &[false] };

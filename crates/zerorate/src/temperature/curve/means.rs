@@ -15,8 +15,7 @@ const SHORTEST_S: f64 = 1.0;
 const LEAST_SAMPLES: f64 = 0.5;
 /// Time at the start of a log over which the change of the temperature is taken, s.
 const START_S: f64 = 60.0;
-/// Share of the temperature span by which the temperature must change in `START_S` to count as changing at the
-/// start.
+/// Share of the temperature span by which the temperature must change in `START_S` to count as changing at the start.
 const CHANGES: f64 = 0.01;
 /// Distance of a reading from the median of its part from which it is an outlier, °C.
 const OUTLIER_C: f64 = 2.0;

@@ -139,8 +139,7 @@ impl LogCurve {
         libm::sqrt(self.variance(&self.series.at(temp_c)) + self.level_variance())
     }
 
-    /// Variance of the level by hysteresis (uniform between both directions), by the spread of starts and by
-    /// rounding.
+    /// Variance of the level by hysteresis (uniform between both directions), by the spread of starts and by rounding.
     fn level_variance(&self) -> f64 {
         let [hysteresis, spread] = [self.hysteresis, self.spread_of_starts].map(|value| value.unwrap_or(0.0));
         hysteresis * hysteresis / 3.0 + spread * spread + self.rounding * self.rounding

@@ -6,8 +6,7 @@ use alloc::vec::Vec;
 /// Facts about the thermometer of a log.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Thermometer {
-    /// The smallest step between two readings, °C, if the readings are so coarse that each was taken as an
-    /// interval.
+    /// The smallest step between two readings, °C, if the readings are so coarse that each was taken as an interval.
     pub coarse_step_c: Option<f64>,
     /// Total time in which the thermometer stuck, s.
     pub stuck_s: f64,
