@@ -224,13 +224,13 @@ impl Adc {
         self.reading = None;
     }
 
-    /// The ADC status register: a bit per channel number.
+    /// Returns the value of the ADC status register: a bit per channel number.
     pub(crate) fn status(&self) -> u8 {
         let bit = |channel: Channel| u8::from(self.unread & channel.bit() != 0) << channel.number();
         bit(Channel::Rate) | bit(Channel::Temp)
     }
 
-    /// The channel status register.
+    /// Returns the value of the status register of a channel.
     #[inline]
     pub(crate) fn channel_status(&self, channel: Channel) -> u8 {
         let data = &self.data[channel as usize];

@@ -87,8 +87,7 @@ pub enum VerifyError<E> {
     Differs(Differences),
 }
 
-/// The error of reading a sample at an edge. The next [`Sample`](crate::Sample) counts the rate samples that were
-/// lost by it.
+/// The error of reading a sample at an edge. The next [`Sample`](crate::Sample) counts the lost rate samples.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SampleError<E> {

@@ -110,8 +110,7 @@ impl Window {
     }
 }
 
-/// The twice integrated autocovariance G (G'' = R, even). The covariance of two window means is a second
-/// difference of G.
+/// The twice integrated autocovariance G (G'' = R, even). Second differences of G are covariances of window means.
 struct Kernel {
     white: f64,
     walk: f64,
@@ -155,9 +154,8 @@ impl Process {
     }
 }
 
-/// Returns the processes of the flicker noise. Their corner frequencies are spread evenly over the logarithm from
-/// the cutoff to the top, each at the middle of its cell. The variance of a cell is the integral of S(f) = B²/(πf)
-/// over it.
+/// Returns the processes of the flicker noise. Their corner frequencies are evenly spaced in logarithm from the
+/// cutoff to the top, each at the middle of its cell, whose variance is the integral of S(f) = B²/(πf).
 fn flicker_processes(bias_instability_dps: f64) -> [Process; CELLS] {
     let octaves_per_cell = libm::log2(FLICKER_TOP_HZ / FLICKER_CUTOFF_HZ) / CELLS as f64;
     let variance = square(bias_instability_dps) / PI * LN_2 * octaves_per_cell;

@@ -42,7 +42,7 @@ pub fn encode<'a>(message: &impl Serialize, room: &'a mut [u8; MAX_FRAME]) -> Re
     frame.map(|frame| &*frame).map_err(|_| TooLong)
 }
 
-/// Finds messages among bytes.
+/// Finds the messages in a stream of bytes.
 #[derive(Clone, Debug)]
 pub struct Decoder {
     bytes: [u8; MAX_FRAME],

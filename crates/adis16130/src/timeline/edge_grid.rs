@@ -10,7 +10,7 @@ pub(crate) enum Pattern {
     Steady,
     /// The edges may announce any update, and begin with a temperature after an initialisation.
     Mixed,
-    /// The edges announce each update, and begin with a rate.
+    /// Each update has its edge, and the first is a rate.
     Each,
     /// The edges come from a counter that divides RDY. They are so far apart that each has a phase of its own, and
     /// each is a tick.

@@ -83,7 +83,7 @@ impl CalibrationForm {
         document.each(one_line)
     }
 
-    /// Checks the plain form: schema 1, or 3 for a curve.
+    /// Checks a file without `[[axis]]`, which belongs to an ADIS16130.
     fn check_only_axis(&self, root: Entry<'_>) -> Result<(), EntryError> {
         let Self { schema, part, correction, temperature, validity, .. } = self;
         let Self { measured, uncertainty, curve, noise, .. } = self;
@@ -101,7 +101,7 @@ impl CalibrationForm {
         check_of_axis(root, measured.as_ref(), uncertainty.as_ref(), noise.as_ref())
     }
 
-    /// Checks the form of several axes: schema 2, or 3 for curves.
+    /// Checks a file with `[[axis]]`: schema 2 or higher.
     fn check_axes(&self, root: Entry<'_>, axes: &[AxisForm]) -> Result<(), EntryError> {
         let Self { part, temperature, correction, measured, uncertainty, curve, noise, .. } = self;
         let spelt = || "must be up to 40 letters, digits, -, _ and .".into();

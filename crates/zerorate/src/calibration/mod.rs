@@ -436,8 +436,7 @@ fn one_line(text: &str) -> String {
     line
 }
 
-/// The text of a warning for the file. It leaves out the names of settings, because the reader may use another
-/// front end.
+/// The text of a warning for the file, without names of settings, because the reader may use another front end.
 fn said(warning: &Warning) -> String {
     one_line(&format!("{}: {}", warning.code(), warning.with(|_| SettingName::text(""))))
 }

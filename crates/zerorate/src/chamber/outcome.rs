@@ -54,8 +54,7 @@ pub struct Residual {
 pub struct Branches {
     /// Half width of the loop, °/s.
     pub half_width_dps: f64,
-    /// Standard uncertainty of the half width, °/s, from all noise terms, including the random walk between
-    /// directions.
+    /// Standard uncertainty of the half width, °/s, from all noise terms, including the random walk in between.
     pub u_dps: f64,
     /// Coldest and warmest temperature that was passed in both directions, °C.
     pub span_c: (f64, f64),

@@ -114,8 +114,7 @@ impl ChamberPlan {
         })
     }
 
-    /// Returns the set points at the beginning and at the end of a step, °C. The first step begins at its own set
-    /// point.
+    /// Returns the set points at the beginning and the end of a step, °C. The first step begins at its own.
     #[must_use]
     pub fn course_c(&self, step: usize) -> (f64, f64) {
         let to_c = |index: usize| self.steps.get(index).map_or(self.safe_c, |step| step.to_c);

@@ -387,7 +387,7 @@ impl ChamberProcedure {
 }
 
 impl ChamberProcedure {
-    /// Leaves a state that is over for the next one.
+    /// Enters the state that follows the present one.
     fn leave(&mut self, disturbed: bool) {
         let row = self.state.row();
         if let (true, Some(back)) = (disturbed, row.disturbed) {

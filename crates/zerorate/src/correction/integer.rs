@@ -41,7 +41,7 @@ impl IntegerForm {
 }
 
 /// F-50 on codes, without division or floating point: `corrected = (rate · 2^q + offset_q + (temp − t3_code) · slope_q
-/// + 2^(q−1)) >> q`, held to the possible codes.
+/// + 2^(q−1)) >> q`, clamped to the possible codes.
 ///
 /// It rounds to nearest. For a temperature of up to 24 bits it differs from F-50 in f64 by at most 0.51 codes (0.51/23
 /// 488 °/s for the ADIS16130, F-40). For one of w > 24 bits it differs by at most ½ + 2^(w − q − 1) codes. A 16-bit

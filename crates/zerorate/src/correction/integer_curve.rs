@@ -44,13 +44,13 @@ impl CurveForm {
 
 /// A correction of order 3 on codes, without division or floating point, by Horner's rule on 32 bits with products of
 /// 64 bits. Let x = (temp − t3_code) · 2^temp_shift. Then `sum = t0 + ⌊x·(t1 + ⌊x·(t2 + ⌊x·t3 / 2³²⌋) / 2³²⌋) / 2³²⌋`
-/// and `corrected = rate + (sum + 2^(f−1)) >> f`, held to the possible codes.
+/// and `corrected = rate + (sum + 2^(f−1)) >> f`, clamped to the possible codes.
 ///
 /// The number of fraction bits, f, follows from the largest term and lies between 1 and 16. Let u = 2⁻ᶠ codes. A term
 /// is rounded by ±½ u. Each of the three products loses up to 1 u by its floor, and an earlier loss counts at most
 /// half, because |x| ≤ 2³¹. So the sum is off by at most ½ + (1 + ½ (½ + 1 + ½ (½ + 1 + ¼))) = 2.69 u. The code is off
 /// by **½ + 2.69 · 2⁻ᶠ codes** (0.51 for f = 8, and 1.85 at worst) from the curve in f64 within [`CurveForm::REACH_C`]
-/// of T3. Beyond it, the temperature and the correction are held.
+/// of T3. Beyond it, the temperature is clamped.
 ///
 /// ```
 /// use zerorate::{Axis, Correction};

@@ -81,7 +81,7 @@ impl Freeze {
         if now_ns.saturating_sub(self.rate.changed_ns) < FROZEN_NS { None } else { self.judge(now_ns) }
     }
 
-    /// Whether the part is frozen at the end of a record, however short the record is.
+    /// Returns since when the part is frozen, at the end of a record. Needs equal readings, but no minimum time.
     #[must_use]
     pub fn at_end(&self) -> Option<Frozen> {
         let same = self.rate.same_readings();

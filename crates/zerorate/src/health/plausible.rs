@@ -124,7 +124,7 @@ pub(crate) enum Verdict {
     Impossible,
     /// The rate is beyond the range of the converter (F-35).
     OutOfRange,
-    /// The neighbours of the rate are too far away to tell.
+    /// The neighbours are too far away in time to judge the rate, or the part's limits are not known.
     Unjudged,
 }
 
@@ -137,7 +137,7 @@ pub(crate) struct Plausible {
     times_ns: [u64; KEPT],
     /// A bit for each code, the newest in the lowest bit: set if status or code is out of range.
     out_of_range: u8,
-    /// Number of codes.
+    /// Number of codes that were pushed, up to `KEPT`.
     filled: usize,
     /// Number of codes, up to the newest, that follow each other without a loss.
     run: usize,

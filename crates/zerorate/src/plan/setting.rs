@@ -53,8 +53,7 @@ const DAY_S: f64 = 86_400.0;
 /// Smallest uncertainty of BTC that may be asked for, °/s/°C. No measurement of a day reaches it: the white noise of an
 /// ADIS16130 alone (F-02) makes ten times as much.
 const LEAST_U_BTC: f64 = 1e-8;
-/// Largest uncertainty of BTC that may be asked for, °/s/°C. It is no restriction: it is 25 times the coefficient itself
-/// (F-05).
+/// Largest uncertainty of BTC that may be asked for, °/s/°C. It restricts nothing: it is 25 times BTC itself (F-05).
 const MOST_U_BTC: f64 = 1.0;
 /// Smallest target, °/s: a thousandth of the flicker floor (M-04), which no recording of an hour reaches.
 const LEAST_TARGET_DPS: f64 = 1e-6;

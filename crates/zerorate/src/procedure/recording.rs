@@ -193,7 +193,7 @@ fn turned(plan: &Plan, seconds: &[Second]) -> Result<(), Refusal> {
     Err(Refusal::OneWay { rise_c, fall_c })
 }
 
-/// The stretch of a recording in which deviations of the rate are looked for.
+/// The part of a recording in which deviations of the rate are looked for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Searched<'a> {
     pub(crate) axis: &'a Axis,

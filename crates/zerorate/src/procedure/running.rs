@@ -39,7 +39,7 @@ struct Totals {
     temp_range_c: Option<(f64, f64)>,
 }
 
-/// The present step.
+/// Sums of the present step.
 #[derive(Clone, Debug, Default)]
 struct Live {
     block: u64,

@@ -1,5 +1,5 @@
-//! Least squares under the part's own noise: the covariance of a record whitens it, so that all deviations have
-//! the same weight.
+//! Least squares under the part's own noise: a record is whitened by its covariance, so that all deviations weigh
+//! the same.
 
 use alloc::vec::Vec;
 use zerorate_allan::linear::Cholesky;

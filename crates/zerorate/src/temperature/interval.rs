@@ -22,7 +22,7 @@ pub(super) fn honest_u(peaks: &[Peak], centre: f64, sd: f64) -> f64 {
     RELIED_ON.iter().map(|factor| half_width(peaks, centre, *factor, factor * sd) / factor).fold(sd, f64::max)
 }
 
-/// The smallest half width, `least` or more, that leaves outside at most what ±`factor` standard deviations leave.
+/// Smallest half width, at least `least`, that leaves no more outside than ±`factor` σ of a normal distribution.
 fn half_width(peaks: &[Peak], centre: f64, factor: f64, least: f64) -> f64 {
     let allowed = libm::erfc(factor / SQRT_2);
     if outside(peaks, centre, least) <= allowed {

@@ -422,7 +422,7 @@ fn sources(models: &[Weighed], variances: [f64; 2], excess: [f64; 2]) -> Sources
     let sum = |of: &dyn Fn(&Weighed) -> f64| models.iter().map(|model| model.weight * of(model)).sum::<f64>();
     let moves = |model: &Weighed| f64::from(u8::from(model.hypothesis.motion_hz.is_some()));
     let both = [0, 1].map(|k| {
-        // of groups of weights w and 1 − w: w (1 − w) times the distance of their means
+        // for groups of weights p and 1 − p, this is p (1 − p) times the distance of their means
         let apart = sum(&|model| (moves(model) - probability) * model.posterior.bias[k]);
         let product = probability * (1.0 - probability);
         let between = if product > 0.0 { apart * apart / product } else { 0.0 };

@@ -11,17 +11,17 @@ use alloc::vec::Vec;
 
 /// Difference to the best log evidence at which a combination does not matter.
 const NEGLIGIBLE: f64 = 5.0;
-/// Ratio of one lag to the next.
+/// Ratio of each lag that is tried to the one before.
 const LAG_RATIO: f64 = 1.25;
 /// Shortest lag that is tried, s.
 const SHORTEST_LAG_S: f64 = 2.0;
-/// Ratio of one play to the next.
+/// Ratio of each play that is tried to the one before.
 const PLAY_RATIO: f64 = 2.0;
 /// Smallest half width of play that is tried, °C.
 const LEAST_PLAY_C: f64 = 0.0125;
-/// Ratio of one B to the next.
+/// Ratio of each bias instability B that is tried to the one before.
 const B_RATIO: f64 = core::f64::consts::SQRT_2;
-/// Ratio of one K to the next. A recording determines K less well than B.
+/// Ratio of each random walk K that is tried to the one before. A recording determines K less well than B.
 const K_RATIO: f64 = 2.0;
 /// Number of plays that replace one that is too coarse.
 const FINER_PLAYS: i32 = 8;
@@ -55,7 +55,7 @@ pub(super) struct Weighed {
     pub(super) posterior: Posterior,
 }
 
-/// All models that matter. Empty if none can be computed.
+/// Returns all models that matter, with their weights. Empty if none can be computed.
 pub(super) fn weigh(record: &Record<'_>, assumed: &Assumed<'_>) -> Vec<Weighed> {
     let lattice = Lattice::new(record, assumed);
     let (mut noises, mut paths) = (Vec::from([(0, 0)]), Vec::from([Path::default()]));
@@ -296,13 +296,13 @@ fn unknown(white_dps_per_rt_hz: f64) -> NoiseModel {
     }
 }
 
-/// No lag, and lags from 2 s to a quarter of the recording.
+/// Returns the lags to try: 0, and from 2 s to a quarter of the recording.
 fn lags(record: &Record<'_>) -> Vec<f64> {
     let length_s = record.length_s();
     core::iter::once(0.0).chain(geometric(SHORTEST_LAG_S, length_s / 4.0, LAG_RATIO)).collect()
 }
 
-/// No play, and plays up to half of the span, at which the bias hardly follows. Only no play for a very small span.
+/// Returns the plays to try: 0, and up to half of the span, at which the bias hardly follows.
 fn plays(record: &Record<'_>) -> Vec<f64> {
     core::iter::once(0.0).chain(geometric(LEAST_PLAY_C, record.basis.half_span_c(), PLAY_RATIO)).collect()
 }
@@ -338,7 +338,7 @@ fn evidence<T>(scored: &[(f64, T)]) -> f64 {
     log_sum(&scored.iter().map(|(score, _)| *score).collect::<Vec<f64>>())
 }
 
-/// ln Σ exp.
+/// Returns ln Σ exp of the values.
 fn log_sum(values: &[f64]) -> f64 {
     let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if most == f64::NEG_INFINITY {

@@ -92,7 +92,7 @@ impl Record<'_> {
         temps.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), temp_c| (low.min(temp_c), high.max(temp_c)))
     }
 
-    /// The whitened columns of a bias that follows the temperature like this, with this number of steps.
+    /// The whitened columns of a bias with this lag and play, and with this number of steps.
     pub(super) fn columns(&self, filter: &Filter, following: Following, steps: usize) -> Columns {
         let (followed, held) = following.temps_c(self.blocks);
         let rates = self.blocks.iter().map(|block| block.rate_dps).collect();
@@ -133,8 +133,8 @@ impl Record<'_> {
         all.filter_map(move |(order, spread)| self.solved(order, spread, filtered, steps))
     }
 
-    /// Contribution of one unit of each column to the bias at the end, in powers of T − T3. It is less the
-    /// column's share of the random walk, and includes the effect of the play at the end.
+    /// Contribution of one unit of each column to the bias at the end, in powers of T − T3. The column's share of
+    /// the random walk is subtracted, and the effect of the play at the end is included.
     fn constants(&self, filtered: &Filtered, steps: usize, held: Held) -> Vec<Powers> {
         let polynomial = |degree| {
             let mut powers = self.basis.about(degree, self.t3_c);

@@ -35,10 +35,8 @@ impl Estimate {
         }
     }
 
-    /// Returns the bias beyond the calibration at T − T3 and its standard uncertainty, °/s, `seconds` later.
-    ///
-    /// Of a change m, the share m²/(m² + τ²) is accepted. It is 1 while rotations are few. The rest adds to the
-    /// uncertainty.
+    /// Returns the bias beyond the calibration at T − T3 and its standard uncertainty, °/s, `seconds` later. Of a
+    /// change m, the share m²/(m² + τ²) is accepted, or all of it while rotations are few. The rest is uncertainty.
     pub(super) fn at(&self, d_c: f32, seconds: f32, drift: &Drift) -> (f32, f32) {
         let polynomial = |[a, b, c]: &[f32; SHOWN]| a + d_c * (b + d_c * c);
         let change_dps = polynomial(&self.state);

@@ -1,9 +1,9 @@
-//! Several hypotheses about the bias, each with its probability: which of the quiet windows so far were rest, and
+//! Several hypotheses about the bias, each with its probability: which of the quiet periods so far were rest, and
 //! which were slow rotation.
 //!
-//! A window splits each hypothesis in two. If the window was rest, its mean updates the bias. If it was rotation, the
-//! bias stays. After the window, the closest hypotheses are merged until few are left. Later rests lower the
-//! probability of a wrong hypothesis until it is dropped.
+//! A quiet period splits each hypothesis in two. If the period was rest, its mean updates the bias. If it was
+//! rotation, the bias stays. After the period, the closest hypotheses are merged until few are left. Later rests
+//! lower the probability of a wrong hypothesis until it is dropped.
 
 use super::filter::{Drift, Filter, Innovation};
 use super::level::{self, RestPrior};

@@ -1,5 +1,4 @@
-//! Checks of a measurement in a chamber, second by second: missing readings, an open door, the time at a set
-//! point, and rest.
+//! Checks of a measurement in a chamber, each second: missing readings, open door, time at a set point, rest.
 
 use super::{ChamberProcedure, Coming, Present};
 use crate::chamber::plan::{REACHED_C, StepEnd};

@@ -22,7 +22,7 @@ pub(super) struct Record {
     centre: f64,
     /// Slope of a line through all means, which turns noise of the temperature into noise of the means.
     slope_per_c: f64,
-    /// Whether the sensor was on before those logs that do not say so.
+    /// Whether the sensor is taken to have been on before the logs began, for logs that do not say so.
     was_on: bool,
     /// Logarithm of the prior probability of `was_on`.
     log_start: f64,
@@ -169,7 +169,7 @@ impl Record {
         ((self.white() / libm::sqrt(2.0 * block_s)).max(LEAST_WHITE * self.scale), length_s)
     }
 
-    /// The filters of the logs for a noise.
+    /// Makes the filters of the logs for a noise.
     pub(super) fn filters(&self, noise: &SlowNoise) -> Vec<Filter> {
         self.logs.iter().map(|log| self.filter(noise, log)).collect()
     }
@@ -254,7 +254,7 @@ impl Record {
         shapes
     }
 
-    /// Logarithm of the prior of a shape, if the bias follows like this. `None` if the shape equals another one.
+    /// Logarithm of the prior of a shape and of the lag of `following`. `None` if the shape equals another one.
     pub(super) fn log_prior(&self, shape: &Shape, following: &Following) -> Option<f64> {
         let of_shape = match (following.lag_s > 0.0, shape.is_unsettled) {
             (false, false) => 0.0,

@@ -1,8 +1,7 @@
 //! The lag of a sensor, estimated from all its axes together.
 //!
-//! The axes of one sensor lie on one chip beside one thermometer, so most likely they have one lag. The
-//! likelihoods of the other axes are a prior for each axis. It is mixed with a prior without them, because an axis
-//! may have its own lag.
+//! The axes of one sensor lie on one chip beside one thermometer, so most likely they have one lag. The likelihoods of
+//! the other axes are a prior for each axis, mixed with a prior without them, because an axis may differ.
 
 use alloc::vec::Vec;
 

@@ -366,8 +366,8 @@ impl LogMeans {
         self.was_on.unwrap_or(unknown)
     }
 
-    /// Whether the log does not say if the sensor was on before it began, and this matters, because the
-    /// temperature changes from the start. A coarse thermometer does not show how the temperature starts.
+    /// Whether it is not known if the sensor was on before the log began, and this matters, because the temperature
+    /// changes from the start. False for a coarse thermometer, which does not show how the temperature starts.
     pub(super) fn may_have_been_on(&self) -> bool {
         let ends = |(low, high): (f64, f64), c: &f64| (low.min(*c), high.max(*c));
         let (low_c, high_c) = self.parts_c.iter().fold((f64::MAX, f64::MIN), ends);

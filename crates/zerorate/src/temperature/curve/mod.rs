@@ -52,7 +52,7 @@ pub struct LogCurve {
     pub following: Following,
     /// Posterior probability that the bias lags.
     pub late_probability: f64,
-    /// Whether the sensor was probably on before those logs that do not say so.
+    /// Whether the sensor was probably on before the logs began, for logs that do not say.
     pub was_on: bool,
     /// Largest standard uncertainty of the bias if the sensor was on before the logs began and its bias lags.
     /// `None` if the probability of that is at most 1 %.

@@ -21,7 +21,7 @@ const B_STEPS: (i32, i32) = (-4, 12);
 const K_STEPS: (i32, i32) = (-4, 16);
 /// Shortest lag that is tried, s.
 const SHORTEST_LAG_S: f64 = 3.0;
-/// Longest lag that is tried, s, and as a share of the longest log.
+/// Longest lag that is tried: in s, and as a share of the longest log.
 const LONGEST_LAG: (f64, f64) = (600.0, 1.0 / 6.0);
 /// Smallest play that is tried, °C.
 const LEAST_PLAY_C: f64 = 0.05;
@@ -35,7 +35,7 @@ const TOO_COARSE: f64 = 0.7;
 const NEAR_BEST: f64 = 3.0;
 /// Largest number of rounds of refinement.
 const FINER_ROUNDS: usize = 6;
-/// Number of rounds of the search. Each is over followings and then over noises.
+/// Number of rounds of the search. Each is over lag and play, and then over the noises.
 const ROUNDS: usize = 2;
 
 /// A point in the lattice of noises: the steps of B and of K.
@@ -58,7 +58,7 @@ struct Search<'a> {
     /// B and K at step 0 of the lattice.
     units: SlowNoise,
     filters: BTreeMap<Place, Vec<Filter>>,
-    /// The columns by the bits of lag and play.
+    /// The columns that were computed so far, by the bits of lag and play.
     columns: BTreeMap<(u64, u64), Vec<Columns>>,
 }
 
@@ -112,8 +112,7 @@ pub(super) fn weigh(models: &mut Vec<Model>) {
     models.iter_mut().for_each(|model| model.weight /= total);
 }
 
-/// Log prior probability of each value: half for 0, and the rest spread evenly over the logarithm. A single value
-/// gets all of it.
+/// Log prior probability of each value: half for 0, the rest even over the logarithm. A single value gets all.
 fn shares(values: &[f64], (least, most): (f64, f64)) -> Vec<f64> {
     if values.len() == 1 {
         return vec![0.0];
@@ -196,7 +195,7 @@ impl<'a> Search<'a> {
         Some(Refined { lags, plays, places, following })
     }
 
-    /// The best noise and the best following of a coarse search. A wrong lag looks like a strong random walk, so each
+    /// Searches coarsely for the best noise, lag and play. A wrong lag looks like a strong random walk, so each
     /// lag is tried under weak walks too.
     fn coarse_best(&mut self, (lags, plays): &(Vec<f64>, Vec<f64>)) -> Option<(Place, Following)> {
         let decades = |(first, last): (i32, i32)| (first..=last).step_by(PER_DECADE as usize);

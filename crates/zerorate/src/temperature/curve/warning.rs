@@ -22,11 +22,11 @@ pub enum CurveWarning {
     Moved { from_s: f64, to_s: f64, times: usize },
     /// The logs have one direction of the temperature, so the hysteresis is not known.
     OneDirection,
-    /// The bias was still lagging behind at the end: this change, in the unit, was to come.
+    /// The bias was still lagging behind at the end: this change, in `unit`, was to come.
     StillFollowing { unsettled: f64, unit: &'static str },
-    /// Steps of the level were removed: their number, and the size of the largest in the unit.
+    /// Steps of the level were removed: their number, and the size of the largest in `unit`.
     Jumped { jumps: usize, largest: f64, unit: &'static str },
-    /// A polynomial of order 3 differs from the curve by up to this much, in the unit.
+    /// A polynomial of order 3 differs from the curve by up to this much, in `unit`.
     BeyondCubic { left: f64, unit: &'static str },
 }
 
@@ -77,7 +77,7 @@ impl CurveWarning {
 const NO_EVIDENCE: f64 = 2.0;
 /// Ratio of the change that is still to come to the uncertainty above which there is a warning.
 const UNSETTLED: f64 = 3.0;
-/// The same ratio for the part of the curve that a cubic leaves, and its least share of the span of the bias.
+/// Limits for what a cubic leaves of the curve: ratio to the uncertainty, and share of the span of the bias.
 const LEFT: (f64, f64) = (1.0, 0.01);
 
 impl LogCurve {
