@@ -8,7 +8,7 @@ use crate::tally::{Conversion, LastRead, LostUnread, Reading, Tally};
 /// The time of an event that never comes.
 pub(crate) const NEVER: u64 = u64::MAX;
 
-/// A data register, and what the status registers say about it.
+/// A data register, with its status and its counts.
 #[derive(Copy, Clone)]
 struct Data {
     code: u32,

@@ -150,7 +150,7 @@ impl Registers {
         true
     }
 
-    /// Value of a register of this table that holds 8 bits; `p1` is the level of pin 18.
+    /// Value of an 8-bit register of this table. `p1` is the level of pin 18.
     pub(crate) fn read(&self, register: Register, p1: bool) -> u8 {
         match register {
             Register::Iop => self.iop_levels(p1),

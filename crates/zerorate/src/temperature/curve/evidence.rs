@@ -48,7 +48,7 @@ pub(super) struct Shape {
     size: f64,
     /// Ratio of the standard deviation of each order to that of the order before.
     shrink: f64,
-    /// Standard deviation of the offset by the direction of the temperature.
+    /// Standard deviation of the offset that changes sign with the direction of the temperature (hysteresis).
     direction: f64,
     /// Standard deviation of the offset of each log.
     starts: f64,
@@ -87,7 +87,7 @@ pub(super) struct Products {
 const SIZES: [f64; 3] = [0.3, 1.0, 3.0];
 /// Ratios of one order to the one before that are tried.
 const SHRINKS: [f64; 2] = [0.15, 0.35];
-/// Offsets by direction that are tried, as ratios of the scale.
+/// Offsets by the direction of the temperature that are tried, as ratios of the scale.
 const DIRECTIONS: [f64; 3] = [0.0, 0.01, 0.1];
 /// Offsets of the logs that are tried, as ratios of the scale.
 const STARTS: [f64; 7] = [1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 1e-1];

@@ -295,7 +295,7 @@ impl LogMeans {
         self.parts_c.len() as f64 * self.length_s / PARTS as f64
     }
 
-    /// Density of the white noise, if the bias changes by this much per °C.
+    /// Density of the white noise, including the noise of the temperature for this slope of the bias.
     pub(super) fn white(&self, slope_per_c: f64) -> f64 {
         libm::hypot(self.white, slope_per_c * self.temps_white)
     }

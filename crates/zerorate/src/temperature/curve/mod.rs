@@ -111,7 +111,7 @@ pub struct CurveStep {
     pub size: f64,
 }
 
-/// A span before and after the correction.
+/// The span of the means before and after the correction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeforeAfter {
     /// Largest less smallest mean, without a correction.
